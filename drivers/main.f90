@@ -1,0 +1,3 @@
+program splitgrain
+  implicit none
+end program splitgrain

@@ -1,0 +1,88 @@
+!> Arrays that grow: reserve room with doubling, so that appending costs constant time on average.
+module sg_lists
+  use sg_kinds, only: wp, i1, i4
+  implicit none
+  private
+  public :: reserve
+
+  !> Make the last dimension at least `n`, keeping what is there; grows by half or more
+  interface reserve
+    module procedure :: reserve_bytes, reserve_integers, reserve_integer_records, reserve_reals, reserve_real_records
+  end interface reserve
+
+contains
+
+  !> Room to reserve when `n` items are wanted and `now` are there.
+  pure integer function room(n, now)
+    integer, intent(in) :: n, now
+
+    room = max(n, now + now/2, 16)
+  end function room
+
+  !> Reserve room in a list of bytes.
+  subroutine reserve_bytes(list, n)
+    integer(i1), allocatable, intent(inout) :: list(:) !! list to grow
+    integer, intent(in) :: n !! items wanted
+    integer(i1), allocatable :: grown(:)
+
+    if (.not. allocated(list)) allocate (list(0))
+    if (size(list) >= n) return
+    allocate (grown(room(n, size(list))), source=0_i1)
+    grown(:size(list)) = list
+    call move_alloc(grown, list)
+  end subroutine reserve_bytes
+
+  !> Reserve room in a list of integers.
+  subroutine reserve_integers(list, n)
+    integer(i4), allocatable, intent(inout) :: list(:) !! list to grow
+    integer, intent(in) :: n !! items wanted
+    integer(i4), allocatable :: grown(:)
+
+    if (.not. allocated(list)) allocate (list(0))
+    if (size(list) >= n) return
+    allocate (grown(room(n, size(list))), source=0_i4)
+    grown(:size(list)) = list
+    call move_alloc(grown, list)
+  end subroutine reserve_integers
+
+  !> Reserve room in a list of integer records.
+  subroutine reserve_integer_records(list, components, n)
+    integer(i4), allocatable, intent(inout) :: list(:, :) !! records, shape (components, items)
+    integer, intent(in) :: components !! size of a record
+    integer, intent(in) :: n !! items wanted
+    integer(i4), allocatable :: grown(:, :)
+
+    if (.not. allocated(list)) allocate (list(components, 0))
+    if (size(list, 2) >= n) return
+    allocate (grown(components, room(n, size(list, 2))), source=0_i4)
+    grown(:, :size(list, 2)) = list
+    call move_alloc(grown, list)
+  end subroutine reserve_integer_records
+
+  !> Reserve room in a list of reals.
+  subroutine reserve_reals(list, n)
+    real(wp), allocatable, intent(inout) :: list(:) !! list to grow
+    integer, intent(in) :: n !! items wanted
+    real(wp), allocatable :: grown(:)
+
+    if (.not. allocated(list)) allocate (list(0))
+    if (size(list) >= n) return
+    allocate (grown(room(n, size(list))), source=0.0_wp)
+    grown(:size(list)) = list
+    call move_alloc(grown, list)
+  end subroutine reserve_reals
+
+  !> Reserve room in a list of real records.
+  subroutine reserve_real_records(list, components, n)
+    real(wp), allocatable, intent(inout) :: list(:, :) !! records, shape (components, items)
+    integer, intent(in) :: components !! size of a record
+    integer, intent(in) :: n !! items wanted
+    real(wp), allocatable :: grown(:, :)
+
+    if (.not. allocated(list)) allocate (list(components, 0))
+    if (size(list, 2) >= n) return
+    allocate (grown(components, room(n, size(list, 2))), source=0.0_wp)
+    grown(:, :size(list, 2)) = list
+    call move_alloc(grown, list)
+  end subroutine reserve_real_records
+end module sg_lists

@@ -1,0 +1,176 @@
+!> Text: files as lists of lines, numbers as words, and the nearest known word to a misspelt one.
+module sg_text
+  use sg_error, only: error_t, fail
+  use sg_kinds, only: wp, i8
+  implicit none
+  private
+  public :: text_t, read_lines, to_text, lower, nearest_word, joined
+
+  !> One string of any length, so that lists of strings exist
+  type :: text_t
+    character(len=:), allocatable :: s
+  end type text_t
+
+  !> A number as a word without blanks
+  interface to_text
+    module procedure :: integer_to_text, long_to_text, real_to_text
+  end interface to_text
+
+contains
+
+  !> Read a whole text file as lines; carriage returns at line ends are dropped.
+  subroutine read_lines(file, lines, error)
+    character(len=*), intent(in) :: file !! path
+    type(text_t), allocatable, intent(out) :: lines(:) !! the lines, without their ends
+    type(error_t), allocatable, intent(out) :: error !! set when the file cannot be read
+    character(len=:), allocatable :: content
+    integer :: unit, status, length, first, last, n
+    character(len=200) :: message
+
+    open (newunit=unit, file=file, access='stream', form='unformatted', status='old', action='read', &
+          iostat=status, iomsg=message)
+    if (status == 0) inquire (unit=unit, size=length)
+    if (status /= 0) then
+      call fail(error, 'cannot read the file: '//trim(message), file=file)
+      return
+    end if
+    allocate (character(len=max(length, 0)) :: content)
+    if (length > 0) read (unit, iostat=status, iomsg=message) content
+    close (unit)
+    if (status /= 0) then
+      call fail(error, 'cannot read the file: '//trim(message), file=file)
+      return
+    end if
+    n = count_lines(content)
+    allocate (lines(n))
+    first = 1
+    do n = 1, size(lines)
+      last = index(content(first:), new_line('a')) + first - 2
+      if (last < first - 1) last = len(content)
+      lines(n)%s = without_return(content(first:last))
+      first = last + 2
+    end do
+  end subroutine read_lines
+
+  !> Number of lines of a file's content; a last line without an end counts.
+  pure integer function count_lines(content) result(n)
+    character(len=*), intent(in) :: content
+    integer :: i
+
+    n = 0
+    do i = 1, len(content)
+      if (content(i:i) == new_line('a')) n = n + 1
+    end do
+    if (len(content) == 0) return
+    if (content(len(content):) /= new_line('a')) n = n + 1
+  end function count_lines
+
+  !> A line without a closing carriage return.
+  pure function without_return(line) result(cut)
+    character(len=*), intent(in) :: line
+    character(len=:), allocatable :: cut
+
+    cut = line
+    if (len(line) == 0) return
+    if (line(len(line):) == achar(13)) cut = line(:len(line) - 1)
+  end function without_return
+
+  !> An integer as a word.
+  pure function integer_to_text(value) result(word)
+    integer, intent(in) :: value !! number to write
+    character(len=:), allocatable :: word
+    character(len=24) :: buffer
+
+    write (buffer, '(i0)') value
+    word = trim(buffer)
+  end function integer_to_text
+
+  !> A long integer as a word.
+  pure function long_to_text(value) result(word)
+    integer(i8), intent(in) :: value !! number to write
+    character(len=:), allocatable :: word
+    character(len=24) :: buffer
+
+    write (buffer, '(i0)') value
+    word = trim(buffer)
+  end function long_to_text
+
+  !> A real as a word: `digits` significant digits, by default all 17 that a double needs.
+  pure function real_to_text(value, digits) result(word)
+    real(wp), intent(in) :: value !! number to write
+    integer, intent(in), optional :: digits !! significant digits, 17 when absent
+    character(len=:), allocatable :: word
+    character(len=40) :: buffer
+    character(len=12) :: form
+    integer :: n
+
+    n = 17
+    if (present(digits)) n = digits
+    write (form, '("(es0.",i0,"e2)")') n - 1
+    if (abs(value) >= 1e100_wp .or. (abs(value) > 0 .and. abs(value) < 1e-99_wp)) write (form, '("(es0.",i0,"e3)")') n - 1
+    write (buffer, form) value
+    word = trim(adjustl(buffer))
+  end function real_to_text
+
+  !> Lower case of an ASCII text.
+  pure function lower(text) result(small)
+    character(len=*), intent(in) :: text !! any text
+    character(len=len(text)) :: small
+    integer :: i
+
+    small = text
+    do i = 1, len(text)
+      if (text(i:i) >= 'A' .and. text(i:i) <= 'Z') small(i:i) = achar(iachar(text(i:i)) + 32)
+    end do
+  end function lower
+
+  !> The known word nearest to `word` by edit distance; empty when none is near (a third of the length or less).
+  pure function nearest_word(word, known) result(nearest)
+    character(len=*), intent(in) :: word !! misspelt word
+    type(text_t), intent(in) :: known(:) !! words to choose from
+    character(len=:), allocatable :: nearest
+    integer :: i, best, distance
+
+    nearest = ''
+    best = max(2, len(word)/3) + 1
+    do i = 1, size(known)
+      distance = edit_distance(word, known(i)%s)
+      if (distance >= best) cycle
+      best = distance
+      nearest = known(i)%s
+    end do
+  end function nearest_word
+
+  !> Levenshtein distance: least number of letters to insert, delete or replace.
+  pure integer function edit_distance(a, b) result(distance)
+    character(len=*), intent(in) :: a, b
+    integer :: row(0:len(b)), i, j, diagonal, above, cost
+
+    row = [(j, j=0, len(b))]
+    do i = 1, len(a)
+      diagonal = row(0)
+      row(0) = i
+      do j = 1, len(b)
+        cost = merge(0, 1, a(i:i) == b(j:j))
+        above = row(j)
+        row(j) = min(above + 1, row(j - 1) + 1, diagonal + cost)
+        diagonal = above
+      end do
+    end do
+    distance = row(len(b))
+  end function edit_distance
+
+  !> Words joined by a separator.
+  pure function joined(words, separator) result(text)
+    type(text_t), intent(in) :: words(:) !! words to join
+    character(len=*), intent(in) :: separator !! put between two words
+    character(len=:), allocatable :: text
+    integer :: i
+
+    text = ''
+    do i = 1, size(words)
+      if (i > 1) text = text//separator
+      text = text//words(i)%s
+    end do
+  end function joined
+end module sg_text

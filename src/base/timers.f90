@@ -1,0 +1,51 @@
+!> Stopwatches as objects: CPU and wall seconds of one phase of a run.
+module sg_timers
+  use sg_kinds, only: wp, i8
+  implicit none
+  private
+  public :: timer_t, wall_now, cpu_now
+
+  !> One stopwatch: start and stop it as often as wanted
+  type :: timer_t
+    !> CPU seconds and wall seconds gathered
+    real(wp) :: cpu = 0, wall = 0
+    real(wp), private :: cpu_start = 0, wall_start = 0
+  contains
+    procedure :: start => timer_start
+    procedure :: stop => timer_stop
+  end type timer_t
+
+contains
+
+  !> Start or go on.
+  subroutine timer_start(self)
+    class(timer_t), intent(inout) :: self
+
+    self%cpu_start = cpu_now()
+    self%wall_start = wall_now()
+  end subroutine timer_start
+
+  !> Stop, adding the time since the start.
+  subroutine timer_stop(self)
+    class(timer_t), intent(inout) :: self
+
+    self%cpu = self%cpu + cpu_now() - self%cpu_start
+    self%wall = self%wall + wall_now() - self%wall_start
+  end subroutine timer_stop
+
+  !> CPU seconds of this process.
+  function cpu_now() result(seconds)
+    real(wp) :: seconds
+
+    call cpu_time(seconds)
+  end function cpu_now
+
+  !> Wall seconds since some fixed moment.
+  function wall_now() result(seconds)
+    real(wp) :: seconds
+    integer(i8) :: ticks, rate
+
+    call system_clock(ticks, rate)
+    seconds = real(ticks, wp)/real(rate, wp)
+  end function wall_now
+end module sg_timers

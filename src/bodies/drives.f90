@@ -1,0 +1,100 @@
+!> Driven degrees of freedom, imposed forces and pressed walls.
+module sg_drives
+  use sg_bodies, only: bodies_t
+  use sg_kinds, only: wp
+  use sg_time_functions, only: time_function_t
+  implicit none
+  private
+  public :: drive_t, pressure_t, fix_driven, drive_forces, drive_velocities
+
+  !> One imposed component of one body
+  type :: drive_t
+    !> Body and component (1 x, 2 y, 3 rotation)
+    integer :: body = 0, component = 0
+    !> A velocity is imposed; otherwise a force is
+    logical :: is_velocity = .true.
+    !> The imposed velocity [m/s, rad/s] or force [N, N m]
+    type(time_function_t) :: value
+  end type drive_t
+
+  !> A pressure that pushes a wall
+  type :: pressure_t
+    !> Body that is pushed
+    integer :: body = 0
+    !> Direction of the push, unit vector
+    real(wp) :: direction(2) = 0
+    !> Pressed length [m]; where zero, the free distance between the two bodies of `between`
+    real(wp) :: length = 0
+    !> Bodies whose facing sides bound the pressed length, and the sum of their half thicknesses [m]
+    integer :: between(2) = 0
+    real(wp) :: thickness = 0
+    !> The pressure [Pa]
+    type(time_function_t) :: value
+  end type pressure_t
+
+contains
+
+  !> Take away the inverse mass of every component whose velocity is imposed.
+  pure subroutine fix_driven(drives, bodies)
+    type(drive_t), intent(in) :: drives(:) !! all drives of the scene
+    type(bodies_t), intent(inout) :: bodies !! inverse masses set for free bodies
+    integer :: i
+
+    do i = 1, size(drives)
+      if (.not. drives(i)%is_velocity .or. drives(i)%component > bodies%n_velocity) cycle
+      bodies%inverse_mass(drives(i)%component, drives(i)%body) = 0
+    end do
+  end subroutine fix_driven
+
+  !> Add imposed forces and pressures of a step that begins at `time`: (1 - theta) f(t) + theta f(t + h).
+  pure subroutine drive_forces(drives, pressures, bodies, time, step, theta)
+    type(drive_t), intent(in) :: drives(:) !! all drives of the scene
+    type(pressure_t), intent(in) :: pressures(:) !! all pressures of the scene
+    type(bodies_t), intent(inout) :: bodies !! forces to add to
+    real(wp), intent(in) :: time !! beginning of the step [s]
+    real(wp), intent(in) :: step !! length of the step [s]
+    real(wp), intent(in) :: theta !! weight of the end of the step
+    integer :: i
+    real(wp) :: mean
+
+    do i = 1, size(drives)
+      if (drives(i)%is_velocity .or. drives(i)%component > bodies%n_velocity) cycle
+      mean = (1 - theta)*drives(i)%value%at(time) + theta*drives(i)%value%at(time + step)
+      associate (force => bodies%force(drives(i)%component, drives(i)%body))
+        force = force + mean
+      end associate
+    end do
+    do i = 1, size(pressures)
+      mean = (1 - theta)*pressures(i)%value%at(time) + theta*pressures(i)%value%at(time + step)
+      associate (force => bodies%force(1:2, pressures(i)%body))
+        force = force + mean*pressed_length(pressures(i), bodies)*pressures(i)%direction
+      end associate
+    end do
+  end subroutine drive_forces
+
+  !> Length on which a pressure acts [m].
+  pure real(wp) function pressed_length(pressure, bodies) result(length)
+    type(pressure_t), intent(in) :: pressure
+    type(bodies_t), intent(in) :: bodies
+    real(wp) :: across(2)
+
+    length = pressure%length
+    if (any(pressure%between == 0)) return
+    across = [-pressure%direction(2), pressure%direction(1)]
+    length = abs(dot_product(bodies%position(:, pressure%between(2)) - bodies%position(:, pressure%between(1)), across)) &
+             - pressure%thickness
+  end function pressed_length
+
+  !> Set the imposed velocities of the end of a step.
+  pure subroutine drive_velocities(drives, bodies, time)
+    type(drive_t), intent(in) :: drives(:) !! all drives of the scene
+    type(bodies_t), intent(inout) :: bodies !! free velocities to set
+    real(wp), intent(in) :: time !! end of the step [s]
+    integer :: i
+
+    do i = 1, size(drives)
+      if (.not. drives(i)%is_velocity .or. drives(i)%component > bodies%n_velocity) cycle
+      bodies%free_velocity(drives(i)%component, drives(i)%body) = drives(i)%value%at(time)
+    end do
+  end subroutine drive_velocities
+end module sg_drives

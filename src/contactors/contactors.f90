@@ -1,0 +1,203 @@
+!> Contactors: the shapes through which bodies touch, with one table of sizes per kind of shape.
+!!
+!! A body may carry several contactors (a cluster). A contactor has a kind, a body, a row in the table of its
+!! kind, a colour, and a centre in the body's frame. A kind that a scene does not hold has no table.
+module sg_contactors
+  use sg_kinds, only: wp, i4
+  use sg_lists, only: reserve
+  implicit none
+  private
+  public :: contactors_t, kind_disk, kind_wall, kind_hollow, kind_polygon, kind_names, n_kinds
+  public :: add_disk, add_wall, add_hollow, add_polygon, place_contactors, is_round
+
+  !> Kinds of shape: disk, rounded segment (JONCx), hollow disk (xKSID), convex polygon
+  integer, parameter :: kind_disk = 1, kind_wall = 2, kind_hollow = 3, kind_polygon = 4
+  !> Number of kinds
+  integer, parameter :: n_kinds = 4
+  !> Words for the kinds, as decks write them
+  character(len=11), parameter :: kind_names(n_kinds) = [character(len=11) :: 'disk', 'segment', 'hollow disk', 'polygon']
+
+  !> All contactors of a scene
+  type :: contactors_t
+    !> Number of contactors
+    integer :: n = 0
+    !> Kind of shape, shape (n)
+    integer(i4), allocatable :: kind(:)
+    !> Body that carries it, shape (n)
+    integer(i4), allocatable :: body(:)
+    !> Row in the table of its kind, shape (n)
+    integer(i4), allocatable :: row(:)
+    !> Colour, index into the scene's colours, shape (n)
+    integer(i4), allocatable :: colour(:)
+    !> Centre in the body's frame [m], shape (2, n)
+    real(wp), allocatable :: shift(:, :)
+    !> Radius of the circle about the centre that holds the shape [m], shape (n)
+    real(wp), allocatable :: reach(:)
+    !> Centre in the detection configuration [m], shape (2, n); set by `place_contactors`
+    real(wp), allocatable :: centre(:, :)
+
+    !> Number of rows of each table
+    integer :: n_rows(n_kinds) = 0
+    !> Disks: radius [m]
+    real(wp), allocatable :: disk_radius(:)
+    !> Rounded segments: half length of the axis, half thickness (radius of the caps) [m], angle in the body's frame [rad]
+    real(wp), allocatable :: wall_size(:, :)
+    !> Rounded segments: unit vector of the axis in the detection configuration, shape (2, row)
+    real(wp), allocatable :: wall_axis(:, :)
+    !> Hollow disks: inner radius [m]
+    real(wp), allocatable :: hollow_radius(:)
+    !> Polygons: vertices of row p are `polygon_first(p)` to `polygon_first(p + 1) - 1`
+    integer(i4), allocatable :: polygon_first(:)
+    !> Polygons: vertices about the contactor's centre in the body's frame [m], counter-clockwise, shape (2, vertex)
+    real(wp), allocatable :: polygon_vertex(:, :)
+    !> Polygons: the same vertices in the detection configuration [m], shape (2, vertex)
+    real(wp), allocatable :: polygon_world(:, :)
+  end type contactors_t
+
+contains
+
+  !> Add a disk; with a shift from the body's centre it is a shifted disk (DISKb).
+  subroutine add_disk(contactors, body, colour, radius, shift)
+    type(contactors_t), intent(inout) :: contactors !! list to add to
+    integer, intent(in) :: body !! body that carries it
+    integer, intent(in) :: colour !! index of the colour
+    real(wp), intent(in) :: radius !! [m]
+    real(wp), intent(in) :: shift(2) !! centre in the body's frame [m]
+    integer :: row
+
+    call add(contactors, kind_disk, body, colour, shift, radius, row)
+    call reserve(contactors%disk_radius, row)
+    contactors%disk_radius(row) = radius
+  end subroutine add_disk
+
+  !> Add a rounded segment: the points within `half_thickness` of an axis of length 2 `half_length`.
+  subroutine add_wall(contactors, body, colour, half_length, half_thickness, shift, angle)
+    type(contactors_t), intent(inout) :: contactors !! list to add to
+    integer, intent(in) :: body !! body that carries it
+    integer, intent(in) :: colour !! index of the colour
+    real(wp), intent(in) :: half_length !! half length of the axis [m]
+    real(wp), intent(in) :: half_thickness !! radius of the caps [m]
+    real(wp), intent(in) :: shift(2) !! centre in the body's frame [m]
+    real(wp), intent(in) :: angle !! of the axis in the body's frame [rad]
+    integer :: row
+
+    call add(contactors, kind_wall, body, colour, shift, half_length + half_thickness, row)
+    call reserve(contactors%wall_size, 3, row)
+    call reserve(contactors%wall_axis, 2, row)
+    contactors%wall_size(:, row) = [half_length, half_thickness, angle]
+  end subroutine add_wall
+
+  !> Add a hollow disk: grains touch it from inside.
+  subroutine add_hollow(contactors, body, colour, radius, shift)
+    type(contactors_t), intent(inout) :: contactors !! list to add to
+    integer, intent(in) :: body !! body that carries it
+    integer, intent(in) :: colour !! index of the colour
+    real(wp), intent(in) :: radius !! inner radius [m]
+    real(wp), intent(in) :: shift(2) !! centre in the body's frame [m]
+    integer :: row
+
+    call add(contactors, kind_hollow, body, colour, shift, radius, row)
+    call reserve(contactors%hollow_radius, row)
+    contactors%hollow_radius(row) = radius
+  end subroutine add_hollow
+
+  !> Add a convex polygon with counter-clockwise vertices.
+  subroutine add_polygon(contactors, body, colour, vertices, shift)
+    type(contactors_t), intent(inout) :: contactors !! list to add to
+    integer, intent(in) :: body !! body that carries it
+    integer, intent(in) :: colour !! index of the colour
+    real(wp), intent(in) :: vertices(:, :) !! about the contactor's centre [m], shape (2, vertices)
+    real(wp), intent(in) :: shift(2) !! contactor's centre in the body's frame [m]
+    integer :: row, first, n
+
+    n = size(vertices, 2)
+    call add(contactors, kind_polygon, body, colour, shift, sqrt(maxval(sum(vertices**2, 1))), row)
+    call reserve(contactors%polygon_first, row + 1)
+    if (row == 1) contactors%polygon_first(1) = 1
+    first = contactors%polygon_first(row)
+    contactors%polygon_first(row + 1) = first + n
+    call reserve(contactors%polygon_vertex, 2, first + n - 1)
+    call reserve(contactors%polygon_world, 2, first + n - 1)
+    contactors%polygon_vertex(:, first:first + n - 1) = vertices
+  end subroutine add_polygon
+
+  !> What all kinds share.
+  subroutine add(contactors, kind, body, colour, shift, reach, row)
+    type(contactors_t), intent(inout) :: contactors
+    integer, intent(in) :: kind, body, colour
+    real(wp), intent(in) :: shift(2), reach
+    integer, intent(out) :: row
+    integer :: n
+
+    n = contactors%n + 1
+    contactors%n = n
+    call reserve(contactors%kind, n)
+    call reserve(contactors%body, n)
+    call reserve(contactors%row, n)
+    call reserve(contactors%colour, n)
+    call reserve(contactors%reach, n)
+    call reserve(contactors%shift, 2, n)
+    call reserve(contactors%centre, 2, n)
+    contactors%n_rows(kind) = contactors%n_rows(kind) + 1
+    row = contactors%n_rows(kind)
+    contactors%kind(n) = kind
+    contactors%body(n) = body
+    contactors%row(n) = row
+    contactors%colour(n) = colour
+    contactors%shift(:, n) = shift
+    contactors%reach(n) = reach
+  end subroutine add
+
+  !> Put all contactors where their bodies are.
+  pure subroutine place_contactors(contactors, middle)
+    type(contactors_t), intent(inout) :: contactors !! contactors to place
+    real(wp), intent(in), contiguous :: middle(:, :) !! bodies' configuration [m, m(, rad)], shape (2 or 3, bodies)
+    integer :: c, b, row
+    real(wp) :: cosine, sine, angle
+
+    do c = 1, contactors%n
+      b = contactors%body(c)
+      contactors%centre(:, c) = middle(1:2, b)
+      if (is_round(contactors%kind(c)) .and. .not. any(abs(contactors%shift(:, c)) > 0)) cycle
+      angle = 0
+      if (size(middle, 1) == 3) angle = middle(3, b)
+      cosine = cos(angle)
+      sine = sin(angle)
+      contactors%centre(:, c) = middle(1:2, b) + turned(contactors%shift(:, c), cosine, sine)
+      row = contactors%row(c)
+      select case (contactors%kind(c))
+      case (kind_wall)
+        contactors%wall_axis(:, row) = [cos(angle + contactors%wall_size(3, row)), sin(angle + contactors%wall_size(3, row))]
+      case (kind_polygon)
+        call place_polygon(contactors, row, contactors%centre(:, c), cosine, sine)
+      end select
+    end do
+  end subroutine place_contactors
+
+  !> Has a shape of this kind no orientation?
+  pure logical function is_round(kind)
+    integer, intent(in) :: kind !! kind of shape
+
+    is_round = kind == kind_disk .or. kind == kind_hollow
+  end function is_round
+
+  !> Put the vertices of one polygon where its body is.
+  pure subroutine place_polygon(contactors, row, centre, cosine, sine)
+    type(contactors_t), intent(inout) :: contactors
+    integer, intent(in) :: row
+    real(wp), intent(in) :: centre(2), cosine, sine
+    integer :: v
+
+    do v = contactors%polygon_first(row), contactors%polygon_first(row + 1) - 1
+      contactors%polygon_world(:, v) = centre + turned(contactors%polygon_vertex(:, v), cosine, sine)
+    end do
+  end subroutine place_polygon
+
+  !> A vector turned by an angle.
+  pure function turned(vector, cosine, sine)
+    real(wp), intent(in) :: vector(2), cosine, sine
+    real(wp) :: turned(2)
+
+    turned = [cosine*vector(1) - sine*vector(2), sine*vector(1) + cosine*vector(2)]
+  end function turned
+end module sg_contactors

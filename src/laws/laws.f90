@@ -1,0 +1,116 @@
+!> The contact laws of a scene, and what a law asks of one contact in one step.
+!!
+!! Every law becomes one local problem (doc/theory/laws.md): find the impulse r and u = W r + q with
+!!
+!!     u' = u + bias + compliance r,     r' = r + (cohesion, 0)
+!!     0 <= r'_n  complementary to  u'_n >= 0,   |r'_t| <= friction r'_n  (Coulomb)      unilateral
+!!     u' = 0                                                                            linear
+module sg_laws
+  use sg_kinds, only: wp, i1
+  implicit none
+  private
+  public :: law_t, local_law_t, local_law, n_law_parameters
+  public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
+  public :: status_new, status_none, status_stick, status_slide, status_bonded, status_names
+  public :: is_plain, is_frictionless
+
+  !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
+  !! wet (cohesion within a thickness), Mohr-Coulomb (cohesion until broken), elastic repulsion, linear
+  integer, parameter :: law_iqs = 1, law_gap = 2, law_velocity = 3, law_restitution = 4, law_wet = 5, law_mohr = 6, &
+                        law_elastic = 7, law_linear = 8
+
+  !> What happened at a contact in the last step: not known yet, open, sticking, sliding, bonded
+  integer(i1), parameter :: status_new = 0, status_none = 1, status_stick = 2, status_slide = 3, status_bonded = 4
+  !> Words for the statuses, indexed from 0
+  character(len=6), parameter :: status_names(0:4) = [character(len=6) :: 'new', 'none', 'stick', 'slide', 'bonded']
+
+  !> Number of real parameters of a law
+  integer, parameter :: n_law_parameters = 9
+
+  !> One contact law with its parameters
+  type :: law_t
+    !> Name by which see tables call it
+    character(len=:), allocatable :: name
+    !> Kind of law, one of `law_*`
+    integer :: kind = law_iqs
+    !> Coulomb friction while sticking and while sliding
+    real(wp) :: static_friction = 0, dynamic_friction = 0
+    !> Newton restitution, normal and tangential
+    real(wp) :: normal_restitution = 0, tangential_restitution = 0
+    !> Cohesion force, normal and tangential [N]
+    real(wp) :: normal_cohesion = 0, tangential_cohesion = 0
+    !> Gap up to which a wet contact pulls [m]
+    real(wp) :: wet_thickness = 0
+    !> Force per penetration of the elastic law [N/m]
+    real(wp) :: stiffness = 0
+    !> Velocity per impulse of the linear law r = -(1/epsilon) v [1/kg]
+    real(wp) :: epsilon = 0
+  end type law_t
+
+  !> What a law asks of one contact in one step
+  type :: local_law_t
+    !> Can the contact carry an impulse in this step at all?
+    logical :: is_active = .true.
+    !> Is it linear, with both components free in sign?
+    logical :: is_linear = .false.
+    !> Added to the relative velocity, normal and tangential [m/s]
+    real(wp) :: bias(2) = 0
+    !> Friction coefficient of this step
+    real(wp) :: friction = 0
+    !> Cohesion impulse: the normal impulse may go down to minus this [N s]
+    real(wp) :: cohesion = 0
+    !> Velocity per impulse, normal and tangential [1/kg]
+    real(wp) :: compliance(2) = 0
+  end type local_law_t
+
+contains
+
+  !> The local problem of one contact in one step.
+  pure function local_law(law, gap, step, before, status) result(local)
+    type(law_t), intent(in) :: law !! law of the contact
+    real(wp), intent(in) :: gap !! at the detection configuration [m]
+    real(wp), intent(in) :: step !! time step h [s]
+    real(wp), intent(in) :: before(2) !! relative velocity at the beginning of the step, normal and tangential [m/s]
+    integer(i1), intent(in) :: status !! what the contact did in the last step
+    type(local_law_t) :: local
+
+    local%friction = merge(law%static_friction, law%dynamic_friction, status == status_stick .or. status == status_bonded)
+    select case (law%kind)
+    case (law_iqs)
+      local%bias(1) = max(0.0_wp, gap/step)
+    case (law_gap)
+      local%bias(1) = gap/step
+    case (law_velocity)
+      local%is_active = gap <= 0
+    case (law_restitution)
+      local%is_active = gap <= 0
+      local%bias = before*[law%normal_restitution, law%tangential_restitution]
+    case (law_wet)
+      local%bias(1) = max(0.0_wp, gap/step)
+      if (gap <= law%wet_thickness) local%cohesion = law%normal_cohesion*step
+    case (law_mohr)
+      local%bias(1) = max(0.0_wp, gap/step)
+      if (status == status_bonded) local%cohesion = law%normal_cohesion*step
+    case (law_elastic)
+      local%bias(1) = gap/step
+      local%compliance(1) = 1/(law%stiffness*step**2)
+    case (law_linear)
+      local%is_linear = .true.
+      local%compliance = law%epsilon
+    end select
+  end function local_law
+
+  !> Is the law unilateral contact with Coulomb friction and nothing else, so that compact kernels serve it?
+  pure logical function is_plain(law)
+    type(law_t), intent(in) :: law !! law to look at
+
+    is_plain = law%kind <= law_restitution
+  end function is_plain
+
+  !> Has the law no tangential impulse at all?
+  pure logical function is_frictionless(law)
+    type(law_t), intent(in) :: law !! law to look at
+
+    is_frictionless = .not. max(law%static_friction, law%dynamic_friction) > 0 .and. law%kind /= law_linear
+  end function is_frictionless
+end module sg_laws

@@ -1,0 +1,59 @@
+!> What to do with a scene: time, solver, what to write and when. Filled by the deck, changed by no one.
+module sg_run_options
+  use sg_kinds, only: wp
+  implicit none
+  private
+  public :: run_options_t, solver_options_t
+  public :: criterion_e1, criterion_e2, criterion_e8, criterion_violation, criterion_quad, criterion_maxm, criterion_qm16
+  public :: criterion_names
+
+  !> Stopping criteria (doc/theory/errors.md)
+  integer, parameter :: criterion_e1 = 1, criterion_e2 = 2, criterion_e8 = 3, criterion_violation = 4, &
+                        criterion_quad = 5, criterion_maxm = 6, criterion_qm16 = 7
+  !> Words for the criteria, as decks write them
+  character(len=9), parameter :: criterion_names(7) = [character(len=9) :: 'e1', 'e2', 'e8', 'violation', 'quad', 'maxm', 'qm16']
+
+  !> How the contact problem of a step is solved
+  type :: solver_options_t
+    !> Method: 'nlgs'
+    character(len=16) :: method = 'nlgs'
+    !> Stopping criterion, one of `criterion_*`
+    integer :: criterion = criterion_e8
+    !> Value of the criterion at which the solver stops
+    real(wp) :: tolerance = 1e-3_wp
+    !> Sweeps between two tests
+    integer :: check_every = 10
+    !> Sweeps after which the solver gives up
+    integer :: maximum_sweeps = 2000
+    !> Share of each new impulse taken: 1 is plain Gauss-Seidel
+    real(wp) :: relaxation = 1
+    !> Start from the impulses of the last step
+    logical :: warm_start = .true.
+    !> Order of the sweep: 'natural' (spatial) or 'groups' (coloured groups of eight that vectorise)
+    character(len=16) :: order = 'groups'
+    !> End the run when a step does not converge
+    logical :: stop_unconverged = .false.
+  end type solver_options_t
+
+  !> All options of a run
+  type :: run_options_t
+    !> Time step [s], number of steps, and weight of the end of the step
+    real(wp) :: step = 0
+    integer :: steps = 0
+    real(wp) :: theta = 0.5_wp
+    !> The solver
+    type(solver_options_t) :: solver
+    !> Steps between two pictures (VTKHDF), 0 for none; between two rows of the record; between two checkpoints
+    integer :: output_every = 0, record_every = 1, restart_every = 0
+    !> Write pictures in single precision, compressed
+    logical :: output_single = .false., output_compressed = .false.
+    !> Folder of the results, and the file to restart from (empty for none)
+    character(len=:), allocatable :: folder, restart_file
+    !> Hash and text of the effective deck
+    character(len=:), allocatable :: deck_hash, deck_text
+    !> Stop with a checkpoint after this many wall seconds; 0 for never
+    real(wp) :: walltime = 0
+    !> Say less; no progress
+    logical :: is_quiet = .false.
+  end type run_options_t
+end module sg_run_options

@@ -1,0 +1,119 @@
+!> What exists: bodies, contactors, laws, who sees whom, gravity, drives, periodicity. No option of a run is here.
+module sg_scene
+  use sg_bodies, only: bodies_t
+  use sg_contactors, only: contactors_t
+  use sg_drives, only: drive_t, pressure_t
+  use sg_kinds, only: wp, i1, i4
+  use sg_laws, only: law_t
+  use sg_text, only: text_t
+  implicit none
+  private
+  public :: scene_t, material_t, see_t, start_contact_t, colour_index, material_index, law_index
+
+  !> A bulk material
+  type :: material_t
+    !> Name by which bodies call it
+    character(len=:), allocatable :: name
+    !> Mass per area and metre of depth [kg/m3]
+    real(wp) :: density = 0
+  end type material_t
+
+  !> One line of the see tables: which contactors may meet, under which law, from which distance on
+  type :: see_t
+    !> Kind of shape and colour of the candidate; 0 means any
+    integer :: candidate_kind = 0, candidate_colour = 0
+    !> Kind of shape and colour of the antagonist; 0 means any
+    integer :: antagonist_kind = 0, antagonist_colour = 0
+    !> Law, index into the scene's laws
+    integer :: law = 0
+    !> Contacts exist where the gap is below this [m]
+    real(wp) :: alert = 0
+  end type see_t
+
+  !> A contact known before the first step: its impulse starts the solver
+  type :: start_contact_t
+    !> Contactors, candidate and antagonist
+    integer :: contactor(2) = 0
+    !> Where it touches [m]: tells apart two points of one pair
+    real(wp) :: point(2) = 0
+    !> Mean force over the last step, normal and tangential [N]
+    real(wp) :: force(2) = 0
+    !> What it did in the last step
+    integer(i1) :: status = 0
+  end type start_contact_t
+
+  !> A scene
+  type :: scene_t
+    !> Dimension of space
+    integer :: dimension = 2
+    !> Rigid bodies
+    type(bodies_t) :: bodies
+    !> Shapes through which they touch
+    type(contactors_t) :: contactors
+    !> Bulk materials
+    type(material_t), allocatable :: materials(:)
+    !> Contact laws
+    type(law_t), allocatable :: laws(:)
+    !> Names of the colours
+    type(text_t), allocatable :: colours(:)
+    !> Who sees whom; the first line that fits counts
+    type(see_t), allocatable :: sees(:)
+    !> Imposed velocities and forces
+    type(drive_t), allocatable :: drives(:)
+    !> Pressed walls
+    type(pressure_t), allocatable :: pressures(:)
+    !> Contacts known at the start
+    type(start_contact_t), allocatable :: start_contacts(:)
+    !> Names of bodies, shape (bodies); only where the deck names some
+    type(text_t), allocatable :: names(:)
+    !> Gravity [m/s2]
+    real(wp) :: gravity(2) = 0
+    !> Length of the period in x [m]; zero when not periodic
+    real(wp) :: period = 0
+    !> Time [s] and step number at the start
+    real(wp) :: start_time = 0
+    integer(i4) :: start_step = 0
+  end type scene_t
+
+contains
+
+  !> Index of a colour, added when it is new.
+  subroutine colour_index(scene, name, colour)
+    type(scene_t), intent(inout) :: scene !! scene that lists the colours
+    character(len=*), intent(in) :: name !! name to look for
+    integer, intent(out) :: colour !! its index
+
+    if (.not. allocated(scene%colours)) allocate (scene%colours(0))
+    do colour = 1, size(scene%colours)
+      if (scene%colours(colour)%s == name) return
+    end do
+    scene%colours = [scene%colours, text_t(name)]
+    colour = size(scene%colours)
+  end subroutine colour_index
+
+  !> Index of a material by name; 0 when there is none.
+  pure integer function material_index(scene, name) result(material)
+    type(scene_t), intent(in) :: scene !! scene that lists the materials
+    character(len=*), intent(in) :: name !! name to look for
+
+    if (allocated(scene%materials)) then
+      do material = 1, size(scene%materials)
+        if (scene%materials(material)%name == name) return
+      end do
+    end if
+    material = 0
+  end function material_index
+
+  !> Index of a law by name; 0 when there is none.
+  pure integer function law_index(scene, name) result(law)
+    type(scene_t), intent(in) :: scene !! scene that lists the laws
+    character(len=*), intent(in) :: name !! name to look for
+
+    if (allocated(scene%laws)) then
+      do law = 1, size(scene%laws)
+        if (scene%laws(law)%name == name) return
+      end do
+    end if
+    law = 0
+  end function law_index
+end module sg_scene

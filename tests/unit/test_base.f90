@@ -1,0 +1,92 @@
+!> Base: text, random numbers, growing lists.
+program test_base
+  use harness, only: tests_t
+  use sg_error, only: diagnostics_t, error_t, fail
+  use sg_kinds, only: wp
+  use sg_lists, only: reserve
+  use sg_random, only: random_t
+  use sg_text, only: lower, nearest_word, read_lines, text_t, to_text
+  implicit none
+  type(tests_t) :: t
+
+  call test_text()
+  call test_errors()
+  call test_random()
+  call test_lists()
+  call t%finish()
+
+contains
+
+  subroutine test_text()
+    type(text_t) :: known(3)
+    type(text_t), allocatable :: lines(:)
+    type(error_t), allocatable :: error
+    integer :: unit
+
+    known(1)%s = 'friction'
+    known(2)%s = 'kind'
+    known(3)%s = 'name'
+    call t%check(nearest_word('frction', known) == 'friction', 'a letter missing')
+    call t%check(nearest_word('zzzzzz', known) == '', 'nothing near')
+    call t%check(lower('AbC9') == 'abc9', 'lower case')
+    call t%check(to_text(0.1_wp, 3) == '1.00E-01', 'real with three digits: '//to_text(0.1_wp, 3))
+    open (newunit=unit, file='lines.txt', access='stream', form='unformatted', status='replace')
+    write (unit) 'one'//achar(13)//new_line('a')//new_line('a')//'three'
+    close (unit)
+    call read_lines('lines.txt', lines, error)
+    call t%check(.not. allocated(error), 'file is read')
+    call t%equal(size(lines), 3, 'lines of a file without a last end')
+    call t%check(lines(1)%s == 'one' .and. lines(2)%s == '' .and. lines(3)%s == 'three', 'their texts')
+    call read_lines('no_such_file', lines, error)
+    call t%check(allocated(error), 'a missing file is an error')
+  end subroutine test_text
+
+  subroutine test_errors()
+    type(error_t), allocatable :: error
+    type(diagnostics_t) :: diagnostics
+    character(len=*), parameter :: nl = new_line('a')
+
+    call fail(error, 'unknown key', file='a.toml', line=12, column=3, text='  frction = 1')
+    call t%check(error%report() == 'a.toml:12:3: error: unknown key'//nl//'    frction = 1'//nl//'    ^', 'line and caret')
+    call diagnostics%warn('odd')
+    call t%equal(diagnostics%count(), 0, 'a warning is no error')
+    call diagnostics%add('bad')
+    call t%equal(diagnostics%count(), 1, 'an error counts')
+  end subroutine test_errors
+
+  subroutine test_random()
+    type(random_t) :: a, b
+    real(wp) :: x, mean, square
+    integer :: i
+    integer, parameter :: n = 100000
+
+    call a%seed(7)
+    call b%seed(7)
+    mean = 0
+    square = 0
+    do i = 1, n
+      x = a%uniform()
+      if (abs(x - b%uniform()) > 0) exit
+      mean = mean + x/n
+      square = square + x**2/n
+    end do
+    call t%check(i == n + 1, 'the same seed gives the same numbers')
+    ! Standard deviations of these means: 0.29/sqrt(n) and 0.30/sqrt(n); five of them allowed.
+    call t%near(mean, 0.5_wp, 5*0.3_wp/sqrt(real(n, wp)), 'mean')
+    call t%near(square, 1/3.0_wp, 5*0.3_wp/sqrt(real(n, wp)), 'mean square')
+    call b%seed(8)
+    call t%check(abs(a%uniform() - b%uniform()) > 0, 'another seed gives other numbers')
+  end subroutine test_random
+
+  subroutine test_lists()
+    real(wp), allocatable :: records(:, :)
+    integer :: i
+
+    do i = 1, 1000
+      call reserve(records, 2, i)
+      records(:, i) = real([i, -i], wp)
+    end do
+    call t%check(all([(nint(records(1, i)) == i, i=1, 1000)]), 'what was there stays')
+    call t%check(size(records, 2) < 2000, 'room grows by half')
+  end subroutine test_lists
+end program test_base
