@@ -101,13 +101,13 @@ contains
     integer, intent(in), optional :: digits !! significant digits, 17 when absent
     character(len=:), allocatable :: word
     character(len=40) :: buffer
-    character(len=12) :: form
+    character(len=16) :: form
     integer :: n
 
     n = 17
     if (present(digits)) n = digits
-    write (form, '("(es0.",i0,"e2)")') n - 1
-    if (abs(value) >= 1e100_wp .or. (abs(value) > 0 .and. abs(value) < 1e-99_wp)) write (form, '("(es0.",i0,"e3)")') n - 1
+    write (form, '("(es40.",i0,"e2)")') n - 1
+    if (abs(value) >= 1e100_wp .or. (abs(value) > 0 .and. abs(value) < 1e-99_wp)) write (form, '("(es40.",i0,"e3)")') n - 1
     write (buffer, form) value
     word = trim(adjustl(buffer))
   end function real_to_text

@@ -1,0 +1,29 @@
+!> What a solver says of one contact problem: effort, and errors of the whole problem.
+module sg_report
+  use sg_kinds, only: wp, i8
+  implicit none
+  private
+  public :: report_t
+
+  !> Report of one solve
+  type :: report_t
+    !> Has the stopping criterion reached its tolerance?
+    logical :: is_converged = .true.
+    !> Sweeps over all contacts, and single contact updates
+    integer :: sweeps = 0
+    integer(i8) :: contact_updates = 0
+    !> Tests of the criterion
+    integer :: checks = 0
+    !> Last value of the stopping criterion
+    real(wp) :: criterion = 0
+    !> Errors of the solution (doc/theory/errors.md): natural map over |q|, over the largest term, scaled one over |r|,
+    !! and rms velocity error over g h
+    real(wp) :: e1 = 0, e2 = 0, e8 = 0, violation = 0
+    !> Number of contacts that carry an impulse
+    integer :: active_contacts = 0
+    !> CPU seconds in sweeps and in tests
+    real(wp) :: cpu_sweeps = 0, cpu_checks = 0
+    !> Bytes that the problem holds per contact
+    real(wp) :: bytes_per_contact = 0
+  end type report_t
+end module sg_report
