@@ -1,0 +1,93 @@
+"""The source checks can fail: each rule is broken once in a small project."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+GOOD = """!> Why this module exists.
+module sg_{name}
+  {use}
+  implicit none
+  private
+  public :: work
+
+contains
+
+  !> Do the work.
+  subroutine work()
+    {code}
+  end subroutine work
+end module sg_{name}
+"""
+
+
+def run(check, top):
+    result = subprocess.run([sys.executable, HERE / check, top], capture_output=True, text=True)
+    return result.returncode, result.stdout
+
+
+def write(top, place, use="", code="", text=GOOD):
+    path = top / place
+    path.parent.mkdir(parents=True, exist_ok=True)
+    filled = text.format(name=path.stem, use=use, code=code)
+    path.write_text("\n".join(line.rstrip() for line in filled.splitlines()) + "\n")
+    return path
+
+
+@pytest.fixture
+def project(tmp_path):
+    write(tmp_path, "src/base/text.f90", code="print *, 'mpi_init h5open_f' ! hid_t")
+    write(tmp_path, "src/scene/scene.f90", use="use sg_text, only: work", code="call mapping('use mpi')")
+    write(tmp_path, "src/parallel/comm.f90", use="use mpi_f08, only: mpi_init", code="call mpi_init()")
+    write(tmp_path, "src/output/files.f90", use="use sg_scene, only: work")
+    return tmp_path
+
+
+@pytest.mark.parametrize("check", ["check_layers", "check_style"])
+def test_good_project_passes(project, check):
+    code, printed = run(check, project)
+    assert code == 0, printed
+
+
+@pytest.mark.parametrize("check", ["check_layers", "check_style"])
+def test_empty_project_fails(tmp_path, check):
+    assert run(check, tmp_path)[0] == 1
+
+
+@pytest.mark.parametrize("place, use, code, finding", [
+    ("src/base/lists.f90", "use sg_scene, only: work", "", "base uses sg_scene of the later folder scene"),
+    ("src/scene/plan.f90", "use, non_intrinsic :: sg_files, only: work", "", "scene uses sg_files of the later folder"),
+    ("src/scene/plan.f90", "use mpi_f08, only: mpi_send", "", "mpi_f08 outside src/parallel"),
+    ("src/scene/plan.f90", "", "call MPI_Send()", "mpi_send outside src/parallel"),
+    ("src/output/files.f90", "use hdf5, only: hid_t", "", "outside a file *_with_hdf5.f90"),
+    ("src/unheard/plan.f90", "", "", "'unheard' is not in the order"),
+])  # fmt: skip
+def test_layers(project, place, use, code, finding):
+    write(project, place, use, code)
+    status, printed = run("check_layers", project)
+    assert status == 1 and finding in printed
+
+
+@pytest.mark.parametrize("old, new, finding", [
+    ("module sg_{name}", "module {name}", "should hold one module sg_plan"),
+    ("  implicit none", "", "no 'implicit none'"),
+    ("  private\n", "", "no 'private'"),
+    ("  !> Do the work.\n", "", "work has no '!>' line"),
+    ("  !> Do", "\t!> Do", "tab"),
+    ("{code}", "x = 1" + 70 * " + 1", "columns, more than 132"),
+    ("{code}", 80 * "\n", "work has 83 lines"),
+    ("{code}", 490 * "\n", "lines, more than 500"),
+])  # fmt: skip
+def test_style(project, old, new, finding):
+    write(project, "src/base/plan.f90", text=GOOD.replace(old, new))
+    status, printed = run("check_style", project)
+    assert status == 1 and finding in printed
+
+
+def test_trailing_blank(project):
+    path = write(project, "src/base/plan.f90")
+    path.write_text(path.read_text() + " \n")
+    assert "trailing blanks" in run("check_style", project)[1]
