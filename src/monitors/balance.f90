@@ -1,0 +1,47 @@
+!> Global balances of the grains: the share of their weight that the walls carry, and their momentum.
+module sg_balance
+  use sg_bodies, only: bodies_t
+  use sg_contacts, only: contacts_t
+  use sg_kinds, only: wp
+  use sg_scene, only: scene_t
+  use sg_stress, only: contact_impulse
+  implicit none
+  private
+  public :: floor_share, momentum
+
+contains
+
+  !> Force of contacts on all walls along gravity over the weight of the grains; 1 at rest, 0 without weight.
+  pure real(wp) function floor_share(scene, contacts, h, mass) result(share)
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    real(wp), intent(in) :: h !! time step [s]
+    real(wp), intent(in) :: mass !! mass of all grains [kg]
+    real(wp) :: on_walls(2), weight
+    integer :: k
+
+    share = 0
+    weight = mass*norm2(scene%gravity)
+    if (.not. weight*h > 0) return
+    on_walls = 0
+    do k = 1, contacts%n
+      associate (is_grain => scene%bodies%is_grain(contacts%body(:, k)))
+        if (is_grain(1) .and. .not. is_grain(2)) on_walls = on_walls - contact_impulse(contacts, k)
+        if (is_grain(2) .and. .not. is_grain(1)) on_walls = on_walls + contact_impulse(contacts, k)
+      end associate
+    end do
+    share = dot_product(on_walls, scene%gravity)/(norm2(scene%gravity)*weight*h)
+  end function floor_share
+
+  !> Momentum of the grains [kg m/s].
+  pure function momentum(bodies)
+    type(bodies_t), intent(in) :: bodies !! bodies with their velocities
+    real(wp) :: momentum(2)
+    integer :: i
+
+    momentum = 0
+    do i = 1, bodies%n
+      if (bodies%is_grain(i)) momentum = momentum + bodies%mass(i)*bodies%velocity(1:2, i)
+    end do
+  end function momentum
+end module sg_balance

@@ -1,0 +1,201 @@
+!> The energy balance of a run, exact for the discrete scheme (doc/theory/indicators.md, "Energy").
+!!
+!! With the mean velocity Vm = (V0 + V)/2 of a step, the change of kinetic energy is Vm . M (V - V0), and the
+!! discrete equation M (V - V0) = h f + H r + d makes it the work of the forces f, of the contact impulses r and
+!! of the impulses d that hold driven components. Works are summed over the steps; the balance closes to rounding
+!! when positions move with Vm too (theta = 1/2).
+module sg_energy
+  use sg_bodies, only: bodies_t
+  use sg_contacts, only: contacts_t
+  use sg_kinds, only: wp
+  use sg_mapping, only: relative_velocity
+  use sg_scene, only: scene_t
+  implicit none
+  private
+  public :: energy_t, kinetic_energy, potential_energy, energy_closure, n_energy_values
+
+  !> Numbers that `pack` writes
+  integer, parameter :: n_energy_values = 7
+
+  !> Works summed since the start of the run [J per metre of depth]
+  type :: energy_t
+    !> Has the balance begun?
+    logical :: is_started = .false.
+    !> Kinetic and potential energy when it began
+    real(wp) :: kinetic_start = 0, potential_start = 0
+    !> Work of imposed forces and pressures
+    real(wp) :: external_work = 0
+    !> Work of what holds driven components on their velocities
+    real(wp) :: drive_work = 0
+    !> Energy taken by contacts along tangents and along normals
+    real(wp) :: friction_loss = 0, impact_loss = 0
+  contains
+    procedure :: add_step => energy_add_step
+    procedure :: pack => energy_pack
+    procedure :: unpack => energy_unpack
+  end type energy_t
+
+contains
+
+  !> Add the works of a step that is solved but not updated: `velocity` is that of its beginning, `free_velocity` of its end.
+  pure subroutine energy_add_step(self, scene, contacts, h)
+    class(energy_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene !! scene after the solve, before the update
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    real(wp), intent(in) :: h !! time step [s]
+    real(wp), allocatable :: mean(:, :)
+    real(wp) :: work(2)
+
+    if (.not. self%is_started) then
+      self%is_started = .true.
+      self%kinetic_start = kinetic_energy(scene%bodies)
+      self%potential_start = potential_energy(scene)
+    end if
+    mean = (scene%bodies%velocity + scene%bodies%free_velocity)/2
+    work = contact_work(contacts, scene%bodies%middle, scene%period, mean)
+    self%impact_loss = self%impact_loss - work(1)
+    self%friction_loss = self%friction_loss - work(2)
+    self%external_work = self%external_work + imposed_work(scene, h, mean)
+    where (scene%bodies%inverse_mass > 0) mean = 0
+    if (.not. any(abs(mean) > 0)) return
+    self%drive_work = self%drive_work + held_work(scene%bodies, h, mean) &
+                      - sum(contact_work(contacts, scene%bodies%middle, scene%period, mean))
+  end subroutine energy_add_step
+
+  !> Work of the contact impulses along normals and along tangents [J]: r . H^T v.
+  pure function contact_work(contacts, middle, period, velocity) result(work)
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in), contiguous :: middle(:, :), velocity(:, :)
+    real(wp), intent(in) :: period
+    real(wp) :: work(2), u(2)
+    integer :: k, n
+
+    work = 0
+    n = contacts%n_components
+    do k = 1, contacts%n
+      if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
+      u = relative_velocity(contacts, k, middle, period, velocity)
+      work(:n) = work(:n) + contacts%impulse(:, k)*u(:n)
+    end do
+  end function contact_work
+
+  !> Work of all forces but gravity over a step [J].
+  pure real(wp) function imposed_work(scene, h, mean) result(work)
+    type(scene_t), intent(in) :: scene
+    real(wp), intent(in) :: h, mean(:, :)
+    integer :: i
+
+    work = 0
+    associate (bodies => scene%bodies)
+      do i = 1, bodies%n
+        work = work + h*(dot_product(bodies%force(:, i), mean(:, i)) - bodies%mass(i)*dot_product(scene%gravity, mean(1:2, i)))
+      end do
+    end associate
+  end function imposed_work
+
+  !> What driven components gain beyond the work of forces [J]; `driven` is their mean velocity, zero elsewhere.
+  pure real(wp) function held_work(bodies, h, driven) result(work)
+    type(bodies_t), intent(in) :: bodies
+    real(wp), intent(in) :: h, driven(:, :)
+    integer :: i, c
+
+    work = 0
+    do i = 1, bodies%n
+      do c = 1, bodies%n_velocity
+        work = work + driven(c, i)*(inertia_of(bodies, c, i)*(bodies%free_velocity(c, i) - bodies%velocity(c, i)) &
+                                    - h*bodies%force(c, i))
+      end do
+    end do
+  end function held_work
+
+  !> Mass, or moment of inertia for the third component.
+  pure real(wp) function inertia_of(bodies, component, body)
+    type(bodies_t), intent(in) :: bodies
+    integer, intent(in) :: component, body
+
+    inertia_of = bodies%mass(body)
+    if (component == 3) inertia_of = bodies%inertia(body)
+  end function inertia_of
+
+  !> Kinetic energy of all bodies [J].
+  pure real(wp) function kinetic_energy(bodies) result(kinetic)
+    type(bodies_t), intent(in) :: bodies !! bodies with their velocities
+    integer :: i, c
+
+    kinetic = 0
+    do i = 1, bodies%n
+      do c = 1, bodies%n_velocity
+        kinetic = kinetic + inertia_of(bodies, c, i)*bodies%velocity(c, i)**2/2
+      end do
+    end do
+  end function kinetic_energy
+
+  !> Potential energy of all bodies [J], zero at the origin; positions are unwrapped.
+  pure real(wp) function potential_energy(scene) result(potential)
+    type(scene_t), intent(in) :: scene !! scene with its positions
+    integer :: i
+
+    potential = 0
+    do i = 1, scene%bodies%n
+      potential = potential - potential_drop(scene, i)
+    end do
+  end function potential_energy
+
+  !> Work of gravity on a body brought from the origin to where it is [J].
+  pure real(wp) function potential_drop(scene, body) result(work)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: body
+    real(wp) :: position(2)
+
+    position = scene%bodies%position(:, body)
+    position(1) = position(1) + scene%period*real(scene%bodies%crossings(body), wp)
+    work = scene%bodies%mass(body)*dot_product(scene%gravity, position)
+  end function potential_drop
+
+  !> How far the balance is from closing, over its largest term; zero before the first step.
+  !!
+  !! Terms that are lost in the rounding of the potential energy (10^-8 of it and below) do not count as large.
+  pure real(wp) function energy_closure(energy, scene) result(closure)
+    type(energy_t), intent(in) :: energy !! works since the start
+    type(scene_t), intent(in) :: scene !! scene after the update
+    real(wp) :: kinetic, gain, scale
+    integer :: i
+
+    closure = 0
+    if (.not. energy%is_started) return
+    kinetic = kinetic_energy(scene%bodies)
+    gain = potential_energy(scene) - energy%potential_start
+    scale = 0
+    do i = 1, scene%bodies%n
+      scale = scale + abs(potential_drop(scene, i))
+    end do
+    scale = max(scale*sqrt(epsilon(scale)), kinetic, energy%kinetic_start, abs(gain), abs(energy%external_work), &
+                abs(energy%drive_work), abs(energy%friction_loss), abs(energy%impact_loss))
+    if (.not. scale > 0) return
+    closure = abs(kinetic - energy%kinetic_start + gain - energy%external_work - energy%drive_work &
+                  + energy%friction_loss + energy%impact_loss)/scale
+  end function energy_closure
+
+  !> The sums as a list of reals, for restart files.
+  pure function energy_pack(self) result(values)
+    class(energy_t), intent(in) :: self
+    real(wp) :: values(n_energy_values)
+
+    values = [merge(1.0_wp, 0.0_wp, self%is_started), self%kinetic_start, self%potential_start, self%external_work, &
+              self%drive_work, self%friction_loss, self%impact_loss]
+  end function energy_pack
+
+  !> The sums back from a list of reals.
+  pure subroutine energy_unpack(self, values)
+    class(energy_t), intent(inout) :: self
+    real(wp), intent(in) :: values(n_energy_values) !! what `pack` gave
+
+    self%is_started = values(1) > 0
+    self%kinetic_start = values(2)
+    self%potential_start = values(3)
+    self%external_work = values(4)
+    self%drive_work = values(5)
+    self%friction_loss = values(6)
+    self%impact_loss = values(7)
+  end subroutine energy_unpack
+end module sg_energy

@@ -1,0 +1,38 @@
+!> What the grains of a scene are together: number, mass, area and mean radius.
+!!
+!! A grain is a body free in all its components; walls, driven or pressed, are left out.
+module sg_grains
+  use sg_bodies, only: bodies_t
+  use sg_kinds, only: wp, pi
+  implicit none
+  private
+  public :: grains_t, count_grains
+
+  !> Sums over the grains
+  type :: grains_t
+    !> Number of grains
+    integer :: n = 0
+    !> Mass [kg] and area [m2] of all grains
+    real(wp) :: mass = 0, area = 0
+    !> Mean over the grains of the radius of the disk of the same area [m]
+    real(wp) :: mean_radius = 0
+  end type grains_t
+
+contains
+
+  !> Count and weigh the grains.
+  pure function count_grains(bodies) result(grains)
+    type(bodies_t), intent(in) :: bodies !! bodies of the scene
+    type(grains_t) :: grains
+    integer :: i
+
+    do i = 1, bodies%n
+      if (.not. bodies%is_grain(i)) cycle
+      grains%n = grains%n + 1
+      grains%mass = grains%mass + bodies%mass(i)
+      grains%area = grains%area + bodies%area(i)
+      grains%mean_radius = grains%mean_radius + sqrt(bodies%area(i)/pi)
+    end do
+    if (grains%n > 0) grains%mean_radius = grains%mean_radius/real(grains%n, wp)
+  end function count_grains
+end module sg_grains

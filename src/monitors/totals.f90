@@ -1,0 +1,131 @@
+!> What a whole run cost and how well it was solved: sums and worst values over the steps.
+module sg_totals
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use sg_kinds, only: wp, i8
+  use sg_report, only: report_t
+  use sg_timers, only: timer_t
+  implicit none
+  private
+  public :: totals_t, n_phases, phase_names, n_totals_values
+  public :: phase_predict, phase_detect, phase_assemble, phase_solve, phase_update, phase_measure, phase_output
+
+  !> Phases of a step
+  integer, parameter :: phase_predict = 1, phase_detect = 2, phase_assemble = 3, phase_solve = 4, phase_update = 5, &
+                        phase_measure = 6, phase_output = 7
+  !> Number of phases
+  integer, parameter :: n_phases = 7
+  !> Words for the phases
+  character(len=8), parameter :: phase_names(n_phases) = &
+    [character(len=8) :: 'predict', 'detect', 'assemble', 'solve', 'update', 'measure', 'output']
+
+  !> Sums and worst values that `pack` writes before the timers
+  integer, parameter :: n_sums = 13
+  !> Numbers that `pack` writes
+  integer, parameter :: n_totals_values = n_sums + 2*(n_phases + 1)
+
+  !> Totals since the start of the run, restarts included
+  type :: totals_t
+    !> Steps done, and how many of them converged or not
+    integer :: steps = 0, converged_steps = 0, unconverged_steps = 0
+    !> Worst errors of all steps (doc/theory/errors.md)
+    real(wp) :: worst_e1 = 0, worst_e2 = 0, worst_e8 = 0, worst_violation = 0
+    !> Sweeps and single contact updates
+    integer(i8) :: sweeps = 0, contact_updates = 0
+    !> Contacts, contacts with an impulse of the last step, and most contacts of all steps
+    integer :: contacts = 0, active_contacts = 0, most_contacts = 0
+    !> Bytes that the contact problem of the last step holds per contact
+    real(wp) :: bytes_per_contact = 0
+    !> Stopwatch of each phase, indexed by `phase_*`
+    type(timer_t) :: phase(n_phases)
+    !> Stopwatch of the run: start it once, then `tick` to read it
+    type(timer_t) :: clock
+  contains
+    procedure :: add => totals_add
+    procedure :: tick => totals_tick
+    procedure :: pack => totals_pack
+    procedure :: unpack => totals_unpack
+  end type totals_t
+
+contains
+
+  !> Add the solve of one step.
+  pure subroutine totals_add(self, report, contacts)
+    class(totals_t), intent(inout) :: self
+    type(report_t), intent(in) :: report !! what the solver said
+    integer, intent(in) :: contacts !! number of contacts of the step
+
+    self%steps = self%steps + 1
+    if (report%is_converged) then
+      self%converged_steps = self%converged_steps + 1
+    else
+      self%unconverged_steps = self%unconverged_steps + 1
+    end if
+    self%worst_e1 = worse(self%worst_e1, report%e1)
+    self%worst_e2 = worse(self%worst_e2, report%e2)
+    self%worst_e8 = worse(self%worst_e8, report%e8)
+    self%worst_violation = worse(self%worst_violation, report%violation)
+    self%sweeps = self%sweeps + int(report%sweeps, i8)
+    self%contact_updates = self%contact_updates + report%contact_updates
+    self%contacts = contacts
+    self%active_contacts = report%active_contacts
+    self%most_contacts = max(self%most_contacts, contacts)
+    self%bytes_per_contact = report%bytes_per_contact
+  end subroutine totals_add
+
+  !> The larger of two errors; one that is not a number is the worst and stays.
+  pure real(wp) function worse(so_far, new)
+    real(wp), intent(in) :: so_far, new
+
+    worse = so_far
+    if (ieee_is_nan(so_far)) return
+    if (ieee_is_nan(new)) then
+      worse = new
+    else
+      worse = max(so_far, new)
+    end if
+  end function worse
+
+  !> Bring the stopwatch of the run up to now.
+  subroutine totals_tick(self)
+    class(totals_t), intent(inout) :: self
+
+    call self%clock%stop()
+    call self%clock%start()
+  end subroutine totals_tick
+
+  !> The totals as a list of reals, for restart files; counters are exact up to 2^53.
+  pure function totals_pack(self) result(values)
+    class(totals_t), intent(in) :: self
+    real(wp) :: values(n_totals_values)
+
+    values(:n_sums) = [real(self%steps, wp), real(self%converged_steps, wp), real(self%unconverged_steps, wp), &
+                       self%worst_e1, self%worst_e2, self%worst_e8, self%worst_violation, &
+                       real(self%sweeps, wp), real(self%contact_updates, wp), real(self%contacts, wp), &
+                       real(self%active_contacts, wp), real(self%most_contacts, wp), self%bytes_per_contact]
+    values(n_sums + 1:) = [self%phase%cpu, self%phase%wall, self%clock%cpu, self%clock%wall]
+  end function totals_pack
+
+  !> The totals back from a list of reals.
+  pure subroutine totals_unpack(self, values)
+    class(totals_t), intent(inout) :: self
+    real(wp), intent(in) :: values(n_totals_values) !! what `pack` gave
+
+    self%steps = nint(values(1))
+    self%converged_steps = nint(values(2))
+    self%unconverged_steps = nint(values(3))
+    self%worst_e1 = values(4)
+    self%worst_e2 = values(5)
+    self%worst_e8 = values(6)
+    self%worst_violation = values(7)
+    self%sweeps = nint(values(8), i8)
+    self%contact_updates = nint(values(9), i8)
+    self%contacts = nint(values(10))
+    self%active_contacts = nint(values(11))
+    self%most_contacts = nint(values(12))
+    self%bytes_per_contact = values(13)
+    self%phase%cpu = values(n_sums + 1:n_sums + n_phases)
+    self%phase%wall = values(n_sums + n_phases + 1:n_sums + 2*n_phases)
+    self%clock%cpu = values(n_totals_values - 1)
+    self%clock%wall = values(n_totals_values)
+  end subroutine totals_unpack
+end module sg_totals
