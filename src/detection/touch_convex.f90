@@ -1,0 +1,230 @@
+!> Contact of two convex polygons, the antagonist thickened by a radius (0 for a polygon, half thickness for a wall).
+!!
+!! The face of greatest separation, over the edges of both, is the reference: where the two overlap it gives the
+!! shortest way apart, where they do not a lower bound of the distance. The edge of the other polygon that faces it
+!! is the incident edge. Points of contact are the two ends of what the edges share along the reference:
+!!
+!!              \            /  incident polygon
+!!               \__________/   incident edge
+!!                 |    |
+!!         _______1|____|2         1: incident vertex over the face, 2: end of the face under the edge
+!!        |  reference  |
+!!
+!! Where the lowest incident vertex hangs beyond the end of the face, that end and the point of the incident edge
+!! nearest to it are the contact: a distance between vertices, true in length and direction.
+module sg_touch_convex
+  use sg_kinds, only: wp, i4
+  use sg_touch, only: touch_t, add_point, same_length
+  implicit none
+  private
+  public :: touch_convex
+
+  !> Points nearer than this fraction of the shorter edge are one: two would only say the same twice. Well above
+  !! `same_length`, so that keys of bricks laid corner on corner do not change with rounding
+  real(wp), parameter :: same_point = 1e-6_wp
+
+  !> An edge of the reference polygon and what faces it
+  type :: face_t
+    !> Index of the edge (of its first vertex), 0 when the polygon has no edge
+    integer :: edge = 0
+    !> Length of the edge [m]
+    real(wp) :: length = 0
+    !> Unit outward normal
+    real(wp) :: normal(2) = 0
+    !> Lowest vertex of the incident polygon over the face
+    integer :: lowest = 0
+    !> Its height [m], negative below the face
+    real(wp) :: height = -huge(1.0_wp)
+  end type face_t
+
+contains
+
+  !> Points of contact of two convex polygons; the antagonist's surface lies `radius_a` outside its vertices' hull.
+  pure subroutine touch_convex(n_c, vertices_c, n_a, vertices_a, offset_a, radius_a, alert, touch)
+    integer, intent(in) :: n_c !! vertices of the candidate
+    real(wp), intent(in) :: vertices_c(2, n_c) !! candidate's vertices, counter-clockwise [m]
+    integer, intent(in) :: n_a !! vertices of the antagonist
+    real(wp), intent(in) :: vertices_a(2, n_a) !! antagonist's vertices, counter-clockwise [m]
+    real(wp), intent(in) :: offset_a(2) !! added to the antagonist's vertices (its periodic image) [m]
+    real(wp), intent(in) :: radius_a !! thickness of the antagonist's skin [m]
+    real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
+    type(touch_t), intent(out) :: touch !! points found
+    type(face_t) :: face_a, face_c
+    real(wp) :: reach
+
+    reach = alert + radius_a
+    call find_face(n_a, vertices_a, n_c, vertices_c, -offset_a, reach, face_a)
+    if (face_a%height >= reach) return
+    call find_face(n_c, vertices_c, n_a, vertices_a, offset_a, reach, face_c)
+    if (face_c%height >= reach .or. max(face_a%edge, face_c%edge) == 0) return
+    ! Of two faces as good, always the antagonist's: the normal of resting bricks must not depend on rounding.
+    if (face_a%height >= face_c%height - same_length*max(face_a%length, face_c%length)) then
+      call add_points(n_a, vertices_a, n_c, vertices_c, -offset_a, face_a, .true., radius_a, alert, touch)
+    else
+      call add_points(n_c, vertices_c, n_a, vertices_a, offset_a, face_c, .false., radius_a, alert, touch)
+    end if
+  end subroutine touch_convex
+
+  !> Find the reference edge over which the lowest incident vertex is highest; stop once it is beyond reach.
+  pure subroutine find_face(n_r, reference, n_i, incident, shift, reach, face)
+    integer, intent(in) :: n_r !! vertices of the reference polygon
+    real(wp), intent(in) :: reference(2, n_r) !! its vertices [m]
+    integer, intent(in) :: n_i !! vertices of the incident polygon
+    real(wp), intent(in) :: incident(2, n_i) !! its vertices [m]
+    real(wp), intent(in) :: shift(2) !! added to the incident vertices [m]
+    real(wp), intent(in) :: reach !! height from which the search may stop [m]
+    type(face_t), intent(out) :: face !! the best edge
+    real(wp) :: edge(2), normal(2), start(2), length, bar, height, lowest_height
+    integer :: i, j, lowest
+
+    do i = 1, n_r
+      edge = reference(:, merge(1, i + 1, i == n_r)) - reference(:, i)
+      length = sqrt(edge(1)**2 + edge(2)**2)
+      if (length <= tiny(length)) cycle
+      normal = [edge(2), -edge(1)]/length
+      start = reference(:, i) - shift
+      ! A face must win by more than rounding, or faces as good would take turns.
+      bar = face%height + same_length*length
+      lowest_height = huge(lowest_height)
+      lowest = 0
+      do j = 1, n_i
+        height = normal(1)*(incident(1, j) - start(1)) + normal(2)*(incident(2, j) - start(2))
+        if (height >= lowest_height) cycle
+        lowest_height = height
+        lowest = j
+        if (height <= bar) exit
+      end do
+      if (lowest_height <= bar) cycle
+      face = face_t(edge=i, length=length, normal=normal, lowest=lowest, height=lowest_height)
+      if (lowest_height >= reach) return
+    end do
+  end subroutine find_face
+
+  !> Add the points of contact over a reference face.
+  pure subroutine add_points(n_r, reference, n_i, incident, shift, face, is_antagonist, radius_a, alert, touch)
+    integer, intent(in) :: n_r !! vertices of the reference polygon
+    real(wp), intent(in) :: reference(2, n_r) !! its vertices [m]
+    integer, intent(in) :: n_i !! vertices of the incident polygon
+    real(wp), intent(in) :: incident(2, n_i) !! its vertices [m]
+    real(wp), intent(in) :: shift(2) !! added to the incident vertices [m]
+    type(face_t), intent(in) :: face !! the reference face
+    logical, intent(in) :: is_antagonist !! is the reference polygon the antagonist?
+    real(wp), intent(in) :: radius_a !! thickness of the antagonist's skin [m]
+    real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
+    type(touch_t), intent(inout) :: touch !! points found
+    real(wp) :: origin(2), tangent(2), place(2, 2), along(2), low, high, same, rounding
+    integer :: vertex(2)
+
+    vertex = [face%lowest, facing_neighbour(n_i, incident, face%lowest, face%normal)]
+    ! Everything is taken about the start of the face, so that far from the origin gaps keep their digits.
+    origin = reference(:, face%edge)
+    tangent = [-face%normal(2), face%normal(1)]
+    place(:, 1) = incident(:, vertex(1)) + (shift - origin)
+    place(:, 2) = incident(:, vertex(2)) + (shift - origin)
+    along = [dot(tangent, place(:, 1)), dot(tangent, place(:, 2))]
+    low = max(0.0_wp, min(along(1), along(2)))
+    high = min(face%length, max(along(1), along(2)))
+    rounding = same_length*face%length
+    same = same_point*min(face%length, size_of(place(:, 2) - place(:, 1)))
+    if (high - low > same) then
+      call add_end(touch, low, is_start=.true.)
+      call add_end(touch, high, is_start=.false.)
+    else
+      call add_end(touch, min(max(along(1), 0.0_wp), face%length), is_start=2*along(1) < face%length)
+    end if
+
+  contains
+
+    !> Add one end of what the edges share.
+    pure subroutine add_end(touch, x, is_start)
+      type(touch_t), intent(inout) :: touch !! points so far
+      real(wp), intent(in) :: x !! place of the end along the face [m]
+      logical, intent(in) :: is_start !! is it on the side of the face's start?
+      real(wp) :: corner, beyond, fraction, facing(2), normal(2), apart(2), gap
+
+      corner = merge(0.0_wp, face%length, is_start)
+      beyond = merge(-along(1), along(1) - face%length, is_start)
+      fraction = 0
+      if (beyond > rounding) then
+        fraction = nearest_fraction(corner*tangent, place)
+      else if (abs(along(2) - along(1)) > same) then
+        fraction = min(max((x - along(1))/(along(2) - along(1)), 0.0_wp), 1.0_wp)
+      end if
+      facing = place(:, 1) + fraction*(place(:, 2) - place(:, 1))
+      normal = face%normal
+      gap = dot(normal, facing)
+      apart = facing - corner*tangent
+      if (beyond > rounding .and. face%height > 0 .and. size_of(apart) > rounding) then
+        gap = size_of(apart)
+        normal = apart/gap
+      end if
+      if (is_antagonist) then
+        call add_point(touch, origin - shift + facing, normal, gap - radius_a, alert, key(x, corner, facing, fraction))
+      else
+        call add_point(touch, origin + facing - gap*normal, -normal, gap - radius_a, alert, key(x, corner, facing, fraction))
+      end if
+    end subroutine add_end
+
+    !> Key of an end: 2 v - 1 for the antagonist's vertex v, 2 v for the candidate's; the antagonist's where both end here.
+    pure integer(i4) function key(x, corner, facing, fraction)
+      real(wp), intent(in) :: x !! place of the end along the face [m]
+      real(wp), intent(in) :: corner !! place of the face's corner on that side [m]
+      real(wp), intent(in) :: facing(2) !! the incident point [m]
+      real(wp), intent(in) :: fraction !! its place on the incident edge, 0 to 1
+      integer :: end_vertex, face_vertex
+
+      end_vertex = merge(1, 2, 2*fraction < 1)
+      face_vertex = face%edge
+      if (corner > 0) face_vertex = merge(1, face%edge + 1, face%edge == n_r)
+      if (is_antagonist) then
+        key = 2*vertex(end_vertex)
+        if (abs(x - corner) <= same) key = 2*face_vertex - 1
+      else
+        key = 2*face_vertex
+        if (size_of(facing - place(:, end_vertex)) <= same) key = 2*vertex(end_vertex) - 1
+      end if
+    end function key
+  end subroutine add_points
+
+  !> The neighbour of the lowest vertex that makes the flatter edge with it, seen from the face.
+  pure integer function facing_neighbour(n, vertices, lowest, normal) result(neighbour)
+    integer, intent(in) :: n !! vertices of the incident polygon
+    real(wp), intent(in) :: vertices(2, n) !! its vertices [m]
+    integer, intent(in) :: lowest !! the lowest one
+    real(wp), intent(in) :: normal(2) !! normal of the face
+    real(wp) :: to_before(2), to_after(2)
+    integer :: before
+
+    before = merge(n, lowest - 1, lowest == 1)
+    neighbour = merge(1, lowest + 1, lowest == n)
+    to_before = vertices(:, before) - vertices(:, lowest)
+    to_after = vertices(:, neighbour) - vertices(:, lowest)
+    if (dot(normal, to_before)*size_of(to_after) < dot(normal, to_after)*size_of(to_before)) neighbour = before
+  end function facing_neighbour
+
+  !> Place of the point of an edge nearest to a point, from 0 at the edge's first end to 1 at its second.
+  pure real(wp) function nearest_fraction(point, ends) result(fraction)
+    real(wp), intent(in) :: point(2) !! [m]
+    real(wp), intent(in) :: ends(2, 2) !! [m], shape (2, end)
+    real(wp) :: edge(2), length2
+
+    edge = ends(:, 2) - ends(:, 1)
+    length2 = dot(edge, edge)
+    fraction = 0
+    if (length2 > tiny(length2)) fraction = min(max(dot(edge, point - ends(:, 1))/length2, 0.0_wp), 1.0_wp)
+  end function nearest_fraction
+
+  !> Scalar product of two vectors.
+  pure real(wp) function dot(a, b)
+    real(wp), intent(in) :: a(2), b(2)
+
+    dot = a(1)*b(1) + a(2)*b(2)
+  end function dot
+
+  !> Length of a vector, without the scaling that makes `norm2` slow.
+  pure real(wp) function size_of(a)
+    real(wp), intent(in) :: a(2)
+
+    size_of = sqrt(a(1)*a(1) + a(2)*a(2))
+  end function size_of
+end module sg_touch_convex
