@@ -11,7 +11,9 @@ module sg_mapping
 
 contains
 
-  !> Lever arms of a contact [m]: from the candidate's centre, and from the antagonist's, to the point of contact.
+  !> Lever arms of a contact [m], from the centres of candidate and antagonist, each to its own surface.
+  !!
+  !! The point of contact lies midway between the two surfaces, half a gap from either along the normal.
   pure function arms_of(contacts, k, middle, period) result(arms)
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact
@@ -19,8 +21,8 @@ contains
     real(wp), intent(in) :: period !! period in x, zero when not periodic [m]
     real(wp) :: arms(2, 2)
 
-    arms(:, 1) = contacts%point(:, k) - middle(1:2, contacts%body(1, k))
-    arms(:, 2) = contacts%point(:, k) - middle(1:2, contacts%body(2, k))
+    arms(:, 1) = contacts%point(:, k) + contacts%gap(k)/2*contacts%normal(:, k) - middle(1:2, contacts%body(1, k))
+    arms(:, 2) = contacts%point(:, k) - contacts%gap(k)/2*contacts%normal(:, k) - middle(1:2, contacts%body(2, k))
     arms(1, 2) = arms(1, 2) - period*real(contacts%image(k), wp)
   end function arms_of
 

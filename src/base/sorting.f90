@@ -1,0 +1,83 @@
+!> Sorting in linear time: integer keys by radix, and places on a space-filling curve as keys.
+module sg_sorting
+  use sg_kinds, only: wp, i4, i8
+  implicit none
+  private
+  public :: sort_permutation, hilbert_key
+
+  integer, parameter :: bits = 11, buckets = 2**bits
+
+contains
+
+  !> Permutation that sorts non-negative keys; equal keys keep their order.
+  pure function sort_permutation(keys) result(permutation)
+    integer(i8), intent(in) :: keys(:) !! keys, none negative
+    integer(i4), allocatable :: permutation(:)
+    integer(i4), allocatable :: moved(:)
+    integer(i8) :: largest
+    integer :: shift, i
+
+    permutation = [(int(i, i4), i=1, size(keys))]
+    if (size(keys) < 2) return
+    allocate (moved(size(keys)))
+    largest = maxval(keys)
+    shift = 0
+    do while (shift < 63)
+      if (shiftr(largest, shift) == 0) exit
+      call sort_digit(keys, shift, permutation, moved)
+      permutation = moved
+      shift = shift + bits
+    end do
+  end function sort_permutation
+
+  !> One stable pass of the radix sort.
+  pure subroutine sort_digit(keys, shift, from, to)
+    integer(i8), intent(in) :: keys(:)
+    integer, intent(in) :: shift
+    integer(i4), intent(in) :: from(:)
+    integer(i4), intent(out) :: to(:)
+    integer :: first(0:buckets), i, digit
+
+    first = 0
+    do i = 1, size(keys)
+      digit = int(ibits(keys(i), shift, bits))
+      first(digit + 1) = first(digit + 1) + 1
+    end do
+    first(0) = 1
+    do i = 1, buckets
+      first(i) = first(i) + first(i - 1)
+    end do
+    do i = 1, size(keys)
+      digit = int(ibits(keys(from(i)), shift, bits))
+      to(first(digit)) = from(i)
+      first(digit) = first(digit) + 1
+    end do
+  end subroutine sort_digit
+
+  !> Place of a point of the unit square along Hilbert's curve of 2^20 cells a side.
+  pure integer(i8) function hilbert_key(point) result(key)
+    real(wp), intent(in) :: point(2) !! within 0 to 1
+    integer, parameter :: order = 20
+    integer :: x, y, s, rx, ry, keep
+
+    x = min(2**order - 1, max(0, int(point(1)*2**order)))
+    y = min(2**order - 1, max(0, int(point(2)*2**order)))
+    key = 0
+    s = 2**(order - 1)
+    do while (s > 0)
+      rx = merge(1, 0, iand(x, s) > 0)
+      ry = merge(1, 0, iand(y, s) > 0)
+      key = key + int(s, i8)*int(s, i8)*int(ieor(3*rx, ry), i8)
+      if (ry == 0) then
+        if (rx == 1) then
+          x = 2**order - 1 - x
+          y = 2**order - 1 - y
+        end if
+        keep = x
+        x = y
+        y = keep
+      end if
+      s = s/2
+    end do
+  end function hilbert_key
+end module sg_sorting

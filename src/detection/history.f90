@@ -1,0 +1,140 @@
+!> Impulses carried from one detection to the next, found again by pair of contactors and feature.
+!!
+!! Contacts of one pair stand together, in the order of pairs. As long as the list of neighbours is the same, pair p
+!! finds its past at p; when the list is made anew, pairs are matched once through the candidate's short list.
+module sg_history
+  use sg_contacts, only: contacts_t
+  use sg_kinds, only: wp, i1, i4
+  use sg_lists, only: reserve
+  use sg_scene, only: scene_t
+  implicit none
+  private
+  public :: history_t, remember, match, recall
+
+  !> Contacts of the last detection, as much as the next one needs
+  type :: history_t
+    !> Number of pairs that had contacts
+    integer :: n_pairs = 0
+    !> Contactors of each pair, shape (2, n_pairs)
+    integer(i4), allocatable :: contactor(:, :)
+    !> Contacts of pair p are `first(p)` to `first(p + 1) - 1`
+    integer(i4), allocatable :: first(:)
+    !> Feature, impulse, status of each contact; point in the candidate's period, for contacts read from a deck
+    integer(i4), allocatable :: feature(:)
+    real(wp), allocatable :: impulse(:, :), point(:, :)
+    integer(i1), allocatable :: status(:)
+    !> Pair of the past for each present neighbour pair, 0 where there is none
+    integer(i4), allocatable :: past(:)
+    !> Contacts read from a deck carry no feature: they are found by their points
+    logical :: by_point = .false.
+  end type history_t
+
+contains
+
+  !> Note the contacts of a detection.
+  subroutine remember(history, contacts)
+    type(history_t), intent(inout) :: history !! past to fill
+    type(contacts_t), intent(in) :: contacts !! contacts to note
+    integer :: k
+    logical :: is_new
+
+    history%n_pairs = 0
+    history%by_point = .false.
+    call reserve(history%feature, contacts%n)
+    call reserve(history%status, contacts%n)
+    call reserve(history%impulse, contacts%n_components, contacts%n)
+    call reserve(history%first, contacts%n + 1)
+    call reserve(history%contactor, 2, contacts%n)
+    do k = 1, contacts%n
+      history%feature(k) = contacts%feature(k)
+      history%status(k) = contacts%status(k)
+      history%impulse(:, k) = contacts%impulse(:, k)
+      is_new = k == 1
+      if (.not. is_new) is_new = any(contacts%contactor(:, k) /= contacts%contactor(:, k - 1)) &
+                                 .or. contacts%image(k) /= contacts%image(k - 1)
+      if (.not. is_new) cycle
+      history%n_pairs = history%n_pairs + 1
+      history%contactor(:, history%n_pairs) = contacts%contactor(:, k)
+      history%first(history%n_pairs) = int(k, i4)
+    end do
+    history%first(history%n_pairs + 1) = int(contacts%n, i4) + 1
+  end subroutine remember
+
+  !> Find the past of every neighbour pair.
+  subroutine match(history, n_contactors, n_pairs, contactor)
+    type(history_t), intent(inout) :: history !! past; `past` is set
+    integer, intent(in) :: n_contactors !! contactors of the scene
+    integer, intent(in) :: n_pairs !! present pairs
+    integer(i4), intent(in), contiguous :: contactor(:, :) !! their contactors, shape (2, n_pairs)
+    integer(i4), allocatable :: first(:), member(:)
+    integer :: p, m
+
+    call list_by_candidate(history, n_contactors, first, member)
+    call reserve(history%past, n_pairs)
+    do p = 1, n_pairs
+      history%past(p) = 0
+      do m = first(contactor(1, p)), first(contactor(1, p) + 1) - 1
+        if (history%contactor(2, member(m)) == contactor(2, p)) history%past(p) = member(m)
+      end do
+    end do
+  end subroutine match
+
+  !> Past pairs of each candidate: those of c are `member(first(c))` to `member(first(c + 1) - 1)`.
+  subroutine list_by_candidate(history, n_contactors, first, member)
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: n_contactors
+    integer(i4), allocatable, intent(out) :: first(:), member(:)
+    integer(i4), allocatable :: next(:)
+    integer :: p, c
+
+    allocate (first(n_contactors + 1), source=0_i4)
+    allocate (member(history%n_pairs))
+    do p = 1, history%n_pairs
+      c = history%contactor(1, p)
+      first(c + 1) = first(c + 1) + 1
+    end do
+    first(1) = 1
+    do c = 1, n_contactors
+      first(c + 1) = first(c) + first(c + 1)
+    end do
+    next = first
+    do p = 1, history%n_pairs
+      c = history%contactor(1, p)
+      member(next(c)) = int(p, i4)
+      next(c) = next(c) + 1
+    end do
+  end subroutine list_by_candidate
+
+  !> Impulse and status of a contact's past; zero and new where it has none.
+  pure subroutine recall(history, pair, feature, point, impulse, status)
+    type(history_t), intent(in) :: history !! past
+    integer, intent(in) :: pair !! present neighbour pair
+    integer(i4), intent(in) :: feature !! feature of the contact
+    real(wp), intent(in) :: point(2) !! its point [m]
+    real(wp), intent(out) :: impulse(:) !! impulse of the last step [N s]
+    integer(i1), intent(out) :: status !! status after the last step
+    integer :: k, best, past
+    real(wp) :: nearest, distance
+
+    impulse = 0
+    status = 0
+    past = 0
+    if (history%n_pairs > 0) past = history%past(pair)
+    if (past == 0) return
+    best = 0
+    nearest = huge(1.0_wp)
+    do k = history%first(past), history%first(past + 1) - 1
+      if (history%by_point) then
+        distance = hypot(history%point(1, k) - point(1), history%point(2, k) - point(2))
+        if (distance >= nearest) cycle
+        nearest = distance
+        best = k
+      else if (history%feature(k) == feature) then
+        best = k
+      end if
+    end do
+    if (best == 0) return
+    impulse = history%impulse(:size(impulse), best)
+    status = history%status(best)
+  end subroutine recall
+end module sg_history

@@ -1,0 +1,242 @@
+!> From contacts to a contact problem: local frames, lever arms, Delassus blocks, biases, the guess; and back.
+module sg_assemble
+  use sg_bodies, only: bodies_t
+  use sg_contacts, only: contacts_t
+  use sg_kinds, only: wp, i1, i4
+  use sg_laws, only: law_mohr, local_law, local_law_t, status_bonded, status_none, status_slide, status_stick
+  use sg_mapping, only: arms_of, relative_velocity
+  use sg_problem, only: arm_frictional, arm_frictionless, problem_t, reserve_problem, round_frictional, round_frictionless
+  use sg_scene, only: scene_t
+  implicit none
+  private
+  public :: assemble, disassemble
+
+contains
+
+  !> Make the contact problem of a step; `bodies%velocity` is the beginning's, `bodies%free_velocity` the free one.
+  subroutine assemble(scene, contacts, kind, body_of, slot_of, radius, step, problem)
+    type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
+    type(contacts_t), intent(in) :: contacts !! contacts with the guess of their impulses
+    integer, intent(in) :: kind !! kind of problem, from the plan
+    integer(i4), intent(in) :: body_of(:) !! body of each slot
+    integer(i4), intent(in) :: slot_of(:) !! slot of each body
+    real(wp), intent(in) :: radius(:) !! signed radius of round bodies [m], shape (bodies); empty for arm problems
+    real(wp), intent(in) :: step !! time step [s]
+    type(problem_t), intent(inout) :: problem !! the problem made
+    real(wp) :: q(2), squares
+    type(local_law_t) :: law
+    integer :: k
+
+    call reserve_problem(problem, kind, scene%bodies%n, contacts%n)
+    call load_bodies(scene%bodies, kind, body_of, radius, problem%body)
+    squares = 0
+    do k = 1, contacts%n
+      problem%pair(:, k) = slot_of(contacts%body(:, k))
+      law = law_of(scene, contacts, k, step)
+      q = relative_velocity(contacts, k, scene%bodies%middle, scene%period, scene%bodies%free_velocity) + law%bias
+      if (kind == round_frictionless .or. kind == round_frictional) then
+        call round_record(scene, contacts, k, kind, law, problem%body, problem%pair(:, k), problem%record(:, k))
+      else
+        call arm_record(scene, contacts, k, kind, law, problem%body, problem%pair(:, k), problem%record(:, k))
+      end if
+      problem%impulse(:, k) = 0
+      if (.not. law%is_active) cycle
+      problem%impulse(:, k) = contacts%impulse(:, k)
+      squares = squares + q(1)**2
+      if (size(problem%impulse, 1) == 2) squares = squares + q(2)**2
+    end do
+    problem%free_norm = sqrt(squares)
+    problem%velocity_scale = hypot(scene%gravity(1), scene%gravity(2))*step
+    if (.not. problem%velocity_scale > 0) problem%velocity_scale = problem%free_norm/sqrt(real(max(1, contacts%n), wp))
+  end subroutine assemble
+
+  !> What the law of a contact asks in this step.
+  pure function law_of(scene, contacts, k, step) result(law)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    real(wp), intent(in) :: step
+    type(local_law_t) :: law
+    real(wp) :: before(2)
+
+    before = 0
+    associate (own => scene%laws(contacts%law(k)))
+      if (max(abs(own%normal_restitution), abs(own%tangential_restitution)) > 0) then
+        before = relative_velocity(contacts, k, scene%bodies%middle, scene%period, scene%bodies%velocity)
+      end if
+      law = local_law(own, contacts%gap(k), step, before, contacts%status(k))
+    end associate
+  end function law_of
+
+  !> Free velocities and inverse masses by slot.
+  pure subroutine load_bodies(bodies, kind, body_of, radius, body)
+    type(bodies_t), intent(in) :: bodies
+    integer, intent(in) :: kind
+    integer(i4), intent(in) :: body_of(:)
+    real(wp), intent(in) :: radius(:)
+    real(wp), intent(inout) :: body(:, :)
+    integer :: s, b
+
+    do s = 1, size(body_of)
+      b = body_of(s)
+      select case (kind)
+      case (round_frictionless)
+        body(:, s) = [bodies%free_velocity(1:2, b), bodies%inverse_mass(1:2, b)]
+      case (round_frictional)
+        body(:, s) = [bodies%free_velocity(1:2, b), radius(b)*bodies%free_velocity(3, b), &
+                      bodies%inverse_mass(1:2, b), radius(b)**2*bodies%inverse_mass(3, b)]
+      case default
+        body(:, s) = [bodies%free_velocity(:, b), bodies%inverse_mass(:, b)]
+      end select
+    end do
+  end subroutine load_bodies
+
+  !> Record of a contact whose arms lie along the normal.
+  !!
+  !! Where a body is driven in one direction only, W_nt does not vanish; the block is then replaced by the diagonal
+  !! one that bounds it (Gershgorin), which moves no solution: the sweep works with true relative velocities.
+  !! A driven spin enters as a bias.
+  pure subroutine round_record(scene, contacts, k, kind, law, body, pair, record)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k, kind
+    type(local_law_t), intent(in) :: law
+    real(wp), intent(in) :: body(:, :)
+    integer(i4), intent(in) :: pair(2)
+    real(wp), intent(inout) :: record(:)
+    real(wp) :: n(2), bias(2), mx, my, w_nn, w_tt, w_nt
+    integer :: inverse
+
+    n = contacts%normal(:, k)
+    bias = law%bias + driven_spin(scene, contacts, k)
+    inverse = merge(3, 4, kind == round_frictionless)
+    mx = body(inverse, pair(1)) + body(inverse, pair(2))
+    my = body(inverse + 1, pair(1)) + body(inverse + 1, pair(2))
+    w_nn = n(1)**2*mx + n(2)**2*my
+    w_nt = abs(n(1)*n(2)*(mx - my))
+    record(1:3) = [n, bias(1)]
+    if (kind == round_frictionless) then
+      record(4) = inverse_of(w_nn, law%is_active)
+    else
+      w_tt = n(2)**2*mx + n(1)**2*my + body(6, pair(1)) + body(6, pair(2))
+      record(4:7) = [bias(2), inverse_of(w_nn + w_nt, law%is_active), inverse_of(w_tt + w_nt, law%is_active), law%friction]
+    end if
+  end subroutine round_record
+
+  !> Inverse of a diagonal term of W; zero where the contact can change nothing.
+  pure real(wp) function inverse_of(w, is_active)
+    real(wp), intent(in) :: w
+    logical, intent(in) :: is_active
+
+    inverse_of = 0
+    if (is_active .and. w > tiny(1.0_wp)) inverse_of = 1/w
+  end function inverse_of
+
+  !> Relative velocity due to driven spins, which the records of round bodies do not carry.
+  pure function driven_spin(scene, contacts, k) result(u)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    real(wp) :: u(2), arms(2, 2), jump(2), n(2)
+    integer :: side, b
+    logical :: is_driven(2)
+
+    u = 0
+    if (scene%bodies%n_velocity < 3) return
+    do side = 1, 2
+      b = contacts%body(side, k)
+      is_driven(side) = .not. scene%bodies%inverse_mass(3, b) > 0 .and. abs(scene%bodies%free_velocity(3, b)) > 0
+    end do
+    if (.not. any(is_driven)) return
+    arms = arms_of(contacts, k, scene%bodies%middle, scene%period)
+    jump = 0
+    do side = 1, 2
+      if (.not. is_driven(side)) cycle
+      jump = jump + real(3 - 2*side, wp)*scene%bodies%free_velocity(3, contacts%body(side, k))*[-arms(2, side), arms(1, side)]
+    end do
+    n = contacts%normal(:, k)
+    u = [n(1)*jump(1) + n(2)*jump(2), n(2)*jump(1) - n(1)*jump(2)]
+  end function driven_spin
+
+  !> Record of a contact with any lever arms.
+  pure subroutine arm_record(scene, contacts, k, kind, law, body, pair, record)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k, kind
+    type(local_law_t), intent(in) :: law
+    real(wp), intent(in) :: body(:, :)
+    integer(i4), intent(in) :: pair(2)
+    real(wp), intent(inout) :: record(:)
+    real(wp) :: n(2), arms(2, 2), turn_n(2), turn_t(2), mx, my, w_nn, w_tt, w_nt, law_kind
+
+    n = contacts%normal(:, k)
+    arms = arms_of(contacts, k, scene%bodies%middle, scene%period)
+    turn_n = arms(1, :)*n(2) - arms(2, :)*n(1)
+    turn_t = -arms(1, :)*n(1) - arms(2, :)*n(2)
+    mx = body(4, pair(1)) + body(4, pair(2))
+    my = body(5, pair(1)) + body(5, pair(2))
+    w_nn = n(1)**2*mx + n(2)**2*my + turn_n(1)**2*body(6, pair(1)) + turn_n(2)**2*body(6, pair(2)) + law%compliance(1)
+    if (kind == arm_frictionless) then
+      record = [n, turn_n, law%bias(1), inverse_of(w_nn, law%is_active)]
+      return
+    end if
+    w_tt = n(2)**2*mx + n(1)**2*my + turn_t(1)**2*body(6, pair(1)) + turn_t(2)**2*body(6, pair(2)) + law%compliance(2)
+    w_nt = n(1)*n(2)*(mx - my) + turn_n(1)*turn_t(1)*body(6, pair(1)) + turn_n(2)*turn_t(2)*body(6, pair(2))
+    law_kind = merge(2.0_wp, 1.0_wp, law%is_linear)
+    if (.not. (law%is_active .and. w_nn > tiny(1.0_wp))) law_kind = 0
+    record = [n, turn_n(1), turn_t(1), turn_n(2), turn_t(2), law%bias, w_nn, w_nt, w_tt, law%friction, law%cohesion, &
+              law%compliance, law_kind]
+  end subroutine arm_record
+
+  !> Bring the solution back: impulses and statuses of contacts, velocities of bodies (into `free_velocity`).
+  subroutine disassemble(problem, scene, body_of, radius, contacts)
+    type(problem_t), intent(in) :: problem !! solved problem
+    type(scene_t), intent(inout) :: scene !! scene whose bodies move on
+    integer(i4), intent(in) :: body_of(:) !! body of each slot
+    real(wp), intent(in) :: radius(:) !! signed radius of round bodies [m]
+    type(contacts_t), intent(inout) :: contacts !! contacts that carry the impulses to the next step
+    integer :: s, b, k
+
+    do k = 1, contacts%n
+      contacts%impulse(:, k) = problem%impulse(:, k)
+      contacts%status(k) = status_after(scene, problem, contacts, k)
+    end do
+    do s = 1, problem%n_bodies
+      b = body_of(s)
+      scene%bodies%free_velocity(1:2, b) = problem%body(1:2, s)
+      select case (problem%kind)
+      case (round_frictional)
+        if (scene%bodies%inverse_mass(3, b) > 0) scene%bodies%free_velocity(3, b) = problem%body(3, s)/radius(b)
+      case (arm_frictional, arm_frictionless)
+        scene%bodies%free_velocity(3, b) = problem%body(3, s)
+      end select
+    end do
+  end subroutine disassemble
+
+  !> What a contact did in this step. A bond that slips or opens is broken for good.
+  pure integer(i1) function status_after(scene, problem, contacts, k) result(status)
+    type(scene_t), intent(in) :: scene
+    type(problem_t), intent(in) :: problem
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    real(wp) :: normal, tangential, friction
+
+    normal = problem%impulse(1, k)
+    tangential = 0
+    friction = 0
+    if (problem%kind == round_frictional) friction = problem%record(7, k)
+    if (problem%kind == arm_frictional) then
+      friction = problem%record(12, k)
+      normal = normal + problem%record(13, k)
+    end if
+    if (size(problem%impulse, 1) == 2) tangential = abs(problem%impulse(2, k))
+    if (.not. normal > 0) then
+      status = status_none
+    else if (tangential < friction*normal) then
+      status = status_stick
+      if (contacts%status(k) == status_bonded .and. scene%laws(contacts%law(k))%kind == law_mohr) status = status_bonded
+    else
+      status = status_slide
+    end if
+  end function status_after
+end module sg_assemble

@@ -1,0 +1,87 @@
+!> Gauss-Seidel sweeps over problems with any lever arms and any law (doc/theory/nlgs.md).
+module sg_sweep_arm
+  use sg_kinds, only: wp, i4
+  implicit none
+  private
+  public :: sweep_arm_frictionless, sweep_arm_frictional
+
+contains
+
+  !> One sweep without friction.
+  pure subroutine sweep_arm_frictionless(n, pair, record, relaxation, impulse, body)
+    integer, intent(in) :: n !! contacts
+    integer(i4), intent(in), contiguous :: pair(:, :) !! slots, shape (2, n)
+    real(wp), intent(in), contiguous :: record(:, :) !! n_x, n_y, turn_c, turn_a, bias, 1/W_nn
+    real(wp), intent(in) :: relaxation !! share of each change taken
+    real(wp), intent(inout), contiguous :: impulse(:, :) !! normal impulses [N s], shape (1, n)
+    real(wp), intent(inout), contiguous :: body(:, :) !! v_x, v_y, spin, inverse masses
+    integer :: k
+    integer(i4) :: c, a
+    real(wp) :: u, change
+
+    do k = 1, n
+      c = pair(1, k)
+      a = pair(2, k)
+      u = record(1, k)*(body(1, c) - body(1, a)) + record(2, k)*(body(2, c) - body(2, a)) &
+          + record(3, k)*body(3, c) - record(4, k)*body(3, a) + record(5, k)
+      change = relaxation*(max(0.0_wp, impulse(1, k) - u*record(6, k)) - impulse(1, k))
+      impulse(1, k) = impulse(1, k) + change
+      body(1, c) = body(1, c) + body(4, c)*record(1, k)*change
+      body(2, c) = body(2, c) + body(5, c)*record(2, k)*change
+      body(3, c) = body(3, c) + body(6, c)*record(3, k)*change
+      body(1, a) = body(1, a) - body(4, a)*record(1, k)*change
+      body(2, a) = body(2, a) - body(5, a)*record(2, k)*change
+      body(3, a) = body(3, a) - body(6, a)*record(4, k)*change
+    end do
+  end subroutine sweep_arm_frictionless
+
+  !> One sweep with friction, cohesion, compliance and linear laws.
+  pure subroutine sweep_arm_frictional(n, pair, record, relaxation, impulse, body)
+    use sg_local_step, only: coulomb_step
+    integer, intent(in) :: n !! contacts
+    integer(i4), intent(in), contiguous :: pair(:, :) !! slots, shape (2, n)
+    real(wp), intent(in), contiguous :: record(:, :) !! see `record_length` of sg_problem
+    real(wp), intent(in) :: relaxation !! share of each change taken
+    real(wp), intent(inout), contiguous :: impulse(:, :) !! impulses [N s], shape (2, n)
+    real(wp), intent(inout), contiguous :: body(:, :) !! v_x, v_y, spin, inverse masses
+    integer :: k
+    integer(i4) :: c, a
+    real(wp) :: x, y, dx, dy, q_n, q_t, r_n, r_t, old_n, old_t, p_x, p_y, determinant
+
+    do k = 1, n
+      if (record(16, k) < 0.5_wp) cycle
+      c = pair(1, k)
+      a = pair(2, k)
+      x = record(1, k)
+      y = record(2, k)
+      old_n = impulse(1, k) + record(13, k)
+      old_t = impulse(2, k)
+      dx = body(1, c) - body(1, a)
+      dy = body(2, c) - body(2, a)
+      ! Velocity without this contact: what it does itself, cohesion included, is taken out again.
+      q_n = x*dx + y*dy + record(3, k)*body(3, c) - record(5, k)*body(3, a) + record(7, k) + record(14, k)*impulse(1, k) &
+            - record(9, k)*old_n - record(10, k)*old_t
+      q_t = y*dx - x*dy + record(4, k)*body(3, c) - record(6, k)*body(3, a) + record(8, k) + record(15, k)*old_t &
+            - record(10, k)*old_n - record(11, k)*old_t
+      if (record(16, k) < 1.5_wp) then
+        call coulomb_step(record(9, k), record(10, k), record(11, k), record(12, k), q_n, q_t, r_n, r_t)
+      else
+        determinant = record(9, k)*record(11, k) - record(10, k)**2
+        r_n = (record(10, k)*q_t - record(11, k)*q_n)/determinant
+        r_t = (record(10, k)*q_n - record(9, k)*q_t)/determinant
+      end if
+      r_n = relaxation*(r_n - old_n)
+      r_t = relaxation*(r_t - old_t)
+      impulse(1, k) = impulse(1, k) + r_n
+      impulse(2, k) = impulse(2, k) + r_t
+      p_x = x*r_n + y*r_t
+      p_y = y*r_n - x*r_t
+      body(1, c) = body(1, c) + body(4, c)*p_x
+      body(2, c) = body(2, c) + body(5, c)*p_y
+      body(3, c) = body(3, c) + body(6, c)*(record(3, k)*r_n + record(4, k)*r_t)
+      body(1, a) = body(1, a) - body(4, a)*p_x
+      body(2, a) = body(2, a) - body(5, a)*p_y
+      body(3, a) = body(3, a) - body(6, a)*(record(5, k)*r_n + record(6, k)*r_t)
+    end do
+  end subroutine sweep_arm_frictional
+end module sg_sweep_arm
