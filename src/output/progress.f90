@@ -1,0 +1,141 @@
+!> How far a run is: on a terminal one bar that is redrawn, elsewhere one line every few seconds.
+module sg_progress
+  use sg_kinds, only: wp
+  use sg_report, only: report_t
+  use sg_text, only: to_text
+  use sg_timers, only: wall_now
+  implicit none
+  private
+  public :: progress_t, duration_text
+
+  !> Wall seconds between two lines, and between two drawings of the bar
+  real(wp), parameter :: seconds_between_lines = 5, seconds_between_bars = 0.2_wp
+  !> Letters of the bar, and of the whole line that is redrawn
+  integer, parameter :: bar_width = 20, line_width = 110
+
+  !> Progress of one run
+  type :: progress_t
+    !> Open unit to write on
+    integer, private :: unit = 0
+    !> First and last step of this run
+    integer, private :: first_step = 0, last_step = 0
+    !> Is the unit a terminal? Is nothing to be said? Does a bar stand on the terminal's line?
+    logical, private :: on_terminal = .false., is_quiet = .false., is_drawn = .false.
+    !> Wall clock at the start and when progress was last shown [s]
+    real(wp), private :: started = 0, shown = 0
+    !> Name of the stopping criterion
+    character(len=:), allocatable, private :: criterion
+  contains
+    procedure :: start => progress_start
+    procedure :: is_due => progress_is_due
+    procedure :: show => progress_show
+    procedure :: finish => progress_finish
+  end type progress_t
+
+contains
+
+  !> Begin.
+  subroutine progress_start(self, unit, first_step, last_step, criterion, on_terminal, is_quiet)
+    class(progress_t), intent(inout) :: self
+    integer, intent(in) :: unit !! open unit to write on
+    integer, intent(in) :: first_step !! number of steps done before this run
+    integer, intent(in) :: last_step !! number of the last step
+    character(len=*), intent(in) :: criterion !! name of the stopping criterion
+    logical, intent(in) :: on_terminal !! is the unit a terminal?
+    logical, intent(in) :: is_quiet !! say nothing at all
+
+    self%unit = unit
+    self%first_step = first_step
+    self%last_step = last_step
+    self%criterion = trim(criterion)
+    self%on_terminal = on_terminal
+    self%is_quiet = is_quiet
+    self%is_drawn = .false.
+    self%started = wall_now()
+    self%shown = self%started
+  end subroutine progress_start
+
+  !> Is it time to show progress again?
+  logical function progress_is_due(self)
+    class(progress_t), intent(in) :: self
+    real(wp) :: wait
+
+    wait = seconds_between_lines
+    if (self%on_terminal) wait = seconds_between_bars
+    progress_is_due = .not. self%is_quiet .and. wall_now() - self%shown >= wait
+  end function progress_is_due
+
+  !> Show where the run is after a step.
+  subroutine progress_show(self, step, time, contacts, report, kinetic_energy)
+    class(progress_t), intent(inout) :: self
+    integer, intent(in) :: step !! step done
+    real(wp), intent(in) :: time !! time reached [s]
+    integer, intent(in) :: contacts !! number of contacts
+    type(report_t), intent(in) :: report !! what the solver said
+    real(wp), intent(in) :: kinetic_energy !! last measured [J]
+    character(len=:), allocatable :: text, left
+    character(len=line_width) :: line
+
+    if (self%is_quiet) return
+    self%shown = wall_now()
+    left = duration_text(remaining(self%shown - self%started, step - self%first_step, self%last_step - step))
+    text = to_text(contacts)//' contacts, '//to_text(report%sweeps)//' sweeps, '//self%criterion//' '// &
+           to_text(report%criterion, 2)//merge(' ', '!', report%is_converged)
+    if (self%on_terminal) then
+      text = bar(real(step - self%first_step, wp)/real(max(1, self%last_step - self%first_step), wp))//' step '// &
+             to_text(step)//'/'//to_text(self%last_step)//', '//text//' '//left//' left'
+      line = text
+      write (self%unit, '(a)', advance='no') achar(13)//line
+      self%is_drawn = .true.
+    else
+      write (self%unit, '(a)') 'step '//to_text(step)//' of '//to_text(self%last_step)//', time '//to_text(time, 4)// &
+        ' s, '//text//', kinetic energy '//to_text(kinetic_energy, 3)//' J, '//left//' left'
+    end if
+    flush (self%unit)
+  end subroutine progress_show
+
+  !> End: the bar's line is closed.
+  subroutine progress_finish(self)
+    class(progress_t), intent(inout) :: self
+
+    if (self%is_drawn) write (self%unit, '(a)') ''
+    self%is_drawn = .false.
+  end subroutine progress_finish
+
+  !> Seconds left when `done` steps took `elapsed` seconds.
+  pure real(wp) function remaining(elapsed, done, to_do)
+    real(wp), intent(in) :: elapsed
+    integer, intent(in) :: done, to_do
+
+    remaining = elapsed*real(max(0, to_do), wp)/real(max(1, done), wp)
+  end function remaining
+
+  !> A bar filled to a share, and the share in percent.
+  pure function bar(share) result(text)
+    real(wp), intent(in) :: share
+    character(len=:), allocatable :: text
+    character(len=bar_width) :: full
+    character(len=4) :: percent
+
+    full = ''
+    full(:min(bar_width, max(0, int(share*bar_width)))) = repeat('=', bar_width)
+    write (percent, '(i3,a)') int(100*min(1.0_wp, max(0.0_wp, share))), '%'
+    text = '['//full//'] '//percent
+  end function bar
+
+  !> A duration as hours:minutes:seconds, or minutes:seconds below an hour.
+  pure function duration_text(seconds) result(text)
+    real(wp), intent(in) :: seconds !! [s]
+    character(len=:), allocatable :: text
+    character(len=20) :: buffer
+    integer :: whole
+
+    whole = nint(min(max(seconds, 0.0_wp), 1e9_wp))
+    if (whole >= 3600) then
+      write (buffer, '(i0,":",i2.2,":",i2.2)') whole/3600, modulo(whole, 3600)/60, modulo(whole, 60)
+    else
+      write (buffer, '(i0,":",i2.2)') whole/60, modulo(whole, 60)
+    end if
+    text = trim(buffer)
+  end function duration_text
+end module sg_progress

@@ -1,0 +1,147 @@
+!> record.csv: one row a recorded step, named columns, SI units (doc/guide/results.md lists them).
+module sg_record
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_is_negative
+  use sg_error, only: error_t, exit_output, fail
+  use sg_kinds, only: wp
+  use sg_measures, only: is_count, measure_names, measures_t, n_measures
+  use sg_report, only: report_t
+  use sg_system, only: file_exists
+  use sg_text, only: read_lines, text_t, to_text
+  use sg_text_files, only: append_text, replace_file
+  use sg_totals, only: n_phases, phase_names, totals_t
+  implicit none
+  private
+  public :: record_t
+
+  !> The record of a run
+  type :: record_t
+    !> Path of the file
+    character(len=:), allocatable :: file
+  contains
+    procedure :: start => record_start
+    procedure :: resume => record_resume
+    procedure :: add => record_add
+  end type record_t
+
+contains
+
+  !> Begin a new record; an older one is replaced.
+  subroutine record_start(self, file, error)
+    class(record_t), intent(inout) :: self
+    character(len=*), intent(in) :: file !! path of the record
+    type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
+
+    self%file = file
+    call replace_file(file, header()//new_line('a'), error)
+  end subroutine record_start
+
+  !> Go on with the record of a run that restarts after a step: rows of later steps, and a torn last row, are cut.
+  subroutine record_resume(self, file, step, error)
+    class(record_t), intent(inout) :: self
+    character(len=*), intent(in) :: file !! path of the record
+    integer, intent(in) :: step !! step of the checkpoint
+    type(error_t), allocatable, intent(out) :: error !! set when it cannot be read or written, or has other columns
+    type(text_t), allocatable :: lines(:)
+    character(len=:), allocatable :: kept
+    integer :: i
+
+    self%file = file
+    if (.not. file_exists(file)) then
+      call self%start(file, error)
+      return
+    end if
+    call read_lines(file, lines, error)
+    if (allocated(error)) return
+    kept = header()//new_line('a')
+    do i = 1, size(lines)
+      if (i == 1) then
+        if (lines(1)%s == header()) cycle
+        call fail(error, 'this record has other columns: move it away to restart', file=file, line=1, code=exit_output)
+        return
+      end if
+      if (is_row_until(lines(i)%s, step)) kept = kept//lines(i)%s//new_line('a')
+    end do
+    call replace_file(file, kept, error)
+  end subroutine record_resume
+
+  !> Is this a whole row of a step not later than the one given?
+  pure logical function is_row_until(line, last_step)
+    character(len=*), intent(in) :: line
+    integer, intent(in) :: last_step
+    integer :: i, step, status
+
+    is_row_until = .false.
+    if (count([(line(i:i) == ',', i=1, len(line))]) /= count_columns() - 1) return
+    if (line(len(line):) == ',') return
+    read (line(:index(line, ',') - 1), *, iostat=status) step
+    is_row_until = status == 0 .and. step <= last_step
+  end function is_row_until
+
+  !> Number of columns.
+  pure integer function count_columns()
+    character(len=:), allocatable :: names
+    integer :: i
+
+    names = header()
+    count_columns = 1 + count([(names(i:i) == ',', i=1, len(names))])
+  end function count_columns
+
+  !> The names of the columns.
+  pure function header() result(names)
+    character(len=:), allocatable :: names
+    integer :: i
+
+    names = 'step,time,contacts,active_contacts,sweeps,contact_updates,converged,criterion,e1,e2,e8,violation'// &
+            ',cpu_seconds,wall_seconds'
+    do i = 1, n_phases
+      names = names//',cpu_'//trim(phase_names(i))
+    end do
+    do i = 1, n_measures
+      names = names//','//trim(measure_names(i))
+    end do
+  end function header
+
+  !> Add the row of a step.
+  subroutine record_add(self, step, time, contacts, report, totals, measures, error)
+    class(record_t), intent(in) :: self
+    integer, intent(in) :: step !! number of the step
+    real(wp), intent(in) :: time !! end of the step [s]
+    integer, intent(in) :: contacts !! number of contacts
+    type(report_t), intent(in) :: report !! what the solver said of the step
+    type(totals_t), intent(in) :: totals !! timers since the start
+    type(measures_t), intent(in) :: measures !! indicators of the step
+    type(error_t), allocatable, intent(out) :: error !! set when the row cannot be written
+    character(len=:), allocatable :: row
+    integer :: i
+
+    row = to_text(step)//','//cell(time)//','//to_text(contacts)//','//to_text(report%active_contacts)//','// &
+          to_text(report%sweeps)//','//to_text(report%contact_updates)//','//merge('1', '0', report%is_converged)//','// &
+          cell(report%criterion)//','//cell(report%e1)//','//cell(report%e2)//','//cell(report%e8)//','// &
+          cell(report%violation)//','//cell(totals%clock%cpu)//','//cell(totals%clock%wall)
+    do i = 1, n_phases
+      row = row//','//cell(totals%phase(i)%cpu)
+    end do
+    do i = 1, n_measures
+      if (is_count(i)) then
+        row = row//','//to_text(nint(measures%value(i)))
+      else
+        row = row//','//cell(measures%value(i))
+      end if
+    end do
+    call append_text(self%file, row//new_line('a'), error)
+  end subroutine record_add
+
+  !> A real with all its digits; pandas and numpy read `nan` and `inf` where it is not finite.
+  pure function cell(value) result(word)
+    real(wp), intent(in) :: value
+    character(len=:), allocatable :: word
+
+    if (ieee_is_finite(value)) then
+      word = to_text(value)
+    else if (ieee_is_nan(value)) then
+      word = 'nan'
+    else
+      word = trim(merge('-inf', 'inf ', ieee_is_negative(value)))
+    end if
+  end function cell
+end module sg_record

@@ -1,0 +1,185 @@
+!> run.json: one flat object that says what a run was, how it ended, and what it found (doc/guide/results.md).
+module sg_run_summary
+  use sg_error, only: error_t
+  use sg_grains, only: count_grains, grains_t
+  use sg_json, only: json_t
+  use sg_kinds, only: wp
+  use sg_measures, only: is_count, measure_names, measures_t, n_measures
+  use sg_run_options, only: criterion_names, run_options_t
+  use sg_scene, only: scene_t
+  use sg_system, only: peak_memory_bytes
+  use sg_text, only: text_t
+  use sg_text_files, only: replace_file
+  use sg_totals, only: n_phases, phase_names, totals_t
+  use sg_version, only: commit, version
+  implicit none
+  private
+  public :: run_summary_t, write_run_summary, run_done, run_failed, run_stopped, run_not_converged
+
+  !> Words for how a run ended: all steps done, an error, stopped on request with a checkpoint, and ended because a
+  !! step did not converge
+  character(len=*), parameter :: run_done = 'done', run_failed = 'failed', run_stopped = 'stopped', &
+                                 run_not_converged = 'not converged'
+
+  !> What run.json says
+  type :: run_summary_t
+    !> How the run ended, one of `run_*`, and one sentence that says why (empty when done)
+    character(len=:), allocatable :: status, reason
+    !> Path and hash of the deck, folder of the results, name of the stopping criterion
+    character(len=:), allocatable :: deck, deck_hash, folder, criterion
+    !> Tolerance of the stopping criterion
+    real(wp) :: tolerance = 0
+    !> Dimension of space, number of ranks, bodies, and steps asked
+    integer :: dimension = 2, ranks = 1, bodies = 0, steps_asked = 0
+    !> The grains
+    type(grains_t) :: grains
+    !> Time reached [s]
+    real(wp) :: time = 0
+    !> Cost and convergence
+    type(totals_t) :: totals
+    !> Indicators of the last measure
+    type(measures_t) :: measures
+    !> Files written: what they hold and their names
+    type(text_t), allocatable :: file_keys(:), files(:)
+  contains
+    procedure :: describe => summary_describe
+    procedure :: add_file => summary_add_file
+    procedure :: conclude => summary_conclude
+  end type run_summary_t
+
+contains
+
+  !> Say what is to be run; until `conclude` the run counts as failed.
+  subroutine summary_describe(self, scene, options, deck, ranks)
+    class(run_summary_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene !! what exists
+    type(run_options_t), intent(in) :: options !! what is done with it
+    character(len=*), intent(in) :: deck !! path of the deck
+    integer, intent(in) :: ranks !! number of ranks
+
+    self%status = run_failed
+    self%reason = 'the run did not come to its end'
+    self%deck = deck
+    if (allocated(options%deck_hash)) self%deck_hash = options%deck_hash
+    if (allocated(options%folder)) self%folder = options%folder
+    self%criterion = trim(criterion_names(options%solver%criterion))
+    self%tolerance = options%solver%tolerance
+    self%dimension = scene%dimension
+    self%ranks = ranks
+    self%bodies = scene%bodies%n
+    self%steps_asked = options%steps
+    self%grains = count_grains(scene%bodies)
+    self%time = scene%start_time
+  end subroutine summary_describe
+
+  !> Name a file that was written.
+  subroutine summary_add_file(self, key, file)
+    class(run_summary_t), intent(inout) :: self
+    character(len=*), intent(in) :: key !! what it holds, such as `bodies`
+    character(len=*), intent(in) :: file !! its name in the folder of the results
+
+    if (.not. allocated(self%files)) allocate (self%file_keys(0), self%files(0))
+    self%file_keys = [self%file_keys, text_t(key)]
+    self%files = [self%files, text_t(file)]
+  end subroutine summary_add_file
+
+  !> Say how the run ended and what it found.
+  subroutine summary_conclude(self, status, reason, time, totals, measures)
+    class(run_summary_t), intent(inout) :: self
+    character(len=*), intent(in) :: status !! one of `run_*`
+    character(len=*), intent(in) :: reason !! why; empty when done
+    real(wp), intent(in) :: time !! time reached [s]
+    type(totals_t), intent(in) :: totals !! cost and convergence
+    type(measures_t), intent(in) :: measures !! indicators of the end
+
+    self%status = status
+    self%reason = reason
+    self%time = time
+    self%totals = totals
+    self%measures = measures
+  end subroutine summary_conclude
+
+  !> Write run.json, wholly or not at all.
+  subroutine write_run_summary(summary, file, error)
+    type(run_summary_t), intent(in) :: summary !! what to say
+    character(len=*), intent(in) :: file !! path of the file
+    type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
+    type(json_t) :: json
+    integer :: i
+
+    call add_identity(json, summary)
+    call add_totals(json, summary%totals)
+    do i = 1, n_measures
+      if (is_count(i)) then
+        call json%add(trim(measure_names(i)), nint(summary%measures%value(i)))
+      else
+        call json%add(trim(measure_names(i)), summary%measures%value(i))
+      end if
+    end do
+    if (allocated(summary%files)) then
+      do i = 1, size(summary%files)
+        call json%add('file_'//summary%file_keys(i)%s, summary%files(i)%s)
+      end do
+    end if
+    call replace_file(file, json%text()//new_line('a'), error)
+  end subroutine write_run_summary
+
+  !> What was run, and how it ended.
+  subroutine add_identity(json, summary)
+    type(json_t), intent(inout) :: json
+    type(run_summary_t), intent(in) :: summary
+
+    call json%add('status', known(summary%status, run_failed))
+    call json%add('reason', known(summary%reason, ''))
+    call json%add('version', version)
+    call json%add('commit', commit)
+    call json%add('deck', known(summary%deck, ''))
+    call json%add('deck_hash', known(summary%deck_hash, ''))
+    call json%add('criterion', known(summary%criterion, ''))
+    call json%add('tolerance', summary%tolerance)
+    call json%add('dimension', summary%dimension)
+    call json%add('ranks', summary%ranks)
+    call json%add('bodies', summary%bodies)
+    call json%add('grains', summary%grains%n)
+    call json%add('mean_radius', summary%grains%mean_radius)
+    call json%add('steps_asked', summary%steps_asked)
+    call json%add('time', summary%time)
+  end subroutine add_identity
+
+  !> Cost and convergence.
+  subroutine add_totals(json, totals)
+    type(json_t), intent(inout) :: json
+    type(totals_t), intent(in) :: totals
+    integer :: i
+
+    call json%add('steps', totals%steps)
+    call json%add('converged_steps', totals%converged_steps)
+    call json%add('unconverged_steps', totals%unconverged_steps)
+    call json%add('worst_e1', totals%worst_e1)
+    call json%add('worst_e2', totals%worst_e2)
+    call json%add('worst_e8', totals%worst_e8)
+    call json%add('worst_violation', totals%worst_violation)
+    call json%add('sweeps', totals%sweeps)
+    call json%add('contact_updates', totals%contact_updates)
+    call json%add('contacts', totals%contacts)
+    call json%add('active_contacts', totals%active_contacts)
+    call json%add('most_contacts', totals%most_contacts)
+    call json%add('bytes_per_contact', totals%bytes_per_contact)
+    call json%add('peak_memory_bytes', peak_memory_bytes())
+    call json%add('cpu_seconds', totals%clock%cpu)
+    call json%add('wall_seconds', totals%clock%wall)
+    do i = 1, n_phases
+      call json%add('cpu_'//trim(phase_names(i)), totals%phase(i)%cpu)
+    end do
+  end subroutine add_totals
+
+  !> A text, or another one where it was never set.
+  pure function known(text, otherwise)
+    character(len=:), allocatable, intent(in) :: text
+    character(len=*), intent(in) :: otherwise
+    character(len=:), allocatable :: known
+
+    known = otherwise
+    if (allocated(text)) known = text
+  end function known
+end module sg_run_summary

@@ -1,0 +1,121 @@
+!> The last words of a run: is it done, is it right, what did it cost, what to open.
+module sg_verdict
+  use sg_kinds, only: wp, i8
+  use sg_run_summary, only: run_summary_t
+  use sg_system, only: peak_memory_bytes
+  use sg_text, only: joined, to_text
+  use sg_totals, only: n_phases, phase_names, phase_solve, totals_t
+  implicit none
+  private
+  public :: print_verdict
+
+contains
+
+  !> Print about ten lines on a run that has ended.
+  subroutine print_verdict(unit, summary)
+    integer, intent(in) :: unit !! open unit to write on
+    type(run_summary_t), intent(in) :: summary !! the run, concluded
+    character(len=:), allocatable :: headline
+
+    associate (totals => summary%totals, measures => summary%measures)
+      headline = summary%status//': '//to_text(totals%steps)//' of '//to_text(summary%steps_asked)//' steps, time '// &
+                 to_text(summary%time, 4)//' s, '//to_text(summary%grains%n)//' grains, '// &
+                 to_text(totals%contacts)//' contacts'
+      if (len(summary%reason) > 0) headline = headline//' ('//summary%reason//')'
+      write (unit, '(a)') headline
+      call line('converged', to_text(totals%converged_steps)//' of '//to_text(totals%steps)//' steps to '// &
+                summary%criterion//' <= '//to_text(summary%tolerance, 2))
+      call line('worst errors', 'e1 '//to_text(totals%worst_e1, 2)//', e2 '//to_text(totals%worst_e2, 2)//', e8 '// &
+                to_text(totals%worst_e8, 2)//', violation '//to_text(totals%worst_violation, 2)//' g h')
+      call line('penetration', penetration_words(measures%get('max_penetration'), summary%grains%mean_radius)// &
+                ', volume error '//percent(measures%get('volume_error')))
+      call line('energy', to_text(measures%get('kinetic_energy'), 3)//' J kinetic, balance closed to '// &
+                to_text(measures%get('energy_closure'), 2)//' of its largest term')
+      call line('packing', 'compactness '//to_text(measures%get('compactness'), 3)//', coordination '// &
+                to_text(measures%get('coordination'), 3)//', walls carry '//percent(measures%get('floor_share'))// &
+                ' of the weight')
+      call line('cost', seconds(totals%clock%cpu)//' CPU ('//phase_words(totals)//'), '//seconds(totals%clock%wall)//' wall')
+      call line('solver', effort_words(totals))
+      call line('memory', megabytes(peak_memory_bytes())//', '//to_text(nint(totals%bytes_per_contact))// &
+                ' bytes a contact in the contact problem')
+      if (allocated(summary%files)) call line('files', joined(summary%files, ', ')//' in '//summary%folder)
+    end associate
+
+  contains
+
+    !> One line with its title.
+    subroutine line(title, text)
+      character(len=*), intent(in) :: title, text
+      character(len=14) :: column
+
+      column = title
+      write (unit, '(a)') '  '//column//text
+    end subroutine line
+  end subroutine print_verdict
+
+  !> The deepest penetration, absolute and over the mean radius.
+  pure function penetration_words(deepest, radius) result(words)
+    real(wp), intent(in) :: deepest, radius
+    character(len=:), allocatable :: words
+
+    words = to_text(deepest, 2)//' m at the deepest contact'
+    if (radius > 0) words = words//', '//percent(deepest/radius)//' of the mean radius'
+  end function penetration_words
+
+  !> Share of the CPU time by phase, those above one percent.
+  pure function phase_words(totals) result(words)
+    type(totals_t), intent(in) :: totals
+    character(len=:), allocatable :: words
+    real(wp) :: share
+    integer :: i
+
+    words = ''
+    do i = 1, n_phases
+      share = totals%phase(i)%cpu/max(totals%clock%cpu, tiny(share))
+      if (share < 0.01_wp) cycle
+      if (len(words) > 0) words = words//', '
+      words = words//trim(phase_names(i))//' '//percent(share)
+    end do
+  end function phase_words
+
+  !> Sweeps a step, and contact updates per CPU second of the solver.
+  pure function effort_words(totals) result(words)
+    type(totals_t), intent(in) :: totals
+    character(len=:), allocatable :: words
+    character(len=16) :: number
+
+    write (number, '(f12.1)') real(totals%sweeps, wp)/real(max(1, totals%steps), wp)
+    words = trim(adjustl(number))//' sweeps a step, '//to_text(totals%contact_updates)//' contact updates'
+    if (.not. totals%phase(phase_solve)%cpu > 0) return
+    write (number, '(f12.1)') real(totals%contact_updates, wp)/totals%phase(phase_solve)%cpu/1e6_wp
+    words = words//', '//trim(adjustl(number))//' million a CPU second'
+  end function effort_words
+
+  !> A share as a percentage.
+  pure function percent(share) result(word)
+    real(wp), intent(in) :: share
+    character(len=:), allocatable :: word
+    character(len=24) :: buffer
+
+    write (buffer, '(f24.2)') 100*share
+    word = trim(adjustl(buffer))//' %'
+  end function percent
+
+  !> Seconds with two decimals.
+  pure function seconds(time) result(word)
+    real(wp), intent(in) :: time
+    character(len=:), allocatable :: word
+    character(len=24) :: buffer
+
+    write (buffer, '(f24.2)') time
+    word = trim(adjustl(buffer))//' s'
+  end function seconds
+
+  !> Bytes as megabytes.
+  pure function megabytes(bytes) result(word)
+    integer(i8), intent(in) :: bytes
+    character(len=:), allocatable :: word
+
+    word = to_text(nint(real(bytes, wp)/1e6_wp))//' MB'
+  end function megabytes
+end module sg_verdict
