@@ -1,0 +1,82 @@
+!> Reads an LMGC90 DATBOX folder of rigid bodies in the plane into a scene (doc/guide/datbox.md).
+!!
+!! All mistakes of all files are told at once, as far as one does not follow from another. What a folder holds
+!! and we do not do yet is a mistake when the scene would differ without it, and a warning when it would not.
+module sg_datbox
+  use sg_datbox_behaviours, only: check_sees, other_law_t, read_bulk_behaviours, read_contact_behaviours, warn_of_unused
+  use sg_datbox_bodies, only: find_three_dimensional, read_bodies
+  use sg_datbox_drives, only: read_drives
+  use sg_datbox_lines, only: datbox_file_t, open_datbox_file
+  use sg_datbox_state, only: read_start_contacts, read_state
+  use sg_error, only: diagnostics_t
+  use sg_scene, only: scene_t
+  use sg_system, only: file_exists
+  implicit none
+  private
+  public :: read_datbox
+
+  !> Files that LMGC90 knows and that say nothing about the scene of rigid bodies
+  character(len=14), parameter :: files_not_read(7) = [character(len=14) :: 'COMMAND.DAT', 'POSTPRO.DAT', 'PREPRO.DAT', &
+                                                       'SAMPLE.DAT', 'BEHAVIOURS.DAT', 'MODELS.DAT', 'GPV.INI']
+
+contains
+
+  !> Read a DATBOX folder; without mistakes the scene is complete but for period and pressures, which no DATBOX holds.
+  subroutine read_datbox(folder, scene, diagnostics)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    type(scene_t), intent(inout) :: scene !! empty scene to fill
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
+    type(datbox_file_t) :: bodies, bulk, tact
+    type(other_law_t), allocatable :: other_bulk(:), other_laws(:)
+    integer, allocatable :: see_lines(:)
+    integer :: before
+    logical :: is_spatial
+
+    before = diagnostics%count()
+    if (.not. is_folder(folder, diagnostics)) return
+    call open_datbox_file(bodies, folder, 'BODIES.DAT', .true., diagnostics)
+    call find_three_dimensional(bodies, is_spatial, diagnostics)
+    if (is_spatial) return
+    call read_bulk_behaviours(folder, scene, other_bulk, bulk, diagnostics)
+    call read_contact_behaviours(folder, scene, other_laws, see_lines, tact, diagnostics)
+    call read_bodies(bodies, scene, other_bulk, diagnostics)
+    call warn_of_unused(other_bulk, bulk, diagnostics)
+    call warn_of_unused(other_laws, tact, diagnostics)
+    call read_drives(folder, scene, diagnostics)
+    call warn_of_files(folder, diagnostics)
+    allocate (scene%pressures(0))
+    ! Contacts and states name bodies: where bodies are wrong, what follows would be noise.
+    if (diagnostics%count() > before) return
+    call check_sees(scene, see_lines, tact, diagnostics)
+    call read_state(folder, scene, diagnostics)
+    call read_start_contacts(folder, scene, diagnostics)
+  end subroutine read_datbox
+
+  !> Is there such a folder? If not, say so, with a hint when its DATBOX may be meant.
+  logical function is_folder(folder, diagnostics)
+    character(len=*), intent(in) :: folder
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    is_folder = file_exists(trim(folder)//'/BODIES.DAT') .or. file_exists(trim(folder)//'/.')
+    if (.not. is_folder) then
+      call diagnostics%add('there is no such DATBOX folder', file=trim(folder))
+    else if (.not. file_exists(trim(folder)//'/BODIES.DAT') .and. file_exists(trim(folder)//'/DATBOX/BODIES.DAT')) then
+      call diagnostics%add('this folder is no DATBOX; did you mean '//trim(folder)//'/DATBOX?', file=trim(folder))
+      is_folder = .false.
+    end if
+  end function is_folder
+
+  !> One warning for all files that are there and not read.
+  subroutine warn_of_files(folder, diagnostics)
+    character(len=*), intent(in) :: folder
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: list
+    integer :: i
+
+    list = ''
+    do i = 1, size(files_not_read)
+      if (file_exists(trim(folder)//'/'//trim(files_not_read(i)))) list = list//', '//trim(files_not_read(i))
+    end do
+    if (list /= '') call diagnostics%warn('not read: '//list(3:), file=trim(folder))
+  end subroutine warn_of_files
+end module sg_datbox

@@ -1,0 +1,205 @@
+!> DRV_DOF.DAT of a DATBOX: imposed velocities and forces, by formula or by an evolution file.
+module sg_datbox_drives
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, integer_field, is_block_end, keyword, name_field, &
+                             next_data_line, next_line, open_datbox_file, real_field, remark_once
+  use sg_drives, only: drive_t
+  use sg_error, only: diagnostics_t, error_t
+  use sg_kinds, only: wp
+  use sg_scene, only: scene_t
+  use sg_text, only: read_lines, text_t, to_text
+  use sg_time_functions, only: time_function_t
+  implicit none
+  private
+  public :: read_drives, read_body_number
+
+contains
+
+  !> Read all drives; driven bodies are no grains.
+  subroutine read_drives(folder, scene, diagnostics)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    type(scene_t), intent(inout) :: scene !! scene with its bodies; gets the drives
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(datbox_file_t) :: file
+    logical, allocatable :: is_driven(:, :)
+    integer :: n
+
+    call open_datbox_file(file, folder, 'DRV_DOF.DAT', .false., diagnostics)
+    if (size(file%lines) == 0) call diagnostics%warn('no drive: the file is missing or empty', file=file%path)
+    n = 0
+    do while (next_line(file))
+      if (any(name_field(file, 2) == ['vlocy', 'force'])) n = n + 1
+    end do
+    allocate (scene%drives(n))
+    allocate (is_driven(3, scene%bodies%n), source=.false.)
+    file%at = 0
+    n = 0
+    do while (next_line(file))
+      if (keyword(file) == 'bdyty') then
+        call read_block(file, folder, scene, n, is_driven, diagnostics)
+      else
+        call complain_once(file, 'stray', 'this line belongs to no body', 1, diagnostics)
+      end if
+    end do
+    scene%drives = scene%drives(:n)
+  end subroutine read_drives
+
+  !> Read the drives of one body, from $bdyty to $$$$$$.
+  subroutine read_block(file, folder, scene, n, is_driven, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    character(len=*), intent(in) :: folder
+    type(scene_t), intent(inout) :: scene
+    integer, intent(inout) :: n
+    logical, intent(inout) :: is_driven(:, :)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(drive_t) :: drive
+    character(len=5) :: section
+    logical :: ok
+
+    call read_body_number(file, scene%bodies%n, drive%body, diagnostics)
+    section = ''
+    do
+      if (.not. next_line(file)) then
+        call complain(file, 'the file ends within a body, before its $$$$$$', 0, diagnostics)
+        return
+      end if
+      if (keyword(file) /= '') then
+        section = keyword(file)
+        if (is_block_end(section)) return
+      else if (section == 'dofty') then
+        call read_drive(file, folder, drive, ok, diagnostics)
+        if (.not. ok .or. drive%body == 0) cycle
+        if (drive%is_velocity) then
+          if (is_driven(drive%component, drive%body)) then
+            call complain(file, 'this velocity has been imposed before', 2, diagnostics)
+          end if
+          is_driven(drive%component, drive%body) = .true.
+        end if
+        n = n + 1
+        scene%drives(n) = drive
+        scene%bodies%is_grain(drive%body) = .false.
+      end if
+    end do
+  end subroutine read_block
+
+  !> Read the line that says which body a block speaks of; 0 and a mistake when there is no such body.
+  subroutine read_body_number(file, n_bodies, body, diagnostics)
+    type(datbox_file_t), intent(inout) :: file !! file at $bdyty
+    integer, intent(in) :: n_bodies !! bodies of the scene
+    integer, intent(out) :: body !! number of the body
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    logical :: ok
+
+    body = 0
+    if (.not. next_data_line(file, 'the number of a body', diagnostics)) return
+    if (name_field(file, 2) /= 'RBDY2') then
+      call complain_once(file, name_field(file, 2), 'bodies of type '''//name_field(file, 2) &
+                         //''' are not done: only RBDY2, rigid in the plane', 2, diagnostics)
+      return
+    end if
+    ok = .true.
+    call integer_field(file, 9, 15, body, ok, diagnostics)
+    if (.not. ok) return
+    if (body >= 1 .and. body <= n_bodies) return
+    call complain(file, 'there is no body '//to_text(body)//': BODIES.DAT holds '//to_text(n_bodies), 9, diagnostics)
+    body = 0
+  end subroutine read_body_number
+
+  !> Read one imposed velocity or force.
+  subroutine read_drive(file, folder, drive, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    character(len=*), intent(in) :: folder
+    type(drive_t), intent(inout) :: drive
+    logical, intent(out) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: kind
+
+    ok = .false.
+    kind = name_field(file, 2)
+    if (kind /= 'vlocy' .and. kind /= 'force') then
+      call complain(file, 'a drive is either ''vlocy'' or ''force'', not '''//kind//'''', 2, diagnostics)
+      return
+    end if
+    drive%is_velocity = kind == 'vlocy'
+    ok = .true.
+    call integer_field(file, 9, 13, drive%component, ok, diagnostics)
+    if (.not. ok) return
+    if (drive%component < 1 .or. drive%component > 3) then
+      call complain(file, 'a body of the plane has components 1 (x), 2 (y) and 3 (rotation)', 9, diagnostics)
+      ok = .false.
+      return
+    end if
+    if (name_field(file, 15, 9) == 'evolution') then
+      call read_evolution(file, folder, drive%value, ok, diagnostics)
+    else
+      call read_formula(file, drive%value, ok, diagnostics)
+    end if
+  end subroutine read_drive
+
+  !> Read constant, amplitude, pulsation, phase and ramp.
+  subroutine read_formula(file, value, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    type(time_function_t), intent(out) :: value
+    logical, intent(inout) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    call real_field(file, 15, value%constant, ok, diagnostics)
+    call real_field(file, 30, value%amplitude, ok, diagnostics)
+    call real_field(file, 45, value%omega, ok, diagnostics)
+    call real_field(file, 60, value%phase, ok, diagnostics)
+    call real_field(file, 75, value%ramp_start, ok, diagnostics)
+    call real_field(file, 90, value%ramp_rate, ok, diagnostics)
+    if (.not. ok .or. max(abs(value%ramp_start), abs(value%ramp_rate)) > 0) return
+    if (.not. max(abs(value%constant), abs(value%amplitude)) > 0) return
+    call remark_once(file, 'no ramp', 'this drive is always zero: its ramp, the last two numbers, multiplies the rest', &
+                     75, diagnostics)
+  end subroutine read_formula
+
+  !> Read the two columns, time and value, of the evolution file named in the present line.
+  subroutine read_evolution(file, folder, value, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    character(len=*), intent(in) :: folder
+    type(time_function_t), intent(out) :: value
+    logical, intent(inout) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(text_t), allocatable :: lines(:)
+    type(error_t), allocatable :: error
+    character(len=:), allocatable :: path
+    real(wp) :: row(2)
+    integer :: i, n, status
+
+    ok = .false.
+    path = trim(folder)//'/'//name_field(file, 25, 40)
+    if (name_field(file, 25, 40) == '') then
+      call complain(file, 'the name of the evolution file is missing', 25, diagnostics)
+      return
+    end if
+    call read_lines(path, lines, error)
+    if (allocated(error)) then
+      call complain(file, 'cannot read the evolution file '//path, 25, diagnostics)
+      return
+    end if
+    allocate (value%times(size(lines)), value%values(size(lines)))
+    n = 0
+    do i = 1, size(lines)
+      if (lines(i)%s == '') cycle
+      read (lines(i)%s, *, iostat=status) row
+      if (status /= 0) then
+        call diagnostics%add('a time and a value should stand here', file=path, line=i, column=1, text=lines(i)%s)
+        return
+      end if
+      if (n > 0) then
+        if (.not. row(1) > value%times(n)) then
+          call diagnostics%add('times must grow from line to line', file=path, line=i, column=1, text=lines(i)%s)
+          return
+        end if
+      end if
+      n = n + 1
+      value%times(n) = row(1)
+      value%values(n) = row(2)
+    end do
+    value%times = value%times(:n)
+    value%values = value%values(:n)
+    ok = n >= 2
+    if (.not. ok) call complain(file, 'the evolution file '//path//' needs two lines or more', 25, diagnostics)
+  end subroutine read_evolution
+end module sg_datbox_drives

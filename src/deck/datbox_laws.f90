@@ -1,0 +1,121 @@
+!> The contact laws of LMGC90 that have a twin here: name, kind, and the layout of their numbers.
+!!
+!! One table serves the reader and the writer of TACT_BEHAV.DAT.
+module sg_datbox_laws
+  use sg_kinds, only: wp
+  use sg_laws, only: law_t, law_elastic, law_gap, law_iqs, law_linear, law_mohr, law_restitution, law_velocity, law_wet
+  implicit none
+  private
+  public :: law_form_t, law_forms, form_of_name, form_of_law, set_parameter, get_parameter
+
+  !> How LMGC90 writes one law
+  type :: law_form_t
+    !> Its name there
+    character(len=20) :: name
+    !> Our kind
+    integer :: kind
+    !> Labels of the numbers, at most two of four letters a line; blank lines are not there
+    character(len=9) :: labels(3)
+  end type law_form_t
+
+  !> All laws that can be read; of two forms of one kind the first is written where it can hold the law
+  type(law_form_t), parameter :: law_forms(*) = [ &
+    law_form_t('IQS_CLB', law_iqs, ['fric     ', '         ', '         ']), &
+    law_form_t('IQS_DS_CLB', law_iqs, ['dyfr stfr', '         ', '         ']), &
+    law_form_t('GAP_SGR_CLB', law_gap, ['fric     ', '         ', '         ']), &
+    law_form_t('GAP_SGR_DS_CLB', law_gap, ['dyfr stfr', '         ', '         ']), &
+    law_form_t('VEL_SGR_CLB', law_velocity, ['fric     ', '         ', '         ']), &
+    law_form_t('VEL_SGR_DS_CLB', law_velocity, ['dyfr stfr', '         ', '         ']), &
+    law_form_t('RST_CLB', law_restitution, ['rstn rstt', 'fric     ', '         ']), &
+    law_form_t('RST_DS_CLB', law_restitution, ['rstn rstt', 'dyfr stfr', '         ']), &
+    law_form_t('IQS_WET_DS_CLB', law_wet, ['cohn coht', 'Wthk     ', 'dyfr stfr']), &
+    law_form_t('IQS_WET_DS_CLB', law_wet, ['cohn Wthk', 'dyfr stfr', '         ']), &
+    law_form_t('IQS_MOHR_DS_CLB', law_mohr, ['cohn coht', 'dyfr stfr', '         ']), &
+    law_form_t('ELASTIC_REPELL_CLB', law_elastic, ['F/gp     ', 'fric     ', '         ']), &
+    law_form_t('COUPLED_DOF', law_linear, ['         ', '         ', '         '])]
+
+contains
+
+  !> Form of a law called by name, among several the one with this number of lines; 0 when there is none.
+  pure integer function form_of_name(name, n_lines) result(form)
+    character(len=*), intent(in) :: name !! LMGC90's name
+    integer, intent(in) :: n_lines !! lines of numbers found
+    integer :: i
+
+    form = 0
+    do i = size(law_forms), 1, -1
+      if (law_forms(i)%name /= name) cycle
+      if (form == 0 .or. max(1, count(law_forms(i)%labels /= '')) == n_lines) form = i
+    end do
+  end function form_of_name
+
+  !> Form that can hold a law; 0 when there is none.
+  pure integer function form_of_law(law) result(form)
+    type(law_t), intent(in) :: law !! law to write
+    logical :: has_one_friction
+
+    has_one_friction = .not. abs(law%static_friction - law%dynamic_friction) > 0
+    do form = 1, size(law_forms)
+      if (law_forms(form)%kind /= law%kind) cycle
+      ! COUPLED_DOF is the linear law whose compliance vanishes.
+      if (law%kind == law_linear .and. law%epsilon > 0) cycle
+      if (has_one_friction .or. .not. any(law_forms(form)%labels == 'fric')) return
+    end do
+    form = 0
+  end function form_of_law
+
+  !> Set the parameter of a law that LMGC90 calls by this label.
+  pure subroutine set_parameter(law, label, value)
+    type(law_t), intent(inout) :: law !! law to complete
+    character(len=*), intent(in) :: label !! LMGC90's label
+    real(wp), intent(in) :: value !! its value, SI unit
+
+    select case (label)
+    case ('fric')
+      law%static_friction = value
+      law%dynamic_friction = value
+    case ('dyfr')
+      law%dynamic_friction = value
+    case ('stfr')
+      law%static_friction = value
+    case ('rstn')
+      law%normal_restitution = value
+    case ('rstt')
+      law%tangential_restitution = value
+    case ('cohn')
+      law%normal_cohesion = value
+    case ('coht')
+      law%tangential_cohesion = value
+    case ('Wthk')
+      law%wet_thickness = value
+    case ('F/gp')
+      law%stiffness = value
+    end select
+  end subroutine set_parameter
+
+  !> The parameter of a law that LMGC90 calls by this label.
+  pure real(wp) function get_parameter(law, label) result(value)
+    type(law_t), intent(in) :: law !! law to look into
+    character(len=*), intent(in) :: label !! LMGC90's label
+
+    value = 0
+    select case (label)
+    case ('fric', 'stfr')
+      value = law%static_friction
+    case ('dyfr')
+      value = law%dynamic_friction
+    case ('rstn')
+      value = law%normal_restitution
+    case ('rstt')
+      value = law%tangential_restitution
+    case ('cohn')
+      value = law%normal_cohesion
+    case ('coht')
+      value = law%tangential_cohesion
+    case ('Wthk')
+      value = law%wet_thickness
+    case ('F/gp')
+      value = law%stiffness
+    end select
+  end function get_parameter
+end module sg_datbox_laws

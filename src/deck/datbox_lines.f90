@@ -1,0 +1,335 @@
+!> Files of an LMGC90 DATBOX as lines of fixed columns: keywords, names, whole numbers, reals in 14 columns.
+!!
+!! Only columns count: labels such as `coo1=` are not looked at. Blank lines and lines that begin with `!` or `#`
+!! are skipped. A block keyword stands in columns 2 to 6, by habit after a `$`.
+module sg_datbox_lines
+  use sg_error, only: diagnostics_t, error_t
+  use sg_kinds, only: wp
+  use sg_system, only: file_exists
+  use sg_text, only: read_lines, text_t, to_text
+  implicit none
+  private
+  public :: datbox_file_t, open_datbox_file, next_line, next_data_line, step_back, keyword, line_text
+  public :: name_field, real_field, integer_field, complain, complain_once, remark_once, is_block_end
+
+  !> Errors after which the rest of a file is not read: what follows is noise
+  integer, parameter :: most_errors = 20
+  !> Columns of a real number
+  integer, parameter :: real_width = 14
+  !> Largest decimal exponent: no length, force or mass needs more, and fourth powers still fit a double
+  integer, parameter :: largest_exponent = 60
+  !> Smallest decimal exponent: what is written of numbers that have all but vanished
+  integer, parameter :: smallest_exponent = -400
+  !> Keywords that begin a block, a section or a record
+  character(len=5), parameter :: keywords(10) = [character(len=5) :: 'bdyty', 'blmty', 'nodty', 'tacty', 'dofty', &
+                                                 'gravy', 'behav', 'seety', 'steps', 'icdan']
+
+  !> A file with a place to read from
+  type :: datbox_file_t
+    !> Path, as said in messages
+    character(len=:), allocatable :: path
+    !> All lines
+    type(text_t), allocatable :: lines(:)
+    !> Number of the present line
+    integer :: at = 0
+    !> Mistakes found so far
+    integer :: n_errors = 0
+    !> What has been said and need not be said again, each between bars
+    character(len=:), allocatable :: said
+  end type datbox_file_t
+
+contains
+
+  !> Open a file of the folder; a missing one has no lines, and is a mistake when it is needed.
+  subroutine open_datbox_file(file, folder, name, is_needed, diagnostics)
+    type(datbox_file_t), intent(out) :: file !! the file, before its first line
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    character(len=*), intent(in) :: name !! name within the folder
+    logical, intent(in) :: is_needed !! must it be there?
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(error_t), allocatable :: error
+
+    file%path = trim(folder)//'/'//name
+    file%said = '|'
+    allocate (file%lines(0))
+    if (.not. file_exists(file%path)) then
+      if (is_needed) call complain(file, 'this file is missing', 0, diagnostics)
+      return
+    end if
+    call read_lines(file%path, file%lines, error)
+    if (.not. allocated(error)) return
+    call complain(file, error%message, 0, diagnostics)
+    if (.not. allocated(file%lines)) allocate (file%lines(0))
+  end subroutine open_datbox_file
+
+  !> Go to the next line that is neither blank nor a comment; false at the end of the file.
+  logical function next_line(file) result(found)
+    type(datbox_file_t), intent(inout) :: file !! file to read on
+
+    found = .true.
+    do while (file%at < size(file%lines))
+      file%at = file%at + 1
+      associate (line => file%lines(file%at)%s)
+        if (len_trim(line) == 0) cycle
+        if (line(1:1) /= '!' .and. line(1:1) /= '#') return
+      end associate
+    end do
+    found = .false.
+  end function next_line
+
+  !> Go to the next line, which must hold data: a keyword or the end of the file there is a mistake.
+  logical function next_data_line(file, wanted, diagnostics) result(found)
+    type(datbox_file_t), intent(inout) :: file !! file to read on
+    character(len=*), intent(in) :: wanted !! what the line should hold, for the message
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+
+    found = next_line(file)
+    if (.not. found) then
+      call complain(file, 'the file ends where '//wanted//' should stand', 0, diagnostics)
+    else if (keyword(file) /= '') then
+      call complain(file, 'a keyword stands where '//wanted//' should', 1, diagnostics)
+      call step_back(file)
+      found = .false.
+    end if
+  end function next_data_line
+
+  !> Have the present line read once more.
+  pure subroutine step_back(file)
+    type(datbox_file_t), intent(inout) :: file !! file to step back in
+
+    file%at = file%at - 1
+  end subroutine step_back
+
+  !> The present line.
+  pure function line_text(file) result(text)
+    type(datbox_file_t), intent(in) :: file !! file being read
+    character(len=:), allocatable :: text
+
+    text = ''
+    if (file%at >= 1 .and. file%at <= size(file%lines)) text = trim(file%lines(file%at)%s)
+  end function line_text
+
+  !> Keyword of the present line; blank when it has none.
+  pure function keyword(file)
+    type(datbox_file_t), intent(in) :: file !! file being read
+    character(len=5) :: keyword
+
+    keyword = columns(file, 2, 6)
+    if (any(keywords == keyword)) return
+    if (file%lines(file%at)%s(1:1) == '$') return
+    keyword = ''
+  end function keyword
+
+  !> Does this keyword end a block (`$$$$$$`)?
+  pure logical function is_block_end(word)
+    character(len=*), intent(in) :: word !! keyword to look at
+
+    is_block_end = word(1:1) == '$'
+  end function is_block_end
+
+  !> Columns of the present line, blanks beyond its end.
+  pure function columns(file, first, last)
+    type(datbox_file_t), intent(in) :: file
+    integer, intent(in) :: first, last
+    character(len=last - first + 1) :: columns
+
+    columns = ''
+    associate (line => file%lines(file%at)%s)
+      if (len(line) >= first) columns = line(first:min(last, len(line)))
+    end associate
+  end function columns
+
+  !> A word that begins at a column: five letters unless told otherwise.
+  pure function name_field(file, first, width) result(name)
+    type(datbox_file_t), intent(in) :: file !! file being read
+    integer, intent(in) :: first !! first column
+    integer, intent(in), optional :: width !! columns, 5 when absent
+    character(len=:), allocatable :: name
+    integer :: n
+
+    n = 5
+    if (present(width)) n = width
+    name = trim(columns(file, first, first + n - 1))
+  end function name_field
+
+  !> A real number that begins at a column; where it is wrong, a mistake is told and `ok` turns false.
+  subroutine real_field(file, first, value, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file !! file being read
+    integer, intent(in) :: first !! first of 14 columns
+    real(wp), intent(out) :: value !! the number, zero when wrong
+    logical, intent(inout) :: ok !! turned false when the number is wrong, else left alone
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    character(len=real_width) :: field
+    character(len=:), allocatable :: fault
+    integer :: status
+
+    value = 0
+    field = columns(file, first, first + real_width - 1)
+    fault = fault_of_real(field)
+    if (fault == '') then
+      read (field, '(d14.0)', iostat=status) value
+      if (status /= 0) fault = 'this is not a number'
+    end if
+    if (fault /= '') then
+      call complain_field(file, first, real_width, fault, diagnostics)
+      ok = .false.
+    else if (is_cut(file, first)) then
+      call remark_once(file, 'cut number', 'a number runs out of columns '//to_text(first)//' to ' &
+                       //to_text(first + real_width - 1)//' and is read as '//to_text(value, 7)//', as LMGC90 does', &
+                       first, diagnostics)
+    end if
+  end subroutine real_field
+
+  !> Does a number begin before its columns or go on behind them?
+  pure logical function is_cut(file, first)
+    type(datbox_file_t), intent(in) :: file
+    integer, intent(in) :: first
+    character(len=real_width + 2) :: field
+
+    field = columns(file, first - 1, first + real_width)
+    is_cut = (scan(field(1:1), '+-.0123456789') > 0 .and. field(2:2) /= ' ') &
+             .or. (field(real_width + 1:real_width + 1) /= ' ' .and. scan(field(real_width + 2:), '.0123456789') > 0)
+  end function is_cut
+
+  !> What is wrong with a real number; empty when nothing is.
+  pure function fault_of_real(field) result(fault)
+    character(len=*), intent(in) :: field
+    character(len=:), allocatable :: fault
+    character(len=len(field)) :: word
+    integer :: mark, exponent, status
+
+    fault = ''
+    word = adjustl(field)
+    if (index(field, achar(9)) > 0) then
+      fault = 'a tab stands where a number should: only blanks keep the columns'
+    else if (word == '') then
+      fault = 'a number is missing here'
+    else
+      mark = scan(word(2:), 'dDeE+-') + 1
+      if (mark == 1) mark = len_trim(word) + 1
+      if (.not. is_mantissa(word(:mark - 1))) then
+        fault = 'this is not a number'
+        if (is_integer(word)) fault = 'a number needs its decimal point: LMGC90 scales one without'
+        return
+      end if
+      if (mark > len_trim(word)) return
+      if (scan(word(mark:mark), 'dDeE') > 0) mark = mark + 1
+      if (.not. is_integer(word(mark:))) then
+        fault = 'this is not a number'
+        return
+      end if
+      read (word(mark:), *, iostat=status) exponent
+      if (status /= 0) exponent = huge(1)
+      if (exponent > largest_exponent .or. exponent < smallest_exponent) fault = 'this number is out of range'
+    end if
+  end function fault_of_real
+
+  !> Is this an optional sign, then digits with one point among them?
+  pure logical function is_mantissa(word)
+    character(len=*), intent(in) :: word
+    integer :: first, point
+
+    first = 1
+    if (scan(word(1:1), '+-') > 0) first = 2
+    point = index(word, '.')
+    is_mantissa = point >= first .and. len(word) > first
+    if (is_mantissa) is_mantissa = verify(word(first:point - 1)//word(point + 1:), '0123456789') == 0
+  end function is_mantissa
+
+  !> Is this an optional sign, then digits?
+  pure logical function is_integer(word)
+    character(len=*), intent(in) :: word
+    integer :: first, last
+
+    last = len_trim(word)
+    first = 1
+    if (last > 0) then
+      if (scan(word(1:1), '+-') > 0) first = 2
+    end if
+    is_integer = last >= first
+    if (is_integer) is_integer = verify(word(first:last), '0123456789') == 0
+  end function is_integer
+
+  !> A whole number within columns; where it is wrong, a mistake is told and `ok` turns false.
+  subroutine integer_field(file, first, last, value, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file !! file being read
+    integer, intent(in) :: first !! first column
+    integer, intent(in) :: last !! last column
+    integer, intent(out) :: value !! the number, zero when wrong
+    logical, intent(inout) :: ok !! turned false when the number is wrong, else left alone
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    character(len=last - first + 1) :: word
+    integer :: status
+
+    value = 0
+    word = adjustl(columns(file, first, last))
+    if (is_integer(word)) then
+      read (word, *, iostat=status) value
+      if (status == 0) return
+    end if
+    ok = .false.
+    call complain_field(file, first, last - first + 1, 'a whole number should stand in columns '//to_text(first)//' to ' &
+                        //to_text(last), diagnostics)
+  end subroutine integer_field
+
+  !> Tell a mistake with the caret under what stands in a field.
+  subroutine complain_field(file, first, width, message, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    integer, intent(in) :: first, width
+    character(len=*), intent(in) :: message
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    call complain(file, message, first - 1 + max(1, verify(columns(file, first, first + width - 1), ' ')), diagnostics)
+  end subroutine complain_field
+
+  !> Tell a mistake in the present line; after too many the rest of the file is not read.
+  subroutine complain(file, message, column, diagnostics)
+    type(datbox_file_t), intent(inout) :: file !! file being read
+    character(len=*), intent(in) :: message !! one sentence
+    integer, intent(in) :: column !! where the caret stands; 0 for the line as a whole
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+
+    file%n_errors = file%n_errors + 1
+    if (file%n_errors > most_errors) return
+    if (file%at < 1) then
+      call diagnostics%add(message, file=file%path)
+    else
+      call diagnostics%add(message, file=file%path, line=file%at, column=column, text=line_text(file))
+    end if
+    if (file%n_errors < most_errors) return
+    call diagnostics%add('too many mistakes: the rest of this file is not read', file=file%path)
+    file%at = size(file%lines)
+  end subroutine complain
+
+  !> Tell a mistake about one thing, the first time it is met.
+  subroutine complain_once(file, thing, message, column, diagnostics)
+    type(datbox_file_t), intent(inout) :: file !! file being read
+    character(len=*), intent(in) :: thing !! what it is about
+    character(len=*), intent(in) :: message !! one sentence
+    integer, intent(in) :: column !! where the caret stands; 0 for the line as a whole
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+
+    if (is_news(file, thing)) call complain(file, message, column, diagnostics)
+  end subroutine complain_once
+
+  !> Give a warning about one thing, the first time it is met.
+  subroutine remark_once(file, thing, message, column, diagnostics)
+    type(datbox_file_t), intent(inout) :: file !! file being read
+    character(len=*), intent(in) :: thing !! what it is about
+    character(len=*), intent(in) :: message !! one sentence
+    integer, intent(in) :: column !! where the caret stands; 0 for the line as a whole
+    type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
+
+    if (.not. is_news(file, thing)) return
+    call diagnostics%warn(message, file=file%path, line=file%at, column=column, text=line_text(file))
+  end subroutine remark_once
+
+  !> Has this thing not been said yet? From now on it has.
+  logical function is_news(file, thing)
+    type(datbox_file_t), intent(inout) :: file
+    character(len=*), intent(in) :: thing
+
+    is_news = index(file%said, '|'//thing//'|') == 0
+    if (is_news) file%said = file%said//thing//'|'
+  end function is_news
+end module sg_datbox_lines
