@@ -1,23 +1,44 @@
-!> Text files that are written wholly or not at all, and appended to so that a full disk is noticed.
+!> Text files that are replaced wholly or not at all, and appended to so that a full disk is noticed.
 !!
-!! The Fortran library reports a failed write when the file is closed, not when it is flushed: each piece is
-!! therefore written to a file that is opened for it and closed after it.
+!! Files are written through the C library: gfortran's gives no status for a write that fails when its buffer is
+!! emptied, neither in `flush` nor in `close`.
 module sg_text_files
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_ptr, c_size_t
   use sg_error, only: error_t, exit_output, fail
   use sg_system, only: remove_file, rename_file
   implicit none
   private
   public :: append_text, replace_file
 
+  interface
+    function c_fopen(path, mode) bind(c, name='fopen') result(stream)
+      import :: c_char, c_ptr
+      character(kind=c_char), intent(in) :: path(*), mode(*)
+      type(c_ptr) :: stream
+    end function c_fopen
+    function c_fwrite(text, size, n, stream) bind(c, name='fwrite') result(written)
+      import :: c_char, c_ptr, c_size_t
+      character(kind=c_char), intent(in) :: text(*)
+      integer(c_size_t), value :: size, n
+      type(c_ptr), value :: stream
+      integer(c_size_t) :: written
+    end function c_fwrite
+    function c_fclose(stream) bind(c, name='fclose') result(status)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: stream
+      integer(c_int) :: status
+    end function c_fclose
+  end interface
+
 contains
 
-  !> Append text to a file, made when missing.
+  !> Append text to a file, made when missing; when this returns, the system has it.
   subroutine append_text(file, text, error)
     character(len=*), intent(in) :: file !! path
     character(len=*), intent(in) :: text !! what to append, with its line ends
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
 
-    call write_text(file, text, 'append', error)
+    call write_text(file, text, 'a', error)
   end subroutine append_text
 
   !> Give a file a new content under a temporary name, then its name: a reader sees the old or the new one.
@@ -28,8 +49,7 @@ contains
     character(len=:), allocatable :: part
 
     part = file//'.part'
-    call remove_file(part)
-    call write_text(part, text, 'rewind', error)
+    call write_text(part, text, 'w', error)
     if (.not. allocated(error)) then
       if (rename_file(part, file)) return
       call fail(error, 'cannot give the file its name', file=file, code=exit_output)
@@ -37,23 +57,20 @@ contains
     call remove_file(part)
   end subroutine replace_file
 
-  !> Write text at a position of a file.
-  subroutine write_text(file, text, position, error)
-    character(len=*), intent(in) :: file, text, position
+  !> Write text to a file opened in a mode of `fopen`.
+  subroutine write_text(file, text, mode, error)
+    character(len=*), intent(in) :: file, text, mode
     type(error_t), allocatable, intent(out) :: error
-    character(len=200) :: message
-    integer :: unit, status, closing
+    type(c_ptr) :: stream
+    integer(c_size_t) :: written
 
-    open (newunit=unit, file=file, access='stream', form='unformatted', action='write', position=position, &
-          iostat=status, iomsg=message)
-    if (status == 0) then
-      write (unit, iostat=status, iomsg=message) text
-      if (status == 0) then
-        close (unit, iostat=status, iomsg=message)
-      else
-        close (unit, iostat=closing)
-      end if
+    stream = c_fopen(file//c_null_char, mode//c_null_char)
+    if (.not. c_associated(stream)) then
+      call fail(error, 'cannot open the file to write it (no folder, or no permission)', file=file, code=exit_output)
+      return
     end if
-    if (status /= 0) call fail(error, 'cannot write the file: '//trim(message), file=file, code=exit_output)
+    written = c_fwrite(text, 1_c_size_t, len(text, c_size_t), stream)
+    if (c_fclose(stream) /= 0 .or. written < len(text, c_size_t)) &
+      call fail(error, 'cannot write the file: is the disk full?', file=file, code=exit_output)
   end subroutine write_text
 end module sg_text_files

@@ -1,0 +1,445 @@
+!> Indicators against closed forms: two disks, a bouncing step, a box of four disks, affine flows, one pressed contact.
+program test_monitors
+  use harness, only: tests_t
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+  use sg_balance, only: floor_share, momentum
+  use sg_compactness, only: box_area
+  use sg_contactors, only: add_disk, add_polygon, add_wall, place_contactors
+  use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_coordination, only: coordinate, coordination_t
+  use sg_energy, only: energy_closure, energy_t, kinetic_energy, potential_energy
+  use sg_grains, only: count_grains, grains_t
+  use sg_inertia_number, only: inertia_number, shear_rate, velocity_gradient
+  use sg_kinds, only: wp, i1, i4, i8, pi
+  use sg_mapping, only: add_resultants
+  use sg_measures, only: measure, measures_t
+  use sg_penetration, only: penetrations
+  use sg_random, only: random_t
+  use sg_report, only: report_t
+  use sg_scene, only: scene_t
+  use sg_stress, only: mean_stress
+  use sg_totals, only: n_phases, phase_solve, totals_t
+  use sg_velocities, only: speeds
+  implicit none
+  ! Closed forms of a few operations: a few roundings of numbers of order one to ten.
+  real(wp), parameter :: rounding = 1e-13_wp
+  type(tests_t) :: t
+
+  call test_bounce()
+  call test_energy_of_a_shaken_cluster()
+  call test_energy_of_a_pushed_wall()
+  call test_energy_at_rest()
+  call test_grains_and_speeds()
+  call test_two_disks()
+  call test_box_of_four()
+  call test_points_of_a_pair()
+  call test_boxes()
+  call test_affine_flow()
+  call test_pressed_contact()
+  call test_periodic_stress()
+  call test_totals()
+  call t%finish()
+
+contains
+
+  !> A scene of `n` unit disks at the positions given, at rest.
+  function disks(position) result(scene)
+    real(wp), intent(in) :: position(:, :)
+    type(scene_t) :: scene
+    integer :: i
+
+    call scene%bodies%allocate(size(position, 2))
+    scene%bodies%position = position
+    do i = 1, scene%bodies%n
+      call add_disk(scene%contactors, i, 1, 1.0_wp, [0.0_wp, 0.0_wp])
+      scene%bodies%mass(i) = 2
+      scene%bodies%inertia(i) = 1
+      scene%bodies%area(i) = pi
+    end do
+    scene%bodies%inverse_mass(1:2, :) = 0.5_wp
+    scene%bodies%inverse_mass(3, :) = 1
+    call set_middle(scene, 0.0_wp)
+  end function disks
+
+  !> Bring a scene to its detection configuration.
+  subroutine set_middle(scene, h)
+    type(scene_t), intent(inout) :: scene
+    real(wp), intent(in) :: h
+
+    scene%bodies%middle(1:2, :) = scene%bodies%position + h/2*scene%bodies%velocity(1:2, :)
+    scene%bodies%middle(3, :) = scene%bodies%angle + h/2*scene%bodies%velocity(3, :)
+    call place_contactors(scene%contactors, scene%bodies%middle)
+  end subroutine set_middle
+
+  !> Take a body's freedom away.
+  subroutine make_wall(scene, body)
+    type(scene_t), intent(inout) :: scene
+    integer, intent(in) :: body
+
+    scene%bodies%is_grain(body) = .false.
+    scene%bodies%inverse_mass(:, body) = 0
+  end subroutine make_wall
+
+  !> Add a contact.
+  subroutine touch(contacts, candidate, antagonist, normal, point, gap, impulse)
+    type(contacts_t), intent(inout) :: contacts
+    integer, intent(in) :: candidate, antagonist
+    real(wp), intent(in) :: normal(2), point(2), gap, impulse(2)
+
+    call reserve_contacts(contacts, contacts%n + 1)
+    contacts%n = contacts%n + 1
+    contacts%body(:, contacts%n) = int([candidate, antagonist], i4)
+    contacts%contactor(:, contacts%n) = int([candidate, antagonist], i4)
+    contacts%normal(:, contacts%n) = normal
+    contacts%point(:, contacts%n) = point
+    contacts%gap(contacts%n) = gap
+    contacts%impulse(:, contacts%n) = impulse(:contacts%n_components)
+    contacts%image(contacts%n) = 0_i1
+  end subroutine touch
+
+  !> Velocities of the end of the step by the scheme's own equation; driven components keep `free_velocity`.
+  subroutine end_step(scene, contacts, h)
+    type(scene_t), intent(inout) :: scene
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in) :: h
+    real(wp) :: resultant(3, scene%bodies%n)
+
+    resultant = 0
+    call add_resultants(contacts, scene%bodies%middle, scene%period, resultant)
+    associate (b => scene%bodies)
+      where (b%inverse_mass > 0) b%free_velocity = b%velocity + b%inverse_mass*(h*b%force + resultant)
+    end associate
+  end subroutine end_step
+
+  !> Update with theta = 1/2.
+  subroutine update(scene, h)
+    type(scene_t), intent(inout) :: scene
+    real(wp), intent(in) :: h
+
+    associate (b => scene%bodies)
+      b%position = b%position + h/2*(b%velocity(1:2, :) + b%free_velocity(1:2, :))
+      b%angle = b%angle + h/2*(b%velocity(3, :) + b%free_velocity(3, :))
+      b%velocity = b%free_velocity
+    end associate
+  end subroutine update
+
+  !> A disk of mass 2 falls at 3 m/s on a floor and leaves at 1 m/s: the impact takes 2 (9 - 1)/2 = 8 J.
+  subroutine test_bounce()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    type(energy_t) :: energy
+    real(wp), parameter :: h = 0.01_wp
+
+    scene = disks(reshape([0.0_wp, 1.0_wp, 0.0_wp, -1.0_wp], [2, 2]))
+    call make_wall(scene, 2)
+    scene%bodies%velocity(1:2, 1) = [2.0_wp, -3.0_wp]
+    ! Friction brings the sliding velocity of the point from 2 to 1.7 and starts a spin.
+    call touch(contacts, 1, 2, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [8.0_wp, -0.2_wp])
+    call end_step(scene, contacts, h)
+    call energy%add_step(scene, contacts, h)
+    call update(scene, h)
+    call t%near(scene%bodies%velocity(2, 1), 1.0_wp, rounding, 'velocity after the bounce')
+    call t%near(energy%impact_loss, 8.0_wp, rounding, 'impact loss of a bounce')
+    ! Point's velocity along t = (1, 0): 2 before; after, 2 - 0.1 with a spin of 0.2 rad/s on a radius of 1.
+    call t%near(energy%friction_loss, 0.2_wp*(2.0_wp + 1.7_wp)/2, rounding, 'friction loss of a bounce')
+    call t%near(kinetic_energy(scene%bodies), 1.0_wp + 1.9_wp**2 + 0.02_wp, rounding, 'kinetic energy after the bounce')
+    call t%near(energy%external_work, 0.0_wp, rounding, 'nothing pushes')
+    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance of a bounce')
+    energy%friction_loss = energy%friction_loss + 0.1_wp
+    call t%near(energy_closure(energy, scene), 0.1_wp/13, rounding, 'an error of 0.1 J is seen over the largest term, 13 J')
+  end subroutine test_bounce
+
+  !> Two disks in gravity with random impulses, forces and a driven spin: the balance closes whatever they are.
+  subroutine test_energy_of_a_shaken_cluster()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    type(energy_t) :: energy
+    type(random_t) :: random
+    real(wp), parameter :: h = 0.02_wp
+    integer :: step, i
+
+    scene = disks(reshape([0.1_wp, 3.0_wp, 0.2_wp, 1.0_wp, 1.9_wp, 2.0_wp], [2, 3]))
+    scene%gravity = [1.0_wp, -9.81_wp]
+    scene%period = 10
+    scene%bodies%inverse_mass(3, 2) = 0
+    call random%seed(3)
+    do step = 1, 50
+      call set_middle(scene, h)
+      contacts%n = 0
+      call touch(contacts, 1, 2, [0.6_wp, 0.8_wp], scene%bodies%middle(1:2, 2) + [0.6_wp, 0.8_wp], 0.0_wp, &
+                 [random%uniform(), random%uniform(-1.0_wp, 1.0_wp)])
+      call touch(contacts, 3, 2, [0.8_wp, 0.6_wp], scene%bodies%middle(1:2, 2) + [0.8_wp, 0.6_wp], 0.0_wp, &
+                 [random%uniform(), random%uniform(-1.0_wp, 1.0_wp)])
+      contacts%image(2) = 1_i1
+      do i = 1, 3
+        scene%bodies%force(:, i) = [2*scene%gravity, 0.0_wp] + [random%uniform(), random%uniform(), random%uniform()]
+      end do
+      scene%bodies%free_velocity(3, 2) = random%uniform(-1.0_wp, 1.0_wp)
+      call end_step(scene, contacts, h)
+      call energy%add_step(scene, contacts, h)
+      call update(scene, h)
+      ! A wrapped position with its crossing is the same unwrapped one.
+      scene%bodies%position(1, 1) = scene%bodies%position(1, 1) - scene%period
+      scene%bodies%crossings(1) = scene%bodies%crossings(1) + 1
+    end do
+    call t%check(abs(energy%drive_work) > 0.01_wp .and. abs(energy%external_work) > 0.1_wp, 'drive and forces work')
+    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance over 50 steps')
+  end subroutine test_energy_of_a_shaken_cluster
+
+  !> A wall driven at 2 m/s pushes a disk at rest to 2 m/s: the drive gives m v v = 8 J, half of it is lost.
+  subroutine test_energy_of_a_pushed_wall()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    type(energy_t) :: energy
+    real(wp), parameter :: h = 0.01_wp
+
+    scene = disks(reshape([0.0_wp, 0.0_wp, 2.0_wp, 0.0_wp], [2, 2]))
+    call make_wall(scene, 1)
+    scene%bodies%velocity(1, 1) = 2
+    scene%bodies%free_velocity(1, 1) = 2
+    call touch(contacts, 1, 2, [-1.0_wp, 0.0_wp], [1.0_wp, 0.0_wp], 0.0_wp, [4.0_wp, 0.0_wp])
+    call end_step(scene, contacts, h)
+    call energy%add_step(scene, contacts, h)
+    call update(scene, h)
+    call t%near(energy%drive_work, 8.0_wp, rounding, 'work of the drive')
+    call t%near(energy%impact_loss, 4.0_wp, rounding, 'loss of the push')
+    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance of the push')
+    call test_energy_pack(energy)
+  end subroutine test_energy_of_a_pushed_wall
+
+  !> Packed and unpacked, the sums are the same to the last bit.
+  subroutine test_energy_pack(energy)
+    type(energy_t), intent(in) :: energy
+    type(energy_t) :: copy
+
+    call copy%unpack(energy%pack())
+    call t%check(copy%is_started .and. all(abs(copy%pack() - energy%pack()) <= 0), 'energy sums survive a restart')
+    call t%near(copy%drive_work, energy%drive_work, 0.0_wp, 'each in its place')
+  end subroutine test_energy_pack
+
+  !> Nothing moves, nothing weighs: no division by zero; and at rest under gravity far from the origin.
+  subroutine test_energy_at_rest()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    type(energy_t) :: energy
+    type(measures_t) :: measures
+
+    scene = disks(reshape([0.0_wp, 0.0_wp], [2, 1]))
+    call t%near(energy_closure(energy, scene), 0.0_wp, 0.0_wp, 'no balance before the first step')
+    call energy%add_step(scene, contacts, 0.1_wp)
+    call t%near(energy_closure(energy, scene), 0.0_wp, 0.0_wp, 'an empty balance is closed')
+    scene%gravity = [0.0_wp, -10.0_wp]
+    scene%bodies%position(2, 1) = 1000
+    call t%near(potential_energy(scene), 20000.0_wp, 1e-10_wp, 'potential energy m g y')
+    call reserve_contacts(contacts, 1)
+    call measure(scene, contacts, 0.1_wp, energy, measures)
+    call t%near(measures%get('potential_energy'), 20000.0_wp, 1e-10_wp, 'a measure by its name')
+    call t%near(measures%get('inertia_number'), 0.0_wp, 0.0_wp, 'one grain has no inertia number')
+  end subroutine test_energy_at_rest
+
+  subroutine test_grains_and_speeds()
+    type(scene_t) :: scene
+    type(grains_t) :: grains
+    real(wp) :: mean, largest
+
+    scene = disks(reshape([0.0_wp, 0.0_wp, 3.0_wp, 0.0_wp, 6.0_wp, 0.0_wp], [2, 3]))
+    call make_wall(scene, 3)
+    scene%bodies%velocity(1:2, 1) = [3.0_wp, 4.0_wp]
+    scene%bodies%velocity(1:2, 2) = [0.0_wp, -1.0_wp]
+    scene%bodies%velocity(1:2, 3) = [100.0_wp, 0.0_wp]
+    call speeds(scene%bodies, mean, largest)
+    call t%near(mean, 3.0_wp, rounding, 'mean speed of the grains, walls left out')
+    call t%near(largest, 5.0_wp, rounding, 'largest speed')
+    call t%near(norm2(momentum(scene%bodies) - [6.0_wp, 6.0_wp]), 0.0_wp, rounding, 'momentum')
+    grains = count_grains(scene%bodies)
+    call t%equal(grains%n, 2, 'grains')
+    call t%near(grains%area, 2*pi, rounding, 'their area')
+    call t%near(grains%mean_radius, 1.0_wp, rounding, 'their mean radius')
+  end subroutine test_grains_and_speeds
+
+  !> Gaps -0.1, 0.05, -0.3: mean penetration 0.2, largest 0.3.
+  subroutine test_two_disks()
+    type(contacts_t) :: contacts
+    real(wp) :: mean, largest
+
+    call touch(contacts, 1, 2, [1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], -0.1_wp, [0.0_wp, 0.0_wp])
+    call touch(contacts, 1, 3, [1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], 0.05_wp, [0.0_wp, 0.0_wp])
+    call touch(contacts, 1, 4, [1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], -0.3_wp, [0.0_wp, 0.0_wp])
+    call penetrations(contacts, mean, largest)
+    call t%near(mean, 0.2_wp, rounding, 'mean penetration')
+    call t%near(largest, 0.3_wp, rounding, 'largest penetration')
+    contacts%n = 0
+    call penetrations(contacts, mean, largest)
+    call t%near(mean + largest, 0.0_wp, 0.0_wp, 'no contact, no penetration')
+  end subroutine test_two_disks
+
+  !> Four disks in a square on a floor, and a fifth on top of one of them: its own single neighbour makes it a rattler.
+  subroutine test_box_of_four()
+    type(contacts_t) :: contacts
+    type(coordination_t) :: c
+    logical :: is_grain(6)
+
+    is_grain = [.true., .true., .true., .true., .true., .false.]
+    call touch(contacts, 6, 1, [0.0_wp, -1.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [2.0_wp, 0.0_wp])
+    call touch(contacts, 2, 6, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [2.0_wp, 0.0_wp])
+    call touch(contacts, 1, 2, [1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [1.0_wp, 0.0_wp])
+    call touch(contacts, 3, 4, [1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [1.0_wp, 0.0_wp])
+    call touch(contacts, 3, 1, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [1.0_wp, 0.0_wp])
+    call touch(contacts, 4, 2, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [1.0_wp, 0.0_wp])
+    call touch(contacts, 5, 4, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [1.0_wp, 0.0_wp])
+    call touch(contacts, 5, 3, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [0.0_wp, 0.0_wp])
+    c = coordinate(contacts, is_grain)
+    ! Five pairs of grains count twice, two with the floor once.
+    call t%near(c%mean, 12/5.0_wp, rounding, 'coordination')
+    call t%equal(c%rattlers, 1, 'rattlers')
+    call t%near(c%without_rattlers, 10/4.0_wp, rounding, 'coordination without rattlers')
+    call t%equal(c%single, 7, 'single contacts: the open one does not count')
+    contacts%n = 0
+    c = coordinate(contacts, is_grain)
+    call t%near(c%mean + c%without_rattlers, 0.0_wp, 0.0_wp, 'no contact, no neighbours')
+    call t%equal(c%rattlers, 5, 'all are rattlers')
+  end subroutine test_box_of_four
+
+  !> Points of one pair are counted together wherever they stand in the list, whichever body is the candidate.
+  subroutine test_points_of_a_pair()
+    type(contacts_t) :: contacts
+    type(coordination_t) :: c
+    integer, parameter :: pair(2, 7) = reshape([1, 2, 3, 4, 2, 3, 2, 1, 4, 3, 3, 4, 5, 1], [2, 7])
+    integer :: i
+
+    do i = 1, size(pair, 2)
+      call touch(contacts, pair(1, i), pair(2, i), [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [1.0_wp, 0.0_wp])
+    end do
+    c = coordinate(contacts, spread(.true., 1, 5))
+    call t%equal(c%single, 2, 'pairs with one point')
+    call t%equal(c%double, 1, 'pairs with two points')
+    call t%equal(c%triple, 1, 'pairs with three points')
+    call t%near(c%mean, 8/5.0_wp, rounding, 'a pair counts once')
+  end subroutine test_points_of_a_pair
+
+  !> Boxes of grains: disks 8 x 2, periodic, a lying segment and a square on its corner.
+  subroutine test_boxes()
+    type(scene_t) :: scene
+    real(wp), parameter :: square(2, 4) = reshape([-1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp], [2, 4])
+
+    scene = disks(reshape([0.0_wp, 0.0_wp, 6.0_wp, 0.0_wp, 50.0_wp, 0.0_wp], [2, 3]))
+    call make_wall(scene, 3)
+    call t%near(box_area(scene), 16.0_wp, rounding, 'box of two disks')
+    scene%period = 7
+    call t%near(box_area(scene), 14.0_wp, rounding, 'its width is the period')
+    scene%period = 0
+    call add_wall(scene%contactors, 1, 1, 2.0_wp, 0.5_wp, [0.0_wp, 0.0_wp], pi/2)
+    call set_middle(scene, 0.0_wp)
+    call t%near(box_area(scene), 8*5.0_wp, 10*rounding, 'box with a segment upright')
+    scene%bodies%angle(2) = pi/4
+    call add_polygon(scene%contactors, 2, 1, square, [0.0_wp, 0.0_wp])
+    call set_middle(scene, 0.0_wp)
+    call t%near(box_area(scene), (7 + sqrt(2.0_wp))*5, 10*rounding, 'box with a square on its corner')
+    scene%bodies%is_grain = .false.
+    call t%near(box_area(scene), 0.0_wp, 0.0_wp, 'no grain, no box')
+  end subroutine test_boxes
+
+  !> An affine velocity field gives its own gradient; rotation has no shear rate, simple shear has its own.
+  subroutine test_affine_flow()
+    type(scene_t) :: scene
+    real(wp), parameter :: gradient(2, 2) = reshape([0.5_wp, -0.3_wp, 2.0_wp, 0.1_wp], [2, 2])
+    real(wp) :: position(2, 5), found(2, 2)
+    integer :: i
+
+    position = reshape([0.0_wp, 0.0_wp, 2.0_wp, 0.3_wp, 1.0_wp, 2.5_wp, -1.5_wp, 4.0_wp, 9.0_wp, 9.0_wp], [2, 5])
+    scene = disks(position)
+    call make_wall(scene, 5)
+    do i = 1, 4
+      scene%bodies%velocity(1:2, i) = [5.0_wp, 7.0_wp] + matmul(gradient, position(:, i))
+    end do
+    found = velocity_gradient(scene%bodies)
+    call t%near(norm2(found - gradient), 0.0_wp, rounding, 'gradient of an affine flow')
+    call t%near(shear_rate(found), hypot(0.4_wp, 1.7_wp), rounding, 'its shear rate')
+    call t%near(shear_rate(reshape([0.0_wp, 0.0_wp, 3.0_wp, 0.0_wp], [2, 2])), 3.0_wp, rounding, 'rate of a simple shear')
+    call t%near(shear_rate(reshape([0.0_wp, 1.0_wp, -1.0_wp, 0.0_wp], [2, 2])), 0.0_wp, rounding, 'rotation is no shear')
+    call t%near(inertia_number(3.0_wp, 4.0_wp, 16.0_wp), 1.5_wp, rounding, 'inertia number')
+    call t%near(inertia_number(3.0_wp, 4.0_wp, -1.0_wp), 0.0_wp, 0.0_wp, 'no pressure, no inertia number')
+    scene%bodies%position(2, :) = 1
+    call t%near(norm2(velocity_gradient(scene%bodies)), 0.0_wp, 0.0_wp, 'grains on a line have no gradient')
+  end subroutine test_affine_flow
+
+  !> Two disks pressed between two walls by 10 N: sigma_xx = 10 N over the height; a floor under weight.
+  subroutine test_pressed_contact()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    real(wp) :: stress(2, 2)
+    real(wp), parameter :: h = 0.5_wp
+
+    scene = disks(reshape([-1.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, -3.0_wp, 0.0_wp, 3.0_wp, 0.0_wp], [2, 4]))
+    call make_wall(scene, 3)
+    call make_wall(scene, 4)
+    call touch(contacts, 1, 2, [-1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [5.0_wp, 0.0_wp])
+    call touch(contacts, 1, 3, [1.0_wp, 0.0_wp], [-2.0_wp, 0.0_wp], 0.0_wp, [5.0_wp, 0.0_wp])
+    call touch(contacts, 4, 2, [1.0_wp, 0.0_wp], [2.0_wp, 0.0_wp], 0.0_wp, [5.0_wp, 0.0_wp])
+    stress = mean_stress(scene, contacts, h, box_area(scene))
+    call t%near(norm2(stress - reshape([5.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], [2, 2])), 0.0_wp, rounding, '10 N over a height of 2 m')
+    scene%gravity = [5.0_wp, 0.0_wp]
+    call t%near(floor_share(scene, contacts, h, 4.0_wp), 0.0_wp, rounding, 'two walls that push alike carry nothing')
+    contacts%impulse(1, 2) = 0
+    ! The right wall carries 10 N of a weight of 4 kg times 5 m/s2.
+    call t%near(floor_share(scene, contacts, h, 4.0_wp), 0.5_wp, rounding, 'one wall carries half of the weight')
+    scene%gravity = 0
+    call t%near(floor_share(scene, contacts, h, 4.0_wp), 0.0_wp, 0.0_wp, 'no weight, no share')
+    contacts%impulse(:, 1) = [0.0_wp, 3.0_wp]
+    contacts%n = 1
+    stress = mean_stress(scene, contacts, h, 8.0_wp)
+    ! t = (n_y, -n_x) = (0, 1): force (0, 6) N on the left disk, branch (-2, 0).
+    call t%near(stress(2, 1), -1.5_wp, rounding, 'shear stress: force along y, branch along x')
+    call t%near(norm2(mean_stress(scene, contacts, h, 0.0_wp)), 0.0_wp, 0.0_wp, 'no area, no stress')
+  end subroutine test_pressed_contact
+
+  !> Through the period the branch is the short one.
+  subroutine test_periodic_stress()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    real(wp) :: stress(2, 2)
+
+    scene = disks(reshape([1.0_wp, 0.0_wp, 9.0_wp, 0.0_wp], [2, 2]))
+    scene%period = 10
+    ! The antagonist at x = 9 is seen at x = -1.
+    call touch(contacts, 1, 2, [1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [4.0_wp, 0.0_wp])
+    contacts%image(1) = -1_i1
+    stress = mean_stress(scene, contacts, 1.0_wp, box_area(scene))
+    call t%near(stress(1, 1), 4*2.0_wp/20, rounding, 'stress through the period')
+  end subroutine test_periodic_stress
+
+  subroutine test_totals()
+    type(totals_t) :: totals, copy
+    type(report_t) :: report
+    real(wp) :: nan
+
+    report%sweeps = 30
+    report%contact_updates = 3000000000_i8
+    report%e8 = 1e-3_wp
+    report%active_contacts = 80
+    report%bytes_per_contact = 320
+    call totals%add(report, 120)
+    report%is_converged = .false.
+    report%e8 = 1e-5_wp
+    call totals%add(report, 100)
+    totals%phase(phase_solve)%cpu = 1.5_wp
+    totals%clock%wall = 7
+    call t%equal(totals%steps, 2, 'steps')
+    call t%equal(totals%unconverged_steps, 1, 'unconverged steps')
+    call t%check(totals%sweeps == 60_i8 .and. totals%contact_updates == 6000000000_i8, 'sums pass 2^31')
+    call t%equal(totals%most_contacts, 120, 'most contacts')
+    call t%near(totals%worst_e8, 1e-3_wp, 0.0_wp, 'worst error')
+    call copy%unpack(totals%pack())
+    call t%check(all(abs(copy%pack() - totals%pack()) <= 0), 'totals survive a restart')
+    call t%check(copy%contact_updates == 6000000000_i8, 'so do large counters')
+    call t%near(copy%phase(phase_solve)%cpu, 1.5_wp, 0.0_wp, 'and timers')
+    call t%near(copy%clock%wall, 7.0_wp, 0.0_wp, 'and the clock')
+    nan = ieee_value(nan, ieee_quiet_nan)
+    report%e8 = nan
+    call totals%add(report, 1)
+    report%e8 = 1
+    call totals%add(report, 1)
+    call t%check(ieee_is_nan(totals%worst_e8), 'an error that is not a number stays the worst')
+    call t%equal(size(totals%phase), n_phases, 'a stopwatch a phase')
+  end subroutine test_totals
+end program test_monitors

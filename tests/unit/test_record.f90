@@ -1,0 +1,287 @@
+!> What a run writes down: record.csv, run.json, progress and the verdict.
+program test_record
+  use harness, only: tests_t
+  use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
+  use sg_error, only: error_t, exit_output
+  use sg_json, only: json_t
+  use sg_kinds, only: wp
+  use sg_measures, only: measures_t, n_measures
+  use sg_progress, only: duration_text, progress_t
+  use sg_record, only: record_t
+  use sg_report, only: report_t
+  use sg_run_options, only: run_options_t
+  use sg_run_summary, only: run_done, run_summary_t, write_run_summary
+  use sg_scene, only: scene_t
+  use sg_system, only: file_exists, remove_file
+  use sg_text, only: read_lines, text_t
+  use sg_text_files, only: append_text, replace_file
+  use sg_totals, only: totals_t
+  use sg_verdict, only: print_verdict
+  implicit none
+  character(len=*), parameter :: nl = new_line('a')
+  type(tests_t) :: t
+
+  call test_json()
+  call test_text_files()
+  call test_rows()
+  call test_restart()
+  call test_full_disk()
+  call test_summary()
+  call test_verdict()
+  call test_progress()
+  call t%finish()
+
+contains
+
+  !> The columns that scripts rely on, in their order.
+  function promised_columns() result(names)
+    character(len=:), allocatable :: names
+
+    names = 'step,time,contacts,active_contacts,sweeps,contact_updates,converged,criterion,e1,e2,e8,violation,'// &
+            'cpu_seconds,wall_seconds,cpu_predict,cpu_detect,cpu_assemble,cpu_solve,cpu_update,cpu_measure,cpu_output,'// &
+            'kinetic_energy,potential_energy,external_work,drive_work,friction_loss,impact_loss,energy_closure,'// &
+            'mean_penetration,max_penetration,volume_error,compactness,coordination,coordination_without_rattlers,'// &
+            'single_contacts,double_contacts,triple_contacts,mean_velocity,max_velocity,inertia_number,pressure,floor_share'
+  end function promised_columns
+
+  !> A number that is none.
+  real(wp) function nan()
+    nan = ieee_value(nan, ieee_quiet_nan)
+  end function nan
+
+  !> Commas of a line.
+  integer function commas(line)
+    character(len=*), intent(in) :: line
+    integer :: i
+
+    commas = count([(line(i:i) == ',', i=1, len(line))])
+  end function commas
+
+  !> Does Python read the file, and agree with a condition on the object `run`? True, and told, without Python.
+  logical function python_agrees(file, condition)
+    character(len=*), intent(in) :: file, condition
+    integer :: status
+
+    call execute_command_line('command -v python3 > /dev/null', exitstat=status)
+    python_agrees = .true.
+    if (status /= 0) then
+      write (*, '(a)') 'skipped: no python3 to read '//file
+      return
+    end if
+    call execute_command_line('python3 -c "import json; run = json.load(open('''//file//''')); assert '//condition// &
+                              '" 2> /dev/null', exitstat=status)
+    python_agrees = status == 0
+  end function python_agrees
+
+  subroutine test_json()
+    type(json_t) :: json
+    type(error_t), allocatable :: error
+    character(len=*), parameter :: odd = 'a "b" \c'//achar(9)//achar(1)//char(195)//char(169)//char(255)
+
+    call t%check(json%text() == '{'//nl//'}', 'an empty object')
+    call json%add('text', odd)
+    call json%add('number', 0.1_wp)
+    call json%add('nothing', nan())
+    call json%add('endless', ieee_value(1.0_wp, ieee_positive_inf))
+    call json%add('small', -1e-200_wp)
+    call json%add('yes', .true.)
+    call json%add('whole', -7)
+    call t%check(index(json%text(), '"text": "a \"b\" \\c\u0009\u0001'//char(195)//char(169)//'?"') > 0, 'escapes')
+    call t%check(index(json%text(), '"nothing": null,') > 0 .and. index(json%text(), '"endless": null,') > 0, &
+                 'what is not finite is null')
+    call replace_file('odd.json', json%text(), error)
+    call t%check(.not. allocated(error), 'a JSON file is written')
+    call t%check(python_agrees('odd.json', 'run[''number''] == 0.1 and run[''small''] == -1e-200 and run[''yes''] is True '// &
+                               'and run[''whole''] == -7 and run[''text''][-1] == ''?'' and len(run) == 7'), &
+                 'another reader agrees')
+  end subroutine test_json
+
+  subroutine test_text_files()
+    type(error_t), allocatable :: error
+    type(text_t), allocatable :: lines(:)
+
+    call replace_file('lines.txt', 'one'//nl, error)
+    call append_text('lines.txt', 'two'//nl, error)
+    call read_lines('lines.txt', lines, error)
+    call t%equal(size(lines), 2, 'a line is appended')
+    call replace_file('lines.txt', 'three'//nl, error)
+    call read_lines('lines.txt', lines, error)
+    call t%equal(size(lines), 1, 'a file is replaced')
+    call t%check(.not. file_exists('lines.txt.part'), 'no part stays')
+    if (file_exists('/dev/full')) then
+      call execute_command_line('ln -sf /dev/full full.txt.part')
+      call replace_file('full.txt', 'x', error)
+      call t%check(allocated(error) .and. .not. file_exists('full.txt'), 'a full disk leaves no file')
+    end if
+    call replace_file('no_such_folder/lines.txt', 'x', error)
+    call t%check(allocated(error), 'a missing folder is an error')
+  end subroutine test_text_files
+
+  !> A record with rows of steps 1 to `n`.
+  subroutine write_record(record, n)
+    type(record_t), intent(inout) :: record
+    integer, intent(in) :: n
+    type(error_t), allocatable :: error
+    type(report_t) :: report
+    type(totals_t) :: totals
+    type(measures_t) :: measures
+    integer :: i
+
+    call record%start('record.csv', error)
+    call t%check(.not. allocated(error), 'a record starts')
+    do i = 1, n
+      report%is_converged = modulo(i, 2) == 0
+      measures%value = real([(i, i=1, n_measures)], wp)
+      if (i == 3) measures%value(1) = nan()
+      call record%add(i, real(i, wp)/10, 12, report, totals, measures, error)
+    end do
+  end subroutine write_record
+
+  subroutine test_rows()
+    type(record_t) :: record
+    type(error_t), allocatable :: error
+    type(text_t), allocatable :: lines(:)
+
+    call write_record(record, 3)
+    call read_lines('record.csv', lines, error)
+    call t%equal(size(lines), 4, 'a header and three rows')
+    call t%check(index(lines(1)%s//',', promised_columns()//',') == 1, 'the columns promised')
+    call t%equal(commas(lines(2)%s), commas(lines(1)%s), 'a cell a column')
+    call t%check(lines(2)%s(:2) == '1,', 'the step comes first')
+    call t%check(index(lines(2)%s, ',0,0.0000') > 0 .and. index(lines(3)%s, ',1,0.0000') > 0, 'converged is 0 or 1')
+    call t%check(index(lines(2)%s, ',14,15,16,') > 0, 'counts are whole numbers: '//lines(2)%s)
+    call t%check(index(lines(4)%s, ',nan,') > 0, 'a number that is none')
+  end subroutine test_rows
+
+  subroutine test_restart()
+    type(record_t) :: record
+    type(error_t), allocatable :: error
+    type(text_t), allocatable :: lines(:)
+
+    call write_record(record, 5)
+    call append_text('record.csv', '2,torn', error)
+    call record%resume('record.csv', 3, error)
+    call t%check(.not. allocated(error), 'a record goes on')
+    call read_lines('record.csv', lines, error)
+    call t%equal(size(lines), 4, 'later and torn rows are cut')
+    call t%check(lines(4)%s(:2) == '3,', 'the last row is that of the checkpoint')
+    call replace_file('record.csv', 'step,other'//nl, error)
+    call record%resume('record.csv', 3, error)
+    call t%check(allocated(error), 'other columns are an error')
+    call remove_file('record.csv')
+    call record%resume('record.csv', 3, error)
+    call t%check(.not. allocated(error) .and. file_exists('record.csv'), 'a missing record is begun')
+  end subroutine test_restart
+
+  !> A record on a device that is always full.
+  subroutine test_full_disk()
+    type(record_t) :: record
+    type(error_t), allocatable :: error
+    type(report_t) :: report
+    type(totals_t) :: totals
+    type(measures_t) :: measures
+    integer :: status
+
+    if (.not. file_exists('/dev/full')) then
+      write (*, '(a)') 'skipped: no /dev/full'
+      return
+    end if
+    call record%start('full.csv', error)
+    call remove_file('full.csv')
+    call execute_command_line('ln -s /dev/full full.csv', exitstat=status)
+    call record%add(1, 0.1_wp, 12, report, totals, measures, error)
+    call remove_file('full.csv')
+    call t%check(allocated(error), 'a full disk is noticed')
+    if (allocated(error)) call t%equal(error%code, exit_output, 'and has its exit code')
+  end subroutine test_full_disk
+
+  !> A concluded run of one grain.
+  function concluded() result(summary)
+    type(run_summary_t) :: summary
+    type(scene_t) :: scene
+    type(run_options_t) :: options
+    type(totals_t) :: totals
+    type(measures_t) :: measures
+    type(report_t) :: report
+
+    call scene%bodies%allocate(1)
+    scene%bodies%area = 3
+    options%steps = 1
+    options%folder = 'results'
+    options%deck_hash = 'abc'
+    report%sweeps = 20
+    call totals%add(report, 7)
+    call totals%clock%start()
+    call totals%tick()
+    measures%value(3) = nan()
+    call summary%describe(scene, options, 'decks/odd "name".toml', 1)
+    call summary%add_file('record', 'record.csv')
+    call summary%conclude(run_done, '', 0.5_wp, totals, measures)
+  end function concluded
+
+  subroutine test_summary()
+    type(run_summary_t) :: summary
+    type(error_t), allocatable :: error
+    type(text_t), allocatable :: lines(:)
+    integer :: i
+
+    call write_run_summary(summary, 'run.json', error)
+    call t%check(python_agrees('run.json', 'run[''status''] == ''failed'''), 'a run of which nothing is known failed')
+    summary = concluded()
+    call write_run_summary(summary, 'run.json', error)
+    call t%check(.not. allocated(error), 'run.json is written')
+    call read_lines('run.json', lines, error)
+    call t%check(lines(1)%s == '{' .and. lines(size(lines))%s == '}', 'one object')
+    do i = 2, size(lines) - 1
+      call t%check(lines(i)%s(:3) == '  "' .and. index(lines(i)%s, '": ') > 0, 'a member: '//lines(i)%s)
+      call t%check((lines(i)%s(len(lines(i)%s):) == ',') .eqv. (i < size(lines) - 1), 'commas between members')
+    end do
+    call t%check(python_agrees('run.json', 'run[''status''] == ''done'' and run[''steps''] == 1 and run[''contacts''] == 7 '// &
+      'and run[''external_work''] is None and run[''file_record''] == ''record.csv'' and run[''grains''] == 1 '// &
+      'and run[''peak_memory_bytes''] > 0 and run[''time''] == 0.5 and run[''deck_hash''] == ''abc'' '// &
+      'and not any(isinstance(v, (list, dict)) for v in run.values())'), 'another reader agrees')
+  end subroutine test_summary
+
+  subroutine test_verdict()
+    type(error_t), allocatable :: error
+    type(text_t), allocatable :: lines(:)
+    integer :: unit
+
+    open (newunit=unit, file='verdict.txt', status='replace', action='write')
+    call print_verdict(unit, concluded())
+    close (unit)
+    call read_lines('verdict.txt', lines, error)
+    call t%equal(size(lines), 10, 'a verdict of ten lines')
+    call t%check(index(lines(1)%s, 'done: 1 of 1 steps') == 1, 'how it ended: '//lines(1)%s)
+    call t%check(index(lines(10)%s, 'record.csv in results') > 0, 'what to open: '//lines(10)%s)
+  end subroutine test_verdict
+
+  subroutine test_progress()
+    type(progress_t) :: progress
+    type(report_t) :: report
+    type(error_t), allocatable :: error
+    type(text_t), allocatable :: lines(:)
+    integer :: unit
+
+    report%sweeps = 30
+    report%is_converged = .false.
+    open (newunit=unit, file='progress.txt', status='replace', action='write')
+    call progress%start(unit, 100, 200, 'e8', .false., .false.)
+    call t%check(.not. progress%is_due(), 'no line at once')
+    call progress%show(150, 0.25_wp, 12, report, 1.5_wp)
+    call progress%finish()
+    call progress%start(unit, 100, 200, 'e8', .true., .false.)
+    call progress%show(150, 0.25_wp, 12, report, 1.5_wp)
+    call progress%show(200, 0.5_wp, 12, report, 1.5_wp)
+    call progress%finish()
+    call progress%start(unit, 100, 200, 'e8', .true., .true.)
+    call progress%show(200, 0.5_wp, 12, report, 1.5_wp)
+    close (unit)
+    call read_lines('progress.txt', lines, error)
+    call t%equal(size(lines), 2, 'one line in batch, one bar redrawn, nothing when quiet')
+    call t%check(index(lines(1)%s, 'step 150 of 200, time 2.500E-01 s, 12 contacts, 30 sweeps, e8') == 1, 'batch: '//lines(1)%s)
+    call t%check(index(lines(2)%s, achar(13)//'[==========          ]  50%') == 1, 'half a bar: '//lines(2)%s)
+    call t%check(index(lines(2)%s, achar(13)//'[====================] 100%') > 1, 'a full bar')
+    call t%check(duration_text(3725.0_wp) == '1:02:05' .and. duration_text(59.6_wp) == '1:00', 'durations')
+  end subroutine test_progress
+end program test_record
