@@ -1,0 +1,7 @@
+"""`python -m splitgrain_postpro`."""
+
+import sys
+
+from .cli import main
+
+sys.exit(main())

@@ -1,0 +1,86 @@
+"""The command `splitgrain-postpro COMMAND RESULTS [OPTION...]`."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from . import figures
+from .errors import ResultsError
+from .results import Results
+from .scene import QUANTITIES
+from .style import styled
+from .text import summary_text
+
+EXIT_DONE, EXIT_BAD_INPUT = 0, 2
+COMMANDS = {
+    "summary": "one page and a short text: scene with force chains, energies, solver effort, residuals",
+    "scene": "the scene: grains coloured by a quantity, force chains, walls",
+    "energy": "energies, works and losses against time",
+    "solver": "sweeps, contacts, residuals and cost by phase against time",
+}
+
+
+def parser():
+    """The command line."""
+    top = argparse.ArgumentParser(prog="splitgrain-postpro", description="Draw the results of a SplitGrain run.")
+    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, sentence in COMMANDS.items():
+        command = commands.add_parser(name, help=sentence, description=sentence)
+        command.add_argument("results", metavar="RESULTS", help="folder that the run wrote")
+        command.add_argument("--output", metavar="PNG", type=Path, help=f"file to write (default RESULTS/{name}.png)")
+        command.add_argument("--dpi", metavar="N", type=int, default=150, help="dots an inch (default 150)")
+        if name in ("summary", "scene"):
+            command.add_argument("--step", metavar="N", type=int,
+                                 help="show the last picture at or before time step N (default: the last picture)")
+        if name == "scene":
+            command.add_argument("--colour", choices=QUANTITIES, default="speed",
+                                 help="quantity that fills the grains (default speed)")
+    return top
+
+
+def draw(arguments):
+    """Make the page of a command; returns the results read and what was not there."""
+    results = Results(arguments.results)
+    picture = -1
+    if getattr(arguments, "step", None) is not None:
+        picture = results.picture_of_step(arguments.step)
+    with styled():
+        if arguments.command == "summary":
+            figure, missing = figures.summary_figure(results, picture)
+        elif arguments.command == "scene":
+            figure, missing = figures.scene_figure(results, picture, arguments.colour)
+        elif arguments.command == "energy":
+            figure, missing = figures.energy_figure(results)
+        else:
+            figure, missing = figures.solver_figure(results)
+        output = arguments.output or results.folder / f"{arguments.command}.png"
+        _write(output, lambda: figure.savefig(output, format="png", dpi=arguments.dpi))
+    return results, missing, output
+
+
+def main(words=None):
+    """Run the command line; returns the exit code."""
+    arguments = parser().parse_args(words)
+    try:
+        results, missing, output = draw(arguments)
+        if arguments.command == "summary":
+            text = summary_text(results, missing)
+            path = output.with_name("summary.txt") if output.stem == "summary" else output.with_suffix(".txt")
+            _write(path, lambda: path.write_text(text))
+            print(text, end="")
+        else:
+            for sentence in missing:
+                print(f"splitgrain-postpro: {sentence}", file=sys.stderr)
+        print(f"wrote {output}")
+    except ResultsError as error:
+        print(f"splitgrain-postpro: error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    return EXIT_DONE
+
+
+def _write(path, write):
+    """Write a file, or say why it cannot be written."""
+    try:
+        write()
+    except OSError as error:
+        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error

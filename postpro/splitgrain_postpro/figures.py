@@ -1,0 +1,80 @@
+"""The pages that the commands write."""
+
+from . import plots
+from .errors import ResultsError
+from .scene import draw_scene, proportions
+from .style import new_figure, say_nothing_there
+from .text import headline, in_columns, summary_rows
+
+
+def scene_figure(results, picture=-1, quantity="speed"):
+    """The scene alone; its page has the proportions of the scene."""
+    scene = results.scene(picture)
+    # As large as a page whatever the proportions of the scene, with room for the scale at its right.
+    ratio = proportions(scene, results.period)
+    figure = new_figure(7 * ratio**0.5 + 1.4, 7 / ratio**0.5 + 1)
+    ax = figure.add_subplot()
+    missing = draw_scene(ax, scene, quantity, results.period)
+    figure.suptitle(results.name)
+    return figure, missing
+
+
+def energy_figure(results):
+    """Energies, and how far their balance is from closing."""
+    _need_record(results)
+    figure = new_figure(8, 7)
+    upper, lower = figure.subplots(2, 1, height_ratios=[2, 1])
+    plots.draw_energies(upper, results.record)
+    plots.draw_closure(lower, results.record)
+    figure.suptitle(results.name)
+    return figure, []
+
+
+def solver_figure(results):
+    """What the solver did: sweeps, contacts, residuals, cost by phase."""
+    _need_record(results)
+    figure = new_figure(11, 7.5)
+    panels = figure.subplots(2, 2)
+    plots.draw_sweeps(panels[0, 0], results.record)
+    plots.draw_contacts(panels[0, 1], results.record)
+    plots.draw_residuals(panels[1, 0], results.record)
+    plots.draw_phases(panels[1, 1], results.record)
+    figure.suptitle(results.name)
+    return figure, []
+
+
+def summary_figure(results, picture=-1):
+    """One page: the scene with its force chains, energies, effort, residuals, error against cost."""
+    figure = new_figure(15, 8.4)
+    left, right = figure.subfigures(1, 2, width_ratios=[1.05, 1.2], wspace=0.02)
+    panels = right.subplots(2, 2)
+    plots.draw_energies(panels[0, 0], results.record)
+    plots.draw_effort(panels[0, 1], results.record)
+    plots.draw_residuals(panels[1, 0], results.record)
+    plots.draw_residuals(panels[1, 1], results.record, against="cpu")
+    ax, table = left.subplots(2, 1, height_ratios=[4.5, 1])
+    missing = [] if results.record else ["no record.csv"]
+    if len(results.picture_times):
+        missing += draw_scene(ax, results.scene(picture), "speed", results.period)
+    else:
+        say_nothing_there(ax, "no pictures (bodies, shapes, contacts.vtkhdf):\nset [output] every in the deck")
+        missing.append("no pictures")
+    _write_rows(table, summary_rows(results))
+    figure.suptitle(headline(results), x=0.01, ha="left")
+    return figure, missing
+
+
+def _write_rows(ax, rows, n_columns=3):
+    """Words and values in columns of text."""
+    ax.set_axis_off()
+    length = -(-len(rows) // n_columns)
+    for column in range(n_columns):
+        text = in_columns(rows[column * length : (column + 1) * length])
+        ax.text(column / n_columns, 1, text, transform=ax.transAxes, va="top", family="monospace", fontsize=7.5)
+
+
+def _need_record(results):
+    """These pages are made of the record alone."""
+    if not results.record or not len(next(iter(results.record.values()))):
+        raise ResultsError(f"{results.folder} has no row in record.csv to draw")
+

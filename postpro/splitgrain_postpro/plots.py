@@ -1,0 +1,141 @@
+"""Curves of a run from record.csv: energies, effort of the solver, residuals."""
+
+import numpy as np
+
+from .style import (
+    BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, draw_series, say_nothing_there,
+)  # fmt: skip
+
+TIME = "time [s]"
+PHASES = {
+    "cpu_predict": ("predict", SKY), "cpu_detect": ("detect", GREEN), "cpu_assemble": ("assemble", ORANGE),
+    "cpu_solve": ("solve", BLUE), "cpu_update": ("update", PURPLE), "cpu_measure": ("measure", "#999999"),
+    "cpu_output": ("output", "#CCCCCC"),
+}  # fmt: skip
+
+
+def _column(record, name):
+    """A column, or NaN where the record has none."""
+    if name in record:
+        return record[name]
+    return np.full(len(next(iter(record.values()))), np.nan)
+
+
+def _is_empty(ax, record):
+    """Say so in the panel when there is no row to draw."""
+    if record and len(next(iter(record.values()))):
+        return False
+    say_nothing_there(ax, "no record.csv" if not record else "record.csv has no row yet")
+    return True
+
+
+def _finish(ax, drawn, x_label, y_label, title, **legend):
+    """Labels and legend; a panel without any curve says so."""
+    ax.set_title(title)
+    if not drawn:
+        say_nothing_there(ax, "nothing to draw in record.csv")
+        return
+    ax.set(xlabel=x_label, ylabel=y_label)
+    if len(ax.get_legend_handles_labels()[0]) > 1:
+        ax.legend(**legend)
+
+
+def draw_energies(ax, record):
+    """Kinetic and potential energy, works and losses, each since the start of the record."""
+    if _is_empty(ax, record):
+        return
+    time = _column(record, "time")
+    potential = _column(record, "potential_energy")
+    curves = [
+        ("kinetic", _column(record, "kinetic_energy"), BLUE),
+        ("potential, from its start", potential - potential[0], GREEN),
+        ("work of forces", _column(record, "external_work"), ORANGE),
+        ("work of drives", _column(record, "drive_work"), PURPLE),
+        ("lost in friction", _column(record, "friction_loss"), VERMILION),
+        ("lost in impacts", _column(record, "impact_loss"), SKY),
+    ]
+    drawn = False
+    for label, values, colour in curves:
+        # Works that a scene does not know stay zero: they would only fill the legend.
+        if label.startswith("work") and not np.any(np.abs(values) > 0):
+            continue
+        drawn = draw_series(ax, time, values, colour, label) or drawn
+    _finish(ax, drawn, TIME, "energy [J per m of depth]", "Energies", loc="best")
+
+
+def draw_closure(ax, record):
+    """How far the energy balance is from closing."""
+    if _is_empty(ax, record):
+        return
+    drawn = draw_series(ax, _column(record, "time"), _column(record, "energy_closure"), BLACK, log=True)
+    ax.set_yscale("log")
+    _finish(ax, drawn, TIME, "defect over largest term [-]", "Energy balance")
+
+
+def draw_contacts(ax, record):
+    """Contacts, and those that carry force."""
+    if _is_empty(ax, record):
+        return
+    time = _column(record, "time")
+    drawn = draw_series(ax, time, _column(record, "contacts"), SKY, "all")
+    drawn = draw_series(ax, time, _column(record, "active_contacts"), BLUE, "carrying force") or drawn
+    ax.set_ylim(bottom=0)
+    _finish(ax, drawn, TIME, "contacts [-]", "Contacts", loc="best")
+
+
+def draw_sweeps(ax, record):
+    """Sweeps of the solver a step; steps that did not converge are marked."""
+    if _is_empty(ax, record):
+        return
+    time, sweeps = _column(record, "time"), _column(record, "sweeps")
+    drawn = draw_series(ax, time, sweeps, BLUE, "sweeps")
+    failed = _column(record, "converged") <= 0
+    if failed.any():
+        ax.plot(time[failed], sweeps[failed], "x", color=VERMILION, markersize=4, label="not converged")
+    ax.set_ylim(bottom=0)
+    _finish(ax, drawn, TIME, "sweeps a step [-]", "Solver effort", loc="best")
+
+
+def draw_effort(ax, record):
+    """Sweeps and contacts in one panel with two scales, for the summary."""
+    draw_sweeps(ax, record)
+    if not ax.axison:
+        return
+    other = ax.twinx()
+    other.spines.right.set_visible(True)
+    other.grid(False)
+    draw_series(other, _column(record, "time"), _column(record, "contacts"), ORANGE, "contacts")
+    other.set_ylim(bottom=0)
+    other.set_ylabel("contacts [-]", color="#9A6A00")
+    ax.set_ylabel("sweeps a step [-]", color=BLUE)
+    handles = [axes.get_legend_handles_labels() for axes in (ax, other)]
+    if ax.get_legend():
+        ax.get_legend().remove()
+    other.legend(handles[0][0] + handles[1][0], handles[0][1] + handles[1][1], loc="best")
+
+
+def draw_residuals(ax, record, against="time"):
+    """Residuals E1, E2 and E8 against simulated time or against CPU time."""
+    if _is_empty(ax, record):
+        return
+    x = _column(record, "time" if against == "time" else "cpu_seconds")
+    drawn = False
+    for name, colour in (("e1", ORANGE), ("e2", GREEN), ("e8", BLUE)):
+        drawn = draw_series(ax, x, _column(record, name), colour, name.upper(), log=True) or drawn
+    ax.set_yscale("log")
+    if against == "time":
+        _finish(ax, drawn, TIME, "residual [-]", "Residuals", loc="best")
+    else:
+        _finish(ax, drawn, "CPU time since the start [s]", "residual [-]", "Error against CPU time", loc="best")
+
+
+def draw_phases(ax, record):
+    """CPU time by phase, stacked, against simulated time."""
+    if _is_empty(ax, record):
+        return
+    phases = [(label, _column(record, name), colour) for name, (label, colour) in PHASES.items()]
+    phases = [phase for phase in phases if np.nanmax(phase[1], initial=0.0) > 0]
+    if phases:
+        ax.stackplot(_column(record, "time"), *[np.nan_to_num(values) for _, values, _ in phases],
+                     labels=[label for label, _, _ in phases], colors=[colour for *_, colour in phases], linewidth=0)
+    _finish(ax, bool(phases), TIME, "CPU time since the start [s]", "Cost by phase", loc="upper left")

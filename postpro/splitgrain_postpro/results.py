@@ -1,0 +1,148 @@
+"""The folder of results of one run: record.csv, run.json and the pictures, each read when it is asked for."""
+
+import csv
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from .errors import ResultsError
+from .vtkhdf import Grid, Pictures
+
+
+@dataclass
+class Scene:
+    """What one picture shows; a part is None when the run did not write it."""
+
+    time: float
+    bodies: Grid | None
+    shapes: Grid | None
+    contacts: Grid | None
+
+
+class Results:
+    """The results of one run, finished or not."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        if not self.folder.is_dir():
+            raise ResultsError(f"there is no folder {self.folder}")
+        known = ("record.csv", "run.json", "bodies.vtkhdf", "shapes.vtkhdf", "contacts.vtkhdf")
+        if not any((self.folder / name).exists() for name in known):
+            raise ResultsError(f"{self.folder} holds no results: none of {', '.join(known)}")
+
+    @property
+    def name(self):
+        """Name of the folder, for titles."""
+        return self.folder.resolve().name
+
+    @cached_property
+    def run(self):
+        """run.json; empty when the run has not written it yet."""
+        path = self.folder / "run.json"
+        if not path.exists():
+            return {}
+        try:
+            content = json.loads(path.read_text())
+        except (OSError, ValueError) as error:
+            raise ResultsError(f"cannot read {path}: {error}") from error
+        if not isinstance(content, dict):
+            raise ResultsError(f"cannot read {path}: it should be one object")
+        return content
+
+    @cached_property
+    def record(self):
+        """record.csv as one array a column; empty arrays when there is no row yet, empty when there is no file."""
+        path = self.folder / "record.csv"
+        if not path.exists():
+            return {}
+        return read_record(path)
+
+    @cached_property
+    def bodies(self):
+        """Pictures of the bodies, or None."""
+        return self._pictures("bodies.vtkhdf")
+
+    @cached_property
+    def shapes(self):
+        """Pictures of the shapes, or None."""
+        return self._pictures("shapes.vtkhdf")
+
+    @cached_property
+    def contacts(self):
+        """Pictures of the contacts, or None."""
+        return self._pictures("contacts.vtkhdf")
+
+    @cached_property
+    def picture_times(self):
+        """Times of the pictures that all files have [s]."""
+        files = [pictures for pictures in (self.bodies, self.shapes, self.contacts) if pictures is not None]
+        # A run that goes on, or was killed, may have one picture more in one file than in the next.
+        return min((pictures.times for pictures in files), key=len, default=np.empty(0))
+
+    @property
+    def period(self):
+        """Length of the period in x [m]; zero when the scene is not periodic."""
+        for pictures in (self.bodies, self.shapes, self.contacts):
+            periods = pictures.field("period") if pictures is not None else None
+            if periods is not None and len(periods):
+                return float(periods[0])
+        return float(self.run.get("period", 0))
+
+    def scene(self, index=-1):
+        """One picture, counted from 0, or from the end when negative."""
+        n = len(self.picture_times)
+        if not -n <= index < n:
+            raise ResultsError(f"{self.folder} has {n or 'no'} pictures; there is no number {index}")
+        index %= n
+        grids = [None if pictures is None else pictures.step(index)
+                 for pictures in (self.bodies, self.shapes, self.contacts)]
+        return Scene(float(self.picture_times[index]), *grids)
+
+    def picture_of_step(self, step):
+        """Number of the last picture at or before a time step."""
+        for pictures in (self.bodies, self.shapes, self.contacts):
+            steps = pictures.field("step") if pictures is not None else None
+            if steps is not None:
+                earlier = np.flatnonzero(steps[: len(self.picture_times)] <= step)
+                if not len(earlier):
+                    raise ResultsError(f"{self.folder} has no picture at or before step {step}")
+                return int(earlier[-1])
+        raise ResultsError(f"{self.folder} has no picture that tells its step")
+
+    def _pictures(self, name):
+        path = self.folder / name
+        pictures = Pictures(path) if path.exists() else None
+        return pictures if pictures else None
+
+
+def read_record(path):
+    """A record as one array a column; a last row that is cut short (the run goes on) is left out."""
+    try:
+        with open(path, newline="") as file:
+            rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
+    except (OSError, ValueError, csv.Error) as error:
+        raise ResultsError(f"cannot read {path}: {error}") from error
+    if not rows:
+        raise ResultsError(f"cannot read {path}: it has no line of names")
+    names = [name.strip() for name in rows[0]]
+    if rows[1:] and len(rows[-1]) != len(names):
+        rows.pop()
+    for number, row in enumerate(rows[1:], 1):
+        if len(row) != len(names):
+            raise ResultsError(f"cannot read {path}: row {number} has {len(row)} values for {len(names)} names")
+    columns = zip(*rows[1:], strict=True) if rows[1:] else [()] * len(names)
+    return {name: np.array([_number(word) for word in column]) for name, column in zip(names, columns, strict=True)}
+
+
+def _number(word):
+    """A number; logicals become 1 and 0, and what is not known NaN."""
+    word = word.strip()
+    if word.lower() in ("t", "true", "f", "false"):
+        return float(word.lower().startswith("t"))
+    try:
+        return float(word)
+    except ValueError:
+        return float("nan")

@@ -1,0 +1,275 @@
+"""Draw the scene: grains filled by a quantity, walls grey, force chains as lines as wide as the force they carry."""
+
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import ListedColormap, Normalize
+
+from .errors import ResultsError
+from .style import BLUE, FILL, GRAIN, KINDS, VERMILION, WALL, number
+from .vtkhdf import VTK_LINE, VTK_POLY_LINE, VTK_POLYGON
+
+QUANTITIES = ("speed", "displacement", "start_height", "material", "coordination", "spin", "radius", "rank", "none")
+LABELS = {
+    "speed": "speed [m/s]", "displacement": "displacement [m]", "start_height": "height at the start [m]", "material": "material", "coordination": "contacts that carry force",
+    "spin": "spin [rad/s]", "radius": "radius [m]", "rank": "rank",
+}  # fmt: skip
+# Quantities that are labels: one colour each, not a scale.
+LABEL_QUANTITIES = ("material", "rank")
+# A force this share of the largest is drawn; the rest is rounding.
+SMALL_FORCE = 1e-3
+
+
+def draw_scene(ax, scene, quantity="speed", period=0.0):
+    """Draw one picture of a run; returns sentences about what is not there to draw."""
+    missing = []
+    view = _view(scene, period)
+    if view is not None:
+        _set_view(ax, view)
+    if scene.shapes is None:
+        missing.append("no shapes.vtkhdf")
+    else:
+        _draw_shapes(ax, scene, quantity, period, view)
+    if scene.contacts is None:
+        missing.append("no contacts.vtkhdf")
+    elif view is not None:
+        _draw_forces(ax, scene, period, view)
+    if scene.bodies is None:
+        missing.append("no bodies.vtkhdf")
+    elif scene.shapes is None:
+        _draw_centres(ax, scene, quantity)
+    _draw_frame(ax, scene, period, view)
+    return missing
+
+
+def proportions(scene, period=0.0):
+    """Width over height of what is shown, within what fits on a page."""
+    view = _view(scene, period)
+    if view is None or not view[3] > view[2]:
+        return 1.0
+    return float(np.clip((view[1] - view[0]) / (view[3] - view[2]), 0.3, 3.5))
+
+
+def _view(scene, period):
+    """Box to show (x low, x high, y low, y high): all grains, and walls that are near them."""
+    grains, walls = _boxes(scene)
+    if grains is None:
+        return walls
+    box = grains.copy()
+    reach = 0.5 * max(grains[1] - grains[0], grains[3] - grains[2])
+    if walls is not None:
+        low = np.maximum(np.minimum(walls, grains), grains - reach)[[0, 2]]
+        high = np.minimum(np.maximum(walls, grains), grains + reach)[[1, 3]]
+        box = np.array([low[0], high[0], low[1], high[1]])
+    margin = 0.03 * max(box[1] - box[0], box[3] - box[2])
+    box += margin * np.array([-1, 1, -1, 1])
+    if period > 0:
+        box[:2] = 0, period
+    return box
+
+
+def _boxes(scene):
+    """Boxes about all grains and about all walls; None where there are none."""
+    grid = scene.shapes if scene.shapes is not None else scene.bodies if scene.bodies is not None else scene.contacts
+    if grid is None or not len(grid.points):
+        return None, None
+    if grid is scene.shapes:
+        is_grain = np.repeat(_of_shapes(scene, "is_grain", 1) > 0, np.diff(grid.offsets))
+        points = grid.points[grid.connectivity, :2]
+    else:
+        points = grid.points[:, :2]
+        is_grain = np.asarray(grid.point_data.get("is_grain", np.ones(len(points)))) > 0
+    return _box(points[is_grain]), _box(points[~is_grain])
+
+
+def _box(points):
+    if not len(points):
+        return None
+    low, high = points.min(axis=0), points.max(axis=0)
+    return np.array([low[0], high[0], low[1], high[1]], dtype=float)
+
+
+def _set_view(ax, view):
+    ax.set_aspect("equal")
+    ax.set_xlim(view[0], view[1])
+    ax.set_ylim(view[2], view[3])
+
+
+def _of_bodies(scene, quantity):
+    """A quantity of every body; None when the run did not write what it needs."""
+    data = scene.bodies.point_data if scene.bodies is not None else {}
+    if quantity == "coordination":
+        return _coordination(scene)
+    if quantity == "start_height":
+        return data["start_position"][:, 1] if "start_position" in data else None
+    values = data.get("velocity" if quantity == "speed" else quantity)
+    return np.linalg.norm(values, axis=1) if values is not None and values.ndim == 2 else values
+
+
+def _coordination(scene):
+    """How many bodies each body shares force with."""
+    if scene.bodies is None or scene.contacts is None or "id" not in scene.bodies.point_data:
+        return None
+    ids = scene.bodies.point_data["id"]
+    data = scene.contacts.cell_data
+    carries = _carrying(scene.contacts)
+    pairs = np.sort(np.column_stack([data["candidate"], data["antagonist"]])[carries], axis=1)
+    pairs = np.unique(pairs, axis=0).reshape(-1, 2)
+    return np.bincount(_rows_of(ids, pairs.ravel()), minlength=len(ids))
+
+
+def _rows_of(ids, wanted):
+    """Where in `ids` each wanted id stands."""
+    order = np.argsort(ids, kind="stable")
+    found = np.searchsorted(ids, wanted, sorter=order)
+    rows = order[np.minimum(found, len(ids) - 1)] if len(ids) else found
+    if not len(ids) and len(wanted) or np.any(ids[rows] != wanted):
+        raise ResultsError("the pictures do not fit together: a shape or contact names a body that is not there")
+    return rows
+
+
+def _of_shapes(scene, quantity, default):
+    """A quantity of the bodies, for every shape."""
+    shapes = scene.shapes
+    values = _of_bodies(scene, quantity)
+    if values is None:
+        return np.asarray(shapes.cell_data.get(quantity, np.full(len(shapes.types), default)))
+    return np.asarray(values)[_rows_of(scene.bodies.point_data["id"], shapes.cell_data["body"])]
+
+
+def _draw_shapes(ax, scene, quantity, period, view):
+    """Walls, then grains, then hollow disks, which are outlines."""
+    shapes = scene.shapes
+    is_grain = _of_shapes(scene, "is_grain", 1) > 0
+    polygons = shapes.cells(VTK_POLYGON)
+    walls, grains = polygons[~is_grain[polygons]], polygons[is_grain[polygons]]
+    outlines, _ = _repeat(shapes.outlines(walls), period, view)
+    ax.add_collection(PolyCollection(outlines, facecolor=WALL, edgecolor=WALL, linewidth=0.4), autolim=False)
+    _draw_grains(ax, scene, grains, quantity, period, view)
+    hollow, _ = _repeat(shapes.outlines(shapes.cells(VTK_POLY_LINE)), period, view)
+    ax.add_collection(LineCollection(hollow, colors="#5A5A5A", linewidth=1.2), autolim=False)
+
+
+def _draw_grains(ax, scene, grains, quantity, period, view):
+    """Grains filled by a quantity, with its scale."""
+    outlines, copied = _repeat(scene.shapes.outlines(grains), period, view)
+    # Outlines of many small grains would hide their colours.
+    edge = 0.4 if len(grains) <= 4000 else 0.15
+    collection = PolyCollection(outlines, edgecolor="#6B7B88", linewidth=edge, facecolor=GRAIN)
+    ax.add_collection(collection, autolim=False)
+    values = None if quantity == "none" else _of_shapes(scene, quantity, np.nan)[grains].astype(float)
+    if values is None or not len(values) or not np.isfinite(values).any():
+        return
+    collection.set_array(values[copied])
+    if quantity in LABEL_QUANTITIES:
+        _scale_of_labels(ax, collection, values, quantity)
+    else:
+        _scale(ax, collection, values, quantity)
+
+
+def _scale(ax, collection, values, quantity):
+    """A continuous scale; its end leaves out the fastest hundredth, which would pale all others."""
+    low = 0.0 if values.min() >= 0 and quantity not in ("radius", "start_height") else float(values.min())
+    high = float(values.max()) if quantity == "coordination" else float(np.quantile(values, 0.99))
+    if not high > low:
+        collection.set(array=None, facecolor=GRAIN)
+        ax.set_title(f"{LABELS[quantity]}: {number(low)} everywhere", loc="right")
+        return
+    collection.set(cmap=FILL, norm=Normalize(low, high))
+    _colour_bar(ax, collection, quantity, extend="max" if values.max() > high else "neither")
+
+
+def _scale_of_labels(ax, collection, values, quantity):
+    """One colour a label; colours come again when there are more labels than colours."""
+    low, high = int(values.min()), int(values.max())
+    colours = [KINDS[k % len(KINDS)] for k in range(high - low + 1)]
+    collection.set(cmap=ListedColormap(colours), norm=Normalize(low - 0.5, high + 0.5))
+    _colour_bar(ax, collection, quantity, ticks=np.unique(np.linspace(low, high, min(high - low, 10) + 1).astype(int)))
+
+
+def _colour_bar(ax, collection, quantity, **options):
+    """The scale of the colours, as high as the scene."""
+    bar = ax.figure.colorbar(collection, cax=ax.inset_axes([1.02, 0, 0.025, 1]), label=LABELS[quantity], **options)
+    bar.outline.set_linewidth(0.5)
+
+
+def _repeat(outlines, period, view):
+    """Outlines and, in a periodic scene, their images that reach into the view; and which outline each one is."""
+    numbers = np.arange(len(outlines))
+    if not period > 0 or not len(outlines):
+        return outlines, numbers
+    low = np.array([outline[:, 0].min() for outline in outlines])
+    high = np.array([outline[:, 0].max() for outline in outlines])
+    images, copied = [], []
+    for shift in (-period, 0.0, period):
+        inside = numbers[(high + shift > view[0]) & (low + shift < view[1])]
+        images += [outlines[k] + (shift, 0.0) for k in inside]
+        copied.append(inside)
+    return images, np.concatenate(copied)
+
+
+def _carrying(contacts):
+    """Which cells are contacts that carry a normal force worth drawing."""
+    force = np.abs(contacts.cell_data["force_normal"])
+    is_contact = contacts.types == VTK_LINE
+    largest = force[is_contact].max(initial=0.0)
+    return is_contact & (force > SMALL_FORCE * largest)
+
+
+def _draw_forces(ax, scene, period, view):
+    """Force chains: pushing contacts red, pulling ones blue, the width in proportion to the normal force."""
+    contacts = scene.contacts
+    cells = np.flatnonzero(_carrying(contacts))
+    if not len(cells):
+        ax.text(0.01, 0.99, "no contact carries force", transform=ax.transAxes, va="top", fontsize=8)
+        return
+    force = contacts.cell_data["force_normal"][cells]
+    lines = contacts.outlines(cells)
+    if period > 0:
+        lines = [_nearest_image(line, period) for line in lines]
+    lines, copied = _repeat(lines, period, view)
+    # A tail of rare large forces must not thin out the chains: widths saturate at the largest hundredth.
+    thick = np.quantile(np.abs(force), 0.99)
+    widths = np.minimum(np.abs(force[copied]) / thick, 1.0) * _widest_line(ax, scene, view)
+    colours = np.where(force[copied] >= 0, VERMILION, BLUE)
+    ax.add_collection(LineCollection(lines, linewidths=widths, colors=colours, capstyle="round"), autolim=False)
+    ax.set_xlabel(f"x [m]      thickest line: normal force {number(thick)} N and above")
+
+
+def _nearest_image(line, period):
+    """A line to the nearest image of its other end."""
+    line = np.array(line)
+    line[1, 0] -= period * np.round((line[1, 0] - line[0, 0]) / period)
+    return line
+
+
+def _widest_line(ax, scene, view):
+    """Width of the thickest line [points]: most of a grain's diameter, within what the eye takes."""
+    box = ax.get_window_extent()
+    points_per_metre = min(box.width / (view[1] - view[0]), box.height / (view[3] - view[2])) * 72 / ax.figure.dpi
+    data = scene.bodies.point_data if scene.bodies is not None else {}
+    if "radius" not in data:
+        return 3.0
+    grains = data["is_grain"] > 0 if "is_grain" in data else data["radius"] > 0
+    radius = np.median(data["radius"][grains]) if grains.any() else 0.0
+    return float(np.clip(1.2 * radius * points_per_metre, 0.8, 10.0))
+
+
+def _draw_centres(ax, scene, quantity):
+    """Centres of bodies, where no shapes are known."""
+    values = _of_bodies(scene, quantity)
+    points = scene.bodies.points
+    drawn = ax.scatter(points[:, 0], points[:, 1], s=6, c=GRAIN if values is None else values, cmap=FILL)
+    if values is not None and len(values):
+        _colour_bar(ax, drawn, quantity)
+
+
+def _draw_frame(ax, scene, period, view):
+    """Axes with units; the borders of the period dashed."""
+    ax.set_title(f"t = {number(scene.time)} s")
+    ax.set_ylabel("y [m]")
+    if not ax.get_xlabel():
+        ax.set_xlabel("x [m]")
+    ax.grid(False)
+    if period > 0 and view is not None:
+        for x in view[:2]:
+            ax.axvline(x, color="#444444", linestyle="--", linewidth=1)

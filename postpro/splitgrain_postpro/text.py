@@ -1,0 +1,110 @@
+"""The short text about a run: from run.json, or from the record when the run has not ended."""
+
+import numpy as np
+
+from .style import number
+
+# Name in run.json, words, unit.
+LINES = [
+    ("bodies", "bodies", ""),
+    ("contacts", "contacts", ""),
+    ("active_contacts", "carrying force", ""),
+    ("kinetic_energy", "kinetic energy", "J"),
+    ("mean_velocity", "mean velocity", "m/s"),
+    ("max_velocity", "largest velocity", "m/s"),
+    ("mean_penetration", "mean penetration", "m"),
+    ("max_penetration", "largest penetration", "m"),
+    ("volume_error", "volume error", ""),
+    ("compactness", "compactness", ""),
+    ("coordination", "coordination", ""),
+    ("coordination_without_rattlers", "without rattlers", ""),
+    ("energy_closure", "energy balance defect", ""),
+    ("sweeps", "sweeps", ""),
+    ("contact_updates", "contact updates", ""),
+    ("worst_e1", "worst E1", ""),
+    ("worst_e2", "worst E2", ""),
+    ("worst_e8", "worst E8", ""),
+    ("cpu_seconds", "CPU time", "s"),
+    ("wall_seconds", "wall time", "s"),
+    ("ranks", "ranks", ""),
+]
+
+
+def facts(results):
+    """What is known at the end of the run, or at the last row of the record while it goes on."""
+    record = results.record
+    known = {name: float(column[-1]) for name, column in record.items() if len(column)}
+    if known:
+        known["steps"] = known.pop("step", float("nan"))
+        for name in ("e1", "e2", "e8"):
+            if name in record and np.isfinite(record[name]).any():
+                known["worst_" + name] = float(np.nanmax(record[name]))
+        # A row tells of its own step: what it cannot sum up for the run is not said.
+        for name in ("sweeps", "contact_updates"):
+            known.pop(name, None)
+    known.update(results.run)
+    return known
+
+
+def state(results):
+    """How the run stands; run.json is there when the run has ended."""
+    run = results.run
+    if not run:
+        return "not finished"
+    status = run.get("status", "done")
+    return status if status == "done" else f"{status}: {run.get('reason') or 'no reason given'}"
+
+
+def headline(results):
+    """One line for the top of a page."""
+    known = facts(results)
+    parts = [results.name]
+    if _is_known(known, "bodies"):
+        parts.append(f"{_words(known['bodies'])} bodies")
+    if _is_known(known, "steps"):
+        parts.append(f"{_words(known['steps'])} steps")
+    if _is_known(known, "time"):
+        parts.append(f"t = {number(known['time'])} s")
+    if _is_known(known, "cpu_seconds"):
+        parts.append(f"CPU {number(known['cpu_seconds'])} s")
+    parts.append(state(results))
+    return "   |   ".join(parts)
+
+
+def summary_rows(results):
+    """What is worth telling about a run, as (words, value)."""
+    known = facts(results)
+    rows = []
+    if _is_known(known, "steps"):
+        rows.append(("steps", _words(known["steps"])))
+    if _is_known(known, "unconverged_steps"):
+        rows.append(("not converged", _words(known["unconverged_steps"])))
+    if _is_known(known, "time"):
+        rows.append(("simulated time", f"{number(known['time'])} s"))
+    rows += [(words, f"{_words(known[name])} {unit}".rstrip()) for name, words, unit in LINES if _is_known(known, name)]
+    if len(results.picture_times):
+        times = results.picture_times
+        rows.append(("pictures", f"{len(times)}, to {number(times[-1])} s"))
+    return rows
+
+
+def summary_text(results, missing=()):
+    """The text that `summary` prints and saves."""
+    rows = [("run", f"{results.name}, {state(results)}"), *summary_rows(results)]
+    return in_columns(rows + [("not there", sentence) for sentence in missing])
+
+
+def in_columns(rows):
+    """Words and values, one row a line, values below each other."""
+    width = max((len(words) for words, _ in rows), default=0) + 2
+    return "".join(f"{words:<{width}}{value}\n" for words, value in rows)
+
+
+def _is_known(known, name):
+    value = known.get(name)
+    return isinstance(value, (int, float)) and np.isfinite(value)
+
+
+def _words(value):
+    """A whole number in groups of three, or a number in four digits."""
+    return f"{int(value):,}" if float(value).is_integer() else number(value)

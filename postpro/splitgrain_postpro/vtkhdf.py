@@ -1,0 +1,151 @@
+"""Read the pictures of a run: VTKHDF files that hold one temporal unstructured grid, one part a step.
+
+A file may be read while the run goes on, or after it was killed: steps that are announced but not there are
+left out.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from .errors import ResultsError
+
+VTK_EMPTY_CELL, VTK_LINE, VTK_POLY_LINE, VTK_POLYGON = 0, 3, 4, 7
+
+
+@dataclass
+class Grid:
+    """The grid of one step; connectivity and offsets as VTK has them."""
+
+    time: float
+    points: np.ndarray
+    connectivity: np.ndarray
+    offsets: np.ndarray
+    types: np.ndarray
+    point_data: dict
+    cell_data: dict
+    field_data: dict
+
+    def cells(self, cell_type):
+        """Numbers of the cells of one type."""
+        return np.flatnonzero(self.types == cell_type)
+
+    def outlines(self, cells):
+        """Corners (x, y) of these cells, one array a cell."""
+        corners = self.points[self.connectivity, :2]
+        return [corners[self.offsets[c] : self.offsets[c + 1]] for c in cells]
+
+
+class Pictures:
+    """The steps of one VTKHDF file."""
+
+    def __init__(self, path):
+        self.path = Path(path)
+        with self._root() as root:
+            steps = root["Steps"]
+            self.times = np.asarray(steps["Values"][: int(steps.attrs["NSteps"])], dtype=float)
+
+    def __len__(self):
+        return len(self.times)
+
+    def step(self, index):
+        """The grid of a step, counted from 0, or from the end when negative."""
+        if not -len(self) <= index < len(self):
+            raise ResultsError(f"{self.path} has {len(self)} pictures; there is no number {index}")
+        with self._root() as root:
+            return _grid(root, index % len(self), float(self.times[index]))
+
+    def field(self, name):
+        """The first value of a field of every step, or None when the file has no such field."""
+        with self._root() as root:
+            if name not in root.get("FieldData", {}):
+                return None
+            values = root["FieldData"][name][()].reshape(-1)
+            rows = _field_rows(root, name, len(self))
+            return values[rows]
+
+    def _root(self):
+        return _Root(self.path)
+
+
+class _Root:
+    """Open a file's VTKHDF group; whatever is wrong with the file becomes one ResultsError."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __enter__(self):
+        try:
+            self.file = h5py.File(self.path, "r")
+        except OSError as error:
+            raise ResultsError(f"cannot read {self.path}: {_short(error)}") from error
+        if "VTKHDF" not in self.file:
+            self.file.close()
+            raise ResultsError(f"{self.path} is no VTKHDF file: it has no group VTKHDF")
+        return self.file["VTKHDF"]
+
+    def __exit__(self, kind, error, trace):
+        self.file.close()
+        if isinstance(error, (KeyError, IndexError, ValueError, OSError)):
+            raise ResultsError(f"{self.path} is not a temporal grid as SplitGrain writes it: {_short(error)}") from error
+
+
+def _short(error):
+    """The first line of what a library says."""
+    return str(error).strip("'\"").splitlines()[0]
+
+
+def _grid(root, step, time):
+    """Read one step; its counts and offsets tell where in the long arrays it lies."""
+    steps = root["Steps"]
+    part = int(steps["PartOffsets"][step])
+    n_points = int(root["NumberOfPoints"][part])
+    n_cells = int(root["NumberOfCells"][part])
+    n_ids = int(root["NumberOfConnectivityIds"][part])
+    first_point = int(steps["PointOffsets"][step])
+    first_cell = int(np.ravel(steps["CellOffsets"][step])[0])
+    first_id = int(np.ravel(steps["ConnectivityIdOffsets"][step])[0])
+    # Every part owns one entry of Offsets more than it has cells.
+    first_offset = first_cell + part
+    return Grid(
+        time=time,
+        points=_rows(root["Points"], first_point, n_points),
+        connectivity=_rows(root["Connectivity"], first_id, n_ids),
+        offsets=_rows(root["Offsets"], first_offset, n_cells + 1),
+        types=_rows(root["Types"], first_cell, n_cells),
+        point_data=_attached(root, "PointData", step, first_point, n_points),
+        cell_data=_attached(root, "CellData", step, first_cell, n_cells),
+        field_data={name: _field(root, name, step) for name in root.get("FieldData", {})},
+    )
+
+
+def _rows(dataset, first, count):
+    """Rows of a long array, which must all be there."""
+    if first + count > dataset.shape[0]:
+        raise ValueError(f"{dataset.name} ends early")
+    return dataset[first : first + count]
+
+
+def _attached(root, group, step, first, count):
+    """Arrays of points or cells; each may have its own offsets, for what never changes is stored once."""
+    own = root["Steps"].get(group + "Offsets", {})
+    return {
+        name: _rows(data, int(own[name][step]) if name in own else first, count)
+        for name, data in root.get(group, {}).items()
+    }
+
+
+def _field_rows(root, name, n_steps):
+    """Where in a field the first value of each step lies."""
+    own = root["Steps"].get("FieldDataOffsets", {})
+    return np.asarray(own[name][:n_steps], dtype=int) if name in own else np.arange(n_steps)
+
+
+def _field(root, name, step):
+    """All values of a field at a step."""
+    first = int(_field_rows(root, name, step + 1)[step])
+    sizes = root["Steps"].get("FieldDataSizes", {})
+    count = int(sizes[name][step][1]) if name in sizes else 1
+    return _rows(root["FieldData"][name], first, count)

@@ -1,0 +1,165 @@
+"""The commands write pages of the expected size, whatever part of the results is there."""
+
+import struct
+
+import h5py
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection, PolyCollection
+from sample_results import write_record, write_results
+
+from splitgrain_postpro import Results
+from splitgrain_postpro.cli import main
+from splitgrain_postpro.scene import QUANTITIES, draw_scene
+from splitgrain_postpro.style import new_figure
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return write_results(tmp_path / "run", columns=6, rows=4)
+
+
+def size_of(path):
+    """Width and height of a PNG [pixels]."""
+    head = path.read_bytes()[:24]
+    assert head[:8] == b"\x89PNG\r\n\x1a\n"
+    return struct.unpack(">II", head[16:])
+
+
+def drawn(results, quantity="speed", picture=-1):
+    """Axes with one picture of a run, and what was missing."""
+    ax = new_figure(6, 6).add_subplot()
+    missing = draw_scene(ax, results.scene(picture), quantity, results.period)
+    return ax, missing
+
+
+def grains_of(ax):
+    """The collection of grains: it comes after that of the walls."""
+    return [c for c in ax.collections if isinstance(c, PolyCollection)][1]
+
+
+def chains_of(ax):
+    """The collections of lines that hold force chains: those with a width a line."""
+    return [c for c in ax.collections if isinstance(c, LineCollection) and len(c.get_linewidth()) > 1]
+
+
+@pytest.mark.parametrize("command, size", [("summary", (2250, 1260)), ("energy", (1200, 1050)), ("solver", (1650, 1125))])
+def test_pages_have_their_size(folder, command, size):
+    assert main([command, str(folder)]) == 0
+    path = folder / f"{command}.png"
+    assert size_of(path) == size and path.stat().st_size > 30_000
+
+
+def test_scene_has_its_own_proportions(folder, tmp_path):
+    assert main(["scene", str(folder), "--output", str(tmp_path / "out.png"), "--dpi", "50"]) == 0
+    width, height = size_of(tmp_path / "out.png")
+    assert width > height and 200 < height < 500
+
+
+def test_summary_prints_what_it_saves(folder, capsys):
+    assert main(["summary", str(folder)]) == 0
+    printed = capsys.readouterr().out
+    assert (folder / "summary.txt").read_text() in printed
+    assert "CPU time" in printed and "wrote" in printed
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_every_quantity_fills_the_grains(folder, quantity):
+    ax, missing = drawn(Results(folder), quantity)
+    assert missing == [] and len(grains_of(ax).get_paths()) == 24
+
+
+def test_speed_is_that_of_the_body(folder):
+    ax, _ = drawn(Results(folder), "speed", picture=0)
+    with h5py.File(folder / "bodies.vtkhdf") as file:
+        velocity = file["VTKHDF/PointData/velocity"][:24]
+    assert np.asarray(grains_of(ax).get_array()) == pytest.approx(np.linalg.norm(velocity, axis=1))
+
+
+def test_coordination_counts_bodies(folder):
+    ax, _ = drawn(Results(folder), "coordination")
+    counts = grains_of(ax).get_array().reshape(4, 6)
+    # In a hexagonal lattice every disk inside has six neighbours.
+    assert np.all(counts[1:-1, 1:-1] == 6) and counts[0, 0] == 2
+
+
+def test_line_width_is_in_proportion_to_force(folder):
+    results = Results(folder)
+    ax, _ = drawn(results)
+    widths = np.asarray(chains_of(ax)[0].get_linewidth())
+    force = results.scene().contacts.cell_data["force_normal"]
+    below = force < np.quantile(force, 0.99)
+    ratio = widths[below] / force[below]
+    assert ratio == pytest.approx(np.full(len(ratio), ratio[0]))
+    assert widths.max() == pytest.approx(widths[force.argmax()])
+
+
+def test_step_without_contacts_draws_no_chain(folder):
+    ax, missing = drawn(Results(folder), picture=0)
+    assert not chains_of(ax) and missing == []
+    assert "no contact carries force" in [text.get_text() for text in ax.texts]
+    assert main(["summary", str(folder), "--step", "0"]) == 0
+
+
+def test_periodic_scene_shows_one_period_without_long_lines(tmp_path):
+    results = Results(write_results(tmp_path / "run", columns=8, rows=4, period=True))
+    ax, _ = drawn(results)
+    assert ax.get_xlim() == (0, 8)
+    lines = np.array(chains_of(ax)[0].get_segments())
+    assert np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).max() == pytest.approx(1)
+    # Half of the rows are shifted by half a disk: their last disk is seen at both borders.
+    assert len(grains_of(ax).get_paths()) == 8 * 4 + 2
+
+
+@pytest.mark.parametrize("gone", ["bodies", "shapes", "contacts"])
+def test_what_is_missing_is_said(folder, capsys, gone):
+    (folder / f"{gone}.vtkhdf").unlink()
+    assert main(["scene", str(folder)]) == 0
+    assert f"no {gone}.vtkhdf" in capsys.readouterr().err
+    assert size_of(folder / "scene.png")[0] > 500
+
+
+def test_summary_without_pictures(tmp_path, capsys):
+    write_record(tmp_path, 30)
+    assert main(["summary", str(tmp_path)]) == 0
+    assert "no pictures" in capsys.readouterr().out
+
+
+def test_summary_without_record(folder, capsys):
+    (folder / "record.csv").unlink()
+    assert main(["summary", str(folder)]) == 0
+    assert "no record.csv" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("rows", [0, 1, 5000])
+def test_records_of_any_length(tmp_path, rows):
+    write_record(tmp_path, rows or 1)
+    if rows == 0:
+        path = tmp_path / "record.csv"
+        path.write_text(path.read_text().splitlines()[0] + "\n")
+    assert main(["summary", str(tmp_path), "--dpi", "50"]) == 0
+    assert main(["solver", str(tmp_path), "--dpi", "50"]) == (0 if rows else 2)
+
+
+@pytest.mark.parametrize("words, message", [
+    (["scene", "nowhere"], "there is no folder nowhere"),
+    (["scene", "empty"], "holds no results"),
+    (["scene", "bare"], "has no pictures"),
+    (["energy", "bare"], "no row in record.csv"),
+    (["scene", "run", "--step", "-5"], "no picture at or before step -5"),
+    (["scene", "run", "--output", "nowhere/x.png"], "cannot write nowhere/x.png"),
+])  # fmt: skip
+def test_mistakes_give_one_line_and_code_2(folder, capsys, monkeypatch, words, message):
+    monkeypatch.chdir(folder.parent)
+    (folder.parent / "empty").mkdir()
+    (folder.parent / "bare").mkdir()
+    (folder.parent / "bare" / "run.json").write_text("{}")
+    assert main(words) == 2
+    printed = capsys.readouterr()
+    assert printed.out == "" and printed.err.count("\n") == 1 and message in printed.err
+
+
+def test_unknown_command_is_code_2(capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["paint", "run"])
+    assert stop.value.code == 2
