@@ -19,8 +19,7 @@ module sg_touch_convex
   private
   public :: touch_convex
 
-  !> Points nearer than this fraction of the shorter edge are one: two would only say the same twice. Well above
-  !! `same_length`, so that keys of bricks laid corner on corner do not change with rounding
+  !> Points nearer than this fraction of the shorter edge are one: two would only say the same twice
   real(wp), parameter :: same_point = 1e-6_wp
 
   !> An edge of the reference polygon and what faces it
@@ -78,7 +77,7 @@ contains
     integer :: i, j, lowest
 
     do i = 1, n_r
-      edge = reference(:, merge(1, i + 1, i == n_r)) - reference(:, i)
+      edge = reference(:, next(i, n_r)) - reference(:, i)
       length = sqrt(edge(1)**2 + edge(2)**2)
       if (length <= tiny(length)) cycle
       normal = [edge(2), -edge(1)]/length
@@ -113,14 +112,15 @@ contains
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     type(touch_t), intent(inout) :: touch !! points found
     real(wp) :: origin(2), tangent(2), place(2, 2), along(2), low, high, same, rounding
-    integer :: vertex(2)
+    integer :: edge, pair
 
-    vertex = [face%lowest, facing_neighbour(n_i, incident, face%lowest, face%normal)]
+    edge = facing_edge(n_i, incident, face%lowest, face%normal)
+    pair = merge(n_i*face%edge + edge, n_r*edge + face%edge, is_antagonist)
     ! Everything is taken about the start of the face, so that far from the origin gaps keep their digits.
     origin = reference(:, face%edge)
     tangent = [-face%normal(2), face%normal(1)]
-    place(:, 1) = incident(:, vertex(1)) + (shift - origin)
-    place(:, 2) = incident(:, vertex(2)) + (shift - origin)
+    place(:, 1) = incident(:, face%lowest) + (shift - origin)
+    place(:, 2) = incident(:, merge(next(edge, n_i), edge, edge == face%lowest)) + (shift - origin)
     along = [dot(tangent, place(:, 1)), dot(tangent, place(:, 2))]
     low = max(0.0_wp, min(along(1), along(2)))
     high = min(face%length, max(along(1), along(2)))
@@ -141,6 +141,7 @@ contains
       real(wp), intent(in) :: x !! place of the end along the face [m]
       logical, intent(in) :: is_start !! is it on the side of the face's start?
       real(wp) :: corner, beyond, fraction, facing(2), normal(2), apart(2), gap
+      integer(i4) :: key
 
       corner = merge(0.0_wp, face%length, is_start)
       beyond = merge(-along(1), along(1) - face%length, is_start)
@@ -158,36 +159,18 @@ contains
         gap = size_of(apart)
         normal = apart/gap
       end if
+      ! Seen along either face, the same end has the same key: the two faces run in opposite directions.
+      key = 2*pair - merge(1, 0, is_start .eqv. is_antagonist)
       if (is_antagonist) then
-        call add_point(touch, origin - shift + facing, normal, gap - radius_a, alert, key(x, corner, facing, fraction))
+        call add_point(touch, origin - shift + facing, normal, gap - radius_a, alert, key)
       else
-        call add_point(touch, origin + facing - gap*normal, -normal, gap - radius_a, alert, key(x, corner, facing, fraction))
+        call add_point(touch, origin + facing - gap*normal, -normal, gap - radius_a, alert, key)
       end if
     end subroutine add_end
-
-    !> Key of an end: 2 v - 1 for the antagonist's vertex v, 2 v for the candidate's; the antagonist's where both end here.
-    pure integer(i4) function key(x, corner, facing, fraction)
-      real(wp), intent(in) :: x !! place of the end along the face [m]
-      real(wp), intent(in) :: corner !! place of the face's corner on that side [m]
-      real(wp), intent(in) :: facing(2) !! the incident point [m]
-      real(wp), intent(in) :: fraction !! its place on the incident edge, 0 to 1
-      integer :: end_vertex, face_vertex
-
-      end_vertex = merge(1, 2, 2*fraction < 1)
-      face_vertex = face%edge
-      if (corner > 0) face_vertex = merge(1, face%edge + 1, face%edge == n_r)
-      if (is_antagonist) then
-        key = 2*vertex(end_vertex)
-        if (abs(x - corner) <= same) key = 2*face_vertex - 1
-      else
-        key = 2*face_vertex
-        if (size_of(facing - place(:, end_vertex)) <= same) key = 2*vertex(end_vertex) - 1
-      end if
-    end function key
   end subroutine add_points
 
-  !> The neighbour of the lowest vertex that makes the flatter edge with it, seen from the face.
-  pure integer function facing_neighbour(n, vertices, lowest, normal) result(neighbour)
+  !> The edge at the lowest vertex that is the flatter one, seen from the face.
+  pure integer function facing_edge(n, vertices, lowest, normal) result(edge)
     integer, intent(in) :: n !! vertices of the incident polygon
     real(wp), intent(in) :: vertices(2, n) !! its vertices [m]
     integer, intent(in) :: lowest !! the lowest one
@@ -196,11 +179,19 @@ contains
     integer :: before
 
     before = merge(n, lowest - 1, lowest == 1)
-    neighbour = merge(1, lowest + 1, lowest == n)
     to_before = vertices(:, before) - vertices(:, lowest)
-    to_after = vertices(:, neighbour) - vertices(:, lowest)
-    if (dot(normal, to_before)*size_of(to_after) < dot(normal, to_after)*size_of(to_before)) neighbour = before
-  end function facing_neighbour
+    to_after = vertices(:, next(lowest, n)) - vertices(:, lowest)
+    edge = lowest
+    if (dot(normal, to_before)*size_of(to_after) < dot(normal, to_after)*size_of(to_before)) edge = before
+  end function facing_edge
+
+  !> The vertex after one, around a polygon.
+  pure integer function next(i, n)
+    integer, intent(in) :: i !! vertex
+    integer, intent(in) :: n !! vertices of the polygon
+
+    next = merge(1, i + 1, i == n)
+  end function next
 
   !> Place of the point of an edge nearest to a point, from 0 at the edge's first end to 1 at its second.
   pure real(wp) function nearest_fraction(point, ends) result(fraction)

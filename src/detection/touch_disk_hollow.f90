@@ -16,11 +16,12 @@ contains
     real(wp), intent(in) :: radius_a !! inner radius of the hollow disk [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     type(touch_t), intent(out) :: touch !! at most one point; its normal points inwards
-    real(wp) :: inwards(2), distance2, distance, normal(2)
+    real(wp) :: inwards(2), distance2, distance, near, normal(2)
 
     inwards = centre_a - centre_c
     distance2 = inwards(1)**2 + inwards(2)**2
-    if (distance2 <= max(0.0_wp, radius_a - radius_c - alert)**2) return
+    near = radius_a - radius_c - alert
+    if (near >= 0 .and. distance2 <= near**2) return
     distance = sqrt(distance2)
     normal = [1.0_wp, 0.0_wp]
     if (distance2 > tiny(distance2)) normal = inwards/distance
