@@ -7,6 +7,9 @@ from .style import (
 )  # fmt: skip
 
 TIME = "time [s]"
+# A legend beside the title hides no curve.
+ABOVE = {"loc": "lower right", "bbox_to_anchor": (1, 0.99), "ncols": 3, "borderpad": 0.2,
+         "handlelength": 1.2, "columnspacing": 1.0}  # fmt: skip
 PHASES = {
     "cpu_predict": ("predict", SKY), "cpu_detect": ("detect", GREEN), "cpu_assemble": ("assemble", ORANGE),
     "cpu_solve": ("solve", BLUE), "cpu_update": ("update", PURPLE), "cpu_measure": ("measure", "#999999"),
@@ -80,7 +83,7 @@ def draw_contacts(ax, record):
     drawn = draw_series(ax, time, _column(record, "contacts"), SKY, "all")
     drawn = draw_series(ax, time, _column(record, "active_contacts"), BLUE, "carrying force") or drawn
     ax.set_ylim(bottom=0)
-    _finish(ax, drawn, TIME, "contacts [-]", "Contacts", loc="best")
+    _finish(ax, drawn, TIME, "contacts [-]", "Contacts", **ABOVE)
 
 
 def draw_sweeps(ax, record):
@@ -93,7 +96,7 @@ def draw_sweeps(ax, record):
     if failed.any():
         ax.plot(time[failed], sweeps[failed], "x", color=VERMILION, markersize=4, label="not converged")
     ax.set_ylim(bottom=0)
-    _finish(ax, drawn, TIME, "sweeps a step [-]", "Solver effort", loc="best")
+    _finish(ax, drawn, TIME, "sweeps a step [-]", "Solver effort", **ABOVE)
 
 
 def draw_effort(ax, record):
@@ -111,7 +114,7 @@ def draw_effort(ax, record):
     handles = [axes.get_legend_handles_labels() for axes in (ax, other)]
     if ax.get_legend():
         ax.get_legend().remove()
-    other.legend(handles[0][0] + handles[1][0], handles[0][1] + handles[1][1], loc="best")
+    other.legend(handles[0][0] + handles[1][0], handles[0][1] + handles[1][1], **ABOVE)
 
 
 def draw_residuals(ax, record, against="time"):
@@ -124,9 +127,9 @@ def draw_residuals(ax, record, against="time"):
         drawn = draw_series(ax, x, _column(record, name), colour, name.upper(), log=True) or drawn
     ax.set_yscale("log")
     if against == "time":
-        _finish(ax, drawn, TIME, "residual [-]", "Residuals", loc="best")
+        _finish(ax, drawn, TIME, "residual [-]", "Residuals", **ABOVE)
     else:
-        _finish(ax, drawn, "CPU time since the start [s]", "residual [-]", "Error against CPU time", loc="best")
+        _finish(ax, drawn, "CPU time since the start [s]", "residual [-]", "Error against cost", **ABOVE)
 
 
 def draw_phases(ax, record):
