@@ -1,0 +1,256 @@
+!> HDF5 files through few operations, so that one submodule alone names the library.
+!!
+!! A file remembers its first failure in `error` and does nothing from then on: a writer makes all its calls
+!! and looks once, at the end. Shapes are those of Fortran: `values(component, row)` is `[row][component]` in the
+!! file, without a transpose. The bodies live in `hdf5_with_hdf5` or `hdf5_without_hdf5`, chosen by CMake.
+module sg_hdf5
+  use sg_error, only: error_t
+  use sg_kinds, only: wp, i4, i8
+  implicit none
+  private
+  public :: hdf5_file_t, hdf5_is_available
+  public :: stored_double, stored_single, stored_long, stored_integer, stored_byte
+
+  !> How numbers of a growing dataset are stored: real of 8 and 4 bytes, integer of 8 and 4 bytes, unsigned byte
+  integer, parameter :: stored_double = 1, stored_single = 2, stored_long = 3, stored_integer = 4, stored_byte = 5
+
+  !> An open file
+  type :: hdf5_file_t
+    !> Path of the file
+    character(len=:), allocatable :: name
+    !> First failure since it was opened; unallocated while all is well
+    type(error_t), allocatable :: error
+    !> Handle of the library; negative when closed
+    integer(i8) :: id = -1
+  contains
+    procedure :: create => file_create
+    procedure :: open => file_open
+    procedure :: flush => file_flush
+    procedure :: close => file_close
+    procedure :: group => file_group
+    procedure :: has => file_has
+    procedure :: declare => file_declare
+    procedure :: rows => file_rows
+    procedure :: cut => file_cut
+    procedure, private :: append_reals, append_real_records, append_integers, append_longs, append_long_records
+    procedure, private :: put_reals, put_real_records, put_integers, put_integer_records
+    procedure, private :: get_reals, get_real_records, get_integers, get_integer_records, get_longs
+    procedure, private :: set_long, set_longs, set_text
+    procedure, private :: look_long, look_text
+    !> Add rows to a growing dataset
+    generic :: append => append_reals, append_real_records, append_integers, append_longs, append_long_records
+    !> Make a dataset of fixed size and fill it
+    generic :: put => put_reals, put_real_records, put_integers, put_integer_records
+    !> Read a whole dataset
+    generic :: get => get_reals, get_real_records, get_integers, get_integer_records, get_longs
+    !> Set an attribute, in place when it exists
+    generic :: set => set_long, set_longs, set_text
+    !> Read an attribute
+    generic :: look => look_long, look_text
+  end type hdf5_file_t
+
+  interface
+    !> Was the program built with HDF5?
+    module function hdf5_is_available() result(is_available)
+      logical :: is_available
+    end function hdf5_is_available
+
+    !> Make a file; an old one of the same name is replaced.
+    module subroutine file_create(self, name)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: name !! path
+    end subroutine file_create
+
+    !> Open a file that exists.
+    module subroutine file_open(self, name, is_read_only)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: name !! path
+      logical, intent(in) :: is_read_only !! open for reading alone?
+    end subroutine file_open
+
+    !> Hand all that was written to the operating system.
+    module subroutine file_flush(self)
+      class(hdf5_file_t), intent(inout) :: self
+    end subroutine file_flush
+
+    !> Close the file, also after a failure.
+    module subroutine file_close(self)
+      class(hdf5_file_t), intent(inout) :: self
+    end subroutine file_close
+
+    !> Make a group; its parent exists.
+    module subroutine file_group(self, path)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+    end subroutine file_group
+
+    !> Does a group or dataset of this path exist? Its parent must.
+    module function file_has(self, path) result(has)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      logical :: has
+    end function file_has
+
+    !> Make a growing dataset without rows.
+    module subroutine file_declare(self, path, storage, components, chunk, is_compressed)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer, intent(in) :: storage !! one of `stored_*`
+      integer, intent(in) :: components !! numbers of a row; 0 for a plain list
+      integer, intent(in) :: chunk !! rows that are stored together
+      logical, intent(in) :: is_compressed !! compress chunks by gzip?
+    end subroutine file_declare
+
+    !> Number of rows of a dataset.
+    module function file_rows(self, path) result(rows)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i8) :: rows
+    end function file_rows
+
+    !> Drop the rows of a growing dataset beyond the first `rows`.
+    module subroutine file_cut(self, path, rows)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i8), intent(in) :: rows !! rows to keep
+    end subroutine file_cut
+
+    !> Add reals to a list.
+    module subroutine append_reals(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      real(wp), intent(in), contiguous, target :: values(:) !! numbers to add
+    end subroutine append_reals
+
+    !> Add records of reals.
+    module subroutine append_real_records(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      real(wp), intent(in), contiguous, target :: values(:, :) !! records to add, shape (components, rows)
+    end subroutine append_real_records
+
+    !> Add integers to a list.
+    module subroutine append_integers(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i4), intent(in), contiguous, target :: values(:) !! numbers to add
+    end subroutine append_integers
+
+    !> Add long integers to a list.
+    module subroutine append_longs(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i8), intent(in), contiguous, target :: values(:) !! numbers to add
+    end subroutine append_longs
+
+    !> Add records of long integers.
+    module subroutine append_long_records(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i8), intent(in), contiguous, target :: values(:, :) !! records to add, shape (components, rows)
+    end subroutine append_long_records
+
+    !> Store a list of reals.
+    module subroutine put_reals(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      real(wp), intent(in), contiguous, target :: values(:) !! numbers to store
+    end subroutine put_reals
+
+    !> Store records of reals.
+    module subroutine put_real_records(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      real(wp), intent(in), contiguous, target :: values(:, :) !! records to store
+    end subroutine put_real_records
+
+    !> Store a list of integers.
+    module subroutine put_integers(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i4), intent(in), contiguous, target :: values(:) !! numbers to store
+    end subroutine put_integers
+
+    !> Store records of integers.
+    module subroutine put_integer_records(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i4), intent(in), contiguous, target :: values(:, :) !! records to store
+    end subroutine put_integer_records
+
+    !> Read a list of reals; empty after a failure, as with all readers here.
+    module subroutine get_reals(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      real(wp), allocatable, intent(out), target :: values(:) !! numbers read
+    end subroutine get_reals
+
+    !> Read records of reals.
+    module subroutine get_real_records(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      real(wp), allocatable, intent(out), target :: values(:, :) !! records read
+    end subroutine get_real_records
+
+    !> Read a list of integers.
+    module subroutine get_integers(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i4), allocatable, intent(out), target :: values(:) !! numbers read
+    end subroutine get_integers
+
+    !> Read records of integers.
+    module subroutine get_integer_records(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i4), allocatable, intent(out), target :: values(:, :) !! records read
+    end subroutine get_integer_records
+
+    !> Read a list of long integers; records of one component count as a list.
+    module subroutine get_longs(self, path, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i8), allocatable, intent(out), target :: values(:) !! numbers read
+    end subroutine get_longs
+
+    !> Set an attribute to one long integer.
+    module subroutine set_long(self, path, name, value)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! object that has the attribute
+      character(len=*), intent(in) :: name !! of the attribute
+      integer(i8), intent(in) :: value !! its new value
+    end subroutine set_long
+
+    !> Set an attribute to a list of long integers.
+    module subroutine set_longs(self, path, name, value)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! object that has the attribute
+      character(len=*), intent(in) :: name !! of the attribute
+      integer(i8), intent(in) :: value(:) !! its new value
+    end subroutine set_longs
+
+    !> Set an attribute to a text, stored with fixed length.
+    module subroutine set_text(self, path, name, value)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! object that has the attribute
+      character(len=*), intent(in) :: name !! of the attribute
+      character(len=*), intent(in) :: value !! its new value
+    end subroutine set_text
+
+    !> Read an attribute that is one long integer; 0 after a failure.
+    module subroutine look_long(self, path, name, value)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! object that has the attribute
+      character(len=*), intent(in) :: name !! of the attribute
+      integer(i8), intent(out) :: value !! its value
+    end subroutine look_long
+
+    !> Read an attribute that is a text of fixed length; empty after a failure.
+    module subroutine look_text(self, path, name, value)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! object that has the attribute
+      character(len=*), intent(in) :: name !! of the attribute
+      character(len=:), allocatable, intent(out) :: value !! its value
+    end subroutine look_text
+  end interface
+end module sg_hdf5

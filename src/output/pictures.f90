@@ -1,0 +1,105 @@
+!> Pictures of a run for ParaView, VTK and h5py: bodies, shapes and contacts, each a VTKHDF file with an XDMF sidecar.
+!!
+!! The three files always have the same steps. They can be read while the run goes on and after it was killed.
+module sg_pictures
+  use sg_contacts, only: contacts_t
+  use sg_error, only: error_t
+  use sg_kinds, only: wp, i4
+  use sg_pictures_bodies, only: bodies_picture_t
+  use sg_pictures_contacts, only: contacts_picture_t
+  use sg_pictures_grid, only: grid_file_t
+  use sg_pictures_shapes, only: shapes_picture_t
+  use sg_run_options, only: run_options_t
+  use sg_scene, only: scene_t
+  use sg_xdmf, only: xdmf_t
+  implicit none
+  private
+  public :: pictures_t
+
+  !> The pictures of one run
+  type :: pictures_t
+    private
+    !> Where the bodies are
+    type(bodies_picture_t) :: bodies
+    !> What they look like
+    type(shapes_picture_t) :: shapes
+    !> What they do to each other
+    type(contacts_picture_t) :: contacts
+  contains
+    procedure :: open => pictures_open
+    procedure :: write => pictures_write
+    procedure :: close => pictures_close
+  end type pictures_t
+
+contains
+
+  !> Make the files, or go on with those of a stopped run.
+  subroutine pictures_open(self, scene, options, resumed_step, error)
+    class(pictures_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene !! what to show
+    type(run_options_t), intent(in) :: options !! folder, precision, compression, hash of the deck, time step
+    integer, intent(in) :: resumed_step !! step of the checkpoint, after which pictures are dropped; negative for a new run
+    type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
+
+    call self%bodies%open(scene, options, resumed_step)
+    call self%shapes%open(scene, options, resumed_step)
+    call self%contacts%open(options, resumed_step)
+    call first_error(self, error)
+  end subroutine pictures_open
+
+  !> Add the end of a step to all files.
+  subroutine pictures_write(self, scene, contacts, time, step, error, home)
+    class(pictures_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene !! what to show, at the end of the step
+    type(contacts_t), intent(in) :: contacts !! contacts of the step, with their impulses
+    real(wp), intent(in) :: time !! [s]
+    integer, intent(in) :: step !! number of the step
+    type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
+    integer(i4), intent(in), optional :: home(:) !! rank that owns each body; all 0 when absent
+
+    call first_error(self, error)
+    if (allocated(error)) return
+    if (present(home)) then
+      call self%bodies%write(scene, time, step, home)
+    else
+      call self%bodies%write(scene, time, step, spread(0_i4, 1, scene%bodies%n))
+    end if
+    call self%shapes%write(scene, time, step)
+    call self%contacts%write(scene, contacts, time, step)
+    call first_error(self, error)
+  end subroutine pictures_write
+
+  !> Close all files.
+  subroutine pictures_close(self, error)
+    class(pictures_t), intent(inout) :: self
+    type(error_t), allocatable, intent(out) :: error !! set when a file could not be written to its end
+
+    call self%bodies%grid%close()
+    call self%shapes%grid%close()
+    call self%contacts%grid%close()
+    call first_error(self, error)
+  end subroutine pictures_close
+
+  !> The first failure of any file.
+  subroutine first_error(self, error)
+    type(pictures_t), intent(in) :: self
+    type(error_t), allocatable, intent(out) :: error
+
+    call take(self%bodies%grid, self%bodies%xdmf, error)
+    if (.not. allocated(error)) call take(self%shapes%grid, self%shapes%xdmf, error)
+    if (.not. allocated(error)) call take(self%contacts%grid, self%contacts%xdmf, error)
+  end subroutine first_error
+
+  !> The first failure of a file or its sidecar.
+  subroutine take(grid, xdmf, error)
+    type(grid_file_t), intent(in) :: grid
+    type(xdmf_t), intent(in) :: xdmf
+    type(error_t), allocatable, intent(out) :: error
+
+    if (allocated(grid%file%error)) then
+      error = grid%file%error
+    else if (allocated(xdmf%error)) then
+      error = xdmf%error
+    end if
+  end subroutine take
+end module sg_pictures
