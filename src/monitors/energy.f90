@@ -52,21 +52,21 @@ contains
       self%potential_start = potential_energy(scene)
     end if
     mean = (scene%bodies%velocity + scene%bodies%free_velocity)/2
-    work = contact_work(contacts, scene%bodies%middle, scene%period, mean)
+    work = contact_work(scene, contacts, mean)
     self%impact_loss = self%impact_loss - work(1)
     self%friction_loss = self%friction_loss - work(2)
     self%external_work = self%external_work + imposed_work(scene, h, mean)
     where (scene%bodies%inverse_mass > 0) mean = 0
     if (.not. any(abs(mean) > 0)) return
     self%drive_work = self%drive_work + held_work(scene%bodies, h, mean) &
-                      - sum(contact_work(contacts, scene%bodies%middle, scene%period, mean))
+                      - sum(contact_work(scene, contacts, mean))
   end subroutine energy_add_step
 
   !> Work of the contact impulses along normals and along tangents [J]: r . H^T v.
-  pure function contact_work(contacts, middle, period, velocity) result(work)
+  pure function contact_work(scene, contacts, velocity) result(work)
+    type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
-    real(wp), intent(in), contiguous :: middle(:, :), velocity(:, :)
-    real(wp), intent(in) :: period
+    real(wp), intent(in), contiguous :: velocity(:, :)
     real(wp) :: work(2), u(2)
     integer :: k, n
 
@@ -74,7 +74,7 @@ contains
     n = contacts%n_components
     do k = 1, contacts%n
       if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
-      u = relative_velocity(contacts, k, middle, period, velocity)
+      u = relative_velocity(contacts, k, scene%bodies%middle, scene%period, velocity)
       work(:n) = work(:n) + contacts%impulse(:, k)*u(:n)
     end do
   end function contact_work

@@ -19,16 +19,17 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in) :: area !! area that the grains take [m2]
-    real(wp) :: stress(2, 2), arms(2, 2), branch(2), impulse(2)
+    real(wp) :: stress(2, 2), arms(2, 2), half_gap(2), branch(2), impulse(2)
     integer :: k
 
     stress = 0
     if (.not. area*h > 0) return
     do k = 1, contacts%n
       arms = arms_of(contacts, k, scene%bodies%middle, scene%period)
+      half_gap = contacts%gap(k)/2*contacts%normal(:, k)
       branch = 0
-      if (scene%bodies%is_grain(contacts%body(1, k))) branch = branch - arms(:, 1)
-      if (scene%bodies%is_grain(contacts%body(2, k))) branch = branch + arms(:, 2)
+      if (scene%bodies%is_grain(contacts%body(1, k))) branch = branch - arms(:, 1) + half_gap
+      if (scene%bodies%is_grain(contacts%body(2, k))) branch = branch + arms(:, 2) + half_gap
       impulse = contact_impulse(contacts, k)
       stress(:, 1) = stress(:, 1) + impulse*branch(1)
       stress(:, 2) = stress(:, 2) + impulse*branch(2)

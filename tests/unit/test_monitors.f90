@@ -28,6 +28,7 @@ program test_monitors
   call test_bounce()
   call test_energy_of_a_shaken_cluster()
   call test_energy_of_a_pushed_wall()
+  call test_energy_across_a_gap()
   call test_energy_at_rest()
   call test_grains_and_speeds()
   call test_two_disks()
@@ -206,6 +207,28 @@ contains
     call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance of the push')
     call test_energy_pack(energy)
   end subroutine test_energy_of_a_pushed_wall
+
+  !> Two disks with a wide gap: lever arms are radii, and the balance closes all the same.
+  subroutine test_energy_across_a_gap()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    type(energy_t) :: energy
+    real(wp), parameter :: h = 0.01_wp, gap = 0.4_wp, tangential = 3
+    integer :: b
+
+    scene = disks(reshape([0.0_wp, 2 + gap, 0.0_wp, 0.0_wp], [2, 2]))
+    scene%bodies%velocity(3, :) = [5.0_wp, -1.0_wp]
+    call set_middle(scene, 0.0_wp)
+    call touch(contacts, 1, 2, [0.0_wp, 1.0_wp], [0.0_wp, 1 + gap/2], gap, [1.0_wp, tangential])
+    call end_step(scene, contacts, h)
+    do b = 1, 2
+      ! On a disk of unit radius and inertia; the tangential impulse turns both disks the same way.
+      scene%bodies%free_velocity(3, b) = scene%bodies%velocity(3, b) + tangential
+    end do
+    call energy%add_step(scene, contacts, h)
+    call update(scene, h)
+    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance across a gap')
+  end subroutine test_energy_across_a_gap
 
   !> Packed and unpacked, the sums are the same to the last bit.
   subroutine test_energy_pack(energy)
@@ -402,7 +425,8 @@ contains
     scene = disks(reshape([1.0_wp, 0.0_wp, 9.0_wp, 0.0_wp], [2, 2]))
     scene%period = 10
     ! The antagonist at x = 9 is seen at x = -1.
-    call touch(contacts, 1, 2, [1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [4.0_wp, 0.0_wp])
+    ! A gap changes nothing: the branch leads from centre to centre.
+    call touch(contacts, 1, 2, [1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], 0.1_wp, [4.0_wp, 0.0_wp])
     contacts%image(1) = -1_i1
     stress = mean_stress(scene, contacts, 1.0_wp, box_area(scene))
     call t%near(stress(1, 1), 4*2.0_wp/20, rounding, 'stress through the period')
