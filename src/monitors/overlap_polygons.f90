@@ -1,0 +1,86 @@
+!> Areas that convex polygons share with each other and with disks.
+module sg_overlap_polygons
+  use sg_kinds, only: wp
+  use sg_overlap_outline, only: add_edge, close_outline, outline_t
+  implicit none
+  private
+  public :: overlap_polygon_polygon, overlap_disk_polygon, clip
+
+contains
+
+  !> Area shared by two convex polygons [m2]: the candidate cut along every edge of the antagonist.
+  pure real(wp) function overlap_polygon_polygon(n_c, vertices_c, n_a, vertices_a, offset_a) result(area)
+    integer, intent(in) :: n_c !! vertices of the candidate
+    real(wp), intent(in) :: vertices_c(2, n_c) !! candidate's vertices, counter-clockwise [m]
+    integer, intent(in) :: n_a !! vertices of the antagonist
+    real(wp), intent(in) :: vertices_a(2, n_a) !! antagonist's vertices, counter-clockwise [m]
+    real(wp), intent(in) :: offset_a(2) !! added to the antagonist's vertices (its periodic image) [m]
+    real(wp) :: left(2, n_c + n_a), edge(2)
+    integer :: n, i, next
+
+    left(:, :n_c) = vertices_c
+    n = n_c
+    do i = 1, n_a
+      next = merge(1, i + 1, i == n_a)
+      edge = vertices_a(:, next) - vertices_a(:, i)
+      call clip(n, left, vertices_a(:, i) + offset_a, [edge(2), -edge(1)])
+    end do
+    area = 0
+    do i = 2, n - 1
+      area = area + 0.5_wp*((left(1, i) - left(1, 1))*(left(2, i + 1) - left(2, 1)) &
+                            - (left(2, i) - left(2, 1))*(left(1, i + 1) - left(1, 1)))
+    end do
+    area = max(0.0_wp, area)
+  end function overlap_polygon_polygon
+
+  !> Area shared by a disk and a convex polygon [m2].
+  pure real(wp) function overlap_disk_polygon(centre_c, radius_c, n_a, vertices_a, offset_a) result(area)
+    real(wp), intent(in) :: centre_c(2) !! centre of the disk, the candidate [m]
+    real(wp), intent(in) :: radius_c !! radius of the disk [m]
+    integer, intent(in) :: n_a !! vertices of the polygon
+    real(wp), intent(in) :: vertices_a(2, n_a) !! vertices of the polygon, the antagonist, counter-clockwise [m]
+    real(wp), intent(in) :: offset_a(2) !! added to the polygon's vertices (its periodic image) [m]
+    type(outline_t) :: outline
+    real(wp) :: from(2), to(2), edge(2)
+    logical :: is_centre_inside
+    integer :: i
+
+    is_centre_inside = n_a > 2
+    do i = 1, n_a
+      from = vertices_a(:, i) + (offset_a - centre_c)
+      to = vertices_a(:, merge(1, i + 1, i == n_a)) + (offset_a - centre_c)
+      edge = to - from
+      if (edge(1)*from(2) - edge(2)*from(1) > 0) is_centre_inside = .false.
+      call add_edge(outline, radius_c, from, to)
+    end do
+    call close_outline(outline, radius_c, is_centre_inside, area)
+  end function overlap_disk_polygon
+
+  !> Keep what lies behind a line (Sutherland and Hodgman); a convex polygon gains at most one vertex.
+  pure subroutine clip(n, vertices, point, normal)
+    integer, intent(inout) :: n !! vertices before and after
+    real(wp), intent(inout) :: vertices(:, :) !! room for one vertex more, counter-clockwise [m], shape (2, :)
+    real(wp), intent(in) :: point(2) !! a point of the line [m]
+    real(wp), intent(in) :: normal(2) !! of the side that is cut off, any length
+    real(wp) :: kept(2, 2*n), height, next_height
+    integer :: i, next, n_kept
+
+    n_kept = 0
+    do i = 1, n
+      next = merge(1, i + 1, i == n)
+      height = dot_product(normal, vertices(:, i) - point)
+      next_height = dot_product(normal, vertices(:, next) - point)
+      if (height <= 0) then
+        n_kept = n_kept + 1
+        kept(:, n_kept) = vertices(:, i)
+      end if
+      if ((height > 0 .and. next_height < 0) .or. (height < 0 .and. next_height > 0)) then
+        n_kept = n_kept + 1
+        kept(:, n_kept) = vertices(:, i) + height/(height - next_height)*(vertices(:, next) - vertices(:, i))
+      end if
+    end do
+    ! Rounding may let slivers cross the line more than twice; no area comes of what finds no room.
+    n = min(n_kept, size(vertices, 2))
+    vertices(:, :n) = kept(:, :n)
+  end subroutine clip
+end module sg_overlap_polygons
