@@ -43,8 +43,7 @@ contains
     type(scene_t), intent(in) :: scene !! scene after the solve, before the update
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
-    real(wp), allocatable :: mean(:, :)
-    real(wp) :: work(2)
+    real(wp) :: mean(scene%bodies%n_velocity, scene%bodies%n), work(2)
 
     if (.not. self%is_started) then
       self%is_started = .true.

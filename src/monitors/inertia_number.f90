@@ -17,7 +17,7 @@ contains
   pure function velocity_gradient(bodies) result(gradient)
     type(bodies_t), intent(in) :: bodies !! bodies with positions and velocities of one moment
     real(wp) :: gradient(2, 2), spread(2, 2), mixed(2, 2), centre(2), drift(2), x(2), v(2), determinant
-    integer :: i, n
+    integer :: i, j, n
 
     gradient = 0
     n = count(bodies%is_grain)
@@ -35,8 +35,10 @@ contains
       if (.not. bodies%is_grain(i)) cycle
       x = bodies%position(:, i) - centre
       v = bodies%velocity(1:2, i) - drift
-      spread = spread + reshape([x(1)*x, x(2)*x], [2, 2])
-      mixed = mixed + reshape([x(1)*v, x(2)*v], [2, 2])
+      do j = 1, 2
+        spread(:, j) = spread(:, j) + x*x(j)
+        mixed(:, j) = mixed(:, j) + v*x(j)
+      end do
     end do
     determinant = spread(1, 1)*spread(2, 2) - spread(1, 2)**2
     if (.not. determinant > sqrt(epsilon(determinant))*(spread(1, 1) + spread(2, 2))**2) return

@@ -9,7 +9,7 @@ module sg_progress
   public :: progress_t, duration_text
 
   !> Wall seconds between two lines, and between two drawings of the bar
-  real(wp), parameter :: seconds_between_lines = 5, seconds_between_bars = 0.2_wp
+  real(wp), parameter :: seconds_between_lines = 5.0_wp, seconds_between_bars = 0.2_wp
   !> Letters of the bar, and of the whole line that is redrawn
   integer, parameter :: bar_width = 20, line_width = 110
 
@@ -58,11 +58,10 @@ contains
   !> Is it time to show progress again?
   logical function progress_is_due(self)
     class(progress_t), intent(in) :: self
-    real(wp) :: wait
+    real(wp) :: waited
 
-    wait = seconds_between_lines
-    if (self%on_terminal) wait = seconds_between_bars
-    progress_is_due = .not. self%is_quiet .and. wall_now() - self%shown >= wait
+    waited = wall_now() - self%shown
+    progress_is_due = .not. self%is_quiet .and. waited >= merge(seconds_between_bars, seconds_between_lines, self%on_terminal)
   end function progress_is_due
 
   !> Show where the run is after a step.
