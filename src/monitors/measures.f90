@@ -15,6 +15,7 @@ module sg_measures
   use sg_scene, only: scene_t
   use sg_stress, only: mean_stress
   use sg_velocities, only: speeds
+  use sg_volume_error, only: overlap_area
   implicit none
   private
   public :: measures_t, measure, n_measures, measure_names, is_count
@@ -51,19 +52,20 @@ contains
     type(measures_t), intent(out) :: measures !! the indicators
     type(grains_t) :: grains
     type(coordination_t) :: touch
-    real(wp) :: penetration(2), speed(2), stress(2, 2), pressure, box, rate
+    real(wp) :: penetration(2), speed(2), stress(2, 2), pressure, box, rate, overlap
 
     grains = count_grains(scene%bodies)
     touch = coordinate(contacts, scene%bodies%is_grain)
     call penetrations(contacts, penetration(1), penetration(2))
     call speeds(scene%bodies, speed(1), speed(2))
+    overlap = overlap_area(scene%contactors, contacts, scene%period)
     box = box_area(scene)
     stress = mean_stress(scene, contacts, h, box)
     pressure = (stress(1, 1) + stress(2, 2))/2
     rate = shear_rate(velocity_gradient(scene%bodies))
     measures%value = [kinetic_energy(scene%bodies), potential_energy(scene), energy%external_work, energy%drive_work, &
                       energy%friction_loss, energy%impact_loss, energy_closure(energy, scene), &
-                      penetration, 0.0_wp, ratio(grains%area, box), &
+                      penetration, ratio(overlap, grains%area), ratio(grains%area, box), &
                       touch%mean, touch%without_rattlers, real([touch%single, touch%double, touch%triple], wp), &
                       speed, inertia_number(rate, ratio(grains%mass, real(grains%n, wp)), pressure), pressure, &
                       floor_share(scene, contacts, h, grains%mass), &

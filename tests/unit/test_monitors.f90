@@ -20,6 +20,7 @@ program test_monitors
   use sg_stress, only: mean_stress
   use sg_totals, only: n_phases, phase_solve, totals_t
   use sg_velocities, only: speeds
+  use sg_volume_error, only: overlap_area
   implicit none
   ! Closed forms of a few operations: a few roundings of numbers of order one to ten.
   real(wp), parameter :: rounding = 1e-13_wp
@@ -32,6 +33,7 @@ program test_monitors
   call test_energy_at_rest()
   call test_grains_and_speeds()
   call test_two_disks()
+  call test_volume_error()
   call test_box_of_four()
   call test_points_of_a_pair()
   call test_boxes()
@@ -295,6 +297,42 @@ contains
     call penetrations(contacts, mean, largest)
     call t%near(mean + largest, 0.0_wp, 0.0_wp, 'no contact, no penetration')
   end subroutine test_two_disks
+
+  !> Overlaps by pair of kinds, through the period, and a pair with two points that counts once.
+  subroutine test_volume_error()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    type(energy_t) :: energy
+    type(measures_t) :: measures
+    real(wp), parameter :: square(2, 4) = reshape([-1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp], [2, 4])
+    ! Two unit disks whose centres are a radius apart share 2 pi/3 - sqrt(3)/2; the side of a square through the centre, pi/2.
+    real(wp), parameter :: lens = 2*pi/3 - sqrt(3.0_wp)/2
+    integer :: b
+
+    scene = disks(reshape([0.0_wp, 0.0_wp, 9.0_wp, 0.0_wp, 0.0_wp, -20.0_wp, 20.0_wp, 0.0_wp], [2, 4]))
+    scene%period = 10
+    call add_polygon(scene%contactors, 1, 1, square, [1.0_wp, 0.0_wp])
+    call add_polygon(scene%contactors, 3, 1, square, [1.5_wp, 21.8_wp])
+    call add_wall(scene%contactors, 4, 1, 5.0_wp, 0.5_wp, [-20.0_wp, -1.4_wp], 0.0_wp)
+    call make_wall(scene, 4)
+    call set_middle(scene, 0.0_wp)
+    call touch(contacts, 1, 2, [1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], -1.0_wp, [0.0_wp, 0.0_wp])
+    contacts%image(1) = -1_i1
+    call t%near(overlap_area(scene%contactors, contacts, scene%period), lens, rounding, 'two disks through the period')
+    do b = 1, 2
+      call touch(contacts, 6, 5, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], -0.2_wp, [0.0_wp, 0.0_wp])
+    end do
+    call t%near(overlap_area(scene%contactors, contacts, scene%period), lens + 1.5_wp*0.2_wp, rounding, 'polygons by two points')
+    ! The segment's upper side stands at -0.9, 0.1 above the lower side of the square, which is 2 wide.
+    call touch(contacts, 5, 7, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], -0.1_wp, [0.0_wp, 0.0_wp])
+    call touch(contacts, 1, 5, [-1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], -1.0_wp, [0.0_wp, 0.0_wp])
+    call t%near(overlap_area(scene%contactors, contacts, scene%period), lens + 0.5_wp + pi/2, rounding, 'all pairs')
+    contacts%body = 1
+    call measure(scene, contacts, 0.1_wp, energy, measures)
+    call t%near(measures%get('volume_error'), (lens + 0.5_wp + pi/2)/(3*pi), rounding, 'volume error')
+    contacts%gap(2:) = 0
+    call t%near(overlap_area(scene%contactors, contacts, scene%period), lens, rounding, 'only pairs that overlap')
+  end subroutine test_volume_error
 
   !> Four disks in a square on a floor, and a fifth on top of one of them: its own single neighbour makes it a rattler.
   subroutine test_box_of_four()

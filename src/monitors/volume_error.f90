@@ -1,0 +1,96 @@
+!> The area by which shapes that touch overlap: over the area of the grains it is the volume error.
+module sg_volume_error
+  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_wall
+  use sg_contacts, only: contacts_t
+  use sg_kinds, only: wp, i4
+  use sg_overlap, only: overlap_disk_disk, overlap_disk_hollow, overlap_disk_polygon, overlap_disk_wall, &
+                        overlap_polygon_polygon, overlap_polygon_wall
+  implicit none
+  private
+  public :: overlap_area
+
+contains
+
+  !> Sum of the overlaps of all pairs of shapes with a negative gap [m2], each pair once: its points follow one another.
+  pure real(wp) function overlap_area(contactors, contacts, period) result(area)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    real(wp), intent(in) :: period !! period in x, zero when not periodic [m]
+    integer :: k, last(3), this(3)
+
+    area = 0
+    last = 0
+    do k = 1, contacts%n
+      if (.not. contacts%gap(k) < 0) cycle
+      this = [contacts%contactor(:, k), int(contacts%image(k), i4)]
+      if (all(this == last)) cycle
+      area = area + pair_overlap(contactors, this(1), this(2), [period*real(this(3), wp), 0.0_wp])
+      last = this
+    end do
+  end function overlap_area
+
+  !> Overlap of one pair of shapes [m2]: the kernel of its two kinds.
+  pure real(wp) function pair_overlap(contactors, c, a, offset) result(area)
+    type(contactors_t), intent(in) :: contactors
+    integer, intent(in) :: c, a
+    real(wp), intent(in) :: offset(2)
+
+    area = 0
+    if (contactors%kind(c) == kind_disk) then
+      area = disk_overlap(contactors, c, a, offset)
+    else if (contactors%kind(c) == kind_polygon) then
+      area = polygon_overlap(contactors, c, a, offset)
+    end if
+  end function pair_overlap
+
+  !> Overlap of a disk with its antagonist [m2].
+  pure real(wp) function disk_overlap(contactors, c, a, offset) result(area)
+    type(contactors_t), intent(in) :: contactors
+    integer, intent(in) :: c, a
+    real(wp), intent(in) :: offset(2)
+    integer :: row, first, last
+
+    row = contactors%row(a)
+    area = 0
+    associate (centre => contactors%centre, radius => contactors%disk_radius(contactors%row(c)))
+      select case (contactors%kind(a))
+      case (kind_disk)
+        area = overlap_disk_disk(centre(:, c), radius, centre(:, a) + offset, contactors%disk_radius(row))
+      case (kind_wall)
+        area = overlap_disk_wall(centre(:, c), radius, centre(:, a) + offset, contactors%wall_axis(:, row), &
+                                 contactors%wall_size(1, row), contactors%wall_size(2, row))
+      case (kind_hollow)
+        area = overlap_disk_hollow(centre(:, c), radius, centre(:, a) + offset, contactors%hollow_radius(row))
+      case (kind_polygon)
+        first = contactors%polygon_first(row)
+        last = contactors%polygon_first(row + 1) - 1
+        area = overlap_disk_polygon(centre(:, c), radius, last - first + 1, contactors%polygon_world(:, first:last), offset)
+      end select
+    end associate
+  end function disk_overlap
+
+  !> Overlap of a polygon with its antagonist [m2].
+  pure real(wp) function polygon_overlap(contactors, c, a, offset) result(area)
+    type(contactors_t), intent(in) :: contactors
+    integer, intent(in) :: c, a
+    real(wp), intent(in) :: offset(2)
+    integer :: row, first, last, own_first, own_last
+
+    row = contactors%row(c)
+    own_first = contactors%polygon_first(row)
+    own_last = contactors%polygon_first(row + 1) - 1
+    row = contactors%row(a)
+    area = 0
+    select case (contactors%kind(a))
+    case (kind_polygon)
+      first = contactors%polygon_first(row)
+      last = contactors%polygon_first(row + 1) - 1
+      area = overlap_polygon_polygon(own_last - own_first + 1, contactors%polygon_world(:, own_first:own_last), &
+                                     last - first + 1, contactors%polygon_world(:, first:last), offset)
+    case (kind_wall)
+      area = overlap_polygon_wall(own_last - own_first + 1, contactors%polygon_world(:, own_first:own_last), &
+                                  contactors%centre(:, a) + offset, contactors%wall_axis(:, row), &
+                                  contactors%wall_size(1, row), contactors%wall_size(2, row))
+    end select
+  end function polygon_overlap
+end module sg_volume_error
