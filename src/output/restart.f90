@@ -1,0 +1,332 @@
+!> Restart files: all that a run needs to go on as if it had never stopped, bit for bit.
+!!
+!! Two files take turns, `restart_a.h5` and `restart_b.h5`. Each is written under another name, brought to the disk and
+!! then renamed, so that at any time at least one of them is whole. doc/guide/files.md lists the datasets.
+module sg_restart
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_ptr
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use sg_bodies, only: bodies_t
+  use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_error, only: diagnostics_t, error_t, exit_output, fail
+  use sg_hdf5, only: hdf5_file_t
+  use sg_kinds, only: wp, i1, i4, i8
+  use sg_scene, only: scene_t
+  use sg_system, only: remove_file, rename_file
+  use sg_text, only: to_text
+  use sg_version, only: commit, version
+  implicit none
+  private
+  public :: restart_t, keep_state, restore_state, write_restart, read_restart, newest_restart
+
+  !> What says that a file is one of these, and in which layout
+  character(len=*), parameter :: format_name = 'SplitGrain restart'
+  integer(i8), parameter :: format_version = 1
+  !> The two files that take turns
+  character(len=*), parameter :: file_names(2) = [character(len=12) :: 'restart_a.h5', 'restart_b.h5']
+
+  !> The state of a run at the end of a step
+  type :: restart_t
+    !> Steps done, and time [s]
+    integer :: step = 0
+    real(wp) :: time = 0
+    !> Hash of the effective deck
+    character(len=:), allocatable :: deck_hash
+    !> Bodies: position [m], shape (2, bodies); angle [rad], of size 0 where nothing turns; velocity; periods crossed
+    real(wp), allocatable :: position(:, :), angle(:), velocity(:, :)
+    integer(i4), allocatable :: crossings(:)
+    !> Contacts of the step: contactors, shape (2, contacts); feature, image, law; impulse [N s]; status
+    integer(i4), allocatable :: contactor(:, :), feature(:), image(:), law(:), status(:)
+    real(wp), allocatable :: impulse(:, :)
+    !> Positions at the last search for neighbours [m], any shape
+    real(wp), allocatable :: built(:, :)
+    !> Sums kept over the run, such as works of forces
+    real(wp), allocatable :: totals(:)
+  end type restart_t
+
+  interface
+    function c_fopen(path, mode) bind(c, name='fopen') result(stream)
+      import :: c_char, c_ptr
+      character(kind=c_char), intent(in) :: path(*), mode(*)
+      type(c_ptr) :: stream
+    end function c_fopen
+    function c_fileno(stream) bind(c, name='fileno') result(descriptor)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: stream
+      integer(c_int) :: descriptor
+    end function c_fileno
+    function c_fsync(descriptor) bind(c, name='fsync') result(status)
+      import :: c_int
+      integer(c_int), value :: descriptor
+      integer(c_int) :: status
+    end function c_fsync
+    function c_fclose(stream) bind(c, name='fclose') result(status)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: stream
+      integer(c_int) :: status
+    end function c_fclose
+  end interface
+
+contains
+
+  !> Copy the state of bodies and contacts; the caller sets the other components.
+  subroutine keep_state(bodies, contacts, state)
+    type(bodies_t), intent(in) :: bodies !! bodies at the end of the step
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    type(restart_t), intent(inout) :: state !! state to set
+    integer :: n
+
+    n = contacts%n
+    state%position = bodies%position
+    state%velocity = bodies%velocity
+    state%crossings = bodies%crossings
+    if (allocated(state%angle)) deallocate (state%angle)
+    allocate (state%angle(0))
+    if (allocated(bodies%angle)) state%angle = bodies%angle
+    if (n == 0) then
+      call forget_contacts(state, contacts%n_components)
+      return
+    end if
+    state%contactor = contacts%contactor(:, :n)
+    state%feature = contacts%feature(:n)
+    state%image = int(contacts%image(:n), i4)
+    state%law = contacts%law(:n)
+    state%status = int(contacts%status(:n), i4)
+    state%impulse = contacts%impulse(:, :n)
+  end subroutine keep_state
+
+  !> A state without contacts.
+  subroutine forget_contacts(state, components)
+    type(restart_t), intent(inout) :: state
+    integer, intent(in) :: components
+
+    state%contactor = reshape([integer(i4) ::], [2, 0])
+    state%feature = [integer(i4) ::]
+    state%image = [integer(i4) ::]
+    state%law = [integer(i4) ::]
+    state%status = [integer(i4) ::]
+    state%impulse = reshape([real(wp) ::], [components, 0])
+  end subroutine forget_contacts
+
+  !> Put bodies and contacts into a state; of contacts only what recovery by pair needs is set.
+  subroutine restore_state(state, scene, contacts)
+    type(restart_t), intent(in) :: state !! state to restore
+    type(scene_t), intent(inout) :: scene !! bodies to set
+    type(contacts_t), intent(inout) :: contacts !! contacts to set
+    integer :: n, i
+
+    scene%bodies%position = state%position
+    scene%bodies%velocity = state%velocity
+    scene%bodies%crossings = state%crossings
+    if (allocated(scene%bodies%angle)) scene%bodies%angle = state%angle
+    n = size(state%feature)
+    contacts%n = n
+    contacts%n_components = size(state%impulse, 1)
+    call reserve_contacts(contacts, n)
+    contacts%contactor(:, :n) = state%contactor
+    contacts%feature(:n) = state%feature
+    contacts%image(:n) = int(state%image, i1)
+    contacts%law(:n) = state%law
+    contacts%status(:n) = int(state%status, i1)
+    contacts%impulse(:, :n) = state%impulse
+    do i = 1, n
+      contacts%body(:, i) = scene%contactors%body(state%contactor(:, i))
+    end do
+  end subroutine restore_state
+
+  !> Write the state in place of the older of the two files.
+  subroutine write_restart(folder, state, error)
+    character(len=*), intent(in) :: folder !! folder of the results
+    type(restart_t), intent(in) :: state !! state to write, all components set
+    type(error_t), allocatable, intent(out) :: error !! set when it cannot be written; older files stay
+    character(len=:), allocatable :: name, unfinished
+
+    name = folder//'/'//file_names(1)
+    if (newest_restart(folder) == name) name = folder//'/'//file_names(2)
+    unfinished = name//'.unfinished'
+    call write_file(unfinished, state, error)
+    if (allocated(error)) then
+      call remove_file(unfinished)
+    else if (.not. is_synced(unfinished)) then
+      call fail(error, 'cannot bring the file to the disk', file=unfinished, code=exit_output)
+    else if (.not. rename_file(unfinished, name)) then
+      call fail(error, 'cannot rename '//unfinished, file=name, code=exit_output)
+    end if
+  end subroutine write_restart
+
+  !> Write all datasets.
+  subroutine write_file(name, state, error)
+    character(len=*), intent(in) :: name
+    type(restart_t), intent(in) :: state
+    type(error_t), allocatable, intent(out) :: error
+    type(hdf5_file_t) :: file
+
+    call file%create(name)
+    call file%set('/', 'format', format_name)
+    call file%set('/', 'format_version', format_version)
+    call file%set('/', 'program', 'SplitGrain '//version//' ('//commit//')')
+    call file%set('/', 'deck_hash', state%deck_hash)
+    call file%set('/', 'step', int(state%step, i8))
+    call file%put('/time', [state%time])
+    call file%put('/totals', state%totals)
+    call file%put('/built', state%built)
+    call file%group('/bodies')
+    call file%put('/bodies/position', state%position)
+    call file%put('/bodies/angle', state%angle)
+    call file%put('/bodies/velocity', state%velocity)
+    call file%put('/bodies/crossings', state%crossings)
+    call file%group('/contacts')
+    call file%put('/contacts/contactor', state%contactor)
+    call file%put('/contacts/feature', state%feature)
+    call file%put('/contacts/image', state%image)
+    call file%put('/contacts/law', state%law)
+    call file%put('/contacts/status', state%status)
+    call file%put('/contacts/impulse', state%impulse)
+    call file%close()
+    if (allocated(file%error)) call move_alloc(file%error, error)
+  end subroutine write_file
+
+  !> Bring a file to the disk; has it come there?
+  logical function is_synced(name)
+    character(len=*), intent(in) :: name
+    type(c_ptr) :: stream
+    integer(c_int) :: status
+
+    is_synced = .false.
+    stream = c_fopen(name//c_null_char, 'r+'//c_null_char)
+    if (.not. c_associated(stream)) return
+    is_synced = c_fsync(c_fileno(stream)) == 0
+    status = c_fclose(stream)
+    is_synced = is_synced .and. status == 0
+  end function is_synced
+
+  !> Path of the newest restart file of a folder that can be opened; empty when there is none.
+  function newest_restart(folder) result(name)
+    character(len=*), intent(in) :: folder !! folder of the results
+    character(len=:), allocatable :: name
+    type(hdf5_file_t) :: file
+    integer(i8) :: step, last
+    integer :: i
+
+    name = ''
+    last = -1
+    do i = 1, size(file_names)
+      call file%open(folder//'/'//file_names(i), is_read_only=.true.)
+      call file%look('/', 'step', step)
+      call file%close()
+      if (allocated(file%error) .or. step <= last) cycle
+      last = step
+      name = folder//'/'//file_names(i)
+    end do
+  end function newest_restart
+
+  !> Read a state and see whether it fits the scene; that another deck wrote it is only a warning.
+  subroutine read_restart(name, scene, deck_hash, state, diagnostics)
+    character(len=*), intent(in) :: name !! path of the file
+    type(scene_t), intent(in) :: scene !! scene that it must fit
+    character(len=*), intent(in) :: deck_hash !! hash of the present deck
+    type(restart_t), intent(out) :: state !! state read
+    type(diagnostics_t), intent(inout) :: diagnostics !! takes what is wrong
+    type(error_t), allocatable :: error
+    character(len=:), allocatable :: misfit
+
+    call read_file(name, state, error)
+    if (allocated(error)) then
+      call diagnostics%add(error%message, file=name)
+      return
+    end if
+    misfit = misfit_of(state, scene)
+    if (len(misfit) > 0) then
+      call diagnostics%add('this restart file does not fit the scene: '//misfit, file=name)
+    else if (state%deck_hash /= deck_hash) then
+      call diagnostics%warn('this restart file was written with another deck (hash '//state%deck_hash//', now '// &
+                            deck_hash//')', file=name)
+    end if
+  end subroutine read_restart
+
+  !> Read all datasets.
+  subroutine read_file(name, state, error)
+    character(len=*), intent(in) :: name
+    type(restart_t), intent(out) :: state
+    type(error_t), allocatable, intent(out) :: error
+    type(hdf5_file_t) :: file
+    integer(i8) :: number
+    real(wp), allocatable :: time(:)
+
+    call file%open(name, is_read_only=.true.)
+    call check_format(file)
+    call file%look('/', 'deck_hash', state%deck_hash)
+    call file%look('/', 'step', number)
+    state%step = int(number)
+    call file%get('/time', time)
+    if (size(time) == 1) state%time = time(1)
+    call file%get('/totals', state%totals)
+    call file%get('/built', state%built)
+    call file%get('/bodies/position', state%position)
+    call file%get('/bodies/angle', state%angle)
+    call file%get('/bodies/velocity', state%velocity)
+    call file%get('/bodies/crossings', state%crossings)
+    call file%get('/contacts/contactor', state%contactor)
+    call file%get('/contacts/feature', state%feature)
+    call file%get('/contacts/image', state%image)
+    call file%get('/contacts/law', state%law)
+    call file%get('/contacts/status', state%status)
+    call file%get('/contacts/impulse', state%impulse)
+    call file%close()
+    if (allocated(file%error)) call move_alloc(file%error, error)
+  end subroutine read_file
+
+  !> Is an open file one of ours, in a layout that we know?
+  subroutine check_format(file)
+    type(hdf5_file_t), intent(inout) :: file
+    character(len=:), allocatable :: word
+    integer(i8) :: number
+    logical :: was_opened
+
+    was_opened = .not. allocated(file%error)
+    call file%look('/', 'format', word)
+    if (was_opened .and. word /= format_name) then
+      call fail(file%error, 'this is no restart file of SplitGrain', file=file%name)
+      return
+    end if
+    call file%look('/', 'format_version', number)
+    if (was_opened .and. number /= format_version) &
+      call fail(file%error, 'this restart file has the layout '//to_text(number)//', but this program reads layout '// &
+                to_text(format_version), file=file%name)
+  end subroutine check_format
+
+  !> Why a state does not fit a scene; empty when it does.
+  function misfit_of(state, scene) result(misfit)
+    type(restart_t), intent(in) :: state
+    type(scene_t), intent(in) :: scene
+    character(len=:), allocatable :: misfit
+    integer :: n, m
+
+    n = size(state%position, 2)
+    m = size(state%feature)
+    misfit = ''
+    if (n /= scene%bodies%n) then
+      misfit = 'it holds '//to_text(n)//' bodies, the scene '//to_text(scene%bodies%n)
+    else if (size(state%velocity, 1) /= scene%bodies%n_velocity) then
+      misfit = 'only one of them has bodies that turn'
+    else if (any([size(state%velocity, 2), size(state%crossings)] /= n) .or. size(state%position, 1) /= 2 .or. &
+             size(state%angle) /= merge(n, 0, scene%bodies%n_velocity == 3) .or. size(state%contactor) /= 2*m .or. &
+             any([size(state%image), size(state%law), size(state%status), size(state%impulse, 2)] /= m)) then
+      misfit = 'its datasets differ in size'
+    else if (.not. (all(ieee_is_finite(state%position)) .and. all(ieee_is_finite(state%velocity)) .and. &
+                    all(ieee_is_finite(state%impulse)))) then
+      misfit = 'it holds numbers that are not finite'
+    else if (any(state%contactor < 1) .or. any(state%contactor > scene%contactors%n)) then
+      misfit = 'it holds contacts of shapes that the scene does not have'
+    else if (any(state%law < 1) .or. any(state%law > number_of_laws(scene))) then
+      misfit = 'it holds contacts under laws that the scene does not have'
+    end if
+  end function misfit_of
+
+  !> Number of contact laws of a scene.
+  pure integer function number_of_laws(scene) result(n)
+    type(scene_t), intent(in) :: scene
+
+    n = 0
+    if (allocated(scene%laws)) n = size(scene%laws)
+  end function number_of_laws
+end module sg_restart
