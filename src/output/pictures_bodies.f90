@@ -3,7 +3,7 @@ module sg_pictures_bodies
   use sg_bodies, only: angle_of, bodies_t, spin_of
   use sg_error, only: exit_output, fail
   use sg_kinds, only: wp, i4, i8, pi
-  use sg_pictures_grid, only: grid_file_t, grid_root, on_points, vtk_vertex
+  use sg_pictures_grid, only: grid_file_t, grid_root, on_field, on_points, vtk_vertex
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_xdmf, only: xdmf_t
@@ -65,6 +65,7 @@ contains
     call self%grid%put(on_points, 'angle', [(angle_of(scene%bodies, b), b=1, n)])
     call self%grid%put(on_points, 'displacement', unwrapped(scene%bodies, scene%period) - self%start)
     call self%grid%put(on_points, 'rank', home)
+    call self%grid%put(on_field, 'period', [scene%period])
     call self%grid%finish(time, step)
     call self%xdmf%add(self%grid, time)
   end subroutine bodies_write
