@@ -1,3 +1,76 @@
+!> The program: one executable, a subcommand each for what a user wants.
 program splitgrain
+  use, intrinsic :: iso_fortran_env, only: error_unit
+  use sg_arguments, only: arguments_t, read_arguments
+  use sg_bench, only: bench_command
+  use sg_check, only: check_command
+  use sg_comm, only: comm_t
+  use sg_convert, only: convert_command
+  use sg_error, only: error_t, exit_bad_input, exit_done, fail
+  use sg_help, only: print_help, print_version
+  use sg_reference_text, only: reference_text
+  use sg_run, only: run_command
+  use sg_system, only: end_program
+  use sg_text, only: nearest_word, text_t
   implicit none
+  type(arguments_t) :: arguments
+  type(error_t), allocatable :: error
+  type(comm_t) :: comm
+  integer :: code
+
+  code = exit_done
+  call read_arguments(arguments, error)
+  if (.not. allocated(error)) call choose()
+  if (allocated(error)) then
+    write (error_unit, '(a)') error%report()
+    code = error%code
+  end if
+  call end_program(code)
+
+contains
+
+  !> Call the subcommand.
+  subroutine choose()
+    if (arguments%has('help') .or. arguments%has('h') .or. arguments%command == 'help') then
+      call print_help(arguments%command)
+      return
+    end if
+    if (arguments%has('version')) then
+      call print_version()
+      return
+    end if
+    select case (arguments%command)
+    case ('run')
+      call comm%start()
+      call run_command(arguments, comm, code, error)
+      call comm%finish()
+    case ('check')
+      call arguments%expect('set', 1, 1, 'check DECK [--set section.key=value]', error)
+      if (.not. allocated(error)) call check_command(arguments%words(1)%s, arguments%all_of('set'), code)
+    case ('reference')
+      call arguments%expect('', 0, 0, 'reference', error)
+      if (.not. allocated(error)) write (*, '(a)', advance='no') reference_text()
+    case ('convert')
+      call arguments%expect('', 2, 2, 'convert SOURCE TARGET', error)
+      if (.not. allocated(error)) call convert_command(arguments%words(1)%s, arguments%words(2)%s, code)
+    case ('bench')
+      call bench_command(arguments, error)
+    case ('')
+      call print_help('')
+      code = exit_bad_input
+    case default
+      call unknown_command()
+    end select
+  end subroutine choose
+
+  !> Say that there is no such subcommand.
+  subroutine unknown_command()
+    type(text_t) :: known(5)
+    character(len=:), allocatable :: near
+
+    known = [text_t('run'), text_t('check'), text_t('reference'), text_t('convert'), text_t('bench')]
+    near = nearest_word(arguments%command, known)
+    if (len(near) > 0) near = '; did you mean "'//near//'"?'
+    call fail(error, 'unknown command "'//arguments%command//'"'//near)
+  end subroutine unknown_command
 end program splitgrain

@@ -26,24 +26,21 @@ contains
     type(neighbours_t), intent(inout) :: pairs !! pairs that may touch, made anew when stale
     type(history_t), intent(inout) :: history !! contacts of the last detection
     type(contacts_t), intent(inout) :: contacts !! contacts of the last step, replaced by those of this one
-    logical :: is_first
 
-    is_first = .not. allocated(history%past) .and. contacts%n == 0
-    if (contacts%n > 0) call remember(history, contacts)
+    if (.not. history%is_start) call remember(history, contacts)
     if (neighbours_are_stale(pairs, scene)) call build_neighbours(pairs, scene, scene%bodies%middle)
     if (history%n_pairs > 0) call match(history, scene%contactors%n, pairs%n, pairs%contactor)
     call place_contactors(scene%contactors, scene%bodies%middle)
-    call touch_all(scene, pairs, history, contacts, is_first)
-    if (.not. allocated(history%past)) allocate (history%past(0))
+    call touch_all(scene, pairs, history, contacts)
+    history%is_start = .false.
   end subroutine detect
 
   !> Narrow phase over all pairs.
-  subroutine touch_all(scene, pairs, history, contacts, is_first)
+  subroutine touch_all(scene, pairs, history, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(in) :: history
     type(contacts_t), intent(inout) :: contacts
-    logical, intent(in) :: is_first
     type(touch_t) :: touch
     integer :: p, i, k
 
@@ -66,7 +63,7 @@ contains
         contacts%point(:, k) = touch%point(:, i)
         contacts%gap(k) = touch%gap(i)
         call recall(history, p, touch%feature(i), touch%point(:, i), contacts%impulse(:, k), contacts%status(k))
-        if (is_first) contacts%status(k) = status_at_start(scene, contacts%law(k), contacts%status(k))
+        if (history%is_start) contacts%status(k) = status_at_start(scene, contacts%law(k), contacts%status(k))
       end do
     end do
   end subroutine touch_all

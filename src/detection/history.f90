@@ -3,13 +3,15 @@
 !! Contacts of one pair stand together, in the order of pairs. As long as the list of neighbours is the same, pair p
 !! finds its past at p; when the list is made anew, pairs are matched once through the candidate's short list.
 module sg_history
-  use sg_contacts, only: contacts_t
-  use sg_kinds, only: wp, i1, i4
+  use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_kinds, only: wp, i1, i4, i8
   use sg_lists, only: reserve
+  use sg_neighbours, only: candidate_first
   use sg_scene, only: scene_t
+  use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: history_t, remember, match, recall
+  public :: history_t, start_history, remember, match, recall, revive
 
   !> Contacts of the last detection, as much as the next one needs
   type :: history_t
@@ -27,9 +29,66 @@ module sg_history
     integer(i4), allocatable :: past(:)
     !> Contacts read from a deck carry no feature: they are found by their points
     logical :: by_point = .false.
+    !> Has nothing been detected yet, not even before a restart?
+    logical :: is_start = .true.
   end type history_t
 
 contains
+
+  !> Take the contacts known at the start of a scene for the past.
+  subroutine start_history(history, scene, step, n_components)
+    type(history_t), intent(inout) :: history !! past to fill
+    type(scene_t), intent(in) :: scene !! scene with its contacts at the start
+    real(wp), intent(in) :: step !! time step, turns forces into impulses [s]
+    integer, intent(in) :: n_components !! components of an impulse
+    type(contacts_t) :: contacts
+    integer(i4), allocatable :: order(:)
+    integer :: k
+
+    if (.not. allocated(scene%start_contacts)) return
+    contacts%n = size(scene%start_contacts)
+    if (contacts%n == 0) return
+    contacts%n_components = n_components
+    call reserve_contacts(contacts, contacts%n)
+    order = start_order(scene)
+    do k = 1, contacts%n
+      associate (known => scene%start_contacts(order(k)))
+        contacts%contactor(:, k) = oriented(scene, known%contactor)
+        contacts%point(:, k) = known%point
+        contacts%impulse(:, k) = step*known%force(:n_components)
+        contacts%status(k) = known%status
+      end associate
+    end do
+    call remember(history, contacts)
+    history%by_point = .true.
+    history%point = contacts%point(:, :contacts%n)
+  end subroutine start_history
+
+  !> Order that brings the contacts of each pair together.
+  function start_order(scene) result(order)
+    type(scene_t), intent(in) :: scene
+    integer(i4), allocatable :: order(:)
+    integer(i8), allocatable :: keys(:)
+    integer(i4) :: pair(2)
+    integer :: k
+
+    allocate (keys(size(scene%start_contacts)))
+    do k = 1, size(keys)
+      pair = oriented(scene, scene%start_contacts(k)%contactor)
+      keys(k) = int(pair(1), i8)*int(scene%contactors%n + 1, i8) + int(pair(2), i8)
+    end do
+    order = sort_permutation(keys)
+  end function start_order
+
+  !> A pair with its candidate first; turning it round changes neither component of the impulse.
+  pure function oriented(scene, contactor)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: contactor(2)
+    integer(i4) :: oriented(2)
+
+    oriented = int(contactor, i4)
+    if (.not. candidate_first(scene%contactors, contactor(1), contactor(2))) oriented = oriented([2, 1])
+  end function oriented
 
   !> Note the contacts of a detection.
   subroutine remember(history, contacts)
@@ -137,4 +196,26 @@ contains
     impulse = history%impulse(:size(impulse), best)
     status = history%status(best)
   end subroutine recall
+
+  !> Bring the past back as contacts, when the step after it failed: what a restart needs of them.
+  subroutine revive(history, contacts)
+    type(history_t), intent(in) :: history !! past
+    type(contacts_t), intent(inout) :: contacts !! contacts to replace
+    integer :: p, k
+
+    contacts%n = 0
+    if (history%n_pairs == 0 .or. history%by_point) return
+    contacts%n = history%first(history%n_pairs + 1) - 1
+    call reserve_contacts(contacts, contacts%n)
+    do p = 1, history%n_pairs
+      do k = history%first(p), history%first(p + 1) - 1
+        contacts%contactor(:, k) = history%contactor(:, p)
+        contacts%feature(k) = history%feature(k)
+        contacts%impulse(:, k) = history%impulse(:, k)
+        contacts%status(k) = history%status(k)
+        contacts%image(k) = 0
+        contacts%law(k) = 1
+      end do
+    end do
+  end subroutine revive
 end module sg_history

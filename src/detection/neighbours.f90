@@ -10,18 +10,11 @@ module sg_neighbours
   use sg_kinds, only: wp, i1, i4, i8
   use sg_lists, only: reserve
   use sg_scene, only: scene_t
+  use sg_sees, only: see_between
   use sg_sorting, only: hilbert_key, sort_permutation
   implicit none
   private
-  public :: neighbours_t, build_neighbours, neighbours_are_stale, can_touch, see_between, candidate_first
-
-  !> Which kinds of shape can touch each other, shape (kinds, kinds)
-  logical, parameter :: can_touch(n_kinds, n_kinds) = reshape([ &
-    ! disk    wall    hollow  polygon
-    .true., .true., .true., .true., &
-    .true., .false., .false., .true., &
-    .true., .false., .false., .false., &
-    .true., .true., .false., .true.], [n_kinds, n_kinds])
+  public :: neighbours_t, build_neighbours, neighbours_are_stale, candidate_first
 
   !> All pairs that may touch soon
   type :: neighbours_t
@@ -149,34 +142,6 @@ contains
       end associate
     end associate
   end function common_reach
-
-  !> Line of the see tables that holds between two contactors; 0 when they do not see each other.
-  pure integer function see_between(scene, c1, c2) result(see)
-    type(scene_t), intent(in) :: scene !! scene with its see tables
-    integer, intent(in) :: c1 !! one contactor
-    integer, intent(in) :: c2 !! the other
-
-    associate (kind => scene%contactors%kind, colour => scene%contactors%colour)
-      if (can_touch(kind(c1), kind(c2))) then
-        do see = 1, size(scene%sees)
-          if (fits(see, kind(c1), colour(c1), kind(c2), colour(c2))) return
-          if (fits(see, kind(c2), colour(c2), kind(c1), colour(c1))) return
-        end do
-      end if
-    end associate
-    see = 0
-  contains
-    pure logical function fits(line, kind_c, colour_c, kind_a, colour_a)
-      integer, intent(in) :: line, kind_c, colour_c, kind_a, colour_a
-
-      associate (s => scene%sees(line))
-        fits = (s%candidate_kind == 0 .or. s%candidate_kind == kind_c) .and. &
-               (s%candidate_colour == 0 .or. s%candidate_colour == colour_c) .and. &
-               (s%antagonist_kind == 0 .or. s%antagonist_kind == kind_a) .and. &
-               (s%antagonist_colour == 0 .or. s%antagonist_colour == colour_a)
-      end associate
-    end function fits
-  end function see_between
 
   !> See lines by class of contactor (kind and colour), so that a pair needs one look.
   subroutine tabulate_sees(scene, table)

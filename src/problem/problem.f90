@@ -7,7 +7,7 @@ module sg_problem
   use sg_kinds, only: wp, i4
   implicit none
   private
-  public :: problem_t, reserve_problem, bytes_per_contact
+  public :: problem_t, reserve_problem, bytes_per_contact, problem_kind
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional
   public :: record_length, body_length, impulse_length
 
@@ -48,6 +48,15 @@ module sg_problem
   end type problem_t
 
 contains
+
+  !> Kind of problem for a scene whose arms all lie along normals or not, with or without a tangent.
+  pure integer function problem_kind(is_round, has_tangent)
+    logical, intent(in) :: is_round !! all arms of bodies that turn lie along normals
+    logical, intent(in) :: has_tangent !! there is a tangential impulse
+
+    problem_kind = merge(merge(round_frictional, round_frictionless, has_tangent), &
+                         merge(arm_frictional, arm_frictionless, has_tangent), is_round)
+  end function problem_kind
 
   !> Make room for a problem.
   subroutine reserve_problem(problem, kind, n_bodies, n_contacts)

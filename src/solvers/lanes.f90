@@ -140,63 +140,46 @@ contains
   end subroutine store_lanes
 
   !> One sweep with Coulomb friction over all groups; slot 0 is a body of empty lanes, at rest.
-  pure subroutine sweep_lanes(n_groups, pair, record, relaxation, impulse, body)
+  !!
+  !! No movable body appears twice in a group, so the lanes may be swept at once, as the directive says.
+  pure subroutine sweep_lanes(n_groups, n_bodies, pair, record, relaxation, impulse, body)
     integer, intent(in) :: n_groups !! groups
-    integer(i4), intent(in), contiguous :: pair(:, :, :) !! slots, shape (width, 2, groups)
-    real(wp), intent(in), contiguous :: record(:, :, :) !! n_x, n_y, bias_n, bias_t, 1/W_nn, 1/W_tt, friction
+    integer, intent(in) :: n_bodies !! slots
+    integer(i4), intent(in) :: pair(width, 2, n_groups) !! slots of candidate and antagonist
+    real(wp), intent(in) :: record(width, 7, n_groups) !! n_x, n_y, bias_n, bias_t, 1/W_nn, 1/W_tt, friction
     real(wp), intent(in) :: relaxation !! share of each change taken
-    real(wp), intent(inout), contiguous :: impulse(:, :, :) !! impulses, shape (width, 2, groups)
-    real(wp), intent(inout), contiguous :: body(:, 0:) !! v_x, v_y, R spin, inverse masses, R^2/I
-    real(wp), dimension(width) :: vx_c, vy_c, s_c, mx_c, my_c, i_c, vx_a, vy_a, s_a, mx_a, my_a, i_a
-    real(wp), dimension(width) :: dx, dy, u_n, u_t, r_n, r_t, limit, p_x, p_y
+    real(wp), intent(inout) :: impulse(width, 2, n_groups) !! impulses [N s]
+    real(wp), intent(inout) :: body(6, 0:n_bodies) !! v_x, v_y, R spin, inverse masses, R^2/I
+    real(wp) :: x, y, dx, dy, u_n, u_t, r_n, r_t, limit, p_x, p_y
     integer :: g, l
     integer(i4) :: c, a
 
     do g = 1, n_groups
+!GCC$ ivdep
       do l = 1, width
         c = pair(l, 1, g)
         a = pair(l, 2, g)
-        vx_c(l) = body(1, c)
-        vy_c(l) = body(2, c)
-        s_c(l) = body(3, c)
-        mx_c(l) = body(4, c)
-        my_c(l) = body(5, c)
-        i_c(l) = body(6, c)
-        vx_a(l) = body(1, a)
-        vy_a(l) = body(2, a)
-        s_a(l) = body(3, a)
-        mx_a(l) = body(4, a)
-        my_a(l) = body(5, a)
-        i_a(l) = body(6, a)
-      end do
-      dx = vx_c - vx_a
-      dy = vy_c - vy_a
-      u_n = record(:, 1, g)*dx + record(:, 2, g)*dy + record(:, 3, g)
-      u_t = record(:, 2, g)*dx - record(:, 1, g)*dy + s_c + s_a + record(:, 4, g)
-      r_n = max(0.0_wp, impulse(:, 1, g) - u_n*record(:, 5, g))
-      limit = record(:, 7, g)*r_n
-      r_t = max(-limit, min(limit, impulse(:, 2, g) - u_t*record(:, 6, g)))
-      r_n = relaxation*(r_n - impulse(:, 1, g))
-      r_t = relaxation*(r_t - impulse(:, 2, g))
-      impulse(:, 1, g) = impulse(:, 1, g) + r_n
-      impulse(:, 2, g) = impulse(:, 2, g) + r_t
-      p_x = record(:, 1, g)*r_n + record(:, 2, g)*r_t
-      p_y = record(:, 2, g)*r_n - record(:, 1, g)*r_t
-      vx_c = vx_c + mx_c*p_x
-      vy_c = vy_c + my_c*p_y
-      s_c = s_c + i_c*r_t
-      vx_a = vx_a - mx_a*p_x
-      vy_a = vy_a - my_a*p_y
-      s_a = s_a + i_a*r_t
-      do l = 1, width
-        c = pair(l, 1, g)
-        a = pair(l, 2, g)
-        body(1, c) = vx_c(l)
-        body(2, c) = vy_c(l)
-        body(3, c) = s_c(l)
-        body(1, a) = vx_a(l)
-        body(2, a) = vy_a(l)
-        body(3, a) = s_a(l)
+        x = record(l, 1, g)
+        y = record(l, 2, g)
+        dx = body(1, c) - body(1, a)
+        dy = body(2, c) - body(2, a)
+        u_n = x*dx + y*dy + record(l, 3, g)
+        u_t = y*dx - x*dy + body(3, c) + body(3, a) + record(l, 4, g)
+        r_n = max(0.0_wp, impulse(l, 1, g) - u_n*record(l, 5, g))
+        limit = record(l, 7, g)*r_n
+        r_t = max(-limit, min(limit, impulse(l, 2, g) - u_t*record(l, 6, g)))
+        r_n = relaxation*(r_n - impulse(l, 1, g))
+        r_t = relaxation*(r_t - impulse(l, 2, g))
+        impulse(l, 1, g) = impulse(l, 1, g) + r_n
+        impulse(l, 2, g) = impulse(l, 2, g) + r_t
+        p_x = x*r_n + y*r_t
+        p_y = y*r_n - x*r_t
+        body(1, c) = body(1, c) + body(4, c)*p_x
+        body(2, c) = body(2, c) + body(5, c)*p_y
+        body(3, c) = body(3, c) + body(6, c)*r_t
+        body(1, a) = body(1, a) - body(4, a)*p_x
+        body(2, a) = body(2, a) - body(5, a)*p_y
+        body(3, a) = body(3, a) + body(6, a)*r_t
       end do
     end do
   end subroutine sweep_lanes

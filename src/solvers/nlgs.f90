@@ -103,17 +103,18 @@ contains
                body => problem%body, relaxation => self%options%relaxation)
       select case (problem%kind)
       case (round_frictionless)
-        call sweep_round_frictionless(n, pair, record, relaxation, r, body)
+        call sweep_round_frictionless(n, problem%n_bodies, pair, record, relaxation, r, body)
       case (round_frictional)
         if (uses_lanes(self, problem)) then
-          call sweep_lanes(self%lanes%n_groups, self%lanes%pair, self%lanes%record, relaxation, self%lanes%impulse, self%body)
+          call sweep_lanes(self%lanes%n_groups, problem%n_bodies, self%lanes%pair, self%lanes%record, relaxation, &
+                           self%lanes%impulse, self%body)
         else
-          call sweep_round_frictional(n, pair, record, relaxation, r, body)
+          call sweep_round_frictional(n, problem%n_bodies, pair, record, relaxation, r, body)
         end if
       case (arm_frictionless)
-        call sweep_arm_frictionless(n, pair, record, relaxation, r, body)
+        call sweep_arm_frictionless(n, problem%n_bodies, pair, record, relaxation, r, body)
       case (arm_frictional)
-        call sweep_arm_frictional(n, pair, record, relaxation, r, body)
+        call sweep_arm_frictional(n, problem%n_bodies, pair, record, relaxation, r, body)
       end select
     end associate
   end subroutine sweep

@@ -8,13 +8,14 @@ module sg_sweep_arm
 contains
 
   !> One sweep without friction.
-  pure subroutine sweep_arm_frictionless(n, pair, record, relaxation, impulse, body)
+  pure subroutine sweep_arm_frictionless(n, n_bodies, pair, record, relaxation, impulse, body)
     integer, intent(in) :: n !! contacts
-    integer(i4), intent(in), contiguous :: pair(:, :) !! slots, shape (2, n)
-    real(wp), intent(in), contiguous :: record(:, :) !! n_x, n_y, turn_c, turn_a, bias, 1/W_nn
+    integer, intent(in) :: n_bodies !! slots
+    integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
+    real(wp), intent(in) :: record(6, n) !! n_x, n_y, turn_c, turn_a, bias, 1/W_nn
     real(wp), intent(in) :: relaxation !! share of each change taken
-    real(wp), intent(inout), contiguous :: impulse(:, :) !! normal impulses [N s], shape (1, n)
-    real(wp), intent(inout), contiguous :: body(:, :) !! v_x, v_y, spin, inverse masses
+    real(wp), intent(inout) :: impulse(1, n) !! normal impulses [N s]
+    real(wp), intent(inout) :: body(6, n_bodies) !! v_x, v_y, spin, inverse masses
     integer :: k
     integer(i4) :: c, a
     real(wp) :: u, change
@@ -36,14 +37,15 @@ contains
   end subroutine sweep_arm_frictionless
 
   !> One sweep with friction, cohesion, compliance and linear laws.
-  pure subroutine sweep_arm_frictional(n, pair, record, relaxation, impulse, body)
+  pure subroutine sweep_arm_frictional(n, n_bodies, pair, record, relaxation, impulse, body)
     use sg_local_step, only: coulomb_step
     integer, intent(in) :: n !! contacts
-    integer(i4), intent(in), contiguous :: pair(:, :) !! slots, shape (2, n)
-    real(wp), intent(in), contiguous :: record(:, :) !! see `record_length` of sg_problem
+    integer, intent(in) :: n_bodies !! slots
+    integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
+    real(wp), intent(in) :: record(16, n) !! see `record_length` of sg_problem
     real(wp), intent(in) :: relaxation !! share of each change taken
-    real(wp), intent(inout), contiguous :: impulse(:, :) !! impulses [N s], shape (2, n)
-    real(wp), intent(inout), contiguous :: body(:, :) !! v_x, v_y, spin, inverse masses
+    real(wp), intent(inout) :: impulse(2, n) !! impulses [N s]
+    real(wp), intent(inout) :: body(6, n_bodies) !! v_x, v_y, spin, inverse masses
     integer :: k
     integer(i4) :: c, a
     real(wp) :: x, y, dx, dy, q_n, q_t, r_n, r_t, old_n, old_t, p_x, p_y, determinant

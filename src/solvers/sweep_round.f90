@@ -8,13 +8,14 @@ module sg_sweep_round
 contains
 
   !> One sweep without friction: each contact in turn gets the impulse that its law asks.
-  pure subroutine sweep_round_frictionless(n, pair, record, relaxation, impulse, body)
+  pure subroutine sweep_round_frictionless(n, n_bodies, pair, record, relaxation, impulse, body)
     integer, intent(in) :: n !! contacts
-    integer(i4), intent(in), contiguous :: pair(:, :) !! slots, shape (2, n)
-    real(wp), intent(in), contiguous :: record(:, :) !! n_x, n_y, bias, 1/W_nn
+    integer, intent(in) :: n_bodies !! slots
+    integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
+    real(wp), intent(in) :: record(4, n) !! n_x, n_y, bias, 1/W_nn
     real(wp), intent(in) :: relaxation !! share of each change taken
-    real(wp), intent(inout), contiguous :: impulse(:, :) !! normal impulses [N s], shape (1, n)
-    real(wp), intent(inout), contiguous :: body(:, :) !! v_x, v_y, inverse masses
+    real(wp), intent(inout) :: impulse(1, n) !! normal impulses [N s]
+    real(wp), intent(inout) :: body(4, n_bodies) !! v_x, v_y, inverse masses
     integer :: k
     integer(i4) :: c, a
     real(wp) :: u, change, x, y
@@ -37,13 +38,14 @@ contains
   end subroutine sweep_round_frictionless
 
   !> One sweep with Coulomb friction.
-  pure subroutine sweep_round_frictional(n, pair, record, relaxation, impulse, body)
+  pure subroutine sweep_round_frictional(n, n_bodies, pair, record, relaxation, impulse, body)
     integer, intent(in) :: n !! contacts
-    integer(i4), intent(in), contiguous :: pair(:, :) !! slots, shape (2, n)
-    real(wp), intent(in), contiguous :: record(:, :) !! n_x, n_y, bias_n, bias_t, 1/W_nn, 1/W_tt, friction
+    integer, intent(in) :: n_bodies !! slots
+    integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
+    real(wp), intent(in) :: record(7, n) !! n_x, n_y, bias_n, bias_t, 1/W_nn, 1/W_tt, friction
     real(wp), intent(in) :: relaxation !! share of each change taken
-    real(wp), intent(inout), contiguous :: impulse(:, :) !! impulses [N s], shape (2, n)
-    real(wp), intent(inout), contiguous :: body(:, :) !! v_x, v_y, R spin, inverse masses, R^2/I
+    real(wp), intent(inout) :: impulse(2, n) !! impulses [N s]
+    real(wp), intent(inout) :: body(6, n_bodies) !! v_x, v_y, R spin, inverse masses, R^2/I
     integer :: k
     integer(i4) :: c, a
     real(wp) :: x, y, dx, dy, u_n, u_t, r_n, r_t, limit, p_x, p_y

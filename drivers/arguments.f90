@@ -1,0 +1,175 @@
+!> The command line: words, options with values, and what is wrong with them.
+module sg_arguments
+  use sg_error, only: error_t, fail
+  use sg_kinds, only: wp
+  use sg_text, only: nearest_word, text_t, to_text
+  implicit none
+  private
+  public :: arguments_t, read_arguments
+
+  !> A command line taken apart
+  type :: arguments_t
+    !> Subcommand, and the words after it that are no options
+    character(len=:), allocatable :: command
+    type(text_t), allocatable :: words(:)
+    !> Names of the options given, without their dashes, and their values (empty for switches)
+    type(text_t), allocatable :: names(:), values(:)
+  contains
+    procedure :: has => arguments_has
+    procedure :: get => arguments_get
+    procedure :: all_of => arguments_all_of
+    procedure :: number => arguments_number
+    procedure :: expect => arguments_expect
+  end type arguments_t
+
+  !> Options that are followed by a value; all others are switches
+  character(len=*), parameter :: valued(10) = [character(len=12) :: 'set', 'output', 'restart', 'walltime', 'contacts', 'shape', &
+                                               'sweeps', 'order', 'check-every', 'friction']
+
+contains
+
+  !> Take the command line apart.
+  subroutine read_arguments(arguments, error)
+    type(arguments_t), intent(out) :: arguments !! its parts
+    type(error_t), allocatable, intent(out) :: error !! set when an option lacks its value
+    character(len=:), allocatable :: word, value
+    integer :: i, equals
+
+    arguments%command = ''
+    allocate (arguments%words(0), arguments%names(0), arguments%values(0))
+    i = 1
+    do while (i <= command_argument_count())
+      word = argument(i)
+      i = i + 1
+      if (word(:min(1, len(word))) /= '-' .or. len(word) < 2) then
+        if (len(arguments%command) == 0) then
+          arguments%command = word
+        else
+          arguments%words = [arguments%words, text_t(word)]
+        end if
+        cycle
+      end if
+      word = word(verify(word, '-'):)
+      value = ''
+      equals = index(word, '=')
+      if (equals > 0) then
+        value = word(equals + 1:)
+        word = word(:equals - 1)
+      else if (any(valued == word)) then
+        if (i > command_argument_count()) then
+          call fail(error, 'option --'//word//' needs a value after it')
+          return
+        end if
+        value = argument(i)
+        i = i + 1
+      end if
+      arguments%names = [arguments%names, text_t(word)]
+      arguments%values = [arguments%values, text_t(value)]
+    end do
+  end subroutine read_arguments
+
+  !> One word of the command line.
+  function argument(i) result(word)
+    integer, intent(in) :: i
+    character(len=:), allocatable :: word
+    integer :: length
+
+    call get_command_argument(i, length=length)
+    allocate (character(len=length) :: word)
+    call get_command_argument(i, word)
+  end function argument
+
+  !> Was an option given?
+  pure logical function arguments_has(self, name) result(has)
+    class(arguments_t), intent(in) :: self
+    character(len=*), intent(in) :: name !! without dashes
+    integer :: i
+
+    has = .false.
+    do i = 1, size(self%names)
+      has = has .or. self%names(i)%s == name
+    end do
+  end function arguments_has
+
+  !> Value of an option, the last one given; a default when there is none.
+  pure function arguments_get(self, name, default) result(value)
+    class(arguments_t), intent(in) :: self
+    character(len=*), intent(in) :: name !! without dashes
+    character(len=*), intent(in) :: default !! when it was not given
+    character(len=:), allocatable :: value
+    integer :: i
+
+    value = default
+    do i = 1, size(self%names)
+      if (self%names(i)%s == name) value = self%values(i)%s
+    end do
+  end function arguments_get
+
+  !> All values of an option that may be given several times.
+  pure function arguments_all_of(self, name) result(values)
+    class(arguments_t), intent(in) :: self
+    character(len=*), intent(in) :: name !! without dashes
+    type(text_t), allocatable :: values(:)
+    integer :: i
+
+    allocate (values(0))
+    do i = 1, size(self%names)
+      if (self%names(i)%s == name) values = [values, self%values(i)]
+    end do
+  end function arguments_all_of
+
+  !> Value of an option as a number of at least `least`.
+  subroutine arguments_number(self, name, default, least, value, error)
+    class(arguments_t), intent(in) :: self
+    character(len=*), intent(in) :: name !! without dashes
+    real(wp), intent(in) :: default !! when it was not given
+    real(wp), intent(in) :: least !! smallest value allowed
+    real(wp), intent(out) :: value !! the number
+    type(error_t), allocatable, intent(out) :: error !! set when it is no such number
+    character(len=:), allocatable :: word
+    integer :: status
+
+    value = default
+    if (.not. self%has(name)) return
+    word = self%get(name, '')
+    read (word, *, iostat=status) value
+    if (status == 0 .and. value >= least .and. value <= huge(1)) return
+    call fail(error, 'option --'//name//' needs a number of at least '//to_text(least, 2)//', not "'//word//'"')
+  end subroutine arguments_number
+
+  !> Refuse options that the command does not know, and a wrong number of words.
+  subroutine arguments_expect(self, known, fewest, most, usage, error)
+    class(arguments_t), intent(in) :: self
+    character(len=*), intent(in) :: known !! names of the known options, with a blank between two
+    integer, intent(in) :: fewest !! fewest words
+    integer, intent(in) :: most !! most words
+    character(len=*), intent(in) :: usage !! said when the number of words is wrong
+    type(error_t), allocatable, intent(out) :: error !! set when something is wrong
+    character(len=:), allocatable :: near
+    integer :: i
+
+    do i = 1, size(self%names)
+      if (index(' '//known//' ', ' '//self%names(i)%s//' ') > 0) cycle
+      near = nearest_word(self%names(i)%s, split(known))
+      if (len(near) > 0) near = '; did you mean --'//near//'?'
+      call fail(error, 'unknown option --'//self%names(i)%s//' of '//self%command//near)
+      return
+    end do
+    if (size(self%words) < fewest .or. size(self%words) > most) call fail(error, 'usage: splitgrain '//usage)
+  end subroutine arguments_expect
+
+  !> Words of a text.
+  pure function split(text) result(words)
+    character(len=*), intent(in) :: text
+    type(text_t), allocatable :: words(:)
+    integer :: first, blank
+
+    allocate (words(0))
+    first = 1
+    do while (first <= len(text))
+      blank = index(text(first:)//' ', ' ')
+      if (blank > 1) words = [words, text_t(text(first:first + blank - 2))]
+      first = first + blank
+    end do
+  end function split
+end module sg_arguments

@@ -1,0 +1,78 @@
+!> `splitgrain bench`: how fast the sweeps of this build are on this machine.
+module sg_bench
+  use sg_arguments, only: arguments_t
+  use sg_benchmark, only: benchmark_t, run_benchmark
+  use sg_error, only: error_t, fail
+  use sg_kinds, only: wp
+  use sg_run_options, only: solver_options_t
+  use sg_text, only: to_text
+  implicit none
+  private
+  public :: bench_command
+
+contains
+
+  !> Measure and print.
+  subroutine bench_command(arguments, error)
+    type(arguments_t), intent(in) :: arguments !! the command line
+    type(error_t), allocatable, intent(out) :: error !! what is wrong with it
+    type(solver_options_t) :: options
+    type(benchmark_t) :: figures
+    real(wp) :: contacts, friction, sweeps, check_every
+
+    call arguments%expect('shape contacts friction order check-every sweeps json', 0, 0, 'bench [options]', error)
+    if (.not. allocated(error)) call arguments%number('contacts', 100000.0_wp, 12.0_wp, contacts, error)
+    if (.not. allocated(error)) call arguments%number('friction', 0.3_wp, 0.0_wp, friction, error)
+    if (.not. allocated(error)) call arguments%number('check-every', real(options%check_every, wp), 1.0_wp, check_every, error)
+    if (.not. allocated(error)) call arguments%number('sweeps', min(20000.0_wp, max(100.0_wp, 1e8_wp/contacts)), 1.0_wp, sweeps, &
+                                                      error)
+    if (.not. allocated(error) .and. arguments%get('shape', 'disk') /= 'disk') then
+      call fail(error, 'bench knows the shape disk, not "'//arguments%get('shape', '')//'"')
+    end if
+    options%order = arguments%get('order', options%order)
+    if (.not. allocated(error) .and. all(options%order /= [character(len=16) :: 'natural', 'groups'])) then
+      call fail(error, 'order is natural or groups, not "'//trim(options%order)//'"')
+    end if
+    if (allocated(error)) return
+    options%maximum_sweeps = nint(sweeps)
+    options%check_every = min(nint(check_every), options%maximum_sweeps)
+    call run_benchmark(nint(contacts), friction, options, figures)
+    call print_figures(figures, options, arguments%has('json'))
+  end subroutine bench_command
+
+  !> Print the figures, one a line or as one flat JSON object.
+  subroutine print_figures(figures, options, as_json)
+    type(benchmark_t), intent(in) :: figures
+    type(solver_options_t), intent(in) :: options
+    logical, intent(in) :: as_json
+
+    if (as_json) write (*, '(a)', advance='no') '{"shape": "disk", "order": "'//trim(options%order)//'"'
+    call put('contacts', real(figures%contacts, wp))
+    call put('active_contacts', real(figures%active_contacts, wp))
+    call put('sweeps', real(figures%sweeps, wp))
+    call put('contact_updates_per_cpu_second', figures%updates_per_second)
+    call put('check_every', real(options%check_every, wp))
+    call put('check_share', figures%check_share)
+    call put('sweep_seconds', figures%sweep_seconds)
+    call put('first_detection_in_sweeps', figures%first_detect_seconds/figures%sweep_seconds)
+    call put('detection_in_sweeps', figures%detect_seconds/figures%sweep_seconds)
+    call put('assembly_in_sweeps', figures%assemble_seconds/figures%sweep_seconds)
+    call put('stream_triad_bytes_per_second', figures%triad)
+    call put('bytes_per_contact', figures%bytes_per_contact)
+    call put('bytes_per_update', figures%bytes_per_update)
+    call put('fraction_of_stream', figures%updates_per_second*figures%bytes_per_update/figures%triad)
+    call put('e8', figures%e8)
+    if (as_json) write (*, '(a)') '}'
+  contains
+    subroutine put(name, value)
+      character(len=*), intent(in) :: name
+      real(wp), intent(in) :: value
+
+      if (as_json) then
+        write (*, '(a)', advance='no') ', "'//name//'": '//to_text(value, 6)
+      else
+        write (*, '(a32,1x,a)') name, to_text(value, 4)
+      end if
+    end subroutine put
+  end subroutine print_figures
+end module sg_bench

@@ -1,0 +1,84 @@
+!> What `--help` and `--version` print.
+module sg_help
+  use, intrinsic :: iso_fortran_env, only: compiler_version
+  use sg_comm, only: comm_t
+  use sg_hdf5, only: hdf5_is_available
+  use sg_version, only: commit, compiler_flags, version
+  implicit none
+  private
+  public :: print_help, print_version
+
+contains
+
+  !> Print the help of a subcommand, or of all.
+  subroutine print_help(command)
+    character(len=*), intent(in) :: command !! subcommand, empty for all
+
+    select case (command)
+    case ('run')
+      call lines([character(len=100) :: &
+                  'splitgrain run DECK [options]        simulate a deck', &
+                  '  --output DIR            folder of the results (default: NAME.results in the current folder)', &
+                  '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
+                  '  --restart FILE|DIR      go on from a restart file, or from the newest one of a folder', &
+                  '  --walltime SECONDS      stop with a checkpoint after this time (exit code 75)', &
+                  '  --quiet                 print nothing but errors', &
+                  'Signals: INT and TERM finish the step, write a checkpoint and exit with 75; USR1 writes a checkpoint.', &
+                  'Exit codes: 0 done, 1 failed, 2 bad input, 3 not converged (if asked), 4 a value is not finite,', &
+                  '            5 a result cannot be written, 75 stopped early with a checkpoint.'])
+    case ('check')
+      call lines([character(len=100) :: &
+                  'splitgrain check DECK [--set SECTION.KEY=VALUE]', &
+                  'Reads and checks a deck and says what its run would need, without running it.'])
+    case ('reference')
+      call lines([character(len=100) :: 'splitgrain reference', 'Prints all keys of a deck: kind, unit, default, range, meaning.'])
+    case ('convert')
+      call lines([character(len=100) :: &
+                  'splitgrain convert DATBOX DECK.toml   write a deck that uses an LMGC90 DATBOX folder', &
+                  'splitgrain convert DECK.toml FOLDER   write the scene of a deck as DATBOX files'])
+    case ('bench')
+      call lines([character(len=100) :: &
+                  'splitgrain bench [options]            contact updates per CPU second on a generated packing', &
+                  '  --shape disk            shape of the grains', &
+                  '  --contacts N            contacts to generate (default 100000)', &
+                  '  --friction MU           Coulomb friction, 0 for the frictionless kernel (default 0.3)', &
+                  '  --order natural|groups  order of the sweep (default groups)', &
+                  '  --check-every N         sweeps between two tests (default as in decks)', &
+                  '  --sweeps N              sweeps to do (default: about a second''s work)', &
+                  '  --json                  one flat JSON object'])
+    case default
+      call lines([character(len=100) :: &
+                  'splitgrain: nonsmooth contact dynamics of rigid grains', &
+                  '', &
+                  'splitgrain run DECK          simulate', &
+                  'splitgrain check DECK        everything but the run: counts, memory, parts needed, every error', &
+                  'splitgrain reference         print the deck reference', &
+                  'splitgrain convert FROM TO   LMGC90 DATBOX folder to a deck, or a deck to DATBOX files', &
+                  'splitgrain bench             measure the sweeps', &
+                  'splitgrain --version         version, commit, compiler, flags, libraries', &
+                  '', &
+                  'splitgrain COMMAND --help tells more.'])
+    end select
+  end subroutine print_help
+
+  !> Print lines of text.
+  subroutine lines(text)
+    character(len=*), intent(in) :: text(:)
+    integer :: i
+
+    do i = 1, size(text)
+      write (*, '(a)') trim(text(i))
+    end do
+  end subroutine lines
+
+  !> Print version, commit, compiler, flags and libraries.
+  subroutine print_version()
+    type(comm_t) :: comm
+    character(len=:), allocatable :: library
+
+    library = comm%library()
+    if (len(library) == 0) library = 'off'
+    write (*, '(a)') 'splitgrain '//version, 'commit    '//commit, 'compiler  '//compiler_version(), &
+      'flags     '//compiler_flags, 'MPI       '//library, 'HDF5      '//trim(merge('on ', 'off', hdf5_is_available()))
+  end subroutine print_version
+end module sg_help

@@ -1,0 +1,63 @@
+!> `splitgrain run`: read a deck, say what it needs, simulate it.
+module sg_run
+  use, intrinsic :: iso_fortran_env, only: error_unit
+  use sg_arguments, only: arguments_t
+  use sg_comm, only: comm_t
+  use sg_deck, only: read_deck
+  use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, exit_output, fail
+  use sg_kinds, only: wp
+  use sg_simulate, only: simulate
+  use sg_simulation, only: simulation_t
+  use sg_system, only: catch_signals, make_folder
+  implicit none
+  private
+  public :: run_command
+
+contains
+
+  !> Run a deck.
+  subroutine run_command(arguments, comm, code, error)
+    type(arguments_t), intent(in) :: arguments !! the command line
+    type(comm_t), intent(in) :: comm !! the ranks
+    integer, intent(out) :: code !! exit code when there is no error
+    type(error_t), allocatable, intent(out) :: error !! what went wrong
+    type(simulation_t) :: sim
+    type(diagnostics_t) :: diagnostics
+    real(wp) :: walltime
+
+    code = exit_done
+    call arguments%expect('set output restart walltime quiet', 1, 1, 'run DECK [options]; see splitgrain run --help', error)
+    if (.not. allocated(error)) call arguments%number('walltime', 0.0_wp, 0.0_wp, walltime, error)
+    if (.not. allocated(error) .and. comm%size > 1) then
+      call fail(error, 'this version runs on one rank; start it without mpirun or with -n 1')
+    end if
+    if (allocated(error)) return
+    associate (deck => arguments%words(1)%s)
+      call read_deck(deck, arguments%all_of('set'), sim%scene, sim%options, diagnostics)
+      call diagnostics%print(error_unit)
+      if (diagnostics%count() > 0) then
+        code = exit_bad_input
+        return
+      end if
+      sim%options%folder = arguments%get('output', stem(deck)//'.results')
+      if (arguments%has('restart')) sim%options%restart_file = arguments%get('restart', '')
+      sim%options%walltime = walltime
+      sim%options%is_quiet = arguments%has('quiet')
+      if (.not. make_folder(sim%options%folder)) then
+        call fail(error, 'cannot make the folder of the results', file=sim%options%folder, code=exit_output)
+        return
+      end if
+      call catch_signals()
+      call simulate(sim, deck, comm%size, code, error)
+    end associate
+  end subroutine run_command
+
+  !> Name of a file without folder and suffix.
+  pure function stem(file)
+    character(len=*), intent(in) :: file
+    character(len=:), allocatable :: stem
+
+    stem = file(index(file, '/', back=.true.) + 1:)
+    if (index(stem, '.', back=.true.) > 1) stem = stem(:index(stem, '.', back=.true.) - 1)
+  end function stem
+end module sg_run

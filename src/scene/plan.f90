@@ -1,0 +1,206 @@
+!> What a scene needs, and what is left out: decided once, before the first step.
+!!
+!! A scene of frictionless disks among walls that do not turn has no tangent, no spin and no angle; round scenes
+!! carry radius times spin; only the rest pays for lever arms. The plan is printed at the start of a run.
+module sg_plan
+  use sg_bodies, only: bodies_t, drop_rotation
+  use sg_contactors, only: contactors_t, is_round, kind_disk, kind_hollow, kind_names, kind_wall, n_kinds
+  use sg_drives, only: drive_t
+  use sg_kinds, only: wp
+  use sg_laws, only: is_frictionless, is_plain
+  use sg_scene, only: scene_t
+  use sg_sees, only: see_between
+  use sg_text, only: to_text
+  implicit none
+  private
+  public :: plan_t, make_plan, describe_plan
+
+  !> What a scene needs
+  type :: plan_t
+    !> Do all arms of bodies that turn lie along the normals of their contacts?
+    logical :: is_round = .false.
+    !> Is there a tangential impulse?
+    logical :: has_tangent = .true.
+    !> Does anything turn?
+    logical :: has_rotation = .true.
+    !> Laws that some pair of contactors uses, and pairs of kinds that see each other
+    logical, allocatable :: uses_law(:)
+    logical :: sees(n_kinds, n_kinds) = .false.
+    !> Signed radius of round bodies [m], zero for those that do not turn, negative where hollow; empty for other scenes
+    real(wp), allocatable :: radius(:)
+  end type plan_t
+
+contains
+
+  !> Decide what a scene needs, and drop from it what it does not.
+  subroutine make_plan(scene, plan)
+    type(scene_t), intent(inout) :: scene !! scene; what nothing needs is dropped from it
+    type(plan_t), intent(out) :: plan !! the plan
+    logical, allocatable :: turns(:), rests(:)
+    integer :: i
+
+    call list_uses(scene, plan)
+    call find_turning(scene, turns, rests)
+    plan%has_tangent = .false.
+    do i = 1, size(scene%laws)
+      if (plan%uses_law(i)) plan%has_tangent = plan%has_tangent .or. .not. (is_frictionless(scene%laws(i)) .and. &
+                                                                           is_plain(scene%laws(i)))
+    end do
+    plan%is_round = all_round(scene, turns)
+    do i = 1, size(scene%laws)
+      if (plan%uses_law(i)) plan%is_round = plan%is_round .and. is_plain(scene%laws(i))
+    end do
+    plan%has_rotation = .not. (plan%is_round .and. .not. plan%has_tangent .and. all(rests))
+    allocate (plan%radius(0))
+    if (plan%is_round .and. plan%has_tangent) plan%radius = signed_radii(scene, turns)
+    if (plan%has_rotation) return
+    call freeze_walls(scene%contactors, scene%bodies)
+    call drop_rotation(scene%bodies)
+  end subroutine make_plan
+
+  !> Laws and pairs of kinds in use, from one contactor of each kind and colour.
+  subroutine list_uses(scene, plan)
+    type(scene_t), intent(in) :: scene
+    type(plan_t), intent(inout) :: plan
+    integer, allocatable :: example(:, :)
+    integer :: c, i, j, see
+
+    allocate (plan%uses_law(size(scene%laws)), source=.false.)
+    allocate (example(n_kinds, size(scene%colours)), source=0)
+    do c = 1, scene%contactors%n
+      example(scene%contactors%kind(c), scene%contactors%colour(c)) = c
+    end do
+    do i = 1, size(example)
+      do j = 1, i
+        associate (first => example(1 + mod(i - 1, n_kinds), 1 + (i - 1)/n_kinds), &
+                   second => example(1 + mod(j - 1, n_kinds), 1 + (j - 1)/n_kinds))
+          if (first == 0 .or. second == 0) cycle
+          see = see_between(scene, first, second)
+          if (see == 0) cycle
+          plan%uses_law(scene%sees(see)%law) = .true.
+          plan%sees(scene%contactors%kind(first), scene%contactors%kind(second)) = .true.
+          plan%sees(scene%contactors%kind(second), scene%contactors%kind(first)) = .true.
+        end associate
+      end do
+    end do
+  end subroutine list_uses
+
+  !> Which bodies can turn, and which neither turn now nor ever are made to.
+  subroutine find_turning(scene, turns, rests)
+    type(scene_t), intent(in) :: scene
+    logical, allocatable, intent(out) :: turns(:), rests(:)
+    integer :: i
+
+    allocate (turns(scene%bodies%n), source=.true.)
+    rests = .not. abs(scene%bodies%velocity(3, :)) > 0
+    do i = 1, size(scene%drives)
+      if (scene%drives(i)%component /= 3) cycle
+      if (scene%drives(i)%is_velocity) turns(scene%drives(i)%body) = .false.
+      if (.not. is_zero(scene%drives(i))) rests(scene%drives(i)%body) = .false.
+    end do
+  end subroutine find_turning
+
+  !> Is a drive zero at all times?
+  pure logical function is_zero(drive)
+    type(drive_t), intent(in) :: drive
+
+    if (allocated(drive%value%times)) then
+      is_zero = .not. any(abs(drive%value%values) > 0)
+    else
+      is_zero = .not. max(abs(drive%value%constant), abs(drive%value%amplitude)) > 0
+    end if
+  end function is_zero
+
+  !> Does every body that turns touch the others with centred disks of one radius only?
+  pure logical function all_round(scene, turns)
+    type(scene_t), intent(in) :: scene
+    logical, intent(in) :: turns(:)
+    integer :: c, b
+    logical :: seen(size(turns))
+
+    all_round = .true.
+    seen = .false.
+    do c = 1, scene%contactors%n
+      b = scene%contactors%body(c)
+      if (.not. turns(b)) cycle
+      all_round = all_round .and. is_round(scene%contactors%kind(c)) .and. .not. seen(b) &
+                  .and. .not. any(abs(scene%contactors%shift(:, c)) > 0)
+      seen(b) = .true.
+    end do
+  end function all_round
+
+  !> Signed radius by body.
+  pure function signed_radii(scene, turns) result(radius)
+    type(scene_t), intent(in) :: scene
+    logical, intent(in) :: turns(:)
+    real(wp), allocatable :: radius(:)
+    integer :: c, b
+
+    allocate (radius(scene%bodies%n), source=0.0_wp)
+    do c = 1, scene%contactors%n
+      b = scene%contactors%body(c)
+      if (.not. turns(b)) cycle
+      if (scene%contactors%kind(c) == kind_disk) radius(b) = scene%contactors%disk_radius(scene%contactors%row(c))
+      if (scene%contactors%kind(c) == kind_hollow) radius(b) = -scene%contactors%hollow_radius(scene%contactors%row(c))
+    end do
+  end function signed_radii
+
+  !> Give walls and shifted shapes the orientation of their bodies, whose angles are about to be dropped.
+  pure subroutine freeze_walls(contactors, bodies)
+    type(contactors_t), intent(inout) :: contactors
+    type(bodies_t), intent(in) :: bodies
+    integer :: c
+    real(wp) :: angle, shift(2)
+
+    do c = 1, contactors%n
+      angle = bodies%angle(contactors%body(c))
+      shift = contactors%shift(:, c)
+      contactors%shift(:, c) = [cos(angle)*shift(1) - sin(angle)*shift(2), sin(angle)*shift(1) + cos(angle)*shift(2)]
+      if (contactors%kind(c) /= kind_wall) cycle
+      associate (local_angle => contactors%wall_size(3, contactors%row(c)))
+        local_angle = local_angle + angle
+      end associate
+    end do
+  end subroutine freeze_walls
+
+  !> The plan in a few lines: what is used, what is left out.
+  function describe_plan(plan, scene) result(text)
+    type(plan_t), intent(in) :: plan !! plan of the scene
+    type(scene_t), intent(in) :: scene !! scene after planning
+    character(len=:), allocatable :: text
+    character(len=*), parameter :: nl = new_line('a')
+    integer :: i, j
+
+    text = 'scene      '//to_text(scene%bodies%n)//' bodies ('//to_text(count(scene%bodies%is_grain))//' grains), ' &
+           //to_text(scene%contactors%n)//' contactors'//nl//'shapes    '
+    do i = 1, n_kinds
+      if (scene%contactors%n_rows(i) > 0) text = text//' '//to_text(scene%contactors%n_rows(i))//' '//trim(kind_names(i))
+    end do
+    text = text//nl//'pairs     '
+    do i = 1, n_kinds
+      do j = i, n_kinds
+        if (plan%sees(i, j)) text = text//' '//trim(kind_names(i))//'-'//trim(kind_names(j))
+      end do
+    end do
+    text = text//nl//'laws      '
+    do i = 1, size(scene%laws)
+      if (plan%uses_law(i)) text = text//' '//scene%laws(i)%name
+    end do
+    text = text//nl//'used       2D'//used(plan%has_tangent, 'friction')//used(plan%has_rotation, 'rotation') &
+           //used(.not. plan%is_round, 'lever arms')//used(scene%period > 0, 'period in x') &
+           //used(size(scene%drives) > 0, 'drives')//used(size(scene%pressures) > 0, 'pressures')
+    text = text//nl//'left out   3D, decomposition'//used(.not. plan%has_tangent, 'friction') &
+           //used(.not. plan%has_rotation, 'rotation')//used(plan%is_round, 'lever arms') &
+           //used(.not. scene%period > 0, 'period')//used(size(scene%drives) == 0, 'drives') &
+           //used(size(scene%pressures) == 0, 'pressures')
+  contains
+    pure function used(is_used, word)
+      logical, intent(in) :: is_used
+      character(len=*), intent(in) :: word
+      character(len=:), allocatable :: used
+
+      used = ''
+      if (is_used) used = ', '//word
+    end function used
+  end function describe_plan
+end module sg_plan

@@ -1,0 +1,158 @@
+!> How fast sweeps are: a generated packing through detection, assembly and solver, beside a STREAM triad.
+!!
+!! The packing is a triangular lattice of disks with spread radii that flows towards its centre, so that nearly all
+!! contacts carry impulses. Everything measured is the program's own code on its own data.
+module sg_benchmark
+  use sg_assemble, only: assemble
+  use sg_contactors, only: add_disk
+  use sg_contacts, only: contacts_t
+  use sg_detect, only: detect
+  use sg_history, only: history_t
+  use sg_kinds, only: wp, i8, pi
+  use sg_laws, only: law_t
+  use sg_motion, only: predict
+  use sg_neighbours, only: neighbours_t
+  use sg_nlgs, only: nlgs_t
+  use sg_plan, only: make_plan, plan_t
+  use sg_problem, only: problem_kind, problem_t
+  use sg_random, only: random_t
+  use sg_report, only: report_t
+  use sg_run_options, only: solver_options_t
+  use sg_scene, only: colour_index, material_t, scene_t, see_t
+  use sg_timers, only: cpu_now
+  implicit none
+  private
+  public :: benchmark_t, run_benchmark
+
+  !> Figures of one benchmark
+  type :: benchmark_t
+    !> Contacts, those that carry an impulse, sweeps done
+    integer :: contacts = 0, active_contacts = 0, sweeps = 0
+    !> Contact updates per CPU second, tests of convergence included
+    real(wp) :: updates_per_second = 0
+    !> Share of the solver's CPU time spent in tests of convergence
+    real(wp) :: check_share = 0
+    !> CPU seconds of one sweep, of a detection that makes the list of neighbours, of one that finds it made, of assembly
+    real(wp) :: sweep_seconds = 0, first_detect_seconds = 0, detect_seconds = 0, assemble_seconds = 0
+    !> Bytes that a triad moves per CPU second
+    real(wp) :: triad = 0
+    !> Bytes that a contact holds, and that one update moves
+    real(wp) :: bytes_per_contact = 0, bytes_per_update = 0
+    !> Error reached
+    real(wp) :: e8 = 0
+  end type benchmark_t
+
+contains
+
+  !> Run the benchmark.
+  subroutine run_benchmark(contacts_wanted, friction, options, figures)
+    integer, intent(in) :: contacts_wanted !! contacts to generate, about
+    real(wp), intent(in) :: friction !! Coulomb coefficient
+    type(solver_options_t), intent(in) :: options !! order, sweeps and frequency of tests
+    type(benchmark_t), intent(out) :: figures !! what was measured
+    type(scene_t) :: scene
+    type(plan_t) :: plan
+    type(neighbours_t) :: pairs
+    type(history_t) :: history
+    type(contacts_t) :: contacts
+    type(problem_t) :: problem
+    type(nlgs_t) :: solver
+    type(report_t) :: report
+    real(wp), parameter :: h = 1e-4_wp
+
+    call make_lattice(scene, contacts_wanted/3, friction)
+    call make_plan(scene, plan)
+    contacts%n_components = merge(2, 1, plan%has_tangent)
+    call predict(scene, 0.0_wp, h, 0.5_wp)
+    figures%first_detect_seconds = -cpu_now()
+    call detect(scene, pairs, history, contacts)
+    figures%first_detect_seconds = figures%first_detect_seconds + cpu_now()
+    figures%detect_seconds = -cpu_now()
+    call detect(scene, pairs, history, contacts)
+    figures%detect_seconds = figures%detect_seconds + cpu_now()
+    call timed_assemble()
+    call timed_assemble()
+    solver%options = options
+    solver%options%tolerance = 0
+    call solver%solve(problem, report)
+    figures%contacts = problem%n_contacts
+    figures%active_contacts = report%active_contacts
+    figures%sweeps = report%sweeps
+    figures%updates_per_second = real(report%contact_updates, wp)/(report%cpu_sweeps + report%cpu_checks)
+    figures%check_share = report%cpu_checks/(report%cpu_sweeps + report%cpu_checks)
+    figures%sweep_seconds = report%cpu_sweeps/real(max(1, report%sweeps), wp)
+    figures%bytes_per_contact = report%bytes_per_contact
+    ! Records and pairs are read, impulses read and written, bodies read and their velocities written once a sweep.
+    figures%bytes_per_update = report%bytes_per_contact + 8*real(size(problem%impulse, 1), wp) &
+                               + 24*real(problem%n_bodies, wp)/real(max(1, problem%n_contacts), wp)
+    figures%e8 = report%e8
+    figures%triad = stream_triad()
+
+  contains
+
+    subroutine timed_assemble()
+      figures%assemble_seconds = -cpu_now()
+      call assemble(scene, contacts, problem_kind(plan%is_round, plan%has_tangent), pairs%body_of, pairs%slot_of, plan%radius, &
+                    h, problem)
+      figures%assemble_seconds = figures%assemble_seconds + cpu_now()
+    end subroutine timed_assemble
+  end subroutine run_benchmark
+
+  !> A square of about `n` disks on a triangular lattice, flowing towards its centre.
+  subroutine make_lattice(scene, n, friction)
+    type(scene_t), intent(out) :: scene
+    integer, intent(in) :: n
+    real(wp), intent(in) :: friction
+    type(random_t) :: random
+    real(wp), parameter :: spacing = 0.02_wp, density = 2600
+    real(wp) :: radius, middle(2)
+    integer :: side, b, colour, row, column
+
+    side = max(2, nint(sqrt(real(n, wp))))
+    call random%seed(1)
+    call scene%bodies%allocate(side*side)
+    call colour_index(scene, 'grain', colour)
+    allocate (scene%materials(1), scene%laws(1), scene%sees(1), scene%drives(0), scene%pressures(0))
+    scene%materials(1) = material_t('stone', density)
+    scene%laws(1) = law_t(name='sand', static_friction=friction, dynamic_friction=friction)
+    scene%sees(1) = see_t(law=1, alert=0.05_wp*spacing)
+    middle = real(side, wp)*spacing*[0.5_wp, 0.25_wp*sqrt(3.0_wp)]
+    do b = 1, side*side
+      row = (b - 1)/side
+      column = b - 1 - row*side
+      radius = spacing/2*random%uniform(0.999_wp, 1.001_wp)
+      call add_disk(scene%contactors, b, colour, radius, [0.0_wp, 0.0_wp])
+      scene%bodies%position(:, b) = spacing*[real(column, wp) + 0.5_wp*real(mod(row, 2), wp), sqrt(3.0_wp)/2*real(row, wp)]
+      scene%bodies%velocity(1:2, b) = middle - scene%bodies%position(:, b)
+      scene%bodies%mass(b) = density*pi*radius**2
+      scene%bodies%inertia(b) = scene%bodies%mass(b)*radius**2/2
+      scene%bodies%inverse_mass(:, b) = 1/[scene%bodies%mass(b), scene%bodies%mass(b), scene%bodies%inertia(b)]
+    end do
+    scene%bodies%material = 1
+  end subroutine make_lattice
+
+  !> Bytes moved per CPU second by a = b + s c on arrays too large for caches: the best of five passes.
+  function stream_triad() result(bytes_per_second)
+    real(wp) :: bytes_per_second
+    integer, parameter :: n = 20000000
+    real(wp), allocatable :: a(:), b(:), c(:)
+    real(wp) :: start, seconds
+    integer :: i, pass
+
+    allocate (a(n), b(n), c(n))
+    a = 0
+    b = 1
+    c = 2
+    seconds = huge(1.0_wp)
+    do pass = 1, 5
+      start = cpu_now()
+      do i = 1, n
+        a(i) = b(i) + 3*c(i)
+      end do
+      seconds = min(seconds, cpu_now() - start)
+      c(pass) = a(n - pass)
+    end do
+    bytes_per_second = 24*real(n, wp)/max(seconds, tiny(1.0_wp))
+    if (sum(c(:5)) < 0) bytes_per_second = 0
+  end function stream_triad
+end module sg_benchmark

@@ -1,0 +1,260 @@
+!> The loop of a run: steps, and between them what is recorded, drawn, saved and said; and how a run ends.
+module sg_simulate
+  use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  use sg_checkpoint, only: load_checkpoint, save_checkpoint
+  use sg_error, only: diagnostics_t, error_t, exit_done, exit_not_converged, exit_stopped
+  use sg_history, only: revive
+  use sg_hdf5, only: hdf5_is_available
+  use sg_kinds, only: wp
+  use sg_measures, only: measure, measures_t
+  use sg_pictures, only: pictures_t
+  use sg_plan, only: describe_plan
+  use sg_progress, only: progress_t
+  use sg_record, only: record_t
+  use sg_restart, only: newest_restart
+  use sg_run_options, only: criterion_names, run_options_t
+  use sg_run_summary, only: run_done, run_failed, run_not_converged, run_stopped, run_summary_t, write_run_summary
+  use sg_simulation, only: advance, simulation_t, start_simulation
+  use sg_system, only: checkpoint_requested, is_terminal, stop_signal
+  use sg_numbers, only: write_numbers
+  use sg_text, only: to_text
+  use sg_text_files, only: replace_file
+  use sg_timers, only: wall_now
+  use sg_totals, only: phase_measure, phase_output
+  use sg_verdict, only: print_verdict
+  implicit none
+  private
+  public :: simulate
+
+  !> All that writes during a run
+  type :: writers_t
+    type(record_t) :: record
+    type(pictures_t) :: pictures
+    type(progress_t) :: progress
+    type(run_summary_t) :: summary
+    type(measures_t) :: measures
+    logical :: has_pictures = .false., has_checkpoints = .false., has_saved = .false.
+    real(wp) :: wall_start = 0
+  end type writers_t
+
+contains
+
+  !> Run a simulation to its end; run.json is written however it ends.
+  subroutine simulate(sim, deck, ranks, code, error)
+    type(simulation_t), intent(inout) :: sim !! scene and options are set
+    character(len=*), intent(in) :: deck !! path of the deck
+    integer, intent(in) :: ranks !! number of ranks
+    integer, intent(out) :: code !! exit code when there is no error
+    type(error_t), allocatable, intent(out) :: error !! what ended the run, when something did
+    type(writers_t) :: writers
+    type(error_t), allocatable :: late
+
+    code = exit_done
+    writers%wall_start = wall_now()
+    call writers%summary%describe(sim%scene, sim%options, deck, ranks)
+    call start_simulation(sim)
+    if (.not. sim%options%is_quiet) write (output_unit, '(a)') describe_plan(sim%plan, sim%scene), describe_run(sim%options)
+    call open_all(sim, writers, error)
+    if (.not. allocated(error)) call loop(sim, writers, code, error)
+    call conclude(sim, writers, code, error)
+    call close_all(sim, writers, late)
+    if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
+    if (.not. sim%options%is_quiet .or. allocated(error)) call print_verdict(output_unit, writers%summary)
+  end subroutine simulate
+
+  !> What is done with the scene, in two lines.
+  function describe_run(options) result(text)
+    type(run_options_t), intent(in) :: options
+    character(len=:), allocatable :: text
+
+    text = 'solver     '//trim(options%solver%method)//' until '//trim(criterion_names(options%solver%criterion))//' <= ' &
+           //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps)//' sweeps'//new_line('a') &
+           //'time       '//to_text(options%steps)//' steps of '//to_text(options%step, 4)//' s; results in '//options%folder
+  end function describe_run
+
+  !> The steps.
+  subroutine loop(sim, writers, code, error)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+    integer, intent(out) :: code
+    type(error_t), allocatable, intent(out) :: error
+
+    code = exit_done
+    do while (sim%step < sim%options%steps)
+      call advance(sim, error)
+      if (allocated(error)) then
+        call save_broken(sim, writers)
+        return
+      end if
+      call write_due(sim, writers, error)
+      if (allocated(error)) return
+      if (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged) code = exit_not_converged
+      if (must_stop(sim, writers)) code = exit_stopped
+      if (code == exit_done) cycle
+      if (code == exit_stopped .and. writers%has_checkpoints) call save(sim, writers, error)
+      return
+    end do
+  end subroutine loop
+
+  !> Has a signal or the walltime asked for an end before the last step?
+  logical function must_stop(sim, writers)
+    type(simulation_t), intent(in) :: sim
+    type(writers_t), intent(in) :: writers
+
+    must_stop = stop_signal() /= 0
+    if (sim%options%walltime > 0) must_stop = must_stop .or. wall_now() - writers%wall_start > sim%options%walltime
+    must_stop = must_stop .and. sim%step < sim%options%steps
+  end function must_stop
+
+  !> Record, draw, save and say what is due after a step.
+  subroutine write_due(sim, writers, error)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+    type(error_t), allocatable, intent(out) :: error
+    logical :: is_last
+
+    is_last = sim%step == sim%options%steps
+    if (is_due(sim%options%record_every) .or. is_last) then
+      call measure_now(sim, writers)
+      call sim%totals%phase(phase_output)%start()
+      call sim%totals%tick()
+      call writers%record%add(sim%step, sim%time(), sim%contacts%n, sim%report, sim%totals, writers%measures, error)
+      call sim%totals%phase(phase_output)%stop()
+    end if
+    if (allocated(error)) return
+    call sim%totals%phase(phase_output)%start()
+    if (writers%has_pictures .and. (is_due(sim%options%output_every) .or. is_last)) then
+      call writers%pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, error)
+    end if
+    if (.not. allocated(error) .and. writers%has_checkpoints) then
+      if (is_due(sim%options%restart_every) .or. checkpoint_requested()) call save(sim, writers, error)
+    end if
+    if (writers%progress%is_due()) then
+      call writers%progress%show(sim%step, sim%time(), sim%contacts%n, sim%report, writers%measures%get('kinetic_energy'))
+    end if
+    call sim%totals%phase(phase_output)%stop()
+  contains
+    logical function is_due(every)
+      integer, intent(in) :: every
+
+      is_due = .false.
+      if (every > 0) is_due = mod(sim%step, every) == 0
+    end function is_due
+  end subroutine write_due
+
+  !> Measure all indicators.
+  subroutine measure_now(sim, writers)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+
+    call sim%totals%phase(phase_measure)%start()
+    call measure(sim%scene, sim%contacts, sim%options%step, sim%energy, writers%measures)
+    call sim%totals%phase(phase_measure)%stop()
+  end subroutine measure_now
+
+  !> Write a checkpoint.
+  subroutine save(sim, writers, error)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+    type(error_t), allocatable, intent(out) :: error
+
+    call sim%totals%tick()
+    call save_checkpoint(sim, error)
+    if (.not. allocated(error)) writers%has_saved = .true.
+  end subroutine save
+
+  !> Keep the state at the beginning of a step that broke, so that it can be tried again.
+  subroutine save_broken(sim, writers)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+    type(error_t), allocatable :: error
+
+    if (.not. writers%has_checkpoints) return
+    call revive(sim%history, sim%contacts)
+    call save(sim, writers, error)
+  end subroutine save_broken
+
+  !> Open all files of a run, after the checkpoint where there is one.
+  subroutine open_all(sim, writers, error)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+    type(error_t), allocatable, intent(out) :: error
+    type(diagnostics_t) :: warnings
+    logical :: resumes
+
+    associate (folder => sim%options%folder)
+      resumes = allocated(sim%options%restart_file)
+      writers%has_pictures = sim%options%output_every > 0
+      writers%has_checkpoints = hdf5_is_available()
+      if (resumes) call load_checkpoint(sim, sim%options%restart_file, warnings, error)
+      if (.not. allocated(error)) call warnings%print(error_unit)
+      if (allocated(error)) return
+      call replace_file(folder//'/effective.toml', sim%options%deck_text, error)
+      if (allocated(error)) return
+      call writers%summary%add_file('deck', 'effective.toml')
+      if (sim%options%record_every > 0) call writers%summary%add_file('record', 'record.csv')
+      if (resumes) then
+        call writers%record%resume(folder//'/record.csv', sim%step, error)
+      else
+        call writers%record%start(folder//'/record.csv', error)
+      end if
+      if (allocated(error)) return
+      if (writers%has_pictures) call writers%pictures%open(sim%scene, sim%options, merge(sim%step, -1, resumes), error)
+      if (allocated(error)) return
+      if (writers%has_pictures) call name_pictures(writers)
+      call writers%progress%start(output_unit, sim%step, sim%options%steps, &
+                                  trim(criterion_names(sim%options%solver%criterion)), is_terminal(), sim%options%is_quiet)
+    end associate
+  end subroutine open_all
+
+  !> Name the picture files in the summary.
+  subroutine name_pictures(writers)
+    type(writers_t), intent(inout) :: writers
+
+    call writers%summary%add_file('bodies', 'bodies.vtkhdf')
+    call writers%summary%add_file('shapes', 'shapes.vtkhdf')
+    call writers%summary%add_file('contacts', 'contacts.vtkhdf')
+  end subroutine name_pictures
+
+  !> Say how the run ended.
+  subroutine conclude(sim, writers, code, error)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+    integer, intent(in) :: code
+    type(error_t), allocatable, intent(in) :: error
+    character(len=:), allocatable :: status, reason
+
+    call writers%progress%finish()
+    if (sim%step > 0 .and. .not. allocated(error)) call measure_now(sim, writers)
+    call sim%totals%tick()
+    status = run_done
+    reason = ''
+    if (allocated(error)) then
+      status = run_failed
+      reason = error%sentence()
+    else if (code == exit_stopped) then
+      status = run_stopped
+      reason = 'stopped by the walltime after step '//to_text(sim%step)
+      if (stop_signal() /= 0) reason = 'stopped by signal '//to_text(stop_signal())//' after step '//to_text(sim%step)
+    else if (code == exit_not_converged) then
+      status = run_not_converged
+      reason = 'step '//to_text(sim%step)//' did not converge'
+    end if
+    call writers%summary%conclude(status, reason, sim%time(), sim%totals, writers%measures)
+  end subroutine conclude
+
+  !> Close all files, write run.json and the tagged numbers; the first failure is told.
+  subroutine close_all(sim, writers, error)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: next
+
+    if (writers%has_pictures) call writers%pictures%close(error)
+    if (writers%has_saved) call writers%summary%add_file('restart', newest_restart(sim%options%folder))
+    call write_numbers(writers%summary, sim%options%folder//'/numbers.tag', next)
+    if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)
+    call write_run_summary(writers%summary, sim%options%folder//'/run.json', next)
+    if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)
+  end subroutine close_all
+end module sg_simulate

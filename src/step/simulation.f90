@@ -1,0 +1,111 @@
+!> A simulation: everything one run owns, and its step of five verbs.
+module sg_simulation
+  use sg_assemble, only: assemble, disassemble
+  use sg_choose_solver, only: choose_solver
+  use sg_contacts, only: contacts_t
+  use sg_detect, only: detect
+  use sg_drives, only: fix_driven
+  use sg_energy, only: energy_t
+  use sg_error, only: error_t
+  use sg_guard, only: find_broken
+  use sg_history, only: history_t, start_history
+  use sg_kinds, only: wp
+  use sg_motion, only: predict, update
+  use sg_neighbours, only: neighbours_t
+  use sg_plan, only: make_plan, plan_t
+  use sg_problem, only: problem_kind, problem_t
+  use sg_report, only: report_t
+  use sg_run_options, only: run_options_t
+  use sg_scene, only: scene_t
+  use sg_solver, only: solver_t
+  use sg_totals, only: phase_assemble, phase_detect, phase_measure, phase_predict, phase_solve, phase_update, totals_t
+  implicit none
+  private
+  public :: simulation_t, start_simulation, advance
+
+  !> One run: two of them fit in one program
+  type :: simulation_t
+    !> What exists, and what to do with it
+    type(scene_t) :: scene
+    type(run_options_t) :: options
+    !> What the scene needs
+    type(plan_t) :: plan
+    !> Pairs that may touch, contacts of the step, and those of the last one
+    type(neighbours_t) :: pairs
+    type(contacts_t) :: contacts
+    type(history_t) :: history
+    !> The contact problem of the step, who solves it, and what he says
+    type(problem_t) :: problem
+    class(solver_t), allocatable :: solver
+    type(report_t) :: report
+    !> Works and costs since the start
+    type(energy_t) :: energy
+    type(totals_t) :: totals
+    !> Steps done
+    integer :: step = 0
+  contains
+    procedure :: time => simulation_time
+  end type simulation_t
+
+contains
+
+  !> Make a simulation ready for its first step: plan, driven components, guess of the first impulses, solver.
+  subroutine start_simulation(sim)
+    type(simulation_t), intent(inout) :: sim !! its scene and options are set
+
+    call make_plan(sim%scene, sim%plan)
+    call fix_driven(sim%scene%drives, sim%scene%bodies)
+    sim%contacts%n_components = merge(2, 1, sim%plan%has_tangent)
+    call start_history(sim%history, sim%scene, sim%options%step, sim%contacts%n_components)
+    call choose_solver(sim%options%solver, sim%solver)
+    call sim%totals%clock%start()
+  end subroutine start_simulation
+
+  !> One time step. When a value is not finite, the bodies stay at the beginning of the step and an error tells.
+  subroutine advance(sim, error)
+    type(simulation_t), intent(inout) :: sim !! moved on by a step
+    type(error_t), allocatable, intent(out) :: error !! set when a value is not finite
+
+    associate (h => sim%options%step, theta => sim%options%theta, phase => sim%totals%phase)
+      call phase(phase_predict)%start()
+      call predict(sim%scene, sim%time(), h, theta)
+      call phase(phase_predict)%stop()
+
+      call phase(phase_detect)%start()
+      call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+      call phase(phase_detect)%stop()
+
+      call phase(phase_assemble)%start()
+      call assemble(sim%scene, sim%contacts, problem_kind(sim%plan%is_round, sim%plan%has_tangent), sim%pairs%body_of, &
+                    sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
+      call phase(phase_assemble)%stop()
+
+      call phase(phase_solve)%start()
+      call sim%solver%solve(sim%problem, sim%report)
+      call phase(phase_solve)%stop()
+
+      call phase(phase_update)%start()
+      call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%contacts)
+      call find_broken(sim%scene, sim%contacts, sim%step + 1, error)
+      call phase(phase_update)%stop()
+      if (allocated(error)) return
+
+      call phase(phase_measure)%start()
+      call sim%energy%add_step(sim%scene, sim%contacts, h)
+      call sim%totals%add(sim%report, sim%contacts%n)
+      call phase(phase_measure)%stop()
+
+      call phase(phase_update)%start()
+      call update(sim%scene%bodies, h, theta)
+      sim%step = sim%step + 1
+      call phase(phase_update)%stop()
+    end associate
+  end subroutine advance
+
+  !> Time reached [s]; a product, so that a restarted run has the very same times.
+  pure real(wp) function simulation_time(self) result(time)
+    class(simulation_t), intent(in) :: self
+
+    time = self%scene%start_time + self%options%step*real(self%step, wp)
+  end function simulation_time
+end module sg_simulation
