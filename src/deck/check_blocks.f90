@@ -1,0 +1,92 @@
+!> Checks of whole blocks: values that are complete, keys that apply, and those that are missing.
+module sg_check_blocks
+  use sg_blocks, only: deck_t
+  use sg_error, only: diagnostics_t
+  use sg_key_table, only: key_t
+  use sg_values, only: finish_value
+  use sg_words, only: is_choice
+  implicit none
+  private
+  public :: check_blocks, applies
+
+contains
+
+  !> Check all blocks.
+  subroutine check_blocks(deck, diagnostics)
+    type(deck_t), intent(in) :: deck !! deck of which all entries are taken
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    integer :: b
+
+    do b = 1, deck%n
+      call check_values(deck, b, diagnostics)
+      call check_missing(deck, b, diagnostics)
+    end do
+  end subroutine check_blocks
+
+  !> Check the values that are given.
+  subroutine check_values(deck, b, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: message
+    integer :: i
+
+    do i = 1, deck%blocks(b)%n
+      associate (value => deck%blocks(b)%values(i), key => deck%table%keys(deck%blocks(b)%values(i)%key))
+        if (value%is_bad) cycle
+        call finish_value(value, key, message)
+        if (.not. allocated(message)) call check_use(deck, b, key, message)
+        if (allocated(message)) call deck%complain(diagnostics, '"'//trim(key%name)//'" '//message, b, trim(key%name))
+      end associate
+    end do
+  end subroutine check_values
+
+  !> Look for keys that must be given and are not.
+  subroutine check_missing(deck, b, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(diagnostics_t), intent(inout) :: diagnostics
+    integer :: k
+
+    associate (section => deck%table%sections(deck%blocks(b)%section))
+      do k = section%first, section%last
+        associate (key => deck%table%keys(k))
+          if (.not. key%is_required) cycle
+          if (deck%is_given(b, trim(key%name)) .or. .not. applies(deck, b, key)) cycle
+          call deck%complain(diagnostics, deck%heading(deck%blocks(b)%section)//' lacks the key "'//trim(key%name)//'": '// &
+                             trim(key%sentence), b)
+        end associate
+      end do
+    end associate
+  end subroutine check_missing
+
+  !> Has a key that is given a meaning here? Not told when the word that decides is itself wrong.
+  subroutine check_use(deck, block, key, message)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: block
+    type(key_t), intent(in) :: key
+    character(len=:), allocatable, intent(inout) :: message
+    character(len=:), allocatable :: selector, word
+    integer :: k
+
+    if (applies(deck, block, key)) return
+    selector = trim(key%selector)
+    word = deck%word(block, selector)
+    k = deck%table%find_key(deck%blocks(block)%section, selector)
+    if (word == '') then
+      message = 'has no meaning without the key "'//selector//'"'
+    else if (is_choice(word, deck%table%keys(k)%choices)) then
+      message = 'has no meaning for '//selector//' = "'//word//'"'
+    end if
+  end subroutine check_use
+
+  !> Does a key apply to a block, by the word of its selector?
+  pure logical function applies(deck, block, key)
+    type(deck_t), intent(in) :: deck !! the deck
+    integer, intent(in) :: block !! index of the block
+    type(key_t), intent(in) :: key !! line of the key table
+
+    applies = key%selector == ''
+    if (.not. applies) applies = is_choice(deck%word(block, trim(key%selector)), trim(key%only))
+  end function applies
+end module sg_check_blocks

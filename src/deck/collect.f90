@@ -1,0 +1,265 @@
+!> From the entries of a TOML text to blocks of values: unknown words, wrong kinds, numbers out of range.
+module sg_collect
+  use sg_blocks, only: deck_t
+  use sg_error, only: diagnostics_t, error_t
+  use sg_key_table, only: key_t, key_table_t
+  use sg_toml, only: document_t, entry_t, parse_toml, toml_array, toml_table
+  use sg_values, only: finish_value, from_deck, from_default, take_entry, value_t
+  implicit none
+  private
+  public :: open_deck, collect, set_value
+
+  !> What an entry turned out to be: of no use, a list of blocks, a block, a value
+  integer, parameter :: is_skipped = 0, is_blocks = 1, is_block = 2, is_value = 3
+
+  !> What became of one entry
+  type :: role_t
+    integer :: role = is_skipped
+    !> Section of a list of blocks; block of a block or a value
+    integer :: section = 0, block = 0
+    !> Position among the block's values, and depth within the value
+    integer :: value = 0, depth = 0
+  end type role_t
+
+contains
+
+  !> Begin a deck: sections that stand once, and defaults.
+  subroutine open_deck(deck, table, n)
+    type(deck_t), intent(inout) :: deck !! deck to fill
+    type(key_table_t), intent(in) :: table !! what it may hold
+    integer, intent(in) :: n !! blocks to make room for, besides those that stand once
+    integer :: i
+
+    deck%table = table
+    allocate (deck%blocks(n + size(table%sections)))
+    do i = 1, size(table%sections)
+      if (.not. table%sections(i)%is_list) call add_block(deck, i, 0, 0)
+    end do
+    allocate (deck%defaults(size(table%keys)))
+    do i = 1, size(table%keys)
+      if (table%keys(i)%default /= '') call set_default(deck%defaults(i), table%keys(i))
+    end do
+  end subroutine open_deck
+
+  !> Add a block with room for `n` values.
+  subroutine add_block(deck, section, parent, n)
+    type(deck_t), intent(inout) :: deck
+    integer, intent(in) :: section, parent, n
+
+    deck%n = deck%n + 1
+    deck%blocks(deck%n)%section = section
+    deck%blocks(deck%n)%parent = parent
+    allocate (deck%blocks(deck%n)%values(n))
+  end subroutine add_block
+
+  !> The default of a key as a value.
+  subroutine set_default(value, key)
+    type(value_t), intent(out) :: value
+    type(key_t), intent(in) :: key
+    character(len=:), allocatable :: message
+
+    call set_value(trim(key%default), key, value, message)
+    value%origin = from_default
+  end subroutine set_default
+
+  !> A value from its TOML text.
+  subroutine set_value(text, key, value, message)
+    character(len=*), intent(in) :: text !! value as TOML text
+    type(key_t), intent(in) :: key !! key that it belongs to
+    type(value_t), intent(out) :: value !! the value
+    character(len=:), allocatable, intent(out) :: message !! what is wrong, unallocated when nothing is
+    type(document_t) :: document
+    type(error_t), allocatable :: error
+    integer, allocatable :: depth(:)
+    integer :: i
+
+    call parse_toml('x = '//text, document, error)
+    if (allocated(error)) then
+      message = 'is no TOML value: '//error%message
+      return
+    end if
+    allocate (depth(0:size(document%entries)), source=-1)
+    do i = 1, size(document%entries)
+      depth(i) = depth(document%entries(i)%parent) + 1
+      call take_entry(value, key, document%entries(i), depth(i), message)
+      if (allocated(message)) return
+    end do
+    call finish_value(value, key, message)
+  end subroutine set_value
+
+  !> Sort all entries of a text into blocks.
+  subroutine collect(document, deck, diagnostics)
+    type(document_t), intent(in) :: document !! entries of the text
+    type(deck_t), intent(inout) :: deck !! deck to fill
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(role_t), allocatable :: roles(:)
+    integer, allocatable :: n_children(:)
+    integer :: i, parent
+
+    allocate (roles(size(document%entries)))
+    allocate (n_children(0:size(document%entries)), source=0)
+    do i = 1, size(document%entries)
+      parent = document%entries(i)%parent
+      n_children(parent) = n_children(parent) + 1
+    end do
+    do i = 1, size(document%entries)
+      parent = document%entries(i)%parent
+      if (parent == 0) then
+        call take_section(document%entries(i), deck, roles(i), n_children(i), diagnostics)
+      else
+        select case (roles(parent)%role)
+        case (is_blocks)
+          call take_block(document%entries(i), roles(parent), deck, roles(i), n_children(i), diagnostics)
+        case (is_block)
+          call take_key(document, i, roles(parent), deck, roles(i), diagnostics)
+        case (is_value)
+          call take_element(document%entries(i), roles(parent), deck, roles(i), diagnostics)
+        end select
+      end if
+    end do
+  end subroutine collect
+
+  !> An entry at the top: a section, or a list of blocks.
+  subroutine take_section(entry, deck, role, n_children, diagnostics)
+    type(entry_t), intent(in) :: entry
+    type(deck_t), intent(inout) :: deck
+    type(role_t), intent(inout) :: role
+    integer, intent(in) :: n_children
+    type(diagnostics_t), intent(inout) :: diagnostics
+    integer :: section
+
+    section = deck%table%find_section(entry%path)
+    if (section == 0) then
+      if (entry%kind == toml_table .or. entry%kind == toml_array) then
+        call at_key(deck, entry, 'unknown section ['//entry%path//']'// &
+                    deck%table%nearest_section(entry%path), diagnostics)
+      else
+        call at_key(deck, entry, 'the key "'//entry%path//'" stands outside of any section', diagnostics)
+      end if
+    else if (deck%table%sections(section)%is_list) then
+      if (entry%kind == toml_array) then
+        role%role = is_blocks
+        role%section = section
+      else
+        call at_key(deck, entry, deck%heading(section)//' needs double brackets: there may be several', diagnostics)
+      end if
+    else if (entry%kind == toml_table) then
+      role%role = is_block
+      role%block = deck%block_of(entry%path)
+      associate (block => deck%blocks(role%block))
+        block%line = entry%line
+        block%column = entry%column
+        deallocate (block%values)
+        allocate (block%values(n_children))
+      end associate
+    else
+      call at_key(deck, entry, deck%heading(section)//' needs single brackets: it stands once', diagnostics)
+    end if
+  end subroutine take_section
+
+  !> An element of a list of blocks.
+  subroutine take_block(entry, parent, deck, role, n_children, diagnostics)
+    type(entry_t), intent(in) :: entry
+    type(role_t), intent(in) :: parent
+    type(deck_t), intent(inout) :: deck
+    type(role_t), intent(inout) :: role
+    integer, intent(in) :: n_children
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    if (entry%kind /= toml_table) then
+      call at_key(deck, entry, deck%heading(parent%section)//' must hold keys', diagnostics)
+      return
+    end if
+    call add_block(deck, parent%section, parent%block, n_children)
+    role%role = is_block
+    role%block = deck%n
+    deck%blocks(deck%n)%line = entry%line
+    deck%blocks(deck%n)%column = entry%column
+  end subroutine take_block
+
+  !> An entry of a block: a key, or a list of blocks within.
+  subroutine take_key(document, i, parent, deck, role, diagnostics)
+    type(document_t), intent(in) :: document
+    integer, intent(in) :: i
+    type(role_t), intent(in) :: parent
+    type(deck_t), intent(inout) :: deck
+    type(role_t), intent(inout) :: role
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: name, outer
+    integer :: section, key
+
+    associate (entry => document%entries(i), block => deck%blocks(parent%block))
+      name = entry%path(len(document%entries(entry%parent)%path) + 2:)
+      outer = trim(deck%table%sections(block%section)%name)
+      section = deck%table%find_section(outer//'.'//name)
+      key = deck%table%find_key(block%section, name)
+      if (section > 0 .and. holds_tables(document, i)) then
+        role%role = is_blocks
+        role%section = section
+        role%block = parent%block
+      else if (key == 0) then
+        call at_key(deck, entry, 'unknown key "'//name//'" in '//deck%heading(block%section)// &
+                    deck%table%nearest_key(block%section, name), diagnostics)
+      else
+        block%n = block%n + 1
+        block%values(block%n)%key = key
+        block%values(block%n)%origin = from_deck
+        role%role = is_value
+        role%block = parent%block
+        role%value = block%n
+        call take(entry, deck, role, diagnostics)
+      end if
+    end associate
+  end subroutine take_key
+
+  !> An element of a value.
+  subroutine take_element(entry, parent, deck, role, diagnostics)
+    type(entry_t), intent(in) :: entry
+    type(role_t), intent(inout) :: parent
+    type(deck_t), intent(inout) :: deck
+    type(role_t), intent(inout) :: role
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    role = parent
+    role%depth = parent%depth + 1
+    call take(entry, deck, role, diagnostics)
+    if (role%role == is_skipped) parent%role = is_skipped
+  end subroutine take_element
+
+  !> Take an entry into its value; after a mistake the rest of the value is passed over.
+  subroutine take(entry, deck, role, diagnostics)
+    type(entry_t), intent(in) :: entry
+    type(deck_t), intent(inout) :: deck
+    type(role_t), intent(inout) :: role
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: message
+
+    associate (value => deck%blocks(role%block)%values(role%value))
+      call take_entry(value, deck%table%keys(value%key), entry, role%depth, message)
+      if (.not. allocated(message)) return
+      value%is_bad = .true.
+      role%role = is_skipped
+      call deck%complain_at(diagnostics, '"'//trim(deck%table%keys(value%key)%name)//'" '//message, entry%line, entry%column)
+    end associate
+  end subroutine take
+
+  !> Does an entry hold tables, as `[[outer.inner]]` does?
+  pure logical function holds_tables(document, i)
+    type(document_t), intent(in) :: document
+    integer, intent(in) :: i
+
+    holds_tables = .false.
+    if (document%entries(i)%kind /= toml_array .or. i == size(document%entries)) return
+    holds_tables = document%entries(i + 1)%parent == i .and. document%entries(i + 1)%kind == toml_table
+  end function holds_tables
+
+  !> Report a mistake at the key of an entry.
+  subroutine at_key(deck, entry, message, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(entry_t), intent(in) :: entry
+    character(len=*), intent(in) :: message
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    call deck%complain_at(diagnostics, message, entry%key_line, entry%key_column)
+  end subroutine at_key
+end module sg_collect

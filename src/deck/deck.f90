@@ -1,0 +1,66 @@
+!> Reading a deck: text, checked blocks, scene and options. All mistakes are gathered and reported together.
+module sg_deck
+  use sg_blocks, only: deck_t
+  use sg_check_blocks, only: check_blocks
+  use sg_collect, only: collect, open_deck
+  use sg_effective, only: effective_deck, fingerprint
+  use sg_error, only: diagnostics_t, error_t
+  use sg_keys, only: all_keys
+  use sg_options_from_deck, only: options_from_deck
+  use sg_run_options, only: run_options_t
+  use sg_scene, only: scene_t
+  use sg_scene_from_deck, only: scene_from_deck
+  use sg_settings, only: apply_settings
+  use sg_text, only: text_t
+  use sg_toml, only: document_t, parse_toml, read_content, toml_table
+  implicit none
+  private
+  public :: read_deck, read_blocks
+
+contains
+
+  !> Read a deck. Scene and options are complete when `diagnostics` holds no error.
+  subroutine read_deck(file, settings, scene, options, diagnostics)
+    character(len=*), intent(in) :: file !! path of the deck
+    type(text_t), intent(in) :: settings(:) !! settings laid over it, each `section.key=value`
+    type(scene_t), intent(out) :: scene !! what exists
+    type(run_options_t), intent(out) :: options !! what to do with it
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
+    type(deck_t) :: deck
+
+    call read_blocks(file, settings, deck, diagnostics)
+    if (diagnostics%count() > 0) return
+    call options_from_deck(deck, options)
+    call scene_from_deck(deck, options, scene, diagnostics)
+    if (diagnostics%count() > 0) return
+    call effective_deck(deck, options%deck_text)
+    options%deck_hash = fingerprint(options%deck_text)
+  end subroutine read_deck
+
+  !> Read a deck as blocks of checked values.
+  subroutine read_blocks(file, settings, deck, diagnostics)
+    character(len=*), intent(in) :: file !! path of the deck
+    type(text_t), intent(in) :: settings(:) !! settings laid over it
+    type(deck_t), intent(out) :: deck !! its blocks
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(document_t) :: document
+    type(error_t), allocatable :: error
+
+    deck%file = file
+    deck%folder = file(:index(file, '/', back=.true.))
+    call read_content(file, deck%content, error)
+    if (.not. allocated(error)) call parse_toml(deck%content, document, error, file)
+    if (allocated(error)) then
+      call diagnostics%add(error%message, error%file, error%line, error%column, error%text)
+      return
+    end if
+    if (size(document%entries) == 0) then
+      call diagnostics%add('the deck is empty', file=file)
+      return
+    end if
+    call open_deck(deck, all_keys(), count(document%entries%kind == toml_table))
+    call collect(document, deck, diagnostics)
+    call apply_settings(settings, deck, diagnostics)
+    call check_blocks(deck, diagnostics)
+  end subroutine read_blocks
+end module sg_deck

@@ -1,0 +1,250 @@
+!> Drives and pressures: those of the blocks drive and pressure, and those that fixed bodies and walls imply.
+!!
+!! A wall holds still, or keeps the velocity of its block, in every component that no [[drive]] or [[pressure]] takes.
+module sg_drives_from_deck
+  use sg_blocks, only: deck_t
+  use sg_contactors, only: kind_wall
+  use sg_drives, only: drive_t, pressure_t
+  use sg_error, only: diagnostics_t
+  use sg_kinds, only: wp
+  use sg_scene, only: scene_t
+  use sg_text, only: nearest_word, to_text
+  use sg_time_function_from_deck, only: read_time_function
+  use sg_values, only: value_t
+  use sg_words, only: choice_index
+  implicit none
+  private
+  public :: drives_from_deck
+
+contains
+
+  !> Add drives and pressures to those that the scene has, and say which bodies are no grains.
+  subroutine drives_from_deck(deck, scene, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(inout) :: scene !! scene with its bodies
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    logical, allocatable :: is_taken(:, :)
+    integer :: n_drives, n_pressures, b, i, n
+
+    if (.not. allocated(scene%drives)) allocate (scene%drives(0))
+    if (.not. allocated(scene%pressures)) allocate (scene%pressures(0))
+    n_drives = size(scene%drives)
+    n_pressures = size(scene%pressures)
+    n = deck%count_of('body') + deck%count_of('wall')
+    allocate (is_taken(3, scene%bodies%n), source=.false.)
+    do i = 1, n_drives
+      if (scene%drives(i)%is_velocity) is_taken(scene%drives(i)%component, scene%drives(i)%body) = .true.
+    end do
+    call make_room(scene%drives, scene%pressures, n_drives + deck%count_of('drive') + 3*n, &
+                   n_pressures + deck%count_of('pressure') + deck%count_of('wall'))
+    do b = 1, deck%n
+      if (deck%is_in(b, 'drive')) call add_drive(deck, b, scene, n_drives, is_taken, diagnostics)
+      if (deck%is_in(b, 'pressure')) call add_pressure(deck, b, scene, n_pressures, is_taken, diagnostics)
+    end do
+    n = 0
+    do b = 1, deck%n
+      if (.not. deck%is_in(b, 'body')) cycle
+      n = n + 1
+      if (deck%flag(b, 'fixed')) call hold(scene, n, n_drives, is_taken)
+    end do
+    do b = 1, deck%n
+      if (.not. deck%is_in(b, 'wall')) cycle
+      n = n + 1
+      if (deck%is_given(b, 'pressure')) call press_wall(deck, b, n, scene, n_pressures, is_taken, diagnostics)
+      call hold(scene, n, n_drives, is_taken)
+    end do
+    scene%drives = scene%drives(:n_drives)
+    scene%pressures = scene%pressures(:n_pressures)
+    call mark_walls(scene)
+  end subroutine drives_from_deck
+
+  !> Lengthen both lists, keeping what they hold.
+  subroutine make_room(drives, pressures, n_drives, n_pressures)
+    type(drive_t), allocatable, intent(inout) :: drives(:)
+    type(pressure_t), allocatable, intent(inout) :: pressures(:)
+    integer, intent(in) :: n_drives, n_pressures
+    type(drive_t), allocatable :: more_drives(:)
+    type(pressure_t), allocatable :: more_pressures(:)
+
+    allocate (more_drives(n_drives), more_pressures(n_pressures))
+    more_drives(:size(drives)) = drives
+    more_pressures(:size(pressures)) = pressures
+    call move_alloc(more_drives, drives)
+    call move_alloc(more_pressures, pressures)
+  end subroutine make_room
+
+  !> The drive of a [[drive]] block.
+  subroutine add_drive(deck, b, scene, n, is_taken, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(scene_t), intent(inout) :: scene
+    integer, intent(inout) :: n
+    logical, intent(inout) :: is_taken(:, :)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(value_t) :: body
+    type(drive_t) :: drive
+
+    body = deck%value(b, 'body')
+    drive%body = body_of(deck, b, 'body', body%words(1)%s, scene, diagnostics)
+    drive%component = choice_index(deck%word(b, 'component'), 'x|y|rotation')
+    drive%is_velocity = deck%word(b, 'kind') == 'velocity'
+    call read_time_function(deck, b, drive%value, diagnostics)
+    if (drive%body == 0) return
+    if (drive%is_velocity .and. is_taken(drive%component, drive%body)) &
+      call deck%complain(diagnostics, 'this component of the body is driven twice', b, 'component')
+    is_taken(drive%component, drive%body) = .true.
+    n = n + 1
+    scene%drives(n) = drive
+  end subroutine add_drive
+
+  !> Body that a deck means by a word: a name, or `#` and a number; 0 after a mistake.
+  integer function body_of(deck, b, key, word, scene, diagnostics) result(body)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    character(len=*), intent(in) :: key, word
+    type(scene_t), intent(in) :: scene
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: near
+    integer :: status
+
+    if (word(1:min(1, len(word))) == '#') then
+      read (word(2:), *, iostat=status) body
+      if (status == 0 .and. body >= 1 .and. body <= scene%bodies%n) return
+      call deck%complain(diagnostics, 'there is no body '//word(2:)//': the scene has '//to_text(scene%bodies%n), b, key)
+    else
+      near = ''
+      if (allocated(scene%names)) then
+        do body = 1, size(scene%names)
+          if (scene%names(body)%s == word) return
+        end do
+        near = nearest_word(word, scene%names)
+      end if
+      if (near /= '') near = '; did you mean "'//near//'"?'
+      call deck%complain(diagnostics, 'there is no body named "'//word//'"'//near, b, key)
+    end if
+    body = 0
+  end function body_of
+
+  !> The pressure of a [[pressure]] block.
+  subroutine add_pressure(deck, b, scene, n, is_taken, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(scene_t), intent(inout) :: scene
+    integer, intent(inout) :: n
+    logical, intent(inout) :: is_taken(:, :)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(value_t) :: body
+    type(pressure_t) :: pressure
+    real(wp) :: direction(2)
+
+    body = deck%value(b, 'body')
+    pressure%body = body_of(deck, b, 'body', body%words(1)%s, scene, diagnostics)
+    direction = deck%pair(b, 'direction')
+    call read_time_function(deck, b, pressure%value, diagnostics)
+    if (deck%is_given(b, 'length') .eqv. deck%is_given(b, 'between')) &
+      call deck%complain(diagnostics, 'a pressure needs either "length" or "between"', b)
+    if (deck%is_given(b, 'length')) pressure%length = deck%number(b, 'length')
+    if (deck%is_given(b, 'between')) call read_between(deck, b, scene, pressure, diagnostics)
+    if (.not. norm2(direction) > 0) then
+      call deck%complain(diagnostics, 'the direction has no length', b, 'direction')
+      return
+    end if
+    pressure%direction = direction/norm2(direction)
+    if (pressure%body == 0) return
+    where (abs(direction) > 0) is_taken(1:2, pressure%body) = .true.
+    n = n + 1
+    scene%pressures(n) = pressure
+  end subroutine add_pressure
+
+  !> The two bodies between which a pressure acts.
+  subroutine read_between(deck, b, scene, pressure, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(scene_t), intent(in) :: scene
+    type(pressure_t), intent(inout) :: pressure
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(value_t) :: bodies
+    integer :: i, c
+
+    bodies = deck%value(b, 'between')
+    do i = 1, 2
+      pressure%between(i) = body_of(deck, b, 'between', bodies%words(i)%s, scene, diagnostics)
+    end do
+    if (any(pressure%between == 0)) return
+    if (pressure%between(1) == pressure%between(2)) &
+      call deck%complain(diagnostics, '"between" needs two different bodies', b, 'between')
+    do i = 1, 2
+      c = findloc(scene%contactors%body(:scene%contactors%n), pressure%between(i), 1)
+      if (scene%contactors%kind(c) == kind_wall) then
+        pressure%thickness = pressure%thickness + scene%contactors%wall_size(2, scene%contactors%row(c))
+      else
+        call deck%complain(diagnostics, '"between" needs walls or segments', b, 'between')
+      end if
+    end do
+  end subroutine read_between
+
+  !> The pressure on a [[wall]].
+  subroutine press_wall(deck, b, body, scene, n, is_taken, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b, body
+    type(scene_t), intent(inout) :: scene
+    integer, intent(inout) :: n
+    logical, intent(inout) :: is_taken(:, :)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(pressure_t) :: pressure
+    real(wp) :: direction(2)
+
+    if (.not. deck%is_given(b, 'direction')) then
+      call deck%complain(diagnostics, 'a pressed wall needs the key "direction"', b, 'pressure')
+      return
+    end if
+    direction = deck%pair(b, 'direction')
+    if (count(abs(direction) > 0) /= 1) then
+      call deck%complain(diagnostics, 'a wall is pressed along x or along y: one number of the direction is 0, the other not', &
+                         b, 'direction')
+      return
+    end if
+    pressure%body = body
+    pressure%direction = sign(merge(1.0_wp, 0.0_wp, abs(direction) > 0), direction)
+    pressure%value%constant = deck%number(b, 'pressure')
+    if (deck%is_given(b, 'between')) then
+      call read_between(deck, b, scene, pressure, diagnostics)
+    else
+      pressure%length = norm2(deck%pair(b, 'to') - deck%pair(b, 'from'))
+    end if
+    where (abs(direction) > 0) is_taken(1:2, body) = .true.
+    n = n + 1
+    scene%pressures(n) = pressure
+  end subroutine press_wall
+
+  !> Keep the velocity that a body starts with in every component that nothing else takes.
+  subroutine hold(scene, body, n, is_taken)
+    type(scene_t), intent(inout) :: scene
+    integer, intent(in) :: body
+    integer, intent(inout) :: n
+    logical, intent(in) :: is_taken(:, :)
+    integer :: component
+
+    do component = 1, 3
+      if (is_taken(component, body)) cycle
+      n = n + 1
+      scene%drives(n)%body = body
+      scene%drives(n)%component = component
+      scene%drives(n)%is_velocity = .true.
+      scene%drives(n)%value%constant = scene%bodies%velocity(component, body)
+    end do
+  end subroutine hold
+
+  !> What is driven by a velocity or pressed is no grain.
+  subroutine mark_walls(scene)
+    type(scene_t), intent(inout) :: scene
+    integer :: i
+
+    do i = 1, size(scene%drives)
+      if (scene%drives(i)%is_velocity) scene%bodies%is_grain(scene%drives(i)%body) = .false.
+    end do
+    do i = 1, size(scene%pressures)
+      scene%bodies%is_grain(scene%pressures(i)%body) = .false.
+    end do
+  end subroutine mark_walls
+end module sg_drives_from_deck

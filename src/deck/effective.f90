@@ -1,0 +1,94 @@
+!> The effective deck: all that a run was asked to do, defaults filled in, as a deck that can be read again.
+module sg_effective
+  use sg_blocks, only: deck_t
+  use sg_check_blocks, only: applies
+  use sg_kinds, only: i8
+  use sg_values, only: from_nowhere, value_as_toml, value_t
+  implicit none
+  private
+  public :: effective_deck, fingerprint
+
+contains
+
+  !> Text of the effective deck, one key a line.
+  subroutine effective_deck(deck, text)
+    type(deck_t), intent(in) :: deck !! checked deck
+    character(len=:), allocatable, intent(out) :: text !! its text
+    character(len=:), allocatable :: room
+    integer :: length, s, b
+
+    allocate (character(len=4096) :: room)
+    length = 0
+    do s = 1, size(deck%table%sections)
+      if (index(deck%table%sections(s)%name, '.') > 0) cycle
+      do b = 1, deck%n
+        if (deck%blocks(b)%section == s) call write_block(deck, b, room, length)
+      end do
+    end do
+    text = room(:length)
+  end subroutine effective_deck
+
+  !> Write one block and the blocks within.
+  recursive subroutine write_block(deck, b, room, length)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    character(len=:), allocatable, intent(inout) :: room
+    integer, intent(inout) :: length
+    type(value_t) :: value
+    integer :: k, inner
+
+    associate (section => deck%table%sections(deck%blocks(b)%section))
+      if (length > 0) call write_line('', room, length)
+      call write_line(deck%heading(deck%blocks(b)%section), room, length)
+      do k = section%first, section%last
+        associate (key => deck%table%keys(k))
+          value = deck%value(b, trim(key%name))
+          if (value%origin == from_nowhere .or. .not. applies(deck, b, key)) cycle
+          call write_line(trim(key%name)//' = '//value_as_toml(value, key), room, length)
+        end associate
+      end do
+    end associate
+    do inner = b + 1, deck%n
+      if (deck%blocks(inner)%parent /= b) exit
+      call write_block(deck, inner, room, length)
+    end do
+  end subroutine write_block
+
+  !> Add a line to a text that grows by doubling.
+  subroutine write_line(line, room, length)
+    character(len=*), intent(in) :: line
+    character(len=:), allocatable, intent(inout) :: room
+    integer, intent(inout) :: length
+    character(len=:), allocatable :: grown
+    integer :: wanted
+
+    wanted = length + len(line) + 1
+    if (wanted > len(room)) then
+      allocate (character(len=2*wanted) :: grown)
+      grown(:length) = room(:length)
+      call move_alloc(grown, room)
+    end if
+    room(length + 1:wanted) = line//new_line('a')
+    length = wanted
+  end subroutine write_line
+
+  !> Hash of a text, 16 hexadecimal digits: FNV-1a with 64 bits, in halves of 32 bits that cannot overflow.
+  pure function fingerprint(text) result(digits)
+    character(len=*), intent(in) :: text !! text to hash
+    character(len=16) :: digits
+    integer(i8), parameter :: half = 4294967296_i8
+    integer(i8) :: high, low, product
+    integer :: i
+
+    ! Offset basis cbf29ce484222325; the prime is 2**40 + 435.
+    high = 3421674724_i8
+    low = 2216829733_i8
+    do i = 1, len(text)
+      low = ieor(low, int(iachar(text(i:i)), i8))
+      product = low*435
+      high = modulo(high*435 + product/half + modulo(low*256, half), half)
+      low = modulo(product, half)
+    end do
+    write (digits, '(2z8.8)') high, low
+  end function fingerprint
+end module sg_effective

@@ -1,0 +1,140 @@
+!> Who sees whom, under which law and from which distance on, from the blocks interaction.
+module sg_interactions_from_deck
+  use sg_blocks, only: deck_t
+  use sg_error, only: diagnostics_t
+  use sg_keys_scene, only: shape_choices
+  use sg_kinds, only: wp
+  use sg_run_options, only: run_options_t
+  use sg_scene, only: law_index, scene_t, see_t
+  use sg_text, only: nearest_word, text_t
+  use sg_words, only: choice_index
+  implicit none
+  private
+  public :: interactions_from_deck
+
+contains
+
+  !> Fill the scene's see tables.
+  subroutine interactions_from_deck(deck, options, scene, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(run_options_t), intent(in) :: options !! options of the run
+    type(scene_t), intent(inout) :: scene !! scene with bodies, laws and drives
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(see_t) :: see
+    real(wp) :: alert
+    integer :: b, n
+
+    n = deck%count_of('interaction')
+    alert = default_alert(scene, options)
+    allocate (scene%sees(0))
+    if (n == 0 .and. size(scene%laws) == 1) then
+      see%law = 1
+      see%alert = alert
+      scene%sees = [see]
+    else if (n == 0 .and. size(scene%laws) > 1) then
+      call deck%complain(diagnostics, 'there are several laws: [[interaction]] must say which pairs they hold between', &
+                         deck%block_of('law'))
+    else if (size(scene%laws) == 0 .and. scene%bodies%n > 1) then
+      call deck%warn(diagnostics, 'the deck has no [[law]]: bodies pass through each other', deck%block_of('scene'))
+    end if
+    do b = 1, deck%n
+      if (.not. deck%is_in(b, 'interaction')) cycle
+      call read_interaction(deck, b, scene, alert, see, diagnostics)
+      scene%sees = [scene%sees, see]
+    end do
+  end subroutine interactions_from_deck
+
+  !> One line of the see tables.
+  subroutine read_interaction(deck, b, scene, alert, see, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(scene_t), intent(in) :: scene
+    real(wp), intent(in) :: alert
+    type(see_t), intent(out) :: see
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    see%candidate_kind = choice_index(deck%word(b, 'candidate_shape'), shape_choices)
+    see%antagonist_kind = choice_index(deck%word(b, 'antagonist_shape'), shape_choices)
+    call find_colour(deck, b, 'candidate', scene, see%candidate_colour, diagnostics)
+    call find_colour(deck, b, 'antagonist', scene, see%antagonist_colour, diagnostics)
+    see%alert = alert
+    if (deck%is_given(b, 'alert')) see%alert = deck%number(b, 'alert')
+    call find_law(deck, b, scene, see%law, diagnostics)
+  end subroutine read_interaction
+
+  !> Colour of a name; 0 for any.
+  subroutine find_colour(deck, b, key, scene, colour, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    character(len=*), intent(in) :: key
+    type(scene_t), intent(in) :: scene
+    integer, intent(out) :: colour
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: name, near
+
+    colour = 0
+    name = deck%word(b, key)
+    if (name == 'any' .or. .not. allocated(scene%colours)) return
+    do colour = 1, size(scene%colours)
+      if (scene%colours(colour)%s == name) return
+    end do
+    colour = 0
+    near = nearest_word(name, scene%colours)
+    if (near /= '') near = '; did you mean "'//near//'"?'
+    call deck%complain(diagnostics, 'no body has the colour "'//name//'"'//near, b, key)
+  end subroutine find_colour
+
+  !> Law of a name, or the only one; 0 after a mistake.
+  subroutine find_law(deck, b, scene, law, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(scene_t), intent(in) :: scene
+    integer, intent(out) :: law
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(text_t), allocatable :: known(:)
+    character(len=:), allocatable :: name, near
+    integer :: i
+
+    name = deck%word(b, 'law')
+    law = law_index(scene, name)
+    if (name == '' .and. size(scene%laws) == 1) law = 1
+    if (law > 0) return
+    if (size(scene%laws) == 0) then
+      call deck%complain(diagnostics, 'the deck has no [[law]]', b, 'law')
+    else if (name == '') then
+      call deck%complain(diagnostics, 'there are several laws: this block needs the key "law"', b)
+    else
+      allocate (known(size(scene%laws)))
+      do i = 1, size(known)
+        known(i)%s = scene%laws(i)%name
+      end do
+      near = nearest_word(name, known)
+      if (near /= '') near = '; did you mean "'//near//'"?'
+      call deck%complain(diagnostics, 'there is no law named "'//name//'"'//near, b, 'law')
+    end if
+  end subroutine find_law
+
+  !> Alert distance that is safe without being asked for [m]: a tenth of the radius of the smallest grain, or the way
+  !! of the fastest grain in a step if that is longer.
+  real(wp) function default_alert(scene, options) result(alert)
+    type(scene_t), intent(in) :: scene
+    type(run_options_t), intent(in) :: options
+    real(wp) :: smallest, speed, height, fall
+    integer :: c
+
+    alert = 0
+    if (scene%contactors%n == 0) return
+    smallest = huge(1.0_wp)
+    associate (contactors => scene%contactors, bodies => scene%bodies)
+      do c = 1, contactors%n
+        if (bodies%is_grain(contactors%body(c))) smallest = min(smallest, contactors%reach(c))
+      end do
+      if (smallest >= huge(1.0_wp)) smallest = minval(contactors%reach(:contactors%n))
+      height = maxval(maxval(bodies%position, 2) - minval(bodies%position, 2)) + 2*smallest
+      speed = sqrt(maxval(bodies%velocity(1, :)**2 + bodies%velocity(2, :)**2))
+    end associate
+    ! Fastest free fall: through the whole scene, or for the whole run.
+    fall = min(sqrt(2*norm2(scene%gravity)*height), norm2(scene%gravity)*options%step*real(options%steps, wp))
+    alert = max(smallest/10, options%step*(speed + fall))
+  end function default_alert
+end module sg_interactions_from_deck

@@ -1,0 +1,195 @@
+!> What a deck may hold: the types of the key table, and how a line of it is written and found.
+!!
+!! The table itself stands in keys_*.f90, every key once. From it come the checks, the defaults, the effective
+!! deck and the reference.
+module sg_key_table
+  use sg_kinds, only: wp
+  use sg_text, only: nearest_word, text_t
+  implicit none
+  private
+  public :: key_t, section_t, key_table_t, value_names
+  public :: value_integer, value_real, value_logical, value_text, value_choice, value_pair, value_range, value_box, &
+            value_points, value_sides, value_body, value_bodies
+
+  !> What a value may be: whole number, number, true or false, free text, one of several words, two numbers, one or two
+  !> numbers (low and high), four numbers, a list of pairs, one or two whole numbers, a body (name or number), two bodies
+  integer, parameter :: value_integer = 1, value_real = 2, value_logical = 3, value_text = 4, value_choice = 5, &
+                        value_pair = 6, value_range = 7, value_box = 8, value_points = 9, value_sides = 10, &
+                        value_body = 11, value_bodies = 12
+  !> Words for them, as the reference and messages say it
+  character(len=29), parameter :: value_names(12) = [character(len=29) :: 'an integer', 'a number', 'true or false', &
+    'a string', 'one of the words', 'a list of 2 numbers', 'a number or a list of 2', 'a list of 4 numbers', &
+    'a list of [x, y]', 'an integer or a list of 2', 'the name or number of a body', 'a list of 2 bodies']
+
+  !> One key of the table
+  type :: key_t
+    !> Section and name
+    character(len=16) :: section = '', name = ''
+    !> Kind of value, one of `value_*`
+    integer :: kind = 0
+    !> Unit, empty for none
+    character(len=16) :: unit = ''
+    !> Default as TOML text, empty when there is none
+    character(len=24) :: default = ''
+    !> Must it be given (where it applies)?
+    logical :: is_required = .false.
+    !> Range of each number; `lowest` itself is out of it when `is_open`
+    real(wp) :: lowest = -huge(1.0_wp), highest = huge(1.0_wp)
+    logical :: is_open = .false.
+    !> Words to choose from, with a bar between two
+    character(len=136) :: choices = ''
+    !> When it applies: another key of the section, empty for always, and its words for which it does
+    character(len=16) :: selector = ''
+    character(len=104) :: only = ''
+    !> What it is, one sentence
+    character(len=240) :: sentence = ''
+  end type key_t
+
+  !> One section of the table
+  type :: section_t
+    !> Name; a section within another is `outer.inner`
+    character(len=16) :: name = ''
+    !> Is it a list of blocks, `[[name]]`?
+    logical :: is_list = .false.
+    !> What it is, one sentence
+    character(len=400) :: sentence = ''
+    !> Its keys in the table: first and last
+    integer :: first = 1, last = 0
+  end type section_t
+
+  !> The whole table
+  type :: key_table_t
+    type(section_t), allocatable :: sections(:)
+    type(key_t), allocatable :: keys(:)
+  contains
+    procedure :: open_section
+    procedure :: add
+    procedure :: find_section
+    procedure :: find_key
+    procedure :: nearest_key
+    procedure :: nearest_section
+  end type key_table_t
+
+contains
+
+  !> Begin a section; the keys added next belong to it.
+  subroutine open_section(self, name, sentence, is_list)
+    class(key_table_t), intent(inout) :: self
+    character(len=*), intent(in) :: name !! name of the section
+    character(len=*), intent(in) :: sentence !! what it is
+    logical, intent(in), optional :: is_list !! is it written `[[name]]`?
+    type(section_t) :: section
+
+    if (.not. allocated(self%sections)) allocate (self%sections(0), self%keys(0))
+    section%name = name
+    section%sentence = sentence
+    if (present(is_list)) section%is_list = is_list
+    section%first = size(self%keys) + 1
+    section%last = size(self%keys)
+    self%sections = [self%sections, section]
+  end subroutine open_section
+
+  !> Add a key to the section opened last.
+  subroutine add(self, name, kind, sentence, unit, default, is_required, least, above, most, choices, only)
+    class(key_table_t), intent(inout) :: self
+    character(len=*), intent(in) :: name !! name of the key
+    integer, intent(in) :: kind !! kind of value
+    character(len=*), intent(in) :: sentence !! what it is
+    character(len=*), intent(in), optional :: unit !! unit
+    character(len=*), intent(in), optional :: default !! default as TOML text
+    logical, intent(in), optional :: is_required !! must it be given?
+    real(wp), intent(in), optional :: least !! smallest number allowed
+    real(wp), intent(in), optional :: above !! numbers must be larger than this
+    real(wp), intent(in), optional :: most !! largest number allowed
+    character(len=*), intent(in), optional :: choices !! words to choose from
+    character(len=*), intent(in), optional :: only !! when it applies, `key=word|word`
+    type(key_t) :: key
+    integer :: cut
+
+    associate (section => self%sections(size(self%sections)))
+      key%section = section%name
+      section%last = size(self%keys) + 1
+    end associate
+    key%name = name
+    key%kind = kind
+    key%sentence = sentence
+    if (present(unit)) key%unit = unit
+    if (present(default)) key%default = default
+    if (present(is_required)) key%is_required = is_required
+    if (present(least)) key%lowest = least
+    if (present(above)) key%lowest = above
+    key%is_open = present(above)
+    if (present(most)) key%highest = most
+    if (present(choices)) key%choices = choices
+    if (present(only)) then
+      cut = index(only, '=')
+      key%selector = only(:cut - 1)
+      key%only = only(cut + 1:)
+    end if
+    self%keys = [self%keys, key]
+  end subroutine add
+
+  !> Index of a section; 0 when there is none of this name.
+  pure integer function find_section(self, name) result(found)
+    class(key_table_t), intent(in) :: self
+    character(len=*), intent(in) :: name !! name to look for
+
+    do found = 1, size(self%sections)
+      if (self%sections(found)%name == name) return
+    end do
+    found = 0
+  end function find_section
+
+  !> Index of a key of a section; 0 when there is none of this name.
+  pure integer function find_key(self, section, name) result(found)
+    class(key_table_t), intent(in) :: self
+    integer, intent(in) :: section !! index of the section
+    character(len=*), intent(in) :: name !! name to look for
+
+    do found = self%sections(section)%first, self%sections(section)%last
+      if (self%keys(found)%name == name) return
+    end do
+    found = 0
+  end function find_key
+
+  !> `; did you mean "word"?` for the key of a section nearest to a word; empty when none is near.
+  pure function nearest_key(self, section, word) result(hint)
+    class(key_table_t), intent(in) :: self
+    integer, intent(in) :: section !! index of the section
+    character(len=*), intent(in) :: word !! unknown word
+    character(len=:), allocatable :: hint
+    type(text_t), allocatable :: known(:)
+    integer :: i, first
+
+    first = self%sections(section)%first
+    allocate (known(self%sections(section)%last - first + 1))
+    do i = 1, size(known)
+      known(i)%s = trim(self%keys(first + i - 1)%name)
+    end do
+    hint = asked(nearest_word(word, known))
+  end function nearest_key
+
+  !> The same for the names of sections.
+  pure function nearest_section(self, word) result(hint)
+    class(key_table_t), intent(in) :: self
+    character(len=*), intent(in) :: word !! unknown word
+    character(len=:), allocatable :: hint
+    type(text_t), allocatable :: known(:)
+    integer :: i
+
+    allocate (known(size(self%sections)))
+    do i = 1, size(known)
+      known(i)%s = trim(self%sections(i)%name)
+    end do
+    hint = asked(nearest_word(word, known))
+  end function nearest_section
+
+  !> The question that ends a message.
+  pure function asked(word) result(hint)
+    character(len=*), intent(in) :: word
+    character(len=:), allocatable :: hint
+
+    hint = ''
+    if (word /= '') hint = '; did you mean "'//word//'"?'
+  end function asked
+end module sg_key_table

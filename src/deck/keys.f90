@@ -1,0 +1,23 @@
+!> THE key table: all that a deck may hold, in the order in which the effective deck is written.
+module sg_keys
+  use sg_key_table, only: key_table_t
+  use sg_keys_bodies, only: add_body_keys
+  use sg_keys_run, only: add_run_keys
+  use sg_keys_scene, only: add_drive_keys, add_law_keys, add_scene_keys
+  implicit none
+  private
+  public :: all_keys
+
+contains
+
+  !> The whole table.
+  function all_keys() result(table)
+    type(key_table_t) :: table
+
+    call add_scene_keys(table)
+    call add_run_keys(table)
+    call add_law_keys(table)
+    call add_body_keys(table)
+    call add_drive_keys(table)
+  end function all_keys
+end module sg_keys

@@ -1,0 +1,97 @@
+!> The key table, first part: what to do with a scene. Defaults are those of `run_options_t`.
+module sg_keys_run
+  use sg_key_table, only: key_table_t, value_choice, value_integer, value_logical, value_real
+  use sg_kinds, only: wp
+  use sg_run_options, only: criterion_names, run_options_t
+  use sg_text, only: to_text
+  use sg_words, only: choices_of, short_real
+  implicit none
+  private
+  public :: add_run_keys
+
+contains
+
+  !> Add the sections time, solver, output and restart.
+  subroutine add_run_keys(table)
+    type(key_table_t), intent(inout) :: table !! table to add to
+
+    call add_time(table)
+    call add_solver(table)
+    call add_output(table)
+  end subroutine add_run_keys
+
+  !> Section time.
+  subroutine add_time(table)
+    type(key_table_t), intent(inout) :: table
+    type(run_options_t) :: default
+
+    call table%open_section('time', 'How long and how finely time is cut.')
+    call table%add('step', value_real, 'Time step h.', unit='s', is_required=.true., above=0.0_wp)
+    call table%add('steps', value_integer, 'Number of steps.', is_required=.true., least=0.0_wp)
+    call table%add('theta', value_real, 'Weight of the end of the step in the theta scheme; 0.5 is the mid-point rule.', &
+                   default=short_real(default%theta), least=0.0_wp, most=1.0_wp)
+  end subroutine add_time
+
+  !> Section solver.
+  subroutine add_solver(table)
+    type(key_table_t), intent(inout) :: table
+    type(run_options_t) :: run
+
+    associate (default => run%solver)
+      call table%open_section('solver', 'How the contact problem of a step is solved, and when it counts as solved.')
+      call table%add('method', value_choice, 'Solver: nonlinear Gauss-Seidel.', default=quoted(default%method), choices='nlgs')
+      call table%add('criterion', value_choice, 'What must fall below the tolerance: a residual (e1, e2, e8), the velocity '// &
+                     'violation, or the increments that LMGC90 looks at (quad, maxm, qm16).', &
+                     default=quoted(criterion_names(default%criterion)), choices=choices_of(criterion_names))
+      call table%add('tolerance', value_real, 'Value of the criterion at which the solver stops.', &
+                     default=short_real(default%tolerance), above=0.0_wp)
+      call table%add('check_every', value_integer, 'Sweeps between two tests of the criterion.', &
+                     default=to_text(default%check_every), least=1.0_wp)
+      call table%add('maximum_sweeps', value_integer, 'Sweeps after which the solver gives up on a step.', &
+                     default=to_text(default%maximum_sweeps), least=1.0_wp)
+      call table%add('relaxation', value_real, 'Share of each new impulse that is taken; 1 is plain Gauss-Seidel.', &
+                     default=short_real(default%relaxation), above=0.0_wp, most=2.0_wp)
+      call table%add('warm_start', value_logical, 'Start from the impulses of the last step.', &
+                     default=true_or_false(default%warm_start))
+      call table%add('order', value_choice, 'Order of the sweep: natural (spatial), or coloured groups of eight that vectorise.', &
+                     default=quoted(default%order), choices='natural|groups')
+      call table%add('stop_unconverged', value_logical, 'End the run when a step does not converge.', &
+                     default=true_or_false(default%stop_unconverged))
+    end associate
+  end subroutine add_solver
+
+  !> Sections output and restart.
+  subroutine add_output(table)
+    type(key_table_t), intent(inout) :: table
+    type(run_options_t) :: default
+
+    call table%open_section('output', 'What is written, and how often.')
+    call table%add('every', value_integer, 'Steps between two pictures (VTKHDF); 0 for none.', &
+                   default=to_text(default%output_every), least=0.0_wp)
+    call table%add('record_every', value_integer, 'Steps between two rows of record.csv; 0 for none.', &
+                   default=to_text(default%record_every), least=0.0_wp)
+    call table%add('precision', value_choice, 'Precision of the numbers in pictures.', &
+                   default=merge('"single"', '"double"', default%output_single), choices='double|single')
+    call table%add('compression', value_logical, 'Compress pictures: smaller files, slower writing.', &
+                   default=true_or_false(default%output_compressed))
+    call table%open_section('restart', 'Checkpoints, from which a run can go on bit for bit.')
+    call table%add('every', value_integer, 'Steps between two checkpoints; 0 for none.', &
+                   default=to_text(default%restart_every), least=0.0_wp)
+  end subroutine add_output
+
+  !> A word as TOML string.
+  pure function quoted(word)
+    character(len=*), intent(in) :: word
+    character(len=:), allocatable :: quoted
+
+    quoted = '"'//trim(word)//'"'
+  end function quoted
+
+  !> A logical as TOML writes it.
+  pure function true_or_false(flag) result(word)
+    logical, intent(in) :: flag
+    character(len=:), allocatable :: word
+
+    word = trim(merge('true ', 'false', flag))
+  end function true_or_false
+end module sg_keys_run

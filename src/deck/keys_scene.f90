@@ -1,0 +1,116 @@
+!> The key table, second part: scene, materials, laws, who sees whom, and what is imposed.
+module sg_keys_scene
+  use sg_key_table, only: key_table_t, value_bodies, value_body, value_choice, value_integer, value_pair, value_real, value_text
+  use sg_kinds, only: wp
+  use sg_words, only: choices_of
+  implicit none
+  private
+  public :: add_scene_keys, add_law_keys, add_drive_keys, law_kinds, shape_choices
+
+  !> Words for the kinds of law, those of LMGC90, in the order of the numbers `law_*`
+  character(len=18), parameter :: law_kinds(8) = [character(len=18) :: 'IQS_CLB', 'GAP_SGR_CLB', 'VEL_SGR_CLB', 'RST_CLB', &
+    'IQS_WET_DS_CLB', 'IQS_MOHR_DS_CLB', 'ELASTIC_REPELL_CLB', 'LINEAR']
+  !> Words for the shapes, in the order of the numbers `kind_*` of contactors
+  character(len=*), parameter :: shape_choices = 'disk|segment|hollow disk|polygon'
+
+contains
+
+  !> Section scene.
+  subroutine add_scene_keys(table)
+    type(key_table_t), intent(inout) :: table !! table to add to
+
+    call table%open_section('scene', 'What holds for the whole scene.')
+    call table%add('dimension', value_integer, 'Dimension of space; only planar scenes exist.', default='2', &
+                   least=2.0_wp, most=2.0_wp)
+    call table%add('datbox', value_text, 'LMGC90 DATBOX folder that holds bodies, materials, laws and initial state, relative '// &
+                   'to the deck; the only native blocks beside it are [[drive]] and [[pressure]].')
+    call table%add('gravity', value_pair, 'Acceleration of gravity; with a DATBOX the default is that of its BULK_BEHAV.DAT.', &
+                   unit='m/s2', default='[0.0, -9.81]')
+    call table%add('period_x', value_real, 'Length of the period in x; 0 for none. Grains lie between 0 and the period.', &
+                   unit='m', default='0.0', least=0.0_wp)
+  end subroutine add_scene_keys
+
+  !> Sections material, law and interaction.
+  subroutine add_law_keys(table)
+    type(key_table_t), intent(inout) :: table !! table to add to
+    character(len=*), parameter :: cohesive = 'kind=IQS_WET_DS_CLB|IQS_MOHR_DS_CLB'
+    character(len=*), parameter :: rubbing = &
+      'kind=IQS_CLB|GAP_SGR_CLB|VEL_SGR_CLB|RST_CLB|IQS_WET_DS_CLB|IQS_MOHR_DS_CLB'
+
+    call table%open_section('material', 'A bulk material.', is_list=.true.)
+    call table%add('name', value_text, 'Name by which bodies call it.', is_required=.true.)
+    call table%add('density', value_real, 'Mass per area and metre of depth.', unit='kg/m3', is_required=.true., above=0.0_wp)
+
+    call table%open_section('law', 'A contact law. The only law of a deck without [[interaction]] holds between all pairs.', &
+                            is_list=.true.)
+    call table%add('name', value_text, 'Name by which interactions call it.', default='"contact"')
+    call table%add('kind', value_choice, 'Kind of law, by LMGC90''s name; LINEAR is r = -(1/epsilon) v.', &
+                   default='"IQS_CLB"', choices=choices_of(law_kinds))
+    call table%add('friction', value_real, 'Coulomb friction coefficient.', default='0.0', least=0.0_wp, &
+                   only=rubbing//'|ELASTIC_REPELL_CLB')
+    call table%add('static_friction', value_real, 'Friction coefficient while sticking; default: friction.', &
+                   least=0.0_wp, only=rubbing)
+    call table%add('dynamic_friction', value_real, 'Friction coefficient while sliding; default: friction.', &
+                   least=0.0_wp, only=rubbing)
+    call table%add('normal_restitution', value_real, 'Newton restitution along the normal.', default='0.0', &
+                   least=0.0_wp, most=1.0_wp, only='kind=RST_CLB')
+    call table%add('tangential_restitution', value_real, 'Newton restitution along the tangent.', default='0.0', least=0.0_wp, &
+                   most=1.0_wp, only='kind=RST_CLB')
+    call table%add('normal_cohesion', value_real, 'Largest pull along the normal.', unit='N', default='0.0', &
+                   least=0.0_wp, only=cohesive)
+    call table%add('tangential_cohesion', value_real, 'Cohesion along the tangent.', unit='N', default='0.0', &
+                   least=0.0_wp, only=cohesive)
+    call table%add('wet_thickness', value_real, 'Gap up to which a wet contact pulls.', unit='m', is_required=.true., &
+                   least=0.0_wp, only='kind=IQS_WET_DS_CLB')
+    call table%add('stiffness', value_real, 'Force per penetration.', unit='N/m', is_required=.true., above=0.0_wp, &
+                   only='kind=ELASTIC_REPELL_CLB')
+    call table%add('epsilon', value_real, 'Velocity per impulse.', unit='1/kg', is_required=.true., &
+                   above=0.0_wp, only='kind=LINEAR')
+
+    call table%open_section('interaction', 'Who may meet whom, under which law; the first that fits a pair counts, in either '// &
+                            'order of the two.', is_list=.true.)
+    call table%add('candidate', value_text, 'Colour of the one; any for all colours.', default='"any"')
+    call table%add('antagonist', value_text, 'Colour of the other; any for all colours.', default='"any"')
+    call table%add('candidate_shape', value_choice, 'Shape of the one.', default='"any"', choices='any|'//shape_choices)
+    call table%add('antagonist_shape', value_choice, 'Shape of the other.', default='"any"', choices='any|'//shape_choices)
+    call table%add('law', value_text, 'Name of the law; default: the only one.')
+    call table%add('alert', value_real, 'Contacts exist where the gap is below this. Default: a tenth of the radius of the '// &
+                   'smallest grain, or what the fastest grain may travel in a step if that is more.', unit='m', least=0.0_wp)
+  end subroutine add_law_keys
+
+  !> Sections drive and pressure.
+  subroutine add_drive_keys(table)
+    type(key_table_t), intent(inout) :: table !! table to add to
+
+    call table%open_section('drive', 'One imposed component of one body: (value + amplitude cos(omega t + phase)) '// &
+                            'min(1, ramp_start + ramp_rate t), or a table.', is_list=.true.)
+    call table%add('body', value_body, 'Body, by name or by number (in the order body, wall, sample, from 1).', is_required=.true.)
+    call table%add('component', value_choice, 'Component.', is_required=.true., choices='x|y|rotation')
+    call table%add('kind', value_choice, 'What is imposed.', default='"velocity"', choices='velocity|force')
+    call add_time_function(table, 'm/s, rad/s, N, Nm')
+
+    call table%open_section('pressure', 'A pressure that pushes a body: (value + amplitude cos(omega t + phase)) '// &
+                            'min(1, ramp_start + ramp_rate t), or a table, times the pressed length.', is_list=.true.)
+    call table%add('body', value_body, 'Body, by name or by number.', is_required=.true.)
+    call table%add('direction', value_pair, 'Direction of the push, of any length but zero.', is_required=.true.)
+    call table%add('length', value_real, 'Pressed length.', unit='m', above=0.0_wp)
+    call table%add('between', value_bodies, 'In place of length: two bodies whose free distance is the pressed length.')
+    call add_time_function(table, 'Pa')
+  end subroutine add_drive_keys
+
+  !> Keys of a function of time.
+  subroutine add_time_function(table, unit)
+    type(key_table_t), intent(inout) :: table
+    character(len=*), intent(in) :: unit
+
+    call table%add('value', value_real, 'Constant part.', unit=unit, default='0.0')
+    call table%add('amplitude', value_real, 'Amplitude of the cosine.', unit=unit, default='0.0')
+    call table%add('frequency', value_real, 'Frequency of the cosine.', unit='Hz', default='0.0', least=0.0_wp)
+    call table%add('omega', value_real, 'Pulsation of the cosine, in place of frequency.', unit='rad/s')
+    call table%add('phase', value_real, 'Phase of the cosine.', unit='rad', default='0.0')
+    call table%add('ramp_start', value_real, 'Ramp at time zero; 1 for no ramp.', default='1.0')
+    call table%add('ramp_rate', value_real, 'Growth of the ramp.', unit='1/s', default='0.0')
+    call table%add('file', value_text, 'File of two columns (time, value), relative to the deck, that replaces the formula; '// &
+                   'linear between its points.')
+  end subroutine add_time_function
+end module sg_keys_scene

@@ -1,0 +1,82 @@
+!> Materials and contact laws from the blocks of a deck.
+module sg_laws_from_deck
+  use sg_blocks, only: deck_t
+  use sg_error, only: diagnostics_t
+  use sg_keys_scene, only: law_kinds
+  use sg_laws, only: law_elastic, law_linear, law_mohr, law_restitution, law_t, law_wet
+  use sg_scene, only: law_index, material_index, material_t, scene_t
+  use sg_words, only: choice_index, choices_of
+  implicit none
+  private
+  public :: materials_from_deck, laws_from_deck
+
+contains
+
+  !> Fill the scene's materials.
+  subroutine materials_from_deck(deck, scene, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(inout) :: scene !! scene to fill
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(material_t) :: material
+    integer :: b
+
+    allocate (scene%materials(0))
+    do b = 1, deck%n
+      if (.not. deck%is_in(b, 'material')) cycle
+      material%name = deck%word(b, 'name')
+      material%density = deck%number(b, 'density')
+      if (material_index(scene, material%name) > 0) &
+        call deck%complain(diagnostics, 'there are two materials named "'//material%name//'"', b, 'name')
+      scene%materials = [scene%materials, material]
+    end do
+  end subroutine materials_from_deck
+
+  !> Fill the scene's laws.
+  subroutine laws_from_deck(deck, scene, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(inout) :: scene !! scene to fill
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(law_t) :: law
+    integer :: b
+
+    allocate (scene%laws(0))
+    do b = 1, deck%n
+      if (.not. deck%is_in(b, 'law')) cycle
+      call read_law(deck, b, law)
+      if (law_index(scene, law%name) > 0) &
+        call deck%complain(diagnostics, 'there are two laws named "'//law%name//'"', b, 'name')
+      scene%laws = [scene%laws, law]
+    end do
+  end subroutine laws_from_deck
+
+  !> One law.
+  subroutine read_law(deck, b, law)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(law_t), intent(out) :: law
+
+    law%name = deck%word(b, 'name')
+    law%kind = choice_index(deck%word(b, 'kind'), choices_of(law_kinds))
+    if (law%kind /= law_linear) then
+      law%static_friction = deck%number(b, 'friction')
+      law%dynamic_friction = law%static_friction
+      if (deck%is_given(b, 'static_friction')) law%static_friction = deck%number(b, 'static_friction')
+      if (deck%is_given(b, 'dynamic_friction')) law%dynamic_friction = deck%number(b, 'dynamic_friction')
+    end if
+    select case (law%kind)
+    case (law_restitution)
+      law%normal_restitution = deck%number(b, 'normal_restitution')
+      law%tangential_restitution = deck%number(b, 'tangential_restitution')
+    case (law_wet)
+      law%wet_thickness = deck%number(b, 'wet_thickness')
+    case (law_elastic)
+      law%stiffness = deck%number(b, 'stiffness')
+    case (law_linear)
+      law%epsilon = deck%number(b, 'epsilon')
+    end select
+    if (law%kind == law_wet .or. law%kind == law_mohr) then
+      law%normal_cohesion = deck%number(b, 'normal_cohesion')
+      law%tangential_cohesion = deck%number(b, 'tangential_cohesion')
+    end if
+  end subroutine read_law
+end module sg_laws_from_deck

@@ -1,0 +1,39 @@
+!> Options of a run from the sections time, solver, output and restart.
+module sg_options_from_deck
+  use sg_blocks, only: deck_t
+  use sg_run_options, only: criterion_names, run_options_t
+  use sg_words, only: choice_index, choices_of
+  implicit none
+  private
+  public :: options_from_deck
+
+contains
+
+  !> Fill the options.
+  subroutine options_from_deck(deck, options)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(run_options_t), intent(inout) :: options !! options to fill
+    integer :: b
+
+    b = deck%block_of('time')
+    options%step = deck%number(b, 'step')
+    options%steps = deck%integer(b, 'steps')
+    options%theta = deck%number(b, 'theta')
+    b = deck%block_of('solver')
+    options%solver%method = deck%word(b, 'method')
+    options%solver%criterion = choice_index(deck%word(b, 'criterion'), choices_of(criterion_names))
+    options%solver%tolerance = deck%number(b, 'tolerance')
+    options%solver%check_every = deck%integer(b, 'check_every')
+    options%solver%maximum_sweeps = deck%integer(b, 'maximum_sweeps')
+    options%solver%relaxation = deck%number(b, 'relaxation')
+    options%solver%warm_start = deck%flag(b, 'warm_start')
+    options%solver%order = deck%word(b, 'order')
+    options%solver%stop_unconverged = deck%flag(b, 'stop_unconverged')
+    b = deck%block_of('output')
+    options%output_every = deck%integer(b, 'every')
+    options%record_every = deck%integer(b, 'record_every')
+    options%output_single = deck%word(b, 'precision') == 'single'
+    options%output_compressed = deck%flag(b, 'compression')
+    options%restart_every = deck%integer(deck%block_of('restart'), 'every')
+  end subroutine options_from_deck
+end module sg_options_from_deck

@@ -1,0 +1,100 @@
+!> A scene from the blocks of a deck.
+module sg_scene_from_deck
+  use sg_blocks, only: deck_t
+  use sg_bodies_from_deck, only: bodies_from_deck
+  use sg_datbox, only: read_datbox
+  use sg_drives_from_deck, only: drives_from_deck
+  use sg_error, only: diagnostics_t
+  use sg_interactions_from_deck, only: interactions_from_deck
+  use sg_kinds, only: wp, i4
+  use sg_laws_from_deck, only: laws_from_deck, materials_from_deck
+  use sg_run_options, only: run_options_t
+  use sg_scene, only: scene_t
+  use sg_start_checks, only: check_overlaps, check_range
+  use sg_system, only: file_exists
+  use sg_time_function_from_deck, only: path_in_deck
+  implicit none
+  private
+  public :: scene_from_deck
+
+  !> Sections that a DATBOX replaces
+  character(len=11), parameter :: own_sections(6) = [character(len=11) :: 'material', 'law', 'interaction', 'body', 'wall', &
+                                                     'sample']
+
+contains
+
+  !> Build the scene; what is wrong in it goes to `diagnostics`.
+  subroutine scene_from_deck(deck, options, scene, diagnostics)
+    type(deck_t), intent(inout) :: deck !! checked deck
+    type(run_options_t), intent(in) :: options !! options read from it
+    type(scene_t), intent(inout) :: scene !! scene to fill
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
+    integer :: b
+
+    b = deck%block_of('scene')
+    scene%period = deck%number(b, 'period_x')
+    if (deck%is_given(b, 'datbox')) then
+      call scene_from_datbox(deck, b, scene, diagnostics)
+      return
+    end if
+    scene%dimension = deck%integer(b, 'dimension')
+    scene%gravity = deck%pair(b, 'gravity')
+    call materials_from_deck(deck, scene, diagnostics)
+    call laws_from_deck(deck, scene, diagnostics)
+    call bodies_from_deck(deck, scene, diagnostics)
+    if (diagnostics%count() > 0) return
+    call drives_from_deck(deck, scene, diagnostics)
+    call interactions_from_deck(deck, options, scene, diagnostics)
+    call check_range(deck, scene, diagnostics)
+    if (diagnostics%count() == 0) call check_overlaps(deck, scene, diagnostics)
+  end subroutine scene_from_deck
+
+  !> Build the scene of a DATBOX folder, with gravity, drives and pressures of the deck on top.
+  subroutine scene_from_datbox(deck, block, scene, diagnostics)
+    type(deck_t), intent(inout) :: deck
+    integer, intent(in) :: block
+    type(scene_t), intent(inout) :: scene
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: folder
+    real(wp) :: period
+    integer :: b, i
+
+    do b = 1, deck%n
+      do i = 1, size(own_sections)
+        if (deck%is_in(b, trim(own_sections(i)))) call deck%complain(diagnostics, deck%heading(deck%blocks(b)%section)// &
+                                                       ' cannot stand beside scene.datbox, which holds all of its kind', b)
+      end do
+    end do
+    folder = path_in_deck(deck, deck%word(block, 'datbox'))
+    if (.not. file_exists(folder//'/.')) then
+      call deck%complain(diagnostics, 'there is no folder "'//folder//'"', block, 'datbox')
+      return
+    end if
+    period = scene%period
+    call read_datbox(folder, scene, diagnostics)
+    scene%period = period
+    if (diagnostics%count() > 0) return
+    if (deck%is_given(block, 'gravity')) then
+      scene%gravity = deck%pair(block, 'gravity')
+    else
+      call deck%give_pair(block, 'gravity', scene%gravity)
+    end if
+    call drives_from_deck(deck, scene, diagnostics)
+    call wrap(scene)
+  end subroutine scene_from_datbox
+
+  !> Put the grains of a periodic scene within the period, as LMGC90 does when it starts.
+  subroutine wrap(scene)
+    type(scene_t), intent(inout) :: scene
+    integer :: i
+
+    if (.not. scene%period > 0) return
+    associate (bodies => scene%bodies)
+      do i = 1, bodies%n
+        if (.not. bodies%is_grain(i)) cycle
+        bodies%crossings(i) = floor(bodies%position(1, i)/scene%period, i4)
+        bodies%position(1, i) = modulo(bodies%position(1, i), scene%period)
+      end do
+    end associate
+  end subroutine wrap
+end module sg_scene_from_deck

@@ -1,0 +1,143 @@
+!> Checks of the state at the start: grains within the period, shapes that do not overlap.
+module sg_start_checks
+  use sg_blocks, only: deck_t
+  use sg_contactors, only: place_contactors
+  use sg_error, only: diagnostics_t
+  use sg_kinds, only: wp, i4
+  use sg_ordering, only: order_of
+  use sg_overlaps, only: overlap_depth
+  use sg_scene, only: scene_t
+  use sg_sees, only: see_between
+  use sg_text, only: to_text
+  implicit none
+  private
+  public :: check_range, check_overlaps
+
+  !> Share of the smaller radius by which two bodies may overlap at the start
+  real(wp), parameter :: tolerated = 0.1_wp
+  !> Overlaps below this share are rounding
+  real(wp), parameter :: rounding = 1e-9_wp
+  !> Pairs that are named
+  integer, parameter :: most_pairs = 5
+
+contains
+
+  !> In a periodic scene every grain lies within the period.
+  subroutine check_range(deck, scene, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(in) :: scene !! scene with its bodies
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    integer :: i
+
+    if (.not. scene%period > 0) return
+    do i = 1, scene%bodies%n
+      if (.not. scene%bodies%is_grain(i)) cycle
+      if (scene%bodies%position(1, i) >= 0 .and. scene%bodies%position(1, i) < scene%period) cycle
+      call deck%complain(diagnostics, name_of(scene, i)//' lies outside of the period: x = '// &
+                         to_text(scene%bodies%position(1, i), 6)//' m is not within 0 to '//to_text(scene%period, 6)//' m', &
+                         block_of_body(deck, i))
+    end do
+  end subroutine check_range
+
+  !> Look for shapes that overlap: sweep along the longer side of the scene.
+  subroutine check_overlaps(deck, scene, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(inout) :: scene !! whole scene; its contactors are placed
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
+    integer(i4), allocatable :: order(:)
+    real(wp), allocatable :: low(:)
+    real(wp) :: shift
+    integer :: n, axis, i, j, k, turns, n_pairs
+
+    n = scene%contactors%n
+    if (n < 2 .or. size(scene%sees) == 0) return
+    scene%bodies%middle(1:2, :) = scene%bodies%position
+    scene%bodies%middle(3, :) = scene%bodies%angle
+    call place_contactors(scene%contactors, scene%bodies%middle)
+    associate (centre => scene%contactors%centre(:, :n), reach => scene%contactors%reach(:n))
+      axis = maxloc(maxval(centre, 2) - minval(centre, 2), 1)
+      low = centre(axis, :) - reach
+      order = order_of(low)
+      turns = merge(2, 1, axis == 1 .and. scene%period > 0)
+      n_pairs = 0
+      do i = 1, n
+        do k = i + 1, i + turns*n - 1
+          if (k > turns*n) exit
+          j = modulo(k - 1, n) + 1
+          shift = merge(scene%period, 0.0_wp, k > n)
+          if (low(order(j)) + shift > centre(axis, order(i)) + reach(order(i))) exit
+          if (j /= i) call check_pair(deck, scene, int(order(i)), int(order(j)), n_pairs, diagnostics)
+        end do
+      end do
+    end associate
+    if (n_pairs > most_pairs) call deck%warn(diagnostics, to_text(n_pairs)//' pairs overlap at the start, which are not all '// &
+                                             'listed', deck%block_of('scene'))
+  end subroutine check_overlaps
+
+  !> Report a pair that overlaps, if at least one of the two is a grain and they see each other.
+  subroutine check_pair(deck, scene, c1, c2, n_pairs, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: c1, c2
+    integer, intent(inout) :: n_pairs
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: message
+    real(wp) :: distance(2), shift, depth, radius, share
+    integer :: b1, b2
+
+    associate (contactors => scene%contactors)
+      b1 = contactors%body(c1)
+      b2 = contactors%body(c2)
+      if (b1 == b2 .or. .not. (scene%bodies%is_grain(b1) .or. scene%bodies%is_grain(b2))) return
+      distance = contactors%centre(:, c2) - contactors%centre(:, c1)
+      shift = 0
+      if (scene%period > 0) shift = -scene%period*anint(distance(1)/scene%period)
+      distance(1) = distance(1) + shift
+      if (any(abs(distance) > contactors%reach(c1) + contactors%reach(c2))) return
+      if (see_between(scene, c1, c2) == 0) return
+      radius = min(merge(contactors%reach(c1), huge(1.0_wp), scene%bodies%is_grain(b1)), &
+                   merge(contactors%reach(c2), huge(1.0_wp), scene%bodies%is_grain(b2)))
+      depth = overlap_depth(contactors, c1, c2, shift)
+    end associate
+    share = depth/radius
+    if (share <= rounding) return
+    n_pairs = n_pairs + 1
+    if (n_pairs > most_pairs) return
+    message = name_of(scene, b1)//' and '//name_of(scene, b2)//' overlap at the start by '//to_text(depth, 3)//' m, '// &
+              to_text(nint(100*share))//' % of the smaller radius'
+    if (share > tolerated) then
+      call deck%complain(diagnostics, message, block_of_body(deck, max(b1, b2)))
+    else
+      call deck%warn(diagnostics, message, block_of_body(deck, max(b1, b2)))
+    end if
+  end subroutine check_pair
+
+  !> A body for messages: its name, or its number.
+  function name_of(scene, body) result(name)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: body
+    character(len=:), allocatable :: name
+
+    name = 'body '//to_text(body)
+    if (.not. allocated(scene%names)) return
+    if (scene%names(body)%s /= '') name = '"'//scene%names(body)%s//'"'
+  end function name_of
+
+  !> Block that a body comes from; bodies of samples beyond the last named block belong to the first sample.
+  integer function block_of_body(deck, body) result(block)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: body
+    integer :: n
+
+    n = 0
+    do block = 1, deck%n
+      if (deck%is_in(block, 'body')) n = n + 1
+      if (n == body) return
+    end do
+    do block = 1, deck%n
+      if (deck%is_in(block, 'wall')) n = n + 1
+      if (n == body) return
+    end do
+    block = deck%block_of('sample')
+  end function block_of_body
+end module sg_start_checks

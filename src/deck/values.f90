@@ -1,0 +1,294 @@
+!> The value of one key: taken from the entries of a TOML text, checked against the key table, written as TOML.
+module sg_values
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use sg_key_table, only: key_t, value_bodies, value_body, value_box, value_choice, value_integer, value_logical, value_names, &
+                          value_pair, value_points, value_range, value_real, value_sides, value_text
+  use sg_kinds, only: wp, i8
+  use sg_text, only: nearest_word, text_t, to_text
+  use sg_toml, only: entry_t, toml_array, toml_integer, toml_logical, toml_names, toml_real, toml_string
+  use sg_words, only: is_choice, list_choices, quoted_string, short_real
+  implicit none
+  private
+  public :: value_t, take_entry, finish_value, value_as_toml
+  public :: from_nowhere, from_default, from_deck, from_setting
+
+  !> Where a value comes from: not given, the key table, the deck, a `--set`
+  integer, parameter :: from_nowhere = 0, from_default = 1, from_deck = 2, from_setting = 3
+
+  !> Numbers beyond this, or below its inverse, would overflow in masses and moments
+  real(wp), parameter :: largest = 1e50_wp
+
+  !> The value of one key
+  type :: value_t
+    !> Line of the key table that it belongs to
+    integer :: key = 0
+    !> Where it comes from, one of `from_*`
+    integer :: origin = from_nowhere
+    !> Was a mistake in it reported?
+    logical :: is_bad = .false.
+    !> Place of the value in the deck
+    integer :: line = 0, column = 0
+    !> Numbers, in the order of the text: shape (n); a logical is 1 or 0
+    real(wp), allocatable :: numbers(:)
+    integer :: n = 0
+    !> Words (text, choice, name): shape (n_words)
+    type(text_t), allocatable :: words(:)
+    integer :: n_words = 0
+    !> Was it written as a list, and pairs in it?
+    logical :: is_list = .false.
+    integer :: n_pairs = 0
+  end type value_t
+
+contains
+
+  !> Take one more entry of a key's value: the value itself, or an element of it.
+  subroutine take_entry(value, key, entry, depth, message)
+    type(value_t), intent(inout) :: value !! value to add to
+    type(key_t), intent(in) :: key !! its line of the key table
+    type(entry_t), intent(in) :: entry !! what the text holds
+    integer, intent(in) :: depth !! 0 for the value itself, 1 for an element, 2 for an element of an element
+    character(len=:), allocatable, intent(out) :: message !! what is wrong, unallocated when nothing is
+
+    if (depth == 0) then
+      value%line = entry%line
+      value%column = entry%column
+    end if
+    if (.not. may_hold(key%kind, entry%kind, depth)) then
+      message = 'must be '//trim(value_names(key%kind))//', not '//what_is(entry%kind, depth)
+      if (key%kind == value_choice) message = 'must be one of '//listed(key%choices)//', not '//what_is(entry%kind, depth)
+      return
+    end if
+    select case (entry%kind)
+    case (toml_array)
+      value%is_list = .true.
+      if (depth == 1) value%n_pairs = value%n_pairs + 1
+    case (toml_string)
+      call add_word(value, entry%text)
+    case default
+      if (key%kind == value_body .or. key%kind == value_bodies) then
+        call add_word(value, '#'//to_text(entry%integer))
+        return
+      end if
+      call check_number(key, entry, message)
+      if (allocated(message)) return
+      call add_number(value, merge(real(entry%integer, wp), entry%real, entry%kind == toml_logical))
+    end select
+  end subroutine take_entry
+
+  !> May an entry of this kind stand at this depth of a value of this kind?
+  pure logical function may_hold(kind, entry_kind, depth) result(may)
+    integer, intent(in) :: kind, entry_kind, depth
+    logical :: number
+
+    number = entry_kind == toml_integer .or. entry_kind == toml_real
+    select case (kind)
+    case (value_integer)
+      may = entry_kind == toml_integer .and. depth == 0
+    case (value_real)
+      may = number .and. depth == 0
+    case (value_logical)
+      may = entry_kind == toml_logical .and. depth == 0
+    case (value_text, value_choice)
+      may = entry_kind == toml_string .and. depth == 0
+    case (value_pair, value_box)
+      may = (depth == 0 .and. entry_kind == toml_array) .or. (depth == 1 .and. number)
+    case (value_range)
+      may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. number)
+    case (value_sides)
+      may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. entry_kind == toml_integer)
+    case (value_points)
+      may = (depth <= 1 .and. entry_kind == toml_array) .or. (depth == 2 .and. number)
+    case (value_body)
+      may = depth == 0 .and. (entry_kind == toml_string .or. entry_kind == toml_integer)
+    case (value_bodies)
+      may = (depth == 0 .and. entry_kind == toml_array) .or. &
+            (depth == 1 .and. (entry_kind == toml_string .or. entry_kind == toml_integer))
+    case default
+      may = .false.
+    end select
+  end function may_hold
+
+  !> What was found, for a message.
+  pure function what_is(kind, depth) result(words)
+    integer, intent(in) :: kind, depth
+    character(len=:), allocatable :: words
+
+    words = trim(toml_names(kind))
+    if (depth > 0) words = words//' in it'
+  end function what_is
+
+  !> Is a number finite, within its range, and not too large for a whole number?
+  subroutine check_number(key, entry, message)
+    type(key_t), intent(in) :: key
+    type(entry_t), intent(in) :: entry
+    character(len=:), allocatable, intent(inout) :: message
+
+    if (entry%kind == toml_logical) return
+    if (.not. ieee_is_finite(entry%real)) then
+      message = 'must be a finite number'
+    else if (entry%kind == toml_integer .and. abs(entry%real) > 2e9_wp .and. any(key%kind == [value_integer, value_sides])) then
+      message = 'must be between -2000000000 and 2000000000'
+    else if (abs(entry%real) > largest .or. (abs(entry%real) > 0 .and. abs(entry%real) < 1/largest)) then
+      message = 'must be 0 or between '//short_real(1/largest)//' and '//short_real(largest)//' in size'
+    else if (key%is_open .and. entry%real <= key%lowest) then
+      message = 'must be larger than '//bound(key, key%lowest)
+    else if (entry%real < key%lowest .and. key%highest <= key%lowest) then
+      message = 'must be '//bound(key, key%lowest)
+    else if (entry%real < key%lowest) then
+      message = 'must be at least '//bound(key, key%lowest)
+    else if (entry%real > key%highest) then
+      message = 'must be at most '//bound(key, key%highest)
+    end if
+  end subroutine check_number
+
+  !> A bound as a word: `0`, `0.5`.
+  pure function bound(key, number) result(word)
+    type(key_t), intent(in) :: key
+    real(wp), intent(in) :: number
+    character(len=:), allocatable :: word
+
+    word = short_real(number)
+    if (abs(number - anint(number)) <= 0) word = to_text(nint(number))
+    if (key%unit /= '') word = word//' '//trim(key%unit)
+  end function bound
+
+  !> Add a number; most values hold one or two.
+  subroutine add_number(value, number)
+    type(value_t), intent(inout) :: value
+    real(wp), intent(in) :: number
+    real(wp), allocatable :: grown(:)
+
+    if (.not. allocated(value%numbers)) allocate (value%numbers(2))
+    if (value%n == size(value%numbers)) then
+      allocate (grown(2*value%n))
+      grown(:value%n) = value%numbers
+      call move_alloc(grown, value%numbers)
+    end if
+    value%n = value%n + 1
+    value%numbers(value%n) = number
+  end subroutine add_number
+
+  !> Add a word.
+  subroutine add_word(value, word)
+    type(value_t), intent(inout) :: value
+    character(len=*), intent(in) :: word
+
+    if (.not. allocated(value%words)) allocate (value%words(2))
+    value%n_words = value%n_words + 1
+    if (value%n_words <= 2) value%words(value%n_words)%s = word
+  end subroutine add_word
+
+  !> Check a value of which all entries are taken: number of elements, choice.
+  subroutine finish_value(value, key, message)
+    type(value_t), intent(in) :: value !! value to check
+    type(key_t), intent(in) :: key !! its line of the key table
+    character(len=:), allocatable, intent(out) :: message !! what is wrong, unallocated when nothing is
+    logical :: fits
+
+    select case (key%kind)
+    case (value_pair)
+      fits = value%n == 2
+    case (value_box)
+      fits = value%n == 4
+    case (value_range, value_sides)
+      fits = value%n == 1 .or. value%n == 2
+    case (value_points)
+      fits = value%n == 2*value%n_pairs .and. value%n > 0
+    case (value_bodies)
+      fits = value%n_words == 2
+    case default
+      fits = .true.
+    end select
+    if (.not. fits) message = 'must be '//trim(value_names(key%kind))
+    if (key%kind == value_text) then
+      if (value%words(1)%s == '') message = 'must not be empty'
+    end if
+    if (key%kind == value_choice) then
+      if (.not. is_choice(value%words(1)%s, key%choices)) message = bad_choice(value%words(1)%s, key%choices)
+    end if
+    if ((key%kind == value_range .or. key%kind == value_sides) .and. value%n == 2) then
+      if (value%numbers(2) < value%numbers(1)) message = 'must have the smaller number first'
+    end if
+  end subroutine finish_value
+
+  !> Message for an unknown word.
+  pure function bad_choice(word, choices) result(message)
+    character(len=*), intent(in) :: word, choices
+    character(len=:), allocatable :: message
+    type(text_t), allocatable :: words(:)
+    character(len=:), allocatable :: near
+
+    call list_choices(choices, words)
+    near = nearest_word(word, words)
+    message = 'must be one of '//listed(choices)//', not "'//word//'"'
+    if (near /= '') message = message//'; did you mean "'//near//'"?'
+  end function bad_choice
+
+  !> Choices with commas.
+  pure function listed(choices)
+    character(len=*), intent(in) :: choices
+    character(len=:), allocatable :: listed
+    type(text_t), allocatable :: words(:)
+    integer :: i
+
+    call list_choices(choices, words)
+    listed = words(1)%s
+    do i = 2, size(words)
+      listed = listed//', '//words(i)%s
+    end do
+  end function listed
+
+  !> A value as TOML text.
+  function value_as_toml(value, key) result(text)
+    type(value_t), intent(in) :: value !! value to write
+    type(key_t), intent(in) :: key !! its line of the key table
+    character(len=:), allocatable :: text
+    integer :: i
+
+    select case (key%kind)
+    case (value_logical)
+      text = trim(merge('true ', 'false', value%numbers(1) > 0))
+    case (value_text, value_choice)
+      text = quoted_string(value%words(1)%s)
+    case (value_body)
+      text = body_word(value%words(1)%s)
+    case (value_bodies)
+      text = '['//body_word(value%words(1)%s)//', '//body_word(value%words(2)%s)//']'
+    case (value_points)
+      text = '['
+      do i = 1, value%n, 2
+        if (i > 1) text = text//', '
+        text = text//'['//short_real(value%numbers(i))//', '//short_real(value%numbers(i + 1))//']'
+      end do
+      text = text//']'
+    case default
+      text = number_word(value%numbers(1), key)
+      do i = 2, value%n
+        text = text//', '//number_word(value%numbers(i), key)
+      end do
+      if (value%is_list) text = '['//text//']'
+    end select
+  end function value_as_toml
+
+  !> One number as TOML text.
+  function number_word(number, key) result(word)
+    real(wp), intent(in) :: number
+    type(key_t), intent(in) :: key
+    character(len=:), allocatable :: word
+
+    if (key%kind == value_integer .or. key%kind == value_sides) then
+      word = to_text(nint(number, i8))
+    else
+      word = short_real(number)
+    end if
+  end function number_word
+
+  !> A body as TOML text: its name, or its number (kept as `#number`).
+  function body_word(word) result(text)
+    character(len=*), intent(in) :: word
+    character(len=:), allocatable :: text
+
+    text = quoted_string(word)
+    if (word(1:min(1, len(word))) == '#') text = word(2:)
+  end function body_word
+end module sg_values
