@@ -1,7 +1,7 @@
 """Look at the results of SplitGrain: read them as numpy arrays, draw the scene, energies and solver effort.
 
     from splitgrain_postpro import Results
-    results = Results("collapsing_column")
+    results = Results("collapsing_column.results")
     results.record["kinetic_energy"]    # one value a row of record.csv
     results.contacts.step(-1).cell_data["force_normal"]
 """
