@@ -3,10 +3,11 @@
 !! All mistakes of all files are told at once, as far as one does not follow from another. What a folder holds
 !! and we do not do yet is a mistake when the scene would differ without it, and a warning when it would not.
 module sg_datbox
-  use sg_datbox_behaviours, only: check_sees, other_law_t, read_bulk_behaviours, read_contact_behaviours, warn_of_unused
+  use sg_datbox_behaviours, only: other_law_t, read_bulk_behaviours, read_contact_laws, warn_of_unused
   use sg_datbox_bodies, only: find_three_dimensional, read_bodies
   use sg_datbox_drives, only: read_drives
   use sg_datbox_lines, only: datbox_file_t, open_datbox_file
+  use sg_datbox_sees, only: check_sees, read_sees
   use sg_datbox_state, only: read_start_contacts, read_state
   use sg_error, only: diagnostics_t
   use sg_scene, only: scene_t
@@ -21,7 +22,7 @@ module sg_datbox
 
 contains
 
-  !> Read a DATBOX folder; without mistakes the scene is complete but for period and pressures, which no DATBOX holds.
+  !> Read a DATBOX folder; without mistakes the scene lacks only period and pressures, which no DATBOX holds.
   subroutine read_datbox(folder, scene, diagnostics)
     character(len=*), intent(in) :: folder !! DATBOX folder
     type(scene_t), intent(inout) :: scene !! empty scene to fill
@@ -38,13 +39,14 @@ contains
     call find_three_dimensional(bodies, is_spatial, diagnostics)
     if (is_spatial) return
     call read_bulk_behaviours(folder, scene, other_bulk, bulk, diagnostics)
-    call read_contact_behaviours(folder, scene, other_laws, see_lines, tact, diagnostics)
+    call read_contact_laws(folder, scene, other_laws, tact, diagnostics)
+    call read_sees(tact, scene, other_laws, see_lines, diagnostics)
     call read_bodies(bodies, scene, other_bulk, diagnostics)
     call warn_of_unused(other_bulk, bulk, diagnostics)
     call warn_of_unused(other_laws, tact, diagnostics)
     call read_drives(folder, scene, diagnostics)
     call warn_of_files(folder, diagnostics)
-    allocate (scene%pressures(0))
+    if (.not. allocated(scene%pressures)) allocate (scene%pressures(0))
     ! Contacts and states name bodies: where bodies are wrong, what follows would be noise.
     if (diagnostics%count() > before) return
     call check_sees(scene, see_lines, tact, diagnostics)

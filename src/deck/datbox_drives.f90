@@ -29,6 +29,7 @@ contains
     do while (next_line(file))
       if (any(name_field(file, 2) == ['vlocy', 'force'])) n = n + 1
     end do
+    if (allocated(scene%drives)) deallocate (scene%drives)
     allocate (scene%drives(n))
     allocate (is_driven(3, scene%bodies%n), source=.false.)
     file%at = 0

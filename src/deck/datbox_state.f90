@@ -99,6 +99,7 @@ contains
     do while (next_line(file))
       if (keyword(file) == 'icdan') n = n + 1
     end do
+    if (allocated(scene%start_contacts)) deallocate (scene%start_contacts)
     allocate (scene%start_contacts(n))
     call first_contactors(scene%contactors, scene%bodies%n, first)
     file%at = 0
@@ -178,7 +179,7 @@ contains
 
     call split(line_text(file), words, at, n)
     next = 1
-    if (n >= 11) then
+    if (n >= 10) then
       call read_side(file, first, words, at, next, contact%contactor(1), ok, diagnostics)
       next = next + 1
       call read_side(file, first, words, at, next, contact%contactor(2), ok, diagnostics)

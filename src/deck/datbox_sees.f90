@@ -1,0 +1,195 @@
+!> The see tables of TACT_BEHAV.DAT: which contactors may meet, under which law, from which distance on.
+module sg_datbox_sees
+  use sg_contactors, only: kind_disk, kind_hollow, kind_polygon, kind_wall, n_kinds
+  use sg_datbox_behaviours, only: other_law, other_law_t, skip_data
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, keyword, name_field, next_data_line, next_line, &
+                             real_field, remark_once, step_back
+  use sg_error, only: diagnostics_t
+  use sg_scene, only: colour_index, law_index, scene_t, see_t
+  implicit none
+  private
+  public :: read_sees, check_sees, datbox_kind_names, pair_is_known
+
+  !> How LMGC90 calls our kinds of shape in see tables; a shifted disk is DISKx there too
+  character(len=5), parameter :: datbox_kind_names(n_kinds) = [character(len=5) :: 'DISKx', 'JONCx', 'xKSID', 'POLYG']
+
+contains
+
+  !> Read all see tables.
+  subroutine read_sees(file, scene, others, see_lines, diagnostics)
+    type(datbox_file_t), intent(inout) :: file !! TACT_BEHAV.DAT, laws read
+    type(scene_t), intent(inout) :: scene !! scene with its laws; gets colours and see tables
+    type(other_law_t), intent(inout) :: others(:) !! contact laws that are not done
+    integer, allocatable, intent(out) :: see_lines(:) !! line of each see table of the scene
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    logical :: has_see
+
+    scene%sees = [see_t ::]
+    if (.not. allocated(scene%colours)) allocate (scene%colours(0))
+    allocate (see_lines(0))
+    has_see = .false.
+    file%at = 0
+    do while (next_line(file))
+      select case (keyword(file))
+      case ('behav')
+        call skip_data(file)
+      case ('seety')
+        has_see = .true.
+        call read_see(file, scene, others, see_lines, diagnostics)
+      end select
+    end do
+    if (size(file%lines) == 0 .or. has_see) return
+    call diagnostics%warn('no see table: nothing touches anything', file=file%path)
+  end subroutine read_sees
+
+  !> Read one see table: a title, a line of names and the alert distance, perhaps a halo.
+  subroutine read_see(file, scene, others, see_lines, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    type(scene_t), intent(inout) :: scene
+    type(other_law_t), intent(inout) :: others(:)
+    integer, allocatable, intent(inout) :: see_lines(:)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(see_t) :: see
+    integer :: line
+    logical :: ok
+
+    if (.not. next_data_line(file, 'the title of a see table', diagnostics)) return
+    if (.not. next_data_line(file, 'a see table', diagnostics)) return
+    line = file%at
+    ok = .true.
+    call check_body_type(file, 2, ok, diagnostics)
+    call check_body_type(file, 30, ok, diagnostics)
+    see%candidate_kind = contactor_kind(file, 9, ok, diagnostics)
+    see%antagonist_kind = contactor_kind(file, 37, ok, diagnostics)
+    call colour_index(scene, name_field(file, 16), see%candidate_colour)
+    call colour_index(scene, name_field(file, 44), see%antagonist_colour)
+    see%law = seen_law(file, scene, others, ok, diagnostics)
+    call real_field(file, 55, see%alert, ok, diagnostics)
+    if (see%alert < 0) then
+      call complain(file, 'the alert distance must not be negative', 55, diagnostics)
+      ok = .false.
+    end if
+    if (ok) then
+      if (pair_is_known(see%candidate_kind, see%antagonist_kind)) then
+        scene%sees = [scene%sees, see]
+        see_lines = [see_lines, line]
+      else
+        call remark_once(file, 'pair', name_field(file, 9)//' never meets '//name_field(file, 37) &
+                         //' in this order: the see table is left out', 9, diagnostics)
+      end if
+    end if
+    call read_halo(file, diagnostics)
+  end subroutine read_see
+
+  !> Pass over the optional line of a see table that begins with `+`.
+  subroutine read_halo(file, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    if (.not. next_line(file)) return
+    if (file%lines(file%at)%s(1:1) == '+') then
+      call remark_once(file, 'halo', 'the halo of a see table is not used', 1, diagnostics)
+    else
+      call step_back(file)
+    end if
+  end subroutine read_halo
+
+  !> See tables may speak of rigid bodies in the plane alone.
+  subroutine check_body_type(file, first, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    integer, intent(in) :: first
+    logical, intent(inout) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    if (name_field(file, first) == 'RBDY2') return
+    ok = .false.
+    call complain_once(file, name_field(file, first), 'bodies of type '''//name_field(file, first) &
+                       //''' are not done: only RBDY2, rigid in the plane', first, diagnostics)
+  end subroutine check_body_type
+
+  !> Our kind of the contactor named at a column; 0 when it has none.
+  integer function contactor_kind(file, first, ok, diagnostics) result(kind)
+    type(datbox_file_t), intent(inout) :: file
+    integer, intent(in) :: first
+    logical, intent(inout) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    kind = datbox_kind(name_field(file, first))
+    if (kind > 0) return
+    ok = .false.
+    call complain_once(file, name_field(file, first), 'contactors of type '''//name_field(file, first) &
+                       //''' are not done in see tables: only DISKx (also for DISKb), JONCx, xKSID and POLYG', first, diagnostics)
+  end function contactor_kind
+
+  !> Our kind of a contactor that see tables know by this name; 0 when there is none.
+  pure integer function datbox_kind(name) result(kind)
+    character(len=*), intent(in) :: name !! LMGC90's name
+
+    do kind = 1, n_kinds
+      if (datbox_kind_names(kind) == name) return
+    end do
+    kind = 0
+  end function datbox_kind
+
+  !> Does LMGC90 detect contacts between a candidate and an antagonist of these kinds, in this order?
+  pure logical function pair_is_known(candidate, antagonist) result(known)
+    integer, intent(in) :: candidate !! kind of shape
+    integer, intent(in) :: antagonist !! kind of shape
+
+    known = candidate == kind_disk .and. any(antagonist == [kind_disk, kind_wall, kind_hollow, kind_polygon]) &
+            .or. candidate == kind_polygon .and. any(antagonist == [kind_polygon, kind_wall])
+  end function pair_is_known
+
+  !> The law that a see table names; 0 and a mistake when it is not listed or not done.
+  integer function seen_law(file, scene, others, ok, diagnostics) result(law)
+    type(datbox_file_t), intent(inout) :: file
+    type(scene_t), intent(in) :: scene
+    type(other_law_t), intent(inout) :: others(:)
+    logical, intent(inout) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: name
+    integer :: other
+
+    name = name_field(file, 23)
+    law = law_index(scene, name)
+    if (law > 0) return
+    ok = .false.
+    other = other_law(others, name)
+    if (other > 0) then
+      call complain_once(file, 'law '//name, 'the contact law '''//name//''' is '//others(other)%law &
+                         //', which is not done', 23, diagnostics)
+    else
+      call complain_once(file, 'law '//name, 'no contact law is called '''//name//'''', 23, diagnostics)
+    end if
+  end function seen_law
+
+  !> Warn of see tables that name a kind and colour of which there is no contactor.
+  subroutine check_sees(scene, see_lines, file, diagnostics)
+    type(scene_t), intent(in) :: scene !! scene with bodies and see tables
+    integer, intent(in) :: see_lines(:) !! line of each see table
+    type(datbox_file_t), intent(inout) :: file !! TACT_BEHAV.DAT
+    type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
+    logical, allocatable :: is_there(:, :)
+    integer :: i, c
+
+    allocate (is_there(n_kinds, size(scene%colours)), source=.false.)
+    do c = 1, scene%contactors%n
+      is_there(scene%contactors%kind(c), scene%contactors%colour(c)) = .true.
+    end do
+    do i = 1, size(scene%sees)
+      file%at = see_lines(i)
+      call check_side(scene%sees(i)%candidate_kind, scene%sees(i)%candidate_colour, 16)
+      call check_side(scene%sees(i)%antagonist_kind, scene%sees(i)%antagonist_colour, 44)
+    end do
+  contains
+    !> Warn when one side of a see table is empty.
+    subroutine check_side(kind, colour, column)
+      integer, intent(in) :: kind, colour, column
+      character(len=:), allocatable :: what
+
+      if (is_there(kind, colour)) return
+      what = datbox_kind_names(kind)//' of colour '''//scene%colours(colour)%s//''''
+      call remark_once(file, what, 'there is no '//what//' for this see table', column, diagnostics)
+    end subroutine check_side
+  end subroutine check_sees
+end module sg_datbox_sees

@@ -1,0 +1,248 @@
+!> Writes BULK_BEHAV.DAT, TACT_BEHAV.DAT and DRV_DOF.DAT: materials, laws, who sees whom, and what is imposed.
+module sg_datbox_write_behaviours
+  use sg_contactors, only: n_kinds
+  use sg_datbox_laws, only: form_of_law, get_parameter, law_forms
+  use sg_datbox_output, only: finish_file, output_t, put, real_word, start_file
+  use sg_datbox_sees, only: datbox_kind_names, pair_is_known
+  use sg_drives, only: drive_t
+  use sg_error, only: error_t, fail
+  use sg_kinds, only: wp, i4
+  use sg_laws, only: law_t
+  use sg_scene, only: scene_t, see_t
+  use sg_sees, only: see_between
+  use sg_text, only: to_text
+  use sg_time_functions, only: time_function_t
+  implicit none
+  private
+  public :: write_bulk, write_laws, write_drives
+
+contains
+
+  !> Write BULK_BEHAV.DAT.
+  subroutine write_bulk(folder, scene, materials, error)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    type(scene_t), intent(in) :: scene !! scene to write
+    character(len=5), intent(in) :: materials(:) !! names of the materials
+    type(error_t), allocatable, intent(inout) :: error !! set when the file cannot be written
+    type(output_t) :: output
+    integer :: i
+
+    call start_file(output, folder, 'BULK_BEHAV.DAT')
+    call put(output, '$gravy')
+    call put(output, repeat(' ', 19)//'grv1='//real_word(scene%gravity(1))//'  grv2='//real_word(scene%gravity(2)) &
+             //'  grv3='//real_word(0.0_wp))
+    do i = 1, size(materials)
+      call put(output, '$behav  lawty')
+      call put(output, ' '//materials(i)//'  RIGID'//repeat(' ', 27)//'Umas='//real_word(scene%materials(i)%density))
+    end do
+    call finish_file(output, error)
+  end subroutine write_bulk
+
+  !> Write TACT_BEHAV.DAT.
+  subroutine write_laws(folder, scene, laws, colours, error)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    type(scene_t), intent(in) :: scene !! scene to write
+    character(len=5), intent(in) :: laws(:) !! names of the laws
+    character(len=5), intent(in) :: colours(:) !! names of the colours
+    type(error_t), allocatable, intent(inout) :: error !! set when a law has no form, or the file cannot be written
+    type(output_t) :: output
+    integer :: i
+
+    do i = 1, size(laws)
+      if (form_of_law(scene%laws(i)) > 0 .or. allocated(error)) cycle
+      call fail(error, 'the law '''//scene%laws(i)%name//''' has no form that a DATBOX can hold')
+    end do
+    if (allocated(error)) return
+    call start_file(output, folder, 'TACT_BEHAV.DAT')
+    do i = 1, size(laws)
+      call put(output, '$behav  lawty')
+      call put_law(output, scene%laws(i), laws(i))
+    end do
+    call put_sees(output, scene, laws, colours)
+    call finish_file(output, error)
+  end subroutine write_laws
+
+  !> Write one law, on as many lines as its form takes.
+  subroutine put_law(output, law, name)
+    type(output_t), intent(inout) :: output
+    type(law_t), intent(in) :: law
+    character(len=5), intent(in) :: name
+    character(len=40) :: head
+    character(len=:), allocatable :: text
+    integer :: line, i
+
+    associate (form => law_forms(form_of_law(law)))
+      head = ' '//name//'  '//form%name
+      do line = 1, max(1, count(form%labels /= ''))
+        text = head
+        do i = 1, 6, 5
+          if (form%labels(line) (i:i) == ' ') exit
+          text = text//form%labels(line) (i:i + 3)//'='//real_word(get_parameter(law, form%labels(line) (i:i + 3)))//'  '
+        end do
+        call put(output, text)
+        head = ''
+      end do
+    end associate
+  end subroutine put_law
+
+  !> Write the see tables, line by line of the scene's, once for each two classes (kind and colour) that a line serves.
+  subroutine put_sees(output, scene, laws, colours)
+    type(output_t), intent(inout) :: output
+    type(scene_t), intent(in) :: scene
+    character(len=5), intent(in) :: laws(:), colours(:)
+    integer, allocatable :: example(:)
+    logical, allocatable :: is_written(:, :)
+    integer :: s, i, j, c, turn
+
+    allocate (example(n_kinds*size(colours)), source=0)
+    allocate (is_written(size(example), size(example)), source=.false.)
+    do c = scene%contactors%n, 1, -1
+      example((scene%contactors%colour(c) - 1)*n_kinds + scene%contactors%kind(c)) = c
+    end do
+    do s = 1, size(scene%sees)
+      ! The second turn serves lines that name the two sides in the other order than LMGC90 knows.
+      do turn = 1, 2
+        do i = 1, size(example)
+          do j = 1, size(example)
+            if (min(example(i), example(j)) == 0) cycle
+            if (is_written(i, j) .or. .not. pair_is_known(kind_of(i), kind_of(j))) cycle
+            if (see_between(scene, example(i), example(j)) /= s) cycle
+            if (turn == 1 .and. .not. is_candidate(scene%sees(s), kind_of(i), colour_of(i))) cycle
+            is_written(i, j) = .true.
+            is_written(j, i) = .true.
+            call put(output, '$seety')
+            call put(output, ' cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert')
+            call put(output, ' RBDY2  '//datbox_kind_names(kind_of(i))//'  '//colours(colour_of(i))//'  ' &
+                     //laws(scene%sees(s)%law)//'  RBDY2  '//datbox_kind_names(kind_of(j))//'  '//colours(colour_of(j)) &
+                     //'      '//real_word(scene%sees(s)%alert))
+          end do
+        end do
+      end do
+    end do
+  contains
+    !> Kind of a class.
+    pure integer function kind_of(class)
+      integer, intent(in) :: class
+
+      kind_of = modulo(class - 1, n_kinds) + 1
+    end function kind_of
+
+    !> Colour of a class.
+    pure integer function colour_of(class)
+      integer, intent(in) :: class
+
+      colour_of = (class - 1)/n_kinds + 1
+    end function colour_of
+  end subroutine put_sees
+
+  !> May this class be the candidate of a see table?
+  pure logical function is_candidate(see, kind, colour)
+    type(see_t), intent(in) :: see
+    integer, intent(in) :: kind, colour
+
+    is_candidate = any(see%candidate_kind == [0, kind]) .and. any(see%candidate_colour == [0, colour])
+  end function is_candidate
+
+  !> Write DRV_DOF.DAT and its evolution files.
+  subroutine write_drives(folder, scene, error)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    type(scene_t), intent(in) :: scene !! scene to write
+    type(error_t), allocatable, intent(inout) :: error !! set when a file cannot be written
+    type(output_t) :: output
+    integer(i4), allocatable :: order(:)
+    integer :: i, body
+
+    call start_file(output, folder, 'DRV_DOF.DAT')
+    call put(output, '! DOF')
+    if (size(scene%pressures) > 0) call put(output, '! Pressures are no part of a DATBOX: the scene has ' &
+                                            //to_text(size(scene%pressures)))
+    call order_by_body(scene%drives, scene%bodies%n, order)
+    body = 0
+    do i = 1, size(order)
+      associate (drive => scene%drives(order(i)))
+        if (drive%body /= body) then
+          if (body > 0) call put(output, '$$$$$$')
+          body = drive%body
+          call put_driven_body(output, body)
+        end if
+        call put_drive(output, folder, drive, order(i), error)
+      end associate
+    end do
+    if (body > 0) call put(output, '$$$$$$')
+    call finish_file(output, error)
+  end subroutine write_drives
+
+  !> Drives grouped by body, in their own order within a body.
+  subroutine order_by_body(drives, n_bodies, order)
+    type(drive_t), intent(in) :: drives(:)
+    integer, intent(in) :: n_bodies
+    integer(i4), allocatable, intent(out) :: order(:)
+    integer(i4), allocatable :: next(:)
+    integer :: i, b
+
+    allocate (order(size(drives)))
+    allocate (next(n_bodies + 1), source=0_i4)
+    do i = 1, size(drives)
+      next(drives(i)%body + 1) = next(drives(i)%body + 1) + 1
+    end do
+    next(1) = 1
+    do b = 1, n_bodies
+      next(b + 1) = next(b + 1) + next(b)
+    end do
+    do i = 1, size(drives)
+      order(next(drives(i)%body)) = int(i, i4)
+      next(drives(i)%body) = next(drives(i)%body) + 1
+    end do
+  end subroutine order_by_body
+
+  !> Begin the drives of a body.
+  subroutine put_driven_body(output, body)
+    type(output_t), intent(inout) :: output
+    integer, intent(in) :: body
+    character(len=15) :: line
+
+    call put(output, '$bdyty')
+    write (line, '(a,i7)') ' RBDY2  ', body
+    call put(output, line)
+    call put(output, '$nodty')
+    call put(output, ' NO3xx      1')
+    call put(output, '$dofty  numbr [CT......+......AMP..*..cos.(..OMEGA.*.time.+.PHI..)]...*...[RAMPI.....+.....RAMP.*.time]')
+  end subroutine put_driven_body
+
+  !> Write one drive; a table of times goes to a file of its own.
+  subroutine put_drive(output, folder, drive, number, error)
+    type(output_t), intent(inout) :: output
+    character(len=*), intent(in) :: folder
+    type(drive_t), intent(in) :: drive
+    integer, intent(in) :: number
+    type(error_t), allocatable, intent(inout) :: error
+    character(len=:), allocatable :: head
+
+    head = ' force      '//to_text(drive%component)//' '
+    if (drive%is_velocity) head = ' vlocy      '//to_text(drive%component)//' '
+    if (allocated(drive%value%times)) then
+      call put(output, head//'evolution drive_'//to_text(number)//'.dat')
+      call write_evolution(folder, 'drive_'//to_text(number)//'.dat', drive%value, error)
+    else
+      associate (value => drive%value)
+        call put(output, head//real_word(value%constant)//' '//real_word(value%amplitude)//' '//real_word(value%omega)//' ' &
+                 //real_word(value%phase)//' '//real_word(value%ramp_start)//' '//real_word(value%ramp_rate))
+      end associate
+    end if
+  end subroutine put_drive
+
+  !> Write an evolution file: time and value, all digits.
+  subroutine write_evolution(folder, name, value, error)
+    character(len=*), intent(in) :: folder, name
+    type(time_function_t), intent(in) :: value
+    type(error_t), allocatable, intent(inout) :: error
+    type(output_t) :: output
+    integer :: i
+
+    call start_file(output, folder, name)
+    do i = 1, size(value%times)
+      call put(output, to_text(value%times(i))//' '//to_text(value%values(i)))
+    end do
+    call finish_file(output, error)
+  end subroutine write_evolution
+end module sg_datbox_write_behaviours

@@ -1,0 +1,207 @@
+!> Writes BODIES.DAT and DOF.INI: bodies, their contactors and their state.
+!!
+!! BODIES.DAT holds eight digits of a place; the displacement of DOF.INI holds what these lose, so that state is kept
+!! to some fifteen digits. A node at the very origin would be taken for one to be computed: it is moved off, and the
+!! displacement moves it back.
+module sg_datbox_write_bodies
+  use sg_bodies, only: angle_of, spin_of
+  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_wall
+  use sg_datbox_output, only: as_written, finish_file, labelled, node_head, output_t, put, put_steps, real_word, &
+                              start_file
+  use sg_error, only: error_t, fail
+  use sg_kinds, only: wp, i4, pi
+  use sg_scene, only: scene_t
+  use sg_text, only: to_text
+  implicit none
+  private
+  public :: write_bodies, write_state, contactors_of_bodies, check_writable
+
+contains
+
+  !> Contactors grouped by body: those of body b are `list(first(b):first(b + 1) - 1)`, in their own order.
+  pure subroutine contactors_of_bodies(contactors, n_bodies, first, list)
+    type(contactors_t), intent(in) :: contactors !! all contactors
+    integer, intent(in) :: n_bodies !! number of bodies
+    integer(i4), allocatable, intent(out) :: first(:) !! shape (n_bodies + 1)
+    integer(i4), allocatable, intent(out) :: list(:) !! shape (contactors)
+    integer(i4), allocatable :: next(:)
+    integer :: c, b
+
+    allocate (first(n_bodies + 1), source=0_i4)
+    allocate (list(contactors%n))
+    do c = 1, contactors%n
+      first(contactors%body(c) + 1) = first(contactors%body(c) + 1) + 1
+    end do
+    first(1) = 1
+    do b = 1, n_bodies
+      first(b + 1) = first(b + 1) + first(b)
+    end do
+    next = first
+    do c = 1, contactors%n
+      b = contactors%body(c)
+      list(next(b)) = int(c, i4)
+      next(b) = next(b) + 1
+    end do
+  end subroutine contactors_of_bodies
+
+  !> Refuse what the format cannot hold: bodies of no material, shifted hollow disks, segments that are shifted or turned.
+  subroutine check_writable(scene, first, list, error)
+    type(scene_t), intent(in) :: scene !! scene to write
+    integer(i4), intent(in) :: first(:) !! first place of each body in the list
+    integer(i4), intent(in) :: list(:) !! contactors grouped by body
+    type(error_t), allocatable, intent(out) :: error !! set when something cannot be written
+    integer :: b, i, c
+    logical :: is_shifted
+
+    do b = 1, scene%bodies%n
+      if (scene%bodies%material(b) < 1) then
+        call fail(error, 'body '//to_text(b)//' has no material: a DATBOX needs one')
+        return
+      end if
+      do i = first(b), first(b + 1) - 1
+        c = list(i)
+        is_shifted = norm2(scene%contactors%shift(:, c)) > 1e-12_wp*scene%contactors%reach(c)
+        select case (scene%contactors%kind(c))
+        case (kind_hollow)
+          if (is_shifted) call fail(error, 'body '//to_text(b)//': a DATBOX cannot hold a hollow disk off its body''s centre')
+        case (kind_wall)
+          if (is_shifted) then
+            call fail(error, 'body '//to_text(b)//': a DATBOX cannot hold a segment off its body''s centre')
+          else if (first(b + 1) - first(b) > 1 .and. abs(scene%contactors%wall_size(3, scene%contactors%row(c))) > 0) then
+            call fail(error, 'body '//to_text(b)//': a DATBOX cannot hold a turned segment in a cluster')
+          end if
+        end select
+        if (allocated(error)) return
+      end do
+    end do
+  end subroutine check_writable
+
+  !> Write BODIES.DAT.
+  subroutine write_bodies(folder, scene, first, list, materials, colours, error)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    type(scene_t), intent(in) :: scene !! scene to write
+    integer(i4), intent(in) :: first(:) !! first place of each body in the list
+    integer(i4), intent(in) :: list(:) !! contactors grouped by body
+    character(len=5), intent(in) :: materials(:) !! names of the materials
+    character(len=5), intent(in) :: colours(:) !! names of the colours
+    type(error_t), allocatable, intent(inout) :: error !! set when the file cannot be written
+    type(output_t) :: output
+    real(wp) :: mass_radius
+    integer :: b, i
+
+    call start_file(output, folder, 'BODIES.DAT')
+    call put(output, '! File BODIES')
+    if (scene%period > 0) call put(output, '! The period in x is no part of a DATBOX: '//real_word(scene%period))
+    do b = 1, scene%bodies%n
+      call put_body(output, b)
+      call put(output, '$blmty')
+      mass_radius = sqrt(scene%bodies%mass(b)/(pi*scene%materials(scene%bodies%material(b))%density))
+      call put(output, labelled('avrd= gyrd= ', [mass_radius, sqrt(scene%bodies%inertia(b)/scene%bodies%mass(b))], &
+                                ' PLAIN      1  behav  '//materials(scene%bodies%material(b))))
+      call put(output, '$nodty')
+      call put(output, labelled('coo1= coo2= coo3= ', node_of(scene, first, list, b), node_head))
+      call put(output, '$tacty')
+      do i = first(b), first(b + 1) - 1
+        call put_contactor(output, scene%contactors, list(i), i - first(b) + 1, colours)
+      end do
+      call put(output, '$$$$$$')
+    end do
+    call finish_file(output, error)
+  end subroutine write_bodies
+
+  !> Begin a body's block.
+  subroutine put_body(output, body)
+    type(output_t), intent(inout) :: output
+    integer, intent(in) :: body
+    character(len=15) :: line
+
+    call put(output, '$bdyty')
+    write (line, '(a,i7)') ' RBDY2  ', body
+    call put(output, line)
+  end subroutine put_body
+
+  !> Place [m, m] and angle [rad] written as a body's node.
+  pure function node_of(scene, first, list, body) result(node)
+    type(scene_t), intent(in) :: scene
+    integer(i4), intent(in) :: first(:), list(:)
+    integer, intent(in) :: body
+    real(wp) :: node(3)
+    integer :: c
+
+    node = [scene%bodies%position(:, body), angle_of(scene%bodies, body)]
+    ! A segment has no angle of its own there: its body turns with it, which nothing else can tell.
+    if (first(body + 1) > first(body)) then
+      c = list(first(body))
+      if (scene%contactors%kind(c) == kind_wall) node(3) = node(3) + scene%contactors%wall_size(3, scene%contactors%row(c))
+    end if
+    if (.not. any(abs(node(1:2)) > 0)) node(1) = 1
+  end function node_of
+
+  !> Write one contactor with its further lines.
+  subroutine put_contactor(output, contactors, contactor, rank, colours)
+    type(output_t), intent(inout) :: output
+    type(contactors_t), intent(in) :: contactors
+    integer, intent(in) :: contactor, rank
+    character(len=5), intent(in) :: colours(:)
+    character(len=27) :: head
+    character(len=46) :: polygon
+    real(wp) :: shift(2)
+    integer :: row, v
+
+    row = contactors%row(contactor)
+    shift = contactors%shift(:, contactor)
+    write (head, '(a,i5,a,a)') ' DISKx  ', rank, '  color  ', colours(contactors%colour(contactor))
+    select case (contactors%kind(contactor))
+    case (kind_disk)
+      if (any(abs(shift) > 0)) head(2:6) = 'DISKb'
+      call put(output, labelled('byrd= ', [contactors%disk_radius(row)], head))
+      if (any(abs(shift) > 0)) call put(output, labelled('coo1= coo2= ', shift))
+    case (kind_hollow)
+      head(2:6) = 'xKSID'
+      call put(output, labelled('byrd= ', [contactors%hollow_radius(row)], head))
+    case (kind_wall)
+      head(2:6) = 'JONCx'
+      call put(output, labelled(' ax1=  ax2= ', contactors%wall_size(1:2, row), head))
+    case (kind_polygon)
+      head(2:6) = 'POLYG'
+      associate (from => contactors%polygon_first(row), to => contactors%polygon_first(row + 1) - 1)
+        write (polygon, '(a,a,i7)') head, '  nb_vertex=', to - from + 1
+        call put(output, polygon//'    byrd='//real_word(contactors%reach(contactor)))
+        do v = from, to
+          call put(output, labelled('coo1= coo2= ', shift + contactors%polygon_vertex(:, v)))
+        end do
+      end associate
+    end select
+  end subroutine put_contactor
+
+  !> Write DOF.INI.
+  subroutine write_state(folder, scene, first, list, time, step_number, error)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    type(scene_t), intent(in) :: scene !! scene to write
+    integer(i4), intent(in) :: first(:) !! first place of each body in the list
+    integer(i4), intent(in) :: list(:) !! contactors grouped by body
+    real(wp), intent(in) :: time !! [s]
+    integer, intent(in) :: step_number !! number of steps made
+    type(error_t), allocatable, intent(inout) :: error !! set when the file cannot be written
+    type(output_t) :: output
+    real(wp) :: node(3), wanted(3)
+    integer :: b, i
+
+    call start_file(output, folder, 'DOF.INI')
+    call put(output, '! DOF')
+    call put_steps(output, time, step_number)
+    do b = 1, scene%bodies%n
+      node = node_of(scene, first, list, b)
+      wanted = [scene%bodies%position(:, b), node(3)]
+      do i = 1, 3
+        node(i) = as_written(node(i))
+      end do
+      call put_body(output, b)
+      call put(output, '$nodty')
+      call put(output, labelled('X(1)= X(2)= X(3)= ', wanted - node, node_head))
+      call put(output, labelled('V(1)= V(2)= V(3)= ', [scene%bodies%velocity(1:2, b), spin_of(scene%bodies, b)]))
+      call put(output, '$$$$$$')
+    end do
+    call finish_file(output, error)
+  end subroutine write_state
+end module sg_datbox_write_bodies

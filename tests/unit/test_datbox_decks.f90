@@ -1,0 +1,108 @@
+!> LMGC90's own decks as DATBOX folders: counts, masses, and what is written read back.
+program test_datbox_decks
+  use harness, only: tests_t
+  use sg_datbox, only: read_datbox
+  use sg_datbox_write, only: contacts_at_start, write_datbox
+  use sg_error, only: diagnostics_t, error_t
+  use sg_kinds, only: wp
+  use sg_scene, only: scene_t
+  use sg_system, only: file_exists
+  implicit none
+  type(tests_t) :: tests
+  character(len=:), allocatable :: decks
+
+  call test_decks()
+  call tests%finish()
+
+contains
+
+  !> LMGC90's own decks, where they are at hand: counts, and the total mass that LMGC90 found.
+  subroutine test_decks()
+    character(len=300) :: variable
+
+    call get_environment_variable('SPLITGRAIN_SHARED', variable)
+    if (variable == '') then
+      call get_environment_variable('SPLITGRAIN_SOURCE', variable)
+      variable = trim(variable)//'/../shared'
+    end if
+    decks = trim(variable)//'/decks/'
+    if (.not. file_exists(decks//'1024DK_BoxJC/DATBOX/BODIES.DAT')) then
+      write (*, '(a)') 'the decks of LMGC90 are not at hand: skipped'
+      return
+    end if
+    call test_deck('1024DK_BoxJC', [1028, 1028, 5, 12, 0], 2.0736121352333057_wp)
+    call test_deck('500PL_PerioBoxJC', [502, 502, 2, 6, 1662], 1555.7495353189004_wp)
+    call test_deck('WallPL_GroundJC', [106, 106, 6, 15, 664], 4000.000704973795_wp)
+    call test_deck('BouncingBallsDK', [4, 4, 3, 3, 0], 1022.8318548202516_wp)
+    call test_deck('DDM_2d_rough_box', [545, 609, 2, 12, 0], 0.0_wp)
+    call test_deck('MembraneBiaxialDK_Iso', [4760, 4760, 5, 12, 0], 32799778.968017_wp)
+    call test_deck('MembraneBiaxialDK_Defo', [4760, 4760, 5, 6, 0], 0.0_wp)
+    call test_deck('bench_disk_45', [2025, 2025, 1, 0, 0], 0.0_wp)
+    call test_spatial('945_SP_Box_PL')
+    call test_spatial('Wall_PR')
+    call test_spatial('bench_sphere_12')
+  end subroutine test_decks
+
+  !> A planar deck.
+  subroutine test_deck(name, counts, mass)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: counts(5)
+    real(wp), intent(in) :: mass
+    type(scene_t) :: scene
+    type(diagnostics_t) :: diagnostics
+
+    call read_datbox(decks//name//'/DATBOX', scene, diagnostics)
+    call tests%equal(diagnostics%count(), 0, name//' is read')
+    if (diagnostics%count() > 0) then
+      call diagnostics%print(6)
+      return
+    end if
+    call tests%equal(scene%bodies%n, counts(1), 'bodies of '//name)
+    call tests%equal(scene%contactors%n, counts(2), 'contactors of '//name)
+    call tests%equal(size(scene%sees), counts(3), 'see tables of '//name)
+    call tests%equal(size(scene%drives), counts(4), 'drives of '//name)
+    call tests%equal(size(scene%start_contacts), counts(5), 'contacts of '//name)
+    ! LMGC90 takes pi in single precision, 2.8e-8 too large.
+    if (mass > 0) call tests%near(sum(scene%bodies%mass), mass, 5e-8_wp*mass, 'mass of '//name)
+    call test_round_trip(scene, name)
+  end subroutine test_deck
+
+  !> A deck in space: one mistake says so.
+  subroutine test_spatial(name)
+    character(len=*), intent(in) :: name
+    type(scene_t) :: scene
+    type(diagnostics_t) :: diagnostics
+
+    call read_datbox(decks//name//'/DATBOX', scene, diagnostics)
+    call tests%equal(diagnostics%count(), 1, name//' is refused once')
+    call tests%check(index(diagnostics%errors(1)%message, 'RBDY3') > 0, name//' has bodies in space')
+  end subroutine test_spatial
+
+  !> A scene written and read again is the same: seven digits or better, as the format holds eight.
+  subroutine test_round_trip(a, name)
+    type(scene_t), intent(in) :: a
+    character(len=*), intent(in) :: name
+    type(scene_t) :: b
+    type(diagnostics_t) :: diagnostics
+    type(error_t), allocatable :: error
+    integer :: n, i
+
+    call write_datbox('datbox_deck', a, contacts_at_start(a), a%start_time, int(a%start_step), error)
+    call tests%check(.not. allocated(error), name//' is written')
+    call read_datbox('datbox_deck', b, diagnostics)
+    call tests%equal(diagnostics%count(), 0, name//' is read again')
+    if (diagnostics%count() > 0) return
+    ! The displacement holds what the place loses: positions keep more than twelve digits.
+    call tests%check(all(abs(a%bodies%position - b%bodies%position) <= 1e-12_wp*max(1.0_wp, maxval(abs(a%bodies%position)))), &
+                     'positions of '//name)
+    call tests%check(all(abs(a%bodies%mass - b%bodies%mass) <= 1e-7_wp*a%bodies%mass), 'masses of '//name)
+    call tests%check(all(abs(a%bodies%inertia - b%bodies%inertia) <= 2e-7_wp*a%bodies%inertia), 'inertias of '//name)
+    call tests%check(all(abs(a%bodies%velocity - b%bodies%velocity) <= 1e-7_wp*abs(a%bodies%velocity)), 'velocities of '//name)
+    call tests%check(size(a%sees) == size(b%sees) .and. size(a%drives) == size(b%drives), 'see tables and drives of '//name)
+    n = size(a%start_contacts)
+    call tests%equal(size(b%start_contacts), n, 'contacts again of '//name)
+    call tests%check(all([(abs(a%start_contacts(i)%force - b%start_contacts(i)%force) &
+                           <= 1e-7_wp*abs(a%start_contacts(i)%force), i=1, n)]), 'forces of '//name)
+    call tests%check(all([(a%start_contacts(i)%contactor == b%start_contacts(i)%contactor, i=1, n)]), 'pairs of '//name)
+  end subroutine test_round_trip
+end program test_datbox_decks
