@@ -78,10 +78,24 @@ contains
     character(len=*), intent(in) :: key !! what it holds, such as `bodies`
     character(len=*), intent(in) :: file !! its name in the folder of the results
 
-    if (.not. allocated(self%files)) allocate (self%file_keys(0), self%files(0))
-    self%file_keys = [self%file_keys, text_t(key)]
-    self%files = [self%files, text_t(file)]
+    call append(self%file_keys, key)
+    call append(self%files, file)
   end subroutine summary_add_file
+
+  !> Append a word to a list.
+  subroutine append(list, word)
+    type(text_t), allocatable, intent(inout) :: list(:)
+    character(len=*), intent(in) :: word
+    type(text_t), allocatable :: longer(:)
+    integer :: n
+
+    n = 0
+    if (allocated(list)) n = size(list)
+    allocate (longer(n + 1))
+    if (n > 0) longer(:n) = list
+    longer(n + 1)%s = word
+    call move_alloc(longer, list)
+  end subroutine append
 
   !> Say how the run ended and what it found.
   subroutine summary_conclude(self, status, reason, time, totals, measures)
