@@ -31,10 +31,10 @@ contains
                 ', volume error '//percent(measures%get('volume_error')))
       call line('energy', to_text(measures%get('kinetic_energy'), 3)//' J kinetic, balance closed to '// &
                 to_text(measures%get('energy_closure'), 2)//' of its largest term')
-      call line('packing', 'compactness '//to_text(measures%get('compactness'), 3)//', coordination '// &
-                to_text(measures%get('coordination'), 3)//', walls carry '//percent(measures%get('floor_share'))// &
+      call line('packing', 'compactness '//fixed(measures%get('compactness'), 3)//', coordination '// &
+                fixed(measures%get('coordination'), 2)//', walls carry '//percent(measures%get('floor_share'))// &
                 ' of the weight')
-      call line('cost', seconds(totals%clock%cpu)//' CPU ('//phase_words(totals)//'), '//seconds(totals%clock%wall)//' wall')
+      call line('cost', fixed(totals%clock%cpu, 2)//' s CPU ('//phase_words(totals)//'), '//fixed(totals%clock%wall, 2)//' s wall')
       call line('solver', effort_words(totals))
       call line('memory', megabytes(peak_memory_bytes())//', '//to_text(nint(totals%bytes_per_contact))// &
                 ' bytes a contact in the contact problem')
@@ -82,34 +82,32 @@ contains
   pure function effort_words(totals) result(words)
     type(totals_t), intent(in) :: totals
     character(len=:), allocatable :: words
-    character(len=16) :: number
 
-    write (number, '(f12.1)') real(totals%sweeps, wp)/real(max(1, totals%steps), wp)
-    words = trim(adjustl(number))//' sweeps a step, '//to_text(totals%contact_updates)//' contact updates'
+    words = fixed(real(totals%sweeps, wp)/real(max(1, totals%steps), wp), 1)//' sweeps a step, '// &
+            to_text(totals%contact_updates)//' contact updates'
     if (.not. totals%phase(phase_solve)%cpu > 0) return
-    write (number, '(f12.1)') real(totals%contact_updates, wp)/totals%phase(phase_solve)%cpu/1e6_wp
-    words = words//', '//trim(adjustl(number))//' million a CPU second'
+    words = words//', '//fixed(real(totals%contact_updates, wp)/totals%phase(phase_solve)%cpu/1e6_wp, 1)// &
+            ' million a CPU second'
   end function effort_words
+
+  !> A number with so many decimals.
+  pure function fixed(value, decimals) result(word)
+    real(wp), intent(in) :: value
+    integer, intent(in) :: decimals
+    character(len=:), allocatable :: word
+    character(len=40) :: buffer
+
+    write (buffer, '(f40.'//to_text(decimals)//')') value
+    word = trim(adjustl(buffer))
+  end function fixed
 
   !> A share as a percentage.
   pure function percent(share) result(word)
     real(wp), intent(in) :: share
     character(len=:), allocatable :: word
-    character(len=24) :: buffer
 
-    write (buffer, '(f24.2)') 100*share
-    word = trim(adjustl(buffer))//' %'
+    word = fixed(100*share, 2)//' %'
   end function percent
-
-  !> Seconds with two decimals.
-  pure function seconds(time) result(word)
-    real(wp), intent(in) :: time
-    character(len=:), allocatable :: word
-    character(len=24) :: buffer
-
-    write (buffer, '(f24.2)') time
-    word = trim(adjustl(buffer))//' s'
-  end function seconds
 
   !> Bytes as megabytes.
   pure function megabytes(bytes) result(word)
