@@ -44,7 +44,7 @@ contains
     call read_bodies(bodies, scene, other_bulk, diagnostics)
     call warn_of_unused(other_bulk, bulk, diagnostics)
     call warn_of_unused(other_laws, tact, diagnostics)
-    call read_drives(folder, scene, diagnostics)
+    if (scene%bodies%n > 0) call read_drives(folder, scene, diagnostics)
     call warn_of_files(folder, diagnostics)
     if (.not. allocated(scene%pressures)) allocate (scene%pressures(0))
     ! Contacts and states name bodies: where bodies are wrong, what follows would be noise.

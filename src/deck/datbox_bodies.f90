@@ -77,7 +77,7 @@ contains
         call complain_once(file, 'stray', 'this line belongs to no body', 1, diagnostics)
       end if
     end do
-    if (n == 0 .and. size(file%lines) > 0) call complain(file, 'there is no body', 0, diagnostics)
+    if (n == 0 .and. file%n_errors == 0) call complain(file, 'there is no body', 0, diagnostics)
   end subroutine read_bodies
 
   !> Read one body's block, from $bdyty to $$$$$$.
@@ -241,11 +241,11 @@ contains
 
     good = .true.
     call real_field(file, first, length, good, diagnostics)
-    if (good .and. length < 0) then
-      call complain(file, 'a size must not be negative', first, diagnostics)
-      good = .false.
-    else if (good .and. is_positive .and. .not. length > 0) then
+    if (good .and. is_positive .and. .not. length > 0) then
       call complain(file, 'a size must be positive', first, diagnostics)
+      good = .false.
+    else if (good .and. length < 0) then
+      call complain(file, 'a size must not be negative', first, diagnostics)
       good = .false.
     end if
     ok = ok .and. good
@@ -328,28 +328,40 @@ contains
     file%at = max(file%at, last)
   end subroutine check_polygon
 
-  !> First vertex that lies on the wrong side of some edge, or on top of its neighbour; 0 when there is none.
+  !> First vertex at which a polygon turns right, or that lies on top of its neighbour; 0 when there is none.
   pure integer function reentrant_vertex(vertices) result(fault)
     real(wp), intent(in) :: vertices(:, :)
     ! Decks have seven digits: vertices in line may stand out by as much.
     real(wp), parameter :: slack = 1e-6_wp
-    real(wp) :: edge(2), arm(2), scale
+    real(wp) :: edge(2), next(2), arm(2), scale
     integer :: i, j, n
 
     n = size(vertices, 2)
     scale = maxval(abs(maxval(vertices, 2) - minval(vertices, 2)))
     do i = 1, n
-      edge = vertices(:, modulo(i, n) + 1) - vertices(:, i)
       fault = modulo(i, n) + 1
-      if (norm2(edge) <= slack*scale) return
+      edge = vertices(:, fault) - vertices(:, i)
+      next = vertices(:, modulo(i + 1, n) + 1) - vertices(:, fault)
+      if (norm2(edge) <= slack*scale .or. cross(edge, next) < -slack*scale*norm2(edge)) return
+    end do
+    ! Left turns alone may still go around twice, as a five-pointed star does.
+    do i = 1, n
+      edge = vertices(:, modulo(i, n) + 1) - vertices(:, i)
       do j = 1, n
         arm = vertices(:, j) - vertices(:, i)
         fault = j
-        if (edge(1)*arm(2) - edge(2)*arm(1) < -slack*scale*norm2(edge)) return
+        if (cross(edge, arm) < -slack*scale*norm2(edge)) return
       end do
     end do
     fault = 0
   end function reentrant_vertex
+
+  !> Cross product of two vectors of the plane.
+  pure real(wp) function cross(a, b)
+    real(wp), intent(in) :: a(2), b(2)
+
+    cross = a(1)*b(2) - a(2)*b(1)
+  end function cross
 
   !> Turn a block into a body of the scene.
   subroutine complete_body(file, scene, block, diagnostics)

@@ -57,9 +57,12 @@ contains
       return
     end if
     call read_lines(file%path, file%lines, error)
-    if (.not. allocated(error)) return
-    call complain(file, error%message, 0, diagnostics)
     if (.not. allocated(file%lines)) allocate (file%lines(0))
+    if (allocated(error)) then
+      call complain(file, error%message, 0, diagnostics)
+    else if (is_needed .and. size(file%lines) == 0) then
+      call complain(file, 'this file is empty', 0, diagnostics)
+    end if
   end subroutine open_datbox_file
 
   !> Go to the next line that is neither blank nor a comment; false at the end of the file.
