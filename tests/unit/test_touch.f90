@@ -156,20 +156,30 @@ contains
   subroutine test_bricks()
     real(wp), parameter :: slack(5) = [-1e-9_wp, -1e-16_wp, 0.0_wp, 1e-16_wp, 1e-9_wp]
     real(wp), parameter :: far(2) = [1234.5_wp, -987.6_wp]
-    real(wp) :: brick(2, 4)
+    real(wp) :: brick(2, 4), first(2)
     type(touch_t) :: touch
     integer :: i, j
 
     brick = rectangle([0.0_wp, 0.0_wp], 0.2_wp, 0.1_wp)
+    touch = touching(moved(brick, [0.2_wp, 0.1_wp]), brick, 1e-3_wp)
+    first = touch%normal(:, 1)
     do i = 1, size(slack)
       touch = touching(moved(brick, [0.2_wp + slack(i), 0.0_wp]), brick, 1e-3_wp)
       call t%equal(touch%n, 2, 'bricks side by side')
       call t%near(touch%normal(1, 1) + touch%normal(1, 2), 2.0_wp, tight, 'side by side: normals')
       call t%near(maxval(abs(touch%gap - slack(i))), 0.0_wp, tight, 'side by side: gaps')
-      touch = touching(moved(brick, [0.1_wp, 0.1_wp + slack(i)]), brick, 1e-3_wp)
-      call t%equal(touch%n, 2, 'bricks in bond')
-      call t%near(touch%normal(2, 1) + touch%normal(2, 2), 2.0_wp, tight, 'in bond: normals')
-      call t%near(abs(touch%point(1, 1) - touch%point(1, 2)), 0.1_wp, tight, 'in bond: width')
+      do j = -1, 1, 2
+        touch = touching(moved(brick, [0.1_wp*real(j, wp), 0.1_wp + slack(i)]), brick, 1e-3_wp)
+        call t%equal(touch%n, 2, 'bricks in bond')
+        call t%near(touch%normal(2, 1) + touch%normal(2, 2), 2.0_wp, tight, 'in bond: normals')
+        call t%near(maxval(abs(touch%gap - slack(i))), 0.0_wp, tight, 'in bond: gaps')
+        call t%near(abs(touch%point(1, 1) - touch%point(1, 2)), 0.1_wp, tight, 'in bond: width')
+        ! Far away, coordinates are rounded to 1e-13, directions of edges to some 1e-12.
+        touch = touching(turned(moved(brick, [0.1_wp*real(j, wp), 0.1_wp + slack(i)]), 0.3_wp, far), &
+                         turned(brick, 0.3_wp, far), 1e-3_wp)
+        call t%near(maxval(abs(touch%normal - reshape([-sin(0.3_wp), cos(0.3_wp), -sin(0.3_wp), cos(0.3_wp)], [2, 2]))), &
+                    0.0_wp, 1e-11_wp, 'in bond, far away: normals')
+      end do
       do j = 1, size(slack)
         touch = touching(moved(brick, [0.2_wp + slack(i), 0.1_wp + slack(j)]), brick, 1e-3_wp)
         call t%equal(touch%n, 1, 'bricks corner on corner')
@@ -181,6 +191,8 @@ contains
         end if
         call t%near(norm2(touch%normal(:, 1)), 1.0_wp, tight, 'corner on corner: unit normal')
         call t%check(all(touch%normal(:, 1) >= -tight), 'corner on corner: normal out of the corner')
+        if (max(abs(slack(i)), abs(slack(j))) < 1e-15_wp) &
+          call t%near(norm2(touch%normal(:, 1) - first), 0.0_wp, tight, 'corner on corner: not by rounding')
         call t%near(norm2(touch%point(:, 1) - [0.1_wp, 0.05_wp]), 0.0_wp, 1e-8_wp, 'corner on corner: point')
         touch = touching(moved(brick, far + [0.2_wp + slack(i), 0.1_wp + slack(j)]), moved(brick, far), 1e-3_wp)
         ! Coordinates of order 1000 are rounded to 1e-13.
@@ -272,16 +284,18 @@ contains
       call t%check(same_keys(one, two), 'keys of a brick right on a brick')
       two = touching(turned(brick, 1e-4_wp*real(i, wp), [0.0_wp, 0.1_wp]), brick, 1e-3_wp)
       call t%check(same_keys(one, two), 'keys of a brick rocking right on a brick')
+      two = touching(turned(brick, 1e-13_wp*real(i, wp), [0.1_wp, 0.1_wp]), brick, 1e-3_wp)
+      call t%check(all(abs(two%normal(1, :)) <= 0), 'a brick at rest has the normal of the one below')
     end do
   end subroutine test_keys
 
-  !> Have two touches the same points, told by their keys?
+  !> Have two touches the same keys, at the left and at the right?
   logical function same_keys(one, two)
     type(touch_t), intent(in) :: one, two
 
-    same_keys = one%n == two%n
-    if (same_keys) same_keys = all(one%feature(:one%n) == two%feature(:two%n)) &
-                               .or. all(one%feature(:one%n) == two%feature(two%n:1:-1))
+    same_keys = one%n == 2 .and. two%n == 2
+    if (same_keys) same_keys = all(one%feature([minloc(one%point(1, :)), maxloc(one%point(1, :))]) &
+                                   == two%feature([minloc(two%point(1, :)), maxloc(two%point(1, :))]))
   end function same_keys
 
   !> Points of contact of two polygons without periodic image.
