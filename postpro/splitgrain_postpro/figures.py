@@ -4,7 +4,10 @@ from . import plots
 from .errors import ResultsError
 from .scene import draw_scene, proportions
 from .style import new_figure, say_nothing_there
-from .text import headline, in_columns, summary_rows
+from .text import headline
+
+# A scene this many times as wide as high goes over the curves rather than beside them.
+WIDE = 1.9
 
 
 def scene_figure(results, picture=-1, quantity="speed"):
@@ -45,32 +48,27 @@ def solver_figure(results):
 
 def summary_figure(results, picture=-1):
     """One page: the scene with its force chains, energies, effort, residuals, error against cost."""
+    scene = results.scene(picture) if len(results.picture_times) else None
     figure = new_figure(15, 8.4)
-    left, right = figure.subfigures(1, 2, width_ratios=[1.05, 1.2], wspace=0.02)
-    panels = right.subplots(2, 2)
-    plots.draw_energies(panels[0, 0], results.record)
-    plots.draw_effort(panels[0, 1], results.record)
-    plots.draw_residuals(panels[1, 0], results.record)
-    plots.draw_residuals(panels[1, 1], results.record, against="cpu")
-    ax, table = left.subplots(2, 1, height_ratios=[4.5, 1])
-    missing = [] if results.record else ["no record.csv"]
-    if len(results.picture_times):
-        missing += draw_scene(ax, results.scene(picture), "speed", results.period)
+    if scene is not None and proportions(scene, results.period) > WIDE:
+        place, rest = figure.subfigures(2, 1, height_ratios=[1.25, 1], hspace=0.02)
+        panels = rest.subplots(1, 4)
     else:
+        place, rest = figure.subfigures(1, 2, width_ratios=[1.05, 1.2], wspace=0.02)
+        panels = rest.subplots(2, 2).ravel()
+    plots.draw_energies(panels[0], results.record)
+    plots.draw_effort(panels[1], results.record)
+    plots.draw_residuals(panels[2], results.record)
+    plots.draw_residuals(panels[3], results.record, against="cpu")
+    missing = [] if results.record else ["no record.csv"]
+    ax = place.subplots()
+    if scene is None:
         say_nothing_there(ax, "no pictures (bodies, shapes, contacts.vtkhdf):\nset [output] every in the deck")
         missing.append("no pictures")
-    _write_rows(table, summary_rows(results))
+    else:
+        missing += draw_scene(ax, scene, "speed", results.period)
     figure.suptitle(headline(results), x=0.01, ha="left")
     return figure, missing
-
-
-def _write_rows(ax, rows, n_columns=3):
-    """Words and values in columns of text."""
-    ax.set_axis_off()
-    length = -(-len(rows) // n_columns)
-    for column in range(n_columns):
-        text = in_columns(rows[column * length : (column + 1) * length])
-        ax.text(column / n_columns, 1, text, transform=ax.transAxes, va="top", family="monospace", fontsize=7.5)
 
 
 def _need_record(results):

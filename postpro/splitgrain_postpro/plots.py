@@ -10,6 +10,10 @@ TIME = "time [s]"
 # A legend beside the title hides no curve.
 ABOVE = {"loc": "lower right", "bbox_to_anchor": (1, 0.99), "ncols": 3, "borderpad": 0.2,
          "handlelength": 1.2, "columnspacing": 1.0}  # fmt: skip
+# Energies below this share of the largest are zero.
+ROUNDING = 1e-9
+# The smallest residual shown, as a share of the largest.
+RESIDUAL_RANGE = 1e-6
 PHASES = {
     "cpu_predict": ("predict", SKY), "cpu_detect": ("detect", GREEN), "cpu_assemble": ("assemble", ORANGE),
     "cpu_solve": ("solve", BLUE), "cpu_update": ("update", PURPLE), "cpu_measure": ("measure", "#999999"),
@@ -58,9 +62,10 @@ def draw_energies(ax, record):
         ("lost in impacts", _column(record, "impact_loss"), SKY),
     ]
     drawn = False
+    largest = max(np.nanmax(np.abs(values), initial=0.0) for _, values, _ in curves)
     for label, values, colour in curves:
-        # Works that a scene does not know stay zero: they would only fill the legend.
-        if label.startswith("work") and not np.any(np.abs(values) > 0):
+        # Works that a scene does not know stay zero to rounding: they would only fill the legend.
+        if label.startswith("work") and not np.any(np.abs(values) > ROUNDING * largest):
             continue
         drawn = draw_series(ax, time, values, colour, label) or drawn
     _finish(ax, drawn, TIME, "energy [J per m of depth]", "Energies", loc="best")
@@ -124,8 +129,12 @@ def draw_residuals(ax, record, against="time"):
     x = _column(record, "time" if against == "time" else "cpu_seconds")
     drawn = False
     for name, colour in (("e1", ORANGE), ("e2", GREEN), ("e8", BLUE)):
-        drawn = draw_series(ax, x, _column(record, name), colour, name.upper(), log=True) or drawn
+        drawn = draw_series(ax, x, _column(record, name), colour, name.upper(), log=True, dashed=name == "e2") or drawn
     ax.set_yscale("log")
+    # The first steps, in which hardly anything touches, are exact to rounding: they would squeeze all others.
+    if drawn:
+        low, high = ax.dataLim.intervaly
+        ax.set_ylim(max(0.5 * low, RESIDUAL_RANGE * high), 2 * high)
     if against == "time":
         _finish(ax, drawn, TIME, "residual [-]", "Residuals", **ABOVE)
     else:

@@ -153,7 +153,7 @@ def _draw_grains(ax, scene, grains, quantity, period, view):
     """Grains filled by a quantity, with its scale."""
     outlines, copied = _repeat(scene.shapes.outlines(grains), period, view)
     # Outlines of many small grains would hide their colours.
-    edge = 0.4 if len(grains) <= 4000 else 0.15
+    edge = min(0.04 * _grain_diameter(ax, scene, view), 0.5)
     collection = PolyCollection(outlines, edgecolor="#6B7B88", linewidth=edge, facecolor=GRAIN)
     ax.add_collection(collection, autolim=False)
     values = None if quantity == "none" else _of_shapes(scene, quantity, np.nan)[grains].astype(float)
@@ -228,8 +228,9 @@ def _draw_forces(ax, scene, period, view):
         lines = [_nearest_image(line, period) for line in lines]
     lines, copied = _repeat(lines, period, view)
     # A tail of rare large forces must not thin out the chains: widths saturate at the largest hundredth.
+    widest = np.clip(0.6 * _grain_diameter(ax, scene, view), 0.8, 10.0)
     thick = np.quantile(np.abs(force), 0.99)
-    widths = np.minimum(np.abs(force[copied]) / thick, 1.0) * _widest_line(ax, scene, view)
+    widths = np.minimum(np.abs(force[copied]) / thick, 1.0) * widest
     colours = np.where(force[copied] >= 0, VERMILION, BLUE)
     ax.add_collection(LineCollection(lines, linewidths=widths, colors=colours, capstyle="round"), autolim=False)
     ax.set_xlabel(f"x [m]      thickest line: normal force {number(thick)} N and above")
@@ -242,16 +243,15 @@ def _nearest_image(line, period):
     return line
 
 
-def _widest_line(ax, scene, view):
-    """Width of the thickest line [points]: most of a grain's diameter, within what the eye takes."""
-    box = ax.get_window_extent()
-    points_per_metre = min(box.width / (view[1] - view[0]), box.height / (view[3] - view[2])) * 72 / ax.figure.dpi
+def _grain_diameter(ax, scene, view):
+    """Diameter of a middling grain as it is drawn [points]; what can be seen well where no radius is known."""
     data = scene.bodies.point_data if scene.bodies is not None else {}
     if "radius" not in data:
-        return 3.0
+        return 5.0
+    box = ax.get_window_extent()
+    points_per_metre = min(box.width / (view[1] - view[0]), box.height / (view[3] - view[2])) * 72 / ax.figure.dpi
     grains = data["is_grain"] > 0 if "is_grain" in data else data["radius"] > 0
-    radius = np.median(data["radius"][grains]) if grains.any() else 0.0
-    return float(np.clip(1.2 * radius * points_per_metre, 0.8, 10.0))
+    return 2 * float(np.median(data["radius"][grains])) * points_per_metre if grains.any() else 5.0
 
 
 def _draw_centres(ax, scene, quantity):

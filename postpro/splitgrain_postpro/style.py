@@ -12,8 +12,8 @@ BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
 WALL = "#8C8C8C"
 GRAIN = "#DDE3E8"
 
-# Light enough everywhere for dark force chains to stand out.
-FILL = LinearSegmentedColormap.from_list("fill", ["#F3F6F8", "#BFD9EA", "#7FB8D8", "#46A0A8", "#8CC665", "#F3E55C"])
+# ColorBrewer's YlGnBu without its ends: to be seen on white, and light enough everywhere for force chains to stand out.
+FILL = LinearSegmentedColormap.from_list("fill", ["#EDF8B1", "#C7E9B4", "#7FCDBB", "#41B6C4", "#1D91C0"])
 KINDS = ["#BFD9EA", "#F3D9A4", "#B9E0CF", "#E7C9DA", "#F0E9A8", "#D9D9D9", "#F2BFA0"]
 
 SETTINGS = {

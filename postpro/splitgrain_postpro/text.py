@@ -6,6 +6,9 @@ from .style import number
 
 # Name in run.json, words, unit.
 LINES = [
+    ("steps", "steps", ""),
+    ("unconverged_steps", "not converged", ""),
+    ("time", "simulated time", "s"),
     ("bodies", "bodies", ""),
     ("contacts", "contacts", ""),
     ("active_contacts", "carrying force", ""),
@@ -71,32 +74,15 @@ def headline(results):
     return "   |   ".join(parts)
 
 
-def summary_rows(results):
-    """What is worth telling about a run, as (words, value)."""
+def summary_text(results, missing=()):
+    """The text that `summary` prints and saves: one fact a line."""
     known = facts(results)
-    rows = []
-    if _is_known(known, "steps"):
-        rows.append(("steps", _words(known["steps"])))
-    if _is_known(known, "unconverged_steps"):
-        rows.append(("not converged", _words(known["unconverged_steps"])))
-    if _is_known(known, "time"):
-        rows.append(("simulated time", f"{number(known['time'])} s"))
+    rows = [("run", f"{results.name}, {state(results)}")]
     rows += [(words, f"{_words(known[name])} {unit}".rstrip()) for name, words, unit in LINES if _is_known(known, name)]
     if len(results.picture_times):
-        times = results.picture_times
-        rows.append(("pictures", f"{len(times)}, to {number(times[-1])} s"))
-    return rows
-
-
-def summary_text(results, missing=()):
-    """The text that `summary` prints and saves."""
-    rows = [("run", f"{results.name}, {state(results)}"), *summary_rows(results)]
-    return in_columns(rows + [("not there", sentence) for sentence in missing])
-
-
-def in_columns(rows):
-    """Words and values, one row a line, values below each other."""
-    width = max((len(words) for words, _ in rows), default=0) + 2
+        rows.append(("pictures", f"{len(results.picture_times)}, to {number(results.picture_times[-1])} s"))
+    rows += [("not there", sentence) for sentence in missing]
+    width = max(len(words) for words, _ in rows) + 2
     return "".join(f"{words:<{width}}{value}\n" for words, value in rows)
 
 
