@@ -10,8 +10,8 @@
 !!         _______1|____|2         1: incident vertex over the face, 2: end of the face under the edge
 !!        |  reference  |
 !!
-!! Where the lowest incident vertex hangs beyond the end of the face, that end and the point of the incident edge
-!! nearest to it are the contact: a distance between vertices, true in length and direction.
+!! Where the lowest incident vertex hangs beyond the end of the face, that end and the vertex nearest to it are the
+!! contact: a distance true in length and direction.
 module sg_touch_convex
   use sg_kinds, only: wp, i4
   use sg_touch, only: touch_t, add_point, same_length
@@ -155,7 +155,8 @@ contains
       normal = face%normal
       gap = dot(normal, facing)
       apart = facing - corner*tangent
-      if (beyond > rounding .and. face%height > 0 .and. size_of(apart) > rounding) then
+      ! A foot inside the incident edge means two edges that are parallel to rounding: the face's normal is theirs.
+      if (beyond > rounding .and. face%height > 0 .and. size_of(apart) > rounding .and. abs(2*fraction - 1) >= 1) then
         gap = size_of(apart)
         normal = apart/gap
       end if
