@@ -188,7 +188,10 @@ def _scale_of_labels(ax, collection, values, quantity):
 
 def _colour_bar(ax, collection, quantity, **options):
     """The scale of the colours, as high as the scene."""
-    bar = ax.figure.colorbar(collection, cax=ax.inset_axes([1.02, 0, 0.025, 1]), label=LABELS[quantity], **options)
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    # As wide on the page for a tower as for a flume.
+    width = 0.02 * max(1.0, (high - low) / (right - left))
+    bar = ax.figure.colorbar(collection, cax=ax.inset_axes([1 + width, 0, width, 1]), label=LABELS[quantity], **options)
     bar.outline.set_linewidth(0.5)
 
 
