@@ -3,7 +3,7 @@ submodule(sg_hdf5) hdf5_with_hdf5
   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_f_pointer, c_funloc, c_funptr, c_int, c_int64_t, c_loc, &
                                          c_null_char, c_null_ptr, c_ptr, c_size_t
   use hdf5, only: h5_integer_kind, h5aclose_f, h5acreate_f, h5aexists_f, h5aget_type_f, h5aopen_f, h5aread_f, h5awrite_f, &
-                  h5dclose_f, h5dcreate_f, h5dget_space_f, h5dopen_f, h5dread_f, h5dset_extent_f, h5dwrite_f, &
+                  h5dclose_f, h5dcreate_f, h5dget_space_f, h5dont_atexit_f, h5dopen_f, h5dread_f, h5dset_extent_f, h5dwrite_f, &
                   h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_rdwr_f, h5f_acc_trunc_f, h5f_libver_earliest_f, &
                   h5f_libver_v110_f, h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fopen_f, h5gclose_f, &
                   h5gcreate_f, h5kind_to_type, h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, h5p_dataset_create_f, &
@@ -90,6 +90,8 @@ contains
     if (allocated(self%error)) deallocate (self%error)
     self%name = name
     self%id = -1
+    ! At exit the library would try once more to flush a file for which the disk had no room, and crash.
+    call h5dont_atexit_f(status)
     call h5open_f(status)
     call h5eset_auto_f(0, status)
     call h5pcreate_f(h5p_file_access_f, access, status)

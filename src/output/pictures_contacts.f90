@@ -49,6 +49,7 @@ contains
     real(wp), intent(in) :: time !! [s]
     integer, intent(in) :: step !! number of the step
     integer :: i, n
+    integer(i8) :: no_ids(0)
     real(wp), allocatable :: points(:, :)
 
     n = contacts%n
@@ -63,7 +64,7 @@ contains
       call write_arrays(self, scene, contacts)
     else
       ! VTK 9.5 and 9.6 misread a step without cells: one cell of type "empty" draws nothing.
-      call self%grid%part(0, [integer(i8) ::], [0_i8, 0_i8], [vtk_empty])
+      call self%grid%part(0, no_ids, [0_i8, 0_i8], [vtk_empty])
       call self%grid%place(points)
       call write_zeros(self)
     end if

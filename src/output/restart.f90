@@ -139,11 +139,13 @@ contains
     type(restart_t), intent(in) :: state !! state to write, all components set
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written; older files stay
     character(len=:), allocatable :: name, unfinished
+    integer :: newest
+    integer(i8) :: serial
 
-    name = folder//'/'//file_names(1)
-    if (newest_restart(folder) == name) name = folder//'/'//file_names(2)
+    call find_newest(folder, newest, serial)
+    name = folder//'/'//file_names(merge(2, 1, newest == 1))
     unfinished = name//'.unfinished'
-    call write_file(unfinished, state, error)
+    call write_file(unfinished, state, serial + 1, error)
     if (allocated(error)) then
       call remove_file(unfinished)
     else if (.not. is_synced(unfinished)) then
@@ -154,9 +156,10 @@ contains
   end subroutine write_restart
 
   !> Write all datasets.
-  subroutine write_file(name, state, error)
+  subroutine write_file(name, state, serial, error)
     character(len=*), intent(in) :: name
     type(restart_t), intent(in) :: state
+    integer(i8), intent(in) :: serial
     type(error_t), allocatable, intent(out) :: error
     type(hdf5_file_t) :: file
 
@@ -165,6 +168,7 @@ contains
     call file%set('/', 'format_version', format_version)
     call file%set('/', 'program', 'SplitGrain '//version//' ('//commit//')')
     call file%set('/', 'deck_hash', state%deck_hash)
+    call file%set('/', 'serial', serial)
     call file%set('/', 'step', int(state%step, i8))
     call file%put('/time', [state%time])
     call file%put('/totals', state%totals)
@@ -203,21 +207,34 @@ contains
   function newest_restart(folder) result(name)
     character(len=*), intent(in) :: folder !! folder of the results
     character(len=:), allocatable :: name
-    type(hdf5_file_t) :: file
-    integer(i8) :: step, last
-    integer :: i
+    integer :: newest
+    integer(i8) :: serial
 
     name = ''
-    last = -1
+    call find_newest(folder, newest, serial)
+    if (newest > 0) name = folder//'/'//trim(file_names(newest))
+  end function newest_restart
+
+  !> Find the file written last. Steps do not tell: a new run may have begun in the folder of an old one.
+  subroutine find_newest(folder, newest, serial)
+    character(len=*), intent(in) :: folder
+    integer, intent(out) :: newest !! index into `file_names`; 0 when there is none
+    integer(i8), intent(out) :: serial !! its serial number; 0 when there is none
+    type(hdf5_file_t) :: file
+    integer(i8) :: found
+    integer :: i
+
+    newest = 0
+    serial = 0
     do i = 1, size(file_names)
       call file%open(folder//'/'//file_names(i), is_read_only=.true.)
-      call file%look('/', 'step', step)
+      call file%look('/', 'serial', found)
       call file%close()
-      if (allocated(file%error) .or. step <= last) cycle
-      last = step
-      name = folder//'/'//file_names(i)
+      if (allocated(file%error) .or. found <= serial) cycle
+      newest = i
+      serial = found
     end do
-  end function newest_restart
+  end subroutine find_newest
 
   !> Read a state and see whether it fits the scene; that another deck wrote it is only a warning.
   subroutine read_restart(name, scene, deck_hash, state, diagnostics)

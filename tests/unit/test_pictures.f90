@@ -1,6 +1,7 @@
 !> Pictures: what the files hold, going on with them, a step without contacts, and a full disk.
 !!
-!! The files stay in the folder `pictures`, where tests/pictures/check_vtkhdf.py reads them with VTK and h5py.
+!! The files stay in the folder `pictures`, where tests/pictures/check_vtkhdf.py reads them with VTK and h5py. Called
+!! with the name of a folder as argument, the program writes there until it is killed (tests/pictures/check_live.py).
 program test_pictures
   use harness, only: tests_t
   use sg_bodies, only: drop_rotation
@@ -20,6 +21,7 @@ program test_pictures
   real(wp), parameter :: period = 10, h = 0.01_wp, velocity = 2
   type(tests_t) :: t
 
+  if (command_argument_count() > 0) call write_endlessly()
   if (hdf5_is_available()) then
     call test_run('pictures', is_single=.false., is_compressed=.false.)
     call test_run('pictures_single', is_single=.true., is_compressed=.true.)
@@ -148,6 +150,27 @@ contains
     ! Single precision keeps 24 bits of a position of 10 m.
     call check_files(folder, merge(1e-6_wp, 1e-14_wp, is_single))
   end subroutine test_run
+
+  !> Write pictures until killed, or until something goes wrong.
+  subroutine write_endlessly()
+    type(pictures_t) :: pictures
+    type(scene_t) :: scene
+    type(error_t), allocatable :: error
+    character(len=200) :: folder
+    integer :: step
+
+    call get_command_argument(1, folder)
+    scene = some_scene()
+    call pictures%open(scene, some_options(trim(folder)), -1, error)
+    step = 0
+    do while (.not. allocated(error))
+      step = step + 1
+      call pictures%write(scene, some_contacts(step, 1_i1), real(step, wp)*h, step, error)
+    end do
+    write (*, '(a)') error%report()
+    call pictures%close(error)
+    stop 1
+  end subroutine write_endlessly
 
   !> Look at the files of eleven steps.
   subroutine check_files(folder, tolerance)

@@ -177,6 +177,9 @@ contains
       call t%check(.not. allocated(error), 'a file is written')
       call t%check(newest_restart(folder) == folder//'/restart_'//merge('a', 'b', mod(i, 2) == 1)//'.h5', 'in turn')
     end do
+    state%step = 10
+    call write_restart(folder, state, error)
+    call t%check(newest_restart(folder) == folder//'/restart_a.h5', 'what is written last counts, also at an earlier step')
     call t%check(newest_restart('no/such/folder') == '', 'a missing folder has no restart file')
   end subroutine test_turns
 
