@@ -155,8 +155,9 @@ contains
       normal = face%normal
       gap = dot(normal, facing)
       apart = facing - corner*tangent
-      ! A foot inside the incident edge means two edges that are parallel to rounding: the face's normal is theirs.
-      if (beyond > rounding .and. face%height > 0 .and. size_of(apart) > rounding .and. abs(2*fraction - 1) >= 1) then
+      ! Beyond the face, vertex faces vertex. A foot inside the incident edge would mean that the two edges are parallel
+      ! to rounding, for otherwise the incident polygon had the better face: then the normal stays the face's.
+      if (beyond > rounding .and. abs(2*fraction - 1) >= 1 .and. size_of(apart) > rounding) then
         gap = size_of(apart)
         normal = apart/gap
       end if

@@ -13,6 +13,10 @@ program test_touch
   use sg_touch_polygon_wall, only: touch_polygon_wall
   implicit none
   real(wp), parameter :: tight = 1e-13_wp, zero(2) = [0.0_wp, 0.0_wp]
+  !> A place where coordinates are rounded to 1e-13
+  real(wp), parameter :: far(2) = [1234.5_wp, -987.6_wp]
+  !> Gaps in a wall of bricks
+  real(wp), parameter :: slacks(5) = [-1e-9_wp, -1e-16_wp, 0.0_wp, 1e-16_wp, 1e-9_wp]
   type(tests_t) :: t
 
   call test_disks()
@@ -154,53 +158,64 @@ contains
 
   !> Bricks of a wall: gaps and overlaps of nothing or rounding, shared faces, corner neighbours, far from the origin.
   subroutine test_bricks()
-    real(wp), parameter :: slack(5) = [-1e-9_wp, -1e-16_wp, 0.0_wp, 1e-16_wp, 1e-9_wp]
-    real(wp), parameter :: far(2) = [1234.5_wp, -987.6_wp]
-    real(wp) :: brick(2, 4), first(2)
+    real(wp) :: brick(2, 4)
     type(touch_t) :: touch
     integer :: i, j
 
     brick = rectangle([0.0_wp, 0.0_wp], 0.2_wp, 0.1_wp)
-    touch = touching(moved(brick, [0.2_wp, 0.1_wp]), brick, 1e-3_wp)
-    first = touch%normal(:, 1)
-    do i = 1, size(slack)
-      touch = touching(moved(brick, [0.2_wp + slack(i), 0.0_wp]), brick, 1e-3_wp)
+    do i = 1, size(slacks)
+      touch = touching(moved(brick, [0.2_wp + slacks(i), 0.0_wp]), brick, 1e-3_wp)
       call t%equal(touch%n, 2, 'bricks side by side')
       call t%near(touch%normal(1, 1) + touch%normal(1, 2), 2.0_wp, tight, 'side by side: normals')
-      call t%near(maxval(abs(touch%gap - slack(i))), 0.0_wp, tight, 'side by side: gaps')
+      call t%near(maxval(abs(touch%gap - slacks(i))), 0.0_wp, tight, 'side by side: gaps')
       do j = -1, 1, 2
-        touch = touching(moved(brick, [0.1_wp*real(j, wp), 0.1_wp + slack(i)]), brick, 1e-3_wp)
+        touch = touching(moved(brick, [0.1_wp*real(j, wp), 0.1_wp + slacks(i)]), brick, 1e-3_wp)
         call t%equal(touch%n, 2, 'bricks in bond')
         call t%near(touch%normal(2, 1) + touch%normal(2, 2), 2.0_wp, tight, 'in bond: normals')
-        call t%near(maxval(abs(touch%gap - slack(i))), 0.0_wp, tight, 'in bond: gaps')
+        call t%near(maxval(abs(touch%gap - slacks(i))), 0.0_wp, tight, 'in bond: gaps')
         call t%near(abs(touch%point(1, 1) - touch%point(1, 2)), 0.1_wp, tight, 'in bond: width')
         ! Far away, coordinates are rounded to 1e-13, directions of edges to some 1e-12.
-        touch = touching(turned(moved(brick, [0.1_wp*real(j, wp), 0.1_wp + slack(i)]), 0.3_wp, far), &
+        touch = touching(turned(moved(brick, [0.1_wp*real(j, wp), 0.1_wp + slacks(i)]), 0.3_wp, far), &
                          turned(brick, 0.3_wp, far), 1e-3_wp)
         call t%near(maxval(abs(touch%normal - reshape([-sin(0.3_wp), cos(0.3_wp), -sin(0.3_wp), cos(0.3_wp)], [2, 2]))), &
                     0.0_wp, 1e-11_wp, 'in bond, far away: normals')
       end do
-      do j = 1, size(slack)
-        touch = touching(moved(brick, [0.2_wp + slack(i), 0.1_wp + slack(j)]), brick, 1e-3_wp)
-        call t%equal(touch%n, 1, 'bricks corner on corner')
-        ! Both slacks positive: distance of the corners; otherwise the greater slack is the separation.
-        if (min(slack(i), slack(j)) > 1e-10_wp) then
-          call t%near(touch%gap(1), norm2([slack(i), slack(j)]), tight, 'corner on corner: distance')
-        else
-          call t%near(touch%gap(1), max(slack(i), slack(j)), 2*tight, 'corner on corner: separation')
-        end if
-        call t%near(norm2(touch%normal(:, 1)), 1.0_wp, tight, 'corner on corner: unit normal')
-        call t%check(all(touch%normal(:, 1) >= -tight), 'corner on corner: normal out of the corner')
-        if (max(abs(slack(i)), abs(slack(j))) < 1e-15_wp) &
-          call t%near(norm2(touch%normal(:, 1) - first), 0.0_wp, tight, 'corner on corner: not by rounding')
-        call t%near(norm2(touch%point(:, 1) - [0.1_wp, 0.05_wp]), 0.0_wp, 1e-8_wp, 'corner on corner: point')
-        touch = touching(moved(brick, far + [0.2_wp + slack(i), 0.1_wp + slack(j)]), moved(brick, far), 1e-3_wp)
-        ! Coordinates of order 1000 are rounded to 1e-13.
-        call t%near(touch%gap(1), max(slack(i), slack(j)), 2e-9_wp, 'corner on corner, far away')
-        call t%near(norm2(touch%normal(:, 1)), 1.0_wp, tight, 'corner on corner, far away: unit normal')
+    end do
+    call test_corners(brick)
+  end subroutine test_bricks
+
+  !> A brick above another, to the right and to the left, that meets it in a corner at most.
+  subroutine test_corners(brick)
+    real(wp), intent(in) :: brick(2, 4) !! 0.2 by 0.1
+    real(wp) :: corner(2), slack(2), first(2)
+    type(touch_t) :: touch
+    integer :: i, j, side
+
+    do side = -1, 1, 2
+      corner = [0.2_wp*real(side, wp), 0.1_wp]
+      touch = touching(moved(brick, corner), brick, 1e-3_wp)
+      first = touch%normal(:, 1)
+      do i = 1, size(slacks)
+        do j = 1, size(slacks)
+          slack = [slacks(i), slacks(j)]
+          touch = touching(moved(brick, corner + slack*real([side, 1], wp)), brick, 1e-3_wp)
+          call t%equal(touch%n, 1, 'bricks corner on corner')
+          ! Both slacks positive: distance of the corners; otherwise the greater slack is the separation.
+          call t%near(touch%gap(1), merge(norm2(slack), maxval(slack), minval(slack) > 1e-10_wp), 2*tight, &
+                      'corner on corner: gap')
+          call t%near(norm2(touch%normal(:, 1)), 1.0_wp, tight, 'corner on corner: unit normal')
+          call t%check(all(touch%normal(:, 1)*real([side, 1], wp) >= -tight), 'corner on corner: normal out of the corner')
+          if (maxval(abs(slack)) < 1e-15_wp) &
+            call t%near(norm2(touch%normal(:, 1) - first), 0.0_wp, tight, 'corner on corner: not by rounding')
+          call t%near(norm2(touch%point(:, 1) - corner/2), 0.0_wp, 1e-8_wp, 'corner on corner: point')
+          touch = touching(moved(brick, far + corner + slack*real([side, 1], wp)), moved(brick, far), 1e-3_wp)
+          ! Coordinates of order 1000 are rounded to 1e-13.
+          call t%near(touch%gap(1), maxval(slack), 2e-9_wp, 'corner on corner, far away')
+          call t%near(norm2(touch%normal(:, 1)), 1.0_wp, tight, 'corner on corner, far away: unit normal')
+        end do
       end do
     end do
-  end subroutine test_bricks
+  end subroutine test_corners
 
   !> Needles, slivers, coincident polygons, polygons of no size: finite unit normals.
   subroutine test_odd_polygons()
