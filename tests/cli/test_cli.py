@@ -1,0 +1,262 @@
+#!/usr/bin/env python3
+"""Test the program from outside: commands, exit codes, files of results, signals, restart.
+
+usage: test_cli.py PROGRAM [unittest options]
+"""
+
+import csv
+import json
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+PROGRAM = None
+SOURCE = Path(__file__).resolve().parents[2]
+
+# Twelve disks fall on a floor.
+DECK = """[time]
+step = 1e-3
+steps = 120
+[solver]
+tolerance = 1e-6
+[[material]]
+name = "sand"
+density = 2600.0
+[[law]]
+friction = 0.3
+[[wall]]
+from = [-0.1, -0.01]
+to = [0.5, -0.01]
+thickness = 0.02
+[[sample]]
+box = [0.0, 0.0, 0.4, 0.3]
+kind = "lattice"
+count = 12
+radius = [0.03, 0.04]
+"""
+
+# Names that scripts rely on.
+RUN_KEYS = """steps time bodies contacts active_contacts converged_steps worst_e1 worst_e2 worst_e8 sweeps contact_updates
+cpu_seconds cpu_predict cpu_detect cpu_assemble cpu_solve cpu_update wall_seconds kinetic_energy mean_velocity max_velocity
+max_penetration volume_error compactness coordination energy_closure ranks bytes_per_contact peak_memory_bytes version
+deck_hash""".split()
+RECORD_COLUMNS = """step time contacts sweeps contact_updates e1 e2 e8 cpu_seconds wall_seconds kinetic_energy
+potential_energy drive_work friction_loss impact_loss energy_closure mean_penetration max_penetration volume_error
+compactness coordination coordination_without_rattlers single_contacts double_contacts triple_contacts mean_velocity
+max_velocity inertia_number""".split()
+
+
+class Cli(unittest.TestCase):
+    def setUp(self):
+        place = tempfile.TemporaryDirectory(prefix="splitgrain ")
+        self.addCleanup(place.cleanup)
+        self.place = Path(place.name)
+        self.deck = self.place / "fall.toml"
+        self.deck.write_text(DECK)
+
+    def run_program(self, *words, code=0):
+        """Run the program in the test's folder; its exit code must be this one."""
+        done = subprocess.run([PROGRAM, *map(str, words)], cwd=self.place, capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, code, f"{words}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def run_json(self, folder="fall.results"):
+        return json.loads((self.place / folder / "run.json").read_text())
+
+    def record(self, folder="fall.results"):
+        with open(self.place / folder / "record.csv", newline="") as file:
+            return list(csv.DictReader(file))
+
+    def has_hdf5(self):
+        return re.search(r"^HDF5\s+on", self.run_program("--version").stdout, re.M) is not None
+
+    def restart_files(self, folder):
+        return sorted(p.name for p in (self.place / folder).iterdir() if "restart" in p.name)
+
+
+class Commands(Cli):
+    def test_version_names_compiler_and_libraries(self):
+        printed = self.run_program("--version").stdout
+        for word in ("splitgrain", "commit", "compiler", "flags", "MPI", "HDF5"):
+            self.assertIn(word, printed)
+
+    def test_help_everywhere(self):
+        for command in ("run", "check", "reference", "convert", "bench"):
+            self.assertIn(command, self.run_program(command, "--help").stdout)
+        self.assertIn("run DECK", self.run_program("--help").stdout)
+
+    def test_mistakes_of_the_command_line(self):
+        for words, said in (
+            (["rnu", "fall.toml"], 'did you mean "run"'),
+            (["run"], "run DECK"),
+            (["run", "nowhere.toml"], "nowhere.toml"),
+            (["run", "fall.toml", "--outptu", "x"], "outptu"),
+            (["run", "fall.toml", "--walltime", "soon"], "walltime"),
+            (["run", "fall.toml", "--set", "solver.tolerence=1"], 'did you mean "tolerance"'),
+            (["run", "fall.toml", "--set", "time.steps=many"], "steps"),
+        ):
+            with self.subTest(words=words):
+                self.assertIn(said, self.run_program(*words, code=2).stderr)
+
+    def test_reference_in_the_documentation_is_that_of_the_program(self):
+        self.assertEqual(self.run_program("reference").stdout, (SOURCE / "doc/deck_reference.md").read_text())
+
+
+class Decks(Cli):
+    def test_unknown_key_is_shown_with_a_caret(self):
+        self.deck.write_text(DECK.replace("friction =", "frction ="))
+        for command in ("check", "run"):
+            said = self.run_program(command, "fall.toml", code=2).stderr
+            self.assertRegex(said, r'fall\.toml:10:1: error: unknown key "frction" in \[\[law\]\]; did you mean "friction"\?')
+            self.assertIn("  frction = 0.3\n  ^", said)
+        self.assertFalse((self.place / "fall.results").exists())
+
+    def test_all_mistakes_at_once(self):
+        self.deck.write_text(DECK.replace("step = 1e-3", "step = 0.0").replace("2600.0", '"heavy"'))
+        said = self.run_program("check", "fall.toml", code=2).stderr
+        self.assertIn("fall.toml:2:", said)
+        self.assertIn("fall.toml:8:", said)
+
+    def test_check_counts_without_running(self):
+        printed = self.run_program("check", "fall.toml").stdout
+        self.assertRegex(printed, r"13 bodies \(12 grains\)")
+        self.assertIn("left out", printed)
+        self.assertEqual([p.name for p in self.place.iterdir()], ["fall.toml"])
+
+    def test_every_deck_of_the_project_is_whole_and_runs(self):
+        decks = sorted((SOURCE / "input_decks").rglob("*.toml"))
+        self.assertTrue(decks)
+        for deck in decks:
+            with self.subTest(deck=deck.name):
+                self.run_program("check", deck)
+                self.run_program("run", deck, "--set", "time.steps=3", "--output", deck.stem, "--quiet")
+                self.assertEqual(self.run_json(deck.stem)["steps"], 3)
+
+
+class Runs(Cli):
+    def test_a_run_writes_what_scripts_rely_on(self):
+        printed = self.run_program("run", "fall.toml", "--set", "output.record_every=10").stdout
+        self.assertIn("done: 120 of 120 steps", printed)
+        run = self.run_json()
+        self.assertEqual([key for key in RUN_KEYS if key not in run], [])
+        self.assertEqual((run["status"], run["steps"], run["bodies"]), ("done", 120, 13))
+        # Free fall and rest under a tolerance of 1e-6: hardly any overlap, and a balance closed to rounding.
+        self.assertLess(run["worst_e8"], 1e-6)
+        self.assertLess(run["energy_closure"], 1e-9)
+        rows = self.record()
+        self.assertEqual([int(row["step"]) for row in rows], list(range(10, 121, 10)))
+        self.assertEqual([name for name in RECORD_COLUMNS if name not in rows[0]], [])
+
+    def test_effective_deck_repeats_the_run(self):
+        self.run_program("run", "fall.toml", "--set", "time.steps=40", "--output", "a", "--quiet")
+        self.run_program("run", "a/effective.toml", "--output", "b", "--quiet")
+        first, second = self.run_json("a"), self.run_json("b")
+        self.assertEqual(second["steps"], 40)
+        for key in ("deck_hash", "kinetic_energy", "contacts", "sweeps", "max_penetration"):
+            self.assertEqual(first[key], second[key], key)
+
+    def test_the_same_seed_gives_the_same_run(self):
+        for folder in ("a", "b"):
+            self.run_program("run", "fall.toml", "--output", folder, "--quiet")
+        for row, same in zip(self.record("a"), self.record("b"), strict=True):
+            for name in row:
+                if "seconds" not in name and not name.startswith("cpu_"):
+                    self.assertEqual(row[name], same[name], name)
+
+    def test_quiet_run_prints_nothing(self):
+        self.assertEqual(self.run_program("run", "fall.toml", "--quiet").stdout, "")
+
+    def test_run_that_does_not_converge_says_so(self):
+        hard = ["--set", "solver.maximum_sweeps=1", "--set", "solver.tolerance=1e-14", "--set", "solver.check_every=1"]
+        self.run_program("run", "fall.toml", *hard)
+        self.assertGreater(self.run_json()["unconverged_steps"], 0)
+        self.run_program("run", "fall.toml", *hard, "--set", "solver.stop_unconverged=true", code=3)
+        self.assertEqual(self.run_json()["status"], "not converged")
+
+    def test_results_that_cannot_be_written(self):
+        (self.place / "taken").write_text("a file, no folder")
+        self.assertIn("taken", self.run_program("run", "fall.toml", "--output", "taken", code=5).stderr)
+        (self.place / "out" / "record.csv").mkdir(parents=True)
+        self.assertIn("record.csv", self.run_program("run", "fall.toml", "--output", "out", code=5).stderr)
+        run = self.run_json("out")
+        self.assertEqual(run["status"], "failed")
+        self.assertIn("record.csv", run["reason"])
+
+
+class Stops(Cli):
+    def start(self, *words):
+        """Start a run that would last for hours, and wait for its first rows."""
+        program = subprocess.Popen(
+            [PROGRAM, "run", "fall.toml", "--set", "time.steps=100000000", "--set", "output.record_every=100",
+             "--output", "out", "--quiet", *words],
+            cwd=self.place, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)  # fmt: skip
+        self.addCleanup(program.stderr.close)
+        self.addCleanup(program.kill)
+        self.wait_for(lambda: self.rows() >= 2)
+        return program
+
+    def rows(self):
+        path = self.place / "out" / "record.csv"
+        return path.read_text().count("\n") if path.exists() else 0
+
+    def wait_for(self, holds):
+        end = time.monotonic() + 60
+        while not holds():
+            self.assertLess(time.monotonic(), end, "nothing happens")
+            time.sleep(0.02)
+
+    def test_signals_end_the_run_with_a_checkpoint(self):
+        for number in (signal.SIGTERM, signal.SIGINT):
+            with self.subTest(signal=number.name):
+                program = self.start()
+                program.send_signal(number)
+                self.assertEqual(program.wait(60), 75)
+                self.assertEqual(self.run_json("out")["status"], "stopped")
+                if self.has_hdf5():
+                    self.assertTrue(self.restart_files("out"))
+                shutil.rmtree(self.place / "out")
+
+    def test_walltime_ends_the_run(self):
+        self.run_program("run", "fall.toml", "--set", "time.steps=100000000", "--set", "output.record_every=0",
+                         "--walltime", "0.3", "--quiet", code=75)  # fmt: skip
+        run = self.run_json()
+        self.assertEqual(run["status"], "stopped")
+        self.assertGreater(run["steps"], 0)
+
+    def test_checkpoint_on_request_and_on_with_the_run(self):
+        if not self.has_hdf5():
+            self.skipTest("a build without HDF5 has no checkpoints")
+        program = self.start()
+        program.send_signal(signal.SIGUSR1)
+        self.wait_for(lambda: self.restart_files("out"))
+        rows = self.rows()
+        self.wait_for(lambda: self.rows() > rows)
+        self.assertIsNone(program.poll())
+        program.kill()
+        program.wait(60)
+
+    def test_restarted_run_is_the_straight_one(self):
+        if not self.has_hdf5():
+            self.skipTest("a build without HDF5 has no checkpoints")
+        every = ["--set", "restart.every=50", "--quiet"]
+        self.run_program("run", "fall.toml", "--output", "straight", *every)
+        self.run_program("run", "fall.toml", "--output", "halves", "--set", "time.steps=50", *every)
+        self.run_program("run", "fall.toml", "--output", "halves", "--restart", "halves", *every)
+        straight, halves = self.run_json("straight"), self.run_json("halves")
+        for key in ("time", "contacts", "kinetic_energy", "potential_energy", "max_penetration", "friction_loss"):
+            self.assertEqual(straight[key], halves[key], key)
+        self.assertEqual([row["step"] for row in self.record("straight")], [row["step"] for row in self.record("halves")])
+
+
+if __name__ == "__main__":
+    PROGRAM = str(Path(sys.argv.pop(1)).resolve())
+    outcome = unittest.main(exit=False).result
+    failed = len(outcome.failures) + len(outcome.errors)
+    print(f"{outcome.testsRun - failed} passed, {failed} failed")
+    sys.exit(failed > 0 or outcome.testsRun == 0)
