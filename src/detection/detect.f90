@@ -2,7 +2,7 @@
 module sg_detect
   use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_wall, place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
-  use sg_history, only: history_t, match, recall, remember
+  use sg_history, only: history_t, keep_contacts, match_pairs, recall
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_mohr, status_bonded, status_new
   use sg_neighbours, only: build_neighbours, neighbours_are_stale, neighbours_t
@@ -27,11 +27,18 @@ contains
     type(history_t), intent(inout) :: history !! contacts of the last detection
     type(contacts_t), intent(inout) :: contacts !! contacts of the last step, replaced by those of this one
 
-    if (.not. history%is_start) call remember(history, contacts)
-    if (neighbours_are_stale(pairs, scene)) call build_neighbours(pairs, scene, scene%bodies%middle)
-    if (history%n_pairs > 0) call match(history, scene%contactors%n, pairs%n, pairs%contactor)
+    if (.not. history%is_loaded) call keep_contacts(history, contacts)
+    history%is_matched = .false.
+    if (neighbours_are_stale(pairs, scene)) then
+      if (.not. history%is_loaded .and. allocated(pairs%contactor)) history%contactor = pairs%contactor(:, :pairs%n)
+      call build_neighbours(pairs, scene, scene%bodies%middle)
+      call match_pairs(history, scene%contactors%n, pairs)
+    else if (history%is_loaded) then
+      call match_pairs(history, scene%contactors%n, pairs)
+    end if
     call place_contactors(scene%contactors, scene%bodies%middle)
     call touch_all(scene, pairs, history, contacts)
+    history%is_loaded = .false.
     history%is_start = .false.
   end subroutine detect
 
@@ -39,34 +46,81 @@ contains
   subroutine touch_all(scene, pairs, history, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
-    type(history_t), intent(in) :: history
+    type(history_t), intent(inout) :: history
     type(contacts_t), intent(inout) :: contacts
     type(touch_t) :: touch
-    integer :: p, i, k
+    integer(i4), allocatable :: first(:)
+    integer :: p, i
 
     contacts%n = 0
     call reserve_contacts(contacts, pairs%n)
+    allocate (first(pairs%n + 1))
     do p = 1, pairs%n
-      call touch_pair(scene%contactors, pairs%contactor(1, p), pairs%contactor(2, p), scene%period*real(pairs%image(p), wp), &
-                      scene%sees(pairs%see(p))%alert, touch)
-      if (touch%n == 0) cycle
-      call reserve_contacts(contacts, contacts%n + touch%n)
-      do i = 1, touch%n
-        k = contacts%n + 1
-        contacts%n = k
-        contacts%contactor(:, k) = pairs%contactor(:, p)
-        contacts%body(:, k) = scene%contactors%body(pairs%contactor(:, p))
-        contacts%image(k) = pairs%image(p)
-        contacts%law(k) = int(scene%sees(pairs%see(p))%law, i4)
-        contacts%feature(k) = touch%feature(i)
-        contacts%normal(:, k) = touch%normal(:, i)
-        contacts%point(:, k) = touch%point(:, i)
-        contacts%gap(k) = touch%gap(i)
-        call recall(history, p, touch%feature(i), touch%point(:, i), contacts%impulse(:, k), contacts%status(k))
-        if (history%is_start) contacts%status(k) = status_at_start(scene, contacts%law(k), contacts%status(k))
-      end do
+      first(p) = int(contacts%n, i4) + 1
+      associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), see => scene%sees(pairs%see(p)))
+        if (disks_are_apart(scene, c, a, pairs%image(p), see%alert)) cycle
+        call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), see%alert, touch)
+        if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
+        do i = 1, touch%n
+          call add_contact(scene, pairs, history, p, touch, i, contacts)
+        end do
+      end associate
     end do
+    first(pairs%n + 1) = int(contacts%n, i4) + 1
+    call move_alloc(first, history%first)
+    history%n_pairs = pairs%n
   end subroutine touch_all
+
+  !> Are the two shapes disks that are farther apart than the alert distance? Most neighbours are; a square tells.
+  pure logical function disks_are_apart(scene, c, a, image, alert) result(apart)
+    type(scene_t), intent(in) :: scene
+    integer(i4), intent(in) :: c, a
+    integer(i1), intent(in) :: image
+    real(wp), intent(in) :: alert
+    real(wp) :: x, y, limit
+
+    apart = .false.
+    associate (contactors => scene%contactors)
+      if (contactors%kind(c) /= kind_disk .or. contactors%kind(a) /= kind_disk) return
+      x = contactors%centre(1, c) - contactors%centre(1, a) - scene%period*real(image, wp)
+      y = contactors%centre(2, c) - contactors%centre(2, a)
+      limit = contactors%reach(c) + contactors%reach(a) + alert
+      apart = x**2 + y**2 > limit**2
+    end associate
+  end function disks_are_apart
+
+  !> Add one point of contact, with the impulse of its past.
+  subroutine add_contact(scene, pairs, history, p, touch, i, contacts)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: p, i
+    type(touch_t), intent(in) :: touch
+    type(contacts_t), intent(inout) :: contacts
+    integer :: k, past
+
+    k = contacts%n + 1
+    contacts%n = k
+    contacts%contactor(1, k) = pairs%contactor(1, p)
+    contacts%contactor(2, k) = pairs%contactor(2, p)
+    contacts%body(1, k) = scene%contactors%body(pairs%contactor(1, p))
+    contacts%body(2, k) = scene%contactors%body(pairs%contactor(2, p))
+    contacts%image(k) = pairs%image(p)
+    contacts%law(k) = int(scene%sees(pairs%see(p))%law, i4)
+    contacts%feature(k) = touch%feature(i)
+    contacts%normal(:, k) = touch%normal(:, i)
+    contacts%point(:, k) = touch%point(:, i)
+    contacts%gap(k) = touch%gap(i)
+    past = recall(history, p, touch%feature(i), touch%point(:, i))
+    if (past > 0) then
+      contacts%impulse(:, k) = history%impulse(:, past)
+      contacts%status(k) = history%status(past)
+    else
+      contacts%impulse(:, k) = 0
+      contacts%status(k) = status_new
+    end if
+    if (history%is_start) contacts%status(k) = status_at_start(scene, contacts%law(k), contacts%status(k))
+  end subroutine add_contact
 
   !> What a contact of the very first step is taken to have done before: Mohr-Coulomb contacts start bonded.
   pure integer(i1) function status_at_start(scene, law, status)

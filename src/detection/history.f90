@@ -6,18 +6,18 @@ module sg_history
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_kinds, only: wp, i1, i4, i8
   use sg_lists, only: reserve
-  use sg_neighbours, only: candidate_first
+  use sg_neighbours, only: candidate_first, neighbours_t
   use sg_scene, only: scene_t
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: history_t, start_history, remember, match, recall, revive
+  public :: history_t, start_history, resume_history, keep_contacts, match_pairs, recall, revive
 
   !> Contacts of the last detection, as much as the next one needs
   type :: history_t
-    !> Number of pairs that had contacts
+    !> Number of pairs, with or without contacts
     integer :: n_pairs = 0
-    !> Contactors of each pair, shape (2, n_pairs)
+    !> Contactors of each pair, shape (2, n_pairs); set when the list of neighbours is about to change
     integer(i4), allocatable :: contactor(:, :)
     !> Contacts of pair p are `first(p)` to `first(p + 1) - 1`
     integer(i4), allocatable :: first(:)
@@ -25,8 +25,12 @@ module sg_history
     integer(i4), allocatable :: feature(:)
     real(wp), allocatable :: impulse(:, :), point(:, :)
     integer(i1), allocatable :: status(:)
-    !> Pair of the past for each present neighbour pair, 0 where there is none
+    !> Past pair of each present one, 0 where there is none; unused while the list of neighbours stays
     integer(i4), allocatable :: past(:)
+    !> Must pairs be matched, because the list of neighbours is another one?
+    logical :: is_matched = .false.
+    !> Were the contacts read from a deck or a restart file? Then `contactor` is set and `keep_contacts` is not due
+    logical :: is_loaded = .false.
     !> Contacts read from a deck carry no feature: they are found by their points
     logical :: by_point = .false.
     !> Has nothing been detected yet, not even before a restart?
@@ -59,7 +63,7 @@ contains
         contacts%status(k) = known%status
       end associate
     end do
-    call remember(history, contacts)
+    call load(history, contacts)
     history%by_point = .true.
     history%point = contacts%point(:, :contacts%n)
   end subroutine start_history
@@ -90,24 +94,27 @@ contains
     if (.not. candidate_first(scene%contactors, contactor(1), contactor(2))) oriented = oriented([2, 1])
   end function oriented
 
-  !> Note the contacts of a detection.
-  subroutine remember(history, contacts)
+  !> Take the contacts of a restart file for the past.
+  subroutine resume_history(history, contacts)
     type(history_t), intent(inout) :: history !! past to fill
-    type(contacts_t), intent(in) :: contacts !! contacts to note
+    type(contacts_t), intent(in) :: contacts !! contacts of the step before the restart
+
+    call load(history, contacts)
+    history%is_start = .false.
+  end subroutine resume_history
+
+  !> Take contacts that stand pair by pair, finding the pairs from them.
+  subroutine load(history, contacts)
+    type(history_t), intent(inout) :: history
+    type(contacts_t), intent(in) :: contacts
     integer :: k
     logical :: is_new
 
     history%n_pairs = 0
-    history%by_point = .false.
-    call reserve(history%feature, contacts%n)
-    call reserve(history%status, contacts%n)
-    call reserve(history%impulse, contacts%n_components, contacts%n)
+    call keep_contacts(history, contacts)
     call reserve(history%first, contacts%n + 1)
     call reserve(history%contactor, 2, contacts%n)
     do k = 1, contacts%n
-      history%feature(k) = contacts%feature(k)
-      history%status(k) = contacts%status(k)
-      history%impulse(:, k) = contacts%impulse(:, k)
       is_new = k == 1
       if (.not. is_new) is_new = any(contacts%contactor(:, k) /= contacts%contactor(:, k - 1)) &
                                  .or. contacts%image(k) /= contacts%image(k - 1)
@@ -117,28 +124,46 @@ contains
       history%first(history%n_pairs) = int(k, i4)
     end do
     history%first(history%n_pairs + 1) = int(contacts%n, i4) + 1
-  end subroutine remember
+    history%is_loaded = .true.
+  end subroutine load
 
-  !> Find the past of every neighbour pair.
-  subroutine match(history, n_contactors, n_pairs, contactor)
+  !> Note impulses, features and statuses of the last detection; `first` was set by it.
+  subroutine keep_contacts(history, contacts)
+    type(history_t), intent(inout) :: history !! past to fill
+    type(contacts_t), intent(in) :: contacts !! contacts to note
+    integer :: n
+
+    n = contacts%n
+    history%by_point = .false.
+    call reserve(history%feature, n)
+    call reserve(history%status, n)
+    call reserve(history%impulse, contacts%n_components, n)
+    if (n == 0) return
+    history%feature(:n) = contacts%feature(:n)
+    history%status(:n) = contacts%status(:n)
+    history%impulse(:, :n) = contacts%impulse(:, :n)
+  end subroutine keep_contacts
+
+  !> Find the past of every pair of a new list of neighbours.
+  subroutine match_pairs(history, n_contactors, pairs)
     type(history_t), intent(inout) :: history !! past; `past` is set
     integer, intent(in) :: n_contactors !! contactors of the scene
-    integer, intent(in) :: n_pairs !! present pairs
-    integer(i4), intent(in), contiguous :: contactor(:, :) !! their contactors, shape (2, n_pairs)
+    type(neighbours_t), intent(in) :: pairs !! the new list
     integer(i4), allocatable :: first(:), member(:)
     integer :: p, m
 
     call list_by_candidate(history, n_contactors, first, member)
-    call reserve(history%past, n_pairs)
-    do p = 1, n_pairs
+    call reserve(history%past, pairs%n)
+    do p = 1, pairs%n
       history%past(p) = 0
-      do m = first(contactor(1, p)), first(contactor(1, p) + 1) - 1
-        if (history%contactor(2, member(m)) == contactor(2, p)) history%past(p) = member(m)
+      do m = first(pairs%contactor(1, p)), first(pairs%contactor(1, p) + 1) - 1
+        if (history%contactor(2, member(m)) == pairs%contactor(2, p)) history%past(p) = member(m)
       end do
     end do
-  end subroutine match
+    history%is_matched = .true.
+  end subroutine match_pairs
 
-  !> Past pairs of each candidate: those of c are `member(first(c))` to `member(first(c + 1) - 1)`.
+  !> Past pairs with contacts of each candidate: those of c are `member(first(c))` to `member(first(c + 1) - 1)`.
   subroutine list_by_candidate(history, n_contactors, first, member)
     type(history_t), intent(in) :: history
     integer, intent(in) :: n_contactors
@@ -149,6 +174,7 @@ contains
     allocate (first(n_contactors + 1), source=0_i4)
     allocate (member(history%n_pairs))
     do p = 1, history%n_pairs
+      if (history%first(p + 1) == history%first(p)) cycle
       c = history%contactor(1, p)
       first(c + 1) = first(c + 1) + 1
     end do
@@ -158,29 +184,27 @@ contains
     end do
     next = first
     do p = 1, history%n_pairs
+      if (history%first(p + 1) == history%first(p)) cycle
       c = history%contactor(1, p)
       member(next(c)) = int(p, i4)
       next(c) = next(c) + 1
     end do
   end subroutine list_by_candidate
 
-  !> Impulse and status of a contact's past; zero and new where it has none.
-  pure subroutine recall(history, pair, feature, point, impulse, status)
+  !> Contact of the past that a contact of now goes on from; 0 when it is new.
+  pure integer function recall(history, pair, feature, point) result(best)
     type(history_t), intent(in) :: history !! past
     integer, intent(in) :: pair !! present neighbour pair
     integer(i4), intent(in) :: feature !! feature of the contact
     real(wp), intent(in) :: point(2) !! its point [m]
-    real(wp), intent(out) :: impulse(:) !! impulse of the last step [N s]
-    integer(i1), intent(out) :: status !! status after the last step
-    integer :: k, best, past
+    integer :: k, past
     real(wp) :: nearest, distance
 
-    impulse = 0
-    status = 0
-    past = 0
-    if (history%n_pairs > 0) past = history%past(pair)
-    if (past == 0) return
     best = 0
+    if (history%n_pairs == 0) return
+    past = pair
+    if (history%is_matched) past = history%past(pair)
+    if (past == 0) return
     nearest = huge(1.0_wp)
     do k = history%first(past), history%first(past + 1) - 1
       if (history%by_point) then
@@ -192,14 +216,12 @@ contains
         best = k
       end if
     end do
-    if (best == 0) return
-    impulse = history%impulse(:size(impulse), best)
-    status = history%status(best)
-  end subroutine recall
+  end function recall
 
   !> Bring the past back as contacts, when the step after it failed: what a restart needs of them.
-  subroutine revive(history, contacts)
+  subroutine revive(history, pairs, contacts)
     type(history_t), intent(in) :: history !! past
+    type(neighbours_t), intent(in) :: pairs !! present list of neighbours
     type(contacts_t), intent(inout) :: contacts !! contacts to replace
     integer :: p, k
 
@@ -209,7 +231,7 @@ contains
     call reserve_contacts(contacts, contacts%n)
     do p = 1, history%n_pairs
       do k = history%first(p), history%first(p + 1) - 1
-        contacts%contactor(:, k) = history%contactor(:, p)
+        contacts%contactor(:, k) = pair_of(p)
         contacts%feature(k) = history%feature(k)
         contacts%impulse(:, k) = history%impulse(:, k)
         contacts%status(k) = history%status(k)
@@ -217,5 +239,16 @@ contains
         contacts%law(k) = 1
       end do
     end do
+  contains
+    pure function pair_of(p) result(pair)
+      integer, intent(in) :: p
+      integer(i4) :: pair(2)
+
+      if (history%is_matched) then
+        pair = history%contactor(:, p)
+      else
+        pair = pairs%contactor(:, p)
+      end if
+    end function pair_of
   end subroutine revive
 end module sg_history

@@ -42,7 +42,7 @@ contains
   pure logical function neighbours_are_stale(pairs, scene) result(stale)
     type(neighbours_t), intent(in) :: pairs !! list to look at
     type(scene_t), intent(in) :: scene !! its bodies' `middle` counts
-    real(wp) :: moved
+    real(wp) :: moved, arm
     integer :: c, b
 
     stale = .not. allocated(pairs%built)
@@ -50,11 +50,12 @@ contains
     associate (contactors => scene%contactors, middle => scene%bodies%middle)
       do c = 1, contactors%n
         b = contactors%body(c)
-        moved = hypot(middle(1, b) - pairs%built(1, b), middle(2, b) - pairs%built(2, b))
+        moved = (middle(1, b) - pairs%built(1, b))**2 + (middle(2, b) - pairs%built(2, b))**2
         if (size(middle, 1) == 3) then
-          moved = moved + abs(middle(3, b) - pairs%built(3, b))*turning_arm(contactors, c)
+          arm = turning_arm(contactors, c)
+          if (arm > 0) moved = (sqrt(moved) + abs(middle(3, b) - pairs%built(3, b))*arm)**2
         end if
-        if (moved > pairs%skin/2) then
+        if (moved > (pairs%skin/2)**2) then
           stale = .true.
           return
         end if

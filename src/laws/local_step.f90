@@ -3,7 +3,7 @@ module sg_local_step
   use sg_kinds, only: wp
   implicit none
   private
-  public :: coulomb_step, cone_projection
+  public :: coulomb_step
 
 contains
 
@@ -45,20 +45,4 @@ contains
     r_n = -q_n/merge(stiffness, w_nn, stiffness > 0)
     r_t = -side*friction*r_n
   end subroutine coulomb_step
-
-  !> Projection on Coulomb's cone |x_t| <= friction x_n (doc/theory/errors.md).
-  pure function cone_projection(x, friction) result(projected)
-    real(wp), intent(in) :: x(2) !! normal and tangential component
-    real(wp), intent(in) :: friction !! Coulomb coefficient
-    real(wp) :: projected(2), normal
-
-    if (friction*abs(x(2)) <= -x(1)) then
-      projected = 0
-    else if (abs(x(2)) <= friction*x(1)) then
-      projected = x
-    else
-      normal = (x(1) + friction*abs(x(2)))/(1 + friction**2)
-      projected = [normal, sign(friction*normal, x(2))]
-    end if
-  end function cone_projection
 end module sg_local_step

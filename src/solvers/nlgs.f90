@@ -1,31 +1,43 @@
 !> Nonlinear Gauss-Seidel: sweeps over the contacts until the stopping criterion holds (doc/theory/nlgs.md).
+!!
+!! The errors are always those of all contacts. Sweeps visit those that carry an impulse and the open ones that may
+!! close; who they are is looked up again as the errors fall.
 module sg_nlgs
   use sg_compact, only: add_impulses
   use sg_increments, only: increment_criterion
   use sg_kinds, only: wp, i8
-  use sg_lanes, only: build_lanes, lanes_t, load_lanes, store_lanes, sweep_lanes
   use sg_problem, only: arm_frictional, arm_frictionless, bytes_per_contact, problem_t, round_frictional, round_frictionless
   use sg_report, only: report_t
-  use sg_residuals, only: measure_errors
+  use sg_residuals, only: choose_visited, measure_errors
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_violation, solver_options_t
   use sg_solver, only: solver_t
   use sg_sweep_arm, only: sweep_arm_frictional, sweep_arm_frictionless
+  use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
   use sg_sweep_round, only: sweep_round_frictional, sweep_round_frictionless
   use sg_timers, only: timer_t
   implicit none
   private
   public :: nlgs_t
 
+  !> Open contacts that part faster than this many rms errors of velocity are not visited
+  real(wp), parameter :: speed_limit = 30
+  !> Who is visited is looked up again when the sweeps have doubled, or when a test finds the criterion above this share
+  !! of the last one
+  real(wp), parameter :: stalled = 0.95_wp
+
   !> The Gauss-Seidel solver
   type, extends(solver_t) :: nlgs_t
     !> Options of the deck
     type(solver_options_t) :: options
-    !> Contacts in vector groups, where the problem allows it
-    type(lanes_t) :: lanes
+    !> Contacts in the order of the sweep
+    type(sweep_order_t), private :: order
+    !> Which contacts are visited
+    logical, allocatable, private :: is_wanted(:)
+    !> Sweeps when this was looked up, and the criterion of the last test
+    integer, private :: last_choice = 0
+    real(wp), private :: last_criterion = 0
     !> Impulses of one sweep ago, for criteria that look at increments
-    real(wp), allocatable :: before(:, :)
-    !> Bodies with a slot 0 for empty lanes
-    real(wp), allocatable :: body(:, :)
+    real(wp), allocatable, private :: before(:, :)
   contains
     procedure :: solve => nlgs_solve
   end type nlgs_t
@@ -44,13 +56,7 @@ contains
     if (.not. self%options%warm_start) problem%impulse = 0
     call add_impulses(problem)
     report%is_converged = .false.
-    if (uses_lanes(self, problem)) then
-      call build_lanes(self%lanes, problem%n_contacts, problem%pair, problem%body)
-      call load_lanes(self%lanes, problem%pair, problem%record, problem%impulse)
-      allocate (self%body(size(problem%body, 1), 0:problem%n_bodies))
-      self%body(:, 0) = 0
-      self%body(:, 1:) = problem%body
-    end if
+    call start_order(self, problem)
     do while (report%sweeps < self%options%maximum_sweeps .and. .not. report%is_converged)
       call sweeps%start()
       call sweep_until_check(self, problem, report)
@@ -59,19 +65,24 @@ contains
       call check(self, problem, report)
       call checks%stop()
     end do
-    if (allocated(self%body)) deallocate (self%body)
-    report%contact_updates = int(report%sweeps, i8)*int(problem%n_contacts, i8)
     report%cpu_sweeps = sweeps%cpu
     report%cpu_checks = checks%cpu
   end subroutine nlgs_solve
 
-  !> May this problem be swept in vector groups?
-  pure logical function uses_lanes(self, problem)
-    class(nlgs_t), intent(in) :: self
+  !> Begin with all contacts.
+  subroutine start_order(self, problem)
+    class(nlgs_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
 
-    uses_lanes = problem%kind == round_frictional .and. self%options%order == 'groups'
-  end function uses_lanes
+    if (allocated(self%is_wanted)) then
+      if (size(self%is_wanted) < problem%n_contacts) deallocate (self%is_wanted)
+    end if
+    if (.not. allocated(self%is_wanted)) allocate (self%is_wanted(problem%n_contacts + problem%n_contacts/8))
+    self%is_wanted(:problem%n_contacts) = .true.
+    call set_order(self%order, problem, self%is_wanted, self%options%order == 'groups')
+    self%last_choice = 0
+    self%last_criterion = huge(1.0_wp)
+  end subroutine start_order
 
   !> Sweep as often as the options say between two tests; before the last one, note the impulses where wanted.
   subroutine sweep_until_check(self, problem, report)
@@ -83,15 +94,14 @@ contains
     n = min(self%options%check_every, self%options%maximum_sweeps - report%sweeps)
     do i = 1, n
       if (i == n .and. looks_at_increments(self)) then
-        if (uses_lanes(self, problem)) call store_lanes(self%lanes, problem%impulse)
+        call give_impulses(self%order, problem)
         self%before = problem%impulse(:, :problem%n_contacts)
       end if
       call sweep(self, problem)
     end do
     report%sweeps = report%sweeps + n
-    if (.not. uses_lanes(self, problem)) return
-    call store_lanes(self%lanes, problem%impulse)
-    problem%body = self%body(:, 1:)
+    report%contact_updates = report%contact_updates + int(n, i8)*int(self%order%n, i8)
+    call give_impulses(self%order, problem)
   end subroutine sweep_until_check
 
   !> One sweep by the kernel of the problem's kind.
@@ -99,22 +109,17 @@ contains
     class(nlgs_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem
 
-    associate (n => problem%n_contacts, pair => problem%pair, record => problem%record, r => problem%impulse, &
-               body => problem%body, relaxation => self%options%relaxation)
+    associate (n => self%order%n, m => problem%n_bodies, pair => self%order%pair, record => self%order%record, &
+               r => self%order%impulse, body => problem%body, relaxation => self%options%relaxation)
       select case (problem%kind)
       case (round_frictionless)
-        call sweep_round_frictionless(n, problem%n_bodies, pair, record, relaxation, r, body)
+        call sweep_round_frictionless(n, m, pair, record, relaxation, r, body)
       case (round_frictional)
-        if (uses_lanes(self, problem)) then
-          call sweep_lanes(self%lanes%n_groups, problem%n_bodies, self%lanes%pair, self%lanes%record, relaxation, &
-                           self%lanes%impulse, self%body)
-        else
-          call sweep_round_frictional(n, problem%n_bodies, pair, record, relaxation, r, body)
-        end if
+        call sweep_round_frictional(n, m, pair, record, relaxation, r, body)
       case (arm_frictionless)
-        call sweep_arm_frictionless(n, problem%n_bodies, pair, record, relaxation, r, body)
+        call sweep_arm_frictionless(n, m, pair, record, relaxation, r, body)
       case (arm_frictional)
-        call sweep_arm_frictional(n, problem%n_bodies, pair, record, relaxation, r, body)
+        call sweep_arm_frictional(n, m, pair, record, relaxation, r, body)
       end select
     end associate
   end subroutine sweep
@@ -126,30 +131,46 @@ contains
     looks_at_increments = all(self%options%criterion /= [criterion_e1, criterion_e2, criterion_e8, criterion_violation])
   end function looks_at_increments
 
-  !> Measure the errors, and compare the criterion with its tolerance.
+  !> Measure the errors, compare the criterion with its tolerance, and choose anew whom to visit when it is time.
   subroutine check(self, problem, report)
     class(nlgs_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
     type(report_t), intent(inout) :: report
+    integer :: visited, missed
 
     report%checks = report%checks + 1
-    if (looks_at_increments(self)) then
-      report%criterion = increment_criterion(problem, self%before, self%options%criterion)
-      report%is_converged = report%criterion <= self%options%tolerance
-      if (report%is_converged .or. report%sweeps >= self%options%maximum_sweeps) call measure_errors(problem, report)
-      return
-    end if
     call measure_errors(problem, report)
+    report%criterion = criterion_value(self, problem, report)
+    report%is_converged = report%criterion <= self%options%tolerance
+    if (.not. report%is_converged .and. (report%sweeps >= 2*self%last_choice &
+                                         .or. (report%criterion > stalled*self%last_criterion &
+                                               .and. report%sweeps >= self%last_choice + self%last_choice/4))) then
+      self%last_choice = report%sweeps
+      call choose_visited(problem, report, speed_limit, self%is_wanted, visited, missed)
+      if (missed > 0 .or. visited < self%order%n - self%order%n/16) then
+        call set_order(self%order, problem, self%is_wanted, self%options%order == 'groups')
+      end if
+    end if
+    self%last_criterion = report%criterion
+  end subroutine check
+
+  !> Value of the stopping criterion.
+  pure real(wp) function criterion_value(self, problem, report) result(value)
+    class(nlgs_t), intent(in) :: self
+    type(problem_t), intent(in) :: problem
+    type(report_t), intent(in) :: report
+
     select case (self%options%criterion)
     case (criterion_e1)
-      report%criterion = report%e1
+      value = report%e1
     case (criterion_e2)
-      report%criterion = report%e2
+      value = report%e2
+    case (criterion_e8)
+      value = report%e8
     case (criterion_violation)
-      report%criterion = report%violation
+      value = report%violation
     case default
-      report%criterion = report%e8
+      value = increment_criterion(problem, self%before, self%options%criterion)
     end select
-    report%is_converged = report%criterion <= self%options%tolerance
-  end subroutine check
+  end function criterion_value
 end module sg_nlgs

@@ -3,14 +3,31 @@
 !! All rest on the natural map F_a = r_a - P_K(r_a - rho (u_a + g(u_a))) of De Saxce's form, which vanishes exactly at
 !! solutions: e1 and e2 with rho = 1, e8 and the violation with rho_a = 1/lambda_max(W_aa), free of units.
 module sg_residuals
-  use sg_compact, only: compact_velocity
   use sg_kinds, only: wp
-  use sg_local_step, only: cone_projection
   use sg_problem, only: arm_frictional, arm_frictionless, problem_t, round_frictional, round_frictionless
   use sg_report, only: report_t
   implicit none
   private
-  public :: measure_errors, natural_map
+  public :: measure_errors, choose_visited, natural_map
+
+  !> Contacts gathered at a time: their data stay in the first cache, and the map runs over them in vector registers
+  integer, parameter :: chunk = 128
+
+  !> What the natural map needs of a chunk of contacts
+  type :: chunk_t
+    !> Number of contacts
+    integer :: n = 0
+    !> Relative velocity with bias and compliance [m/s]
+    real(wp) :: u_n(chunk) = 0, u_t(chunk) = 0
+    !> Impulse, cohesion added [N s]
+    real(wp) :: r_n(chunk) = 0, r_t(chunk) = 0
+    !> Coulomb friction
+    real(wp) :: friction(chunk) = 0
+    !> 1/lambda_max(W_aa) [kg]; zero where the contact takes no part
+    real(wp) :: rho(chunk) = 0
+    !> 1 where a linear law asks u = 0, else 0
+    real(wp) :: linear(chunk) = 0
+  end type chunk_t
 
 contains
 
@@ -18,90 +35,201 @@ contains
   pure subroutine measure_errors(problem, report)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     type(report_t), intent(inout) :: report !! errors and active contacts are set
-    real(wp) :: f1, f8, speed, r2, u2, rho, friction, shift
-    real(wp) :: u(2), r(2), f(2)
-    integer :: k, active
-    logical :: is_linear
+    type(chunk_t) :: a
+    real(wp) :: sums(5), speed
+    integer :: first, active
 
-    f1 = 0
-    f8 = 0
-    speed = 0
-    r2 = 0
-    u2 = 0
+    sums = 0
     active = 0
-    do k = 1, problem%n_contacts
-      call local_data(problem, k, rho, friction, shift, is_linear)
-      if (.not. rho > 0) cycle
-      u = compact_velocity(problem, k)
-      r = 0
-      r(:size(problem%impulse, 1)) = problem%impulse(:, k)
-      r(1) = r(1) + shift
-      if (any(abs(r) > 0)) active = active + 1
-      r2 = r2 + r(1)**2 + r(2)**2
-      u2 = u2 + u(1)**2 + u(2)**2
-      f = natural_map(r, u, friction, 1.0_wp, is_linear)
-      f1 = f1 + f(1)**2 + f(2)**2
-      f = natural_map(r, u, friction, rho, is_linear)
-      f8 = f8 + f(1)**2 + f(2)**2
-      speed = speed + (f(1)**2 + f(2)**2)/rho**2
+    do first = 1, problem%n_contacts, chunk
+      call gather(problem, first, a)
+      call add_chunk(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums, active)
     end do
+    speed = sqrt(sums(3)/real(max(1, problem%n_contacts), wp))
     report%active_contacts = active
-    report%e1 = ratio(sqrt(f1), problem%free_norm)
-    report%e2 = ratio(sqrt(f1), max(problem%free_norm, sqrt(r2), sqrt(u2)))
-    report%e8 = ratio(sqrt(f8), sqrt(r2))
-    report%violation = ratio(sqrt(speed/real(max(1, problem%n_contacts), wp)), problem%velocity_scale)
+    report%e1 = ratio(sqrt(sums(1)), problem%free_norm)
+    report%e2 = ratio(sqrt(sums(1)), max(problem%free_norm, sqrt(sums(4)), sqrt(sums(5))))
+    report%e8 = ratio(sqrt(sums(2)), sqrt(sums(4)))
+    report%violation = ratio(speed, problem%velocity_scale)
   end subroutine measure_errors
 
+  !> Which contacts a sweep had better visit: those that carry an impulse, and open ones that part slower than a limit.
+  pure subroutine choose_visited(problem, report, speed_limit, is_wanted, visited, missed)
+    type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
+    type(report_t), intent(in) :: report !! its errors
+    real(wp), intent(in) :: speed_limit !! in rms errors of velocity
+    logical, intent(inout) :: is_wanted(:) !! contacts visited so far, then those to visit, shape (contacts)
+    integer, intent(out) :: visited !! number of contacts to visit
+    integer, intent(out) :: missed !! how many of them were not visited so far
+    type(chunk_t) :: a
+    real(wp) :: limit
+    integer :: first, i
+    logical :: is_slow
+
+    limit = speed_limit*report%violation*problem%velocity_scale
+    visited = 0
+    missed = 0
+    do first = 1, problem%n_contacts, chunk
+      call gather(problem, first, a)
+      do i = 1, a%n
+        is_slow = a%rho(i) > 0 .and. (abs(a%r_n(i)) + abs(a%r_t(i)) > 0 .or. a%u_n(i) <= limit)
+        if (is_slow) visited = visited + 1
+        if (is_slow .and. .not. is_wanted(first + i - 1)) missed = missed + 1
+        is_wanted(first + i - 1) = is_slow
+      end do
+    end do
+  end subroutine choose_visited
+
+  !> Add a chunk to the sums: squares of the map with rho = 1, with rho_a, of its velocity error, of r, and of u.
+  pure subroutine add_chunk(n, u_n, u_t, r_n, r_t, friction, rho, linear, sums, active)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: u_n(chunk), u_t(chunk), r_n(chunk), r_t(chunk), friction(chunk), rho(chunk), linear(chunk)
+    real(wp), intent(inout) :: sums(5)
+    integer, intent(inout) :: active
+    real(wp) :: f1(chunk), f8(chunk), f(2)
+    integer :: i
+
+    do i = 1, n
+      f = natural_map([r_n(i), r_t(i)], [u_n(i), u_t(i)], friction(i), merge(1.0_wp, 0.0_wp, rho(i) > 0), linear(i))
+      f1(i) = f(1)**2 + f(2)**2
+      f = natural_map([r_n(i), r_t(i)], [u_n(i), u_t(i)], friction(i), rho(i), linear(i))
+      f8(i) = f(1)**2 + f(2)**2
+    end do
+    sums(1) = sums(1) + sum(f1(:n))
+    sums(2) = sums(2) + sum(f8(:n))
+    do i = 1, n
+      if (rho(i) > 0) sums(3) = sums(3) + f8(i)/rho(i)**2
+    end do
+    sums(4) = sums(4) + sum(r_n(:n)**2 + r_t(:n)**2)
+    sums(5) = sums(5) + sum(u_n(:n)**2 + u_t(:n)**2)
+    active = active + count(abs(r_n(:n)) + abs(r_t(:n)) > 0)
+  end subroutine add_chunk
+
   !> Natural map of one contact: zero where impulse and velocity obey the law.
-  pure function natural_map(r, u, friction, rho, is_linear) result(f)
+  pure function natural_map(r, u, friction, rho, linear) result(f)
     real(wp), intent(in) :: r(2) !! impulse, normal and tangential, cohesion added [N s]
-    real(wp), intent(in) :: u(2) !! relative velocity with bias [m/s]
+    real(wp), intent(in) :: u(2) !! relative velocity with bias and compliance [m/s]
     real(wp), intent(in) :: friction !! Coulomb coefficient
     real(wp), intent(in) :: rho !! scale of velocities [kg]
-    logical, intent(in) :: is_linear !! no inequality: u = 0 is asked
-    real(wp) :: f(2)
+    real(wp), intent(in) :: linear !! 1 where no inequality but u = 0 is asked, else 0
+    real(wp) :: f(2), x, t, normal, tangential
 
-    if (is_linear) then
-      f = rho*u
-    else
-      f = r - cone_projection(r - rho*[u(1) + friction*abs(u(2)), u(2)], friction)
+    x = r(1) - rho*(u(1) + friction*abs(u(2)))
+    t = r(2) - rho*u(2)
+    ! Projection on Coulomb's cone: on its surface (or the tip), unless the point lies inside.
+    normal = max(0.0_wp, (x + friction*abs(t))/(1 + friction**2))
+    tangential = sign(friction*normal, t)
+    if (abs(t) <= friction*x) then
+      normal = x
+      tangential = t
     end if
+    f = merge(rho*u, [r(1) - normal, r(2) - tangential], linear > 0)
   end function natural_map
 
-  !> What the natural map needs of a contact; rho = 1/lambda_max(W_aa), zero where the contact takes no part.
-  pure subroutine local_data(problem, k, rho, friction, shift, is_linear)
+  !> Gather a chunk of contacts, by the kernel of the problem's kind.
+  pure subroutine gather(problem, first, a)
     type(problem_t), intent(in) :: problem
-    integer, intent(in) :: k
-    real(wp), intent(out) :: rho, friction, shift
-    logical, intent(out) :: is_linear
-    real(wp) :: middle
+    integer, intent(in) :: first
+    type(chunk_t), intent(inout) :: a
+    integer :: last
 
-    friction = 0
-    shift = 0
-    is_linear = .false.
-    associate (record => problem%record)
+    a%n = min(chunk, problem%n_contacts - first + 1)
+    last = first + a%n - 1
+    associate (n => a%n, pair => problem%pair(:, first:last), record => problem%record(:, first:last), &
+               r => problem%impulse(:, first:last))
       select case (problem%kind)
       case (round_frictionless)
-        rho = record(4, k)
+        call gather_round_frictionless(n, pair, record, r, problem%n_bodies, problem%body, a)
       case (round_frictional)
-        friction = record(7, k)
-        rho = record(5, k)
-        if (friction > 0) rho = min(rho, record(6, k))
+        call gather_round_frictional(n, pair, record, r, problem%n_bodies, problem%body, a)
       case (arm_frictionless)
-        rho = record(6, k)
+        call gather_arm_frictionless(n, pair, record, r, problem%n_bodies, problem%body, a)
       case (arm_frictional)
-        friction = record(12, k)
-        shift = record(13, k)
-        is_linear = record(16, k) > 1.5_wp
-        rho = 0
-        if (record(16, k) < 0.5_wp) return
-        middle = (record(9, k) + record(11, k))/2
-        rho = 1/(middle + hypot((record(9, k) - record(11, k))/2, record(10, k)))
-      case default
-        rho = 0
+        call gather_arm_frictional(n, pair, record, r, problem%n_bodies, problem%body, a)
       end select
     end associate
-  end subroutine local_data
+  end subroutine gather
+
+  !> Data of round contacts without friction.
+  pure subroutine gather_round_frictionless(n, pair, record, r, n_bodies, body, a)
+    integer, intent(in) :: n, pair(2, n), n_bodies
+    real(wp), intent(in) :: record(4, n), r(1, n), body(4, n_bodies)
+    type(chunk_t), intent(inout) :: a
+    integer :: i
+
+    do i = 1, n
+      associate (c => pair(1, i), d => pair(2, i))
+        a%u_n(i) = record(1, i)*(body(1, c) - body(1, d)) + record(2, i)*(body(2, c) - body(2, d)) + record(3, i)
+      end associate
+      a%r_n(i) = r(1, i)
+      a%rho(i) = record(4, i)
+    end do
+  end subroutine gather_round_frictionless
+
+  !> Data of round contacts with friction.
+  pure subroutine gather_round_frictional(n, pair, record, r, n_bodies, body, a)
+    integer, intent(in) :: n, pair(2, n), n_bodies
+    real(wp), intent(in) :: record(7, n), r(2, n), body(6, n_bodies)
+    type(chunk_t), intent(inout) :: a
+    real(wp) :: x, y
+    integer :: i
+
+    do i = 1, n
+      associate (c => pair(1, i), d => pair(2, i))
+        x = body(1, c) - body(1, d)
+        y = body(2, c) - body(2, d)
+        a%u_n(i) = record(1, i)*x + record(2, i)*y + record(3, i)
+        a%u_t(i) = record(2, i)*x - record(1, i)*y + body(3, c) + body(3, d) + record(4, i)
+      end associate
+      a%r_n(i) = r(1, i)
+      a%r_t(i) = r(2, i)
+      a%friction(i) = record(7, i)
+      a%rho(i) = merge(min(record(5, i), record(6, i)), record(5, i), record(7, i) > 0)
+    end do
+  end subroutine gather_round_frictional
+
+  !> Data of contacts with any arms, without friction.
+  pure subroutine gather_arm_frictionless(n, pair, record, r, n_bodies, body, a)
+    integer, intent(in) :: n, pair(2, n), n_bodies
+    real(wp), intent(in) :: record(6, n), r(1, n), body(6, n_bodies)
+    type(chunk_t), intent(inout) :: a
+    integer :: i
+
+    do i = 1, n
+      associate (c => pair(1, i), d => pair(2, i))
+        a%u_n(i) = record(1, i)*(body(1, c) - body(1, d)) + record(2, i)*(body(2, c) - body(2, d)) &
+                   + record(3, i)*body(3, c) - record(4, i)*body(3, d) + record(5, i)
+      end associate
+      a%r_n(i) = r(1, i)
+      a%rho(i) = record(6, i)
+    end do
+  end subroutine gather_arm_frictionless
+
+  !> Data of contacts with any arms and any law.
+  pure subroutine gather_arm_frictional(n, pair, record, r, n_bodies, body, a)
+    integer, intent(in) :: n, pair(2, n), n_bodies
+    real(wp), intent(in) :: record(16, n), r(2, n), body(6, n_bodies)
+    type(chunk_t), intent(inout) :: a
+    real(wp) :: x, y, largest
+    integer :: i
+
+    do i = 1, n
+      associate (c => pair(1, i), d => pair(2, i))
+        x = body(1, c) - body(1, d)
+        y = body(2, c) - body(2, d)
+        a%u_n(i) = record(1, i)*x + record(2, i)*y + record(3, i)*body(3, c) - record(5, i)*body(3, d) &
+                   + record(7, i) + record(14, i)*r(1, i)
+        a%u_t(i) = record(2, i)*x - record(1, i)*y + record(4, i)*body(3, c) - record(6, i)*body(3, d) &
+                   + record(8, i) + record(15, i)*r(2, i)
+      end associate
+      a%r_n(i) = r(1, i) + record(13, i)
+      a%r_t(i) = r(2, i)
+      a%friction(i) = record(12, i)
+      largest = (record(9, i) + record(11, i))/2 + sqrt((record(9, i) - record(11, i))**2/4 + record(10, i)**2)
+      a%rho(i) = merge(1/max(largest, tiny(1.0_wp)), 0.0_wp, record(16, i) > 0.5_wp)
+      a%linear(i) = merge(1.0_wp, 0.0_wp, record(16, i) > 1.5_wp)
+    end do
+  end subroutine gather_arm_frictional
 
   !> A ratio of norms; 0 where both vanish, 1 where only the scale does.
   pure real(wp) function ratio(norm, scale)

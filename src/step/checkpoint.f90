@@ -2,7 +2,7 @@
 module sg_checkpoint
   use sg_energy, only: n_energy_values
   use sg_error, only: diagnostics_t, error_t, fail
-  use sg_kinds, only: wp
+  use sg_history, only: resume_history
   use sg_neighbours, only: build_neighbours
   use sg_restart, only: keep_state, newest_restart, read_restart, restart_t, restore_state, write_restart
   use sg_simulation, only: simulation_t
@@ -58,7 +58,7 @@ contains
     sim%step = state%step
     call sim%energy%unpack(state%totals(:n_energy_values))
     call sim%totals%unpack(state%totals(n_energy_values + 1:))
-    sim%history%is_start = .false.
+    call resume_history(sim%history, sim%contacts)
     if (size(state%built, 2) > 0) call build_neighbours(sim%pairs, sim%scene, state%built)
   end subroutine load_checkpoint
 end module sg_checkpoint

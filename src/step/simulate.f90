@@ -170,7 +170,7 @@ contains
     type(error_t), allocatable :: error
 
     if (.not. writers%has_checkpoints) return
-    call revive(sim%history, sim%contacts)
+    call revive(sim%history, sim%pairs, sim%contacts)
     call save(sim, writers, error)
   end subroutine save_broken
 
