@@ -59,10 +59,14 @@ contains
     character(len=*), intent(in) :: folder
     type(diagnostics_t), intent(inout) :: diagnostics
 
-    is_folder = file_exists(trim(folder)//'/BODIES.DAT') .or. file_exists(trim(folder)//'/.')
+    logical :: has_bodies, has_bodies_below
+
+    is_folder = file_exists(trim(folder)//'/.')
+    has_bodies = file_exists(trim(folder)//'/BODIES.DAT')
+    has_bodies_below = file_exists(trim(folder)//'/DATBOX/BODIES.DAT')
     if (.not. is_folder) then
       call diagnostics%add('there is no such DATBOX folder', file=trim(folder))
-    else if (.not. file_exists(trim(folder)//'/BODIES.DAT') .and. file_exists(trim(folder)//'/DATBOX/BODIES.DAT')) then
+    else if (has_bodies_below .and. .not. has_bodies) then
       call diagnostics%add('this folder is no DATBOX; did you mean '//trim(folder)//'/DATBOX?', file=trim(folder))
       is_folder = .false.
     end if

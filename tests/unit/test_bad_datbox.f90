@@ -261,6 +261,10 @@ contains
   subroutine test_polygons()
     character(len=*), parameter :: file = 'BODIES.DAT', head = ' POLYG      1  color  BLEUx  nb_vertex='
     character(len=*), parameter :: coo = '                             coo1='
+    character(len=width), parameter :: star(5) = [character(len=width) :: &
+      coo//' 0.1000000D+01  coo2= 0.0000000D+00', coo//'-0.8090170D+00  coo2= 0.5877853D+00', &
+      coo//' 0.3090170D+00  coo2=-0.9510565D+00', coo//' 0.3090170D+00  coo2= 0.9510565D+00', &
+      coo//'-0.8090170D+00  coo2=-0.5877853D+00']
     character(len=width), allocatable :: lines(:)
 
     call refuse(file, 17, head//'    2', 'three', 17)
@@ -275,6 +279,11 @@ contains
     lines(18:21) = bodies([21, 20, 19, 18])
     call put_file(file, lines)
     call expect(file, 'clockwise', 17)
+    ! A five-pointed star turns left alone, but twice around.
+    lines = [character(len=width) :: bodies(:16), head//'    5', star, bodies(22:)]
+    call put_file(file, lines)
+    call expect(file, 'not convex', any_place)
+    lines = bodies
     ! A bow tie turns both ways and has no area.
     lines(18:21) = bodies([18, 20, 19, 21])
     call put_file(file, lines)
@@ -352,6 +361,8 @@ contains
     call expect('BODIES.DAT', 'no body', any_place)
     call put_file('BODIES.DAT', [character(len=width) :: (char(200)//char(0)//char(127)//'\0\%$', i=1, 200)])
     call expect('BODIES.DAT', 'belongs to no body', 1)
+    call read_datbox('datbox_nowhere', scene, diagnostics)
+    call tests%check(index(diagnostics%errors(1)%message, 'no such DATBOX') > 0, 'a missing folder')
     call write_good()
     allocate (lines(300))
     lines = bodies(8)

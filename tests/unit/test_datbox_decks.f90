@@ -19,7 +19,11 @@ contains
   !> LMGC90's own decks, where they are at hand: counts, and the total mass that LMGC90 found.
   subroutine test_decks()
     character(len=300) :: variable
+    type(scene_t) :: scene
+    type(diagnostics_t) :: diagnostics
 
+    call read_datbox('datbox_of_nobody', scene, diagnostics)
+    call tests%equal(diagnostics%count(), 1, 'a folder that is not there is refused once')
     call get_environment_variable('SPLITGRAIN_SHARED', variable)
     if (variable == '') then
       call get_environment_variable('SPLITGRAIN_SOURCE', variable)
