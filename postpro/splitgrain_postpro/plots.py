@@ -1,6 +1,7 @@
 """Curves of a run from record.csv: energies, effort of the solver, residuals."""
 
 import numpy as np
+from matplotlib.ticker import StrMethodFormatter
 
 from .style import (
     BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, draw_series, say_nothing_there,
@@ -10,10 +11,11 @@ TIME = "time [s]"
 # A legend beside the title hides no curve.
 ABOVE = {"loc": "lower right", "bbox_to_anchor": (1, 0.99), "ncols": 3, "borderpad": 0.2,
          "handlelength": 1.2, "columnspacing": 1.0}  # fmt: skip
+COUNT = StrMethodFormatter("{x:,.0f}")
 # Energies below this share of the largest are zero.
 ROUNDING = 1e-9
-# The smallest residual shown, as a share of the largest.
-RESIDUAL_RANGE = 1e-6
+# Share of the smallest residuals that need not be shown.
+LEFT_OUT = 0.02
 PHASES = {
     "cpu_predict": ("predict", SKY), "cpu_detect": ("detect", GREEN), "cpu_assemble": ("assemble", ORANGE),
     "cpu_solve": ("solve", BLUE), "cpu_update": ("update", PURPLE), "cpu_measure": ("measure", "#999999"),
@@ -40,7 +42,7 @@ def _finish(ax, drawn, x_label, y_label, title, **legend):
     """Labels and legend; a panel without any curve says so."""
     ax.set_title(title)
     if not drawn:
-        say_nothing_there(ax, "nothing to draw in record.csv")
+        say_nothing_there(ax, "no values in record.csv")
         return
     ax.set(xlabel=x_label, ylabel=y_label)
     if len(ax.get_legend_handles_labels()[0]) > 1:
@@ -88,6 +90,7 @@ def draw_contacts(ax, record):
     drawn = draw_series(ax, time, _column(record, "contacts"), SKY, "all")
     drawn = draw_series(ax, time, _column(record, "active_contacts"), BLUE, "carrying force") or drawn
     ax.set_ylim(bottom=0)
+    ax.yaxis.set_major_formatter(COUNT)
     _finish(ax, drawn, TIME, "contacts [-]", "Contacts", **ABOVE)
 
 
@@ -114,6 +117,7 @@ def draw_effort(ax, record):
     other.grid(False)
     draw_series(other, _column(record, "time"), _column(record, "contacts"), ORANGE, "contacts")
     other.set_ylim(bottom=0)
+    other.yaxis.set_major_formatter(COUNT)
     other.set_ylabel("contacts [-]", color="#9A6A00")
     ax.set_ylabel("sweeps a step [-]", color=BLUE)
     handles = [axes.get_legend_handles_labels() for axes in (ax, other)]
@@ -127,14 +131,16 @@ def draw_residuals(ax, record, against="time"):
     if _is_empty(ax, record):
         return
     x = _column(record, "time" if against == "time" else "cpu_seconds")
-    drawn = False
+    lowest = []
     for name, colour in (("e1", ORANGE), ("e2", GREEN), ("e8", BLUE)):
-        drawn = draw_series(ax, x, _column(record, name), colour, name.upper(), log=True, dashed=name == "e2") or drawn
+        y = _column(record, name)
+        if draw_series(ax, x, y, colour, name.upper(), log=True, dashed=name == "e2"):
+            lowest.append(np.quantile(y[np.isfinite(y) & (y > 0)], LEFT_OUT))
     ax.set_yscale("log")
     # The first steps, in which hardly anything touches, are exact to rounding: they would squeeze all others.
-    if drawn:
-        low, high = ax.dataLim.intervaly
-        ax.set_ylim(max(0.5 * low, RESIDUAL_RANGE * high), 2 * high)
+    if lowest:
+        ax.set_ylim(0.5 * min(lowest), 2 * ax.dataLim.y1)
+    drawn = bool(lowest)
     if against == "time":
         _finish(ax, drawn, TIME, "residual [-]", "Residuals", **ABOVE)
     else:
