@@ -1,7 +1,7 @@
 !> DRV_DOF.DAT of a DATBOX: imposed velocities and forces, by formula or by an evolution file.
 module sg_datbox_drives
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, integer_field, is_block_end, keyword, name_field, &
-                             next_data_line, next_line, open_datbox_file, real_field, remark_once
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, free_numbers, integer_field, is_block_end, keyword, &
+                             name_field, next_data_line, next_line, open_datbox_file, real_field, remark_once
   use sg_drives, only: drive_t
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
@@ -166,7 +166,8 @@ contains
     type(error_t), allocatable :: error
     character(len=:), allocatable :: path
     real(wp) :: row(2)
-    integer :: i, n, status
+    integer :: i, n
+    logical :: is_row
 
     ok = .false.
     path = trim(folder)//'/'//name_field(file, 25, 40)
@@ -183,8 +184,8 @@ contains
     n = 0
     do i = 1, size(lines)
       if (lines(i)%s == '') cycle
-      read (lines(i)%s, *, iostat=status) row
-      if (status /= 0) then
+      call free_numbers(lines(i)%s, row, is_row)
+      if (.not. is_row) then
         call diagnostics%add('a time and a value should stand here', file=path, line=i, column=1, text=lines(i)%s)
         return
       end if

@@ -10,7 +10,7 @@ module sg_datbox_lines
   implicit none
   private
   public :: datbox_file_t, open_datbox_file, next_line, next_data_line, step_back, keyword, line_text
-  public :: name_field, real_field, integer_field, complain, complain_once, remark_once, is_block_end
+  public :: name_field, real_field, integer_field, free_numbers, complain, complain_once, remark_once, is_block_end
 
   !> Errors after which the rest of a file is not read: what follows is noise
   integer, parameter :: most_errors = 20
@@ -274,6 +274,34 @@ contains
     call complain_field(file, first, last - first + 1, 'a whole number should stand in columns '//to_text(first)//' to ' &
                         //to_text(last), diagnostics)
   end subroutine integer_field
+
+  !> Numbers of a line of free format, as evolution files have them; false when there are others than wanted.
+  subroutine free_numbers(line, values, ok)
+    character(len=*), intent(in) :: line !! the line
+    real(wp), intent(out) :: values(:) !! as many numbers as wanted
+    logical, intent(out) :: ok !! does the line begin with them?
+    character(len=len(line) + 1) :: rest
+    character(len=:), allocatable :: word
+    integer :: i, last, status
+
+    values = 0
+    rest = line
+    do i = 1, len(line)
+      if (rest(i:i) == achar(9) .or. rest(i:i) == ',') rest(i:i) = ' '
+    end do
+    ok = .true.
+    do i = 1, size(values)
+      rest = adjustl(rest)
+      last = max(1, index(rest, ' ') - 1)
+      word = rest(:last)
+      rest(:last) = ''
+      ! Forty letters hold any double; more might be digits without end.
+      ok = last <= 40 .and. (is_integer(word) .or. fault_of_real(word) == '')
+      if (ok) read (word, *, iostat=status) values(i)
+      if (ok) ok = status == 0
+      if (.not. ok) return
+    end do
+  end subroutine free_numbers
 
   !> Tell a mistake with the caret under what stands in a field.
   subroutine complain_field(file, first, width, message, diagnostics)

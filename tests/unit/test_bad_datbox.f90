@@ -314,6 +314,10 @@ contains
 
     call refuse('push.dat', 2, 'one two', 'a time and a value', 2)
     call refuse('push.dat', 2, '0.0 3.0', 'times must grow', 2)
+    call refuse('push.dat', 2, '1.0 /', 'a time and a value', 2)
+    call refuse('push.dat', 2, '1.0 1.0e999', 'a time and a value', 2)
+    call refuse('push.dat', 2, '1.0 '//repeat('9', 90), 'a time and a value', 2)
+    call refuse('push.dat', 2, '1.0', 'a time and a value', 2)
     call refuse(file, 1, '$steps      ten              time= 0.2400000D-01', 'whole number', 1, 13)
     call refuse(file, 1, '$steps       12              time= soon', 'not a number', 1, 36)
     call refuse(file, 3, ' RBDY2      3', 'no body 3', 3)
