@@ -16,7 +16,7 @@ contains
 
     select case (command)
     case ('run')
-      call lines([character(len=100) :: &
+      call lines([character(len=110) :: &
                   'splitgrain run DECK [options]        simulate a deck', &
                   '  --output DIR            folder of the results (default: NAME.results in the current folder)', &
                   '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
@@ -27,17 +27,17 @@ contains
                   'Exit codes: 0 done, 1 failed, 2 bad input, 3 not converged (if asked), 4 a value is not finite,', &
                   '            5 a result cannot be written, 75 stopped early with a checkpoint.'])
     case ('check')
-      call lines([character(len=100) :: &
+      call lines([character(len=110) :: &
                   'splitgrain check DECK [--set SECTION.KEY=VALUE]', &
                   'Reads and checks a deck and says what its run would need, without running it.'])
     case ('reference')
-      call lines([character(len=100) :: 'splitgrain reference', 'Prints all keys of a deck: kind, unit, default, range, meaning.'])
+      call lines([character(len=110) :: 'splitgrain reference', 'Prints all keys of a deck: kind, unit, default, range, meaning.'])
     case ('convert')
-      call lines([character(len=100) :: &
+      call lines([character(len=110) :: &
                   'splitgrain convert DATBOX DECK.toml   write a deck that uses an LMGC90 DATBOX folder', &
                   'splitgrain convert DECK.toml FOLDER   write the scene of a deck as DATBOX files'])
     case ('bench')
-      call lines([character(len=100) :: &
+      call lines([character(len=110) :: &
                   'splitgrain bench [options]            contact updates per CPU second on a generated packing', &
                   '  --shape disk            shape of the grains', &
                   '  --contacts N            contacts to generate (default 100000)', &
@@ -47,7 +47,7 @@ contains
                   '  --sweeps N              sweeps to do (default: about a second''s work)', &
                   '  --json                  one flat JSON object'])
     case default
-      call lines([character(len=100) :: &
+      call lines([character(len=110) :: &
                   'splitgrain: nonsmooth contact dynamics of rigid grains', &
                   '', &
                   'splitgrain run DECK          simulate', &
