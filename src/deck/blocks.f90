@@ -26,6 +26,8 @@ module sg_blocks
     !> Values given, shape (n)
     type(value_t), allocatable :: values(:)
     integer :: n = 0
+    !> Last of the bodies made of it; 0 where it makes none
+    integer :: last_body = 0
   end type block_t
 
   !> A deck

@@ -18,7 +18,7 @@ contains
 
   !> Fill the scene's bodies and contactors.
   subroutine bodies_from_deck(deck, scene, diagnostics)
-    type(deck_t), intent(in) :: deck !! checked deck
+    type(deck_t), intent(inout) :: deck !! checked deck; its blocks learn which bodies are theirs
     type(scene_t), intent(inout) :: scene !! scene with its materials
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(sample_t), allocatable :: samples(:)
@@ -40,12 +40,13 @@ contains
     call add_bodies(deck, 'wall', scene, n, diagnostics)
     do i = 1, size(samples)
       call add_sample(deck, samples(i), scene, n, diagnostics)
+      deck%blocks(samples(i)%block)%last_body = n
     end do
   end subroutine bodies_from_deck
 
   !> Add all bodies of the blocks of one section.
   subroutine add_bodies(deck, section, scene, n, diagnostics)
-    type(deck_t), intent(in) :: deck
+    type(deck_t), intent(inout) :: deck
     character(len=*), intent(in) :: section
     type(scene_t), intent(inout) :: scene
     integer, intent(inout) :: n
@@ -55,6 +56,7 @@ contains
     do b = 1, deck%n
       if (.not. deck%is_in(b, section)) cycle
       n = n + 1
+      deck%blocks(b)%last_body = n
       call name_body(deck, b, scene, n, diagnostics)
       scene%bodies%material(n) = int(material_of(deck, b, scene, diagnostics), i4)
       if (section == 'wall') then

@@ -24,11 +24,11 @@ module sg_key_table
   !> One key of the table
   type :: key_t
     !> Section and name
-    character(len=16) :: section = '', name = ''
+    character(len=24) :: section = '', name = ''
     !> Kind of value, one of `value_*`
     integer :: kind = 0
     !> Unit, empty for none
-    character(len=16) :: unit = ''
+    character(len=24) :: unit = ''
     !> Default as TOML text, empty when there is none
     character(len=24) :: default = ''
     !> Must it be given (where it applies)?
@@ -39,7 +39,7 @@ module sg_key_table
     !> Words to choose from, with a bar between two
     character(len=136) :: choices = ''
     !> When it applies: another key of the section, empty for always, and its words for which it does
-    character(len=16) :: selector = ''
+    character(len=24) :: selector = ''
     character(len=104) :: only = ''
     !> What it is, one sentence
     character(len=240) :: sentence = ''
@@ -48,7 +48,7 @@ module sg_key_table
   !> One section of the table
   type :: section_t
     !> Name; a section within another is `outer.inner`
-    character(len=16) :: name = ''
+    character(len=24) :: name = ''
     !> Is it a list of blocks, `[[name]]`?
     logical :: is_list = .false.
     !> What it is, one sentence

@@ -98,7 +98,7 @@ contains
     call table%add('shape', value_choice, 'Shape of the grains.', default='"disk"', choices='disk|polygon')
     call table%add('box', value_box, 'Box that holds all grains: [x least, y least, x most, y most]. Over the whole period of '// &
                    'a periodic scene grains go through its sides.', unit='m', is_required=.true.)
-    call table%add('count', value_integer, 'Number of grains; a lattice without it is filled.', least=1.0_wp)
+    call table%add('count', value_integer, 'Number of grains; a lattice without it is filled.', least=1.0_wp, most=1e7_wp)
     call table%add('fill', value_real, 'In place of count: area of the grains'' circles over that of the box.', above=0.0_wp, &
                    most=0.9_wp, only='kind=random')
     call table%add('radius', value_range, 'Radius of the circle about a grain: one number, or [least, most].', unit='m', &

@@ -67,16 +67,21 @@ contains
     box = value%numbers(:4)
   end function box_of
 
-  !> One radius of the sample.
-  function radius_of(deck, block, random) result(radius)
+  !> Draw the radii of a sample.
+  subroutine draw_radii(deck, block, random, radii)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: block
     type(random_t), intent(inout) :: random
-    real(wp) :: radius
+    real(wp), intent(out) :: radii(:)
+    real(wp) :: range(2)
+    integer :: distribution, i
 
-    radius = draw_radius(random, choice_index(deck%word(block, 'distribution'), 'uniform|volume|lognormal|constant'), &
-                         deck%pair(block, 'radius'))
-  end function radius_of
+    distribution = choice_index(deck%word(block, 'distribution'), 'uniform|volume|lognormal|constant')
+    range = deck%pair(block, 'radius')
+    do i = 1, size(radii)
+      radii(i) = draw_radius(random, distribution, range)
+    end do
+  end subroutine draw_radii
 
   !> Grains on a lattice.
   subroutine fill_lattice(deck, block, box, is_periodic, sample, diagnostics)
@@ -103,7 +108,9 @@ contains
       call deck%complain(diagnostics, 'the box is too small for one grain', block, 'box')
     end if
     room = deck%number(block, 'jitter')*(pitch - 2*range(2))/2
-    sample%radius = [(radius_of(deck, block, sample%random), i=1, sample%n)]
+    deallocate (sample%radius)
+    allocate (sample%radius(sample%n))
+    call draw_radii(deck, block, sample%random, sample%radius)
     do i = 1, sample%n
       angle = sample%random%uniform(0.0_wp, 2*pi)
       sample%centre(:, i) = sample%centre(:, i) + room*sample%random%uniform()*[cos(angle), sin(angle)]
@@ -118,19 +125,34 @@ contains
     logical, intent(in) :: is_periodic
     type(sample_t), intent(inout) :: sample
     type(diagnostics_t), intent(inout) :: diagnostics
-    integer :: i, n
+    integer, parameter :: most = 10000000
+    real(wp) :: area, least(2)
+    integer :: n
 
     if (deck%is_given(block, 'count') .eqv. deck%is_given(block, 'fill')) then
       call deck%complain(diagnostics, 'a random [[sample]] needs either "count" or "fill"', block)
       return
     end if
+    area = (box(3) - box(1))*(box(4) - box(2))
+    least = deck%pair(block, 'radius')
     if (deck%is_given(block, 'count')) then
       n = deck%integer(block, 'count')
-      sample%radius = [(radius_of(deck, block, sample%random), i=1, n)]
+      if (real(n, wp)*pi*least(1)**2 > area) then
+        call deck%complain(diagnostics, 'the box is too full: '//to_text(n)//' grains cover more than all of it', block, 'box')
+        return
+      end if
     else
-      call draw_fill(deck, block, box, sample, diagnostics)
-      if (size(sample%radius) == 0) return
+      area = deck%number(block, 'fill')*area
+      if (area/(pi*least(1)**2) > most) then
+        call deck%complain(diagnostics, 'this box would hold more than '//to_text(most)//' grains', block, 'fill')
+        return
+      end if
+      n = int(area/(pi*least(1)**2)) + 1
     end if
+    deallocate (sample%radius)
+    allocate (sample%radius(n))
+    call draw_radii(deck, block, sample%random, sample%radius)
+    if (deck%is_given(block, 'fill')) sample%radius = sample%radius(:enough(sample%radius, area))
     ! Largest first: late grains are small and still find room.
     sample%radius = sample%radius(order_of(-sample%radius))
     call insert_at_random(sample%random, sample%radius, box, deck%number(block, 'clearance'), is_periodic, sample%centre, n)
@@ -142,35 +164,17 @@ contains
     sample%n = n
   end subroutine fill_random
 
-  !> Draw radii until they cover the share of the box that is asked for.
-  subroutine draw_fill(deck, block, box, sample, diagnostics)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: block
-    real(wp), intent(in) :: box(4)
-    type(sample_t), intent(inout) :: sample
-    type(diagnostics_t), intent(inout) :: diagnostics
-    integer, parameter :: most = 10000000
-    real(wp) :: wanted, covered, least(2)
-    real(wp), allocatable :: radii(:)
-    integer :: n, room
+  !> How many circles, from the first on, cover an area.
+  pure integer function enough(radii, area) result(n)
+    real(wp), intent(in) :: radii(:), area
+    real(wp) :: covered
 
-    wanted = deck%number(block, 'fill')*(box(3) - box(1))*(box(4) - box(2))
-    least = deck%pair(block, 'radius')
-    if (wanted/(pi*least(1)**2) > most) then
-      call deck%complain(diagnostics, 'this box would hold more than '//to_text(most)//' grains', block, 'fill')
-      return
-    end if
-    room = int(wanted/(pi*least(1)**2)) + 1
-    allocate (radii(room))
     covered = 0
-    n = 0
-    do while (covered < wanted .and. n < room)
-      n = n + 1
-      radii(n) = radius_of(deck, block, sample%random)
+    do n = 1, size(radii) - 1
       covered = covered + pi*radii(n)**2
+      if (covered >= area) return
     end do
-    sample%radius = radii(:n)
-  end subroutine draw_fill
+  end function enough
 
   !> Put grains in spatial order.
   subroutine order(sample, box)

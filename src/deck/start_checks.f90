@@ -103,8 +103,8 @@ contains
     if (share <= rounding) return
     n_pairs = n_pairs + 1
     if (n_pairs > most_pairs) return
-    message = name_of(scene, b1)//' and '//name_of(scene, b2)//' overlap at the start by '//to_text(depth, 3)//' m, '// &
-              to_text(nint(100*share))//' % of the smaller radius'
+    message = name_of(scene, min(b1, b2))//' and '//name_of(scene, max(b1, b2))// &
+              ' overlap at the start by '//to_text(depth, 3)//' m, '//to_text(nint(100*share))//' % of the smaller radius'
     if (share > tolerated) then
       call deck%complain(diagnostics, message, block_of_body(deck, max(b1, b2)))
     else
@@ -123,21 +123,11 @@ contains
     if (scene%names(body)%s /= '') name = '"'//scene%names(body)%s//'"'
   end function name_of
 
-  !> Block that a body comes from; bodies of samples beyond the last named block belong to the first sample.
-  integer function block_of_body(deck, body) result(block)
+  !> Block that a body comes from: the one whose last body is the next.
+  pure integer function block_of_body(deck, body) result(block)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: body
-    integer :: n
 
-    n = 0
-    do block = 1, deck%n
-      if (deck%is_in(block, 'body')) n = n + 1
-      if (n == body) return
-    end do
-    do block = 1, deck%n
-      if (deck%is_in(block, 'wall')) n = n + 1
-      if (n == body) return
-    end do
-    block = deck%block_of('sample')
+    block = minloc(deck%blocks(:deck%n)%last_body, 1, deck%blocks(:deck%n)%last_body >= body)
   end function block_of_body
 end module sg_start_checks

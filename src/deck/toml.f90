@@ -110,7 +110,8 @@ contains
     n = int(sg_toml_count(handle))
     if (n < 0) then
       call take(handle, 0, mistake, copied)
-      call fail(error, 'syntax '//uncapitalised(mistake%text), file=file, line=mistake%line, column=mistake%column, &
+      mistake%text(1:1) = lower(mistake%text(1:1))
+      call fail(error, 'syntax '//mistake%text, file=file, line=mistake%line, column=mistake%column, &
                 text=line_of(content, mistake%line))
       if (error%text == '') deallocate (error%text)
     else
@@ -212,13 +213,4 @@ contains
     end do
     line = trim(line)
   end function line_of
-
-  !> The parser's sentence, "Error while parsing ...", with a small letter.
-  pure function uncapitalised(sentence) result(plain)
-    character(len=*), intent(in) :: sentence
-    character(len=len(sentence)) :: plain
-
-    plain = sentence
-    plain(1:1) = lower(sentence(1:1))
-  end function uncapitalised
 end module sg_toml

@@ -130,10 +130,10 @@ contains
       message = 'must be between -2000000000 and 2000000000'
     else if (abs(entry%real) > largest .or. (abs(entry%real) > 0 .and. abs(entry%real) < 1/largest)) then
       message = 'must be 0 or between '//short_real(1/largest)//' and '//short_real(largest)//' in size'
+    else if (key%highest <= key%lowest .and. abs(entry%real - key%lowest) > 0) then
+      message = 'must be '//bound(key, key%lowest)
     else if (key%is_open .and. entry%real <= key%lowest) then
       message = 'must be larger than '//bound(key, key%lowest)
-    else if (entry%real < key%lowest .and. key%highest <= key%lowest) then
-      message = 'must be '//bound(key, key%lowest)
     else if (entry%real < key%lowest) then
       message = 'must be at least '//bound(key, key%lowest)
     else if (entry%real > key%highest) then

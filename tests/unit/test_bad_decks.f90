@@ -1,0 +1,293 @@
+!> Bad decks: each must give a mistake with the right words at the right line, and never more than an error.
+program test_bad_decks
+  use harness, only: tests_t
+  use sg_deck, only: read_deck
+  use sg_error, only: diagnostics_t
+  use sg_kinds, only: i1
+  use sg_run_options, only: run_options_t
+  use sg_scene, only: scene_t
+  use sg_text, only: text_t, to_text
+  implicit none
+  character(len=*), parameter :: nl = new_line('a')
+  !> Seven lines that are right
+  character(len=*), parameter :: head = '[time]'//nl//'step = 1e-3'//nl//'steps = 10'//nl//'[[material]]'//nl// &
+                                        'name = "stone"'//nl//'density = 2000'//nl//'[[law]]'//nl
+  !> Three more: a disk
+  character(len=*), parameter :: disk = '[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.5'//nl
+  type(tests_t) :: t
+
+  call bad_texts()
+  call bad_values()
+  call bad_keys()
+  call bad_laws()
+  call bad_bodies()
+  call bad_polygons()
+  call bad_walls()
+  call bad_samples()
+  call bad_drives()
+  call bad_files()
+  call all_at_once()
+  call t%finish()
+
+contains
+
+  !> Read a text as a deck: its mistakes must hold `fragment`, at `line` (0 for a mistake without a place).
+  subroutine bad(name, text, fragment, line)
+    character(len=*), intent(in) :: name, text, fragment
+    integer, intent(in) :: line
+    type(diagnostics_t) :: diagnostics
+    integer :: i
+
+    call read_text(text, diagnostics)
+    call t%check(diagnostics%count() > 0, name//': no mistake is told')
+    do i = 1, diagnostics%count()
+      if (index(diagnostics%errors(i)%message, fragment) == 0) cycle
+      call t%equal(diagnostics%errors(i)%line, line, name//': line of "'//diagnostics%errors(i)%message//'"')
+      call t%check((diagnostics%errors(i)%column > 0) .eqv. line > 0, name//': column')
+      call t%check(len(diagnostics%errors(i)%report()) > 0, name//': report')
+      return
+    end do
+    if (diagnostics%count() > 0) call t%check(.false., name//': not told "'//fragment//'" but "'// &
+                                              diagnostics%errors(1)%sentence()//'"')
+  end subroutine bad
+
+  !> Read a deck from a text.
+  subroutine read_text(text, diagnostics)
+    character(len=*), intent(in) :: text
+    type(diagnostics_t), intent(out) :: diagnostics
+    type(scene_t) :: scene
+    type(run_options_t) :: options
+    type(text_t) :: none(0)
+    integer :: unit
+
+    open (newunit=unit, file='bad.toml', access='stream', form='unformatted', status='replace')
+    write (unit) text
+    close (unit)
+    call read_deck('bad.toml', none, scene, options, diagnostics)
+  end subroutine read_text
+
+  subroutine bad_texts()
+    character(len=256) :: garbage
+    integer :: i
+
+    do i = 1, 256
+      garbage(i:i) = achar(modulo(37*i + 200, 256))
+    end do
+    call bad('empty', '', 'empty', 0)
+    call bad('only comments', '# nothing'//nl//'# more'//nl, 'empty', 0)
+    call bad('garbage', garbage, 'syntax', 1)
+    call bad('zeros', repeat(achar(0), 100), 'syntax', 1)
+    call bad('half a string', head//'name = "ab'//nl, 'syntax', 8)
+    call bad('half a list', '[scene]'//nl//'gravity = [0, ', 'syntax', 2)
+    call bad('two equals', '[time]'//nl//'step = = 1'//nl, 'syntax', 2)
+    call bad('a key twice', '[time]'//nl//'step = 1'//nl//'step = 2'//nl, 'syntax', 3)
+    call bad('a section twice', '[time]'//nl//'step = 1'//nl//'[time]'//nl//'steps = 2'//nl, 'syntax', 3)
+    call bad('deep lists', 'a = '//repeat('[', 1000), 'syntax', 1)
+    call bad('not UTF-8', '[scene]'//nl//'datbox = "'//transfer(-1_i1, 'a')//'"'//nl, 'syntax', 2)
+    call bad('a number too large for TOML', '[time]'//nl//'steps = 99999999999999999999'//nl, 'syntax', 2)
+    call bad('a long line', '[time]'//nl//'step = "'//repeat('x', 100000)//'"'//nl, 'must be a number', 2)
+  end subroutine bad_texts
+
+  subroutine bad_values()
+    call bad('zero step', '[time]'//nl//'step = 0.0'//nl//'steps = 1'//nl, 'larger than 0 s', 2)
+    call bad('negative step', '[time]'//nl//'step = -1'//nl, 'larger than 0 s', 2)
+    call bad('step is not a number', '[time]'//nl//'step = nan'//nl, 'finite', 2)
+    call bad('infinite step', '[time]'//nl//'  step = inf'//nl, 'finite', 2)
+    call bad('step beyond reason', '[time]'//nl//'step = 1e300'//nl, 'in size', 2)
+    call bad('step a string', '[time]'//nl//'step = "1e-3"'//nl, 'must be a number, not a string', 2)
+    call bad('steps a number', '[time]'//nl//'steps = 10.0'//nl, 'must be an integer, not a number', 2)
+    call bad('steps a date', '[time]'//nl//'steps = 1979-05-27'//nl, 'not a date', 2)
+    call bad('steps too many', '[time]'//nl//'steps = 5000000000'//nl, 'between -2000000000', 2)
+    call bad('steps a table', '[time]'//nl//'steps = {a = 1}'//nl, 'not a table', 2)
+    call bad('theta too large', '[time]'//nl//'theta = 1.5'//nl, 'at most 1', 2)
+    call bad('a flag as a number', '[solver]'//nl//'warm_start = 1'//nl, 'true or false', 2)
+    call bad('unknown criterion', '[solver]'//nl//'criterion = "quat"'//nl, 'did you mean "quad"?', 2)
+    call bad('unknown method', '[solver]'//nl//'method = "magic"'//nl, 'must be one of nlgs', 2)
+    call bad('no sweeps', '[solver]'//nl//'maximum_sweeps = 0'//nl, 'at least 1', 2)
+    call bad('gravity of one number', '[scene]'//nl//'gravity = [1]'//nl, 'a list of 2 numbers', 2)
+    call bad('gravity of three numbers', '[scene]'//nl//'gravity = [1, 2, 3]'//nl, 'a list of 2 numbers', 2)
+    call bad('gravity of lists', '[scene]'//nl//'gravity = [[1, 2], [3]]'//nl, 'not a list in it', 2)
+    call bad('gravity with a word', '[scene]'//nl//'gravity = [1, "b"]'//nl, 'not a string in it', 2)
+    call bad('space', '[scene]'//nl//'dimension = 3'//nl, 'must be 2', 2)
+    call bad('negative period', '[scene]'//nl//'period_x = -1.0'//nl, 'at least 0', 2)
+  end subroutine bad_values
+
+  subroutine bad_keys()
+    call bad('misspelt key', head//'frction = 0.5'//nl, 'unknown key "frction" in [[law]]; did you mean "friction"?', 8)
+    call bad('unknown key', '[time]'//nl//'zzz = 0.5'//nl, 'unknown key "zzz" in [time]', 2)
+    call bad('odd key', '[time]'//nl//'"a.b" = 0.5'//nl, 'unknown key', 2)
+    call bad('misspelt section', head//'[solvr]'//nl//'x = 1'//nl, 'did you mean "solver"?', 8)
+    call bad('table in a section', '[time.more]'//nl//'x = 1'//nl, 'unknown key "more" in [time]', 1)
+    call bad('single brackets', '[law]'//nl//'friction = 1'//nl, 'double brackets', 1)
+    call bad('double brackets', '[[time]]'//nl//'step = 1'//nl, 'single brackets', 1)
+    call bad('blocks as numbers', 'law = [1, 2]'//nl, 'must hold keys', 1)
+    call bad('key without a section', 'friction = 1'//nl, 'outside of any section', 1)
+    call bad('no time', '[scene]'//nl//'dimension = 2'//nl, '[time] lacks the key "step"', 0)
+    call bad('no steps', head//'[time.x]'//nl, 'unknown key "x"', 8)
+    call bad('no number of steps', '[time]'//nl//'step = 1'//nl, 'lacks the key "steps"', 1)
+  end subroutine bad_keys
+
+  subroutine bad_laws()
+    call bad('unknown law', head//'kind = "IQS_CBL"'//nl, 'did you mean "IQS_CLB"?', 8)
+    call bad('negative friction', head//'friction = -0.1'//nl, 'at least 0', 8)
+    call bad('restitution above one', head//'kind = "RST_CLB"'//nl//'normal_restitution = 1.5'//nl, 'at most 1', 9)
+    call bad('restitution of another law', head//'normal_restitution = 0.5'//nl, 'has no meaning for kind = "IQS_CLB"', 8)
+    call bad('no stiffness', head//'kind = "ELASTIC_REPELL_CLB"'//nl, 'lacks the key "stiffness"', 7)
+    call bad('laws of one name', head//disk//'[[law]]'//nl//'name = "contact"'//nl, 'two laws named "contact"', 12)
+    call bad('several laws', head//disk//'[[law]]'//nl//'name = "b"'//nl, 'there are several laws', 7)
+    call bad('unknown law name', head//disk//'[[interaction]]'//nl//'law = "contakt"'//nl, 'did you mean "contact"?', 12)
+    call bad('unknown colour', head//disk//'[[interaction]]'//nl//'candidate = "grian"'//nl, 'did you mean "grain"?', 12)
+    call bad('no density', '[[material]]'//nl//'name = "a"'//nl, 'lacks the key "density"', 1)
+    call bad('negative density', '[[material]]'//nl//'density = -1'//nl, 'larger than 0 kg/m3', 2)
+    call bad('materials of one name', head//'[[material]]'//nl//'name = "stone"'//nl//'density = 1'//nl//disk, &
+             'two materials named "stone"', 9)
+  end subroutine bad_laws
+
+  subroutine bad_bodies()
+    call bad('no body', head, 'there is no body', 0)
+    call bad('no shape', head//'[[body]]'//nl//'name = "a"'//nl, 'no shape', 8)
+    call bad('zero radius', head//'[[body]]'//nl//'shape = "disk"'//nl//'radius = 0'//nl, 'larger than 0 m', 10)
+    call bad('no radius', head//'[[body]]'//nl//'shape = "disk"'//nl, 'lacks the key "radius"', 8)
+    call bad('radius without a shape', head//'[[body]]'//nl//'radius = 1'//nl, 'without the key "shape"', 9)
+    call bad('unknown shape', head//'[[body]]'//nl//'shape = "disc"'//nl//'radius = 1'//nl, 'did you mean "disk"?', 9)
+    call bad('length of a disk', head//disk//'half_length = 1'//nl, 'has no meaning for shape = "disk"', 11)
+    call bad('negative mass', head//disk//'mass = -1'//nl, 'larger than 0 kg', 11)
+    call bad('unknown material', head//disk//'material = "stnoe"'//nl, 'did you mean "stone"?', 11)
+    call bad('which material', head//disk//'[[material]]'//nl//'name = "b"'//nl//'density = 1'//nl, 'several materials', 8)
+    call bad('names twice', head//disk//'name = "a"'//nl//disk//'name = "a"'//nl, 'two bodies named "a"', 15)
+    call bad('a weightless body', head//'[[body]]'//nl//'shape = "hollow disk"'//nl//'radius = 1'//nl, 'weighs nothing', 8)
+    call bad('an empty name', head//disk//'name = ""'//nl, 'must not be empty', 11)
+    call bad('disks that overlap', head//disk//disk//'position = [0.9, 0]'//nl, 'body 1 and body 2 overlap', 11)
+    call bad('a disk in a floor', head//disk//'position = [0, 0.3]'//nl//'[[wall]]'//nl//'name = "floor"'//nl// &
+             'from = [-1, 0]'//nl//'to = [1, 0]'//nl//'thickness = 0.1'//nl, '"floor" overlap', 12)
+    call bad('outside of the period', head//disk//'position = [-1, 0]'//nl//'[scene]'//nl//'period_x = 3'//nl, &
+             'outside of the period', 8)
+    call bad('overlap through the period', head//disk//disk//'position = [2.5, 0]'//nl//'[scene]'//nl//'period_x = 3'//nl, &
+             'overlap', 11)
+    call bad('through a hollow disk', head//disk//'position = [1.8, 0]'//nl//'[[body]]'//nl//'shape = "hollow disk"'//nl// &
+             'radius = 2'//nl//'fixed = true'//nl, 'overlap', 12)
+  end subroutine bad_bodies
+
+  subroutine bad_polygons()
+    character(len=*), parameter :: polygon = head//'[[body]]'//nl//'shape = "polygon"'//nl//'vertices = '
+
+    call bad('clockwise', polygon//'[[0, 0], [0, 1], [1, 1], [1, 0]]'//nl, 'clockwise', 10)
+    call bad('not convex', polygon//'[[0, 0], [2, 0], [0.5, 0.5], [0, 2]]'//nl, 'not convex at vertex 3', 10)
+    call bad('a star', polygon//'[[0, 3], [-2, -3], [3, 1], [-3, 1], [2, -3]]'//nl, 'not convex', 10)
+    call bad('two vertices', polygon//'[[0, 0], [1, 0]]'//nl, 'three vertices', 10)
+    call bad('no vertices', polygon//'[]'//nl, 'a list of [x, y]', 10)
+    call bad('three numbers a vertex', polygon//'[[0, 0, 0], [1, 0, 0], [1, 1, 0]]'//nl, 'a list of [x, y]', 10)
+    call bad('flat list', polygon//'[0, 0, 1, 0, 1, 1]'//nl, 'not an integer in it', 10)
+    call bad('a vertex twice', polygon//'[[0, 0], [1, 0], [1, 0], [0, 1]]'//nl, 'vertices 2 and 3 are the same', 10)
+    call bad('no area', polygon//'[[0, 0], [1, 0], [2, 0]]'//nl, 'polygon', 10)
+    call bad('a vertex not a number', polygon//'[[0, 0], [1, nan], [0, 1]]'//nl, 'finite', 10)
+    call bad('polygons that overlap', polygon//'[[0, 0], [1, 0], [1, 1], [0, 1]]'//nl//'[[body]]'//nl//'shape = "polygon"'//nl// &
+             'vertices = [[0.8, 0.2], [2, 0.2], [2, 0.9]]'//nl, 'overlap', 11)
+  end subroutine bad_polygons
+
+  subroutine bad_walls()
+    character(len=*), parameter :: wall = head//disk//'[[wall]]'//nl//'from = [9, 0]'//nl//'thickness = 0.1'//nl
+
+    call bad('no end', wall, 'lacks the key "to"', 11)
+    call bad('no length', wall//'to = [9, 0]'//nl, 'the wall has no length', 14)
+    call bad('zero thickness', head//'[[wall]]'//nl//'thickness = 0'//nl, 'larger than 0 m', 9)
+    call bad('no direction', wall//'to = [9, 5]'//nl//'pressure = 3'//nl, 'needs the key "direction"', 15)
+    call bad('oblique', wall//'to = [9, 5]'//nl//'pressure = 3'//nl//'direction = [1, 1]'//nl, 'along x or along y', 16)
+    call bad('between unknown walls', wall//'to = [9, 5]'//nl//'pressure = 3'//nl//'direction = [1, 0]'//nl// &
+             'between = ["a", 1]'//nl, 'no body named "a"', 17)
+    call bad('between one wall', wall//'to = [9, 5]'//nl//'pressure = 3'//nl//'direction = [1, 0]'//nl// &
+             'between = [2, 2]'//nl, 'two different bodies', 17)
+    call bad('between three walls', wall//'between = [2, 2, 2]'//nl, 'a list of 2 bodies', 14)
+  end subroutine bad_walls
+
+  subroutine bad_samples()
+    character(len=*), parameter :: sample = head//'[[sample]]'//nl//'radius = 0.1'//nl
+
+    call bad('no box', sample//'count = 5'//nl, 'lacks the key "box"', 8)
+    call bad('inverted box', sample//'box = [1, 0, 0, 1]'//nl//'count = 5'//nl, 'the box is empty', 10)
+    call bad('box of three', sample//'box = [1, 0, 0]'//nl//'count = 5'//nl, 'a list of 4 numbers', 10)
+    call bad('too full', sample//'box = [0, 0, 1, 1]'//nl//'count = 100'//nl, 'too full', 10)
+    call bad('too small', sample//'box = [0, 0, 0.1, 0.1]'//nl//'count = 1'//nl, 'too full', 10)
+    call bad('too full a lattice', sample//'box = [0, 0, 1, 1]'//nl//'kind = "lattice"'//nl//'count = 17'//nl, &
+             'holds 16 of 17', 12)
+    call bad('neither count nor fill', sample//'box = [0, 0, 1, 1]'//nl, 'either "count" or "fill"', 8)
+    call bad('count and fill', sample//'box = [0, 0, 1, 1]'//nl//'count = 1'//nl//'fill = 0.1'//nl, 'either "count" or "fill"', 8)
+    call bad('too many', sample//'box = [0, 0, 1e9, 1e9]'//nl//'fill = 0.5'//nl, 'more than', 11)
+    call bad('count beyond reason', sample//'box = [0, 0, 1, 1]'//nl//'count = 1000000000'//nl, 'at most', 11)
+    call bad('zero count', sample//'box = [0, 0, 1, 1]'//nl//'count = 0'//nl, 'at least 1', 11)
+    call bad('radii in the wrong order', head//'[[sample]]'//nl//'radius = [0.2, 0.1]'//nl//'box = [0, 0, 1, 1]'//nl// &
+             'count = 1'//nl, 'smaller number first', 9)
+    call bad('two sides', sample//'box = [0, 0, 1, 1]'//nl//'count = 1'//nl//'shape = "polygon"'//nl//'sides = 2'//nl, &
+             'at least 3', 13)
+    call bad('sides of disks', sample//'box = [0, 0, 1, 1]'//nl//'count = 1'//nl//'sides = 5'//nl, &
+             'no meaning for shape = "disk"', 12)
+    call bad('sample over a body', head//disk//'[[sample]]'//nl//'radius = 0.1'//nl//'box = [0, 0, 0.25, 0.25]'//nl// &
+             'count = 1'//nl, 'body 1 and body 2 overlap', 11)
+  end subroutine bad_samples
+
+  subroutine bad_drives()
+    character(len=*), parameter :: drive = head//disk//'name = "ball"'//nl//'[[drive]]'//nl//'component = "x"'//nl
+    integer :: unit
+
+    call bad('whom', drive, 'lacks the key "body"', 12)
+    call bad('unknown name', drive//'body = "bal"'//nl, 'did you mean "ball"?', 14)
+    call bad('unknown number', drive//'body = 7'//nl, 'there is no body 7: the scene has 1', 14)
+    call bad('body zero', drive//'body = 0'//nl, 'there is no body 0', 14)
+    call bad('body of a huge number', drive//'body = 99999999999'//nl, 'there is no body 99999999999', 14)
+    call bad('unknown component', drive//'body = 1'//nl//'component2 = "z"'//nl, 'unknown key', 15)
+    call bad('both frequencies', drive//'body = 1'//nl//'omega = 1'//nl//'frequency = 1'//nl, 'either "frequency"', 15)
+    call bad('driven twice', drive//'body = 1'//nl//'[[drive]]'//nl//'component = "x"'//nl//'body = 1'//nl, 'driven twice', 16)
+    call bad('missing file', drive//'body = 1'//nl//'file = "no.txt"'//nl, 'cannot read the file "no.txt"', 15)
+    open (newunit=unit, file='words.txt', status='replace')
+    write (unit, '(a)') '0 1', 'one two'
+    close (unit)
+    call bad('words for numbers', drive//'body = 1'//nl//'file = "words.txt"'//nl, 'a time and a value', 2)
+    open (newunit=unit, file='back.txt', status='replace')
+    write (unit, '(a)') '0 1', '1 2', '1 3'
+    close (unit)
+    call bad('time stands still', drive//'body = 1'//nl//'file = "back.txt"'//nl, 'times must grow', 3)
+    call bad('no direction', head//disk//'[[pressure]]'//nl//'body = 1'//nl//'length = 1'//nl//'direction = [0, 0]'//nl, &
+             'has no length', 14)
+    call bad('no length', head//disk//'[[pressure]]'//nl//'body = 1'//nl//'direction = [0, 1]'//nl, 'either "length"', 11)
+    call bad('between disks', head//disk//disk//'position = [5, 0]'//nl//'[[pressure]]'//nl//'body = 1'//nl// &
+             'direction = [0, 1]'//nl//'between = [1, 2]'//nl, 'needs walls', 18)
+  end subroutine bad_drives
+
+  subroutine bad_files()
+    type(diagnostics_t) :: diagnostics
+    type(scene_t) :: scene
+    type(run_options_t) :: options
+    type(text_t) :: none(0)
+    integer :: unit
+
+    call read_deck('no_such_deck.toml', none, scene, options, diagnostics)
+    call t%equal(diagnostics%count(), 1, 'a missing deck')
+    call read_deck('.', none, scene, options, diagnostics)
+    call t%equal(diagnostics%count(), 2, 'a folder for a deck')
+    call bad('missing DATBOX', '[scene]'//nl//'datbox = "no_such_folder"'//nl//'[time]'//nl//'step = 1'//nl//'steps = 1'//nl, &
+             'no folder "no_such_folder"', 2)
+    open (newunit=unit, file='huge.toml', access='stream', form='unformatted', status='replace')
+    write (unit, pos=70*1024**2) '#'
+    close (unit)
+    call read_deck('huge.toml', none, scene, options, diagnostics)
+    call t%check(index(diagnostics%errors(3)%message, 'larger than 64 MiB') > 0, 'a huge deck')
+    open (newunit=unit, file='huge.toml', status='old')
+    close (unit, status='delete')
+  end subroutine bad_files
+
+  !> All mistakes of a deck are told, but not thousands.
+  subroutine all_at_once()
+    type(diagnostics_t) :: diagnostics
+    character(len=:), allocatable :: text
+    integer :: i
+
+    call read_text('[time]'//nl//'step = 0'//nl//'steps = 1.5'//nl//'thta = 1'//nl//'[[law]]'//nl//'kind = 3'//nl, diagnostics)
+    call t%equal(diagnostics%count(), 4, 'four mistakes are told at once')
+    text = head//'[solver]'//nl
+    do i = 1, 1000
+      text = text//'wrong'//to_text(i)//' = 1'//nl
+    end do
+    call read_text(text, diagnostics)
+    call t%equal(diagnostics%count(), 101, 'of a thousand mistakes a hundred are told')
+  end subroutine all_at_once
+end program test_bad_decks
