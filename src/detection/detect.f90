@@ -5,7 +5,7 @@ module sg_detect
   use sg_history, only: history_t, keep_contacts, match_pairs, recall
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_mohr, status_bonded, status_new
-  use sg_neighbours, only: build_neighbours, neighbours_are_stale, neighbours_t
+  use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
   use sg_scene, only: scene_t
   use sg_touch, only: touch_t
   use sg_touch_disk_disk, only: touch_disk_disk
@@ -31,7 +31,7 @@ contains
     history%is_matched = .false.
     if (neighbours_are_stale(pairs, scene)) then
       if (.not. history%is_loaded .and. allocated(pairs%contactor)) history%contactor = pairs%contactor(:, :pairs%n)
-      call build_neighbours(pairs, scene, scene%bodies%middle)
+      call build_neighbours(pairs, scene, scene%bodies%middle, fitting_skin(scene))
       call match_pairs(history, scene%contactors%n, pairs)
     else if (history%is_loaded) then
       call match_pairs(history, scene%contactors%n, pairs)
@@ -58,7 +58,7 @@ contains
     do p = 1, pairs%n
       first(p) = int(contacts%n, i4) + 1
       associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), see => scene%sees(pairs%see(p)))
-        if (disks_are_apart(scene, c, a, pairs%image(p), see%alert)) cycle
+        if (circles_are_apart(scene, c, a, pairs%image(p), see%alert)) cycle
         call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), see%alert, touch)
         if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
         do i = 1, touch%n
@@ -71,8 +71,8 @@ contains
     history%n_pairs = pairs%n
   end subroutine touch_all
 
-  !> Are the two shapes disks that are farther apart than the alert distance? Most neighbours are; a square tells.
-  pure logical function disks_are_apart(scene, c, a, image, alert) result(apart)
+  !> Are the circles about two shapes farther apart than the alert distance? Most neighbours' are; a square tells.
+  pure logical function circles_are_apart(scene, c, a, image, alert) result(apart)
     type(scene_t), intent(in) :: scene
     integer(i4), intent(in) :: c, a
     integer(i1), intent(in) :: image
@@ -81,13 +81,13 @@ contains
 
     apart = .false.
     associate (contactors => scene%contactors)
-      if (contactors%kind(c) /= kind_disk .or. contactors%kind(a) /= kind_disk) return
+      if (contactors%kind(a) == kind_wall .or. contactors%kind(a) == kind_hollow) return
       x = contactors%centre(1, c) - contactors%centre(1, a) - scene%period*real(image, wp)
       y = contactors%centre(2, c) - contactors%centre(2, a)
       limit = contactors%reach(c) + contactors%reach(a) + alert
       apart = x**2 + y**2 > limit**2
     end associate
-  end function disks_are_apart
+  end function circles_are_apart
 
   !> Add one point of contact, with the impulse of its past.
   subroutine add_contact(scene, pairs, history, p, touch, i, contacts)
@@ -162,20 +162,19 @@ contains
         case (kind_hollow)
           call touch_disk_hollow(own, radius, centre, contactors%hollow_radius(row_a), alert, touch)
         case (kind_polygon)
-          call touch_disk_polygon(own, radius, n, contactors%polygon_world(:, first:first + n - 1), shift, alert, touch)
+          call touch_disk_polygon(own, radius, n, contactors%polygon_world(1, first), shift, alert, touch)
         end select
       end associate
     else
       first_c = contactors%polygon_first(row_c)
       n_c = contactors%polygon_first(row_c + 1) - first_c
-      associate (vertices => contactors%polygon_world(:, first_c:first_c + n_c - 1))
-        if (contactors%kind(a) == kind_polygon) then
-          call touch_polygon_polygon(n_c, vertices, n, contactors%polygon_world(:, first:first + n - 1), shift, alert, touch)
-        else
-          call touch_polygon_wall(n_c, vertices, centre, contactors%wall_axis(:, row_a), contactors%wall_size(1, row_a), &
-                                  contactors%wall_size(2, row_a), alert, touch)
-        end if
-      end associate
+      if (contactors%kind(a) == kind_polygon) then
+        call touch_polygon_polygon(n_c, contactors%polygon_world(1, first_c), n, contactors%polygon_world(1, first), shift, &
+                                   alert, touch)
+      else
+        call touch_polygon_wall(n_c, contactors%polygon_world(1, first_c), centre, contactors%wall_axis(:, row_a), &
+                                contactors%wall_size(1, row_a), contactors%wall_size(2, row_a), alert, touch)
+      end if
     end if
   end subroutine touch_pair
 end module sg_detect

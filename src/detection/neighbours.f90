@@ -14,7 +14,7 @@ module sg_neighbours
   use sg_sorting, only: hilbert_key, sort_permutation
   implicit none
   private
-  public :: neighbours_t, build_neighbours, neighbours_are_stale, candidate_first
+  public :: neighbours_t, build_neighbours, neighbours_are_stale, fitting_skin, candidate_first
 
   !> All pairs that may touch soon
   type :: neighbours_t
@@ -73,10 +73,11 @@ contains
   end function turning_arm
 
   !> Make the list for a configuration. Bodies that left the period are brought back into it.
-  subroutine build_neighbours(pairs, scene, configuration)
+  subroutine build_neighbours(pairs, scene, configuration, skin)
     type(neighbours_t), intent(inout) :: pairs !! list to make
     type(scene_t), intent(inout) :: scene !! positions may be wrapped, contactors are placed
     real(wp), intent(in) :: configuration(:, :) !! of all bodies, shape (velocity components, bodies)
+    real(wp), intent(in) :: skin !! how far shapes may move, two together, before the list is made again [m]
     integer(i4), allocatable :: table(:, :)
 
     pairs%built = configuration
@@ -84,10 +85,25 @@ contains
     call place_contactors(scene%contactors, pairs%built)
     call order_bodies(pairs, scene)
     call tabulate_sees(scene, table)
-    pairs%skin = 0.2_wp*common_reach(scene)
+    pairs%skin = skin
     call find_pairs(pairs, scene, table)
     pairs%builds = pairs%builds + 1
   end subroutine build_neighbours
+
+  !> A skin for the present motion [m]: lists that last long cost pairs that never touch, short-lived ones cost searches.
+  !!
+  !! Bodies move from their position to `middle` in half a step, so the fastest crosses half the skin in about eight steps.
+  pure real(wp) function fitting_skin(scene) result(skin)
+    type(scene_t), intent(in) :: scene !! scene with its `middle` configuration
+    real(wp), parameter :: thinnest = 0.1_wp, thickest = 1 ! in mean radii
+    real(wp) :: reach, step
+
+    reach = common_reach(scene)
+    associate (bodies => scene%bodies)
+      step = 2*sqrt(maxval((bodies%middle(1, :) - bodies%position(1, :))**2 + (bodies%middle(2, :) - bodies%position(2, :))**2))
+    end associate
+    skin = max(thinnest*reach, min(thickest*reach, 16*step))
+  end function fitting_skin
 
   !> Bring bodies back into the period, counting crossings.
   subroutine wrap(bodies, configuration, period)

@@ -23,7 +23,7 @@ contains
     state%step = sim%step
     state%time = sim%time()
     state%deck_hash = sim%options%deck_hash
-    state%totals = [sim%energy%pack(), sim%totals%pack()]
+    state%totals = [sim%energy%pack(), sim%totals%pack(), sim%pairs%skin]
     allocate (state%built(size(sim%scene%bodies%velocity, 1), 0))
     if (allocated(sim%pairs%built)) state%built = sim%pairs%built
     call write_restart(sim%options%folder, state, error)
@@ -47,7 +47,7 @@ contains
       return
     end if
     call read_restart(file, sim%scene, sim%options%deck_hash, state, warnings)
-    if (warnings%count() == 0 .and. size(state%totals) /= n_energy_values + n_totals_values) then
+    if (warnings%count() == 0 .and. size(state%totals) /= n_energy_values + n_totals_values + 1) then
       call warnings%add('the restart file is of another version of the program', file=file)
     end if
     if (warnings%count() > 0) then
@@ -57,8 +57,8 @@ contains
     call restore_state(state, sim%scene, sim%contacts)
     sim%step = state%step
     call sim%energy%unpack(state%totals(:n_energy_values))
-    call sim%totals%unpack(state%totals(n_energy_values + 1:))
+    call sim%totals%unpack(state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
     call resume_history(sim%history, sim%contacts)
-    if (size(state%built, 2) > 0) call build_neighbours(sim%pairs, sim%scene, state%built)
+    if (size(state%built, 2) > 0) call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals)))
   end subroutine load_checkpoint
 end module sg_checkpoint
