@@ -4,10 +4,10 @@ submodule(sg_hdf5) hdf5_with_hdf5
                                          c_null_char, c_null_ptr, c_ptr, c_size_t
   use hdf5, only: h5_integer_kind, h5aclose_f, h5acreate_f, h5aexists_f, h5aget_type_f, h5aopen_f, h5aread_f, h5awrite_f, &
                   h5dclose_f, h5dcreate_f, h5dget_space_f, h5dont_atexit_f, h5dopen_f, h5dread_f, h5dset_extent_f, h5dwrite_f, &
-                  h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_rdwr_f, h5f_acc_trunc_f, h5f_libver_earliest_f, &
+                  h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_rdwr_f, h5f_acc_trunc_f, h5f_close_strong_f, h5f_libver_earliest_f, &
                   h5f_libver_v110_f, h5f_scope_global_f, h5fclose_f, h5fcreate_f, h5fflush_f, h5fopen_f, h5gclose_f, &
-                  h5gcreate_f, h5kind_to_type, h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, h5p_dataset_create_f, &
-                  h5p_file_access_f, h5pclose_f, h5pcreate_f, h5pset_chunk_f, h5pset_deflate_f, &
+                  h5gcreate_f, h5iis_valid_f, h5kind_to_type, h5lexists_f, h5oclose_f, h5oopen_f, h5open_f, h5p_dataset_create_f, &
+                  h5p_file_access_f, h5pclose_f, h5pcreate_f, h5pset_chunk_f, h5pset_deflate_f, h5pset_fclose_degree_f, &
                   h5pset_libver_bounds_f, h5s_scalar_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_f, &
                   h5screate_simple_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, &
                   h5sselect_hyperslab_f, h5t_c_s1, h5t_ieee_f32le, h5t_ieee_f64le, h5t_native_double, &
@@ -86,17 +86,22 @@ contains
     character(len=*), intent(in) :: name
     integer(hid_t), intent(out) :: access
     integer :: status
+    logical :: is_open
 
     if (allocated(self%error)) deallocate (self%error)
     self%name = name
     self%id = -1
     ! At exit the library would try once more to flush a file for which the disk had no room, and crash.
     call h5dont_atexit_f(status)
-    call h5open_f(status)
+    ! The types of the library's Fortran side exist once it has been opened; each opening would make new ones.
+    call h5iis_valid_f(h5t_native_double, is_open, status)
+    if (.not. is_open) call h5open_f(status)
     call h5eset_auto_f(0, status)
     call h5pcreate_f(h5p_file_access_f, access, status)
     ! The oldest file format has no mark "open for writing": readers may look on, also after a kill.
     call h5pset_libver_bounds_f(access, h5f_libver_earliest_f, h5f_libver_v110_f, status)
+    ! Whatever a failure left open must not keep the file open.
+    call h5pset_fclose_degree_f(access, h5f_close_strong_f, status)
     status = c_set_locking(access, .false._c_bool, .true._c_bool)
     call check(self, status, 'cannot start HDF5')
   end subroutine start

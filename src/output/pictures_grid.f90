@@ -151,6 +151,8 @@ contains
     character(len=*), parameter :: steps = grid_root//'Steps'
 
     call self%file%open(path, is_read_only=.false.)
+    if (allocated(self%file%error)) &
+      self%file%error%message = 'cannot go on with this file, move it away: '//self%file%error%message
     call self%file%look(steps, 'NSteps', n_steps)
     call self%file%look('/', 'real_bytes', real_bytes)
     self%stored_real = merge(stored_single, stored_double, real_bytes == 4)
