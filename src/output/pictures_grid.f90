@@ -53,6 +53,8 @@ module sg_pictures_grid
     integer(i8) :: first_point = 0, first_cell = 0, first_id = 0
     !> Points, cells and connectivity ids of the present part
     integer(i8) :: n_points = 0, n_cells = 0, n_ids = 0
+    !> In a file to go on with: points, cells and fields of the last step that stayed
+    integer(i8) :: kept(3) = 0
     !> How reals are stored, and are chunks compressed?
     integer :: stored_real = stored_double
     logical :: is_compressed = .false.
@@ -175,6 +177,7 @@ contains
     self%n_points = entry_of(self, 'NumberOfPoints', self%parts)
     self%n_cells = entry_of(self, 'NumberOfCells', self%parts)
     self%n_ids = entry_of(self, 'NumberOfConnectivityIds', self%parts)
+    self%kept = [self%n_points, self%n_cells, 1_i8]
     self%first_cell = entry_of(self, 'Steps/CellOffsets', n)
     self%first_id = entry_of(self, 'Steps/ConnectivityIdOffsets', n)
     self%points = entry_of(self, 'Steps/PointOffsets', n) + self%n_points
@@ -373,13 +376,11 @@ contains
     type(grid_file_t), intent(inout) :: self
     type(grid_array_t), intent(inout) :: array
     character(len=:), allocatable :: group
-    integer(i8) :: rows(3)
 
     group = trim(group_names(array%where))
     if (.not. self%file%has(grid_root//group//'/'//array%name)) call not_whole(self, group//'/'//array%name)
-    rows = [self%n_points, self%n_cells, 1_i8]
     array%first = entry_of(self, 'Steps/'//group//'Offsets/'//array%name, self%n_steps)
-    array%rows = array%first + rows(array%where)
+    array%rows = array%first + self%kept(array%where)
     call keep(self, group//'/'//array%name, array%rows)
     call keep(self, 'Steps/'//group//'Offsets/'//array%name, self%n_steps)
     if (array%where == on_field) call keep(self, 'Steps/FieldDataSizes/'//array%name, self%n_steps)
