@@ -116,10 +116,11 @@ contains
 
     x = r(1) - rho*(u(1) + friction*abs(u(2)))
     t = r(2) - rho*u(2)
-    ! Projection on Coulomb's cone: on its surface (or the tip), unless the point lies inside.
+    ! Projection on Coulomb's cone: on its surface (or the tip), unless the point lies inside. Without friction the cone
+    ! is a ray, and behind its tip the point is not inside.
     normal = max(0.0_wp, (x + friction*abs(t))/(1 + friction**2))
     tangential = sign(friction*normal, t)
-    if (abs(t) <= friction*x) then
+    if (x > 0 .and. abs(t) <= friction*x) then
       normal = x
       tangential = t
     end if
