@@ -30,7 +30,7 @@ contains
 
     call read_blocks(file, settings, deck, diagnostics)
     if (diagnostics%count() > 0) return
-    call options_from_deck(deck, options)
+    call options_from_deck(deck, options, diagnostics)
     call scene_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() > 0) return
     call effective_deck(deck, options%deck_text)

@@ -11,7 +11,7 @@ module sg_keys_run
 
 contains
 
-  !> Add the sections time, solver, output and restart.
+  !> Add the sections time, solver, output, restart and report.
   subroutine add_run_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
@@ -60,7 +60,7 @@ contains
     end associate
   end subroutine add_solver
 
-  !> Sections output and restart.
+  !> Sections output, restart and report.
   subroutine add_output(table)
     type(key_table_t), intent(inout) :: table
     type(run_options_t) :: default
@@ -77,6 +77,9 @@ contains
     call table%open_section('restart', 'Checkpoints, from which a run can go on bit for bit.')
     call table%add('every', value_integer, 'Steps between two checkpoints; 0 for none.', &
                    default=to_text(default%restart_every), least=0.0_wp)
+    call table%open_section('report', 'What is worked out of a run beside its record.')
+    call table%add('spectrum', value_logical, 'Sample kinetic energy and wall forces at every step and write their power '// &
+                   'spectra, spectrum.csv, at the end; needs FFTW.', default=true_or_false(default%has_spectrum))
   end subroutine add_output
 
   !> A word as TOML string.

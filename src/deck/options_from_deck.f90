@@ -1,6 +1,8 @@
-!> Options of a run from the sections time, solver, output and restart.
+!> Options of a run from the sections time, solver, output, restart and report.
 module sg_options_from_deck
   use sg_blocks, only: deck_t
+  use sg_error, only: diagnostics_t
+  use sg_fourier, only: fourier_is_available
   use sg_run_options, only: criterion_names, run_options_t
   use sg_words, only: choice_index, choices_of
   implicit none
@@ -10,9 +12,10 @@ module sg_options_from_deck
 contains
 
   !> Fill the options.
-  subroutine options_from_deck(deck, options)
+  subroutine options_from_deck(deck, options, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     type(run_options_t), intent(inout) :: options !! options to fill
+    type(diagnostics_t), intent(inout) :: diagnostics !! what this program cannot do
     integer :: b
 
     b = deck%block_of('time')
@@ -35,5 +38,10 @@ contains
     options%output_single = deck%word(b, 'precision') == 'single'
     options%output_compressed = deck%flag(b, 'compression')
     options%restart_every = deck%integer(deck%block_of('restart'), 'every')
+    b = deck%block_of('report')
+    options%has_spectrum = deck%flag(b, 'spectrum')
+    if (options%has_spectrum .and. .not. fourier_is_available()) then
+      call deck%complain(diagnostics, 'this program was built without FFTW, which spectra need', b, 'spectrum')
+    end if
   end subroutine options_from_deck
 end module sg_options_from_deck

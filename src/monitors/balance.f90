@@ -7,7 +7,7 @@ module sg_balance
   use sg_stress, only: contact_impulse
   implicit none
   private
-  public :: floor_share, momentum
+  public :: floor_share, force_on_walls, momentum
 
 contains
 
@@ -17,21 +17,30 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in) :: mass !! mass of all grains [kg]
-    real(wp) :: on_walls(2), weight
-    integer :: k
+    real(wp) :: weight
 
     share = 0
     weight = mass*norm2(scene%gravity)
     if (.not. weight*h > 0) return
-    on_walls = 0
+    share = dot_product(force_on_walls(scene, contacts, h), scene%gravity)/(norm2(scene%gravity)*weight)
+  end function floor_share
+
+  !> Force of contacts on all walls, mean over the step [N].
+  pure function force_on_walls(scene, contacts, h) result(force)
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    real(wp), intent(in) :: h !! time step [s]
+    real(wp) :: force(2)
+    integer :: k
+
+    force = 0
     do k = 1, contacts%n
       associate (is_grain => scene%bodies%is_grain(contacts%body(:, k)))
-        if (is_grain(1) .and. .not. is_grain(2)) on_walls = on_walls - contact_impulse(contacts, k)
-        if (is_grain(2) .and. .not. is_grain(1)) on_walls = on_walls + contact_impulse(contacts, k)
+        if (is_grain(1) .and. .not. is_grain(2)) force = force - contact_impulse(contacts, k)/h
+        if (is_grain(2) .and. .not. is_grain(1)) force = force + contact_impulse(contacts, k)/h
       end associate
     end do
-    share = dot_product(on_walls, scene%gravity)/(norm2(scene%gravity)*weight*h)
-  end function floor_share
+  end function force_on_walls
 
   !> Momentum of the grains [kg m/s].
   pure function momentum(bodies)

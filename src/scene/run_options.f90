@@ -47,6 +47,8 @@ module sg_run_options
     integer :: output_every = 0, record_every = 1, restart_every = 0
     !> Write pictures in single precision, compressed
     logical :: output_single = .false., output_compressed = .false.
+    !> Sample series at every step and write their spectra at the end
+    logical :: has_spectrum = .false.
     !> Folder of the results, and the file to restart from (empty for none)
     character(len=:), allocatable :: folder, restart_file
     !> Hash and text of the effective deck

@@ -14,7 +14,9 @@ module sg_simulate
   use sg_restart, only: newest_restart
   use sg_run_options, only: criterion_names, run_options_t
   use sg_run_summary, only: run_done, run_failed, run_not_converged, run_stopped, run_summary_t, write_run_summary
+  use sg_samples, only: samples_t
   use sg_simulation, only: advance, simulation_t, start_simulation
+  use sg_spectrum_file, only: write_spectrum
   use sg_system, only: checkpoint_requested, is_terminal, stop_signal
   use sg_numbers, only: write_numbers
   use sg_text, only: to_text
@@ -33,6 +35,7 @@ module sg_simulate
     type(progress_t) :: progress
     type(run_summary_t) :: summary
     type(measures_t) :: measures
+    type(samples_t) :: samples
     logical :: has_pictures = .false., has_checkpoints = .false., has_saved = .false.
     real(wp) :: wall_start = 0
   end type writers_t
@@ -114,6 +117,7 @@ contains
     logical :: is_last
 
     is_last = sim%step == sim%options%steps
+    if (sim%options%has_spectrum) call sample_now(sim, writers)
     if (is_due(sim%options%record_every) .or. is_last) then
       call measure_now(sim, writers)
       call sim%totals%phase(phase_output)%start()
@@ -141,6 +145,16 @@ contains
       if (every > 0) is_due = mod(sim%step, every) == 0
     end function is_due
   end subroutine write_due
+
+  !> Sample what spectra are made of.
+  subroutine sample_now(sim, writers)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+
+    call sim%totals%phase(phase_measure)%start()
+    call writers%samples%add(sim%scene, sim%contacts, sim%options%step)
+    call sim%totals%phase(phase_measure)%stop()
+  end subroutine sample_now
 
   !> Measure all indicators.
   subroutine measure_now(sim, writers)
@@ -252,6 +266,11 @@ contains
 
     if (writers%has_pictures) call writers%pictures%close(error)
     if (writers%has_saved) call writers%summary%add_file('restart', newest_restart(sim%options%folder))
+    if (writers%samples%n > 0) then
+      call write_spectrum(writers%samples, sim%options%step, sim%options%folder//'/spectrum.csv', next)
+      if (.not. allocated(next)) call writers%summary%add_file('spectrum', 'spectrum.csv')
+      if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)
+    end if
     call write_numbers(writers%summary, sim%options%folder//'/numbers.tag', next)
     if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)
     call write_run_summary(writers%summary, sim%options%folder//'/run.json', next)

@@ -1,0 +1,22 @@
+!> The discrete Fourier transform of a real series, without naming a library.
+!!
+!! The bodies live in `fourier_with_fftw` or `fourier_without_fftw`, chosen by CMake.
+module sg_fourier
+  use sg_kinds, only: wp
+  implicit none
+  private
+  public :: fourier_is_available, squared_transform
+
+  interface
+    !> Was the program built with a Fourier transform?
+    module function fourier_is_available() result(is_available)
+      logical :: is_available
+    end function fourier_is_available
+
+    !> |X_k|^2 of X_k = sum over j of x_j exp(-2 pi i j k/n), j from 0, for k = 0 to n/2; nothing where there is no transform.
+    module function squared_transform(series) result(squares)
+      real(wp), intent(in) :: series(:) !! x, in any unit
+      real(wp), allocatable :: squares(:) !! shape (n/2 + 1), in that unit squared
+    end function squared_transform
+  end interface
+end module sg_fourier

@@ -1,0 +1,14 @@
+!> A build without a Fourier transform: decks that ask for spectra are refused when they are read.
+submodule(sg_fourier) fourier_without_fftw
+  implicit none
+
+contains
+
+  module procedure fourier_is_available
+  is_available = .false.
+  end procedure fourier_is_available
+
+  module procedure squared_transform
+  allocate (squares(0))
+  end procedure squared_transform
+end submodule fourier_without_fftw

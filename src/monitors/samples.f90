@@ -1,0 +1,54 @@
+!> What a spectrum is made of: series sampled at every step, kept for the whole run.
+module sg_samples
+  use sg_balance, only: force_on_walls
+  use sg_bodies, only: bodies_t, spin_of
+  use sg_contacts, only: contacts_t
+  use sg_kinds, only: wp
+  use sg_lists, only: reserve
+  use sg_scene, only: scene_t
+  implicit none
+  private
+  public :: samples_t, n_series, series_names
+
+  !> Number of series
+  integer, parameter :: n_series = 3
+  !> Their names: kinetic energy of the grains [J], force of contacts on all walls along x and y [N]
+  character(len=14), parameter :: series_names(n_series) = [character(len=14) :: 'kinetic_energy', 'wall_force_x', 'wall_force_y']
+
+  !> The samples of a run
+  type :: samples_t
+    !> Number of steps sampled
+    integer :: n = 0
+    !> Samples, shape (series, steps); unallocated until the first one
+    real(wp), allocatable :: value(:, :)
+  contains
+    procedure :: add => samples_add
+  end type samples_t
+
+contains
+
+  !> Sample a step after its update.
+  subroutine samples_add(self, scene, contacts, h)
+    class(samples_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    real(wp), intent(in) :: h !! time step [s]
+
+    call reserve(self%value, n_series, self%n + 1)
+    self%n = self%n + 1
+    self%value(1, self%n) = kinetic_energy_of_grains(scene%bodies)
+    self%value(2:, self%n) = force_on_walls(scene, contacts, h)
+  end subroutine samples_add
+
+  !> Kinetic energy of the grains [J]; walls, whose motion is imposed, do not count.
+  pure real(wp) function kinetic_energy_of_grains(bodies) result(energy)
+    type(bodies_t), intent(in) :: bodies
+    integer :: i
+
+    energy = 0
+    do i = 1, bodies%n
+      if (.not. bodies%is_grain(i)) cycle
+      energy = energy + (bodies%mass(i)*sum(bodies%velocity(1:2, i)**2) + bodies%inertia(i)*spin_of(bodies, i)**2)/2
+    end do
+  end function kinetic_energy_of_grains
+end module sg_samples
