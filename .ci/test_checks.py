@@ -63,6 +63,8 @@ def test_empty_project_fails(tmp_path, check):
     ("src/scene/plan.f90", "use mpi_f08, only: mpi_send", "", "mpi_f08 outside src/parallel"),
     ("src/scene/plan.f90", "", "call MPI_Send()", "mpi_send outside src/parallel"),
     ("src/output/files.f90", "use hdf5, only: hid_t", "", "outside a file *_with_hdf5.f90"),
+    ("src/partition/graph_split.f90", "", "call METIS_PartGraphKway()", "outside a file *_with_metis.f90"),
+    ("src/base/fourier_with_metis.f90", "", "call fftw_destroy_plan(plan)", "outside a file *_with_fftw.f90"),
     ("src/unheard/plan.f90", "", "", "'unheard' is not in the order"),
 ])  # fmt: skip
 def test_layers(project, place, use, code, finding):
