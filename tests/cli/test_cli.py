@@ -132,10 +132,12 @@ class Decks(Cli):
     def test_every_deck_of_the_project_is_whole_and_runs(self):
         decks = sorted((SOURCE / "input_decks").rglob("*.toml"))
         self.assertTrue(decks)
+        # Pictures and checkpoints need HDF5; all else of a deck runs without.
+        without = [] if self.has_hdf5() else ["--set", "output.every=0", "--set", "restart.every=0"]
         for deck in decks:
             with self.subTest(deck=deck.name):
                 self.run_program("check", deck)
-                self.run_program("run", deck, "--set", "time.steps=3", "--output", deck.stem, "--quiet")
+                self.run_program("run", deck, "--set", "time.steps=3", *without, "--output", deck.stem, "--quiet")
                 self.assertEqual(self.run_json(deck.stem)["steps"], 3)
 
 
