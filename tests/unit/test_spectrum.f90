@@ -1,0 +1,93 @@
+!> Spectra: two sines give their peaks and the variance, whatever the length; and the file that a run writes.
+program test_spectrum
+  use harness, only: tests_t
+  use sg_error, only: error_t
+  use sg_fourier, only: fourier_is_available
+  use sg_kinds, only: wp, pi
+  use sg_random, only: random_t
+  use sg_samples, only: samples_t
+  use sg_spectrum, only: power_spectrum
+  use sg_spectrum_file, only: write_spectrum
+  use sg_text, only: read_lines, text_t
+  implicit none
+  ! Sums of 10^3 terms of order one, and the rounding of the transform: 1e-14 expected.
+  real(wp), parameter :: rounding = 1e-12_wp
+  type(tests_t) :: t
+
+  if (fourier_is_available()) then
+    call test_two_sines()
+    call test_variance()
+    call test_file()
+  else
+    call t%equal(size(power_spectrum([1.0_wp, 2.0_wp])), 0, 'without FFTW a spectrum is empty')
+  end if
+  call t%finish()
+
+contains
+
+  !> Amplitudes 3 and 1 at 50 and 120 Hz on an offset, 1000 samples at 1 ms: a bin is 1 Hz.
+  subroutine test_two_sines()
+    integer, parameter :: n = 1000
+    real(wp) :: series(n), power(0:n/2)
+    integer :: j
+
+    series = [(7 + 3*sin(2*pi*50*real(j, wp)/n) + sin(2*pi*120*real(j, wp)/n), j=1, n)]
+    power = power_spectrum(series)
+    ! A sine of amplitude a has the variance a^2/2; the Hann window spreads it over three bins as 1/6, 2/3, 1/6.
+    call t%near(power(50), 9/2.0_wp*2/3.0_wp, 3*rounding, 'first peak')
+    call t%near(power(120), 1/2.0_wp*2/3.0_wp, rounding, 'second peak')
+    call t%near(sum(power(49:51)), 4.5_wp, 5*rounding, 'variance of the first sine')
+    call t%near(sum(power(119:121)), 0.5_wp, rounding, 'variance of the second sine')
+    call t%near(power(0), 0.0_wp, rounding, 'the mean is gone')
+    call t%near(sum(power), 5.0_wp, 5*rounding, 'the sum is the variance')
+  end subroutine test_two_sines
+
+  !> Noise of any length, with a trend: the sum is the variance.
+  subroutine test_variance()
+    integer, parameter :: lengths(6) = [2, 3, 4, 97, 100, 1024]
+    type(random_t) :: random
+    real(wp), allocatable :: series(:), power(:)
+    real(wp) :: variance
+    integer :: i, j
+
+    call random%seed(3)
+    do i = 1, size(lengths)
+      associate (n => lengths(i))
+        series = [(random%normal() + real(j, wp)/real(n, wp), j=1, n)]
+        variance = sum((series - sum(series)/real(n, wp))**2)/real(n, wp)
+        power = power_spectrum(series)
+        call t%equal(size(power), n/2 + 1, 'number of frequencies')
+        call t%near(sum(power), variance, rounding, 'variance of noise')
+        call t%check(all(power >= 0), 'no power is negative')
+      end associate
+    end do
+    call t%check(.not. any(abs(power_spectrum([2.0_wp, 2.0_wp, 2.0_wp])) > 0), 'a constant has no power')
+    call t%near(sum(power_spectrum([2.0_wp])), 0.0_wp, 0.0_wp, 'neither has a single sample')
+    call t%equal(size(power_spectrum([real(wp) ::])), 0, 'no sample, no frequency')
+  end subroutine test_variance
+
+  !> Frequencies and columns of the file.
+  subroutine test_file()
+    type(samples_t) :: samples
+    type(error_t), allocatable :: error
+    type(text_t), allocatable :: lines(:)
+    real(wp) :: row(4)
+    integer :: j
+
+    samples%n = 8
+    ! Room for more than was sampled, as growing leaves it.
+    allocate (samples%value(3, 10), source=1.0_wp)
+    samples%value(2, :8) = [(cos(pi*real(j, wp)/2), j=1, 8)]
+    call write_spectrum(samples, 0.125_wp, 'spectrum.csv', error)
+    call t%check(.not. allocated(error), 'the file is written')
+    call read_lines('spectrum.csv', lines, error)
+    call t%equal(size(lines), 6, 'a header and n/2 + 1 rows')
+    call t%check(lines(1)%s == 'frequency_hz,kinetic_energy,wall_force_x,wall_force_y', 'header')
+    read (lines(4)%s, *) row
+    call t%near(row(1), 2.0_wp, 0.0_wp, 'frequency')
+    call t%near(row(3), 0.5_wp*2/3, rounding, 'power')
+    call t%near(row(4), 0.0_wp, 0.0_wp, 'power of a constant')
+    call write_spectrum(samples, 0.125_wp, 'no_such_folder/spectrum.csv', error)
+    call t%check(allocated(error), 'a missing folder is an error')
+  end subroutine test_file
+end program test_spectrum
