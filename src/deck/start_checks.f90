@@ -15,8 +15,8 @@ module sg_start_checks
 
   !> Share of the smaller radius by which two bodies may overlap at the start
   real(wp), parameter :: tolerated = 0.1_wp
-  !> Overlaps below this share are rounding
-  real(wp), parameter :: rounding = 1e-9_wp
+  !> Overlaps below this share come from the digits that decks write
+  real(wp), parameter :: rounding = 1e-4_wp
   !> Pairs that are named
   integer, parameter :: most_pairs = 5
 
