@@ -133,8 +133,8 @@ contains
       height = maxval(maxval(bodies%position, 2) - minval(bodies%position, 2)) + 2*smallest
       speed = sqrt(maxval(bodies%velocity(1, :)**2 + bodies%velocity(2, :)**2))
     end associate
-    ! Fastest free fall: through the whole scene, or for the whole run.
-    fall = min(sqrt(2*norm2(scene%gravity)*height), norm2(scene%gravity)*options%step*real(options%steps, wp))
+    ! Fastest free fall: through the whole scene. The number of steps has no part in it: a longer run is the same run.
+    fall = sqrt(2*norm2(scene%gravity)*height)
     alert = max(smallest/10, options%step*(speed + fall))
   end function default_alert
 end module sg_interactions_from_deck
