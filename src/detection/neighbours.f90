@@ -113,7 +113,6 @@ contains
     integer :: b, crossed
 
     do b = 1, bodies%n
-      if (.not. bodies%is_grain(b)) cycle
       crossed = floor(configuration(1, b)/period)
       if (crossed == 0) cycle
       configuration(1, b) = configuration(1, b) - real(crossed, wp)*period
@@ -194,14 +193,19 @@ contains
     integer(i4), intent(in) :: table(:, :)
     type(cells_t) :: cells
     integer(i4), allocatable :: order(:)
+    integer, allocatable :: crossed(:)
     real(wp), allocatable :: centre(:, :), reach(:)
     real(wp) :: margin
     integer :: i, level
 
     order = contactor_order(pairs, scene%contactors)
     allocate (centre(2, size(order)), reach(size(order)))
+    allocate (crossed(size(order)), source=0)
     do i = 1, size(order)
       centre(:, i) = scene%contactors%centre(:, order(i))
+      ! A body in the period may carry shapes far outside it (rough walls made of disks).
+      if (scene%period > 0) crossed(i) = floor(centre(1, i)/scene%period)
+      centre(1, i) = centre(1, i) - scene%period*real(crossed(i), wp)
       reach(i) = scene%contactors%reach(order(i))
     end do
     margin = pairs%skin
@@ -210,7 +214,7 @@ contains
     pairs%n = 0
     do i = 1, size(order)
       do level = cells%level(i), cells%n_levels
-        call look_around(pairs, scene, table, cells, order, centre, i, level)
+        call look_around(pairs, scene, table, cells, order, crossed, centre, i, level)
       end do
     end do
   end subroutine find_pairs
@@ -231,12 +235,13 @@ contains
   end function contactor_order
 
   !> Pairs of one contactor with those of one level in the 3 by 3 cells about it.
-  subroutine look_around(pairs, scene, table, cells, order, centre, i, level)
+  subroutine look_around(pairs, scene, table, cells, order, crossed, centre, i, level)
     type(neighbours_t), intent(inout) :: pairs
     type(scene_t), intent(in) :: scene
     integer(i4), intent(in) :: table(:, :), order(:)
     type(cells_t), intent(in) :: cells
-    real(wp), intent(in) :: centre(:, :)
+    integer, intent(in) :: crossed(:) !! periods between each contactor and its centre
+    real(wp), intent(in) :: centre(:, :) !! within the period
     integer, intent(in) :: i, level
     integer(i4) :: home(2), cell(2), bucket
     integer :: column, row, m, j, image
@@ -255,7 +260,7 @@ contains
           j = cells%member(m)
           if (cells%level(j) /= level .or. cells%cell(1, j) /= cell(1) .or. cells%cell(2, j) /= cell(2)) cycle
           if (level == cells%level(i) .and. j <= i) cycle
-          call consider(pairs, scene, table, order(i), order(j), image)
+          call consider(pairs, scene, table, order(i), order(j), image + crossed(i) - crossed(j))
         end do
       end do
     end do
@@ -311,9 +316,9 @@ contains
     apart = contactors%centre(:, i) - contactors%centre(:, j)
     apart(1) = apart(1) - period*real(image, wp)
     if (contactors%kind(j) == kind_wall) then
-      is_near = near_wall(contactors, j, apart, contactors%reach(i), image, period, distance)
+      is_near = near_wall(contactors, j, apart, contactors%reach(i), period, distance)
     else if (contactors%kind(i) == kind_wall) then
-      is_near = near_wall(contactors, i, -apart, contactors%reach(j), image, period, distance)
+      is_near = near_wall(contactors, i, -apart, contactors%reach(j), period, distance)
     else if (contactors%kind(j) == kind_hollow) then
       is_near = contactors%reach(j) - hypot(apart(1), apart(2)) - contactors%reach(i) < distance
     else if (contactors%kind(i) == kind_hollow) then
@@ -323,12 +328,12 @@ contains
     end if
   end function is_near
 
-  !> The same against a wall: distance to its axis. The images of a wall that spans the period are itself.
-  pure logical function near_wall(contactors, wall, apart, reach, image, period, distance)
+  !> The same against a wall: distance to its axis. The images of a wall that spans the period are itself: what sees it
+  !! sees the one whose centre is nearest.
+  pure logical function near_wall(contactors, wall, apart, reach, period, distance)
     type(contactors_t), intent(in) :: contactors
     integer(i4), intent(in) :: wall
     real(wp), intent(in) :: apart(2), reach, period, distance
-    integer, intent(in) :: image
     real(wp) :: axis(2), along, across, half_length
 
     associate (row => contactors%row(wall))
@@ -337,7 +342,14 @@ contains
       along = max(0.0_wp, abs(dot_product(apart, axis)) - half_length)
       across = apart(1)*axis(2) - apart(2)*axis(1)
       near_wall = hypot(along, across) - contactors%wall_size(2, row) - reach < distance
-      if (image /= 0 .and. 2*half_length*abs(axis(1)) >= period) near_wall = .false.
+      if (period > 0 .and. 2*half_length*abs(axis(1)) >= period) near_wall = near_wall .and. is_nearest(apart(1)/period)
     end associate
   end function near_wall
+
+  !> Is no other image nearer? Of two as near, it is the one on the right.
+  pure logical function is_nearest(periods)
+    real(wp), intent(in) :: periods !! how many periods the image is away
+
+    is_nearest = periods >= -0.5_wp .and. periods < 0.5_wp
+  end function is_nearest
 end module sg_neighbours
