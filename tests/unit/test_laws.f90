@@ -1,0 +1,254 @@
+!> What each law asks of one contact, by hand; the exact solution of one-contact problems for any friction.
+program test_laws
+  use harness, only: tests_t
+  use sg_compact, only: compact_velocity
+  use sg_kinds, only: wp, i1
+  use sg_laws, only: law_elastic, law_gap, law_iqs, law_linear, law_mohr, law_restitution, law_t, law_velocity, law_wet
+  use sg_laws, only: is_frictionless, is_plain, local_law, local_law_t
+  use sg_laws, only: status_bonded, status_new, status_none, status_slide, status_stick
+  use sg_nlgs, only: nlgs_t
+  use sg_problem, only: arm_frictional, problem_t, reserve_problem, round_frictional
+  use sg_random, only: random_t
+  use sg_report, only: report_t
+  use sg_residuals, only: natural_map
+  implicit none
+  real(wp), parameter :: h = 0.01_wp, still(2) = 0
+  ! Numbers of order one through fewer than ten operations.
+  real(wp), parameter :: rounding = 1e-15_wp
+  type(tests_t) :: t
+
+  call test_unilateral()
+  call test_restitution()
+  call test_cohesion()
+  call test_compliant()
+  call test_friction()
+  call test_kinds()
+  call test_one_contact()
+  call test_one_round_contact()
+  call test_natural_map()
+  call t%finish()
+
+contains
+
+  !> Laws with a gap: what they add to the velocity, and when they act.
+  subroutine test_unilateral()
+    type(local_law_t) :: open, touching, through
+
+    open = local_law(law_t(kind=law_iqs), 0.02_wp, h, still, status_new)
+    through = local_law(law_t(kind=law_iqs), -0.02_wp, h, still, status_new)
+    call t%near(open%bias(1), 2.0_wp, rounding, 'quasi-shock: an open gap may be closed in the step')
+    call t%near(through%bias(1), 0.0_wp, 0.0_wp, 'quasi-shock: a penetration is kept')
+    call t%check(open%is_active .and. through%is_active .and. .not. open%is_linear, 'quasi-shock: always active')
+    open = local_law(law_t(kind=law_gap), 0.02_wp, h, still, status_new)
+    through = local_law(law_t(kind=law_gap), -0.02_wp, h, still, status_new)
+    call t%near(open%bias(1), 2.0_wp, rounding, 'gaps: an open gap may be closed in the step')
+    call t%near(through%bias(1), -2.0_wp, rounding, 'gaps: a penetration is undone in the step')
+    open = local_law(law_t(kind=law_velocity), 0.02_wp, h, still, status_new)
+    touching = local_law(law_t(kind=law_velocity), 0.0_wp, h, still, status_new)
+    through = local_law(law_t(kind=law_velocity), -0.02_wp, h, still, status_new)
+    call t%check(.not. open%is_active .and. touching%is_active .and. through%is_active, 'velocities: active once touching')
+    call t%near(maxval(abs([open%bias, touching%bias, through%bias])), 0.0_wp, 0.0_wp, 'velocities: no bias')
+    call t%near(open%bias(2), 0.0_wp, 0.0_wp, 'no tangential bias')
+  end subroutine test_unilateral
+
+  !> Newton restitution: u' = u + e u_before.
+  subroutine test_restitution()
+    type(law_t) :: law
+    type(local_law_t) :: local
+
+    law = law_t(kind=law_restitution, normal_restitution=0.5_wp, tangential_restitution=0.25_wp)
+    local = local_law(law, -1e-9_wp, h, [-2.0_wp, 4.0_wp], status_new)
+    call t%near(local%bias(1), -1.0_wp, rounding, 'restitution: normal')
+    call t%near(local%bias(2), 1.0_wp, rounding, 'restitution: tangential')
+    call t%check(local%is_active, 'restitution: active once touching')
+    local = local_law(law, 1e-9_wp, h, [-2.0_wp, 4.0_wp], status_new)
+    call t%check(.not. local%is_active, 'restitution: waits for the gap to close')
+  end subroutine test_restitution
+
+  !> Cohesion: within a thickness where wet, until broken for Mohr-Coulomb.
+  subroutine test_cohesion()
+    type(law_t) :: wet, mohr
+    type(local_law_t) :: local
+
+    wet = law_t(kind=law_wet, normal_cohesion=30.0_wp, wet_thickness=0.01_wp)
+    local = local_law(wet, 0.009_wp, h, still, status_new)
+    call t%near(local%cohesion, 0.3_wp, rounding, 'wet: pulls within its thickness, force times step')
+    call t%near(local%bias(1), 0.9_wp, rounding, 'wet: an open gap may be closed')
+    local = local_law(wet, 0.011_wp, h, still, status_stick)
+    call t%near(local%cohesion, 0.0_wp, 0.0_wp, 'wet: does not pull beyond')
+    local = local_law(wet, -0.5_wp, h, still, status_slide)
+    call t%near(local%cohesion, 0.3_wp, rounding, 'wet: pulls while touching, sliding or not')
+    mohr = law_t(kind=law_mohr, normal_cohesion=30.0_wp)
+    local = local_law(mohr, 0.001_wp, h, still, status_bonded)
+    call t%near(local%cohesion, 0.3_wp, rounding, 'Mohr: pulls while bonded')
+    local = local_law(mohr, 0.0_wp, h, still, status_stick)
+    call t%near(local%cohesion, 0.0_wp, 0.0_wp, 'Mohr: a broken bond never pulls again')
+  end subroutine test_cohesion
+
+  !> Elastic repulsion r_n = h k penetration at the end of the step, and the linear law.
+  subroutine test_compliant()
+    type(local_law_t) :: local
+
+    local = local_law(law_t(kind=law_elastic, stiffness=1e4_wp), -0.02_wp, h, still, status_new)
+    ! u' = u + gap/h + r/(k h^2) = 0 says r = -h k (gap + h u).
+    call t%near(local%bias(1), -2.0_wp, rounding, 'elastic: bias')
+    call t%near(local%compliance(1), 1.0_wp, rounding, 'elastic: compliance')
+    call t%near(local%compliance(2), 0.0_wp, 0.0_wp, 'elastic: tangents are rigid')
+    local = local_law(law_t(kind=law_linear, epsilon=0.5_wp), 0.02_wp, h, still, status_new)
+    call t%check(local%is_linear, 'linear: no inequality')
+    call t%near(maxval(abs(local%compliance - 0.5_wp)), 0.0_wp, 0.0_wp, 'linear: compliance in both directions')
+    call t%near(maxval(abs(local%bias)), 0.0_wp, 0.0_wp, 'linear: the gap does not matter')
+  end subroutine test_compliant
+
+  !> Static friction while a contact sticks or is bonded, dynamic friction else.
+  subroutine test_friction()
+    integer(i1), parameter :: statuses(5) = [status_new, status_none, status_stick, status_slide, status_bonded]
+    real(wp), parameter :: expected(5) = [0.3_wp, 0.3_wp, 0.6_wp, 0.3_wp, 0.6_wp]
+    type(local_law_t) :: local
+    integer :: i, kind
+
+    do kind = law_iqs, law_elastic
+      do i = 1, 5
+        local = local_law(law_t(kind=kind, static_friction=0.6_wp, dynamic_friction=0.3_wp, stiffness=1.0_wp), 0.0_wp, h, &
+                          still, statuses(i))
+        call t%near(local%friction, expected(i), 0.0_wp, 'static and dynamic friction')
+      end do
+    end do
+  end subroutine test_friction
+
+  !> Which laws compact kernels serve, and which need no tangent.
+  subroutine test_kinds()
+    integer :: kind
+
+    do kind = law_iqs, law_linear
+      call t%check(is_plain(law_t(kind=kind)) .eqv. kind <= law_restitution, 'plain laws')
+      call t%check(is_frictionless(law_t(kind=kind)) .eqv. kind /= law_linear, 'laws without a tangent')
+      call t%check(.not. is_frictionless(law_t(kind=kind, static_friction=0.1_wp)), 'static friction is friction')
+      call t%check(.not. is_frictionless(law_t(kind=kind, dynamic_friction=0.1_wp)), 'dynamic friction is friction')
+    end do
+  end subroutine test_kinds
+
+  !> One contact of a body with arms against a fixed one: one sweep solves it, for any coupling and friction.
+  subroutine test_one_contact()
+    real(wp), parameter :: frictions(7) = [0.0_wp, 0.1_wp, 0.5_wp, 1.0_wp, 2.0_wp, 10.0_wp, 100.0_wp]
+    type(problem_t) :: problem
+    type(random_t) :: random
+    real(wp) :: worst, angle, arm(2)
+    integer :: i, j, kind
+    integer :: states(3)
+
+    call random%seed(3)
+    call reserve_problem(problem, arm_frictional, 2, 1)
+    problem%pair(:, 1) = [1, 2]
+    worst = 0
+    states = 0
+    do kind = 1, 2
+      do i = 1, size(frictions)
+        do j = 1, 300
+          angle = random%uniform(0.0_wp, 6.3_wp)
+          arm = [random%uniform(-2.0_wp, 2.0_wp), random%uniform(-2.0_wp, 2.0_wp)]
+          problem%body(:, 1) = [random%uniform(-1.0_wp, 1.0_wp), random%uniform(-1.0_wp, 1.0_wp), random%uniform(-1.0_wp, 1.0_wp), &
+                                1.0_wp, 1.0_wp, 3.0_wp]
+          problem%body(:, 2) = 0
+          call set_record(problem%record(:, 1), problem%body(4:6, 1), angle, arm, frictions(i), real(kind, wp))
+          problem%impulse(:, 1) = [random%uniform(0.0_wp, 1.0_wp), 0.0_wp]
+          call solve_one(problem, frictions(i), real(kind - 1, wp), worst, states)
+        end do
+      end do
+    end do
+    ! Impulses of order one, friction up to 100 enters the natural map as a factor.
+    call t%near(worst, 0.0_wp, 1e-11_wp, 'one contact: the natural map vanishes')
+    call t%check(all(states > 200), 'one contact: open, sticking and sliding ones were all tried')
+  end subroutine test_one_contact
+
+  !> Record of a contact with a fixed body, seen from the free body's centre at an arm.
+  pure subroutine set_record(record, inverse_mass, angle, arm, friction, law_kind)
+    real(wp), intent(out) :: record(16)
+    real(wp), intent(in) :: inverse_mass(3), angle, arm(2), friction, law_kind
+    real(wp) :: n(2), turn_n, turn_t
+
+    n = [cos(angle), sin(angle)]
+    turn_n = arm(1)*n(2) - arm(2)*n(1)
+    turn_t = -arm(1)*n(1) - arm(2)*n(2)
+    record = 0
+    record(1:4) = [n, turn_n, turn_t]
+    record(7:8) = [0.1_wp, -0.2_wp]
+    record(9:11) = [inverse_mass(1) + turn_n**2*inverse_mass(3), turn_n*turn_t*inverse_mass(3), &
+                    inverse_mass(1) + turn_t**2*inverse_mass(3)]
+    record(12) = friction
+    record(13:15) = [0.05_wp, 0.3_wp, 0.4_wp]
+    record([9, 11]) = record([9, 11]) + record(14:15)
+    record(16) = law_kind
+  end subroutine set_record
+
+  !> Solve by one sweep; note the natural map and what the contact does.
+  subroutine solve_one(problem, friction, linear, worst, states)
+    type(problem_t), intent(inout) :: problem
+    real(wp), intent(in) :: friction, linear
+    real(wp), intent(inout) :: worst
+    integer, intent(inout) :: states(3)
+    type(nlgs_t) :: solver
+    type(report_t) :: report
+    real(wp) :: r(2)
+    integer :: state
+
+    solver%options%maximum_sweeps = 1
+    solver%options%check_every = 1
+    call solver%solve(problem, report)
+    r = problem%impulse(:, 1)
+    if (problem%kind == arm_frictional) r(1) = r(1) + problem%record(13, 1)
+    worst = max(worst, maxval(abs(natural_map(r, compact_velocity(problem, 1), friction, 1.0_wp, linear)))/(1 + friction))
+    state = 1
+    if (r(1) > 0) state = merge(2, 3, abs(r(2)) < friction*r(1))
+    states(state) = states(state) + 1
+  end subroutine solve_one
+
+  !> The same for a round contact, whose block is diagonal.
+  subroutine test_one_round_contact()
+    real(wp), parameter :: frictions(4) = [0.0_wp, 0.3_wp, 1.0_wp, 100.0_wp]
+    type(problem_t) :: problem
+    type(random_t) :: random
+    real(wp) :: worst, angle
+    integer :: i, j
+    integer :: states(3)
+
+    call random%seed(4)
+    call reserve_problem(problem, round_frictional, 2, 1)
+    problem%pair(:, 1) = [1, 2]
+    worst = 0
+    states = 0
+    do i = 1, size(frictions)
+      do j = 1, 300
+        angle = random%uniform(0.0_wp, 6.3_wp)
+        problem%body(:, 1) = [random%uniform(-1.0_wp, 1.0_wp), random%uniform(-1.0_wp, 1.0_wp), random%uniform(-1.0_wp, 1.0_wp), &
+                              1.0_wp, 1.0_wp, 2.0_wp]
+        problem%body(:, 2) = [0.0_wp, 0.0_wp, 0.3_wp, 0.5_wp, 0.5_wp, 1.0_wp]
+        problem%record(:, 1) = [cos(angle), sin(angle), 0.1_wp, -0.2_wp, 1/1.5_wp, 1/4.5_wp, frictions(i)]
+        problem%impulse(:, 1) = 0
+        call solve_one(problem, frictions(i), 0.0_wp, worst, states)
+      end do
+    end do
+    call t%near(worst, 0.0_wp, 1e-14_wp, 'one round contact: the natural map vanishes')
+    call t%check(all(states > 100), 'one round contact: open, sticking and sliding ones were all tried')
+  end subroutine test_one_round_contact
+
+  !> The natural map itself, by hand: zero at a solution, the distance to one elsewhere.
+  subroutine test_natural_map()
+    real(wp) :: f(2)
+
+    f = natural_map([0.0_wp, 0.0_wp], [1.0_wp, 5.0_wp], 0.5_wp, 1.0_wp, 0.0_wp)
+    call t%near(maxval(abs(f)), 0.0_wp, 0.0_wp, 'natural map: an open contact')
+    f = natural_map([1.0_wp, 0.4_wp], [0.0_wp, 0.0_wp], 0.5_wp, 1.0_wp, 0.0_wp)
+    call t%near(maxval(abs(f)), 0.0_wp, 0.0_wp, 'natural map: sticking')
+    f = natural_map([2.0_wp, -1.0_wp], [0.0_wp, 3.0_wp], 0.5_wp, 1.0_wp, 0.0_wp)
+    call t%near(maxval(abs(f)), 0.0_wp, rounding, 'natural map: sliding, against the motion')
+    f = natural_map([2.0_wp, 1.0_wp], [0.0_wp, 3.0_wp], 0.5_wp, 1.0_wp, 0.0_wp)
+    call t%check(maxval(abs(f)) > 0.1_wp, 'natural map: sliding, pushed along by friction, is no solution')
+    f = natural_map([1.0_wp, 0.0_wp], [0.25_wp, 0.0_wp], 0.5_wp, 2.0_wp, 0.0_wp)
+    call t%near(f(1), 0.5_wp, rounding, 'natural map: a contact that parts and pushes')
+    f = natural_map([0.0_wp, 0.0_wp], [-0.25_wp, 0.0_wp], 0.0_wp, 2.0_wp, 0.0_wp)
+    call t%near(f(1), -0.5_wp, rounding, 'natural map: a penetration velocity')
+    f = natural_map([-3.0_wp, 7.0_wp], [0.25_wp, -0.5_wp], 0.0_wp, 2.0_wp, 1.0_wp)
+    call t%near(maxval(abs(f - [0.5_wp, -1.0_wp])), 0.0_wp, rounding, 'natural map: linear laws ask u = 0')
+  end subroutine test_natural_map
+end program test_laws
