@@ -42,6 +42,7 @@ module sg_blocks
     integer :: n = 0
   contains
     procedure :: block_of
+    procedure :: block_of_body
     procedure :: is_in
     procedure :: count_of
     procedure :: is_given
@@ -71,6 +72,14 @@ contains
     end do
     block = 0
   end function block_of
+
+  !> Block that a body comes from: the one whose last body is the next.
+  pure integer function block_of_body(self, body) result(block)
+    class(deck_t), intent(in) :: self
+    integer, intent(in) :: body !! number of the body
+
+    block = minloc(self%blocks(:self%n)%last_body, 1, self%blocks(:self%n)%last_body >= body)
+  end function block_of_body
 
   !> Does a block belong to a section?
   pure logical function is_in(self, block, section)

@@ -4,11 +4,12 @@ module sg_bodies_from_deck
   use sg_bodies, only: bodies_t
   use sg_contactors, only: add_disk, add_polygon, add_wall
   use sg_error, only: diagnostics_t
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp, i4, i8
   use sg_moments, only: body_moments
   use sg_samples_from_deck, only: generate_sample, grain_polygon, sample_t
   use sg_scene, only: colour_index, material_index, scene_t
   use sg_shapes_from_deck, only: add_shape
+  use sg_sorting, only: sort_permutation
   use sg_text, only: nearest_word, text_t
   implicit none
   private
@@ -38,6 +39,7 @@ contains
     n = 0
     call add_bodies(deck, 'body', scene, n, diagnostics)
     call add_bodies(deck, 'wall', scene, n, diagnostics)
+    call check_names(deck, scene, diagnostics)
     do i = 1, size(samples)
       call add_sample(deck, samples(i), scene, n, diagnostics)
       deck%blocks(samples(i)%block)%last_body = n
@@ -85,12 +87,35 @@ contains
         scene%names(i)%s = ''
       end do
     end if
-    do i = 1, n - 1
-      if (scene%names(i)%s == name) exit
-    end do
-    if (i < n) call deck%complain(diagnostics, 'there are two bodies named "'//name//'"', b, 'name')
     scene%names(n)%s = name
   end subroutine name_body
+
+  !> Look for bodies of the same name: sorted by a hash of their names, they are neighbours.
+  subroutine check_names(deck, scene, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(scene_t), intent(in) :: scene
+    type(diagnostics_t), intent(inout) :: diagnostics
+    integer(i8), parameter :: modulus = 2_i8**50 - 27
+    integer(i8), allocatable :: keys(:)
+    integer(i4), allocatable :: order(:)
+    integer :: i, k, b
+
+    if (.not. allocated(scene%names)) return
+    allocate (keys(size(scene%names)), source=0_i8)
+    do i = 1, size(keys)
+      do k = 1, len(scene%names(i)%s)
+        keys(i) = modulo(keys(i)*257 + int(iachar(scene%names(i)%s(k:k)), i8), modulus)
+      end do
+    end do
+    order = sort_permutation(keys)
+    do i = 2, size(order)
+      associate (name => scene%names(order(i))%s)
+        if (name == '' .or. name /= scene%names(order(i - 1))%s) cycle
+        b = deck%block_of_body(int(order(i)))
+        call deck%complain(diagnostics, 'there are two bodies named "'//name//'"', b, 'name')
+      end associate
+    end do
+  end subroutine check_names
 
   !> Material of a block: the one it names, or the only one; 0 after a mistake.
   integer function material_of(deck, b, scene, diagnostics) result(material)

@@ -62,5 +62,22 @@ contains
     call collect(document, deck, diagnostics)
     call apply_settings(settings, deck, diagnostics)
     call check_blocks(deck, diagnostics)
+    if (diagnostics%count() > 1) call sort_by_line(diagnostics%errors)
   end subroutine read_blocks
+
+  !> Mistakes in the order of the text; those without a line come first.
+  pure subroutine sort_by_line(errors)
+    type(error_t), intent(inout) :: errors(:)
+    type(error_t) :: moved
+    integer :: i, k
+
+    do i = 2, size(errors)
+      moved = errors(i)
+      do k = i - 1, 1, -1
+        if (errors(k)%line <= moved%line) exit
+        errors(k + 1) = errors(k)
+      end do
+      errors(k + 1) = moved
+    end do
+  end subroutine sort_by_line
 end module sg_deck

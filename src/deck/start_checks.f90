@@ -35,7 +35,7 @@ contains
       if (scene%bodies%position(1, i) >= 0 .and. scene%bodies%position(1, i) < scene%period) cycle
       call deck%complain(diagnostics, name_of(scene, i)//' lies outside of the period: x = '// &
                          to_text(scene%bodies%position(1, i), 6)//' m is not within 0 to '//to_text(scene%period, 6)//' m', &
-                         block_of_body(deck, i))
+                         deck%block_of_body(i))
     end do
   end subroutine check_range
 
@@ -106,9 +106,9 @@ contains
     message = name_of(scene, min(b1, b2))//' and '//name_of(scene, max(b1, b2))// &
               ' overlap at the start by '//to_text(depth, 3)//' m, '//to_text(nint(100*share))//' % of the smaller radius'
     if (share > tolerated) then
-      call deck%complain(diagnostics, message, block_of_body(deck, max(b1, b2)))
+      call deck%complain(diagnostics, message, deck%block_of_body(max(b1, b2)))
     else
-      call deck%warn(diagnostics, message, block_of_body(deck, max(b1, b2)))
+      call deck%warn(diagnostics, message, deck%block_of_body(max(b1, b2)))
     end if
   end subroutine check_pair
 
@@ -122,12 +122,4 @@ contains
     if (.not. allocated(scene%names)) return
     if (scene%names(body)%s /= '') name = '"'//scene%names(body)%s//'"'
   end function name_of
-
-  !> Block that a body comes from: the one whose last body is the next.
-  pure integer function block_of_body(deck, body) result(block)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: body
-
-    block = minloc(deck%blocks(:deck%n)%last_body, 1, deck%blocks(:deck%n)%last_body >= body)
-  end function block_of_body
 end module sg_start_checks

@@ -283,6 +283,7 @@ contains
 
     call read_text('[time]'//nl//'step = 0'//nl//'steps = 1.5'//nl//'thta = 1'//nl//'[[law]]'//nl//'kind = 3'//nl, diagnostics)
     call t%equal(diagnostics%count(), 4, 'four mistakes are told at once')
+    call t%check(all(diagnostics%errors%line == [2, 3, 4, 6]), 'in the order of the text')
     text = head//'[solver]'//nl
     do i = 1, 1000
       text = text//'wrong'//to_text(i)//' = 1'//nl
