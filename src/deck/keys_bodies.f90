@@ -77,7 +77,8 @@ contains
     type(key_table_t), intent(inout) :: table
 
     call table%open_section('wall', 'A rounded segment about the axis from one point to another; its faces lie half a '// &
-                            'thickness beside the axis. It is fixed, or moves with a velocity, or is pressed.', is_list=.true.)
+                            'thickness beside the axis. It is fixed, or moves with a velocity, or is pressed; a [[drive]] or '// &
+                            '[[pressure]] on it takes its component over.', is_list=.true.)
     call table%add('name', value_text, 'Name by which drives call it.')
     call add_common(table, 'wall')
     call table%add('from', value_pair, 'One end of the axis.', unit='m', is_required=.true.)

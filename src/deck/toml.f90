@@ -208,6 +208,9 @@ contains
     if (i == 0) i = len(content) - first + 2
     if (i > longest) return
     line = content(first:first + i - 2)
+    if (len(line) > 0) then
+      if (line(len(line):) == achar(13)) line = line(:len(line) - 1)
+    end if
     do i = 1, len(line)
       if (iachar(line(i:i)) < 32 .and. line(i:i) /= achar(9)) line(i:i) = '?'
     end do

@@ -279,8 +279,11 @@ contains
   subroutine all_at_once()
     type(diagnostics_t) :: diagnostics
     character(len=:), allocatable :: text
+    character(len=*), parameter :: crlf = achar(13)//nl
     integer :: i
 
+    call read_text('[time]'//crlf//'step = 0'//crlf//'steps = 1'//crlf, diagnostics)
+    call t%check(diagnostics%errors(1)%text == 'step = 0', 'lines that end as on Windows are shown without their ends')
     call read_text('[time]'//nl//'step = 0'//nl//'steps = 1.5'//nl//'thta = 1'//nl//'[[law]]'//nl//'kind = 3'//nl, diagnostics)
     call t%equal(diagnostics%count(), 4, 'four mistakes are told at once')
     call t%check(all(diagnostics%errors%line == [2, 3, 4, 6]), 'in the order of the text')
