@@ -71,7 +71,7 @@ contains
   end subroutine fail
 
   !> An error built from its parts.
-  function made(message, file, line, column, text) result(error)
+  pure function made(message, file, line, column, text) result(error)
     character(len=*), intent(in) :: message
     character(len=*), intent(in), optional :: file, text
     integer, intent(in), optional :: line, column
@@ -152,8 +152,7 @@ contains
     integer, intent(in), optional :: column !! column at fault, from 1
     character(len=*), intent(in), optional :: text !! the line itself
 
-    if (.not. allocated(self%errors)) allocate (self%errors(0))
-    self%errors = [self%errors, made(message, file, line, column, text)]
+    call append(self%errors, made(message, file, line, column, text))
   end subroutine diagnostics_add
 
   !> Add a warning.
@@ -165,9 +164,25 @@ contains
     integer, intent(in), optional :: column !! column concerned, from 1
     character(len=*), intent(in), optional :: text !! the line itself
 
-    if (.not. allocated(self%warnings)) allocate (self%warnings(0))
-    self%warnings = [self%warnings, made(message, file, line, column, text)]
+    call append(self%warnings, made(message, file, line, column, text))
   end subroutine diagnostics_warn
+
+  !> Append to a list, item by item: gfortran 12 leaks the texts of items in an array constructor.
+  pure subroutine append(list, item)
+    type(error_t), allocatable, intent(inout) :: list(:)
+    type(error_t), intent(in) :: item
+    type(error_t), allocatable :: grown(:)
+    integer :: i, n
+
+    n = 0
+    if (allocated(list)) n = size(list)
+    allocate (grown(n + 1))
+    do i = 1, n
+      grown(i) = list(i)
+    end do
+    grown(n + 1) = item
+    call move_alloc(grown, list)
+  end subroutine append
 
   !> Number of mistakes (warnings not counted).
   pure integer function diagnostics_count(self) result(count)

@@ -4,7 +4,7 @@ module sg_text
   use sg_kinds, only: wp, i8
   implicit none
   private
-  public :: text_t, read_lines, to_text, lower, nearest_word, joined
+  public :: text_t, read_lines, to_text, lower, nearest_word, joined, append_word
 
   !> One string of any length, so that lists of strings exist
   type :: text_t
@@ -159,6 +159,23 @@ contains
     end do
     distance = row(len(b))
   end function edit_distance
+
+  !> Append a word to a list, item by item: gfortran 12 leaks the texts of items in an array constructor.
+  pure subroutine append_word(list, word)
+    type(text_t), allocatable, intent(inout) :: list(:) !! list to grow; made when unallocated
+    character(len=*), intent(in) :: word !! word to append
+    type(text_t), allocatable :: grown(:)
+    integer :: i, n
+
+    n = 0
+    if (allocated(list)) n = size(list)
+    allocate (grown(n + 1))
+    do i = 1, n
+      call move_alloc(list(i)%s, grown(i)%s)
+    end do
+    grown(n + 1)%s = word
+    call move_alloc(grown, list)
+  end subroutine append_word
 
   !> Words joined by a separator.
   pure function joined(words, separator) result(text)

@@ -22,7 +22,7 @@ module sg_run_options
     !> Value of the criterion at which the solver stops
     real(wp) :: tolerance = 1e-3_wp
     !> Sweeps between two tests
-    integer :: check_every = 10
+    integer :: check_every = 20
     !> Sweeps after which the solver gives up
     integer :: maximum_sweeps = 2000
     !> Share of each new impulse taken: 1 is plain Gauss-Seidel
@@ -44,7 +44,7 @@ module sg_run_options
     !> The solver
     type(solver_options_t) :: solver
     !> Steps between two pictures (VTKHDF), 0 for none; between two rows of the record; between two checkpoints
-    integer :: output_every = 0, record_every = 1, restart_every = 0
+    integer :: output_every = 0, record_every = 10, restart_every = 0
     !> Write pictures in single precision, compressed
     logical :: output_single = .false., output_compressed = .false.
     !> Sample series at every step and write their spectra at the end

@@ -5,7 +5,7 @@ module sg_scene
   use sg_drives, only: drive_t, pressure_t
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_t
-  use sg_text, only: text_t
+  use sg_text, only: append_word, text_t
   implicit none
   private
   public :: scene_t, material_t, see_t, start_contact_t, colour_index, material_index, law_index
@@ -87,7 +87,7 @@ contains
     do colour = 1, size(scene%colours)
       if (scene%colours(colour)%s == name) return
     end do
-    scene%colours = [scene%colours, text_t(name)]
+    call append_word(scene%colours, name)
     colour = size(scene%colours)
   end subroutine colour_index
 

@@ -216,6 +216,8 @@ contains
       if (writers%has_pictures) call writers%pictures%open(sim%scene, sim%options, merge(sim%step, -1, resumes), error)
       if (allocated(error)) return
       if (writers%has_pictures) call name_pictures(writers)
+      if (writers%has_pictures .and. .not. resumes) call writers%pictures%write(sim%scene, sim%contacts, sim%time(), 0, error)
+      if (allocated(error)) return
       call writers%progress%start(output_unit, sim%step, sim%options%steps, &
                                   trim(criterion_names(sim%options%solver%criterion)), is_terminal(), sim%options%is_quiet)
     end associate
@@ -229,6 +231,16 @@ contains
     call writers%summary%add_file('shapes', 'shapes.vtkhdf')
     call writers%summary%add_file('contacts', 'contacts.vtkhdf')
   end subroutine name_pictures
+
+  !> Name the newest restart file in the summary.
+  subroutine name_restart(folder, writers)
+    character(len=*), intent(in) :: folder
+    type(writers_t), intent(inout) :: writers
+    character(len=:), allocatable :: file
+
+    file = newest_restart(folder)
+    call writers%summary%add_file('restart', file(len(folder) + 2:))
+  end subroutine name_restart
 
   !> Say how the run ended.
   subroutine conclude(sim, writers, code, error)
@@ -265,7 +277,7 @@ contains
     type(error_t), allocatable :: next
 
     if (writers%has_pictures) call writers%pictures%close(error)
-    if (writers%has_saved) call writers%summary%add_file('restart', newest_restart(sim%options%folder))
+    if (writers%has_saved) call name_restart(sim%options%folder, writers)
     if (writers%samples%n > 0) then
       call write_spectrum(writers%samples, sim%options%step, sim%options%folder//'/spectrum.csv', next)
       if (.not. allocated(next)) call writers%summary%add_file('spectrum', 'spectrum.csv')
