@@ -2,6 +2,8 @@
 module sg_help
   use, intrinsic :: iso_fortran_env, only: compiler_version
   use sg_comm, only: comm_t
+  use sg_fourier, only: fourier_is_available
+  use sg_graph_split, only: graph_splits
   use sg_hdf5, only: hdf5_is_available
   use sg_version, only: commit, compiler_flags, version
   implicit none
@@ -46,6 +48,12 @@ contains
                   '  --check-every N         sweeps between two tests (default as in decks)', &
                   '  --sweeps N              sweeps to do (default: about a second''s work)', &
                   '  --json                  one flat JSON object'])
+    case ('partition')
+      call lines([character(len=110) :: &
+                  'splitgrain partition DECK --parts N [options]   split the grains of a deck as it starts, without a run', &
+                  '  --method boxes|graph    boxes of equal weight (default), or METIS on the graph of contacts', &
+                  '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
+                  '  --json                  one flat JSON object'])
     case default
       call lines([character(len=110) :: &
                   'splitgrain: nonsmooth contact dynamics of rigid grains', &
@@ -55,6 +63,7 @@ contains
                   'splitgrain reference         print the deck reference', &
                   'splitgrain convert FROM TO   LMGC90 DATBOX folder to a deck, or a deck to DATBOX files', &
                   'splitgrain bench             measure the sweeps', &
+                  'splitgrain partition DECK    split the grains into parts: sizes, imbalance, what is cut', &
                   'splitgrain --version         version, commit, compiler, flags, libraries', &
                   '', &
                   'splitgrain COMMAND --help tells more.'])
@@ -79,6 +88,15 @@ contains
     library = comm%library()
     if (len(library) == 0) library = 'off'
     write (*, '(a)') 'splitgrain '//version, 'commit    '//commit, 'compiler  '//compiler_version(), &
-      'flags     '//compiler_flags, 'MPI       '//library, 'HDF5      '//trim(merge('on ', 'off', hdf5_is_available()))
+      'flags     '//compiler_flags, 'MPI       '//library, 'HDF5      '//on_or_off(hdf5_is_available()), &
+      'METIS     '//on_or_off(graph_splits()), 'FFTW      '//on_or_off(fourier_is_available())
   end subroutine print_version
+
+  !> Is a library in?
+  pure function on_or_off(is_on) result(word)
+    logical, intent(in) :: is_on
+    character(len=:), allocatable :: word
+
+    word = trim(merge('on ', 'off', is_on))
+  end function on_or_off
 end module sg_help

@@ -8,6 +8,7 @@ program splitgrain
   use sg_convert, only: convert_command
   use sg_error, only: error_t, exit_bad_input, exit_done, fail
   use sg_help, only: print_help, print_version
+  use sg_partition, only: partition_command
   use sg_reference_text, only: reference_text
   use sg_run, only: run_command
   use sg_system, only: end_program
@@ -55,6 +56,8 @@ contains
       if (.not. allocated(error)) call convert_command(arguments%words(1)%s, arguments%words(2)%s, code)
     case ('bench')
       call bench_command(arguments, error)
+    case ('partition')
+      call partition_command(arguments, code, error)
     case ('')
       call print_help('')
       code = exit_bad_input
@@ -65,10 +68,11 @@ contains
 
   !> Say that there is no such subcommand.
   subroutine unknown_command()
-    type(text_t) :: known(5)
+    type(text_t) :: known(6)
     character(len=:), allocatable :: near
 
-    known = [text_t('run'), text_t('check'), text_t('reference'), text_t('convert'), text_t('bench')]
+    known = [text_t('run'), text_t('check'), text_t('reference'), text_t('convert'), text_t('bench'), &
+             text_t('partition')]
     near = nearest_word(arguments%command, known)
     if (len(near) > 0) near = '; did you mean "'//near//'"?'
     call fail(error, 'unknown command "'//arguments%command//'"'//near)
