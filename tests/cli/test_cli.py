@@ -73,8 +73,11 @@ class Cli(unittest.TestCase):
         with open(self.place / folder / "record.csv", newline="") as file:
             return list(csv.DictReader(file))
 
+    def has_library(self, name):
+        return re.search(rf"^{name}\s+on", self.run_program("--version").stdout, re.M) is not None
+
     def has_hdf5(self):
-        return re.search(r"^HDF5\s+on", self.run_program("--version").stdout, re.M) is not None
+        return self.has_library("HDF5")
 
     def restart_files(self, folder):
         return sorted(p.name for p in (self.place / folder).iterdir() if "restart" in p.name)
@@ -83,11 +86,11 @@ class Cli(unittest.TestCase):
 class Commands(Cli):
     def test_version_names_compiler_and_libraries(self):
         printed = self.run_program("--version").stdout
-        for word in ("splitgrain", "commit", "compiler", "flags", "MPI", "HDF5"):
+        for word in ("splitgrain", "commit", "compiler", "flags", "MPI", "HDF5", "METIS", "FFTW"):
             self.assertIn(word, printed)
 
     def test_help_everywhere(self):
-        for command in ("run", "check", "reference", "convert", "bench"):
+        for command in ("run", "check", "reference", "convert", "bench", "partition"):
             self.assertIn(command, self.run_program(command, "--help").stdout)
         self.assertIn("run DECK", self.run_program("--help").stdout)
 
@@ -141,6 +144,37 @@ class Decks(Cli):
                 self.assertEqual(self.run_json(deck.stem)["steps"], 3)
 
 
+class Partition(Cli):
+    def partition(self, *words):
+        return json.loads(self.run_program("partition", "fall.toml", "--json", *words).stdout)
+
+    def test_boxes_share_the_grains(self):
+        split = self.partition("--parts", "4")
+        self.assertEqual((split["method"], split["parts"], split["grains"]), ("boxes", 4, 12))
+        self.assertEqual(split["boxes_x"] * split["boxes_y"], 4)
+        self.assertEqual(sum(split[f"grains_in_{i}"] for i in range(1, 5) if f"grains_in_{i}" in split), 12)
+        table = self.run_program("partition", "fall.toml", "--parts", "4").stdout
+        self.assertEqual(sum(int(line.split()[1]) for line in table.splitlines()[-4:]), 12)
+
+    def test_graph_needs_metis(self):
+        if self.has_library("METIS"):
+            self.assertEqual(self.partition("--parts", "3", "--method", "graph")["parts"], 3)
+        else:
+            said = self.run_program("partition", "fall.toml", "--parts", "3", "--method", "graph", code=2).stderr
+            self.assertIn("without METIS", said)
+
+    def test_mistakes(self):
+        for words, said in (
+            ([], "--parts"),
+            (["--parts", "0"], "at least"),
+            (["--parts", "13"], "12 grains, too few for 13 parts"),
+            (["--parts", "2", "--method", "grpah"], "boxes or graph"),
+            (["--parts", "2", "--set", "solver.tolerence=1"], 'did you mean "tolerance"'),
+        ):
+            with self.subTest(words=words):
+                self.assertIn(said, self.run_program("partition", "fall.toml", *words, code=2).stderr)
+
+
 class Runs(Cli):
     def test_a_run_writes_what_scripts_rely_on(self):
         printed = self.run_program("run", "fall.toml", "--set", "output.record_every=10").stdout
@@ -180,6 +214,21 @@ class Runs(Cli):
         self.assertGreater(self.run_json()["unconverged_steps"], 0)
         self.run_program("run", "fall.toml", *hard, "--set", "solver.stop_unconverged=true", code=3)
         self.assertEqual(self.run_json()["status"], "not converged")
+
+    def test_spectrum_is_written_or_refused(self):
+        words = ["run", "fall.toml", "--set", "report.spectrum=true"]
+        if not self.has_library("FFTW"):
+            self.assertIn("without FFTW", self.run_program(*words, code=2).stderr)
+            return
+        self.run_program(*words)
+        self.assertEqual(self.run_json()["file_spectrum"], "spectrum.csv")
+        rows = list(csv.DictReader((self.place / "fall.results/spectrum.csv").read_text().splitlines()))
+        self.assertEqual(list(rows[0]), ["frequency_hz", "kinetic_energy", "wall_force_x", "wall_force_y"])
+        self.assertEqual(len(rows), 120 // 2 + 1)
+        self.assertAlmostEqual(float(rows[-1]["frequency_hz"]), 500.0)
+        self.assertGreater(sum(float(row["wall_force_y"]) for row in rows), 0.0)
+        self.run_program("run", "fall.toml", "--output", "silent")
+        self.assertFalse((self.place / "silent/spectrum.csv").exists())
 
     def test_results_that_cannot_be_written(self):
         (self.place / "taken").write_text("a file, no folder")
