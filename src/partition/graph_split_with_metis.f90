@@ -14,6 +14,7 @@ submodule(sg_graph_split) graph_split_with_metis
       integer(c_int32_t), intent(out) :: options(*)
       integer(c_int) :: status
     end function metis_set_default_options
+    !> Deal vertices to parts; `volume`, `shares` and `bounds` may be null.
     function metis_part_graph_kway(n, constraints, first, neighbour, weight, volume, edge_weight, parts, shares, bounds, &
                                    options, cut, part) bind(c, name='METIS_PartGraphKway') result(status)
       import :: c_int, c_int32_t, c_ptr
