@@ -199,20 +199,44 @@ def coordinates(case):
     return nodes + final["X"], final["V"]
 
 
+def distances(case, places, others):
+    """How far bodies lie from where they lie in another run, over the border of the period too."""
+    import numpy as np
+
+    away = places - others
+    period = case.reference.parameters.get("scene.period_x", 0)
+    if period:
+        away[:, 0] -= period * np.round(away[:, 0] / period)
+    return np.hypot(*away.T)
+
+
+def spread_rows(case, ours, natural, default):
+    """How far apart runs of the same deck end: ours in another order, by another criterion, and LMGC90's."""
+    import numpy as np
+
+    mine = ours.state["position"]
+    others = [("another order of the sweep", natural.state["position"], natural.run["kinetic_energy"]),
+              ("the default criterion", default.state["position"], default.run["kinetic_energy"]),
+              ("LMGC90", coordinates(case)[0][:, :2], case.reference.figures.get("KE_postpro"))]
+    rows = []
+    for name, places, energy in others:
+        quantiles = np.quantile(distances(case, mine, places), [0.25, 0.5, 0.9, 1])
+        rows.append([case.name, name, *(f"{q:.1e}" for q in quantiles),
+                     f"{energy / ours.run['kinetic_energy'] - 1:+.1e}" if energy else ""])
+    return rows
+
+
 def position_rows(case, ours):
     """Differences of places and velocities at the end."""
     import numpy as np
 
     there, speed = coordinates(case)
-    away = ours.state["position"] - there[:, :2]
-    period = case.reference.parameters.get("scene.period_x", 0)
-    if period:
-        away[:, 0] -= period * np.round(away[:, 0] / period)
     turned = ours.state["angle"] - there[:, 2]
     turned -= 2 * np.pi * np.round(turned / (2 * np.pi))
     faster = ours.state["velocity"] - speed
     rows = []
-    for name, difference, scale in (("place [m]", np.hypot(*away.T), None), ("angle [rad]", abs(turned), None),
+    away = distances(case, ours.state["position"], there[:, :2])
+    for name, difference, scale in (("place [m]", away, None), ("angle [rad]", abs(turned), None),
                                     ("velocity [m/s]", np.hypot(*faster[:, :2].T), np.hypot(*speed[:, :2].T)),
                                     ("spin [rad/s]", abs(faster[:, 2]), abs(speed[:, 2]))):
         rows.append([case.name, name, *(f"{q:.1e}" for q in np.quantile(difference, [0.1, 0.5, 0.9, 1])),
@@ -298,7 +322,7 @@ def bench_table(program, decks, work):
 def all_tables(program, decks, chosen, work):
     """The text between the markers."""
     chosen_cases = [case for case in cases(decks) if not chosen or case.folder.name in chosen]
-    text, summary, places, found, by_residual = [], [], [], [], []
+    text, summary, places, found, by_residual, spread = [], [], [], [], [], []
     for case in chosen_cases:
         print(case.name, file=sys.stderr, flush=True)
         ours = run(program, case, work)
@@ -313,12 +337,14 @@ def all_tables(program, decks, chosen, work):
                         show(ours.run["kinetic_energy"]), show(theirs.get("KE_postpro")),
                         ours.run["sweeps"], show(theirs["sweeps_total"]), show(ours.cpu, 3), show(user, 4),
                         show(user / ours.cpu, 3) if user else "", f"{ours.run['converged_steps']} of {ours.run['steps']}"])
+        default = run(program, case, work, OUR_DEFAULTS)
         if case.final:
+            spread += spread_rows(case, ours, run(program, case, work, {"solver.order": "natural"}), default)
             places += position_rows(case, ours)
             contacts, depth = detect_there(program, case, work)
             found.append([case.name, contacts, show(theirs.get("contacts")), show(depth, 8),
                           show(last_violation(case), 8) if "contacts" in theirs else ""])
-        for result in (ours, run(program, case, work, OUR_DEFAULTS)):
+        for result in (ours, default):
             by_residual.append([case.name, f"{result.run['criterion']} {result.run['tolerance']:g}",
                                 f"{result.run['converged_steps']} of {result.run['steps']}",
                                 result.run["sweeps"], show(result.cpu, 3), f"{result.run['worst_e8']:.1e}",
@@ -331,6 +357,9 @@ def all_tables(program, decks, chosen, work):
                table(["deck", "contacts", "LMGC90", "deepest penetration [m]", "LMGC90"], found),
                "### Places and velocities at the end, ours less LMGC90's\n",
                table(["deck", "", "a tenth below", "half below", "nine tenths below", "largest", "rms", "rms of LMGC90's"], places),
+               "### How far apart runs end: ours by the reference parameters, and\n",
+               table(["deck", "", "a quarter within [m]", "half within", "nine tenths within", "all within",
+                      "kinetic energy / ours - 1"], spread),
                "### Stopping on increments and on a residual\n",
                table(["deck", "criterion", "converged steps", "sweeps", "CPU [s]", "worst e8", "kinetic energy [J]",
                       "deepest penetration [m]", "floor share"], by_residual), *text]
