@@ -161,7 +161,7 @@ contains
         c = int(merge(i, j, candidate_first(scene%contactors, i, j)), i4)
         a = int(i + j, i4) - c
         do image = -most, most
-          if (spans_period(scene, a) .and. image /= nearest_image(scene, c, a)) cycle
+          if (is_other_image(scene, c, a, image)) cycle
           call touch_pair(scene%contactors, c, a, scene%period*real(image, wp), scene%sees(1)%alert, touch)
           found = found + touch%n
           do p = 1, touch%n
@@ -174,25 +174,19 @@ contains
     call t%equal(missed, 0, name//': each of them is listed')
   end subroutine compare
 
-  !> Is this a wall as long as the period? It is its own image.
-  pure logical function spans_period(scene, c)
-    type(scene_t), intent(in) :: scene
-    integer(i4), intent(in) :: c
-
-    spans_period = scene%contactors%kind(c) == kind_wall .and. scene%period > 0
-    if (.not. spans_period) return
-    associate (row => scene%contactors%row(c))
-      spans_period = 2*scene%contactors%wall_size(1, row)*abs(scene%contactors%wall_axis(1, row)) >= scene%period
-    end associate
-  end function spans_period
-
-  !> Image of an antagonist nearest to the candidate along x.
-  pure integer function nearest_image(scene, c, a)
+  !> Is the antagonist a wall as long as the period, in an image that is not the nearest along x? It counts once.
+  pure logical function is_other_image(scene, c, a, image)
     type(scene_t), intent(in) :: scene
     integer(i4), intent(in) :: c, a
+    integer, intent(in) :: image
 
-    nearest_image = nint((scene%contactors%centre(1, c) - scene%contactors%centre(1, a))/scene%period)
-  end function nearest_image
+    is_other_image = scene%contactors%kind(a) == kind_wall .and. scene%period > 0
+    if (.not. is_other_image) return
+    associate (row => scene%contactors%row(a), apart => scene%contactors%centre(1, c) - scene%contactors%centre(1, a))
+      is_other_image = 2*scene%contactors%wall_size(1, row)*abs(scene%contactors%wall_axis(1, row)) >= scene%period &
+                       .and. image /= nint(apart/scene%period)
+    end associate
+  end function is_other_image
 
   !> Is a point of contact among the contacts? Both come from the same kernel and the same numbers: to the last bit.
   pure logical function is_listed(contacts, c, a, image, touch, p)
