@@ -40,8 +40,9 @@ contains
     associate (default => run%solver)
       call table%open_section('solver', 'How the contact problem of a step is solved, and when it counts as solved.')
       call table%add('method', value_choice, 'Solver: nonlinear Gauss-Seidel.', default=quoted(default%method), choices='nlgs')
-      call table%add('criterion', value_choice, 'What must fall below the tolerance: a residual (e1, e2, e8), the velocity '// &
-                     'violation, or the increments that LMGC90 looks at (quad, maxm, qm16).', &
+      call table%add('criterion', value_choice, 'What must fall below the tolerance: the estimated error of the impulses, '// &
+                     'a residual (e1, e2, e8), the velocity violation, or the increments that LMGC90 looks at (quad, maxm, '// &
+                     'qm16).', &
                      default=quoted(criterion_names(default%criterion)), choices=choices_of(criterion_names))
       call table%add('tolerance', value_real, 'Value of the criterion at which the solver stops.', &
                      default=short_real(default%tolerance), above=0.0_wp)
@@ -53,7 +54,7 @@ contains
                      default=short_real(default%relaxation), above=0.0_wp, most=2.0_wp)
       call table%add('warm_start', value_logical, 'Start from the impulses of the last step.', &
                      default=true_or_false(default%warm_start))
-      call table%add('order', value_choice, 'Order of the sweep: natural (spatial), or coloured groups of eight that vectorise.', &
+      call table%add('order', value_choice, 'Order of the sweep: natural (spatial), or coloured groups of eight that overlap.', &
                      default=quoted(default%order), choices='natural|groups')
       call table%add('stop_unconverged', value_logical, 'End the run when a step does not converge.', &
                      default=true_or_false(default%stop_unconverged))

@@ -6,10 +6,11 @@ module sg_nlgs
   use sg_compact, only: add_impulses
   use sg_increments, only: increment_criterion
   use sg_kinds, only: wp, i8
+  use sg_lists, only: reserve
   use sg_problem, only: arm_frictional, arm_frictionless, bytes_per_contact, problem_t, round_frictional, round_frictionless
   use sg_report, only: report_t
   use sg_residuals, only: choose_visited, measure_errors
-  use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_violation, solver_options_t
+  use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_violation, solver_options_t
   use sg_solver, only: solver_t
   use sg_sweep_arm, only: sweep_arm_frictional, sweep_arm_frictionless
   use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
@@ -36,6 +37,8 @@ module sg_nlgs
     !> Sweeps when this was looked up, and the criterion of the last test
     integer, private :: last_choice = 0
     real(wp), private :: last_criterion = 0
+    !> e8 at each test so far
+    real(wp), allocatable, private :: past_e8(:)
     !> Impulses of one sweep ago, for criteria that look at increments
     real(wp), allocatable, private :: before(:, :)
   contains
@@ -128,7 +131,8 @@ contains
   pure logical function looks_at_increments(self)
     class(nlgs_t), intent(in) :: self
 
-    looks_at_increments = all(self%options%criterion /= [criterion_e1, criterion_e2, criterion_e8, criterion_violation])
+    looks_at_increments = all(self%options%criterion /= [criterion_estimate, criterion_e1, criterion_e2, criterion_e8, &
+                                                           criterion_violation])
   end function looks_at_increments
 
   !> Measure the errors, compare the criterion with its tolerance, and choose anew whom to visit when it is time.
@@ -140,6 +144,9 @@ contains
 
     report%checks = report%checks + 1
     call measure_errors(problem, report)
+    call reserve(self%past_e8, report%checks)
+    self%past_e8(report%checks) = report%e8
+    report%estimate = estimated_error(self%past_e8(:report%checks), self%options%check_every)
     report%criterion = criterion_value(self, problem, report)
     report%is_converged = report%criterion <= self%options%tolerance
     if (.not. report%is_converged .and. (report%sweeps >= 2*self%last_choice &
@@ -161,6 +168,8 @@ contains
     type(report_t), intent(in) :: report
 
     select case (self%options%criterion)
+    case (criterion_estimate)
+      value = report%estimate
     case (criterion_e1)
       value = report%e1
     case (criterion_e2)
@@ -173,4 +182,29 @@ contains
       value = increment_criterion(problem, self%before, self%options%criterion)
     end select
   end function criterion_value
+
+  !> Error of the impulses, estimated from e8 and the rate at which it falls (doc/theory/errors.md).
+  !!
+  !! e8 is about what one more sweep would change. Where it falls by the factor s a sweep, all sweeps to come change
+  !! e8/(1 - s): on tall packings thousands of times more. The rate is taken over the last half of the sweeps. It is
+  !! never taken for faster than one over the number of sweeps: the fall after a cold start is that of the grains'
+  !! neighbourhoods, not of the whole.
+  pure real(wp) function estimated_error(past_e8, check_every) result(estimate)
+    real(wp), intent(in) :: past_e8(:) !! e8 at each test, the last one now
+    integer, intent(in) :: check_every !! sweeps between two tests
+    integer :: n, base
+    real(wp) :: sweeps_to_fall
+
+    n = size(past_e8)
+    base = n/2
+    sweeps_to_fall = real(check_every*n, wp)
+    if (base > 0) then
+      if (past_e8(n) > 0 .and. past_e8(base) > past_e8(n)) then
+        sweeps_to_fall = max(sweeps_to_fall, real(check_every*(n - base), wp)/log(past_e8(base)/past_e8(n)))
+      else if (past_e8(n) > 0) then
+        sweeps_to_fall = 100*sweeps_to_fall
+      end if
+    end if
+    estimate = past_e8(n)*sweeps_to_fall
+  end function estimated_error
 end module sg_nlgs

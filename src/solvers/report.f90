@@ -19,6 +19,8 @@ module sg_report
     !> Errors of the solution (doc/theory/errors.md): natural map over |q|, over the largest term, scaled one over |r|,
     !! and rms velocity error over g h
     real(wp) :: e1 = 0, e2 = 0, e8 = 0, violation = 0
+    !> Estimated relative error of the impulses, from e8 and the rate at which it fell
+    real(wp) :: estimate = 0
     !> Number of contacts that carry an impulse
     integer :: active_contacts = 0
     !> CPU seconds in sweeps and in tests
