@@ -1,0 +1,311 @@
+!> Datasets of HDF5 files: made, grown, cut, written and read through addresses, whatever the kind of their numbers.
+submodule(sg_hdf5:hdf5_with_hdf5) hdf5_datasets_with_hdf5
+  ! gfortran 12 refuses to use again what the parent uses already: the kinds and some constants come from there.
+  use, intrinsic :: iso_c_binding, only: c_null_ptr
+  use hdf5, only: h5dclose_f, h5dcreate_f, h5dget_space_f, h5dopen_f, h5dread_f, h5dset_extent_f, h5dwrite_f, &
+                  h5p_dataset_create_f, h5pset_chunk_f, h5pset_deflate_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, &
+                  h5screate_simple_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sselect_hyperslab_f, &
+                  h5t_ieee_f32le, h5t_ieee_f64le, h5t_native_integer, h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, hsize_t
+  implicit none
+
+  !> gzip level: beyond it files hardly shrink, and writing takes longer
+  integer, parameter :: gzip_level = 4
+
+contains
+
+  module procedure file_declare
+  integer :: status, rank
+  integer(hid_t) :: space, list, dataset
+  integer(hsize_t) :: shape(2), most(2)
+
+  if (allocated(self%error)) return
+  rank = merge(2, 1, components > 0)
+  shape = int(max(1, components), hsize_t)
+  shape(rank) = 0
+  most = shape
+  most(rank) = h5s_unlimited_f
+  call h5screate_simple_f(rank, shape, space, status, most)
+  shape(rank) = int(chunk, hsize_t)
+  call h5pcreate_f(h5p_dataset_create_f, list, status)
+  call h5pset_chunk_f(list, rank, shape, status)
+  if (is_compressed) call h5pset_deflate_f(list, gzip_level, status)
+  call check(self, status, 'cannot compress '//path)
+  call h5dcreate_f(int(self%id, hid_t), path, file_type(storage), space, dataset, status, list)
+  call check(self, status, 'cannot make '//path)
+  call h5dclose_f(dataset, status)
+  call h5pclose_f(list, status)
+  call h5sclose_f(space, status)
+  end procedure file_declare
+
+  !> Type of numbers in the file.
+  integer(hid_t) function file_type(storage)
+    integer, intent(in) :: storage
+
+    select case (storage)
+    case (stored_double)
+      file_type = h5t_ieee_f64le
+    case (stored_single)
+      file_type = h5t_ieee_f32le
+    case (stored_long)
+      file_type = h5t_std_i64le
+    case (stored_integer)
+      file_type = h5t_std_i32le
+    case default
+      file_type = h5t_std_u8le
+    end select
+  end function file_type
+
+  module procedure file_rows
+  integer :: status
+  integer(hid_t) :: dataset
+  integer(hsize_t) :: shape(2)
+
+  rows = 0
+  if (allocated(self%error)) return
+  call open_dataset(self, path, dataset, shape)
+  rows = shape(2)
+  call h5dclose_f(dataset, status)
+  end procedure file_rows
+
+  module procedure file_cut
+  integer :: status
+  integer(hid_t) :: dataset
+  integer(hsize_t) :: shape(2)
+
+  if (allocated(self%error)) return
+  call open_dataset(self, path, dataset, shape)
+  if (shape(2) > rows) call resize(self, path, dataset, shape(1), int(rows, hsize_t))
+  call h5dclose_f(dataset, status)
+  end procedure file_cut
+
+  !> Open a dataset and ask for its shape (components, rows); zero after a failure.
+  subroutine open_dataset(self, path, dataset, shape)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(hid_t), intent(out) :: dataset
+    integer(hsize_t), intent(out) :: shape(2)
+    integer :: status, rank
+    integer(hid_t) :: space
+    integer(hsize_t) :: most(2)
+
+    shape = 0
+    call h5dopen_f(int(self%id, hid_t), path, dataset, status)
+    call check(self, status, 'cannot find '//path)
+    if (status < 0) return
+    call h5dget_space_f(dataset, space, status)
+    call h5sget_simple_extent_ndims_f(space, rank, status)
+    if (rank == 1 .or. rank == 2) then
+      call h5sget_simple_extent_dims_f(space, shape(:rank), most(:rank), status)
+      if (rank == 1) shape = [1_hsize_t, shape(1)]
+    else
+      call note(self, path//' is neither a list nor a table')
+    end if
+    call h5sclose_f(space, status)
+  end subroutine open_dataset
+
+  !> Give a growing dataset another number of rows.
+  subroutine resize(self, path, dataset, components, rows)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(hid_t), intent(in) :: dataset
+    integer(hsize_t), intent(in) :: components, rows
+    integer :: status, rank
+    integer(hid_t) :: space
+
+    call h5dget_space_f(dataset, space, status)
+    call h5sget_simple_extent_ndims_f(space, rank, status)
+    call h5sclose_f(space, status)
+    if (rank == 1) then
+      call h5dset_extent_f(dataset, [rows], status)
+    else
+      call h5dset_extent_f(dataset, [components, rows], status)
+    end if
+    call check(self, status, 'cannot resize '//path)
+  end subroutine resize
+
+  !> Add `n` numbers at an address to a growing dataset.
+  subroutine append_block(self, path, memory_type, n, address)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(hid_t), intent(in) :: memory_type
+    integer, intent(in) :: n
+    type(c_ptr), intent(in) :: address
+    integer :: status, rank
+    integer(hid_t) :: dataset, space, memory
+    integer(hsize_t) :: shape(2), first(2), count(2)
+
+    if (allocated(self%error)) return
+    call open_dataset(self, path, dataset, shape)
+    if (allocated(self%error)) return
+    first = [0_hsize_t, shape(2)]
+    count = [shape(1), int(n, hsize_t)/shape(1)]
+    call resize(self, path, dataset, shape(1), shape(2) + count(2))
+    call h5dget_space_f(dataset, space, status)
+    call h5sget_simple_extent_ndims_f(space, rank, status)
+    call h5sselect_hyperslab_f(space, h5s_select_set_f, first(3 - rank:), count(3 - rank:), status)
+    call h5screate_simple_f(1, [int(n, hsize_t)], memory, status)
+    call h5dwrite_f(dataset, memory_type, address, status, memory, space)
+    call check(self, status, 'cannot write '//path)
+    call h5sclose_f(memory, status)
+    call h5sclose_f(space, status)
+    call h5dclose_f(dataset, status)
+    call check(self, status, 'cannot write '//path)
+  end subroutine append_block
+
+  module procedure append_reals
+  if (size(values) > 0) call append_block(self, path, h5t_native_double, size(values), c_loc(values))
+  end procedure append_reals
+
+  module procedure append_real_records
+  if (size(values) > 0) call append_block(self, path, h5t_native_double, size(values), c_loc(values))
+  end procedure append_real_records
+
+  module procedure append_integers
+  if (size(values) > 0) call append_block(self, path, h5t_native_integer, size(values), c_loc(values))
+  end procedure append_integers
+
+  module procedure append_longs
+  if (size(values) > 0) call append_block(self, path, long_type(), size(values), c_loc(values))
+  end procedure append_longs
+
+  module procedure append_long_records
+  if (size(values) > 0) call append_block(self, path, long_type(), size(values), c_loc(values))
+  end procedure append_long_records
+
+  !> Make a dataset of fixed size and fill it from an address.
+  subroutine put_block(self, path, stored_type, memory_type, shape, address)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(hid_t), intent(in) :: stored_type, memory_type
+    integer, intent(in) :: shape(:)
+    type(c_ptr), intent(in) :: address
+    integer :: status
+    integer(hid_t) :: dataset, space
+
+    if (allocated(self%error)) return
+    call h5screate_simple_f(size(shape), int(shape, hsize_t), space, status)
+    call h5dcreate_f(int(self%id, hid_t), path, stored_type, space, dataset, status)
+    call check(self, status, 'cannot make '//path)
+    if (product(shape) > 0) call h5dwrite_f(dataset, memory_type, address, status)
+    call check(self, status, 'cannot write '//path)
+    call h5dclose_f(dataset, status)
+    call check(self, status, 'cannot write '//path)
+    call h5sclose_f(space, status)
+  end subroutine put_block
+
+  module procedure put_reals
+  call put_block(self, path, h5t_ieee_f64le, h5t_native_double, shape(values), address_of_reals(values, size(values)))
+  end procedure put_reals
+
+  module procedure put_real_records
+  call put_block(self, path, h5t_ieee_f64le, h5t_native_double, shape(values), address_of_reals(values, size(values)))
+  end procedure put_real_records
+
+  module procedure put_integers
+  call put_block(self, path, h5t_std_i32le, h5t_native_integer, shape(values), address_of_integers(values, size(values)))
+  end procedure put_integers
+
+  module procedure put_integer_records
+  call put_block(self, path, h5t_std_i32le, h5t_native_integer, shape(values), address_of_integers(values, size(values)))
+  end procedure put_integer_records
+
+  !> Address of reals; null when there are none, as an empty array has no address.
+  type(c_ptr) function address_of_reals(values, n) result(address)
+    integer, intent(in) :: n
+    real(wp), intent(in), target :: values(n)
+
+    address = c_null_ptr
+    if (n > 0) address = c_loc(values)
+  end function address_of_reals
+
+  !> Address of integers; null when there are none.
+  type(c_ptr) function address_of_integers(values, n) result(address)
+    integer, intent(in) :: n
+    integer(i4), intent(in), target :: values(n)
+
+    address = c_null_ptr
+    if (n > 0) address = c_loc(values)
+  end function address_of_integers
+
+  !> Open a dataset to be read whole; a list must have one component.
+  subroutine prepare_read(self, path, is_list, dataset, shape)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    logical, intent(in) :: is_list
+    integer(hid_t), intent(out) :: dataset
+    integer(hsize_t), intent(out) :: shape(2)
+
+    shape = 0
+    dataset = -1
+    if (allocated(self%error)) return
+    call open_dataset(self, path, dataset, shape)
+    if (is_list .and. shape(1) > 1) call note(self, path//' is not a list')
+    if (allocated(self%error)) shape = 0
+  end subroutine prepare_read
+
+  !> Read a dataset whole to an address, and close it.
+  subroutine read_block(self, path, dataset, memory_type, n, address)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(hid_t), intent(in) :: dataset, memory_type
+    integer, intent(in) :: n
+    type(c_ptr), intent(in) :: address
+    integer :: status
+    type(c_ptr) :: to ! the library declares it as changing
+
+    if (allocated(self%error)) return
+    status = 0
+    to = address
+    if (n > 0) call h5dread_f(dataset, memory_type, to, status)
+    call check(self, status, 'cannot read '//path)
+    call h5dclose_f(dataset, status)
+  end subroutine read_block
+
+  module procedure get_reals
+  integer(hid_t) :: dataset
+  integer(hsize_t) :: shape(2)
+
+  call prepare_read(self, path, .true., dataset, shape)
+  allocate (values(shape(2)))
+  call read_block(self, path, dataset, h5t_native_double, size(values), address_of_reals(values, size(values)))
+  end procedure get_reals
+
+  module procedure get_real_records
+  integer(hid_t) :: dataset
+  integer(hsize_t) :: shape(2)
+
+  call prepare_read(self, path, .false., dataset, shape)
+  allocate (values(shape(1), shape(2)))
+  call read_block(self, path, dataset, h5t_native_double, size(values), address_of_reals(values, size(values)))
+  end procedure get_real_records
+
+  module procedure get_integers
+  integer(hid_t) :: dataset
+  integer(hsize_t) :: shape(2)
+
+  call prepare_read(self, path, .true., dataset, shape)
+  allocate (values(shape(2)))
+  call read_block(self, path, dataset, h5t_native_integer, size(values), address_of_integers(values, size(values)))
+  end procedure get_integers
+
+  module procedure get_integer_records
+  integer(hid_t) :: dataset
+  integer(hsize_t) :: shape(2)
+
+  call prepare_read(self, path, .false., dataset, shape)
+  allocate (values(shape(1), shape(2)))
+  call read_block(self, path, dataset, h5t_native_integer, size(values), address_of_integers(values, size(values)))
+  end procedure get_integer_records
+
+  module procedure get_longs
+  integer(hid_t) :: dataset
+  integer(hsize_t) :: shape(2)
+  type(c_ptr) :: address
+
+  call prepare_read(self, path, .true., dataset, shape)
+  allocate (values(shape(2)))
+  address = c_null_ptr
+  if (size(values) > 0) address = c_loc(values)
+  call read_block(self, path, dataset, long_type(), size(values), address)
+  end procedure get_longs
+end submodule hdf5_datasets_with_hdf5
