@@ -71,7 +71,7 @@ contains
     real(wp), intent(in) :: time !! time reached [s]
     integer, intent(in) :: contacts !! number of contacts
     type(report_t), intent(in) :: report !! what the solver said
-    real(wp), intent(in) :: kinetic_energy !! last measured [J]
+    real(wp), intent(in) :: kinetic_energy !! at this step [J]
     character(len=:), allocatable :: text, left
     character(len=line_width) :: line
 

@@ -2,6 +2,7 @@
 module sg_simulate
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
+  use sg_energy, only: kinetic_energy
   use sg_error, only: diagnostics_t, error_t, exit_done, exit_not_converged, exit_stopped
   use sg_history, only: revive
   use sg_hdf5, only: hdf5_is_available
@@ -118,7 +119,7 @@ contains
 
     is_last = sim%step == sim%options%steps
     if (sim%options%has_spectrum) call sample_now(sim, writers)
-    if (is_due(sim%options%record_every) .or. is_last) then
+    if (sim%options%record_every > 0 .and. (is_due(sim%options%record_every) .or. is_last)) then
       call measure_now(sim, writers)
       call sim%totals%phase(phase_output)%start()
       call sim%totals%tick()
@@ -134,7 +135,7 @@ contains
       if (is_due(sim%options%restart_every) .or. checkpoint_requested()) call save(sim, writers, error)
     end if
     if (writers%progress%is_due()) then
-      call writers%progress%show(sim%step, sim%time(), sim%contacts%n, sim%report, writers%measures%get('kinetic_energy'))
+      call writers%progress%show(sim%step, sim%time(), sim%contacts%n, sim%report, kinetic_energy(sim%scene%bodies))
     end if
     call sim%totals%phase(phase_output)%stop()
   contains
@@ -206,12 +207,7 @@ contains
       call replace_file(folder//'/effective.toml', sim%options%deck_text, error)
       if (allocated(error)) return
       call writers%summary%add_file('deck', 'effective.toml')
-      if (sim%options%record_every > 0) call writers%summary%add_file('record', 'record.csv')
-      if (resumes) then
-        call writers%record%resume(folder//'/record.csv', sim%step, error)
-      else
-        call writers%record%start(folder//'/record.csv', error)
-      end if
+      if (sim%options%record_every > 0) call open_record(sim, writers, resumes, error)
       if (allocated(error)) return
       if (writers%has_pictures) call writers%pictures%open(sim%scene, sim%options, merge(sim%step, -1, resumes), error)
       if (allocated(error)) return
@@ -222,6 +218,23 @@ contains
                                   trim(criterion_names(sim%options%solver%criterion)), is_terminal(), sim%options%is_quiet)
     end associate
   end subroutine open_all
+
+  !> Begin the record, or go on with it, and name it in the summary.
+  subroutine open_record(sim, writers, resumes, error)
+    type(simulation_t), intent(in) :: sim
+    type(writers_t), intent(inout) :: writers
+    logical, intent(in) :: resumes
+    type(error_t), allocatable, intent(out) :: error
+    character(len=:), allocatable :: file
+
+    file = sim%options%folder//'/record.csv'
+    call writers%summary%add_file('record', 'record.csv')
+    if (resumes) then
+      call writers%record%resume(file, sim%step, error)
+    else
+      call writers%record%start(file, error)
+    end if
+  end subroutine open_record
 
   !> Name the picture files in the summary.
   subroutine name_pictures(writers)

@@ -279,6 +279,7 @@ class Stops(Cli):
         run = self.run_json()
         self.assertEqual(run["status"], "stopped")
         self.assertGreater(run["steps"], 0)
+        self.assertFalse((self.place / "fall.results" / "record.csv").exists(), "a record that was not wanted")
 
     def test_checkpoint_on_request_and_on_with_the_run(self):
         if not self.has_hdf5():
