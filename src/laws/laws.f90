@@ -9,7 +9,7 @@ module sg_laws
   use sg_kinds, only: wp, i1
   implicit none
   private
-  public :: law_t, local_law_t, local_law, n_law_parameters
+  public :: law_t, local_law_t, local_law
   public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
   public :: status_new, status_none, status_stick, status_slide, status_bonded, status_names
   public :: is_plain, is_frictionless
@@ -23,9 +23,6 @@ module sg_laws
   integer(i1), parameter :: status_new = 0, status_none = 1, status_stick = 2, status_slide = 3, status_bonded = 4
   !> Words for the statuses, indexed from 0
   character(len=6), parameter :: status_names(0:4) = [character(len=6) :: 'new', 'none', 'stick', 'slide', 'bonded']
-
-  !> Number of real parameters of a law
-  integer, parameter :: n_law_parameters = 9
 
   !> One contact law with its parameters
   type :: law_t
