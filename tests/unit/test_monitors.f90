@@ -1,20 +1,19 @@
-!> Indicators against closed forms: two disks, a bouncing step, a box of four disks, affine flows, one pressed contact.
+!> Indicators against closed forms: two disks, a box of four disks, affine flows, one pressed contact.
 program test_monitors
   use harness, only: tests_t
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+  use made_by_hand, only: disks, make_wall, set_middle, touch
   use sg_balance, only: floor_share, momentum
   use sg_compactness, only: box_area
-  use sg_contactors, only: add_disk, add_polygon, add_wall, place_contactors
-  use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_contactors, only: add_polygon, add_wall
+  use sg_contacts, only: contacts_t
   use sg_coordination, only: coordinate, coordination_t
-  use sg_energy, only: energy_closure, energy_t, kinetic_energy, potential_energy
+  use sg_energy, only: energy_t
   use sg_grains, only: count_grains, grains_t
   use sg_inertia_number, only: inertia_number, shear_rate, velocity_gradient
-  use sg_kinds, only: wp, i1, i4, i8, pi
-  use sg_mapping, only: add_resultants
+  use sg_kinds, only: wp, i1, i8, pi
   use sg_measures, only: measure, measures_t
   use sg_penetration, only: penetrations
-  use sg_random, only: random_t
   use sg_report, only: report_t
   use sg_scene, only: scene_t
   use sg_stress, only: mean_stress
@@ -26,11 +25,6 @@ program test_monitors
   real(wp), parameter :: rounding = 1e-13_wp
   type(tests_t) :: t
 
-  call test_bounce()
-  call test_energy_of_a_shaken_cluster()
-  call test_energy_of_a_pushed_wall()
-  call test_energy_across_a_gap()
-  call test_energy_at_rest()
   call test_grains_and_speeds()
   call test_two_disks()
   call test_volume_error()
@@ -44,223 +38,6 @@ program test_monitors
   call t%finish()
 
 contains
-
-  !> A scene of `n` unit disks at the positions given, at rest.
-  function disks(position) result(scene)
-    real(wp), intent(in) :: position(:, :)
-    type(scene_t) :: scene
-    integer :: i
-
-    call scene%bodies%allocate(size(position, 2))
-    scene%bodies%position = position
-    do i = 1, scene%bodies%n
-      call add_disk(scene%contactors, i, 1, 1.0_wp, [0.0_wp, 0.0_wp])
-      scene%bodies%mass(i) = 2
-      scene%bodies%inertia(i) = 1
-      scene%bodies%area(i) = pi
-    end do
-    scene%bodies%inverse_mass(1:2, :) = 0.5_wp
-    scene%bodies%inverse_mass(3, :) = 1
-    call set_middle(scene, 0.0_wp)
-  end function disks
-
-  !> Bring a scene to its detection configuration.
-  subroutine set_middle(scene, h)
-    type(scene_t), intent(inout) :: scene
-    real(wp), intent(in) :: h
-
-    scene%bodies%middle(1:2, :) = scene%bodies%position + h/2*scene%bodies%velocity(1:2, :)
-    scene%bodies%middle(3, :) = scene%bodies%angle + h/2*scene%bodies%velocity(3, :)
-    call place_contactors(scene%contactors, scene%bodies%middle)
-  end subroutine set_middle
-
-  !> Take a body's freedom away.
-  subroutine make_wall(scene, body)
-    type(scene_t), intent(inout) :: scene
-    integer, intent(in) :: body
-
-    scene%bodies%is_grain(body) = .false.
-    scene%bodies%inverse_mass(:, body) = 0
-  end subroutine make_wall
-
-  !> Add a contact.
-  subroutine touch(contacts, candidate, antagonist, normal, point, gap, impulse)
-    type(contacts_t), intent(inout) :: contacts
-    integer, intent(in) :: candidate, antagonist
-    real(wp), intent(in) :: normal(2), point(2), gap, impulse(2)
-
-    call reserve_contacts(contacts, contacts%n + 1)
-    contacts%n = contacts%n + 1
-    contacts%body(:, contacts%n) = int([candidate, antagonist], i4)
-    contacts%contactor(:, contacts%n) = int([candidate, antagonist], i4)
-    contacts%normal(:, contacts%n) = normal
-    contacts%point(:, contacts%n) = point
-    contacts%gap(contacts%n) = gap
-    contacts%impulse(:, contacts%n) = impulse(:contacts%n_components)
-    contacts%image(contacts%n) = 0_i1
-  end subroutine touch
-
-  !> Velocities of the end of the step by the scheme's own equation; driven components keep `free_velocity`.
-  subroutine end_step(scene, contacts, h)
-    type(scene_t), intent(inout) :: scene
-    type(contacts_t), intent(in) :: contacts
-    real(wp), intent(in) :: h
-    real(wp) :: resultant(3, scene%bodies%n)
-
-    resultant = 0
-    call add_resultants(contacts, scene%bodies%middle, scene%period, resultant)
-    associate (b => scene%bodies)
-      where (b%inverse_mass > 0) b%free_velocity = b%velocity + b%inverse_mass*(h*b%force + resultant)
-    end associate
-  end subroutine end_step
-
-  !> Update with theta = 1/2.
-  subroutine update(scene, h)
-    type(scene_t), intent(inout) :: scene
-    real(wp), intent(in) :: h
-
-    associate (b => scene%bodies)
-      b%position = b%position + h/2*(b%velocity(1:2, :) + b%free_velocity(1:2, :))
-      b%angle = b%angle + h/2*(b%velocity(3, :) + b%free_velocity(3, :))
-      b%velocity = b%free_velocity
-    end associate
-  end subroutine update
-
-  !> A disk of mass 2 falls at 3 m/s on a floor and leaves at 1 m/s: the impact takes 2 (9 - 1)/2 = 8 J.
-  subroutine test_bounce()
-    type(scene_t) :: scene
-    type(contacts_t) :: contacts
-    type(energy_t) :: energy
-    real(wp), parameter :: h = 0.01_wp
-
-    scene = disks(reshape([0.0_wp, 1.0_wp, 0.0_wp, -1.0_wp], [2, 2]))
-    call make_wall(scene, 2)
-    scene%bodies%velocity(1:2, 1) = [2.0_wp, -3.0_wp]
-    ! Friction brings the sliding velocity of the point from 2 to 1.7 and starts a spin.
-    call touch(contacts, 1, 2, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [8.0_wp, -0.2_wp])
-    call end_step(scene, contacts, h)
-    call energy%add_step(scene, contacts, h)
-    call update(scene, h)
-    call t%near(scene%bodies%velocity(2, 1), 1.0_wp, rounding, 'velocity after the bounce')
-    call t%near(energy%impact_loss, 8.0_wp, rounding, 'impact loss of a bounce')
-    ! Point's velocity along t = (1, 0): 2 before; after, 2 - 0.1 with a spin of 0.2 rad/s on a radius of 1.
-    call t%near(energy%friction_loss, 0.2_wp*(2.0_wp + 1.7_wp)/2, rounding, 'friction loss of a bounce')
-    call t%near(kinetic_energy(scene%bodies), 1.0_wp + 1.9_wp**2 + 0.02_wp, rounding, 'kinetic energy after the bounce')
-    call t%near(energy%external_work, 0.0_wp, rounding, 'nothing pushes')
-    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance of a bounce')
-    energy%friction_loss = energy%friction_loss + 0.1_wp
-    call t%near(energy_closure(energy, scene), 0.1_wp/13, rounding, 'an error of 0.1 J is seen over the largest term, 13 J')
-  end subroutine test_bounce
-
-  !> Two disks in gravity with random impulses, forces and a driven spin: the balance closes whatever they are.
-  subroutine test_energy_of_a_shaken_cluster()
-    type(scene_t) :: scene
-    type(contacts_t) :: contacts
-    type(energy_t) :: energy
-    type(random_t) :: random
-    real(wp), parameter :: h = 0.02_wp
-    integer :: step, i
-
-    scene = disks(reshape([0.1_wp, 3.0_wp, 0.2_wp, 1.0_wp, 1.9_wp, 2.0_wp], [2, 3]))
-    scene%gravity = [1.0_wp, -9.81_wp]
-    scene%period = 10
-    scene%bodies%inverse_mass(3, 2) = 0
-    call random%seed(3)
-    do step = 1, 50
-      call set_middle(scene, h)
-      contacts%n = 0
-      call touch(contacts, 1, 2, [0.6_wp, 0.8_wp], scene%bodies%middle(1:2, 2) + [0.6_wp, 0.8_wp], 0.0_wp, &
-                 [random%uniform(), random%uniform(-1.0_wp, 1.0_wp)])
-      call touch(contacts, 3, 2, [0.8_wp, 0.6_wp], scene%bodies%middle(1:2, 2) + [0.8_wp, 0.6_wp], 0.0_wp, &
-                 [random%uniform(), random%uniform(-1.0_wp, 1.0_wp)])
-      contacts%image(2) = 1_i1
-      do i = 1, 3
-        scene%bodies%force(:, i) = [2*scene%gravity, 0.0_wp] + [random%uniform(), random%uniform(), random%uniform()]
-      end do
-      scene%bodies%free_velocity(3, 2) = random%uniform(-1.0_wp, 1.0_wp)
-      call end_step(scene, contacts, h)
-      call energy%add_step(scene, contacts, h)
-      call update(scene, h)
-      ! A wrapped position with its crossing is the same unwrapped one.
-      scene%bodies%position(1, 1) = scene%bodies%position(1, 1) - scene%period
-      scene%bodies%crossings(1) = scene%bodies%crossings(1) + 1
-    end do
-    call t%check(abs(energy%drive_work) > 0.01_wp .and. abs(energy%external_work) > 0.1_wp, 'drive and forces work')
-    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance over 50 steps')
-  end subroutine test_energy_of_a_shaken_cluster
-
-  !> A wall driven at 2 m/s pushes a disk at rest to 2 m/s: the drive gives m v v = 8 J, half of it is lost.
-  subroutine test_energy_of_a_pushed_wall()
-    type(scene_t) :: scene
-    type(contacts_t) :: contacts
-    type(energy_t) :: energy
-    real(wp), parameter :: h = 0.01_wp
-
-    scene = disks(reshape([0.0_wp, 0.0_wp, 2.0_wp, 0.0_wp], [2, 2]))
-    call make_wall(scene, 1)
-    scene%bodies%velocity(1, 1) = 2
-    scene%bodies%free_velocity(1, 1) = 2
-    call touch(contacts, 1, 2, [-1.0_wp, 0.0_wp], [1.0_wp, 0.0_wp], 0.0_wp, [4.0_wp, 0.0_wp])
-    call end_step(scene, contacts, h)
-    call energy%add_step(scene, contacts, h)
-    call update(scene, h)
-    call t%near(energy%drive_work, 8.0_wp, rounding, 'work of the drive')
-    call t%near(energy%impact_loss, 4.0_wp, rounding, 'loss of the push')
-    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance of the push')
-    call test_energy_pack(energy)
-  end subroutine test_energy_of_a_pushed_wall
-
-  !> Two disks with a wide gap: lever arms are radii, and the balance closes all the same.
-  subroutine test_energy_across_a_gap()
-    type(scene_t) :: scene
-    type(contacts_t) :: contacts
-    type(energy_t) :: energy
-    real(wp), parameter :: h = 0.01_wp, gap = 0.4_wp, tangential = 3
-    integer :: b
-
-    scene = disks(reshape([0.0_wp, 2 + gap, 0.0_wp, 0.0_wp], [2, 2]))
-    scene%bodies%velocity(3, :) = [5.0_wp, -1.0_wp]
-    call set_middle(scene, 0.0_wp)
-    call touch(contacts, 1, 2, [0.0_wp, 1.0_wp], [0.0_wp, 1 + gap/2], gap, [1.0_wp, tangential])
-    call end_step(scene, contacts, h)
-    do b = 1, 2
-      ! On a disk of unit radius and inertia; the tangential impulse turns both disks the same way.
-      scene%bodies%free_velocity(3, b) = scene%bodies%velocity(3, b) + tangential
-    end do
-    call energy%add_step(scene, contacts, h)
-    call update(scene, h)
-    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance across a gap')
-  end subroutine test_energy_across_a_gap
-
-  !> Packed and unpacked, the sums are the same to the last bit.
-  subroutine test_energy_pack(energy)
-    type(energy_t), intent(in) :: energy
-    type(energy_t) :: copy
-
-    call copy%unpack(energy%pack())
-    call t%check(copy%is_started .and. all(abs(copy%pack() - energy%pack()) <= 0), 'energy sums survive a restart')
-    call t%near(copy%drive_work, energy%drive_work, 0.0_wp, 'each in its place')
-  end subroutine test_energy_pack
-
-  !> Nothing moves, nothing weighs: no division by zero; and at rest under gravity far from the origin.
-  subroutine test_energy_at_rest()
-    type(scene_t) :: scene
-    type(contacts_t) :: contacts
-    type(energy_t) :: energy
-    type(measures_t) :: measures
-
-    scene = disks(reshape([0.0_wp, 0.0_wp], [2, 1]))
-    call t%near(energy_closure(energy, scene), 0.0_wp, 0.0_wp, 'no balance before the first step')
-    call energy%add_step(scene, contacts, 0.1_wp)
-    call t%near(energy_closure(energy, scene), 0.0_wp, 0.0_wp, 'an empty balance is closed')
-    scene%gravity = [0.0_wp, -10.0_wp]
-    scene%bodies%position(2, 1) = 1000
-    call t%near(potential_energy(scene), 20000.0_wp, 1e-10_wp, 'potential energy m g y')
-    call reserve_contacts(contacts, 1)
-    call measure(scene, contacts, 0.1_wp, energy, measures)
-    call t%near(measures%get('potential_energy'), 20000.0_wp, 1e-10_wp, 'a measure by its name')
-    call t%near(measures%get('inertia_number'), 0.0_wp, 0.0_wp, 'one grain has no inertia number')
-  end subroutine test_energy_at_rest
 
   subroutine test_grains_and_speeds()
     type(scene_t) :: scene
