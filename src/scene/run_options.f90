@@ -30,7 +30,7 @@ module sg_run_options
     real(wp) :: relaxation = 1
     !> Start from the impulses of the last step
     logical :: warm_start = .true.
-    !> Order of the sweep: 'natural' (spatial) or 'groups' (coloured groups of eight that overlap in the processor)
+    !> Order of the sweep: 'natural' (spatial) or 'groups' (coloured groups that overlap in the processor)
     character(len=16) :: order = 'groups'
     !> End the run when a step does not converge
     logical :: stop_unconverged = .false.

@@ -1,20 +1,22 @@
-!> LMGC90's stopping criteria: how much the last sweep still changed, seen at contacts that carry an impulse.
+!> LMGC90's stopping criteria: how much each contact still asks to change, seen at contacts that carry an impulse.
 !!
 !! They measure increments, not errors: a slow sweep passes them far from the solution (doc/theory/errors.md).
 module sg_increments
   use sg_kinds, only: wp
-  use sg_problem, only: arm_frictional, arm_frictionless, problem_t, round_frictional, round_frictionless
+  use sg_problem, only: arm_frictional, arm_frictionless, round_frictional, round_frictionless
   use sg_run_options, only: criterion_maxm, criterion_qm16
+  use sg_sweep_order, only: sweep_order_t
   implicit none
   private
   public :: increment_criterion
 
 contains
 
-  !> Value of a criterion, to be compared with the tolerance; `before` holds the impulses of one sweep ago.
-  pure real(wp) function increment_criterion(problem, before, criterion) result(value)
-    type(problem_t), intent(in) :: problem !! problem after a sweep
-    real(wp), intent(in), contiguous :: before(:, :) !! impulses before it, shape (components, contacts)
+  !> Value of a criterion, to be compared with the tolerance.
+  pure real(wp) function increment_criterion(kind, order, asked, criterion) result(value)
+    integer, intent(in) :: kind !! kind of problem
+    type(sweep_order_t), intent(in) :: order !! contacts visited, with their records and impulses
+    real(wp), intent(in) :: asked(:, :) !! impulse that each of them asks while the others stay, shape (components, contacts)
     integer, intent(in) :: criterion !! one of quad, maxm, qm16
     real(wp) :: w(3), r(2), change(2), dv(2), wr(2)
     real(wp) :: sum_dv2, sum_wr2, sum_dvr, sum_wrr, sum_dvr2, max_dv2, max_dvr2, mean_dvr, quad_dv, quad_dvr, max_dv, max_dvr
@@ -30,13 +32,13 @@ contains
     n = 0
     r = 0
     change = 0
-    m = size(problem%impulse, 1)
-    do k = 1, problem%n_contacts
-      if (.not. any(abs(problem%impulse(:, k)) > 0)) cycle
+    m = size(asked, 1)
+    do k = 1, order%n
+      if (.not. any(abs(asked(:, k)) + abs(order%impulse(:, k)) > 0)) cycle
       n = n + 1
-      w = block_of(problem, k)
-      r(:m) = problem%impulse(:, k)
-      change(:m) = r(:m) - before(:, k)
+      w = block_of(kind, order%record(:, k))
+      r(:m) = order%impulse(:, k)
+      change(:m) = asked(:, k) - r(:m)
       dv = [w(1)*change(1) + w(2)*change(2), w(2)*change(1) + w(3)*change(2)]
       wr = [w(1)*r(1) + w(2)*r(2), w(2)*r(1) + w(3)*r(2)]
       sum_dv2 = sum_dv2 + dot_product(dv, dv)
@@ -65,24 +67,22 @@ contains
   end function increment_criterion
 
   !> Block of W of a contact: normal, coupling, tangential [1/kg].
-  pure function block_of(problem, k) result(w)
-    type(problem_t), intent(in) :: problem
-    integer, intent(in) :: k
+  pure function block_of(kind, record) result(w)
+    integer, intent(in) :: kind
+    real(wp), intent(in) :: record(:)
     real(wp) :: w(3)
 
     w = 0
-    associate (record => problem%record)
-      select case (problem%kind)
-      case (round_frictionless)
-        if (record(4, k) > 0) w(1) = 1/record(4, k)
-      case (round_frictional)
-        if (record(5, k) > 0) w(1) = 1/record(5, k)
-        if (record(6, k) > 0) w(3) = 1/record(6, k)
-      case (arm_frictionless)
-        if (record(6, k) > 0) w(1) = 1/record(6, k)
-      case (arm_frictional)
-        w = record(9:11, k)
-      end select
-    end associate
+    select case (kind)
+    case (round_frictionless)
+      if (record(4) > 0) w(1) = 1/record(4)
+    case (round_frictional)
+      if (record(5) > 0) w(1) = 1/record(5)
+      if (record(6) > 0) w(3) = 1/record(6)
+    case (arm_frictionless)
+      if (record(6) > 0) w(1) = 1/record(6)
+    case (arm_frictional)
+      w = record(9:11)
+    end select
   end function block_of
 end module sg_increments

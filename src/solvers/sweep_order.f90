@@ -1,19 +1,24 @@
 !> The order in which a sweep visits contacts, and their records copied into that order.
 !!
 !! Consecutive contacts of the spatial order share bodies, and the chain of dependent updates limits a sweep. In
-!! *groups* order, blocks of consecutive contacts, small enough to stay in cache, are dealt to groups of eight in which
+!! *groups* order, blocks of consecutive contacts, small enough to stay in cache, are dealt to small groups in which
 !! no movable body appears twice: the processor then works on several contacts at once, and the order of the blocks
 !! stays spatial (doc/theory/nlgs.md). Contacts that are open and stay so need not be visited at all: the order holds
 !! the ones chosen.
 module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
-  use sg_problem, only: problem_t, round_frictionless
+  use sg_problem, only: problem_t, round_frictional, round_frictionless
   implicit none
   private
   public :: sweep_order_t, set_order, take_impulses, give_impulses
 
-  !> Contacts of a group, contacts of a block, and the most groups that a block may open (bits of an integer)
-  integer, parameter :: width = 8, block_size = 256, most_groups = 63
+  !> Contacts of a group and of a block, for round problems and for problems with arms.
+  !!
+  !! Larger ones overlap more updates, smaller ones keep the spatial order better. Polygons pay for lost order: with
+  !! the sizes of disks they need half as many sweeps again (doc/performance.md).
+  integer, parameter :: width_round = 8, block_round = 256, width_arm = 4, block_arm = 32
+  !> The most groups that a block may open (bits of an integer)
+  integer, parameter :: most_groups = 63
 
   !> Contacts in the order of the sweep
   type :: sweep_order_t
@@ -85,22 +90,29 @@ contains
     type(problem_t), intent(in) :: problem
     integer(i8), intent(inout) :: groups_of(:)
     integer(i4), intent(inout), contiguous :: contact(:)
-    integer :: first, last
+    integer :: first, last, block_size, width
 
+    block_size = block_arm
+    width = width_arm
+    if (problem%kind == round_frictionless .or. problem%kind == round_frictional) then
+      block_size = block_round
+      width = width_round
+    end if
     do first = 1, n, block_size
       last = min(n, first + block_size - 1)
-      call deal_block(chosen(first:last), problem, groups_of, contact(first:last))
+      call deal_block(chosen(first:last), problem, width, groups_of, contact(first:last))
     end do
   end subroutine deal
 
   !> Deal one block: each contact goes to the first group that has room and neither of its movable bodies.
-  pure subroutine deal_block(chosen, problem, groups_of, contact)
+  pure subroutine deal_block(chosen, problem, width, groups_of, contact)
     integer(i4), intent(in), contiguous :: chosen(:)
     type(problem_t), intent(in) :: problem
+    integer, intent(in) :: width
     integer(i8), intent(inout) :: groups_of(:) !! bit g: the body is in group g of this block
     integer(i4), intent(inout), contiguous :: contact(:)
     integer(i8) :: full
-    integer :: filled(0:most_groups), group(block_size), i, g, side, inverse
+    integer :: filled(0:most_groups), group(block_round), i, g, side, inverse
     integer(i4) :: pair(2)
 
     inverse = merge(3, 4, problem%kind == round_frictionless)

@@ -134,15 +134,16 @@ contains
         solver = solver_of(criterion, tolerances(criterion), report%sweeps - 1)
         call solver%solve(before, earlier)
         call t%check(.not. earlier%is_converged .and. earlier%criterion > tolerances(criterion), name//': not a sweep earlier')
-        call t%near(report%criterion, defined(criterion, start, before, after), 1e-9_wp*report%criterion, name//': definition')
+        call t%near(report%criterion, defined(criterion, start, after), 1e-9_wp*report%criterion, name//': definition')
       end do
     end do
   end subroutine test_criteria
 
-  !> A criterion by its definition, from the problem, the impulses of a sweep before, and the solution.
-  real(wp) function defined(criterion, start, before, after)
+  !> A criterion by its definition, from the problem and its solution. All contacts of the column press, so what a contact
+  !! asks is the impulse that makes its own velocity vanish: W_aa times the change is minus its velocity.
+  real(wp) function defined(criterion, start, after)
     integer, intent(in) :: criterion
-    type(problem_t), intent(in) :: start, before, after
+    type(problem_t), intent(in) :: start, after
     real(wp) :: f1, f8, fv, r2, u2, q2, w, u(2), r(2), dv(2), wr(2), friction, sums(5), largest(2), n
     integer :: k, m
 
@@ -170,7 +171,7 @@ contains
       fv = fv + sum((natural_map(r, u, friction, 1/w, 0.0_wp)*w)**2)
       r2 = r2 + sum(r**2)
       u2 = u2 + sum(u**2)
-      dv(:m) = block_times(after, k, after%impulse(:, k) - before%impulse(:, k))
+      dv(:m) = -u(:m)
       wr(:m) = block_times(after, k, after%impulse(:, k))
       sums = sums + [sum(dv**2), sum(wr**2), sum(dv*r), sum(wr*r), sum(dv**2)*sum(r**2)]
       largest = max(largest, [sum(dv**2), sum(dv**2)*sum(r**2)])
@@ -370,8 +371,9 @@ contains
     call begin_scene(sim%scene, n, 0.0_wp, 0.1_wp)
     sim%scene%gravity = 0
     do b = 1, n
-      ! Gaps grow along the row: the impact of 0.2 m in a step closes half of them.
-      call put_disk(sim%scene, b, 0.5_wp, [real(b, wp)*(1.0_wp + 1e-4_wp*real(b, wp)/2), 0.0_wp])
+      ! Each closed gap leaves the next disk 0.2 m/s slower: some sixty close, the last ones long after sweeps that change
+      ! little have left them out.
+      call put_disk(sim%scene, b, 0.5_wp, [real(b, wp)*(1.0_wp + 0.2_wp*h), 0.0_wp])
     end do
     sim%scene%bodies%velocity(1, 1:4) = 100
     call first_problem(sim, start)
