@@ -3,6 +3,7 @@
 !! The table itself stands in keys_*.f90, every key once. From it come the checks, the defaults, the effective
 !! deck and the reference.
 module sg_key_table
+  use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_kinds, only: wp
   use sg_text, only: nearest_word, text_t
   implicit none
@@ -81,8 +82,8 @@ contains
     type(section_t) :: section
 
     if (.not. allocated(self%sections)) allocate (self%sections(0), self%keys(0))
-    section%name = name
-    section%sentence = sentence
+    call put(section%name, name)
+    call put(section%sentence, sentence)
     if (present(is_list)) section%is_list = is_list
     section%first = size(self%keys) + 1
     section%last = size(self%keys)
@@ -110,24 +111,36 @@ contains
       key%section = section%name
       section%last = size(self%keys) + 1
     end associate
-    key%name = name
+    call put(key%name, name)
     key%kind = kind
-    key%sentence = sentence
-    if (present(unit)) key%unit = unit
-    if (present(default)) key%default = default
+    call put(key%sentence, sentence)
+    if (present(unit)) call put(key%unit, unit)
+    if (present(default)) call put(key%default, default)
     if (present(is_required)) key%is_required = is_required
     if (present(least)) key%lowest = least
     if (present(above)) key%lowest = above
     key%is_open = present(above)
     if (present(most)) key%highest = most
-    if (present(choices)) key%choices = choices
+    if (present(choices)) call put(key%choices, choices)
     if (present(only)) then
       cut = index(only, '=')
-      key%selector = only(:cut - 1)
-      key%only = only(cut + 1:)
+      call put(key%selector, only(:cut - 1))
+      call put(key%only, only(cut + 1:))
     end if
     self%keys = [self%keys, key]
   end subroutine add
+
+  !> Fill a text of the table. One that does not fit is a mistake in keys_*.f90, which the first deck brings to light.
+  subroutine put(field, text)
+    character(len=*), intent(out) :: field
+    character(len=*), intent(in) :: text
+
+    if (len(text) > len(field)) then
+      write (error_unit, '(3a)') 'the key table has no room for "', text, '"'
+      error stop
+    end if
+    field = text
+  end subroutine put
 
   !> Index of a section; 0 when there is none of this name.
   pure integer function find_section(self, name) result(found)
