@@ -2,7 +2,7 @@
 module sg_arguments
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp
-  use sg_text, only: nearest_word, text_t, to_text
+  use sg_text, only: append_word, nearest_word, text_t, to_text
   implicit none
   private
   public :: arguments_t, read_arguments
@@ -45,7 +45,7 @@ contains
         if (len(arguments%command) == 0) then
           arguments%command = word
         else
-          arguments%words = [arguments%words, text_t(word)]
+          call append_word(arguments%words, word)
         end if
         cycle
       end if
@@ -63,8 +63,8 @@ contains
         value = argument(i)
         i = i + 1
       end if
-      arguments%names = [arguments%names, text_t(word)]
-      arguments%values = [arguments%values, text_t(value)]
+      call append_word(arguments%names, word)
+      call append_word(arguments%values, value)
     end do
   end subroutine read_arguments
 
@@ -114,7 +114,7 @@ contains
 
     allocate (values(0))
     do i = 1, size(self%names)
-      if (self%names(i)%s == name) values = [values, self%values(i)]
+      if (self%names(i)%s == name) call append_word(values, self%values(i)%s)
     end do
   end function arguments_all_of
 
@@ -168,7 +168,7 @@ contains
     first = 1
     do while (first <= len(text))
       blank = index(text(first:)//' ', ' ')
-      if (blank > 1) words = [words, text_t(text(first:first + blank - 2))]
+      if (blank > 1) call append_word(words, text(first:first + blank - 2))
       first = first + blank
     end do
   end function split

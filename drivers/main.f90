@@ -12,7 +12,7 @@ program splitgrain
   use sg_reference_text, only: reference_text
   use sg_run, only: run_command
   use sg_system, only: end_program
-  use sg_text, only: nearest_word, text_t
+  use sg_text, only: append_word, nearest_word, text_t
   implicit none
   type(arguments_t) :: arguments
   type(error_t), allocatable :: error
@@ -68,11 +68,15 @@ contains
 
   !> Say that there is no such subcommand.
   subroutine unknown_command()
-    type(text_t) :: known(6)
+    character(len=*), parameter :: commands(6) = [character(len=9) :: 'run', 'check', 'reference', 'convert', 'bench', &
+                                                  'partition']
+    type(text_t), allocatable :: known(:)
     character(len=:), allocatable :: near
+    integer :: i
 
-    known = [text_t('run'), text_t('check'), text_t('reference'), text_t('convert'), text_t('bench'), &
-             text_t('partition')]
+    do i = 1, size(commands)
+      call append_word(known, trim(commands(i)))
+    end do
     near = nearest_word(arguments%command, known)
     if (len(near) > 0) near = '; did you mean "'//near//'"?'
     call fail(error, 'unknown command "'//arguments%command//'"'//near)
