@@ -59,7 +59,8 @@ contains
       first(p) = int(contacts%n, i4) + 1
       associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), see => scene%sees(pairs%see(p)))
         if (circles_are_apart(scene, c, a, pairs%image(p), see%alert)) cycle
-        call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), see%alert, touch)
+        call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), see%alert, touch, &
+                        scene%period)
         if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
         do i = 1, touch%n
           call add_contact(scene, pairs, history, p, touch, i, contacts)
@@ -133,20 +134,22 @@ contains
   end function status_at_start
 
   !> Narrow phase of one pair: the kernel of its two kinds.
-  pure subroutine touch_pair(contactors, c, a, offset, alert, touch)
+  pure subroutine touch_pair(contactors, c, a, offset, alert, touch, period)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer(i4), intent(in) :: c !! candidate
     integer(i4), intent(in) :: a !! antagonist
     real(wp), intent(in) :: offset !! shift of the antagonist in x [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     type(touch_t), intent(out) :: touch !! points of contact
-    real(wp) :: centre(2), shift(2)
+    real(wp), intent(in), optional :: period !! period in x, makes a level wall endless that spans it [m]
+    real(wp) :: centre(2), shift(2), half_length
     integer :: row_c, row_a, first, n, first_c, n_c
 
     shift = [offset, 0.0_wp]
     row_c = contactors%row(c)
     row_a = contactors%row(a)
     centre = contactors%centre(:, a) + shift
+    if (contactors%kind(a) == kind_wall) half_length = facing_length(contactors, row_a, period)
     if (contactors%kind(a) == kind_polygon) then
       first = contactors%polygon_first(row_a)
       n = contactors%polygon_first(row_a + 1) - first
@@ -157,8 +160,8 @@ contains
         case (kind_disk)
           call touch_disk_disk(own, radius, centre, contactors%disk_radius(row_a), alert, touch)
         case (kind_wall)
-          call touch_disk_wall(own, radius, centre, contactors%wall_axis(:, row_a), contactors%wall_size(1, row_a), &
-                               contactors%wall_size(2, row_a), alert, touch)
+          call touch_disk_wall(own, radius, centre, contactors%wall_axis(:, row_a), half_length, contactors%wall_size(2, row_a), &
+                               alert, touch)
         case (kind_hollow)
           call touch_disk_hollow(own, radius, centre, contactors%hollow_radius(row_a), alert, touch)
         case (kind_polygon)
@@ -172,9 +175,23 @@ contains
         call touch_polygon_polygon(n_c, contactors%polygon_world(1, first_c), n, contactors%polygon_world(1, first), shift, &
                                    alert, touch)
       else
-        call touch_polygon_wall(n_c, contactors%polygon_world(1, first_c), centre, contactors%wall_axis(:, row_a), &
-                                contactors%wall_size(1, row_a), contactors%wall_size(2, row_a), alert, touch)
+        call touch_polygon_wall(n_c, contactors%polygon_world(1, first_c), centre, contactors%wall_axis(:, row_a), half_length, &
+                                contactors%wall_size(2, row_a), alert, touch)
       end if
     end if
   end subroutine touch_pair
+
+  !> Half length of a wall's axis as its antagonists meet it [m].
+  !!
+  !! A level wall that spans the period goes on in its own images: grains at its ends must not feel round caps there.
+  pure real(wp) function facing_length(contactors, row, period) result(half_length)
+    type(contactors_t), intent(in) :: contactors
+    integer, intent(in) :: row
+    real(wp), intent(in), optional :: period
+    real(wp), parameter :: level = 1e-6_wp ! slope below which neighbouring images meet
+
+    half_length = contactors%wall_size(1, row)
+    if (.not. present(period)) return
+    if (period > 0 .and. 2*half_length >= period .and. abs(contactors%wall_axis(2, row)) < level) half_length = half_length + period
+  end function facing_length
 end module sg_detect
