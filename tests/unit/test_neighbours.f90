@@ -54,8 +54,9 @@ contains
       call t%equal(pairs%builds, 1, name//': the list stays while motions are small')
       call compare(scene, contacts, name//', moved a little')
     end do
-    do round = 1, 3
-      call move(scene, random, 3.0_wp)
+    do round = 1, 4
+      ! Just above half a skin, so that shapes of a pair may have used it up, then far.
+      call move(scene, random, merge(0.7_wp*pairs%skin, 3.0_wp, round == 1))
       call detect(scene, pairs, history, contacts)
       call t%equal(pairs%builds, 1 + round, name//': the list is made again after large motions')
       call compare(scene, contacts, name//', moved far')

@@ -30,6 +30,7 @@ program test_solver
   call test_orders()
   call test_relaxation()
   call test_visited()
+  call test_late()
   call test_nothing()
   call t%finish()
 
@@ -399,6 +400,41 @@ contains
       call t%check(all(problem%impulse(1, :k) > 0 .eqv. reference%impulse(1, :k) > 0), 'visited: the same contacts close')
     end do
   end subroutine test_visited
+
+  !> A contact that parts fast while all else is nearly solved is left out, and must come back when its turn comes.
+  !!
+  !! P hits A and B before it, in an order of contacts that lets the impact reach the next one only a sweep later; C is
+  !! 30 m/s of a gap away from B. Thousands of resting pairs keep the mean error low, hundreds of parting ones make it
+  !! worth a new order. Momentum: 3 v_B + v_C = 100 and v_C = v_B - 30.
+  subroutine test_late()
+    integer, parameter :: resting = 4000, parting = 400, n = 3 + resting + parting
+    type(problem_t) :: problem
+    type(nlgs_t) :: solver
+    type(report_t) :: report
+    integer :: k
+
+    call reserve_problem(problem, round_frictionless, 2*n, n)
+    problem%velocity_scale = 1
+    problem%free_norm = 100
+    do k = 1, n
+      problem%pair(:, k) = 2*k - 2 + [2, 1]
+      problem%record(:, k) = [1.0_wp, 0.0_wp, 0.0_wp, 0.5_wp]
+      if (k > 3 + resting) problem%body(1, problem%pair(1, k)) = 1000
+    end do
+    problem%body(3:4, :) = 1
+    problem%body(1, 1) = 100
+    problem%pair(:, 1) = [4, 3]
+    problem%pair(:, 2) = [3, 2]
+    problem%pair(:, 3) = [2, 1]
+    problem%record(3, 1) = 30
+    solver = solver_of(criterion_e8, 1e-12_wp, 1000)
+    solver%options%order = 'natural'
+    call solver%solve(problem, report)
+    call t%check(report%is_converged, 'late contact: converged')
+    call t%check(int(report%contact_updates) < report%sweeps*(3 + resting) + 3*parting, 'late contact: some are left out')
+    call t%near(maxval(abs(problem%body(1, 1:3) - 32.5_wp)), 0.0_wp, 1e-9_wp, 'late contact: those that push')
+    call t%near(problem%body(1, 4), 2.5_wp, 1e-9_wp, 'late contact: the one that is pushed')
+  end subroutine test_late
 
   !> Contacts that part when no contact acts.
   function closes_late(problem, n) result(late)
