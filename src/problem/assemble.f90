@@ -1,6 +1,7 @@
 !> From contacts to a contact problem: local frames, lever arms, Delassus blocks, biases, the guess; and back.
 module sg_assemble
   use sg_bodies, only: bodies_t
+  use sg_compact, only: compact_velocity
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_mohr, local_law, local_law_t, status_bonded, status_none, status_slide, status_stick
@@ -33,7 +34,6 @@ contains
     do k = 1, contacts%n
       problem%pair(:, k) = slot_of(contacts%body(:, k))
       law = law_of(scene, contacts, k, step)
-      q = relative_velocity(contacts, k, scene%bodies%middle, scene%period, scene%bodies%free_velocity) + law%bias
       if (kind == round_frictionless .or. kind == round_frictional) then
         call round_record(scene, contacts, k, kind, law, problem%body, problem%pair(:, k), problem%record(:, k))
       else
@@ -41,9 +41,9 @@ contains
       end if
       problem%impulse(:, k) = 0
       if (.not. law%is_active) cycle
+      q = compact_velocity(problem, k)
+      squares = squares + q(1)**2 + q(2)**2
       problem%impulse(:, k) = contacts%impulse(:, k)
-      squares = squares + q(1)**2
-      if (size(problem%impulse, 1) == 2) squares = squares + q(2)**2
     end do
     problem%free_norm = sqrt(squares)
     problem%velocity_scale = hypot(scene%gravity(1), scene%gravity(2))*step

@@ -70,6 +70,9 @@ contains
       call check(self, problem, report)
       call checks%stop()
     end do
+    call checks%start()
+    call measure_errors(problem, report, with_e1=.true.)
+    call checks%stop()
     report%cpu_sweeps = sweeps%cpu
     report%cpu_checks = checks%cpu
   end subroutine nlgs_solve
@@ -133,7 +136,7 @@ contains
     integer :: visited, missed
 
     report%checks = report%checks + 1
-    call measure_errors(problem, report)
+    call measure_errors(problem, report, any(self%options%criterion == [criterion_e1, criterion_e2]))
     call reserve(self%past_e8, report%checks)
     self%past_e8(report%checks) = report%e8
     report%estimate = estimated_error(self%past_e8(:report%checks), self%options%check_every)
