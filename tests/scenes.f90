@@ -5,6 +5,7 @@ module scenes
   use sg_error, only: error_t
   use sg_kinds, only: wp, pi
   use sg_moments, only: polygon_moments
+  use sg_run_options, only: criterion_e8
   use sg_scene, only: colour_index, scene_t
   use sg_simulation, only: advance, simulation_t, start_simulation
   use sg_time_functions, only: time_function_t
@@ -122,6 +123,7 @@ contains
     real(wp), intent(in) :: tolerance !! of the criterion e8
 
     sim%options%step = step
+    sim%options%solver%criterion = criterion_e8
     sim%options%solver%tolerance = tolerance
     sim%options%solver%check_every = 1
     sim%options%solver%maximum_sweeps = 100000
