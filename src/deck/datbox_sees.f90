@@ -50,6 +50,7 @@ contains
     integer, allocatable, intent(inout) :: see_lines(:)
     type(diagnostics_t), intent(inout) :: diagnostics
     type(see_t) :: see
+    character(len=:), allocatable :: pair
     integer :: line
     logical :: ok
 
@@ -74,8 +75,8 @@ contains
         scene%sees = [scene%sees, see]
         see_lines = [see_lines, line]
       else
-        call remark_once(file, 'pair', name_field(file, 9)//' never meets '//name_field(file, 37) &
-                         //' in this order: the see table is left out', 9, diagnostics)
+        pair = name_field(file, 9)//' never meets '//name_field(file, 37)
+        call remark_once(file, pair, pair//' in this order: the see table is left out', 9, diagnostics)
       end if
     end if
     call read_halo(file, diagnostics)

@@ -1,11 +1,13 @@
 !> Who sees whom, under which law and from which distance on, from the blocks interaction.
 module sg_interactions_from_deck
   use sg_blocks, only: deck_t
+  use sg_contactors, only: kind_names, n_kinds
   use sg_error, only: diagnostics_t
   use sg_keys_scene, only: shape_choices
   use sg_kinds, only: wp
   use sg_run_options, only: run_options_t
   use sg_scene, only: law_index, scene_t, see_t
+  use sg_sees, only: blind_pairs
   use sg_text, only: nearest_word, text_t
   use sg_words, only: choice_index
   implicit none
@@ -31,6 +33,7 @@ contains
       see%law = 1
       see%alert = alert
       scene%sees = [see]
+      call warn_of_blind(deck, deck%block_of('law'), scene, diagnostics)
     else if (n == 0 .and. size(scene%laws) > 1) then
       call deck%complain(diagnostics, 'there are several laws: [[interaction]] must say which pairs they hold between', &
                          deck%block_of('law'))
@@ -41,6 +44,7 @@ contains
       if (.not. deck%is_in(b, 'interaction')) cycle
       call read_interaction(deck, b, scene, alert, see, diagnostics)
       scene%sees = [scene%sees, see]
+      call warn_of_blind(deck, b, scene, diagnostics)
     end do
   end subroutine interactions_from_deck
 
@@ -61,6 +65,45 @@ contains
     if (deck%is_given(b, 'alert')) see%alert = deck%number(b, 'alert')
     call find_law(deck, b, scene, see%law, diagnostics)
   end subroutine read_interaction
+
+  !> Warn of shapes that the last line of the see tables brings together and that cannot touch. A line that names both kinds
+  !! means all bodies but those whose every component is imposed; others are taken to mean grains.
+  subroutine warn_of_blind(deck, b, scene, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(scene_t), intent(in) :: scene
+    type(diagnostics_t), intent(inout) :: diagnostics
+    logical :: blind(n_kinds, n_kinds)
+    integer :: i, j, line
+
+    line = size(scene%sees)
+    if (scene%sees(line)%candidate_kind > 0 .and. scene%sees(line)%antagonist_kind > 0) then
+      blind = blind_pairs(scene, line, is_free(scene))
+    else
+      blind = blind_pairs(scene, line, scene%bodies%is_grain)
+    end if
+    do j = 1, n_kinds
+      do i = 1, j
+        if (blind(i, j)) call deck%warn(diagnostics, trim(kind_names(i))//' and '//trim(kind_names(j))// &
+                                        ' cannot touch: bodies of these shapes pass through each other', b)
+      end do
+    end do
+  end subroutine warn_of_blind
+
+  !> Which bodies have a component that is not imposed?
+  pure function is_free(scene)
+    type(scene_t), intent(in) :: scene
+    logical :: is_free(scene%bodies%n)
+    integer :: n_imposed(scene%bodies%n), i
+
+    n_imposed = 0
+    do i = 1, size(scene%drives)
+      associate (n => n_imposed(scene%drives(i)%body))
+        if (scene%drives(i)%is_velocity) n = n + 1
+      end associate
+    end do
+    is_free = n_imposed < 3
+  end function is_free
 
   !> Colour of a name; 0 for any.
   subroutine find_colour(deck, b, key, scene, colour, diagnostics)
