@@ -39,6 +39,8 @@ contains
                    n_pressures + deck%count_of('pressure') + deck%count_of('wall'))
     do b = 1, deck%n
       if (deck%is_in(b, 'drive')) call add_drive(deck, b, scene, n_drives, is_taken, diagnostics)
+    end do
+    do b = 1, deck%n
       if (deck%is_in(b, 'pressure')) call add_pressure(deck, b, scene, n_pressures, is_taken, diagnostics)
     end do
     n = 0
@@ -151,6 +153,7 @@ contains
     end if
     pressure%direction = direction/norm2(direction)
     if (pressure%body == 0) return
+    call warn_of_no_effect(deck, b, pressure, scene%drives, diagnostics)
     where (abs(direction) > 0) is_taken(1:2, pressure%body) = .true.
     n = n + 1
     scene%pressures(n) = pressure
@@ -212,10 +215,29 @@ contains
     else
       pressure%length = norm2(deck%pair(b, 'to') - deck%pair(b, 'from'))
     end if
+    call warn_of_no_effect(deck, b, pressure, scene%drives, diagnostics)
     where (abs(direction) > 0) is_taken(1:2, body) = .true.
     n = n + 1
     scene%pressures(n) = pressure
   end subroutine press_wall
+
+  !> Warn of a pressure that pushes along a component whose velocity is imposed.
+  subroutine warn_of_no_effect(deck, b, pressure, drives, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(pressure_t), intent(in) :: pressure
+    type(drive_t), intent(in) :: drives(:)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=*), parameter :: letters = 'xy'
+    integer :: i
+
+    do i = 1, size(drives)
+      if (.not. drives(i)%is_velocity .or. drives(i)%body /= pressure%body .or. drives(i)%component > 2) cycle
+      if (.not. abs(pressure%direction(drives(i)%component)) > 0) cycle
+      call deck%warn(diagnostics, 'the velocity of this body along '//letters(drives(i)%component:drives(i)%component)// &
+                     ' is imposed: the pressure has no effect there', b, 'direction')
+    end do
+  end subroutine warn_of_no_effect
 
   !> Keep the velocity that a body starts with in every component that nothing else takes.
   subroutine hold(scene, body, n, is_taken)
