@@ -59,6 +59,7 @@ contains
     call put('assembly_in_sweeps', figures%assemble_seconds/figures%sweep_seconds)
     call put('stream_triad_bytes_per_second', figures%triad)
     call put('bytes_per_contact', figures%bytes_per_contact)
+    call put('peak_bytes_per_contact', figures%peak_per_contact)
     call put('bytes_per_update', figures%bytes_per_update)
     call put('fraction_of_stream', figures%updates_per_second*figures%bytes_per_update/figures%triad)
     call put('e8', figures%e8)

@@ -52,8 +52,9 @@ contains
     integer(i4), allocatable :: first(:)
     integer :: p, i
 
+    ! About half of the neighbours touch; more room is made when it is wanted.
+    call reserve_contacts(contacts, max(contacts%n, pairs%n/2))
     contacts%n = 0
-    call reserve_contacts(contacts, pairs%n)
     allocate (first(pairs%n + 1))
     do p = 1, pairs%n
       first(p) = int(contacts%n, i4) + 1

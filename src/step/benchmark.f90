@@ -19,6 +19,7 @@ module sg_benchmark
   use sg_report, only: report_t
   use sg_run_options, only: solver_options_t
   use sg_scene, only: colour_index, material_t, scene_t, see_t
+  use sg_system, only: peak_memory_bytes
   use sg_timers, only: cpu_now
   implicit none
   private
@@ -38,6 +39,8 @@ module sg_benchmark
     real(wp) :: triad = 0
     !> Bytes that a contact holds, and that one update moves
     real(wp) :: bytes_per_contact = 0, bytes_per_update = 0
+    !> Bytes of the whole program per contact, at its largest
+    real(wp) :: peak_per_contact = 0
     !> Error reached
     real(wp) :: e8 = 0
   end type benchmark_t
@@ -86,6 +89,7 @@ contains
     figures%bytes_per_update = report%bytes_per_contact + 8*real(size(problem%impulse, 1), wp) &
                                + 24*real(problem%n_bodies, wp)/real(max(1, problem%n_contacts), wp)
     figures%e8 = report%e8
+    figures%peak_per_contact = real(peak_memory_bytes(), wp)/real(max(1, problem%n_contacts), wp)
     figures%triad = stream_triad()
 
   contains
