@@ -37,7 +37,8 @@ contains
     case ('convert')
       call lines([character(len=110) :: &
                   'splitgrain convert DATBOX DECK.toml   write a deck that uses an LMGC90 DATBOX folder', &
-                  'splitgrain convert DECK.toml FOLDER   write the scene of a deck as DATBOX files'])
+                  'splitgrain convert DECK.toml FOLDER   write the scene of a deck as DATBOX files', &
+                  '  --restart FILE|DIR      in the state of a restart file, or of the newest one of a folder of results'])
     case ('bench')
       call lines([character(len=110) :: &
                   'splitgrain bench [options]            contact updates per CPU second on a generated packing', &

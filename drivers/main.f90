@@ -52,8 +52,10 @@ contains
       call arguments%expect('', 0, 0, 'reference', error)
       if (.not. allocated(error)) write (*, '(a)', advance='no') reference_text()
     case ('convert')
-      call arguments%expect('', 2, 2, 'convert SOURCE TARGET', error)
-      if (.not. allocated(error)) call convert_command(arguments%words(1)%s, arguments%words(2)%s, code)
+      call arguments%expect('restart', 2, 2, 'convert SOURCE TARGET [--restart FILE]', error)
+      if (.not. allocated(error)) then
+        call convert_command(arguments%words(1)%s, arguments%words(2)%s, arguments%get('restart', ''), code)
+      end if
     case ('bench')
       call bench_command(arguments, error)
     case ('partition')

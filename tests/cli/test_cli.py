@@ -293,6 +293,21 @@ class Stops(Cli):
         program.kill()
         program.wait(60)
 
+    def test_a_state_goes_on_from_a_datbox(self):
+        if not self.has_hdf5():
+            self.skipTest("no HDF5 in this build")
+        quiet = ["--set", "restart.every=60", "--set", "output.record_every=1", "--quiet"]
+        self.run_program("run", "fall.toml", "--set", "time.steps=60", "--output", "first", *quiet)
+        self.run_program("convert", "fall.toml", "state", "--restart", "first")
+        self.run_program("run", "fall.toml", "--set", "time.steps=61", "--restart", "first", "--output", "on", *quiet)
+        deck = '[scene]\ndatbox = "state"\n[time]\nstep = 1e-3\nsteps = 1\n[solver]\ntolerance = 1e-6\n'
+        (self.place / "datbox.toml").write_text(deck)
+        self.run_program("run", "datbox.toml", "--quiet")
+        on, again = self.run_json("on"), self.run_json("datbox.results")
+        self.assertEqual(on["contacts"], again["contacts"])
+        # A DATBOX holds seven digits.
+        self.assertLess(abs(on["kinetic_energy"] - again["kinetic_energy"]), 1e-5 * abs(on["kinetic_energy"]))
+
     def test_restarted_run_is_the_straight_one(self):
         if not self.has_hdf5():
             self.skipTest("a build without HDF5 has no checkpoints")

@@ -1,0 +1,84 @@
+!> The scene of a deck in the state of a restart file, with its contacts: for writers of other formats.
+module sg_scene_at_restart
+  use sg_bodies, only: angle_of
+  use sg_checkpoint, only: load_checkpoint
+  use sg_datbox_write, only: datbox_contacts_t
+  use sg_detect, only: detect
+  use sg_error, only: diagnostics_t, error_t
+  use sg_kinds, only: wp
+  use sg_mapping, only: relative_velocity
+  use sg_motion, only: predict
+  use sg_run_options, only: run_options_t
+  use sg_scene, only: scene_t
+  use sg_simulation, only: simulation_t, start_simulation
+  implicit none
+  private
+  public :: scene_at_restart
+
+contains
+
+  !> Bring a scene to the state of a restart file.
+  !!
+  !! Contacts are those that the next step would find, with the impulses of the last one.
+  subroutine scene_at_restart(file, options, scene, contacts, time, step, warnings, error)
+    character(len=*), intent(in) :: file !! restart file, or a folder of results for its newest one
+    type(run_options_t), intent(in) :: options !! options of the deck
+    type(scene_t), intent(inout) :: scene !! scene as the deck has it; brought to the state
+    type(datbox_contacts_t), intent(out) :: contacts !! its contacts
+    real(wp), intent(out) :: time !! [s]
+    integer, intent(out) :: step !! steps done
+    type(diagnostics_t), intent(inout) :: warnings !! takes what is odd but harmless
+    type(error_t), allocatable, intent(out) :: error !! set when the file does not serve
+    type(simulation_t) :: sim
+
+    time = 0
+    step = 0
+    sim%scene = scene
+    sim%options = options
+    call start_simulation(sim)
+    call load_checkpoint(sim, file, warnings, error)
+    if (allocated(error)) return
+    time = sim%time()
+    step = sim%step
+    call take_motion(sim%scene, scene)
+    call predict(sim%scene, time, options%step, options%theta)
+    call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+    call take_contacts(sim, contacts)
+  end subroutine scene_at_restart
+
+  !> Positions, unwrapped, angles and velocities; where nothing turns, angles and spins stay as the deck has them.
+  subroutine take_motion(moved, scene)
+    type(scene_t), intent(in) :: moved
+    type(scene_t), intent(inout) :: scene
+    integer :: b, n
+
+    n = moved%bodies%n_velocity
+    do b = 1, scene%bodies%n
+      scene%bodies%position(:, b) = moved%bodies%position(:, b) + [scene%period*real(moved%bodies%crossings(b), wp), 0.0_wp]
+      scene%bodies%velocity(:n, b) = moved%bodies%velocity(:, b)
+      if (n == 3) scene%bodies%angle(b) = angle_of(moved%bodies, b)
+    end do
+  end subroutine take_motion
+
+  !> Contacts with mean forces instead of impulses.
+  subroutine take_contacts(sim, contacts)
+    type(simulation_t), intent(in) :: sim
+    type(datbox_contacts_t), intent(inout) :: contacts
+    integer :: k, n, m
+
+    n = sim%contacts%n
+    m = sim%contacts%n_components
+    contacts%n = n
+    contacts%contactor = sim%contacts%contactor(:, :n)
+    contacts%point = sim%contacts%point(:, :n)
+    contacts%normal = sim%contacts%normal(:, :n)
+    contacts%gap = sim%contacts%gap(:n)
+    contacts%status = sim%contacts%status(:n)
+    allocate (contacts%force(2, n), contacts%velocity(2, n), source=0.0_wp)
+    do k = 1, n
+      contacts%force(:m, k) = sim%contacts%impulse(:, k)/sim%options%step
+      contacts%velocity(:, k) = relative_velocity(sim%contacts, k, sim%scene%bodies%middle, sim%scene%period, &
+                                                  sim%scene%bodies%velocity)
+    end do
+  end subroutine take_contacts
+end module sg_scene_at_restart
