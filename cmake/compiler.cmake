@@ -15,6 +15,7 @@ endif()
 set(CMAKE_Fortran_FLAGS_RELEASE "-O3")
 set(CMAKE_Fortran_FLAGS_DEBUG "-Og -g -fbacktrace -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow -finit-real=snan -finit-derived")
 if(SPLITGRAIN_SANITIZE)
-  target_compile_options(splitgrain_flags INTERFACE -fsanitize=${SPLITGRAIN_SANITIZE} -fno-omit-frame-pointer -g)
+  target_compile_options(splitgrain_flags INTERFACE -fsanitize=${SPLITGRAIN_SANITIZE} -fno-sanitize-recover=all
+    -fno-omit-frame-pointer -g)
   target_link_options(splitgrain_flags INTERFACE -fsanitize=${SPLITGRAIN_SANITIZE})
 endif()

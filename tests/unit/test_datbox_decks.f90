@@ -9,7 +9,7 @@ program test_datbox_decks
   use sg_system, only: file_exists
   implicit none
   type(tests_t) :: tests
-  character(len=:), allocatable :: decks
+  character(len=320) :: decks = ''
 
   call test_decks()
   call tests%finish()
@@ -30,7 +30,7 @@ contains
       variable = trim(variable)//'/../shared'
     end if
     decks = trim(variable)//'/decks/'
-    if (.not. file_exists(decks//'1024DK_BoxJC/DATBOX/BODIES.DAT')) then
+    if (.not. file_exists(trim(decks)//'1024DK_BoxJC/DATBOX/BODIES.DAT')) then
       write (*, '(a)') 'the decks of LMGC90 are not at hand: skipped'
       return
     end if
@@ -55,7 +55,7 @@ contains
     type(scene_t) :: scene
     type(diagnostics_t) :: diagnostics
 
-    call read_datbox(decks//name//'/DATBOX', scene, diagnostics)
+    call read_datbox(trim(decks)//name//'/DATBOX', scene, diagnostics)
     call tests%equal(diagnostics%count(), 0, name//' is read')
     if (diagnostics%count() > 0) then
       call diagnostics%print(6)
@@ -77,7 +77,7 @@ contains
     type(scene_t) :: scene
     type(diagnostics_t) :: diagnostics
 
-    call read_datbox(decks//name//'/DATBOX', scene, diagnostics)
+    call read_datbox(trim(decks)//name//'/DATBOX', scene, diagnostics)
     call tests%equal(diagnostics%count(), 1, name//' is refused once')
     call tests%check(index(diagnostics%errors(1)%message, 'RBDY3') > 0, name//' has bodies in space')
   end subroutine test_spatial
