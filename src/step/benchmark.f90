@@ -62,6 +62,8 @@ contains
     type(nlgs_t) :: solver
     type(report_t) :: report
     real(wp), parameter :: h = 1e-4_wp
+    real(wp) :: start
+    integer :: try
 
     call make_lattice(scene, contacts_wanted/3, friction)
     call make_plan(scene, plan)
@@ -70,11 +72,18 @@ contains
     figures%first_detect_seconds = -cpu_now()
     call detect(scene, pairs, history, contacts)
     figures%first_detect_seconds = figures%first_detect_seconds + cpu_now()
-    figures%detect_seconds = -cpu_now()
-    call detect(scene, pairs, history, contacts)
-    figures%detect_seconds = figures%detect_seconds + cpu_now()
-    call timed_assemble()
-    call timed_assemble()
+    ! As in every later step: the list of neighbours and the memory are there. The least of some tries is the undisturbed one.
+    figures%detect_seconds = huge(1.0_wp)
+    figures%assemble_seconds = huge(1.0_wp)
+    do try = 1, 7
+      start = cpu_now()
+      call detect(scene, pairs, history, contacts)
+      figures%detect_seconds = min(figures%detect_seconds, cpu_now() - start)
+      start = cpu_now()
+      call assemble(scene, contacts, problem_kind(plan%is_round, plan%has_tangent), pairs%body_of, pairs%slot_of, plan%radius, &
+                    h, problem)
+      figures%assemble_seconds = min(figures%assemble_seconds, cpu_now() - start)
+    end do
     solver%options = options
     solver%options%tolerance = 0
     call solver%solve(problem, report)
@@ -92,14 +101,6 @@ contains
     figures%peak_per_contact = real(peak_memory_bytes(), wp)/real(max(1, problem%n_contacts), wp)
     figures%triad = stream_triad()
 
-  contains
-
-    subroutine timed_assemble()
-      figures%assemble_seconds = -cpu_now()
-      call assemble(scene, contacts, problem_kind(plan%is_round, plan%has_tangent), pairs%body_of, pairs%slot_of, plan%radius, &
-                    h, problem)
-      figures%assemble_seconds = figures%assemble_seconds + cpu_now()
-    end subroutine timed_assemble
   end subroutine run_benchmark
 
   !> A square of about `n` disks on a triangular lattice, flowing towards its centre.
