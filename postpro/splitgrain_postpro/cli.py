@@ -54,6 +54,7 @@ def draw(arguments):
         else:
             figure, missing = figures.solver_figure(results)
         output = arguments.output or results.folder / f"{arguments.command}.png"
+        figure.draw_without_rendering()  # the first layout does not know yet how a fixed aspect shifts labels
         _write(output, lambda: figure.savefig(output, format="png", dpi=arguments.dpi))
     return results, missing, output
 
