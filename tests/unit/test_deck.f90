@@ -423,9 +423,6 @@ contains
       associate (sentence => table%keys(i)%sentence)
         call t%check(sentence(len_trim(sentence):) == '.', 'a sentence ends: '//trim(sentence))
       end associate
-      call t%check(len_trim(table%keys(i)%name) < len(table%keys(i)%name), 'names fit: '//table%keys(i)%name)
-      call t%check(len_trim(table%keys(i)%choices) < len(table%keys(i)%choices), 'choices fit: '//table%keys(i)%choices)
-      call t%check(len_trim(table%keys(i)%only) < len(table%keys(i)%only), 'conditions fit: '//table%keys(i)%only)
     end do
     call get_environment_variable('SPLITGRAIN_SOURCE', source)
     call read_content(trim(source)//'/doc/deck_reference.md', committed, error)
