@@ -1,12 +1,13 @@
 !> DRV_DOF.DAT of a DATBOX: imposed velocities and forces, by formula or by an evolution file.
 module sg_datbox_drives
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, free_numbers, integer_field, is_block_end, keyword, &
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, integer_field, is_block_end, keyword, &
                              name_field, next_data_line, next_line, open_datbox_file, real_field, remark_once
   use sg_drives, only: drive_t
-  use sg_error, only: diagnostics_t, error_t
+  use sg_error, only: diagnostics_t
+  use sg_evolution_file, only: read_evolution_file
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
-  use sg_text, only: read_lines, text_t, to_text
+  use sg_text, only: to_text
   use sg_time_functions, only: time_function_t
   implicit none
   private
@@ -162,46 +163,17 @@ contains
     type(time_function_t), intent(out) :: value
     logical, intent(inout) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
-    type(text_t), allocatable :: lines(:)
-    type(error_t), allocatable :: error
-    character(len=:), allocatable :: path
-    real(wp) :: row(2)
-    integer :: i, n
-    logical :: is_row
+    character(len=:), allocatable :: fault
+    integer :: mistakes
 
     ok = .false.
-    path = trim(folder)//'/'//name_field(file, 25, 40)
     if (name_field(file, 25, 40) == '') then
       call complain(file, 'the name of the evolution file is missing', 25, diagnostics)
       return
     end if
-    call read_lines(path, lines, error)
-    if (allocated(error)) then
-      call complain(file, 'cannot read the evolution file '//path, 25, diagnostics)
-      return
-    end if
-    allocate (value%times(size(lines)), value%values(size(lines)))
-    n = 0
-    do i = 1, size(lines)
-      if (lines(i)%s == '') cycle
-      call free_numbers(lines(i)%s, row, is_row)
-      if (.not. is_row) then
-        call diagnostics%add('a time and a value should stand here', file=path, line=i, column=1, text=lines(i)%s)
-        return
-      end if
-      if (n > 0) then
-        if (.not. row(1) > value%times(n)) then
-          call diagnostics%add('times must grow from line to line', file=path, line=i, column=1, text=lines(i)%s)
-          return
-        end if
-      end if
-      n = n + 1
-      value%times(n) = row(1)
-      value%values(n) = row(2)
-    end do
-    value%times = value%times(:n)
-    value%values = value%values(:n)
-    ok = n >= 2
-    if (.not. ok) call complain(file, 'the evolution file '//path//' needs two lines or more', 25, diagnostics)
+    mistakes = diagnostics%count()
+    call read_evolution_file(trim(folder)//'/'//name_field(file, 25, 40), value, fault, diagnostics)
+    if (fault /= '') call complain(file, fault, 25, diagnostics)
+    ok = diagnostics%count() == mistakes
   end subroutine read_evolution
 end module sg_datbox_drives

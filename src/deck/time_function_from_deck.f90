@@ -1,10 +1,9 @@
 !> A function of time from the keys of a block: formula, or file of two columns.
 module sg_time_function_from_deck
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_blocks, only: deck_t
-  use sg_error, only: diagnostics_t, error_t
+  use sg_error, only: diagnostics_t
+  use sg_evolution_file, only: read_evolution_file
   use sg_kinds, only: wp, pi
-  use sg_text, only: read_lines, text_t
   use sg_time_functions, only: time_function_t
   implicit none
   private
@@ -43,50 +42,15 @@ contains
     if (path(1:min(1, len(path))) == '/') full = path
   end function path_in_deck
 
-  !> Read the table of a file: two columns, times growing; blank lines and lines that begin with # or ! are passed over.
+  !> Read the table of the file that a block names.
   subroutine read_table(deck, b, value, diagnostics)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b
     type(time_function_t), intent(inout) :: value
     type(diagnostics_t), intent(inout) :: diagnostics
-    type(text_t), allocatable :: lines(:)
-    type(error_t), allocatable :: error
-    character(len=:), allocatable :: path, first
-    real(wp) :: row(2)
-    integer :: i, n, status
+    character(len=:), allocatable :: fault
 
-    path = path_in_deck(deck, deck%word(b, 'file'))
-    call read_lines(path, lines, error)
-    if (allocated(error)) then
-      call deck%complain(diagnostics, 'cannot read the file "'//path//'"', b, 'file')
-      return
-    end if
-    allocate (value%times(size(lines)), value%values(size(lines)))
-    n = 0
-    do i = 1, size(lines)
-      first = adjustl(lines(i)%s)
-      if (first == '') cycle
-      if (index('#!', first(1:1)) > 0) cycle
-      read (lines(i)%s, *, iostat=status) row
-      if (status == 0) then
-        if (.not. all(ieee_is_finite(row))) status = 1
-      end if
-      if (status /= 0) then
-        call diagnostics%add('a time and a value should stand here', file=path, line=i, column=1, text=lines(i)%s)
-        return
-      end if
-      if (n > 0) then
-        if (.not. row(1) > value%times(n)) then
-          call diagnostics%add('times must grow from line to line', file=path, line=i, column=1, text=lines(i)%s)
-          return
-        end if
-      end if
-      n = n + 1
-      value%times(n) = row(1)
-      value%values(n) = row(2)
-    end do
-    value%times = value%times(:n)
-    value%values = value%values(:n)
-    if (n < 2) call deck%complain(diagnostics, 'the file "'//path//'" needs two lines or more', b, 'file')
+    call read_evolution_file(path_in_deck(deck, deck%word(b, 'file')), value, fault, diagnostics)
+    if (fault /= '') call deck%complain(diagnostics, fault, b, 'file')
   end subroutine read_table
 end module sg_time_function_from_deck

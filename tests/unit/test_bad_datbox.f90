@@ -301,7 +301,7 @@ contains
     call refuse(file, 6, ' vlocy      4'//rest//'  0.0000000D+00', 'components 1 (x)', 6)
     call refuse(file, 6, ' vlocy      1'//rest, 'missing', 6, 90)
     call refuse(file, 6, ' push       1'//rest//'  0.0000000D+00', 'either ''vlocy'' or ''force''', 6, 2)
-    call refuse(file, 7, ' force      2 evolution nothing.dat', 'cannot read the evolution file', 7, 25)
+    call refuse(file, 7, ' force      2 evolution nothing.dat', 'cannot read the file', 7, 25)
     call refuse(file, 7, ' force      2 evolution', 'name of the evolution file', 7)
     call refuse(file, 7, ' vlocy      1'//rest//'  0.0000000D+00', 'imposed before', 7)
     call refuse(file, 8, '', 'the file ends within a body', 8)

@@ -1,0 +1,75 @@
+!> Evolution files: two columns, time and value, as DATBOX folders and decks name them.
+module sg_evolution_file
+  use sg_datbox_lines, only: free_numbers
+  use sg_error, only: diagnostics_t, error_t
+  use sg_kinds, only: wp
+  use sg_text, only: read_lines, text_t
+  use sg_time_functions, only: time_function_t
+  implicit none
+  private
+  public :: read_evolution_file
+
+contains
+
+  !> Read a table of growing times and values; blank lines and lines that begin with # or ! are passed over.
+  !!
+  !! What is wrong inside the file is told at its line. What is wrong with the file as a whole is left to the caller,
+  !! who knows where it was named.
+  subroutine read_evolution_file(path, value, fault, diagnostics)
+    character(len=*), intent(in) :: path !! the file
+    type(time_function_t), intent(inout) :: value !! its table is set
+    character(len=:), allocatable, intent(out) :: fault !! empty, or what is wrong with the file as a whole
+    type(diagnostics_t), intent(inout) :: diagnostics !! takes what is wrong inside
+    type(text_t), allocatable :: lines(:)
+    type(error_t), allocatable :: error
+    character(len=:), allocatable :: first, mistake
+    integer :: i, n
+
+    fault = ''
+    call read_lines(path, lines, error)
+    if (allocated(error)) then
+      fault = 'cannot read the file "'//path//'"'
+      return
+    end if
+    allocate (value%times(size(lines)), value%values(size(lines)))
+    n = 0
+    do i = 1, size(lines)
+      first = adjustl(lines(i)%s)
+      if (first == '') cycle
+      if (index('#!', first(1:1)) > 0) cycle
+      call add_row(lines(i)%s, value, n, mistake)
+      if (mistake == '') cycle
+      call diagnostics%add(mistake, file=path, line=i, column=1, text=lines(i)%s)
+      return
+    end do
+    value%times = value%times(:n)
+    value%values = value%values(:n)
+    if (n < 2) fault = 'the file "'//path//'" needs two lines or more'
+  end subroutine read_evolution_file
+
+  !> Add one row to the table, or say what is wrong with it.
+  subroutine add_row(line, value, n, mistake)
+    character(len=*), intent(in) :: line
+    type(time_function_t), intent(inout) :: value
+    integer, intent(inout) :: n
+    character(len=:), allocatable, intent(out) :: mistake
+    real(wp) :: row(2)
+    logical :: is_row
+
+    mistake = ''
+    call free_numbers(line, row, is_row)
+    if (.not. is_row) then
+      mistake = 'a time and a value should stand here'
+      return
+    end if
+    if (n > 0) then
+      if (.not. row(1) > value%times(n)) then
+        mistake = 'times must grow from line to line'
+        return
+      end if
+    end if
+    n = n + 1
+    value%times(n) = row(1)
+    value%values(n) = row(2)
+  end subroutine add_row
+end module sg_evolution_file
