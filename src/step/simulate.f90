@@ -18,7 +18,7 @@ module sg_simulate
   use sg_samples, only: samples_t
   use sg_simulation, only: advance, simulation_t, start_simulation
   use sg_spectrum_file, only: write_spectrum
-  use sg_system, only: checkpoint_requested, is_terminal, stop_signal
+  use sg_system, only: checkpoint_requested, is_terminal, remove_file, stop_signal
   use sg_numbers, only: write_numbers
   use sg_text, only: to_text
   use sg_text_files, only: replace_file
@@ -57,7 +57,10 @@ contains
     writers%wall_start = wall_now()
     call writers%summary%describe(sim%scene, sim%options, deck, ranks)
     call start_simulation(sim)
-    if (.not. sim%options%is_quiet) write (output_unit, '(a)') describe_plan(sim%plan, sim%scene), describe_run(sim%options)
+    if (.not. sim%options%is_quiet) then
+      write (output_unit, '(a)') describe_plan(sim%plan, sim%scene), describe_run(sim%options)
+      flush (output_unit)
+    end if
     call open_all(sim, writers, error)
     if (.not. allocated(error)) call loop(sim, writers, code, error)
     call conclude(sim, writers, code, error)
@@ -198,6 +201,9 @@ contains
     logical :: resumes
 
     associate (folder => sim%options%folder)
+      ! What says how a former run in this folder ended must not speak for this one.
+      call remove_file(folder//'/run.json')
+      call remove_file(folder//'/numbers.tag')
       resumes = allocated(sim%options%restart_file)
       writers%has_pictures = sim%options%output_every > 0
       writers%has_checkpoints = hdf5_is_available()
