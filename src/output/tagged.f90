@@ -9,7 +9,7 @@ module sg_tagged
   use sg_text, only: read_lines, text_t, to_text
   implicit none
   private
-  public :: tolerance_t, write_tagged, compare_tagged
+  public :: tolerance_t, tagged_text, compare_tagged
 
   !> How much numbers of one kind may differ: by `absolute` + `relative` times the largest of the quantity
   type :: tolerance_t
@@ -29,19 +29,19 @@ module sg_tagged
 
 contains
 
-  !> Add a quantity to an open text file.
-  subroutine write_tagged(unit, name, kind, values)
-    integer, intent(in) :: unit !! open unit
+  !> A quantity as lines of text, each with its end.
+  pure function tagged_text(name, kind, values) result(text)
     character(len=*), intent(in) :: name !! of the quantity, one word
     character(len=*), intent(in) :: kind !! chooses the tolerance, one word
     real(wp), intent(in) :: values(:) !! the numbers
+    character(len=:), allocatable :: text
     integer :: i
 
-    write (unit, '(a)') name//' '//kind//' '//to_text(size(values))
+    text = name//' '//kind//' '//to_text(size(values))//new_line('a')
     do i = 1, size(values)
-      write (unit, '(a)') to_text(values(i))
+      text = text//to_text(values(i))//new_line('a')
     end do
-  end subroutine write_tagged
+  end function tagged_text
 
   !> Compare two files: each quantity that is missing or differs is one mistake.
   subroutine compare_tagged(wanted_file, got_file, tolerances, differences)

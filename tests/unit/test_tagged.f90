@@ -3,7 +3,7 @@ program test_tagged
   use harness, only: tests_t
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
-  use sg_tagged, only: compare_tagged, tolerance_t, write_tagged
+  use sg_tagged, only: compare_tagged, tagged_text, tolerance_t
   implicit none
   type(tests_t) :: t
   type(tolerance_t) :: tolerances(1)
@@ -41,9 +41,8 @@ contains
     integer, intent(in) :: n
     integer :: unit
 
-    open (newunit=unit, file=file, status='replace')
-    call write_tagged(unit, 'kinetic', 'energy', [1/3.0_wp, energy])
-    call write_tagged(unit, 'steps', 'count', spread(count, 1, n))
+    open (newunit=unit, file=file, status='replace', access='stream', form='unformatted')
+    write (unit) tagged_text('kinetic', 'energy', [1/3.0_wp, energy]), tagged_text('steps', 'count', spread(count, 1, n))
     close (unit)
   end subroutine write_one
 
