@@ -118,7 +118,7 @@ contains
     end do
   end function arguments_all_of
 
-  !> Value of an option as a number of at least `least`.
+  !> Value of an option as a number between `least`, a whole number, and the largest integer.
   subroutine arguments_number(self, name, default, least, value, error)
     class(arguments_t), intent(in) :: self
     character(len=*), intent(in) :: name !! without dashes
@@ -134,7 +134,8 @@ contains
     word = self%get(name, '')
     read (word, *, iostat=status) value
     if (status == 0 .and. value >= least .and. value <= huge(1)) return
-    call fail(error, 'option --'//name//' needs a number of at least '//to_text(least, 2)//', not "'//word//'"')
+    call fail(error, 'option --'//name//' needs a number of at least '//to_text(nint(least))//' and at most '// &
+              to_text(huge(1))//', not "'//word//'"')
   end subroutine arguments_number
 
   !> Refuse options that the command does not know, and a wrong number of words.

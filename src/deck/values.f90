@@ -15,8 +15,8 @@ module sg_values
   !> Where a value comes from: not given, the key table, the deck, a `--set`
   integer, parameter :: from_nowhere = 0, from_default = 1, from_deck = 2, from_setting = 3
 
-  !> Numbers beyond this, or below its inverse, would overflow in masses and moments
-  real(wp), parameter :: largest = 1e50_wp
+  !> Numbers beyond these in size would overflow in masses and moments, themselves or their inverses
+  real(wp), parameter :: largest = 1e50_wp, smallest = 1e-50_wp
 
   !> The value of one key
   type :: value_t
@@ -128,8 +128,8 @@ contains
       message = 'must be a finite number'
     else if (entry%kind == toml_integer .and. abs(entry%real) > 2e9_wp .and. any(key%kind == [value_integer, value_sides])) then
       message = 'must be between -2000000000 and 2000000000'
-    else if (abs(entry%real) > largest .or. (abs(entry%real) > 0 .and. abs(entry%real) < 1/largest)) then
-      message = 'must be 0 or between '//short_real(1/largest)//' and '//short_real(largest)//' in size'
+    else if (abs(entry%real) > largest .or. (abs(entry%real) > 0 .and. abs(entry%real) < smallest)) then
+      message = 'must be 0 or between '//short_real(smallest)//' and '//short_real(largest)//' in size'
     else if (key%highest <= key%lowest .and. abs(entry%real - key%lowest) > 0) then
       message = 'must be '//bound(key, key%lowest)
     else if (key%is_open .and. entry%real <= key%lowest) then
