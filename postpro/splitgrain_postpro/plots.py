@@ -123,6 +123,9 @@ def draw_effort(ax, record):
     handles = [axes.get_legend_handles_labels() for axes in (ax, other)]
     if ax.get_legend():
         ax.get_legend().remove()
+    # Where the legend fills the line above the panel, it is the title.
+    if len(handles[0][0]) > 1:
+        ax.set_title("")
     other.legend(handles[0][0] + handles[1][0], handles[0][1] + handles[1][1], **ABOVE)
 
 
