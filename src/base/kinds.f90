@@ -1,14 +1,12 @@
 !> Number kinds used everywhere: one place to name precision and integer sizes.
 module sg_kinds
-  use, intrinsic :: iso_fortran_env, only: int8, int32, int64, real32, real64
+  use, intrinsic :: iso_fortran_env, only: int8, int32, int64, real64
   implicit none
   private
-  public :: wp, sp, i1, i4, i8, pi
+  public :: wp, i1, i4, i8, pi
 
   !> Working precision: double, for state, geometry and solvers
   integer, parameter :: wp = real64
-  !> Single precision: only for optional compact output
-  integer, parameter :: sp = real32
   !> One byte: statuses and images of contacts
   integer, parameter :: i1 = int8
   !> Four bytes: indices of bodies and contacts

@@ -6,7 +6,7 @@ module sg_moments
   use sg_kinds, only: wp, pi
   implicit none
   private
-  public :: body_moments, contactor_moments, polygon_moments
+  public :: body_moments, polygon_moments
 
 contains
 

@@ -6,7 +6,7 @@ module sg_datbox_laws
   use sg_laws, only: law_t, law_elastic, law_gap, law_iqs, law_linear, law_mohr, law_restitution, law_velocity, law_wet
   implicit none
   private
-  public :: law_form_t, law_forms, form_of_name, form_of_law, set_parameter, get_parameter
+  public :: law_forms, form_of_name, form_of_law, set_parameter, get_parameter
 
   !> How LMGC90 writes one law
   type :: law_form_t

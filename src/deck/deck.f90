@@ -15,7 +15,7 @@ module sg_deck
   use sg_toml, only: document_t, parse_toml, read_content, toml_table
   implicit none
   private
-  public :: read_deck, read_blocks
+  public :: read_deck
 
 contains
 

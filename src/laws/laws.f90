@@ -11,7 +11,7 @@ module sg_laws
   private
   public :: law_t, local_law_t, local_law
   public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
-  public :: status_new, status_none, status_stick, status_slide, status_bonded, status_names
+  public :: status_new, status_none, status_stick, status_slide, status_bonded
   public :: is_plain, is_frictionless
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
@@ -21,8 +21,6 @@ module sg_laws
 
   !> What happened at a contact in the last step: not known yet, open, sticking, sliding, bonded
   integer(i1), parameter :: status_new = 0, status_none = 1, status_stick = 2, status_slide = 3, status_bonded = 4
-  !> Words for the statuses, indexed from 0
-  character(len=6), parameter :: status_names(0:4) = [character(len=6) :: 'new', 'none', 'stick', 'slide', 'bonded']
 
   !> One contact law with its parameters
   type :: law_t

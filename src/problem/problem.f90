@@ -9,7 +9,6 @@ module sg_problem
   private
   public :: problem_t, reserve_problem, bytes_per_contact, problem_kind
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional
-  public :: record_length, body_length, impulse_length
 
   !> Kinds of problem
   integer, parameter :: round_frictionless = 1, round_frictional = 2, arm_frictionless = 3, arm_frictional = 4

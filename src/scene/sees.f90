@@ -4,7 +4,7 @@ module sg_sees
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: can_touch, see_between, blind_pairs
+  public :: see_between, blind_pairs
 
   !> Which kinds of shape can touch each other, shape (kinds, kinds)
   logical, parameter :: can_touch(n_kinds, n_kinds) = reshape([ &

@@ -10,7 +10,7 @@ module sg_sweep_order
   use sg_problem, only: problem_t, round_frictional, round_frictionless
   implicit none
   private
-  public :: sweep_order_t, set_order, take_impulses, give_impulses
+  public :: sweep_order_t, set_order, give_impulses
 
   !> Contacts of a group and of a block, for round problems and for problems with arms.
   !!
