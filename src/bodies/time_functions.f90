@@ -20,6 +20,7 @@ module sg_time_functions
     real(wp), allocatable :: times(:), values(:)
   contains
     procedure :: at => value_at
+    procedure :: largest => largest_value
   end type time_function_t
 
 contains
@@ -36,6 +37,17 @@ contains
               *min(1.0_wp, self%ramp_start + self%ramp_rate*time)
     end if
   end function value_at
+
+  !> A bound of the size of the value at all times: of the formula with its full ramp, or of the table.
+  pure real(wp) function largest_value(self) result(value)
+    class(time_function_t), intent(in) :: self
+
+    if (allocated(self%times)) then
+      value = maxval(abs(self%values))
+    else
+      value = abs(self%constant) + abs(self%amplitude)
+    end if
+  end function largest_value
 
   !> Linear interpolation in a table, found by bisection.
   pure real(wp) function interpolated(times, values, time) result(value)

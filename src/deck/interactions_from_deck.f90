@@ -157,8 +157,8 @@ contains
     end if
   end subroutine find_law
 
-  !> Alert distance that is safe without being asked for [m]: a tenth of the radius of the smallest grain, or the way
-  !! of the fastest grain in a step if that is longer.
+  !> Alert distance where none is given [m]: a tenth of the radius of the smallest grain, or the way in a step of what is
+  !! fastest at the start, driven, or falls through the whole scene, if that is longer.
   real(wp) function default_alert(scene, options) result(alert)
     type(scene_t), intent(in) :: scene
     type(run_options_t), intent(in) :: options
@@ -176,6 +176,9 @@ contains
       height = maxval(maxval(bodies%position, 2) - minval(bodies%position, 2)) + 2*smallest
       speed = sqrt(maxval(bodies%velocity(1, :)**2 + bodies%velocity(2, :)**2))
     end associate
+    do c = 1, size(scene%drives)
+      if (scene%drives(c)%is_velocity .and. scene%drives(c)%component < 3) speed = max(speed, scene%drives(c)%value%largest())
+    end do
     ! Fastest free fall: through the whole scene. The number of steps has no part in it: a longer run is the same run.
     fall = sqrt(2*norm2(scene%gravity)*height)
     alert = max(smallest/10, options%step*(speed + fall))

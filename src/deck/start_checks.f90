@@ -1,7 +1,7 @@
 !> Checks of the state at the start: grains within the period, shapes that do not overlap.
 module sg_start_checks
   use sg_blocks, only: deck_t
-  use sg_contactors, only: place_contactors
+  use sg_contactors, only: is_round, place_contactors
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
   use sg_ordering, only: order_of
@@ -22,7 +22,7 @@ module sg_start_checks
 
 contains
 
-  !> In a periodic scene every grain lies within the period.
+  !> In a periodic scene every grain lies within the period, and none would touch itself.
   subroutine check_range(deck, scene, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     type(scene_t), intent(in) :: scene !! scene with its bodies
@@ -30,6 +30,14 @@ contains
     integer :: i
 
     if (.not. scene%period > 0) return
+    do i = 1, scene%contactors%n
+      if (.not. scene%bodies%is_grain(scene%contactors%body(i)) .or. .not. is_round(scene%contactors%kind(i))) cycle
+      if (2*scene%contactors%reach(i) <= scene%period) cycle
+      call deck%complain(diagnostics, name_of(scene, int(scene%contactors%body(i)))//' is wider than the period: '// &
+                         to_text(2*scene%contactors%reach(i), 6)//' m against '//to_text(scene%period, 6)//' m', &
+                         deck%block_of_body(int(scene%contactors%body(i))))
+      return
+    end do
     do i = 1, scene%bodies%n
       if (.not. scene%bodies%is_grain(i)) cycle
       if (scene%bodies%position(1, i) >= 0 .and. scene%bodies%position(1, i) < scene%period) cycle

@@ -201,17 +201,18 @@ contains
   !!
   !! e8 is about what one more sweep would change. Where it falls by the factor s a sweep, all sweeps to come change
   !! e8/(1 - s): on tall packings thousands of times more. The rate is taken over the last half of the sweeps. It is
-  !! never taken for faster than one over the number of sweeps: the fall after a cold start is that of the grains'
-  !! neighbourhoods, not of the whole.
+  !! never taken for faster than one over the number of sweeps, nor than one over `fewest`: the fall after a cold start is
+  !! that of the grains' neighbourhoods, not of the whole, and a few sweeps tell nothing, however often they are tested.
   pure real(wp) function estimated_error(past_e8, check_every) result(estimate)
     real(wp), intent(in) :: past_e8(:) !! e8 at each test, the last one now
     integer, intent(in) :: check_every !! sweeps between two tests
+    real(wp), parameter :: fewest = 100
     integer :: n, base
     real(wp) :: sweeps_to_fall
 
     n = size(past_e8)
     base = n/2
-    sweeps_to_fall = real(check_every*n, wp)
+    sweeps_to_fall = max(fewest, real(check_every*n, wp))
     if (base > 0) then
       if (past_e8(n) > 0 .and. past_e8(base) > past_e8(n)) then
         sweeps_to_fall = max(sweeps_to_fall, real(check_every*(n - base), wp)/log(past_e8(base)/past_e8(n)))

@@ -3,13 +3,18 @@ module sg_checkpoint
   use sg_energy, only: n_energy_values
   use sg_error, only: diagnostics_t, error_t, fail
   use sg_history, only: resume_history
+  use sg_kinds, only: wp
   use sg_neighbours, only: build_neighbours
   use sg_restart, only: keep_state, newest_restart, read_restart, restart_t, restore_state, write_restart
+  use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
   use sg_totals, only: n_totals_values
   implicit none
   private
   public :: save_checkpoint, load_checkpoint
+
+  !> Numbers of a scene's signature
+  integer, parameter :: n_signature = 5
 
 contains
 
@@ -23,7 +28,7 @@ contains
     state%step = sim%step
     state%time = sim%time()
     state%deck_hash = sim%options%deck_hash
-    state%totals = [sim%energy%pack(), sim%totals%pack(), sim%pairs%skin]
+    state%totals = [sim%energy%pack(), sim%totals%pack(), sim%pairs%skin, signature(sim%scene)]
     allocate (state%built(size(sim%scene%bodies%velocity, 1), 0))
     if (allocated(sim%pairs%built)) state%built = sim%pairs%built
     call write_restart(sim%options%folder, state, error)
@@ -47,8 +52,13 @@ contains
       return
     end if
     call read_restart(file, sim%scene, sim%options%deck_hash, state, warnings)
-    if (warnings%count() == 0 .and. size(state%totals) /= n_energy_values + n_totals_values + 1) then
+    if (warnings%count() == 0 .and. size(state%totals) /= n_energy_values + n_totals_values + 1 + n_signature) then
       call warnings%add('the restart file is of another version of the program', file=file)
+    end if
+    if (warnings%count() == 0) then
+      if (any(abs(state%totals(size(state%totals) - n_signature + 1:) - signature(sim%scene)) > 0)) then
+        call warnings%add('the restart file is of another scene: shapes, masses or drives differ', file=file)
+      end if
     end if
     if (warnings%count() > 0) then
       error = warnings%errors(1)
@@ -59,6 +69,19 @@ contains
     call sim%energy%unpack(state%totals(:n_energy_values))
     call sim%totals%unpack(state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
     call resume_history(sim%history, sim%contacts)
-    if (size(state%built, 2) > 0) call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals)))
+    if (size(state%built, 2) > 0) call build_neighbours(sim%pairs, sim%scene, state%built, &
+                                                          state%totals(size(state%totals) - n_signature))
   end subroutine load_checkpoint
+
+  !> What tells scenes apart that have as many bodies: sums over bodies and contactors, each weighted by its place.
+  pure function signature(scene)
+    type(scene_t), intent(in) :: scene
+    real(wp) :: signature(n_signature)
+    integer :: i, n
+
+    n = scene%contactors%n
+    signature = [real(n, wp), sum(scene%bodies%mass*[(real(i, wp), i=1, scene%bodies%n)]), &
+                 sum(scene%bodies%inertia*[(real(i, wp), i=1, scene%bodies%n)]), &
+                 sum(scene%contactors%reach(:n)*[(real(i, wp), i=1, n)]), real(size(scene%drives), wp)]
+  end function signature
 end module sg_checkpoint

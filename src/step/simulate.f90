@@ -207,6 +207,7 @@ contains
       resumes = allocated(sim%options%restart_file)
       writers%has_pictures = sim%options%output_every > 0
       writers%has_checkpoints = hdf5_is_available()
+      if (.not. (resumes .or. writers%has_pictures)) call remove_pictures(folder)
       if (resumes) call load_checkpoint(sim, sim%options%restart_file, warnings, error)
       if (.not. allocated(error)) call warnings%print(error_unit)
       if (allocated(error)) return
@@ -241,6 +242,18 @@ contains
       call writers%record%start(file, error)
     end if
   end subroutine open_record
+
+  !> Remove the pictures of a former run, which would be drawn for those of this one.
+  subroutine remove_pictures(folder)
+    character(len=*), intent(in) :: folder
+    character(len=8), parameter :: names(3) = [character(len=8) :: 'bodies', 'shapes', 'contacts']
+    integer :: i
+
+    do i = 1, size(names)
+      call remove_file(folder//'/'//trim(names(i))//'.vtkhdf')
+      call remove_file(folder//'/'//trim(names(i))//'.xmf')
+    end do
+  end subroutine remove_pictures
 
   !> Name the picture files in the summary.
   subroutine name_pictures(writers)
