@@ -19,7 +19,7 @@ module sg_totals
     [character(len=8) :: 'predict', 'detect', 'assemble', 'solve', 'update', 'measure', 'output']
 
   !> Sums and worst values that `pack` writes before the timers
-  integer, parameter :: n_sums = 13
+  integer, parameter :: n_sums = 14
   !> Numbers that `pack` writes
   integer, parameter :: n_totals_values = n_sums + 2*(n_phases + 1)
 
@@ -33,6 +33,8 @@ module sg_totals
     integer(i8) :: sweeps = 0, contact_updates = 0
     !> Contacts, contacts with an impulse of the last step, and most contacts of all steps
     integer :: contacts = 0, active_contacts = 0, most_contacts = 0
+    !> Steps in which a body moved farther than the smallest alert distance, so that a contact may have been missed
+    integer :: fast_steps = 0
     !> Bytes that the contact problem of the last step holds per contact
     real(wp) :: bytes_per_contact = 0
     !> Stopwatch of each phase, indexed by `phase_*`
@@ -101,7 +103,8 @@ contains
     values(:n_sums) = [real(self%steps, wp), real(self%converged_steps, wp), real(self%unconverged_steps, wp), &
                        self%worst_e1, self%worst_e2, self%worst_e8, self%worst_violation, &
                        real(self%sweeps, wp), real(self%contact_updates, wp), real(self%contacts, wp), &
-                       real(self%active_contacts, wp), real(self%most_contacts, wp), self%bytes_per_contact]
+                       real(self%active_contacts, wp), real(self%most_contacts, wp), self%bytes_per_contact, &
+                       real(self%fast_steps, wp)]
     values(n_sums + 1:) = [self%phase%cpu, self%phase%wall, self%clock%cpu, self%clock%wall]
   end function totals_pack
 
@@ -123,6 +126,7 @@ contains
     self%active_contacts = nint(values(11))
     self%most_contacts = nint(values(12))
     self%bytes_per_contact = values(13)
+    self%fast_steps = nint(values(14))
     self%phase%cpu = values(n_sums + 1:n_sums + n_phases)
     self%phase%wall = values(n_sums + n_phases + 1:n_sums + 2*n_phases)
     self%clock%cpu = values(n_totals_values - 1)

@@ -29,6 +29,10 @@ contains
                 to_text(totals%worst_e8, 2)//', violation '//to_text(totals%worst_violation, 2)//' g h')
       call line('penetration', penetration_words(measures%get('max_penetration'), summary%grains%mean_radius)// &
                 ', volume error '//percent(measures%get('volume_error')))
+      if (totals%fast_steps > 0) then
+        call line('too fast', 'in '//to_text(totals%fast_steps)//' steps a body moved farther than the alert distance: '// &
+                  'contacts may have been missed; take shorter steps or a larger alert')
+      end if
       call line('energy', to_text(measures%get('kinetic_energy'), 3)//' J kinetic, balance closed to '// &
                 to_text(measures%get('energy_closure'), 2)//' of its largest term')
       call line('packing', 'compactness '//fixed(measures%get('compactness'), 3)//', coordination '// &

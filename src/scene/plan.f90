@@ -26,6 +26,8 @@ module sg_plan
     !> Laws that some pair of contactors uses, and pairs of kinds that see each other
     logical, allocatable :: uses_law(:)
     logical :: sees(n_kinds, n_kinds) = .false.
+    !> Smallest alert distance in use [m]
+    real(wp) :: alert = huge(1.0_wp)
     !> Signed radius of round bodies [m], zero for those that do not turn, negative where hollow; empty for other scenes
     real(wp), allocatable :: radius(:)
   end type plan_t
@@ -78,6 +80,7 @@ contains
           see = see_between(scene, first, second)
           if (see == 0) cycle
           plan%uses_law(scene%sees(see)%law) = .true.
+          plan%alert = min(plan%alert, scene%sees(see)%alert)
           plan%sees(scene%contactors%kind(first), scene%contactors%kind(second)) = .true.
           plan%sees(scene%contactors%kind(second), scene%contactors%kind(first)) = .true.
         end associate

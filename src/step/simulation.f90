@@ -69,6 +69,7 @@ contains
     associate (h => sim%options%step, theta => sim%options%theta, phase => sim%totals%phase)
       call phase(phase_predict)%start()
       call predict(sim%scene, sim%time(), h, theta)
+      if (h*largest_speed(sim%scene%bodies%velocity) > sim%plan%alert) sim%totals%fast_steps = sim%totals%fast_steps + 1
       call phase(phase_predict)%stop()
 
       call phase(phase_detect)%start()
@@ -101,6 +102,14 @@ contains
       call phase(phase_update)%stop()
     end associate
   end subroutine advance
+
+  !> Largest speed of all bodies [m/s].
+  pure real(wp) function largest_speed(velocity)
+    real(wp), intent(in), contiguous :: velocity(:, :)
+
+    largest_speed = 0
+    if (size(velocity) > 0) largest_speed = sqrt(maxval(velocity(1, :)**2 + velocity(2, :)**2))
+  end function largest_speed
 
   !> Time reached [s]; a product, so that a restarted run has the very same times.
   pure real(wp) function simulation_time(self) result(time)
