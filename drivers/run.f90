@@ -6,9 +6,10 @@ module sg_run
   use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, exit_output, fail
   use sg_kinds, only: wp
+  use sg_run_summary, only: run_failed, run_summary_t, write_run_summary
   use sg_simulate, only: simulate
   use sg_simulation, only: simulation_t
-  use sg_system, only: catch_signals, make_folder
+  use sg_system, only: catch_signals, file_exists, make_folder
   implicit none
   private
   public :: run_command
@@ -34,12 +35,15 @@ contains
     if (allocated(error)) return
     associate (deck => arguments%words(1)%s)
       call read_deck(deck, arguments%all_of('set'), sim%scene, sim%options, diagnostics)
+      sim%options%folder = arguments%get('output', stem(deck)//'.results')
       call diagnostics%print(error_unit)
       if (diagnostics%count() > 0) then
         code = exit_bad_input
+        if (arguments%has('output') .or. file_exists(sim%options%folder)) then
+          call tell_failure(deck, sim%options%folder, diagnostics%errors(1)%sentence())
+        end if
         return
       end if
-      sim%options%folder = arguments%get('output', stem(deck)//'.results')
       if (arguments%has('restart')) sim%options%restart_file = arguments%get('restart', '')
       sim%options%walltime = walltime
       sim%options%is_quiet = arguments%has('quiet')
@@ -51,6 +55,19 @@ contains
       call simulate(sim, deck, comm%size, code, error)
     end associate
   end subroutine run_command
+
+  !> Say in run.json that the deck could not be run, so that scripts do not take a former run in the folder for this one.
+  subroutine tell_failure(deck, folder, reason)
+    character(len=*), intent(in) :: deck, folder, reason
+    type(run_summary_t) :: summary
+    type(error_t), allocatable :: error
+
+    summary%status = run_failed
+    summary%reason = reason
+    summary%deck = deck
+    if (make_folder(folder)) call write_run_summary(summary, folder//'/run.json', error)
+    if (allocated(error)) write (error_unit, '(a)') error%report()
+  end subroutine tell_failure
 
   !> Name of a file without folder and suffix.
   pure function stem(file)

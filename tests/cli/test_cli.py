@@ -205,6 +205,13 @@ class Runs(Cli):
                 if "seconds" not in name and not name.startswith("cpu_"):
                     self.assertEqual(row[name], same[name], name)
 
+    def test_a_bad_deck_does_not_leave_a_former_run_to_speak_for_it(self):
+        self.run_program("run", "fall.toml", "--quiet")
+        self.assertEqual(self.run_json()["status"], "done")
+        self.run_program("run", "fall.toml", "--set", "time.step=0", code=2)
+        self.assertEqual(self.run_json()["status"], "failed")
+        self.assertIn("step", self.run_json()["reason"])
+
     def test_quiet_run_prints_nothing(self):
         self.assertEqual(self.run_program("run", "fall.toml", "--quiet").stdout, "")
 
