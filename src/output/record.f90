@@ -99,6 +99,9 @@ contains
     do i = 1, n_measures
       names = names//','//trim(measure_names(i))
     end do
+    do i = 1, n_phases
+      names = names//',wall_'//trim(phase_names(i))
+    end do
   end function header
 
   !> Add the row of a step.
@@ -127,6 +130,9 @@ contains
       else
         row = row//','//cell(measures%value(i))
       end if
+    end do
+    do i = 1, n_phases
+      row = row//','//cell(totals%phase(i)%wall)
     end do
     call append_text(self%file, row//new_line('a'), error)
   end subroutine record_add

@@ -185,6 +185,7 @@ contains
     call json%add('wall_seconds', totals%clock%wall)
     do i = 1, n_phases
       call json%add('cpu_'//trim(phase_names(i)), totals%phase(i)%cpu)
+      call json%add('wall_'//trim(phase_names(i)), totals%phase(i)%wall)
     end do
   end subroutine add_totals
 
