@@ -134,8 +134,9 @@ contains
 
   !> Has a checkpoint been asked for since the last call?
   logical function checkpoint_requested()
+    ! Only a request that was seen is taken back: one that comes meanwhile must not be lost.
     checkpoint_requested = caught_checkpoint /= 0
-    caught_checkpoint = 0
+    if (checkpoint_requested) caught_checkpoint = 0
   end function checkpoint_requested
 
   subroutine on_stop(number) bind(c)
