@@ -76,8 +76,8 @@ contains
     integer :: n
 
     n = contacts%n
-    state%position = bodies%position
-    state%velocity = bodies%velocity
+    call copy(bodies%position, state%position)
+    call copy(bodies%velocity, state%velocity)
     state%crossings = bodies%crossings
     if (allocated(state%angle)) deallocate (state%angle)
     allocate (state%angle(0))
@@ -86,13 +86,25 @@ contains
       call forget_contacts(state, contacts%n_components)
       return
     end if
-    state%contactor = contacts%contactor(:, :n)
+    if (allocated(state%contactor)) deallocate (state%contactor)
+    allocate (state%contactor(2, n))
+    state%contactor(:, :) = contacts%contactor(:, :n)
     state%feature = contacts%feature(:n)
     state%image = int(contacts%image(:n), i4)
     state%law = contacts%law(:n)
     state%status = int(contacts%status(:n), i4)
-    state%impulse = contacts%impulse(:, :n)
+    call copy(contacts%impulse(:, :n), state%impulse)
   end subroutine keep_state
+
+  !> Copy a table. gfortran 12 looks at the bounds of what is not allocated yet when it allocates on assignment.
+  subroutine copy(from, to)
+    real(wp), intent(in) :: from(:, :)
+    real(wp), allocatable, intent(inout) :: to(:, :)
+
+    if (allocated(to)) deallocate (to)
+    allocate (to(size(from, 1), size(from, 2)))
+    to(:, :) = from
+  end subroutine copy
 
   !> A state without contacts.
   subroutine forget_contacts(state, components)
