@@ -3,11 +3,13 @@ program test_static
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, force_on, g, hold, put_disk, put_wall, run
   use sg_balance, only: floor_share
+  use sg_choose_solver, only: choose_solver
   use sg_drives, only: pressure_t
   use sg_energy, only: kinetic_energy
   use sg_kinds, only: wp
   use sg_laws, only: law_elastic, law_linear, law_mohr, law_wet
   use sg_random, only: random_t
+  use sg_run_options, only: criterion_e8, criterion_estimate, solver_options_t
   use sg_simulation, only: simulation_t, start_simulation
   use sg_time_functions, only: time_function_t
   implicit none
@@ -83,11 +85,47 @@ contains
     end do
     force = force_on(sim, n + 1)
     call t%check(kinetic_energy(sim%scene%bodies) < 1e-5_wp*weight*g*0.02_wp, 'packing: it has settled')
-    ! The default criterion: e8 at 10^-3. What the packing's last tremor accelerates is of this order, too.
-    call t%near(mean, 1.0_wp, sim%options%solver%tolerance, 'packing: on average the floor carries the weight')
-    call t%near(-force(2)/(weight*g), 1.0_wp, 10*sim%options%solver%tolerance, 'packing: and so it does in the last step')
+    ! Warm started, the impulses are far better than a step asks; what the packing's last tremor accelerates is below these.
+    call t%near(mean, 1.0_wp, 1e-3_wp, 'packing: on average the floor carries the weight')
+    call t%near(-force(2)/(weight*g), 1.0_wp, 1e-2_wp, 'packing: and so it does in the last step')
     call t%equal(sim%totals%converged_steps, sim%totals%steps, 'packing: all steps converged')
+    call test_cold_step(sim, weight)
   end subroutine test_packing
+
+  !> One step of the settled packing from zero impulses: the estimate is the share of the weight that the floor misses.
+  !!
+  !! It is an estimate: up to twice of it is allowed (doc/theory/errors.md). An E8 of 10^-3 alone leaves most of the weight.
+  subroutine test_cold_step(settled, weight)
+    type(simulation_t), intent(in) :: settled
+    real(wp), intent(in) :: weight
+    real(wp), parameter :: tolerances(3) = [1e-1_wp, 3e-2_wp, 1e-2_wp]
+    integer :: i
+
+    do i = 1, size(tolerances)
+      call t%near(cold_share(settled, weight, criterion_estimate, tolerances(i)), 1.0_wp, 2*tolerances(i), &
+                  'cold step: the floor carries the weight within twice the estimate')
+    end do
+    call t%check(cold_share(settled, weight, criterion_e8, 1e-3_wp) < 0.8_wp, 'cold step: a small residual is not enough')
+  end subroutine test_cold_step
+
+  !> Share of the weight that the floor carries after one step from zero impulses.
+  real(wp) function cold_share(settled, weight, criterion, tolerance)
+    type(simulation_t), intent(in) :: settled
+    real(wp), intent(in) :: weight, tolerance
+    integer, intent(in) :: criterion
+    type(simulation_t) :: sim
+    type(solver_options_t) :: options
+
+    sim = settled
+    options%criterion = criterion
+    options%tolerance = tolerance
+    options%maximum_sweeps = 100000
+    options%warm_start = .false.
+    call choose_solver(options, sim%solver)
+    call run(sim, 1)
+    call t%check(sim%report%is_converged, 'cold step: converged')
+    cold_share = floor_share(sim%scene, sim%contacts, sim%options%step, weight)
+  end function cold_share
 
   !> A plate pressed onto disks: the opposite wall carries pressure times length and the weights.
   subroutine test_pressure()
