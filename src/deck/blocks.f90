@@ -6,6 +6,7 @@ module sg_blocks
   use sg_error, only: diagnostics_t
   use sg_key_table, only: key_table_t
   use sg_kinds, only: wp
+  use sg_text, only: nearest_word, text_t
   use sg_toml, only: line_of
   use sg_values, only: from_default, from_setting, value_t
   implicit none
@@ -55,6 +56,7 @@ module sg_blocks
     procedure :: put => deck_put
     procedure :: give_pair
     procedure :: complain
+    procedure :: complain_unknown
     procedure :: complain_at
     procedure :: heading
     procedure :: warn => deck_warn
@@ -258,6 +260,22 @@ contains
       call self%complain_at(diagnostics, message, line, column)
     end if
   end subroutine complain
+
+  !> Add a mistake: a name that nothing has, with the nearest one that something has.
+  subroutine complain_unknown(self, diagnostics, what, word, known, block, name)
+    class(deck_t), intent(in) :: self
+    type(diagnostics_t), intent(inout) :: diagnostics !! list to add to
+    character(len=*), intent(in) :: what !! kind of thing, such as `law`
+    character(len=*), intent(in) :: word !! the name
+    type(text_t), intent(in) :: known(:) !! names that there are
+    integer, intent(in) :: block !! block concerned
+    character(len=*), intent(in) :: name !! key whose value is wrong
+    character(len=:), allocatable :: near
+
+    near = nearest_word(word, known)
+    if (near /= '') near = '; did you mean "'//near//'"?'
+    call self%complain(diagnostics, 'there is no '//what//' named "'//word//'"'//near, block, name)
+  end subroutine complain_unknown
 
   !> Report a mistake at a place of the deck.
   subroutine complain_at(self, diagnostics, message, line, column)

@@ -10,7 +10,7 @@ module sg_bodies_from_deck
   use sg_scene, only: colour_index, material_index, scene_t
   use sg_shapes_from_deck, only: add_shape
   use sg_sorting, only: sort_permutation
-  use sg_text, only: nearest_word, text_t
+  use sg_text, only: text_t
   implicit none
   private
   public :: bodies_from_deck
@@ -124,7 +124,7 @@ contains
     type(scene_t), intent(in) :: scene
     type(diagnostics_t), intent(inout) :: diagnostics
     type(text_t), allocatable :: known(:)
-    character(len=:), allocatable :: name, near
+    character(len=:), allocatable :: name
     integer :: i
 
     name = deck%word(b, 'material')
@@ -141,9 +141,7 @@ contains
       do i = 1, size(known)
         known(i)%s = scene%materials(i)%name
       end do
-      near = nearest_word(name, known)
-      if (near /= '') near = '; did you mean "'//near//'"?'
-      call deck%complain(diagnostics, 'there is no material named "'//name//'"'//near, b, 'material')
+      call deck%complain_unknown(diagnostics, 'material', name, known, b, 'material')
     end if
   end function material_of
 

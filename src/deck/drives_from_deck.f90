@@ -8,7 +8,7 @@ module sg_drives_from_deck
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
-  use sg_text, only: nearest_word, to_text
+  use sg_text, only: text_t, to_text
   use sg_time_function_from_deck, only: read_time_function
   use sg_values, only: value_t
   use sg_words, only: choice_index
@@ -106,7 +106,7 @@ contains
     character(len=*), intent(in) :: key, word
     type(scene_t), intent(in) :: scene
     type(diagnostics_t), intent(inout) :: diagnostics
-    character(len=:), allocatable :: near
+    type(text_t), allocatable :: known(:)
     integer :: status
 
     if (word(1:min(1, len(word))) == '#') then
@@ -114,15 +114,12 @@ contains
       if (status == 0 .and. body >= 1 .and. body <= scene%bodies%n) return
       call deck%complain(diagnostics, 'there is no body '//word(2:)//': the scene has '//to_text(scene%bodies%n), b, key)
     else
-      near = ''
-      if (allocated(scene%names)) then
-        do body = 1, size(scene%names)
-          if (scene%names(body)%s == word) return
-        end do
-        near = nearest_word(word, scene%names)
-      end if
-      if (near /= '') near = '; did you mean "'//near//'"?'
-      call deck%complain(diagnostics, 'there is no body named "'//word//'"'//near, b, key)
+      known = [text_t ::]
+      if (allocated(scene%names)) known = scene%names
+      do body = 1, size(known)
+        if (known(body)%s == word) return
+      end do
+      call deck%complain_unknown(diagnostics, 'body', word, known, b, key)
     end if
     body = 0
   end function body_of

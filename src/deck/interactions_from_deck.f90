@@ -135,7 +135,7 @@ contains
     integer, intent(out) :: law
     type(diagnostics_t), intent(inout) :: diagnostics
     type(text_t), allocatable :: known(:)
-    character(len=:), allocatable :: name, near
+    character(len=:), allocatable :: name
     integer :: i
 
     name = deck%word(b, 'law')
@@ -151,9 +151,7 @@ contains
       do i = 1, size(known)
         known(i)%s = scene%laws(i)%name
       end do
-      near = nearest_word(name, known)
-      if (near /= '') near = '; did you mean "'//near//'"?'
-      call deck%complain(diagnostics, 'there is no law named "'//name//'"'//near, b, 'law')
+      call deck%complain_unknown(diagnostics, 'law', name, known, b, 'law')
     end if
   end subroutine find_law
 

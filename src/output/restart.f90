@@ -3,7 +3,6 @@
 !! Two files take turns, `restart_a.h5` and `restart_b.h5`. Each is written under another name, brought to the disk and
 !! then renamed, so that at any time at least one of them is whole. doc/guide/files.md lists the datasets.
 module sg_restart
-  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_ptr
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_bodies, only: bodies_t
   use sg_contacts, only: contacts_t, reserve_contacts
@@ -13,6 +12,7 @@ module sg_restart
   use sg_scene, only: scene_t
   use sg_system, only: remove_file, rename_file
   use sg_text, only: to_text
+  use sg_text_files, only: is_synced
   use sg_version, only: commit, version
   implicit none
   private
@@ -42,29 +42,6 @@ module sg_restart
     !> Sums kept over the run, such as works of forces
     real(wp), allocatable :: totals(:)
   end type restart_t
-
-  interface
-    function c_fopen(path, mode) bind(c, name='fopen') result(stream)
-      import :: c_char, c_ptr
-      character(kind=c_char), intent(in) :: path(*), mode(*)
-      type(c_ptr) :: stream
-    end function c_fopen
-    function c_fileno(stream) bind(c, name='fileno') result(descriptor)
-      import :: c_int, c_ptr
-      type(c_ptr), value :: stream
-      integer(c_int) :: descriptor
-    end function c_fileno
-    function c_fsync(descriptor) bind(c, name='fsync') result(status)
-      import :: c_int
-      integer(c_int), value :: descriptor
-      integer(c_int) :: status
-    end function c_fsync
-    function c_fclose(stream) bind(c, name='fclose') result(status)
-      import :: c_int, c_ptr
-      type(c_ptr), value :: stream
-      integer(c_int) :: status
-    end function c_fclose
-  end interface
 
 contains
 
@@ -200,20 +177,6 @@ contains
     call file%close()
     if (allocated(file%error)) call move_alloc(file%error, error)
   end subroutine write_file
-
-  !> Bring a file to the disk; has it come there?
-  logical function is_synced(name)
-    character(len=*), intent(in) :: name
-    type(c_ptr) :: stream
-    integer(c_int) :: status
-
-    is_synced = .false.
-    stream = c_fopen(name//c_null_char, 'r+'//c_null_char)
-    if (.not. c_associated(stream)) return
-    is_synced = c_fsync(c_fileno(stream)) == 0
-    status = c_fclose(stream)
-    is_synced = is_synced .and. status == 0
-  end function is_synced
 
   !> Path of the newest restart file of a folder that can be opened; empty when there is none.
   function newest_restart(folder) result(name)

@@ -8,7 +8,7 @@ module sg_text_files
   use sg_system, only: remove_file, rename_file
   implicit none
   private
-  public :: append_text, replace_file
+  public :: append_text, replace_file, is_synced
 
   interface
     function c_fopen(path, mode) bind(c, name='fopen') result(stream)
@@ -23,6 +23,16 @@ module sg_text_files
       type(c_ptr), value :: stream
       integer(c_size_t) :: written
     end function c_fwrite
+    function c_fileno(stream) bind(c, name='fileno') result(descriptor)
+      import :: c_int, c_ptr
+      type(c_ptr), value :: stream
+      integer(c_int) :: descriptor
+    end function c_fileno
+    function c_fsync(descriptor) bind(c, name='fsync') result(status)
+      import :: c_int
+      integer(c_int), value :: descriptor
+      integer(c_int) :: status
+    end function c_fsync
     function c_fclose(stream) bind(c, name='fclose') result(status)
       import :: c_int, c_ptr
       type(c_ptr), value :: stream
@@ -73,4 +83,18 @@ contains
     if (c_fclose(stream) /= 0 .or. written < len(text, c_size_t)) &
       call fail(error, 'cannot write the file: is the disk full?', file=file, code=exit_output)
   end subroutine write_text
+
+  !> Is a file on the disk, and not only in the system's memory? It is brought there.
+  logical function is_synced(file)
+    character(len=*), intent(in) :: file !! path of a finished file
+    type(c_ptr) :: stream
+    integer(c_int) :: status
+
+    is_synced = .false.
+    stream = c_fopen(file//c_null_char, 'r+'//c_null_char)
+    if (.not. c_associated(stream)) return
+    is_synced = c_fsync(c_fileno(stream)) == 0
+    status = c_fclose(stream)
+    is_synced = is_synced .and. status == 0
+  end function is_synced
 end module sg_text_files
