@@ -69,14 +69,26 @@ contains
     if (.not. sim%options%is_quiet .or. allocated(error)) call print_verdict(output_unit, writers%summary)
   end subroutine simulate
 
-  !> What is done with the scene, in two lines.
+  !> What is done with the scene, in three lines.
   function describe_run(options) result(text)
     type(run_options_t), intent(in) :: options
     character(len=:), allocatable :: text
 
     text = 'solver     '//trim(options%solver%method)//' until '//trim(criterion_names(options%solver%criterion))//' <= ' &
            //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps)//' sweeps'//new_line('a') &
-           //'time       '//to_text(options%steps)//' steps of '//to_text(options%step, 4)//' s; results in '//options%folder
+           //'outputs    '//every('record', options%record_every)//', '//every('pictures', options%output_every)//', ' &
+           //every('checkpoints', options%restart_every)//new_line('a')//'time       '//to_text(options%steps)//' steps of ' &
+           //to_text(options%step, 4)//' s; results in '//options%folder
+  contains
+    pure function every(what, steps)
+      character(len=*), intent(in) :: what
+      integer, intent(in) :: steps
+      character(len=:), allocatable :: every
+
+      every = 'no '//what
+      if (steps == 1) every = what//' every step'
+      if (steps > 1) every = what//' every '//to_text(steps)//' steps'
+    end function every
   end function describe_run
 
   !> The steps.
