@@ -3,7 +3,16 @@ module sg_report
   use sg_kinds, only: wp, i8
   implicit none
   private
-  public :: report_t
+  public :: report_t, trace_point_t
+
+  !> One point of the history of a solve: what had been done, and how far the answer was
+  type :: trace_point_t
+    !> Iterations done, and CPU seconds since the start
+    integer :: iteration = 0
+    real(wp) :: cpu_seconds = 0
+    !> Errors of the whole problem there
+    real(wp) :: e1 = 0, e8 = 0
+  end type trace_point_t
 
   !> Report of one solve
   type :: report_t
@@ -12,6 +21,8 @@ module sg_report
     !> Sweeps over all contacts, and single contact updates
     integer :: sweeps = 0
     integer(i8) :: contact_updates = 0
+    !> Iterations of solvers that do not only sweep, and factorisations of their matrices
+    integer :: iterations = 0, factorisations = 0
     !> Tests of the criterion
     integer :: checks = 0
     !> Last value of the stopping criterion
@@ -25,6 +36,10 @@ module sg_report
     integer :: active_contacts = 0
     !> CPU seconds in sweeps and in tests
     real(wp) :: cpu_sweeps = 0, cpu_checks = 0
+    !> CPU seconds of the whole solve, where sweeps and tests are not told apart
+    real(wp) :: cpu_seconds = 0
+    !> History of errors, where asked for
+    type(trace_point_t), allocatable :: trace(:)
     !> Bytes that the problem holds per contact
     real(wp) :: bytes_per_contact = 0
   end type report_t

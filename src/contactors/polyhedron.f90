@@ -1,0 +1,48 @@
+!> Convex polyhedra: vertices, polygonal faces, edges; in the body's frame and placed in the world.
+module sg_polyhedron
+  use sg_kinds, only: wp, i4
+  implicit none
+  private
+  public :: polyhedron_t, place_polyhedron
+
+  !> One convex polyhedron
+  type :: polyhedron_t
+    !> Numbers of vertices, faces (coplanar triangles are one face) and edges
+    integer :: n_vertices = 0, n_faces = 0, n_edges = 0
+    !> Vertices about the contactor's centre in the body's frame [m], shape (3, n_vertices)
+    real(wp), allocatable :: vertex(:, :)
+    !> Vertices of face f, counter-clockwise seen from outside: `face_vertex(face_first(f):face_first(f + 1) - 1)`
+    integer(i4), allocatable :: face_first(:), face_vertex(:)
+    !> Outward unit normals in the body's frame, shape (3, n_faces)
+    real(wp), allocatable :: normal(:, :)
+    !> Edges, shape (4, n_edges): its two vertices, the face that runs along it from first to second, and the other face
+    integer(i4), allocatable :: edge(:, :)
+    !> The same vertices and normals in the detection configuration; n.x of each face's plane, shape (n_faces)
+    real(wp), allocatable :: world_vertex(:, :), world_normal(:, :), world_offset(:)
+    !> Centre in the detection configuration [m], and radius about it that holds the shape
+    real(wp) :: centre(3) = 0, reach = 0
+  end type polyhedron_t
+
+contains
+
+  !> Put a polyhedron into the world.
+  pure subroutine place_polyhedron(shape, centre, frame)
+    type(polyhedron_t), intent(inout) :: shape !! polyhedron; its world coordinates are set
+    real(wp), intent(in) :: centre(3) !! of the contactor [m]
+    real(wp), intent(in) :: frame(3, 3) !! columns: axes of the body's frame in the world
+    integer :: i
+
+    if (.not. allocated(shape%world_vertex)) then
+      allocate (shape%world_vertex(3, shape%n_vertices), shape%world_normal(3, shape%n_faces), shape%world_offset(shape%n_faces))
+    end if
+    shape%centre = centre
+    do i = 1, shape%n_vertices
+      shape%world_vertex(:, i) = centre + frame(:, 1)*shape%vertex(1, i) + frame(:, 2)*shape%vertex(2, i) &
+                                 + frame(:, 3)*shape%vertex(3, i)
+    end do
+    do i = 1, shape%n_faces
+      shape%world_normal(:, i) = frame(:, 1)*shape%normal(1, i) + frame(:, 2)*shape%normal(2, i) + frame(:, 3)*shape%normal(3, i)
+      shape%world_offset(i) = dot_product(shape%world_normal(:, i), shape%world_vertex(:, shape%face_vertex(shape%face_first(i))))
+    end do
+  end subroutine place_polyhedron
+end module sg_polyhedron
