@@ -56,5 +56,12 @@ if(SPLITGRAIN_FFTW)
 endif()
 choose(fftw "${SPLITGRAIN_FFTW}")
 
+if(SPLITGRAIN_SUITESPARSE)
+  find_library(UMFPACK_LIBRARY umfpack REQUIRED)
+  find_file(UMFPACK_HEADER umfpack.h PATH_SUFFIXES suitesparse REQUIRED)
+  list(APPEND splitgrain_libraries ${UMFPACK_LIBRARY})
+endif()
+choose(suitesparse "${SPLITGRAIN_SUITESPARSE}")
+
 find_package(tomlplusplus REQUIRED)
 list(APPEND splitgrain_libraries tomlplusplus::tomlplusplus stdc++)

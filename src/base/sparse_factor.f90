@@ -1,0 +1,62 @@
+!> LU factors of a sparse matrix, without naming a library.
+!!
+!! The bodies live in `sparse_factor_with_suitesparse` (UMFPACK) or `sparse_factor_without_suitesparse` (full factors for
+!! small systems), chosen by CMake. Whoever factorises frees: a library holds the factors.
+module sg_sparse_factor
+  use, intrinsic :: iso_c_binding, only: c_int, c_null_ptr, c_ptr
+  use sg_error, only: error_t
+  use sg_kinds, only: wp
+  use sg_sparse, only: sparse_t
+  implicit none
+  private
+  public :: sparse_factor_t, has_sparse_library, largest_full
+
+  !> Most unknowns of a system whose factors are full: without a library there is no other way
+  integer, parameter :: largest_full = 1500
+
+  !> Factors of a matrix; those of a matrix with the same places of entries are made again without a new analysis
+  type :: sparse_factor_t
+    !> Unknowns; 0 when there are no factors
+    integer :: n = 0
+    !> Analyses of places of entries and factorisations so far
+    integer :: analyses = 0, factorisations = 0
+    !> The library's analysis and factors
+    type(c_ptr), private :: symbolic = c_null_ptr, numeric = c_null_ptr
+    !> Entries of the matrix by row, counted from 0: the library asks for them with each solution
+    integer(c_int), allocatable, private :: first(:), column(:)
+    real(wp), allocatable, private :: value(:)
+    !> Full factors and their exchanged rows, where there is no library
+    real(wp), allocatable, private :: full(:, :)
+    integer, allocatable, private :: pivot(:)
+  contains
+    procedure :: factorise => sparse_factor_factorise
+    procedure :: solve => sparse_factor_solve
+    procedure :: free => sparse_factor_free
+  end type sparse_factor_t
+
+  interface
+    !> Was the program built with a sparse library?
+    module function has_sparse_library() result(has)
+      logical :: has
+    end function has_sparse_library
+
+    !> Factorise a square matrix, symmetric or not; fails where it is singular or too large for this build.
+    module subroutine sparse_factor_factorise(self, matrix, error)
+      class(sparse_factor_t), intent(inout) :: self
+      type(sparse_t), intent(in) :: matrix !! the matrix
+      type(error_t), allocatable, intent(out) :: error !! what failed
+    end subroutine sparse_factor_factorise
+
+    !> Solve A x = b by factors that were made without an error.
+    module subroutine sparse_factor_solve(self, b, x)
+      class(sparse_factor_t), intent(in) :: self
+      real(wp), intent(in), contiguous :: b(:) !! right-hand side, shape (n)
+      real(wp), intent(out), contiguous :: x(:) !! solution, shape (n)
+    end subroutine sparse_factor_solve
+
+    !> Give the factors back.
+    module subroutine sparse_factor_free(self)
+      class(sparse_factor_t), intent(inout) :: self
+    end subroutine sparse_factor_free
+  end interface
+end module sg_sparse_factor

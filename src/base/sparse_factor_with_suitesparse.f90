@@ -1,0 +1,124 @@
+!> Factors by UMFPACK, of SuiteSparse, through its C calls.
+!!
+!! UMFPACK takes compressed columns: the rows of A are the columns of A^T, which it is asked to solve with transposed.
+submodule(sg_sparse_factor) sparse_factor_with_suitesparse
+  use, intrinsic :: iso_c_binding, only: c_associated, c_double
+  use sg_error, only: exit_failure, fail
+  use sg_text, only: to_text
+  implicit none
+
+  !> Answers and systems of umfpack.h
+  integer(c_int), parameter :: umfpack_ok = 0, umfpack_singular = 1, umfpack_out_of_memory = -1, umfpack_at = 1
+  !> Lengths of UMFPACK's settings and of what it tells
+  integer, parameter :: n_control = 20, n_info = 90
+
+  interface
+    subroutine umfpack_di_defaults(control) bind(c, name='umfpack_di_defaults')
+      import :: c_double
+      real(c_double), intent(out) :: control(*)
+    end subroutine umfpack_di_defaults
+    function umfpack_di_symbolic(m, n, ap, ai, ax, symbolic, control, info) bind(c, name='umfpack_di_symbolic') result(status)
+      import :: c_double, c_int, c_ptr
+      integer(c_int), value :: m, n
+      integer(c_int), intent(in) :: ap(*), ai(*)
+      real(c_double), intent(in) :: ax(*), control(*)
+      type(c_ptr), intent(out) :: symbolic
+      real(c_double), intent(out) :: info(*)
+      integer(c_int) :: status
+    end function umfpack_di_symbolic
+    function umfpack_di_numeric(ap, ai, ax, symbolic, numeric, control, info) bind(c, name='umfpack_di_numeric') result(status)
+      import :: c_double, c_int, c_ptr
+      integer(c_int), intent(in) :: ap(*), ai(*)
+      real(c_double), intent(in) :: ax(*), control(*)
+      type(c_ptr), value :: symbolic
+      type(c_ptr), intent(out) :: numeric
+      real(c_double), intent(out) :: info(*)
+      integer(c_int) :: status
+    end function umfpack_di_numeric
+    function umfpack_di_solve(sys, ap, ai, ax, x, b, numeric, control, info) bind(c, name='umfpack_di_solve') result(status)
+      import :: c_double, c_int, c_ptr
+      integer(c_int), value :: sys
+      integer(c_int), intent(in) :: ap(*), ai(*)
+      real(c_double), intent(in) :: ax(*), b(*), control(*)
+      real(c_double), intent(out) :: x(*), info(*)
+      type(c_ptr), value :: numeric
+      integer(c_int) :: status
+    end function umfpack_di_solve
+    subroutine umfpack_di_free_symbolic(symbolic) bind(c, name='umfpack_di_free_symbolic')
+      import :: c_ptr
+      type(c_ptr), intent(inout) :: symbolic
+    end subroutine umfpack_di_free_symbolic
+    subroutine umfpack_di_free_numeric(numeric) bind(c, name='umfpack_di_free_numeric')
+      import :: c_ptr
+      type(c_ptr), intent(inout) :: numeric
+    end subroutine umfpack_di_free_numeric
+  end interface
+
+contains
+
+  module procedure has_sparse_library
+  has = .true.
+  end procedure has_sparse_library
+
+  module procedure sparse_factor_factorise
+  real(c_double) :: control(n_control), info(n_info)
+  integer(c_int) :: status
+
+  call umfpack_di_defaults(control)
+  if (c_associated(self%numeric)) call umfpack_di_free_numeric(self%numeric)
+  status = umfpack_ok
+  if (.not. has_same_places(self, matrix)) then
+    call self%free()
+    self%n = matrix%n_rows
+    self%first = int(matrix%first - 1, c_int)
+    self%column = int(matrix%column - 1, c_int)
+    status = umfpack_di_symbolic(int(self%n, c_int), int(self%n, c_int), self%first, self%column, matrix%value, &
+                                 self%symbolic, control, info)
+    self%analyses = self%analyses + 1
+  end if
+  self%value = matrix%value
+  if (status == umfpack_ok) then
+    status = umfpack_di_numeric(self%first, self%column, self%value, self%symbolic, self%numeric, control, info)
+    self%factorisations = self%factorisations + 1
+  end if
+  select case (status)
+  case (umfpack_ok)
+  case (umfpack_singular)
+    call fail(error, 'a matrix of '//to_text(self%n)//' unknowns is singular', code=exit_failure)
+  case (umfpack_out_of_memory)
+    call fail(error, 'the factors of a matrix of '//to_text(self%n)//' unknowns do not fit into memory', code=exit_failure)
+  case default
+    call fail(error, 'UMFPACK cannot factorise a matrix of '//to_text(self%n)//' unknowns (its answer is '// &
+              to_text(int(status))//')', code=exit_failure)
+  end select
+  if (allocated(error)) call self%free()
+  end procedure sparse_factor_factorise
+
+  !> Has a matrix its entries where the analysed one had them?
+  pure logical function has_same_places(self, matrix) result(has)
+    class(sparse_factor_t), intent(in) :: self
+    type(sparse_t), intent(in) :: matrix
+
+    has = c_associated(self%symbolic) .and. self%n == matrix%n_rows
+    if (has) has = size(self%column) == size(matrix%column)
+    if (has) has = all(self%first == matrix%first - 1)
+    if (has) has = all(self%column == matrix%column - 1)
+  end function has_same_places
+
+  module procedure sparse_factor_solve
+  real(c_double) :: control(n_control), info(n_info)
+  integer(c_int) :: status
+
+  call umfpack_di_defaults(control)
+  status = umfpack_di_solve(umfpack_at, self%first, self%column, self%value, x, b, self%numeric, control, info)
+  if (status /= umfpack_ok) x = 0
+  end procedure sparse_factor_solve
+
+  module procedure sparse_factor_free
+  if (c_associated(self%numeric)) call umfpack_di_free_numeric(self%numeric)
+  if (c_associated(self%symbolic)) call umfpack_di_free_symbolic(self%symbolic)
+  self%numeric = c_null_ptr
+  self%symbolic = c_null_ptr
+  self%n = 0
+  end procedure sparse_factor_free
+end submodule sparse_factor_with_suitesparse

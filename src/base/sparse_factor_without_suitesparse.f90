@@ -1,0 +1,49 @@
+!> A build without a sparse library: full factors of small systems, and a clear sentence for large ones.
+submodule(sg_sparse_factor) sparse_factor_without_suitesparse
+  use sg_dense_factor, only: dense_factorise, dense_solve
+  use sg_error, only: exit_failure, fail
+  use sg_text, only: to_text
+  implicit none
+
+contains
+
+  module procedure has_sparse_library
+  has = .false.
+  end procedure has_sparse_library
+
+  module procedure sparse_factor_factorise
+  logical :: is_singular
+  integer :: i, e
+
+  if (matrix%n_rows > largest_full) then
+    call fail(error, 'a system of '//to_text(matrix%n_rows)//' unknowns needs SuiteSparse, which this build leaves out: '// &
+              'without it at most '//to_text(largest_full)//' unknowns can be solved for', code=exit_failure)
+    return
+  end if
+  if (self%n /= matrix%n_rows) then
+    call self%free()
+    self%n = matrix%n_rows
+    allocate (self%full(self%n, self%n), self%pivot(self%n))
+    self%analyses = self%analyses + 1
+  end if
+  self%full = 0
+  do i = 1, self%n
+    do e = matrix%first(i), matrix%first(i + 1) - 1
+      self%full(i, matrix%column(e)) = self%full(i, matrix%column(e)) + matrix%value(e)
+    end do
+  end do
+  call dense_factorise(self%full, self%pivot, is_singular)
+  self%factorisations = self%factorisations + 1
+  if (is_singular) call fail(error, 'a matrix of '//to_text(self%n)//' unknowns is singular', code=exit_failure)
+  end procedure sparse_factor_factorise
+
+  module procedure sparse_factor_solve
+  x = b
+  call dense_solve(self%full, self%pivot, x)
+  end procedure sparse_factor_solve
+
+  module procedure sparse_factor_free
+  if (allocated(self%full)) deallocate (self%full, self%pivot)
+  self%n = 0
+  end procedure sparse_factor_free
+end submodule sparse_factor_without_suitesparse
