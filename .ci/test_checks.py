@@ -66,6 +66,7 @@ def test_empty_project_fails(tmp_path, check):
     ("src/partition/graph_split.f90", "", "call METIS_PartGraphKway()", "outside a file *_with_metis.f90"),
     ("src/base/fourier_with_metis.f90", "", "call fftw_destroy_plan(plan)", "outside a file *_with_fftw.f90"),
     ("src/base/sparse_factor.f90", "", "call umfpack_di_free_numeric(numeric)", "outside a file *_with_suitesparse.f90"),
+    ("src/base/convex_hull.f90", "", "code = splitgrain_hull(n, points)", "outside a file *_with_qhull.f90"),
     ("src/unheard/plan.f90", "", "", "'unheard' is not in the order"),
 ])  # fmt: skip
 def test_layers(project, place, use, code, finding):
