@@ -3,7 +3,7 @@ module sg_sorting
   use sg_kinds, only: wp, i4, i8
   implicit none
   private
-  public :: sort_permutation, hilbert_key
+  public :: sort_permutation, hilbert_key, hilbert_key_in_space
 
   integer, parameter :: bits = 11, buckets = 2**bits
 
@@ -80,4 +80,41 @@ contains
       s = s/2
     end do
   end function hilbert_key
+
+  !> Place of a point of the unit cube along Hilbert's curve of 2^20 cells a side (J. Skilling, Programming the Hilbert
+  !! curve, AIP Conf. Proc. 707, 2004: exchange and invert bits from the highest down, then undo Gray's code).
+  pure integer(i8) function hilbert_key_in_space(point) result(key)
+    real(wp), intent(in) :: point(3) !! within 0 to 1
+    integer, parameter :: order = 20
+    integer :: x(3), q, p, t, i
+
+    x = min(2**order - 1, max(0, int(point*2**order)))
+    q = 2**(order - 1)
+    do while (q > 1)
+      p = q - 1
+      do i = 1, 3
+        if (iand(x(i), q) /= 0) then
+          x(1) = ieor(x(1), p)
+        else
+          t = iand(ieor(x(1), x(i)), p)
+          x(1) = ieor(x(1), t)
+          x(i) = ieor(x(i), t)
+        end if
+      end do
+      q = q/2
+    end do
+    x(2) = ieor(x(2), x(1))
+    x(3) = ieor(x(3), x(2))
+    t = 0
+    q = 2**(order - 1)
+    do while (q > 1)
+      if (iand(x(3), q) /= 0) t = ieor(t, q - 1)
+      q = q/2
+    end do
+    x = ieor(x, t)
+    key = 0
+    do i = order - 1, 0, -1
+      key = 8*key + int(4*ibits(x(1), i, 1) + 2*ibits(x(2), i, 1) + ibits(x(3), i, 1), i8)
+    end do
+  end function hilbert_key_in_space
 end module sg_sorting

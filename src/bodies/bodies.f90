@@ -1,41 +1,50 @@
 !> The rigid bodies of a scene as a structure of arrays, one unit an array.
 !!
 !! Components of a planar body: x, y and, where the scene needs it, rotation. A scene in which nothing turns
-!! (frictionless disks) drops the third component and the angles: `n_velocity` is then 2.
+!! (frictionless disks) drops the third component and the angles: `n_velocity` is then 2. Components of a body in space:
+!! x, y, z in the world and spin about its principal axes, or x, y, z alone; its orientation is a unit quaternion.
 module sg_bodies
   use sg_kinds, only: wp, i4
   implicit none
   private
   public :: bodies_t, drop_rotation, spin_of, angle_of
 
-  !> Rigid bodies in the plane
+  !> Rigid bodies, in the plane or in space
   type :: bodies_t
     !> Number of bodies
     integer :: n = 0
-    !> Velocity components of a body: 3 (x, y, rotation), or 2 where nothing turns
+    !> Dimension of space
+    integer :: dimension = 2
+    !> Velocity components of a body: 3 (x, y, rotation) or 6 (x, y, z, spin); 2 or 3 where nothing turns
     integer :: n_velocity = 3
-    !> Centre of mass [m], shape (2, n), at the beginning of the step; in a periodic scene within the period
+    !> Centre of mass [m], shape (dimension, n), at the beginning of the step; in a periodic scene within the period
     real(wp), allocatable :: position(:, :)
-    !> Orientation [rad], shape (n); unallocated where nothing turns
+    !> Orientation in the plane [rad], shape (n); unallocated in space and where nothing turns
     real(wp), allocatable :: angle(:)
-    !> Velocity [m/s, m/s, rad/s], shape (n_velocity, n)
+    !> Orientation in space, shape (4, n): unit quaternion (w, x, y, z) that turns principal axes into the world;
+    !! unallocated in the plane and where nothing turns
+    real(wp), allocatable :: orientation(:, :)
+    !> Velocity [m/s, rad/s], shape (n_velocity, n)
     real(wp), allocatable :: velocity(:, :)
-    !> Configuration in which contacts are sought [m, m, rad], shape (n_velocity, n)
+    !> Configuration in which contacts are sought [m, m, rad], shape (n_velocity, n); in space [m] and quaternion, shape
+    !! (7, n), or (3, n) where nothing turns
     real(wp), allocatable :: middle(:, :)
-    !> Mass [kg] per metre of depth, shape (n)
+    !> Mass [kg], in the plane per metre of depth, shape (n)
     real(wp), allocatable :: mass(:)
-    !> Moment of inertia about the centre of mass [kg m2], shape (n)
+    !> Moment of inertia about the centre of mass [kg m2], shape (n); in the plane
     real(wp), allocatable :: inertia(:)
-    !> Inverse inertia of each component [1/kg, 1/kg, 1/(kg m2)], zero where driven; shape (n_velocity, n)
+    !> Principal moments of inertia about the centre of mass [kg m2], shape (3, n); in space
+    real(wp), allocatable :: principal(:, :)
+    !> Inverse inertia of each component [1/kg, 1/(kg m2)], zero where driven; shape (n_velocity, n)
     real(wp), allocatable :: inverse_mass(:, :)
-    !> External forces of the step [N, N, N m], shape (n_velocity, n)
+    !> External forces of the step [N, N m], shape (n_velocity, n)
     real(wp), allocatable :: force(:, :)
     !> Velocity at the end of the step without contacts, shape (n_velocity, n)
     real(wp), allocatable :: free_velocity(:, :)
-    !> Area covered by the body's shapes [m2], shape (n)
+    !> Area covered by the body's shapes [m2], in space their volume [m3], shape (n)
     real(wp), allocatable :: area(:)
-    !> Periods crossed since the start, shape (n): position + crossings*period is the unwrapped one
-    integer(i4), allocatable :: crossings(:)
+    !> Periods crossed in x since the start, shape (n): position + crossings*period is the unwrapped one; in y, in space
+    integer(i4), allocatable :: crossings(:), crossings_y(:)
     !> Is this body a grain (free in all components), or a wall (driven or pressed)? shape (n)
     logical, allocatable :: is_grain(:)
     !> Bulk material, index into the scene's materials, shape (n)
@@ -47,44 +56,58 @@ module sg_bodies
 contains
 
   !> Make room for `n` bodies at rest at the origin.
-  subroutine bodies_allocate(self, n)
+  subroutine bodies_allocate(self, n, dimension)
     class(bodies_t), intent(inout) :: self
     integer, intent(in) :: n !! number of bodies
+    integer, intent(in), optional :: dimension !! of space, 2 unless given
+    integer :: m
 
     self%n = n
-    self%n_velocity = 3
-    allocate (self%position(2, n), self%velocity(3, n), self%middle(3, n), self%inverse_mass(3, n), &
-              self%force(3, n), self%free_velocity(3, n), source=0.0_wp)
-    allocate (self%angle(n), self%mass(n), self%inertia(n), self%area(n), source=0.0_wp)
+    self%dimension = 2
+    if (present(dimension)) self%dimension = dimension
+    m = merge(3, 6, self%dimension == 2)
+    self%n_velocity = m
+    allocate (self%position(self%dimension, n), self%velocity(m, n), self%middle(merge(3, 7, m == 3), n), &
+              self%inverse_mass(m, n), self%force(m, n), self%free_velocity(m, n), source=0.0_wp)
+    allocate (self%mass(n), self%area(n), source=0.0_wp)
     allocate (self%crossings(n), self%material(n), source=0_i4)
     allocate (self%is_grain(n), source=.true.)
+    if (self%dimension == 2) then
+      allocate (self%angle(n), self%inertia(n), source=0.0_wp)
+    else
+      allocate (self%principal(3, n), self%orientation(4, n), source=0.0_wp)
+      allocate (self%crossings_y(n), source=0_i4)
+      self%orientation(1, :) = 1
+    end if
   end subroutine bodies_allocate
 
   !> Leave out all that belongs to rotation: for scenes in which nothing turns.
   subroutine drop_rotation(bodies)
     type(bodies_t), intent(inout) :: bodies !! bodies that never turn
 
-    if (bodies%n_velocity == 2) return
-    bodies%n_velocity = 2
-    deallocate (bodies%angle)
-    call cut(bodies%velocity)
-    call cut(bodies%middle)
-    call cut(bodies%inverse_mass)
-    call cut(bodies%force)
-    call cut(bodies%free_velocity)
+    if (bodies%n_velocity == bodies%dimension) return
+    bodies%n_velocity = bodies%dimension
+    if (allocated(bodies%angle)) deallocate (bodies%angle)
+    if (allocated(bodies%orientation)) deallocate (bodies%orientation)
+    call cut(bodies%dimension, bodies%velocity)
+    call cut(bodies%dimension, bodies%middle)
+    call cut(bodies%dimension, bodies%inverse_mass)
+    call cut(bodies%dimension, bodies%force)
+    call cut(bodies%dimension, bodies%free_velocity)
   end subroutine drop_rotation
 
-  !> Keep the first two components.
-  subroutine cut(records)
+  !> Keep the first components.
+  subroutine cut(n, records)
+    integer, intent(in) :: n
     real(wp), allocatable, intent(inout) :: records(:, :)
     real(wp), allocatable :: kept(:, :)
 
-    allocate (kept(2, size(records, 2)))
-    kept = records(:2, :)
+    allocate (kept(n, size(records, 2)))
+    kept = records(:n, :)
     call move_alloc(kept, records)
   end subroutine cut
 
-  !> Angular velocity of a body [rad/s]; zero where nothing turns.
+  !> Angular velocity of a planar body [rad/s]; zero where nothing turns.
   pure real(wp) function spin_of(bodies, body)
     type(bodies_t), intent(in) :: bodies !! the bodies
     integer, intent(in) :: body !! index of the body
@@ -93,7 +116,7 @@ contains
     if (bodies%n_velocity == 3) spin_of = bodies%velocity(3, body)
   end function spin_of
 
-  !> Orientation of a body [rad]; zero where nothing turns.
+  !> Orientation of a planar body [rad]; zero where nothing turns.
   pure real(wp) function angle_of(bodies, body)
     type(bodies_t), intent(in) :: bodies !! the bodies
     integer, intent(in) :: body !! index of the body

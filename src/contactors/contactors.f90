@@ -5,20 +5,26 @@
 module sg_contactors
   use sg_kinds, only: wp, i4
   use sg_lists, only: reserve
+  use sg_space_shapes, only: kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, kind_sphere, place_in_space, &
+                             space_shapes_t
   implicit none
   private
   public :: contactors_t, kind_disk, kind_wall, kind_hollow, kind_polygon, kind_names, n_kinds
-  public :: add_disk, add_wall, add_hollow, add_polygon, place_contactors, is_round
+  public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
+  public :: add_disk, add_wall, add_hollow, add_polygon, add_contactor, place_contactors, is_round
 
   !> Kinds of shape: disk, rounded segment (JONCx), hollow disk (xKSID), convex polygon
   integer, parameter :: kind_disk = 1, kind_wall = 2, kind_hollow = 3, kind_polygon = 4
   !> Number of kinds
-  integer, parameter :: n_kinds = 4
+  integer, parameter :: n_kinds = 9
   !> Words for the kinds, as decks write them
-  character(len=11), parameter :: kind_names(n_kinds) = [character(len=11) :: 'disk', 'segment', 'hollow disk', 'polygon']
+  character(len=15), parameter :: kind_names(n_kinds) = [character(len=15) :: 'disk', 'segment', 'hollow disk', 'polygon', &
+                                                         'sphere', 'plane', 'cylinder', 'hollow cylinder', 'polyhedron']
 
   !> All contactors of a scene
   type :: contactors_t
+    !> Dimension of space
+    integer :: dimension = 2
     !> Number of contactors
     integer :: n = 0
     !> Kind of shape, shape (n)
@@ -29,11 +35,11 @@ module sg_contactors
     integer(i4), allocatable :: row(:)
     !> Colour, index into the scene's colours, shape (n)
     integer(i4), allocatable :: colour(:)
-    !> Centre in the body's frame [m], shape (2, n)
+    !> Centre in the body's frame [m], shape (dimension, n)
     real(wp), allocatable :: shift(:, :)
-    !> Radius of the circle about the centre that holds the shape [m], shape (n)
+    !> Radius of the circle or sphere about the centre that holds the shape [m], shape (n)
     real(wp), allocatable :: reach(:)
-    !> Centre in the detection configuration [m], shape (2, n); set by `place_contactors`
+    !> Centre in the detection configuration [m], shape (dimension, n); set by `place_contactors`
     real(wp), allocatable :: centre(:, :)
 
     !> Number of rows of each table
@@ -52,6 +58,8 @@ module sg_contactors
     real(wp), allocatable :: polygon_vertex(:, :)
     !> Polygons: the same vertices in the detection configuration [m], shape (2, vertex)
     real(wp), allocatable :: polygon_world(:, :)
+    !> Shapes in space; nothing of it is allocated in the plane
+    type(space_shapes_t) :: space
   end type contactors_t
 
 contains
@@ -65,7 +73,7 @@ contains
     real(wp), intent(in) :: shift(2) !! centre in the body's frame [m]
     integer :: row
 
-    call add(contactors, kind_disk, body, colour, shift, radius, row)
+    call add_contactor(contactors, kind_disk, body, colour, shift, radius, row)
     call reserve(contactors%disk_radius, row)
     contactors%disk_radius(row) = radius
   end subroutine add_disk
@@ -81,7 +89,7 @@ contains
     real(wp), intent(in) :: angle !! of the axis in the body's frame [rad]
     integer :: row
 
-    call add(contactors, kind_wall, body, colour, shift, half_length + half_thickness, row)
+    call add_contactor(contactors, kind_wall, body, colour, shift, half_length + half_thickness, row)
     call reserve(contactors%wall_size, 3, row)
     call reserve(contactors%wall_axis, 2, row)
     contactors%wall_size(:, row) = [half_length, half_thickness, angle]
@@ -96,7 +104,7 @@ contains
     real(wp), intent(in) :: shift(2) !! centre in the body's frame [m]
     integer :: row
 
-    call add(contactors, kind_hollow, body, colour, shift, radius, row)
+    call add_contactor(contactors, kind_hollow, body, colour, shift, radius, row)
     call reserve(contactors%hollow_radius, row)
     contactors%hollow_radius(row) = radius
   end subroutine add_hollow
@@ -111,7 +119,7 @@ contains
     integer :: row, first, n
 
     n = size(vertices, 2)
-    call add(contactors, kind_polygon, body, colour, shift, sqrt(maxval(sum(vertices**2, 1))), row)
+    call add_contactor(contactors, kind_polygon, body, colour, shift, sqrt(maxval(sum(vertices**2, 1))), row)
     call reserve(contactors%polygon_first, row + 1)
     if (row == 1) contactors%polygon_first(1) = 1
     first = contactors%polygon_first(row)
@@ -121,12 +129,15 @@ contains
     contactors%polygon_vertex(:, first:first + n - 1) = vertices
   end subroutine add_polygon
 
-  !> What all kinds share.
-  subroutine add(contactors, kind, body, colour, shift, reach, row)
-    type(contactors_t), intent(inout) :: contactors
-    integer, intent(in) :: kind, body, colour
-    real(wp), intent(in) :: shift(2), reach
-    integer, intent(out) :: row
+  !> Add a contactor: what all kinds share.
+  subroutine add_contactor(contactors, kind, body, colour, shift, reach, row)
+    type(contactors_t), intent(inout) :: contactors !! list to add to
+    integer, intent(in) :: kind !! kind of shape
+    integer, intent(in) :: body !! body that carries it
+    integer, intent(in) :: colour !! index of the colour
+    real(wp), intent(in) :: shift(:) !! centre in the body's frame [m], shape (dimension)
+    real(wp), intent(in) :: reach !! radius of the circle or sphere about the centre that holds the shape [m]
+    integer, intent(out) :: row !! row in the table of its kind
     integer :: n
 
     n = contactors%n + 1
@@ -136,8 +147,8 @@ contains
     call reserve(contactors%row, n)
     call reserve(contactors%colour, n)
     call reserve(contactors%reach, n)
-    call reserve(contactors%shift, 2, n)
-    call reserve(contactors%centre, 2, n)
+    call reserve(contactors%shift, contactors%dimension, n)
+    call reserve(contactors%centre, contactors%dimension, n)
     contactors%n_rows(kind) = contactors%n_rows(kind) + 1
     row = contactors%n_rows(kind)
     contactors%kind(n) = kind
@@ -146,12 +157,25 @@ contains
     contactors%colour(n) = colour
     contactors%shift(:, n) = shift
     contactors%reach(n) = reach
-  end subroutine add
+  end subroutine add_contactor
 
   !> Put all contactors where their bodies are.
   pure subroutine place_contactors(contactors, middle)
     type(contactors_t), intent(inout) :: contactors !! contactors to place
-    real(wp), intent(in), contiguous :: middle(:, :) !! bodies' configuration [m, m(, rad)], shape (2 or 3, bodies)
+    real(wp), intent(in), contiguous :: middle(:, :) !! bodies' configuration, see `bodies_t`
+
+    if (contactors%dimension == 3) then
+      call place_in_space(contactors%n, contactors%kind, contactors%body, contactors%row, contactors%shift, middle, &
+                          contactors%centre, contactors%space)
+    else
+      call place_in_plane(contactors, middle)
+    end if
+  end subroutine place_contactors
+
+  !> The same in the plane.
+  pure subroutine place_in_plane(contactors, middle)
+    type(contactors_t), intent(inout) :: contactors
+    real(wp), intent(in), contiguous :: middle(:, :)
     integer :: c, b, row
     real(wp) :: cosine, sine, angle
 
@@ -172,13 +196,13 @@ contains
         call place_polygon(contactors, row, contactors%centre(:, c), cosine, sine)
       end select
     end do
-  end subroutine place_contactors
+  end subroutine place_in_plane
 
   !> Has a shape of this kind no orientation?
   pure logical function is_round(kind)
     integer, intent(in) :: kind !! kind of shape
 
-    is_round = kind == kind_disk .or. kind == kind_hollow
+    is_round = kind == kind_disk .or. kind == kind_hollow .or. kind == kind_sphere
   end function is_round
 
   !> Put the vertices of one polygon where its body is.

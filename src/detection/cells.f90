@@ -1,8 +1,8 @@
-!> Broad phase: which circles come near each other, in linear time for any spread of sizes.
+!> Broad phase: which circles or spheres come near each other, in linear time for any spread of sizes.
 !!
-!! Circles are sorted into levels by powers of two of their radius. Each level has its own square cells, wide enough
+!! Circles are sorted into levels by powers of two of their radius. Each level has its own cubic cells, wide enough
 !! that a circle and any circle of the same or a smaller level that come near it lie in neighbouring cells. Cells are
-!! found by hashing, so that a far-flown grain costs nothing. Each circle looks in the 3 by 3 cells about it of its
+!! found by hashing, so that a far-flown grain costs nothing. Each circle looks in the 3 by 3 (by 3) cells about it of its
 !! own level and of every coarser one: a pair of two levels is found from the finer one.
 module sg_cells
   use sg_kinds, only: wp, i4, i8
@@ -14,13 +14,13 @@ module sg_cells
   type :: cells_t
     !> Number of levels that hold circles
     integer :: n_levels = 0
-    !> Side of a level's cells in x and y [m], shape (2, levels)
+    !> Side of a level's cells in x, y and z [m], shape (3, levels)
     real(wp), allocatable :: side(:, :)
-    !> Number of columns of a level in one period; 0 when not periodic
-    integer(i4), allocatable :: columns(:)
+    !> Number of cells of a level in one period in x, y and z; 0 where not periodic, shape (3, levels)
+    integer(i4), allocatable :: columns(:, :)
     !> Level of each circle
     integer(i4), allocatable :: level(:)
-    !> Cell of each circle in its level, shape (2, circles)
+    !> Cell of each circle in its level, shape (3, circles); the third is 0 in the plane
     integer(i4), allocatable :: cell(:, :)
     !> Number of hash buckets less one (a power of two less one)
     integer(i4) :: mask = 0
@@ -35,16 +35,16 @@ contains
   !> Sort circles into cells.
   pure subroutine build_cells(cells, centre, reach, margin, period)
     type(cells_t), intent(out) :: cells !! cells to build
-    real(wp), intent(in), contiguous :: centre(:, :) !! centres [m], shape (2, circles)
+    real(wp), intent(in), contiguous :: centre(:, :) !! centres [m], shape (3, circles); the third is 0 in the plane
     real(wp), intent(in), contiguous :: reach(:) !! radii [m]
     real(wp), intent(in) :: margin !! circles nearer than this are near [m]
-    real(wp), intent(in) :: period !! period in x [m], zero when not periodic
+    real(wp), intent(in) :: period(3) !! period in x, y and z [m], zero where not periodic
     integer :: i, n
 
     n = size(reach)
     if (n == 0) return
     call choose_levels(cells, reach, margin, period)
-    allocate (cells%cell(2, n))
+    allocate (cells%cell(3, n))
     do i = 1, n
       cells%cell(:, i) = level_cell(cells, cells%level(i), centre(:, i))
     end do
@@ -54,8 +54,8 @@ contains
   !> Levels, and the side of their cells.
   pure subroutine choose_levels(cells, reach, margin, period)
     type(cells_t), intent(inout) :: cells
-    real(wp), intent(in) :: reach(:), margin, period
-    integer :: i, n
+    real(wp), intent(in) :: reach(:), margin, period(3)
+    integer :: i, n, axis
     integer, allocatable :: octave(:), new_level(:)
     real(wp), allocatable :: largest(:)
     real(wp) :: smallest
@@ -79,35 +79,37 @@ contains
       cells%level(i) = int(new_level(octave(i)), i4)
       largest(cells%level(i)) = max(largest(cells%level(i)), reach(i))
     end do
-    allocate (cells%side(2, n), cells%columns(n))
-    cells%side = spread(2*largest + margin, 1, 2)
+    allocate (cells%side(3, n), cells%columns(3, n))
+    cells%side = spread(2*largest + margin, 1, 3)
     cells%columns = 0
-    if (period > 0) then
-      cells%columns = max(1, int(period/cells%side(1, :)))
-      cells%side(1, :) = period/real(cells%columns, wp)
-    end if
+    do axis = 1, 3
+      if (.not. period(axis) > 0) cycle
+      cells%columns(axis, :) = max(1, int(period(axis)/cells%side(axis, :)))
+      cells%side(axis, :) = period(axis)/real(cells%columns(axis, :), wp)
+    end do
   end subroutine choose_levels
 
   !> Cell of a point in a level; columns are counted within the period where there is one.
   pure function level_cell(cells, level, point) result(cell)
     type(cells_t), intent(in) :: cells !! cells
     integer, intent(in) :: level !! level to look in
-    real(wp), intent(in) :: point(2) !! [m]
-    integer(i4) :: cell(2)
+    real(wp), intent(in) :: point(3) !! [m]
+    integer(i4) :: cell(3)
     real(wp), parameter :: far = 1e9_wp
 
     cell = int(floor(max(-far, min(far, point/cells%side(:, level)))), i4)
-    if (cells%columns(level) > 0) cell(1) = max(0, min(cells%columns(level) - 1, cell(1)))
+    where (cells%columns(:, level) > 0) cell = max(0_i4, min(cells%columns(:, level) - 1_i4, cell))
   end function level_cell
 
   !> Hash bucket of a cell of a level.
   pure integer(i4) function cells_bucket(self, level, cell) result(bucket)
     class(cells_t), intent(in) :: self
     integer, intent(in) :: level !! level of the cell
-    integer(i4), intent(in) :: cell(2) !! column and row
+    integer(i4), intent(in) :: cell(3) !! column, row and layer
     integer(i8) :: hash
 
-    hash = ieor(int(cell(1), i8)*73856093_i8, ieor(int(cell(2), i8)*19349663_i8, int(level, i8)*83492791_i8))
+    hash = ieor(int(cell(1), i8)*73856093_i8, ieor(int(cell(2), i8)*19349663_i8, &
+                                                   ieor(int(cell(3), i8)*67867979_i8, int(level, i8)*83492791_i8)))
     bucket = int(iand(ieor(hash, shiftr(hash, 15)), int(self%mask, i8)), i4)
   end function cells_bucket
 

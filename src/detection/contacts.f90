@@ -1,20 +1,23 @@
 !> Contacts of one step: geometry, law, and the impulses carried from step to step.
 !!
 !! A contact lies between a candidate and an antagonist contactor. Its normal points from the antagonist to the
-!! candidate, its tangent is t = (n_y, -n_x); a positive normal impulse pushes the two apart. Contacts stand in
-!! spatial order. A pair of polygons may have two contacts, told apart by their feature key.
+!! candidate, its tangent in the plane is t = (n_y, -n_x); a positive normal impulse pushes the two apart. In space no
+!! tangents are kept: an impulse is the vector that the candidate feels, in the world's axes. Contacts stand in spatial
+!! order. A pair of polygons may have two contacts, one of polyhedra four, told apart by their feature key.
 module sg_contacts
   use sg_kinds, only: wp, i1, i4
   use sg_lists, only: reserve
   implicit none
   private
-  public :: contacts_t, reserve_contacts
+  public :: contacts_t, reserve_contacts, normal_impulse, impulse_vector
 
   !> All contacts of one step
   type :: contacts_t
     !> Number of contacts
     integer :: n = 0
-    !> Impulse components: 2 (normal, tangential), or 1 where nothing rubs
+    !> Dimension of space
+    integer :: dimension = 2
+    !> Impulse components: 2 (normal, tangential), in space 3 (x, y, z), or 1 (normal) where nothing rubs
     integer :: n_components = 2
     !> Contactors, candidate and antagonist, shape (2, n)
     integer(i4), allocatable :: contactor(:, :)
@@ -24,15 +27,15 @@ module sg_contacts
     integer(i4), allocatable :: feature(:)
     !> Law, index into the scene's laws, shape (n)
     integer(i4), allocatable :: law(:)
-    !> Normal from antagonist to candidate, shape (2, n)
+    !> Normal from antagonist to candidate, shape (dimension, n)
     real(wp), allocatable :: normal(:, :)
-    !> Point of contact [m], in the candidate's periodic image, shape (2, n)
+    !> Point of contact [m], in the candidate's periodic image, shape (dimension, n)
     real(wp), allocatable :: point(:, :)
     !> Gap [m], negative where shapes overlap, shape (n)
     real(wp), allocatable :: gap(:)
-    !> Periods by which the antagonist's image is moved in x, shape (n)
-    integer(i1), allocatable :: image(:)
-    !> Impulse over the step [N s], normal and tangential, shape (n_components, n)
+    !> Periods by which the antagonist's image is moved in x, and in space in y, shape (n)
+    integer(i1), allocatable :: image(:), image_y(:)
+    !> Impulse over the step [N s], shape (n_components, n): normal and tangential; in space x, y, z; or normal alone
     real(wp), allocatable :: impulse(:, :)
     !> What the contact did in the last step, one of `status_*`, shape (n)
     integer(i1), allocatable :: status(:)
@@ -52,11 +55,40 @@ contains
     call reserve(contacts%body, 2, n)
     call reserve(contacts%feature, n)
     call reserve(contacts%law, n)
-    call reserve(contacts%normal, 2, n)
-    call reserve(contacts%point, 2, n)
+    call reserve(contacts%normal, contacts%dimension, n)
+    call reserve(contacts%point, contacts%dimension, n)
     call reserve(contacts%gap, n)
     call reserve(contacts%image, n)
+    if (contacts%dimension == 3) call reserve(contacts%image_y, n)
     call reserve(contacts%impulse, contacts%n_components, n)
     call reserve(contacts%status, n)
   end subroutine reserve_contacts
+
+  !> Normal impulse of a contact [N s].
+  pure real(wp) function normal_impulse(contacts, k)
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
+
+    normal_impulse = contacts%impulse(1, k)
+    if (contacts%n_components == 3) normal_impulse = dot_product(contacts%impulse(:, k), contacts%normal(:, k))
+  end function normal_impulse
+
+  !> Impulse that the candidate of a contact feels, in the world's axes [N s]; its third component is zero in the plane.
+  pure function impulse_vector(contacts, k) result(p)
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
+    real(wp) :: p(3)
+
+    p = 0
+    associate (n => contacts%normal(:, k), r => contacts%impulse(:, k))
+      select case (contacts%n_components)
+      case (1)
+        p(:contacts%dimension) = r(1)*n
+      case (2)
+        p(:2) = r(1)*n + r(2)*[n(2), -n(1)]
+      case (3)
+        p = r
+      end select
+    end associate
+  end function impulse_vector
 end module sg_contacts

@@ -1,6 +1,6 @@
 !> Detection: from the configuration of a step to its contacts, with the impulses of the last step as a guess.
 module sg_detect
-  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_wall, place_contactors
+  use sg_contactors, only: kind_hollow, kind_wall, place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_history, only: history_t, keep_contacts, match_pairs, recall
   use sg_kinds, only: wp, i1, i4
@@ -8,15 +8,12 @@ module sg_detect
   use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
   use sg_scene, only: scene_t
   use sg_touch, only: touch_t
-  use sg_touch_disk_disk, only: touch_disk_disk
-  use sg_touch_disk_hollow, only: touch_disk_hollow
-  use sg_touch_disk_polygon, only: touch_disk_polygon
-  use sg_touch_disk_wall, only: touch_disk_wall
-  use sg_touch_polygon_polygon, only: touch_polygon_polygon
-  use sg_touch_polygon_wall, only: touch_polygon_wall
+  use sg_touch_pair, only: touch_pair
+  use sg_touch_space, only: touch_space_t
+  use sg_touch_space_pair, only: spheres_are_apart, touch_space_pair
   implicit none
   private
-  public :: detect, touch_pair
+  public :: detect
 
 contains
 
@@ -48,30 +45,71 @@ contains
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(inout) :: history
     type(contacts_t), intent(inout) :: contacts
-    type(touch_t) :: touch
     integer(i4), allocatable :: first(:)
-    integer :: p, i
+    integer :: p
 
     ! About half of the neighbours touch; more room is made when it is wanted.
     call reserve_contacts(contacts, max(contacts%n, pairs%n/2))
     contacts%n = 0
     allocate (first(pairs%n + 1))
-    do p = 1, pairs%n
-      first(p) = int(contacts%n, i4) + 1
-      associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), see => scene%sees(pairs%see(p)))
-        if (circles_are_apart(scene, c, a, pairs%image(p), see%alert)) cycle
-        call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), see%alert, touch, &
-                        scene%period)
-        if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
-        do i = 1, touch%n
-          call add_contact(scene, pairs, history, p, touch, i, contacts)
-        end do
-      end associate
-    end do
+    if (scene%dimension == 2) then
+      do p = 1, pairs%n
+        first(p) = int(contacts%n, i4) + 1
+        call touch_in_plane(scene, pairs, history, p, contacts)
+      end do
+    else
+      do p = 1, pairs%n
+        first(p) = int(contacts%n, i4) + 1
+        call touch_in_space(scene, pairs, history, p, contacts)
+      end do
+    end if
     first(pairs%n + 1) = int(contacts%n, i4) + 1
     call move_alloc(first, history%first)
     history%n_pairs = pairs%n
   end subroutine touch_all
+
+  !> Narrow phase of one pair in the plane.
+  subroutine touch_in_plane(scene, pairs, history, p, contacts)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: p
+    type(contacts_t), intent(inout) :: contacts
+    type(touch_t) :: touch
+    integer :: i
+
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert)
+      if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
+      call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), alert, touch, scene%period)
+    end associate
+    if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
+    do i = 1, touch%n
+      call add_contact(scene, pairs, history, p, touch%normal(:, i), touch%point(:, i), touch%gap(i), touch%feature(i), contacts)
+    end do
+  end subroutine touch_in_plane
+
+  !> Narrow phase of one pair in space.
+  subroutine touch_in_space(scene, pairs, history, p, contacts)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: p
+    type(contacts_t), intent(inout) :: contacts
+    type(touch_space_t) :: touch
+    real(wp) :: offset(3)
+    integer :: i
+
+    offset = [scene%period*real(pairs%image(p), wp), scene%period_y*real(pairs%image_y(p), wp), 0.0_wp]
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert)
+      if (spheres_are_apart(scene%contactors, c, a, offset, alert)) return
+      call touch_space_pair(scene%contactors, c, a, offset, alert, [scene%period, scene%period_y], touch)
+    end associate
+    if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
+    do i = 1, touch%n
+      call add_contact(scene, pairs, history, p, touch%normal(:, i), touch%point(:, i), touch%gap(i), touch%feature(i), contacts)
+      contacts%image_y(contacts%n) = pairs%image_y(p)
+    end do
+  end subroutine touch_in_space
 
   !> Are the circles about two shapes farther apart than the alert distance? Most neighbours' are; a square tells.
   pure logical function circles_are_apart(scene, c, a, image, alert) result(apart)
@@ -92,12 +130,13 @@ contains
   end function circles_are_apart
 
   !> Add one point of contact, with the impulse of its past.
-  subroutine add_contact(scene, pairs, history, p, touch, i, contacts)
+  subroutine add_contact(scene, pairs, history, p, normal, point, gap, feature, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(in) :: history
-    integer, intent(in) :: p, i
-    type(touch_t), intent(in) :: touch
+    integer, intent(in) :: p
+    real(wp), intent(in) :: normal(:), point(:), gap
+    integer(i4), intent(in) :: feature
     type(contacts_t), intent(inout) :: contacts
     integer :: k, past
 
@@ -109,11 +148,11 @@ contains
     contacts%body(2, k) = scene%contactors%body(pairs%contactor(2, p))
     contacts%image(k) = pairs%image(p)
     contacts%law(k) = int(scene%sees(pairs%see(p))%law, i4)
-    contacts%feature(k) = touch%feature(i)
-    contacts%normal(:, k) = touch%normal(:, i)
-    contacts%point(:, k) = touch%point(:, i)
-    contacts%gap(k) = touch%gap(i)
-    past = recall(history, p, touch%feature(i), touch%point(:, i))
+    contacts%feature(k) = feature
+    contacts%normal(:, k) = normal
+    contacts%point(:, k) = point
+    contacts%gap(k) = gap
+    past = recall(history, p, feature, point)
     if (past > 0) then
       contacts%impulse(:, k) = history%impulse(:, past)
       contacts%status(k) = history%status(past)
@@ -133,66 +172,4 @@ contains
     status_at_start = status
     if (status == status_new .and. scene%laws(law)%kind == law_mohr) status_at_start = status_bonded
   end function status_at_start
-
-  !> Narrow phase of one pair: the kernel of its two kinds.
-  pure subroutine touch_pair(contactors, c, a, offset, alert, touch, period)
-    type(contactors_t), intent(in) :: contactors !! placed contactors
-    integer(i4), intent(in) :: c !! candidate
-    integer(i4), intent(in) :: a !! antagonist
-    real(wp), intent(in) :: offset !! shift of the antagonist in x [m]
-    real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
-    type(touch_t), intent(out) :: touch !! points of contact
-    real(wp), intent(in), optional :: period !! period in x, makes a level wall endless that spans it [m]
-    real(wp) :: centre(2), shift(2), half_length
-    integer :: row_c, row_a, first, n, first_c, n_c
-
-    shift = [offset, 0.0_wp]
-    row_c = contactors%row(c)
-    row_a = contactors%row(a)
-    centre = contactors%centre(:, a) + shift
-    if (contactors%kind(a) == kind_wall) half_length = facing_length(contactors, row_a, period)
-    if (contactors%kind(a) == kind_polygon) then
-      first = contactors%polygon_first(row_a)
-      n = contactors%polygon_first(row_a + 1) - first
-    end if
-    if (contactors%kind(c) == kind_disk) then
-      associate (own => contactors%centre(:, c), radius => contactors%disk_radius(row_c))
-        select case (contactors%kind(a))
-        case (kind_disk)
-          call touch_disk_disk(own, radius, centre, contactors%disk_radius(row_a), alert, touch)
-        case (kind_wall)
-          call touch_disk_wall(own, radius, centre, contactors%wall_axis(:, row_a), half_length, contactors%wall_size(2, row_a), &
-                               alert, touch)
-        case (kind_hollow)
-          call touch_disk_hollow(own, radius, centre, contactors%hollow_radius(row_a), alert, touch)
-        case (kind_polygon)
-          call touch_disk_polygon(own, radius, n, contactors%polygon_world(1, first), shift, alert, touch)
-        end select
-      end associate
-    else
-      first_c = contactors%polygon_first(row_c)
-      n_c = contactors%polygon_first(row_c + 1) - first_c
-      if (contactors%kind(a) == kind_polygon) then
-        call touch_polygon_polygon(n_c, contactors%polygon_world(1, first_c), n, contactors%polygon_world(1, first), shift, &
-                                   alert, touch)
-      else
-        call touch_polygon_wall(n_c, contactors%polygon_world(1, first_c), centre, contactors%wall_axis(:, row_a), half_length, &
-                                contactors%wall_size(2, row_a), alert, touch)
-      end if
-    end if
-  end subroutine touch_pair
-
-  !> Half length of a wall's axis as its antagonists meet it [m].
-  !!
-  !! A level wall that spans the period goes on in its own images: grains at its ends must not feel round caps there.
-  pure real(wp) function facing_length(contactors, row, period) result(half_length)
-    type(contactors_t), intent(in) :: contactors
-    integer, intent(in) :: row
-    real(wp), intent(in), optional :: period
-    real(wp), parameter :: level = 1e-6_wp ! slope below which neighbouring images meet
-
-    half_length = contactors%wall_size(1, row)
-    if (.not. present(period)) return
-    if (period > 0 .and. 2*half_length >= period .and. abs(contactors%wall_axis(2, row)) < level) half_length = half_length + period
-  end function facing_length
 end module sg_detect

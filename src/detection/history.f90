@@ -6,8 +6,9 @@ module sg_history
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_kinds, only: wp, i1, i4, i8
   use sg_lists, only: reserve
-  use sg_neighbours, only: candidate_first, neighbours_t
-  use sg_scene, only: scene_t
+  use sg_near, only: candidate_first
+  use sg_neighbours, only: neighbours_t
+  use sg_scene, only: scene_t, start_contact_t
   use sg_sorting, only: sort_permutation
   implicit none
   private
@@ -52,14 +53,15 @@ contains
     if (.not. allocated(scene%start_contacts)) return
     contacts%n = size(scene%start_contacts)
     if (contacts%n == 0) return
+    contacts%dimension = scene%dimension
     contacts%n_components = n_components
     call reserve_contacts(contacts, contacts%n)
     order = start_order(scene)
     do k = 1, contacts%n
       associate (known => scene%start_contacts(order(k)))
         contacts%contactor(:, k) = oriented(scene, known%contactor)
-        contacts%point(:, k) = known%point
-        contacts%impulse(:, k) = step*known%force(:n_components)
+        contacts%point(:, k) = known%point(:contacts%dimension)
+        contacts%impulse(:, k) = step*force_of(known, contacts%contactor(:, k), n_components)
         contacts%status(k) = known%status
       end associate
     end do
@@ -67,6 +69,26 @@ contains
     history%by_point = .true.
     history%point = contacts%point(:, :contacts%n)
   end subroutine start_history
+
+  !> Known force of a contact [N], on its candidate.
+  pure function force_of(known, contactor, n_components) result(force)
+    type(start_contact_t), intent(in) :: known
+    integer(i4), intent(in) :: contactor(2)
+    integer, intent(in) :: n_components
+    real(wp) :: force(n_components)
+
+    select case (n_components)
+    case (3)
+      force = known%force
+      if (contactor(1) /= known%contactor(1)) force = -known%force
+    case (2)
+      force = known%force(:2)
+    case default
+      ! Normal and tangential in the plane; in space the whole vector is normal where nothing rubs.
+      force = known%force(1)
+      if (known%is_vector) force = norm2(known%force)
+    end select
+  end function force_of
 
   !> Order that brings the contacts of each pair together.
   function start_order(scene) result(order)
@@ -84,7 +106,7 @@ contains
     order = sort_permutation(keys)
   end function start_order
 
-  !> A pair with its candidate first; turning it round changes neither component of the impulse.
+  !> A pair with its candidate first; turning it round changes neither component of a planar impulse.
   pure function oriented(scene, contactor)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: contactor(2)
@@ -196,7 +218,7 @@ contains
     type(history_t), intent(in) :: history !! past
     integer, intent(in) :: pair !! present neighbour pair
     integer(i4), intent(in) :: feature !! feature of the contact
-    real(wp), intent(in) :: point(2) !! its point [m]
+    real(wp), intent(in) :: point(:) !! its point [m]
     integer :: k, past
     real(wp) :: nearest, distance
 
@@ -208,7 +230,7 @@ contains
     nearest = huge(1.0_wp)
     do k = history%first(past), history%first(past + 1) - 1
       if (history%by_point) then
-        distance = hypot(history%point(1, k) - point(1), history%point(2, k) - point(2))
+        distance = norm2(history%point(:, k) - point)
         if (distance >= nearest) cycle
         nearest = distance
         best = k
@@ -236,6 +258,7 @@ contains
         contacts%impulse(:, k) = history%impulse(:, k)
         contacts%status(k) = history%status(k)
         contacts%image(k) = 0
+        if (contacts%dimension == 3) contacts%image_y(k) = 0
         contacts%law(k) = 1
       end do
     end do

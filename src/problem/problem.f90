@@ -3,15 +3,19 @@
 !! The kind of problem decides how long a record is (doc/theory/contact_problem.md). *Round* problems have lever arms
 !! along the normals of all bodies that turn (disks): the spin is carried as radius times spin, so that the radius
 !! drops out. *Arm* problems are general. Frictionless problems have one impulse component and no tangent at all.
+!! *Ball* and *solid* problems are the same two in space; their frictional impulses are vectors in the world's axes.
 module sg_problem
   use sg_kinds, only: wp, i4
   implicit none
   private
   public :: problem_t, reserve_problem, bytes_per_contact, problem_kind
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional
+  public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional
+  public :: first_inverse, is_compact, is_in_space
 
   !> Kinds of problem
-  integer, parameter :: round_frictionless = 1, round_frictional = 2, arm_frictionless = 3, arm_frictional = 4
+  integer, parameter :: round_frictionless = 1, round_frictional = 2, arm_frictionless = 3, arm_frictional = 4, &
+                        ball_frictionless = 5, ball_frictional = 6, solid_frictionless = 7, solid_frictional = 8
 
   !> Reals of a contact's record, by kind.
   !!
@@ -20,15 +24,24 @@ module sg_problem
   !! - arm, frictionless: n_x, n_y, turn_c, turn_a, bias, 1/W_nn
   !! - arm, frictional: n_x, n_y, turn_nc, turn_tc, turn_na, turn_ta, bias_n, bias_t, W_nn, W_nt, W_tt, friction,
   !!   cohesion, compliance_n, compliance_t, kind of local law
-  integer, parameter :: record_length(4) = [4, 7, 6, 16]
-  !> Reals of a body's record: velocities, then inverse masses; round frictional ones carry R spin and R^2/I
-  integer, parameter :: body_length(4) = [4, 6, 6, 6]
+  !! - ball, frictionless: n (3), bias, 1/W_nn
+  !! - ball, frictional: n (3), bias (3), 1/W_nn, 1/W_tt, friction
+  !! - solid, frictionless: n (3), arm_c x n (3), arm_a x n (3), bias, 1/W_nn
+  !! - solid, frictional: n (3), t (3), arm_c (3), arm_a (3), bias (3), W_nn, W_n1, W_n2, S_1, S_2, friction, cohesion,
+  !!   compliance_n, compliance_t, kind of local law, 1/lambda_max(W); t is the first tangent, the second is n x t, and in
+  !!   both S, the Schur complement of W_nn in W, is diagonal
+  integer, parameter :: record_length(8) = [4, 7, 6, 16, 5, 9, 11, 26]
+  !> Reals of a body's record: velocities, then inverse masses. Round and ball frictional ones carry R spin and R^2/I, solid
+  !! ones spin and inverse inertia (xx, yy, zz, xy, xz, yz) in the world's axes
+  integer, parameter :: body_length(8) = [4, 6, 6, 6, 6, 10, 16, 16]
   !> Impulse components
-  integer, parameter :: impulse_length(4) = [1, 2, 1, 2]
+  integer, parameter :: impulse_length(8) = [1, 2, 1, 2, 1, 3, 1, 3]
+  !> Where the inverse masses begin in a body's record
+  integer, parameter :: first_inverse(8) = [3, 4, 4, 4, 4, 7, 7, 7]
 
   !> One contact problem
   type :: problem_t
-    !> Kind of problem, one of the four above; 0 before the first assembly
+    !> Kind of problem, one of those above; 0 before the first assembly
     integer :: kind = 0
     !> Number of contacts and of bodies (slots)
     integer :: n_contacts = 0, n_bodies = 0
@@ -49,13 +62,29 @@ module sg_problem
 contains
 
   !> Kind of problem for a scene whose arms all lie along normals or not, with or without a tangent.
-  pure integer function problem_kind(is_round, has_tangent)
+  pure integer function problem_kind(dimension, is_round, has_tangent)
+    integer, intent(in) :: dimension !! of space
     logical, intent(in) :: is_round !! all arms of bodies that turn lie along normals
     logical, intent(in) :: has_tangent !! there is a tangential impulse
 
     problem_kind = merge(merge(round_frictional, round_frictionless, has_tangent), &
                          merge(arm_frictional, arm_frictionless, has_tangent), is_round)
+    if (dimension == 3) problem_kind = problem_kind + ball_frictionless - round_frictionless
   end function problem_kind
+
+  !> Does a kind of problem carry no lever arms?
+  pure logical function is_compact(kind)
+    integer, intent(in) :: kind !! kind of problem
+
+    is_compact = any(kind == [round_frictionless, round_frictional, ball_frictionless, ball_frictional])
+  end function is_compact
+
+  !> Is a kind of problem one in space?
+  pure logical function is_in_space(kind)
+    integer, intent(in) :: kind !! kind of problem
+
+    is_in_space = kind >= ball_frictionless
+  end function is_in_space
 
   !> Make room for a problem.
   subroutine reserve_problem(problem, kind, n_bodies, n_contacts)

@@ -14,7 +14,7 @@ module sg_scene
   type :: material_t
     !> Name by which bodies call it
     character(len=:), allocatable :: name
-    !> Mass per area and metre of depth [kg/m3]
+    !> Mass per volume, in the plane per area and metre of depth [kg/m3]
     real(wp) :: density = 0
   end type material_t
 
@@ -35,9 +35,11 @@ module sg_scene
     !> Contactors, candidate and antagonist
     integer :: contactor(2) = 0
     !> Where it touches [m]: tells apart two points of one pair
-    real(wp) :: point(2) = 0
-    !> Mean force over the last step, normal and tangential [N]
-    real(wp) :: force(2) = 0
+    real(wp) :: point(3) = 0
+    !> Mean force over the last step [N]: normal and tangential; in space on the candidate, in the world's axes
+    real(wp) :: force(3) = 0
+    !> Is the force a vector in the world's axes, as in space?
+    logical :: is_vector = .false.
     !> What it did in the last step
     integer(i1) :: status = 0
   end type start_contact_t
@@ -66,10 +68,10 @@ module sg_scene
     type(start_contact_t), allocatable :: start_contacts(:)
     !> Names of bodies, shape (bodies); only where the deck names some
     type(text_t), allocatable :: names(:)
-    !> Gravity [m/s2]
-    real(wp) :: gravity(2) = 0
-    !> Length of the period in x [m]; zero when not periodic
-    real(wp) :: period = 0
+    !> Gravity [m/s2]; in the plane the third component is zero
+    real(wp) :: gravity(3) = 0
+    !> Length of the period in x, and in space in y [m]; zero when not periodic
+    real(wp) :: period = 0, period_y = 0
     !> Time [s] and step number at the start
     real(wp) :: start_time = 0
     integer(i4) :: start_step = 0

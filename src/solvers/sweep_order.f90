@@ -7,7 +7,7 @@
 !! the ones chosen.
 module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
-  use sg_problem, only: problem_t, round_frictional, round_frictionless
+  use sg_problem, only: first_inverse, is_compact, problem_t
   implicit none
   private
   public :: sweep_order_t, set_order, give_impulses
@@ -94,7 +94,7 @@ contains
 
     block_size = block_arm
     width = width_arm
-    if (problem%kind == round_frictionless .or. problem%kind == round_frictional) then
+    if (is_compact(problem%kind)) then
       block_size = block_round
       width = width_round
     end if
@@ -115,7 +115,7 @@ contains
     integer :: filled(0:most_groups), group(block_round), i, g, side, inverse
     integer(i4) :: pair(2)
 
-    inverse = merge(3, 4, problem%kind == round_frictionless)
+    inverse = first_inverse(problem%kind)
     full = 0
     filled = 0
     do i = 1, size(chosen)

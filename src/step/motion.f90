@@ -4,7 +4,9 @@
 module sg_motion
   use sg_bodies, only: bodies_t
   use sg_drives, only: drive_forces, drive_velocities
+  use sg_free_spin, only: free_spin
   use sg_kinds, only: wp
+  use sg_quaternions, only: turned_on
   use sg_scene, only: scene_t
   implicit none
   private
@@ -18,27 +20,50 @@ contains
     real(wp), intent(in) :: time !! beginning of the step [s]
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in) :: theta !! weight of the end of the step
-    integer :: b
+    integer :: b, n
 
+    n = scene%dimension
     do b = 1, scene%bodies%n
-      scene%bodies%force(1:2, b) = scene%bodies%mass(b)*scene%gravity
-      if (scene%bodies%n_velocity == 3) scene%bodies%force(3, b) = 0
+      scene%bodies%force(:, b) = 0
+      scene%bodies%force(:n, b) = scene%bodies%mass(b)*scene%gravity(:n)
     end do
     call drive_forces(scene%drives, scene%pressures, scene%bodies, time, h, theta)
     associate (bodies => scene%bodies)
       bodies%free_velocity = bodies%velocity + h*bodies%inverse_mass*bodies%force
     end associate
     call drive_velocities(scene%drives, scene%bodies, time + h)
+    if (scene%bodies%n_velocity == 6) call spin_freely(scene%bodies, h, theta)
     call set_middle(scene%bodies, (1 - theta)*h)
   end subroutine predict
+
+  !> Gyroscopic torques: those of the bodies whose principal moments differ.
+  pure subroutine spin_freely(bodies, h, theta)
+    type(bodies_t), intent(inout) :: bodies
+    real(wp), intent(in) :: h, theta
+    integer :: b
+
+    do b = 1, bodies%n
+      if (.not. maxval(bodies%principal(:, b)) > minval(bodies%principal(:, b))) cycle
+      call free_spin(bodies%principal(:, b), bodies%inverse_mass(4:6, b), bodies%velocity(4:6, b), bodies%force(4:6, b), h, &
+                     theta, bodies%free_velocity(4:6, b))
+    end do
+  end subroutine spin_freely
 
   !> Configuration of detection: where bodies are after a time, at their present velocities.
   pure subroutine set_middle(bodies, duration)
     type(bodies_t), intent(inout) :: bodies
     real(wp), intent(in) :: duration
+    integer :: b
 
-    bodies%middle(1:2, :) = bodies%position + duration*bodies%velocity(1:2, :)
-    if (bodies%n_velocity == 3) bodies%middle(3, :) = bodies%angle + duration*bodies%velocity(3, :)
+    bodies%middle(:bodies%dimension, :) = bodies%position + duration*bodies%velocity(:bodies%dimension, :)
+    select case (bodies%n_velocity - bodies%dimension)
+    case (1)
+      bodies%middle(3, :) = bodies%angle + duration*bodies%velocity(3, :)
+    case (3)
+      do b = 1, bodies%n
+        bodies%middle(4:7, b) = turned_on(bodies%orientation(:, b), duration*bodies%velocity(4:6, b))
+      end do
+    end select
   end subroutine set_middle
 
   !> Move bodies to the end of the step; their velocities there stand in `free_velocity`.
@@ -46,11 +71,19 @@ contains
     type(bodies_t), intent(inout) :: bodies !! bodies of the solved step
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in) :: theta !! weight of the end of the step
+    integer :: b, n
 
-    bodies%position = bodies%position + h*((1 - theta)*bodies%velocity(1:2, :) + theta*bodies%free_velocity(1:2, :))
-    if (bodies%n_velocity == 3) then
+    n = bodies%dimension
+    bodies%position = bodies%position + h*((1 - theta)*bodies%velocity(:n, :) + theta*bodies%free_velocity(:n, :))
+    select case (bodies%n_velocity - n)
+    case (1)
       bodies%angle = bodies%angle + h*((1 - theta)*bodies%velocity(3, :) + theta*bodies%free_velocity(3, :))
-    end if
+    case (3)
+      do b = 1, bodies%n
+        bodies%orientation(:, b) = turned_on(bodies%orientation(:, b), &
+                                             h*((1 - theta)*bodies%velocity(4:6, b) + theta*bodies%free_velocity(4:6, b)))
+      end do
+    end select
     bodies%velocity = bodies%free_velocity
   end subroutine update
 end module sg_motion

@@ -4,10 +4,12 @@ program test_neighbours
   use sg_bodies, only: drop_rotation
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, kind_wall, place_contactors
   use sg_contacts, only: contacts_t
-  use sg_detect, only: detect, touch_pair
+  use sg_detect, only: detect
+  use sg_touch_pair, only: touch_pair
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4, pi
-  use sg_neighbours, only: build_neighbours, candidate_first, neighbours_t
+  use sg_near, only: candidate_first
+  use sg_neighbours, only: build_neighbours, neighbours_t
   use sg_random, only: random_t
   use sg_scene, only: colour_index, scene_t
   use sg_sees, only: see_between

@@ -1,0 +1,68 @@
+!> Tables of the shapes in space, one per kind, and how they follow their bodies.
+!!
+!! A kind that a scene does not hold has no table.
+module sg_space_shapes
+  use sg_kinds, only: wp, i4
+  use sg_polyhedron, only: place_polyhedron, polyhedron_t
+  use sg_quaternions, only: frame_of, turned_by
+  implicit none
+  private
+  public :: space_shapes_t, place_in_space
+  public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
+
+  !> Kinds of shape in space: sphere, thin box (PLANx), capsule (CYLND), hollow cylinder (DNLYC), convex polyhedron
+  integer, parameter :: kind_sphere = 5, kind_plane = 6, kind_cylinder = 7, kind_hollow_cylinder = 8, kind_polyhedron = 9
+
+  !> Shapes in space
+  type :: space_shapes_t
+    !> Spheres: radius [m]
+    real(wp), allocatable :: sphere_radius(:)
+    !> Planes: half axes of the box [m], shape (3, row); grains are meant to touch the face at +half(3)
+    real(wp), allocatable :: plane_half(:, :)
+    !> Planes: axes of the box as columns in the body's frame, and in the detection configuration, shape (9, row)
+    real(wp), allocatable :: plane_frame(:, :), plane_world(:, :)
+    !> Cylinders (capsules): half height of the axis, radius [m], shape (2, row)
+    real(wp), allocatable :: cylinder_size(:, :)
+    !> Cylinders: unit vector of the axis in the body's frame, and in the detection configuration, shape (3, row)
+    real(wp), allocatable :: cylinder_axis(:, :), cylinder_world(:, :)
+    !> Hollow cylinders: half height, inner radius [m], shape (2, row), and axes as above
+    real(wp), allocatable :: hollow_size(:, :), hollow_axis(:, :), hollow_world(:, :)
+    !> Convex polyhedra
+    type(polyhedron_t), allocatable :: polyhedra(:)
+  end type space_shapes_t
+
+contains
+
+  !> Put contactors where their bodies are.
+  pure subroutine place_in_space(n, kind, body, row, shift, middle, centre, space)
+    integer, intent(in) :: n !! contactors
+    integer(i4), intent(in) :: kind(:) !! kind of shape
+    integer(i4), intent(in) :: body(:) !! body of each
+    integer(i4), intent(in) :: row(:) !! row in the table of its kind
+    real(wp), intent(in) :: shift(:, :) !! centre in the body's frame [m], shape (3, contactors)
+    real(wp), intent(in), contiguous :: middle(:, :) !! bodies' configuration [m, quaternion], shape (3 or 7, bodies)
+    real(wp), intent(inout) :: centre(:, :) !! centre in the world [m], shape (3, contactors)
+    type(space_shapes_t), intent(inout) :: space !! shapes; their world coordinates are set
+    real(wp) :: q(4), frame(3, 3), local(3, 3)
+    integer :: c
+
+    q = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
+    do c = 1, n
+      centre(:, c) = middle(1:3, body(c))
+      if (size(middle, 1) == 7) q = middle(4:7, body(c))
+      if (any(abs(shift(:, c)) > 0)) centre(:, c) = centre(:, c) + turned_by(q, shift(:, c))
+      select case (kind(c))
+      case (kind_plane)
+        frame = frame_of(q)
+        local = reshape(space%plane_frame(:, row(c)), [3, 3])
+        space%plane_world(:, row(c)) = reshape(matmul(frame, local), [9])
+      case (kind_cylinder)
+        space%cylinder_world(:, row(c)) = turned_by(q, space%cylinder_axis(:, row(c)))
+      case (kind_hollow_cylinder)
+        space%hollow_world(:, row(c)) = turned_by(q, space%hollow_axis(:, row(c)))
+      case (kind_polyhedron)
+        call place_polyhedron(space%polyhedra(row(c)), centre(:, c), frame_of(q))
+      end select
+    end do
+  end subroutine place_in_space
+end module sg_space_shapes

@@ -1,0 +1,140 @@
+!> Can two contactors be near each other? Cheap lower bounds of the gap decide who becomes a neighbour.
+module sg_near
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow, kind_hollow_cylinder, kind_plane, kind_wall, n_kinds
+  use sg_kinds, only: wp, i4
+  implicit none
+  private
+  public :: is_near, candidate_first, turning_arm
+
+contains
+
+  !> Is `i` the candidate of the pair? Disks before polygons before walls, spheres before polyhedra before cylinders before
+  !! walls; of one kind, the later contactor.
+  pure logical function candidate_first(contactors, i, j)
+    type(contactors_t), intent(in) :: contactors !! all contactors
+    integer, intent(in) :: i !! one contactor
+    integer, intent(in) :: j !! the other
+    integer, parameter :: rank(n_kinds) = [1, 3, 4, 2, 1, 5, 3, 4, 2]
+
+    candidate_first = i > j
+    if (contactors%kind(i) /= contactors%kind(j)) candidate_first = rank(contactors%kind(i)) < rank(contactors%kind(j))
+  end function candidate_first
+
+  !> How far a contactor's bound moves per radian of its body [m].
+  pure real(wp) function turning_arm(contactors, c) result(arm)
+    type(contactors_t), intent(in) :: contactors !! all contactors
+    integer, intent(in) :: c !! the one to look at
+
+    arm = sum(abs(contactors%shift(:, c)))
+    if (any(contactors%kind(c) == [kind_wall, kind_plane, kind_hollow_cylinder])) arm = arm + contactors%reach(c)
+  end function turning_arm
+
+  !> Can the gap between two contactors, j moved by some periods, be below a distance?
+  pure logical function is_near(contactors, i, j, offset, period, distance)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    integer(i4), intent(in) :: i !! one contactor
+    integer(i4), intent(in) :: j !! the other
+    real(wp), intent(in) :: offset(3) !! by which j is moved [m]
+    real(wp), intent(in) :: period(3) !! in x, y and z, zero where not periodic [m]
+    real(wp), intent(in) :: distance !! [m]
+    real(wp) :: apart(3)
+
+    apart = 0
+    apart(:contactors%dimension) = contactors%centre(:, i) - contactors%centre(:, j)
+    apart = apart - offset
+    if (is_wall(contactors, j)) then
+      is_near = near_wall(contactors, j, apart, contactors%reach(i), period, distance)
+    else if (is_wall(contactors, i)) then
+      is_near = near_wall(contactors, i, -apart, contactors%reach(j), period, distance)
+    else
+      is_near = norm2(apart) - contactors%reach(i) - contactors%reach(j) < distance
+    end if
+  end function is_near
+
+  !> Is a contactor one that bounds others, with a bound of its own?
+  pure logical function is_wall(contactors, c)
+    type(contactors_t), intent(in) :: contactors
+    integer(i4), intent(in) :: c
+
+    is_wall = any(contactors%kind(c) == [kind_wall, kind_hollow, kind_plane, kind_hollow_cylinder])
+  end function is_wall
+
+  !> The same against a wall: by the bound of its kind.
+  pure logical function near_wall(contactors, wall, apart, reach, period, distance)
+    type(contactors_t), intent(in) :: contactors
+    integer(i4), intent(in) :: wall
+    real(wp), intent(in) :: apart(3), reach, period(3), distance
+
+    select case (contactors%kind(wall))
+    case (kind_hollow)
+      near_wall = contactors%reach(wall) - norm2(apart) - reach < distance
+    case (kind_plane)
+      near_wall = near_plane(contactors, wall, apart, reach, period, distance)
+    case (kind_hollow_cylinder)
+      near_wall = near_hollow_cylinder(contactors, wall, apart, reach, distance)
+    case default
+      near_wall = near_segment(contactors, wall, apart, reach, period, distance)
+    end select
+  end function near_wall
+
+  !> Against a rounded segment: distance to its axis. The images of a wall that spans the period are itself: what sees it
+  !! sees the one whose centre is nearest.
+  pure logical function near_segment(contactors, wall, apart, reach, period, distance)
+    type(contactors_t), intent(in) :: contactors
+    integer(i4), intent(in) :: wall
+    real(wp), intent(in) :: apart(3), reach, period(3), distance
+    real(wp) :: axis(2), along, across, half_length
+
+    associate (row => contactors%row(wall))
+      axis = contactors%wall_axis(:, row)
+      half_length = contactors%wall_size(1, row)
+      along = max(0.0_wp, abs(dot_product(apart(:2), axis)) - half_length)
+      across = apart(1)*axis(2) - apart(2)*axis(1)
+      near_segment = hypot(along, across) - contactors%wall_size(2, row) - reach < distance
+      if (period(1) > 0 .and. 2*half_length*abs(axis(1)) >= period(1)) then
+        near_segment = near_segment .and. is_nearest(apart(1)/period(1))
+      end if
+    end associate
+  end function near_segment
+
+  !> Against a plane: distance to its box. Of a plane that spans a period only the nearest image is seen.
+  pure logical function near_plane(contactors, wall, apart, reach, period, distance)
+    type(contactors_t), intent(in) :: contactors
+    integer(i4), intent(in) :: wall
+    real(wp), intent(in) :: apart(3), reach, period(3), distance
+    real(wp) :: frame(3, 3), half(3), beyond(3)
+    integer :: axis
+
+    frame = reshape(contactors%space%plane_world(:, contactors%row(wall)), [3, 3])
+    half = contactors%space%plane_half(:, contactors%row(wall))
+    beyond = max(0.0_wp, abs(matmul(apart, frame)) - half)
+    near_plane = norm2(beyond) - reach < distance
+    do axis = 1, 2
+      if (.not. period(axis) > 0) cycle
+      if (2*dot_product(half, abs(frame(axis, :))) >= period(axis)) then
+        near_plane = near_plane .and. is_nearest(apart(axis)/period(axis))
+      end if
+    end do
+  end function near_plane
+
+  !> Against a hollow cylinder: between its ends, and not far inside its wall.
+  pure logical function near_hollow_cylinder(contactors, wall, apart, reach, distance) result(is_near)
+    type(contactors_t), intent(in) :: contactors
+    integer(i4), intent(in) :: wall
+    real(wp), intent(in) :: apart(3), reach, distance
+    real(wp) :: along, axis(3)
+
+    axis = contactors%space%hollow_world(:, contactors%row(wall))
+    along = dot_product(apart, axis)
+    associate (size => contactors%space%hollow_size(:, contactors%row(wall)))
+      is_near = abs(along) - size(1) - reach < distance .and. size(2) - norm2(apart - along*axis) - reach < distance
+    end associate
+  end function near_hollow_cylinder
+
+  !> Is no other image nearer? Of two as near, it is the one on the right.
+  pure logical function is_nearest(periods)
+    real(wp), intent(in) :: periods !! how many periods the image is away
+
+    is_nearest = periods >= -0.5_wp .and. periods < 0.5_wp
+  end function is_nearest
+end module sg_near
