@@ -10,6 +10,7 @@ module sg_rotations
   implicit none
   private
   public :: no_rotation, quaternion_product, normalised, rotation_by, turned, frame_of, quaternion_of, nearest_rotation
+  public :: turned_on, turned_by, turned_back, cross
 
   !> The orientation of a body whose axes are the world's
   real(wp), parameter :: no_rotation(4) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
@@ -64,6 +65,35 @@ contains
 
     next = normalised(quaternion_product(rotation_by(vector), q))
   end function turned
+
+  !> An orientation turned by a vector of the body's own frame, of length one again.
+  pure function turned_on(q, vector) result(next)
+    real(wp), intent(in) :: q(4) !! orientation
+    real(wp), intent(in) :: vector(3) !! axis in the body's frame times angle [rad]: spin times time
+    real(wp) :: next(4)
+
+    next = normalised(quaternion_product(q, rotation_by(vector)))
+  end function turned_on
+
+  !> A vector of the body's frame in the world.
+  pure function turned_by(q, v) result(image)
+    real(wp), intent(in) :: q(4) !! orientation, of length one
+    real(wp), intent(in) :: v(3) !! vector in the body's frame
+    real(wp) :: image(3), t(3)
+
+    t = 2*cross(q(2:4), v)
+    image = v + q(1)*t + cross(q(2:4), t)
+  end function turned_by
+
+  !> A vector of the world in the body's frame.
+  pure function turned_back(q, v) result(image)
+    real(wp), intent(in) :: q(4) !! orientation, of length one
+    real(wp), intent(in) :: v(3) !! vector in the world
+    real(wp) :: image(3), t(3)
+
+    t = 2*cross(v, q(2:4))
+    image = v + q(1)*t + cross(t, q(2:4))
+  end function turned_back
 
   !> The frame of a quaternion, orthonormal to rounding whatever the quaternion's length.
   pure function frame_of(q) result(frame)
@@ -166,7 +196,8 @@ contains
 
   !> Cross product.
   pure function cross(a, b) result(c)
-    real(wp), intent(in) :: a(3), b(3)
+    real(wp), intent(in) :: a(3) !! first vector
+    real(wp), intent(in) :: b(3) !! second vector
     real(wp) :: c(3)
 
     c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]

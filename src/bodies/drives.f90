@@ -9,7 +9,7 @@ module sg_drives
 
   !> One imposed component of one body
   type :: drive_t
-    !> Body and component (1 x, 2 y, 3 rotation)
+    !> Body and component (1 x, 2 y, 3 rotation; in space 1 to 3 x, y, z and 4 to 6 spin about principal axes)
     integer :: body = 0, component = 0
     !> A velocity is imposed; otherwise a force is
     logical :: is_velocity = .true.
@@ -22,8 +22,8 @@ module sg_drives
     !> Body that is pushed
     integer :: body = 0
     !> Direction of the push, unit vector
-    real(wp) :: direction(2) = 0
-    !> Pressed length [m]; where zero, the free distance between the two bodies of `between`
+    real(wp) :: direction(3) = 0
+    !> Pressed length [m], in space area [m2]; where zero, in the plane, the free distance between the two bodies of `between`
     real(wp) :: length = 0
     !> Bodies whose facing sides bound the pressed length, and the sum of their half thicknesses [m]
     integer :: between(2) = 0
@@ -54,7 +54,7 @@ contains
     real(wp), intent(in) :: time !! beginning of the step [s]
     real(wp), intent(in) :: step !! length of the step [s]
     real(wp), intent(in) :: theta !! weight of the end of the step
-    integer :: i
+    integer :: i, n
     real(wp) :: mean
 
     do i = 1, size(drives)
@@ -66,8 +66,9 @@ contains
     end do
     do i = 1, size(pressures)
       mean = (1 - theta)*pressures(i)%value%at(time) + theta*pressures(i)%value%at(time + step)
-      associate (force => bodies%force(1:2, pressures(i)%body))
-        force = force + mean*pressed_length(pressures(i), bodies)*pressures(i)%direction
+      n = bodies%dimension
+      associate (force => bodies%force(:n, pressures(i)%body))
+        force = force + mean*pressed_length(pressures(i), bodies)*pressures(i)%direction(:n)
       end associate
     end do
   end subroutine drive_forces

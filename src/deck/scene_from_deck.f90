@@ -38,7 +38,7 @@ contains
       return
     end if
     scene%dimension = deck%integer(b, 'dimension')
-    scene%gravity = deck%pair(b, 'gravity')
+    scene%gravity(:2) = deck%pair(b, 'gravity')
     call materials_from_deck(deck, scene, diagnostics)
     call laws_from_deck(deck, scene, diagnostics)
     call bodies_from_deck(deck, scene, diagnostics)
@@ -75,9 +75,9 @@ contains
     scene%period = period
     if (diagnostics%count() > 0) return
     if (deck%is_given(block, 'gravity')) then
-      scene%gravity = deck%pair(block, 'gravity')
+      scene%gravity(:2) = deck%pair(block, 'gravity')
     else
-      call deck%give_pair(block, 'gravity', scene%gravity)
+      call deck%give_pair(block, 'gravity', scene%gravity(:2))
     end if
     call drives_from_deck(deck, scene, diagnostics)
     call wrap(scene)

@@ -12,7 +12,7 @@ module sg_laws
   public :: law_t, local_law_t, local_law
   public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
   public :: status_new, status_none, status_stick, status_slide, status_bonded
-  public :: is_plain, is_frictionless
+  public :: is_plain, is_frictionless, inverse_of
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
   !! wet (cohesion within a thickness), Mohr-Coulomb (cohesion until broken), elastic repulsion, linear
@@ -48,8 +48,8 @@ module sg_laws
     logical :: is_active = .true.
     !> Is it linear, with both components free in sign?
     logical :: is_linear = .false.
-    !> Added to the relative velocity, normal and tangential [m/s]
-    real(wp) :: bias(2) = 0
+    !> Added to the relative velocity, normal and tangential (in the plane the third is zero) [m/s]
+    real(wp) :: bias(3) = 0
     !> Friction coefficient of this step
     real(wp) :: friction = 0
     !> Cohesion impulse: the normal impulse may go down to minus this [N s]
@@ -65,7 +65,7 @@ contains
     type(law_t), intent(in) :: law !! law of the contact
     real(wp), intent(in) :: gap !! at the detection configuration [m]
     real(wp), intent(in) :: step !! time step h [s]
-    real(wp), intent(in) :: before(2) !! relative velocity at the beginning of the step, normal and tangential [m/s]
+    real(wp), intent(in) :: before(3) !! relative velocity at the beginning of the step, normal and tangential [m/s]
     integer(i1), intent(in) :: status !! what the contact did in the last step
     type(local_law_t) :: local
 
@@ -79,7 +79,7 @@ contains
       local%is_active = gap <= 0
     case (law_restitution)
       local%is_active = gap <= 0
-      local%bias = before*[law%normal_restitution, law%tangential_restitution]
+      local%bias = before*[law%normal_restitution, law%tangential_restitution, law%tangential_restitution]
     case (law_wet)
       local%bias(1) = max(0.0_wp, gap/step)
       if (gap <= law%wet_thickness) local%cohesion = law%normal_cohesion*step
@@ -94,6 +94,15 @@ contains
       local%compliance = law%epsilon
     end select
   end function local_law
+
+  !> Inverse of a diagonal term of W; zero where the contact can change nothing.
+  pure real(wp) function inverse_of(w, is_active)
+    real(wp), intent(in) :: w !! diagonal term [1/kg]
+    logical, intent(in) :: is_active !! can the contact carry an impulse?
+
+    inverse_of = 0
+    if (is_active .and. w > tiny(1.0_wp)) inverse_of = 1/w
+  end function inverse_of
 
   !> Is the law unilateral contact with Coulomb friction and nothing else, so that compact kernels serve it?
   pure logical function is_plain(law)

@@ -22,7 +22,7 @@ contains
     share = 0
     weight = mass*norm2(scene%gravity)
     if (.not. weight*h > 0) return
-    share = dot_product(force_on_walls(scene, contacts, h), scene%gravity)/(norm2(scene%gravity)*weight)
+    share = dot_product(force_on_walls(scene, contacts, h), scene%gravity(:2))/(norm2(scene%gravity)*weight)
   end function floor_share
 
   !> Force of contacts on all walls, mean over the step [N].

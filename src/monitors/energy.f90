@@ -87,7 +87,7 @@ contains
     work = 0
     associate (bodies => scene%bodies)
       do i = 1, bodies%n
-        work = work + h*(dot_product(bodies%force(:, i), mean(:, i)) - bodies%mass(i)*dot_product(scene%gravity, mean(1:2, i)))
+        work = work + h*(dot_product(bodies%force(:, i), mean(:, i)) - bodies%mass(i)*dot_product(scene%gravity(:scene%dimension), mean(:scene%dimension, i)))
       end do
     end associate
   end function imposed_work
@@ -148,7 +148,7 @@ contains
 
     position = scene%bodies%position(:, body)
     position(1) = position(1) + scene%period*real(scene%bodies%crossings(body), wp)
-    work = scene%bodies%mass(body)*dot_product(scene%gravity, position)
+    work = scene%bodies%mass(body)*dot_product(scene%gravity(:2), position)
   end function potential_drop
 
   !> How far the balance is from closing, over its largest term; zero before the first step.

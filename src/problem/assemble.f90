@@ -1,12 +1,14 @@
 !> From contacts to a contact problem: local frames, lever arms, Delassus blocks, biases, the guess; and back.
 module sg_assemble
   use sg_bodies, only: bodies_t
+  use sg_assemble_space, only: load_space_bodies, space_record, unload_space_bodies, velocity_before
   use sg_compact, only: compact_velocity
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp, i1, i4
-  use sg_laws, only: law_mohr, local_law, local_law_t, status_bonded, status_none, status_slide, status_stick
+  use sg_laws, only: inverse_of, law_mohr, local_law, local_law_t, status_bonded, status_none, status_slide, status_stick
   use sg_mapping, only: arms_of, relative_velocity
-  use sg_problem, only: arm_frictional, arm_frictionless, problem_t, reserve_problem, round_frictional, round_frictionless
+  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, is_compact, is_in_space, problem_t, &
+                        reserve_problem, round_frictional, round_frictionless, solid_frictional
   use sg_scene, only: scene_t
   implicit none
   private
@@ -24,17 +26,23 @@ contains
     real(wp), intent(in) :: radius(:) !! signed radius of round bodies [m], shape (bodies); empty for arm problems
     real(wp), intent(in) :: step !! time step [s]
     type(problem_t), intent(inout) :: problem !! the problem made
-    real(wp) :: q(2), squares
+    real(wp) :: q(3), squares
     type(local_law_t) :: law
     integer :: k
 
     call reserve_problem(problem, kind, scene%bodies%n, contacts%n)
-    call load_bodies(scene%bodies, kind, body_of, radius, problem%body)
+    if (is_in_space(kind)) then
+      call load_space_bodies(scene%bodies, kind, body_of, radius, problem%body)
+    else
+      call load_bodies(scene%bodies, kind, body_of, radius, problem%body)
+    end if
     squares = 0
     do k = 1, contacts%n
       problem%pair(:, k) = slot_of(contacts%body(:, k))
       law = law_of(scene, contacts, k, step)
-      if (kind == round_frictionless .or. kind == round_frictional) then
+      if (is_in_space(kind)) then
+        call space_record(scene, contacts, k, kind, law, problem%body, problem%pair(:, k), problem%record(:, k))
+      else if (is_compact(kind)) then
         call round_record(scene, contacts, k, kind, law, problem%body, problem%pair(:, k), problem%record(:, k))
       else
         call arm_record(scene, contacts, k, kind, law, problem%body, problem%pair(:, k), problem%record(:, k))
@@ -42,11 +50,11 @@ contains
       problem%impulse(:, k) = 0
       if (.not. law%is_active) cycle
       q = compact_velocity(problem, k)
-      squares = squares + q(1)**2 + q(2)**2
+      squares = squares + sum(q**2)
       problem%impulse(:, k) = contacts%impulse(:, k)
     end do
     problem%free_norm = sqrt(squares)
-    problem%velocity_scale = hypot(scene%gravity(1), scene%gravity(2))*step
+    problem%velocity_scale = norm2(scene%gravity)*step
     if (.not. problem%velocity_scale > 0) problem%velocity_scale = problem%free_norm/sqrt(real(max(1, contacts%n), wp))
   end subroutine assemble
 
@@ -57,12 +65,16 @@ contains
     integer, intent(in) :: k
     real(wp), intent(in) :: step
     type(local_law_t) :: law
-    real(wp) :: before(2)
+    real(wp) :: before(3)
 
     before = 0
     associate (own => scene%laws(contacts%law(k)))
       if (max(abs(own%normal_restitution), abs(own%tangential_restitution)) > 0) then
-        before = relative_velocity(contacts, k, scene%bodies%middle, scene%period, scene%bodies%velocity)
+        if (scene%dimension == 2) then
+          before(:2) = relative_velocity(contacts, k, scene%bodies%middle, scene%period, scene%bodies%velocity)
+        else
+          before = velocity_before(scene, contacts, k)
+        end if
       end if
       law = local_law(own, contacts%gap(k), step, before, contacts%status(k))
     end associate
@@ -108,7 +120,7 @@ contains
     integer :: inverse
 
     n = contacts%normal(:, k)
-    bias = law%bias + driven_spin(scene, contacts, k)
+    bias = law%bias(:2) + driven_spin(scene, contacts, k)
     inverse = merge(3, 4, kind == round_frictionless)
     mx = body(inverse, pair(1)) + body(inverse, pair(2))
     my = body(inverse + 1, pair(1)) + body(inverse + 1, pair(2))
@@ -122,15 +134,6 @@ contains
       record(4:7) = [bias(2), inverse_of(w_nn + w_nt, law%is_active), inverse_of(w_tt + w_nt, law%is_active), law%friction]
     end if
   end subroutine round_record
-
-  !> Inverse of a diagonal term of W; zero where the contact can change nothing.
-  pure real(wp) function inverse_of(w, is_active)
-    real(wp), intent(in) :: w
-    logical, intent(in) :: is_active
-
-    inverse_of = 0
-    if (is_active .and. w > tiny(1.0_wp)) inverse_of = 1/w
-  end function inverse_of
 
   !> Relative velocity due to driven spins, which the records of round bodies do not carry.
   pure function driven_spin(scene, contacts, k) result(u)
@@ -184,7 +187,7 @@ contains
     w_nt = n(1)*n(2)*(mx - my) + turn_n(1)*turn_t(1)*body(6, pair(1)) + turn_n(2)*turn_t(2)*body(6, pair(2))
     law_kind = merge(2.0_wp, 1.0_wp, law%is_linear)
     if (.not. (law%is_active .and. w_nn > tiny(1.0_wp))) law_kind = 0
-    record = [n, turn_n(1), turn_t(1), turn_n(2), turn_t(2), law%bias, w_nn, w_nt, w_tt, law%friction, law%cohesion, &
+    record = [n, turn_n(1), turn_t(1), turn_n(2), turn_t(2), law%bias(:2), w_nn, w_nt, w_tt, law%friction, law%cohesion, &
               law%compliance, law_kind]
   end subroutine arm_record
 
@@ -201,6 +204,10 @@ contains
       contacts%impulse(:, k) = problem%impulse(:, k)
       contacts%status(k) = status_after(scene, problem, contacts, k)
     end do
+    if (is_in_space(problem%kind)) then
+      call unload_space_bodies(problem, body_of, radius, scene%bodies)
+      return
+    end if
     do s = 1, problem%n_bodies
       b = body_of(s)
       scene%bodies%free_velocity(1:2, b) = problem%body(1:2, s)
@@ -224,12 +231,20 @@ contains
     normal = problem%impulse(1, k)
     tangential = 0
     friction = 0
-    if (problem%kind == round_frictional) friction = problem%record(7, k)
-    if (problem%kind == arm_frictional) then
+    select case (problem%kind)
+    case (round_frictional)
+      friction = problem%record(7, k)
+      tangential = abs(problem%impulse(2, k))
+    case (arm_frictional)
       friction = problem%record(12, k)
+      tangential = abs(problem%impulse(2, k))
       normal = normal + problem%record(13, k)
-    end if
-    if (size(problem%impulse, 1) == 2) tangential = abs(problem%impulse(2, k))
+    case (ball_frictional, solid_frictional)
+      normal = dot_product(problem%record(1:3, k), problem%impulse(:, k))
+      tangential = norm2(problem%impulse(:, k) - normal*problem%record(1:3, k))
+      friction = problem%record(merge(9, 21, problem%kind == ball_frictional), k)
+      if (problem%kind == solid_frictional) normal = normal + problem%record(22, k)
+    end select
     if (.not. normal > 0) then
       status = status_none
     else if (tangential < friction*normal) then

@@ -2,7 +2,7 @@
 module sg_compact_space
   use sg_kinds, only: wp
   use sg_problem, only: ball_frictional, ball_frictionless, problem_t, solid_frictional, solid_frictionless
-  use sg_quaternions, only: cross
+  use sg_rotations, only: cross
   implicit none
   private
   public :: space_velocity, add_space_impulses, push_bodies

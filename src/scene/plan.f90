@@ -4,12 +4,13 @@
 !! carry radius times spin; only the rest pays for lever arms. The plan is printed at the start of a run.
 module sg_plan
   use sg_bodies, only: bodies_t, drop_rotation
-  use sg_contactors, only: contactors_t, is_round, kind_disk, kind_hollow, kind_names, kind_wall, n_kinds
+  use sg_contactors, only: contactors_t, is_round, kind_disk, kind_hollow, kind_names, kind_sphere, kind_wall, n_kinds
   use sg_drives, only: drive_t
   use sg_kinds, only: wp
   use sg_laws, only: is_frictionless, is_plain
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
+  use sg_space_shapes, only: freeze_in_space
   use sg_text, only: to_text
   implicit none
   private
@@ -38,17 +39,17 @@ contains
   subroutine make_plan(scene, plan)
     type(scene_t), intent(inout) :: scene !! scene; what nothing needs is dropped from it
     type(plan_t), intent(out) :: plan !! the plan
-    logical, allocatable :: turns(:), rests(:)
+    logical, allocatable :: turns(:), rests(:), is_partly_driven(:)
     integer :: i
 
     call list_uses(scene, plan)
-    call find_turning(scene, turns, rests)
+    call find_turning(scene, turns, rests, is_partly_driven)
     plan%has_tangent = .false.
     do i = 1, size(scene%laws)
       if (plan%uses_law(i)) plan%has_tangent = plan%has_tangent .or. .not. (is_frictionless(scene%laws(i)) .and. &
                                                                            is_plain(scene%laws(i)))
     end do
-    plan%is_round = all_round(scene, turns)
+    plan%is_round = all_round(scene, turns) .and. .not. any(is_partly_driven)
     do i = 1, size(scene%laws)
       if (plan%uses_law(i)) plan%is_round = plan%is_round .and. is_plain(scene%laws(i))
     end do
@@ -56,7 +57,12 @@ contains
     allocate (plan%radius(0))
     if (plan%is_round .and. plan%has_tangent) plan%radius = signed_radii(scene, turns)
     if (plan%has_rotation) return
-    call freeze_walls(scene%contactors, scene%bodies)
+    if (scene%dimension == 2) then
+      call freeze_walls(scene%contactors, scene%bodies)
+    else
+      call freeze_in_space(scene%contactors%n, scene%contactors%kind, scene%contactors%body, scene%contactors%row, &
+                           scene%bodies%orientation, scene%contactors%shift, scene%contactors%space)
+    end if
     call drop_rotation(scene%bodies)
   end subroutine make_plan
 
@@ -88,19 +94,23 @@ contains
     end do
   end subroutine list_uses
 
-  !> Which bodies can turn, and which neither turn now nor ever are made to.
-  subroutine find_turning(scene, turns, rests)
+  !> Which bodies can turn, which neither turn now nor ever are made to, and which are driven in some of their spins only.
+  subroutine find_turning(scene, turns, rests, is_partly_driven)
     type(scene_t), intent(in) :: scene
-    logical, allocatable, intent(out) :: turns(:), rests(:)
-    integer :: i
+    logical, allocatable, intent(out) :: turns(:), rests(:), is_partly_driven(:)
+    logical, allocatable :: is_free(:, :)
+    integer :: i, n
 
-    allocate (turns(scene%bodies%n), source=.true.)
-    rests = .not. abs(scene%bodies%velocity(3, :)) > 0
+    n = scene%dimension
+    allocate (is_free(scene%bodies%n_velocity - n, scene%bodies%n), source=.true.)
+    rests = .not. any(abs(scene%bodies%velocity(n + 1:, :)) > 0, 1)
     do i = 1, size(scene%drives)
-      if (scene%drives(i)%component /= 3) cycle
-      if (scene%drives(i)%is_velocity) turns(scene%drives(i)%body) = .false.
+      if (scene%drives(i)%component <= n) cycle
+      if (scene%drives(i)%is_velocity) is_free(scene%drives(i)%component - n, scene%drives(i)%body) = .false.
       if (.not. is_zero(scene%drives(i))) rests(scene%drives(i)%body) = .false.
     end do
+    turns = any(is_free, 1)
+    is_partly_driven = turns .and. .not. all(is_free, 1)
   end subroutine find_turning
 
   !> Is a drive zero at all times?
@@ -128,9 +138,17 @@ contains
       if (.not. turns(b)) cycle
       all_round = all_round .and. is_round(scene%contactors%kind(c)) .and. .not. seen(b) &
                   .and. .not. any(abs(scene%contactors%shift(:, c)) > 0)
+      if (scene%dimension == 3) all_round = all_round .and. is_isotropic(scene%bodies%principal(:, b))
       seen(b) = .true.
     end do
   end function all_round
+
+  !> Are the principal moments of a body the same to rounding?
+  pure logical function is_isotropic(principal)
+    real(wp), intent(in) :: principal(3)
+
+    is_isotropic = maxval(principal) - minval(principal) <= 16*epsilon(1.0_wp)*maxval(principal)
+  end function is_isotropic
 
   !> Signed radius by body.
   pure function signed_radii(scene, turns) result(radius)
@@ -144,6 +162,7 @@ contains
       b = scene%contactors%body(c)
       if (.not. turns(b)) cycle
       if (scene%contactors%kind(c) == kind_disk) radius(b) = scene%contactors%disk_radius(scene%contactors%row(c))
+      if (scene%contactors%kind(c) == kind_sphere) radius(b) = scene%contactors%space%sphere_radius(scene%contactors%row(c))
       if (scene%contactors%kind(c) == kind_hollow) radius(b) = -scene%contactors%hollow_radius(scene%contactors%row(c))
     end do
   end function signed_radii
@@ -189,12 +208,13 @@ contains
     do i = 1, size(scene%laws)
       if (plan%uses_law(i)) text = text//' '//scene%laws(i)%name
     end do
-    text = text//nl//'used       2D'//used(plan%has_tangent, 'friction')//used(plan%has_rotation, 'rotation') &
+    text = text//nl//'used       '//merge('2D', '3D', scene%dimension == 2)//used(plan%has_tangent, 'friction')//used(plan%has_rotation, 'rotation') &
            //used(.not. plan%is_round, 'lever arms')//used(scene%period > 0, 'period in x') &
+           //used(scene%period_y > 0, 'period in y') &
            //used(size(scene%drives) > 0, 'drives')//used(size(scene%pressures) > 0, 'pressures')
-    text = text//nl//'left out   3D, decomposition'//used(.not. plan%has_tangent, 'friction') &
+    text = text//nl//'left out   '//merge('3D', '2D', scene%dimension == 2)//', decomposition'//used(.not. plan%has_tangent, 'friction') &
            //used(.not. plan%has_rotation, 'rotation')//used(plan%is_round, 'lever arms') &
-           //used(.not. scene%period > 0, 'period')//used(size(scene%drives) == 0, 'drives') &
+           //used(.not. max(scene%period, scene%period_y) > 0, 'period')//used(size(scene%drives) == 0, 'drives') &
            //used(size(scene%pressures) == 0, 'pressures')
   contains
     pure function used(is_used, word)

@@ -8,11 +8,16 @@ module sg_sees
 
   !> Which kinds of shape can touch each other, shape (kinds, kinds)
   logical, parameter :: can_touch(n_kinds, n_kinds) = reshape([ &
-    ! disk    wall    hollow  polygon
-    .true., .true., .true., .true., &
-    .true., .false., .false., .true., &
-    .true., .false., .false., .false., &
-    .true., .true., .false., .true.], [n_kinds, n_kinds])
+    ! disk   wall     hollow   polygon  sphere   plane    cylinder hollow c. polyhedron
+    .true., .true., .true., .true., .false., .false., .false., .false., .false., &
+    .true., .false., .false., .true., .false., .false., .false., .false., .false., &
+    .true., .false., .false., .false., .false., .false., .false., .false., .false., &
+    .true., .true., .false., .true., .false., .false., .false., .false., .false., &
+    .false., .false., .false., .false., .true., .true., .true., .true., .true., &
+    .false., .false., .false., .false., .true., .false., .true., .false., .true., &
+    .false., .false., .false., .false., .true., .true., .true., .true., .false., &
+    .false., .false., .false., .false., .true., .false., .true., .false., .false., &
+    .false., .false., .false., .false., .true., .true., .false., .false., .true.], [n_kinds, n_kinds])
 
 contains
 

@@ -3,7 +3,9 @@
 !! They measure increments, not errors: a slow sweep passes them far from the solution (doc/theory/errors.md).
 module sg_increments
   use sg_kinds, only: wp
-  use sg_problem, only: arm_frictional, arm_frictionless, round_frictional, round_frictionless
+  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
+                        round_frictionless, solid_frictional, solid_frictionless
+  use sg_rotations, only: cross
   use sg_run_options, only: criterion_maxm, criterion_qm16
   use sg_sweep_order, only: sweep_order_t
   implicit none
@@ -18,7 +20,7 @@ contains
     type(sweep_order_t), intent(in) :: order !! contacts visited, with their records and impulses
     real(wp), intent(in) :: asked(:, :) !! impulse that each of them asks while the others stay, shape (components, contacts)
     integer, intent(in) :: criterion !! one of quad, maxm, qm16
-    real(wp) :: w(3), r(2), change(2), dv(2), wr(2)
+    real(wp) :: r(3), change(3), dv(3), wr(3)
     real(wp) :: sum_dv2, sum_wr2, sum_dvr, sum_wrr, sum_dvr2, max_dv2, max_dvr2, mean_dvr, quad_dv, quad_dvr, max_dv, max_dvr
     integer :: k, n, m
 
@@ -36,11 +38,10 @@ contains
     do k = 1, order%n
       if (.not. any(abs(asked(:, k)) + abs(order%impulse(:, k)) > 0)) cycle
       n = n + 1
-      w = block_of(kind, order%record(:, k))
       r(:m) = order%impulse(:, k)
       change(:m) = asked(:, k) - r(:m)
-      dv = [w(1)*change(1) + w(2)*change(2), w(2)*change(1) + w(3)*change(2)]
-      wr = [w(1)*r(1) + w(2)*r(2), w(2)*r(1) + w(3)*r(2)]
+      dv = block_times(kind, order%record(:, k), change)
+      wr = block_times(kind, order%record(:, k), r)
       sum_dv2 = sum_dv2 + dot_product(dv, dv)
       sum_wr2 = sum_wr2 + dot_product(wr, wr)
       sum_dvr = sum_dvr + dot_product(dv, r)
@@ -66,23 +67,47 @@ contains
     end select
   end function increment_criterion
 
-  !> Block of W of a contact: normal, coupling, tangential [1/kg].
-  pure function block_of(kind, record) result(w)
+  !> Block of W of a contact times an impulse [m/s], components as impulses have them.
+  pure function block_times(kind, record, r) result(v)
     integer, intent(in) :: kind
-    real(wp), intent(in) :: record(:)
-    real(wp) :: w(3)
+    real(wp), intent(in) :: record(:), r(3)
+    real(wp) :: v(3), n(3), t(3), r_n
 
-    w = 0
+    v = 0
     select case (kind)
     case (round_frictionless)
-      if (record(4) > 0) w(1) = 1/record(4)
+      v(1) = over(r(1), record(4))
     case (round_frictional)
-      if (record(5) > 0) w(1) = 1/record(5)
-      if (record(6) > 0) w(3) = 1/record(6)
+      v(:2) = [over(r(1), record(5)), over(r(2), record(6))]
     case (arm_frictionless)
-      if (record(6) > 0) w(1) = 1/record(6)
+      v(1) = over(r(1), record(6))
     case (arm_frictional)
-      w = record(9:11)
+      v(:2) = [record(9)*r(1) + record(10)*r(2), record(10)*r(1) + record(11)*r(2)]
+    case (ball_frictionless)
+      v(1) = over(r(1), record(5))
+    case (ball_frictional)
+      r_n = dot_product(record(1:3), r)
+      n = r_n*record(1:3)
+      v = [over(n(1), record(7)) + over(r(1) - n(1), record(8)), over(n(2), record(7)) + over(r(2) - n(2), record(8)), &
+           over(n(3), record(7)) + over(r(3) - n(3), record(8))]
+    case (solid_frictionless)
+      v(1) = over(r(1), record(11))
+    case (solid_frictional)
+      ! In the frame of normal and tangents W is S + w w^T/W_nn.
+      n = record(1:3)
+      t = cross(n, record(4:6))
+      r_n = dot_product(n, r)
+      if (record(16) > 0) r_n = r_n + (record(17)*dot_product(record(4:6), r) + record(18)*dot_product(t, r))/record(16)
+      v = r_n*(record(16)*n + record(17)*record(4:6) + record(18)*t) + record(19)*dot_product(record(4:6), r)*record(4:6) &
+          + record(20)*dot_product(t, r)*t
     end select
-  end function block_of
+  end function block_times
+
+  !> A component over the inverse of a diagonal term of W; zero where the contact takes no part.
+  pure real(wp) function over(r, inverse)
+    real(wp), intent(in) :: r, inverse
+
+    over = 0
+    if (inverse > 0) over = r/inverse
+  end function over
 end module sg_increments

@@ -7,14 +7,17 @@ module sg_nlgs
   use sg_increments, only: increment_criterion
   use sg_kinds, only: wp, i8
   use sg_lists, only: reserve
-  use sg_problem, only: arm_frictional, arm_frictionless, bytes_per_contact, problem_t, round_frictional, round_frictionless
+  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, bytes_per_contact, &
+                        first_inverse, problem_t, round_frictional, round_frictionless, solid_frictional, solid_frictionless
   use sg_report, only: report_t
   use sg_residuals, only: choose_visited, measure_errors
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_violation, solver_options_t
   use sg_solver, only: solver_t
   use sg_sweep_arm, only: sweep_arm_frictional, sweep_arm_frictionless
+  use sg_sweep_ball, only: sweep_ball_frictional, sweep_ball_frictionless
   use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
   use sg_sweep_round, only: sweep_round_frictional, sweep_round_frictionless
+  use sg_sweep_solid, only: sweep_solid_frictional, sweep_solid_frictionless
   use sg_timers, only: cpu_now
   implicit none
   private
@@ -131,6 +134,14 @@ contains
       call sweep_arm_frictionless(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
     case (arm_frictional)
       call sweep_arm_frictional(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+    case (ball_frictionless)
+      call sweep_ball_frictionless(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+    case (ball_frictional)
+      call sweep_ball_frictional(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+    case (solid_frictionless)
+      call sweep_solid_frictionless(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+    case (solid_frictional)
+      call sweep_solid_frictional(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
     end select
   end subroutine sweep
 
@@ -188,12 +199,9 @@ contains
   subroutine ask_all(self, problem)
     class(nlgs_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
-    integer :: inverse
-
-    inverse = size(problem%body, 1)/2 + 1
     self%asked = self%order%impulse
     self%still = problem%body
-    self%still(inverse:, :) = 0
+    self%still(first_inverse(problem%kind):, :) = 0
     call sweep(problem%kind, self%order, problem%n_bodies, 1.0_wp, self%asked, self%still)
   end subroutine ask_all
 

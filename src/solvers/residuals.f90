@@ -4,8 +4,9 @@
 !! solutions: e1 and e2 with rho = 1, e8 and the violation with rho_a = 1/lambda_max(W_aa), free of units.
 module sg_residuals
   use sg_kinds, only: wp
-  use sg_problem, only: arm_frictional, arm_frictionless, problem_t, round_frictional, round_frictionless
+  use sg_problem, only: arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, round_frictionless
   use sg_report, only: report_t
+  use sg_residuals_space, only: add_space_contacts, look_at_contact, space_contact_t
   implicit none
   private
   public :: measure_errors, choose_visited, natural_map
@@ -42,7 +43,8 @@ contains
 
     sums = 0
     active = 0
-    do first = 1, problem%n_contacts, chunk
+    if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, sums, active)
+    do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
       call gather(problem, first, a)
       call add_chunk(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums, active)
       if (with_e1) call add_unscaled(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums(1))
@@ -65,21 +67,34 @@ contains
     integer, intent(out) :: missed !! how many of them were not visited so far
     type(chunk_t) :: a
     real(wp) :: limit
+    type(space_contact_t) :: contact
     integer :: first, i
-    logical :: is_slow
 
     limit = speed_limit*report%violation*problem%velocity_scale
     visited = 0
     missed = 0
+    if (is_in_space(problem%kind)) then
+      do i = 1, problem%n_contacts
+        call look_at_contact(problem, i, contact)
+        call note(i, contact%rho > 0 .and. (sum(abs(contact%r)) > 0 .or. dot_product(contact%n, contact%u) <= limit))
+      end do
+      return
+    end if
     do first = 1, problem%n_contacts, chunk
       call gather(problem, first, a)
       do i = 1, a%n
-        is_slow = a%rho(i) > 0 .and. (abs(a%r_n(i)) + abs(a%r_t(i)) > 0 .or. a%u_n(i) <= limit)
-        if (is_slow) visited = visited + 1
-        if (is_slow .and. .not. is_wanted(first + i - 1)) missed = missed + 1
-        is_wanted(first + i - 1) = is_slow
+        call note(first + i - 1, a%rho(i) > 0 .and. (abs(a%r_n(i)) + abs(a%r_t(i)) > 0 .or. a%u_n(i) <= limit))
       end do
     end do
+  contains
+    pure subroutine note(k, is_slow)
+      integer, intent(in) :: k
+      logical, intent(in) :: is_slow
+
+      if (is_slow) visited = visited + 1
+      if (is_slow .and. .not. is_wanted(k)) missed = missed + 1
+      is_wanted(k) = is_slow
+    end subroutine note
   end subroutine choose_visited
 
   !> Add a chunk to the sums, from the second: squares of the map with rho_a, of its velocity error, of r, and of u.

@@ -6,7 +6,7 @@ module sg_motion
   use sg_drives, only: drive_forces, drive_velocities
   use sg_free_spin, only: free_spin
   use sg_kinds, only: wp
-  use sg_quaternions, only: turned_on
+  use sg_rotations, only: turned_on
   use sg_scene, only: scene_t
   implicit none
   private

@@ -55,7 +55,8 @@ contains
 
     call make_plan(sim%scene, sim%plan)
     call fix_driven(sim%scene%drives, sim%scene%bodies)
-    sim%contacts%n_components = merge(2, 1, sim%plan%has_tangent)
+    sim%contacts%dimension = sim%scene%dimension
+    sim%contacts%n_components = merge(sim%scene%dimension, 1, sim%plan%has_tangent)
     call start_history(sim%history, sim%scene, sim%options%step, sim%contacts%n_components)
     call choose_solver(sim%options%solver, sim%solver)
     call sim%totals%clock%start()
@@ -69,7 +70,7 @@ contains
     associate (h => sim%options%step, theta => sim%options%theta, phase => sim%totals%phase)
       call phase(phase_predict)%start()
       call predict(sim%scene, sim%time(), h, theta)
-      if (h*largest_speed(sim%scene%bodies%velocity) > sim%plan%alert) sim%totals%fast_steps = sim%totals%fast_steps + 1
+      if (h*largest_speed(sim%scene%bodies%velocity(:sim%scene%dimension, :)) > sim%plan%alert) sim%totals%fast_steps = sim%totals%fast_steps + 1
       call phase(phase_predict)%stop()
 
       call phase(phase_detect)%start()
@@ -77,8 +78,8 @@ contains
       call phase(phase_detect)%stop()
 
       call phase(phase_assemble)%start()
-      call assemble(sim%scene, sim%contacts, problem_kind(sim%plan%is_round, sim%plan%has_tangent), sim%pairs%body_of, &
-                    sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
+      call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
+                    sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
       call phase(phase_assemble)%stop()
 
       call phase(phase_solve)%start()
@@ -105,10 +106,14 @@ contains
 
   !> Largest speed of all bodies [m/s].
   pure real(wp) function largest_speed(velocity)
-    real(wp), intent(in), contiguous :: velocity(:, :)
+    real(wp), intent(in) :: velocity(:, :)
+    integer :: b
 
     largest_speed = 0
-    if (size(velocity) > 0) largest_speed = sqrt(maxval(velocity(1, :)**2 + velocity(2, :)**2))
+    do b = 1, size(velocity, 2)
+      largest_speed = max(largest_speed, sum(velocity(:, b)**2))
+    end do
+    largest_speed = sqrt(largest_speed)
   end function largest_speed
 
   !> Time reached [s]; a product, so that a restarted run has the very same times.

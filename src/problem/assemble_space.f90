@@ -1,0 +1,220 @@
+!> Contact records and body records of problems in space (doc/theory/contact_problem.md).
+module sg_assemble_space
+  use sg_bodies, only: bodies_t
+  use sg_contacts, only: contacts_t
+  use sg_kinds, only: wp, i4
+  use sg_laws, only: inverse_of, local_law_t
+  use sg_mapping_space, only: space_arms, space_relative_velocity, tangent_of
+  use sg_problem, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless, problem_t
+  use sg_rotations, only: cross, frame_of, turned_back, turned_by
+  use sg_scene, only: scene_t
+  implicit none
+  private
+  public :: load_space_bodies, unload_space_bodies, space_record, velocity_before
+
+contains
+
+  !> Free velocities and inverse masses by slot.
+  pure subroutine load_space_bodies(bodies, kind, body_of, radius, body)
+    type(bodies_t), intent(in) :: bodies !! bodies with their free velocities
+    integer, intent(in) :: kind !! kind of problem
+    integer(i4), intent(in) :: body_of(:) !! body of each slot
+    real(wp), intent(in) :: radius(:) !! radius of bodies that turn, in ball problems with friction [m]
+    real(wp), intent(inout) :: body(:, :) !! records to fill
+    real(wp) :: frame(3, 3), inverse(3, 3)
+    integer :: s, b, i
+
+    do s = 1, size(body_of)
+      b = body_of(s)
+      body(1:3, s) = bodies%free_velocity(1:3, b)
+      select case (kind)
+      case (ball_frictionless)
+        body(4:6, s) = bodies%inverse_mass(1:3, b)
+      case (ball_frictional)
+        body(4:6, s) = 0
+        if (radius(b) > 0) body(4:6, s) = radius(b)*turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
+        body(7:9, s) = bodies%inverse_mass(1:3, b)
+        body(10, s) = radius(b)**2*bodies%inverse_mass(4, b)
+      case default
+        body(7:9, s) = bodies%inverse_mass(1:3, b)
+        body(4:6, s) = turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
+        frame = frame_of(bodies%middle(4:7, b))
+        do i = 1, 3
+          inverse(:, i) = matmul(frame, bodies%inverse_mass(4:6, b)*frame(i, :))
+        end do
+        body(10:15, s) = [inverse(1, 1), inverse(2, 2), inverse(3, 3), inverse(1, 2), inverse(1, 3), inverse(2, 3)]
+        body(16, s) = 0
+      end select
+    end do
+  end subroutine load_space_bodies
+
+  !> Velocities of the solution back to the bodies (into `free_velocity`).
+  pure subroutine unload_space_bodies(problem, body_of, radius, bodies)
+    type(problem_t), intent(in) :: problem !! solved problem
+    integer(i4), intent(in) :: body_of(:) !! body of each slot
+    real(wp), intent(in) :: radius(:) !! as in `load_space_bodies`
+    type(bodies_t), intent(inout) :: bodies !! bodies that move on
+    integer :: s, b
+
+    do s = 1, problem%n_bodies
+      b = body_of(s)
+      bodies%free_velocity(1:3, b) = problem%body(1:3, s)
+      select case (problem%kind)
+      case (ball_frictional)
+        if (radius(b) > 0) bodies%free_velocity(4:6, b) = turned_back(bodies%middle(4:7, b), problem%body(4:6, s))/radius(b)
+      case (solid_frictionless, solid_frictional)
+        ! Driven components stay as they were given, to the last digit.
+        bodies%free_velocity(4:6, b) = merge(turned_back(bodies%middle(4:7, b), problem%body(4:6, s)), &
+                                             bodies%free_velocity(4:6, b), bodies%inverse_mass(4:6, b) > 0)
+      end select
+    end do
+  end subroutine unload_space_bodies
+
+  !> Relative velocity at the beginning of a step [m/s]: normal, and on the tangents that `tangent_of` gives.
+  pure function velocity_before(scene, contacts, k) result(u)
+    type(scene_t), intent(in) :: scene !! scene at the beginning of the step
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
+    real(wp) :: u(3), jump(3), n(3), t(3)
+
+    jump = space_relative_velocity(scene, contacts, k, scene%bodies%velocity)
+    n = contacts%normal(:, k)
+    t = tangent_of(n)
+    u = [dot_product(n, jump), dot_product(t, jump), dot_product(cross(n, t), jump)]
+  end function velocity_before
+
+  !> Record of a contact.
+  pure subroutine space_record(scene, contacts, k, kind, law, body, pair, record)
+    type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
+    integer, intent(in) :: kind !! kind of problem
+    type(local_law_t), intent(in) :: law !! what the law asks
+    real(wp), intent(in) :: body(:, :) !! body records
+    integer(i4), intent(in) :: pair(2) !! slots
+    real(wp), intent(inout) :: record(:) !! record to fill
+    real(wp) :: n(3), t(3), bias(3), arms(3, 2), mass(3), w
+
+    n = contacts%normal(:, k)
+    t = tangent_of(n)
+    bias = law%bias(1)*n + law%bias(2)*t + law%bias(3)*cross(n, t)
+    select case (kind)
+    case (ball_frictionless)
+      mass = body(4:6, pair(1)) + body(4:6, pair(2))
+      record = [n, law%bias(1) + dot_product(n, driven_spin(scene, contacts, k)), inverse_of(dot_product(mass, n**2), &
+                                                                                            law%is_active)]
+    case (ball_frictional)
+      ! A body driven in some directions only couples normal and tangents; the largest inverse mass then bounds the block,
+      ! which moves no solution: the sweep works with true relative velocities.
+      mass = body(7:9, pair(1)) + body(7:9, pair(2))
+      w = maxval(mass)
+      record = [n, bias + driven_spin(scene, contacts, k), inverse_of(w, law%is_active), &
+                inverse_of(w + body(10, pair(1)) + body(10, pair(2)), law%is_active), law%friction]
+    case (solid_frictionless)
+      arms = space_arms(scene, contacts, k)
+      record(1:10) = [n, cross(arms(:, 1), n), cross(arms(:, 2), n), law%bias(1)]
+      w = dot_product(n, matmul(block_of(body, pair, arms), n))
+      record(11) = inverse_of(w + law%compliance(1), law%is_active)
+    case (solid_frictional)
+      call solid_record(n, t, space_arms(scene, contacts, k), bias, law, body, pair, record)
+    end select
+  end subroutine space_record
+
+  !> Record of a solid contact with friction, on the tangents in which S is diagonal.
+  pure subroutine solid_record(n, t, arms, bias, law, body, pair, record)
+    real(wp), intent(in) :: n(3), t(3), arms(3, 2), bias(3), body(:, :)
+    type(local_law_t), intent(in) :: law
+    integer(i4), intent(in) :: pair(2)
+    real(wp), intent(inout) :: record(:)
+    real(wp) :: frame(3, 3), w(3, 3), s(2, 2), angle, c, d, law_kind
+
+    frame(:, 1) = n
+    frame(:, 2) = t
+    frame(:, 3) = cross(n, t)
+    w = matmul(transpose(frame), matmul(block_of(body, pair, arms), frame))
+    w(1, 1) = w(1, 1) + law%compliance(1)
+    w(2, 2) = w(2, 2) + law%compliance(2)
+    w(3, 3) = w(3, 3) + law%compliance(2)
+    law_kind = merge(2.0_wp, 1.0_wp, law%is_linear)
+    s = 1
+    c = 1
+    d = 0
+    if (law%is_active .and. w(1, 1) > tiny(1.0_wp)) then
+      s = w(2:3, 2:3) - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
+      angle = 0.5_wp*atan2(2*s(1, 2), s(1, 1) - s(2, 2))
+      c = cos(angle)
+      d = sin(angle)
+    else
+      law_kind = 0
+    end if
+    ! S is positive for bodies that can move; where rounding or a driven body takes that away, a trace of W_nn keeps it so.
+    associate (least => 16*epsilon(1.0_wp)*max(w(1, 1), w(2, 2), w(3, 3), tiny(1.0_wp)))
+      record = [n, c*frame(:, 2) + d*frame(:, 3), arms(:, 1), arms(:, 2), bias, w(1, 1), c*w(1, 2) + d*w(1, 3), &
+                c*w(1, 3) - d*w(1, 2), max(least, c**2*s(1, 1) + 2*c*d*s(1, 2) + d**2*s(2, 2)), &
+                max(least, d**2*s(1, 1) - 2*c*d*s(1, 2) + c**2*s(2, 2)), law%friction, law%cohesion, law%compliance, law_kind, &
+                0.0_wp]
+    end associate
+    if (law_kind > 0) record(26) = 1/largest_eigenvalue(w)
+  end subroutine solid_record
+
+  !> Block of W of a contact in the world's axes [1/kg], without compliance.
+  pure function block_of(body, pair, arms) result(w)
+    real(wp), intent(in) :: body(:, :), arms(3, 2)
+    integer(i4), intent(in) :: pair(2)
+    real(wp) :: w(3, 3), lever(3, 3), inverse(3, 3)
+    integer :: side, i
+
+    w = 0
+    do side = 1, 2
+      associate (own => body(:, pair(side)))
+        inverse = reshape(own([10, 13, 14, 13, 11, 15, 14, 15, 12]), [3, 3])
+        ! Columns: arm x unit vectors, so that lever^T I^-1 lever is the rotational part.
+        lever = reshape([0.0_wp, arms(3, side), -arms(2, side), -arms(3, side), 0.0_wp, arms(1, side), arms(2, side), &
+                         -arms(1, side), 0.0_wp], [3, 3])
+        w = w + matmul(transpose(lever), matmul(inverse, lever))
+        do i = 1, 3
+          w(i, i) = w(i, i) + own(6 + i)
+        end do
+      end associate
+    end do
+  end function block_of
+
+  !> Largest eigenvalue of a symmetric 3 x 3 matrix: the largest root of its characteristic polynomial.
+  pure real(wp) function largest_eigenvalue(w) result(largest)
+    real(wp), intent(in) :: w(3, 3)
+    real(wp) :: mean, spread_of(3, 3), p, half_determinant
+    integer :: i
+
+    mean = (w(1, 1) + w(2, 2) + w(3, 3))/3
+    spread_of = w
+    do i = 1, 3
+      spread_of(i, i) = spread_of(i, i) - mean
+    end do
+    p = sqrt(sum(spread_of**2)/6)
+    largest = mean
+    if (.not. p > epsilon(1.0_wp)*abs(mean)) return
+    spread_of = spread_of/p
+    half_determinant = dot_product(spread_of(:, 1), cross(spread_of(:, 2), spread_of(:, 3)))/2
+    largest = mean + 2*p*cos(acos(max(-1.0_wp, min(1.0_wp, half_determinant)))/3)
+  end function largest_eigenvalue
+
+  !> Relative velocity due to driven spins, which the records of balls do not carry [m/s].
+  pure function driven_spin(scene, contacts, k) result(u)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    real(wp) :: u(3), arms(3, 2)
+    integer :: side, b
+
+    u = 0
+    if (scene%bodies%n_velocity < 6) return
+    do side = 1, 2
+      b = contacts%body(side, k)
+      if (scene%bodies%inverse_mass(4, b) > 0) cycle
+      if (.not. any(abs(scene%bodies%free_velocity(4:6, b)) > 0)) cycle
+      arms = space_arms(scene, contacts, k)
+      u = u + real(3 - 2*side, wp)*cross(turned_by(scene%bodies%middle(4:7, b), scene%bodies%free_velocity(4:6, b)), &
+                                         arms(:, side))
+    end do
+  end function driven_spin
+end module sg_assemble_space
