@@ -36,7 +36,7 @@ contains
     scene%laws(1)%dynamic_friction = friction
     scene%sees(1)%law = 1
     scene%sees(1)%alert = alert
-    scene%gravity = [0.0_wp, -g]
+    scene%gravity(:2) = [0.0_wp, -g]
   end subroutine begin_scene
 
   !> Make a body a disk.

@@ -11,7 +11,8 @@ module sg_datbox_sees
   public :: read_sees, check_sees, datbox_kind_names, pair_is_known
 
   !> How LMGC90 calls our kinds of shape in see tables; a shifted disk is DISKx there too
-  character(len=5), parameter :: datbox_kind_names(n_kinds) = [character(len=5) :: 'DISKx', 'JONCx', 'xKSID', 'POLYG']
+  character(len=5), parameter :: datbox_kind_names(n_kinds) = [character(len=5) :: 'DISKx', 'JONCx', 'xKSID', 'POLYG', &
+                                                                                 'SPHER', 'PLANx', 'CYLND', 'DNLYC', 'POLYR']
 
 contains
 

@@ -148,7 +148,7 @@ contains
       call deck%complain(diagnostics, 'the direction has no length', b, 'direction')
       return
     end if
-    pressure%direction = direction/norm2(direction)
+    pressure%direction(:2) = direction/norm2(direction)
     if (pressure%body == 0) return
     call warn_of_no_effect(deck, b, pressure, scene%drives, diagnostics)
     where (abs(direction) > 0) is_taken(1:2, pressure%body) = .true.
@@ -205,7 +205,7 @@ contains
       return
     end if
     pressure%body = body
-    pressure%direction = sign(merge(1.0_wp, 0.0_wp, abs(direction) > 0), direction)
+    pressure%direction(:2) = sign(merge(1.0_wp, 0.0_wp, abs(direction) > 0), direction)
     pressure%value%constant = deck%number(b, 'pressure')
     if (deck%is_given(b, 'between')) then
       call read_between(deck, b, scene, pressure, diagnostics)

@@ -87,7 +87,8 @@ contains
     work = 0
     associate (bodies => scene%bodies)
       do i = 1, bodies%n
-        work = work + h*(dot_product(bodies%force(:, i), mean(:, i)) - bodies%mass(i)*dot_product(scene%gravity(:scene%dimension), mean(:scene%dimension, i)))
+        work = work + h*(dot_product(bodies%force(:, i), mean(:, i)) &
+                         - bodies%mass(i)*dot_product(scene%gravity(:scene%dimension), mean(:scene%dimension, i)))
       end do
     end associate
   end function imposed_work

@@ -208,11 +208,13 @@ contains
     do i = 1, size(scene%laws)
       if (plan%uses_law(i)) text = text//' '//scene%laws(i)%name
     end do
-    text = text//nl//'used       '//merge('2D', '3D', scene%dimension == 2)//used(plan%has_tangent, 'friction')//used(plan%has_rotation, 'rotation') &
+    text = text//nl//'used       '//merge('2D', '3D', scene%dimension == 2)//used(plan%has_tangent, 'friction') &
+           //used(plan%has_rotation, 'rotation') &
            //used(.not. plan%is_round, 'lever arms')//used(scene%period > 0, 'period in x') &
            //used(scene%period_y > 0, 'period in y') &
            //used(size(scene%drives) > 0, 'drives')//used(size(scene%pressures) > 0, 'pressures')
-    text = text//nl//'left out   '//merge('3D', '2D', scene%dimension == 2)//', decomposition'//used(.not. plan%has_tangent, 'friction') &
+    text = text//nl//'left out   '//merge('3D', '2D', scene%dimension == 2)//', decomposition' &
+           //used(.not. plan%has_tangent, 'friction') &
            //used(.not. plan%has_rotation, 'rotation')//used(plan%is_round, 'lever arms') &
            //used(.not. max(scene%period, scene%period_y) > 0, 'period')//used(size(scene%drives) == 0, 'drives') &
            //used(size(scene%pressures) == 0, 'pressures')

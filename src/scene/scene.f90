@@ -38,10 +38,10 @@ module sg_scene
     real(wp) :: point(3) = 0
     !> Mean force over the last step [N]: normal and tangential; in space on the candidate, in the world's axes
     real(wp) :: force(3) = 0
-    !> Is the force a vector in the world's axes, as in space?
-    logical :: is_vector = .false.
     !> What it did in the last step
     integer(i1) :: status = 0
+    !> Is the force a vector in the world's axes, as in space?
+    logical :: is_vector = .false.
   end type start_contact_t
 
   !> A scene

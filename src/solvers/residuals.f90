@@ -69,6 +69,7 @@ contains
     real(wp) :: limit
     type(space_contact_t) :: contact
     integer :: first, i
+    logical :: is_slow
 
     limit = speed_limit*report%violation*problem%velocity_scale
     visited = 0
@@ -76,26 +77,30 @@ contains
     if (is_in_space(problem%kind)) then
       do i = 1, problem%n_contacts
         call look_at_contact(problem, i, contact)
-        call note(i, contact%rho > 0 .and. (sum(abs(contact%r)) > 0 .or. dot_product(contact%n, contact%u) <= limit))
+        is_slow = contact%rho > 0 .and. (sum(abs(contact%r)) > 0 .or. dot_product(contact%n, contact%u) <= limit)
+        call note(is_slow, is_wanted(i), visited, missed)
       end do
       return
     end if
     do first = 1, problem%n_contacts, chunk
       call gather(problem, first, a)
       do i = 1, a%n
-        call note(first + i - 1, a%rho(i) > 0 .and. (abs(a%r_n(i)) + abs(a%r_t(i)) > 0 .or. a%u_n(i) <= limit))
+        is_slow = a%rho(i) > 0 .and. (abs(a%r_n(i)) + abs(a%r_t(i)) > 0 .or. a%u_n(i) <= limit)
+        call note(is_slow, is_wanted(first + i - 1), visited, missed)
       end do
     end do
-  contains
-    pure subroutine note(k, is_slow)
-      integer, intent(in) :: k
-      logical, intent(in) :: is_slow
-
-      if (is_slow) visited = visited + 1
-      if (is_slow .and. .not. is_wanted(k)) missed = missed + 1
-      is_wanted(k) = is_slow
-    end subroutine note
   end subroutine choose_visited
+
+  !> Note whether a contact is to be visited, and whether it was not so far.
+  pure subroutine note(is_slow, is_wanted, visited, missed)
+    logical, intent(in) :: is_slow
+    logical, intent(inout) :: is_wanted
+    integer, intent(inout) :: visited, missed
+
+    if (is_slow) visited = visited + 1
+    if (is_slow .and. .not. is_wanted) missed = missed + 1
+    is_wanted = is_slow
+  end subroutine note
 
   !> Add a chunk to the sums, from the second: squares of the map with rho_a, of its velocity error, of r, and of u.
   pure subroutine add_chunk(n, u_n, u_t, r_n, r_t, friction, rho, linear, sums, active)

@@ -70,7 +70,9 @@ contains
     associate (h => sim%options%step, theta => sim%options%theta, phase => sim%totals%phase)
       call phase(phase_predict)%start()
       call predict(sim%scene, sim%time(), h, theta)
-      if (h*largest_speed(sim%scene%bodies%velocity(:sim%scene%dimension, :)) > sim%plan%alert) sim%totals%fast_steps = sim%totals%fast_steps + 1
+      if (h*largest_speed(sim%scene%bodies%velocity(:sim%scene%dimension, :)) > sim%plan%alert) then
+        sim%totals%fast_steps = sim%totals%fast_steps + 1
+      end if
       call phase(phase_predict)%stop()
 
       call phase(phase_detect)%start()

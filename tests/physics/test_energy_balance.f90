@@ -96,7 +96,7 @@ contains
       if (modulo(i, 3) > 0) scene%drives(i)%value%amplitude = 0.2_wp
       scene%drives(i)%value%omega = 5.0_wp + real(i, wp)
     end do
-    scene%gravity = [0.5_wp, -9.81_wp]
+    scene%gravity(:2) = [0.5_wp, -9.81_wp]
   end subroutine make_box
 
   !> Mass and inertia of a disk of density 1000.

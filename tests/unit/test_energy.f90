@@ -85,7 +85,7 @@ contains
     integer :: step, i
 
     scene = disks(reshape([0.1_wp, 3.0_wp, 0.2_wp, 1.0_wp, 1.9_wp, 2.0_wp], [2, 3]))
-    scene%gravity = [1.0_wp, -9.81_wp]
+    scene%gravity(:2) = [1.0_wp, -9.81_wp]
     scene%period = 10
     scene%bodies%inverse_mass(3, 2) = 0
     call random%seed(3)
@@ -98,7 +98,7 @@ contains
                  [random%uniform(), random%uniform(-1.0_wp, 1.0_wp)])
       contacts%image(2) = 1_i1
       do i = 1, 3
-        scene%bodies%force(:, i) = [2*scene%gravity, 0.0_wp] + [random%uniform(), random%uniform(), random%uniform()]
+        scene%bodies%force(:, i) = 2*scene%gravity + [random%uniform(), random%uniform(), random%uniform()]
       end do
       scene%bodies%free_velocity(3, 2) = random%uniform(-1.0_wp, 1.0_wp)
       call end_step(scene, contacts, h)
@@ -176,7 +176,7 @@ contains
     call t%near(energy_closure(energy, scene), 0.0_wp, 0.0_wp, 'no balance before the first step')
     call energy%add_step(scene, contacts, 0.1_wp)
     call t%near(energy_closure(energy, scene), 0.0_wp, 0.0_wp, 'an empty balance is closed')
-    scene%gravity = [0.0_wp, -10.0_wp]
+    scene%gravity(:2) = [0.0_wp, -10.0_wp]
     scene%bodies%position(2, 1) = 1000
     call t%near(potential_energy(scene), 20000.0_wp, 1e-10_wp, 'potential energy m g y')
     call reserve_contacts(contacts, 1)

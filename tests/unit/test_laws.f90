@@ -12,7 +12,7 @@ program test_laws
   use sg_report, only: report_t
   use sg_residuals, only: natural_map
   implicit none
-  real(wp), parameter :: h = 0.01_wp, still(2) = 0
+  real(wp), parameter :: h = 0.01_wp, still(3) = 0
   ! Numbers of order one through fewer than ten operations.
   real(wp), parameter :: rounding = 1e-15_wp
   type(tests_t) :: t
@@ -57,11 +57,11 @@ contains
     type(local_law_t) :: local
 
     law = law_t(kind=law_restitution, normal_restitution=0.5_wp, tangential_restitution=0.25_wp)
-    local = local_law(law, -1e-9_wp, h, [-2.0_wp, 4.0_wp], status_new)
+    local = local_law(law, -1e-9_wp, h, [-2.0_wp, 4.0_wp, 0.0_wp], status_new)
     call t%near(local%bias(1), -1.0_wp, rounding, 'restitution: normal')
     call t%near(local%bias(2), 1.0_wp, rounding, 'restitution: tangential')
     call t%check(local%is_active, 'restitution: active once touching')
-    local = local_law(law, 1e-9_wp, h, [-2.0_wp, 4.0_wp], status_new)
+    local = local_law(law, 1e-9_wp, h, [-2.0_wp, 4.0_wp, 0.0_wp], status_new)
     call t%check(.not. local%is_active, 'restitution: waits for the gap to close')
   end subroutine test_restitution
 

@@ -216,7 +216,7 @@ contains
     call touch(contacts, 4, 2, [1.0_wp, 0.0_wp], [2.0_wp, 0.0_wp], 0.0_wp, [5.0_wp, 0.0_wp])
     stress = mean_stress(scene, contacts, h, box_area(scene))
     call t%near(norm2(stress - reshape([5.0_wp, 0.0_wp, 0.0_wp, 0.0_wp], [2, 2])), 0.0_wp, rounding, '10 N over a height of 2 m')
-    scene%gravity = [5.0_wp, 0.0_wp]
+    scene%gravity(:2) = [5.0_wp, 0.0_wp]
     call t%near(floor_share(scene, contacts, h, 4.0_wp), 0.0_wp, rounding, 'two walls that push alike carry nothing')
     contacts%impulse(1, 2) = 0
     ! The right wall carries 10 N of a weight of 4 kg times 5 m/s2.

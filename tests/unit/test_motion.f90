@@ -117,8 +117,9 @@ contains
                     drive_t(body=1, component=3, is_velocity=.false., value=time_function_t(constant=-3.0_wp))]
     deallocate (scene%pressures)
     allocate (scene%pressures(2))
-    scene%pressures(1) = pressure_t(body=1, direction=[0.0_wp, -1.0_wp], length=4.0_wp, value=time_function_t(constant=10.0_wp))
-    scene%pressures(2) = pressure_t(body=2, direction=[0.0_wp, 1.0_wp], between=[2, 3], thickness=1.5_wp, value=ramp)
+    scene%pressures(1) = pressure_t(body=1, direction=[0.0_wp, -1.0_wp, 0.0_wp], length=4.0_wp, &
+                                       value=time_function_t(constant=10.0_wp))
+    scene%pressures(2) = pressure_t(body=2, direction=[0.0_wp, 1.0_wp, 0.0_wp], between=[2, 3], thickness=1.5_wp, value=ramp)
     call predict(scene, 0.02_wp, h, 0.75_wp)
     ! The ramp gives 0.4 at 0.02 s and 0.6 at 0.03 s.
     call near(scene%bodies%force(:, 1), [0.25_wp*0.4_wp + 0.75_wp*0.6_wp, -40.0_wp, -3.0_wp], 'force, moment and pressure')

@@ -44,7 +44,7 @@ contains
     call begin_run(sim, h, 1e-3_wp)
     call predict(sim%scene, 0.0_wp, h, 0.5_wp)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%plan%is_round, sim%plan%has_tangent), sim%pairs%body_of, &
+    call assemble(sim%scene, sim%contacts, problem_kind(2, sim%plan%is_round, sim%plan%has_tangent), sim%pairs%body_of, &
                   sim%pairs%slot_of, sim%plan%radius, h, problem)
   end subroutine first_problem
 
@@ -145,7 +145,7 @@ contains
   real(wp) function defined(criterion, start, after)
     integer, intent(in) :: criterion
     type(problem_t), intent(in) :: start, after
-    real(wp) :: f1, f8, fv, r2, u2, q2, w, u(2), r(2), dv(2), wr(2), friction, sums(5), largest(2), n
+    real(wp) :: f1, f8, fv, r2, u2, q2, w, u(3), r(2), dv(2), wr(2), friction, sums(5), largest(2), n
     integer :: k, m
 
     m = size(after%impulse, 1)
@@ -167,9 +167,9 @@ contains
       u = compact_velocity(after, k)
       r(:m) = after%impulse(:, k)
       call local_block(after, k, w, friction)
-      f1 = f1 + sum(natural_map(r, u, friction, 1.0_wp, 0.0_wp)**2)
-      f8 = f8 + sum(natural_map(r, u, friction, 1/w, 0.0_wp)**2)
-      fv = fv + sum((natural_map(r, u, friction, 1/w, 0.0_wp)*w)**2)
+      f1 = f1 + sum(natural_map(r, u(:2), friction, 1.0_wp, 0.0_wp)**2)
+      f8 = f8 + sum(natural_map(r, u(:2), friction, 1/w, 0.0_wp)**2)
+      fv = fv + sum((natural_map(r, u(:2), friction, 1/w, 0.0_wp)*w)**2)
       r2 = r2 + sum(r**2)
       u2 = u2 + sum(u**2)
       dv(:m) = -u(:m)
@@ -441,7 +441,7 @@ contains
     type(problem_t), intent(in) :: problem
     integer, intent(in) :: n
     logical :: late(n)
-    real(wp) :: u(2)
+    real(wp) :: u(3)
     integer :: k
 
     do k = 1, n
