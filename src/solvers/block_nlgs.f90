@@ -18,7 +18,7 @@ module sg_block_nlgs
 
 contains
 
-  !> Sweep until e1 is small enough. Errors cost as much as a sweep and are measured after 1, 2, ..., 10, 11, ..., 20, 22, ... sweeps.
+  !> Sweep until e1 is small enough. Errors cost as much as a sweep: they are measured after 1, 2, ..., 20, 22, 24, ... sweeps.
   subroutine block_nlgs_solve(self, problem, report)
     class(block_nlgs_t), intent(inout) :: self
     type(matrix_problem_t), intent(inout) :: problem !! problem to solve
