@@ -55,6 +55,19 @@ contains
                   '  --method boxes|graph    boxes of equal weight (default), or METIS on the graph of contacts', &
                   '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
                   '  --json                  one flat JSON object'])
+    case ('solve')
+      call lines([character(len=110) :: &
+                  'splitgrain solve FILE... [options]    solve contact problems in FCLIB files (HDF5)', &
+                  '  --solver NAME           solver (default: default); all for all; may be given several times', &
+                  '  --tolerance X           e1 to reach (default 1e-8)', &
+                  '  --iterations N          most iterations (default 100000)', &
+                  '  --seconds S             most CPU seconds for each problem (default 60)', &
+                  '  --guess                 start from the first usable guess of the file', &
+                  '  --trace FILE.csv        write errors against iterations and CPU seconds', &
+                  '  --write [--force]       add the answer to the file as /solution; --force replaces one that it has', &
+                  '  --json                  one flat JSON object a line', &
+                  'Errors are measured from the answers. Exit codes: 0 all solved, 2 bad input (the other files are solved),', &
+                  '            3 a problem not solved to the tolerance, 5 an answer or the trace cannot be written.'])
     case default
       call lines([character(len=110) :: &
                   'splitgrain: nonsmooth contact dynamics of rigid grains', &
@@ -65,6 +78,7 @@ contains
                   'splitgrain convert FROM TO   LMGC90 DATBOX folder to a deck, or a deck to DATBOX files', &
                   'splitgrain bench             measure the sweeps', &
                   'splitgrain partition DECK    split the grains into parts: sizes, imbalance, what is cut', &
+                  'splitgrain solve FILE...     solve contact problems in FCLIB files, from this program or others', &
                   'splitgrain --version         version, commit, compiler, flags, libraries', &
                   '', &
                   'splitgrain COMMAND --help tells more.'])

@@ -11,6 +11,7 @@ program splitgrain
   use sg_partition, only: partition_command
   use sg_reference_text, only: reference_text
   use sg_run, only: run_command
+  use sg_solve, only: solve_command
   use sg_system, only: end_program
   use sg_text, only: append_word, nearest_word, text_t
   implicit none
@@ -60,6 +61,8 @@ contains
       call bench_command(arguments, error)
     case ('partition')
       call partition_command(arguments, code, error)
+    case ('solve')
+      call solve_command(arguments, code, error)
     case ('')
       call print_help('')
       code = exit_bad_input
@@ -70,8 +73,8 @@ contains
 
   !> Say that there is no such subcommand.
   subroutine unknown_command()
-    character(len=*), parameter :: commands(6) = [character(len=9) :: 'run', 'check', 'reference', 'convert', 'bench', &
-                                                  'partition']
+    character(len=*), parameter :: commands(7) = [character(len=9) :: 'run', 'check', 'reference', 'convert', 'bench', &
+                                                  'partition', 'solve']
     type(text_t), allocatable :: known(:)
     character(len=:), allocatable :: near
     integer :: i

@@ -6,6 +6,7 @@
 module sg_hdf5
   use sg_error, only: error_t
   use sg_kinds, only: wp, i4, i8
+  use sg_text, only: text_t
   implicit none
   private
   public :: hdf5_file_t, hdf5_is_available
@@ -29,20 +30,22 @@ module sg_hdf5
     procedure :: close => file_close
     procedure :: group => file_group
     procedure :: has => file_has
+    procedure :: names => file_names
+    procedure :: remove => file_remove
     procedure :: declare => file_declare
     procedure :: rows => file_rows
     procedure :: cut => file_cut
     procedure, private :: append_reals, append_real_records, append_integers, append_longs, append_long_records
-    procedure, private :: put_reals, put_real_records, put_integers, put_integer_records
-    procedure, private :: get_reals, get_real_records, get_integers, get_integer_records, get_longs
+    procedure, private :: put_reals, put_real_records, put_integers, put_integer_records, put_text
+    procedure, private :: get_reals, get_real_records, get_integers, get_integer_records, get_longs, get_text
     procedure, private :: set_long, set_longs, set_text
     procedure, private :: look_long, look_text
     !> Add rows to a growing dataset
     generic :: append => append_reals, append_real_records, append_integers, append_longs, append_long_records
     !> Make a dataset of fixed size and fill it
-    generic :: put => put_reals, put_real_records, put_integers, put_integer_records
+    generic :: put => put_reals, put_real_records, put_integers, put_integer_records, put_text
     !> Read a whole dataset
-    generic :: get => get_reals, get_real_records, get_integers, get_integer_records, get_longs
+    generic :: get => get_reals, get_real_records, get_integers, get_integer_records, get_longs, get_text
     !> Set an attribute, in place when it exists
     generic :: set => set_long, set_longs, set_text
     !> Read an attribute
@@ -90,6 +93,19 @@ module sg_hdf5
       character(len=*), intent(in) :: path !! path within the file
       logical :: has
     end function file_has
+
+    !> Names of all that a group holds, in the order of the alphabet.
+    module subroutine file_names(self, path, names)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! group within the file
+      type(text_t), allocatable, intent(out) :: names(:) !! names without the group's path; none after a failure
+    end subroutine file_names
+
+    !> Remove a group with all it holds, or a dataset.
+    module subroutine file_remove(self, path)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+    end subroutine file_remove
 
     !> Make a growing dataset without rows.
     module subroutine file_declare(self, path, storage, components, chunk, is_compressed)
@@ -178,6 +194,13 @@ module sg_hdf5
       integer(i4), intent(in), contiguous, target :: values(:, :) !! records to store
     end subroutine put_integer_records
 
+    !> Store a text as one item of fixed length, with the zero byte that ends texts in C.
+    module subroutine put_text(self, path, text)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      character(len=*), intent(in) :: text !! text to store
+    end subroutine put_text
+
     !> Read a list of reals; empty after a failure, as with all readers here.
     module subroutine get_reals(self, path, values)
       class(hdf5_file_t), intent(inout) :: self
@@ -212,6 +235,13 @@ module sg_hdf5
       character(len=*), intent(in) :: path !! path within the file
       integer(i8), allocatable, intent(out), target :: values(:) !! numbers read
     end subroutine get_longs
+
+    !> Read a text of fixed length; empty after a failure.
+    module subroutine get_text(self, path, text)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      character(len=:), allocatable, intent(out) :: text !! text read, up to its first zero byte
+    end subroutine get_text
 
     !> Set an attribute to one long integer.
     module subroutine set_long(self, path, name, value)

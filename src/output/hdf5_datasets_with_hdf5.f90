@@ -4,8 +4,9 @@ submodule(sg_hdf5:hdf5_with_hdf5) hdf5_datasets_with_hdf5
   use, intrinsic :: iso_c_binding, only: c_null_ptr
   use hdf5, only: h5dclose_f, h5dcreate_f, h5dget_space_f, h5dopen_f, h5dread_f, h5dset_extent_f, h5dwrite_f, &
                   h5p_dataset_create_f, h5pset_chunk_f, h5pset_deflate_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, &
-                  h5screate_simple_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sselect_hyperslab_f, &
-                  h5t_ieee_f32le, h5t_ieee_f64le, h5t_native_integer, h5t_std_i32le, h5t_std_i64le, h5t_std_u8le, hsize_t
+                  h5screate_simple_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
+                  h5sselect_hyperslab_f, h5t_ieee_f32le, h5t_ieee_f64le, h5t_native_integer, h5t_std_i32le, &
+                  h5t_std_i64le, h5t_std_u8le, hsize_t
   implicit none
 
   !> gzip level: beyond it files hardly shrink, and writing takes longer
@@ -86,7 +87,7 @@ contains
     integer(hsize_t), intent(out) :: shape(2)
     integer :: status, rank
     integer(hid_t) :: space
-    integer(hsize_t) :: most(2)
+    integer(hsize_t) :: most(2), points
 
     shape = 0
     call h5dopen_f(int(self%id, hid_t), path, dataset, status)
@@ -97,6 +98,10 @@ contains
     if (rank == 1 .or. rank == 2) then
       call h5sget_simple_extent_dims_f(space, shape(:rank), most(:rank), status)
       if (rank == 1) shape = [1_hsize_t, shape(1)]
+    else if (rank == 0) then
+      ! One number, or nothing at all.
+      call h5sget_simple_extent_npoints_f(space, points, status)
+      shape = [1_hsize_t, points]
     else
       call note(self, path//' is neither a list nor a table')
     end if
@@ -240,6 +245,7 @@ contains
     if (allocated(self%error)) return
     call open_dataset(self, path, dataset, shape)
     if (is_list .and. shape(1) > 1) call note(self, path//' is not a list')
+    if (shape(1)*shape(2) > huge(1_i4)) call note(self, path//' has more entries than can be counted')
     if (allocated(self%error)) shape = 0
   end subroutine prepare_read
 

@@ -23,8 +23,8 @@ contains
     character(len=*), intent(in) :: name
 
     self%name = name
-    call fail(self%error, 'this program was built without HDF5, which pictures and restart files need', file=name, &
-              code=exit_output)
+    call fail(self%error, 'this program was built without HDF5, which pictures, restart files and files of contact problems '// &
+              'need', file=name, code=exit_output)
   end subroutine refuse
 
   module procedure file_flush
@@ -39,6 +39,13 @@ contains
   module procedure file_has
   has = .false.
   end procedure file_has
+
+  module procedure file_names
+  allocate (names(0))
+  end procedure file_names
+
+  module procedure file_remove
+  end procedure file_remove
 
   module procedure file_declare
   end procedure file_declare
@@ -77,6 +84,9 @@ contains
   module procedure put_integer_records
   end procedure put_integer_records
 
+  module procedure put_text
+  end procedure put_text
+
   module procedure get_reals
   allocate (values(0))
   end procedure get_reals
@@ -96,6 +106,10 @@ contains
   module procedure get_longs
   allocate (values(0))
   end procedure get_longs
+
+  module procedure get_text
+  text = ''
+  end procedure get_text
 
   module procedure set_long
   end procedure set_long

@@ -16,6 +16,7 @@ module sg_json
     !> Add a member
     generic :: add => add_text, add_integer, add_long, add_real, add_logical
     procedure :: text => json_text
+    procedure :: line => json_line
   end type json_t
 
 contains
@@ -92,6 +93,24 @@ contains
     if (allocated(self%members)) text = self%members//new_line('a')
     text = '{'//new_line('a')//text//'}'
   end function json_text
+
+  !> The object on one line.
+  pure function json_line(self) result(text)
+    class(json_t), intent(in) :: self
+    character(len=:), allocatable :: text
+    integer :: i
+
+    text = '{'
+    if (allocated(self%members)) then
+      ! Ends of lines stand between members alone: within strings they are escaped.
+      do i = 3, len(self%members)
+        if (self%members(i:i) == new_line('a')) cycle
+        if (self%members(i - 1:i - 1) == new_line('a')) cycle
+        text = text//self%members(i:i)
+      end do
+    end if
+    text = text//'}'
+  end function json_line
 
   !> A text as a JSON string: quotes, backslashes and control characters escaped, bytes that are no UTF-8 replaced.
   pure function quoted(text) result(string)

@@ -2,15 +2,20 @@
 !!
 !! A new solver is a name in `matrix_solver_names` and a case of `choose_matrix_solver`.
 module sg_choose_matrix_solver
+  use sg_accelerated_nlgs, only: accelerated_nlgs_t
+  use sg_block_automatic, only: block_automatic_t
+  use sg_block_nlgs, only: block_nlgs_t
   use sg_error, only: error_t, fail
   use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
+  use sg_proximal_newton, only: proximal_newton_t
   use sg_text, only: append_word, joined, nearest_word, text_t
   implicit none
   private
   public :: choose_matrix_solver, matrix_solver_names
 
   !> Names of all solvers, in the order in which `--solver all` runs them
-  character(len=16), parameter :: matrix_solver_names(1) = [character(len=16) :: 'default']
+  character(len=16), parameter :: matrix_solver_names(4) = &
+    [character(len=16) :: 'auto', 'nlgs', 'accelerated', 'proximal']
 
 contains
 
@@ -22,6 +27,14 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when there is no solver of this name
 
     select case (name)
+    case ('auto')
+      allocate (block_automatic_t :: solver)
+    case ('nlgs')
+      allocate (block_nlgs_t :: solver)
+    case ('accelerated')
+      allocate (accelerated_nlgs_t :: solver)
+    case ('proximal')
+      allocate (proximal_newton_t :: solver)
     case default
       call refuse(name, error)
     end select

@@ -1,0 +1,199 @@
+!> `splitgrain solve`: contact problems in FCLIB files, solved and judged by errors measured anew.
+module sg_solve
+  use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  use sg_arguments, only: arguments_t
+  use sg_choose_matrix_solver, only: choose_matrix_solver, matrix_solver_names
+  use sg_error, only: error_t, exit_bad_input, exit_done, exit_not_converged
+  use sg_fclib_read, only: read_fclib
+  use sg_fclib_write, only: write_solution
+  use sg_kinds, only: wp
+  use sg_matrix_problem, only: matrix_problem_t
+  use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
+  use sg_report, only: report_t
+  use sg_solve_rows, only: json_of_error, json_row, judge, solve_row_t, table_head, table_row, trace_head, trace_rows
+  use sg_text, only: append_word, text_t, to_text
+  use sg_text_files, only: append_text, replace_file
+  use sg_timers, only: cpu_now
+  implicit none
+  private
+  public :: solve_command
+
+  !> What is asked for
+  type :: request_t
+    !> Names of the solvers, and when they stop
+    type(text_t), allocatable :: solvers(:)
+    type(matrix_options_t) :: options
+    !> File of the trace; empty for none
+    character(len=:), allocatable :: trace
+    !> Start from guesses? Write answers, also over others? Print JSON?
+    logical :: with_guess = .false., with_write = .false., is_forced = .false., as_json = .false.
+    !> Characters for the names of files
+    integer :: width = 0
+  end type request_t
+
+contains
+
+  !> Solve all files and print.
+  subroutine solve_command(arguments, code, error)
+    type(arguments_t), intent(in) :: arguments !! the command line
+    integer, intent(out) :: code !! exit code when there is no error
+    type(error_t), allocatable, intent(out) :: error !! what is wrong with the command line
+    type(request_t) :: request
+    integer :: i, solved
+    logical :: is_solved
+    integer, allocatable :: codes(:)
+
+    code = exit_done
+    call read_request(arguments, request, error)
+    if (.not. allocated(error) .and. len(request%trace) > 0) call replace_file(request%trace, trace_head(), error)
+    if (allocated(error)) return
+    if (.not. request%as_json) write (output_unit, '(a)') table_head(request%width)
+    solved = 0
+    allocate (codes(size(arguments%words)), source=exit_done)
+    do i = 1, size(arguments%words)
+      call solve_file(arguments%words(i)%s, request, is_solved, codes(i))
+      if (is_solved) solved = solved + 1
+    end do
+    if (.not. request%as_json) write (output_unit, '(a)') to_text(solved)//' of '//to_text(size(codes))// &
+      ' problems solved to e1 <= '//to_text(request%options%tolerance, 3)
+    if (any(codes == exit_bad_input)) then
+      code = exit_bad_input
+    else if (any(codes /= exit_done)) then
+      code = maxval(codes)
+    end if
+  end subroutine solve_command
+
+  !> Take the request from the command line.
+  subroutine read_request(arguments, request, error)
+    type(arguments_t), intent(in) :: arguments
+    type(request_t), intent(out) :: request
+    type(error_t), allocatable, intent(out) :: error
+    class(matrix_solver_t), allocatable :: solver
+    real(wp) :: tolerance, iterations, seconds, most
+    integer :: i
+
+    request%trace = arguments%get('trace', '')
+    associate (options => request%options)
+      iterations = real(options%maximum_iterations, wp)
+      tolerance = options%tolerance
+      seconds = options%maximum_seconds
+      call arguments%expect('solver tolerance iterations seconds guess trace write force json', 1, huge(1), &
+                            'solve FILE... [options]; see splitgrain solve --help', error)
+      if (.not. allocated(error)) call arguments%number('tolerance', tolerance, 0.0_wp, options%tolerance, error)
+      if (.not. allocated(error)) call arguments%number('seconds', seconds, 0.0_wp, options%maximum_seconds, error)
+      if (.not. allocated(error)) call arguments%number('iterations', iterations, 1.0_wp, most, error)
+      if (allocated(error)) return
+      options%maximum_iterations = nint(most)
+      options%with_trace = len(request%trace) > 0
+    end associate
+    request%with_guess = arguments%has('guess')
+    request%with_write = arguments%has('write')
+    request%is_forced = arguments%has('force')
+    request%as_json = arguments%has('json')
+    call list_solvers(arguments, request%solvers)
+    do i = 1, size(request%solvers)
+      call choose_matrix_solver(request%solvers(i)%s, request%options, solver, error)
+      if (allocated(error)) return
+    end do
+    request%width = 4
+    do i = 1, size(arguments%words)
+      request%width = max(request%width, len(arguments%words(i)%s))
+    end do
+  end subroutine read_request
+
+  !> Names of the solvers asked for.
+  subroutine list_solvers(arguments, solvers)
+    type(arguments_t), intent(in) :: arguments
+    type(text_t), allocatable, intent(out) :: solvers(:)
+    integer :: i
+
+    solvers = arguments%all_of('solver')
+    if (size(solvers) == 0) then
+      call append_word(solvers, 'default')
+    else if (arguments%get('solver', '') == 'all') then
+      deallocate (solvers)
+      do i = 1, size(matrix_solver_names)
+        call append_word(solvers, trim(matrix_solver_names(i)))
+      end do
+    end if
+  end subroutine list_solvers
+
+  !> Solve the problem of one file by all solvers asked for; it is solved when one of them does.
+  subroutine solve_file(file, request, is_solved, code)
+    character(len=*), intent(in) :: file
+    type(request_t), intent(in) :: request
+    logical, intent(out) :: is_solved
+    integer, intent(out) :: code
+    type(matrix_problem_t) :: problem, answer
+    type(solve_row_t) :: row
+    type(error_t), allocatable :: error
+    real(wp), allocatable :: best(:, :)
+    real(wp) :: best_e1
+    logical :: has_guess
+    integer :: i
+
+    is_solved = .false.
+    call read_fclib(file, request%with_guess, problem, has_guess, error)
+    if (allocated(error)) then
+      if (request%as_json) write (output_unit, '(a)') json_of_error(file, error%message)
+      call tell(error, code)
+      return
+    end if
+    best_e1 = huge(best_e1)
+    best = problem%r
+    do i = 1, size(request%solvers)
+      answer = problem
+      call solve_once(file, request, request%solvers(i)%s, has_guess, answer, row, error)
+      is_solved = is_solved .or. row%is_converged
+      if (row%errors%e1 < best_e1) best = answer%r
+      best_e1 = min(best_e1, row%errors%e1)
+      if (request%as_json) then
+        write (output_unit, '(a)') json_row(row)
+      else
+        write (output_unit, '(a)') table_row(row, request%width)
+      end if
+      flush (output_unit)
+    end do
+    code = merge(exit_done, exit_not_converged, is_solved)
+    if (request%with_write .and. .not. allocated(error)) call write_solution(file, best, request%is_forced, error)
+    if (allocated(error)) call tell(error, code)
+  end subroutine solve_file
+
+  !> Solve a problem by one solver, measure the answer, and keep the trace.
+  subroutine solve_once(file, request, name, has_guess, problem, row, error)
+    character(len=*), intent(in) :: file, name
+    type(request_t), intent(in) :: request
+    logical, intent(in) :: has_guess
+    type(matrix_problem_t), intent(inout) :: problem
+    type(solve_row_t), intent(out) :: row
+    type(error_t), allocatable, intent(inout) :: error
+    class(matrix_solver_t), allocatable :: solver
+    type(report_t) :: report
+    type(error_t), allocatable :: failure
+    real(wp) :: start
+
+    row%file = file
+    row%solver = name
+    row%has_guess = has_guess
+    row%tolerance = request%options%tolerance
+    start = cpu_now()
+    if (problem%n > 0) then
+      call choose_matrix_solver(name, request%options, solver, failure)
+      solver%options%warm_start = has_guess
+      call solver%solve(problem, report)
+    end if
+    row%cpu_seconds = cpu_now() - start
+    call judge(problem, report, row)
+    if (len(request%trace) > 0) call append_text(request%trace, trace_rows(row, report), failure)
+    if (allocated(failure)) call move_alloc(failure, error)
+  end subroutine solve_once
+
+  !> Say what is wrong with a file.
+  subroutine tell(error, code)
+    type(error_t), intent(in) :: error
+    integer, intent(out) :: code
+
+    write (error_unit, '(a)') error%report()
+    code = error%code
+  end subroutine tell
+end module sg_solve

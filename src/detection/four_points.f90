@@ -1,0 +1,83 @@
+!> Which of the corners that two faces share carry the contact: at most four.
+module sg_four_points
+  use sg_kinds, only: wp
+  use sg_separation, only: cross, dot
+  implicit none
+  private
+  public :: choose_points
+
+contains
+
+  !> Choose the deepest point, the farthest from it, the farthest from their line, and the one that adds most area to these.
+  !!
+  !! Points that add less than `same` in length say nothing new: a line has two points, a spot one.
+  pure subroutine choose_points(n, point, normal, rounding, same, n_chosen, chosen)
+    integer, intent(in) :: n !! number of points, one at least
+    real(wp), intent(in) :: point(4, n) !! corners of a convex polygon, seen along the normal, and their gaps [m]
+    real(wp), intent(in) :: normal(3) !! unit normal of the contact
+    real(wp), intent(in) :: rounding !! gaps that differ by less are the same [m]
+    real(wp), intent(in) :: same !! points nearer than this are one [m]
+    integer, intent(out) :: n_chosen !! number of points chosen, 1 to 4
+    integer, intent(out) :: chosen(4) !! the points
+    real(wp) :: line(3), across(3), value, best
+    integer :: i
+
+    chosen = 0
+    n_chosen = 1
+    chosen(1) = 1
+    do i = 2, n
+      if (point(4, i) < point(4, chosen(1)) - rounding) chosen(1) = i
+    end do
+
+    best = same
+    do i = 1, n
+      value = sqrt(dot(flat(i, 1), flat(i, 1)))
+      if (value <= best + rounding) cycle
+      best = value
+      chosen(2) = i
+    end do
+    if (chosen(2) == 0) return
+    n_chosen = 2
+
+    line = flat(chosen(2), 1)
+    across = cross(normal, line)/sqrt(dot(line, line))
+    best = same
+    do i = 1, n
+      value = abs(dot(across, flat(i, 1)))
+      if (value <= best + rounding) cycle
+      best = value
+      chosen(3) = i
+    end do
+    if (chosen(3) == 0) return
+    n_chosen = 3
+    ! The triangle is to be seen counter-clockwise.
+    if (dot(across, flat(chosen(3), 1)) < 0) chosen(2:3) = chosen([3, 2])
+
+    best = same*sqrt(dot(line, line))
+    do i = 1, n
+      value = max(area(1, 2, i), area(2, 3, i), area(3, 1, i))
+      if (value <= best*(1 + epsilon(best)*64)) cycle
+      best = value
+      chosen(4) = i
+    end do
+    if (chosen(4) > 0) n_chosen = 4
+
+  contains
+
+    !> From a chosen point to a point, within the plane of contact.
+    pure function flat(i, k) result(way)
+      integer, intent(in) :: i, k
+      real(wp) :: way(3)
+
+      way = point(1:3, i) - point(1:3, chosen(k))
+      way = way - dot(normal, way)*normal
+    end function flat
+
+    !> Twice the area that a point adds beyond a side of the triangle, negative inside.
+    pure real(wp) function area(k, l, i)
+      integer, intent(in) :: k, l, i
+
+      area = -dot(normal, cross(point(1:3, chosen(l)) - point(1:3, chosen(k)), point(1:3, i) - point(1:3, chosen(k))))
+    end function area
+  end subroutine choose_points
+end module sg_four_points

@@ -1,0 +1,161 @@
+!> The axis of greatest separation of two convex polyhedra among their faces and pairs of edges.
+!!
+!! Where two polyhedra overlap, the least translation that parts them is along the normal of a face of one, or
+!! perpendicular to an edge of each: these are the normals of the faces of their difference. A pair of edges makes
+!! such a face only when the arcs that join the normals of their adjacent faces cross on the unit sphere.
+module sg_polyhedra_overlap
+  use sg_kinds, only: wp
+  use sg_polyhedron, only: polyhedron_t
+  use sg_separation, only: axis_t, cross, dot, extreme_vertex, measure_axis
+  implicit none
+  private
+  public :: try_faces, try_edges
+
+  !> Edges of the candidate looked at in one go
+  integer, parameter :: batch = 64
+
+contains
+
+  !> Try the faces of both: the antagonist's first, which a later one must beat by more than rounding.
+  pure subroutine try_faces(c, a, offset, rounding, axis)
+    type(polyhedron_t), intent(in) :: c !! candidate, in the world
+    type(polyhedron_t), intent(in) :: a !! antagonist, in the world
+    real(wp), intent(in) :: offset(3) !! added to the antagonist's coordinates [m]
+    real(wp), intent(in) :: rounding !! separations that differ by less are as good [m]
+    type(axis_t), intent(inout) :: axis !! best axis so far; a face as good replaces it
+    real(wp) :: bar
+    integer :: face_a, face_c, vertex_a, vertex_c
+
+    bar = axis%separation - rounding
+    call best_face(a, c, -offset, axis%vertex_c, rounding, bar, face_a, vertex_c)
+    call best_face(c, a, offset, axis%vertex_a, rounding, bar, face_c, vertex_a)
+    if (face_c > 0) then
+      axis%normal = -c%world_normal(:, face_c)
+      vertex_c = c%face_vertex(c%face_first(face_c))
+    else if (face_a > 0) then
+      axis%normal = a%world_normal(:, face_a)
+      vertex_a = a%face_vertex(a%face_first(face_a))
+    else
+      return
+    end if
+    axis%face_a = merge(face_a, 0, face_c == 0)
+    axis%face_c = face_c
+    axis%vertex_a = vertex_a
+    axis%vertex_c = vertex_c
+    axis%separation = dot(axis%normal, (c%world_vertex(:, vertex_c) - a%world_vertex(:, vertex_a)) - offset)
+  end subroutine try_faces
+
+  !> Find the face over which the other's lowest vertex is highest, if it is above a bar.
+  pure subroutine best_face(reference, other, shift, first, rounding, bar, face, lowest)
+    type(polyhedron_t), intent(in) :: reference !! the one whose faces are tried
+    type(polyhedron_t), intent(in) :: other !! the other
+    real(wp), intent(in) :: shift(3) !! added to the other's vertices [m]
+    integer, intent(in) :: first !! vertex of the other that is probably low
+    real(wp), intent(in) :: rounding !! by how much a face must beat another [m]
+    real(wp), intent(inout) :: bar !! height to be above; raised by the face found [m]
+    integer, intent(out) :: face !! best face, 0 where none is above the bar
+    integer, intent(out) :: lowest !! the other's lowest vertex over it
+    real(wp) :: normal(3), corner(3), height, low
+    integer :: f, i, k
+
+    face = 0
+    lowest = 0
+    do f = 1, reference%n_faces
+      normal = reference%world_normal(:, f)
+      corner = reference%world_vertex(:, reference%face_vertex(reference%face_first(f))) - shift
+      low = dot(normal, other%world_vertex(:, first) - corner)
+      if (low < bar) cycle
+      k = first
+      do i = 1, other%n_vertices
+        height = dot(normal, other%world_vertex(:, i) - corner)
+        if (height >= low) cycle
+        low = height
+        k = i
+        if (low < bar) exit
+      end do
+      if (low < bar) cycle
+      face = f
+      lowest = k
+      bar = low + rounding
+    end do
+  end subroutine best_face
+
+  !> Try the pairs of edges that may touch once the shapes are parted.
+  !!
+  !! Of two shapes that overlap by the depth d along any normal n, translated apart along the best axis (by at most d),
+  !! the edges that make it cross. So along n each of them comes within 2 d of the other shape's side of its own shape; where
+  !! the shapes are apart by between s(n) and d, within d - s(n).
+  pure subroutine try_edges(c, a, offset, distance, rounding, axis)
+    type(polyhedron_t), intent(in) :: c !! candidate, in the world
+    type(polyhedron_t), intent(in) :: a !! antagonist, in the world
+    real(wp), intent(in) :: offset(3) !! added to the antagonist's coordinates [m]
+    real(wp), intent(in) :: distance !! the shapes are no farther apart [m]; 0 where they overlap
+    real(wp), intent(in) :: rounding !! separations that differ by less are as good [m]
+    type(axis_t), intent(inout) :: axis !! best axis so far; a pair of edges replaces it where it is better
+    real(wp) :: normal(3), width, bar_a, bar_c, bar
+    integer :: near(batch), n, i, j
+
+    normal = axis%normal
+    width = max(-axis%separation, 0.0_wp) + max(distance, -axis%separation) - max(axis%separation, 0.0_wp) + rounding
+    bar_a = dot(normal, a%world_vertex(:, axis%vertex_a)) - width
+    bar_c = dot(normal, c%world_vertex(:, axis%vertex_c)) + width
+    ! Faces are as good already. An axis through the nearest points of an edge and another gains digits as theirs.
+    bar = axis%separation + merge(rounding, -rounding, max(axis%face_a, axis%face_c) > 0)
+    i = 0
+    do while (i < c%n_edges)
+      n = 0
+      do while (i < c%n_edges .and. n < batch)
+        i = i + 1
+        if (min(dot(normal, c%world_vertex(:, c%edge(1, i))), dot(normal, c%world_vertex(:, c%edge(2, i)))) > bar_c) cycle
+        n = n + 1
+        near(n) = i
+      end do
+      do j = 1, a%n_edges
+        if (max(dot(normal, a%world_vertex(:, a%edge(1, j))), dot(normal, a%world_vertex(:, a%edge(2, j)))) < bar_a) cycle
+        call try_edge(c, a, offset, near(:n), j, rounding, bar, axis)
+      end do
+    end do
+  end subroutine try_edges
+
+  !> Try one edge of the antagonist with some of the candidate.
+  pure subroutine try_edge(c, a, offset, near, j, rounding, bar, axis)
+    type(polyhedron_t), intent(in) :: c !! candidate, in the world
+    type(polyhedron_t), intent(in) :: a !! antagonist, in the world
+    real(wp), intent(in) :: offset(3) !! added to the antagonist's coordinates [m]
+    integer, intent(in) :: near(:) !! edges of the candidate
+    integer, intent(in) :: j !! edge of the antagonist
+    real(wp), intent(in) :: rounding !! by how much a pair must beat another [m]
+    real(wp), intent(inout) :: bar !! separation to beat [m]
+    type(axis_t), intent(inout) :: axis !! best axis so far
+    type(axis_t) :: trial
+    real(wp) :: edge_a(3), edge_c(3), left_a(3), right_a(3), normal(3), left, right, length2
+    integer :: i, k
+
+    edge_a = a%world_vertex(:, a%edge(2, j)) - a%world_vertex(:, a%edge(1, j))
+    left_a = a%world_normal(:, a%edge(3, j))
+    right_a = a%world_normal(:, a%edge(4, j))
+    do k = 1, size(near)
+      i = near(k)
+      left = dot(edge_a, c%world_normal(:, c%edge(3, i)))
+      if (left*dot(edge_a, c%world_normal(:, c%edge(4, i))) >= 0) cycle
+      edge_c = c%world_vertex(:, c%edge(2, i)) - c%world_vertex(:, c%edge(1, i))
+      right = dot(edge_c, right_a)
+      if (dot(edge_c, left_a)*right >= 0 .or. (left > 0 .eqv. right > 0)) cycle
+      normal = cross(edge_a, edge_c)
+      length2 = dot(normal, normal)
+      ! Nearly parallel edges give no direction, and where they matter faces or nearest points give a better one.
+      if (length2 <= 1e-20_wp*dot(edge_a, edge_a)*dot(edge_c, edge_c)) cycle
+      normal = normal/sign(sqrt(length2), dot(normal, left_a + right_a))
+      if (dot(normal, (c%world_vertex(:, c%edge(1, i)) - a%world_vertex(:, a%edge(1, j))) - offset) < bar) cycle
+      ! What rounding makes of short edges is no axis unless all vertices say so.
+      call measure_axis(c, a, offset, normal, trial)
+      if (trial%separation < bar) cycle
+      axis = trial
+      axis%edge_c = i
+      axis%edge_a = j
+      axis%face_c = c%edge(merge(3, 4, dot(c%world_normal(:, c%edge(3, i)) - c%world_normal(:, c%edge(4, i)), normal) <= 0), i)
+      axis%face_a = a%edge(merge(3, 4, dot(left_a - right_a, normal) >= 0), j)
+      bar = trial%separation + rounding
+    end do
+  end subroutine try_edge
+end module sg_polyhedra_overlap

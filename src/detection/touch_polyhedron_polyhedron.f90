@@ -1,0 +1,64 @@
+!> Contact of two convex polyhedra.
+!!
+!! One axis for the pair: along the shortest way between the two where they are apart, along the shortest way apart
+!! where they overlap. The points are the corners of what the two facing faces share, seen along the axis.
+module sg_touch_polyhedron_polyhedron
+  use sg_clip_faces, only: add_shared_points
+  use sg_kinds, only: wp
+  use sg_polyhedra_apart, only: walk_apart
+  use sg_polyhedra_overlap, only: try_edges, try_faces
+  use sg_polyhedron, only: polyhedron_t
+  use sg_separation, only: axis_t, dot, rounding_of
+  use sg_touch_space, only: touch_space_t
+  implicit none
+  private
+  public :: touch_polyhedron_polyhedron, touching_axis
+
+contains
+
+  !> Points of contact of two convex polyhedra.
+  pure subroutine touch_polyhedron_polyhedron(c, a, offset, alert, touch, guess)
+    type(polyhedron_t), intent(in) :: c !! candidate, in the world
+    type(polyhedron_t), intent(in) :: a !! antagonist, in the world
+    real(wp), intent(in) :: offset(3) !! added to the antagonist's coordinates (its periodic image) [m]
+    real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
+    type(touch_space_t), intent(out) :: touch !! up to four points
+    real(wp), intent(inout), optional :: guess(3) !! axis of the pair's last detection, 0 for none; set to the present one
+    type(axis_t) :: axis
+    real(wp) :: way(3), start(3), size2
+
+    way = c%centre - a%centre - offset
+    if (dot(way, way) >= (c%reach + a%reach + max(alert, 0.0_wp))**2) return
+    start = way
+    if (present(guess)) then
+      if (dot(guess, guess) > 0.25_wp) start = guess
+    end if
+    size2 = dot(start, start)
+    if (size2 > tiny(size2)) then
+      start = start/sqrt(size2)
+    else
+      start = [1.0_wp, 0.0_wp, 0.0_wp]
+    end if
+    call touching_axis(c, a, offset, alert, start, axis)
+    if (present(guess)) guess = axis%normal
+    if (axis%separation < alert) call add_shared_points(c, a, offset, alert, rounding_of(c, a, offset), axis, touch)
+  end subroutine touch_polyhedron_polyhedron
+
+  !> The axis of greatest separation of two polyhedra, or one along which they are apart by `alert` or more.
+  pure subroutine touching_axis(c, a, offset, alert, start, axis)
+    type(polyhedron_t), intent(in) :: c !! candidate, in the world
+    type(polyhedron_t), intent(in) :: a !! antagonist, in the world
+    real(wp), intent(in) :: offset(3) !! added to the antagonist's coordinates [m]
+    real(wp), intent(in) :: alert !! separation from which the search may stop [m]
+    real(wp), intent(in) :: start(3) !! unit vector to start with
+    type(axis_t), intent(out) :: axis !! the axis
+    real(wp) :: distance, rounding
+
+    rounding = rounding_of(c, a, offset)
+    call walk_apart(c, a, offset, alert, rounding, start, axis, distance)
+    if (axis%separation >= alert) return
+    call try_faces(c, a, offset, rounding, axis)
+    if (axis%separation >= alert) return
+    if (distance <= 0 .or. max(axis%face_a, axis%face_c) == 0) call try_edges(c, a, offset, distance, rounding, axis)
+  end subroutine touching_axis
+end module sg_touch_polyhedron_polyhedron

@@ -1,0 +1,160 @@
+!> Gauss-Seidel sweeps with Anderson's acceleration: the next impulses are the combination of the last sweeps whose changes
+!! nearly cancel (doc/theory/solvers_sweeps.md).
+module sg_accelerated_nlgs
+  use sg_block_map, only: project_all
+  use sg_block_progress, only: progress_t
+  use sg_block_scaling, only: scale_problem
+  use sg_block_sweeps, only: sweep
+  use sg_kinds, only: wp
+  use sg_matrix_problem, only: matrix_problem_t
+  use sg_matrix_solver, only: matrix_solver_t
+  use sg_report, only: report_t
+  implicit none
+  private
+  public :: accelerated_nlgs_t, anderson_t, sweep_accelerated
+
+  !> Settings of the acceleration
+  type :: anderson_t
+    !> Sweeps that are remembered
+    integer :: memory = 20
+    !> Growth of the change of a sweep, over the least since the start of the memory, at which the memory is given up
+    real(wp) :: most_growth = 2
+    !> What is added to the diagonal of the least-squares system, over its trace
+    real(wp) :: regularisation = 1e-10_wp
+    !> Sweeps between two tests
+    integer :: check_every = 10
+  end type anderson_t
+
+  !> Accelerated sweeps; an iteration is one sweep
+  type, extends(matrix_solver_t) :: accelerated_nlgs_t
+    type(anderson_t) :: anderson
+  contains
+    procedure :: solve => accelerated_nlgs_solve
+  end type accelerated_nlgs_t
+
+  !> The last sweeps: changes of their change and of their result, one column each, and products of the former
+  type :: memory_t
+    integer :: used = 0, newest = 0
+    real(wp), allocatable :: change(:, :), result(:, :), products(:, :)
+  end type memory_t
+
+contains
+
+  !> Accelerated sweeps until e1 is small enough.
+  subroutine accelerated_nlgs_solve(self, problem, report)
+    class(accelerated_nlgs_t), intent(inout) :: self
+    type(matrix_problem_t), intent(inout) :: problem !! problem to solve
+    type(report_t), intent(out) :: report !! effort and errors
+    type(matrix_problem_t) :: scaled
+    type(progress_t) :: progress
+    real(wp), allocatable :: scale(:)
+
+    call progress%begin(problem, self%options)
+    if (.not. progress%is_over) then
+      allocate (scale(problem%n))
+      call scale_problem(problem, scaled, scale)
+      call sweep_accelerated(self%anderson, problem, scaled, scale, self%options%maximum_iterations, progress)
+    end if
+    call progress%finish(problem, report)
+  end subroutine accelerated_nlgs_solve
+
+  !> So many accelerated sweeps, or fewer where that ends the solve; `scaled` holds the impulses.
+  subroutine sweep_accelerated(settings, problem, scaled, scale, most, progress)
+    type(anderson_t), intent(in) :: settings !! settings of the acceleration
+    type(matrix_problem_t), intent(in) :: problem !! problem to solve
+    type(matrix_problem_t), intent(inout) :: scaled !! the same without units; gets the impulses
+    real(wp), intent(in), contiguous :: scale(:) !! impulse [N s] that 1 stands for
+    integer, intent(in) :: most !! sweeps
+    type(progress_t), intent(inout) :: progress !! how far the solve has come
+    type(memory_t) :: memory
+    real(wp), allocatable :: swept(:, :), good(:, :), last_swept(:, :), change(:, :), last_change(:, :)
+    real(wp) :: norm, least
+    integer :: i
+    logical :: has_last
+
+    associate (r => scaled%r, d => scaled%d, n => scaled%n)
+      allocate (memory%change(d*n, settings%memory), memory%result(d*n, settings%memory))
+      allocate (memory%products(settings%memory, settings%memory), last_swept(d, n), last_change(d, n), swept(d, n), change(d, n))
+      good = r
+      has_last = .false.
+      least = huge(least)
+      do i = 1, most
+        if (progress%is_over) exit
+        swept = r
+        call sweep(scaled, swept)
+        progress%sweeps = progress%sweeps + 1
+        progress%iterations = progress%iterations + 1
+        change = swept - r
+        norm = sqrt(sum(change**2))
+        if (memory%used > 0 .and. .not. norm <= settings%most_growth*least) then
+          memory%used = 0
+          has_last = .false.
+          least = huge(least)
+          r = good
+        else
+          least = min(least, norm)
+          good = swept
+          if (has_last) call remember(memory, reshape(change - last_change, [d*n]), reshape(swept - last_swept, [d*n]))
+          has_last = .true.
+          last_swept = swept
+          last_change = change
+          r = swept
+          if (memory%used > 0) then
+            r = swept - reshape(combined(memory, settings%regularisation, reshape(change, [d*n])), [d, n])
+            call project_all(scaled%friction, r)
+          end if
+        end if
+        if (modulo(i, settings%check_every) == 0 .or. i == most) call progress%look(problem, good, scale)
+        if (progress%iterations >= progress%options%maximum_iterations) exit
+      end do
+      r = good
+    end associate
+  end subroutine sweep_accelerated
+
+  !> Add one sweep to the memory, over the oldest where it is full.
+  pure subroutine remember(memory, change, result)
+    type(memory_t), intent(inout) :: memory
+    real(wp), intent(in), contiguous :: change(:), result(:)
+    integer :: k
+
+    memory%newest = modulo(memory%newest, size(memory%change, 2)) + 1
+    if (memory%used == 0) memory%newest = 1
+    memory%used = min(memory%used + 1, size(memory%change, 2))
+    k = memory%newest
+    memory%change(:, k) = change
+    memory%result(:, k) = result
+    memory%products(:memory%used, k) = matmul(change, memory%change(:, :memory%used))
+    memory%products(k, :memory%used) = memory%products(:memory%used, k)
+  end subroutine remember
+
+  !> What the least-squares combination of the memory takes off the result of a sweep with this change.
+  pure function combined(memory, regularisation, change) result(correction)
+    type(memory_t), intent(in) :: memory
+    real(wp), intent(in) :: regularisation
+    real(wp), intent(in), contiguous :: change(:)
+    real(wp) :: correction(size(change)), a(memory%used, memory%used), x(memory%used), shift
+    integer :: m, i, j
+
+    m = memory%used
+    a = memory%products(:m, :m)
+    x = matmul(change, memory%change(:, :m))
+    shift = tiny(shift)
+    do i = 1, m
+      shift = shift + regularisation*a(i, i)
+    end do
+    ! Cholesky's factors; a pivot that rounding spoiled leaves its sweep out.
+    do j = 1, m
+      a(j, j) = a(j, j) + shift - sum(a(j, :j - 1)**2)
+      if (.not. a(j, j) > shift/2) a(j, j) = huge(shift)
+      a(j, j) = sqrt(a(j, j))
+      do i = j + 1, m
+        a(i, j) = (a(i, j) - dot_product(a(i, :j - 1), a(j, :j - 1)))/a(j, j)
+      end do
+      x(j) = (x(j) - dot_product(a(j, :j - 1), x(:j - 1)))/a(j, j)
+    end do
+    do j = m, 1, -1
+      x(j) = (x(j) - dot_product(a(j + 1:, j), x(j + 1:)))/a(j, j)
+    end do
+    correction = matmul(memory%result(:, :m), x)
+  end function combined
+end module sg_accelerated_nlgs

@@ -1,0 +1,135 @@
+!> How far a solve has come: the best answer so far, its error on the whole problem, effort, history, and when to stop.
+module sg_block_progress
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use sg_block_map, only: natural_map
+  use sg_kinds, only: wp, i8
+  use sg_matrix_errors, only: errors_of, matrix_errors_t
+  use sg_matrix_problem, only: matrix_problem_t
+  use sg_matrix_solver, only: matrix_options_t
+  use sg_report, only: report_t, trace_point_t
+  use sg_sparse, only: multiply
+  use sg_timers, only: cpu_now
+  implicit none
+  private
+  public :: progress_t
+
+  !> One solve under way
+  type :: progress_t
+    type(matrix_options_t) :: options
+    !> Effort so far; sweeps and Newton steps both count as iterations
+    integer :: sweeps = 0, iterations = 0, factorisations = 0, checks = 0
+    !> e1 of the answer looked at last, and of the best
+    real(wp) :: e1 = huge(1.0_wp), best = huge(1.0_wp)
+    !> Is the best answer good enough; and is that, or the time or effort allowed, a reason to stop?
+    logical :: is_converged = .false., is_over = .false.
+    !> The best answer [N s], shape (d, n)
+    real(wp), allocatable :: answer(:, :)
+    real(wp), private :: start = 0, q_norm = 0
+    real(wp), allocatable, private :: r(:, :), u(:, :), f(:, :)
+    type(trace_point_t), allocatable, private :: trace(:)
+    integer, private :: n_trace = 0
+  contains
+    procedure :: begin => progress_begin
+    procedure :: look => progress_look
+    procedure :: finish => progress_finish
+  end type progress_t
+
+contains
+
+  !> Start the clock, and look at the guess, which is put into the problem.
+  subroutine progress_begin(self, problem, options)
+    class(progress_t), intent(inout) :: self
+    type(matrix_problem_t), intent(inout) :: problem !! problem; its impulses become those to start from
+    type(matrix_options_t), intent(in) :: options !! when to stop
+
+    self%start = cpu_now()
+    self%options = options
+    self%q_norm = sqrt(sum(problem%q**2))
+    allocate (self%r(problem%d, problem%n), self%u(problem%d, problem%n), self%f(problem%d, problem%n))
+    if (.not. options%warm_start .or. .not. self%q_norm > 0) problem%r = 0
+    allocate (self%answer, source=problem%r)
+    if (options%with_trace) allocate (self%trace(64))
+    call self%look(problem, problem%r)
+  end subroutine progress_begin
+
+  !> Measure an answer, keep it when it is the best, and see whether to stop.
+  subroutine progress_look(self, problem, r, scale)
+    class(progress_t), intent(inout) :: self
+    type(matrix_problem_t), intent(in) :: problem !! problem to solve
+    real(wp), intent(in), contiguous :: r(:, :) !! answer, shape (d, n)
+    real(wp), intent(in), contiguous, optional :: scale(:) !! impulse [N s] that 1 stands for, shape (n)
+    real(wp) :: norm
+    integer :: a
+
+    self%r = r
+    if (present(scale)) then
+      do a = 1, problem%n
+        self%r(:, a) = scale(a)*r(:, a)
+      end do
+    end if
+    call multiply(problem%w, self%r, self%u)
+    self%u = self%u + problem%q
+    call natural_map(problem%friction, 1.0_wp, self%r, self%u, self%f)
+    norm = sqrt(sum(self%f**2))
+    self%checks = self%checks + 1
+    self%e1 = huge(norm)
+    if (ieee_is_finite(norm)) then
+      if (self%q_norm > 0) norm = norm/self%q_norm
+      self%e1 = norm
+      if (norm < self%best) then
+        self%best = norm
+        self%answer = self%r
+      end if
+    end if
+    ! The margin covers other orders of summation: whoever measures again finds no more than the tolerance.
+    self%is_converged = self%best <= self%options%tolerance*(1 - 1e-6_wp)
+    self%is_over = self%is_converged .or. self%iterations >= self%options%maximum_iterations
+    if (.not. self%is_over) self%is_over = cpu_now() - self%start >= self%options%maximum_seconds
+    if (allocated(self%trace)) call add_to_trace(self, problem)
+  end subroutine progress_look
+
+  !> Note the errors of the answer looked at.
+  subroutine add_to_trace(self, problem)
+    type(progress_t), intent(inout) :: self
+    type(matrix_problem_t), intent(in) :: problem
+    type(trace_point_t), allocatable :: longer(:)
+    type(matrix_errors_t) :: errors
+
+    if (.not. self%e1 < huge(self%e1)) return
+    if (self%n_trace == size(self%trace)) then
+      allocate (longer(2*self%n_trace))
+      longer(:self%n_trace) = self%trace
+      call move_alloc(longer, self%trace)
+    end if
+    errors = errors_of(problem, self%r)
+    self%n_trace = self%n_trace + 1
+    self%trace(self%n_trace) = trace_point_t(self%iterations, cpu_now() - self%start, errors%e1, errors%e8)
+  end subroutine add_to_trace
+
+  !> Put the best answer into the problem, and say how good it is and what it took.
+  subroutine progress_finish(self, problem, report)
+    class(progress_t), intent(inout) :: self
+    type(matrix_problem_t), intent(inout) :: problem !! gets the answer
+    type(report_t), intent(inout) :: report !! effort and errors
+    type(matrix_errors_t) :: errors
+
+    problem%r = self%answer
+    report%cpu_seconds = cpu_now() - self%start
+    errors = errors_of(problem, problem%r)
+    report%e1 = errors%e1
+    report%e2 = errors%e2
+    report%e8 = errors%e8
+    report%criterion = errors%e1
+    report%is_converged = errors%e1 <= self%options%tolerance
+    report%sweeps = self%sweeps
+    report%iterations = self%iterations
+    report%factorisations = self%factorisations
+    report%checks = self%checks
+    report%contact_updates = int(self%sweeps, i8)*int(problem%n, i8)
+    if (problem%n > 0) report%active_contacts = count(problem%r(1, :) > 0)
+    if (allocated(self%trace)) then
+      allocate (report%trace(self%n_trace))
+      report%trace = self%trace(:self%n_trace)
+    end if
+  end subroutine progress_finish
+end module sg_block_progress

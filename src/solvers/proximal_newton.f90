@@ -1,0 +1,198 @@
+!> Proximal points around a nonsmooth Newton method (doc/theory/solvers_proximal.md).
+!!
+!! Outer loop: r_(k+1) solves the problem of W + alpha with q - alpha r_k, which is well posed where W alone is not; alpha falls
+!! while that is easy. Inner loop: Newton's method with a line search on the natural map. Where it fails, alpha rises, the map
+!! changes its scale, and a few sweeps move the point.
+module sg_proximal_newton
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use sg_accelerated_nlgs, only: anderson_t, sweep_accelerated
+  use sg_block_map, only: natural_map, project_all
+  use sg_block_progress, only: progress_t
+  use sg_block_scaling, only: scale_problem
+  use sg_block_sweeps, only: sweep
+  use sg_error, only: error_t
+  use sg_kinds, only: wp
+  use sg_matrix_problem, only: matrix_problem_t
+  use sg_matrix_solver, only: matrix_solver_t
+  use sg_newton_map, only: newton_step
+  use sg_report, only: report_t
+  use sg_sparse, only: multiply
+  use sg_sparse_factor, only: has_sparse_library, largest_full, sparse_factor_t
+  implicit none
+  private
+  public :: proximal_newton_t, proximal_t, approach
+
+  !> Settings, for a problem without units
+  type :: proximal_t
+    !> First and least weight of the proximal term, over the mean diagonal of W
+    real(wp) :: first_alpha = 1e-2_wp, least_alpha = 1e-10_wp
+    !> How alpha changes: after an easy inner solve, a hard one, and one that failed
+    real(wp) :: fall = 0.2_wp, rise = 2, jump = 10
+    !> Newton steps up to which an inner solve is easy, from which it is hard, and after which it has failed
+    integer :: easy = 6, hard = 12, most_steps = 25
+    !> Halvings of a Newton step
+    integer :: most_halvings = 12
+    !> Fall of the natural map that an inner solve must reach, times min(1, alpha)
+    real(wp) :: accuracy = 0.1_wp
+    !> Scales of the map (impulse per velocity), taken in turn when an inner solve fails
+    real(wp) :: rho(3) = [50.0_wp, 5.0_wp, 500.0_wp]
+    !> Sweeps after an inner solve that failed
+    integer :: sweeps = 20
+  end type proximal_t
+
+  !> The solver; an iteration is a Newton step, with one factorisation, or a sweep
+  type, extends(matrix_solver_t) :: proximal_newton_t
+    type(proximal_t) :: proximal
+    !> Sweeps before the first Newton step
+    integer :: first_sweeps = 30
+  contains
+    procedure :: solve => proximal_newton_solve
+  end type proximal_newton_t
+
+contains
+
+  !> A few sweeps, then proximal points until e1 is small enough; accelerated sweeps where this build cannot factorise.
+  subroutine proximal_newton_solve(self, problem, report)
+    class(proximal_newton_t), intent(inout) :: self
+    type(matrix_problem_t), intent(inout) :: problem !! problem to solve
+    type(report_t), intent(out) :: report !! effort and errors
+    type(matrix_problem_t) :: scaled
+    type(progress_t) :: progress
+    type(anderson_t) :: anderson
+    real(wp), allocatable :: scale(:)
+    logical :: is_possible
+
+    call progress%begin(problem, self%options)
+    if (.not. progress%is_over) then
+      allocate (scale(problem%n))
+      call scale_problem(problem, scaled, scale)
+      call sweep_and_look(self%first_sweeps, problem, scaled, scale, scaled%r, progress)
+      call approach(self%proximal, problem, scaled, scale, huge(1), progress, is_possible)
+      if (.not. is_possible) call sweep_accelerated(anderson, problem, scaled, scale, huge(1), progress)
+    end if
+    call progress%finish(problem, report)
+  end subroutine proximal_newton_solve
+
+  !> Proximal points until the solve is over or so many factorisations are made; `scaled` holds the impulses.
+  subroutine approach(settings, problem, scaled, scale, most, progress, is_possible)
+    type(proximal_t), intent(in) :: settings !! settings
+    type(matrix_problem_t), intent(in) :: problem !! problem to solve
+    type(matrix_problem_t), intent(inout) :: scaled !! the same without units; gets the impulses
+    real(wp), intent(in), contiguous :: scale(:) !! impulse [N s] that 1 stands for
+    integer, intent(in) :: most !! factorisations
+    type(progress_t), intent(inout) :: progress !! how far the solve has come
+    logical, intent(out) :: is_possible !! can this build factorise systems of this size?
+    type(sparse_factor_t) :: factors
+    real(wp), allocatable :: next(:, :)
+    real(wp) :: alpha, e1
+    integer :: i, failures, steps, before
+    logical :: has_solved
+
+    is_possible = has_sparse_library() .or. scaled%d*scaled%n <= largest_full
+    if (.not. is_possible) return
+    alpha = settings%first_alpha
+    i = 1
+    failures = 0
+    before = progress%factorisations
+    do while (.not. progress%is_over .and. progress%factorisations - before < most)
+      next = scaled%r
+      call solve_inner(settings, scaled, alpha, settings%rho(i), factors, next, steps, has_solved)
+      progress%factorisations = progress%factorisations + steps
+      progress%iterations = progress%iterations + max(steps, 1)
+      if (has_solved) then
+        failures = 0
+        scaled%r = next
+        call project_all(scaled%friction, next)
+        call progress%look(problem, next, scale)
+        if (steps <= settings%easy) alpha = max(settings%fall*alpha, settings%least_alpha)
+        if (steps > settings%hard) alpha = settings%rise*alpha
+      else
+        failures = failures + 1
+        alpha = min(settings%jump*alpha, 1/settings%first_alpha)
+        i = modulo(i, size(settings%rho)) + 1
+        e1 = progress%e1
+        if (failures > 2) next = scaled%r
+        call project_all(scaled%friction, next)
+        call sweep_and_look(settings%sweeps, problem, scaled, scale, next, progress)
+        if (progress%e1 < e1 .or. failures > 2) scaled%r = next
+      end if
+    end do
+    call project_all(scaled%friction, scaled%r)
+    call factors%free()
+  end subroutine approach
+
+  !> Some sweeps, and a look at what they gave.
+  subroutine sweep_and_look(sweeps, problem, scaled, scale, r, progress)
+    integer, intent(in) :: sweeps
+    type(matrix_problem_t), intent(in) :: problem, scaled
+    real(wp), intent(in), contiguous :: scale(:)
+    real(wp), intent(inout), contiguous :: r(:, :)
+    type(progress_t), intent(inout) :: progress
+    integer :: i
+
+    do i = 1, sweeps
+      call sweep(scaled, r)
+    end do
+    progress%sweeps = progress%sweeps + sweeps
+    progress%iterations = progress%iterations + sweeps
+    call progress%look(problem, r, scale)
+  end subroutine sweep_and_look
+
+  !> Newton's method with a line search for the problem of W + alpha, q - alpha r.
+  subroutine solve_inner(settings, scaled, alpha, rho, factors, r, steps, has_solved)
+    type(proximal_t), intent(in) :: settings
+    type(matrix_problem_t), intent(in) :: scaled
+    real(wp), intent(in) :: alpha, rho
+    type(sparse_factor_t), intent(inout) :: factors
+    real(wp), intent(inout), contiguous :: r(:, :)
+    integer, intent(out) :: steps
+    logical, intent(out) :: has_solved
+    type(error_t), allocatable :: error
+    real(wp), allocatable :: centre(:, :), step(:, :), u(:, :), f(:, :), start(:, :)
+    real(wp) :: norm, last, goal, length
+    integer :: i
+
+    centre = r
+    allocate (u, f, step, mold=r)
+    call evaluate(scaled, alpha, rho, centre, r, u, f, norm)
+    goal = settings%accuracy*min(1.0_wp, alpha)*norm
+    steps = 0
+    has_solved = .false.
+    do while (steps < settings%most_steps)
+      has_solved = norm <= goal
+      if (has_solved) return
+      call newton_step(scaled, alpha, rho, r, u, f, factors, step, error)
+      steps = steps + 1
+      if (allocated(error)) return
+      if (.not. all(ieee_is_finite(step))) return
+      start = r
+      last = norm
+      length = 1
+      do i = 1, settings%most_halvings
+        r = start + length*step
+        call evaluate(scaled, alpha, rho, centre, r, u, f, norm)
+        if (norm <= (1 - 1e-4_wp*length)*last) exit
+        length = length/2
+      end do
+      if (i > settings%most_halvings) then
+        r = start
+        return
+      end if
+    end do
+    has_solved = norm <= goal
+  end subroutine solve_inner
+
+  !> Velocities with the proximal term, the natural map, and its norm.
+  subroutine evaluate(scaled, alpha, rho, centre, r, u, f, norm)
+    type(matrix_problem_t), intent(in) :: scaled
+    real(wp), intent(in) :: alpha, rho
+    real(wp), intent(in), contiguous :: centre(:, :), r(:, :)
+    real(wp), intent(out), contiguous :: u(:, :), f(:, :)
+    real(wp), intent(out) :: norm
+
+    call multiply(scaled%w, r, u)
+    u = u + scaled%q + alpha*(r - centre)
+    call natural_map(scaled%friction, rho, r, u, f)
+    norm = sqrt(sum(f**2))
+  end subroutine evaluate
+end module sg_proximal_newton
