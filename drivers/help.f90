@@ -58,7 +58,7 @@ contains
     case ('solve')
       call lines([character(len=110) :: &
                   'splitgrain solve FILE... [options]    solve contact problems in FCLIB files (HDF5)', &
-                  '  --solver NAME           solver (default: default); all for all; may be given several times', &
+                  '  --solver NAME           solver (default: auto); all for all; may be given several times', &
                   '  --tolerance X           e1 to reach (default 1e-8)', &
                   '  --iterations N          most iterations (default 100000)', &
                   '  --seconds S             most CPU seconds for each problem (default 60)', &

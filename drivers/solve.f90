@@ -109,7 +109,7 @@ contains
 
     solvers = arguments%all_of('solver')
     if (size(solvers) == 0) then
-      call append_word(solvers, 'default')
+      call append_word(solvers, trim(matrix_solver_names(1)))
     else if (arguments%get('solver', '') == 'all') then
       deallocate (solvers)
       do i = 1, size(matrix_solver_names)

@@ -13,7 +13,7 @@ module sg_choose_matrix_solver
   private
   public :: choose_matrix_solver, matrix_solver_names
 
-  !> Names of all solvers, in the order in which `--solver all` runs them
+  !> Names of all solvers, in the order in which `splitgrain solve --solver all` runs them; the first is its default
   character(len=16), parameter :: matrix_solver_names(4) = &
     [character(len=16) :: 'auto', 'nlgs', 'accelerated', 'proximal']
 
