@@ -37,7 +37,7 @@ contains
     r = 0
     if (q(1) >= 0 .or. w(1, 1) <= 0) return
     ratio = w(2, 1)/w(1, 1)
-    schur = max(w(2, 2) - ratio*w(1, 2), epsilon(s)*w(2, 2), tiny(s))
+    schur = max(w(2, 2) - ratio*w(1, 2), epsilon(s)*(w(1, 1) + w(2, 2)))
     s = q(2) - ratio*q(1)
     side = -sign(1.0_wp, s)
     ! Sliding towards `side` unless the cone holds what sticking needs.
@@ -58,7 +58,7 @@ contains
     real(wp), intent(out) :: r(3) !! impulse [N s]
     integer, parameter :: most_steps = 100
     real(wp), parameter :: negligible = 1e-100_wp
-    real(wp) :: schur(2, 2), s(2), reserve, slope, alpha, low, high, next, length
+    real(wp) :: schur(2, 2), s(2), least, reserve, slope, alpha, low, high, next, length
     integer :: step
 
     r = 0
@@ -73,7 +73,8 @@ contains
     end if
     schur(:, 1) = w(2:3, 2) - w(2:3, 1)*(w(1, 2)/w(1, 1))
     schur(:, 2) = w(2:3, 3) - w(2:3, 1)*(w(1, 3)/w(1, 1))
-    call slide(w, q, friction, schur, s, 0.0_wp, r, reserve, slope)
+    least = epsilon(least)*(w(1, 1) + max(w(2, 2), 0.0_wp) + max(w(3, 3), 0.0_wp))
+    call slide(w, q, friction, schur, s, least, 0.0_wp, r, reserve, slope)
     if (reserve >= 0) return
 
     ! At `high` the cone surely holds the impulse.
@@ -88,7 +89,7 @@ contains
       end if
       if (.not. (next > low .and. next < high)) exit
       alpha = next
-      call slide(w, q, friction, schur, s, alpha, r, reserve, slope)
+      call slide(w, q, friction, schur, s, least, alpha, r, reserve, slope)
       if (reserve < 0) low = alpha
       if (reserve >= 0) high = alpha
       if (abs(reserve) <= 4*epsilon(reserve)) exit
@@ -105,19 +106,19 @@ contains
   end subroutine solve_local_3
 
   !> The impulse with u_N = 0 and u_T = -alpha r_T, and the cone's reserve friction r_N/|r_T| - 1, which is nearly linear in alpha.
-  pure subroutine slide(w, q, friction, schur, s, alpha, r, reserve, slope)
-    real(wp), intent(in) :: w(3, 3), q(3), friction, schur(2, 2), s(2), alpha
+  pure subroutine slide(w, q, friction, schur, s, least, alpha, r, reserve, slope)
+    real(wp), intent(in) :: w(3, 3), q(3), friction, schur(2, 2), s(2), least, alpha
     real(wp), intent(out) :: r(3)
     real(wp), intent(out) :: reserve, slope
     real(wp) :: change(2), length, normal_change
 
-    r(2:3) = -solve_2(schur, alpha, s)
+    r(2:3) = -solve_2(schur, least, alpha, s)
     r(1) = -(q(1) + w(1, 2)*r(2) + w(1, 3)*r(3))/w(1, 1)
     length = length_2(r(2:3))
     reserve = huge(reserve)
     slope = 0
     if (.not. length > tiny(length)) return
-    change = -solve_2(schur, alpha, r(2:3))
+    change = -solve_2(schur, least, alpha, r(2:3))
     normal_change = -(w(1, 2)*change(1) + w(1, 3)*change(2))/w(1, 1)
     reserve = friction*(r(1)/length) - 1
     slope = friction*(normal_change/length - (r(1)/length)*(dot_product(r(2:3)/length, change)/length))
@@ -130,17 +131,17 @@ contains
     length_2 = sqrt(x(1)**2 + x(2)**2)
   end function length_2
 
-  !> (S + alpha I)^-1 b by elimination from the larger diagonal term.
-  pure function solve_2(schur, alpha, b) result(x)
-    real(wp), intent(in) :: schur(2, 2), alpha, b(2)
+  !> (S + alpha I)^-1 b by elimination from the larger diagonal term; pivots below `least` are rounding.
+  pure function solve_2(schur, least, alpha, b) result(x)
+    real(wp), intent(in) :: schur(2, 2), least, alpha, b(2)
     real(wp) :: x(2), first, second, factor
     integer :: i, j
 
     i = merge(1, 2, schur(1, 1) >= schur(2, 2))
     j = 3 - i
-    first = max(schur(i, i) + alpha, tiny(alpha))
+    first = max(schur(i, i) + alpha, least)
     factor = schur(j, i)/first
-    second = max(schur(j, j) + alpha - factor*schur(i, j), epsilon(alpha)*first)
+    second = max(schur(j, j) + alpha - factor*schur(i, j), least)
     x(j) = (b(j) - factor*b(i))/second
     x(i) = (b(i) - schur(i, j)*x(j))/first
   end function solve_2
