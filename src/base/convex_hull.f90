@@ -9,7 +9,7 @@ module sg_convex_hull
   use sg_text, only: to_text
   implicit none
   private
-  public :: convex_hull, hull_is_available
+  public :: convex_hull, find_spanning, hull_is_available
 
   !> Points nearer to one plane, line or point than this share of their extent lie in it: a hundred times what rounding
   !> does to a hull, so that the library never sees what it could not tell from a flat set
@@ -40,10 +40,11 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when the points have no hull with a volume
     real(wp), allocatable :: about(:, :)
     real(wp) :: middle(3), inside(3)
-    integer :: f
+    integer :: corner(4), f
 
-    call check_points(points, inside, error)
+    call find_spanning(points, corner, error)
     if (allocated(error)) return
+    inside = sum(points(:, corner), 2)/4
     ! About their middle: a hull far from the origin loses no digits.
     middle = (minval(points, 2) + maxval(points, 2))/2
     allocate (about(3, size(points, 2)))
@@ -57,23 +58,23 @@ contains
     end do
   end subroutine convex_hull
 
-  !> Are these points finite, and do they span a volume? Gives a point well inside their hull.
-  subroutine check_points(points, inside, error)
-    real(wp), intent(in) :: points(:, :)
-    real(wp), intent(out) :: inside(3)
-    type(error_t), allocatable, intent(out) :: error
+  !> Four points that span a volume, each the farthest from the point, the line and the plane before.
+  subroutine find_spanning(points, corner, error)
+    real(wp), intent(in) :: points(:, :) !! points [m], shape (3, points)
+    integer, intent(out) :: corner(4) !! numbers of four of them
+    type(error_t), allocatable, intent(out) :: error !! set when points are not finite or do not span a volume
     real(wp) :: extent, along(3), normal(3), distance
-    integer :: corner(4), i
+    integer :: i
 
-    inside = 0
+    corner = 0
     do i = 1, size(points, 2)
       if (all(ieee_is_finite(points(:, i)))) cycle
       call fail(error, 'a coordinate of point '//to_text(i)//' is not finite')
       return
     end do
     if (size(points, 2) < 4) then
-      call fail(error, 'a convex hull needs 4 points or more, and there '//merge('is ', 'are', size(points, 2) == 1)//' '// &
-                to_text(size(points, 2)))
+      call fail(error, 'a convex hull needs 4 points or more, and there '//trim(merge('is ', 'are', size(points, 2) == 1))// &
+                ' '//to_text(size(points, 2)))
       return
     end if
     extent = maxval(maxval(points, 2) - minval(points, 2))
@@ -95,8 +96,7 @@ contains
       call fail(error, 'all '//to_text(size(points, 2))//' points lie in one plane: their convex hull has no volume')
       return
     end if
-    inside = sum(points(:, corner), 2)/4
-  end subroutine check_points
+  end subroutine find_spanning
 
   !> The point farthest from a point (span 0), from a line along `axis` (1), or from a plane across `axis` (2).
   pure subroutine find_farthest(points, origin, axis, span, found, distance)

@@ -10,6 +10,8 @@ module sg_symmetric
 
   !> Sweeps through the three pairs: convergence is quadratic, six have always been enough
   integer, parameter :: most_sweeps = 30
+  !> Share of the largest entry below which one off the diagonal is zero
+  real(wp), parameter :: rounding = epsilon(1.0_wp)/16
   !> The two axes of each of the three rotations
   integer, parameter :: pairs(2, 3) = reshape([1, 2, 1, 3, 2, 3], [2, 3])
   !> All orders of three axes
@@ -26,23 +28,31 @@ contains
     real(wp), intent(in) :: matrix(3, 3) !! symmetric; the upper triangle is read
     real(wp), intent(out) :: values(3) !! principal values, in the unit of the matrix
     real(wp), intent(out) :: axes(3, 3) !! columns: unit axes in the frame of the matrix
-    real(wp), intent(in), optional :: tolerance !! share of the largest entry below which one off the diagonal is zero
-    real(wp) :: a(3, 3), found(3, 3), scale, threshold
+    real(wp), intent(in), optional :: tolerance !! values are equal that differ by less than this share of the largest entry
+    real(wp) :: a(3, 3), found(3, 3), scale, equal
     integer :: sweep, k, best
+    logical :: is_done
 
     scale = max(maxval(abs(matrix(1, :))), maxval(abs(matrix(2, 2:))), abs(matrix(3, 3)))
     found = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
     values = 0
     axes = found
     if (.not. scale > tiny(scale)) return
-    threshold = epsilon(threshold)/16
-    if (present(tolerance)) threshold = max(threshold, tolerance)
+    equal = 0
+    if (present(tolerance)) equal = tolerance/2
     a = matrix/scale
     do sweep = 1, most_sweeps
-      if (max(abs(a(1, 2)), abs(a(1, 3)), abs(a(2, 3))) <= threshold) exit
+      is_done = .true.
       do k = 1, 3
-        if (abs(a(pairs(1, k), pairs(2, k))) > threshold) call rotate(pairs(1, k), pairs(2, k), a, found)
+        associate (p => pairs(1, k), q => pairs(2, k))
+          if (abs(a(p, q)) <= rounding) cycle
+          ! Half the difference of the two values.
+          if (hypot(a(p, q), (a(q, q) - a(p, p))/2) <= equal) cycle
+          call rotate(p, q, a, found)
+          is_done = .false.
+        end associate
       end do
+      if (is_done) exit
     end do
     best = nearest_order(found)
     do k = 1, 3
