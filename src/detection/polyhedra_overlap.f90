@@ -11,7 +11,7 @@ module sg_polyhedra_overlap
   private
   public :: try_faces, try_edges
 
-  !> Edges of the candidate looked at in one go
+  !> Edges looked at in one go, and vertices whose heights are kept meanwhile
   integer, parameter :: batch = 64
 
 contains
@@ -93,39 +93,60 @@ contains
     real(wp), intent(in) :: rounding !! separations that differ by less are as good [m]
     type(axis_t), intent(inout) :: axis !! best axis so far; a pair of edges replaces it where it is better
     real(wp) :: normal(3), width, bar_a, bar_c, bar
-    integer :: near(batch), n, i, j
+    integer :: near_c(batch), near_a(batch), n_c, n_a, i, j, k
 
     normal = axis%normal
     width = max(-axis%separation, 0.0_wp) + max(distance, -axis%separation) - max(axis%separation, 0.0_wp) + rounding
     bar_a = dot_product(normal, a%world_vertex(:, axis%vertex_a)) - width
-    bar_c = dot_product(normal, c%world_vertex(:, axis%vertex_c)) + width
+    bar_c = -dot_product(normal, c%world_vertex(:, axis%vertex_c)) - width
     ! Faces are as good already. An axis through the nearest points of an edge and another gains digits as theirs.
     bar = axis%separation + merge(rounding, -rounding, max(axis%face_a, axis%face_c) > 0)
     i = 0
     do while (i < c%n_edges)
-      n = 0
-      do while (i < c%n_edges .and. n < batch)
-        i = i + 1
-        if (min(end_height(c, i, 1, normal), end_height(c, i, 2, normal)) > bar_c) cycle
-        n = n + 1
-        near(n) = i
-      end do
-      do j = 1, a%n_edges
-        if (max(end_height(a, j, 1, normal), end_height(a, j, 2, normal)) < bar_a) cycle
-        call try_edge(c, a, offset, near(:n), j, rounding, bar, axis)
+      call near_edges(c, -normal, bar_c, i, n_c, near_c)
+      j = 0
+      do while (j < a%n_edges .and. n_c > 0)
+        call near_edges(a, normal, bar_a, j, n_a, near_a)
+        do k = 1, n_a
+          call try_edge(c, a, offset, near_c(:n_c), near_a(k), rounding, bar, axis)
+        end do
       end do
     end do
   end subroutine try_edges
 
-  !> Height of an end of an edge.
-  pure real(wp) function end_height(shape, edge, end, normal) result(height)
+  !> Find edges that reach above a bar, from where the last search ended, as many as go into one batch.
+  pure subroutine near_edges(shape, normal, bar, last, n, near)
     type(polyhedron_t), intent(in) :: shape !! polyhedron, in the world
-    integer, intent(in) :: edge !! one of its edges
-    integer, intent(in) :: end !! 1 or 2
     real(wp), intent(in) :: normal(3) !! direction of heights
+    real(wp), intent(in) :: bar !! height [m]
+    integer, intent(inout) :: last !! edge looked at last
+    integer, intent(out) :: n !! number of edges found
+    integer, intent(out) :: near(batch) !! the edges
+    real(wp) :: height(batch), top
+    integer :: i
+    logical :: is_small
 
-    height = dot_product(normal, shape%world_vertex(:, shape%edge(end, edge)))
-  end function end_height
+    is_small = shape%n_vertices <= batch
+    if (is_small) then
+      do i = 1, shape%n_vertices
+        height(i) = dot_product(normal, shape%world_vertex(:, i))
+      end do
+    end if
+    n = 0
+    do while (last < shape%n_edges .and. n < batch)
+      last = last + 1
+      associate (ends => shape%edge(1:2, last))
+        if (is_small) then
+          top = max(height(ends(1)), height(ends(2)))
+        else
+          top = max(dot_product(normal, shape%world_vertex(:, ends(1))), dot_product(normal, shape%world_vertex(:, ends(2))))
+        end if
+      end associate
+      if (top < bar) cycle
+      n = n + 1
+      near(n) = last
+    end do
+  end subroutine near_edges
 
   !> Try one edge of the antagonist with some of the candidate.
   pure subroutine try_edge(c, a, offset, near, j, rounding, bar, axis)
