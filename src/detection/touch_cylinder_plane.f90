@@ -9,7 +9,7 @@ module sg_touch_cylinder_plane
   use sg_touch_sphere_plane, only: normal_from_box
   implicit none
   private
-  public :: touch_cylinder_plane
+  public :: touch_cylinder_plane, nearest_to_box
 
   !> Points of the axis nearer to each other than this, in radii, are one
   real(wp), parameter :: same_point = 1e-6_wp
@@ -148,7 +148,7 @@ contains
     to_box = norm2(max(0.0_wp, abs(place) - half))
   end function to_box
 
-  !> Where on a segment outside a box the distance to the box is least [m], exactly.
+  !> Where on a segment the distance to a box is least [m], exactly.
   !!
   !! Half the derivative of the squared distance grows along the segment and is straight between the planes of the box.
   pure real(wp) function nearest_to_box(start, slope, half, half_height) result(best)

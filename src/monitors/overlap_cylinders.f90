@@ -6,18 +6,20 @@
 module sg_overlap_cylinders
   use sg_kinds, only: wp
   use sg_overlap_ball, only: ball_in_faces
-  use sg_overlap_polygons, only: overlap_disk_polygon
   use sg_overlap_solid, only: box_solid, cut, solid_t
+  use sg_touch_cylinder_plane, only: nearest_to_box
   implicit none
   private
   public :: overlap_cylinder_plane
 
-  !> Faces whose normal makes less than this with the axis' cross-section have no height worth integrating
+  !> Sine of the angle between axis and face below which a face has no outline along the axis that is worth integrating;
+  !! rounding over this sine is lost above it
   real(wp), parameter :: upright = 1e-8_wp
 
 contains
 
-  !> Volume shared by a cylinder with round ends and a plane [m3], exact to 1e-8 of the cylinder's volume.
+  !> Volume shared by a cylinder with round ends and a plane [m3]: exact to rounding, but to 1e-7 of the cylinder's volume
+  !! where the axis makes an angle of 1e-8 or so with a face.
   pure real(wp) function overlap_cylinder_plane(centre_c, axis_c, half_height_c, radius_c, centre_a, frame, half) result(volume)
     real(wp), intent(in) :: centre_c(3) !! centre of the cylinder, the candidate [m]
     real(wp), intent(in) :: axis_c(3) !! unit vector of its axis
@@ -36,6 +38,8 @@ contains
     end do
     volume = 0
     if (any(abs(local) >= half + abs(axis)*half_height_c + radius_c)) return
+    end = nearest_to_box(-local, axis, half, half_height_c)*axis
+    if (norm2(max(0.0_wp, abs(end - local) - half)) >= radius_c) return
     call box_solid(half, box)
     do i = 1, 8
       box%vertex(:, i) = box%vertex(:, i) + local
@@ -59,7 +63,6 @@ contains
     real(wp), intent(in) :: axis(3) !! unit vector of the line
     real(wp), intent(in) :: radius !! [m]
     real(wp) :: across(3, 2), slope(2), corner(2, size(solid%face_vertex)), height, cosine, area, moment(2)
-    real(wp), parameter :: zero(2) = 0
     integer :: f, i, n, vertex
 
     volume = 0
@@ -80,20 +83,22 @@ contains
         height = dot_product(axis, solid%vertex(:, vertex))
       end do
       slope = -matmul(solid%normal(:, f), across)/cosine
-      area = overlap_disk_polygon(zero, radius, n, corner(:, :n), zero)
-      moment = moment_in_disk(radius, corner(:, :n))
+      call moments_in_disk(radius, corner(:, :n), area, moment)
       volume = volume + sign(1.0_wp, cosine)*(area*(height - dot_product(slope, corner(:, n))) + dot_product(slope, moment))
     end do
     volume = max(0.0_wp, volume)
   end function volume_in_tube
 
-  !> First moments about the origin of what a polygon shares with a disk about the origin [m3]: triangles and sectors.
-  pure function moment_in_disk(radius, corner) result(moment)
+  !> Area and first moments about the origin of what a polygon shares with a disk about the origin: triangles and sectors.
+  pure subroutine moments_in_disk(radius, corner, area, moment)
     real(wp), intent(in) :: radius !! of the disk [m]
     real(wp), intent(in) :: corner(:, :) !! corners of the polygon, counter-clockwise [m], shape (2, :)
-    real(wp) :: moment(2), along(2), length, offset, from, to, half, inner(2)
+    real(wp), intent(out) :: area !! [m2]
+    real(wp), intent(out) :: moment(2) !! [m3]
+    real(wp) :: along(2), foot(2), length, offset, from, to, half, inner(2), triangle
     integer :: i, next
 
+    area = 0
     moment = 0
     do i = 1, size(corner, 2)
       next = merge(1, i + 1, i == size(corner, 2))
@@ -102,26 +107,32 @@ contains
       if (length <= tiny(length)) cycle
       along = along/length
       offset = corner(1, i)*along(2) - corner(2, i)*along(1)
+      foot = offset*[along(2), -along(1)]
       from = dot_product(along, corner(:, i))
       to = from + length
       half = sqrt(max(0.0_wp, (radius - offset)*(radius + offset)))
       inner = max(-half, min(half, [from, to]))
-      associate (foot => offset*[along(2), -along(1)])
-        moment = moment + offset*(inner(2) - inner(1))/6*(2*foot + (inner(1) + inner(2))*along) &
-                 + sector(radius, foot + from*along, foot + inner(1)*along) + sector(radius, foot + inner(2)*along, foot + to*along)
-      end associate
+      triangle = 0.5_wp*offset*(inner(2) - inner(1))
+      area = area + triangle
+      moment = moment + triangle/3*(2*foot + (inner(1) + inner(2))*along)
+      call add_sector(radius, foot + from*along, foot + inner(1)*along, area, moment)
+      call add_sector(radius, foot + inner(2)*along, foot + to*along, area, moment)
     end do
-  end function moment_in_disk
+  end subroutine moments_in_disk
 
-  !> First moments of the sector of a disk between the directions of two points.
-  pure function sector(radius, from, to) result(moment)
-    real(wp), intent(in) :: radius, from(2), to(2)
-    real(wp) :: moment(2), a(2), b(2)
+  !> Add area and first moments of the sector of a disk between the directions of two points.
+  pure subroutine add_sector(radius, from, to, area, moment)
+    real(wp), intent(in) :: radius !! of the disk [m]
+    real(wp), intent(in) :: from(2) !! any point in the first direction [m]
+    real(wp), intent(in) :: to(2) !! any point in the last direction [m]
+    real(wp), intent(inout) :: area !! [m2]
+    real(wp), intent(inout) :: moment(2) !! [m3]
+    real(wp) :: a(2), b(2)
 
-    moment = 0
     if (.not. (norm2(from) > tiny(radius) .and. norm2(to) > tiny(radius))) return
     a = from/norm2(from)
     b = to/norm2(to)
-    moment = radius**3/3*[b(2) - a(2), a(1) - b(1)]
-  end function sector
+    area = area + 0.5_wp*radius**2*atan2(a(1)*b(2) - a(2)*b(1), dot_product(a, b))
+    moment = moment + radius**3/3*[b(2) - a(2), a(1) - b(1)]
+  end subroutine add_sector
 end module sg_overlap_cylinders

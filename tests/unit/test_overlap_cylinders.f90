@@ -134,6 +134,8 @@ contains
       radius = random%uniform(0.2_wp, 1.0_wp)
       wall = random%uniform(0.2_wp, 1.5_wp)
       e = random%uniform(0.0_wp, 2.0_wp)
+      ! Circles that all but touch in the middle slice
+      if (modulo(k, 4) == 0) e = abs(radius - wall) + 10.0_wp**random%uniform(-17.0_wp, -1.0_wp)
       z = random%uniform(-1.0_wp, 1.0_wp)
       inside = overlap_sphere_cylinder([e, 0.0_wp, z], radius, zero, ez, 3.0_wp, wall)
       outside = overlap_sphere_hollow_cylinder([e, 0.0_wp, z], radius, zero, ez, 3.0_wp, wall)
