@@ -6,7 +6,7 @@ module sg_sparse_algebra
   use sg_text, only: to_text
   implicit none
   private
-  public :: multiply_matrices, sum_of, columns_of, beside, with_column, dense_column, no_columns, rows_of
+  public :: multiply_matrices, sum_of, columns_of, beside, with_column, dense_column, no_columns, diagonal_matrix, rows_of
 
 contains
 
@@ -119,14 +119,10 @@ contains
     type(sparse_t), intent(in) :: a !! left columns
     real(wp), intent(in) :: x(:) !! last column, shape (rows)
     type(sparse_t) :: c, column
-    integer :: i
 
-    column%n_rows = a%n_rows
+    column = diagonal_matrix(x)
     column%n_columns = 1
-    allocate (column%first(a%n_rows + 1), column%column(a%n_rows), column%value(a%n_rows))
-    column%first = [(int(i, i4), i=1, a%n_rows + 1)]
     column%column = 1
-    column%value = x
     c = beside(a, column)
   end function with_column
 
@@ -154,4 +150,18 @@ contains
     allocate (a%first(n_rows + 1), source=1_i4)
     allocate (a%column(0), a%value(0))
   end function no_columns
+
+  !> A diagonal matrix, with an entry also where it is zero.
+  pure function diagonal_matrix(diagonal) result(a)
+    real(wp), intent(in) :: diagonal(:) !! its entries
+    type(sparse_t) :: a
+    integer :: i
+
+    a%n_rows = size(diagonal)
+    a%n_columns = size(diagonal)
+    allocate (a%first(size(diagonal) + 1), a%column(size(diagonal)), a%value(size(diagonal)))
+    a%first = [(int(i, i4), i=1, size(diagonal) + 1)]
+    a%column = [(int(i, i4), i=1, size(diagonal))]
+    a%value = diagonal
+  end function diagonal_matrix
 end module sg_sparse_algebra

@@ -1,17 +1,17 @@
 !> Contact problems and solutions to FCLIB files (doc/guide/solve.md).
 module sg_fclib_write
-  use sg_condense, only: multipliers_of, velocity_of
+  use sg_condense, only: multipliers_of, sparse_from_blocks, velocity_of
   use sg_error, only: error_t, exit_bad_input, fail
   use sg_fclib_items, only: holds, refuse, write_matrix, write_number
   use sg_fclib_read, only: fclib_constraints_t, open_fclib, read_problem, usable_impulses
   use sg_hdf5, only: hdf5_file_t
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
-  use sg_sparse, only: blocks_t, multiply, sparse_from_triplets, sparse_t
+  use sg_sparse, only: multiply
   use sg_sparse_algebra, only: no_columns
   implicit none
   private
-  public :: write_fclib, write_solution, sparse_from_blocks
+  public :: write_fclib, write_solution
 
 contains
 
@@ -175,31 +175,4 @@ contains
 
     list = reshape(values, [size(values)])
   end function flat
-
-  !> The single entries of a matrix of blocks; zeros within blocks are left out.
-  pure function sparse_from_blocks(a) result(matrix)
-    type(blocks_t), intent(in) :: a !! matrix of blocks
-    type(sparse_t) :: matrix
-    integer(i4), allocatable :: row(:), column(:)
-    real(wp), allocatable :: value(:)
-    integer :: i, e, k, l, n
-
-    n = count(abs(a%block) > 0)
-    allocate (row(n), column(n), value(n))
-    n = 0
-    do i = 1, a%n
-      do e = a%first(i), a%first(i + 1) - 1
-        do l = 1, a%d
-          do k = 1, a%d
-            if (.not. abs(a%block(k, l, e)) > 0) cycle
-            n = n + 1
-            row(n) = int(a%d*(i - 1) + k, i4)
-            column(n) = int(a%d*(a%column(e) - 1) + l, i4)
-            value(n) = a%block(k, l, e)
-          end do
-        end do
-      end do
-    end do
-    call sparse_from_triplets(a%d*a%n, a%d*a%n, row, column, value, matrix)
-  end function sparse_from_blocks
 end module sg_fclib_write

@@ -12,7 +12,7 @@ module sg_condense
   use sg_sparse_parts, only: solve_by_parts
   implicit none
   private
-  public :: condense, condense_constrained, eliminate_local, set_local_form, blocks_from_sparse
+  public :: condense, condense_constrained, eliminate_local, set_local_form, blocks_from_sparse, sparse_from_blocks
   public :: velocity_of, multipliers_of
 
   !> Relative difference between W and its transpose that rounding explains
@@ -165,6 +165,33 @@ contains
       end do
     end do
   end subroutine blocks_from_sparse
+
+  !> The single entries of a matrix of blocks; zeros within blocks are left out.
+  pure function sparse_from_blocks(a) result(matrix)
+    type(blocks_t), intent(in) :: a !! matrix of blocks
+    type(sparse_t) :: matrix
+    integer(i4), allocatable :: row(:), column(:)
+    real(wp), allocatable :: value(:)
+    integer :: i, e, k, l, n
+
+    n = count(abs(a%block) > 0)
+    allocate (row(n), column(n), value(n))
+    n = 0
+    do i = 1, a%n
+      do e = a%first(i), a%first(i + 1) - 1
+        do l = 1, a%d
+          do k = 1, a%d
+            if (.not. abs(a%block(k, l, e)) > 0) cycle
+            n = n + 1
+            row(n) = int(a%d*(i - 1) + k, i4)
+            column(n) = int(a%d*(a%column(e) - 1) + l, i4)
+            value(n) = a%block(k, l, e)
+          end do
+        end do
+      end do
+    end do
+    call sparse_from_triplets(a%d*a%n, a%d*a%n, row, column, value, matrix)
+  end function sparse_from_blocks
 
   !> Is a matrix symmetric to rounding?
   pure logical function is_symmetric(a)

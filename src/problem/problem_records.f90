@@ -1,0 +1,167 @@
+!> The compact records of contacts and bodies taken apart, whatever the kind of problem: for those who need H and M themselves.
+module sg_problem_records
+  use sg_kinds, only: wp
+  use sg_mapping_space, only: tangent_of
+  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, is_in_space, &
+                        problem_t, round_frictional, round_frictionless, solid_frictional, solid_frictionless
+  use sg_rotations, only: cross
+  use sg_symmetric, only: principal_axes
+  implicit none
+  private
+  public :: contact_record_t, body_record_t, contact_of, body_of
+
+  !> A contact. Directions are the normal and the tangents; components those of velocities of bodies in the world's axes
+  type :: contact_record_t
+    !> Can it carry an impulse, is it linear, has it a tangent?
+    logical :: is_active = .false., is_linear = .false., has_tangent = .true.
+    !> Relative velocity that a unit of a body's velocity makes, shape (direction, component, body)
+    real(wp) :: h(3, 6, 2) = 0
+    !> Bias [m/s], impulse [N s] and compliance [1/kg], by direction
+    real(wp) :: bias(3) = 0, impulse(3) = 0, compliance(3) = 0
+    !> Coulomb friction, and cohesion [N s]
+    real(wp) :: friction = 0, cohesion = 0
+  end type contact_record_t
+
+  !> A body, with components in which its mass is diagonal
+  type :: body_record_t
+    !> Number of velocity components
+    integer :: n = 0
+    !> Velocity [m/s, rad/s] and inverse mass [1/kg, 1/(kg m^2)] by component; inverse masses of driven ones are zero
+    real(wp) :: velocity(6) = 0, inverse_mass(6) = 0
+    !> In space the columns are the axes of the spins; the unit matrix where the inverse inertia is a number
+    real(wp) :: axes(3, 3) = 0
+  end type body_record_t
+
+  !> Inverse inertia that rounding leaves about a driven axis, over the largest
+  real(wp), parameter :: driven_below = 1e-12_wp
+
+contains
+
+  !> A contact from its record.
+  pure function contact_of(problem, k) result(contact)
+    type(problem_t), intent(in) :: problem !! problem of a step
+    integer, intent(in) :: k !! contact
+    type(contact_record_t) :: contact
+
+    if (is_in_space(problem%kind)) then
+      contact = space_contact(problem%kind, problem%record(:, k), problem%impulse(:, k))
+    else
+      contact = plane_contact(problem%kind, problem%record(:, k), problem%impulse(:, k))
+    end if
+  end function contact_of
+
+  !> A contact in the plane: directions n and (n_y, -n_x).
+  pure function plane_contact(kind, record, impulse) result(contact)
+    integer, intent(in) :: kind
+    real(wp), intent(in) :: record(:), impulse(:)
+    type(contact_record_t) :: contact
+
+    associate (h => contact%h)
+      h(1:2, 1:2, 1) = reshape([record(1), record(2), record(2), -record(1)], [2, 2])
+      h(1:2, 1:2, 2) = -h(1:2, 1:2, 1)
+      contact%impulse(:size(impulse)) = impulse
+      select case (kind)
+      case (round_frictionless)
+        contact%bias(1) = record(3)
+        contact%is_active = record(4) > 0
+        contact%has_tangent = .false.
+      case (round_frictional)
+        h(2, 3, :) = 1
+        contact%bias(1:2) = record(3:4)
+        contact%is_active = record(5) > 0
+        contact%friction = record(7)
+      case (arm_frictionless)
+        h(1, 3, :) = [record(3), -record(4)]
+        contact%bias(1) = record(5)
+        contact%is_active = record(6) > 0
+        contact%has_tangent = .false.
+      case (arm_frictional)
+        h(1:2, 3, 1) = record(3:4)
+        h(1:2, 3, 2) = -record(5:6)
+        contact%bias(1:2) = record(7:8)
+        contact%friction = record(12)
+        contact%cohesion = record(13)
+        contact%compliance(1:2) = record(14:15)
+        contact%is_active = record(16) > 0.5_wp
+        contact%is_linear = record(16) > 1.5_wp
+      end select
+    end associate
+  end function plane_contact
+
+  !> A contact in space: directions n, t and n x t, while records hold vectors in the world's axes.
+  pure function space_contact(kind, record, impulse) result(contact)
+    integer, intent(in) :: kind
+    real(wp), intent(in) :: record(:), impulse(:)
+    type(contact_record_t) :: contact
+    real(wp) :: frame(3, 3)
+    integer :: i
+
+    frame(:, 1) = record(1:3)
+    if (kind == solid_frictional) then
+      frame(:, 2) = record(4:6)
+    else
+      frame(:, 2) = tangent_of(record(1:3))
+    end if
+    frame(:, 3) = cross(frame(:, 1), frame(:, 2))
+    contact%h(:, 1:3, 1) = transpose(frame)
+    contact%h(:, 1:3, 2) = -transpose(frame)
+    contact%impulse(1) = impulse(1)
+    if (size(impulse) == 3) contact%impulse = matmul(impulse, frame)
+    select case (kind)
+    case (ball_frictionless)
+      contact%bias(1) = record(4)
+      contact%is_active = record(5) > 0
+      contact%has_tangent = .false.
+    case (ball_frictional)
+      do i = 2, 3
+        contact%h(i, 4:6, 1) = cross(frame(:, i), frame(:, 1))
+        contact%h(i, 4:6, 2) = contact%h(i, 4:6, 1)
+      end do
+      contact%bias = matmul(record(4:6), frame)
+      contact%is_active = record(7) > 0
+      contact%friction = record(9)
+    case (solid_frictionless)
+      contact%h(1, 4:6, 1) = record(4:6)
+      contact%h(1, 4:6, 2) = -record(7:9)
+      contact%bias(1) = record(10)
+      contact%is_active = record(11) > 0
+      contact%has_tangent = .false.
+    case (solid_frictional)
+      do i = 1, 3
+        contact%h(i, 4:6, 1) = cross(record(7:9), frame(:, i))
+        contact%h(i, 4:6, 2) = -cross(record(10:12), frame(:, i))
+      end do
+      contact%bias = matmul(record(13:15), frame)
+      contact%friction = record(21)
+      contact%cohesion = record(22)
+      contact%compliance = record([23, 24, 24])
+      contact%is_active = record(25) > 0.5_wp
+      contact%is_linear = record(25) > 1.5_wp
+    end select
+  end function space_contact
+
+  !> A body from its record.
+  pure function body_of(problem, slot) result(body)
+    type(problem_t), intent(in) :: problem !! problem of a step
+    integer, intent(in) :: slot !! slot of the body
+    type(body_record_t) :: body
+    integer :: i
+
+    body%n = first_inverse(problem%kind) - 1
+    do i = 1, 3
+      body%axes(i, i) = 1
+    end do
+    associate (record => problem%body(:, slot), inverse => problem%body(first_inverse(problem%kind):, slot))
+      body%velocity(:body%n) = record(:body%n)
+      body%inverse_mass(:min(3, body%n)) = inverse(:min(3, body%n))
+      select case (problem%kind)
+      case (ball_frictional)
+        body%inverse_mass(4:6) = inverse(4)
+      case (solid_frictionless, solid_frictional)
+        call principal_axes(reshape(inverse([4, 7, 8, 7, 5, 9, 8, 9, 6]), [3, 3]), body%inverse_mass(4:6), body%axes)
+        where (body%inverse_mass(4:6) <= driven_below*maxval(body%inverse_mass(4:6))) body%inverse_mass(4:6) = 0
+        body%velocity(4:6) = matmul(body%velocity(4:6), body%axes)
+      end select
+    end associate
+  end function body_of
+end module sg_problem_records
