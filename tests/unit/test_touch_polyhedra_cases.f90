@@ -1,7 +1,7 @@
 !> Contacts of convex polyhedra in the cases that chance never meets: parallel faces, shared edges and vertices, same places.
 program test_touch_polyhedra_cases
   use harness, only: tests_t
-  use sg_kinds, only: wp, pi
+  use sg_kinds, only: wp, i4, pi
   use sg_polyhedron, only: place_polyhedron, polyhedron_t
   use sg_random, only: random_t
   use sg_touch_polyhedron_polyhedron, only: touch_polyhedron_polyhedron
@@ -27,6 +27,7 @@ program test_touch_polyhedra_cases
   call test_many_corners()
   call test_keys_of_resting_cubes()
   call test_lattice()
+  call test_turned_together()
   call t%finish()
 
 contains
@@ -342,4 +343,39 @@ contains
     end do
     call t%check(touched > 1000, 'many boxes touch')
   end subroutine test_lattice
+
+  !> The same points of exact cases whichever way both cubes are turned, moved and rounded; names of corners too.
+  subroutine test_turned_together()
+    type(random_t) :: random
+    type(polyhedron_t) :: c, a
+    type(touch_space_t) :: touch
+    real(wp) :: frame(3, 3), shift(3)
+    real(wp), parameter :: place(3, 5) = reshape([0.0_wp, 0.0_wp, 2.0_wp, 1.0_wp, 1.0_wp, 2.0_wp, 2.0_wp, 0.0_wp, 2.0_wp, &
+                                                  2.0_wp, 1.0_wp, 2.0_wp, 2.0_wp, 2.0_wp, 2.0_wp], [3, 5])
+    integer, parameter :: points(5) = [4, 4, 2, 2, 1]
+    integer(i4) :: keys(4, 5)
+    integer :: i, j
+
+    call random%seed(12)
+    c = cube
+    a = cube
+    keys = 0
+    do i = 1, 1000
+      frame = random_frame(random)
+      shift = 100*random_way(random)
+      call place_polyhedron(a, shift, frame)
+      do j = 1, 5
+        call place_polyhedron(c, shift + matmul(frame, place(:, j)), frame)
+        call touch_polyhedron_polyhedron(c, a, zero, 0.01_wp, touch)
+        call t%equal(touch%n, points(j), 'turned together: points')
+        ! Coordinates of about 100: 64 units of their last place.
+        call t%near(maxval(abs(touch%gap(:touch%n))), 0.0_wp, 1e-12_wp, 'turned together: gaps')
+        if (j <= 2) call t%near(norm2(touch%normal(:, 1) - frame(:, 3)), 0.0_wp, 1e-14_wp, 'turned together: normal')
+        if (i == 1) keys(:, j) = touch%feature
+        if (j <= 2) call t%equal(count([any(keys(1, j) == touch%feature), any(keys(2, j) == touch%feature), &
+                                        any(keys(3, j) == touch%feature), any(keys(4, j) == touch%feature)]), 4, &
+                                 'turned together: keys')
+      end do
+    end do
+  end subroutine test_turned_together
 end program test_touch_polyhedra_cases
