@@ -14,7 +14,7 @@ module sg_clip_faces
   use sg_four_points, only: choose_points
   use sg_kinds, only: wp, i4, i8
   use sg_polyhedron, only: polyhedron_t
-  use sg_separation, only: axis_t, cross, dot
+  use sg_separation, only: axis_t, cross
   use sg_touch_space, only: add_space_point, touch_space_t
   implicit none
   private
@@ -78,13 +78,13 @@ contains
         cycle
       end if
       edge = shape%world_vertex(:, other) - shape%world_vertex(:, vertex)
-      slope = dot(edge, direction)/max(sqrt(dot(edge, edge)), tiny(slope))
+      slope = dot_product(edge, direction)/max(sqrt(dot_product(edge, edge)), tiny(slope))
       if (slope <= flattest) cycle
       flattest = slope
       best = i
     end do
     face = shape%edge(3, best)
-    if (dot(direction, shape%world_normal(:, shape%edge(4, best))) > dot(direction, shape%world_normal(:, face))) &
+    if (dot_product(direction, shape%world_normal(:, shape%edge(4, best))) > dot_product(direction, shape%world_normal(:, face))) &
       face = shape%edge(4, best)
   end function facing_face
 
@@ -149,8 +149,8 @@ contains
     real(wp) :: square_c, square_a, origin(3), slant(3)
     integer :: i
 
-    square_c = -dot(axis%normal, c%world_normal(:, axis%face_c))
-    square_a = dot(axis%normal, a%world_normal(:, axis%face_a))
+    square_c = -dot_product(axis%normal, c%world_normal(:, axis%face_c))
+    square_a = dot_product(axis%normal, a%world_normal(:, axis%face_a))
     ! Of faces as square, the antagonist's: rounding must not decide.
     by_a = square_a >= square_c - 1e-10_wp
     n = 0
@@ -165,7 +165,7 @@ contains
       slant = c%world_normal(:, axis%face_c)/square_c
     end if
     do i = 1, n
-      corner(4, i, 1) = dot(slant, corner(1:3, i, 1))
+      corner(4, i, 1) = dot_product(slant, corner(1:3, i, 1))
       owner(2, i, 1) = owner(1, merge(n, i - 1, i == 1), 1)
       if (.not. by_a) corner(1:3, i, 1) = corner(1:3, i, 1) + corner(4, i, 1)*axis%normal
       corner(1:3, i, 1) = origin + corner(1:3, i, 1)
@@ -255,7 +255,7 @@ contains
       start = finish
       finish = r%world_vertex(:, r%face_vertex(first_r + merge(0, i, i == n_r))) - origin
       out = cross(finish - start, up)
-      length = sqrt(dot(out, out))
+      length = sqrt(dot_product(out, out))
       if (length <= tiny(length)) cycle
       call cut(start, out/length, i, rounding, room, n, corner, owner)
       if (n == 0) return
@@ -276,13 +276,13 @@ contains
     integer :: i, j, m
 
     m = 0
-    first_beyond = dot(out, corner(1:3, 1, 1) - place)
+    first_beyond = dot_product(out, corner(1:3, 1, 1) - place)
     beyond_next = first_beyond
     do i = 1, n
       beyond = beyond_next
       j = merge(1, i + 1, i == n)
       beyond_next = first_beyond
-      if (j > 1) beyond_next = dot(out, corner(1:3, j, 1) - place)
+      if (j > 1) beyond_next = dot_product(out, corner(1:3, j, 1) - place)
       if (beyond <= rounding .and. m < room) then
         m = m + 1
         corner(1:3, m, 2) = corner(1:3, i, 1)
@@ -313,8 +313,8 @@ contains
       edge_a = a%world_vertex(:, a%edge(2, axis%edge_a)) - a%world_vertex(:, a%edge(1, axis%edge_a))
       between = (a%world_vertex(:, a%edge(1, axis%edge_a)) - place) + offset
       normal = cross(edge_c, edge_a)
-      square = dot(normal, normal)
-      if (square > tiny(square)) place = place + min(max(dot(cross(between, edge_a), normal)/square, 0.0_wp), 1.0_wp)*edge_c
+      square = dot_product(normal, normal)
+      if (square > tiny(square)) place = place + min(max(dot_product(cross(between, edge_a), normal)/square, 0.0_wp), 1.0_wp)*edge_c
     else if (axis%face_a > 0) then
       place = c%world_vertex(:, axis%vertex_c)
     else if (axis%face_c > 0 .or. axis%separation <= 0) then
@@ -338,7 +338,7 @@ contains
     least = near**2
     do k = shape%face_first(face), shape%face_first(face + 1) - 1
       way = place - shape%world_vertex(:, shape%face_vertex(k))
-      square = dot(way, way) - dot(way, normal)**2
+      square = dot_product(way, way) - dot_product(way, normal)**2
       if (square >= least) cycle
       least = square
       vertex = shape%face_vertex(k)

@@ -1,7 +1,7 @@
 !> Which of the corners that two faces share carry the contact: at most four.
 module sg_four_points
   use sg_kinds, only: wp
-  use sg_separation, only: cross, dot
+  use sg_separation, only: cross
   implicit none
   private
   public :: choose_points
@@ -31,7 +31,7 @@ contains
 
     best = same
     do i = 1, n
-      value = sqrt(dot(flat(i, 1), flat(i, 1)))
+      value = sqrt(dot_product(flat(i, 1), flat(i, 1)))
       if (value <= best + rounding) cycle
       best = value
       chosen(2) = i
@@ -40,10 +40,10 @@ contains
     n_chosen = 2
 
     line = flat(chosen(2), 1)
-    across = cross(normal, line)/sqrt(dot(line, line))
+    across = cross(normal, line)/sqrt(dot_product(line, line))
     best = same
     do i = 1, n
-      value = abs(dot(across, flat(i, 1)))
+      value = abs(dot_product(across, flat(i, 1)))
       if (value <= best + rounding) cycle
       best = value
       chosen(3) = i
@@ -51,12 +51,12 @@ contains
     if (chosen(3) == 0) return
     n_chosen = 3
     ! The triangle is to be seen counter-clockwise.
-    if (dot(across, flat(chosen(3), 1)) < 0) chosen(2:3) = chosen([3, 2])
+    if (dot_product(across, flat(chosen(3), 1)) < 0) chosen(2:3) = chosen([3, 2])
 
-    best = same*sqrt(dot(line, line))
+    best = same*sqrt(dot_product(line, line))
     do i = 1, n
       value = max(area(1, 2, i), area(2, 3, i), area(3, 1, i))
-      if (value <= best*(1 + epsilon(best)*64)) cycle
+      if (value <= best + rounding*sqrt(dot_product(line, line))) cycle
       best = value
       chosen(4) = i
     end do
@@ -70,14 +70,14 @@ contains
       real(wp) :: way(3)
 
       way = point(1:3, i) - point(1:3, chosen(k))
-      way = way - dot(normal, way)*normal
+      way = way - dot_product(normal, way)*normal
     end function flat
 
     !> Twice the area that a point adds beyond a side of the triangle, negative inside.
     pure real(wp) function area(k, l, i)
       integer, intent(in) :: k, l, i
 
-      area = -dot(normal, cross(point(1:3, chosen(l)) - point(1:3, chosen(k)), point(1:3, i) - point(1:3, chosen(k))))
+      area = -dot_product(normal, cross(point(1:3, chosen(l)) - point(1:3, chosen(k)), point(1:3, i) - point(1:3, chosen(k))))
     end function area
   end subroutine choose_points
 end module sg_four_points

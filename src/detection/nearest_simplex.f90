@@ -4,7 +4,6 @@
 !! the inside to the edges, and the nearest of all wins: slower than a tree of cases, but nothing is lost on slivers.
 module sg_nearest_simplex
   use sg_kinds, only: wp
-  use sg_separation, only: cross, dot
   implicit none
   private
   public :: simplex_t, reduce_simplex
@@ -74,9 +73,9 @@ contains
 
     p = simplex%point(:, corner(1))
     normal = cross(simplex%point(:, corner(2)) - p, simplex%point(:, corner(3)) - p)
-    to_origin = -dot(normal, p)
-    to_opposite = dot(normal, simplex%point(:, opposite) - p)
-    length = sqrt(dot(normal, normal))*(maxval(abs(p)) + maxval(abs(simplex%point(:, opposite))))
+    to_origin = -dot_product(normal, p)
+    to_opposite = dot_product(normal, simplex%point(:, opposite) - p)
+    length = sqrt(dot_product(normal, normal))*(maxval(abs(p)) + maxval(abs(simplex%point(:, opposite))))
     if (abs(to_opposite) > flat*length .and. (to_origin >= 0 .eqv. to_opposite > 0)) return
     is_inside = .false.
     call try_triangle(simplex, corner(1), corner(2), corner(3), best)
@@ -93,10 +92,10 @@ contains
     q = simplex%point(:, j)
     r = simplex%point(:, k)
     normal = cross(q - p, r - p)
-    square = dot(normal, normal)
-    weight = [dot(normal, cross(q, r)), dot(normal, cross(r, p)), dot(normal, cross(p, q))]
+    square = dot_product(normal, normal)
+    weight = [dot_product(normal, cross(q, r)), dot_product(normal, cross(r, p)), dot_product(normal, cross(p, q))]
     if (all(weight > 0) .and. square > tiny(square)) then
-      height = dot(normal, p)
+      height = dot_product(normal, p)
       if (height**2/square < best%square) then
         best = trial_t(height**2/square, (height/square)*normal, weight/sum(weight), 3, [i, j, k])
       end if
@@ -116,20 +115,28 @@ contains
 
     p = simplex%point(:, i)
     edge = simplex%point(:, j) - p
-    length2 = dot(edge, edge)
-    along = -dot(edge, p)
+    length2 = dot_product(edge, edge)
+    along = -dot_product(edge, p)
     if (along <= 0) then
-      square = dot(p, p)
+      square = dot_product(p, p)
       if (square < best%square) best = trial_t(square, p, [1.0_wp, 0.0_wp, 0.0_wp], 1, [i, 0, 0])
     else if (along >= length2) then
       place = simplex%point(:, j)
-      square = dot(place, place)
+      square = dot_product(place, place)
       if (square < best%square) best = trial_t(square, place, [1.0_wp, 0.0_wp, 0.0_wp], 1, [j, 0, 0])
     else
       along = along/length2
       place = p + along*edge
-      square = dot(place, place)
+      square = dot_product(place, place)
       if (square < best%square) best = trial_t(square, place, [1 - along, along, 0.0_wp], 2, [i, j, 0])
     end if
   end subroutine try_segment
+
+  !> Vector product, here so that it is compiled into its callers.
+  pure function cross(u, v) result(w)
+    real(wp), intent(in) :: u(3), v(3)
+    real(wp) :: w(3)
+
+    w = [u(2)*v(3) - u(3)*v(2), u(3)*v(1) - u(1)*v(3), u(1)*v(2) - u(2)*v(1)]
+  end function cross
 end module sg_nearest_simplex

@@ -8,7 +8,7 @@ module sg_polyhedra_apart
   use sg_kinds, only: wp
   use sg_nearest_simplex, only: reduce_simplex, simplex_t
   use sg_polyhedron, only: polyhedron_t
-  use sg_separation, only: axis_t, dot, measure_axis
+  use sg_separation, only: axis_t, measure_axis
   implicit none
   private
   public :: walk_apart
@@ -49,11 +49,11 @@ contains
       simplex%vertex(:, simplex%n) = [trial%vertex_c, trial%vertex_a]
       simplex%point(:, simplex%n) = (c%world_vertex(:, trial%vertex_c) - a%world_vertex(:, trial%vertex_a)) - offset
       call reduce_simplex(simplex, way, is_inside)
-      if (is_inside .or. dot(way, way) <= rounding**2) then
+      if (is_inside .or. dot_product(way, way) <= rounding**2) then
         distance = 0
         return
       end if
-      length = sqrt(dot(way, way))
+      length = sqrt(dot_product(way, way))
       if (length >= distance) then
         simplex = last
         exit

@@ -6,12 +6,12 @@
 module sg_polyhedra_overlap
   use sg_kinds, only: wp
   use sg_polyhedron, only: polyhedron_t
-  use sg_separation, only: axis_t, cross, dot, extreme_vertex, measure_axis
+  use sg_separation, only: axis_t, extreme_vertex, measure_axis
   implicit none
   private
   public :: try_faces, try_edges
 
-  !> Edges of the candidate looked at in one go
+  !> Edges looked at in one go, and vertices whose heights are kept meanwhile
   integer, parameter :: batch = 64
 
 contains
@@ -42,7 +42,7 @@ contains
     axis%face_c = face_c
     axis%vertex_a = vertex_a
     axis%vertex_c = vertex_c
-    axis%separation = dot(axis%normal, (c%world_vertex(:, vertex_c) - a%world_vertex(:, vertex_a)) - offset)
+    axis%separation = dot_product(axis%normal, (c%world_vertex(:, vertex_c) - a%world_vertex(:, vertex_a)) - offset)
   end subroutine try_faces
 
   !> Find the face over which the other's lowest vertex is highest, if it is above a bar.
@@ -63,11 +63,11 @@ contains
     do f = 1, reference%n_faces
       normal = reference%world_normal(:, f)
       corner = reference%world_vertex(:, reference%face_vertex(reference%face_first(f))) - shift
-      low = dot(normal, other%world_vertex(:, first) - corner)
+      low = dot_product(normal, other%world_vertex(:, first) - corner)
       if (low < bar) cycle
       k = first
       do i = 1, other%n_vertices
-        height = dot(normal, other%world_vertex(:, i) - corner)
+        height = dot_product(normal, other%world_vertex(:, i) - corner)
         if (height >= low) cycle
         low = height
         k = i
@@ -93,29 +93,60 @@ contains
     real(wp), intent(in) :: rounding !! separations that differ by less are as good [m]
     type(axis_t), intent(inout) :: axis !! best axis so far; a pair of edges replaces it where it is better
     real(wp) :: normal(3), width, bar_a, bar_c, bar
-    integer :: near(batch), n, i, j
+    integer :: near_c(batch), near_a(batch), n_c, n_a, i, j, k
 
     normal = axis%normal
     width = max(-axis%separation, 0.0_wp) + max(distance, -axis%separation) - max(axis%separation, 0.0_wp) + rounding
-    bar_a = dot(normal, a%world_vertex(:, axis%vertex_a)) - width
-    bar_c = dot(normal, c%world_vertex(:, axis%vertex_c)) + width
+    bar_a = dot_product(normal, a%world_vertex(:, axis%vertex_a)) - width
+    bar_c = -dot_product(normal, c%world_vertex(:, axis%vertex_c)) - width
     ! Faces are as good already. An axis through the nearest points of an edge and another gains digits as theirs.
     bar = axis%separation + merge(rounding, -rounding, max(axis%face_a, axis%face_c) > 0)
     i = 0
     do while (i < c%n_edges)
-      n = 0
-      do while (i < c%n_edges .and. n < batch)
-        i = i + 1
-        if (min(dot(normal, c%world_vertex(:, c%edge(1, i))), dot(normal, c%world_vertex(:, c%edge(2, i)))) > bar_c) cycle
-        n = n + 1
-        near(n) = i
-      end do
-      do j = 1, a%n_edges
-        if (max(dot(normal, a%world_vertex(:, a%edge(1, j))), dot(normal, a%world_vertex(:, a%edge(2, j)))) < bar_a) cycle
-        call try_edge(c, a, offset, near(:n), j, rounding, bar, axis)
+      call near_edges(c, -normal, bar_c, i, n_c, near_c)
+      j = 0
+      do while (j < a%n_edges .and. n_c > 0)
+        call near_edges(a, normal, bar_a, j, n_a, near_a)
+        do k = 1, n_a
+          call try_edge(c, a, offset, near_c(:n_c), near_a(k), rounding, bar, axis)
+        end do
       end do
     end do
   end subroutine try_edges
+
+  !> Find edges that reach above a bar, from where the last search ended, as many as go into one batch.
+  pure subroutine near_edges(shape, normal, bar, last, n, near)
+    type(polyhedron_t), intent(in) :: shape !! polyhedron, in the world
+    real(wp), intent(in) :: normal(3) !! direction of heights
+    real(wp), intent(in) :: bar !! height [m]
+    integer, intent(inout) :: last !! edge looked at last
+    integer, intent(out) :: n !! number of edges found
+    integer, intent(out) :: near(batch) !! the edges
+    real(wp) :: height(batch), top
+    integer :: i
+    logical :: is_small
+
+    is_small = shape%n_vertices <= batch
+    if (is_small) then
+      do i = 1, shape%n_vertices
+        height(i) = dot_product(normal, shape%world_vertex(:, i))
+      end do
+    end if
+    n = 0
+    do while (last < shape%n_edges .and. n < batch)
+      last = last + 1
+      associate (ends => shape%edge(1:2, last))
+        if (is_small) then
+          top = max(height(ends(1)), height(ends(2)))
+        else
+          top = max(dot_product(normal, shape%world_vertex(:, ends(1))), dot_product(normal, shape%world_vertex(:, ends(2))))
+        end if
+      end associate
+      if (top < bar) cycle
+      n = n + 1
+      near(n) = last
+    end do
+  end subroutine near_edges
 
   !> Try one edge of the antagonist with some of the candidate.
   pure subroutine try_edge(c, a, offset, near, j, rounding, bar, axis)
@@ -128,7 +159,7 @@ contains
     real(wp), intent(inout) :: bar !! separation to beat [m]
     type(axis_t), intent(inout) :: axis !! best axis so far
     type(axis_t) :: trial
-    real(wp) :: edge_a(3), edge_c(3), left_a(3), right_a(3), normal(3), left, right, length2
+    real(wp) :: edge_a(3), edge_c(3), left_a(3), right_a(3), left_c(3), right_c(3), normal(3), left, right, length2
     integer :: i, k
 
     edge_a = a%world_vertex(:, a%edge(2, j)) - a%world_vertex(:, a%edge(1, j))
@@ -136,26 +167,36 @@ contains
     right_a = a%world_normal(:, a%edge(4, j))
     do k = 1, size(near)
       i = near(k)
-      left = dot(edge_a, c%world_normal(:, c%edge(3, i)))
-      if (left*dot(edge_a, c%world_normal(:, c%edge(4, i))) >= 0) cycle
+      left_c = c%world_normal(:, c%edge(3, i))
+      right_c = c%world_normal(:, c%edge(4, i))
+      left = dot_product(edge_a, left_c)
+      if (left*dot_product(edge_a, right_c) >= 0) cycle
       edge_c = c%world_vertex(:, c%edge(2, i)) - c%world_vertex(:, c%edge(1, i))
-      right = dot(edge_c, right_a)
-      if (dot(edge_c, left_a)*right >= 0 .or. (left > 0 .eqv. right > 0)) cycle
+      right = dot_product(edge_c, right_a)
+      if (dot_product(edge_c, left_a)*right >= 0 .or. (left > 0 .eqv. right > 0)) cycle
       normal = cross(edge_a, edge_c)
-      length2 = dot(normal, normal)
+      length2 = dot_product(normal, normal)
       ! Nearly parallel edges give no direction, and where they matter faces or nearest points give a better one.
-      if (length2 <= 1e-20_wp*dot(edge_a, edge_a)*dot(edge_c, edge_c)) cycle
-      normal = normal/sign(sqrt(length2), dot(normal, left_a + right_a))
-      if (dot(normal, (c%world_vertex(:, c%edge(1, i)) - a%world_vertex(:, a%edge(1, j))) - offset) < bar) cycle
+      if (length2 <= 1e-20_wp*dot_product(edge_a, edge_a)*dot_product(edge_c, edge_c)) cycle
+      normal = normal/sign(sqrt(length2), dot_product(normal, left_a + right_a))
+      if (dot_product(normal, (c%world_vertex(:, c%edge(1, i)) - a%world_vertex(:, a%edge(1, j))) - offset) < bar) cycle
       ! What rounding makes of short edges is no axis unless all vertices say so.
       call measure_axis(c, a, offset, normal, trial)
       if (trial%separation < bar) cycle
       axis = trial
       axis%edge_c = i
       axis%edge_a = j
-      axis%face_c = c%edge(merge(3, 4, dot(c%world_normal(:, c%edge(3, i)) - c%world_normal(:, c%edge(4, i)), normal) <= 0), i)
-      axis%face_a = a%edge(merge(3, 4, dot(left_a - right_a, normal) >= 0), j)
+      axis%face_c = c%edge(merge(3, 4, dot_product(left_c - right_c, normal) <= 0), i)
+      axis%face_a = a%edge(merge(3, 4, dot_product(left_a - right_a, normal) >= 0), j)
       bar = trial%separation + rounding
     end do
   end subroutine try_edge
+
+  !> Vector product, here so that it is compiled into its callers.
+  pure function cross(u, v) result(w)
+    real(wp), intent(in) :: u(3), v(3)
+    real(wp) :: w(3)
+
+    w = [u(2)*v(3) - u(3)*v(2), u(3)*v(1) - u(1)*v(3), u(1)*v(2) - u(2)*v(1)]
+  end function cross
 end module sg_polyhedra_overlap

@@ -8,7 +8,7 @@ module sg_separation
   use sg_polyhedron, only: polyhedron_t
   implicit none
   private
-  public :: axis_t, dot, cross, extreme_vertex, measure_axis, rounding_of
+  public :: axis_t, cross, extreme_vertex, measure_axis, rounding_of
 
   !> An axis between two polyhedra
   type :: axis_t
@@ -25,13 +25,6 @@ module sg_separation
   end type axis_t
 
 contains
-
-  !> Scalar product.
-  pure real(wp) function dot(u, v)
-    real(wp), intent(in) :: u(3), v(3)
-
-    dot = u(1)*v(1) + u(2)*v(2) + u(3)*v(3)
-  end function dot
 
   !> Vector product.
   pure function cross(u, v) result(w)
@@ -74,7 +67,7 @@ contains
     axis%normal = normal
     axis%vertex_c = i
     axis%vertex_a = j
-    axis%separation = dot(normal, (c%world_vertex(:, i) - a%world_vertex(:, j)) - offset)
+    axis%separation = dot_product(normal, (c%world_vertex(:, i) - a%world_vertex(:, j)) - offset)
   end subroutine measure_axis
 
   !> Lengths below which nothing can be told [m]: separations that differ by less are as good, points nearer are one.

@@ -8,7 +8,7 @@ module sg_touch_polyhedron_polyhedron
   use sg_polyhedra_apart, only: walk_apart
   use sg_polyhedra_overlap, only: try_edges, try_faces
   use sg_polyhedron, only: polyhedron_t
-  use sg_separation, only: axis_t, dot, rounding_of
+  use sg_separation, only: axis_t, rounding_of
   use sg_touch_space, only: touch_space_t
   implicit none
   private
@@ -28,12 +28,12 @@ contains
     real(wp) :: way(3), start(3), size2
 
     way = c%centre - a%centre - offset
-    if (dot(way, way) >= (c%reach + a%reach + max(alert, 0.0_wp))**2) return
+    if (dot_product(way, way) >= (c%reach + a%reach + max(alert, 0.0_wp))**2) return
     start = way
     if (present(guess)) then
-      if (dot(guess, guess) > 0.25_wp) start = guess
+      if (dot_product(guess, guess) > 0.25_wp) start = guess
     end if
-    size2 = dot(start, start)
+    size2 = dot_product(start, start)
     if (size2 > tiny(size2)) then
       start = start/sqrt(size2)
     else

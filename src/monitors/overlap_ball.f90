@@ -34,6 +34,7 @@ contains
     integer :: f, lowest
 
     volume = 0
+    if (n_faces == 0) return
     do f = 1, n_faces
       height(f) = dot_product(normal(:, f), vertex(:, face_vertex(face_first(f))))
       if (height(f) <= -radius) return
@@ -49,10 +50,21 @@ contains
       volume = volume + share
       is_any_met = is_any_met .or. is_met
     end do
-    ! A ball that meets no face is wholly inside or outside.
-    if (.not. is_any_met) volume = merge(4*pi*radius**3/3, 0.0_wp, height(lowest) >= 0)
+    if (.not. is_any_met) volume = all_or_nothing(radius, volume)
     volume = max(0.0_wp, volume)
   end function ball_in_faces
+
+  !> A ball that meets no face is wholly inside or outside; faces of no width may hide that it meets others.
+  pure real(wp) function all_or_nothing(radius, volume)
+    real(wp), intent(in) :: radius !! of the ball [m]
+    real(wp), intent(in) :: volume !! shared, up to rounding [m3]
+    real(wp) :: whole
+
+    whole = 4*pi*radius**3/3
+    all_or_nothing = volume
+    if (volume < 1e-12_wp*whole) all_or_nothing = 0
+    if (whole - volume < 1e-12_wp*whole) all_or_nothing = whole
+  end function all_or_nothing
 
   !> Does no face but the lowest cut what of the ball is below that? Then cones need not cancel for a thin slice.
   pure logical function is_cut_once(radius, n_faces, normal, height, lowest)

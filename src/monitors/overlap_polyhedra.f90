@@ -106,7 +106,9 @@ contains
 
     solid%n_vertices = shape%n_vertices
     solid%n_faces = shape%n_faces
-    allocate (solid%vertex(3, shape%n_vertices), solid%face_first(shape%n_faces + 1), solid%face_vertex(size(shape%face_vertex)))
+    allocate (solid%vertex(3, shape%n_vertices), solid%face_first(shape%n_faces + 1), solid%face_vertex(size(shape%face_vertex)), &
+              solid%normal(3, shape%n_faces))
+    solid%normal = shape%world_normal
     do i = 1, shape%n_vertices
       solid%vertex(:, i) = shape%world_vertex(:, i) - shape%centre
     end do

@@ -18,6 +18,8 @@ module sg_overlap_solid
     real(wp), allocatable :: vertex(:, :)
     !> Vertices of face f, counter-clockwise seen from outside: `face_vertex(face_first(f):face_first(f + 1) - 1)`
     integer, allocatable :: face_first(:), face_vertex(:)
+    !> Outward unit normals of the faces, shape (3, :), at least n_faces long
+    real(wp), allocatable :: normal(:, :)
   end type solid_t
 
 contains
@@ -30,12 +32,16 @@ contains
 
     solid%n_vertices = 8
     solid%n_faces = 6
-    allocate (solid%vertex(3, 8), solid%face_first(7), solid%face_vertex(24))
+    allocate (solid%vertex(3, 8), solid%face_first(7), solid%face_vertex(24), solid%normal(3, 6))
     do i = 0, 7
       solid%vertex(:, i + 1) = half*real(2*[ibits(i, 0, 1), ibits(i, 1, 1), ibits(i, 2, 1)] - 1, wp)
     end do
     solid%face_first = [1, 5, 9, 13, 17, 21, 25]
     solid%face_vertex = [1, 5, 7, 3, 2, 4, 8, 6, 1, 2, 6, 5, 3, 7, 8, 4, 1, 3, 4, 2, 5, 6, 8, 7]
+    solid%normal = 0
+    do i = 1, 3
+      solid%normal(i, 2*i - 1:2*i) = [-1.0_wp, 1.0_wp]
+    end do
   end subroutine box_solid
 
   !> Volume of a solid [m3], about its first vertex, so that thin slivers keep their digits.
@@ -59,7 +65,7 @@ contains
   !> Keep of a solid what lies below a plane: normal.x <= height.
   pure subroutine cut(solid, normal, height)
     type(solid_t), intent(inout) :: solid !! solid; without faces when nothing is left
-    real(wp), intent(in) :: normal(3) !! of the side that is cut off, any length
+    real(wp), intent(in) :: normal(3) !! unit normal to the side that is cut off
     real(wp), intent(in) :: height !! of the plane along the normal
     real(wp) :: above(solid%n_vertices)
     integer :: i
@@ -72,14 +78,15 @@ contains
       solid%n_vertices = 0
       solid%n_faces = 0
     else
-      call cut_through(solid, above)
+      call cut_through(solid, above, normal)
     end if
   end subroutine cut
 
   !> Cut a solid that has vertices on both sides of the plane.
-  pure subroutine cut_through(solid, above)
+  pure subroutine cut_through(solid, above, normal)
     type(solid_t), intent(inout) :: solid
     real(wp), intent(in) :: above(:) !! height of each vertex above the plane
+    real(wp), intent(in) :: normal(3) !! unit normal of the plane
     type(solid_t) :: left
     integer, allocatable :: edge(:, :), after(:), kept(:)
     integer :: f, first, n_corners, n_crossed, i
@@ -88,7 +95,7 @@ contains
     n_crossed = count_crossed(solid, above)
     allocate (edge(2, n_crossed), after(n_crossed), kept(solid%n_vertices))
     allocate (left%vertex(3, solid%n_vertices + n_crossed), left%face_first(solid%n_faces + n_crossed + 1), &
-              left%face_vertex(n_corners + 3*n_crossed))
+              left%face_vertex(n_corners + 3*n_crossed), left%normal(3, solid%n_faces + n_crossed))
     kept = 0
     do i = 1, solid%n_vertices
       if (above(i) > 0) cycle
@@ -101,9 +108,11 @@ contains
     left%face_first(1) = 1
     do f = 1, solid%n_faces
       first = solid%face_first(f)
-      call cut_face(solid%vertex, above, kept, solid%face_vertex(first:solid%face_first(f + 1) - 1), edge, after, n_crossed, left)
+      call cut_face(solid%vertex, above, kept, solid%face_vertex(first:solid%face_first(f + 1) - 1), solid%normal(:, f), edge, &
+                    after, n_crossed, left)
     end do
-    call close_hole(after, left%n_vertices - n_crossed, left)
+    call close_hole(after, left%n_vertices - n_crossed, normal, left)
+    call move_alloc(left%normal, solid%normal)
     call move_alloc(left%vertex, solid%vertex)
     call move_alloc(left%face_first, solid%face_first)
     call move_alloc(left%face_vertex, solid%face_vertex)
@@ -129,11 +138,12 @@ contains
   end function count_crossed
 
   !> Cut one face; where its loop leaves and comes back, the hole's loop runs from the way back to the way out.
-  pure subroutine cut_face(vertex, above, kept, loop, edge, after, n_crossed, left)
+  pure subroutine cut_face(vertex, above, kept, loop, normal, edge, after, n_crossed, left)
     real(wp), intent(in) :: vertex(:, :) !! vertices before the cut [m]
     real(wp), intent(in) :: above(:) !! their heights above the plane
     integer, intent(in) :: kept(:) !! their numbers after the cut
     integer, intent(in) :: loop(:) !! vertices of the face
+    real(wp), intent(in) :: normal(3) !! its unit normal
     integer, intent(inout) :: edge(:, :) !! edges crossed so far, lower vertex first
     integer, intent(inout) :: after(:) !! the crossing that follows each on the loop of the hole
     integer, intent(inout) :: n_crossed !! how many
@@ -167,6 +177,7 @@ contains
     if (n < left%face_first(left%n_faces + 1)) return
     left%n_faces = left%n_faces + 1
     left%face_first(left%n_faces + 1) = n + 1
+    left%normal(:, left%n_faces) = normal
   end subroutine cut_face
 
   !> The crossing of an edge with the plane: the one made for the other face of the edge, or a new one.
@@ -191,9 +202,10 @@ contains
   end subroutine find_crossing
 
   !> Close the hole of a cut by faces along the loops of its crossings (one loop, unless rounding makes more).
-  pure subroutine close_hole(after, n_before, left)
+  pure subroutine close_hole(after, n_before, normal, left)
     integer, intent(in) :: after(:) !! the crossing that follows each
     integer, intent(in) :: n_before !! vertices that are no crossings
+    real(wp), intent(in) :: normal(3) !! unit normal of the plane
     type(solid_t), intent(inout) :: left !! the cut solid
     logical :: is_done(size(after))
     integer :: i, crossing, n
@@ -213,6 +225,7 @@ contains
       if (n - left%face_first(left%n_faces + 1) < 2) cycle
       left%n_faces = left%n_faces + 1
       left%face_first(left%n_faces + 1) = n + 1
+      left%normal(:, left%n_faces) = normal
     end do
   end subroutine close_hole
 end module sg_overlap_solid

@@ -55,9 +55,6 @@ contains
     real(wp), intent(in) :: centre_a(3) !! centre of the box, the antagonist [m]
     real(wp), intent(in) :: frame(3, 3) !! columns: axes of the box in the world
     real(wp), intent(in) :: half(3) !! half lengths along these axes [m]
-    real(wp), parameter :: normal(3, 6) = reshape([-1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, &
-                                                   0.0_wp, -1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, &
-                                                   0.0_wp, 0.0_wp, -1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 6])
     type(solid_t) :: box
     real(wp) :: local(3), below(6)
     integer :: i
@@ -77,7 +74,7 @@ contains
     do i = 1, 8
       box%vertex(:, i) = box%vertex(:, i) - local
     end do
-    volume = ball_in_faces(radius_c, 6, normal, box%face_first, box%face_vertex, box%vertex)
+    volume = ball_in_faces(radius_c, 6, box%normal, box%face_first, box%face_vertex, box%vertex)
   end function overlap_sphere_plane
 
   !> Volume shared by a sphere and a cylinder with round ends (CYLND) [m3].

@@ -1,8 +1,8 @@
-!> Overlap volumes of shapes in space against closed forms, random points, sums of parts, and each other.
+!> Overlap volumes of shapes in space against closed forms, random points, sums of parts, and each other;
+!! test_overlap_cylinders has more of cylinders.
 program test_overlap_volumes
   use harness, only: tests_t
   use sg_kinds, only: wp, i4, pi
-  use sg_overlap_disks, only: overlap_disk_disk
   use sg_overlap_polyhedra, only: overlap_polyhedron_plane, overlap_polyhedron_polyhedron, overlap_sphere_polyhedron
   use sg_overlap_solid, only: box_solid, cut, solid_t, solid_volume
   use sg_overlap_spheres, only: overlap_sphere_cylinder, overlap_sphere_hollow_cylinder, overlap_sphere_plane, overlap_sphere_sphere
@@ -24,9 +24,6 @@ program test_overlap_volumes
   call test_boxes()
   call test_polyhedra()
   call test_random_points()
-  call test_sphere_cylinder()
-  call test_cylinder_slices()
-  call test_hollow()
   call t%finish()
 
 contains
@@ -353,89 +350,4 @@ contains
 
     call t%near(real(hits, wp), share*n_points, 5*sqrt(max(1.0_wp, share*n_points)), what)
   end subroutine check_hits
-
-  subroutine test_sphere_cylinder()
-    real(wp), parameter :: ball = 4*pi/3
-    real(wp) :: e
-    integer :: i
-
-    call t%near(overlap_sphere_cylinder(0.3_wp*ez, 1.0_wp, zero, ez, 2.0_wp, 0.5_wp), ball*(1 - 0.75_wp*sqrt(0.75_wp)), 1e-12_wp, &
-                'ball about a long cylinder')
-    call t%near(overlap_sphere_cylinder(0.3_wp*ez + 0.2_wp*ex, 0.2_wp, zero, ez, 2.0_wp, 0.5_wp), ball*0.008_wp, 1e-12_wp, &
-                'ball in a cylinder')
-    call t%near(overlap_sphere_cylinder(0.3_wp*ez + 0.2_wp*ex, 3.0_wp, zero, ez, 2.0_wp, 0.5_wp), pi + ball/8, 1e-12_wp, &
-                'cylinder in a ball')
-    call t%near(overlap_sphere_cylinder([1.6_wp, 0.0_wp, 0.5_wp], 1.0_wp, zero, ez, 2.0_wp, 0.5_wp), 0.0_wp, 0.0_wp, 'apart')
-    call t%near(overlap_sphere_cylinder(2*ez, 0.4_wp, zero, ez, 2.0_wp, 0.5_wp), ball*0.064_wp, 1e-12_wp, 'ball at an end')
-    ! The ball halved by the end plane: half of what a long cylinder would take, and half of a lens.
-    call t%near(overlap_sphere_cylinder(2*ez, 1.0_wp, zero, ez, 2.0_wp, 0.5_wp), &
-                0.5_wp*ball*(1 - 0.75_wp*sqrt(0.75_wp)) + 0.5_wp*ball/8, 1e-12_wp, 'ball about an end')
-    do i = 0, 20
-      e = 0.1_wp*real(i, wp)
-      call t%near(overlap_sphere_cylinder(e*ex, 1.0_wp, zero, ez, 0.0_wp, 0.5_wp), &
-                  overlap_sphere_sphere(e*ex, 1.0_wp, zero, 0.5_wp), 1e-12_wp, 'cylinder of no height')
-      call t%near(overlap_sphere_cylinder(e*ex + 3.2_wp*ez, 1.0_wp, zero, ez, 2.0_wp, 0.9_wp), &
-                  overlap_sphere_sphere(e*ex + 3.2_wp*ez, 1.0_wp, 2*ez, 0.9_wp), 1e-12_wp, 'ball beyond an end')
-    end do
-  end subroutine test_sphere_cylinder
-
-  !> Volumes of random balls and cylinders against a plain sum of many slices.
-  subroutine test_cylinder_slices()
-    integer, parameter :: n = 20000
-    type(random_t) :: random
-    real(wp) :: e, z, radius, wall, half_height, centre, total, beyond, width
-    integer :: k, i
-
-    call random%seed(55)
-    do k = 1, 60
-      radius = random%uniform(0.2_wp, 1.5_wp)
-      wall = random%uniform(0.2_wp, 1.0_wp)
-      half_height = random%uniform(0.0_wp, 1.5_wp)
-      e = random%uniform(0.0_wp, 1.5_wp)
-      ! Slices that touch at one place at once
-      if (modulo(k, 4) == 0) e = abs(radius - wall)
-      if (modulo(k, 4) == 1) e = 0
-      centre = random%uniform(0.0_wp, 2.0_wp)
-      total = 0
-      width = 2*radius/n
-      do i = 1, n
-        z = centre - radius + width*(real(i, wp) - 0.5_wp)
-        beyond = max(0.0_wp, abs(z) - half_height)
-        if (beyond >= wall) cycle
-        total = total + width*overlap_disk_disk([e, 0.0_wp], sqrt(max(0.0_wp, radius**2 - (z - centre)**2)), [0.0_wp, 0.0_wp], &
-                                                sqrt(wall**2 - beyond**2))
-      end do
-      ! Kinks and roots at the ends make the plain sum err by some width^(3/2) = 2e-6.
-      call t%near(overlap_sphere_cylinder([e, 0.0_wp, centre], radius, zero, ez, half_height, wall), total, 2e-6_wp, &
-                  'plain sum of slices')
-    end do
-  end subroutine test_cylinder_slices
-
-  subroutine test_hollow()
-    real(wp), parameter :: ball = 4*pi/3
-    type(random_t) :: random
-    real(wp) :: inside, outside, radius, wall, e, z, top, at
-    integer :: k
-
-    call t%near(overlap_sphere_hollow_cylinder(0.5_wp*ex, 0.4_wp, zero, ez, 2.0_wp, 1.0_wp), 0.0_wp, 0.0_wp, 'ball held')
-    call t%near(overlap_sphere_hollow_cylinder(zero, 1.0_wp, zero, ez, 2.0_wp, 0.5_wp), ball*0.75_wp*sqrt(0.75_wp), 1e-12_wp, &
-                'ball wider than the hollow cylinder')
-    call t%near(overlap_sphere_hollow_cylinder(3*ex, 0.5_wp, zero, ez, 2.0_wp, 1.0_wp), ball/8, 1e-12_wp, 'ball outside')
-    call random%seed(56)
-    do k = 1, 200
-      radius = random%uniform(0.2_wp, 1.0_wp)
-      wall = random%uniform(0.2_wp, 1.5_wp)
-      e = random%uniform(0.0_wp, 2.0_wp)
-      z = random%uniform(-1.0_wp, 1.0_wp)
-      inside = overlap_sphere_cylinder([e, 0.0_wp, z], radius, zero, ez, 3.0_wp, wall)
-      outside = overlap_sphere_hollow_cylinder([e, 0.0_wp, z], radius, zero, ez, 3.0_wp, wall)
-      call t%near(inside + outside, ball*radius**3, 1e-12_wp, 'inside and outside together')
-      ! Stacked on top of each other, two hollow cylinders are one: their quadratures part elsewhere.
-      top = random%uniform(0.5_wp, 2.0_wp)
-      at = random%uniform(-top, top)
-      call t%near(overlap_sphere_hollow_cylinder([e, 0.0_wp, z - 0.5_wp*(at - top)], radius, zero, ez, 0.5_wp*(at + top), wall) &
-                  + overlap_sphere_hollow_cylinder([e, 0.0_wp, z - 0.5_wp*(at + top)], radius, zero, ez, 0.5_wp*(top - at), wall), &
-                  overlap_sphere_hollow_cylinder([e, 0.0_wp, z], radius, zero, ez, top, wall), 1e-12_wp, 'stacked hollow cylinders')
-    end do
-  end subroutine test_hollow
 end program test_overlap_volumes
