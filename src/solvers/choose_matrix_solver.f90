@@ -6,6 +6,7 @@ module sg_choose_matrix_solver
   use sg_block_automatic, only: block_automatic_t
   use sg_block_nlgs, only: block_nlgs_t
   use sg_error, only: error_t, fail
+  use sg_interior_point, only: interior_point_t
   use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
   use sg_proximal_newton, only: proximal_newton_t
   use sg_text, only: append_word, joined, nearest_word, text_t
@@ -14,8 +15,8 @@ module sg_choose_matrix_solver
   public :: choose_matrix_solver, matrix_solver_names
 
   !> Names of all solvers, in the order in which `splitgrain solve --solver all` runs them; the first is its default
-  character(len=16), parameter :: matrix_solver_names(4) = &
-    [character(len=16) :: 'auto', 'nlgs', 'accelerated', 'proximal']
+  character(len=16), parameter :: matrix_solver_names(5) = &
+    [character(len=16) :: 'auto', 'nlgs', 'accelerated', 'proximal', 'interior']
 
 contains
 
@@ -35,6 +36,8 @@ contains
       allocate (accelerated_nlgs_t :: solver)
     case ('proximal')
       allocate (proximal_newton_t :: solver)
+    case ('interior')
+      allocate (interior_point_t :: solver)
     case default
       call refuse(name, error)
     end select
