@@ -2,6 +2,7 @@
 module sg_bench
   use sg_arguments, only: arguments_t
   use sg_benchmark, only: benchmark_t, run_benchmark
+  use sg_benchmark_scenes, only: lattice_shapes
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp
   use sg_run_options, only: solver_options_t
@@ -19,6 +20,7 @@ contains
     type(solver_options_t) :: options
     type(benchmark_t) :: figures
     real(wp) :: contacts, friction, sweeps, check_every
+    character(len=:), allocatable :: shape
 
     call arguments%expect('shape contacts friction order check-every sweeps json', 0, 0, 'bench [options]', error)
     if (.not. allocated(error)) call arguments%number('contacts', 100000.0_wp, 12.0_wp, contacts, error)
@@ -26,8 +28,9 @@ contains
     if (.not. allocated(error)) call arguments%number('check-every', real(options%check_every, wp), 1.0_wp, check_every, error)
     if (.not. allocated(error)) call arguments%number('sweeps', min(20000.0_wp, max(100.0_wp, 1e8_wp/contacts)), 1.0_wp, sweeps, &
                                                       error)
-    if (.not. allocated(error) .and. arguments%get('shape', 'disk') /= 'disk') then
-      call fail(error, 'bench knows the shape disk, not "'//arguments%get('shape', '')//'"')
+    shape = arguments%get('shape', 'disk')
+    if (.not. allocated(error) .and. all(lattice_shapes /= shape)) then
+      call fail(error, 'bench knows the shapes disk and sphere, not "'//shape//'"')
     end if
     options%order = arguments%get('order', options%order)
     if (.not. allocated(error) .and. all(options%order /= [character(len=16) :: 'natural', 'groups'])) then
@@ -36,17 +39,18 @@ contains
     if (allocated(error)) return
     options%maximum_sweeps = nint(sweeps)
     options%check_every = min(nint(check_every), options%maximum_sweeps)
-    call run_benchmark(nint(contacts), friction, options, figures)
-    call print_figures(figures, options, arguments%has('json'))
+    call run_benchmark(shape, nint(contacts), friction, options, figures)
+    call print_figures(shape, figures, options, arguments%has('json'))
   end subroutine bench_command
 
   !> Print the figures, one a line or as one flat JSON object.
-  subroutine print_figures(figures, options, as_json)
+  subroutine print_figures(shape, figures, options, as_json)
+    character(len=*), intent(in) :: shape
     type(benchmark_t), intent(in) :: figures
     type(solver_options_t), intent(in) :: options
     logical, intent(in) :: as_json
 
-    if (as_json) write (*, '(a)', advance='no') '{"shape": "disk", "order": "'//trim(options%order)//'"'
+    if (as_json) write (*, '(a)', advance='no') '{"shape": "'//shape//'", "order": "'//trim(options%order)//'"'
     call put('contacts', real(figures%contacts, wp))
     call put('active_contacts', real(figures%active_contacts, wp))
     call put('sweeps', real(figures%sweeps, wp))

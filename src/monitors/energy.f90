@@ -3,12 +3,14 @@
 !! With the mean velocity Vm = (V0 + V)/2 of a step, the change of kinetic energy is Vm . M (V - V0), and the
 !! discrete equation M (V - V0) = h f + H r + d makes it the work of the forces f, of the contact impulses r and
 !! of the impulses d that hold driven components. Works are summed over the steps; the balance closes to rounding
-!! when positions move with Vm too (theta = 1/2).
+!! when positions move with Vm too (theta = 1/2). In space gyroscopic torques do no work on a free body; in a step with
+!! impacts they do some, of the order of the step, which the balance then shows.
 module sg_energy
   use sg_bodies, only: bodies_t
-  use sg_contacts, only: contacts_t
+  use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
   use sg_kinds, only: wp
   use sg_mapping, only: relative_velocity
+  use sg_mapping_space, only: space_relative_velocity
   use sg_scene, only: scene_t
   implicit none
   private
@@ -66,13 +68,19 @@ contains
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(in), contiguous :: velocity(:, :)
-    real(wp) :: work(2), u(2)
+    real(wp) :: work(2), u(2), jump(3), normal_work
     integer :: k, n
 
     work = 0
     n = contacts%n_components
     do k = 1, contacts%n
       if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
+      if (scene%dimension == 3) then
+        jump = space_relative_velocity(scene, contacts, k, velocity)
+        normal_work = normal_impulse(contacts, k)*dot_product(contacts%normal(:, k), jump)
+        work = work + [normal_work, dot_product(impulse_vector(contacts, k), jump) - normal_work]
+        cycle
+      end if
       u = relative_velocity(contacts, k, scene%bodies%middle, scene%period, velocity)
       work(:n) = work(:n) + contacts%impulse(:, k)*u(:n)
     end do
@@ -108,13 +116,18 @@ contains
     end do
   end function held_work
 
-  !> Mass, or moment of inertia for the third component.
+  !> Mass, or moment of inertia for components beyond the dimension of space.
   pure real(wp) function inertia_of(bodies, component, body)
     type(bodies_t), intent(in) :: bodies
     integer, intent(in) :: component, body
 
-    inertia_of = bodies%mass(body)
-    if (component == 3) inertia_of = bodies%inertia(body)
+    if (component <= bodies%dimension) then
+      inertia_of = bodies%mass(body)
+    else if (bodies%dimension == 2) then
+      inertia_of = bodies%inertia(body)
+    else
+      inertia_of = bodies%principal(component - 3, body)
+    end if
   end function inertia_of
 
   !> Kinetic energy of all bodies [J].
@@ -145,11 +158,13 @@ contains
   pure real(wp) function potential_drop(scene, body) result(work)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: body
-    real(wp) :: position(2)
+    real(wp) :: position(3)
 
-    position = scene%bodies%position(:, body)
+    position = 0
+    position(:scene%dimension) = scene%bodies%position(:, body)
     position(1) = position(1) + scene%period*real(scene%bodies%crossings(body), wp)
-    work = scene%bodies%mass(body)*dot_product(scene%gravity(:2), position)
+    if (scene%dimension == 3) position(2) = position(2) + scene%period_y*real(scene%bodies%crossings_y(body), wp)
+    work = scene%bodies%mass(body)*dot_product(scene%gravity, position)
   end function potential_drop
 
   !> How far the balance is from closing, over its largest term; zero before the first step.

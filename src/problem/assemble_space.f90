@@ -33,8 +33,11 @@ contains
       case (ball_frictional)
         body(4:6, s) = 0
         if (radius(b) > 0) body(4:6, s) = radius(b)*turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
-        body(7:9, s) = bodies%inverse_mass(1:3, b)
-        body(10, s) = radius(b)**2*bodies%inverse_mass(4, b)
+        body(7, s) = maxval(bodies%inverse_mass(1:3, b))
+        body(8, s) = radius(b)**2*bodies%inverse_mass(4, b)
+        if (body(7, s) > 0 .and. .not. minval(bodies%inverse_mass(1:3, b)) > 0) then
+          body(8, s) = sum(merge([-1.0_wp, -2.0_wp, -4.0_wp], [0.0_wp, 0.0_wp, 0.0_wp], bodies%inverse_mass(1:3, b) > 0))
+        end if
       case default
         body(7:9, s) = bodies%inverse_mass(1:3, b)
         body(4:6, s) = turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
@@ -104,12 +107,11 @@ contains
       record = [n, law%bias(1) + dot_product(n, driven_spin(scene, contacts, k)), inverse_of(dot_product(mass, n**2), &
                                                                                             law%is_active)]
     case (ball_frictional)
-      ! A body driven in some directions only couples normal and tangents; the largest inverse mass then bounds the block,
+      ! A body driven in some directions only couples normal and tangents; its inverse mass in all of them bounds the block,
       ! which moves no solution: the sweep works with true relative velocities.
-      mass = body(7:9, pair(1)) + body(7:9, pair(2))
-      w = maxval(mass)
+      w = body(7, pair(1)) + body(7, pair(2))
       record = [n, bias + driven_spin(scene, contacts, k), inverse_of(w, law%is_active), &
-                inverse_of(w + body(10, pair(1)) + body(10, pair(2)), law%is_active), law%friction]
+                inverse_of(w + max(0.0_wp, body(8, pair(1))) + max(0.0_wp, body(8, pair(2))), law%is_active), law%friction]
     case (solid_frictionless)
       arms = space_arms(scene, contacts, k)
       record(1:10) = [n, cross(arms(:, 1), n), cross(arms(:, 2), n), law%bias(1)]

@@ -1,7 +1,7 @@
 !> The mapping H on compact records in space: relative velocities at contacts, and impulses made felt by bodies.
 module sg_compact_space
   use sg_kinds, only: wp
-  use sg_problem, only: ball_frictional, ball_frictionless, problem_t, solid_frictional, solid_frictionless
+  use sg_problem, only: ball_frictional, ball_frictionless, free_axes, problem_t, solid_frictional, solid_frictionless
   use sg_rotations, only: cross
   implicit none
   private
@@ -68,10 +68,10 @@ contains
         body(1:3, c) = body(1:3, c) + body(4:6, c)*p
         body(1:3, a) = body(1:3, a) - body(4:6, a)*p
       case (ball_frictional)
-        body(1:3, c) = body(1:3, c) + body(7:9, c)*p
-        body(1:3, a) = body(1:3, a) - body(7:9, a)*p
-        body(4:6, c) = body(4:6, c) + body(10, c)*cross(p, record(1:3))
-        body(4:6, a) = body(4:6, a) + body(10, a)*cross(p, record(1:3))
+        body(1:3, c) = body(1:3, c) + body(7, c)*free_axes(body(8, c))*p
+        body(1:3, a) = body(1:3, a) - body(7, a)*free_axes(body(8, a))*p
+        body(4:6, c) = body(4:6, c) + max(0.0_wp, body(8, c))*cross(p, record(1:3))
+        body(4:6, a) = body(4:6, a) + max(0.0_wp, body(8, a))*cross(p, record(1:3))
       case default
         body(1:3, c) = body(1:3, c) + body(7:9, c)*p
         body(1:3, a) = body(1:3, a) - body(7:9, a)*p

@@ -11,7 +11,7 @@ module sg_problem
   public :: problem_t, reserve_problem, bytes_per_contact, problem_kind
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional
   public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional
-  public :: first_inverse, is_compact, is_in_space
+  public :: first_inverse, free_axes, is_compact, is_in_space
 
   !> Kinds of problem
   integer, parameter :: round_frictionless = 1, round_frictional = 2, arm_frictionless = 3, arm_frictional = 4, &
@@ -32,8 +32,11 @@ module sg_problem
   !!   both S, the Schur complement of W_nn in W, is diagonal
   integer, parameter :: record_length(8) = [4, 7, 6, 16, 5, 9, 11, 26]
   !> Reals of a body's record: velocities, then inverse masses. Round and ball frictional ones carry R spin and R^2/I, solid
-  !! ones spin and inverse inertia (xx, yy, zz, xy, xz, yz) in the world's axes
-  integer, parameter :: body_length(8) = [4, 6, 6, 6, 6, 10, 16, 16]
+  !! ones spin and inverse inertia (xx, yy, zz, xy, xz, yz) in the world's axes.
+  !!
+  !! A ball frictional one has one inverse mass for all directions, so that it fills a cache line. Of a body that does not
+  !! turn and is driven in some directions only, -1, -2 and -4 in place of R^2/I mark x, y and z as free.
+  integer, parameter :: body_length(8) = [4, 6, 6, 6, 6, 8, 16, 16]
   !> Impulse components
   integer, parameter :: impulse_length(8) = [1, 2, 1, 2, 1, 3, 1, 3]
   !> Where the inverse masses begin in a body's record
@@ -78,6 +81,18 @@ contains
 
     is_compact = any(kind == [round_frictionless, round_frictional, ball_frictionless, ball_frictional])
   end function is_compact
+
+  !> Which directions of a ball's body impulses can move it in: 1 for free, 0 for driven.
+  pure function free_axes(mark) result(axes)
+    real(wp), intent(in) :: mark !! last real of its record: R^2/I, or marks of free directions
+    real(wp) :: axes(3)
+    integer :: bits
+
+    axes = 1
+    if (mark >= 0) return
+    bits = -nint(mark)
+    axes = real(ibits(bits, [0, 1, 2], 1), wp)
+  end function free_axes
 
   !> Is a kind of problem one in space?
   pure logical function is_in_space(kind)

@@ -94,7 +94,8 @@ contains
     end do
   end subroutine list_uses
 
-  !> Which bodies can turn, which neither turn now nor ever are made to, and which are driven in some of their spins only.
+  !> Which bodies can turn, which neither turn now nor ever are made to, and which of those in space that turn are driven
+  !! in some components only.
   subroutine find_turning(scene, turns, rests, is_partly_driven)
     type(scene_t), intent(in) :: scene
     logical, allocatable, intent(out) :: turns(:), rests(:), is_partly_driven(:)
@@ -102,15 +103,16 @@ contains
     integer :: i, n
 
     n = scene%dimension
-    allocate (is_free(scene%bodies%n_velocity - n, scene%bodies%n), source=.true.)
+    allocate (is_free(scene%bodies%n_velocity, scene%bodies%n), source=.true.)
     rests = .not. any(abs(scene%bodies%velocity(n + 1:, :)) > 0, 1)
     do i = 1, size(scene%drives)
+      if (scene%drives(i)%is_velocity) is_free(scene%drives(i)%component, scene%drives(i)%body) = .false.
       if (scene%drives(i)%component <= n) cycle
-      if (scene%drives(i)%is_velocity) is_free(scene%drives(i)%component - n, scene%drives(i)%body) = .false.
       if (.not. is_zero(scene%drives(i))) rests(scene%drives(i)%body) = .false.
     end do
-    turns = any(is_free, 1)
-    is_partly_driven = turns .and. .not. all(is_free, 1)
+    turns = any(is_free(n + 1:, :), 1)
+    ! Records of balls have one inverse mass and one inverse inertia for all directions.
+    is_partly_driven = n == 3 .and. turns .and. any(is_free, 1) .and. .not. all(is_free, 1)
   end subroutine find_turning
 
   !> Is a drive zero at all times?

@@ -6,7 +6,7 @@ module sg_residuals
   use sg_kinds, only: wp
   use sg_problem, only: arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, round_frictionless
   use sg_report, only: report_t
-  use sg_residuals_space, only: add_space_contacts, look_at_contact, space_contact_t
+  use sg_residuals_space, only: add_space_contacts, approaching
   implicit none
   private
   public :: measure_errors, choose_visited, natural_map
@@ -67,7 +67,6 @@ contains
     integer, intent(out) :: missed !! how many of them were not visited so far
     type(chunk_t) :: a
     real(wp) :: limit
-    type(space_contact_t) :: contact
     integer :: first, i
     logical :: is_slow
 
@@ -76,9 +75,7 @@ contains
     missed = 0
     if (is_in_space(problem%kind)) then
       do i = 1, problem%n_contacts
-        call look_at_contact(problem, i, contact)
-        is_slow = contact%rho > 0 .and. (sum(abs(contact%r)) > 0 .or. dot_product(contact%n, contact%u) <= limit)
-        call note(is_slow, is_wanted(i), visited, missed)
+        call note(approaching(problem, i, limit), is_wanted(i), visited, missed)
       end do
       return
     end if

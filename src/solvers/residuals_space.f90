@@ -5,78 +5,26 @@ module sg_residuals_space
   use sg_problem, only: ball_frictional, ball_frictionless, problem_t, solid_frictional, solid_frictionless
   implicit none
   private
-  public :: space_contact_t, look_at_contact, space_map, add_space_contacts
+  public :: add_space_contacts, approaching
 
-  !> One contact as error measures see it
-  type :: space_contact_t
-    !> Normal, relative velocity with bias and compliance [m/s], impulse with cohesion [N s]; where nothing rubs, normal
-    !! parts on the first axis
-    real(wp) :: n(3) = 0, u(3) = 0, r(3) = 0
+  !> Contacts gathered at a time: their data stay in the first cache, and the map runs over them in vector registers
+  integer, parameter :: chunk = 128
+
+  !> A chunk of contacts; where nothing rubs, normal parts stand on the first axis
+  type :: chunk_t
+    !> Number of contacts
+    integer :: n = 0
+    !> Normal
+    real(wp) :: normal(chunk, 3) = 0
+    !> Relative velocity with bias and compliance [m/s], impulse with cohesion [N s]
+    real(wp) :: u(chunk, 3) = 0, r(chunk, 3) = 0
     !> Coulomb friction, and 1/lambda_max(W_aa) [kg]: zero where the contact takes no part
-    real(wp) :: friction = 0, rho = 0
-    !> Does a linear law ask u = 0?
-    logical :: is_linear = .false.
-  end type space_contact_t
+    real(wp) :: friction(chunk) = 0, rho(chunk) = 0
+    !> 1 where a linear law asks u = 0, else 0
+    real(wp) :: linear(chunk) = 0
+  end type chunk_t
 
 contains
-
-  !> Look at one contact.
-  pure subroutine look_at_contact(problem, k, contact)
-    type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
-    integer, intent(in) :: k !! contact
-    type(space_contact_t), intent(out) :: contact !! what is seen
-
-    contact%u = space_velocity(problem, k)
-    associate (record => problem%record(:, k), r => problem%impulse(:, k))
-      select case (problem%kind)
-      case (ball_frictionless, solid_frictionless)
-        contact%n = [1.0_wp, 0.0_wp, 0.0_wp]
-        contact%r = [r(1), 0.0_wp, 0.0_wp]
-        contact%rho = record(merge(5, 11, problem%kind == ball_frictionless))
-      case (ball_frictional)
-        contact%n = record(1:3)
-        contact%r = r
-        contact%friction = record(9)
-        contact%rho = merge(min(record(7), record(8)), record(7), record(9) > 0)
-      case (solid_frictional)
-        contact%n = record(1:3)
-        contact%r = r + record(22)*record(1:3)
-        contact%friction = record(21)
-        contact%rho = record(26)
-        contact%is_linear = record(25) > 1.5_wp
-      end select
-    end associate
-  end subroutine look_at_contact
-
-  !> Natural map of one contact: zero where impulse and velocity obey the law.
-  pure function space_map(contact, rho) result(f)
-    type(space_contact_t), intent(in) :: contact !! the contact
-    real(wp), intent(in) :: rho !! scale of velocities [kg]
-    real(wp) :: f(3), t(3), u_n, x, length, normal
-
-    associate (n => contact%n, u => contact%u, friction => contact%friction)
-      if (contact%is_linear) then
-        f = rho*u
-        return
-      end if
-      u_n = n(1)*u(1) + n(2)*u(2) + n(3)*u(3)
-      t = u - u_n*n
-      u_n = u_n + friction*sqrt(t(1)**2 + t(2)**2 + t(3)**2)
-      ! The point r - rho (u + g(u)), and its projection on Coulomb's cone.
-      t = contact%r - rho*t
-      x = n(1)*t(1) + n(2)*t(2) + n(3)*t(3)
-      t = t - x*n
-      x = x - rho*u_n
-      length = sqrt(t(1)**2 + t(2)**2 + t(3)**2)
-      if (length <= friction*x .and. x > 0) then
-        f = contact%r - x*n - t
-      else
-        normal = max(0.0_wp, (x + friction*length)/(1 + friction**2))
-        f = contact%r - normal*n
-        if (length > 0) f = f - friction*normal/length*t
-      end if
-    end associate
-  end function space_map
 
   !> Add all contacts to the sums: squares of the map with rho = 1 (where wanted), of the map with rho_a, of its velocity
   !! error, of r, and of u.
@@ -85,19 +33,158 @@ contains
     logical, intent(in) :: with_e1 !! is the map with rho = 1 wanted too?
     real(wp), intent(inout) :: sums(5) !! sums to add to
     integer, intent(inout) :: active !! contacts that carry an impulse
-    type(space_contact_t) :: contact
-    real(wp) :: square
-    integer :: k
+    type(chunk_t) :: a
+    real(wp) :: squares(chunk), inverse(chunk)
+    integer :: first, n
 
-    do k = 1, problem%n_contacts
-      call look_at_contact(problem, k, contact)
-      if (with_e1) sums(1) = sums(1) + sum(space_map(contact, merge(1.0_wp, 0.0_wp, contact%rho > 0))**2)
-      square = sum(space_map(contact, contact%rho)**2)
-      sums(2) = sums(2) + square
-      if (contact%rho > 0) sums(3) = sums(3) + square/contact%rho**2
-      sums(4) = sums(4) + sum(contact%r**2)
-      sums(5) = sums(5) + sum(contact%u**2)
-      if (sum(abs(contact%r)) > 0) active = active + 1
+    do first = 1, problem%n_contacts, chunk
+      call gather(problem, first, a)
+      n = a%n
+      if (with_e1) then
+        inverse = merge(1.0_wp, 0.0_wp, a%rho > 0)
+        call map_squares(n, a%normal, a%u, a%r, a%friction, inverse, a%linear, squares)
+        sums(1) = sums(1) + sum(squares(:n))
+      end if
+      call map_squares(n, a%normal, a%u, a%r, a%friction, a%rho, a%linear, squares)
+      sums(2) = sums(2) + sum(squares(:n))
+      inverse = merge(1.0_wp, 0.0_wp, a%rho > 0)/max(a%rho, tiny(1.0_wp)**0.25_wp)
+      sums(3) = sums(3) + sum(squares(:n)*inverse(:n)**2)
+      sums(4) = sums(4) + sum(a%r(:n, :)**2)
+      sums(5) = sums(5) + sum(a%u(:n, :)**2)
+      active = active + count(abs(a%r(:n, 1)) + abs(a%r(:n, 2)) + abs(a%r(:n, 3)) > 0)
     end do
   end subroutine add_space_contacts
+
+  !> Squares of the natural map of a chunk: zero where impulse and velocity obey the law.
+  pure subroutine map_squares(n, normal, u, r, friction, rho, linear, squares)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: normal(chunk, 3), u(chunk, 3), r(chunk, 3), friction(chunk), rho(chunk), linear(chunk)
+    real(wp), intent(out) :: squares(chunk)
+    real(wp) :: u_n, r_n, x, tx, ty, tz, sx, sy, sz, slip, length, height, share, inside
+    integer :: i
+
+    do i = 1, n
+      u_n = normal(i, 1)*u(i, 1) + normal(i, 2)*u(i, 2) + normal(i, 3)*u(i, 3)
+      r_n = normal(i, 1)*r(i, 1) + normal(i, 2)*r(i, 2) + normal(i, 3)*r(i, 3)
+      tx = u(i, 1) - u_n*normal(i, 1)
+      ty = u(i, 2) - u_n*normal(i, 2)
+      tz = u(i, 3) - u_n*normal(i, 3)
+      slip = sqrt(tx*tx + ty*ty + tz*tz)
+      ! The point r - rho (u + g(u)): x along the normal, (sx, sy, sz) across.
+      x = r_n - rho(i)*(u_n + friction(i)*slip)
+      sx = r(i, 1) - r_n*normal(i, 1) - rho(i)*tx
+      sy = r(i, 2) - r_n*normal(i, 2) - rho(i)*ty
+      sz = r(i, 3) - r_n*normal(i, 3) - rho(i)*tz
+      length = sqrt(sx*sx + sy*sy + sz*sz)
+      ! Its projection on Coulomb's cone: height along the normal, share of what is across.
+      inside = merge(1.0_wp, 0.0_wp, x > 0 .and. length <= friction(i)*x)
+      height = max(0.0_wp, (x + friction(i)*length)/(1 + friction(i)*friction(i)))
+      share = friction(i)*height/max(length, tiny(1.0_wp))
+      height = height + inside*(x - height)
+      share = share + inside*(1 - share)
+      tx = r_n - height
+      sx = r(i, 1) - r_n*normal(i, 1) - share*sx
+      sy = r(i, 2) - r_n*normal(i, 2) - share*sy
+      sz = r(i, 3) - r_n*normal(i, 3) - share*sz
+      squares(i) = tx*tx + sx*sx + sy*sy + sz*sz
+    end do
+    if (any(linear(:n) > 0)) then
+      where (linear(:n) > 0) squares(:n) = rho(:n)**2*(u(:n, 1)**2 + u(:n, 2)**2 + u(:n, 3)**2)
+    end if
+  end subroutine map_squares
+
+  !> Does a contact carry an impulse, or close faster or part slower than a limit?
+  pure logical function approaching(problem, k, limit)
+    type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
+    integer, intent(in) :: k !! contact
+    real(wp), intent(in) :: limit !! normal velocity [m/s]
+    real(wp) :: u(3)
+
+    associate (record => problem%record(:, k), r => problem%impulse(:, k))
+      approaching = scale_of(problem%kind, record) > 0
+      if (.not. approaching) return
+      if (any(abs(r) > 0)) return
+      u = space_velocity(problem, k)
+      approaching = u(1) <= limit
+      if (size(r) == 3) approaching = dot_product(u, record(1:3)) <= limit
+    end associate
+  end function approaching
+
+  !> 1/lambda_max(W_aa) of a contact [kg].
+  pure real(wp) function scale_of(kind, record) result(rho)
+    integer, intent(in) :: kind
+    real(wp), intent(in) :: record(:)
+
+    select case (kind)
+    case (ball_frictionless)
+      rho = record(5)
+    case (ball_frictional)
+      rho = merge(min(record(7), record(8)), record(7), record(9) > 0)
+    case (solid_frictionless)
+      rho = record(11)
+    case default
+      rho = record(26)
+    end select
+  end function scale_of
+
+  !> Gather a chunk of contacts.
+  pure subroutine gather(problem, first, a)
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: first
+    type(chunk_t), intent(inout) :: a
+    integer :: i, k
+
+    a%n = min(chunk, problem%n_contacts - first + 1)
+    if (problem%kind == ball_frictional) then
+      associate (last => first + a%n - 1)
+        call gather_balls(a%n, problem%pair(:, first:last), problem%record(:, first:last), problem%impulse(:, first:last), &
+                          problem%n_bodies, problem%body, a)
+      end associate
+      return
+    end if
+    do i = 1, a%n
+      k = first + i - 1
+      a%u(i, :) = space_velocity(problem, k)
+      associate (record => problem%record(:, k), r => problem%impulse(:, k))
+        a%rho(i) = scale_of(problem%kind, record)
+        if (problem%kind == solid_frictional) then
+          a%normal(i, :) = record(1:3)
+          a%r(i, :) = r + record(22)*record(1:3)
+          a%friction(i) = record(21)
+          a%linear(i) = merge(1.0_wp, 0.0_wp, record(25) > 1.5_wp)
+        else
+          a%normal(i, :) = [1.0_wp, 0.0_wp, 0.0_wp]
+          a%r(i, :) = [r(1), 0.0_wp, 0.0_wp]
+        end if
+      end associate
+    end do
+  end subroutine gather
+
+  !> The same for balls with friction.
+  pure subroutine gather_balls(n, pair, record, r, n_bodies, body, a)
+    integer, intent(in) :: n, pair(2, n), n_bodies
+    real(wp), intent(in) :: record(9, n), r(3, n), body(8, n_bodies)
+    type(chunk_t), intent(inout) :: a
+    real(wp) :: sx, sy, sz
+    integer :: i
+
+    do i = 1, n
+      associate (c => pair(1, i), d => pair(2, i))
+        sx = body(4, c) + body(4, d)
+        sy = body(5, c) + body(5, d)
+        sz = body(6, c) + body(6, d)
+        a%u(i, 1) = body(1, c) - body(1, d) + record(4, i) - sy*record(3, i) + sz*record(2, i)
+        a%u(i, 2) = body(2, c) - body(2, d) + record(5, i) - sz*record(1, i) + sx*record(3, i)
+        a%u(i, 3) = body(3, c) - body(3, d) + record(6, i) - sx*record(2, i) + sy*record(1, i)
+      end associate
+      a%normal(i, 1) = record(1, i)
+      a%normal(i, 2) = record(2, i)
+      a%normal(i, 3) = record(3, i)
+      a%r(i, 1) = r(1, i)
+      a%r(i, 2) = r(2, i)
+      a%r(i, 3) = r(3, i)
+      a%friction(i) = record(9, i)
+      a%rho(i) = merge(min(record(7, i), record(8, i)), record(7, i), record(9, i) > 0)
+    end do
+  end subroutine gather_balls
 end module sg_residuals_space

@@ -1,6 +1,7 @@
 !> Gauss-Seidel sweeps over ball problems (spheres among bodies that do not turn), see doc/theory/nlgs.md.
 module sg_sweep_ball
   use sg_kinds, only: wp, i4
+  use sg_problem, only: free_axes
   implicit none
   private
   public :: sweep_ball_frictionless, sweep_ball_frictional
@@ -50,7 +51,7 @@ contains
     real(wp), intent(in) :: record(9, n) !! n, bias, 1/W_nn, 1/W_tt, friction
     real(wp), intent(in) :: relaxation !! share of each change taken
     real(wp), intent(inout) :: impulse(3, n) !! impulses [N s]
-    real(wp), intent(inout) :: body(10, n_bodies) !! velocity, R spin, inverse masses, R^2/I
+    real(wp), intent(inout) :: body(8, n_bodies) !! velocity, R spin, inverse mass, R^2/I or marks of free directions
     integer :: k
     integer(i4) :: c, a
     real(wp) :: x, y, z, sx, sy, sz, ux, uy, uz, u_n, px, py, pz, p_n, r_n, tx, ty, tz, square, limit, share
@@ -80,29 +81,44 @@ contains
       tz = pz - uz*record(8, k) - share*z
       limit = record(9, k)*r_n
       square = tx*tx + ty*ty + tz*tz
-      share = 1
-      if (square > limit*limit) share = limit/sqrt(square)
+      share = min(1.0_wp, limit/sqrt(max(square, tiny(1.0_wp))))
       px = relaxation*(r_n*x + share*tx - px)
       py = relaxation*(r_n*y + share*ty - py)
       pz = relaxation*(r_n*z + share*tz - pz)
       impulse(1, k) = impulse(1, k) + px
       impulse(2, k) = impulse(2, k) + py
       impulse(3, k) = impulse(3, k) + pz
-      body(1, c) = body(1, c) + body(7, c)*px
-      body(2, c) = body(2, c) + body(8, c)*py
-      body(3, c) = body(3, c) + body(9, c)*pz
-      body(1, a) = body(1, a) - body(7, a)*px
-      body(2, a) = body(2, a) - body(8, a)*py
-      body(3, a) = body(3, a) - body(9, a)*pz
+      if (min(body(8, c), body(8, a)) < 0) then
+        call push_partly_driven(body(:, c), [px, py, pz], [x, y, z])
+        call push_partly_driven(body(:, a), [-px, -py, -pz], [-x, -y, -z])
+        cycle
+      end if
       tx = py*z - pz*y
       ty = pz*x - px*z
       tz = px*y - py*x
-      body(4, c) = body(4, c) + body(10, c)*tx
-      body(5, c) = body(5, c) + body(10, c)*ty
-      body(6, c) = body(6, c) + body(10, c)*tz
-      body(4, a) = body(4, a) + body(10, a)*tx
-      body(5, a) = body(5, a) + body(10, a)*ty
-      body(6, a) = body(6, a) + body(10, a)*tz
+      body(1, c) = body(1, c) + body(7, c)*px
+      body(2, c) = body(2, c) + body(7, c)*py
+      body(3, c) = body(3, c) + body(7, c)*pz
+      body(4, c) = body(4, c) + body(8, c)*tx
+      body(5, c) = body(5, c) + body(8, c)*ty
+      body(6, c) = body(6, c) + body(8, c)*tz
+      body(1, a) = body(1, a) - body(7, a)*px
+      body(2, a) = body(2, a) - body(7, a)*py
+      body(3, a) = body(3, a) - body(7, a)*pz
+      body(4, a) = body(4, a) + body(8, a)*tx
+      body(5, a) = body(5, a) + body(8, a)*ty
+      body(6, a) = body(6, a) + body(8, a)*tz
     end do
   end subroutine sweep_ball_frictional
+
+  !> Give an impulse p at the point R n to a body that may be driven in some directions; spin changes by p x n.
+  pure subroutine push_partly_driven(body, p, n)
+    real(wp), intent(inout) :: body(8)
+    real(wp), intent(in) :: p(3), n(3)
+
+    body(1:3) = body(1:3) + body(7)*free_axes(body(8))*p
+    if (body(8) > 0) then
+      body(4:6) = body(4:6) + body(8)*[p(2)*n(3) - p(3)*n(2), p(3)*n(1) - p(1)*n(3), p(1)*n(2) - p(2)*n(1)]
+    end if
+  end subroutine push_partly_driven
 end module sg_sweep_ball

@@ -1,24 +1,22 @@
 !> How fast sweeps are: a generated packing through detection, assembly and solver, beside a STREAM triad.
 !!
-!! The packing is a triangular lattice of disks with spread radii that flows towards its centre, so that nearly all
-!! contacts carry impulses. Everything measured is the program's own code on its own data.
+!! The packing is a lattice that flows towards its centre, so that nearly all contacts carry impulses
+!! (sg_benchmark_scenes). Everything measured is the program's own code on its own data.
 module sg_benchmark
   use sg_assemble, only: assemble
-  use sg_contactors, only: add_disk
+  use sg_benchmark_scenes, only: make_lattice
   use sg_contacts, only: contacts_t
   use sg_detect, only: detect
   use sg_history, only: history_t
-  use sg_kinds, only: wp, i8, pi
-  use sg_laws, only: law_t
+  use sg_kinds, only: wp
   use sg_motion, only: predict
   use sg_neighbours, only: neighbours_t
   use sg_nlgs, only: nlgs_t
   use sg_plan, only: make_plan, plan_t
-  use sg_problem, only: problem_kind, problem_t
-  use sg_random, only: random_t
+  use sg_problem, only: first_inverse, problem_kind, problem_t
   use sg_report, only: report_t
   use sg_run_options, only: solver_options_t
-  use sg_scene, only: colour_index, material_t, scene_t, see_t
+  use sg_scene, only: scene_t
   use sg_system, only: peak_memory_bytes
   use sg_timers, only: cpu_now
   implicit none
@@ -48,7 +46,8 @@ module sg_benchmark
 contains
 
   !> Run the benchmark.
-  subroutine run_benchmark(contacts_wanted, friction, options, figures)
+  subroutine run_benchmark(shape, contacts_wanted, friction, options, figures)
+    character(len=*), intent(in) :: shape !! of the grains, one of `lattice_shapes`
     integer, intent(in) :: contacts_wanted !! contacts to generate, about
     real(wp), intent(in) :: friction !! Coulomb coefficient
     type(solver_options_t), intent(in) :: options !! order, sweeps and frequency of tests
@@ -65,9 +64,10 @@ contains
     real(wp) :: start
     integer :: try
 
-    call make_lattice(scene, contacts_wanted/3, friction)
+    call make_lattice(scene, shape, contacts_wanted, friction)
     call make_plan(scene, plan)
-    contacts%n_components = merge(2, 1, plan%has_tangent)
+    contacts%dimension = scene%dimension
+    contacts%n_components = merge(scene%dimension, 1, plan%has_tangent)
     call predict(scene, 0.0_wp, h, 0.5_wp)
     figures%first_detect_seconds = -cpu_now()
     call detect(scene, pairs, history, contacts)
@@ -96,45 +96,13 @@ contains
     figures%bytes_per_contact = report%bytes_per_contact
     ! Records and pairs are read, impulses read and written, bodies read and their velocities written once a sweep.
     figures%bytes_per_update = report%bytes_per_contact + 8*real(size(problem%impulse, 1), wp) &
-                               + 24*real(problem%n_bodies, wp)/real(max(1, problem%n_contacts), wp)
+                               + 8*real(first_inverse(problem%kind) - 1, wp)*real(problem%n_bodies, wp) &
+                               /real(max(1, problem%n_contacts), wp)
     figures%e8 = report%e8
     figures%peak_per_contact = real(peak_memory_bytes(), wp)/real(max(1, problem%n_contacts), wp)
     figures%triad = stream_triad()
 
   end subroutine run_benchmark
-
-  !> A square of about `n` disks on a triangular lattice, flowing towards its centre.
-  subroutine make_lattice(scene, n, friction)
-    type(scene_t), intent(out) :: scene
-    integer, intent(in) :: n
-    real(wp), intent(in) :: friction
-    type(random_t) :: random
-    real(wp), parameter :: spacing = 0.02_wp, density = 2600
-    real(wp) :: radius, middle(2)
-    integer :: side, b, colour, row, column
-
-    side = max(2, nint(sqrt(real(n, wp))))
-    call random%seed(1)
-    call scene%bodies%allocate(side*side)
-    call colour_index(scene, 'grain', colour)
-    allocate (scene%materials(1), scene%laws(1), scene%sees(1), scene%drives(0), scene%pressures(0))
-    scene%materials(1) = material_t('stone', density)
-    scene%laws(1) = law_t(name='sand', static_friction=friction, dynamic_friction=friction)
-    scene%sees(1) = see_t(law=1, alert=0.05_wp*spacing)
-    middle = real(side, wp)*spacing*[0.5_wp, 0.25_wp*sqrt(3.0_wp)]
-    do b = 1, side*side
-      row = (b - 1)/side
-      column = b - 1 - row*side
-      radius = spacing/2*random%uniform(0.999_wp, 1.001_wp)
-      call add_disk(scene%contactors, b, colour, radius, [0.0_wp, 0.0_wp])
-      scene%bodies%position(:, b) = spacing*[real(column, wp) + 0.5_wp*real(mod(row, 2), wp), sqrt(3.0_wp)/2*real(row, wp)]
-      scene%bodies%velocity(1:2, b) = middle - scene%bodies%position(:, b)
-      scene%bodies%mass(b) = density*pi*radius**2
-      scene%bodies%inertia(b) = scene%bodies%mass(b)*radius**2/2
-      scene%bodies%inverse_mass(:, b) = 1/[scene%bodies%mass(b), scene%bodies%mass(b), scene%bodies%inertia(b)]
-    end do
-    scene%bodies%material = 1
-  end subroutine make_lattice
 
   !> Bytes moved per CPU second by a = b + s c on arrays too large for caches: the best of five passes.
   function stream_triad() result(bytes_per_second)
