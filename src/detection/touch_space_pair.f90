@@ -1,14 +1,17 @@
 !> Narrow phase of one pair of contactors in space: the kernel of its two kinds.
 module sg_touch_space_pair
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_sphere
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, kind_sphere
   use sg_kinds, only: wp, i4
   use sg_touch_cylinder_cylinder, only: touch_cylinder_cylinder
   use sg_touch_cylinder_hollow, only: touch_cylinder_hollow
   use sg_touch_cylinder_plane, only: touch_cylinder_plane
+  use sg_touch_polyhedron_plane, only: touch_polyhedron_plane
+  use sg_touch_polyhedron_polyhedron, only: touch_polyhedron_polyhedron
   use sg_touch_space, only: touch_space_t
   use sg_touch_sphere_cylinder, only: touch_sphere_cylinder
   use sg_touch_sphere_hollow_cylinder, only: touch_sphere_hollow_cylinder
   use sg_touch_sphere_plane, only: touch_sphere_plane
+  use sg_touch_sphere_polyhedron, only: touch_sphere_polyhedron
   use sg_touch_sphere_sphere, only: touch_sphere_sphere
   implicit none
   private
@@ -47,6 +50,15 @@ contains
       call touch_sphere(contactors, c, a, offset, alert, period, touch)
     case (kind_cylinder)
       call touch_cylinder(contactors, c, a, offset, alert, period, touch)
+    case (kind_polyhedron)
+      associate (shape => contactors%space%polyhedra(contactors%row(c)), row => contactors%row(a))
+        if (contactors%kind(a) == kind_polyhedron) then
+          call touch_polyhedron_polyhedron(shape, contactors%space%polyhedra(row), offset, alert, touch)
+        else if (contactors%kind(a) == kind_plane) then
+          call touch_polyhedron_plane(shape, contactors%centre(:, a) + offset, plane_axes(contactors, row), &
+                                      facing_half(contactors, row, period), alert, touch)
+        end if
+      end associate
     end select
   end subroutine touch_space_pair
 
@@ -74,6 +86,8 @@ contains
       case (kind_hollow_cylinder)
         call touch_sphere_hollow_cylinder(own, radius, centre, space%hollow_world(:, row), space%hollow_size(1, row), &
                                           space%hollow_size(2, row), alert, touch)
+      case (kind_polyhedron)
+        call touch_sphere_polyhedron(own, radius, space%polyhedra(row), offset, alert, touch)
       end select
     end associate
   end subroutine touch_sphere
