@@ -41,7 +41,9 @@ contains
     end if
     call touching_axis(c, a, offset, alert, start, axis)
     if (present(guess)) guess = axis%normal
-    if (axis%separation < alert) call add_shared_points(c, a, offset, alert, rounding_of(c, a, offset), axis, touch)
+    ! Places that are not numbers have no axis.
+    if (axis%separation >= alert .or. axis%vertex_c == 0) return
+    call add_shared_points(c, a, offset, alert, rounding_of(c, a, offset), axis, touch)
   end subroutine touch_polyhedron_polyhedron
 
   !> The axis of greatest separation of two polyhedra, or one along which they are apart by `alert` or more.
@@ -56,7 +58,7 @@ contains
 
     rounding = rounding_of(c, a, offset)
     call walk_apart(c, a, offset, alert, rounding, start, axis, distance)
-    if (axis%separation >= alert) return
+    if (axis%separation >= alert .or. axis%vertex_c == 0) return
     call try_faces(c, a, offset, rounding, axis)
     if (axis%separation >= alert) return
     if (distance <= 0 .or. max(axis%face_a, axis%face_c) == 0) call try_edges(c, a, offset, distance, rounding, axis)
