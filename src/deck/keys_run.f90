@@ -2,7 +2,7 @@
 module sg_keys_run
   use sg_key_table, only: key_table_t, value_choice, value_integer, value_logical, value_real
   use sg_kinds, only: wp
-  use sg_run_options, only: criterion_names, run_options_t
+  use sg_run_options, only: criterion_names, method_names, run_options_t
   use sg_text, only: to_text
   use sg_words, only: choices_of, short_real
   implicit none
@@ -39,7 +39,9 @@ contains
 
     associate (default => run%solver)
       call table%open_section('solver', 'How the contact problem of a step is solved, and when it counts as solved.')
-      call table%add('method', value_choice, 'Solver: nonlinear Gauss-Seidel.', default=quoted(default%method), choices='nlgs')
+      call table%add('method', value_choice, 'Solver: nonlinear Gauss-Seidel sweeps; or, by matrices, interior points, '// &
+                     'proximal points, accelerated sweeps, or the last two in turns (auto).', default=quoted(default%method), &
+                     choices=choices_of(method_names))
       call table%add('criterion', value_choice, 'What must fall below the tolerance: the estimated error of the impulses, '// &
                      'a residual (e1, e2, e8), the velocity violation, or the increments that LMGC90 looks at (quad, maxm, '// &
                      'qm16).', &

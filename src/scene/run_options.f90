@@ -5,7 +5,7 @@ module sg_run_options
   private
   public :: run_options_t, solver_options_t
   public :: criterion_e1, criterion_e2, criterion_e8, criterion_violation, criterion_quad, criterion_maxm, criterion_qm16
-  public :: criterion_estimate, criterion_names
+  public :: criterion_estimate, criterion_names, method_names
 
   !> Stopping criteria (doc/theory/errors.md)
   integer, parameter :: criterion_e1 = 1, criterion_e2 = 2, criterion_e8 = 3, criterion_violation = 4, &
@@ -14,9 +14,13 @@ module sg_run_options
   character(len=9), parameter :: criterion_names(8) = &
     [character(len=9) :: 'e1', 'e2', 'e8', 'violation', 'quad', 'maxm', 'qm16', 'estimate']
 
+  !> Solvers: sweeps over compact records first, then those of matrices (sg_choose_matrix_solver)
+  character(len=11), parameter :: method_names(5) = &
+    [character(len=11) :: 'nlgs', 'interior', 'proximal', 'accelerated', 'auto']
+
   !> How the contact problem of a step is solved
   type :: solver_options_t
-    !> Method: 'nlgs'
+    !> Method, one of `method_names`
     character(len=16) :: method = 'nlgs'
     !> Stopping criterion, one of `criterion_*`
     integer :: criterion = criterion_estimate

@@ -30,6 +30,8 @@ module sg_interior_point
     !> e1 below which Newton's method tries to finish, by how much e1 must fall before it tries again, and its steps
     real(wp) :: finish_below = 1e-3_wp, finish_again = 0.1_wp
     integer :: finish_steps = 6
+    !> e1 of a guess below which Newton's method starts from it
+    real(wp) :: guess_below = 1e-2_wp
     !> Iterations without a fall of e1 by a tenth after which the path is blocked
     integer :: patience = 12
   contains
@@ -80,8 +82,12 @@ contains
     integer :: idle
     logical :: is_done
 
-    call start_point(scaled, system, point, is_done)
-    call count_one(progress)
+    if (progress%e1 < self%guess_below) call finish(self, problem, scaled, scale, scaled%r, newton_factors, progress)
+    is_done = .false.
+    if (.not. progress%is_over) then
+      call start_point(scaled, system, point, is_done)
+      call count_one(progress)
+    end if
     finish_at = self%finish_below
     mark = huge(mark)
     idle = 0

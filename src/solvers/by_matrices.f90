@@ -1,0 +1,155 @@
+!> Any solver of problems given by matrices as the solver of a run: the step's problem is written as matrices, solved, and its
+!! impulses are brought back.
+!!
+!! Those solvers stop on e1. Where the deck asks for another criterion, e1 is lowered until that holds. Problems that have no
+!! matrices, those with linear laws, are solved by sweeps.
+module sg_by_matrices
+  use sg_compact, only: add_impulses
+  use sg_error, only: error_t
+  use sg_kinds, only: wp
+  use sg_matrix_problem, only: matrix_problem_t
+  use sg_matrix_solver, only: matrix_solver_t
+  use sg_nlgs, only: nlgs_t
+  use sg_problem, only: bytes_per_contact, problem_t
+  use sg_problem_matrices, only: matrices_map_t, matrices_of
+  use sg_problem_records, only: contact_of, contact_record_t
+  use sg_report, only: report_t
+  use sg_residuals, only: measure_errors
+  use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_violation, solver_options_t
+  use sg_solver, only: solver_t
+  use sg_timers, only: cpu_now
+  implicit none
+  private
+  public :: solve_by_matrices_t
+
+  !> e1 below which no other criterion makes a solver go: rounding is near
+  real(wp), parameter :: least_e1 = 1e-11_wp
+  !> The estimate of the error of the impulses is this many e8: what it is at least for sweeps
+  real(wp), parameter :: e8_to_estimate = 100
+
+  !> A solver of matrices for the problems of a run
+  type, extends(solver_t) :: solve_by_matrices_t
+    !> Options of the deck
+    type(solver_options_t) :: options
+    !> Who solves the matrices
+    class(matrix_solver_t), allocatable :: solver
+    !> Who solves what has none
+    type(nlgs_t) :: sweeps
+  contains
+    procedure :: solve => solve_by_matrices
+  end type solve_by_matrices_t
+
+contains
+
+  !> Solve a problem by its matrices.
+  subroutine solve_by_matrices(self, problem, report)
+    class(solve_by_matrices_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! problem to solve
+    type(report_t), intent(out) :: report !! effort and errors
+    type(matrix_problem_t) :: matrices
+    type(matrices_map_t) :: map
+    type(error_t), allocatable :: error
+    real(wp) :: start
+
+    start = cpu_now()
+    report%bytes_per_contact = bytes_per_contact(problem)
+    if (problem%n_contacts == 0) return
+    if (.not. self%options%warm_start) problem%impulse = 0
+    call matrices_of(problem, .false., matrices, map, error)
+    if (allocated(error)) then
+      self%sweeps%options = self%options
+      call self%sweeps%solve(problem, report)
+      return
+    end if
+    call solve_matrices(self, problem, matrices, map, report)
+    report%cpu_seconds = cpu_now() - start
+    report%cpu_sweeps = report%cpu_seconds
+  end subroutine solve_by_matrices
+
+  !> Solve the matrices as closely as the criterion asks for; bodies get the velocities of the solution.
+  subroutine solve_matrices(self, problem, matrices, map, report)
+    class(solve_by_matrices_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(matrix_problem_t), intent(inout) :: matrices
+    type(matrices_map_t), intent(in) :: map
+    type(report_t), intent(inout) :: report
+    type(report_t) :: one
+    real(wp), allocatable :: free(:, :)
+
+    allocate (free, source=problem%body)
+    self%solver%options%tolerance = self%options%tolerance
+    self%solver%options%maximum_iterations = self%options%maximum_sweeps
+    self%solver%options%warm_start = self%options%warm_start
+    do
+      call self%solver%solve(matrices, one)
+      call bring_back(problem, map, matrices)
+      problem%body = free
+      call add_impulses(problem)
+      call measure_errors(problem, report, with_e1=.true.)
+      call add_effort(report, one, problem%n_contacts)
+      report%estimate = e8_to_estimate*report%e8
+      report%criterion = criterion_value(self%options%criterion, report, one)
+      report%is_converged = report%criterion <= self%options%tolerance
+      if (report%is_converged .or. .not. one%is_converged) exit
+      if (self%solver%options%tolerance <= least_e1) exit
+      self%solver%options%tolerance = max(least_e1, self%solver%options%tolerance/10)
+      self%solver%options%warm_start = .true.
+    end do
+  end subroutine solve_matrices
+
+  !> Impulses of the matrices as the compact problem has them; contacts without any carry nothing.
+  subroutine bring_back(problem, map, matrices)
+    type(problem_t), intent(inout) :: problem
+    type(matrices_map_t), intent(in) :: map
+    type(matrix_problem_t), intent(in) :: matrices
+    type(contact_record_t) :: contact
+    real(wp) :: r(matrices%d)
+    integer :: k
+
+    problem%impulse = 0
+    do k = 1, matrices%n
+      r = matrices%r(:, k)
+      r(1) = r(1) - map%cohesion(k)
+      associate (impulse => problem%impulse(:, map%contact(k)))
+        if (size(impulse) == 3) then
+          contact = contact_of(problem, int(map%contact(k)))
+          impulse = matmul(r, contact%h(:, 1:3, 1))
+        else
+          impulse = r(:size(impulse))
+        end if
+      end associate
+    end do
+  end subroutine bring_back
+
+  !> Add what one solve took.
+  pure subroutine add_effort(report, one, n_contacts)
+    type(report_t), intent(inout) :: report
+    type(report_t), intent(in) :: one
+    integer, intent(in) :: n_contacts
+
+    report%sweeps = report%sweeps + merge(one%sweeps, one%iterations, one%sweeps > 0)
+    report%contact_updates = report%contact_updates + one%contact_updates
+    report%iterations = report%iterations + one%iterations
+    report%factorisations = report%factorisations + one%factorisations
+    report%checks = report%checks + max(one%checks, min(1, n_contacts))
+  end subroutine add_effort
+
+  !> Value of the stopping criterion; those that look at increments of sweeps give way to e8.
+  pure real(wp) function criterion_value(criterion, report, one) result(value)
+    integer, intent(in) :: criterion
+    type(report_t), intent(in) :: report, one
+
+    select case (criterion)
+    case (criterion_e1)
+      value = one%e1
+    case (criterion_e2)
+      value = report%e2
+    case (criterion_violation)
+      value = report%violation
+    case (criterion_e8)
+      value = report%e8
+    case default
+      value = report%estimate
+    end select
+  end function criterion_value
+end module sg_by_matrices
