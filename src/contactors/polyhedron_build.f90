@@ -47,7 +47,7 @@ contains
     integer(i4), intent(in) :: triangles(:, :) !! vertices of each, counter-clockwise seen from outside, shape (3, triangles)
     type(polyhedron_t), intent(out) :: shape !! polyhedron in the frame of the vertices
     type(error_t), allocatable, intent(out) :: error !! set when they do not bound a convex polyhedron
-    logical, intent(in), optional :: may_turn !! turn the surface where all of it is inside out? default no
+    logical, intent(in), optional :: may_turn !! turn faces that are inside out, one by one or all of them? default no
     integer :: f
 
     call polyhedron_from_faces(vertices, [(int(3*f - 2, i4), f=1, size(triangles, 2) + 1)], &
@@ -61,10 +61,10 @@ contains
     integer(i4), intent(in) :: face_vertex(:) !! corners of all faces, counter-clockwise seen from outside, from 1
     type(polyhedron_t), intent(out) :: shape !! polyhedron in the frame of the vertices
     type(error_t), allocatable, intent(out) :: error !! set when they do not bound a convex polyhedron
-    logical, intent(in), optional :: may_turn !! turn the surface where all of it is inside out? default no
+    logical, intent(in), optional :: may_turn !! turn faces that are inside out, one by one or all of them? default no
     type(surface_t) :: surface
     real(wp) :: tolerance
-    integer :: n_regions
+    integer :: n_regions, f
     logical :: may
 
     may = .false.
@@ -74,15 +74,18 @@ contains
     if (allocated(error)) return
     tolerance = length_tolerance(vertices)
     ! Before vertices are welded: the two sides of a sheet would be made one.
-    call check_volume(vertices, face_first, face_vertex, tolerance, .true., error)
+    if (.not. may) call check_volume(vertices, face_first, face_vertex, tolerance, .true., error)
     if (allocated(error)) return
     call weld_faces(vertices, face_first, face_vertex, tolerance, surface)
-    call connect(surface, error)
+    if (may) call turn_alike(surface, error)
+    if (.not. allocated(error)) call connect(surface, error)
     if (allocated(error)) return
     call check_volume(surface%vertex, surface%face_first, surface%face_vertex, tolerance, may, error)
     if (allocated(error)) return
     if (is_inside_out(surface)) then
-      call turn_inside_out(surface)
+      do f = 1, size(surface%face_number)
+        call turn_face(surface, f)
+      end do
       call connect(surface, error)
       if (allocated(error)) return
     end if
@@ -132,9 +135,10 @@ contains
   end subroutine weld_faces
 
   !> Find what lies beside what.
-  subroutine connect(surface, error)
+  subroutine connect(surface, error, may_agree)
     type(surface_t), intent(inout) :: surface
     type(error_t), allocatable, intent(out) :: error
+    logical, intent(in), optional :: may_agree
     integer :: f, k, i
 
     if (allocated(surface%mate)) deallocate (surface%mate, surface%next, surface%face_of)
@@ -147,8 +151,46 @@ contains
       surface%next(surface%face_first(f + 1) - 1) = surface%face_first(f)
     end do
     call pair_edges(surface%face_first, surface%face_vertex, surface%face_number, &
-                    [(int(i, i4), i=1, size(surface%vertex, 2))], surface%mate, error)
+                    [(int(i, i4), i=1, size(surface%vertex, 2))], surface%mate, error, may_agree)
   end subroutine connect
+
+  !> Turn faces so that all run around the surface in one sense, that of the first face.
+  subroutine turn_alike(surface, error)
+    type(surface_t), intent(inout) :: surface
+    type(error_t), allocatable, intent(out) :: error
+    integer(i4), allocatable :: found(:)
+    logical, allocatable :: is_found(:), is_turned(:)
+    integer :: at, n, f, g, k, seed
+
+    call connect(surface, error, may_agree=.true.)
+    if (allocated(error)) return
+    allocate (found(size(surface%face_number)), is_found(size(surface%face_number)), is_turned(size(surface%face_number)))
+    is_found = .false.
+    is_turned = .false.
+    n = 0
+    at = 0
+    do seed = 1, size(found)
+      if (is_found(seed)) cycle
+      n = n + 1
+      found(n) = int(seed, i4)
+      is_found(seed) = .true.
+      do while (at < n)
+        at = at + 1
+        f = found(at)
+        do k = surface%face_first(f), surface%face_first(f + 1) - 1
+          g = surface%face_of(surface%mate(k))
+          if (is_found(g)) cycle
+          is_found(g) = .true.
+          is_turned(g) = is_turned(f) .neqv. surface%face_vertex(k) == surface%face_vertex(surface%mate(k))
+          n = n + 1
+          found(n) = int(g, i4)
+        end do
+      end do
+    end do
+    do f = 1, size(found)
+      if (is_turned(f)) call turn_face(surface, f)
+    end do
+  end subroutine turn_alike
 
   !> Do the faces of a closed surface run clockwise seen from outside?
   pure logical function is_inside_out(surface)
@@ -159,17 +201,15 @@ contains
     is_inside_out = solid%volume < 0
   end function is_inside_out
 
-  !> Run around all faces the other way.
-  pure subroutine turn_inside_out(surface)
+  !> Run around a face the other way.
+  pure subroutine turn_face(surface, f)
     type(surface_t), intent(inout) :: surface
-    integer :: f
+    integer, intent(in) :: f
 
-    do f = 1, size(surface%face_number)
-      associate (first => surface%face_first(f), last => surface%face_first(f + 1) - 1)
-        surface%face_vertex(first:last) = surface%face_vertex(last:first:-1)
-      end associate
-    end do
-  end subroutine turn_inside_out
+    associate (first => surface%face_first(f), last => surface%face_first(f + 1) - 1)
+      surface%face_vertex(first:last) = surface%face_vertex(last:first:-1)
+    end associate
+  end subroutine turn_face
 
   !> Divide the surface into flat regions, beginning with the largest faces, whose planes are known best.
   subroutine find_regions(surface, tolerance, n_regions)

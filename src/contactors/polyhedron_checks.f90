@@ -108,17 +108,21 @@ contains
   end subroutine check_faces
 
   !> Pair the edges of faces: a closed surface has every edge in two faces that run along it in opposite directions.
-  subroutine pair_edges(face_first, face_vertex, face_number, vertex_number, mate, error)
+  subroutine pair_edges(face_first, face_vertex, face_number, vertex_number, mate, error, may_agree)
     integer(i4), intent(in) :: face_first(:) !! corners of face f: face_first(f) to face_first(f + 1) - 1
     integer(i4), intent(in) :: face_vertex(:) !! corners of all faces; edge k of a face runs from corner k to the next
     integer(i4), intent(in) :: face_number(:) !! numbers of the faces, for messages
     integer(i4), intent(in) :: vertex_number(:) !! numbers of the vertices, for messages
     integer(i4), allocatable, intent(out) :: mate(:) !! place in face_vertex of the same edge in the other face
     type(error_t), allocatable, intent(out) :: error !! set when the surface is not closed or its faces disagree
+    logical, intent(in), optional :: may_agree !! may both faces run along an edge in the same direction? default no
     integer(i8), allocatable :: keys(:)
     integer(i4), allocatable :: order(:), face_of(:), next(:)
     integer :: f, k, i, n, count
+    logical :: may
 
+    may = .false.
+    if (present(may_agree)) may = may_agree
     n = size(face_vertex)
     allocate (mate(n), keys(n), face_of(n), next(n))
     do f = 1, size(face_first) - 1
@@ -143,7 +147,7 @@ contains
         else if (count > 2) then
           call fail(error, 'the surface is not simple: '//edge(face_vertex(a), next(a))//' is in '//to_text(count)// &
                     ' faces, '//number(face_of(a))//' and '//number(face_of(b))//' among them')
-        else if (face_vertex(a) == face_vertex(b)) then
+        else if (face_vertex(a) == face_vertex(b) .and. .not. may) then
           call fail(error, 'faces '//number(face_of(a))//' and '//number(face_of(b))//' run along '// &
                     edge(face_vertex(a), next(a))//' in the same direction: one of them is inside out')
         end if

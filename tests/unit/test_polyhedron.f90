@@ -14,7 +14,8 @@ program test_polyhedron
   use sg_polyhedron_moments, only: box_solid, polyhedron_solid, solid_t
   use sg_random, only: random_t
   use sg_rotations, only: frame_of
-  use sg_text, only: to_text
+  use sg_system, only: file_exists
+  use sg_text, only: read_lines, text_t, to_text
   implicit none
   type(tests_t) :: t
 
@@ -22,6 +23,7 @@ program test_polyhedron
   call test_prism()
   call test_triangles()
   call test_digits()
+  call test_wall_of_bricks()
   call test_faults_of_faces()
   call test_faults_of_surfaces()
   call test_huge_mesh()
@@ -115,6 +117,16 @@ contains
     call polyhedron_from_triangles(unit_cube(), cube_triangles(reverse=.true.), shape, error, may_turn=.true.)
     call none(t, error, 'a cube inside out that may be turned')
     call check_whole(t, shape, 8, 12, 6, 'turned cube')
+    do i = 0, 4095
+      list = cube_triangles()
+      do k = 1, 12
+        if (btest(i, k - 1)) list(:, k) = list([2, 1, 3], k)
+      end do
+      if (mod(i, 41) /= 0) cycle
+      call polyhedron_from_triangles(unit_cube(), list, shape, error, may_turn=.true.)
+      call none(t, error, 'a cube any of whose faces may be turned')
+      call check_whole(t, shape, 8, 12, 6, 'cube of turned faces')
+    end do
     call test_split_sides()
   end subroutine test_triangles
 
@@ -169,6 +181,51 @@ contains
       call t%check(shape%reach < 0.12_wp, 'its radius is about its centre')
     end do
   end subroutine test_digits
+
+  !> The bricks of a wall that LMGC90 wrote, in the wall's coordinates: each is a box, and their volumes are the wall's.
+  subroutine test_wall_of_bricks()
+    type(polyhedron_t) :: shape
+    type(error_t), allocatable :: error
+    type(text_t), allocatable :: lines(:)
+    type(solid_t) :: solid
+    character(len=500) :: top
+    real(wp) :: vertices(3, 8), low(3), high(3)
+    integer(i4) :: list(3, 12)
+    integer :: i, k, n
+
+    call get_environment_variable('SPLITGRAIN_SHARED', top)
+    if (top == '') then
+      call get_environment_variable('SPLITGRAIN_SOURCE', top)
+      top = trim(top)//'/../shared'
+    end if
+    if (.not. file_exists(trim(top)//'/decks/Wall_PR/DATBOX/BODIES.DAT')) then
+      write (*, '(a)') 'the wall of LMGC90 is not at hand: skipped'
+      return
+    end if
+    call read_lines(trim(top)//'/decks/Wall_PR/DATBOX/BODIES.DAT', lines, error)
+    n = 0
+    do i = 1, size(lines) - 20
+      if (index(lines(i)%s, 'POLYR') /= 2 .or. index(lines(i)%s, 'nb_vertex=    8      nb_face=   12') == 0) cycle
+      do k = 1, 8
+        read (lines(i + k)%s, '(34x,d14.7,7x,d14.7,7x,d14.7)') vertices(:, k)
+      end do
+      do k = 1, 12
+        read (lines(i + 8 + k)%s(35:), *) list(1, k)
+        read (lines(i + 8 + k)%s(56:), *) list(2, k)
+        read (lines(i + 8 + k)%s(77:), *) list(3, k)
+      end do
+      ! LMGC90 takes faces that are inside out, and writes such.
+      call polyhedron_from_triangles(vertices, list, shape, error, may_turn=.true.)
+      call none(t, error, 'a brick of the wall')
+      call check_whole(t, shape, 8, 12, 6, 'brick of the wall')
+      solid = polyhedron_solid(shape)
+      low = minval(vertices, 2)
+      high = maxval(vertices, 2)
+      call t%near(solid%volume, product(high - low), 1e-12_wp, 'bricks along the axes are boxes')
+      n = n + 1
+    end do
+    call t%check(n > 100, 'the wall has more than a hundred bricks: '//to_text(n))
+  end subroutine test_wall_of_bricks
 
   !> What is wrong with vertices and faces one by one.
   subroutine test_faults_of_faces()
