@@ -31,7 +31,7 @@ contains
     n_drives = size(scene%drives)
     n_pressures = size(scene%pressures)
     n = deck%count_of('body') + deck%count_of('wall')
-    allocate (is_taken(3, scene%bodies%n), source=.false.)
+    allocate (is_taken(scene%bodies%n_velocity, scene%bodies%n), source=.false.)
     do i = 1, n_drives
       if (scene%drives(i)%is_velocity) is_taken(scene%drives(i)%component, scene%drives(i)%body) = .true.
     end do

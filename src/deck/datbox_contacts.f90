@@ -1,0 +1,275 @@
+!> Vloc_Rloc.INI of a DATBOX: the contacts known at the start, with their mean forces.
+module sg_datbox_contacts
+  use sg_datbox_blocks, only: read_point
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, keyword, line_text, name_field, next_data_line, next_line, &
+                             open_datbox_file, remark_once
+  use sg_datbox_state, only: first_contactors
+  use sg_error, only: diagnostics_t
+  use sg_kinds, only: wp, i1, i4
+  use sg_laws, only: status_bonded, status_new, status_none, status_slide, status_stick
+  use sg_scene, only: scene_t, start_contact_t
+  use sg_text, only: to_text
+  implicit none
+  private
+  public :: read_start_contacts, components_of
+
+  !> Pairs of contactors whose contacts can be taken over, of the plane and of space
+  character(len=5), parameter :: pairs(6) = [character(len=5) :: 'DKDKx', 'DKJCx', 'DKKDx', 'DKPLx', 'PLPLx', 'PLJCx']
+  character(len=5), parameter :: pairs_in_space(10) = [character(len=5) :: 'SPSPx', 'SPPLx', 'SPCDx', 'SPDCx', 'SPPRx', 'CDCDx', &
+                                                      'CDPLx', 'CDDCx', 'PRPRx', 'PRPLx']
+
+contains
+
+  !> Read the contacts known at the start, with their mean forces.
+  subroutine read_start_contacts(folder, scene, diagnostics)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    type(scene_t), intent(inout) :: scene !! scene with bodies and contactors
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(datbox_file_t) :: file
+    integer(i4), allocatable :: first(:)
+    integer :: n
+
+    call open_datbox_file(file, folder, 'Vloc_Rloc.INI', .false., diagnostics)
+    if (size(file%lines) == 0 .and. scene%start_step > 0) then
+      call diagnostics%warn('no contacts: the file is missing or empty, the solver starts without impulses', file=file%path)
+    end if
+    n = 0
+    do while (next_line(file))
+      if (keyword(file) == 'icdan') n = n + 1
+    end do
+    if (allocated(scene%start_contacts)) deallocate (scene%start_contacts)
+    allocate (scene%start_contacts(n))
+    call first_contactors(scene%contactors, scene%bodies%n, first)
+    file%at = 0
+    n = 0
+    do while (next_line(file))
+      if (keyword(file) /= 'icdan') cycle
+      if (any(name_field(file, 9) == pairs) .and. scene%dimension == 2) then
+        call read_contact(file, first, scene, n, diagnostics)
+      else if (any(name_field(file, 9) == pairs_in_space) .and. scene%dimension == 3) then
+        call read_contact(file, first, scene, n, diagnostics)
+      else
+        call complain_once(file, name_field(file, 9), 'contacts of type '''//name_field(file, 9)//''' are not done', 9, &
+                           diagnostics)
+      end if
+    end do
+    scene%start_contacts = scene%start_contacts(:n)
+  end subroutine read_start_contacts
+
+  !> Read one contact: a title, who touches whom, then forces, velocities, gap, frame, point.
+  subroutine read_contact(file, first, scene, n, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    integer(i4), intent(in) :: first(:)
+    type(scene_t), intent(inout) :: scene
+    integer, intent(inout) :: n
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(start_contact_t) :: contact
+    character(len=:), allocatable :: pair
+    logical :: ok
+
+    pair = name_field(file, 9)
+    if (.not. next_data_line(file, 'the title of a contact', diagnostics)) return
+    if (.not. next_data_line(file, 'the bodies of a contact', diagnostics)) return
+    ok = .true.
+    call read_identity(file, first, scene%dimension, contact, ok, diagnostics)
+    if (scene%dimension == 2) then
+      call read_planar_force(file, contact, ok, diagnostics)
+    else
+      call read_solid_force(file, pair, contact, ok, diagnostics)
+    end if
+    if (.not. ok) return
+    n = n + 1
+    scene%start_contacts(n) = contact
+  end subroutine read_contact
+
+  !> Read force and point of a contact in the plane; the tangential component comes first there.
+  subroutine read_planar_force(file, contact, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    type(start_contact_t), intent(inout) :: contact
+    logical, intent(inout) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+    real(wp) :: force(2)
+    integer :: i
+
+    call read_point(file, 'the forces of a contact', force, ok, diagnostics)
+    contact%force(:2) = force([2, 1])
+    do i = 1, 3
+      if (ok) ok = next_data_line(file, 'the velocities, gap and normal of a contact', diagnostics)
+    end do
+    if (ok) call read_point(file, 'the point of a contact', contact%point(:2), ok, diagnostics)
+  end subroutine read_planar_force
+
+  !> Read force, frame and point of a contact in space; the force becomes a vector of the world.
+  !!
+  !! The order of the components depends on the pair; the lines behind the gap are told apart by their first letter.
+  subroutine read_solid_force(file, pair, contact, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    character(len=*), intent(in) :: pair
+    type(start_contact_t), intent(inout) :: contact
+    logical, intent(inout) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+    real(wp) :: force(3), axes(3, 3), values(3)
+    character(len=3) :: letters
+    character(len=1) :: letter
+    integer :: i, axis
+    logical :: seen(4)
+
+    letters = components_of(pair)
+    call read_point(file, 'the forces of a contact', force, ok, diagnostics)
+    do i = 1, 2
+      if (ok) ok = next_data_line(file, 'the velocities and gap of a contact', diagnostics)
+    end do
+    axes = 0
+    seen = .false.
+    do i = 1, 4
+      if (ok) call read_point(file, 'the frame and point of a contact', values, ok, diagnostics)
+      if (.not. ok) return
+      letter = name_field(file, 30)
+      axis = index(letters//'c', letter)
+      if (axis == 0) then
+        call complain(file, 'an axis s, t or n of the frame, or the point coo, should stand here', 30, diagnostics)
+        ok = .false.
+        return
+      end if
+      seen(axis) = .true.
+      if (axis == 4) contact%point = values
+      if (axis < 4) axes(:, axis) = values
+    end do
+    if (.not. all(seen)) then
+      call complain(file, 'the frame or the point of this contact is not complete', 30, diagnostics)
+      ok = .false.
+    end if
+    contact%is_vector = .true.
+    contact%force = matmul(axes, force)
+  end subroutine read_solid_force
+
+  !> Order in which LMGC90 writes the components of a pair of space.
+  pure function components_of(pair) result(letters)
+    character(len=*), intent(in) :: pair !! LMGC90's name of the pair
+    character(len=3) :: letters
+
+    letters = 'stn'
+    if (pair == 'PRPRx') letters = 'tns'
+  end function components_of
+
+  !> Read who touches whom. Words are counted, not columns: these differ by pair and by size of the numbers.
+  !!
+  !!     RBDY2 body DISKx rank            law RBDY2 body JONCx rank            status
+  !!     RBDY2 body POLYG rank CDVER n    law RBDY2 body POLYG rank ANSEG n    status
+  !!     RBDY3 body POLYR rank n          law RBDY3 body PLANx rank            status
+  subroutine read_identity(file, first, dimension, contact, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    integer(i4), intent(in) :: first(:)
+    integer, intent(in) :: dimension
+    type(start_contact_t), intent(inout) :: contact
+    logical, intent(inout) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+    integer, parameter :: most_words = 16
+    character(len=12) :: words(most_words)
+    integer :: at(most_words), n, next
+
+    call split(line_text(file), words, at, n)
+    next = 1
+    if (n >= 10) then
+      call read_side(file, first, dimension, words, at, next, contact%contactor(1), ok, diagnostics)
+      next = next + 1
+      call read_side(file, first, dimension, words, at, next, contact%contactor(2), ok, diagnostics)
+      if (next <= n) then
+        contact%status = status_of(file, trim(words(next)), at(next), diagnostics)
+        return
+      end if
+    end if
+    if (ok) call complain(file, 'this line does not say who touches whom', 2, diagnostics)
+    ok = .false.
+  end subroutine read_identity
+
+  !> Read one side of a contact: body and rank of its contactor, then perhaps a vertex or a segment.
+  subroutine read_side(file, first, dimension, words, at, next, contactor, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    integer(i4), intent(in) :: first(:)
+    integer, intent(in) :: dimension
+    character(len=*), intent(in) :: words(:)
+    integer, intent(in) :: at(:)
+    integer, intent(inout) :: next
+    integer, intent(out) :: contactor
+    logical, intent(inout) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+    integer :: body, rank, status(2)
+
+    contactor = 0
+    read (words(next + 1), *, iostat=status(1)) body
+    read (words(next + 3), *, iostat=status(2)) rank
+    if (any(status /= 0)) then
+      if (ok) call complain(file, 'a body or contactor has no readable number', at(next + 1), diagnostics)
+      ok = .false.
+    else if (body < 1 .or. body >= size(first)) then
+      if (ok) call complain(file, 'there is no body '//to_text(body), at(next + 1), diagnostics)
+      ok = .false.
+    else
+      if (dimension == 3 .and. rank > 1 .and. first(body + 1) == first(body) + 1) then
+        ! Some versions of LMGC90 number contactors through all bodies.
+        call remark_once(file, 'rank', 'body '//to_text(body)//' has one contactor, which is meant by number '//to_text(rank), &
+                         at(next + 3), diagnostics)
+        rank = 1
+      end if
+      if (rank < 1 .or. rank > first(body + 1) - first(body)) then
+        if (ok) call complain(file, 'body '//to_text(body)//' has no contactor '//to_text(rank), at(next + 3), diagnostics)
+        ok = .false.
+      else
+        contactor = first(body) + rank - 1
+      end if
+    end if
+    next = next + 4
+    if (any(words(next) == [character(len=5) :: 'CDVER', 'ANSEG'])) then
+      next = next + 2
+    else if (dimension == 3 .and. verify(trim(words(next)), '0123456789') == 0) then
+      next = next + 1
+    end if
+  end subroutine read_side
+
+  !> The words of a line and the columns at which they begin.
+  pure subroutine split(line, words, at, n)
+    character(len=*), intent(in) :: line
+    character(len=*), intent(out) :: words(:)
+    integer, intent(out) :: at(:)
+    integer, intent(out) :: n
+    integer :: i
+
+    words = ''
+    at = 1
+    n = 0
+    do i = 1, len(line)
+      if (line(i:i) == ' ') cycle
+      if (i > 1) then
+        if (line(i - 1:i - 1) /= ' ') cycle
+      end if
+      if (n == size(words)) return
+      n = n + 1
+      at(n) = i
+      words(n) = line(i:i + index(line(i:)//' ', ' ') - 2)
+    end do
+  end subroutine split
+
+  !> Our status for LMGC90's; the first letter W, M or C tells of wet, Mohr and cohesive laws.
+  integer(i1) function status_of(file, word, column, diagnostics) result(status)
+    type(datbox_file_t), intent(inout) :: file
+    character(len=*), intent(in) :: word
+    integer, intent(in) :: column
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    select case (word)
+    case ('stick', 'Wstck')
+      status = status_stick
+    case ('slide', 'slifw', 'slibw', 'Wslid', 'Wslfw', 'Wslbw', 'Mslid', 'Mslfw', 'Mslbw', 'Cslid', 'Cslfw', 'Cslbw')
+      status = status_slide
+    case ('noctc', 'vnish', 'Wnctc', 'Mnctc', 'Cnctc')
+      status = status_none
+    case ('Mstck', 'Cstck')
+      status = status_bonded
+    case default
+      status = status_new
+      if (any(word == [character(len=5) :: 'nknow', 'Wnnow', 'Mnnow', 'Cnnow'])) return
+      call remark_once(file, 'status', 'the status '''//word//''' is not known and taken as new', column, diagnostics)
+    end select
+  end function status_of
+end module sg_datbox_contacts
