@@ -27,8 +27,8 @@ module sg_blocks
     !> Values given, shape (n)
     type(value_t), allocatable :: values(:)
     integer :: n = 0
-    !> Last of the bodies made of it; 0 where it makes none
-    integer :: last_body = 0
+    !> First and last of the bodies made of it; 0 where it makes none
+    integer :: first_body = 0, last_body = 0
   end type block_t
 
   !> A deck
@@ -41,6 +41,8 @@ module sg_blocks
     !> Blocks, shape (n)
     type(block_t), allocatable :: blocks(:)
     integer :: n = 0
+    !> Dimension of the scene
+    integer :: dimension = 2
   contains
     procedure :: block_of
     procedure :: block_of_body
@@ -50,11 +52,12 @@ module sg_blocks
     procedure :: value => deck_value
     procedure :: number => deck_number
     procedure :: pair => deck_pair
+    procedure :: vector => deck_vector
     procedure :: integer => deck_integer
     procedure :: flag => deck_flag
     procedure :: word => deck_word
     procedure :: put => deck_put
-    procedure :: give_pair
+    procedure :: give_numbers
     procedure :: complain
     procedure :: complain_unknown
     procedure :: complain_at
@@ -164,6 +167,21 @@ contains
     pair = value%numbers([1, value%n])
   end function deck_pair
 
+  !> The first three numbers; those that are not there are zero.
+  pure function deck_vector(self, block, name) result(vector)
+    class(deck_t), intent(in) :: self
+    integer, intent(in) :: block !! index of the block
+    character(len=*), intent(in) :: name !! name of the key
+    real(wp) :: vector(3)
+    type(value_t) :: value
+    integer :: n
+
+    value = self%value(block, name)
+    n = min(3, value%n)
+    vector = 0
+    vector(:n) = value%numbers(:n)
+  end function deck_vector
+
   !> A whole number.
   pure integer function deck_integer(self, block, name) result(number)
     class(deck_t), intent(in) :: self
@@ -217,21 +235,21 @@ contains
     end associate
   end subroutine deck_put
 
-  !> Give a pair that the deck left open, so that the effective deck holds it.
-  subroutine give_pair(self, block, name, pair)
+  !> Give numbers that the deck left open, so that the effective deck holds them.
+  subroutine give_numbers(self, block, name, numbers)
     class(deck_t), intent(inout) :: self
     integer, intent(in) :: block !! index of the block
     character(len=*), intent(in) :: name !! name of the key
-    real(wp), intent(in) :: pair(2) !! the two numbers
+    real(wp), intent(in) :: numbers(:) !! the numbers; one alone is no list
     type(value_t) :: value
 
     value%key = self%table%find_key(self%blocks(block)%section, name)
     value%origin = from_default
-    value%is_list = .true.
-    value%n = 2
-    value%numbers = pair
+    value%is_list = size(numbers) > 1
+    value%n = size(numbers)
+    value%numbers = numbers
     call self%put(block, value)
-  end subroutine give_pair
+  end subroutine give_numbers
 
   !> A section as it is written: `[name]` or `[[name]]`.
   pure function heading(self, section)

@@ -1,16 +1,15 @@
-!> Bodies and their contactors from the blocks body, wall and sample, numbered in this order.
+!> Planar bodies and their contactors from the blocks body, wall and sample, numbered in this order.
 module sg_bodies_from_deck
   use sg_blocks, only: deck_t
   use sg_bodies, only: bodies_t
   use sg_contactors, only: add_disk, add_polygon, add_wall
   use sg_error, only: diagnostics_t
-  use sg_kinds, only: wp, i4, i8
+  use sg_kinds, only: wp, i4
   use sg_moments, only: body_moments
+  use sg_named_bodies, only: check_names, material_of, name_body
   use sg_samples_from_deck, only: generate_sample, grain_polygon, sample_t
-  use sg_scene, only: colour_index, material_index, scene_t
+  use sg_scene, only: colour_index, scene_t
   use sg_shapes_from_deck, only: add_shape
-  use sg_sorting, only: sort_permutation
-  use sg_text, only: text_t
   implicit none
   private
   public :: bodies_from_deck
@@ -41,6 +40,7 @@ contains
     call add_bodies(deck, 'wall', scene, n, diagnostics)
     call check_names(deck, scene, diagnostics)
     do i = 1, size(samples)
+      deck%blocks(samples(i)%block)%first_body = n + 1
       call add_sample(deck, samples(i), scene, n, diagnostics)
       deck%blocks(samples(i)%block)%last_body = n
     end do
@@ -58,6 +58,7 @@ contains
     do b = 1, deck%n
       if (.not. deck%is_in(b, section)) cycle
       n = n + 1
+      deck%blocks(b)%first_body = n
       deck%blocks(b)%last_body = n
       call name_body(deck, b, scene, n, diagnostics)
       scene%bodies%material(n) = int(material_of(deck, b, scene, diagnostics), i4)
@@ -68,82 +69,6 @@ contains
       end if
     end do
   end subroutine add_bodies
-
-  !> Note the name of a body.
-  subroutine name_body(deck, b, scene, n, diagnostics)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b, n
-    type(scene_t), intent(inout) :: scene
-    type(diagnostics_t), intent(inout) :: diagnostics
-    character(len=:), allocatable :: name
-    integer :: i
-
-    name = deck%word(b, 'name')
-    if (name == '') return
-    if (name(1:1) == '#') call deck%complain(diagnostics, 'the name of a body cannot begin with #', b, 'name')
-    if (.not. allocated(scene%names)) then
-      allocate (scene%names(scene%bodies%n))
-      do i = 1, size(scene%names)
-        scene%names(i)%s = ''
-      end do
-    end if
-    scene%names(n)%s = name
-  end subroutine name_body
-
-  !> Look for bodies of the same name: sorted by a hash of their names, they are neighbours.
-  subroutine check_names(deck, scene, diagnostics)
-    type(deck_t), intent(in) :: deck
-    type(scene_t), intent(in) :: scene
-    type(diagnostics_t), intent(inout) :: diagnostics
-    integer(i8), parameter :: modulus = 2_i8**50 - 27
-    integer(i8), allocatable :: keys(:)
-    integer(i4), allocatable :: order(:)
-    integer :: i, k, b
-
-    if (.not. allocated(scene%names)) return
-    allocate (keys(size(scene%names)), source=0_i8)
-    do i = 1, size(keys)
-      do k = 1, len(scene%names(i)%s)
-        keys(i) = modulo(keys(i)*257 + int(iachar(scene%names(i)%s(k:k)), i8), modulus)
-      end do
-    end do
-    order = sort_permutation(keys)
-    do i = 2, size(order)
-      associate (name => scene%names(order(i))%s)
-        if (name == '' .or. name /= scene%names(order(i - 1))%s) cycle
-        b = deck%block_of_body(int(order(i)))
-        call deck%complain(diagnostics, 'there are two bodies named "'//name//'"', b, 'name')
-      end associate
-    end do
-  end subroutine check_names
-
-  !> Material of a block: the one it names, or the only one; 0 after a mistake.
-  integer function material_of(deck, b, scene, diagnostics) result(material)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b
-    type(scene_t), intent(in) :: scene
-    type(diagnostics_t), intent(inout) :: diagnostics
-    type(text_t), allocatable :: known(:)
-    character(len=:), allocatable :: name
-    integer :: i
-
-    name = deck%word(b, 'material')
-    material = material_index(scene, name)
-    if (material > 0) return
-    if (name == '' .and. size(scene%materials) == 1) then
-      material = 1
-    else if (size(scene%materials) == 0) then
-      call deck%complain(diagnostics, 'the deck has no [[material]]', b, 'material')
-    else if (name == '') then
-      call deck%complain(diagnostics, 'there are several materials: this block needs the key "material"', b)
-    else
-      allocate (known(size(scene%materials)))
-      do i = 1, size(known)
-        known(i)%s = scene%materials(i)%name
-      end do
-      call deck%complain_unknown(diagnostics, 'material', name, known, b, 'material')
-    end if
-  end function material_of
 
   !> One body of a [[body]] block.
   subroutine add_body(deck, b, scene, n, diagnostics)

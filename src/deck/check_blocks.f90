@@ -2,7 +2,8 @@
 module sg_check_blocks
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
-  use sg_key_table, only: key_t
+  use sg_key_table, only: in_both, key_t
+  use sg_text, only: to_text
   use sg_values, only: finish_value
   use sg_words, only: is_choice
   implicit none
@@ -18,6 +19,13 @@ contains
     integer :: b
 
     do b = 1, deck%n
+      associate (section => deck%table%sections(deck%blocks(b)%section))
+        if (section%dimension /= in_both .and. section%dimension /= deck%dimension) then
+          call deck%complain(diagnostics, deck%heading(deck%blocks(b)%section)//' needs scene.dimension = '// &
+                             to_text(section%dimension), b)
+          cycle
+        end if
+      end associate
       call check_values(deck, b, diagnostics)
       call check_missing(deck, b, diagnostics)
     end do
@@ -34,12 +42,24 @@ contains
     do i = 1, deck%blocks(b)%n
       associate (value => deck%blocks(b)%values(i), key => deck%table%keys(deck%blocks(b)%values(i)%key))
         if (value%is_bad) cycle
-        call finish_value(value, key, message)
+        call check_dimension(deck, key, message)
+        if (.not. allocated(message)) call finish_value(value, key, deck%dimension, message)
         if (.not. allocated(message)) call check_use(deck, b, key, message)
         if (allocated(message)) call deck%complain(diagnostics, '"'//trim(key%name)//'" '//message, b, trim(key%name))
       end associate
     end do
   end subroutine check_values
+
+  !> Has a key a meaning in the dimension of the scene?
+  pure subroutine check_dimension(deck, key, message)
+    type(deck_t), intent(in) :: deck
+    type(key_t), intent(in) :: key
+    character(len=:), allocatable, intent(out) :: message
+
+    if (key%dimension == in_both .or. key%dimension == deck%dimension) return
+    message = 'has no meaning where scene.dimension = '//to_text(deck%dimension)
+    if (key%twin /= '') message = message//'; did you mean "'//trim(key%twin)//'"?'
+  end subroutine check_dimension
 
   !> Look for keys that must be given and are not.
   subroutine check_missing(deck, b, diagnostics)
@@ -75,18 +95,18 @@ contains
     k = deck%table%find_key(deck%blocks(block)%section, selector)
     if (word == '') then
       message = 'has no meaning without the key "'//selector//'"'
-    else if (is_choice(word, deck%table%keys(k)%choices)) then
+    else if (is_choice(word, trim(deck%table%keys(k)%choices)//'|'//trim(deck%table%keys(k)%space_choices))) then
       message = 'has no meaning for '//selector//' = "'//word//'"'
     end if
   end subroutine check_use
 
-  !> Does a key apply to a block, by the word of its selector?
+  !> Does a key apply to a block, by the dimension and the word of its selector?
   pure logical function applies(deck, block, key)
     type(deck_t), intent(in) :: deck !! the deck
     integer, intent(in) :: block !! index of the block
     type(key_t), intent(in) :: key !! line of the key table
 
-    applies = key%selector == ''
-    if (.not. applies) applies = is_choice(deck%word(block, trim(key%selector)), trim(key%only))
+    applies = key%dimension == in_both .or. key%dimension == deck%dimension
+    if (applies .and. key%selector /= '') applies = is_choice(deck%word(block, trim(key%selector)), trim(key%only))
   end function applies
 end module sg_check_blocks

@@ -7,7 +7,7 @@ module sg_collect
   use sg_values, only: finish_value, from_deck, from_default, take_entry, value_t
   implicit none
   private
-  public :: open_deck, collect, set_value
+  public :: open_deck, collect, set_value, choose_dimension
 
   !> What an entry turned out to be: of no use, a list of blocks, a block, a value
   integer, parameter :: is_skipped = 0, is_blocks = 1, is_block = 2, is_value = 3
@@ -52,6 +52,23 @@ contains
     allocate (deck%blocks(deck%n)%values(n))
   end subroutine add_block
 
+  !> Decide for a dimension: from now on the deck has its defaults.
+  subroutine choose_dimension(deck, dimension)
+    type(deck_t), intent(inout) :: deck !! deck of which all entries are taken
+    integer, intent(in) :: dimension !! 2 or 3
+    type(key_t) :: key
+    integer :: i
+
+    deck%dimension = dimension
+    if (dimension == 2) return
+    do i = 1, size(deck%table%keys)
+      key = deck%table%keys(i)
+      if (key%space_default == '') cycle
+      key%default = key%space_default
+      call set_default(deck%defaults(i), key)
+    end do
+  end subroutine choose_dimension
+
   !> The default of a key as a value.
   subroutine set_default(value, key)
     type(value_t), intent(out) :: value
@@ -84,7 +101,7 @@ contains
       call take_entry(value, key, document%entries(i), depth(i), message)
       if (allocated(message)) return
     end do
-    call finish_value(value, key, message)
+    call finish_value(value, key, 0, message)
   end subroutine set_value
 
   !> Sort all entries of a text into blocks.

@@ -3,6 +3,7 @@ module sg_deck
   use sg_blocks, only: deck_t
   use sg_check_blocks, only: check_blocks
   use sg_collect, only: collect, open_deck
+  use sg_dimension_from_deck, only: dimension_from_deck
   use sg_effective, only: effective_deck, fingerprint
   use sg_error, only: diagnostics_t, error_t
   use sg_keys, only: all_keys
@@ -61,6 +62,7 @@ contains
     call open_deck(deck, all_keys(), count(document%entries%kind == toml_table))
     call collect(document, deck, diagnostics)
     call apply_settings(settings, deck, diagnostics)
+    call dimension_from_deck(deck)
     call check_blocks(deck, diagnostics)
     if (diagnostics%count() > 1) call sort_by_line(diagnostics%errors)
   end subroutine read_blocks

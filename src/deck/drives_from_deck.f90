@@ -24,18 +24,21 @@ contains
     type(scene_t), intent(inout) :: scene !! scene with its bodies
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     logical, allocatable :: is_taken(:, :)
-    integer :: n_drives, n_pressures, b, i, n
+    integer :: n_drives, n_pressures, n_held, b, i, n
 
     if (.not. allocated(scene%drives)) allocate (scene%drives(0))
     if (.not. allocated(scene%pressures)) allocate (scene%pressures(0))
     n_drives = size(scene%drives)
     n_pressures = size(scene%pressures)
-    n = deck%count_of('body') + deck%count_of('wall')
+    n_held = 0
+    do b = 1, deck%n
+      if (is_held(deck, b)) n_held = n_held + deck%blocks(b)%last_body - deck%blocks(b)%first_body + 1
+    end do
     allocate (is_taken(scene%bodies%n_velocity, scene%bodies%n), source=.false.)
     do i = 1, n_drives
       if (scene%drives(i)%is_velocity) is_taken(scene%drives(i)%component, scene%drives(i)%body) = .true.
     end do
-    call make_room(scene%drives, scene%pressures, n_drives + deck%count_of('drive') + 3*n, &
+    call make_room(scene%drives, scene%pressures, n_drives + deck%count_of('drive') + size(is_taken, 1)*n_held, &
                    n_pressures + deck%count_of('pressure') + deck%count_of('wall'))
     do b = 1, deck%n
       if (deck%is_in(b, 'drive')) call add_drive(deck, b, scene, n_drives, is_taken, diagnostics)
@@ -43,22 +46,32 @@ contains
     do b = 1, deck%n
       if (deck%is_in(b, 'pressure')) call add_pressure(deck, b, scene, n_pressures, is_taken, diagnostics)
     end do
-    n = 0
     do b = 1, deck%n
-      if (.not. deck%is_in(b, 'body')) cycle
-      n = n + 1
-      if (deck%flag(b, 'fixed')) call hold(scene, n, n_drives, is_taken)
-    end do
-    do b = 1, deck%n
-      if (.not. deck%is_in(b, 'wall')) cycle
-      n = n + 1
-      if (deck%is_given(b, 'pressure')) call press_wall(deck, b, n, scene, n_pressures, is_taken, diagnostics)
-      call hold(scene, n, n_drives, is_taken)
+      if (.not. is_held(deck, b)) cycle
+      if (deck%is_in(b, 'wall')) then
+        if (deck%is_given(b, 'pressure')) call press_wall(deck, b, deck%blocks(b)%first_body, scene, n_pressures, is_taken, &
+                                                          diagnostics)
+      end if
+      do n = deck%blocks(b)%first_body, deck%blocks(b)%last_body
+        ! Of an arch the ends alone.
+        if (deck%is_in(b, 'arch') .and. n > deck%blocks(b)%first_body .and. n < deck%blocks(b)%last_body) cycle
+        call hold(scene, n, n_drives, is_taken)
+      end do
     end do
     scene%drives = scene%drives(:n_drives)
     scene%pressures = scene%pressures(:n_pressures)
     call mark_walls(scene)
   end subroutine drives_from_deck
+
+  !> Does a block make bodies that hold still where nothing drives them?
+  logical function is_held(deck, b)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+
+    is_held = deck%is_in(b, 'wall') .or. deck%is_in(b, 'container')
+    if (deck%is_in(b, 'body')) is_held = deck%flag(b, 'fixed')
+    if (deck%is_in(b, 'arch')) is_held = deck%flag(b, 'fixed_ends')
+  end function is_held
 
   !> Lengthen both lists, keeping what they hold.
   subroutine make_room(drives, pressures, n_drives, n_pressures)
@@ -88,7 +101,11 @@ contains
 
     body = deck%value(b, 'body')
     drive%body = body_of(deck, b, 'body', body%words(1)%s, scene, diagnostics)
-    drive%component = choice_index(deck%word(b, 'component'), 'x|y|rotation')
+    if (scene%dimension == 2) then
+      drive%component = choice_index(deck%word(b, 'component'), 'x|y|rotation')
+    else
+      drive%component = choice_index(deck%word(b, 'component'), 'x|y|z|rotation_x|rotation_y|rotation_z')
+    end if
     drive%is_velocity = deck%word(b, 'kind') == 'velocity'
     call read_time_function(deck, b, drive%value, diagnostics)
     if (drive%body == 0) return
@@ -134,24 +151,27 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics
     type(value_t) :: body
     type(pressure_t) :: pressure
-    real(wp) :: direction(2)
+    real(wp) :: direction(3)
 
     body = deck%value(b, 'body')
     pressure%body = body_of(deck, b, 'body', body%words(1)%s, scene, diagnostics)
-    direction = deck%pair(b, 'direction')
+    direction = deck%vector(b, 'direction')
     call read_time_function(deck, b, pressure%value, diagnostics)
-    if (deck%is_given(b, 'length') .eqv. deck%is_given(b, 'between')) &
+    if (scene%dimension == 3) then
+      pressure%length = deck%number(b, 'area')
+    else if (deck%is_given(b, 'length') .eqv. deck%is_given(b, 'between')) then
       call deck%complain(diagnostics, 'a pressure needs either "length" or "between"', b)
+    end if
     if (deck%is_given(b, 'length')) pressure%length = deck%number(b, 'length')
     if (deck%is_given(b, 'between')) call read_between(deck, b, scene, pressure, diagnostics)
     if (.not. norm2(direction) > 0) then
       call deck%complain(diagnostics, 'the direction has no length', b, 'direction')
       return
     end if
-    pressure%direction(:2) = direction/norm2(direction)
+    pressure%direction = direction/norm2(direction)
     if (pressure%body == 0) return
     call warn_of_no_effect(deck, b, pressure, scene%drives, diagnostics)
-    where (abs(direction) > 0) is_taken(1:2, pressure%body) = .true.
+    where (abs(direction(:scene%dimension)) > 0) is_taken(:scene%dimension, pressure%body) = .true.
     n = n + 1
     scene%pressures(n) = pressure
   end subroutine add_pressure
@@ -192,28 +212,35 @@ contains
     logical, intent(inout) :: is_taken(:, :)
     type(diagnostics_t), intent(inout) :: diagnostics
     type(pressure_t) :: pressure
-    real(wp) :: direction(2)
+    real(wp) :: direction(3)
 
     if (.not. deck%is_given(b, 'direction')) then
       call deck%complain(diagnostics, 'a pressed wall needs the key "direction"', b, 'pressure')
       return
     end if
-    direction = deck%pair(b, 'direction')
+    direction = deck%vector(b, 'direction')
     if (count(abs(direction) > 0) /= 1) then
-      call deck%complain(diagnostics, 'a wall is pressed along x or along y: one number of the direction is 0, the other not', &
-                         b, 'direction')
+      if (scene%dimension == 2) then
+        call deck%complain(diagnostics, 'a wall is pressed along x or along y: one number of the direction is 0, the other not', &
+                           b, 'direction')
+      else
+        call deck%complain(diagnostics, 'a wall is pressed along x, y or z: one number of the direction is not 0, the others are', &
+                           b, 'direction')
+      end if
       return
     end if
     pressure%body = body
-    pressure%direction(:2) = sign(merge(1.0_wp, 0.0_wp, abs(direction) > 0), direction)
+    pressure%direction = sign(merge(1.0_wp, 0.0_wp, abs(direction) > 0), direction)
     pressure%value%constant = deck%number(b, 'pressure')
     if (deck%is_given(b, 'between')) then
       call read_between(deck, b, scene, pressure, diagnostics)
-    else
+    else if (scene%dimension == 2) then
       pressure%length = norm2(deck%pair(b, 'to') - deck%pair(b, 'from'))
+    else
+      pressure%length = product(deck%pair(b, 'size'))
     end if
     call warn_of_no_effect(deck, b, pressure, scene%drives, diagnostics)
-    where (abs(direction) > 0) is_taken(1:2, body) = .true.
+    where (abs(direction(:scene%dimension)) > 0) is_taken(:scene%dimension, body) = .true.
     n = n + 1
     scene%pressures(n) = pressure
   end subroutine press_wall
@@ -225,11 +252,12 @@ contains
     type(pressure_t), intent(in) :: pressure
     type(drive_t), intent(in) :: drives(:)
     type(diagnostics_t), intent(inout) :: diagnostics
-    character(len=*), parameter :: letters = 'xy'
+    character(len=*), parameter :: letters = 'xyz'
     integer :: i
 
     do i = 1, size(drives)
-      if (.not. drives(i)%is_velocity .or. drives(i)%body /= pressure%body .or. drives(i)%component > 2) cycle
+      if (.not. drives(i)%is_velocity .or. drives(i)%body /= pressure%body .or. &
+          drives(i)%component > len(letters)) cycle
       if (.not. abs(pressure%direction(drives(i)%component)) > 0) cycle
       call deck%warn(diagnostics, 'the velocity of this body along '//letters(drives(i)%component:drives(i)%component)// &
                      ' is imposed: the pressure has no effect there', b, 'direction')
@@ -244,7 +272,7 @@ contains
     logical, intent(in) :: is_taken(:, :)
     integer :: component
 
-    do component = 1, 3
+    do component = 1, size(is_taken, 1)
       if (is_taken(component, body)) cycle
       n = n + 1
       scene%drives(n)%body = body

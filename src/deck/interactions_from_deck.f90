@@ -3,13 +3,12 @@ module sg_interactions_from_deck
   use sg_blocks, only: deck_t
   use sg_contactors, only: kind_names, n_kinds
   use sg_error, only: diagnostics_t
-  use sg_keys_scene, only: shape_choices
   use sg_kinds, only: wp
   use sg_run_options, only: run_options_t
   use sg_scene, only: law_index, scene_t, see_t
   use sg_sees, only: blind_pairs
   use sg_text, only: nearest_word, text_t
-  use sg_words, only: choice_index
+  use sg_words, only: choice_index, choices_of
   implicit none
   private
   public :: interactions_from_deck
@@ -57,8 +56,8 @@ contains
     type(see_t), intent(out) :: see
     type(diagnostics_t), intent(inout) :: diagnostics
 
-    see%candidate_kind = choice_index(deck%word(b, 'candidate_shape'), shape_choices)
-    see%antagonist_kind = choice_index(deck%word(b, 'antagonist_shape'), shape_choices)
+    see%candidate_kind = choice_index(deck%word(b, 'candidate_shape'), choices_of(kind_names))
+    see%antagonist_kind = choice_index(deck%word(b, 'antagonist_shape'), choices_of(kind_names))
     call find_colour(deck, b, 'candidate', scene, see%candidate_colour, diagnostics)
     call find_colour(deck, b, 'antagonist', scene, see%antagonist_colour, diagnostics)
     see%alert = alert
@@ -102,7 +101,7 @@ contains
         if (scene%drives(i)%is_velocity) n = n + 1
       end associate
     end do
-    is_free = n_imposed < 3
+    is_free = n_imposed < scene%bodies%n_velocity
   end function is_free
 
   !> Colour of a name; 0 for any.
@@ -172,10 +171,12 @@ contains
       end do
       if (smallest >= huge(1.0_wp)) smallest = minval(contactors%reach(:contactors%n))
       height = maxval(maxval(bodies%position, 2) - minval(bodies%position, 2)) + 2*smallest
-      speed = sqrt(maxval(bodies%velocity(1, :)**2 + bodies%velocity(2, :)**2))
+      speed = sqrt(maxval(sum(bodies%velocity(:scene%dimension, :)**2, 1)))
     end associate
     do c = 1, size(scene%drives)
-      if (scene%drives(c)%is_velocity .and. scene%drives(c)%component < 3) speed = max(speed, scene%drives(c)%value%largest())
+      if (scene%drives(c)%is_velocity .and. scene%drives(c)%component <= scene%dimension) then
+        speed = max(speed, scene%drives(c)%value%largest())
+      end if
     end do
     ! Fastest free fall: through the whole scene. The number of steps has no part in it: a longer run is the same run.
     fall = sqrt(2*norm2(scene%gravity)*height)

@@ -8,19 +8,29 @@ module sg_key_table
   use sg_text, only: nearest_word, text_t
   implicit none
   private
-  public :: key_t, section_t, key_table_t, value_names
+  public :: key_t, section_t, key_table_t, value_name
   public :: value_integer, value_real, value_logical, value_text, value_choice, value_pair, value_range, value_box, &
-            value_points, value_sides, value_body, value_bodies
+            value_points, value_sides, value_body, value_bodies, value_vector, value_turn, value_triple, value_faces
+  public :: in_both, in_plane, in_space
 
   !> What a value may be: whole number, number, true or false, free text, one of several words, two numbers, one or two
-  !> numbers (low and high), four numbers, a list of pairs, one or two whole numbers, a body (name or number), two bodies
+  !> numbers (low and high), a box, a list of points, one or two whole numbers, a body (name or number), two bodies, a
+  !> vector, what is a number in the plane and a vector in space (spin), three numbers, lists of whole numbers
   integer, parameter :: value_integer = 1, value_real = 2, value_logical = 3, value_text = 4, value_choice = 5, &
                         value_pair = 6, value_range = 7, value_box = 8, value_points = 9, value_sides = 10, &
-                        value_body = 11, value_bodies = 12
-  !> Words for them, as the reference and messages say it
-  character(len=29), parameter :: value_names(12) = [character(len=29) :: 'an integer', 'a number', 'true or false', &
+                        value_body = 11, value_bodies = 12, value_vector = 13, value_turn = 14, value_triple = 15, &
+                        value_faces = 16
+  !> Words for them in the plane, as the reference and messages say it
+  character(len=29), parameter :: plane_names(16) = [character(len=29) :: 'an integer', 'a number', 'true or false', &
     'a string', 'one of the words', 'a list of 2 numbers', 'a number or a list of 2', 'a list of 4 numbers', &
-    'a list of [x, y]', 'an integer or a list of 2', 'the name or number of a body', 'a list of 2 bodies']
+    'a list of [x, y]', 'an integer or a list of 2', 'the name or number of a body', 'a list of 2 bodies', &
+    'a list of 2 numbers', 'a number', 'a list of 3 numbers', 'a list of lists of integers']
+  !> Words for them in space
+  character(len=29), parameter :: space_names(16) = [character(len=29) :: plane_names(:7), 'a list of 6 numbers', &
+    'a list of [x, y, z]', plane_names(10:12), 'a list of 3 numbers', 'a list of 3 numbers', plane_names(15:16)]
+
+  !> Where a key or a section has a meaning: in scenes of both dimensions, of two, of three
+  integer, parameter :: in_both = 0, in_plane = 2, in_space = 3
 
   !> One key of the table
   type :: key_t
@@ -30,20 +40,23 @@ module sg_key_table
     integer :: kind = 0
     !> Unit, empty for none
     character(len=24) :: unit = ''
-    !> Default as TOML text, empty when there is none
-    character(len=24) :: default = ''
+    !> Default as TOML text, empty when there is none, and where it is another one in space
+    character(len=24) :: default = '', space_default = ''
+    !> Dimension in which it has a meaning, one of `in_*`, and the key to use instead in the other
+    integer :: dimension = in_both
+    character(len=24) :: twin = ''
     !> Must it be given (where it applies)?
     logical :: is_required = .false.
     !> Range of each number; `lowest` itself is out of it when `is_open`
     real(wp) :: lowest = -huge(1.0_wp), highest = huge(1.0_wp)
     logical :: is_open = .false.
-    !> Words to choose from, with a bar between two
-    character(len=136) :: choices = ''
+    !> Words to choose from, with a bar between two; where `space_choices` is not empty, `choices` are those of the plane
+    character(len=136) :: choices = '', space_choices = ''
     !> When it applies: another key of the section, empty for always, and its words for which it does
     character(len=24) :: selector = ''
-    character(len=104) :: only = ''
+    character(len=120) :: only = ''
     !> What it is, one sentence
-    character(len=240) :: sentence = ''
+    character(len=280) :: sentence = ''
   end type key_t
 
   !> One section of the table
@@ -52,6 +65,8 @@ module sg_key_table
     character(len=24) :: name = ''
     !> Is it a list of blocks, `[[name]]`?
     logical :: is_list = .false.
+    !> Dimension in which it has a meaning, one of `in_*`
+    integer :: dimension = in_both
     !> What it is, one sentence
     character(len=400) :: sentence = ''
     !> Its keys in the table: first and last
@@ -74,24 +89,27 @@ module sg_key_table
 contains
 
   !> Begin a section; the keys added next belong to it.
-  subroutine open_section(self, name, sentence, is_list)
+  subroutine open_section(self, name, sentence, is_list, dimension)
     class(key_table_t), intent(inout) :: self
     character(len=*), intent(in) :: name !! name of the section
     character(len=*), intent(in) :: sentence !! what it is
     logical, intent(in), optional :: is_list !! is it written `[[name]]`?
+    integer, intent(in), optional :: dimension !! where it has a meaning, one of `in_*`
     type(section_t) :: section
 
     if (.not. allocated(self%sections)) allocate (self%sections(0), self%keys(0))
     call put(section%name, name)
     call put(section%sentence, sentence)
     if (present(is_list)) section%is_list = is_list
+    if (present(dimension)) section%dimension = dimension
     section%first = size(self%keys) + 1
     section%last = size(self%keys)
     self%sections = [self%sections, section]
   end subroutine open_section
 
   !> Add a key to the section opened last.
-  subroutine add(self, name, kind, sentence, unit, default, is_required, least, above, most, choices, only)
+  subroutine add(self, name, kind, sentence, unit, default, is_required, least, above, most, choices, only, space_default, &
+                 space_choices, dimension, twin)
     class(key_table_t), intent(inout) :: self
     character(len=*), intent(in) :: name !! name of the key
     integer, intent(in) :: kind !! kind of value
@@ -104,6 +122,10 @@ contains
     real(wp), intent(in), optional :: most !! largest number allowed
     character(len=*), intent(in), optional :: choices !! words to choose from
     character(len=*), intent(in), optional :: only !! when it applies, `key=word|word`
+    character(len=*), intent(in), optional :: space_default !! default in space, where it is another
+    character(len=*), intent(in), optional :: space_choices !! words to choose from in space, where they are others
+    integer, intent(in), optional :: dimension !! where it has a meaning, one of `in_*`
+    character(len=*), intent(in), optional :: twin !! key to use in its place in the other dimension
     type(key_t) :: key
     integer :: cut
 
@@ -122,6 +144,10 @@ contains
     key%is_open = present(above)
     if (present(most)) key%highest = most
     if (present(choices)) call put(key%choices, choices)
+    if (present(space_default)) call put(key%space_default, space_default)
+    if (present(space_choices)) call put(key%space_choices, space_choices)
+    if (present(dimension)) key%dimension = dimension
+    if (present(twin)) call put(key%twin, twin)
     if (present(only)) then
       cut = index(only, '=')
       call put(key%selector, only(:cut - 1))
@@ -129,6 +155,17 @@ contains
     end if
     self%keys = [self%keys, key]
   end subroutine add
+
+  !> What a value may be, in words: in the plane, in space, or (dimension 0) in both.
+  pure function value_name(kind, dimension) result(words)
+    integer, intent(in) :: kind !! one of `value_*`
+    integer, intent(in) :: dimension !! 2, 3, or 0 where it is not known
+    character(len=:), allocatable :: words
+
+    words = trim(plane_names(kind))
+    if (dimension == 3) words = trim(space_names(kind))
+    if (dimension == 0 .and. plane_names(kind) /= space_names(kind)) words = words//', in space '//trim(space_names(kind))
+  end function value_name
 
   !> Fill a text of the table. One that does not fit is a mistake in keys_*.f90, which the first deck brings to light.
   subroutine put(field, text)

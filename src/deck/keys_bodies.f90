@@ -1,22 +1,24 @@
-!> The key table, third part: bodies, walls and samples.
+!> The key table, third part: bodies and walls.
 module sg_keys_bodies
-  use sg_key_table, only: key_table_t, value_box, value_choice, value_integer, value_logical, value_pair, value_points, &
-                          value_range, value_real, value_sides, value_text, value_bodies
-  use sg_keys_scene, only: shape_choices
+  use sg_key_table, only: in_plane, in_space, key_table_t, value_bodies, value_choice, value_faces, value_logical, value_pair, &
+                          value_points, value_real, value_text, value_triple, value_turn, value_vector
+  use sg_keys_scene, only: plane_shapes, space_shapes
   use sg_kinds, only: wp
   implicit none
   private
-  public :: add_body_keys
+  public :: add_body_keys, add_common
+
+  !> Shapes that a body may have in space
+  character(len=*), parameter :: solid_shapes = space_shapes//'|box'
 
 contains
 
-  !> Sections body, body.shape, wall and sample.
+  !> Sections body, body.shape and wall.
   subroutine add_body_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
     call add_bodies(table)
     call add_walls(table)
-    call add_samples(table)
   end subroutine add_body_keys
 
   !> Sections body and body.shape.
@@ -25,33 +27,44 @@ contains
 
     call table%open_section('body', 'One rigid body, with one shape of its own or several [[body.shape]] (a cluster). Mass, '// &
                             'inertia and centre come from density and shapes (what two shapes share counts twice); a hollow '// &
-                            'disk weighs nothing.', is_list=.true.)
+                            'disk or cylinder weighs nothing.', is_list=.true.)
     call table%add('name', value_text, 'Name by which drives call it.')
     call add_common(table, 'grain')
-    call table%add('position', value_pair, 'Where the origin of the shapes lies.', unit='m', default='[0.0, 0.0]')
-    call table%add('angle', value_real, 'Orientation, counter-clockwise.', unit='rad', default='0.0')
-    call table%add('velocity', value_pair, 'Velocity at the start.', unit='m/s', default='[0.0, 0.0]')
-    call table%add('spin', value_real, 'Angular velocity at the start.', unit='rad/s', default='0.0')
+    call table%add('position', value_vector, 'Where the origin of the shapes lies.', unit='m', default='[0.0, 0.0]', &
+                   space_default='[0.0, 0.0, 0.0]')
+    call table%add('angle', value_real, 'Orientation, counter-clockwise.', unit='rad', default='0.0', dimension=in_plane, &
+                   twin='rotation')
+    call table%add('rotation', value_triple, 'Orientation: the rotation about this vector by its length.', unit='rad', &
+                   default='[0.0, 0.0, 0.0]', dimension=in_space, twin='angle')
+    call table%add('velocity', value_vector, 'Velocity of the centre of mass at the start.', unit='m/s', default='[0.0, 0.0]', &
+                   space_default='[0.0, 0.0, 0.0]')
+    call table%add('spin', value_turn, 'Angular velocity at the start; in space about the axes of the world.', unit='rad/s', &
+                   default='0.0', space_default='[0.0, 0.0, 0.0]')
     call table%add('fixed', value_logical, 'Never moves.', default='false')
-    call table%add('mass', value_real, 'Mass per metre of depth, in place of that of the shapes.', unit='kg', above=0.0_wp)
-    call table%add('inertia', value_real, 'Moment of inertia about the centre, in place of that of the shapes.', unit='kg m2', &
+    call table%add('mass', value_real, 'Mass, in place of that of the shapes; in the plane per metre of depth.', unit='kg', &
                    above=0.0_wp)
-    call table%add('shape', value_choice, 'Its only shape, when it has one.', choices=shape_choices)
+    call table%add('inertia', value_turn, 'Moment of inertia about the centre, in place of that of the shapes; in space the '// &
+                   'moments about the principal axes that are nearest to x, y and z of the body.', unit='kg m2', above=0.0_wp)
+    call table%add('shape', value_choice, 'Its only shape, when it has one.', choices=plane_shapes, space_choices=solid_shapes)
     call add_sizes(table, 'shape')
 
     call table%open_section('body.shape', 'One shape of the body above it.', is_list=.true.)
-    call table%add('kind', value_choice, 'Kind of shape.', is_required=.true., choices=shape_choices)
+    call table%add('kind', value_choice, 'Kind of shape.', is_required=.true., choices=plane_shapes, space_choices=solid_shapes)
     call table%add('colour', value_text, 'Colour; default: that of the body.')
     call add_sizes(table, 'kind')
-    call table%add('centre', value_pair, 'Centre of the shape in the frame of the body.', unit='m', default='[0.0, 0.0]')
+    call table%add('centre', value_vector, 'Where the origin of the shape lies in the frame of the body.', unit='m', &
+                   default='[0.0, 0.0]', space_default='[0.0, 0.0, 0.0]')
     call table%add('angle', value_real, 'Orientation of the shape in the frame of the body.', unit='rad', default='0.0', &
-                   only='kind=segment|polygon')
+                   only='kind=segment|polygon', dimension=in_plane, twin='rotation')
+    call table%add('rotation', value_triple, 'Orientation of the shape in the frame of the body: the rotation about this '// &
+                   'vector by its length.', unit='rad', default='[0.0, 0.0, 0.0]', dimension=in_space, twin='angle', &
+                   only='kind=plane|cylinder|hollow cylinder|polyhedron|box')
   end subroutine add_bodies
 
   !> Material and colour.
   subroutine add_common(table, colour)
-    type(key_table_t), intent(inout) :: table
-    character(len=*), intent(in) :: colour
+    type(key_table_t), intent(inout) :: table !! table to add to
+    character(len=*), intent(in) :: colour !! default of the colour
 
     call table%add('material', value_text, 'Name of the material; default: the only one.')
     call table%add('colour', value_text, 'Colour, by which interactions tell bodies apart.', default='"'//colour//'"')
@@ -62,63 +75,55 @@ contains
     type(key_table_t), intent(inout) :: table
     character(len=*), intent(in) :: selector
 
-    call table%add('radius', value_real, 'Radius; of a hollow disk the inner one.', unit='m', is_required=.true., above=0.0_wp, &
-                   only=selector//'=disk|hollow disk')
+    call table%add('radius', value_real, 'Radius; of a hollow disk or cylinder the inner one.', unit='m', is_required=.true., &
+                   above=0.0_wp, only=selector//'=disk|hollow disk|sphere|cylinder|hollow cylinder')
     call table%add('half_length', value_real, 'Half length of the axis of a rounded segment.', unit='m', is_required=.true., &
-                   above=0.0_wp, only=selector//'=segment')
+                   above=0.0_wp, only=selector//'=segment', dimension=in_plane, twin='half_height')
     call table%add('half_thickness', value_real, 'Half thickness of a rounded segment, the radius of its caps.', unit='m', &
-                   is_required=.true., above=0.0_wp, only=selector//'=segment')
-    call table%add('vertices', value_points, 'Vertices of a convex polygon, counter-clockwise.', unit='m', is_required=.true., &
-                   only=selector//'=polygon')
+                   is_required=.true., above=0.0_wp, only=selector//'=segment', dimension=in_plane, twin='radius')
+    call table%add('half_height', value_real, 'Half length of the axis of a cylinder, which lies along z. A cylinder ends in '// &
+                   'half spheres beyond its axis (a capsule), a hollow one is open at both ends.', unit='m', is_required=.true., &
+                   above=0.0_wp, only=selector//'=cylinder|hollow cylinder', dimension=in_space, twin='half_length')
+    call table%add('half_axes', value_triple, 'Half lengths of the sides of a box or a plane along x, y and z. A plane is a '// &
+                   'thin box that other planes and boxes pass through; its thickness lies along z.', unit='m', &
+                   is_required=.true., above=0.0_wp, only=selector//'=plane|box', dimension=in_space)
+    call table%add('vertices', value_points, 'Vertices of a convex polygon, counter-clockwise; in space those of a convex '// &
+                   'polyhedron, in any order.', unit='m', only=selector//'=polygon|polyhedron')
+    call table%add('faces', value_faces, 'Faces of the polyhedron: numbers of vertices from 1, counter-clockwise seen from '// &
+                   'outside. Without faces it is the hull of the vertices.', least=1.0_wp, &
+                   only=selector//'=polyhedron', dimension=in_space)
+    call table%add('file', value_text, 'In place of vertices: file with the surface of the polyhedron, STL or OBJ, relative to '// &
+                   'the deck.', only=selector//'=polyhedron', dimension=in_space)
+    call table%add('scale', value_real, 'Length of a unit of the file.', unit='m', default='1.0', above=0.0_wp, &
+                   only=selector//'=polyhedron', dimension=in_space)
+    call table%add('hull', value_logical, 'Take the convex hull of the file''s vertices.', default='false', &
+                   only=selector//'=polyhedron', dimension=in_space)
   end subroutine add_sizes
 
   !> Section wall.
   subroutine add_walls(table)
     type(key_table_t), intent(inout) :: table
 
-    call table%open_section('wall', 'A rounded segment about the axis from one point to another; its faces lie half a '// &
-                            'thickness beside the axis. It is fixed, or moves with a velocity, or is pressed; a [[drive]] or '// &
+    call table%open_section('wall', 'In the plane a rounded segment about the axis from one point to another, whose faces lie '// &
+                            'half a thickness beside the axis; in space a plane with a rectangular face, its thickness '// &
+                            'behind the face. It is fixed, or moves with a velocity, or is pressed; a [[drive]] or '// &
                             '[[pressure]] on it takes its component over.', is_list=.true.)
     call table%add('name', value_text, 'Name by which drives call it.')
     call add_common(table, 'wall')
-    call table%add('from', value_pair, 'One end of the axis.', unit='m', is_required=.true.)
-    call table%add('to', value_pair, 'Other end of the axis.', unit='m', is_required=.true.)
-    call table%add('thickness', value_real, 'Thickness: twice the radius of the caps.', unit='m', is_required=.true., above=0.0_wp)
-    call table%add('velocity', value_pair, 'Constant velocity of the wall.', unit='m/s', default='[0.0, 0.0]')
-    call table%add('pressure', value_real, 'Pressure on the wall, which then moves along the direction alone.', unit='Pa')
-    call table%add('direction', value_pair, 'Direction of the pressure: along x or along y.')
-    call table%add('between', value_bodies, 'Two walls whose free distance is the pressed length; default: the length of the axis.')
-  end subroutine add_walls
-
-  !> Section sample.
-  subroutine add_samples(table)
-    type(key_table_t), intent(inout) :: table
-
-    call table%open_section('sample', 'Many grains in a box, without overlap: on a lattice, or inserted at random.', is_list=.true.)
-    call table%add('kind', value_choice, 'How grains are placed.', default='"random"', choices='random|lattice')
-    call table%add('shape', value_choice, 'Shape of the grains.', default='"disk"', choices='disk|polygon')
-    call table%add('box', value_box, 'Box that holds all grains: [x least, y least, x most, y most]. Over the whole period of '// &
-                   'a periodic scene grains go through its sides.', unit='m', is_required=.true.)
-    call table%add('count', value_integer, 'Number of grains; a lattice without it is filled.', least=1.0_wp, most=1e7_wp)
-    call table%add('fill', value_real, 'In place of count: area of the grains'' circles over that of the box.', above=0.0_wp, &
-                   most=0.9_wp, only='kind=random')
-    call table%add('radius', value_range, 'Radius of the circle about a grain: one number, or [least, most].', unit='m', &
+    call table%add('from', value_pair, 'One end of the axis.', unit='m', is_required=.true., dimension=in_plane, twin='centre')
+    call table%add('to', value_pair, 'Other end of the axis.', unit='m', is_required=.true., dimension=in_plane, twin='size')
+    call table%add('centre', value_triple, 'Centre of the face.', unit='m', is_required=.true., dimension=in_space, twin='from')
+    call table%add('normal', value_triple, 'Normal of the face, of any length, towards the grains.', default='[0.0, 0.0, 1.0]', &
+                   dimension=in_space)
+    call table%add('size', value_pair, 'Sides of the face: of one that is level along x and y; of others the level side, then '// &
+                   'the one that rises.', unit='m', is_required=.true., above=0.0_wp, dimension=in_space, twin='to')
+    call table%add('thickness', value_real, 'Thickness; in the plane twice the radius of the caps.', unit='m', &
                    is_required=.true., above=0.0_wp)
-    call table%add('distribution', value_choice, 'How radii are spread: evenly by number; evenly by area (as many grains as '// &
-                   'make each size class weigh the same); lognormal (median in the geometric middle, ends two '// &
-                   'deviations away, cut there); all the same (the least).', default='"uniform"', &
-                   choices='uniform|volume|lognormal|constant')
-    call table%add('sides', value_sides, 'Number of sides of polygons: one number, or [least, most].', default='[5, 8]', &
-                   least=3.0_wp, most=64.0_wp, only='shape=polygon')
-    call table%add('seed', value_integer, 'Seed of the random numbers: the same seed gives the same grains.', default='1')
-    call table%add('arrangement', value_choice, 'Lattice.', default='"square"', choices='square|triangular', only='kind=lattice')
-    call table%add('spacing', value_real, 'Distance of lattice points over the largest diameter.', default='1.05', least=1.0_wp, &
-                   only='kind=lattice')
-    call table%add('jitter', value_real, 'Random shift of lattice grains, as a share of the room that is free.', default='0.0', &
-                   least=0.0_wp, most=1.0_wp, only='kind=lattice')
-    call table%add('clearance', value_real, 'Least distance between two grains inserted at random.', unit='m', default='0.0', &
-                   least=0.0_wp, only='kind=random')
-    call add_common(table, 'grain')
-    call table%add('velocity', value_pair, 'Velocity at the start.', unit='m/s', default='[0.0, 0.0]')
-  end subroutine add_samples
+    call table%add('velocity', value_vector, 'Constant velocity of the wall.', unit='m/s', default='[0.0, 0.0]', &
+                   space_default='[0.0, 0.0, 0.0]')
+    call table%add('pressure', value_real, 'Pressure on the wall, which then moves along the direction alone.', unit='Pa')
+    call table%add('direction', value_vector, 'Direction of the pressure: along x or along y, in space also along z.')
+    call table%add('between', value_bodies, 'Two walls whose free distance is the pressed length; default: the length of '// &
+                   'the axis.', dimension=in_plane)
+  end subroutine add_walls
 end module sg_keys_bodies

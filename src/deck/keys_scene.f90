@@ -1,17 +1,19 @@
 !> The key table, second part: scene, materials, laws, who sees whom, and what is imposed.
 module sg_keys_scene
-  use sg_key_table, only: key_table_t, value_bodies, value_body, value_choice, value_integer, value_pair, value_real, value_text
+  use sg_key_table, only: in_plane, in_space, key_table_t, value_bodies, value_body, value_choice, value_integer, value_real, &
+                          value_text, value_vector
   use sg_kinds, only: wp
   use sg_words, only: choices_of
   implicit none
   private
-  public :: add_scene_keys, add_law_keys, add_drive_keys, law_kinds, shape_choices
+  public :: add_scene_keys, add_law_keys, add_drive_keys, law_kinds, plane_shapes, space_shapes
 
   !> Words for the kinds of law, those of LMGC90, in the order of the numbers `law_*`
   character(len=18), parameter :: law_kinds(8) = [character(len=18) :: 'IQS_CLB', 'GAP_SGR_CLB', 'VEL_SGR_CLB', 'RST_CLB', &
     'IQS_WET_DS_CLB', 'IQS_MOHR_DS_CLB', 'ELASTIC_REPELL_CLB', 'LINEAR']
-  !> Words for the shapes, in the order of the numbers `kind_*` of contactors
-  character(len=*), parameter :: shape_choices = 'disk|segment|hollow disk|polygon'
+  !> Words for the shapes of the plane and of space; those that stand at one place correspond
+  character(len=*), parameter :: plane_shapes = 'disk|segment|hollow disk|polygon'
+  character(len=*), parameter :: space_shapes = 'sphere|cylinder|hollow cylinder|polyhedron|plane'
 
 contains
 
@@ -20,14 +22,16 @@ contains
     type(key_table_t), intent(inout) :: table !! table to add to
 
     call table%open_section('scene', 'What holds for the whole scene.')
-    call table%add('dimension', value_integer, 'Dimension of space; only planar scenes exist.', default='2', &
-                   least=2.0_wp, most=2.0_wp)
+    call table%add('dimension', value_integer, '2 for a scene in the plane (x, y), 3 for one in space (x, y, z); with a DATBOX '// &
+                   'the default is its own.', default='2', least=2.0_wp, most=3.0_wp)
     call table%add('datbox', value_text, 'LMGC90 DATBOX folder that holds bodies, materials, laws and initial state, relative '// &
                    'to the deck; the only native blocks beside it are [[drive]] and [[pressure]].')
-    call table%add('gravity', value_pair, 'Acceleration of gravity; with a DATBOX the default is that of its BULK_BEHAV.DAT.', &
-                   unit='m/s2', default='[0.0, -9.81]')
+    call table%add('gravity', value_vector, 'Acceleration of gravity; with a DATBOX the default is that of its '// &
+                   'BULK_BEHAV.DAT.', unit='m/s2', default='[0.0, -9.81]', space_default='[0.0, 0.0, -9.81]')
     call table%add('period_x', value_real, 'Length of the period in x; 0 for none. Grains lie between 0 and the period.', &
                    unit='m', default='0.0', least=0.0_wp)
+    call table%add('period_y', value_real, 'Length of the period in y; 0 for none.', unit='m', default='0.0', least=0.0_wp, &
+                   dimension=in_space)
   end subroutine add_scene_keys
 
   !> Sections material, law and interaction.
@@ -39,7 +43,8 @@ contains
 
     call table%open_section('material', 'A bulk material.', is_list=.true.)
     call table%add('name', value_text, 'Name by which bodies call it.', is_required=.true.)
-    call table%add('density', value_real, 'Mass per area and metre of depth.', unit='kg/m3', is_required=.true., above=0.0_wp)
+    call table%add('density', value_real, 'Mass per volume; in the plane per area and metre of depth.', unit='kg/m3', &
+                   is_required=.true., above=0.0_wp)
 
     call table%open_section('law', 'A contact law. The only law of a deck without [[interaction]] holds between all pairs.', &
                             is_list=.true.)
@@ -71,8 +76,10 @@ contains
                             'order of the two.', is_list=.true.)
     call table%add('candidate', value_text, 'Colour of the one; any for all colours.', default='"any"')
     call table%add('antagonist', value_text, 'Colour of the other; any for all colours.', default='"any"')
-    call table%add('candidate_shape', value_choice, 'Shape of the one.', default='"any"', choices='any|'//shape_choices)
-    call table%add('antagonist_shape', value_choice, 'Shape of the other.', default='"any"', choices='any|'//shape_choices)
+    call table%add('candidate_shape', value_choice, 'Shape of the one.', default='"any"', choices='any|'//plane_shapes, &
+                   space_choices='any|'//space_shapes)
+    call table%add('antagonist_shape', value_choice, 'Shape of the other.', default='"any"', choices='any|'//plane_shapes, &
+                   space_choices='any|'//space_shapes)
     call table%add('law', value_text, 'Name of the law; default: the only one.')
     call table%add('alert', value_real, 'Contacts exist where the gap is below this. Default: a tenth of the radius of the '// &
                    'smallest grain, or what the fastest grain may travel in a step if that is more.', unit='m', least=0.0_wp)
@@ -83,18 +90,26 @@ contains
     type(key_table_t), intent(inout) :: table !! table to add to
 
     call table%open_section('drive', 'One imposed component of one body: (value + amplitude cos(omega t + phase)) '// &
-                            'min(1, ramp_start + ramp_rate t), or a table.', is_list=.true.)
-    call table%add('body', value_body, 'Body, by name or by number (in the order body, wall, sample, from 1).', is_required=.true.)
-    call table%add('component', value_choice, 'Component.', is_required=.true., choices='x|y|rotation')
+                            'min(1, ramp_start + ramp_rate t), or a table. In space a rotation is the spin or the torque '// &
+                            'about that principal axis of the body which is nearest to its own x, y or z, and turns with it.', &
+                            is_list=.true.)
+    call table%add('body', value_body, 'Body, by name or by number (in the order body, wall, container, brick_wall, arch, '// &
+                   'sample, from 1).', is_required=.true.)
+    call table%add('component', value_choice, 'Component.', is_required=.true., choices='x|y|rotation', &
+                   space_choices='x|y|z|rotation_x|rotation_y|rotation_z')
     call table%add('kind', value_choice, 'What is imposed.', default='"velocity"', choices='velocity|force')
     call add_time_function(table, 'm/s, rad/s, N, Nm')
 
     call table%open_section('pressure', 'A pressure that pushes a body: (value + amplitude cos(omega t + phase)) '// &
-                            'min(1, ramp_start + ramp_rate t), or a table, times the pressed length.', is_list=.true.)
+                            'min(1, ramp_start + ramp_rate t), or a table, times the pressed length; in space, area.', &
+                            is_list=.true.)
     call table%add('body', value_body, 'Body, by name or by number.', is_required=.true.)
-    call table%add('direction', value_pair, 'Direction of the push, of any length but zero.', is_required=.true.)
-    call table%add('length', value_real, 'Pressed length.', unit='m', above=0.0_wp)
-    call table%add('between', value_bodies, 'In place of length: two bodies whose free distance is the pressed length.')
+    call table%add('direction', value_vector, 'Direction of the push, of any length but zero.', is_required=.true.)
+    call table%add('length', value_real, 'Pressed length.', unit='m', above=0.0_wp, dimension=in_plane, twin='area')
+    call table%add('between', value_bodies, 'In place of length: two bodies whose free distance is the pressed length.', &
+                   dimension=in_plane, twin='area')
+    call table%add('area', value_real, 'Pressed area.', unit='m2', is_required=.true., above=0.0_wp, dimension=in_space, &
+                   twin='length')
     call add_time_function(table, 'Pa')
   end subroutine add_drive_keys
 

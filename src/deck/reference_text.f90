@@ -1,7 +1,7 @@
 !> The deck reference as Markdown, generated from the key table: `splitgrain reference` prints it, and
 !! doc/deck_reference.md is a copy that a test keeps up to date.
 module sg_reference_text
-  use sg_key_table, only: key_t, key_table_t, section_t, value_choice, value_names
+  use sg_key_table, only: key_t, key_table_t, section_t, value_choice, value_name, in_both, in_plane, in_space
   use sg_keys, only: all_keys
   use sg_kinds, only: wp
   use sg_text, only: text_t
@@ -24,7 +24,8 @@ contains
     text = '# Deck reference'//nl//nl// &
       'Generated from the key table by `splitgrain reference`; do not edit.'//nl//nl// &
       'A deck is a TOML text. Sections and keys may come in any order; an unknown word is an error. `[name]` stands once '// &
-      'or not at all, `[[name]]` as often as wanted. Units are SI, angles in radians; masses are per metre of depth. '// &
+      'or not at all, `[[name]]` as often as wanted. Units are SI, angles in radians; masses of planar scenes are per metre of '// &
+      'depth. What is in space belongs to scenes with `scene.dimension = 3`. '// &
       'Paths are relative to the folder of the deck. Lists are written `[1.0, 2.0]`. `--set section.key=value` lays a '// &
       'value over the deck, for every block of a section or, as `section[2].key=value`, for one of them, counted from 1; '// &
       'words need no quotes there.'//nl//nl// &
@@ -44,7 +45,9 @@ contains
 
     text = trim(section%name)
     if (section%is_list) text = '['//text//']'
-    text = nl//'## `['//text//']`'//nl//nl//trim(section%sentence)//nl//nl// &
+    text = nl//'## `['//text//']`'//nl//nl//trim(section%sentence)
+    if (section%dimension /= in_both) text = text//' Only in space.'
+    text = text//nl//nl// &
            '| key | value | unit | default | meaning |'//nl//'| --- | --- | --- | --- | --- |'//nl
     do k = section%first, section%last
       associate (key => table%keys(k))
@@ -62,9 +65,10 @@ contains
 
     if (key%kind == value_choice) then
       words = code_words(trim(key%choices), ', ')
+      if (key%space_choices /= '') words = words//'; in space '//code_words(trim(key%space_choices), ', ')
       return
     end if
-    words = trim(value_names(key%kind))
+    words = value_name(key%kind, key%dimension)
     has_low = key%lowest > -huge(1.0_wp)
     has_high = key%highest < huge(1.0_wp)
     if (has_low) words = words//trim(merge(', above   ', ', at least', key%is_open))//' '//number(key%lowest)
@@ -89,6 +93,7 @@ contains
 
     words = ''
     if (key%default /= '') words = '`'//trim(key%default)//'`'
+    if (key%space_default /= '') words = words//', in space `'//trim(key%space_default)//'`'
     if (key%is_required) words = 'required'
   end function default_of
 
@@ -99,6 +104,8 @@ contains
 
     words = ''
     if (key%selector /= '') words = ' Only for '//trim(key%selector)//' '//code_words(trim(key%only), ', ')//'.'
+    if (key%dimension == in_plane) words = words//' Only in the plane.'
+    if (key%dimension == in_space) words = words//' Only in space.'
   end function when_it_applies
 
   !> Words with a bar between two, each set as code.

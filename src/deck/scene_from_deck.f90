@@ -10,16 +10,19 @@ module sg_scene_from_deck
   use sg_laws_from_deck, only: laws_from_deck, materials_from_deck
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
+  use sg_solid_checks, only: check_solid_overlaps
+  use sg_solids_from_deck, only: solids_from_deck
   use sg_start_checks, only: check_overlaps, check_range
   use sg_system, only: file_exists
+  use sg_text, only: to_text
   use sg_time_function_from_deck, only: path_in_deck
   implicit none
   private
   public :: scene_from_deck
 
   !> Sections that a DATBOX replaces
-  character(len=11), parameter :: own_sections(6) = [character(len=11) :: 'material', 'law', 'interaction', 'body', 'wall', &
-                                                     'sample']
+  character(len=11), parameter :: own_sections(9) = [character(len=11) :: 'material', 'law', 'interaction', 'body', 'wall', &
+                                                     'container', 'brick_wall', 'arch', 'sample']
 
 contains
 
@@ -32,21 +35,31 @@ contains
     integer :: b
 
     b = deck%block_of('scene')
+    scene%dimension = deck%dimension
     scene%period = deck%number(b, 'period_x')
+    if (scene%dimension == 3) scene%period_y = deck%number(b, 'period_y')
     if (deck%is_given(b, 'datbox')) then
       call scene_from_datbox(deck, b, scene, diagnostics)
       return
     end if
-    scene%dimension = deck%integer(b, 'dimension')
-    scene%gravity(:2) = deck%pair(b, 'gravity')
+    scene%gravity = deck%vector(b, 'gravity')
     call materials_from_deck(deck, scene, diagnostics)
     call laws_from_deck(deck, scene, diagnostics)
-    call bodies_from_deck(deck, scene, diagnostics)
+    if (scene%dimension == 2) then
+      call bodies_from_deck(deck, scene, diagnostics)
+    else
+      call solids_from_deck(deck, scene, diagnostics)
+    end if
     if (diagnostics%count() > 0) return
     call drives_from_deck(deck, scene, diagnostics)
     call interactions_from_deck(deck, options, scene, diagnostics)
     call check_range(deck, scene, diagnostics)
-    if (diagnostics%count() == 0) call check_overlaps(deck, scene, diagnostics)
+    if (diagnostics%count() > 0) return
+    if (scene%dimension == 2) then
+      call check_overlaps(deck, scene, diagnostics)
+    else
+      call check_solid_overlaps(deck, scene, diagnostics)
+    end if
   end subroutine scene_from_deck
 
   !> Build the scene of a DATBOX folder, with gravity, drives and pressures of the deck on top.
@@ -56,7 +69,7 @@ contains
     type(scene_t), intent(inout) :: scene
     type(diagnostics_t), intent(inout) :: diagnostics
     character(len=:), allocatable :: folder
-    real(wp) :: period
+    real(wp) :: period(2)
     integer :: b, i
 
     do b = 1, deck%n
@@ -70,14 +83,20 @@ contains
       call deck%complain(diagnostics, 'there is no folder "'//folder//'"', block, 'datbox')
       return
     end if
-    period = scene%period
+    period = [scene%period, scene%period_y]
     call read_datbox(folder, scene, diagnostics)
-    scene%period = period
+    scene%period = period(1)
+    scene%period_y = period(2)
     if (diagnostics%count() > 0) return
+    if (scene%bodies%dimension /= deck%dimension) then
+      call deck%complain(diagnostics, 'the bodies of the folder have '//to_text(scene%bodies%dimension)//' dimensions, not '// &
+                         to_text(deck%dimension), block, 'dimension')
+      return
+    end if
     if (deck%is_given(block, 'gravity')) then
-      scene%gravity(:2) = deck%pair(block, 'gravity')
+      scene%gravity = deck%vector(block, 'gravity')
     else
-      call deck%give_pair(block, 'gravity', scene%gravity(:2))
+      call deck%give_numbers(block, 'gravity', scene%gravity(:deck%dimension))
     end if
     call drives_from_deck(deck, scene, diagnostics)
     call wrap(scene)
@@ -88,12 +107,17 @@ contains
     type(scene_t), intent(inout) :: scene
     integer :: i
 
-    if (.not. scene%period > 0) return
     associate (bodies => scene%bodies)
       do i = 1, bodies%n
         if (.not. bodies%is_grain(i)) cycle
-        bodies%crossings(i) = floor(bodies%position(1, i)/scene%period, i4)
-        bodies%position(1, i) = modulo(bodies%position(1, i), scene%period)
+        if (scene%period > 0) then
+          bodies%crossings(i) = floor(bodies%position(1, i)/scene%period, i4)
+          bodies%position(1, i) = modulo(bodies%position(1, i), scene%period)
+        end if
+        if (scene%period_y > 0) then
+          bodies%crossings_y(i) = floor(bodies%position(2, i)/scene%period_y, i4)
+          bodies%position(2, i) = modulo(bodies%position(2, i), scene%period_y)
+        end if
       end do
     end associate
   end subroutine wrap

@@ -66,6 +66,11 @@ contains
     real(wp) :: area, offset(2), moment
     integer :: i
 
+    if (.not. deck%is_given(b, 'vertices')) then
+      call deck%complain(diagnostics, deck%heading(deck%blocks(b)%section)//' lacks the key "vertices": vertices of a convex '// &
+                         'polygon, counter-clockwise', b)
+      return
+    end if
     value = deck%value(b, 'vertices')
     vertices = reshape(value%numbers(:value%n), [2, value%n/2])
     call check_polygon(vertices, message)

@@ -11,7 +11,7 @@ module sg_start_checks
   use sg_text, only: to_text
   implicit none
   private
-  public :: check_range, check_overlaps
+  public :: check_range, check_overlaps, report_overlap, warn_of_more
 
   !> Share of the smaller radius by which two bodies may overlap at the start
   real(wp), parameter :: tolerated = 0.1_wp
@@ -27,25 +27,37 @@ contains
     type(deck_t), intent(in) :: deck !! checked deck
     type(scene_t), intent(in) :: scene !! scene with its bodies
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+
+    if (scene%period > 0) call check_axis(deck, scene, 1, scene%period, diagnostics)
+    if (scene%period_y > 0) call check_axis(deck, scene, 2, scene%period_y, diagnostics)
+  end subroutine check_range
+
+  !> The same along one axis.
+  subroutine check_axis(deck, scene, axis, period, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: axis
+    real(wp), intent(in) :: period
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=*), parameter :: letters = 'xy'
     integer :: i
 
-    if (.not. scene%period > 0) return
     do i = 1, scene%contactors%n
       if (.not. scene%bodies%is_grain(scene%contactors%body(i)) .or. .not. is_round(scene%contactors%kind(i))) cycle
-      if (2*scene%contactors%reach(i) <= scene%period) cycle
+      if (2*scene%contactors%reach(i) <= period) cycle
       call deck%complain(diagnostics, name_of(scene, int(scene%contactors%body(i)))//' is wider than the period: '// &
-                         to_text(2*scene%contactors%reach(i), 6)//' m against '//to_text(scene%period, 6)//' m', &
+                         to_text(2*scene%contactors%reach(i), 6)//' m against '//to_text(period, 6)//' m', &
                          deck%block_of_body(int(scene%contactors%body(i))))
       return
     end do
     do i = 1, scene%bodies%n
       if (.not. scene%bodies%is_grain(i)) cycle
-      if (scene%bodies%position(1, i) >= 0 .and. scene%bodies%position(1, i) < scene%period) cycle
-      call deck%complain(diagnostics, name_of(scene, i)//' lies outside of the period: x = '// &
-                         to_text(scene%bodies%position(1, i), 6)//' m is not within 0 to '//to_text(scene%period, 6)//' m', &
+      if (scene%bodies%position(axis, i) >= 0 .and. scene%bodies%position(axis, i) < period) cycle
+      call deck%complain(diagnostics, name_of(scene, i)//' lies outside of the period: '//letters(axis:axis)//' = '// &
+                         to_text(scene%bodies%position(axis, i), 6)//' m is not within 0 to '//to_text(period, 6)//' m', &
                          deck%block_of_body(i))
     end do
-  end subroutine check_range
+  end subroutine check_axis
 
   !> Look for shapes that overlap: sweep along the longer side of the scene.
   subroutine check_overlaps(deck, scene, diagnostics)
@@ -78,9 +90,18 @@ contains
         end do
       end do
     end associate
+    call warn_of_more(deck, n_pairs, diagnostics)
+  end subroutine check_overlaps
+
+  !> Say how many pairs overlap where not all are listed.
+  subroutine warn_of_more(deck, n_pairs, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: n_pairs !! pairs found
+    type(diagnostics_t), intent(inout) :: diagnostics !! list to add to
+
     if (n_pairs > most_pairs) call deck%warn(diagnostics, to_text(n_pairs)//' pairs overlap at the start, which are not all '// &
                                              'listed', deck%block_of('scene'))
-  end subroutine check_overlaps
+  end subroutine warn_of_more
 
   !> Report a pair that overlaps, if at least one of the two is a grain and they see each other.
   subroutine check_pair(deck, scene, c1, c2, n_pairs, diagnostics)
@@ -89,8 +110,7 @@ contains
     integer, intent(in) :: c1, c2
     integer, intent(inout) :: n_pairs
     type(diagnostics_t), intent(inout) :: diagnostics
-    character(len=:), allocatable :: message
-    real(wp) :: distance(2), shift, depth, radius, share
+    real(wp) :: distance(2), shift, radius
     integer :: b1, b2
 
     associate (contactors => scene%contactors)
@@ -105,8 +125,23 @@ contains
       if (see_between(scene, c1, c2) == 0) return
       radius = min(merge(contactors%reach(c1), huge(1.0_wp), scene%bodies%is_grain(b1)), &
                    merge(contactors%reach(c2), huge(1.0_wp), scene%bodies%is_grain(b2)))
-      depth = overlap_depth(contactors, c1, c2, shift)
+      call report_overlap(deck, scene, b1, b2, overlap_depth(contactors, c1, c2, shift), radius, n_pairs, diagnostics)
     end associate
+  end subroutine check_pair
+
+  !> Report two bodies whose shapes overlap: by much a mistake, by little a warning, by rounding nothing.
+  subroutine report_overlap(deck, scene, b1, b2, depth, radius, n_pairs, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(in) :: scene !! the scene
+    integer, intent(in) :: b1 !! one body
+    integer, intent(in) :: b2 !! the other
+    real(wp), intent(in) :: depth !! of the overlap, negative for a gap [m]
+    real(wp), intent(in) :: radius !! about the smaller grain [m]
+    integer, intent(inout) :: n_pairs !! pairs found
+    type(diagnostics_t), intent(inout) :: diagnostics !! list to add to
+    character(len=:), allocatable :: message
+    real(wp) :: share
+
     share = depth/radius
     if (share <= rounding) return
     n_pairs = n_pairs + 1
@@ -118,7 +153,7 @@ contains
     else
       call deck%warn(diagnostics, message, deck%block_of_body(max(b1, b2)))
     end if
-  end subroutine check_pair
+  end subroutine report_overlap
 
   !> A body for messages: its name, or its number.
   function name_of(scene, body) result(name)

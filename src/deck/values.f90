@@ -1,12 +1,14 @@
 !> The value of one key: taken from the entries of a TOML text, checked against the key table, written as TOML.
 module sg_values
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use sg_key_table, only: key_t, value_bodies, value_body, value_box, value_choice, value_integer, value_logical, value_names, &
-                          value_pair, value_points, value_range, value_real, value_sides, value_text
-  use sg_kinds, only: wp, i8
+  use sg_key_table, only: key_t, value_bodies, value_body, value_box, value_choice, value_faces, value_integer, value_logical, &
+                          value_name, value_pair, value_points, value_range, value_real, value_sides, value_text, value_triple, &
+                          value_turn, value_vector
+  use sg_kinds, only: wp, i4, i8
+  use sg_lists, only: reserve
   use sg_text, only: nearest_word, text_t, to_text
   use sg_toml, only: entry_t, toml_array, toml_integer, toml_logical, toml_names, toml_real, toml_string
-  use sg_words, only: is_choice, list_choices, quoted_string, short_real
+  use sg_words, only: choice_index, is_choice, list_choices, quoted_string, short_real
   implicit none
   private
   public :: value_t, take_entry, finish_value, value_as_toml
@@ -34,9 +36,10 @@ module sg_values
     !> Words (text, choice, name): shape (n_words)
     type(text_t), allocatable :: words(:)
     integer :: n_words = 0
-    !> Was it written as a list, and pairs in it?
+    !> Was it written as a list? Lists in it: how many, and how many numbers stand before each, shape (n_lists)
     logical :: is_list = .false.
-    integer :: n_pairs = 0
+    integer :: n_lists = 0
+    integer(i4), allocatable :: before(:)
   end type value_t
 
 contains
@@ -54,14 +57,18 @@ contains
       value%column = entry%column
     end if
     if (.not. may_hold(key%kind, entry%kind, depth)) then
-      message = 'must be '//trim(value_names(key%kind))//', not '//what_is(entry%kind, depth)
+      message = 'must be '//value_name(key%kind, 0)//', not '//what_is(entry%kind, depth)
       if (key%kind == value_choice) message = 'must be one of '//listed(key%choices)//', not '//what_is(entry%kind, depth)
       return
     end if
     select case (entry%kind)
     case (toml_array)
       value%is_list = .true.
-      if (depth == 1) value%n_pairs = value%n_pairs + 1
+      if (depth == 1) then
+        value%n_lists = value%n_lists + 1
+        call reserve(value%before, value%n_lists)
+        value%before(value%n_lists) = int(value%n, i4)
+      end if
     case (toml_string)
       call add_word(value, entry%text)
     case default
@@ -90,7 +97,11 @@ contains
       may = entry_kind == toml_logical .and. depth == 0
     case (value_text, value_choice)
       may = entry_kind == toml_string .and. depth == 0
-    case (value_pair, value_box)
+    case (value_turn)
+      may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. number)
+    case (value_faces)
+      may = (depth <= 1 .and. entry_kind == toml_array) .or. (depth == 2 .and. entry_kind == toml_integer)
+    case (value_pair, value_box, value_vector, value_triple)
       may = (depth == 0 .and. entry_kind == toml_array) .or. (depth == 1 .and. number)
     case (value_range)
       may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. number)
@@ -126,7 +137,8 @@ contains
     if (entry%kind == toml_logical) return
     if (.not. ieee_is_finite(entry%real)) then
       message = 'must be a finite number'
-    else if (entry%kind == toml_integer .and. abs(entry%real) > 2e9_wp .and. any(key%kind == [value_integer, value_sides])) then
+    else if (entry%kind == toml_integer .and. abs(entry%real) > 2e9_wp .and. &
+             any(key%kind == [value_integer, value_sides, value_faces])) then
       message = 'must be between -2000000000 and 2000000000'
     else if (abs(entry%real) > largest .or. (abs(entry%real) > 0 .and. abs(entry%real) < smallest)) then
       message = 'must be 0 or between '//short_real(smallest)//' and '//short_real(largest)//' in size'
@@ -179,37 +191,84 @@ contains
   end subroutine add_word
 
   !> Check a value of which all entries are taken: number of elements, choice.
-  subroutine finish_value(value, key, message)
+  subroutine finish_value(value, key, dimension, message)
     type(value_t), intent(in) :: value !! value to check
     type(key_t), intent(in) :: key !! its line of the key table
+    integer, intent(in) :: dimension !! of the scene; 0 where it is not known yet
     character(len=:), allocatable, intent(out) :: message !! what is wrong, unallocated when nothing is
-    logical :: fits
 
-    select case (key%kind)
+    if (dimension > 0) then
+      if (.not. has_right_count(value, key%kind, dimension)) message = 'must be '//value_name(key%kind, dimension)
+    else if (.not. (has_right_count(value, key%kind, 2) .or. has_right_count(value, key%kind, 3))) then
+      message = 'must be '//value_name(key%kind, 0)
+    end if
+    if (key%kind == value_text) then
+      if (value%words(1)%s == '') message = 'must not be empty'
+    end if
+    if (key%kind == value_choice) call check_choice(value%words(1)%s, key, dimension, message)
+    if ((key%kind == value_range .or. key%kind == value_sides) .and. value%n == 2) then
+      if (value%numbers(2) < value%numbers(1)) message = 'must have the smaller number first'
+    end if
+  end subroutine finish_value
+
+  !> Has a value as many elements as it must have?
+  pure logical function has_right_count(value, kind, dimension) result(fits)
+    type(value_t), intent(in) :: value
+    integer, intent(in) :: kind, dimension
+
+    select case (kind)
     case (value_pair)
       fits = value%n == 2
+    case (value_triple)
+      fits = value%n == 3
+    case (value_vector)
+      fits = value%n == dimension
+    case (value_turn)
+      fits = value%n == merge(1, 3, dimension == 2) .and. (value%is_list .eqv. dimension == 3)
     case (value_box)
-      fits = value%n == 4
+      fits = value%n == 2*dimension
     case (value_range, value_sides)
       fits = value%n == 1 .or. value%n == 2
     case (value_points)
-      fits = value%n == 2*value%n_pairs .and. value%n > 0
+      fits = value%n == dimension*value%n_lists .and. value%n > 0
+      if (fits) fits = all(value%before(2:value%n_lists) - value%before(:value%n_lists - 1) == dimension)
+    case (value_faces)
+      fits = value%n > 0
     case (value_bodies)
       fits = value%n_words == 2
     case default
       fits = .true.
     end select
-    if (.not. fits) message = 'must be '//trim(value_names(key%kind))
-    if (key%kind == value_text) then
-      if (value%words(1)%s == '') message = 'must not be empty'
+  end function has_right_count
+
+  !> Is a word one of the choices that there are in this dimension?
+  subroutine check_choice(word, key, dimension, message)
+    character(len=*), intent(in) :: word
+    type(key_t), intent(in) :: key
+    integer, intent(in) :: dimension
+    character(len=:), allocatable, intent(inout) :: message
+    character(len=:), allocatable :: here, there, near
+    type(text_t), allocatable :: words(:)
+    integer :: position
+
+    here = trim(key%choices)
+    there = trim(key%space_choices)
+    if (there /= '' .and. dimension == 0) here = here//'|'//there
+    if (there /= '' .and. dimension == 3) then
+      here = trim(key%space_choices)
+      there = trim(key%choices)
     end if
-    if (key%kind == value_choice) then
-      if (.not. is_choice(value%words(1)%s, key%choices)) message = bad_choice(value%words(1)%s, key%choices)
-    end if
-    if ((key%kind == value_range .or. key%kind == value_sides) .and. value%n == 2) then
-      if (value%numbers(2) < value%numbers(1)) message = 'must have the smaller number first'
-    end if
-  end subroutine finish_value
+    if (is_choice(word, here)) return
+    message = bad_choice(word, here)
+    if (dimension == 0 .or. .not. is_choice(word, there)) return
+    ! Shapes stand in one order in both dimensions.
+    position = choice_index(word, there)
+    message = 'must be one of '//listed(here)//'; "'//word//'" is for scenes with dimension = '//to_text(5 - dimension)
+    call list_choices(here, words)
+    near = nearest_word(word, words)
+    if (near == '') near = words(min(position, size(words)))%s
+    message = message//'; did you mean "'//near//'"?'
+  end subroutine check_choice
 
   !> Message for an unknown word.
   pure function bad_choice(word, choices) result(message)
@@ -254,11 +313,13 @@ contains
       text = body_word(value%words(1)%s)
     case (value_bodies)
       text = '['//body_word(value%words(1)%s)//', '//body_word(value%words(2)%s)//']'
-    case (value_points)
+    case (value_points, value_faces)
       text = '['
-      do i = 1, value%n, 2
+      do i = 1, value%n
         if (i > 1) text = text//', '
-        text = text//'['//short_real(value%numbers(i))//', '//short_real(value%numbers(i + 1))//']'
+        if (any(value%before(:value%n_lists) == i - 1)) text = text//'['
+        text = text//number_word(value%numbers(i), key)
+        if (i == value%n .or. any(value%before(:value%n_lists) == i)) text = text//']'
       end do
       text = text//']'
     case default
@@ -276,7 +337,7 @@ contains
     type(key_t), intent(in) :: key
     character(len=:), allocatable :: word
 
-    if (key%kind == value_integer .or. key%kind == value_sides) then
+    if (any(key%kind == [value_integer, value_sides, value_faces])) then
       word = to_text(nint(number, i8))
     else
       word = short_real(number)

@@ -108,7 +108,8 @@ contains
     call bad('gravity of three numbers', '[scene]'//nl//'gravity = [1, 2, 3]'//nl, 'a list of 2 numbers', 2)
     call bad('gravity of lists', '[scene]'//nl//'gravity = [[1, 2], [3]]'//nl, 'not a list in it', 2)
     call bad('gravity with a word', '[scene]'//nl//'gravity = [1, "b"]'//nl, 'not a string in it', 2)
-    call bad('space', '[scene]'//nl//'dimension = 3'//nl, 'must be 2', 2)
+    call bad('four dimensions', '[scene]'//nl//'dimension = 4'//nl, 'at most 3', 2)
+    call bad('one dimension', '[scene]'//nl//'dimension = 1'//nl, 'at least 2', 2)
     call bad('negative period', '[scene]'//nl//'period_x = -1.0'//nl, 'at least 0', 2)
   end subroutine bad_values
 

@@ -1,0 +1,143 @@
+!> Masonry: walls of bricks in running bond and arches of voussoirs, as convex polyhedra.
+module sg_masonry
+  use sg_blocks, only: deck_t
+  use sg_error, only: diagnostics_t, error_t
+  use sg_kinds, only: wp, i4
+  use sg_named_bodies, only: give_name
+  use sg_polyhedron, only: polyhedron_t
+  use sg_polyhedron_build, only: polyhedron_from_faces
+  use sg_polyhedron_make, only: box_polyhedron, centre_polyhedron
+  use sg_rotations, only: frame_of, rotation_by
+  use sg_scene, only: colour_index, scene_t
+  use sg_solid_bodies, only: make_solid_body
+  use sg_space_contactors, only: add_polyhedron
+  use sg_text, only: to_text
+  implicit none
+  private
+  public :: bricks_of_wall, add_brick_wall, add_arch
+
+  !> Faces of a box whose vertices are numbered along x, then y, then z
+  integer(i4), parameter :: face_first(7) = [1_i4, 5_i4, 9_i4, 13_i4, 17_i4, 21_i4, 25_i4]
+  integer(i4), parameter :: face_vertex(24) = [1_i4, 3_i4, 4_i4, 2_i4, 5_i4, 6_i4, 8_i4, 7_i4, 1_i4, 2_i4, 6_i4, 5_i4, &
+                                               3_i4, 7_i4, 8_i4, 4_i4, 1_i4, 5_i4, 7_i4, 3_i4, 2_i4, 4_i4, 8_i4, 6_i4]
+
+contains
+
+  !> Number of bricks of a wall: every second row has one more.
+  integer function bricks_of_wall(deck, b) result(n)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block of the wall
+    integer :: rows
+
+    rows = deck%integer(b, 'rows')
+    n = rows*deck%integer(b, 'columns') + rows/2
+  end function bricks_of_wall
+
+  !> The bricks of a [[brick_wall]] block.
+  subroutine add_brick_wall(deck, b, scene, n, density, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block of the wall
+    type(scene_t), intent(inout) :: scene !! scene with its bodies
+    integer, intent(inout) :: n !! bodies so far
+    real(wp), intent(in) :: density !! [kg/m3]
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(polyhedron_t) :: whole, half
+    type(error_t), allocatable :: error
+    real(wp) :: size_of(3), joint, begin, length
+    integer :: row, column, columns
+    logical :: is_half
+
+    size_of = deck%vector(b, 'brick')
+    joint = deck%number(b, 'joint')
+    if (2*joint >= size_of(1)) then
+      call deck%complain(diagnostics, 'the joint leaves nothing of half a brick', b, 'joint')
+      return
+    end if
+    call box_polyhedron(size_of/2, whole, error)
+    if (.not. allocated(error)) call box_polyhedron([(size_of(1) - joint)/4, size_of(2:)/2], half, error)
+    if (allocated(error)) then
+      call deck%complain(diagnostics, error%message, b, 'brick')
+      return
+    end if
+    do row = 1, deck%integer(b, 'rows')
+      columns = deck%integer(b, 'columns') + merge(1, 0, mod(row, 2) == 0)
+      begin = 0
+      do column = 1, columns
+        is_half = mod(row, 2) == 0 .and. (column == 1 .or. column == columns)
+        length = merge((size_of(1) - joint)/2, size_of(1), is_half)
+        if (is_half) then
+          call add_stone(deck, b, scene, n, density, half, &
+                         [begin + length/2, 0.0_wp, (real(row, wp) - 0.5_wp)*size_of(3)], deck%vector(b, 'position'))
+        else
+          call add_stone(deck, b, scene, n, density, whole, &
+                         [begin + length/2, 0.0_wp, (real(row, wp) - 0.5_wp)*size_of(3)], deck%vector(b, 'position'))
+        end if
+        call give_name(scene, n, deck%word(b, 'name')//'.'//to_text(row)//'.'//to_text(column))
+        begin = begin + length + joint
+      end do
+    end do
+  end subroutine add_brick_wall
+
+  !> Add a body of one polyhedron, given about its centre of mass; what the block draws along x lies along its angle.
+  subroutine add_stone(deck, b, scene, n, density, shape, centre, origin)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(scene_t), intent(inout) :: scene
+    integer, intent(inout) :: n
+    real(wp), intent(in) :: density, centre(3), origin(3)
+    type(polyhedron_t), intent(in) :: shape
+    real(wp) :: q(4)
+    integer :: colour
+
+    n = n + 1
+    call colour_index(scene, deck%word(b, 'colour'), colour)
+    q = rotation_by([0.0_wp, 0.0_wp, deck%number(b, 'angle')])
+    scene%bodies%material(n) = scene%bodies%material(deck%blocks(b)%first_body)
+    scene%bodies%position(:, n) = origin + matmul(frame_of(q), centre)
+    scene%bodies%orientation(:, n) = q
+    call add_polyhedron(scene%contactors, n, colour, shape, [0.0_wp, 0.0_wp, 0.0_wp])
+    call make_solid_body(scene%bodies, scene%contactors, n, scene%contactors%n, scene%contactors%n, density)
+  end subroutine add_stone
+
+  !> The voussoirs of an [[arch]] block.
+  subroutine add_arch(deck, b, scene, n, density, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block of the arch
+    type(scene_t), intent(inout) :: scene !! scene with its bodies
+    integer, intent(inout) :: n !! bodies so far
+    real(wp), intent(in) :: density !! [kg/m3]
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(polyhedron_t) :: shape
+    type(error_t), allocatable :: error
+    real(wp) :: radii(2), half, opening, from, to, centre(3), vertices(3, 8)
+    integer :: i, k, count
+
+    radii = [deck%number(b, 'inner_radius'), deck%number(b, 'outer_radius')]
+    if (radii(2) <= radii(1)) then
+      call deck%complain(diagnostics, 'the outer radius must be larger than the inner one', b, 'outer_radius')
+      return
+    end if
+    half = deck%number(b, 'depth')/2
+    opening = deck%number(b, 'opening')
+    count = deck%integer(b, 'voussoirs')
+    do i = 1, count
+      ! Angles from the springing line on the side where the arch begins, up and over.
+      from = opening*(0.5_wp - real(i - 1, wp)/real(count, wp))
+      to = opening*(0.5_wp - real(i, wp)/real(count, wp))
+      do k = 1, 2
+        vertices(:, 2*k - 1) = [-radii(k)*sin(from), -half, radii(k)*cos(from)]
+        vertices(:, 2*k) = [-radii(k)*sin(to), -half, radii(k)*cos(to)]
+      end do
+      vertices(:, 5:8) = vertices(:, 1:4)
+      vertices(2, 5:8) = half
+      call polyhedron_from_faces(vertices, face_first, face_vertex, shape, error, may_turn=.true.)
+      if (allocated(error)) then
+        call deck%complain(diagnostics, error%message, b)
+        return
+      end if
+      call centre_polyhedron(shape, centre)
+      call add_stone(deck, b, scene, n, density, shape, centre, deck%vector(b, 'centre'))
+      call give_name(scene, n, deck%word(b, 'name')//'.'//to_text(i))
+    end do
+  end subroutine add_arch
+end module sg_masonry

@@ -1,0 +1,211 @@
+!> Checks of the state at the start in space: shapes that do not overlap.
+!!
+!! Pairs are found by cells as wide as the larger grains; shapes far larger than those are held against all others.
+module sg_solid_checks
+  use sg_blocks, only: deck_t
+  use sg_contactors, only: place_contactors
+  use sg_error, only: diagnostics_t
+  use sg_kinds, only: wp, i4, i8
+  use sg_scene, only: scene_t
+  use sg_sees, only: see_between
+  use sg_solid_overlaps, only: solid_overlap_depth
+  use sg_sorting, only: sort_permutation
+  use sg_start_checks, only: report_overlap, warn_of_more
+  implicit none
+  private
+  public :: check_solid_overlaps
+
+  !> Shapes more than this many times larger than the middle one stand in no cell
+  real(wp), parameter :: large = 8
+
+  !> Cells of contactors
+  type :: cells_t
+    real(wp) :: low(3) = 0, side(3) = 1
+    integer :: n(3) = 1
+    logical :: is_periodic(3) = .false.
+    !> Contactors by cell, and their cells
+    integer(i4), allocatable :: order(:)
+    integer(i8), allocatable :: key(:)
+  end type cells_t
+
+contains
+
+  !> Look for shapes that overlap.
+  subroutine check_solid_overlaps(deck, scene, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(inout) :: scene !! whole scene; its contactors are placed
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
+    type(cells_t) :: cells
+    logical, allocatable :: is_large(:)
+    integer :: i, j, n, n_pairs
+
+    n = scene%contactors%n
+    if (n < 2 .or. size(scene%sees) == 0) return
+    scene%bodies%middle(1:3, :) = scene%bodies%position
+    scene%bodies%middle(4:7, :) = scene%bodies%orientation
+    call place_contactors(scene%contactors, scene%bodies%middle)
+    allocate (is_large(n))
+    call find_large(scene, is_large)
+    n_pairs = 0
+    do i = 1, n
+      if (.not. is_large(i)) cycle
+      do j = 1, n
+        if (j == i .or. (is_large(j) .and. j < i)) cycle
+        call check_pair(deck, scene, i, j, n_pairs, diagnostics)
+      end do
+    end do
+    call build_cells(scene, is_large, cells)
+    do i = 1, size(cells%order)
+      call check_around(deck, scene, cells, int(cells%order(i)), n_pairs, diagnostics)
+    end do
+    call warn_of_more(deck, n_pairs, diagnostics)
+  end subroutine check_solid_overlaps
+
+  !> Which contactors are far larger than most?
+  subroutine find_large(scene, is_large)
+    type(scene_t), intent(in) :: scene
+    logical, intent(out) :: is_large(:)
+    integer(i4), allocatable :: order(:)
+    real(wp) :: middle
+
+    associate (reach => scene%contactors%reach(:scene%contactors%n))
+      order = sort_permutation(int(reach/maxval(reach)*2.0_wp**40, i8))
+      middle = reach(order((size(order) + 1)/2))
+      is_large = reach > large*middle .or. .not. scene%bodies%is_grain(scene%contactors%body(:scene%contactors%n))
+      ! Many walls, such as rough floors made of spheres, go into cells too.
+      if (count(is_large) > 200) is_large = reach > large*middle
+    end associate
+  end subroutine find_large
+
+  !> Sort the small contactors into cells as wide as the largest of them.
+  subroutine build_cells(scene, is_large, cells)
+    type(scene_t), intent(in) :: scene
+    logical, intent(in) :: is_large(:)
+    type(cells_t), intent(out) :: cells
+    integer(i4), allocatable :: small(:), order(:)
+    integer(i8), allocatable :: key(:)
+    real(wp) :: high(3), wide
+    integer :: i
+
+    small = pack([(int(i, i4), i=1, size(is_large))], .not. is_large)
+    allocate (key(size(small)))
+    if (size(small) > 0) then
+      associate (contactors => scene%contactors)
+        wide = 2*maxval(contactors%reach(small))
+        cells%low = minval(contactors%centre(:, small), 2)
+        high = maxval(contactors%centre(:, small), 2)
+        cells%is_periodic = [scene%period, scene%period_y, 0.0_wp] > 0
+        where (cells%is_periodic) cells%low = 0
+        where (cells%is_periodic) high = [scene%period, scene%period_y, 0.0_wp]
+        cells%n = max(1, int(min(1e6_wp, (high - cells%low)/wide)))
+        cells%side = max((high - cells%low)/real(cells%n, wp), wide)
+        where (cells%is_periodic) cells%side = (high - cells%low)/real(cells%n, wp)
+        do i = 1, size(small)
+          key(i) = key_of(cells, cell_of(cells, contactors%centre(:, small(i))))
+        end do
+      end associate
+    end if
+    order = sort_permutation(key)
+    cells%order = small(order)
+    cells%key = key(order)
+  end subroutine build_cells
+
+  !> Cell of a point; beyond the last cells the last.
+  pure function cell_of(cells, point) result(cell)
+    type(cells_t), intent(in) :: cells
+    real(wp), intent(in) :: point(3)
+    integer :: cell(3)
+
+    cell = floor((point - cells%low)/cells%side)
+    where (cells%is_periodic)
+      cell = modulo(cell, cells%n)
+    elsewhere
+      cell = max(0, min(cells%n - 1, cell))
+    end where
+  end function cell_of
+
+  !> Number of a cell.
+  pure integer(i8) function key_of(cells, cell) result(key)
+    type(cells_t), intent(in) :: cells
+    integer, intent(in) :: cell(3)
+
+    key = int(cell(1), i8) + int(cells%n(1), i8)*(int(cell(2), i8) + int(cells%n(2), i8)*int(cell(3), i8))
+  end function key_of
+
+  !> Hold a contactor against those of its cell and the ones around, each pair once.
+  subroutine check_around(deck, scene, cells, c, n_pairs, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(scene_t), intent(in) :: scene
+    type(cells_t), intent(in) :: cells
+    integer, intent(in) :: c
+    integer, intent(inout) :: n_pairs
+    type(diagnostics_t), intent(inout) :: diagnostics
+    integer(i8) :: key, seen(27)
+    integer :: cell(3), at(3), i, j, k, m, n_seen
+
+    cell = cell_of(cells, scene%contactors%centre(:, c))
+    n_seen = 0
+    do k = -1, 1
+      do j = -1, 1
+        do i = -1, 1
+          at = cell + [i, j, k]
+          where (cells%is_periodic) at = modulo(at, cells%n)
+          if (any(at < 0 .or. at >= cells%n)) cycle
+          key = key_of(cells, at)
+          ! Along a short period two neighbours may be one cell.
+          if (any(seen(:n_seen) == key)) cycle
+          n_seen = n_seen + 1
+          seen(n_seen) = key
+          do m = first_of(cells%key, key), size(cells%key)
+            if (cells%key(m) /= key) exit
+            if (cells%order(m) > c) call check_pair(deck, scene, c, int(cells%order(m)), n_pairs, diagnostics)
+          end do
+        end do
+      end do
+    end do
+  end subroutine check_around
+
+  !> First place of a key in a sorted list, or where it would stand.
+  pure integer function first_of(keys, key) result(low)
+    integer(i8), intent(in) :: keys(:), key
+    integer :: high, middle
+
+    low = 1
+    high = size(keys) + 1
+    do while (low < high)
+      middle = (low + high)/2
+      if (keys(middle) < key) then
+        low = middle + 1
+      else
+        high = middle
+      end if
+    end do
+  end function first_of
+
+  !> Report a pair that overlaps, if at least one of the two is a grain and they see each other.
+  subroutine check_pair(deck, scene, c1, c2, n_pairs, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: c1, c2
+    integer, intent(inout) :: n_pairs
+    type(diagnostics_t), intent(inout) :: diagnostics
+    real(wp) :: distance(3), shift(3), radius
+    integer :: b1, b2
+
+    associate (contactors => scene%contactors)
+      b1 = contactors%body(c1)
+      b2 = contactors%body(c2)
+      if (b1 == b2 .or. .not. (scene%bodies%is_grain(b1) .or. scene%bodies%is_grain(b2))) return
+      distance = contactors%centre(:, c2) - contactors%centre(:, c1)
+      shift = 0
+      if (scene%period > 0) shift(1) = -scene%period*anint(distance(1)/scene%period)
+      if (scene%period_y > 0) shift(2) = -scene%period_y*anint(distance(2)/scene%period_y)
+      distance = distance + shift
+      if (sum(distance**2) > (contactors%reach(c1) + contactors%reach(c2))**2) return
+      if (see_between(scene, c1, c2) == 0) return
+      radius = min(merge(contactors%reach(c1), huge(1.0_wp), scene%bodies%is_grain(b1)), &
+                   merge(contactors%reach(c2), huge(1.0_wp), scene%bodies%is_grain(b2)))
+      call report_overlap(deck, scene, b1, b2, solid_overlap_depth(contactors, c1, c2, shift), radius, n_pairs, diagnostics)
+    end associate
+  end subroutine check_pair
+end module sg_solid_checks

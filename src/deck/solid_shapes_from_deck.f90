@@ -1,0 +1,125 @@
+!> One shape of a body in space from the keys of [[body]] or [[body.shape]].
+module sg_solid_shapes_from_deck
+  use sg_blocks, only: deck_t
+  use sg_error, only: diagnostics_t, error_t
+  use sg_kinds, only: wp, i4
+  use sg_polyhedron, only: polyhedron_t
+  use sg_polyhedron_build, only: polyhedron_from_faces
+  use sg_polyhedron_make, only: box_polyhedron, centre_polyhedron, hull_polyhedron, move_polyhedron
+  use sg_rotations, only: frame_of, rotation_by
+  use sg_scene, only: colour_index, scene_t
+  use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
+  use sg_text, only: to_text
+  use sg_values, only: value_t
+  implicit none
+  private
+  public :: add_solid_shape, place_polyhedral_shape
+
+contains
+
+  !> Add the shape of a block to the scene's contactors, in the frame of the body as the deck gives it.
+  subroutine add_solid_shape(deck, b, body_block, scene, body, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block with the sizes, that of the body or one within
+    integer, intent(in) :: body_block !! block of the body
+    type(scene_t), intent(inout) :: scene !! scene with the contactors
+    integer, intent(in) :: body !! body that carries the shape
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    character(len=:), allocatable :: kind, colour_name
+    type(polyhedron_t) :: shape
+    real(wp) :: centre(3), frame(3, 3)
+    integer :: colour, errors
+
+    centre = 0
+    frame = frame_of(rotation_by(centre))
+    colour_name = deck%word(body_block, 'colour')
+    if (b == body_block) then
+      kind = deck%word(b, 'shape')
+    else
+      kind = deck%word(b, 'kind')
+      centre = deck%vector(b, 'centre')
+      frame = frame_of(rotation_by(deck%vector(b, 'rotation')))
+      if (deck%is_given(b, 'colour')) colour_name = deck%word(b, 'colour')
+    end if
+    call colour_index(scene, colour_name, colour)
+    select case (kind)
+    case ('sphere')
+      call add_sphere(scene%contactors, body, colour, deck%number(b, 'radius'), centre)
+    case ('plane')
+      call add_plane(scene%contactors, body, colour, deck%vector(b, 'half_axes'), centre, frame)
+    case ('cylinder')
+      call add_cylinder(scene%contactors, body, colour, deck%number(b, 'half_height'), deck%number(b, 'radius'), centre, &
+                        frame(:, 3))
+    case ('hollow cylinder')
+      call add_hollow_cylinder(scene%contactors, body, colour, deck%number(b, 'half_height'), deck%number(b, 'radius'), centre, &
+                               frame(:, 3))
+    case default
+      errors = diagnostics%count()
+      if (kind == 'box') then
+        call read_box(deck, b, shape, diagnostics)
+      else
+        call read_polyhedron(deck, b, shape, diagnostics)
+      end if
+      if (diagnostics%count() == errors) call place_polyhedral_shape(scene, body, colour, shape, centre, frame)
+    end select
+  end subroutine add_solid_shape
+
+  !> Add a polyhedron, its vertices about its own centre of mass.
+  subroutine place_polyhedral_shape(scene, body, colour, shape, centre, frame)
+    type(scene_t), intent(inout) :: scene !! scene with the contactors
+    integer, intent(in) :: body !! body that carries the shape
+    integer, intent(in) :: colour !! index of the colour
+    type(polyhedron_t), intent(inout) :: shape !! in its own frame; afterwards about its centre, in the frame of the body
+    real(wp), intent(in) :: centre(3) !! origin of its frame in that of the body [m]
+    real(wp), intent(in) :: frame(3, 3) !! columns: axes of its frame in that of the body
+    real(wp) :: offset(3)
+
+    call centre_polyhedron(shape, offset)
+    call move_polyhedron(shape, [0.0_wp, 0.0_wp, 0.0_wp], transpose(frame))
+    call add_polyhedron(scene%contactors, body, colour, shape, centre + matmul(frame, offset))
+  end subroutine place_polyhedral_shape
+
+  !> A box.
+  subroutine read_box(deck, b, shape, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(polyhedron_t), intent(out) :: shape
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(error_t), allocatable :: error
+
+    call box_polyhedron(deck%vector(b, 'half_axes'), shape, error)
+    if (allocated(error)) call deck%complain(diagnostics, error%message, b, 'half_axes')
+  end subroutine read_box
+
+  !> A polyhedron from vertices, with faces or without, or from a file.
+  subroutine read_polyhedron(deck, b, shape, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(polyhedron_t), intent(out) :: shape
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(error_t), allocatable :: error
+    real(wp), allocatable :: vertices(:, :)
+    type(value_t) :: value
+
+    if (deck%is_given(b, 'vertices') .eqv. deck%is_given(b, 'file')) then
+      call deck%complain(diagnostics, 'a polyhedron needs either "vertices" or "file"', b, 'file')
+      return
+    end if
+    value = deck%value(b, 'vertices')
+    vertices = reshape(value%numbers(:value%n), [3, value%n/3])
+    if (deck%is_given(b, 'faces')) then
+      value = deck%value(b, 'faces')
+      call polyhedron_from_faces(vertices, [value%before(:value%n_lists) + 1_i4, int(value%n + 1, i4)], &
+                                 nint(value%numbers(:value%n), i4), shape, error)
+      if (allocated(error)) call deck%complain(diagnostics, error%message, b, 'faces')
+    else
+      call hull_polyhedron(vertices, shape, error)
+      if (allocated(error)) then
+        call deck%complain(diagnostics, error%message, b, 'vertices')
+      else if (shape%n_vertices < size(vertices, 2)) then
+        call deck%complain(diagnostics, 'the polyhedron is not convex: its hull has '//to_text(shape%n_vertices)//' of the '// &
+                           to_text(size(vertices, 2))//' vertices', b, 'vertices')
+      end if
+    end if
+  end subroutine read_polyhedron
+end module sg_solid_shapes_from_deck
