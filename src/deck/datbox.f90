@@ -1,14 +1,15 @@
-!> Reads an LMGC90 DATBOX folder of rigid bodies in the plane into a scene (doc/guide/datbox.md).
+!> Reads an LMGC90 DATBOX folder of rigid bodies, of the plane or of space, into a scene (doc/guide/datbox.md).
 !!
 !! All mistakes of all files are told at once, as far as one does not follow from another. What a folder holds
 !! and we do not do yet is a mistake when the scene would differ without it, and a warning when it would not.
 module sg_datbox
   use sg_datbox_behaviours, only: other_law_t, read_bulk_behaviours, read_contact_laws, warn_of_unused
-  use sg_datbox_bodies, only: find_three_dimensional, read_bodies
+  use sg_datbox_bodies, only: find_dimension, read_bodies
+  use sg_datbox_contacts, only: read_start_contacts
   use sg_datbox_drives, only: read_drives
   use sg_datbox_lines, only: datbox_file_t, open_datbox_file
   use sg_datbox_sees, only: check_sees, read_sees
-  use sg_datbox_state, only: read_start_contacts, read_state
+  use sg_datbox_state, only: read_state
   use sg_error, only: diagnostics_t
   use sg_scene, only: scene_t
   use sg_system, only: file_exists
@@ -31,13 +32,14 @@ contains
     type(other_law_t), allocatable :: other_bulk(:), other_laws(:)
     integer, allocatable :: see_lines(:)
     integer :: before
-    logical :: is_spatial
+    logical :: ok
 
     before = diagnostics%count()
     if (.not. is_folder(folder, diagnostics)) return
     call open_datbox_file(bodies, folder, 'BODIES.DAT', .true., diagnostics)
-    call find_three_dimensional(bodies, is_spatial, diagnostics)
-    if (is_spatial) return
+    call find_dimension(bodies, scene%dimension, ok, diagnostics)
+    if (.not. ok) return
+    scene%contactors%dimension = scene%dimension
     call read_bulk_behaviours(folder, scene, other_bulk, bulk, diagnostics)
     call read_contact_laws(folder, scene, other_laws, tact, diagnostics)
     call read_sees(tact, scene, other_laws, see_lines, diagnostics)

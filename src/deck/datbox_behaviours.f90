@@ -47,6 +47,7 @@ contains
         ok = .true.
         call real_field(file, 25, scene%gravity(1), ok, diagnostics)
         call real_field(file, 46, scene%gravity(2), ok, diagnostics)
+        if (scene%dimension == 3) call real_field(file, 67, scene%gravity(3), ok, diagnostics)
       case ('behav')
         if (next_data_line(file, 'a bulk law', diagnostics)) call read_material(file, scene, others, diagnostics)
       case default

@@ -1,5 +1,6 @@
 !> DRV_DOF.DAT of a DATBOX: imposed velocities and forces, by formula or by an evolution file.
 module sg_datbox_drives
+  use sg_datbox_bodies, only: body_type
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, integer_field, is_block_end, keyword, &
                              name_field, next_data_line, next_line, open_datbox_file, real_field, remark_once
   use sg_drives, only: drive_t
@@ -32,7 +33,7 @@ contains
     end do
     if (allocated(scene%drives)) deallocate (scene%drives)
     allocate (scene%drives(n))
-    allocate (is_driven(3, scene%bodies%n), source=.false.)
+    allocate (is_driven(merge(3, 6, scene%dimension == 2), scene%bodies%n), source=.false.)
     file%at = 0
     n = 0
     do while (next_line(file))
@@ -57,7 +58,7 @@ contains
     character(len=5) :: section
     logical :: ok
 
-    call read_body_number(file, scene%bodies%n, drive%body, diagnostics)
+    call read_body_number(file, scene, drive%body, diagnostics)
     section = ''
     do
       if (.not. next_line(file)) then
@@ -68,7 +69,7 @@ contains
         section = keyword(file)
         if (is_block_end(section)) return
       else if (section == 'dofty') then
-        call read_drive(file, folder, drive, ok, diagnostics)
+        call read_drive(file, folder, scene%dimension, drive, ok, diagnostics)
         if (.not. ok .or. drive%body == 0) cycle
         if (drive%is_velocity) then
           if (is_driven(drive%component, drive%body)) then
@@ -84,32 +85,33 @@ contains
   end subroutine read_block
 
   !> Read the line that says which body a block speaks of; 0 and a mistake when there is no such body.
-  subroutine read_body_number(file, n_bodies, body, diagnostics)
+  subroutine read_body_number(file, scene, body, diagnostics)
     type(datbox_file_t), intent(inout) :: file !! file at $bdyty
-    integer, intent(in) :: n_bodies !! bodies of the scene
+    type(scene_t), intent(in) :: scene !! scene with its bodies
     integer, intent(out) :: body !! number of the body
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     logical :: ok
 
     body = 0
     if (.not. next_data_line(file, 'the number of a body', diagnostics)) return
-    if (name_field(file, 2) /= 'RBDY2') then
-      call complain_once(file, name_field(file, 2), 'bodies of type '''//name_field(file, 2) &
-                         //''' are not done: only RBDY2, rigid in the plane', 2, diagnostics)
+    if (name_field(file, 2) /= body_type(scene%dimension)) then
+      call complain_once(file, name_field(file, 2), 'bodies of type '''//name_field(file, 2)//''' are not done: this DATBOX ' &
+                         //'holds '//body_type(scene%dimension)//', rigid', 2, diagnostics)
       return
     end if
     ok = .true.
     call integer_field(file, 9, 15, body, ok, diagnostics)
     if (.not. ok) return
-    if (body >= 1 .and. body <= n_bodies) return
-    call complain(file, 'there is no body '//to_text(body)//': BODIES.DAT holds '//to_text(n_bodies), 9, diagnostics)
+    if (body >= 1 .and. body <= scene%bodies%n) return
+    call complain(file, 'there is no body '//to_text(body)//': BODIES.DAT holds '//to_text(scene%bodies%n), 9, diagnostics)
     body = 0
   end subroutine read_body_number
 
   !> Read one imposed velocity or force.
-  subroutine read_drive(file, folder, drive, ok, diagnostics)
+  subroutine read_drive(file, folder, dimension, drive, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     character(len=*), intent(in) :: folder
+    integer, intent(in) :: dimension
     type(drive_t), intent(inout) :: drive
     logical, intent(out) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
@@ -125,8 +127,13 @@ contains
     ok = .true.
     call integer_field(file, 9, 13, drive%component, ok, diagnostics)
     if (.not. ok) return
-    if (drive%component < 1 .or. drive%component > 3) then
-      call complain(file, 'a body of the plane has components 1 (x), 2 (y) and 3 (rotation)', 9, diagnostics)
+    if (drive%component < 1 .or. drive%component > merge(3, 6, dimension == 2)) then
+      if (dimension == 2) then
+        call complain(file, 'a body of the plane has components 1 (x), 2 (y) and 3 (rotation)', 9, diagnostics)
+      else
+        call complain(file, 'a body in space has components 1, 2, 3 (x, y, z) and 4, 5, 6 (rotation about its axes)', 9, &
+                      diagnostics)
+      end if
       ok = .false.
       return
     end if

@@ -1,7 +1,9 @@
 !> The see tables of TACT_BEHAV.DAT: which contactors may meet, under which law, from which distance on.
 module sg_datbox_sees
-  use sg_contactors, only: kind_disk, kind_hollow, kind_polygon, kind_wall, n_kinds
+  use sg_contactors, only: kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, kind_polygon, &
+                           kind_polyhedron, kind_sphere, kind_wall, n_kinds
   use sg_datbox_behaviours, only: other_law, other_law_t, skip_data
+  use sg_datbox_bodies, only: body_type
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, keyword, name_field, next_data_line, next_line, &
                              real_field, remark_once, step_back
   use sg_error, only: diagnostics_t
@@ -59,10 +61,10 @@ contains
     if (.not. next_data_line(file, 'a see table', diagnostics)) return
     line = file%at
     ok = .true.
-    call check_body_type(file, 2, ok, diagnostics)
-    call check_body_type(file, 30, ok, diagnostics)
-    see%candidate_kind = contactor_kind(file, 9, ok, diagnostics)
-    see%antagonist_kind = contactor_kind(file, 37, ok, diagnostics)
+    call check_body_type(file, 2, scene%dimension, ok, diagnostics)
+    call check_body_type(file, 30, scene%dimension, ok, diagnostics)
+    see%candidate_kind = contactor_kind(file, 9, scene%dimension, ok, diagnostics)
+    see%antagonist_kind = contactor_kind(file, 37, scene%dimension, ok, diagnostics)
     call colour_index(scene, name_field(file, 16), see%candidate_colour)
     call colour_index(scene, name_field(file, 44), see%antagonist_colour)
     see%law = seen_law(file, scene, others, ok, diagnostics)
@@ -96,31 +98,41 @@ contains
     end if
   end subroutine read_halo
 
-  !> See tables may speak of rigid bodies in the plane alone.
-  subroutine check_body_type(file, first, ok, diagnostics)
+  !> See tables may speak of rigid bodies of the scene's dimension alone.
+  subroutine check_body_type(file, first, dimension, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
-    integer, intent(in) :: first
+    integer, intent(in) :: first, dimension
     logical, intent(inout) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: name
 
-    if (name_field(file, first) == 'RBDY2') return
+    name = name_field(file, first)
+    if (name == body_type(dimension)) return
     ok = .false.
-    call complain_once(file, name_field(file, first), 'bodies of type '''//name_field(file, first) &
-                       //''' are not done: only RBDY2, rigid in the plane', first, diagnostics)
+    if (name == 'RBDY2' .or. name == 'RBDY3') then
+      call complain_once(file, name, 'bodies of type '''//name//''' cannot be seen among the '//body_type(dimension) &
+                         //' of this DATBOX', first, diagnostics)
+    else
+      call complain_once(file, name, 'bodies of type '''//name//''' are not done: only '//body_type(dimension)//', rigid', first, &
+                         diagnostics)
+    end if
   end subroutine check_body_type
 
   !> Our kind of the contactor named at a column; 0 when it has none.
-  integer function contactor_kind(file, first, ok, diagnostics) result(kind)
+  integer function contactor_kind(file, first, dimension, ok, diagnostics) result(kind)
     type(datbox_file_t), intent(inout) :: file
-    integer, intent(in) :: first
+    integer, intent(in) :: first, dimension
     logical, intent(inout) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: known
 
     kind = datbox_kind(name_field(file, first))
-    if (kind > 0) return
+    if (kind > 0 .and. (kind >= kind_sphere .eqv. dimension == 3)) return
     ok = .false.
+    known = 'DISKx (also for DISKb), JONCx, xKSID and POLYG'
+    if (dimension == 3) known = 'SPHER (also for SPHEb), PLANx, CYLND, DNLYC and POLYR'
     call complain_once(file, name_field(file, first), 'contactors of type '''//name_field(file, first) &
-                       //''' are not done in see tables: only DISKx (also for DISKb), JONCx, xKSID and POLYG', first, diagnostics)
+                       //''' are not done in see tables: only '//known, first, diagnostics)
   end function contactor_kind
 
   !> Our kind of a contactor that see tables know by this name; 0 when there is none.
@@ -134,12 +146,17 @@ contains
   end function datbox_kind
 
   !> Does LMGC90 detect contacts between a candidate and an antagonist of these kinds, in this order?
+  !! It does not for cylinders in a hollow cylinder, which are kept because we do.
   pure logical function pair_is_known(candidate, antagonist) result(known)
     integer, intent(in) :: candidate !! kind of shape
     integer, intent(in) :: antagonist !! kind of shape
 
     known = candidate == kind_disk .and. any(antagonist == [kind_disk, kind_wall, kind_hollow, kind_polygon]) &
-            .or. candidate == kind_polygon .and. any(antagonist == [kind_polygon, kind_wall])
+            .or. candidate == kind_polygon .and. any(antagonist == [kind_polygon, kind_wall]) &
+            .or. candidate == kind_sphere .and. any(antagonist == [kind_sphere, kind_plane, kind_cylinder, &
+                                                                   kind_hollow_cylinder, kind_polyhedron]) &
+            .or. candidate == kind_cylinder .and. any(antagonist == [kind_cylinder, kind_plane, kind_hollow_cylinder]) &
+            .or. candidate == kind_polyhedron .and. any(antagonist == [kind_polyhedron, kind_plane])
   end function pair_is_known
 
   !> The law that a see table names; 0 and a mistake when it is not listed or not done.

@@ -51,6 +51,10 @@ contains
     integer(i4), allocatable :: first(:), list(:)
     integer :: i
 
+    if (scene%dimension == 3) then
+      call fail(error, 'scenes in space are not written as DATBOX folders yet')
+      return
+    end if
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     call check_writable(scene, first, list, error)
     if (allocated(error)) return

@@ -14,6 +14,14 @@ module sg_polyhedra_overlap
   !> Edges looked at in one go, and vertices whose heights are kept meanwhile
   integer, parameter :: batch = 64
 
+  !> Edges of the candidate near the antagonist, laid out so that one of the antagonist's is tried with all in a few strokes
+  type :: near_edges_t
+    !> Their number and their numbers
+    integer :: n, edge(batch)
+    !> Ways from first vertex to second, normals of the faces on the left and on the right, shape (edge, 3)
+    real(wp) :: way(batch, 3), left(batch, 3), right(batch, 3)
+  end type near_edges_t
+
 contains
 
   !> Try the faces of both: the antagonist's first, which a later one must beat by more than rounding.
@@ -93,7 +101,8 @@ contains
     real(wp), intent(in) :: rounding !! separations that differ by less are as good [m]
     type(axis_t), intent(inout) :: axis !! best axis so far; a pair of edges replaces it where it is better
     real(wp) :: normal(3), width, bar_a, bar_c, bar
-    integer :: near_c(batch), near_a(batch), n_c, n_a, i, j, k
+    type(near_edges_t) :: near
+    integer :: near_a(batch), n_a, i, j, k
 
     normal = axis%normal
     width = max(-axis%separation, 0.0_wp) + max(distance, -axis%separation) - max(axis%separation, 0.0_wp) + rounding
@@ -103,12 +112,13 @@ contains
     bar = axis%separation + merge(rounding, -rounding, max(axis%face_a, axis%face_c) > 0)
     i = 0
     do while (i < c%n_edges)
-      call near_edges(c, -normal, bar_c, i, n_c, near_c)
+      call near_edges(c, -normal, bar_c, i, near%n, near%edge)
+      call gather_edges(c, near)
       j = 0
-      do while (j < a%n_edges .and. n_c > 0)
+      do while (j < a%n_edges .and. near%n > 0)
         call near_edges(a, normal, bar_a, j, n_a, near_a)
         do k = 1, n_a
-          call try_edge(c, a, offset, near_c(:n_c), near_a(k), rounding, bar, axis)
+          call try_edge(c, a, offset, near, near_a(k), rounding, bar, axis)
         end do
       end do
     end do
@@ -148,37 +158,53 @@ contains
     end do
   end subroutine near_edges
 
+  !> Gather what is known of edges.
+  pure subroutine gather_edges(shape, near)
+    type(polyhedron_t), intent(in) :: shape !! polyhedron, in the world
+    type(near_edges_t), intent(inout) :: near !! edges, by their numbers
+    integer :: k
+
+    do k = 1, near%n
+      associate (edge => shape%edge(:, near%edge(k)))
+        near%way(k, :) = shape%world_vertex(:, edge(2)) - shape%world_vertex(:, edge(1))
+        near%left(k, :) = shape%world_normal(:, edge(3))
+        near%right(k, :) = shape%world_normal(:, edge(4))
+      end associate
+    end do
+  end subroutine gather_edges
+
   !> Try one edge of the antagonist with some of the candidate.
   pure subroutine try_edge(c, a, offset, near, j, rounding, bar, axis)
     type(polyhedron_t), intent(in) :: c !! candidate, in the world
     type(polyhedron_t), intent(in) :: a !! antagonist, in the world
     real(wp), intent(in) :: offset(3) !! added to the antagonist's coordinates [m]
-    integer, intent(in) :: near(:) !! edges of the candidate
+    type(near_edges_t), intent(in) :: near !! edges of the candidate
     integer, intent(in) :: j !! edge of the antagonist
     real(wp), intent(in) :: rounding !! by how much a pair must beat another [m]
     real(wp), intent(inout) :: bar !! separation to beat [m]
     type(axis_t), intent(inout) :: axis !! best axis so far
     type(axis_t) :: trial
-    real(wp) :: edge_a(3), edge_c(3), left_a(3), right_a(3), left_c(3), right_c(3), normal(3), left, right, length2
+    real(wp) :: edge_a(3), edge_c(3), left_a(3), right_a(3), normal(3), length2, right, on_left(batch), on_right(batch)
     integer :: i, k
 
     edge_a = a%world_vertex(:, a%edge(2, j)) - a%world_vertex(:, a%edge(1, j))
     left_a = a%world_normal(:, a%edge(3, j))
     right_a = a%world_normal(:, a%edge(4, j))
-    do k = 1, size(near)
-      i = near(k)
-      left_c = c%world_normal(:, c%edge(3, i))
-      right_c = c%world_normal(:, c%edge(4, i))
-      left = dot_product(edge_a, left_c)
-      if (left*dot_product(edge_a, right_c) >= 0) cycle
-      edge_c = c%world_vertex(:, c%edge(2, i)) - c%world_vertex(:, c%edge(1, i))
+    do k = 1, near%n
+      on_left(k) = edge_a(1)*near%left(k, 1) + edge_a(2)*near%left(k, 2) + edge_a(3)*near%left(k, 3)
+      on_right(k) = edge_a(1)*near%right(k, 1) + edge_a(2)*near%right(k, 2) + edge_a(3)*near%right(k, 3)
+    end do
+    do k = 1, near%n
+      if (on_left(k)*on_right(k) >= 0) cycle
+      edge_c = near%way(k, :)
       right = dot_product(edge_c, right_a)
-      if (dot_product(edge_c, left_a)*right >= 0 .or. (left > 0 .eqv. right > 0)) cycle
+      if (dot_product(edge_c, left_a)*right >= 0 .or. (on_left(k) > 0 .eqv. right > 0)) cycle
       normal = cross(edge_a, edge_c)
       length2 = dot_product(normal, normal)
       ! Nearly parallel edges give no direction, and where they matter faces or nearest points give a better one.
       if (length2 <= 1e-20_wp*dot_product(edge_a, edge_a)*dot_product(edge_c, edge_c)) cycle
       normal = normal/sign(sqrt(length2), dot_product(normal, left_a + right_a))
+      i = near%edge(k)
       if (dot_product(normal, (c%world_vertex(:, c%edge(1, i)) - a%world_vertex(:, a%edge(1, j))) - offset) < bar) cycle
       ! What rounding makes of short edges is no axis unless all vertices say so.
       call measure_axis(c, a, offset, normal, trial)
@@ -186,7 +212,7 @@ contains
       axis = trial
       axis%edge_c = i
       axis%edge_a = j
-      axis%face_c = c%edge(merge(3, 4, dot_product(left_c - right_c, normal) <= 0), i)
+      axis%face_c = c%edge(merge(3, 4, dot_product(near%left(k, :) - near%right(k, :), normal) <= 0), i)
       axis%face_a = a%edge(merge(3, 4, dot_product(left_a - right_a, normal) >= 0), j)
       bar = trial%separation + rounding
     end do

@@ -237,7 +237,8 @@ contains
   subroutine test_bodies()
     character(len=*), parameter :: file = 'BODIES.DAT'
 
-    call refuse(file, 2, ' RBDY3      1', 'RBDY3', 2, 2)
+    call refuse(file, 11, ' RBDY3      2', 'RBDY3', 11, 2)
+    call refuse(file, 2, ' RBDY3      1', 'in one DATBOX', 11, 2)
     call refuse(file, 2, ' MAILx      1', 'MAILx', 2, 2)
     call refuse(file, 3, '$thing', 'thing', 3)
     call refuse(file, 4, '', 'has no bulk element', 1)

@@ -42,9 +42,6 @@ contains
     call test_deck('MembraneBiaxialDK_Iso', [4760, 4760, 5, 12, 0], 32799778.968017_wp)
     call test_deck('MembraneBiaxialDK_Defo', [4760, 4760, 5, 6, 0], 0.0_wp)
     call test_deck('bench_disk_45', [2025, 2025, 1, 0, 0], 0.0_wp)
-    call test_spatial('945_SP_Box_PL')
-    call test_spatial('Wall_PR')
-    call test_spatial('bench_sphere_12')
   end subroutine test_decks
 
   !> A planar deck.
@@ -70,17 +67,6 @@ contains
     if (mass > 0) call tests%near(sum(scene%bodies%mass), mass, 5e-8_wp*mass, 'mass of '//name)
     call test_round_trip(scene, name)
   end subroutine test_deck
-
-  !> A deck in space: one mistake says so.
-  subroutine test_spatial(name)
-    character(len=*), intent(in) :: name
-    type(scene_t) :: scene
-    type(diagnostics_t) :: diagnostics
-
-    call read_datbox(trim(decks)//name//'/DATBOX', scene, diagnostics)
-    call tests%equal(diagnostics%count(), 1, name//' is refused once')
-    call tests%check(index(diagnostics%errors(1)%message, 'RBDY3') > 0, name//' has bodies in space')
-  end subroutine test_spatial
 
   !> A scene written and read again is the same: seven digits or better, as the format holds eight.
   subroutine test_round_trip(a, name)
