@@ -30,7 +30,7 @@ contains
                                                       error)
     shape = arguments%get('shape', 'disk')
     if (.not. allocated(error) .and. all(lattice_shapes /= shape)) then
-      call fail(error, 'bench knows the shapes disk and sphere, not "'//shape//'"')
+      call fail(error, 'bench knows the shapes disk, sphere and polyhedron, not "'//shape//'"')
     end if
     options%order = arguments%get('order', options%order)
     if (.not. allocated(error) .and. all(options%order /= [character(len=16) :: 'natural', 'groups'])) then

@@ -1,17 +1,21 @@
 !> Lattices of grains that flow towards their centre, to measure sweeps on: nearly all contacts carry impulses.
 module sg_benchmark_scenes
   use sg_contactors, only: add_disk
+  use sg_error, only: error_t
   use sg_kinds, only: wp, pi
   use sg_laws, only: law_t
+  use sg_polyhedron, only: polyhedron_t
+  use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
   use sg_scene, only: colour_index, material_t, scene_t, see_t
-  use sg_space_contactors, only: add_sphere
+  use sg_solid_bodies, only: make_solid_body
+  use sg_space_contactors, only: add_polyhedron, add_sphere
   implicit none
   private
   public :: make_lattice, lattice_shapes
 
   !> Shapes of grains that lattices are made of
-  character(len=10), parameter :: lattice_shapes(2) = [character(len=10) :: 'disk', 'sphere']
+  character(len=10), parameter :: lattice_shapes(3) = [character(len=10) :: 'disk', 'sphere', 'polyhedron']
   !> Distance of neighbours [m], and density [kg/m3]
   real(wp), parameter :: spacing = 0.02_wp, density = 2600
 
@@ -27,6 +31,8 @@ contains
     select case (shape)
     case ('sphere')
       call make_spheres(scene, contacts/6, friction)
+    case ('polyhedron')
+      call make_bricks(scene, contacts/28, friction)
     case default
       call make_disks(scene, contacts/3, friction)
     end select
@@ -104,4 +110,33 @@ contains
       scene%bodies%inverse_mass(:, b) = 1/[spread(scene%bodies%mass(b), 1, 3), scene%bodies%principal(:, b)]
     end do
   end subroutine make_spheres
+
+  !> About `n` cubes in bond (fourteen neighbours by four points each), flowing towards their centre.
+  subroutine make_bricks(scene, n, friction)
+    type(scene_t), intent(inout) :: scene
+    integer, intent(in) :: n
+    real(wp), intent(in) :: friction
+    type(random_t) :: random
+    type(polyhedron_t) :: shape
+    type(error_t), allocatable :: error
+    real(wp) :: middle(3), half(3)
+    integer :: side, b, colour, k, place(3)
+
+    side = max(2, nint(real(n, wp)**(1/3.0_wp)))
+    call random%seed(1)
+    call begin_lattice(scene, side**3, 3, friction, colour)
+    middle = 0.5_wp*spacing*real(side, wp)
+    do b = 1, side**3
+      half = [(spacing/2*random%uniform(0.999_wp, 1.001_wp), k=1, 3)]
+      call box_polyhedron(half, shape, error)
+      if (allocated(error)) return
+      call add_polyhedron(scene%contactors, b, colour, shape, [0.0_wp, 0.0_wp, 0.0_wp])
+      place = [mod(b - 1, side), mod((b - 1)/side, side), (b - 1)/side**2]
+      scene%bodies%position(:, b) = spacing*(real(place, wp) + 0.5_wp*real([mod(place(2), 2) + mod(place(3), 2), mod(place(3), 2), &
+                                                                            0], wp))
+      scene%bodies%velocity(1:3, b) = middle - scene%bodies%position(:, b)
+      call make_solid_body(scene%bodies, scene%contactors, b, b, b, density)
+      scene%bodies%inverse_mass(:, b) = 1/[spread(scene%bodies%mass(b), 1, 3), scene%bodies%principal(:, b)]
+    end do
+  end subroutine make_bricks
 end module sg_benchmark_scenes
