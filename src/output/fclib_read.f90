@@ -45,8 +45,21 @@ contains
     if (with_guess) call read_guess(file, problem, has_guess)
     call file%close()
     if (allocated(file%error)) call move_alloc(file%error, error)
-    if (allocated(error)) error%code = exit_bad_input
+    if (.not. allocated(error)) return
+    error%code = exit_bad_input
+    error%message = printable(error%message)
   end subroutine read_fclib
+
+  !> A text with question marks for what cannot be printed: names in spoilt files are any bytes.
+  pure function printable(text) result(clean)
+    character(len=*), intent(in) :: text
+    character(len=len(text)) :: clean
+    integer :: i
+
+    do i = 1, len(text)
+      clean(i:i) = merge(text(i:i), '?', iachar(text(i:i)) >= 32 .and. iachar(text(i:i)) < 127)
+    end do
+  end function printable
 
   !> Open a file that must exist.
   subroutine open_fclib(file, name, is_read_only)
@@ -62,7 +75,7 @@ contains
     call file%open(name, is_read_only)
     if (.not. allocated(file%error)) return
     if (index(file%error%message, 'signature not found') > 0) file%error%message = 'this is no HDF5 file'
-    if (index(file%error%message, 'truncated file') > 0) file%error%message = 'the file is truncated: '//file%error%message
+    if (index(file%error%message, 'truncated file') > 0) file%error%message = 'the file is truncated'
     file%error%code = exit_bad_input
   end subroutine open_fclib
 

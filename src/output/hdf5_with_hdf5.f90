@@ -156,7 +156,12 @@ contains
     integer, intent(in) :: status
     character(len=*), intent(in) :: what
 
-    if (status < 0) call note(self, what//': '//reason())
+    character(len=:), allocatable :: why
+
+    if (status >= 0) return
+    why = reason()
+    if (len(why) > 0) why = ': '//why
+    call note(self, what//why)
   end subroutine check
 
   !> Keep a failure, unless there was one before.
