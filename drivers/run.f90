@@ -4,7 +4,9 @@ module sg_run
   use sg_arguments, only: arguments_t
   use sg_comm, only: comm_t
   use sg_deck, only: read_deck
+  use sg_dump, only: read_steps
   use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, exit_output, fail
+  use sg_hdf5, only: hdf5_is_available
   use sg_kinds, only: wp
   use sg_run_summary, only: run_failed, run_summary_t, write_run_summary
   use sg_simulate, only: simulate
@@ -25,12 +27,17 @@ contains
     type(simulation_t) :: sim
     type(diagnostics_t) :: diagnostics
     real(wp) :: walltime
+    integer, allocatable :: dump_steps(:, :)
 
     code = exit_done
-    call arguments%expect('set output restart walltime quiet', 1, 1, 'run DECK [options]; see splitgrain run --help', error)
+    call arguments%expect('set output restart walltime dump quiet', 1, 1, 'run DECK [options]; see splitgrain run --help', error)
     if (.not. allocated(error)) call arguments%number('walltime', 0.0_wp, 0.0_wp, walltime, error)
     if (.not. allocated(error) .and. comm%size > 1) then
       call fail(error, 'this version runs on one rank; start it without mpirun or with -n 1')
+    end if
+    if (.not. allocated(error) .and. arguments%has('dump')) call read_steps(arguments%get('dump', ''), dump_steps, error)
+    if (.not. allocated(error) .and. arguments%has('dump') .and. .not. hdf5_is_available()) then
+      call fail(error, 'this build has no HDF5, which dumps are written with')
     end if
     if (allocated(error)) return
     associate (deck => arguments%words(1)%s)
@@ -46,6 +53,7 @@ contains
       end if
       if (arguments%has('restart')) sim%options%restart_file = arguments%get('restart', '')
       sim%options%walltime = walltime
+      if (allocated(dump_steps)) call move_alloc(dump_steps, sim%options%dump_steps)
       sim%options%is_quiet = arguments%has('quiet')
       if (.not. make_folder(sim%options%folder)) then
         call fail(error, 'cannot make the folder of the results', file=sim%options%folder, code=exit_output)

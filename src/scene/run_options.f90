@@ -58,6 +58,8 @@ module sg_run_options
     character(len=:), allocatable :: folder, restart_file
     !> Hash and text of the effective deck
     character(len=:), allocatable :: deck_hash, deck_text
+    !> Steps whose contact problem is written as FCLIB files: first and last of each range, shape (2, ranges)
+    integer, allocatable :: dump_steps(:, :)
     !> Stop with a checkpoint after this many wall seconds; 0 for never
     real(wp) :: walltime = 0
     !> Say less; no progress

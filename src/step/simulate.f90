@@ -2,6 +2,7 @@
 module sg_simulate
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
+  use sg_dump, only: finish_dump
   use sg_energy, only: kinetic_energy
   use sg_error, only: diagnostics_t, error_t, exit_done, exit_not_converged, exit_stopped
   use sg_history, only: revive
@@ -101,6 +102,7 @@ contains
     code = exit_done
     do while (sim%step < sim%options%steps)
       call advance(sim, error)
+      if (sim%dump%is_begun) call save_dump(sim, writers, sim%step + merge(1, 0, allocated(error)))
       if (allocated(error)) then
         call save_broken(sim, writers)
         return
@@ -114,6 +116,22 @@ contains
       return
     end do
   end subroutine loop
+
+  !> Write the dump of a step; that it cannot be written is told, and does not end the run.
+  subroutine save_dump(sim, writers, step)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+    integer, intent(in) :: step
+    type(error_t), allocatable :: error
+    character(len=:), allocatable :: name
+
+    call finish_dump(sim%dump, sim%problem, sim%options%folder, writers%summary%deck, step, name, error)
+    if (allocated(error)) then
+      write (error_unit, '(a)') error%report('warning')
+    else
+      call writers%summary%add_file('dump_'//to_text(step), name)
+    end if
+  end subroutine save_dump
 
   !> Has a signal or the walltime asked for an end before the last step?
   logical function must_stop(sim, writers)

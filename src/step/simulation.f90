@@ -5,6 +5,7 @@ module sg_simulation
   use sg_contacts, only: contacts_t
   use sg_detect, only: detect
   use sg_drives, only: fix_driven
+  use sg_dump, only: begin_dump, dump_t, is_listed
   use sg_energy, only: energy_t
   use sg_error, only: error_t
   use sg_guard, only: find_broken
@@ -38,6 +39,8 @@ module sg_simulation
     type(problem_t) :: problem
     class(solver_t), allocatable :: solver
     type(report_t) :: report
+    !> Dump of the step's problem, where one is asked for or the step failed
+    type(dump_t) :: dump
     !> Works and costs since the start
     type(energy_t) :: energy
     type(totals_t) :: totals
@@ -82,6 +85,7 @@ contains
       call phase(phase_assemble)%start()
       call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
                     sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
+      if (is_dumped(sim)) call begin_dump(sim%dump, sim%problem)
       call phase(phase_assemble)%stop()
 
       call phase(phase_solve)%start()
@@ -89,6 +93,7 @@ contains
       call phase(phase_solve)%stop()
 
       call phase(phase_update)%start()
+      if (must_be_told(sim)) call begin_again(sim)
       call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%contacts)
       call find_broken(sim%scene, sim%contacts, sim%step + 1, error)
       call phase(phase_update)%stop()
@@ -105,6 +110,34 @@ contains
       call phase(phase_update)%stop()
     end associate
   end subroutine advance
+
+  !> Is the problem of the step about to be solved to be dumped?
+  pure logical function is_dumped(sim)
+    type(simulation_t), intent(in) :: sim
+
+    is_dumped = .false.
+    if (allocated(sim%options%dump_steps)) is_dumped = is_listed(sim%options%dump_steps, sim%step + 1)
+  end function is_dumped
+
+  !> Did a solve fail of which no dump was begun: a value is not finite, or the run ends because it did not converge?
+  pure logical function must_be_told(sim)
+    type(simulation_t), intent(in) :: sim
+
+    must_be_told = .not. sim%dump%is_begun .and. sim%problem%n_contacts > 0
+    if (.not. must_be_told) return
+    must_be_told = (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged) &
+                   .or. .not. all(abs(sim%problem%body) <= huge(1.0_wp))
+  end function must_be_told
+
+  !> Begin a dump after all: contacts still hold the guess, and bodies their free velocities.
+  subroutine begin_again(sim)
+    type(simulation_t), intent(inout) :: sim
+    type(problem_t) :: problem
+
+    call assemble(sim%scene, sim%contacts, sim%problem%kind, sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, &
+                  sim%options%step, problem)
+    call begin_dump(sim%dump, problem)
+  end subroutine begin_again
 
   !> Largest speed of all bodies [m/s].
   pure real(wp) function largest_speed(velocity)
