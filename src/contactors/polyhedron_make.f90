@@ -10,6 +10,7 @@ module sg_polyhedron_make
   use sg_random, only: random_t
   use sg_sorting, only: sort_permutation
   use sg_text, only: to_text
+  use sg_welding, only: weld
   implicit none
   private
   public :: hull_polyhedron, box_polyhedron, prism_polyhedron, regular_polyhedron, random_polyhedron
@@ -39,10 +40,10 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when there is no hull with a volume
     integer, intent(in), optional :: at_most !! most vertices, `most_vertices` when absent or larger
     real(wp), intent(out), optional :: deviation !! how far points stand out of the shape at most [m]
-    real(wp), allocatable :: corners(:, :)
-    integer(i4), allocatable :: first(:), corner(:), kept(:)
+    real(wp), allocatable :: corners(:, :), distinct_points(:, :)
+    integer(i4), allocatable :: first(:), corner(:), kept(:), same(:)
     real(wp) :: out
-    integer :: most
+    integer :: most, spanning(4), i
 
     if (present(deviation)) deviation = 0
     most = most_vertices
@@ -51,18 +52,23 @@ contains
       call fail(error, 'a polyhedron needs 4 vertices or more, and '//to_text(most)//' are allowed')
       return
     end if
-    if (size(points, 2) <= few_points) then
-      call convex_hull(points, first, corner, error)
+    call find_spanning(points, spanning, error)
+    if (allocated(error)) return
+    ! Points all but equal are made one first: between them a hull has faces that would come to nothing later.
+    call weld(points, length_tolerance(points), same)
+    distinct_points = points(:, pack([(int(i, i4), i=1, size(same))], same == [(int(i, i4), i=1, size(same))]))
+    if (size(distinct_points, 2) <= few_points) then
+      call convex_hull(distinct_points, first, corner, error)
       if (allocated(error)) return
-      if (size(distinct(corner, size(points, 2))) <= most) then
-        call polyhedron_from_faces(points, first, corner, shape, error)
+      if (size(distinct(corner, size(distinct_points, 2))) <= most) then
+        call polyhedron_from_faces(distinct_points, first, corner, shape, error)
         return
       end if
     end if
-    call choose_vertices(points, most, kept, out, error)
+    call choose_vertices(distinct_points, most, kept, out, error)
     if (allocated(error)) return
     if (present(deviation)) deviation = out
-    corners = points(:, kept)
+    corners = distinct_points(:, kept)
     call convex_hull(corners, first, corner, error)
     if (.not. allocated(error)) call polyhedron_from_faces(corners, first, corner, shape, error)
   end subroutine hull_polyhedron

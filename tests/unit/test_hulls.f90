@@ -165,6 +165,17 @@ contains
     call none(t, error, 'the hull of a turned grid with seven digits')
     call check_polyhedron(shape, error)
     call none(t, error, 'and it is good')
+    ! Points in clusters about the places of a grid, as joined scans have them.
+    do i = 1, 20
+      do k = 1, 1000
+        points(:, k) = anint([(random%uniform(-1.5_wp, 1.5_wp), f=1, 3)]) + 1e-9_wp*random%normal()
+        points(1, k) = points(1, k) + 1e-9_wp*random%normal()
+      end do
+      points = matmul(frame_of([(random%normal(), f=1, 4)]), points)
+      call hull_polyhedron(points, shape, error)
+      call none(t, error, 'the hull of clusters')
+      call check_whole(t, shape, 8, 12, 6, 'hull of clusters')
+    end do
   end subroutine test_hull
 
   subroutine test_hull_faults()
