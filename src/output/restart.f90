@@ -31,9 +31,14 @@ module sg_restart
     real(wp) :: time = 0
     !> Hash of the effective deck
     character(len=:), allocatable :: deck_hash
-    !> Bodies: position [m], shape (2, bodies); angle [rad], of size 0 where nothing turns; velocity; periods crossed
+    !> Bodies: position [m], shape (dimension, bodies); angle [rad], of size 0 in space and where nothing turns; velocity;
+    !! periods crossed
     real(wp), allocatable :: position(:, :), angle(:), velocity(:, :)
     integer(i4), allocatable :: crossings(:)
+    !> In space: orientations, shape (4, bodies), or (4, 0) where nothing turns; periods crossed in y; images of contacts in y.
+    !! All of size 0 in the plane, where they are not written
+    real(wp), allocatable :: orientation(:, :)
+    integer(i4), allocatable :: crossings_y(:), image_y(:)
     !> Contacts of the step: contactors, shape (2, contacts); feature, image, law; impulse [N s]; status
     integer(i4), allocatable :: contactor(:, :), feature(:), image(:), law(:), status(:)
     real(wp), allocatable :: impulse(:, :)
@@ -59,6 +64,7 @@ contains
     if (allocated(state%angle)) deallocate (state%angle)
     allocate (state%angle(0))
     if (allocated(bodies%angle)) state%angle = bodies%angle
+    call keep_space(bodies, contacts, state)
     if (n == 0) then
       call forget_contacts(state, contacts%n_components)
       return
@@ -72,6 +78,27 @@ contains
     state%status = int(contacts%status(:n), i4)
     call copy(contacts%impulse(:, :n), state%impulse)
   end subroutine keep_state
+
+  !> Copy what only a scene in space has.
+  subroutine keep_space(bodies, contacts, state)
+    type(bodies_t), intent(in) :: bodies
+    type(contacts_t), intent(in) :: contacts
+    type(restart_t), intent(inout) :: state
+
+    call forget_space(state)
+    if (bodies%dimension == 2) return
+    if (allocated(bodies%orientation)) call copy(bodies%orientation, state%orientation)
+    state%crossings_y = bodies%crossings_y
+    if (contacts%n > 0) state%image_y = int(contacts%image_y(:contacts%n), i4)
+  end subroutine keep_space
+
+  !> A state without what only a scene in space has.
+  subroutine forget_space(state)
+    type(restart_t), intent(inout) :: state
+
+    if (allocated(state%orientation)) deallocate (state%orientation, state%crossings_y, state%image_y)
+    allocate (state%orientation(4, 0), state%crossings_y(0), state%image_y(0))
+  end subroutine forget_space
 
   !> Copy a table. gfortran 12 looks at the bounds of what is not allocated yet when it allocates on assignment.
   subroutine copy(from, to)
@@ -107,13 +134,17 @@ contains
     scene%bodies%velocity = state%velocity
     scene%bodies%crossings = state%crossings
     if (allocated(scene%bodies%angle)) scene%bodies%angle = state%angle
+    if (allocated(scene%bodies%orientation)) scene%bodies%orientation = state%orientation
+    if (scene%dimension == 3) scene%bodies%crossings_y = state%crossings_y
     n = size(state%feature)
     contacts%n = n
+    contacts%dimension = scene%dimension
     contacts%n_components = size(state%impulse, 1)
     call reserve_contacts(contacts, n)
     contacts%contactor(:, :n) = state%contactor
     contacts%feature(:n) = state%feature
     contacts%image(:n) = int(state%image, i1)
+    if (scene%dimension == 3) contacts%image_y(:n) = int(state%image_y, i1)
     contacts%law(:n) = state%law
     contacts%status(:n) = int(state%status, i1)
     contacts%impulse(:, :n) = state%impulse
@@ -167,7 +198,12 @@ contains
     call file%put('/bodies/angle', state%angle)
     call file%put('/bodies/velocity', state%velocity)
     call file%put('/bodies/crossings', state%crossings)
+    if (size(state%position, 1) == 3) then
+      call file%put('/bodies/orientation', state%orientation)
+      call file%put('/bodies/crossings_y', state%crossings_y)
+    end if
     call file%group('/contacts')
+    if (size(state%position, 1) == 3) call file%put('/contacts/image_y', state%image_y)
     call file%put('/contacts/contactor', state%contactor)
     call file%put('/contacts/feature', state%feature)
     call file%put('/contacts/image', state%image)
@@ -257,6 +293,12 @@ contains
     call file%get('/bodies/angle', state%angle)
     call file%get('/bodies/velocity', state%velocity)
     call file%get('/bodies/crossings', state%crossings)
+    call forget_space(state)
+    if (size(state%position, 1) == 3) then
+      call file%get('/bodies/orientation', state%orientation)
+      call file%get('/bodies/crossings_y', state%crossings_y)
+      call file%get('/contacts/image_y', state%image_y)
+    end if
     call file%get('/contacts/contactor', state%contactor)
     call file%get('/contacts/feature', state%feature)
     call file%get('/contacts/image', state%image)
@@ -298,10 +340,15 @@ contains
     misfit = ''
     if (n /= scene%bodies%n) then
       misfit = 'it holds '//to_text(n)//' bodies, the scene '//to_text(scene%bodies%n)
+    else if (size(state%position, 1) /= scene%dimension) then
+      misfit = 'it holds a scene of dimension '//to_text(size(state%position, 1))
     else if (size(state%velocity, 1) /= scene%bodies%n_velocity) then
       misfit = 'only one of them has bodies that turn'
-    else if (any([size(state%velocity, 2), size(state%crossings)] /= n) .or. size(state%position, 1) /= 2 .or. &
-             size(state%angle) /= merge(n, 0, scene%bodies%n_velocity == 3) .or. size(state%contactor) /= 2*m .or. &
+    else if (any([size(state%velocity, 2), size(state%crossings)] /= n) .or. &
+             size(state%angle) /= merge(n, 0, allocated(scene%bodies%angle)) .or. &
+             size(state%orientation) /= merge(4*n, 0, allocated(scene%bodies%orientation)) .or. &
+             size(state%crossings_y) /= merge(n, 0, scene%dimension == 3) .or. &
+             size(state%image_y) /= merge(m, 0, scene%dimension == 3) .or. size(state%contactor) /= 2*m .or. &
              any([size(state%image), size(state%law), size(state%status), size(state%impulse, 2)] /= m)) then
       misfit = 'its datasets differ in size'
     else if (.not. (all(ieee_is_finite(state%position)) .and. all(ieee_is_finite(state%velocity)) .and. &

@@ -29,7 +29,7 @@ contains
     state%time = sim%time()
     state%deck_hash = sim%options%deck_hash
     state%totals = [sim%energy%pack(), sim%totals%pack(), sim%pairs%skin, signature(sim%scene)]
-    allocate (state%built(size(sim%scene%bodies%velocity, 1), 0))
+    allocate (state%built(size(sim%scene%bodies%middle, 1), 0))
     if (allocated(sim%pairs%built)) state%built = sim%pairs%built
     call write_restart(sim%options%folder, state, error)
   end subroutine save_checkpoint
@@ -77,11 +77,17 @@ contains
   pure function signature(scene)
     type(scene_t), intent(in) :: scene
     real(wp) :: signature(n_signature)
+    real(wp) :: inertia(scene%bodies%n)
     integer :: i, n
 
     n = scene%contactors%n
+    if (scene%dimension == 2) then
+      inertia = scene%bodies%inertia
+    else
+      inertia = sum(scene%bodies%principal, 1)
+    end if
     signature = [real(n, wp), sum(scene%bodies%mass*[(real(i, wp), i=1, scene%bodies%n)]), &
-                 sum(scene%bodies%inertia*[(real(i, wp), i=1, scene%bodies%n)]), &
+                 sum(inertia*[(real(i, wp), i=1, scene%bodies%n)]), &
                  sum(scene%contactors%reach(:n)*[(real(i, wp), i=1, n)]), real(size(scene%drives), wp)]
   end function signature
 end module sg_checkpoint
