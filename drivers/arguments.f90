@@ -1,5 +1,6 @@
 !> The command line: words, options with values, and what is wrong with them.
 module sg_arguments
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp
   use sg_text, only: append_word, nearest_word, text_t, to_text
@@ -135,7 +136,11 @@ contains
     if (.not. self%has(name)) return
     word = self%get(name, '')
     read (word, *, iostat=status) value
-    if (status == 0 .and. value >= least .and. value <= huge(1)) return
+    if (status == 0) then
+      ! What is not finite had better not be compared: debug builds stop there.
+      if (.not. ieee_is_finite(value)) value = least - 1
+      if (value >= least .and. value <= huge(1)) return
+    end if
     call fail(error, 'option --'//name//' needs a number of at least '//to_text(nint(least))//' and at most '// &
               to_text(huge(1))//', not "'//word//'"')
   end subroutine arguments_number

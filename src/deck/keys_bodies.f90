@@ -94,9 +94,9 @@ contains
                    only=selector//'=polyhedron', dimension=in_space)
     call table%add('file', value_text, 'In place of vertices: file with the surface of the polyhedron, STL or OBJ, relative to '// &
                    'the deck.', only=selector//'=polyhedron', dimension=in_space)
-    call table%add('scale', value_real, 'Length of a unit of the file.', unit='m', default='1.0', above=0.0_wp, &
+    call table%add('scale', value_real, 'Length of a unit of the file; default: one metre.', unit='m', above=0.0_wp, &
                    only=selector//'=polyhedron', dimension=in_space)
-    call table%add('hull', value_logical, 'Take the convex hull of the file''s vertices.', default='false', &
+    call table%add('hull', value_logical, 'Take the convex hull of the file''s vertices; default: no.', &
                    only=selector//'=polyhedron', dimension=in_space)
   end subroutine add_sizes
 

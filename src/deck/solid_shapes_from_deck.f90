@@ -3,6 +3,7 @@ module sg_solid_shapes_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp, i4
+  use sg_mesh_files, only: mesh_t, read_mesh
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_build, only: polyhedron_from_faces
   use sg_polyhedron_make, only: box_polyhedron, centre_polyhedron, hull_polyhedron, move_polyhedron
@@ -10,6 +11,7 @@ module sg_solid_shapes_from_deck
   use sg_scene, only: colour_index, scene_t
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_text, only: to_text
+  use sg_time_function_from_deck, only: path_in_deck
   use sg_values, only: value_t
   implicit none
   private
@@ -97,14 +99,34 @@ contains
     integer, intent(in) :: b
     type(polyhedron_t), intent(out) :: shape
     type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=5), parameter :: of_files(2) = ['scale', 'hull ']
+    integer :: i
+
+    if (deck%is_given(b, 'vertices') .eqv. deck%is_given(b, 'file')) then
+      call deck%complain(diagnostics, 'a polyhedron needs either "vertices" or "file"', b, 'file')
+    else if (deck%is_given(b, 'file')) then
+      if (deck%is_given(b, 'faces')) &
+        call deck%complain(diagnostics, '"faces" has no meaning beside "file", which holds its own', b, 'faces')
+      call read_mesh_file(deck, b, shape, diagnostics)
+    else
+      do i = 1, size(of_files)
+        if (deck%is_given(b, trim(of_files(i)))) &
+          call deck%complain(diagnostics, '"'//trim(of_files(i))//'" has no meaning without "file"', b, trim(of_files(i)))
+      end do
+      call read_vertices(deck, b, shape, diagnostics)
+    end if
+  end subroutine read_polyhedron
+
+  !> A polyhedron from the lists of the deck.
+  subroutine read_vertices(deck, b, shape, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(polyhedron_t), intent(out) :: shape
+    type(diagnostics_t), intent(inout) :: diagnostics
     type(error_t), allocatable :: error
     real(wp), allocatable :: vertices(:, :)
     type(value_t) :: value
 
-    if (deck%is_given(b, 'vertices') .eqv. deck%is_given(b, 'file')) then
-      call deck%complain(diagnostics, 'a polyhedron needs either "vertices" or "file"', b, 'file')
-      return
-    end if
     value = deck%value(b, 'vertices')
     vertices = reshape(value%numbers(:value%n), [3, value%n/3])
     if (deck%is_given(b, 'faces')) then
@@ -121,5 +143,40 @@ contains
                            to_text(size(vertices, 2))//' vertices', b, 'vertices')
       end if
     end if
-  end subroutine read_polyhedron
+  end subroutine read_vertices
+
+  !> A polyhedron from a file. What is wrong in the file is told with its line there, at the key of the deck.
+  subroutine read_mesh_file(deck, b, shape, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(polyhedron_t), intent(out) :: shape
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(error_t), allocatable :: error
+    type(mesh_t) :: mesh
+    real(wp) :: scale
+    logical :: is_hull
+
+    call read_mesh(path_in_deck(deck, deck%word(b, 'file')), mesh, error)
+    if (.not. allocated(error)) then
+      scale = 1
+      if (deck%is_given(b, 'scale')) scale = deck%number(b, 'scale')
+      is_hull = .false.
+      if (deck%is_given(b, 'hull')) is_hull = deck%flag(b, 'hull')
+      if (is_hull) then
+        call hull_polyhedron(scale*mesh%vertex, shape, error)
+      else
+        call polyhedron_from_faces(scale*mesh%vertex, mesh%face_first, mesh%face_vertex, shape, error)
+      end if
+    end if
+    if (allocated(error)) call deck%complain(diagnostics, place(error)//error%message, b, 'file')
+  contains
+    !> Line of the file, where there is one.
+    function place(error) result(words)
+      type(error_t), intent(in) :: error
+      character(len=:), allocatable :: words
+
+      words = ''
+      if (error%line > 0) words = 'line '//to_text(error%line)//' of the file: '
+    end function place
+  end subroutine read_mesh_file
 end module sg_solid_shapes_from_deck

@@ -29,6 +29,7 @@ contains
     real(wp) :: place(3), lowest, highest, aside(2), height, margin
     integer :: i, low, face
 
+    if (dot_product(frame_a(:, 3), c%centre - centre_a) >= half_a(3) + c%reach + alert) return
     lowest = huge(lowest)
     highest = -huge(highest)
     aside = 0

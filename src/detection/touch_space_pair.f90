@@ -15,7 +15,7 @@ module sg_touch_space_pair
   use sg_touch_sphere_sphere, only: touch_sphere_sphere
   implicit none
   private
-  public :: touch_space_pair, spheres_are_apart
+  public :: touch_space_pair, spheres_are_apart, plane_axes, facing_half
 
 contains
 
@@ -120,8 +120,8 @@ contains
 
   !> Axes of a plane in the world, as columns.
   pure function plane_axes(contactors, row) result(frame)
-    type(contactors_t), intent(in) :: contactors
-    integer(i4), intent(in) :: row
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    integer(i4), intent(in) :: row !! row in the table of planes
     real(wp) :: frame(3, 3)
 
     frame = reshape(contactors%space%plane_world(:, row), [3, 3])
@@ -131,9 +131,9 @@ contains
   !!
   !! A level plane that spans a period goes on in its own images: grains at its borders must not feel edges there.
   pure function facing_half(contactors, row, period) result(half)
-    type(contactors_t), intent(in) :: contactors
-    integer(i4), intent(in) :: row
-    real(wp), intent(in) :: period(2)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    integer(i4), intent(in) :: row !! row in the table of planes
+    real(wp), intent(in) :: period(2) !! in x and y, zero where not periodic [m]
     real(wp) :: half(3)
     real(wp), parameter :: level = 1e-6_wp ! slope below which neighbouring images meet
     integer :: world, own

@@ -1,10 +1,9 @@
 !> Global balances of the grains: the share of their weight that the walls carry, and their momentum.
 module sg_balance
   use sg_bodies, only: bodies_t
-  use sg_contacts, only: contacts_t
+  use sg_contacts, only: contacts_t, impulse_vector
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
-  use sg_stress, only: contact_impulse
   implicit none
   private
   public :: floor_share, force_on_walls, momentum
@@ -22,7 +21,7 @@ contains
     share = 0
     weight = mass*norm2(scene%gravity)
     if (.not. weight*h > 0) return
-    share = dot_product(force_on_walls(scene, contacts, h), scene%gravity(:2))/(norm2(scene%gravity)*weight)
+    share = dot_product(force_on_walls(scene, contacts, h), scene%gravity(:scene%dimension))/(norm2(scene%gravity)*weight)
   end function floor_share
 
   !> Force of contacts on all walls, mean over the step [N].
@@ -30,14 +29,16 @@ contains
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
-    real(wp) :: force(2)
+    real(wp) :: force(scene%dimension), impulse(3)
     integer :: k
 
     force = 0
     do k = 1, contacts%n
       associate (is_grain => scene%bodies%is_grain(contacts%body(:, k)))
-        if (is_grain(1) .and. .not. is_grain(2)) force = force - contact_impulse(contacts, k)/h
-        if (is_grain(2) .and. .not. is_grain(1)) force = force + contact_impulse(contacts, k)/h
+        if (is_grain(1) .eqv. is_grain(2)) cycle
+        impulse = impulse_vector(contacts, k)
+        if (is_grain(1)) force = force - impulse(:scene%dimension)/h
+        if (is_grain(2)) force = force + impulse(:scene%dimension)/h
       end associate
     end do
   end function force_on_walls
@@ -45,12 +46,12 @@ contains
   !> Momentum of the grains [kg m/s].
   pure function momentum(bodies)
     type(bodies_t), intent(in) :: bodies !! bodies with their velocities
-    real(wp) :: momentum(2)
+    real(wp) :: momentum(bodies%dimension)
     integer :: i
 
     momentum = 0
     do i = 1, bodies%n
-      if (bodies%is_grain(i)) momentum = momentum + bodies%mass(i)*bodies%velocity(1:2, i)
+      if (bodies%is_grain(i)) momentum = momentum + bodies%mass(i)*bodies%velocity(:bodies%dimension, i)
     end do
   end function momentum
 end module sg_balance

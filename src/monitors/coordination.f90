@@ -1,10 +1,10 @@
 !> How many neighbours carry a grain, and by how many points pairs touch (doc/theory/indicators.md, "Coordination").
 !!
 !! Two bodies touch when a contact between them carries a positive normal impulse. A rattler is a grain with fewer
-!! than two touching neighbours; it is taken away once, not again and again, since a column under its own weight
-!! would otherwise unravel from its top.
+!! than two touching neighbours, in the plane and in space (C. Thornton, Geotechnique 50, 2000); it is taken away once,
+!! not again and again, since a column under its own weight would otherwise unravel from its top.
 module sg_coordination
-  use sg_contacts, only: contacts_t
+  use sg_contacts, only: contacts_t, normal_impulse
   use sg_kinds, only: wp, i4, i8
   use sg_pair_keys, only: pair_key
   use sg_sorting, only: sort_permutation
@@ -18,8 +18,8 @@ module sg_coordination
     real(wp) :: mean = 0, without_rattlers = 0
     !> Number of rattlers
     integer :: rattlers = 0
-    !> Pairs of bodies that touch by one, two, three or more points
-    integer :: single = 0, double = 0, triple = 0
+    !> Pairs of bodies that touch by one, two, three, four or more points
+    integer :: single = 0, double = 0, triple = 0, quadruple = 0
   end type coordination_t
 
 contains
@@ -37,7 +37,8 @@ contains
     call touching_pairs(contacts, size(is_grain), pair, points)
     coordination%single = count(points == 1)
     coordination%double = count(points == 2)
-    coordination%triple = count(points >= 3)
+    coordination%triple = count(points == 3)
+    coordination%quadruple = count(points >= 4)
     neighbours = 0
     do i = 1, size(points)
       neighbours(pair(:, i)) = neighbours(pair(:, i)) + 1
@@ -72,7 +73,7 @@ contains
     integer(i8), allocatable :: key(:)
     integer :: k, n
 
-    touching = pack([(k, k=1, contacts%n)], contacts%impulse(1, :contacts%n) > 0)
+    touching = pack([(k, k=1, contacts%n)], [(normal_impulse(contacts, k) > 0, k=1, contacts%n)])
     key = pair_key(contacts%body(1, touching), contacts%body(2, touching), n_bodies)
     associate (order => sort_permutation(key))
       touching = touching(order)

@@ -8,18 +8,17 @@ module sg_samples
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: samples_t, n_series, series_names
+  public :: samples_t, series_names
 
-  !> Number of series
-  integer, parameter :: n_series = 3
-  !> Their names: kinetic energy of the grains [J], force of contacts on all walls along x and y [N]
-  character(len=14), parameter :: series_names(n_series) = [character(len=14) :: 'kinetic_energy', 'wall_force_x', 'wall_force_y']
+  !> Names of the series: kinetic energy of the grains [J], force of contacts on all walls along x, y, and z in space [N]
+  character(len=14), parameter :: series_names(4) = [character(len=14) :: &
+                                                     'kinetic_energy', 'wall_force_x', 'wall_force_y', 'wall_force_z']
 
   !> The samples of a run
   type :: samples_t
     !> Number of steps sampled
     integer :: n = 0
-    !> Samples, shape (series, steps); unallocated until the first one
+    !> Samples, shape (series, steps): three series in the plane, four in space; unallocated until the first one
     real(wp), allocatable :: value(:, :)
   contains
     procedure :: add => samples_add
@@ -34,7 +33,7 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
 
-    call reserve(self%value, n_series, self%n + 1)
+    call reserve(self%value, 1 + scene%dimension, self%n + 1)
     self%n = self%n + 1
     self%value(1, self%n) = kinetic_energy_of_grains(scene%bodies)
     self%value(2:, self%n) = force_on_walls(scene, contacts, h)
@@ -48,7 +47,12 @@ contains
     energy = 0
     do i = 1, bodies%n
       if (.not. bodies%is_grain(i)) cycle
-      energy = energy + (bodies%mass(i)*sum(bodies%velocity(1:2, i)**2) + bodies%inertia(i)*spin_of(bodies, i)**2)/2
+      if (bodies%dimension == 2) then
+        energy = energy + (bodies%mass(i)*sum(bodies%velocity(1:2, i)**2) + bodies%inertia(i)*spin_of(bodies, i)**2)/2
+      else
+        energy = energy + bodies%mass(i)*sum(bodies%velocity(1:3, i)**2)/2
+        if (bodies%n_velocity == 6) energy = energy + sum(bodies%principal(:, i)*bodies%velocity(4:6, i)**2)/2
+      end if
     end do
   end function kinetic_energy_of_grains
 end module sg_samples

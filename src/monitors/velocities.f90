@@ -22,7 +22,7 @@ contains
     do i = 1, bodies%n
       if (.not. bodies%is_grain(i)) cycle
       n = n + 1
-      speed = norm2(bodies%velocity(1:2, i))
+      speed = norm2(bodies%velocity(:bodies%dimension, i))
       mean = mean + speed
       largest = max(largest, speed)
     end do

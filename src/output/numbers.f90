@@ -2,7 +2,7 @@
 module sg_numbers
   use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_measures, only: is_count, measure_names, n_measures
+  use sg_measures, only: is_count, measure_names
   use sg_run_summary, only: run_summary_t
   use sg_tagged, only: tagged_text
   use sg_text_files, only: replace_file
@@ -24,9 +24,11 @@ contains
            tagged_text('contacts', 'count', [real(summary%totals%contacts, wp)])// &
            tagged_text('active_contacts', 'count', [real(summary%totals%active_contacts, wp)])// &
            tagged_text('sweeps', 'effort', [real(summary%totals%sweeps, wp)])
-    do i = 1, n_measures
-      text = text//tagged_text(trim(measure_names(i)), trim(merge('count  ', 'measure', is_count(i))), [summary%measures%value(i)])
-    end do
+    associate (names => measure_names(summary%dimension))
+      do i = 1, size(names)
+        text = text//tagged_text(trim(names(i)), trim(merge('count  ', 'measure', is_count(names(i)))), [summary%measures%at(i)])
+      end do
+    end associate
     call replace_file(file, text, error)
   end subroutine write_numbers
 end module sg_numbers

@@ -3,7 +3,7 @@ module sg_record
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_is_negative
   use sg_error, only: error_t, exit_output, fail
   use sg_kinds, only: wp
-  use sg_measures, only: is_count, measure_names, measures_t, n_measures
+  use sg_measures, only: is_count, measure_names, measures_t
   use sg_report, only: report_t
   use sg_system, only: file_exists
   use sg_text, only: read_lines, text_t, to_text
@@ -17,6 +17,8 @@ module sg_record
   type :: record_t
     !> Path of the file
     character(len=:), allocatable :: file
+    !> Dimension of space, which decides on the columns
+    integer :: dimension = 2
   contains
     procedure :: start => record_start
     procedure :: resume => record_resume
@@ -26,19 +28,22 @@ module sg_record
 contains
 
   !> Begin a new record; an older one is replaced.
-  subroutine record_start(self, file, error)
+  subroutine record_start(self, file, dimension, error)
     class(record_t), intent(inout) :: self
     character(len=*), intent(in) :: file !! path of the record
+    integer, intent(in) :: dimension !! of space
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
 
     self%file = file
-    call replace_file(file, header()//new_line('a'), error)
+    self%dimension = dimension
+    call replace_file(file, header(dimension)//new_line('a'), error)
   end subroutine record_start
 
   !> Go on with the record of a run that restarts after a step: rows of later steps, and a torn last row, are cut.
-  subroutine record_resume(self, file, step, error)
+  subroutine record_resume(self, file, dimension, step, error)
     class(record_t), intent(inout) :: self
     character(len=*), intent(in) :: file !! path of the record
+    integer, intent(in) :: dimension !! of space
     integer, intent(in) :: step !! step of the checkpoint
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be read or written, or has other columns
     type(text_t), allocatable :: lines(:)
@@ -46,48 +51,51 @@ contains
     integer :: i
 
     self%file = file
+    self%dimension = dimension
     if (.not. file_exists(file)) then
-      call self%start(file, error)
+      call self%start(file, dimension, error)
       return
     end if
     call read_lines(file, lines, error)
     if (allocated(error)) return
-    kept = header()//new_line('a')
+    kept = header(dimension)//new_line('a')
     do i = 1, size(lines)
       if (i == 1) then
-        if (lines(1)%s == header()) cycle
+        if (lines(1)%s == header(dimension)) cycle
         call fail(error, 'this record has other columns: move it away to restart', file=file, line=1, code=exit_output)
         return
       end if
-      if (is_row_until(lines(i)%s, step)) kept = kept//lines(i)%s//new_line('a')
+      if (is_row_until(lines(i)%s, count_columns(dimension), step)) kept = kept//lines(i)%s//new_line('a')
     end do
     call replace_file(file, kept, error)
   end subroutine record_resume
 
   !> Is this a whole row of a step not later than the one given?
-  pure logical function is_row_until(line, last_step)
+  pure logical function is_row_until(line, columns, last_step)
     character(len=*), intent(in) :: line
-    integer, intent(in) :: last_step
+    integer, intent(in) :: columns, last_step
     integer :: i, step, status
 
     is_row_until = .false.
-    if (count([(line(i:i) == ',', i=1, len(line))]) /= count_columns() - 1) return
+    if (count([(line(i:i) == ',', i=1, len(line))]) /= columns - 1) return
     if (line(len(line):) == ',') return
     read (line(:index(line, ',') - 1), *, iostat=status) step
     is_row_until = status == 0 .and. step <= last_step
   end function is_row_until
 
   !> Number of columns.
-  pure integer function count_columns()
+  pure integer function count_columns(dimension)
+    integer, intent(in) :: dimension
     character(len=:), allocatable :: names
     integer :: i
 
-    names = header()
+    names = header(dimension)
     count_columns = 1 + count([(names(i:i) == ',', i=1, len(names))])
   end function count_columns
 
   !> The names of the columns.
-  pure function header() result(names)
+  pure function header(dimension) result(names)
+    integer, intent(in) :: dimension
     character(len=:), allocatable :: names
     integer :: i
 
@@ -96,9 +104,11 @@ contains
     do i = 1, n_phases
       names = names//',cpu_'//trim(phase_names(i))
     end do
-    do i = 1, n_measures
-      names = names//','//trim(measure_names(i))
-    end do
+    associate (measure => measure_names(dimension))
+      do i = 1, size(measure)
+        names = names//','//trim(measure(i))
+      end do
+    end associate
     do i = 1, n_phases
       names = names//',wall_'//trim(phase_names(i))
     end do
@@ -124,13 +134,15 @@ contains
     do i = 1, n_phases
       row = row//','//cell(totals%phase(i)%cpu)
     end do
-    do i = 1, n_measures
-      if (is_count(i)) then
-        row = row//','//to_text(nint(measures%value(i)))
-      else
-        row = row//','//cell(measures%value(i))
-      end if
-    end do
+    associate (names => measure_names(self%dimension))
+      do i = 1, size(names)
+        if (is_count(names(i))) then
+          row = row//','//to_text(nint(measures%at(i)))
+        else
+          row = row//','//cell(measures%at(i))
+        end if
+      end do
+    end associate
     do i = 1, n_phases
       row = row//','//cell(totals%phase(i)%wall)
     end do

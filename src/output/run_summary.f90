@@ -4,7 +4,7 @@ module sg_run_summary
   use sg_grains, only: count_grains, grains_t
   use sg_json, only: json_t
   use sg_kinds, only: wp
-  use sg_measures, only: is_count, measure_names, measures_t, n_measures
+  use sg_measures, only: is_count, measure_names, measures_t
   use sg_run_options, only: criterion_names, run_options_t
   use sg_scene, only: scene_t
   use sg_system, only: peak_memory_bytes
@@ -123,13 +123,15 @@ contains
 
     call add_identity(json, summary)
     call add_totals(json, summary%totals)
-    do i = 1, n_measures
-      if (is_count(i)) then
-        call json%add(trim(measure_names(i)), nint(summary%measures%value(i)))
-      else
-        call json%add(trim(measure_names(i)), summary%measures%value(i))
-      end if
-    end do
+    associate (names => measure_names(summary%dimension))
+      do i = 1, size(names)
+        if (is_count(names(i))) then
+          call json%add(trim(names(i)), nint(summary%measures%at(i)))
+        else
+          call json%add(trim(names(i)), summary%measures%at(i))
+        end if
+      end do
+    end associate
     if (allocated(summary%files)) then
       do i = 1, size(summary%files)
         call json%add('file_'//summary%file_keys(i)%s, summary%files(i)%s)

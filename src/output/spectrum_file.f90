@@ -2,7 +2,7 @@
 module sg_spectrum_file
   use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_samples, only: n_series, samples_t, series_names
+  use sg_samples, only: samples_t, series_names
   use sg_spectrum, only: power_spectrum
   use sg_text, only: to_text
   use sg_text_files, only: replace_file
@@ -22,10 +22,12 @@ contains
     character(len=*), intent(in) :: file !! path of the file
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
     character(len=:), allocatable :: text
-    real(wp) :: power(0:samples%n/2, n_series)
-    integer :: s, k, length
+    real(wp), allocatable :: power(:, :)
+    integer :: s, k, length, n_series
 
     if (samples%n == 0) return
+    n_series = size(samples%value, 1)
+    allocate (power(0:samples%n/2, n_series))
     do s = 1, n_series
       power(:, s) = power_spectrum(samples%value(s, :samples%n))
     end do

@@ -2,8 +2,8 @@
 module sg_problem_records
   use sg_kinds, only: wp
   use sg_mapping_space, only: tangent_of
-  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, is_in_space, &
-                        problem_t, round_frictional, round_frictionless, solid_frictional, solid_frictionless
+  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, free_axes, &
+                        is_in_space, problem_t, round_frictional, round_frictionless, solid_frictional, solid_frictionless
   use sg_rotations, only: cross
   use sg_symmetric, only: principal_axes
   implicit none
@@ -153,10 +153,14 @@ contains
     end do
     associate (record => problem%body(:, slot), inverse => problem%body(first_inverse(problem%kind):, slot))
       body%velocity(:body%n) = record(:body%n)
-      body%inverse_mass(:min(3, body%n)) = inverse(:min(3, body%n))
       select case (problem%kind)
       case (ball_frictional)
-        body%inverse_mass(4:6) = inverse(4)
+        body%inverse_mass(1:3) = inverse(1)*free_axes(inverse(2))
+        body%inverse_mass(4:6) = max(0.0_wp, inverse(2))
+      case default
+        body%inverse_mass(:min(3, body%n)) = inverse(:min(3, body%n))
+      end select
+      select case (problem%kind)
       case (solid_frictionless, solid_frictional)
         call principal_axes(reshape(inverse([4, 7, 8, 7, 5, 9, 8, 9, 6]), [3, 3]), body%inverse_mass(4:6), body%axes)
         where (body%inverse_mass(4:6) <= driven_below*maxval(body%inverse_mass(4:6))) body%inverse_mass(4:6) = 0

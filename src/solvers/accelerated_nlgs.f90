@@ -86,7 +86,7 @@ contains
         progress%iterations = progress%iterations + 1
         change = swept - r
         norm = sqrt(sum(change**2))
-        if (memory%used > 0 .and. .not. norm <= settings%most_growth*least) then
+        if (memory%used > 0 .and. .not. norm/settings%most_growth <= least) then
           memory%used = 0
           has_last = .false.
           least = huge(least)

@@ -40,6 +40,7 @@ program test_condense
   call test_records(solid_frictionless, .false., .false.)
   call test_records(solid_frictional, .false., .false.)
   call test_records(solid_frictional, .true., .true.)
+  call test_partly_driven()
   call test_linear()
   call test_nothing()
   call t%finish()
@@ -197,7 +198,11 @@ contains
     body(nv + 1:) = random%uniform(0.5_wp, 2.0_wp)
     if (kind == arm_frictional .and. s == n_bodies - 1) body(6) = 0
     do i = 1, nv
-      if (nv + min(i, 4) <= size(body)) inverse(first + i, first + i) = body(nv + min(i, 4))
+      if (kind == ball_frictional) then
+        inverse(first + i, first + i) = body(merge(7, 8, i <= 3))
+      else if (kind < ball_frictional .or. i <= 3) then
+        inverse(first + i, first + i) = body(nv + i)
+      end if
     end do
     if (kind < solid_frictionless) return
     turn = some_matrix(random, 3, 3, 1.0_wp)
@@ -393,6 +398,23 @@ contains
     end do
     call t%near(largest, 0.0_wp, 1e-14_wp, name//': W, to rounding')
   end subroutine check_dense
+
+  !> A ball that is driven in y alone moves in x and z, and does not turn.
+  subroutine test_partly_driven()
+    type(problem_t) :: problem
+    type(matrix_problem_t) :: made
+    type(matrices_map_t) :: map
+    type(error_t), allocatable :: error
+    real(wp), allocatable :: h(:, :), inverse(:, :)
+
+    call make_records(ball_frictional, .false., .false., problem, h, inverse)
+    problem%body(8, 2) = -1.0_wp - 4.0_wp
+    call matrices_of(problem, .false., made, map, error)
+    call t%check(.not. allocated(error), 'partly driven: no error')
+    call t%check(all(pack(map%component, map%slot == 2) == [1, 3]), 'partly driven: two unknowns')
+    call add_impulses(problem)
+    call check_velocities(problem, made, map, 'partly driven')
+  end subroutine test_partly_driven
 
   !> A linear law is not expressed as a cone.
   subroutine test_linear()

@@ -126,13 +126,13 @@ contains
     type(report_t) :: report
     type(totals_t) :: totals
     type(measures_t) :: measures
-    integer :: i
+    integer :: i, j
 
-    call record%start('record.csv', error)
+    call record%start('record.csv', 2, error)
     call t%check(.not. allocated(error), 'a record starts')
     do i = 1, n
       report%is_converged = modulo(i, 2) == 0
-      measures%value = real([(i, i=1, n_measures)], wp)
+      measures%value = real([(j, j=1, n_measures(2))], wp)
       if (i == 3) measures%value(1) = nan()
       call record%add(i, real(i, wp)/10, 12, report, totals, measures, error)
     end do
@@ -161,16 +161,16 @@ contains
 
     call write_record(record, 5)
     call append_text('record.csv', '2,torn', error)
-    call record%resume('record.csv', 3, error)
+    call record%resume('record.csv', 2, 3, error)
     call t%check(.not. allocated(error), 'a record goes on')
     call read_lines('record.csv', lines, error)
     call t%equal(size(lines), 4, 'later and torn rows are cut')
     call t%check(lines(4)%s(:2) == '3,', 'the last row is that of the checkpoint')
     call replace_file('record.csv', 'step,other'//nl, error)
-    call record%resume('record.csv', 3, error)
+    call record%resume('record.csv', 2, 3, error)
     call t%check(allocated(error), 'other columns are an error')
     call remove_file('record.csv')
-    call record%resume('record.csv', 3, error)
+    call record%resume('record.csv', 2, 3, error)
     call t%check(.not. allocated(error), 'a missing record is no error')
     call t%check(file_exists('record.csv'), 'a missing record is begun')
   end subroutine test_restart
@@ -188,7 +188,7 @@ contains
       write (*, '(a)') 'skipped: no /dev/full'
       return
     end if
-    call record%start('full.csv', error)
+    call record%start('full.csv', 2, error)
     call remove_file('full.csv')
     call execute_command_line('ln -s /dev/full full.csv', exitstat=status)
     call record%add(1, 0.1_wp, 12, report, totals, measures, error)
@@ -215,6 +215,7 @@ contains
     call totals%add(report, 7)
     call totals%clock%start()
     call totals%tick()
+    allocate (measures%value(n_measures(2)), source=0.0_wp)
     measures%value(3) = nan()
     call summary%describe(scene, options, 'decks/odd "name".toml', 1)
     call summary%add_file('record', 'record.csv')

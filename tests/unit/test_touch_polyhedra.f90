@@ -7,7 +7,7 @@ program test_touch_polyhedra
   use sg_touch_polyhedron_polyhedron, only: touch_polyhedron_polyhedron
   use sg_touch_space, only: touch_space_t
   use space_reference, only: height_above, separation_along, signed_distance
-  use space_shapes, only: random_frame, random_shape, random_way, scaled_shape
+  use space_shapes, only: prism_shape, random_frame, random_shape, random_way, scaled_shape
   implicit none
   type(tests_t) :: t
   real(wp), parameter :: zero(3) = 0
@@ -16,6 +16,7 @@ program test_touch_polyhedra
   real(wp), parameter :: tight = 1e-11_wp
 
   call test_against_reference()
+  call test_many_edges()
   call test_far_from_origin()
   call test_exchange()
   call test_rigid_motion()
@@ -101,6 +102,34 @@ contains
     end do
     call t%check(all(met(1:4) > 200) .and. deep > 1000, 'pairs with one to four points, and overlapping ones')
   end subroutine test_against_reference
+
+  !> Shapes of many edges, deep in each other, so that edges come in several batches.
+  subroutine test_many_edges()
+    type(random_t) :: random
+    type(polyhedron_t) :: c, a
+    type(touch_space_t) :: touch
+    real(wp) :: offset(3), distance
+    integer :: i, touched
+
+    call random%seed(13)
+    touched = 0
+    do i = 1, 60
+      c = scaled_shape(prism_shape(25 + modulo(i, 16)), [1.0_wp, 0.7_wp, 0.4_wp])
+      a = scaled_shape(prism_shape(40 - modulo(i, 7)), [0.5_wp, 1.0_wp, 1.0_wp])
+      call place_polyhedron(c, zero, random_frame(random))
+      call place_polyhedron(a, zero, random_frame(random))
+      offset = random%uniform(0.1_wp, 1.8_wp)*random_way(random)
+      distance = signed_distance(c, a, offset)
+      call touch_polyhedron_polyhedron(c, a, offset, 0.2_wp, touch)
+      call t%check((touch%n > 0) .eqv. (distance < 0.2_wp), 'many edges: touch or not')
+      if (touch%n == 0) cycle
+      ! Regular shapes have axes as good but for the length that is none, 1e-10 of the smaller shape.
+      call t%near(minval(touch%gap(:touch%n)), distance, 2e-10_wp, 'many edges: gap')
+      call t%near(separation_along(c, a, offset, touch%normal(:, 1)), distance, 2e-10_wp, 'many edges: normal')
+      touched = touched + 1
+    end do
+    call t%check(touched > 30, 'many of many edges touch')
+  end subroutine test_many_edges
 
   !> A million sizes away coordinates have lost six digits; no more than that is lost.
   subroutine test_far_from_origin()

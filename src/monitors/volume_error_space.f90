@@ -1,0 +1,101 @@
+!> The volume by which shapes that touch overlap in space: over the volume of the grains it is the volume error.
+module sg_volume_error_space
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, kind_sphere
+  use sg_contacts, only: contacts_t
+  use sg_kinds, only: wp, i4
+  use sg_overlap_cylinders, only: overlap_cylinder_plane
+  use sg_overlap_polyhedra, only: overlap_polyhedron_plane, overlap_polyhedron_polyhedron, overlap_sphere_polyhedron
+  use sg_overlap_spheres, only: overlap_sphere_cylinder, overlap_sphere_hollow_cylinder, overlap_sphere_plane, overlap_sphere_sphere
+  use sg_touch_space_pair, only: facing_half, plane_axes
+  implicit none
+  private
+  public :: overlap_volume
+
+contains
+
+  !> Sum of the overlaps of all pairs of shapes with a negative gap [m3], each pair once: its points follow one another.
+  !!
+  !! Two pairs have no formula and count as nothing: cylinders with one another and with hollow cylinders.
+  pure real(wp) function overlap_volume(contactors, contacts, period) result(volume)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    real(wp), intent(in) :: period(2) !! periods in x and y, zero where not periodic [m]
+    real(wp) :: offset(3)
+    integer :: k, last(4), this(4)
+
+    volume = 0
+    last = 0
+    do k = 1, contacts%n
+      if (.not. contacts%gap(k) < 0) cycle
+      this = [contacts%contactor(:, k), int(contacts%image(k), i4), int(contacts%image_y(k), i4)]
+      if (all(this == last)) cycle
+      offset = [period*real(this(3:4), wp), 0.0_wp]
+      volume = volume + pair_overlap(contactors, this(1), this(2), offset, period)
+      last = this
+    end do
+  end function overlap_volume
+
+  !> Overlap of one pair of shapes [m3]: the kernel of its two kinds.
+  pure real(wp) function pair_overlap(contactors, c, a, offset, period) result(volume)
+    type(contactors_t), intent(in) :: contactors
+    integer, intent(in) :: c, a
+    real(wp), intent(in) :: offset(3), period(2)
+    real(wp) :: centre(3)
+    integer :: own, row
+
+    volume = 0
+    own = contactors%row(c)
+    row = contactors%row(a)
+    centre = contactors%centre(:, a) + offset
+    associate (space => contactors%space)
+      select case (contactors%kind(c))
+      case (kind_sphere)
+        volume = sphere_overlap(contactors, c, a, offset, period)
+      case (kind_cylinder)
+        if (contactors%kind(a) == kind_plane) then
+          volume = overlap_cylinder_plane(contactors%centre(:, c), space%cylinder_world(:, own), space%cylinder_size(1, own), &
+                                          space%cylinder_size(2, own), centre, plane_axes(contactors, row), &
+                                          facing_half(contactors, row, period))
+        end if
+      case (kind_polyhedron)
+        if (contactors%kind(a) == kind_polyhedron) then
+          volume = overlap_polyhedron_polyhedron(space%polyhedra(own), space%polyhedra(row), offset)
+        else if (contactors%kind(a) == kind_plane) then
+          volume = overlap_polyhedron_plane(space%polyhedra(own), centre, plane_axes(contactors, row), &
+                                            facing_half(contactors, row, period))
+        end if
+      end select
+    end associate
+  end function pair_overlap
+
+  !> Overlap of a sphere with its antagonist [m3].
+  pure real(wp) function sphere_overlap(contactors, c, a, offset, period) result(volume)
+    type(contactors_t), intent(in) :: contactors
+    integer, intent(in) :: c, a
+    real(wp), intent(in) :: offset(3), period(2)
+    real(wp) :: own(3), centre(3), radius
+    integer :: row
+
+    volume = 0
+    own = contactors%centre(:, c)
+    centre = contactors%centre(:, a) + offset
+    radius = contactors%space%sphere_radius(contactors%row(c))
+    row = contactors%row(a)
+    associate (space => contactors%space)
+      select case (contactors%kind(a))
+      case (kind_sphere)
+        volume = overlap_sphere_sphere(own, radius, centre, space%sphere_radius(row))
+      case (kind_plane)
+        volume = overlap_sphere_plane(own, radius, centre, plane_axes(contactors, row), facing_half(contactors, row, period))
+      case (kind_cylinder)
+        volume = overlap_sphere_cylinder(own, radius, centre, space%cylinder_world(:, row), space%cylinder_size(1, row), &
+                                         space%cylinder_size(2, row))
+      case (kind_hollow_cylinder)
+        volume = overlap_sphere_hollow_cylinder(own, radius, centre, space%hollow_world(:, row), space%hollow_size(1, row), &
+                                                space%hollow_size(2, row))
+      case (kind_polyhedron)
+        volume = overlap_sphere_polyhedron(own, radius, space%polyhedra(row), offset)
+      end select
+    end associate
+  end function sphere_overlap
+end module sg_volume_error_space
