@@ -15,6 +15,7 @@ module sg_nlgs
   use sg_solver, only: solver_t
   use sg_sweep_arm, only: sweep_arm_frictional, sweep_arm_frictionless
   use sg_sweep_ball, only: sweep_ball_frictional, sweep_ball_frictionless
+  use sg_sweep_ball_lanes, only: sweep_ball_lanes
   use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
   use sg_sweep_round, only: sweep_round_frictional, sweep_round_frictionless
   use sg_sweep_solid, only: sweep_solid_frictional, sweep_solid_frictionless
@@ -111,6 +112,11 @@ contains
 
     n = min(self%options%check_every, self%options%maximum_sweeps - report%sweeps)
     do i = 1, n
+      if (self%order%n_groups > 0) then
+        call sweep_ball_lanes(self%order%n_groups, problem%n_bodies, self%order%lane_pair, self%order%lane_record, &
+                              self%options%relaxation, self%order%lane_impulse, problem%body)
+        cycle
+      end if
       call sweep(problem%kind, self%order, problem%n_bodies, self%options%relaxation, self%order%impulse, problem%body)
     end do
     report%sweeps = report%sweeps + n

@@ -4,7 +4,7 @@ module sg_sweep_ball
   use sg_problem, only: free_axes
   implicit none
   private
-  public :: sweep_ball_frictionless, sweep_ball_frictional
+  public :: sweep_ball_frictionless, sweep_ball_frictional, push_partly_driven
 
 contains
 
@@ -113,8 +113,9 @@ contains
 
   !> Give an impulse p at the point R n to a body that may be driven in some directions; spin changes by p x n.
   pure subroutine push_partly_driven(body, p, n)
-    real(wp), intent(inout) :: body(8)
-    real(wp), intent(in) :: p(3), n(3)
+    real(wp), intent(inout) :: body(8) !! its record
+    real(wp), intent(in) :: p(3) !! impulse [N s]
+    real(wp), intent(in) :: n(3) !! unit vector from the point of contact to the centre
 
     body(1:3) = body(1:3) + body(7)*free_axes(body(8))*p
     if (body(8) > 0) then

@@ -7,10 +7,13 @@
 !! the ones chosen.
 module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
-  use sg_problem, only: first_inverse, is_compact, problem_t
+  use sg_problem, only: ball_frictional, first_inverse, is_compact, problem_t
   implicit none
   private
-  public :: sweep_order_t, set_order, give_impulses
+  public :: sweep_order_t, set_order, give_impulses, lanes
+
+  !> Contacts of a group that balls with friction are swept by in vector registers
+  integer, parameter :: lanes = 8
 
   !> Contacts of a group and of a block, for round problems and for problems with arms.
   !!
@@ -29,6 +32,11 @@ module sg_sweep_order
     !> Slots, records and impulses in that order
     integer(i4), allocatable :: pair(:, :)
     real(wp), allocatable :: record(:, :), impulse(:, :)
+    !> Groups of balls with friction, side by side: number of groups and size of each; slots, shape (lanes, 2, groups),
+    !! records, shape (lanes, 9, groups), and impulses, shape (lanes, 3, groups). Lanes to spare change nothing
+    integer :: n_groups = 0
+    integer(i4), allocatable :: group_size(:), lane_pair(:, :, :)
+    real(wp), allocatable :: lane_record(:, :, :), lane_impulse(:, :, :)
     !> Room for dealing: contacts chosen, and groups of each body as bits
     integer(i4), allocatable, private :: chosen(:)
     integer(i8), allocatable, private :: groups_of(:)
@@ -46,13 +54,14 @@ contains
 
     call make_room(order, problem)
     order%n = 0
+    order%n_groups = 0
     do k = 1, problem%n_contacts
       if (.not. is_wanted(k)) cycle
       order%n = order%n + 1
       order%chosen(order%n) = int(k, i4)
     end do
     if (in_groups) then
-      call deal(order%n, order%chosen, problem, order%groups_of, order%contact)
+      call deal(order, problem)
     else
       order%contact(:order%n) = order%chosen(:order%n)
     end if
@@ -62,6 +71,7 @@ contains
       order%record(:, i) = problem%record(:, k)
     end do
     call take_impulses(order, problem)
+    if (in_groups .and. problem%kind == ball_frictional) call fill_lanes(order)
   end subroutine set_order
 
   !> Room for all contacts of a problem.
@@ -81,16 +91,15 @@ contains
     allocate (order%contact(n), order%chosen(n), order%pair(2, n))
     allocate (order%record(size(problem%record, 1), n), order%impulse(size(problem%impulse, 1), n))
     allocate (order%groups_of(problem%n_bodies), source=0_i8)
+    if (allocated(order%group_size)) deallocate (order%group_size)
+    if (problem%kind == ball_frictional) allocate (order%group_size(n))
   end subroutine make_room
 
   !> Deal contacts to groups, block by block.
-  pure subroutine deal(n, chosen, problem, groups_of, contact)
-    integer, intent(in) :: n
-    integer(i4), intent(in), contiguous :: chosen(:)
+  pure subroutine deal(order, problem)
+    type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
-    integer(i8), intent(inout) :: groups_of(:)
-    integer(i4), intent(inout), contiguous :: contact(:)
-    integer :: first, last, block_size, width
+    integer :: first, last, block_size, width, filled(0:most_groups), g
 
     block_size = block_arm
     width = width_arm
@@ -98,21 +107,26 @@ contains
       block_size = block_round
       width = width_round
     end if
-    do first = 1, n, block_size
-      last = min(n, first + block_size - 1)
-      call deal_block(chosen(first:last), problem, width, groups_of, contact(first:last))
+    do first = 1, order%n, block_size
+      last = min(order%n, first + block_size - 1)
+      call deal_block(order%chosen(first:last), problem, width, order%groups_of, order%contact(first:last), filled)
+      if (problem%kind /= ball_frictional) cycle
+      do g = 0, most_groups
+        if (filled(g) > 0) call note_group(order, filled(g))
+      end do
     end do
   end subroutine deal
 
   !> Deal one block: each contact goes to the first group that has room and neither of its movable bodies.
-  pure subroutine deal_block(chosen, problem, width, groups_of, contact)
+  pure subroutine deal_block(chosen, problem, width, groups_of, contact, filled)
     integer(i4), intent(in), contiguous :: chosen(:)
     type(problem_t), intent(in) :: problem
     integer, intent(in) :: width
     integer(i8), intent(inout) :: groups_of(:) !! bit g: the body is in group g of this block
     integer(i4), intent(inout), contiguous :: contact(:)
+    integer, intent(out) :: filled(0:most_groups) !! contacts of each group
     integer(i8) :: full
-    integer :: filled(0:most_groups), group(block_round), i, g, side, inverse
+    integer :: group(block_round), i, g, side, inverse
     integer(i4) :: pair(2)
 
     inverse = first_inverse(problem%kind)
@@ -152,6 +166,51 @@ contains
     end do
   end subroutine spread_groups
 
+  !> Note the next groups: of the last group of a block any number may have come together, in no order.
+  pure subroutine note_group(order, filled)
+    type(sweep_order_t), intent(inout) :: order
+    integer, intent(in) :: filled
+    integer :: left, n
+
+    left = filled
+    do while (left > 0)
+      n = merge(min(left, lanes), 1, filled <= lanes)
+      order%n_groups = order%n_groups + 1
+      order%group_size(order%n_groups) = int(n, i4)
+      left = left - n
+    end do
+  end subroutine note_group
+
+  !> Put records and impulses side by side, group by group.
+  pure subroutine fill_lanes(order)
+    type(sweep_order_t), intent(inout) :: order
+    integer :: g, i, e
+
+    if (allocated(order%lane_pair)) then
+      if (size(order%lane_pair, 3) < order%n_groups) deallocate (order%lane_pair, order%lane_record, order%lane_impulse)
+    end if
+    if (.not. allocated(order%lane_pair)) then
+      allocate (order%lane_pair(lanes, 2, order%n_groups + order%n_groups/8), &
+                order%lane_record(lanes, 9, order%n_groups + order%n_groups/8), &
+                order%lane_impulse(lanes, 3, order%n_groups + order%n_groups/8))
+    end if
+    e = 0
+    do g = 1, order%n_groups
+      do i = 1, lanes
+        if (i <= order%group_size(g)) then
+          e = e + 1
+          order%lane_pair(i, :, g) = order%pair(:, e)
+          order%lane_record(i, :, g) = order%record(:, e)
+          order%lane_impulse(i, :, g) = order%impulse(:, e)
+        else
+          order%lane_pair(i, :, g) = order%lane_pair(1, :, g)
+          order%lane_record(i, :, g) = 0
+          order%lane_impulse(i, :, g) = 0
+        end if
+      end do
+    end do
+  end subroutine fill_lanes
+
   !> Copy impulses from the problem into the order.
   pure subroutine take_impulses(order, problem)
     type(sweep_order_t), intent(inout) :: order !! order to fill
@@ -165,10 +224,17 @@ contains
 
   !> Copy impulses from the order back to the problem.
   pure subroutine give_impulses(order, problem)
-    type(sweep_order_t), intent(in) :: order !! swept order
+    type(sweep_order_t), intent(inout) :: order !! swept order
     type(problem_t), intent(inout) :: problem !! its impulses are set
-    integer :: i
+    integer :: i, g, e
 
+    e = 0
+    do g = 1, order%n_groups
+      do i = 1, order%group_size(g)
+        e = e + 1
+        order%impulse(:, e) = order%lane_impulse(i, :, g)
+      end do
+    end do
     do i = 1, order%n
       problem%impulse(:, order%contact(i)) = order%impulse(:, i)
     end do
