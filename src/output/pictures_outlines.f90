@@ -19,24 +19,34 @@ contains
   subroutine trace_outlines(contactors, mesh)
     type(contactors_t), intent(in) :: contactors !! shapes of a plane scene
     type(mesh_t), intent(out) :: mesh !! one cell a contactor
-    integer :: c, i, n, sides, base
-    real(wp), allocatable :: outline(:, :)
+    integer :: c, sides
 
     sides = merge(disk_sides, disk_sides/2, contactors%n_rows(kind_disk) <= many_disks)
     do c = 1, contactors%n
-      n = corners(contactors, c, sides)
-      base = mesh%n_points
-      outline = outline_of(contactors, c, n)
-      do i = 1, n
-        call add_point(mesh, c, outline(:, i) + contactors%shift(:, c))
-      end do
-      if (contactors%kind(c) == kind_hollow) then
-        call add_cell(mesh, c, vtk_poly_line, base, [(i, i=1, n), 1])
-      else
-        call add_cell(mesh, c, vtk_polygon, base, [(i, i=1, n)])
-      end if
+      call add_outline(mesh, c, contactors%shift(:, c), outline_of(contactors, c, corners(contactors, c, sides)), &
+                       contactors%kind(c) == kind_hollow)
     end do
   end subroutine trace_outlines
+
+  !> An outline as one cell.
+  subroutine add_outline(mesh, c, centre, outline, is_line)
+    type(mesh_t), intent(inout) :: mesh
+    integer, intent(in) :: c
+    real(wp), intent(in) :: centre(2), outline(:, :)
+    logical, intent(in) :: is_line
+    integer :: i, base, n
+
+    base = mesh%n_points
+    n = size(outline, 2)
+    do i = 1, n
+      call add_point(mesh, c, outline(:, i) + centre)
+    end do
+    if (is_line) then
+      call add_cell(mesh, c, vtk_poly_line, base, [(i, i=1, n), 1])
+    else
+      call add_cell(mesh, c, vtk_polygon, base, [(i, i=1, n)])
+    end if
+  end subroutine add_outline
 
   !> Points of a contactor's outline.
   pure integer function corners(contactors, c, sides)
