@@ -4,7 +4,8 @@ module sg_convert
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_datbox, only: read_datbox
   use sg_datbox_deck, only: write_datbox_deck
-  use sg_datbox_write, only: contacts_at_start, datbox_contacts_t, write_datbox
+  use sg_datbox_write, only: write_datbox
+  use sg_datbox_write_contacts, only: contacts_at_start, datbox_contacts_t
   use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, fail
   use sg_kinds, only: wp

@@ -3,6 +3,7 @@ module sg_datbox_deck
   use sg_error, only: error_t, exit_output, fail
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
+  use sg_text, only: to_text
   use sg_words, only: quoted_string, short_real
   implicit none
   private
@@ -26,7 +27,7 @@ contains
     open (newunit=unit, file=deck, status='new', action='write', iostat=status, iomsg=message)
     if (status == 0) write (unit, '(a)', iostat=status, iomsg=message) &
       '# A DATBOX holds neither time step, theta, period, pressures nor the solver: check what stands here.', &
-      '[scene]', 'dimension = 2', 'datbox = '//quoted_string(path_from(deck, folder)), &
+      '[scene]', 'dimension = '//to_text(scene%dimension), 'datbox = '//quoted_string(path_from(deck, folder)), &
       '# period_x = 1.0', '', '[time]', 'step = '//step, 'steps = 1000', 'theta = 0.5', '', &
       '# [solver]', '# criterion = "quad"', '# tolerance = 1.0e-4'
     if (status == 0) close (unit, iostat=status, iomsg=message)

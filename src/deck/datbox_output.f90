@@ -6,12 +6,13 @@ module sg_datbox_output
   use sg_text, only: text_t
   implicit none
   private
-  public :: output_t, start_file, put, put_steps, finish_file, real_word, as_written, labelled, short_names, node_head
+  public :: output_t, start_file, put, put_steps, finish_file, real_word, as_written, labelled, short_names
+  public :: node_head, solid_node_head
 
   !> Blank head, to column 27, of a line whose numbers have labels
   character(len=27), parameter :: blank_head = ''
-  !> Head of the line of a node
-  character(len=27), parameter :: node_head = ' NO3xx      1'
+  !> Head of the line of a node, of the plane and of space
+  character(len=27), parameter :: node_head = ' NO3xx      1', solid_node_head = ' NO6xx      1'
 
   !> A file being written; the first fault stops all further writing
   type :: output_t

@@ -21,7 +21,7 @@ module sg_datbox_space_bodies
   use sg_text, only: to_text
   implicit none
   private
-  public :: read_solid_node, read_solid_contactor, complete_solid_body, read_frame
+  public :: read_solid_node, read_solid_contactor, complete_solid_body, read_frame, solid_of_datbox
 
   !> Difference from a rotation that eight digits leave [1]
   real(wp), parameter :: frame_slack = 1e-5_wp
@@ -253,7 +253,7 @@ contains
       moments(k) = dot_product(axes(:, k), matmul(solid%inertia, axes(:, k)))
     end do
     if (block%moments(1) > 0) then
-      call check_given_frame(file, block, solid, diagnostics)
+      call check_given_frame(file, block, solid, filled, diagnostics)
       moments = block%moments
     end if
     volume = solid%volume
@@ -273,8 +273,9 @@ contains
 
   !> Volume, centre and inertia as LMGC90 takes them: a cylinder without its round caps, a hollow one filled.
   function solid_of_datbox(scene, first, last) result(whole)
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: first, last
+    type(scene_t), intent(in) :: scene !! scene with its contactors
+    integer, intent(in) :: first !! first contactor of a body
+    integer, intent(in) :: last !! its last contactor
     type(solid_t) :: whole
     type(solid_t), allocatable :: solids(:)
     integer :: c, row
@@ -354,21 +355,26 @@ contains
     end do
   end function is_diagonal
 
-  !> Given moments say that the shapes are given along the principal axes: warn where they are not.
-  subroutine check_given_frame(file, block, solid, diagnostics)
+  !> Given moments say that the shapes are given along the principal axes: warn where they are not, with round caps or without.
+  subroutine check_given_frame(file, block, solid, filled, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     type(block_t), intent(in) :: block
-    type(solid_t), intent(in) :: solid
+    type(solid_t), intent(in) :: solid, filled
     type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp) :: off
     integer :: at
 
-    off = max(abs(solid%inertia(1, 2)), abs(solid%inertia(1, 3)), abs(solid%inertia(2, 3)))
-    if (off <= 1e-4_wp*maxval(abs(solid%inertia))) return
+    if (min(off_axes(solid%inertia), off_axes(filled%inertia)) <= 1e-4_wp) return
     at = file%at
     file%at = block%line
     call remark_once(file, 'given moments', 'body '//to_text(block%body)//' gives its principal moments, but its shapes are ' &
                      //'not given along their principal axes', 0, diagnostics)
     file%at = at
+  contains
+    !> Largest entry off the diagonal, as a share of the largest entry; zero of no body.
+    pure real(wp) function off_axes(inertia)
+      real(wp), intent(in) :: inertia(3, 3)
+
+      off_axes = max(abs(inertia(1, 2)), abs(inertia(1, 3)), abs(inertia(2, 3)))/max(maxval(abs(inertia)), tiny(1.0_wp))
+    end function off_axes
   end subroutine check_given_frame
 end module sg_datbox_space_bodies

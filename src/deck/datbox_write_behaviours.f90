@@ -1,8 +1,9 @@
 !> Writes BULK_BEHAV.DAT, TACT_BEHAV.DAT and DRV_DOF.DAT: materials, laws, who sees whom, and what is imposed.
 module sg_datbox_write_behaviours
   use sg_contactors, only: n_kinds
+  use sg_datbox_bodies, only: body_type
   use sg_datbox_laws, only: form_of_law, get_parameter, law_forms
-  use sg_datbox_output, only: finish_file, output_t, put, real_word, start_file
+  use sg_datbox_output, only: finish_file, node_head, output_t, put, real_word, solid_node_head, start_file
   use sg_datbox_sees, only: datbox_kind_names, pair_is_known
   use sg_drives, only: drive_t
   use sg_error, only: error_t, fail
@@ -30,7 +31,7 @@ contains
     call start_file(output, folder, 'BULK_BEHAV.DAT')
     call put(output, '$gravy')
     call put(output, repeat(' ', 19)//'grv1='//real_word(scene%gravity(1))//'  grv2='//real_word(scene%gravity(2)) &
-             //'  grv3='//real_word(0.0_wp))
+             //'  grv3='//real_word(scene%gravity(3)))
     do i = 1, size(materials)
       call put(output, '$behav  lawty')
       call put(output, ' '//materials(i)//'  RIGID'//repeat(' ', 27)//'Umas='//real_word(scene%materials(i)%density))
@@ -112,9 +113,9 @@ contains
             is_written(j, i) = .true.
             call put(output, '$seety')
             call put(output, ' cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert')
-            call put(output, ' RBDY2  '//datbox_kind_names(kind_of(i))//'  '//colours(colour_of(i))//'  ' &
-                     //laws(scene%sees(s)%law)//'  RBDY2  '//datbox_kind_names(kind_of(j))//'  '//colours(colour_of(j)) &
-                     //'      '//real_word(scene%sees(s)%alert))
+            call put(output, ' '//body_type(scene%dimension)//'  '//datbox_kind_names(kind_of(i))//'  '//colours(colour_of(i)) &
+                     //'  '//laws(scene%sees(s)%law)//'  '//body_type(scene%dimension)//'  '//datbox_kind_names(kind_of(j)) &
+                     //'  '//colours(colour_of(j))//'      '//real_word(scene%sees(s)%alert))
           end do
         end do
       end do
@@ -163,7 +164,7 @@ contains
         if (drive%body /= body) then
           if (body > 0) call put(output, '$$$$$$')
           body = drive%body
-          call put_driven_body(output, body)
+          call put_driven_body(output, scene%dimension, body)
         end if
         call put_drive(output, folder, drive, order(i), error)
       end associate
@@ -196,16 +197,16 @@ contains
   end subroutine order_by_body
 
   !> Begin the drives of a body.
-  subroutine put_driven_body(output, body)
+  subroutine put_driven_body(output, dimension, body)
     type(output_t), intent(inout) :: output
-    integer, intent(in) :: body
+    integer, intent(in) :: dimension, body
     character(len=15) :: line
 
     call put(output, '$bdyty')
-    write (line, '(a,i7)') ' RBDY2  ', body
+    write (line, '(a,a,2x,i7)') ' ', body_type(dimension), body
     call put(output, line)
     call put(output, '$nodty')
-    call put(output, ' NO3xx      1')
+    call put(output, merge(node_head, solid_node_head, dimension == 2))
     call put(output, '$dofty  numbr [CT......+......AMP..*..cos.(..OMEGA.*.time.+.PHI..)]...*...[RAMPI.....+.....RAMP.*.time]')
   end subroutine put_driven_body
 

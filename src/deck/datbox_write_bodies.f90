@@ -6,8 +6,10 @@
 module sg_datbox_write_bodies
   use sg_bodies, only: angle_of, spin_of
   use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_wall
+  use sg_datbox_bodies, only: body_type
   use sg_datbox_output, only: as_written, finish_file, labelled, node_head, output_t, put, put_steps, real_word, &
                               start_file
+  use sg_datbox_write_space, only: put_solid, put_solid_state
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i4, pi
   use sg_scene, only: scene_t
@@ -92,8 +94,13 @@ contains
     call start_file(output, folder, 'BODIES.DAT')
     call put(output, '! File BODIES')
     if (scene%period > 0) call put(output, '! The period in x is no part of a DATBOX: '//real_word(scene%period))
+    if (scene%period_y > 0) call put(output, '! The period in y is no part of a DATBOX: '//real_word(scene%period_y))
     do b = 1, scene%bodies%n
-      call put_body(output, b)
+      call put_body(output, scene%dimension, b)
+      if (scene%dimension == 3) then
+        call put_solid(output, scene, b, list(first(b):first(b + 1) - 1), materials(scene%bodies%material(b)), colours)
+        cycle
+      end if
       call put(output, '$blmty')
       mass_radius = sqrt(scene%bodies%mass(b)/(pi*scene%materials(scene%bodies%material(b))%density))
       call put(output, labelled('avrd= gyrd= ', [mass_radius, sqrt(scene%bodies%inertia(b)/scene%bodies%mass(b))], &
@@ -110,13 +117,13 @@ contains
   end subroutine write_bodies
 
   !> Begin a body's block.
-  subroutine put_body(output, body)
+  subroutine put_body(output, dimension, body)
     type(output_t), intent(inout) :: output
-    integer, intent(in) :: body
+    integer, intent(in) :: dimension, body
     character(len=15) :: line
 
     call put(output, '$bdyty')
-    write (line, '(a,i7)') ' RBDY2  ', body
+    write (line, '(a,a,2x,i7)') ' ', body_type(dimension), body
     call put(output, line)
   end subroutine put_body
 
@@ -191,12 +198,17 @@ contains
     call put(output, '! DOF')
     call put_steps(output, time, step_number)
     do b = 1, scene%bodies%n
+      if (scene%dimension == 3) then
+        call put_body(output, scene%dimension, b)
+        call put_solid_state(output, scene, b)
+        cycle
+      end if
       node = node_of(scene, first, list, b)
       wanted = [scene%bodies%position(:, b), node(3)]
       do i = 1, 3
         node(i) = as_written(node(i))
       end do
-      call put_body(output, b)
+      call put_body(output, scene%dimension, b)
       call put(output, '$nodty')
       call put(output, labelled('X(1)= X(2)= X(3)= ', wanted - node, node_head))
       call put(output, labelled('V(1)= V(2)= V(3)= ', [scene%bodies%velocity(1:2, b), spin_of(scene%bodies, b)]))

@@ -4,7 +4,7 @@ module sg_penetration
   use sg_kinds, only: wp
   implicit none
   private
-  public :: penetrations
+  public :: penetrations, deepest_penetration
 
 contains
 
@@ -26,4 +26,12 @@ contains
     end do
     if (n > 0) mean = mean/real(n, wp)
   end subroutine penetrations
+
+  !> Largest penetration alone [m], cheap enough for every step; zero without any.
+  pure real(wp) function deepest_penetration(contacts) result(largest)
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+
+    largest = 0
+    if (contacts%n > 0) largest = max(0.0_wp, -minval(contacts%gap(:contacts%n)))
+  end function deepest_penetration
 end module sg_penetration

@@ -19,7 +19,7 @@ module sg_totals
     [character(len=8) :: 'predict', 'detect', 'assemble', 'solve', 'update', 'measure', 'output']
 
   !> Sums and worst values that `pack` writes before the timers
-  integer, parameter :: n_sums = 14
+  integer, parameter :: n_sums = 15
   !> Numbers that `pack` writes
   integer, parameter :: n_totals_values = n_sums + 2*(n_phases + 1)
 
@@ -33,6 +33,8 @@ module sg_totals
     integer(i8) :: sweeps = 0, contact_updates = 0
     !> Contacts, contacts with an impulse of the last step, and most contacts of all steps
     integer :: contacts = 0, active_contacts = 0, most_contacts = 0
+    !> Deepest penetration of all steps [m]
+    real(wp) :: worst_penetration = 0
     !> Steps in which a body moved farther than the smallest alert distance, so that a contact may have been missed
     integer :: fast_steps = 0
     !> Bytes that the contact problem of the last step holds per contact
@@ -51,10 +53,11 @@ module sg_totals
 contains
 
   !> Add the solve of one step.
-  pure subroutine totals_add(self, report, contacts)
+  pure subroutine totals_add(self, report, contacts, penetration)
     class(totals_t), intent(inout) :: self
     type(report_t), intent(in) :: report !! what the solver said
     integer, intent(in) :: contacts !! number of contacts of the step
+    real(wp), intent(in), optional :: penetration !! deepest penetration of the step, none unless given [m]
 
     self%steps = self%steps + 1
     if (report%is_converged) then
@@ -72,6 +75,7 @@ contains
     self%active_contacts = report%active_contacts
     self%most_contacts = max(self%most_contacts, contacts)
     self%bytes_per_contact = report%bytes_per_contact
+    if (present(penetration)) self%worst_penetration = worse(self%worst_penetration, penetration)
   end subroutine totals_add
 
   !> The larger of two errors; one that is not a number is the worst and stays.
@@ -104,7 +108,7 @@ contains
                        self%worst_e1, self%worst_e2, self%worst_e8, self%worst_violation, &
                        real(self%sweeps, wp), real(self%contact_updates, wp), real(self%contacts, wp), &
                        real(self%active_contacts, wp), real(self%most_contacts, wp), self%bytes_per_contact, &
-                       real(self%fast_steps, wp)]
+                       real(self%fast_steps, wp), self%worst_penetration]
     values(n_sums + 1:) = [self%phase%cpu, self%phase%wall, self%clock%cpu, self%clock%wall]
   end function totals_pack
 
@@ -127,6 +131,7 @@ contains
     self%most_contacts = nint(values(12))
     self%bytes_per_contact = values(13)
     self%fast_steps = nint(values(14))
+    self%worst_penetration = values(15)
     self%phase%cpu = values(n_sums + 1:n_sums + n_phases)
     self%phase%wall = values(n_sums + n_phases + 1:n_sums + 2*n_phases)
     self%clock%cpu = values(n_totals_values - 1)

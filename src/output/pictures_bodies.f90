@@ -4,6 +4,7 @@ module sg_pictures_bodies
   use sg_error, only: exit_output, fail
   use sg_kinds, only: wp, i4, i8, pi
   use sg_pictures_grid, only: grid_file_t, grid_root, on_field, on_points, vtk_vertex
+  use sg_rotations, only: no_rotation, turned_by
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_xdmf, only: xdmf_t
@@ -36,7 +37,7 @@ contains
     call self%grid%open(options%folder//'/bodies.vtkhdf', options, resumed_step)
     if (allocated(self%grid%file%error)) return
     if (self%grid%n_steps == 0) then
-      self%start = unwrapped(scene%bodies, scene%period)
+      self%start = unwrapped(scene)
     else
       call self%grid%file%get(grid_root//'PointData/start_position', self%start)
       if (size(self%start, 2) /= scene%bodies%n .and. .not. allocated(self%grid%file%error)) &
@@ -60,15 +61,39 @@ contains
       call self%grid%part(n, [(int(b, i8), b=0, n - 1)], [(int(b, i8), b=0, n)], spread(vtk_vertex, 1, n))
     call self%grid%place(in_space(scene%bodies%position))
     call write_constants(self%grid, scene%bodies, self%start)
-    call self%grid%put(on_points, 'velocity', in_space(scene%bodies%velocity(1:2, :)))
-    call self%grid%put(on_points, 'spin', [(spin_of(scene%bodies, b), b=1, n)])
-    call self%grid%put(on_points, 'angle', [(angle_of(scene%bodies, b), b=1, n)])
-    call self%grid%put(on_points, 'displacement', unwrapped(scene%bodies, scene%period) - self%start)
+    call self%grid%put(on_points, 'velocity', in_space(scene%bodies%velocity(1:scene%dimension, :)))
+    call write_turning(self%grid, scene%bodies)
+    call self%grid%put(on_points, 'displacement', unwrapped(scene) - self%start)
     call self%grid%put(on_points, 'rank', home)
     call self%grid%put(on_field, 'period', [scene%period])
+    if (scene%dimension == 3) call self%grid%put(on_field, 'period_y', [scene%period_y])
     call self%grid%finish(time, step)
     call self%xdmf%add(self%grid, time)
   end subroutine bodies_write
+
+  !> Angular velocities and orientations; in space spins are turned from the bodies' own axes to the world's.
+  subroutine write_turning(grid, bodies)
+    type(grid_file_t), intent(inout) :: grid
+    type(bodies_t), intent(in) :: bodies
+    real(wp), allocatable :: spin(:, :), orientation(:, :)
+    integer :: b
+
+    if (bodies%dimension == 2) then
+      call grid%put(on_points, 'spin', [(spin_of(bodies, b), b=1, bodies%n)])
+      call grid%put(on_points, 'angle', [(angle_of(bodies, b), b=1, bodies%n)])
+      return
+    end if
+    allocate (spin(3, bodies%n), source=0.0_wp)
+    orientation = spread(no_rotation, 2, bodies%n)
+    if (allocated(bodies%orientation)) then
+      orientation = bodies%orientation
+      do b = 1, bodies%n
+        spin(:, b) = turned_by(orientation(:, b), bodies%velocity(4:6, b))
+      end do
+    end if
+    call grid%put(on_points, 'spin', spin)
+    call grid%put(on_points, 'orientation', orientation)
+  end subroutine write_turning
 
   !> What does not change with time.
   subroutine write_constants(grid, bodies, start)
@@ -78,7 +103,11 @@ contains
     integer :: b
 
     call grid%put(on_points, 'id', [(int(b, i4), b=1, bodies%n)], is_static=.true.)
-    call grid%put(on_points, 'radius', sqrt(bodies%area/pi), is_static=.true.)
+    if (bodies%dimension == 2) then
+      call grid%put(on_points, 'radius', sqrt(bodies%area/pi), is_static=.true.)
+    else
+      call grid%put(on_points, 'radius', (3*bodies%area/(4*pi))**(1.0_wp/3), is_static=.true.)
+    end if
     call grid%put(on_points, 'mass', bodies%mass, is_static=.true.)
     call grid%put(on_points, 'material', bodies%material, is_static=.true.)
     call grid%put(on_points, 'is_grain', merge(1_i4, 0_i4, bodies%is_grain), is_static=.true.)
@@ -86,21 +115,21 @@ contains
   end subroutine write_constants
 
   !> Positions as if there were no period [m], shape (3, bodies).
-  pure function unwrapped(bodies, period) result(position)
-    type(bodies_t), intent(in) :: bodies
-    real(wp), intent(in) :: period
+  pure function unwrapped(scene) result(position)
+    type(scene_t), intent(in) :: scene
     real(wp), allocatable :: position(:, :)
 
-    position = in_space(bodies%position)
-    position(1, :) = position(1, :) + real(bodies%crossings, wp)*period
+    position = in_space(scene%bodies%position)
+    position(1, :) = position(1, :) + real(scene%bodies%crossings, wp)*scene%period
+    if (scene%dimension == 3) position(2, :) = position(2, :) + real(scene%bodies%crossings_y, wp)*scene%period_y
   end function unwrapped
 
-  !> Plane vectors with a third component of zero.
-  pure function in_space(plane) result(space)
-    real(wp), intent(in) :: plane(:, :)
+  !> Vectors of the plane with a third component of zero; those of space as they are.
+  pure function in_space(vectors) result(space)
+    real(wp), intent(in) :: vectors(:, :)
     real(wp), allocatable :: space(:, :)
 
-    allocate (space(3, size(plane, 2)), source=0.0_wp)
-    space(1:2, :) = plane
+    allocate (space(3, size(vectors, 2)), source=0.0_wp)
+    space(:size(vectors, 1), :) = vectors
   end function in_space
 end module sg_pictures_bodies

@@ -3,8 +3,7 @@
 !! A line goes from the candidate's centre to the antagonist's, in the periodic image of the candidate; at a wall,
 !! whose centre means nothing, it ends at the point of contact instead.
 module sg_pictures_contacts
-  use sg_bodies, only: bodies_t
-  use sg_contacts, only: contacts_t
+  use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
   use sg_kinds, only: wp, i4, i8
   use sg_pictures_grid, only: grid_file_t, on_cells, on_field, vtk_empty, vtk_line
   use sg_run_options, only: run_options_t
@@ -58,7 +57,7 @@ contains
     if (n > 0) then
       call self%grid%part(2*n, [(int(i, i8), i=0, 2*n - 1)], [(int(2*i, i8), i=0, n)], spread(vtk_line, 1, n))
       do i = 1, n
-        points(1:2, 2*i - 1:2*i) = ends(scene%bodies, contacts, i, scene%period)
+        points(1:scene%dimension, 2*i - 1:2*i) = ends(scene, contacts, i)
       end do
       call self%grid%place(points)
       call write_arrays(self, scene, contacts)
@@ -66,7 +65,7 @@ contains
       ! VTK 9.5 and 9.6 misread a step without cells: one cell of type "empty" draws nothing.
       call self%grid%part(0, no_ids, [0_i8, 0_i8], [vtk_empty])
       call self%grid%place(points)
-      call write_zeros(self)
+      call write_zeros(self, scene%dimension)
     end if
     call self%grid%finish(time, step)
     call self%xdmf%add(self%grid, time)
@@ -77,21 +76,18 @@ contains
     type(contacts_picture_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
-    real(wp) :: vectors(3, contacts%n), tangential(contacts%n)
-    integer :: i, n
+    real(wp) :: vectors(3, contacts%n)
+    integer :: i, n, d
 
     n = contacts%n
-    tangential = 0
-    if (contacts%n_components > 1) tangential = contacts%impulse(2, :n)/self%time_step
-    call self%grid%put(on_cells, 'force_normal', contacts%impulse(1, :n)/self%time_step)
-    call self%grid%put(on_cells, 'force_tangential', tangential)
+    d = scene%dimension
+    call write_forces(self, contacts, d)
     call self%grid%put(on_cells, 'gap', contacts%gap(:n))
     vectors = 0
-    vectors(1:2, :) = contacts%normal(:, :n)
+    vectors(1:d, :) = contacts%normal(:, :n)
     call self%grid%put(on_cells, 'normal', vectors)
     do i = 1, n
-      vectors(1:2, i) = contacts%point(:, i)
-      vectors(1, i) = vectors(1, i) + real(jump(scene%bodies, contacts%body(1, i), scene%period), wp)*scene%period
+      vectors(1:d, i) = contacts%point(:, i) + jump(scene, contacts%body(1, i))
     end do
     call self%grid%put(on_cells, 'point', vectors)
     call self%grid%put(on_cells, 'status', int(contacts%status(:n), i4))
@@ -100,13 +96,37 @@ contains
     call self%grid%put(on_cells, 'antagonist', contacts%body(2, :n))
   end subroutine write_arrays
 
-  !> Numbers of the cell that stands for no contact.
-  subroutine write_zeros(self)
+  !> Forces of all contacts; in space the tangential one has no sign, but there is the whole vector.
+  subroutine write_forces(self, contacts, dimension)
     type(contacts_picture_t), intent(inout) :: self
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: dimension
+    real(wp) :: normal(contacts%n), tangential(contacts%n), vectors(3, contacts%n)
+    integer :: i, n
+
+    n = contacts%n
+    tangential = 0
+    do i = 1, n
+      normal(i) = normal_impulse(contacts, i)/self%time_step
+      if (dimension == 2) cycle
+      vectors(:, i) = impulse_vector(contacts, i)/self%time_step
+      if (contacts%n_components == 3) tangential(i) = norm2(vectors(:, i) - normal(i)*contacts%normal(:, i))
+    end do
+    if (contacts%n_components == 2) tangential = contacts%impulse(2, :n)/self%time_step
+    call self%grid%put(on_cells, 'force_normal', normal)
+    call self%grid%put(on_cells, 'force_tangential', tangential)
+    if (dimension == 3) call self%grid%put(on_cells, 'force', vectors)
+  end subroutine write_forces
+
+  !> Numbers of the cell that stands for no contact.
+  subroutine write_zeros(self, dimension)
+    type(contacts_picture_t), intent(inout) :: self
+    integer, intent(in) :: dimension
     real(wp), parameter :: vector(3, 1) = 0
 
     call self%grid%put(on_cells, 'force_normal', vector(1, :))
     call self%grid%put(on_cells, 'force_tangential', vector(1, :))
+    if (dimension == 3) call self%grid%put(on_cells, 'force', vector)
     call self%grid%put(on_cells, 'gap', vector(1, :))
     call self%grid%put(on_cells, 'normal', vector)
     call self%grid%put(on_cells, 'point', vector)
@@ -116,37 +136,39 @@ contains
     call self%grid%put(on_cells, 'antagonist', [0_i4])
   end subroutine write_zeros
 
-  !> The two ends of a contact's line [m]: at the candidate and at the antagonist.
-  pure function ends(bodies, contacts, i, period)
-    type(bodies_t), intent(in) :: bodies
+  !> The two ends of a contact's line [m]: at the candidate and at the antagonist, shape (dimension, 2).
+  pure function ends(scene, contacts, i)
+    type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: i
-    real(wp), intent(in) :: period
-    real(wp) :: ends(2, 2), point(2)
-    integer :: candidate, antagonist, here
+    real(wp) :: ends(scene%dimension, 2), here(scene%dimension), image(scene%dimension)
+    integer :: candidate, antagonist
 
     candidate = contacts%body(1, i)
     antagonist = contacts%body(2, i)
-    here = jump(bodies, candidate, period)
-    point = contacts%point(:, i)
-    point(1) = point(1) + real(here, wp)*period
-    ends(:, 1) = bodies%position(:, candidate)
-    ends(:, 2) = bodies%position(:, antagonist)
-    ends(1, 2) = ends(1, 2) + real(int(contacts%image(i)) + here - jump(bodies, antagonist, period), wp)*period
-    if (.not. bodies%is_grain(antagonist)) then
-      ends(:, 2) = point
-    else if (.not. bodies%is_grain(candidate)) then
-      ends(:, 1) = point
+    here = jump(scene, candidate)
+    image = 0
+    image(1) = real(contacts%image(i), wp)*scene%period
+    if (scene%dimension == 3) image(2) = real(contacts%image_y(i), wp)*scene%period_y
+    ends(:, 1) = scene%bodies%position(:, candidate)
+    ends(:, 2) = scene%bodies%position(:, antagonist) + (image + here - jump(scene, antagonist))
+    if (.not. scene%bodies%is_grain(antagonist)) then
+      ends(:, 2) = contacts%point(:, i) + here
+    else if (.not. scene%bodies%is_grain(candidate)) then
+      ends(:, 1) = contacts%point(:, i) + here
     end if
   end function ends
 
-  !> Periods by which a body's stored position jumped between the detection of contacts and the end of the step.
-  pure integer function jump(bodies, body, period)
-    type(bodies_t), intent(in) :: bodies
+  !> Way by which periods moved a body's stored position between the detection of contacts and the end of the step [m].
+  pure function jump(scene, body)
+    type(scene_t), intent(in) :: scene
     integer, intent(in) :: body
-    real(wp), intent(in) :: period
+    real(wp) :: jump(scene%dimension)
 
     jump = 0
-    if (period > 0) jump = nint((bodies%position(1, body) - bodies%middle(1, body))/period)
+    associate (way => scene%bodies%position(:, body) - scene%bodies%middle(:scene%dimension, body))
+      if (scene%period > 0) jump(1) = real(nint(way(1)/scene%period), wp)*scene%period
+      if (scene%period_y > 0) jump(2) = real(nint(way(2)/scene%period_y), wp)*scene%period_y
+    end associate
   end function jump
 end module sg_pictures_contacts

@@ -176,6 +176,7 @@ contains
     call json%add('worst_e2', totals%worst_e2)
     call json%add('worst_e8', totals%worst_e8)
     call json%add('worst_violation', totals%worst_violation)
+    call json%add('worst_penetration', totals%worst_penetration)
     call json%add('sweeps', totals%sweeps)
     call json%add('contact_updates', totals%contact_updates)
     call json%add('contacts', totals%contacts)

@@ -27,8 +27,9 @@ contains
                 summary%criterion//' <= '//to_text(summary%tolerance, 2))
       call line('worst errors', 'e1 '//to_text(totals%worst_e1, 2)//', e2 '//to_text(totals%worst_e2, 2)//', e8 '// &
                 to_text(totals%worst_e8, 2)//', violation '//to_text(totals%worst_violation, 2)//' g h')
-      call line('penetration', penetration_words(measures%get('max_penetration'), summary%grains%mean_radius)// &
-                ', volume error '//percent(measures%get('volume_error')))
+      call line('penetration', penetration_words(totals%worst_penetration, summary%grains%mean_radius)// &
+                '; at the end '//to_text(measures%get('max_penetration'), 2)//' m, volume error '// &
+                percent(measures%get('volume_error')))
       if (totals%fast_steps > 0) then
         call line('too fast', 'in '//to_text(totals%fast_steps)//' steps a body moved farther than the alert distance: '// &
                   'contacts may have been missed; take shorter steps or a larger alert')
@@ -62,7 +63,7 @@ contains
     real(wp), intent(in) :: deepest, radius
     character(len=:), allocatable :: words
 
-    words = to_text(deepest, 2)//' m at the deepest contact'
+    words = to_text(deepest, 2)//' m at the deepest contact of all steps'
     if (radius > 0) words = words//', '//percent(deepest/radius)//' of the mean radius'
   end function penetration_words
 

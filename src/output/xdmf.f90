@@ -149,6 +149,7 @@ contains
 
     kind = 'Scalar'
     if (array%components == 3) kind = 'Vector'
+    if (array%components > 3) kind = 'Matrix'
     centre = 'Cell'
     if (array%where == on_points) centre = 'Node'
     text = '    <Attribute Name="'//array%name//'" AttributeType="'//kind//'" Center="'//centre//'">'//nl// &

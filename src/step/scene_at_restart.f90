@@ -2,11 +2,13 @@
 module sg_scene_at_restart
   use sg_bodies, only: angle_of
   use sg_checkpoint, only: load_checkpoint
-  use sg_datbox_write, only: datbox_contacts_t
+  use sg_contacts, only: impulse_vector
+  use sg_datbox_write_contacts, only: datbox_contacts_t
   use sg_detect, only: detect
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
   use sg_mapping, only: relative_velocity
+  use sg_mapping_space, only: space_relative_velocity
   use sg_motion, only: predict
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
@@ -54,9 +56,15 @@ contains
 
     n = moved%bodies%n_velocity
     do b = 1, scene%bodies%n
-      scene%bodies%position(:, b) = moved%bodies%position(:, b) + [scene%period*real(moved%bodies%crossings(b), wp), 0.0_wp]
+      scene%bodies%position(:, b) = moved%bodies%position(:, b)
+      scene%bodies%position(1, b) = scene%bodies%position(1, b) + scene%period*real(moved%bodies%crossings(b), wp)
       scene%bodies%velocity(:n, b) = moved%bodies%velocity(:, b)
-      if (n == 3) scene%bodies%angle(b) = angle_of(moved%bodies, b)
+      if (scene%dimension == 3) then
+        scene%bodies%position(2, b) = scene%bodies%position(2, b) + scene%period_y*real(moved%bodies%crossings_y(b), wp)
+        if (n == 6) scene%bodies%orientation(:, b) = moved%bodies%orientation(:, b)
+      else if (n == 3) then
+        scene%bodies%angle(b) = angle_of(moved%bodies, b)
+      end if
     end do
   end subroutine take_motion
 
@@ -74,11 +82,16 @@ contains
     contacts%normal = sim%contacts%normal(:, :n)
     contacts%gap = sim%contacts%gap(:n)
     contacts%status = sim%contacts%status(:n)
-    allocate (contacts%force(2, n), contacts%velocity(2, n), source=0.0_wp)
+    allocate (contacts%force(sim%scene%dimension, n), contacts%velocity(sim%scene%dimension, n), source=0.0_wp)
     do k = 1, n
-      contacts%force(:m, k) = sim%contacts%impulse(:, k)/sim%options%step
-      contacts%velocity(:, k) = relative_velocity(sim%contacts, k, sim%scene%bodies%middle, sim%scene%period, &
-                                                  sim%scene%bodies%velocity)
+      if (sim%scene%dimension == 3) then
+        contacts%force(:, k) = impulse_vector(sim%contacts, k)/sim%options%step
+        contacts%velocity(:, k) = space_relative_velocity(sim%scene, sim%contacts, k, sim%scene%bodies%velocity)
+      else
+        contacts%force(:m, k) = sim%contacts%impulse(:, k)/sim%options%step
+        contacts%velocity(:, k) = relative_velocity(sim%contacts, k, sim%scene%bodies%middle, sim%scene%period, &
+                                                    sim%scene%bodies%velocity)
+      end if
     end do
   end subroutine take_contacts
 end module sg_scene_at_restart

@@ -13,6 +13,7 @@ module sg_simulation
   use sg_kinds, only: wp
   use sg_motion, only: predict, update
   use sg_neighbours, only: neighbours_t
+  use sg_penetration, only: deepest_penetration
   use sg_plan, only: make_plan, plan_t
   use sg_problem, only: problem_kind, problem_t
   use sg_report, only: report_t
@@ -101,7 +102,7 @@ contains
 
       call phase(phase_measure)%start()
       call sim%energy%add_step(sim%scene, sim%contacts, h)
-      call sim%totals%add(sim%report, sim%contacts%n)
+      call sim%totals%add(sim%report, sim%contacts%n, deepest_penetration(sim%contacts))
       call phase(phase_measure)%stop()
 
       call phase(phase_update)%start()

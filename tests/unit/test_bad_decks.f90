@@ -1,6 +1,7 @@
 !> Bad decks: each must give a mistake with the right words at the right line, and never more than an error.
 program test_bad_decks
   use harness, only: tests_t
+  use sg_convex_hull, only: hull_is_available
   use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t
   use sg_kinds, only: i1
@@ -14,6 +15,9 @@ program test_bad_decks
                                         'name = "stone"'//nl//'density = 2000'//nl//'[[law]]'//nl
   !> Three more: a disk
   character(len=*), parameter :: disk = '[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.5'//nl
+  !> The same nine lines in space, and three more: a sphere
+  character(len=*), parameter :: space = '[scene]'//nl//'dimension = 3'//nl//head
+  character(len=*), parameter :: ball = '[[body]]'//nl//'shape = "sphere"'//nl//'radius = 0.5'//nl
   type(tests_t) :: t
 
   call bad_texts()
@@ -26,6 +30,11 @@ program test_bad_decks
   call bad_samples()
   call bad_drives()
   call bad_files()
+  call bad_dimensions()
+  call bad_shapes_in_space()
+  call bad_polyhedra()
+  call bad_meshes()
+  call bad_generators()
   call all_at_once()
   call t%finish()
 
@@ -275,6 +284,148 @@ contains
     open (newunit=unit, file='huge.toml', status='old')
     close (unit, status='delete')
   end subroutine bad_files
+
+  !> What belongs to the other dimension.
+  subroutine bad_dimensions()
+    call bad('a disk in space', space//'[[body]]'//nl//'shape = "disk"'//nl//'radius = 1'//nl, 'did you mean "sphere"?', 11)
+    call bad('a sphere in the plane', head//'[[body]]'//nl//'shape = "sphere"'//nl//'radius = 1'//nl, 'did you mean "disk"?', 9)
+    call bad('a misspelt shape', space//'[[body]]'//nl//'shape = "spere"'//nl//'radius = 1'//nl, 'did you mean "sphere"?', 11)
+    call bad('a polygon in space', space//'[[body]]'//nl//'shape = "polygon"'//nl, 'did you mean "polyhedron"?', 11)
+    call bad('an angle in space', space//ball//'angle = 1.0'//nl, 'did you mean "rotation"?', 13)
+    call bad('a rotation in the plane', head//disk//'rotation = [0, 0, 1]'//nl, 'did you mean "angle"?', 11)
+    call bad('a wall of the plane', space//'[[wall]]'//nl//'from = [0, 0]'//nl, 'has no meaning where scene.dimension = 3', 11)
+    call bad('half a wall', space//'[[wall]]'//nl//'thickness = 1'//nl, 'lacks the key "centre"', 10)
+    call bad('a position of two', space//ball//'position = [0, 1]'//nl, 'must be a list of 3 numbers', 13)
+    call bad('a position of three', head//disk//'position = [0, 1, 2]'//nl, 'must be a list of 2 numbers', 11)
+    call bad('a position of four', space//ball//'position = [0, 1, 2, 3]'//nl, 'must be a list of 3 numbers', 13)
+    call bad('a spin of one', space//ball//'spin = 1.0'//nl, 'must be a list of 3 numbers', 13)
+    call bad('a spin of three', head//disk//'spin = [1, 2, 3]'//nl, 'must be a number', 11)
+    call bad('moments of one', space//ball//'inertia = 1.0'//nl, 'must be a list of 3 numbers', 13)
+    call bad('gravity of the plane', '[scene]'//nl//'dimension = 3'//nl//'gravity = [0, -9.81]'//nl, 'a list of 3 numbers', 3)
+    call bad('a period across the plane', '[scene]'//nl//'period_y = 1.0'//nl, 'has no meaning where scene.dimension = 2', 2)
+    call bad('a container in the plane', head//'[[container]]'//nl//'size = [1, 1, 1]'//nl, 'needs scene.dimension = 3', 8)
+    call bad('a sample of the plane', space//'[[sample]]'//nl//'radius = 0.1'//nl//'box = [0, 0, 1, 1]'//nl, &
+             'a list of 6 numbers', 12)
+    call bad('sides of polyhedra', space//'[[sample]]'//nl//'shape = "polyhedron"'//nl//'sides = 5'//nl, &
+             'did you mean "vertices"?', 12)
+    call bad('a lattice of the plane', space//'[[sample]]'//nl//'kind = "lattice"'//nl//'arrangement = "square"'//nl, &
+             'did you mean "cubic"?', 12)
+    call bad('a rotation of the plane', space//ball//'[[drive]]'//nl//'body = 1'//nl//'component = "rotation"'//nl, &
+             'did you mean "rotation_', 15)
+    call bad('a spin in the plane', head//disk//'[[drive]]'//nl//'body = 1'//nl//'component = "z"'//nl, 'must be one of x', 13)
+    call bad('a pressed length', space//ball//'[[pressure]]'//nl//'body = 1'//nl//'length = 1.0'//nl, 'did you mean "area"?', 15)
+    call bad('no area', space//ball//'[[pressure]]'//nl//'body = 1'//nl//'direction = [1, 0, 0]'//nl, 'lacks the key "area"', 13)
+    call bad('shapes of the plane', space//ball//'[[interaction]]'//nl//'candidate_shape = "disk"'//nl, &
+             'did you mean "sphere"?', 14)
+  end subroutine bad_dimensions
+
+  subroutine bad_shapes_in_space()
+    call bad('negative radius', space//'[[body]]'//nl//'shape = "sphere"'//nl//'radius = -1'//nl, 'larger than 0 m', 12)
+    call bad('negative half axes', space//'[[body]]'//nl//'shape = "box"'//nl//'half_axes = [1, -1, 1]'//nl, 'larger than 0 m', 12)
+    call bad('two half axes', space//'[[body]]'//nl//'shape = "plane"'//nl//'half_axes = [1, 1]'//nl, 'a list of 3 numbers', 12)
+    call bad('no height', space//'[[body]]'//nl//'shape = "cylinder"'//nl//'radius = 1'//nl, 'lacks the key "half_height"', 10)
+    call bad('a length of a cylinder', space//'[[body]]'//nl//'shape = "cylinder"'//nl//'half_length = 1'//nl, &
+             'did you mean "half_height"?', 12)
+    call bad('negative friction in space', space//'friction = -1.0'//nl, 'at least 0', 10)
+    call bad('a weightless hollow cylinder', space//'[[body]]'//nl//'shape = "hollow cylinder"'//nl//'radius = 1'//nl// &
+             'half_height = 1'//nl, 'weighs nothing', 10)
+    call bad('moments that no body has', space//ball//'inertia = [1, 1, 3]'//nl, 'no body has such moments', 13)
+    call bad('a negative moment', space//ball//'inertia = [1, 1, -1]'//nl, 'larger than 0 kg m2', 13)
+    call bad('no shape in space', space//'[[body]]'//nl, 'no shape', 10)
+    call bad('spheres that overlap', space//ball//ball//'position = [0, 0, 0.8]'//nl, 'body 1 and body 2 overlap', 13)
+    call bad('a sphere in a floor', space//ball//'[[wall]]'//nl//'name = "floor"'//nl//'centre = [0, 0, -0.3]'//nl// &
+             'size = [9, 9]'//nl//'thickness = 1.0'//nl, '"floor" overlap', 13)
+    call bad('boxes that overlap', space//'[[body]]'//nl//'shape = "box"'//nl//'half_axes = [1, 1, 1]'//nl//'[[body]]'//nl// &
+             'shape = "box"'//nl//'half_axes = [1, 1, 1]'//nl//'position = [1.5, 1.5, 1.5]'//nl, 'overlap', 13)
+    call bad('outside of the period in y', '[scene]'//nl//'period_y = 2.0'//nl//'dimension = 3'//nl//head//ball// &
+             'position = [0, 3, 0]'//nl, 'y = 3', 11)
+    call bad('wider than the period in y', '[scene]'//nl//'period_y = 0.5'//nl//'dimension = 3'//nl//head//ball, &
+             'wider than the period', 11)
+    call bad('overlap through the period in y', '[scene]'//nl//'period_y = 3.0'//nl//'dimension = 3'//nl//head//ball//ball// &
+             'position = [0, 2.5, 0]'//nl, 'overlap', 14)
+    call bad('no normal', space//'[[wall]]'//nl//'centre = [0, 0, 0]'//nl//'normal = [0, 0, 0]'//nl//'size = [1, 1]'//nl// &
+             'thickness = 1'//nl, 'the normal has no length', 12)
+    call bad('oblique in space', space//'[[wall]]'//nl//'centre = [0, 0, 0]'//nl//'size = [1, 1]'//nl//'thickness = 1'//nl// &
+             'pressure = 1'//nl//'direction = [1, 0, 1]'//nl, 'along x, y or z', 15)
+  end subroutine bad_shapes_in_space
+
+  subroutine bad_polyhedra()
+    character(len=*), parameter :: solid = space//'[[body]]'//nl//'shape = "polyhedron"'//nl
+    character(len=*), parameter :: tetrahedron = solid//'vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]'//nl//'faces = '
+
+    call bad('neither vertices nor file', solid, 'either "vertices" or "file"', 10)
+    call bad('two numbers a vertex', solid//'vertices = [[0, 0], [1, 0], [0, 1]]'//nl, 'a list of [x, y, z]', 12)
+    call bad('uneven vertices', solid//'vertices = [[0, 0], [1, 0, 0, 1], [0, 1, 0], [0, 0, 1]]'//nl, 'a list of [x, y, z]', 12)
+    call bad('a vertex not finite', solid//'vertices = [[0, 0, nan], [1, 0, 0], [0, 1, 0], [0, 0, 1]]'//nl, 'finite', 12)
+    call bad('too few faces', tetrahedron//'[[1, 3, 2], [1, 2, 4], [2, 3, 4]]'//nl, '4 faces or more', 13)
+    call bad('an open surface', solid//'vertices = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [1, 1, 2]]'//nl// &
+             'faces = [[1, 2, 5], [2, 3, 5], [3, 4, 5], [4, 1, 5]]'//nl, 'edge', 13)
+    call bad('inverted faces', tetrahedron//'[[1, 2, 3], [1, 4, 2], [2, 4, 3], [3, 4, 1]]'//nl, 'inside out', 13)
+    call bad('one face inverted', tetrahedron//'[[1, 2, 3], [1, 2, 4], [2, 3, 4], [3, 1, 4]]'//nl, 'edge', 13)
+    call bad('a vertex that there is not', tetrahedron//'[[1, 3, 2], [1, 2, 4], [2, 3, 4], [3, 1, 5]]'//nl, '5', 13)
+    call bad('a vertex 0', tetrahedron//'[[0, 3, 2], [1, 2, 4], [2, 3, 4], [3, 1, 4]]'//nl, 'at least 1', 13)
+    call bad('a vertex that is no integer', tetrahedron//'[[1.5, 3, 2]]'//nl, 'a list of lists of integers', 13)
+    call bad('a face of two', tetrahedron//'[[1, 3], [1, 2, 4], [2, 3, 4], [3, 1, 4]]'//nl, 'face 1', 13)
+    call bad('no faces', tetrahedron//'[]'//nl, 'a list of lists of integers', 13)
+    call bad('no volume', solid//'vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]'//nl// &
+             'faces = [[1, 3, 2], [1, 2, 4], [2, 3, 4], [3, 1, 4]]'//nl, 'volume', 13)
+    call bad('a dented roof', solid//'vertices = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [1, 1, 2], [1, 1, 1]]'//nl// &
+             'faces = [[1, 4, 3, 2], [1, 2, 5], [2, 3, 5], [3, 4, 5], [4, 6, 5], [4, 1, 6], [1, 5, 6]]'//nl, 'not convex', 13)
+    call bad('a needle', space//'[[body]]'//nl//'shape = "box"'//nl//'half_axes = [1, 1, 1e-14]'//nl, '', 12)
+    call bad('a scale without a file', tetrahedron//'[[1, 3, 2], [1, 2, 4], [2, 3, 4], [3, 1, 4]]'//nl//'scale = 2.0'//nl, &
+             'no meaning without "file"', 14)
+    if (.not. hull_is_available()) return
+    call bad('flat vertices', solid//'vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]'//nl, 'plane', 12)
+    call bad('three vertices', solid//'vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]'//nl, '4', 12)
+    call bad('a vertex within', solid//'vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.1, 0.1, 0.1]]'//nl, &
+             'its hull has 4 of the 5 vertices', 12)
+  end subroutine bad_polyhedra
+
+  !> Files of meshes: the mistake stands at the key, with the line of the file.
+  subroutine bad_meshes()
+    character(len=*), parameter :: solid = space//'[[body]]'//nl//'shape = "polyhedron"'//nl//'file = '
+    integer :: unit
+
+    call bad('no such mesh', solid//'"none.stl"'//nl, 'none.stl', 12)
+    call bad('no mesh', solid//'"bad.toml"'//nl, 'ends in .stl or .obj', 12)
+    open (newunit=unit, file='bad.obj', status='replace')
+    write (unit, '(a)') 'v 0 0 0', 'v 1 0 0', 'v 0 1 0', 'v 0 0 x', 'f 1 2 3'
+    close (unit)
+    call bad('a mesh with a word', solid//'"bad.obj"'//nl, 'line 4 of the file: ', 12)
+    open (newunit=unit, file='bad.obj', status='replace')
+    write (unit, '(a)') 'v 0 0 0', 'v 2 0 0', 'v 2 2 0', 'v 0 2 0', 'v 1 1 2', 'f 1 2 5', 'f 2 3 5', 'f 3 4 5', 'f 4 1 5'
+    close (unit)
+    call bad('an open mesh', solid//'"bad.obj"'//nl, 'edge', 12)
+    call bad('a file and vertices', solid//'"bad.obj"'//nl//'vertices = [[0, 0, 0]]'//nl, 'either "vertices" or "file"', 12)
+    call bad('a file and faces', solid//'"bad.obj"'//nl//'faces = [[1, 2, 3]]'//nl, '"faces" has no meaning beside "file"', 13)
+  end subroutine bad_meshes
+
+  subroutine bad_generators()
+    character(len=*), parameter :: sample = space//'[[sample]]'//nl//'radius = 0.1'//nl
+    character(len=*), parameter :: wall = space//'[[brick_wall]]'//nl//'rows = 2'//nl//'columns = 2'//nl
+    character(len=*), parameter :: arch = space//'[[arch]]'//nl//'voussoirs = 5'//nl//'depth = 0.3'//nl//'inner_radius = 1'//nl
+
+    call bad('inverted box in space', sample//'box = [0, 0, 1, 1, 1, 0]'//nl//'count = 5'//nl, 'the box is empty', 12)
+    call bad('too full in space', sample//'box = [0, 0, 0, 1, 1, 1]'//nl//'count = 1000'//nl, 'too full', 12)
+    call bad('too full for insertion', sample//'box = [0, 0, 0, 1, 1, 1]'//nl//'fill = 0.6'//nl, 'too full', 12)
+    call bad('too small in space', sample//'box = [0, 0, 0, 0.1, 1, 1]'//nl//'count = 1'//nl, 'too full', 12)
+    call bad('too full a lattice in space', sample//'box = [0, 0, 0, 1, 1, 1]'//nl//'kind = "lattice"'//nl//'count = 65'//nl, &
+             'holds 64 of 65', 14)
+    call bad('three vertices of a grain', sample//'shape = "polyhedron"'//nl//'vertices = 3'//nl, 'at least 4', 13)
+    call bad('vertices of spheres', sample//'vertices = 8'//nl, 'no meaning for shape = "sphere"', 12)
+    call bad('elongation below one', sample//'shape = "polyhedron"'//nl//'elongation = 0.5'//nl, 'at least 1', 13)
+    call bad('a container without a room', space//'[[container]]'//nl//'size = [1, 0, 1]'//nl, 'larger than 0 m', 11)
+    call bad('a container without a size', space//'[[container]]'//nl, 'lacks the key "size"', 10)
+    call bad('two containers', space//'[[container]]'//nl//'size = [1, 1, 1]'//nl//'[[container]]'//nl//'size = [1, 1, 1]'//nl, &
+             'two bodies named "box.', 12)
+    call bad('a drive of no side', space//'[[container]]'//nl//'size = [1, 1, 1]'//nl//'[[drive]]'//nl//'body = "box.lit"'//nl// &
+             'component = "x"'//nl, 'no body named "box.lit"', 13)
+    call bad('no rows', space//'[[brick_wall]]'//nl//'rows = 0'//nl, 'at least 1', 11)
+    call bad('no brick', wall, 'lacks the key "brick"', 10)
+    call bad('all joint', wall//'brick = [0.2, 0.1, 0.1]'//nl//'joint = 0.1'//nl, 'nothing of half a brick', 14)
+    call bad('an arch inside out', arch//'outer_radius = 0.9'//nl, 'larger than the inner one', 14)
+    call bad('more than half a circle', arch//'outer_radius = 1.2'//nl//'opening = 4.0'//nl, 'at most 3.14', 15)
+  end subroutine bad_generators
 
   !> All mistakes of a deck are told, but not thousands.
   subroutine all_at_once()

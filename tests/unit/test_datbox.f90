@@ -3,7 +3,8 @@ program test_datbox
   use harness, only: tests_t
   use sg_contactors, only: kind_disk, kind_hollow, kind_polygon, kind_wall
   use sg_datbox, only: read_datbox
-  use sg_datbox_write, only: contacts_at_start, write_datbox
+  use sg_datbox_write, only: write_datbox
+  use sg_datbox_write_contacts, only: contacts_at_start
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp, pi
   use sg_laws, only: law_elastic, law_gap, law_iqs, law_linear, law_mohr, law_restitution, law_velocity, law_wet, &

@@ -2,7 +2,8 @@
 program test_datbox_decks
   use harness, only: tests_t
   use sg_datbox, only: read_datbox
-  use sg_datbox_write, only: contacts_at_start, write_datbox
+  use sg_datbox_write, only: write_datbox
+  use sg_datbox_write_contacts, only: contacts_at_start
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
   use sg_scene, only: scene_t

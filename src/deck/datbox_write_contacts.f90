@@ -1,0 +1,242 @@
+!> Writes Vloc_Rloc.INI: contacts with their mean forces, velocities, gaps and frames.
+module sg_datbox_write_contacts
+  use sg_contactors, only: kind_plane, kind_polygon, kind_polyhedron, n_kinds
+  use sg_datbox_contacts, only: components_of
+  use sg_datbox_output, only: finish_file, labelled, output_t, put, put_steps, start_file
+  use sg_datbox_sees, only: datbox_kind_names
+  use sg_error, only: error_t
+  use sg_kinds, only: wp, i1, i4
+  use sg_rotations, only: cross
+  use sg_scene, only: scene_t
+  use sg_sees, only: see_between
+  implicit none
+  private
+  public :: datbox_contacts_t, contacts_at_start, write_contacts
+
+  !> Words for our statuses, indexed from 0
+  character(len=5), parameter :: status_words(0:4) = [character(len=5) :: 'nknow', 'noctc', 'stick', 'slide', 'Mstck']
+
+  !> Contacts and what they carry at one instant
+  type :: datbox_contacts_t
+    !> Number of contacts
+    integer :: n = 0
+    !> Contactors, candidate and antagonist, shape (2, n)
+    integer(i4), allocatable :: contactor(:, :)
+    !> Point [m] and normal from antagonist to candidate, shape (dimension, n)
+    real(wp), allocatable :: point(:, :), normal(:, :)
+    !> Gap [m], shape (n)
+    real(wp), allocatable :: gap(:)
+    !> Mean force of the step on the candidate [N] and relative velocity [m/s], shape (dimension, n): normal and
+    !! tangential, in space in the world's axes
+    real(wp), allocatable :: force(:, :), velocity(:, :)
+    !> One of `status_*`, shape (n)
+    integer(i1), allocatable :: status(:)
+  end type datbox_contacts_t
+
+contains
+
+  !> The contacts that a scene knows at its start; their normals, gaps and velocities are not known and zero.
+  function contacts_at_start(scene) result(contacts)
+    type(scene_t), intent(in) :: scene !! scene that may know contacts
+    type(datbox_contacts_t) :: contacts
+    integer :: i, n
+
+    if (allocated(scene%start_contacts)) contacts%n = size(scene%start_contacts)
+    n = scene%dimension
+    allocate (contacts%contactor(2, contacts%n), contacts%status(contacts%n))
+    allocate (contacts%point(n, contacts%n), contacts%force(n, contacts%n))
+    allocate (contacts%normal(n, contacts%n), contacts%velocity(n, contacts%n), source=0.0_wp)
+    allocate (contacts%gap(contacts%n), source=0.0_wp)
+    do i = 1, contacts%n
+      contacts%contactor(:, i) = scene%start_contacts(i)%contactor
+      contacts%point(:, i) = scene%start_contacts(i)%point(:n)
+      contacts%force(:, i) = scene%start_contacts(i)%force(:n)
+      contacts%status(i) = scene%start_contacts(i)%status
+    end do
+  end function contacts_at_start
+
+  !> Write Vloc_Rloc.INI.
+  subroutine write_contacts(folder, scene, first, list, contacts, laws, time, step_number, error)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    type(scene_t), intent(in) :: scene !! scene to write
+    integer(i4), intent(in) :: first(:) !! first place of each body in the list
+    integer(i4), intent(in) :: list(:) !! contactors grouped by body
+    type(datbox_contacts_t), intent(in) :: contacts !! contacts to write
+    character(len=5), intent(in) :: laws(:) !! names of the laws
+    real(wp), intent(in) :: time !! [s]
+    integer, intent(in) :: step_number !! number of steps made
+    type(error_t), allocatable, intent(inout) :: error !! set when the file cannot be written
+    type(output_t) :: output
+    integer, allocatable :: rank(:)
+    integer :: b, i
+    logical :: is_large
+
+    allocate (rank(scene%contactors%n))
+    do b = 1, scene%bodies%n
+      rank(list(first(b):first(b + 1) - 1)) = [(i, i=1, first(b + 1) - first(b))]
+    end do
+    is_large = max(contacts%n, scene%bodies%n) > 99999
+    call start_file(output, folder, 'Vloc_Rloc.INI')
+    call put(output, '! Vloc_Rloc')
+    call put_steps(output, time, step_number)
+    do i = 1, contacts%n
+      call put_contact(output, scene, rank, contacts, i, laws, is_large)
+    end do
+    call finish_file(output, error)
+  end subroutine write_contacts
+
+  !> Write one contact.
+  subroutine put_contact(output, scene, rank, contacts, contact, laws, is_large)
+    type(output_t), intent(inout) :: output
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: rank(:), contact
+    type(datbox_contacts_t), intent(in) :: contacts
+    character(len=5), intent(in) :: laws(:)
+    logical, intent(in) :: is_large
+    character(len=32) :: line
+    character(len=5) :: law
+    integer :: c(2), kinds(2), see
+
+    c = contacts%contactor(:, contact)
+    kinds = scene%contactors%kind(c)
+    see = see_between(scene, c(1), c(2))
+    write (line, '(a,a,2x,i10)') '$icdan  ', pair_name(kinds), contact
+    if (.not. is_large) write (line, '(a,a,2x,i7)') '$icdan  ', pair_name(kinds), contact
+    call put(output, line)
+    law = 'nolaw'
+    if (see > 0) law = laws(scene%sees(see)%law)
+    if (scene%dimension == 3) then
+      call put_solid_contact(output, scene, rank, contacts, contact, law, is_large)
+      return
+    end if
+    call put(output, ' cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus')
+    call put(output, ' '//side(scene, rank, c(1), 'CDVER', kinds(1) == kind_polygon, is_large)//'  '//law//'  ' &
+             //side(scene, rank, c(2), 'ANSEG', kinds(1) == kind_polygon, is_large)//'  '//status_words(contacts%status(contact)))
+    call put(output, labelled('rlt/H rln/H rls/H ', [contacts%force(2, contact), contacts%force(1, contact), 0.0_wp]))
+    call put(output, labelled('vlt = vln = vls = ', [contacts%velocity(2, contact), contacts%velocity(1, contact), 0.0_wp]))
+    call put(output, labelled('gapTT ', contacts%gap(contact:contact)))
+    call put(output, labelled('n(1)= n(2)= n(3)= ', [contacts%normal(:, contact), 0.0_wp]))
+    call put(output, labelled('coo1= coo2= coo3= ', [contacts%point(:, contact), 0.0_wp]))
+  end subroutine put_contact
+
+  !> Write who touches whom, force, velocity, gap, frame and point of a contact in space.
+  subroutine put_solid_contact(output, scene, rank, contacts, contact, law, is_large)
+    type(output_t), intent(inout) :: output
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: rank(:), contact
+    type(datbox_contacts_t), intent(in) :: contacts
+    character(len=5), intent(in) :: law
+    logical, intent(in) :: is_large
+    character(len=3) :: letters
+    character(len=7) :: vertex
+    real(wp) :: frame(3, 3)
+    integer :: c(2), k
+
+    c = contacts%contactor(:, contact)
+    letters = components_of(pair_name(scene%contactors%kind(c)))
+    vertex = ''
+    if (all(scene%contactors%kind(c) == [kind_polyhedron, kind_plane])) vertex(7:7) = '1'
+    call put(output, ' cdbdy  numbr  cdtac  numbr  CDVER  behav  anbdy  numbr  antac  numbr  sttus')
+    call put(output, ' '//solid_side(scene, rank, c(1), is_large)//vertex//'  '//law//'  ' &
+             //solid_side(scene, rank, c(2), is_large)//'  '//status_words(contacts%status(contact)))
+    frame = contact_frame(contacts%normal(:, contact), contacts%force(:, contact), letters)
+    call put(output, labelled(named('rl', '/H '), matmul(contacts%force(:, contact), frame)))
+    call put(output, labelled(named('vl', ' = '), matmul(contacts%velocity(:, contact), frame)))
+    call put(output, labelled('gapTT ', contacts%gap(contact:contact)))
+    if (any(scene%contactors%kind(c(1)) == [kind_polyhedron])) call put_point()
+    ! Polyhedra have t, n, s, the others s, t, n.
+    letters = 'stn'
+    if (scene%contactors%kind(c(1)) == kind_polyhedron) letters = 'tns'
+    frame = contact_frame(contacts%normal(:, contact), contacts%force(:, contact), letters)
+    do k = 1, 3
+      call put(output, labelled(letters(k:k)//'(1)= '//letters(k:k)//'(2)= '//letters(k:k)//'(3)= ', frame(:, k)))
+    end do
+    if (scene%contactors%kind(c(1)) /= kind_polyhedron) call put_point()
+  contains
+    !> Labels of three components.
+    pure function named(before, behind) result(labels)
+      character(len=2), intent(in) :: before
+      character(len=3), intent(in) :: behind
+      character(len=18) :: labels
+
+      labels = before//letters(1:1)//behind//before//letters(2:2)//behind//before//letters(3:3)//behind
+    end function named
+
+    !> The line of the point.
+    subroutine put_point()
+      call put(output, labelled('coo1= coo2= coo3= ', contacts%point(:, contact)))
+    end subroutine put_point
+  end subroutine put_solid_contact
+
+  !> Frame of a contact, its axes n, t, s in the order of the letters; s = t x n. Where no normal is known, the force is taken
+  !! for it.
+  pure function contact_frame(normal, force, letters) result(frame)
+    real(wp), intent(in) :: normal(3), force(3)
+    character(len=3), intent(in) :: letters
+    real(wp) :: frame(3, 3), n(3), t(3)
+    integer :: least
+
+    n = [0.0_wp, 0.0_wp, 1.0_wp]
+    if (norm2(normal) > 0) then
+      n = normal/norm2(normal)
+    else if (norm2(force) > 0) then
+      n = force/norm2(force)
+    end if
+    least = minloc(abs(n), 1)
+    t = 0
+    t(least) = 1
+    t = cross(n, t)
+    t = t/norm2(t)
+    frame(:, index(letters, 'n')) = n
+    frame(:, index(letters, 't')) = t
+    frame(:, index(letters, 's')) = cross(t, n)
+  end function contact_frame
+
+  !> One side of a contact in space: body and contactor.
+  function solid_side(scene, rank, contactor, is_large) result(text)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: rank(:), contactor
+    logical, intent(in) :: is_large
+    character(len=:), allocatable :: text
+    character(len=60) :: buffer
+
+    write (buffer, merge('(a,i7,2x,a,2x,i7)', '(a,i5,2x,a,2x,i5)', is_large)) 'RBDY3  ', scene%contactors%body(contactor), &
+      datbox_kind_names(scene%contactors%kind(contactor)), rank(contactor)
+    text = trim(buffer)
+  end function solid_side
+
+  !> One side of a contact: body and contactor, then, in contacts of polygons, a vertex or a segment.
+  function side(scene, rank, contactor, feature, has_feature, is_large) result(text)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: rank(:), contactor
+    character(len=5), intent(in) :: feature
+    logical, intent(in) :: has_feature, is_large
+    character(len=:), allocatable :: text
+    character(len=60) :: buffer
+
+    if (is_large) then
+      write (buffer, '(a,i10,2x,a,2x,i5)') 'RBDY2  ', scene%contactors%body(contactor), &
+        datbox_kind_names(scene%contactors%kind(contactor)), rank(contactor)
+    else
+      write (buffer, '(a,i5,2x,a,2x,i5)') 'RBDY2  ', scene%contactors%body(contactor), &
+        datbox_kind_names(scene%contactors%kind(contactor)), rank(contactor)
+    end if
+    text = trim(buffer)
+    if (.not. has_feature) return
+    ! A segment keeps the columns of a polygon's edge blank.
+    if (scene%contactors%kind(contactor) == kind_polygon) then
+      text = text//'  '//feature//'      1'
+    else
+      text = text//repeat(' ', 14)
+    end if
+  end function side
+
+  !> LMGC90's name of a pair of kinds.
+  pure function pair_name(kinds) result(name)
+    integer, intent(in) :: kinds(2)
+    character(len=5) :: name
+    character(len=2), parameter :: letters(n_kinds) = [character(len=2) :: 'DK', 'JC', 'KD', 'PL', 'SP', 'PL', 'CD', 'DC', 'PR']
+
+    name = letters(kinds(1))//letters(kinds(2))//'x'
+  end function pair_name
+end module sg_datbox_write_contacts
