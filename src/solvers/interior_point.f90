@@ -21,7 +21,7 @@ module sg_interior_point
   use sg_sparse_factor, only: has_sparse_library, largest_full, sparse_factor_t
   implicit none
   private
-  public :: interior_point_t
+  public :: interior_point_t, follow_path, take_best
 
   !> The solver; an iteration is one factorisation, of the interior point method or of Newton's
   type, extends(matrix_solver_t) :: interior_point_t
@@ -70,12 +70,12 @@ contains
 
   !> Interior points until the solve is over or the path blocked.
   subroutine follow_path(self, problem, scaled, scale, system, progress)
-    class(interior_point_t), intent(in) :: self
-    type(matrix_problem_t), intent(in) :: problem
-    type(matrix_problem_t), intent(inout) :: scaled
-    real(wp), intent(in), contiguous :: scale(:)
-    type(contact_system_t), intent(inout) :: system
-    type(progress_t), intent(inout) :: progress
+    class(interior_point_t), intent(in) :: self !! settings
+    type(matrix_problem_t), intent(in) :: problem !! problem to solve
+    type(matrix_problem_t), intent(inout) :: scaled !! the same without units; holds the guess
+    real(wp), intent(in), contiguous :: scale(:) !! impulse [N s] that 1 stands for
+    type(contact_system_t), intent(inout) :: system !! linear system of these contacts, prepared; freed by the caller
+    type(progress_t), intent(inout) :: progress !! how far the solve has come
     type(sparse_factor_t) :: newton_factors
     type(point_t) :: point
     real(wp) :: length, finish_at, mark
@@ -203,9 +203,9 @@ contains
 
   !> Make the best answer so far the impulses of the problem without units.
   pure subroutine take_best(scaled, scale, progress)
-    type(matrix_problem_t), intent(inout) :: scaled
-    real(wp), intent(in), contiguous :: scale(:)
-    type(progress_t), intent(in) :: progress
+    type(matrix_problem_t), intent(inout) :: scaled !! problem without units; gets the impulses
+    real(wp), intent(in), contiguous :: scale(:) !! impulse [N s] that 1 stands for
+    type(progress_t), intent(in) :: progress !! holds the best answer
     integer :: a
 
     do a = 1, scaled%n
