@@ -40,7 +40,7 @@ contains
 
     first = 0
     do i = 1, size(keys)
-      digit = int(ibits(keys(i), shift, bits))
+      digit = int(iand(shiftr(keys(i), shift), int(buckets - 1, i8)))
       first(digit + 1) = first(digit + 1) + 1
     end do
     first(0) = 1
@@ -48,7 +48,7 @@ contains
       first(i) = first(i) + first(i - 1)
     end do
     do i = 1, size(keys)
-      digit = int(ibits(keys(from(i)), shift, bits))
+      digit = int(iand(shiftr(keys(from(i)), shift), int(buckets - 1, i8)))
       to(first(digit)) = from(i)
       first(digit) = first(digit) + 1
     end do
