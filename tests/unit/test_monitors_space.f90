@@ -1,0 +1,432 @@
+!> Indicators in space against closed forms: pairs of shapes, boxes, flows, contacts by hand; neighbours by brute force.
+program test_monitors_space
+  use harness, only: tests_t
+  use scenes, only: begin_run, density, run
+  use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
+  use sg_balance, only: floor_share, force_on_walls, momentum
+  use sg_compactness, only: box_area
+  use sg_contactors, only: place_contactors
+  use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_coordination, only: coordinate, coordination_t
+  use sg_energy, only: energy_t
+  use sg_grains, only: count_grains, grains_t
+  use sg_inertia_number, only: shear_rate, velocity_gradient
+  use sg_kinds, only: wp, i1, i4, pi
+  use sg_measures, only: is_count, measure, measure_names, measures_t, n_measures
+  use sg_penetration, only: deepest_penetration
+  use sg_random, only: random_t
+  use sg_rotations, only: rotation_by
+  use sg_samples, only: samples_t
+  use sg_scene, only: scene_t
+  use sg_simulation, only: simulation_t
+  use sg_space_contactors, only: add_cylinder, add_hollow_cylinder
+  use sg_stress, only: mean_stress
+  use sg_velocities, only: speeds
+  use sg_volume_error_space, only: overlap_volume
+  implicit none
+  ! Closed forms of a few operations: a few roundings of numbers of order one to ten.
+  real(wp), parameter :: rounding = 1e-13_wp
+  ! Two unit balls whose centres are a radius apart share 5 pi/12; a plane cuts a cap of half a radius off one, of 5 pi/24.
+  real(wp), parameter :: lens = 5*pi/12, cap = 5*pi/24
+  type(tests_t) :: t
+
+  call test_names()
+  call test_grains_and_speeds()
+  call test_kinetic_energy_of_grains()
+  call test_boxes()
+  call test_affine_flow()
+  call test_points_of_pairs()
+  call test_coordination_by_brute_force()
+  call test_overlaps()
+  call test_overlaps_through_periods()
+  call test_stress_of_a_contact()
+  call test_force_on_walls()
+  call t%finish()
+
+contains
+
+  !> Columns in space: the shared ones, then nine stresses and three momenta; counts are what counts contacts and grains.
+  subroutine test_names()
+    character(len=:), allocatable :: all_names
+    integer :: i
+
+    all_names = ''
+    associate (names => measure_names(3))
+      do i = 1, size(names)
+        all_names = all_names//','//trim(names(i))
+      end do
+    end associate
+    call t%check(index(all_names, ',rattlers,quadruple_contacts,stress_xx,stress_xy,stress_xz,stress_yx,stress_yy,stress_yz,'// &
+                       'stress_zx,stress_zy,stress_zz,shear_rate,momentum_x,momentum_y,momentum_z') > 0, 'names in space')
+    call t%equal(n_measures(3), 36, 'measures in space')
+    call t%equal(n_measures(2), 29, 'measures in the plane')
+    call t%equal(count(is_count_of(3)), 5, 'counts in space')
+    call t%equal(count(is_count_of(2)), 4, 'counts in the plane')
+  end subroutine test_names
+
+  !> Which measures are counts?
+  function is_count_of(dimension) result(are)
+    integer, intent(in) :: dimension
+    logical :: are(n_measures(dimension))
+    integer :: i
+
+    associate (names => measure_names(dimension))
+      are = [(is_count(names(i)), i=1, size(names))]
+    end associate
+  end function is_count_of
+
+  !> Bring a scene to its detection configuration, which is that of the beginning.
+  subroutine place(scene)
+    type(scene_t), intent(inout) :: scene
+
+    scene%bodies%middle(1:3, :) = scene%bodies%position
+    scene%bodies%middle(4:7, :) = scene%bodies%orientation
+    call place_contactors(scene%contactors, scene%bodies%middle)
+  end subroutine place
+
+  !> Add a contact of two bodies, and of contactors of the same numbers.
+  subroutine touch(contacts, candidate, antagonist, normal, gap, impulse)
+    type(contacts_t), intent(inout) :: contacts
+    integer, intent(in) :: candidate, antagonist
+    real(wp), intent(in) :: normal(3), gap, impulse(3)
+
+    contacts%dimension = 3
+    contacts%n_components = 3
+    call reserve_contacts(contacts, contacts%n + 1)
+    contacts%n = contacts%n + 1
+    contacts%body(:, contacts%n) = int([candidate, antagonist], i4)
+    contacts%contactor(:, contacts%n) = int([candidate, antagonist], i4)
+    contacts%normal(:, contacts%n) = normal
+    contacts%point(:, contacts%n) = 0
+    contacts%gap(contacts%n) = gap
+    contacts%impulse(:, contacts%n) = impulse
+    contacts%image(contacts%n) = 0_i1
+    contacts%image_y(contacts%n) = 0_i1
+  end subroutine touch
+
+  subroutine test_grains_and_speeds()
+    type(scene_t) :: scene
+    type(grains_t) :: grains
+    real(wp) :: mean, largest
+
+    call begin_space_scene(scene, 3, 0.0_wp, 0.01_wp)
+    call put_sphere(scene, 1, 2.0_wp, [0.0_wp, 0.0_wp, 0.0_wp])
+    call put_box(scene, 2, [1.0_wp, 2.0_wp, 3.0_wp], [9.0_wp, 0.0_wp, 0.0_wp])
+    call put_plane(scene, 3, [5.0_wp, 5.0_wp, 1.0_wp], [0.0_wp, 0.0_wp, -9.0_wp])
+    scene%bodies%velocity(1:3, 1) = [2.0_wp, 3.0_wp, 6.0_wp]
+    scene%bodies%velocity(1:3, 2) = [0.0_wp, 0.0_wp, -1.0_wp]
+    scene%bodies%velocity(1:3, 3) = 100
+    call speeds(scene%bodies, mean, largest)
+    call t%near(mean, 4.0_wp, rounding, 'mean speed of the grains, walls left out')
+    call t%near(largest, 7.0_wp, rounding, 'largest speed')
+    call t%near(maxval(abs(momentum(scene%bodies)/density - 32*pi/3*[2.0_wp, 3.0_wp, 6.0_wp] + [0.0_wp, 0.0_wp, 48.0_wp])), &
+                0.0_wp, 1e4_wp*rounding, 'momentum')
+    grains = count_grains(scene%bodies)
+    call t%equal(grains%n, 2, 'grains')
+    call t%near(grains%area, 32*pi/3 + 48, 100*rounding, 'their volume')
+    call t%near(grains%mean_radius, (2 + (36/pi)**(1/3.0_wp))/2, rounding, 'mean radius of spheres of the same volume')
+  end subroutine test_grains_and_speeds
+
+  !> A box of 2 x 4 x 6 that spins about its principal axes, and a wall that must not count.
+  subroutine test_kinetic_energy_of_grains()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    type(samples_t) :: samples
+    real(wp) :: mass
+
+    call begin_space_scene(scene, 2, 0.0_wp, 0.01_wp)
+    call put_box(scene, 1, [1.0_wp, 2.0_wp, 3.0_wp], [0.0_wp, 0.0_wp, 0.0_wp])
+    call put_plane(scene, 2, [5.0_wp, 5.0_wp, 1.0_wp], [0.0_wp, 0.0_wp, -9.0_wp])
+    scene%bodies%velocity(:, 1) = [1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp, 2.0_wp, 3.0_wp]
+    scene%bodies%velocity(:, 2) = 7
+    call touch(contacts, 1, 2, [0.0_wp, 0.0_wp, 1.0_wp], 0.0_wp, [1.0_wp, -2.0_wp, 3.0_wp])
+    call samples%add(scene, contacts, 0.5_wp)
+    mass = 48*density
+    ! Moments m (b2 + c2)/3, b and c half lengths: 13, 10 and 5 m/3, with spins of 1, 2 and 3 rad/s.
+    call t%near(samples%value(1, 1)/mass, (9 + 98/3.0_wp)/2, 100*rounding, 'kinetic energy of a box')
+    call t%near(maxval(abs(samples%value(2:4, 1) - [-2.0_wp, 4.0_wp, -6.0_wp])), 0.0_wp, rounding, 'wall forces sampled')
+    call t%equal(size(samples%value, 1), 4, 'four series in space')
+  end subroutine test_kinetic_energy_of_grains
+
+  !> Boxes of grains: spheres, periods in x and y, a cube on its edge, capsule, hollow cylinder, plane; walls do not count.
+  subroutine test_boxes()
+    type(scene_t) :: scene
+    real(wp), parameter :: centre(3) = 0
+
+    call begin_space_scene(scene, 3, 0.0_wp, 0.01_wp)
+    call put_sphere(scene, 1, 1.0_wp, [0.0_wp, 0.0_wp, 0.0_wp])
+    call put_box(scene, 2, [1.0_wp, 1.0_wp, 1.0_wp], [6.0_wp, 0.0_wp, 0.0_wp], rotation_by([0.0_wp, pi/4, 0.0_wp]))
+    call put_plane(scene, 3, [90.0_wp, 90.0_wp, 1.0_wp], [0.0_wp, 0.0_wp, -9.0_wp])
+    call place(scene)
+    call t%near(box_area(scene), (7 + sqrt(2.0_wp))*2*(2*sqrt(2.0_wp)), 100*rounding, 'box of a sphere and a cube on its edge')
+    scene%period = 7
+    call t%near(box_area(scene), 7*2*(2*sqrt(2.0_wp)), 100*rounding, 'as wide as the period')
+    scene%period_y = 3
+    call t%near(box_area(scene), 7*3*(2*sqrt(2.0_wp)), 100*rounding, 'as deep as the period in y')
+    scene%period = 0
+    scene%period_y = 0
+    ! A capsule along (0, 3, 4)/5: half lengths 1, 5 * 0.6 + 1 and 5 * 0.8 + 1.
+    call add_cylinder(scene%contactors, 1, 1, 5.0_wp, 1.0_wp, centre, [0.0_wp, 0.6_wp, 0.8_wp])
+    call place(scene)
+    call t%near(box_area(scene), (7 + sqrt(2.0_wp))*8*10, 1e3_wp*rounding, 'box with a leaning capsule')
+    ! A hollow cylinder about the same axis, its rim 10 off: half lengths 10, 6 * 0.6 + 10 * 0.8 and 6 * 0.8 + 10 * 0.6.
+    call add_hollow_cylinder(scene%contactors, 1, 1, 6.0_wp, 10.0_wp, centre, [0.0_wp, 0.6_wp, 0.8_wp])
+    call place(scene)
+    call t%near(box_area(scene), 20*23.2_wp*21.6_wp, 1e4_wp*rounding, 'box with a leaning hollow cylinder')
+    scene%bodies%is_grain = [.false., .false., .true.]
+    call t%near(box_area(scene), 180*180*2.0_wp, 1e4_wp*rounding, 'box of a plane that is a grain')
+    scene%bodies%is_grain = .false.
+    call t%near(box_area(scene), 0.0_wp, 0.0_wp, 'no grain, no box')
+  end subroutine test_boxes
+
+  !> An affine field gives its own gradient; rotation and swelling have no shear rate, simple shear has its own.
+  subroutine test_affine_flow()
+    type(scene_t) :: scene
+    type(random_t) :: random
+    real(wp) :: gradient(3, 3), found(3, 3), shear(3, 3)
+    integer :: i, a, b
+
+    call random%seed(5)
+    call begin_space_scene(scene, 12, 0.0_wp, 0.01_wp)
+    gradient = reshape([(random%uniform(-1.0_wp, 1.0_wp), i=1, 9)], [3, 3])
+    do i = 1, 11
+      call put_sphere(scene, i, 0.1_wp, [(random%uniform(0.0_wp, 5.0_wp), a=1, 3)])
+      scene%bodies%velocity(1:3, i) = [5.0_wp, 7.0_wp, -1.0_wp] + matmul(gradient, scene%bodies%position(:, i))
+    end do
+    call put_plane(scene, 12, [9.0_wp, 9.0_wp, 1.0_wp], [0.0_wp, 0.0_wp, -9.0_wp])
+    found = velocity_gradient(scene%bodies)
+    call t%near(maxval(abs(found - gradient)), 0.0_wp, rounding, 'gradient of an affine flow')
+    do a = 1, 3
+      do b = 1, 3
+        shear = 0
+        shear(a, b) = 3
+        if (a /= b) call t%near(shear_rate(shear), 3.0_wp, rounding, 'rate of a simple shear')
+        shear(b, a) = -shear(a, b)
+        if (a /= b) call t%near(shear_rate(shear), 0.0_wp, rounding, 'rotation is no shear')
+      end do
+    end do
+    shear = 0
+    do a = 1, 3
+      shear(a, a) = 2
+    end do
+    call t%near(shear_rate(shear), 0.0_wp, rounding, 'swelling is no shear')
+    ! Extension by 2 along z, shrinking by 1 along x and y: D' = D, 2 (4 + 1 + 1) = 12.
+    shear(1, 1) = -1
+    shear(2, 2) = -1
+    call t%near(shear_rate(shear), sqrt(12.0_wp), rounding, 'rate of an extension')
+    scene%bodies%position(3, :) = scene%bodies%position(1, :) + 2*scene%bodies%position(2, :)
+    call t%near(maxval(abs(velocity_gradient(scene%bodies))), 0.0_wp, 0.0_wp, 'grains in a plane have no gradient')
+    scene%bodies%is_grain(4:) = .false.
+    call t%near(maxval(abs(velocity_gradient(scene%bodies))), 0.0_wp, 0.0_wp, 'neither have three')
+  end subroutine test_affine_flow
+
+  !> Pairs that touch by one to five points; a rattler has one neighbour, by however many points.
+  subroutine test_points_of_pairs()
+    type(contacts_t) :: contacts
+    type(coordination_t) :: c
+    integer, parameter :: pair(2, 15) = reshape([1, 2, 3, 4, 2, 3, 2, 3, 4, 3, 3, 4, 5, 1, 1, 5, 5, 1, 1, 5, 6, 5, 6, 5, 6, 5, &
+                                                 5, 6, 5, 6], [2, 15])
+    integer :: i
+
+    do i = 1, size(pair, 2)
+      call touch(contacts, pair(1, i), pair(2, i), [0.0_wp, 0.0_wp, 1.0_wp], 0.0_wp, [0.0_wp, 0.0_wp, 1.0_wp])
+    end do
+    c = coordinate(contacts, [.true., .true., .true., .true., .true., .false.])
+    call t%equal(c%single, 1, 'pairs with one point')
+    call t%equal(c%double, 1, 'pairs with two points')
+    call t%equal(c%triple, 1, 'pairs with three points')
+    call t%equal(c%quadruple, 2, 'pairs with four points and more')
+    call t%near(c%mean, 9/5.0_wp, rounding, 'a pair counts once, one with a wall for its grain')
+    call t%equal(c%rattlers, 1, 'one neighbour makes a rattler')
+    call t%near(c%without_rattlers, 7/4.0_wp, rounding, 'coordination without it')
+  end subroutine test_points_of_pairs
+
+  !> Random contacts in random order, of which a third pull or slide without normal part, against a table of all pairs.
+  subroutine test_coordination_by_brute_force()
+    integer, parameter :: n = 40, grains = 35
+    type(contacts_t) :: contacts
+    type(coordination_t) :: c
+    type(random_t) :: random
+    real(wp) :: normal(3), along(3)
+    integer :: points(n, n), i, a, b, d
+    logical :: is_grain(n), carries(n), touches(n, n)
+
+    call random%seed(11)
+    points = 0
+    do i = 1, 90
+      a = min(n, 1 + int(real(n, wp)*random%uniform()))
+      b = min(n, 1 + int(real(n, wp)*random%uniform()))
+      if (a == b) cycle
+      normal = [(random%uniform(-1.0_wp, 1.0_wp), d=1, 3)]
+      normal = normal/norm2(normal)
+      along = [(random%uniform(-9.0_wp, 9.0_wp), d=1, 3)]
+      along = along - dot_product(along, normal)*normal
+      call touch(contacts, a, b, normal, 0.0_wp, along + (real(modulo(i, 3), wp) - 0.01_wp)*normal)
+      if (modulo(i, 3) == 0) cycle
+      points(a, b) = points(a, b) + 1
+      points(b, a) = points(a, b)
+    end do
+    is_grain = [(i <= grains, i=1, n)]
+    touches = points > 0
+    carries = is_grain .and. count(touches, 2) >= 2
+    c = coordinate(contacts, is_grain)
+    call t%equal(c%single, count(points == 1)/2, 'single contacts')
+    call t%equal(c%double, count(points == 2)/2, 'double contacts')
+    call t%equal(c%triple + c%quadruple, count(points > 2)/2, 'more')
+    call t%equal(c%rattlers, grains - count(carries), 'rattlers')
+    call t%near(c%mean, real(count(touches(:grains, :)), wp)/grains, rounding, 'coordination')
+    do i = 1, grains
+      if (carries(i)) cycle
+      touches(i, :) = .false.
+      touches(:, i) = .false.
+    end do
+    call t%near(c%without_rattlers, real(count(touches(:grains, :)), wp)/real(count(carries), wp), rounding, &
+                'coordination without rattlers')
+  end subroutine test_coordination_by_brute_force
+
+  !> Every pair of shapes that has a volume to share; a pair by four points counts once.
+  subroutine test_overlaps()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    type(energy_t) :: energy
+    type(measures_t) :: measures
+    integer :: i
+    real(wp), parameter :: up(3) = [0.0_wp, 0.0_wp, 1.0_wp], none(3) = 0
+
+    call begin_space_scene(scene, 10, 0.0_wp, 0.01_wp)
+    call put_sphere(scene, 1, 1.0_wp, [0.6_wp, 0.0_wp, 0.8_wp])
+    call put_sphere(scene, 2, 1.0_wp, [0.0_wp, 0.0_wp, 0.0_wp])
+    call put_plane(scene, 3, [50.0_wp, 50.0_wp, 1.0_wp], [0.0_wp, 0.0_wp, -1.5_wp])
+    call put_box(scene, 4, [1.0_wp, 1.0_wp, 1.0_wp], [10.0_wp, 0.0_wp, 0.4_wp])
+    call put_box(scene, 5, [1.0_wp, 1.0_wp, 1.0_wp], [11.8_wp, 0.5_wp, 0.9_wp])
+    call put_sphere(scene, 6, 1.0_wp, [10.0_wp, 0.0_wp, 1.9_wp])
+    call put_capsule(scene, 7, [20.0_wp, 0.0_wp, 1.0_wp])
+    call put_sphere(scene, 8, 1.0_wp, [20.0_wp, 0.0_wp, 3.0_wp])
+    call put_sphere(scene, 9, 1.0_wp, [30.0_wp, 0.0_wp, 3.0_wp])
+    call add_hollow_cylinder(scene%contactors, 10, 1, 5.0_wp, 0.8_wp, none, up)
+    scene%bodies%position(:, 10) = [30.0_wp, 0.0_wp, 3.0_wp]
+    scene%bodies%is_grain(10) = .false.
+    call place(scene)
+    call expect(scene, 1, 2, lens, 'two spheres')
+    call expect(scene, 2, 3, cap, 'sphere and plane')
+    call expect(scene, 6, 4, cap, 'sphere and polyhedron')
+    call expect(scene, 4, 3, 4*0.1_wp, 'polyhedron and plane')
+    call expect(scene, 5, 4, 0.2_wp*1.5_wp*1.5_wp, 'two polyhedra')
+    call expect(scene, 7, 3, cap, 'capsule and plane')
+    call expect(scene, 8, 7, lens, 'sphere and capsule')
+    ! What is left of a ball with a hole through its centre: a ring of height 2 * 0.6.
+    call expect(scene, 9, 10, 4*pi/3*0.6_wp**3, 'sphere in a hollow cylinder')
+    call touch(contacts, 1, 2, up, -0.1_wp, none)
+    do i = 1, 4
+      call touch(contacts, 5, 4, up, -0.2_wp, none)
+    end do
+    call touch(contacts, 2, 3, up, 0.1_wp, none)
+    call measure(scene, contacts, 0.1_wp, energy, measures)
+    associate (volume => 5*4*pi/3 + 16 + (2*pi + 4*pi/3))
+      call t%near(measures%get('volume_error'), (lens + 0.45_wp)/volume, rounding, 'volume error: open pairs count as nothing')
+    end associate
+    call t%near(measures%get('max_penetration'), 0.2_wp, rounding, 'deepest penetration by name')
+    call t%near(deepest_penetration(contacts), 0.2_wp, rounding, 'deepest penetration alone')
+  end subroutine test_overlaps
+
+  !> Overlap of one pair alone.
+  subroutine expect(scene, candidate, antagonist, volume, name)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: candidate, antagonist
+    real(wp), intent(in) :: volume
+    character(len=*), intent(in) :: name
+    type(contacts_t) :: one
+    real(wp), parameter :: zero(3) = 0
+
+    call touch(one, candidate, antagonist, [0.0_wp, 0.0_wp, 1.0_wp], -0.1_wp, zero)
+    call t%near(overlap_volume(scene%contactors, one, zero(:2)), volume, 10*rounding, name)
+  end subroutine expect
+
+  !> An upright capsule of radius 1 and half height 1.
+  subroutine put_capsule(scene, body, position)
+    type(scene_t), intent(inout) :: scene
+    integer, intent(in) :: body
+    real(wp), intent(in) :: position(3)
+
+    call add_cylinder(scene%contactors, body, 1, 1.0_wp, 1.0_wp, [0.0_wp, 0.0_wp, 0.0_wp], [0.0_wp, 0.0_wp, 1.0_wp])
+    scene%bodies%position(:, body) = position
+    scene%bodies%area(body) = 2*pi + 4*pi/3
+    scene%bodies%mass(body) = density*scene%bodies%area(body)
+    scene%bodies%principal(:, body) = 1
+  end subroutine put_capsule
+
+  !> Contacts as detection finds them: through x and y together, of polyhedra, and on a plane that spans both periods.
+  subroutine test_overlaps_through_periods()
+    type(simulation_t) :: sim
+
+    call begin_space_scene(sim%scene, 6, 0.3_wp, 0.01_wp)
+    sim%scene%gravity = 0
+    sim%scene%period = 10
+    sim%scene%period_y = 8
+    call put_sphere(sim%scene, 1, 1.0_wp, [0.3_wp, 0.2_wp, 2.0_wp])
+    call put_sphere(sim%scene, 2, 1.0_wp, [9.5_wp, 7.6_wp, 2.0_wp])
+    call put_box(sim%scene, 3, [1.0_wp, 1.0_wp, 1.0_wp], [0.8_wp, 4.0_wp, 5.0_wp])
+    call put_box(sim%scene, 4, [1.0_wp, 1.0_wp, 1.0_wp], [9.0_wp, 4.5_wp, 5.0_wp])
+    call put_sphere(sim%scene, 5, 1.0_wp, [0.0_wp, 4.0_wp, 0.5_wp])
+    call put_plane(sim%scene, 6, [5.0_wp, 4.0_wp, 1.0_wp], [5.0_wp, 4.0_wp, -1.0_wp])
+    call begin_run(sim, 1e-3_wp, 1e-6_wp)
+    call run(sim, 1)
+    call t%equal(sim%contacts%n, 6, 'two spheres, four points of two boxes, and a sphere on the plane')
+    call t%near(overlap_volume(sim%scene%contactors, sim%contacts, [10.0_wp, 8.0_wp]), lens + 0.6_wp + cap, 10*rounding, &
+                'overlaps through both periods')
+    call t%near(sim%totals%worst_penetration, 1.0_wp, rounding, 'the deepest penetration of the run')
+    sim%scene%bodies%velocity(1:3, 1) = [80.0_wp, 60.0_wp, 0.0_wp]
+    call run(sim, 3)
+    call t%near(sim%totals%worst_penetration, 1.0_wp, rounding, 'is kept when shapes have moved apart')
+    call t%near(deepest_penetration(sim%contacts), 0.75_wp, 1e-3_wp, 'as these have, by a tenth of a metre a step')
+  end subroutine test_overlaps_through_periods
+
+  !> Force (10, 6, -4) N on a sphere, branch of 2 m, in a box of 8 m3; through both periods, and where there is no gap but one.
+  subroutine test_stress_of_a_contact()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    real(wp), parameter :: h = 0.5_wp, n(3) = [0.6_wp, 0.0_wp, 0.8_wp], force(3) = [10.0_wp, 6.0_wp, -4.0_wp]
+    real(wp) :: stress(3, 3)
+    integer :: a, b
+
+    call begin_space_scene(scene, 2, 0.0_wp, 0.01_wp)
+    scene%period = 10
+    scene%period_y = 20
+    call put_sphere(scene, 1, 1.0_wp, [1.0_wp, 1.0_wp, 1.0_wp])
+    ! Seen from the first sphere the second stands at (1, 1, 1) - 2.1 n.
+    call put_sphere(scene, 2, 1.0_wp, [1.0_wp, 1.0_wp, 1.0_wp] - 2.1_wp*n + [10.0_wp, 20.0_wp, 0.0_wp])
+    call place(scene)
+    call touch(contacts, 1, 2, n, 0.1_wp, h*force)
+    contacts%point(:, 1) = [1.0_wp, 1.0_wp, 1.0_wp] - 1.05_wp*n
+    contacts%image(1) = -1_i1
+    contacts%image_y(1) = -1_i1
+    stress = mean_stress(scene, contacts, h, 8.0_wp)
+    do b = 1, 3
+      do a = 1, 3
+        call t%near(stress(a, b), force(a)*2.1_wp*n(b)/8, rounding*10, 'stress of a contact: force by branch over volume')
+      end do
+    end do
+    call t%near(maxval(abs(mean_stress(scene, contacts, h, 0.0_wp))), 0.0_wp, 0.0_wp, 'no volume, no stress')
+    scene%bodies%is_grain(2) = .false.
+    stress = mean_stress(scene, contacts, h, 8.0_wp)
+    call t%near(stress(1, 3), force(1)*1.05_wp*n(3)/8, rounding*10, 'on a wall the branch ends at the point of contact')
+  end subroutine test_stress_of_a_contact
+
+  !> Forces on walls, of either side of a contact, and the share of the weight that they are.
+  subroutine test_force_on_walls()
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    real(wp), parameter :: up(3) = [0.0_wp, 0.0_wp, 1.0_wp], h = 0.5_wp
+
+    call begin_space_scene(scene, 4, 0.0_wp, 0.01_wp)
+    scene%bodies%is_grain(3:4) = .false.
+    scene%gravity = [0.0_wp, -3.0_wp, -4.0_wp]
+    call touch(contacts, 1, 3, up, 0.0_wp, [1.0_wp, 2.0_wp, 5.0_wp])
+    call touch(contacts, 4, 2, up, 0.0_wp, [1.0_wp, 0.0_wp, 3.0_wp])
+    call touch(contacts, 1, 2, up, 0.0_wp, [9.0_wp, 9.0_wp, 9.0_wp])
+    call touch(contacts, 3, 4, up, 0.0_wp, [9.0_wp, 9.0_wp, 9.0_wp])
+    call t%near(maxval(abs(force_on_walls(scene, contacts, h) - [0.0_wp, -4.0_wp, -4.0_wp])), 0.0_wp, rounding, 'force on walls')
+    ! Along gravity (12 + 16)/5 N of a weight of 2 kg times 5 m/s2.
+    call t%near(floor_share(scene, contacts, h, 2.0_wp), 0.56_wp, rounding, 'floor share under leaning gravity')
+  end subroutine test_force_on_walls
+end program test_monitors_space
