@@ -41,6 +41,8 @@ def parameters(text):
         "solver.check_every": int(value("gs_it1")),
         "solver.maximum_sweeps": int(value("gs_it1")) * int(value("gs_it2")),
     }
+    if re.search(r"^\s*dim\s*=\s*3", text, re.M):
+        keys["scene.dimension"] = 3
     if "SetPeriodicCondition" in text:
         keys["scene.period_x"] = float(value("lx"))
     return keys
@@ -60,4 +62,28 @@ def read_references(file):
             row = re.search(rf"^{name} first:(.*)$", tail, re.M)
             reference.first[key] = [number(w) for w in re.findall(NUMBER, row[1])][column]
         references.append(reference)
+    return references
+
+
+def read_steps(file):
+    """Runs of different length of a reference.txt that gives a line of figures at some of its steps (945_SP_Box_PL)."""
+    text = file.read_text()
+
+    def value(name):
+        return re.search(rf"\b{name}=(\S+)", text)[1].strip("';")
+
+    step, every = float(value("dt")), int(value("gs_it1"))
+    keys = {"scene.dimension": 3, "time.step": step, "time.theta": float(value("theta")),
+            "solver.criterion": CRITERIA[value("norm")], "solver.tolerance": float(value("tol")),
+            "solver.check_every": every, "solver.maximum_sweeps": every * int(value("gs_it2"))}
+    sweeps = [int(w) for w in re.search(r"sweeps per step:\s*([ \d]+)", text)[1].split()]
+    references = []
+    for line in re.findall(r"^step .*$", text, re.M):
+        figure = dict(re.findall(rf"(step|KE|vmean|vmax|\bn|rn>0|pen|Nact/N) ({NUMBER})", line))
+        steps = int(figure["step"])
+        figures = {"KE_postpro": number(figure["KE"]), "v_mean_grains": number(figure["vmean"]), "v_max": number(figure["vmax"]),
+                   "contacts": int(figure["n"]), "active_contacts_rn>0": int(figure["rn>0"]),
+                   "max_penetration": number(figure["pen"]), "sweeps_total": sum(sweeps[:steps]),
+                   "sweeps_mean": sum(sweeps[:steps]) / steps}
+        references.append(Reference(keys | {"time.steps": steps}, figures, sweeps[:steps]))
     return references

@@ -43,9 +43,13 @@ contains
     call test_deck('MembraneBiaxialDK_Iso', [4760, 4760, 5, 12, 0], 32799778.968017_wp)
     call test_deck('MembraneBiaxialDK_Defo', [4760, 4760, 5, 6, 0], 0.0_wp)
     call test_deck('bench_disk_45', [2025, 2025, 1, 0, 0], 0.0_wp)
+    call test_deck('945_SP_Box_PL', [950, 950, 2, 30, 0], 0.0_wp)
+    call test_deck('Wall_PR', [106, 106, 6, 30, 1116], 400.0048_wp)
+    call test_deck('bench_sphere_12', [1728, 1728, 1, 0, 0], 0.0_wp)
+    call test_deck('bench_poly_10', [1000, 1000, 1, 0, 0], 0.0_wp)
   end subroutine test_decks
 
-  !> A planar deck.
+  !> One deck.
   subroutine test_deck(name, counts, mass)
     character(len=*), intent(in) :: name
     integer, intent(in) :: counts(5)
@@ -87,13 +91,23 @@ contains
     call tests%check(all(abs(a%bodies%position - b%bodies%position) <= 1e-12_wp*max(1.0_wp, maxval(abs(a%bodies%position)))), &
                      'positions of '//name)
     call tests%check(all(abs(a%bodies%mass - b%bodies%mass) <= 1e-7_wp*a%bodies%mass), 'masses of '//name)
-    call tests%check(all(abs(a%bodies%inertia - b%bodies%inertia) <= 2e-7_wp*a%bodies%inertia), 'inertias of '//name)
+    call tests%check(a%dimension == b%dimension, 'dimension of '//name)
+    if (a%dimension == 2) then
+      call tests%check(all(abs(a%bodies%inertia - b%bodies%inertia) <= 2e-7_wp*a%bodies%inertia), 'inertias of '//name)
+    else
+      ! The axes of these bodies are written as they are: all shapes that are alone stand upright.
+      call tests%check(all(abs(a%bodies%principal - b%bodies%principal) <= 2e-7_wp*a%bodies%principal), 'inertias of '//name)
+      call tests%check(all(abs(a%bodies%orientation - b%bodies%orientation) <= 2e-7_wp), 'orientations of '//name)
+    end if
     call tests%check(all(abs(a%bodies%velocity - b%bodies%velocity) <= 1e-7_wp*abs(a%bodies%velocity)), 'velocities of '//name)
     call tests%check(size(a%sees) == size(b%sees) .and. size(a%drives) == size(b%drives), 'see tables and drives of '//name)
     n = size(a%start_contacts)
     call tests%equal(size(b%start_contacts), n, 'contacts again of '//name)
-    call tests%check(all([(abs(a%start_contacts(i)%force - b%start_contacts(i)%force) &
-                           <= 1e-7_wp*abs(a%start_contacts(i)%force), i=1, n)]), 'forces of '//name)
+    ! In the plane the components are written, in space those along a frame.
+    if (a%dimension == 2) call tests%check(all([(abs(a%start_contacts(i)%force - b%start_contacts(i)%force) &
+                                                 <= 1e-7_wp*abs(a%start_contacts(i)%force), i=1, n)]), 'forces of '//name)
+    call tests%check(all([(norm2(a%start_contacts(i)%force - b%start_contacts(i)%force) &
+                           <= 2e-7_wp*norm2(a%start_contacts(i)%force), i=1, n)]), 'sizes of forces of '//name)
     call tests%check(all([(a%start_contacts(i)%contactor == b%start_contacts(i)%contactor, i=1, n)]), 'pairs of '//name)
   end subroutine test_round_trip
 end program test_datbox_decks
