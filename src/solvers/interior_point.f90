@@ -27,12 +27,13 @@ module sg_interior_point
   type, extends(matrix_solver_t) :: interior_point_t
     !> The shift comes in when the convex problem's own error is below this part of Coulomb's
     real(wp) :: convex_part = 0.5_wp
-    !> e1 below which Newton's method tries to finish, by how much e1 must fall before it tries again, and its steps
+    !> e1, over that of zero impulses, below which Newton's method tries to finish; by how much e1 must fall before it tries
+    !! again, and its steps
     real(wp) :: finish_below = 1e-3_wp, finish_again = 0.1_wp
     integer :: finish_steps = 6
-    !> e1 of a guess below which Newton's method starts from it
+    !> e1 of a guess, over that of zero impulses, below which Newton's method starts from it
     real(wp) :: guess_below = 1e-2_wp
-    !> Iterations without a fall of e1 by a tenth after which the path is blocked
+    !> Iterations after which the path is blocked, when e1 has not fallen by a tenth along it
     integer :: patience = 12
   contains
     procedure :: solve => interior_point_solve
@@ -78,25 +79,26 @@ contains
     type(progress_t), intent(inout) :: progress !! how far the solve has come
     type(sparse_factor_t) :: newton_factors
     type(point_t) :: point
-    real(wp) :: length, finish_at, mark
+    real(wp) :: length, finish_at, mark, scale_e1
     integer :: idle
     logical :: is_done
 
-    if (progress%e1 < self%guess_below) call finish(self, problem, scaled, scale, scaled%r, newton_factors, progress)
+    scale_e1 = e1_of_nothing(problem)
+    if (progress%e1 < self%guess_below*scale_e1) call finish(self, problem, scaled, scale, scaled%r, newton_factors, progress)
     is_done = .false.
     if (.not. progress%is_over) then
       call start_point(scaled, system, point, is_done)
       call count_one(progress)
     end if
-    finish_at = self%finish_below
+    finish_at = self%finish_below*scale_e1
     mark = huge(mark)
     idle = 0
     do while (is_done)
       call progress%look(problem, point%r, scale)
       if (progress%is_over) exit
       idle = idle + 1
-      if (progress%best < 0.9_wp*mark) then
-        mark = progress%best
+      if (progress%e1 < 0.9_wp*mark) then
+        mark = progress%e1
         idle = 0
       end if
       if (idle > self%patience) exit
@@ -111,6 +113,15 @@ contains
     end do
     call newton_factors%free()
   end subroutine follow_path
+
+  !> e1 of zero impulses: where far contacts make q large, it is small.
+  pure real(wp) function e1_of_nothing(problem) result(e1)
+    type(matrix_problem_t), intent(in) :: problem
+    real(wp) :: f(problem%d, problem%n)
+
+    call natural_map(problem%friction, 1.0_wp, 0*problem%q, problem%q, f)
+    e1 = norm2(f)/max(norm2(problem%q), tiny(e1))
+  end function e1_of_nothing
 
   !> One more factorisation.
   pure subroutine count_one(progress)
