@@ -8,6 +8,7 @@ from . import figures
 from .errors import ResultsError
 from .results import Results
 from .scene import QUANTITIES
+from .space import View
 from .style import styled
 from .text import summary_text
 
@@ -35,6 +36,15 @@ def parser():
         if name == "scene":
             command.add_argument("--colour", choices=QUANTITIES, default="speed",
                                  help="quantity that fills the grains (default speed)")
+            space = command.add_argument_group("scenes in space")
+            space.add_argument("--azimuth", metavar="DEGREES", type=float, default=View.azimuth,
+                               help=f"where to look from: angle from x towards y (default {View.azimuth:g})")
+            space.add_argument("--elevation", metavar="DEGREES", type=float, default=View.elevation,
+                               help=f"where to look from: angle above the horizon (default {View.elevation:g})")
+            space.add_argument("--cut", metavar="AXIS=PLACE", type=_cut,
+                               help="leave out grains whose centres lie before this plane, for example y=0.15")
+            space.add_argument("--forces", action="store_true",
+                               help="draw the forces between grains, and the grains pale")
     return top
 
 
@@ -48,7 +58,7 @@ def draw(arguments):
         if arguments.command == "summary":
             figure, missing = figures.summary_figure(results, picture)
         elif arguments.command == "scene":
-            figure, missing = figures.scene_figure(results, picture, arguments.colour)
+            figure, missing = figures.scene_figure(results, picture, arguments.colour, _view(arguments))
         elif arguments.command == "energy":
             figure, missing = figures.energy_figure(results)
         else:
@@ -77,6 +87,22 @@ def main(words=None):
         print(f"splitgrain-postpro: error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     return EXIT_DONE
+
+
+def _cut(words):
+    """A plane "y=0.15" as its axis and place."""
+    axis, _, place = words.partition("=")
+    if axis not in ("x", "y", "z"):
+        raise argparse.ArgumentTypeError(f"a cut is written like y=0.15, not {words}")
+    try:
+        return "xyz".index(axis), float(place)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"a cut is written like y=0.15, not {words}") from error
+
+
+def _view(arguments):
+    """How to look at a scene in space."""
+    return View(arguments.azimuth, arguments.elevation, arguments.forces, arguments.cut)
 
 
 def _write(path, write):

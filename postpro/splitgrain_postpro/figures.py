@@ -10,14 +10,14 @@ from .text import headline
 WIDE = 1.9
 
 
-def scene_figure(results, picture=-1, quantity="speed"):
+def scene_figure(results, picture=-1, quantity="speed", view=None):
     """The scene alone; its page has the proportions of the scene."""
     scene = results.scene(picture)
     # As large as a page whatever the proportions of the scene, with room for the scale at its right.
-    ratio = proportions(scene, results.period)
+    ratio = proportions(scene, results.periods, view)
     figure = new_figure(7 * ratio**0.5 + 1.4, 7 / ratio**0.5 + 1)
     ax = figure.add_subplot()
-    missing = draw_scene(ax, scene, quantity, results.period)
+    missing = draw_scene(ax, scene, quantity, results.periods, view)
     figure.suptitle(results.name)
     return figure, missing
 
@@ -50,7 +50,7 @@ def summary_figure(results, picture=-1):
     """One page: the scene with its force chains, energies, effort, residuals, error against cost."""
     scene = results.scene(picture) if len(results.picture_times) else None
     figure = new_figure(15, 8.4)
-    if scene is not None and proportions(scene, results.period) > WIDE:
+    if scene is not None and proportions(scene, results.periods) > WIDE:
         place, rest = figure.subfigures(2, 1, height_ratios=[1.25, 1], hspace=0.02)
         panels = rest.subplots(1, 4)
     else:
@@ -66,7 +66,7 @@ def summary_figure(results, picture=-1):
         say_nothing_there(ax, "no pictures (bodies, shapes, contacts.vtkhdf):\nset [output] every in the deck")
         missing.append("no pictures")
     else:
-        missing += draw_scene(ax, scene, "speed", results.period)
+        missing += draw_scene(ax, scene, "speed", results.periods)
     figure.suptitle(headline(results), x=0.01, ha="left")
     return figure, missing
 

@@ -83,13 +83,16 @@ class Results:
         return min((pictures.times for pictures in files), key=len, default=np.empty(0))
 
     @property
-    def period(self):
-        """Length of the period in x [m]; zero when the scene is not periodic."""
+    def periods(self):
+        """Lengths of the periods in x and y [m]; zero where the scene is not periodic."""
+        return self._period("period"), self._period("period_y")
+
+    def _period(self, name):
         for pictures in (self.bodies, self.shapes, self.contacts):
-            periods = pictures.field("period") if pictures is not None else None
+            periods = pictures.field(name) if pictures is not None else None
             if periods is not None and len(periods):
                 return float(periods[0])
-        return float(self.run.get("period", 0))
+        return float(self.run.get(name, 0))
 
     def scene(self, index=-1):
         """One picture, counted from 0, or from the end when negative."""

@@ -2,25 +2,20 @@
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import ListedColormap, Normalize
 
-from .errors import ResultsError
-from .style import BLUE, FILL, GRAIN, KINDS, VERMILION, WALL, number
-from .vtkhdf import VTK_LINE, VTK_POLY_LINE, VTK_POLYGON
+from . import space
+from .quantities import QUANTITIES, carrying, colouring, is_in_space, of_bodies, of_shapes
+from .style import BLUE, GRAIN, VERMILION, WALL, number
+from .vtkhdf import VTK_POLY_LINE, VTK_POLYGON
 
-QUANTITIES = ("speed", "displacement", "start_height", "material", "coordination", "spin", "radius", "rank", "none")
-LABELS = {
-    "speed": "speed [m/s]", "displacement": "displacement [m]", "start_height": "height at the start [m]", "material": "material", "coordination": "contacts that carry force",
-    "spin": "spin [rad/s]", "radius": "radius [m]", "rank": "rank",
-}  # fmt: skip
-# Quantities that are labels: one colour each, not a scale.
-LABEL_QUANTITIES = ("material", "rank")
-# A force this share of the largest is drawn; the rest is rounding.
-SMALL_FORCE = 1e-3
+__all__ = ["QUANTITIES", "draw_scene", "proportions"]
 
 
-def draw_scene(ax, scene, quantity="speed", period=0.0):
+def draw_scene(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None):
     """Draw one picture of a run; returns sentences about what is not there to draw."""
+    if is_in_space(scene):
+        return space.draw_space(ax, scene, quantity, periods, view)
+    period = periods[0]
     missing = []
     view = _view(scene, period)
     if view is not None:
@@ -41,9 +36,11 @@ def draw_scene(ax, scene, quantity="speed", period=0.0):
     return missing
 
 
-def proportions(scene, period=0.0):
+def proportions(scene, periods=(0.0, 0.0), view=None):
     """Width over height of what is shown, within what fits on a page."""
-    view = _view(scene, period)
+    if is_in_space(scene):
+        return space.proportions(scene, periods, view)
+    view = _view(scene, periods[0])
     if view is None or not view[3] > view[2]:
         return 1.0
     return float(np.clip((view[1] - view[0]) / (view[3] - view[2]), 0.3, 3.5))
@@ -73,7 +70,7 @@ def _boxes(scene):
     if grid is None or not len(grid.points):
         return None, None
     if grid is scene.shapes:
-        is_grain = np.repeat(_of_shapes(scene, "is_grain", 1) > 0, np.diff(grid.offsets))
+        is_grain = np.repeat(of_shapes(scene, "is_grain", 1) > 0, np.diff(grid.offsets))
         points = grid.points[grid.connectivity, :2]
     else:
         points = grid.points[:, :2]
@@ -94,52 +91,10 @@ def _set_view(ax, view):
     ax.set_ylim(view[2], view[3])
 
 
-def _of_bodies(scene, quantity):
-    """A quantity of every body; None when the run did not write what it needs."""
-    data = scene.bodies.point_data if scene.bodies is not None else {}
-    if quantity == "coordination":
-        return _coordination(scene)
-    if quantity == "start_height":
-        return data["start_position"][:, 1] if "start_position" in data else None
-    values = data.get("velocity" if quantity == "speed" else quantity)
-    return np.linalg.norm(values, axis=1) if values is not None and values.ndim == 2 else values
-
-
-def _coordination(scene):
-    """How many bodies each body shares force with."""
-    if scene.bodies is None or scene.contacts is None or "id" not in scene.bodies.point_data:
-        return None
-    ids = scene.bodies.point_data["id"]
-    data = scene.contacts.cell_data
-    carries = _carrying(scene.contacts)
-    pairs = np.sort(np.column_stack([data["candidate"], data["antagonist"]])[carries], axis=1)
-    pairs = np.unique(pairs, axis=0).reshape(-1, 2)
-    return np.bincount(_rows_of(ids, pairs.ravel()), minlength=len(ids))
-
-
-def _rows_of(ids, wanted):
-    """Where in `ids` each wanted id stands."""
-    order = np.argsort(ids, kind="stable")
-    found = np.searchsorted(ids, wanted, sorter=order)
-    rows = order[np.minimum(found, len(ids) - 1)] if len(ids) else found
-    if not len(ids) and len(wanted) or np.any(ids[rows] != wanted):
-        raise ResultsError("the pictures do not fit together: a shape or contact names a body that is not there")
-    return rows
-
-
-def _of_shapes(scene, quantity, default):
-    """A quantity of the bodies, for every shape."""
-    shapes = scene.shapes
-    values = _of_bodies(scene, quantity)
-    if values is None:
-        return np.asarray(shapes.cell_data.get(quantity, np.full(len(shapes.types), default)))
-    return np.asarray(values)[_rows_of(scene.bodies.point_data["id"], shapes.cell_data["body"])]
-
-
 def _draw_shapes(ax, scene, quantity, period, view):
     """Walls, then grains, then hollow disks, which are outlines."""
     shapes = scene.shapes
-    is_grain = _of_shapes(scene, "is_grain", 1) > 0
+    is_grain = of_shapes(scene, "is_grain", 1) > 0
     polygons = shapes.cells(VTK_POLYGON)
     walls, grains = polygons[~is_grain[polygons]], polygons[is_grain[polygons]]
     outlines, _ = _repeat(shapes.outlines(walls), period, view)
@@ -156,42 +111,26 @@ def _draw_grains(ax, scene, grains, quantity, period, view):
     edge = min(0.04 * _grain_diameter(ax, scene, view), 0.5)
     collection = PolyCollection(outlines, edgecolor="#6B7B88", linewidth=edge, facecolor=GRAIN)
     ax.add_collection(collection, autolim=False)
-    values = None if quantity == "none" else _of_shapes(scene, quantity, np.nan)[grains].astype(float)
+    values = None if quantity == "none" else of_shapes(scene, quantity, np.nan)[grains].astype(float)
     if values is None or not len(values) or not np.isfinite(values).any():
         return
     collection.set_array(values[copied])
-    if quantity in LABEL_QUANTITIES:
-        _scale_of_labels(ax, collection, values, quantity)
-    else:
-        _scale(ax, collection, values, quantity)
-
-
-def _scale(ax, collection, values, quantity):
-    """A continuous scale; its end leaves out the fastest hundredth, which would pale all others."""
-    low = 0.0 if values.min() >= 0 and quantity not in ("radius", "start_height") else float(values.min())
-    high = float(values.max()) if quantity == "coordination" else float(np.quantile(values, 0.99))
-    if not high > low:
+    scale = colouring(values, quantity)
+    if scale.map is None:
         collection.set(array=None, facecolor=GRAIN)
-        ax.set_title(f"{LABELS[quantity]}: {number(low)} everywhere", loc="right")
-        return
-    collection.set(cmap=FILL, norm=Normalize(low, high))
-    _colour_bar(ax, collection, quantity, extend="max" if values.max() > high else "neither")
+        ax.set_title(scale.note, loc="right")
+    else:
+        collection.set(cmap=scale.map, norm=scale.norm)
+        _colour_bar(ax, collection, scale)
 
 
-def _scale_of_labels(ax, collection, values, quantity):
-    """One colour a label; colours come again when there are more labels than colours."""
-    low, high = int(values.min()), int(values.max())
-    colours = [KINDS[k % len(KINDS)] for k in range(high - low + 1)]
-    collection.set(cmap=ListedColormap(colours), norm=Normalize(low - 0.5, high + 0.5))
-    _colour_bar(ax, collection, quantity, ticks=np.unique(np.linspace(low, high, min(high - low, 10) + 1).astype(int)))
-
-
-def _colour_bar(ax, collection, quantity, **options):
+def _colour_bar(ax, collection, scale):
     """The scale of the colours, as high as the scene."""
     (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
     # As wide on the page for a tower as for a flume.
     width = 0.02 * max(1.0, (high - low) / (right - left))
-    bar = ax.figure.colorbar(collection, cax=ax.inset_axes([1 + width, 0, width, 1]), label=LABELS[quantity], **options)
+    bar = ax.figure.colorbar(collection, cax=ax.inset_axes([1 + width, 0, width, 1]), label=scale.label,
+                             ticks=scale.ticks, extend=scale.extend)
     bar.outline.set_linewidth(0.5)
 
 
@@ -210,18 +149,10 @@ def _repeat(outlines, period, view):
     return images, np.concatenate(copied)
 
 
-def _carrying(contacts):
-    """Which cells are contacts that carry a normal force worth drawing."""
-    force = np.abs(contacts.cell_data["force_normal"])
-    is_contact = contacts.types == VTK_LINE
-    largest = force[is_contact].max(initial=0.0)
-    return is_contact & (force > SMALL_FORCE * largest)
-
-
 def _draw_forces(ax, scene, period, view):
     """Force chains: pushing contacts red, pulling ones blue, the width in proportion to the normal force."""
     contacts = scene.contacts
-    cells = np.flatnonzero(_carrying(contacts))
+    cells = np.flatnonzero(carrying(contacts))
     if not len(cells):
         ax.text(0.01, 0.99, "no contact carries force", transform=ax.transAxes, va="top", fontsize=8)
         return
@@ -259,11 +190,14 @@ def _grain_diameter(ax, scene, view):
 
 def _draw_centres(ax, scene, quantity):
     """Centres of bodies, where no shapes are known."""
-    values = _of_bodies(scene, quantity)
+    values = None if quantity == "none" else of_bodies(scene, quantity)
     points = scene.bodies.points
-    drawn = ax.scatter(points[:, 0], points[:, 1], s=6, c=GRAIN if values is None else values, cmap=FILL)
-    if values is not None and len(values):
-        _colour_bar(ax, drawn, quantity)
+    scale = colouring(np.asarray(values, dtype=float), quantity) if values is not None and len(values) else None
+    if scale is None or scale.map is None:
+        ax.scatter(points[:, 0], points[:, 1], s=6, c=BLUE)
+        return
+    drawn = ax.scatter(points[:, 0], points[:, 1], s=6, c=values, cmap=scale.map, norm=scale.norm)
+    _colour_bar(ax, drawn, scale)
 
 
 def _draw_frame(ax, scene, period, view):

@@ -12,7 +12,7 @@ import numpy as np
 
 from .errors import ResultsError
 
-VTK_EMPTY_CELL, VTK_LINE, VTK_POLY_LINE, VTK_POLYGON = 0, 3, 4, 7
+VTK_EMPTY_CELL, VTK_VERTEX, VTK_LINE, VTK_POLY_LINE, VTK_POLYGON = 0, 1, 3, 4, 7
 
 
 @dataclass

@@ -29,7 +29,7 @@ def size_of(path):
 def drawn(results, quantity="speed", picture=-1):
     """Axes with one picture of a run, and what was missing."""
     ax = new_figure(6, 6).add_subplot()
-    missing = draw_scene(ax, results.scene(picture), quantity, results.period)
+    missing = draw_scene(ax, results.scene(picture), quantity, results.periods)
     return ax, missing
 
 

@@ -1,0 +1,151 @@
+"""Quantities that fill the grains, and the scales of their colours."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.colors import Colormap, ListedColormap, Normalize
+
+from .errors import ResultsError
+from .style import FILL, KINDS, number
+from .vtkhdf import VTK_LINE
+
+LABELS = {
+    "speed": "speed [m/s]", "displacement": "displacement [m]", "start_height": "height at the start [m]", "material": "material", "coordination": "contacts that carry force",
+    "pressure": "mean stress of contacts [Pa]", "spin": "spin [rad/s]", "radius": "radius [m]", "mass": "mass [kg]", "id": "number", "rank": "rank",
+}  # fmt: skip
+QUANTITIES = (*LABELS, "none")
+# Quantities that are labels: one colour each, not a scale.
+LABEL_QUANTITIES = ("material", "rank")
+# Quantities whose scale begins at the smallest value, not at zero.
+FROM_THE_LEAST = ("radius", "start_height", "id")
+# A force this share of the largest is drawn; the rest is rounding.
+SMALL_FORCE = 1e-3
+
+
+@dataclass
+class Colouring:
+    """How values become colours; without a map all are equal, and `note` says so."""
+
+    label: str
+    map: Colormap | None = None
+    norm: Normalize | None = None
+    ticks: np.ndarray | None = None
+    extend: str = "neither"
+    note: str = ""
+
+
+def colouring(values, quantity, fill=FILL):
+    """The colours of these values, which are finite."""
+    label = LABELS.get(quantity, "force [N]")
+    if quantity in LABEL_QUANTITIES:
+        return _colouring_of_labels(values, label)
+    low = 0.0 if values.min() >= 0 and quantity not in FROM_THE_LEAST else float(values.min())
+    # The end of the scale leaves out the fastest hundredth, which would pale all others.
+    high = float(values.max()) if quantity in ("coordination", "id") else float(np.quantile(values, 0.99))
+    if not high > low:
+        return Colouring(label, note=f"{label}: {number(low)} everywhere")
+    return Colouring(label, fill, Normalize(low, high), extend="max" if values.max() > high else "neither")
+
+
+def _colouring_of_labels(values, label):
+    """One colour a label; colours come again when there are more labels than colours."""
+    low, high = int(values.min()), int(values.max())
+    colours = ListedColormap([KINDS[k % len(KINDS)] for k in range(high - low + 1)])
+    ticks = np.unique(np.linspace(low, high, min(high - low, 10) + 1).astype(int))
+    return Colouring(label, colours, Normalize(low - 0.5, high + 0.5), ticks)
+
+
+def is_in_space(scene):
+    """Is this the picture of a scene in three dimensions?"""
+    return any(
+        grid is not None and name in data(grid)
+        for grid, name, data in (
+            (scene.bodies, "orientation", lambda grid: grid.point_data),
+            (scene.shapes, "radius", lambda grid: grid.point_data),
+            (scene.contacts, "force", lambda grid: grid.cell_data),
+        )
+    )
+
+
+def of_bodies(scene, quantity):
+    """A quantity of every body; None when the run did not write what it needs."""
+    data = scene.bodies.point_data if scene.bodies is not None else {}
+    if quantity == "coordination":
+        return _coordination(scene)
+    if quantity == "pressure":
+        return _pressure(scene)
+    if quantity == "start_height":
+        return data["start_position"][:, 2 if is_in_space(scene) else 1] if "start_position" in data else None
+    values = data.get("velocity" if quantity == "speed" else quantity)
+    return np.linalg.norm(values, axis=1) if values is not None and values.ndim == 2 else values
+
+
+def of_shapes(scene, quantity, default):
+    """A quantity of the bodies, for every cell of the shapes."""
+    shapes = scene.shapes
+    values = of_bodies(scene, quantity)
+    if values is None:
+        return np.asarray(shapes.cell_data.get(quantity, np.full(len(shapes.types), default)))
+    return np.asarray(values)[rows_of(scene.bodies.point_data["id"], shapes.cell_data["body"])]
+
+
+def _coordination(scene):
+    """How many bodies each body shares force with."""
+    if scene.bodies is None or scene.contacts is None or "id" not in scene.bodies.point_data:
+        return None
+    ids = scene.bodies.point_data["id"]
+    data = scene.contacts.cell_data
+    carries = carrying(scene.contacts)
+    pairs = np.sort(np.column_stack([data["candidate"], data["antagonist"]])[carries], axis=1)
+    pairs = np.unique(pairs, axis=0).reshape(-1, 2)
+    return np.bincount(rows_of(ids, pairs.ravel()), minlength=len(ids))
+
+
+def _pressure(scene):
+    """Mean stress of every body by Love and Weber: - sum(force . arm)/(d V), positive under pressure."""
+    bodies, contacts = scene.bodies, scene.contacts
+    needed = ("candidate", "antagonist", "point", "normal")
+    if bodies is None or contacts is None or "radius" not in bodies.point_data or "id" not in bodies.point_data:
+        return None
+    if not all(name in contacts.cell_data for name in needed):
+        return None
+    data = bodies.point_data
+    cells = np.flatnonzero(contacts.types == VTK_LINE)
+    force = _forces(contacts)[cells]
+    point = contacts.cell_data["point"][cells]
+    ends = contacts.points[contacts.connectivity].reshape(-1, 2, 3) if len(cells) else np.zeros((0, 2, 3))
+    sums = np.zeros(len(data["id"]))
+    for side, name, sign in ((0, "candidate", -1.0), (1, "antagonist", 1.0)):
+        rows = rows_of(data["id"], contacts.cell_data[name][cells])
+        np.add.at(sums, rows, sign * np.einsum("ij,ij->i", force, point - ends[:, side]))
+    radius = np.asarray(data["radius"], dtype=float)
+    size = 4 * np.pi * radius**3 if is_in_space(scene) else 2 * np.pi * radius**2
+    return np.where(data.get("is_grain", np.ones(len(size))) > 0, sums / np.maximum(size, 1e-300), 0.0)
+
+
+def _forces(contacts):
+    """The force that each candidate feels [N]."""
+    data = contacts.cell_data
+    if "force" in data:
+        return np.asarray(data["force"], dtype=float)
+    normal = np.asarray(data["normal"], dtype=float)
+    tangent = np.column_stack([normal[:, 1], -normal[:, 0], np.zeros(len(normal))])
+    return data["force_normal"][:, None] * normal + data["force_tangential"][:, None] * tangent
+
+
+def rows_of(ids, wanted):
+    """Where in `ids` each wanted id stands."""
+    order = np.argsort(ids, kind="stable")
+    found = np.searchsorted(ids, wanted, sorter=order)
+    rows = order[np.minimum(found, len(ids) - 1)] if len(ids) else found
+    if not len(ids) and len(wanted) or np.any(ids[rows] != wanted):
+        raise ResultsError("the pictures do not fit together: a shape or contact names a body that is not there")
+    return rows
+
+
+def carrying(contacts):
+    """Which cells are contacts that carry a normal force worth drawing."""
+    force = np.abs(contacts.cell_data["force_normal"])
+    is_contact = contacts.types == VTK_LINE
+    largest = force[is_contact].max(initial=0.0)
+    return is_contact & (force > SMALL_FORCE * largest)

@@ -1,0 +1,204 @@
+"""A picture of solid shapes by a depth buffer, without a display or a graphics card.
+
+Shapes are given in the axes of the camera: u to the right, v up, w towards the viewer [m]; parallel projection. Each
+pixel keeps the nearest point: how near, of which item, which way its surface faces. Light and edges come last.
+"""
+
+import numpy as np
+
+NOTHING = -1
+# Where the light comes from, in the axes of the camera.
+LIGHT = np.array([-0.45, 0.60, 0.66])
+
+
+class Canvas:
+    """Pixels over a rectangle of the camera's plane, each twice divided so that edges come out smooth."""
+
+    FINE = 2
+
+    def __init__(self, box, pixels):
+        """box: (u low, u high, v low, v high) [m]; pixels: of the longer side."""
+        self.box = box
+        self.scale = self.FINE * pixels / max(box[1] - box[0], box[3] - box[2])
+        self.width = self.FINE * max(1, round((box[1] - box[0]) * self.scale / self.FINE))
+        self.height = self.FINE * max(1, round((box[3] - box[2]) * self.scale / self.FINE))
+        self.u = box[0] + (np.arange(self.width) + 0.5) / self.scale
+        self.v = box[2] + (np.arange(self.height) + 0.5) / self.scale
+        self.depth = np.full((self.height, self.width), -np.inf)
+        self.item = np.full((self.height, self.width), NOTHING, dtype=np.int64)
+        self.piece = np.full((self.height, self.width), NOTHING, dtype=np.int64)
+        self.normal = np.zeros((self.height, self.width, 3), dtype=np.float32)
+        self.pieces = 0
+
+    def _window(self, low, high):
+        """Rows and columns of the pixels whose centres lie in a rectangle (u, v)."""
+        left, bottom = np.ceil((np.asarray(low)[:2] - (self.box[0], self.box[2])) * self.scale - 0.5).astype(int)
+        right, top = np.floor((np.asarray(high)[:2] - (self.box[0], self.box[2])) * self.scale - 0.5).astype(int) + 1
+        return (slice(max(0, bottom), max(0, min(self.height, top))), slice(max(0, left), max(0, min(self.width, right))))
+
+    def _paint(self, window, depth, normal, item, piece):
+        """Keep what is nearer than what is there; depth is -inf where there is nothing."""
+        nearer = depth > self.depth[window]
+        if not nearer.any():
+            return
+        self.depth[window][nearer] = depth[nearer]
+        self.item[window][nearer] = item
+        self.piece[window][nearer] = piece
+        self.normal[window][nearer] = normal if np.ndim(normal) == 1 else normal[nearer]
+
+    def add_spheres(self, centres, radii, items):
+        """Spheres; items are the numbers by which they are coloured."""
+        for centre, radius, item in zip(centres, radii, items, strict=True):
+            window = self._window(centre - radius, centre + radius)
+            u = (self.u[window[1]][None, :] - centre[0]) / radius
+            v = (self.v[window[0]][:, None] - centre[1]) / radius
+            w = 1 - u**2 - v**2
+            inside = w > 0
+            if not inside.any():
+                continue
+            w = np.sqrt(np.where(inside, w, 0))
+            normal = np.stack(np.broadcast_arrays(u, v, w), axis=-1)
+            self.pieces += 1
+            self._paint(window, np.where(inside, centre[2] + radius * w, -np.inf), normal, item, self.pieces)
+
+    def add_polygons(self, polygons, items):
+        """Plane convex polygons, corners counter-clockwise seen from outside; seen from inside they are left out."""
+        for corners, item in zip(polygons, items, strict=True):
+            found = self._polygon(corners)
+            if found is not None:
+                self.pieces += 1
+                self._paint(*found, item, self.pieces)
+
+    def _polygon(self, corners):
+        """Window, depth and normal of a polygon; None when it faces away or covers no pixel."""
+        normal = normal_of(corners)
+        if not normal[2] > 1e-6:
+            return None
+        window = self._window(corners.min(axis=0), corners.max(axis=0))
+        u, v = self.u[window[1]][None, :], self.v[window[0]][:, None]
+        if not u.size or not v.size:
+            return None
+        inside = np.ones((v.size, u.size), dtype=bool)
+        for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            inside &= (b[0] - a[0]) * (v - a[1]) - (b[1] - a[1]) * (u - a[0]) >= 0
+        if not inside.any():
+            return None
+        centre = corners.mean(axis=0)
+        depth = centre[2] - (normal[0] * (u - centre[0]) + normal[1] * (v - centre[1])) / normal[2]
+        return window, np.where(inside, depth, -np.inf), normal
+
+    def hidden_by(self, polygons):
+        """How many pixels of what is painted these polygons would hide."""
+        hidden = 0
+        for corners in polygons:
+            found = self._polygon(corners)
+            if found is not None:
+                window, depth, _ = found
+                hidden += np.count_nonzero((self.item[window] != NOTHING) & (depth > self.depth[window]))
+        return hidden
+
+    def add_tubes(self, starts, ends, radii, items):
+        """Round bars with round ends."""
+        for start, end, radius, item in zip(starts, ends, radii, items, strict=True):
+            self.pieces += 1
+            piece = self.pieces
+            self._bar(start, end, radius, item, piece)
+            for centre in (start, end):
+                self.add_spheres([centre], [radius], [item])
+            self.pieces = piece
+
+    def _bar(self, start, end, radius, item, piece):
+        """The cylinder between two points: the nearer of the two crossings of each pixel's ray."""
+        way = end - start
+        length = np.linalg.norm(way)
+        if not length > 0:
+            return
+        axis = way / length
+        across = 1 - axis[2] ** 2
+        if not across > 1e-9:
+            return  # seen along its axis: its end covers it
+        window = self._window(np.minimum(start, end) - radius, np.maximum(start, end) + radius)
+        u, v = self.u[window[1]][None, :] - start[0], self.v[window[0]][:, None] - start[1]
+        if not u.size or not v.size:
+            return
+        along = u * axis[0] + v * axis[1]
+        # (q - (q . axis) axis)^2 = radius^2 for q = (u, v, w), a quadratic in w.
+        half = -along * axis[2]
+        root = half**2 - across * (u**2 + v**2 - along**2 - radius**2)
+        w = (-half + np.sqrt(np.maximum(root, 0))) / across
+        place = along + w * axis[2]
+        inside = (root > 0) & (place >= 0) & (place <= length)
+        if not inside.any():
+            return
+        normal = np.stack(np.broadcast_arrays(u, v, w), axis=-1) - place[..., None] * axis
+        self._paint(window, np.where(inside, start[2] + w, -np.inf), normal / radius, item, piece)
+
+    def image(self, colours, reach, edge=0.6):
+        """Red, green, blue and opacity; colours: one row an item; reach: how far shadows of corners go [m]."""
+        covered = self.item != NOTHING
+        light = LIGHT / np.linalg.norm(LIGHT)
+        facing = np.clip(self.normal @ light.astype(np.float32), 0, 1)
+        # Light from the sky fills what the lamp does not reach.
+        shade = 0.50 + 0.08 * self.normal[..., 1] + 0.46 * facing
+        gloss = 0.16 * np.clip(self.normal @ _half_way(light), 0, 1) ** 40
+        shade = shade * self._open_sky(reach) * np.where(self._edges(), 1 - edge, 1)
+        red_green_blue = np.zeros((*self.item.shape, 3), dtype=np.float32)
+        red_green_blue[covered] = colours[self.item[covered]]
+        red_green_blue = np.clip(red_green_blue * shade[..., None] + gloss[..., None], 0, 1) * covered[..., None]
+        opacity = _coarser(covered.astype(np.float32)[..., None], self.FINE)
+        mean = _coarser(red_green_blue, self.FINE)
+        return np.concatenate([mean / np.maximum(opacity, 1e-6), opacity], axis=-1)
+
+    def _edges(self):
+        """Pixels beside another piece that is farther away, or that meets theirs in an edge."""
+        edges = np.zeros(self.item.shape, dtype=bool)
+        for axis in (0, 1):
+            for step in (-1, 1):
+                there = np.roll(self.piece, step, axis)
+                farther = np.roll(self.depth, step, axis) <= self.depth
+                edges |= (there != self.piece) & farther & (self.piece != NOTHING)
+        return edges
+
+    def _open_sky(self, reach):
+        """Share of light that the neighbourhood leaves: a pixel amid nearer ones lies in a corner."""
+        depth = np.where(np.isfinite(self.depth), self.depth, np.nan)
+        closed = np.zeros(self.item.shape, dtype=np.float32)
+        rings = ((0.35, 6), (0.8, 8))
+        for share, directions in rings:
+            for k in range(directions):
+                angle = 2 * np.pi * (k + 0.5 * share) / directions
+                du, dv = (round(share * reach * self.scale * way(angle)) for way in (np.cos, np.sin))
+                above = (_shifted(depth, dv, du) - depth) / (share * reach)
+                # What is far in front is another thing altogether and shadows little.
+                closed += np.nan_to_num(np.clip(above, 0, 1) * np.clip(2 - above / 2, 0, 1))
+        return 1 - 0.55 * np.clip(1.6 * closed / sum(ring[1] for ring in rings), 0, 1)
+
+
+def normal_of(corners):
+    """Unit normal of a polygon by the sum over its edges; zero for one without area."""
+    after = np.roll(corners, -1, axis=0)
+    total = np.cross(corners - corners[0], after - corners[0]).sum(axis=0)
+    length = np.linalg.norm(total)
+    return total / length if length > 0 else np.zeros(3)
+
+
+def _half_way(light):
+    """Between the light and the viewer: surfaces that face there shine."""
+    half = light + (0, 0, 1)
+    return (half / np.linalg.norm(half)).astype(np.float32)
+
+
+def _shifted(values, rows, columns):
+    """Values moved by whole pixels; not a number where nothing comes from."""
+    moved = np.full_like(values, np.nan)
+    height, width = values.shape
+    if abs(rows) < height and abs(columns) < width:
+        moved[max(0, -rows) : height - max(0, rows), max(0, -columns) : width - max(0, columns)] = \
+            values[max(0, rows) : height - max(0, -rows), max(0, columns) : width - max(0, -columns)]
+    return moved
+
+
+def _coarser(values, n):
+    """Means of blocks of n x n pixels."""
+    height, width, depth = values.shape
+    return values.reshape(height // n, n, width // n, n, depth).mean(axis=(1, 3))
