@@ -32,10 +32,11 @@ module sg_accelerated_nlgs
     procedure :: solve => accelerated_nlgs_solve
   end type accelerated_nlgs_t
 
-  !> The last sweeps: changes of their change and of their result, one column each, and products of the former
+  !> The last sweeps: changes of their change and of their result, one layer each, products of the former with each other,
+  !! and with the change of the last sweep
   type :: memory_t
     integer :: used = 0, newest = 0
-    real(wp), allocatable :: change(:, :), result(:, :), products(:, :)
+    real(wp), allocatable :: change(:, :, :), result(:, :, :), products(:, :), right(:)
   end type memory_t
 
 contains
@@ -73,8 +74,9 @@ contains
     logical :: has_last
 
     associate (r => scaled%r, d => scaled%d, n => scaled%n)
-      allocate (memory%change(d*n, settings%memory), memory%result(d*n, settings%memory))
-      allocate (memory%products(settings%memory, settings%memory), last_swept(d, n), last_change(d, n), swept(d, n), change(d, n))
+      allocate (memory%change(d, n, settings%memory), memory%result(d, n, settings%memory))
+      allocate (memory%products(settings%memory, settings%memory), memory%right(settings%memory))
+      allocate (last_swept(d, n), last_change(d, n), swept(d, n), change(d, n))
       good = r
       has_last = .false.
       least = huge(least)
@@ -94,13 +96,13 @@ contains
         else
           least = min(least, norm)
           good = swept
-          if (has_last) call remember(memory, reshape(change - last_change, [d*n]), reshape(swept - last_swept, [d*n]))
+          if (has_last) call remember(memory, change, last_change, swept, last_swept)
           has_last = .true.
           last_swept = swept
           last_change = change
           r = swept
           if (memory%used > 0) then
-            r = swept - reshape(combined(memory, settings%regularisation, reshape(change, [d*n])), [d, n])
+            call combine(memory, settings%regularisation, r)
             call project_all(scaled%friction, r)
           end if
         end if
@@ -112,32 +114,57 @@ contains
   end subroutine sweep_accelerated
 
   !> Add one sweep to the memory, over the oldest where it is full.
-  pure subroutine remember(memory, change, result)
+  pure subroutine remember(memory, change, last_change, swept, last_swept)
     type(memory_t), intent(inout) :: memory
-    real(wp), intent(in), contiguous :: change(:), result(:)
-    integer :: k
+    real(wp), intent(in), contiguous :: change(:, :), last_change(:, :), swept(:, :), last_swept(:, :)
+    integer :: j, k
 
-    memory%newest = modulo(memory%newest, size(memory%change, 2)) + 1
-    if (memory%used == 0) memory%newest = 1
-    memory%used = min(memory%used + 1, size(memory%change, 2))
-    k = memory%newest
-    memory%change(:, k) = change
-    memory%result(:, k) = result
-    memory%products(:memory%used, k) = matmul(change, memory%change(:, :memory%used))
-    memory%products(k, :memory%used) = memory%products(:memory%used, k)
+    k = modulo(memory%newest, size(memory%right)) + 1
+    if (memory%used == 0) k = 1
+    memory%newest = k
+    memory%used = min(memory%used + 1, size(memory%right))
+    memory%change(:, :, k) = change - last_change
+    memory%result(:, :, k) = swept - last_swept
+    do j = 1, memory%used
+      call two_products(size(change), memory%change(:, :, j), memory%change(:, :, k), change, memory%products(j, k), &
+                        memory%right(j))
+      memory%products(k, j) = memory%products(j, k)
+    end do
   end subroutine remember
 
-  !> What the least-squares combination of the memory takes off the result of a sweep with this change.
-  pure function combined(memory, regularisation, change) result(correction)
+  !> Products of x with y and with z; four sums each, since one alone waits for itself.
+  pure subroutine two_products(n, x, y, z, xy, xz)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: x(n), y(n), z(n)
+    real(wp), intent(out) :: xy, xz
+    real(wp) :: a(4), b(4)
+    integer :: i
+
+    a = 0
+    b = 0
+    do i = 1, n - 3, 4
+      a = a + x(i:i + 3)*y(i:i + 3)
+      b = b + x(i:i + 3)*z(i:i + 3)
+    end do
+    do i = n - modulo(n, 4) + 1, n
+      a(1) = a(1) + x(i)*y(i)
+      b(1) = b(1) + x(i)*z(i)
+    end do
+    xy = sum(a)
+    xz = sum(b)
+  end subroutine two_products
+
+  !> Take the least-squares combination of the memory off the result of the last sweep.
+  pure subroutine combine(memory, regularisation, r)
     type(memory_t), intent(in) :: memory
     real(wp), intent(in) :: regularisation
-    real(wp), intent(in), contiguous :: change(:)
-    real(wp) :: correction(size(change)), a(memory%used, memory%used), x(memory%used), shift
+    real(wp), intent(inout), contiguous :: r(:, :)
+    real(wp) :: a(memory%used, memory%used), x(memory%used), shift
     integer :: m, i, j
 
     m = memory%used
     a = memory%products(:m, :m)
-    x = matmul(change, memory%change(:, :m))
+    x = memory%right(:m)
     shift = tiny(shift)
     do i = 1, m
       shift = shift + regularisation*a(i, i)
@@ -154,7 +181,7 @@ contains
     end do
     do j = m, 1, -1
       x(j) = (x(j) - dot_product(a(j + 1:, j), x(j + 1:)))/a(j, j)
+      r = r - x(j)*memory%result(:, :, j)
     end do
-    correction = matmul(memory%result(:, :m), x)
-  end function combined
+  end subroutine combine
 end module sg_accelerated_nlgs

@@ -293,6 +293,7 @@ contains
     character(len=*), intent(in) :: name
     integer, intent(in) :: d
     real(wp), parameter :: w(3, 3) = reshape([2.0_wp, 0.3_wp, -0.1_wp, 0.3_wp, 3.0_wp, 0.2_wp, -0.1_wp, 0.2_wp, 4.0_wp], [3, 3])
+    real(wp), parameter :: q(3) = [-1.0_wp, 2.0_wp, -1.5_wp]
     class(matrix_solver_t), allocatable :: solver
     type(matrix_problem_t) :: problem
     type(report_t) :: report
@@ -306,7 +307,7 @@ contains
       problem%w%diagonal(1) = 1
       problem%w%block(:, :, 1) = w(:d, :d)
       problem%friction = merge(0.2_wp, merge(100.0_wp, 0.0_wp, i == 2), i == 1)
-      problem%q(:, 1) = [-1.0_wp, 2.0_wp, -1.5_wp]
+      problem%q(:, 1) = q(:d)
       call solve_local(problem%w%block(:, :, 1), problem%q(:, 1), problem%friction(1), expected)
       call make_solver(name, 1e-13_wp, solver)
       call solver%solve(problem, report)
