@@ -31,6 +31,7 @@ module sg_block_progress
   contains
     procedure :: begin => progress_begin
     procedure :: look => progress_look
+    procedure :: is_late => progress_is_late
     procedure :: finish => progress_finish
   end type progress_t
 
@@ -84,9 +85,16 @@ contains
     ! The margin covers other orders of summation: whoever measures again finds no more than the tolerance.
     self%is_converged = self%best <= self%options%tolerance*(1 - 1e-6_wp)
     self%is_over = self%is_converged .or. self%iterations >= self%options%maximum_iterations
-    if (.not. self%is_over) self%is_over = cpu_now() - self%start >= self%options%maximum_seconds
+    if (.not. self%is_over) self%is_over = self%is_late()
     if (allocated(self%trace)) call add_to_trace(self, problem)
   end subroutine progress_look
+
+  !> Is the time up? For loops that are long without a look.
+  logical function progress_is_late(self) result(is_late)
+    class(progress_t), intent(in) :: self
+
+    is_late = cpu_now() - self%start >= self%options%maximum_seconds
+  end function progress_is_late
 
   !> Note the errors of the answer looked at.
   subroutine add_to_trace(self, problem)

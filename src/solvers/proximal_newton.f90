@@ -96,7 +96,7 @@ contains
     before = progress%factorisations
     do while (.not. progress%is_over .and. progress%factorisations - before < most)
       next = scaled%r
-      call solve_inner(settings, scaled, alpha, settings%rho(i), factors, next, steps, has_solved)
+      call solve_inner(settings, scaled, alpha, settings%rho(i), progress, factors, next, steps, has_solved)
       progress%factorisations = progress%factorisations + steps
       progress%iterations = progress%iterations + max(steps, 1)
       if (has_solved) then
@@ -139,10 +139,11 @@ contains
   end subroutine sweep_and_look
 
   !> Newton's method with a line search for the problem of W + alpha, q - alpha r.
-  subroutine solve_inner(settings, scaled, alpha, rho, factors, r, steps, has_solved)
+  subroutine solve_inner(settings, scaled, alpha, rho, progress, factors, r, steps, has_solved)
     type(proximal_t), intent(in) :: settings
     type(matrix_problem_t), intent(in) :: scaled
     real(wp), intent(in) :: alpha, rho
+    type(progress_t), intent(in) :: progress
     type(sparse_factor_t), intent(inout) :: factors
     real(wp), intent(inout), contiguous :: r(:, :)
     integer, intent(out) :: steps
@@ -160,7 +161,7 @@ contains
     has_solved = .false.
     do while (steps < settings%most_steps)
       has_solved = norm <= goal
-      if (has_solved) return
+      if (has_solved .or. progress%is_late()) return
       call newton_step(scaled, alpha, rho, r, u, f, factors, step, error)
       steps = steps + 1
       if (allocated(error)) return
