@@ -4,8 +4,9 @@ program test_record
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
   use sg_error, only: error_t, exit_output
   use sg_json, only: json_t
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, pi
   use sg_measures, only: measures_t, n_measures
+  use sg_numbers, only: write_numbers
   use sg_progress, only: duration_text, progress_t
   use sg_record, only: record_t
   use sg_report, only: report_t
@@ -24,9 +25,11 @@ program test_record
   call test_json()
   call test_text_files()
   call test_rows()
+  call test_rows_in_space()
   call test_restart()
   call test_full_disk()
   call test_summary()
+  call test_summary_in_space()
   call test_verdict()
   call test_progress()
   call t%finish()
@@ -154,6 +157,35 @@ contains
     call t%check(index(lines(4)%s, ',nan,') > 0, 'a number that is none')
   end subroutine test_rows
 
+  !> In space a row has cells for nine stresses, three momenta and pairs by four points; a record of the plane does not fit.
+  subroutine test_rows_in_space()
+    type(record_t) :: record
+    type(error_t), allocatable :: error
+    type(report_t) :: report
+    type(totals_t) :: totals
+    type(measures_t) :: measures
+    type(text_t), allocatable :: lines(:)
+    integer :: j
+
+    call record%start('space.csv', 3, error)
+    measures%value = real([(j, j=1, n_measures(3))], wp)
+    call record%add(1, 0.1_wp, 12, report, totals, measures, error)
+    call record%add(2, 0.2_wp, 12, report, totals, measures, error)
+    call read_lines('space.csv', lines, error)
+    call t%equal(size(lines), 3, 'a header and two rows in space')
+    call t%check(index(lines(1)%s//',', promised_columns()//',') == 1, 'the columns promised stand in space, too')
+    call t%check(index(lines(1)%s, ',rattlers,quadruple_contacts,stress_xx,stress_xy,stress_xz,stress_yx,') > 0, 'more follow')
+    call t%check(index(lines(1)%s, ',stress_zz,shear_rate,momentum_x,momentum_y,momentum_z,wall_predict,') > 0, 'and more')
+    call t%equal(commas(lines(2)%s), commas(lines(1)%s), 'a cell a column in space')
+    call t%check(index(lines(2)%s, ',22,23,2.4') > 0, 'counts are whole numbers in space: '//lines(2)%s)
+    call record%resume('space.csv', 3, 1, error)
+    call t%check(.not. allocated(error), 'a record in space goes on')
+    call read_lines('space.csv', lines, error)
+    call t%equal(size(lines), 2, 'later rows are cut in space')
+    call record%resume('space.csv', 2, 1, error)
+    call t%check(allocated(error), 'a record in space is none of a scene in the plane')
+  end subroutine test_rows_in_space
+
   subroutine test_restart()
     type(record_t) :: record
     type(error_t), allocatable :: error
@@ -196,6 +228,47 @@ contains
     call t%check(allocated(error), 'a full disk is noticed')
     if (allocated(error)) call t%equal(error%code, exit_output, 'and has its exit code')
   end subroutine test_full_disk
+
+  !> run.json of a scene in space, and of one that ended before it was measured.
+  subroutine test_summary_in_space()
+    type(run_summary_t) :: summary
+    type(scene_t) :: scene
+    type(run_options_t) :: options
+    type(measures_t) :: measures
+    type(totals_t) :: totals
+    type(error_t), allocatable :: error
+    integer :: j
+
+    scene%dimension = 3
+    call scene%bodies%allocate(2, 3)
+    scene%bodies%area = 4*pi/3*[1.0_wp, 27.0_wp]
+    call summary%describe(scene, options, 'deck.toml', 1)
+    totals%worst_penetration = 0.25_wp
+    call summary%conclude(run_done, '', 0.5_wp, totals, measures)
+    call write_run_summary(summary, 'space.json', error)
+    call t%check(python_agrees('space.json', 'run[''momentum_z''] == 0 and run[''quadruple_contacts''] == 0'), 'nothing measured')
+    measures%value = real([(j, j=1, n_measures(3))], wp)
+    call summary%conclude(run_done, '', 0.5_wp, totals, measures)
+    call write_run_summary(summary, 'space.json', error)
+    call t%check(python_agrees('space.json', 'run[''dimension''] == 3 and run[''momentum_z''] == 36 and '// &
+      'run[''stress_xx''] == 24 and run[''stress_zz''] == 32 and run[''stress_zy''] == 31 '// &
+      'and run[''quadruple_contacts''] == 23 and run[''worst_penetration''] == 0.25 and abs(run[''mean_radius''] - 2) < 1e-14'), &
+                 'a run in space')
+    call write_numbers(summary, 'space.tag', error)
+    call t%check(.not. allocated(error), 'tagged numbers are written')
+    call t%equal(count_lines_with('space.tag', 'stress_'), 9, 'nine stresses are tagged')
+  end subroutine test_summary_in_space
+
+  !> Lines of a file that hold a word.
+  integer function count_lines_with(file, word) result(n)
+    character(len=*), intent(in) :: file, word
+    type(text_t), allocatable :: lines(:)
+    type(error_t), allocatable :: error
+    integer :: i
+
+    call read_lines(file, lines, error)
+    n = count([(index(lines(i)%s, word) > 0, i=1, size(lines))])
+  end function count_lines_with
 
   !> A concluded run of one grain.
   function concluded() result(summary)
