@@ -7,7 +7,7 @@ module sg_interactions_from_deck
   use sg_run_options, only: run_options_t
   use sg_scene, only: law_index, scene_t, see_t
   use sg_sees, only: blind_pairs
-  use sg_text, only: nearest_word, text_t
+  use sg_text, only: nearest_word, text_t, to_text
   use sg_words, only: choice_index, choices_of
   implicit none
   private
@@ -42,6 +42,7 @@ contains
     do b = 1, deck%n
       if (.not. deck%is_in(b, 'interaction')) cycle
       call read_interaction(deck, b, scene, alert, see, diagnostics)
+      call warn_of_short(deck, b, options%step*speed_at_start(scene), see%alert, diagnostics)
       scene%sees = [scene%sees, see]
       call warn_of_blind(deck, b, scene, diagnostics)
     end do
@@ -159,7 +160,7 @@ contains
   real(wp) function default_alert(scene, options) result(alert)
     type(scene_t), intent(in) :: scene
     type(run_options_t), intent(in) :: options
-    real(wp) :: smallest, speed, height, fall
+    real(wp) :: smallest, height, fall
     integer :: c
 
     alert = 0
@@ -171,15 +172,34 @@ contains
       end do
       if (smallest >= huge(1.0_wp)) smallest = minval(contactors%reach(:contactors%n))
       height = maxval(maxval(bodies%position, 2) - minval(bodies%position, 2)) + 2*smallest
-      speed = sqrt(maxval(sum(bodies%velocity(:scene%dimension, :)**2, 1)))
     end associate
-    do c = 1, size(scene%drives)
-      if (scene%drives(c)%is_velocity .and. scene%drives(c)%component <= scene%dimension) then
-        speed = max(speed, scene%drives(c)%value%largest())
-      end if
-    end do
     ! Fastest free fall: through the whole scene. The number of steps has no part in it: a longer run is the same run.
     fall = sqrt(2*norm2(scene%gravity)*height)
-    alert = max(smallest/10, options%step*(speed + fall))
+    alert = max(smallest/10, options%step*(speed_at_start(scene) + fall))
   end function default_alert
+
+  !> Largest speed of a body at the start or driven [m/s].
+  real(wp) function speed_at_start(scene) result(speed)
+    type(scene_t), intent(in) :: scene
+    integer :: i
+
+    speed = 0
+    if (scene%bodies%n > 0) speed = sqrt(maxval(sum(scene%bodies%velocity(:scene%dimension, :)**2, 1)))
+    do i = 1, size(scene%drives)
+      if (.not. scene%drives(i)%is_velocity .or. scene%drives(i)%component > scene%dimension) cycle
+      speed = max(speed, scene%drives(i)%value%largest())
+    end do
+  end function speed_at_start
+
+  !> Warn of an alert distance that the fastest body passes in a step: what it meets is seen when it is too late.
+  subroutine warn_of_short(deck, b, way, alert, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    real(wp), intent(in) :: way, alert
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    if (alert >= way .or. .not. deck%is_given(b, 'alert')) return
+    call deck%warn(diagnostics, 'the fastest body moves by '//to_text(way, 3)//' m in a step, farther than the alert '// &
+                   'distance of '//to_text(alert, 3)//' m: it may pass into others before a contact is seen', b, 'alert')
+  end subroutine warn_of_short
 end module sg_interactions_from_deck

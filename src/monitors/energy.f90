@@ -4,13 +4,14 @@
 !! discrete equation M (V - V0) = h f + H r + d makes it the work of the forces f, of the contact impulses r and
 !! of the impulses d that hold driven components. Works are summed over the steps; the balance closes to rounding
 !! when positions move with Vm too (theta = 1/2). In space gyroscopic torques do no work on a free body; in a step with
-!! impacts they do some, of the order of the step, which the balance then shows.
+!! impacts they do some, of the order of the step, which the balance then shows. Drives work against them.
 module sg_energy
   use sg_bodies, only: bodies_t
   use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
   use sg_kinds, only: wp
   use sg_mapping, only: relative_velocity
   use sg_mapping_space, only: space_relative_velocity
+  use sg_rotations, only: no_rotation, turned_back, turned_on
   use sg_scene, only: scene_t
   implicit none
   private
@@ -113,8 +114,22 @@ contains
         work = work + driven(c, i)*(inertia_of(bodies, c, i)*(bodies%free_velocity(c, i) - bodies%velocity(c, i)) &
                                     - h*bodies%force(c, i))
       end do
+      if (bodies%n_velocity < 6) cycle
+      if (any(abs(driven(4:6, i)) > 0)) work = work - dot_product(driven(4:6, i), gyroscopic_impulse(bodies, i, h))
     end do
   end function held_work
+
+  !> What turning does to the spin of a body in space over a step, about its principal axes [N m s]: (R(-h w) - 1) J w0.
+  pure function gyroscopic_impulse(bodies, body, h) result(impulse)
+    type(bodies_t), intent(in) :: bodies
+    integer, intent(in) :: body
+    real(wp), intent(in) :: h
+    real(wp) :: impulse(3), turn(4), momentum(3)
+
+    turn = turned_on(no_rotation, h/2*(bodies%velocity(4:6, body) + bodies%free_velocity(4:6, body)))
+    momentum = bodies%principal(:, body)*bodies%velocity(4:6, body)
+    impulse = turned_back(turn, momentum) - momentum
+  end function gyroscopic_impulse
 
   !> Mass, or moment of inertia for components beyond the dimension of space.
   pure real(wp) function inertia_of(bodies, component, body)

@@ -8,7 +8,8 @@ module sg_nlgs
   use sg_kinds, only: wp, i8
   use sg_lists, only: reserve
   use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, bytes_per_contact, &
-                        first_inverse, problem_t, round_frictional, round_frictionless, solid_frictional, solid_frictionless
+                        first_inverse, is_in_space, problem_t, round_frictional, round_frictionless, solid_frictional, &
+                        solid_frictionless
   use sg_report, only: report_t
   use sg_residuals, only: choose_visited, measure_errors
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_violation, solver_options_t
@@ -100,7 +101,7 @@ contains
     call set_order(self%order, problem, self%is_wanted, self%options%order == 'groups')
     self%last_choice = 0
     self%last_criterion = huge(1.0_wp)
-    self%rounding = 16*epsilon(1.0_wp)*maxval(abs(problem%body(1:2, :)))
+    self%rounding = 16*epsilon(1.0_wp)*maxval(abs(problem%body(1:merge(3, 2, is_in_space(problem%kind)), :)))
   end subroutine start_order
 
   !> Sweep as often as the options say between two tests.

@@ -79,9 +79,9 @@ contains
       ! Its projection on Coulomb's cone: height along the normal, share of what is across.
       inside = merge(1.0_wp, 0.0_wp, x > 0 .and. length <= friction(i)*x)
       height = max(0.0_wp, (x + friction(i)*length)/(1 + friction(i)*friction(i)))
-      share = friction(i)*height/max(length, tiny(1.0_wp))
+      ! Inside the cone this is 1, outside less.
+      share = min(friction(i)*height, length)/max(length, tiny(1.0_wp))
       height = height + inside*(x - height)
-      share = share + inside*(1 - share)
       tx = r_n - height
       sx = r(i, 1) - r_n*normal(i, 1) - share*sx
       sy = r(i, 2) - r_n*normal(i, 2) - share*sy

@@ -112,7 +112,7 @@ contains
       call deal_block(order%chosen(first:last), problem, width, order%groups_of, order%contact(first:last), filled)
       if (problem%kind /= ball_frictional) cycle
       do g = 0, most_groups
-        if (filled(g) > 0) call note_group(order, filled(g))
+        if (filled(g) > 0) call note_group(order, filled(g), g == most_groups)
       end do
     end do
   end subroutine deal
@@ -167,14 +167,15 @@ contains
   end subroutine spread_groups
 
   !> Note the next groups: of the last group of a block any number may have come together, in no order.
-  pure subroutine note_group(order, filled)
+  pure subroutine note_group(order, filled, is_last)
     type(sweep_order_t), intent(inout) :: order
     integer, intent(in) :: filled
+    logical, intent(in) :: is_last
     integer :: left, n
 
     left = filled
     do while (left > 0)
-      n = merge(min(left, lanes), 1, filled <= lanes)
+      n = merge(1, min(left, lanes), is_last)
       order%n_groups = order%n_groups + 1
       order%group_size(order%n_groups) = int(n, i4)
       left = left - n

@@ -28,6 +28,7 @@ program test_energy_in_space
   call test_spheres(is_periodic=.true., name='spheres without end along x and y')
   call test_boxes()
   call test_flight()
+  call test_driven_flight()
   call t%finish()
 
 contains
@@ -117,6 +118,20 @@ contains
     call t%near(measures%get('energy_closure'), 0.0_wp, rounding, 'flight: the balance closes')
     call t%check(abs(sim%scene%bodies%velocity(4, 1) - 2) > 0.01_wp, 'flight: the box tumbles')
   end subroutine test_flight
+
+  !> One spin driven, the others free: what gyroscopic torques give to these, the drive pays.
+  subroutine test_driven_flight()
+    type(simulation_t) :: sim
+    type(measures_t) :: measures
+
+    call begin_space_scene(sim%scene, 1, 0.0_wp, 0.02_wp)
+    call put_box(sim%scene, 1, [0.7_wp, 0.6_wp, 0.3_wp], [0.0_wp, 0.0_wp, 0.0_wp])
+    sim%scene%bodies%velocity(:, 1) = [1.0_wp, 2.0_wp, 3.0_wp, 2.0_wp, 3.0_wp, 4.0_wp]
+    call drive(sim%scene, 1, 5, time_function_t(constant=3.0_wp, amplitude=0.5_wp, omega=9.0_wp, phase=pi/2))
+    call go(sim, 1e-3_wp, 400, measures)
+    call t%near(measures%get('energy_closure'), 0.0_wp, rounding, 'driven flight: the balance closes')
+    call t%check(abs(measures%get('drive_work')) > 0.01_wp*measures%get('kinetic_energy'), 'driven flight: the drive works')
+  end subroutine test_driven_flight
 
   !> The same boxes with a step.
   subroutine tumble(step, steps, measures)

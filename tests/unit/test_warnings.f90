@@ -27,6 +27,8 @@ program test_warnings
 
   call test_blind_pairs()
   call test_pressures()
+  call test_alert()
+  call test_space()
   call t%finish()
 
 contains
@@ -61,6 +63,32 @@ contains
     call expect('a pressed wall with a drive', head//floor//lid//'pressure = 5'//nl//'direction = [0, -1]'//nl//drive//'"y"'//nl, &
                 said, 19)
   end subroutine test_pressures
+
+  !> Alert distances against the way of the fastest body in a step: 1e-2 m.
+  subroutine test_alert()
+    character(len=*), parameter :: fast = square//'velocity = [6, 8]'//nl//'[[interaction]]'//nl//'alert = '
+    character(len=*), parameter :: said = 'the fastest body moves by'
+
+    call expect('a short alert distance', head//fast//'5e-3'//nl, said, 13)
+    call expect('a long one', head//fast//'2e-2'//nl, '', 0)
+    call expect('a fast drive', head//floor//lid//square//'[[interaction]]'//nl//'alert = 5e-3'//nl//drive//'"x"'//nl// &
+                'value = 10.0'//nl, said, 22)
+  end subroutine test_alert
+
+  !> Pairs in space that cannot touch, and a pressure along z.
+  subroutine test_space()
+    character(len=*), parameter :: space = '[scene]'//nl//'dimension = 3'//nl//head
+    character(len=*), parameter :: box = '[[body]]'//nl//'shape = "box"'//nl//'half_axes = [1, 1, 1]'//nl
+    character(len=*), parameter :: capsule = '[[body]]'//nl//'shape = "cylinder"'//nl//'half_height = 1'//nl//'radius = 1'//nl
+    character(len=*), parameter :: ground = '[[wall]]'//nl//'name = "lid"'//nl//'centre = [0, 0, -9]'//nl//'size = [9, 9]'//nl// &
+                                            'thickness = 1'//nl
+
+    call expect('a box and a capsule', space//box//capsule, 'cylinder and polyhedron cannot touch', 9)
+    call expect('a box on the ground', space//box//ground, '', 0)
+    call expect('a pressure along z', space//box//ground//'[[drive]]'//nl//'body = "lid"'//nl//'component = "z"'//nl// &
+                '[[pressure]]'//nl//'body = "lid"'//nl//'direction = [0, 0, -1]'//nl//'area = 1'//nl//'value = 5'//nl, &
+                'along z is imposed', 23)
+  end subroutine test_space
 
   !> Read a deck: it is right, and its one warning holds `fragment`, at `line`; no warning where `fragment` is empty.
   subroutine expect(name, text, fragment, line)

@@ -1,0 +1,609 @@
+!> The solver in space: the local problem against a search, solutions of all four kinds against the laws themselves, orders,
+!! warm starts, and criteria against their definitions.
+program test_solver_space
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use harness, only: tests_t
+  use scenes, only: begin_run, g
+  use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere, random_space_scene
+  use sg_assemble, only: assemble, disassemble
+  use sg_compact_space, only: space_velocity
+  use sg_contacts, only: contacts_t
+  use sg_detect, only: detect
+  use sg_kinds, only: wp, pi
+  use sg_laws, only: law_elastic, law_iqs, law_restitution, local_law, local_law_t, status_new
+  use sg_mapping_space, only: add_space_resultants, space_relative_velocity, tangent_of
+  use sg_motion, only: predict
+  use sg_nlgs, only: nlgs_t
+  use sg_problem, only: ball_frictional, ball_frictionless, problem_kind, problem_t, reserve_problem, solid_frictional, &
+                        solid_frictionless
+  use sg_random, only: random_t
+  use sg_report, only: report_t
+  use sg_rotations, only: cross
+  use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_maxm, criterion_names, criterion_quad, &
+                            criterion_violation
+  use sg_simulation, only: simulation_t
+  use sg_sweep_solid, only: sweep_solid_frictional
+  use sg_symmetric, only: principal_axes
+  implicit none
+  real(wp), parameter :: h = 0.01_wp
+  character(len=18), parameter :: names(5:8) = [character(len=18) :: 'ball frictionless', 'ball frictional', &
+                                                'solid frictionless', 'solid frictional']
+  type(tests_t) :: t
+
+  call test_local()
+  call test_extreme()
+  call test_laws()
+  call test_orders()
+  call test_column()
+  call test_criteria()
+  call test_nothing()
+  call t%finish()
+
+contains
+
+  !> Impulse of one contact whose block is W (axes n, t, n x t) and whose velocity without it is q: one sweep.
+  function local_answer(w, q, friction) result(r)
+    real(wp), intent(in) :: w(3, 3), q(3), friction
+    real(wp) :: r(3), record(26, 1), impulse(3, 1), body(16, 2), s(2, 2), angle, c, d, turned(3, 3)
+
+    s = w(2:3, 2:3) - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
+    angle = 0.5_wp*atan2(2*s(1, 2), s(1, 1) - s(2, 2))
+    c = cos(angle)
+    d = sin(angle)
+    turned = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, c, d, 0.0_wp, -d, c], [3, 3])
+    record = 0
+    record(1:3, 1) = [1.0_wp, 0.0_wp, 0.0_wp]
+    record(4:6, 1) = [0.0_wp, c, d]
+    record(13:15, 1) = q
+    record(16:18, 1) = matmul(w(1, :), turned)
+    record(19, 1) = max(16*epsilon(1.0_wp)*maxval(w), c**2*s(1, 1) + 2*c*d*s(1, 2) + d**2*s(2, 2))
+    record(20, 1) = max(16*epsilon(1.0_wp)*maxval(w), d**2*s(1, 1) - 2*c*d*s(1, 2) + c**2*s(2, 2))
+    record(21, 1) = friction
+    record(25, 1) = 1
+    impulse = 0
+    body = 0
+    call sweep_solid_frictional(1, 2, reshape([1, 2], [2, 1]), record, 1.0_wp, impulse, body)
+    r = impulse(:, 1)
+  end function local_answer
+
+  !> Natural map of impulse r and velocity u, axes n, t, n x t, written down anew: r - P(r - rho (u + friction |u_t| n)).
+  pure function map(r, u, friction, rho) result(f)
+    real(wp), intent(in) :: r(3), u(3), friction, rho
+    real(wp) :: f(3), p(3), across, along
+
+    p = r - rho*(u + [friction*hypot(u(2), u(3)), 0.0_wp, 0.0_wp])
+    across = hypot(p(2), p(3))
+    if (across > friction*p(1) .or. p(1) < 0) then
+      along = (p(1) + friction*across)/(1 + friction**2)
+      if (along <= 0) then
+        p = 0
+      else
+        p(2:3) = p(2:3)*friction*along/across
+        p(1) = along
+      end if
+    end if
+    f = r - p
+  end function map
+
+  !> A positive definite block with a condition number of up to a limit, as contacts of bodies have them or worse.
+  subroutine random_block(random, condition, w)
+    type(random_t), intent(inout) :: random
+    real(wp), intent(in) :: condition
+    real(wp), intent(out) :: w(3, 3)
+    real(wp) :: axes(3, 3), values(3), seed(3, 3)
+    integer :: i, j
+
+    do j = 1, 3
+      do i = 1, 3
+        seed(i, j) = random%normal()
+      end do
+    end do
+    call principal_axes(seed + transpose(seed), values, axes)
+    values = [1.0_wp, condition**(-random%uniform()), 1/condition]
+    w = matmul(axes, spread(values, 2, 3)*transpose(axes))
+    w = (w + transpose(w))/2
+  end subroutine random_block
+
+  !> Random blocks of any condition: the answer obeys the law, and a search over all ways to stick, slide and part finds it.
+  subroutine test_local()
+    real(wp), parameter :: frictions(7) = [0.0_wp, 0.05_wp, 0.3_wp, 0.7_wp, 1.0_wp, 5.0_wp, 100.0_wp]
+    real(wp), parameter :: conditions(4) = [1.5_wp, 10.0_wp, 1e3_wp, 1e6_wp]
+    type(random_t) :: random
+    real(wp) :: w(3, 3), q(3), r(3), worst(size(conditions)), length
+    integer :: i, j, k, c, unfound, kinds(3)
+
+    call random%seed(11)
+    worst = 0
+    unfound = 0
+    kinds = 0
+    do j = 1, size(conditions)
+      do i = 1, size(frictions)
+        do k = 1, 100
+          call random_block(random, conditions(j), w)
+          do c = 1, 3
+            q(c) = random%normal()
+          end do
+          r = local_answer(w, q, frictions(i))
+          length = max(norm2(r), norm2(q))
+          worst(j) = max(worst(j), norm2(map(r, matmul(w, r) + q, frictions(i), 1.0_wp))/length)
+          if (norm2(r) <= 0) then
+            kinds(1) = kinds(1) + 1
+          else if (norm2(matmul(w, r) + q) < 1e-6_wp*norm2(q)) then
+            kinds(2) = kinds(2) + 1
+          else
+            kinds(3) = kinds(3) + 1
+          end if
+          if (j <= 2 .and. .not. is_found(w, q, frictions(i), r)) unfound = unfound + 1
+        end do
+      end do
+    end do
+    do j = 1, size(conditions)
+      ! The Schur complement loses condition times rounding.
+      call t%near(worst(j), 0.0_wp, 1e-12_wp + 100*conditions(j)*epsilon(1.0_wp), 'local problem: the answer obeys the law')
+    end do
+    call t%equal(unfound, 0, 'local problem: a search finds the answer')
+    call t%check(all(kinds > 100), 'local problem: open, stick and slide are all met')
+  end subroutine test_local
+
+  !> Is an answer among those of a search: nothing where the contact parts, W r = -q within the cone, and all directions of
+  !! sliding at whose impulse the velocity points the other way?
+  logical function is_found(w, q, friction, r) result(found)
+    real(wp), intent(in) :: w(3, 3), q(3), friction, r(3)
+    integer, parameter :: n = 4000
+    real(wp) :: side, last, low, high, middle, tolerance
+    real(wp) :: tried(3)
+    integer :: i, round
+
+    tolerance = 1e-7_wp*max(norm2(q), norm2(r))
+    found = q(1) >= 0 .and. norm2(r) <= 0
+    if (found) return
+    found = norm2(matmul(w, r) + q) <= tolerance .and. hypot(r(2), r(3)) <= friction*r(1) + tolerance
+    if (found) return
+    if (.not. friction > 0) then
+      found = abs(r(1) + q(1)/w(1, 1)) <= tolerance .and. hypot(r(2), r(3)) <= tolerance
+      return
+    end if
+    last = turn_at(w, q, friction, 0.0_wp)
+    do i = 1, n
+      side = turn_at(w, q, friction, 2*pi*real(i, wp)/n)
+      if ((side > 0) .neqv. (last > 0)) then
+        low = 2*pi*real(i - 1, wp)/n
+        high = 2*pi*real(i, wp)/n
+        do round = 1, 60
+          middle = (low + high)/2
+          if ((turn_at(w, q, friction, middle) > 0) .eqv. (last > 0)) then
+            low = middle
+          else
+            high = middle
+          end if
+        end do
+        tried = sliding(w, q, friction, middle)
+        if (tried(1) > 0) found = norm2(tried - r) <= tolerance*max(1.0_wp, friction)
+        if (found) return
+      end if
+      last = side
+    end do
+  end function is_found
+
+  !> Impulse that closes the contact when it slides against a direction.
+  function sliding(w, q, friction, angle) result(p)
+    real(wp), intent(in) :: w(3, 3), q(3), friction, angle
+    real(wp) :: p(3), lead
+
+    p = [1.0_wp, friction*cos(angle), friction*sin(angle)]
+    lead = dot_product(w(1, :), p)
+    p = -q(1)/sign(max(abs(lead), 1e-30_wp), lead)*p
+  end function sliding
+
+  !> Sine-like measure of the angle between velocity and direction: zero where they are parallel.
+  real(wp) function turn_at(w, q, friction, angle)
+    real(wp), intent(in) :: w(3, 3), q(3), friction, angle
+    real(wp) :: u(3)
+
+    u = matmul(w, sliding(w, q, friction, angle)) + q
+    turn_at = u(2)*sin(angle) - u(3)*cos(angle)
+  end function turn_at
+
+  !> Blocks next to singular, velocities of any size, friction 0 to 100: finite, no pull, within the cone.
+  subroutine test_extreme()
+    type(random_t) :: random
+    real(wp) :: w(3, 3), q(3), r(3), friction
+    integer :: k, c, bad
+
+    call random%seed(12)
+    bad = 0
+    do k = 1, 20000
+      call random_block(random, 10**random%uniform(0.0_wp, 18.0_wp), w)
+      w = w*10**random%uniform(-12.0_wp, 12.0_wp)
+      do c = 1, 3
+        q(c) = random%normal()*10**random%uniform(-15.0_wp, 6.0_wp)
+      end do
+      if (modulo(k, 7) == 0) q(2:3) = 0
+      if (modulo(k, 11) == 0) q(1) = 0
+      friction = merge(0.0_wp, 100*random%uniform()**4, modulo(k, 5) == 0)
+      if (.not. w(1, 1) > 0) cycle
+      r = local_answer(w, q, friction)
+      if (.not. all(ieee_is_finite(r))) then
+        bad = bad + 1
+      else if (r(1) < 0 .or. hypot(r(2), r(3)) > friction*r(1)*(1 + 1e-9_wp) + tiny(1.0_wp)) then
+        bad = bad + 1
+      end if
+    end do
+    call t%equal(bad, 0, 'local problem: finite and within the cone whatever the block')
+  end subroutine test_extreme
+
+  !> The problem of the first step of a scene.
+  subroutine first_problem(sim, problem)
+    type(simulation_t), intent(inout) :: sim
+    type(problem_t), intent(out) :: problem
+
+    call begin_run(sim, h, 1e-3_wp)
+    call predict(sim%scene, 0.0_wp, h, 0.5_wp)
+    call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+    call assemble(sim%scene, sim%contacts, problem_kind(3, sim%plan%is_round, sim%plan%has_tangent), sim%pairs%body_of, &
+                  sim%pairs%slot_of, sim%plan%radius, h, problem)
+  end subroutine first_problem
+
+  !> A solver with a criterion, a tolerance, and tests every sweep.
+  type(nlgs_t) function solver_of(criterion, tolerance, maximum_sweeps) result(solver)
+    integer, intent(in) :: criterion, maximum_sweeps
+    real(wp), intent(in) :: tolerance
+
+    solver%options%criterion = criterion
+    solver%options%tolerance = tolerance
+    solver%options%check_every = 1
+    solver%options%maximum_sweeps = maximum_sweeps
+  end function solver_of
+
+  !> Random scenes with driven and partly driven bodies: impulses and velocities, from geometry alone, obey the laws.
+  subroutine test_laws()
+    type(simulation_t) :: sim
+    type(problem_t) :: problem
+    type(nlgs_t) :: solver
+    type(report_t) :: report
+    integer :: kind, law, i
+    integer, parameter :: laws(3) = [law_iqs, law_restitution, law_elastic]
+    character(len=:), allocatable :: name
+
+    do kind = ball_frictionless, solid_frictional
+      do i = 1, size(laws)
+        law = laws(i)
+        ! The elastic law has a compliance, which balls have no room for.
+        if (law == law_elastic .and. kind /= solid_frictional) cycle
+        name = trim(names(kind))
+        sim = simulation_t()
+        call random_space_scene(sim%scene, kind, law, [6.0_wp, 6.0_wp], 6.0_wp, 60)
+        call first_problem(sim, problem)
+        call t%equal(problem%kind, kind, name//': the kind is as planned')
+        call t%check(problem%n_contacts > 40, name//': there are contacts')
+        solver = solver_of(criterion_e8, 1e-13_wp, 100000)
+        call solver%solve(problem, report)
+        call t%check(report%is_converged, name//': converged')
+        call disassemble(problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%contacts)
+        ! Masses, radii and velocities are of order one.
+        call t%near(worst_map(sim), 0.0_wp, 1e-10_wp, name//': impulses and velocities obey the law')
+        call test_warm(sim, problem, name)
+      end do
+    end do
+  end subroutine test_laws
+
+  !> Largest natural map over all contacts; velocities of bodies must be those that the impulses make.
+  real(wp) function worst_map(sim)
+    type(simulation_t), intent(inout) :: sim
+    type(local_law_t) :: law
+    real(wp), allocatable :: velocity(:, :), solved(:, :)
+    real(wp) :: n(3), tangent(3), u(3), r(3), before(3), frame(3, 3)
+    integer :: k
+
+    solved = sim%scene%bodies%free_velocity
+    call predict(sim%scene, 0.0_wp, h, 0.5_wp)
+    allocate (velocity(size(solved, 1), size(solved, 2)), source=0.0_wp)
+    call add_space_resultants(sim%scene, sim%contacts, velocity)
+    velocity = sim%scene%bodies%free_velocity + velocity*sim%scene%bodies%inverse_mass
+    worst_map = maxval(abs(velocity - solved))
+    do k = 1, sim%contacts%n
+      n = sim%contacts%normal(:, k)
+      tangent = tangent_of(n)
+      frame = reshape([n, tangent, cross(n, tangent)], [3, 3])
+      before = matmul(space_relative_velocity(sim%scene, sim%contacts, k, sim%scene%bodies%velocity), frame)
+      ! Nothing was known of any contact before: the friction of a new one.
+      law = local_law(sim%scene%laws(1), sim%contacts%gap(k), h, before, status_new)
+      if (.not. law%is_active) cycle
+      u = matmul(space_relative_velocity(sim%scene, sim%contacts, k, velocity), frame) + law%bias
+      r = [sim%contacts%impulse(1, k), 0.0_wp, 0.0_wp]
+      if (sim%contacts%n_components == 3) r = matmul(sim%contacts%impulse(:, k), frame)
+      u = u + [law%compliance(1), law%compliance(2), law%compliance(2)]*r
+      if (sim%contacts%n_components == 1) u(2:3) = 0
+      worst_map = max(worst_map, norm2(map(r, u, law%friction, 0.1_wp)))
+    end do
+  end function worst_map
+
+  !> Given the solution as a guess, the solver asks once and sweeps no more than once.
+  subroutine test_warm(sim, solved, name)
+    type(simulation_t), intent(inout) :: sim
+    type(problem_t), intent(in) :: solved
+    character(len=*), intent(in) :: name
+    type(problem_t) :: again
+    type(nlgs_t) :: solver
+    type(report_t) :: report
+
+    call predict(sim%scene, 0.0_wp, h, 0.5_wp)
+    call assemble(sim%scene, sim%contacts, solved%kind, sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, again)
+    again%impulse(:, :again%n_contacts) = solved%impulse(:, :again%n_contacts)
+    solver = solver_of(criterion_e8, 1e-11_wp, 100)
+    call solver%solve(again, report)
+    call t%check(report%is_converged .and. report%sweeps <= 1, name//': a solved problem stays solved')
+    call t%near(maxval(abs(again%impulse(:, :again%n_contacts) - solved%impulse(:, :again%n_contacts))), 0.0_wp, 1e-10_wp, &
+                name//': with the same impulses')
+  end subroutine test_warm
+
+  !> Spheres thrown together in a sparse cloud, each on a few others: one solution, whatever the order and the relaxation.
+  subroutine test_orders()
+    type(simulation_t) :: sim
+    type(problem_t) :: start, reference, other
+    type(nlgs_t) :: solver
+    type(report_t) :: report
+    integer :: kind, i
+    real(wp) :: worst
+    character(len=:), allocatable :: name
+
+    do kind = ball_frictionless, solid_frictional
+      name = trim(names(kind))
+      sim = simulation_t()
+      call random_space_scene(sim%scene, kind, law_iqs, [0.0_wp, 0.0_wp], 9.0_wp, 120)
+      call first_problem(sim, start)
+      call t%check(start%n_contacts > 30, name//': there are contacts')
+      reference = start
+      solver = solver_of(criterion_e8, 1e-14_wp, 20000)
+      solver%options%order = 'natural'
+      call solver%solve(reference, report)
+      call t%check(report%e8 < 1e-12_wp, name//': natural order converged')
+      do i = 1, 2
+        other = start
+        solver = solver_of(criterion_e8, 1e-14_wp, 20000)
+        if (i == 2) solver%options%relaxation = 0.8_wp
+        call solver%solve(other, report)
+        call t%check(report%e8 < 1e-12_wp, name//': groups converged')
+        worst = maxval(abs(other%body(1:3, :) - reference%body(1:3, :)))
+        call t%near(worst, 0.0_wp, 1e-9_wp, name//': the same velocities by another order')
+      end do
+    end do
+  end subroutine test_orders
+
+  !> A column of spheres or of boxes on a floor.
+  subroutine make_column(kind, n_column, problem, sim)
+    integer, intent(in) :: kind, n_column
+    type(problem_t), intent(out) :: problem
+    type(simulation_t), intent(out) :: sim
+    integer :: b
+
+    call begin_space_scene(sim%scene, n_column + 1, merge(0.4_wp, 0.0_wp, kind == ball_frictional .or. kind == solid_frictional), &
+                           0.01_wp)
+    do b = 1, n_column
+      if (kind <= ball_frictional) then
+        call put_sphere(sim%scene, b, 0.5_wp, [0.5_wp, 0.0_wp, real(b, wp) - 0.5_wp])
+      else
+        call put_box(sim%scene, b, [0.5_wp, 0.4_wp, 0.5_wp], [0.5_wp, 0.0_wp, real(b, wp) - 0.5_wp])
+      end if
+    end do
+    call put_plane(sim%scene, n_column + 1, [5.0_wp, 5.0_wp, 0.1_wp], [0.0_wp, 0.0_wp, -0.1_wp])
+    if (kind == solid_frictional) sim%scene%gravity(1:2) = [0.03_wp, 0.02_wp]
+    call first_problem(sim, problem)
+  end subroutine make_column
+
+  !> Every kind of problem: the contacts of a column carry what lies above.
+  subroutine test_column()
+    integer, parameter :: heights(5:8) = [8, 8, 3, 3]
+    type(simulation_t) :: sim
+    type(problem_t) :: problem
+    type(nlgs_t) :: solver
+    type(report_t) :: report
+    real(wp), allocatable :: carried(:)
+    integer :: kind, k, lower, b
+
+    do kind = ball_frictionless, solid_frictional
+      call make_column(kind, heights(kind), problem, sim)
+      call t%equal(problem%kind, kind, 'column: the kind is as planned')
+      call t%equal(problem%n_contacts, merge(1, 4, kind <= ball_frictional)*heights(kind), 'column: number of contacts')
+      solver = solver_of(criterion_e8, 1e-13_wp, 100000)
+      call solver%solve(problem, report)
+      call t%check(report%is_converged, 'column: converged')
+      allocate (carried(heights(kind)), source=0.0_wp)
+      do k = 1, problem%n_contacts
+        lower = minval(modulo(sim%contacts%body(:, k), heights(kind) + 1))
+        if (size(problem%impulse, 1) == 1) then
+          carried(lower + 1) = carried(lower + 1) + problem%impulse(1, k)
+        else
+          carried(lower + 1) = carried(lower + 1) + dot_product(problem%impulse(:, k), problem%record(1:3, k))
+        end if
+      end do
+      ! An error of 10^-13 of a contact's natural map is carried through W's condition, some 10^2.
+      do b = 1, heights(kind)
+        call t%near(carried(b)/(real(heights(kind) + 1 - b, wp)*sim%scene%bodies%mass(1)*g*h), 1.0_wp, 1e-9_wp, &
+                    'column: each joint carries the weight above')
+      end do
+      deallocate (carried)
+    end do
+  end subroutine test_column
+
+  !> Each criterion has the value of its definition, and the solver stops at the first sweep that fulfils it.
+  subroutine test_criteria()
+    real(wp), parameter :: tolerances(7) = [1e-4_wp, 1e-6_wp, 1e-4_wp, 1e-4_wp, 1e-3_wp, 1e-3_wp, 1e-3_wp]
+    type(simulation_t) :: sim
+    type(problem_t) :: start, before, after
+    type(nlgs_t) :: solver
+    type(report_t) :: report, earlier
+    integer :: criterion, kind
+    character(len=:), allocatable :: name
+
+    do kind = ball_frictionless, solid_frictional
+      call make_column(kind, merge(8, 3, kind <= ball_frictional), start, sim)
+      do criterion = 1, 7
+        name = trim(names(kind))//', criterion '//trim(criterion_names(criterion))
+        after = start
+        solver = solver_of(criterion, tolerances(criterion), 10000)
+        call solver%solve(after, report)
+        call t%check(report%is_converged .and. report%criterion <= tolerances(criterion), name//': reached')
+        call t%check(report%sweeps > 2, name//': takes some sweeps')
+        before = start
+        solver = solver_of(criterion, tolerances(criterion), report%sweeps - 1)
+        call solver%solve(before, earlier)
+        call t%check(.not. earlier%is_converged .and. earlier%criterion > tolerances(criterion), name//': not a sweep earlier')
+        call t%near(report%criterion, defined(criterion, start, after, sim%contacts), 1e-8_wp*report%criterion, &
+                    name//': definition')
+      end do
+    end do
+  end subroutine test_criteria
+
+  !> A criterion by its definition, from the problem and its solution. All contacts of the column press and stick, so what a
+  !! contact asks is the impulse that makes its own velocity vanish: W_aa times the change is minus its velocity.
+  real(wp) function defined(criterion, start, after, contacts)
+    integer, intent(in) :: criterion
+    type(problem_t), intent(in) :: start, after
+    type(contacts_t), intent(in) :: contacts
+    real(wp) :: f1, f8, fv, r2, u2, q2, u(3), r(3), dv(3), wr(3), w(3, 3), values(3), axes(3, 3), friction, sums(5), largest(2), n
+    real(wp) :: frame(3, 3)
+    integer :: k
+
+    f1 = 0
+    f8 = 0
+    fv = 0
+    r2 = 0
+    u2 = 0
+    q2 = 0
+    sums = 0
+    largest = 0
+    n = real(after%n_contacts, wp)
+    friction = merge(0.4_wp, 0.0_wp, size(after%impulse, 1) == 3)
+    do k = 1, after%n_contacts
+      frame(:, 1) = contacts%normal(:, k)
+      frame(:, 2) = tangent_of(frame(:, 1))
+      frame(:, 3) = cross(frame(:, 1), frame(:, 2))
+      w = block_in(start, k, frame)
+      if (size(after%impulse, 1) == 1) then
+        q2 = q2 + sum(space_velocity(start, k)**2)
+        u = space_velocity(after, k)
+        r = [after%impulse(1, k), 0.0_wp, 0.0_wp]
+        values = w(1, 1)
+      else
+        q2 = q2 + sum(space_velocity(start, k)**2)
+        u = matmul(space_velocity(after, k), frame)
+        r = matmul(after%impulse(:, k), frame)
+        call principal_axes(w, values, axes)
+      end if
+      f1 = f1 + sum(map(r, u, friction, 1.0_wp)**2)
+      f8 = f8 + sum(map(r, u, friction, 1/maxval(values))**2)
+      fv = fv + sum((map(r, u, friction, 1/maxval(values))*maxval(values))**2)
+      r2 = r2 + sum(r**2)
+      u2 = u2 + sum(u**2)
+      dv = -u
+      wr = matmul(w, r)
+      if (size(after%impulse, 1) == 1) wr(2:3) = 0
+      sums = sums + [sum(dv**2), sum(wr**2), sum(dv*r), sum(wr*r), sum(dv**2)*sum(r**2)]
+      largest = max(largest, [sum(dv**2), sum(dv**2)*sum(r**2)])
+    end do
+    select case (criterion)
+    case (criterion_e1)
+      defined = sqrt(f1/q2)
+    case (criterion_e2)
+      defined = sqrt(f1/max(q2, r2, u2))
+    case (criterion_e8)
+      defined = sqrt(f8/r2)
+    case (criterion_violation)
+      defined = sqrt(fv/n)/start%velocity_scale
+    case (criterion_quad)
+      defined = max(abs(sums(3))/sums(4), sqrt(sums(1)/sums(2)), sqrt(sums(5)*n)/sums(4))
+    case (criterion_maxm)
+      defined = max(abs(sums(3))/sums(4), sqrt(largest(1)*n/sums(2)), sqrt(largest(2))*n/sums(4))
+    case default
+      defined = max(abs(sums(3))/sums(4), sqrt(sums(1)/sums(2)), sqrt(sums(5)*n)/sums(4), &
+                    sqrt(largest(1)*n/sums(2))/16.666_wp, sqrt(largest(2))*n/sums(4)/16.666_wp)
+    end select
+  end function defined
+
+  !> Block of W of a contact in a frame, by what unit impulses do; where nothing rubs, its first entry alone.
+  function block_in(start, k, frame) result(w)
+    type(problem_t), intent(in) :: start
+    integer, intent(in) :: k
+    real(wp), intent(in) :: frame(3, 3)
+    real(wp) :: w(3, 3)
+    type(problem_t) :: unit
+    integer :: i, c
+
+    w = 0
+    do i = 1, size(start%impulse, 1)
+      unit = start
+      unit%n_contacts = start%n_contacts
+      do c = 1, 2
+        call push(start, k, frame(:, 1), unit%body(:, unit%pair(c, k)), real(3 - 2*c, wp)*frame(:, i), c)
+      end do
+      if (size(start%impulse, 1) == 1) then
+        w(1:1, 1) = space_first(unit, k) - space_first(start, k)
+      else
+        w(:, i) = matmul(space_velocity(unit, k) - space_velocity(start, k), frame)
+      end if
+    end do
+  end function block_in
+
+  !> What an impulse p does to one of the two bodies, by the mechanics of its shape: a sphere or a box of this test.
+  subroutine push(start, k, normal, body, p, side)
+    type(problem_t), intent(in) :: start
+    integer, intent(in) :: k
+    real(wp), intent(in) :: normal(3)
+    real(wp), intent(inout) :: body(:)
+    real(wp), intent(in) :: p(3)
+    integer, intent(in) :: side
+    real(wp) :: arm(3), turn(3), inverse(3, 3)
+
+    select case (start%kind)
+    case (ball_frictionless)
+      body(1:3) = body(1:3) + body(4:6)*p
+    case (ball_frictional)
+      ! Solid spheres: R^2/I = 5/2 of 1/m; the arm is minus or plus the normal.
+      body(1:3) = body(1:3) + body(7)*p
+      turn = real(2*side - 3, wp)*cross(normal, p)
+      body(4:6) = body(4:6) + 2.5_wp*body(7)*turn
+    case (solid_frictionless)
+      body(1:3) = body(1:3) + body(7:9)*p
+      turn = real(3 - 2*side, wp)*start%record(merge(4, 7, side == 1):merge(6, 9, side == 1), k)
+      body(4:6) = body(4:6) + body(10:12)*turn
+    case default
+      body(1:3) = body(1:3) + body(7:9)*p
+      arm = start%record(merge(7, 10, side == 1):merge(9, 12, side == 1), k)
+      inverse = reshape(body([10, 13, 14, 13, 11, 15, 14, 15, 12]), [3, 3])
+      body(4:6) = body(4:6) + matmul(inverse, cross(arm, p))
+    end select
+  end subroutine push
+
+  !> Normal velocity of a contact.
+  function space_first(problem, k) result(u)
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: k
+    real(wp) :: u(1), all(3)
+
+    all = space_velocity(problem, k)
+    u = all(1)
+  end function space_first
+
+  !> No contact, and contacts that nothing can move.
+  subroutine test_nothing()
+    type(problem_t) :: problem
+    type(nlgs_t) :: solver
+    type(report_t) :: report
+    integer :: kind
+
+    do kind = ball_frictionless, solid_frictional
+      problem = problem_t()
+      call reserve_problem(problem, kind, 3, 0)
+      solver = solver_of(criterion_e8, 1e-6_wp, 10)
+      call solver%solve(problem, report)
+      call t%check(report%is_converged .and. report%sweeps == 0, 'nothing to solve')
+      call reserve_problem(problem, kind, 3, 2)
+      problem%pair(:, 1) = [1, 2]
+      problem%pair(:, 2) = [2, 3]
+      call solver%solve(problem, report)
+      call t%check(report%is_converged, 'contacts of bodies that do not move')
+      call t%near(maxval(abs(problem%impulse)), 0.0_wp, 0.0_wp, 'and they carry nothing')
+    end do
+  end subroutine test_nothing
+end program test_solver_space
