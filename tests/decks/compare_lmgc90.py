@@ -122,14 +122,11 @@ def read_state(results):
         moving = {name: data[name][-n:] for name in ("velocity", "spin", "angle", "displacement") if name in data}
         # In the plane the third coordinate is zero, and a spin is one number.
         dimension = 2 if "angle" in data else 3
-<<<<<<< HEAD
         if dimension == 3:
             # The pictures hold spins in the world, LMGC90's last state those about principal axes.
             turn = data["orientation"][-n:] * [1, -1, -1, -1]
             across = 2 * np.cross(turn[:, 1:], moving["spin"])
             moving["spin"] = moving["spin"] + turn[:, :1] * across + np.cross(turn[:, 1:], across)
-=======
->>>>>>> main
         state = {"position": root["Points"][bodies][:, :dimension], "mass": data["mass"][:n], "is_grain": data["is_grain"][:n] > 0,
                  "velocity": np.column_stack([moving["velocity"][:, :dimension], moving["spin"]])}
         return state | ({"angle": moving["angle"]} if "angle" in data else {})
