@@ -10,6 +10,7 @@ module sg_planes_from_deck
   use sg_scene, only: colour_index, scene_t
   use sg_solid_bodies, only: make_solid_body
   use sg_space_contactors, only: add_plane
+  use sg_text, only: to_text
   implicit none
   private
   public :: add_wall_plane, add_container, planes_of_container
@@ -72,12 +73,13 @@ contains
   end function planes_of_container
 
   !> The planes of a [[container]] block. Each reaches beyond the room by its thickness, so that edges and corners are closed.
-  subroutine add_container(deck, b, scene, n, density)
+  subroutine add_container(deck, b, scene, n, density, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: b !! block of the container
     type(scene_t), intent(inout) :: scene !! scene with its bodies
     integer, intent(inout) :: n !! bodies so far
     real(wp), intent(in) :: density !! [kg/m3]
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     character(len=*), parameter :: names(3, 2) = reshape([character(len=5) :: 'left', 'front', 'floor', 'right', 'back', 'lid'], &
                                                          [3, 2])
     real(wp) :: corner(3), room(3), thickness, face(3), normal(3), sides(2), beyond(3), period(3)
@@ -89,6 +91,11 @@ contains
     thickness = minval(room)/10
     if (deck%is_given(b, 'thickness')) thickness = deck%number(b, 'thickness')
     beyond = merge(0.0_wp, 2*thickness, period > 0)
+    do axis = 1, 2
+      if (.not. period(axis) > 0 .or. abs(room(axis) - period(axis)) <= 1e-9_wp*period(axis)) cycle
+      call deck%complain(diagnostics, 'the room is not as long as the period along '//merge('x', 'y', axis == 1)//': '// &
+                         to_text(room(axis), 6)//' m against '//to_text(period(axis), 6)//' m', b, 'size')
+    end do
     do axis = 3, 1, -1
       do side = 1, 2
         if (period(axis) > 0) cycle

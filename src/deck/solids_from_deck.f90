@@ -89,7 +89,7 @@ contains
     density = 0
     if (material > 0) density = scene%materials(material)%density
     if (deck%is_in(b, 'container')) then
-      call add_container(deck, b, scene, n, density)
+      call add_container(deck, b, scene, n, density, diagnostics)
     else if (deck%is_in(b, 'brick_wall')) then
       call add_brick_wall(deck, b, scene, n, density, diagnostics)
     else if (deck%is_in(b, 'arch')) then

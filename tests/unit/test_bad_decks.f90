@@ -418,6 +418,8 @@ contains
     call bad('a container without a size', space//'[[container]]'//nl, 'lacks the key "size"', 10)
     call bad('two containers', space//'[[container]]'//nl//'size = [1, 1, 1]'//nl//'[[container]]'//nl//'size = [1, 1, 1]'//nl, &
              'two bodies named "box.', 12)
+    call bad('a container shorter than the period', '[scene]'//nl//'dimension = 3'//nl//'period_y = 2.0'//nl//head// &
+             '[[container]]'//nl//'size = [2, 1, 1]'//nl, 'not as long as the period along y', 12)
     call bad('a drive of no side', space//'[[container]]'//nl//'size = [1, 1, 1]'//nl//'[[drive]]'//nl//'body = "box.lit"'//nl// &
              'component = "x"'//nl, 'no body named "box.lit"', 13)
     call bad('no rows', space//'[[brick_wall]]'//nl//'rows = 0'//nl, 'at least 1', 11)
