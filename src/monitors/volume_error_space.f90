@@ -3,6 +3,7 @@ module sg_volume_error_space
   use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, kind_sphere
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp, i4
+  use sg_overlap_capsules, only: overlap_cylinder_cylinder
   use sg_overlap_cylinders, only: overlap_cylinder_plane
   use sg_overlap_polyhedra, only: overlap_polyhedron_plane, overlap_polyhedron_polyhedron, overlap_sphere_polyhedron
   use sg_overlap_spheres, only: overlap_sphere_cylinder, overlap_sphere_hollow_cylinder, overlap_sphere_plane, overlap_sphere_sphere
@@ -15,7 +16,7 @@ contains
 
   !> Sum of the overlaps of all pairs of shapes with a negative gap [m3], each pair once: its points follow one another.
   !!
-  !! Two pairs have no formula and count as nothing: cylinders with one another and with hollow cylinders.
+  !! Cylinders within hollow cylinders have no formula and count as nothing.
   pure real(wp) function overlap_volume(contactors, contacts, period) result(volume)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     type(contacts_t), intent(in) :: contacts !! contacts of the step
@@ -56,6 +57,10 @@ contains
           volume = overlap_cylinder_plane(contactors%centre(:, c), space%cylinder_world(:, own), space%cylinder_size(1, own), &
                                           space%cylinder_size(2, own), centre, plane_axes(contactors, row), &
                                           facing_half(contactors, row, period))
+        else if (contactors%kind(a) == kind_cylinder) then
+          volume = overlap_cylinder_cylinder(contactors%centre(:, c), space%cylinder_world(:, own), space%cylinder_size(1, own), &
+                                             space%cylinder_size(2, own), centre, space%cylinder_world(:, row), &
+                                             space%cylinder_size(1, row), space%cylinder_size(2, row))
         end if
       case (kind_polyhedron)
         if (contactors%kind(a) == kind_polyhedron) then

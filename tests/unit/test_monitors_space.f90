@@ -293,7 +293,7 @@ contains
     integer :: i
     real(wp), parameter :: up(3) = [0.0_wp, 0.0_wp, 1.0_wp], none(3) = 0
 
-    call begin_space_scene(scene, 10, 0.0_wp, 0.01_wp)
+    call begin_space_scene(scene, 11, 0.0_wp, 0.01_wp)
     call put_sphere(scene, 1, 1.0_wp, [0.6_wp, 0.0_wp, 0.8_wp])
     call put_sphere(scene, 2, 1.0_wp, [0.0_wp, 0.0_wp, 0.0_wp])
     call put_plane(scene, 3, [50.0_wp, 50.0_wp, 1.0_wp], [0.0_wp, 0.0_wp, -1.5_wp])
@@ -305,7 +305,8 @@ contains
     call put_sphere(scene, 9, 1.0_wp, [30.0_wp, 0.0_wp, 3.0_wp])
     call add_hollow_cylinder(scene%contactors, 10, 1, 5.0_wp, 0.8_wp, none, up)
     scene%bodies%position(:, 10) = [30.0_wp, 0.0_wp, 3.0_wp]
-    scene%bodies%is_grain(10) = .false.
+    scene%bodies%is_grain(10:11) = .false.
+    call put_capsule(scene, 11, [20.0_wp, 0.0_wp, 4.0_wp])
     call place(scene)
     call expect(scene, 1, 2, lens, 'two spheres')
     call expect(scene, 2, 3, cap, 'sphere and plane')
@@ -314,6 +315,7 @@ contains
     call expect(scene, 5, 4, 0.2_wp*1.5_wp*1.5_wp, 'two polyhedra')
     call expect(scene, 7, 3, cap, 'capsule and plane')
     call expect(scene, 8, 7, lens, 'sphere and capsule')
+    call t%near(shared_by(scene, 7, 11), lens, 1e-4_wp*lens, 'two capsules')
     ! What is left of a ball with a hole through its centre: a ring of height 2 * 0.6.
     call expect(scene, 9, 10, 4*pi/3*0.6_wp**3, 'sphere in a hollow cylinder')
     call touch(contacts, 1, 2, up, -0.1_wp, none)
@@ -335,12 +337,20 @@ contains
     integer, intent(in) :: candidate, antagonist
     real(wp), intent(in) :: volume
     character(len=*), intent(in) :: name
+
+    call t%near(shared_by(scene, candidate, antagonist), volume, 10*rounding, name)
+  end subroutine expect
+
+  !> The same without a word on it.
+  real(wp) function shared_by(scene, candidate, antagonist) result(volume)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: candidate, antagonist
     type(contacts_t) :: one
     real(wp), parameter :: zero(3) = 0
 
     call touch(one, candidate, antagonist, [0.0_wp, 0.0_wp, 1.0_wp], -0.1_wp, zero)
-    call t%near(overlap_volume(scene%contactors, one, zero(:2)), volume, 10*rounding, name)
-  end subroutine expect
+    volume = overlap_volume(scene%contactors, one, zero(:2))
+  end function shared_by
 
   !> An upright capsule of radius 1 and half height 1.
   subroutine put_capsule(scene, body, position)
