@@ -27,7 +27,7 @@ def energy_figure(results):
     _need_record(results)
     figure = new_figure(8, 7)
     upper, lower = figure.subplots(2, 1, height_ratios=[2, 1])
-    plots.draw_energies(upper, results.record)
+    plots.draw_energies(upper, results.record, results.is_in_space)
     plots.draw_closure(lower, results.record)
     figure.suptitle(results.name)
     return figure, []
@@ -56,7 +56,7 @@ def summary_figure(results, picture=-1):
     else:
         place, rest = figure.subfigures(1, 2, width_ratios=[1.05, 1.2], wspace=0.02)
         panels = rest.subplots(2, 2).ravel()
-    plots.draw_energies(panels[0], results.record)
+    plots.draw_energies(panels[0], results.record, results.is_in_space)
     plots.draw_effort(panels[1], results.record)
     plots.draw_residuals(panels[2], results.record)
     plots.draw_residuals(panels[3], results.record, against="cpu")

@@ -49,7 +49,7 @@ def _finish(ax, drawn, x_label, y_label, title, **legend):
         ax.legend(**legend)
 
 
-def draw_energies(ax, record):
+def draw_energies(ax, record, is_in_space=False):
     """Kinetic and potential energy, works and losses, each since the start of the record."""
     if _is_empty(ax, record):
         return
@@ -70,7 +70,7 @@ def draw_energies(ax, record):
         if label.startswith("work") and not np.any(np.abs(values) > ROUNDING * largest):
             continue
         drawn = draw_series(ax, time, values, colour, label) or drawn
-    _finish(ax, drawn, TIME, "energy [J per m of depth]", "Energies", loc="best")
+    _finish(ax, drawn, TIME, "energy [J]" if is_in_space else "energy [J per m of depth]", "Energies", loc="best")
 
 
 def draw_closure(ax, record):

@@ -8,7 +8,7 @@ import numpy as np
 
 NOTHING = -1
 # Where the light comes from, in the axes of the camera.
-LIGHT = np.array([-0.45, 0.60, 0.66])
+LIGHT = np.array([-0.35, 0.55, 0.75])
 
 
 class Canvas:
@@ -36,38 +36,43 @@ class Canvas:
         right, top = np.floor((np.asarray(high)[:2] - (self.box[0], self.box[2])) * self.scale - 0.5).astype(int) + 1
         return (slice(max(0, bottom), max(0, min(self.height, top))), slice(max(0, left), max(0, min(self.width, right))))
 
-    def _paint(self, window, depth, normal, item, piece):
+    def _paint(self, window, depth, normal, item):
         """Keep what is nearer than what is there; depth is -inf where there is nothing."""
         nearer = depth > self.depth[window]
         if not nearer.any():
             return
         self.depth[window][nearer] = depth[nearer]
         self.item[window][nearer] = item
-        self.piece[window][nearer] = piece
+        self.piece[window][nearer] = self.pieces
         self.normal[window][nearer] = normal if np.ndim(normal) == 1 else normal[nearer]
 
     def add_spheres(self, centres, radii, items):
         """Spheres; items are the numbers by which they are coloured."""
         for centre, radius, item in zip(centres, radii, items, strict=True):
-            window = self._window(centre - radius, centre + radius)
-            u = (self.u[window[1]][None, :] - centre[0]) / radius
-            v = (self.v[window[0]][:, None] - centre[1]) / radius
-            w = 1 - u**2 - v**2
-            inside = w > 0
-            if not inside.any():
-                continue
+            self.pieces += 1
+            self._sphere(centre, radius, item)
+
+    def _sphere(self, centre, radius, item):
+        window = self._window(centre - radius, centre + radius)
+        u = (self.u[window[1]][None, :] - centre[0]) / radius
+        v = (self.v[window[0]][:, None] - centre[1]) / radius
+        w = 1 - u**2 - v**2
+        inside = w > 0
+        if inside.any():
             w = np.sqrt(np.where(inside, w, 0))
             normal = np.stack(np.broadcast_arrays(u, v, w), axis=-1)
-            self.pieces += 1
-            self._paint(window, np.where(inside, centre[2] + radius * w, -np.inf), normal, item, self.pieces)
+            self._paint(window, np.where(inside, centre[2] + radius * w, -np.inf), normal, item)
 
-    def add_polygons(self, polygons, items):
-        """Plane convex polygons, corners counter-clockwise seen from outside; seen from inside they are left out."""
-        for corners, item in zip(polygons, items, strict=True):
+    def add_polygons(self, polygons, items, smooth=()):
+        """Plane convex polygons, corners counter-clockwise seen from outside; seen from inside they are left out.
+
+        smooth: of each polygon, whether it goes on into the one before it without an edge.
+        """
+        for k, (corners, item) in enumerate(zip(polygons, items, strict=True)):
+            self.pieces += 0 if k < len(smooth) and smooth[k] else 1
             found = self._polygon(corners)
             if found is not None:
-                self.pieces += 1
-                self._paint(*found, item, self.pieces)
+                self._paint(*found, item)
 
     def _polygon(self, corners):
         """Window, depth and normal of a polygon; None when it faces away or covers no pixel."""
@@ -101,13 +106,11 @@ class Canvas:
         """Round bars with round ends."""
         for start, end, radius, item in zip(starts, ends, radii, items, strict=True):
             self.pieces += 1
-            piece = self.pieces
-            self._bar(start, end, radius, item, piece)
+            self._bar(start, end, radius, item)
             for centre in (start, end):
-                self.add_spheres([centre], [radius], [item])
-            self.pieces = piece
+                self._sphere(centre, radius, item)
 
-    def _bar(self, start, end, radius, item, piece):
+    def _bar(self, start, end, radius, item):
         """The cylinder between two points: the nearer of the two crossings of each pixel's ray."""
         way = end - start
         length = np.linalg.norm(way)
@@ -131,7 +134,7 @@ class Canvas:
         if not inside.any():
             return
         normal = np.stack(np.broadcast_arrays(u, v, w), axis=-1) - place[..., None] * axis
-        self._paint(window, np.where(inside, start[2] + w, -np.inf), normal / radius, item, piece)
+        self._paint(window, np.where(inside, start[2] + w, -np.inf), normal / radius, item)
 
     def image(self, colours, reach, edge=0.6):
         """Red, green, blue and opacity; colours: one row an item; reach: how far shadows of corners go [m]."""
@@ -139,7 +142,7 @@ class Canvas:
         light = LIGHT / np.linalg.norm(LIGHT)
         facing = np.clip(self.normal @ light.astype(np.float32), 0, 1)
         # Light from the sky fills what the lamp does not reach.
-        shade = 0.50 + 0.08 * self.normal[..., 1] + 0.46 * facing
+        shade = 0.60 + 0.06 * self.normal[..., 1] + 0.38 * facing
         gloss = 0.16 * np.clip(self.normal @ _half_way(light), 0, 1) ** 40
         shade = shade * self._open_sky(reach) * np.where(self._edges(), 1 - edge, 1)
         red_green_blue = np.zeros((*self.item.shape, 3), dtype=np.float32)
@@ -160,18 +163,25 @@ class Canvas:
         return edges
 
     def _open_sky(self, reach):
-        """Share of light that the neighbourhood leaves: a pixel amid nearer ones lies in a corner."""
-        depth = np.where(np.isfinite(self.depth), self.depth, np.nan)
-        closed = np.zeros(self.item.shape, dtype=np.float32)
-        rings = ((0.35, 6), (0.8, 8))
+        """Share of light that the neighbourhood leaves: a pixel with others before its own plane lies in a corner."""
+        some = (slice(None, None, self.FINE),) * 2
+        depth = np.where(np.isfinite(self.depth[some]), self.depth[some], np.nan).astype(np.float32)
+        normal = self.normal[some]
+        steep = -normal[..., :2] / np.maximum(normal[..., 2:], 0.15)
+        closed = np.zeros(depth.shape, dtype=np.float32)
+        # Few looks around would show as rays in a wide shadow.
+        reach = min(reach, 30 * self.FINE / self.scale)
+        rings = ((0.25, 6), (0.55, 8), (0.9, 10))
         for share, directions in rings:
             for k in range(directions):
-                angle = 2 * np.pi * (k + 0.5 * share) / directions
-                du, dv = (round(share * reach * self.scale * way(angle)) for way in (np.cos, np.sin))
-                above = (_shifted(depth, dv, du) - depth) / (share * reach)
+                angle = 2 * np.pi * (k + share) / directions
+                du, dv = (round(share * reach * self.scale / self.FINE * way(angle)) for way in (np.cos, np.sin))
+                plane = depth + (steep[..., 0] * du + steep[..., 1] * dv) * (self.FINE / self.scale)
+                above = (_shifted(depth, dv, du) - plane) / (share * reach)
                 # What is far in front is another thing altogether and shadows little.
-                closed += np.nan_to_num(np.clip(above, 0, 1) * np.clip(2 - above / 2, 0, 1))
-        return 1 - 0.55 * np.clip(1.6 * closed / sum(ring[1] for ring in rings), 0, 1)
+                closed += np.nan_to_num(np.clip(above, 0, 1) * np.clip(2.5 - above, 0, 1))
+        open_ = 1 - 0.5 * np.clip(1.6 * _smooth(closed) / sum(ring[1] for ring in rings), 0, 1)
+        return np.repeat(np.repeat(open_, self.FINE, axis=0), self.FINE, axis=1)
 
 
 def normal_of(corners):
@@ -196,6 +206,13 @@ def _shifted(values, rows, columns):
         moved[max(0, -rows) : height - max(0, rows), max(0, -columns) : width - max(0, columns)] = \
             values[max(0, rows) : height - max(0, -rows), max(0, columns) : width - max(0, -columns)]
     return moved
+
+
+def _smooth(values):
+    """Means over five by five pixels."""
+    for axis in (0, 1):
+        values = sum(np.roll(values, step, axis) for step in range(-2, 3)) / 5
+    return values
 
 
 def _coarser(values, n):

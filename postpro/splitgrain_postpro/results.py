@@ -82,6 +82,11 @@ class Results:
         # A run that goes on, or was killed, may have one picture more in one file than in the next.
         return min((pictures.times for pictures in files), key=len, default=np.empty(0))
 
+    @cached_property
+    def is_in_space(self):
+        """Is this a run in three dimensions? Read from run.json, or from what only such a run records."""
+        return self.run["dimension"] == 3 if "dimension" in self.run else "stress_zz" in self.record
+
     @property
     def periods(self):
         """Lengths of the periods in x and y [m]; zero where the scene is not periodic."""

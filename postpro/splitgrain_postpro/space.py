@@ -20,9 +20,9 @@ from .vtkhdf import VTK_POLYGON, VTK_VERTEX
 
 KIND_PLANE, KIND_CYLINDER, KIND_HOLLOW = 6, 7, 8
 PIXELS = 1500
-GRAIN, WALL = "#B9C4CE", "#D3D3D0"
+GRAIN, WALL = "#C6D0D9", "#F8F7F4"
 # Light enough everywhere for shades to be seen.
-FILL = LinearSegmentedColormap.from_list("solid", ["#3B5BA9", "#3E9CC0", "#7CC9A2", "#DDE68A", "#F2A93B", "#D9512C"])
+FILL = LinearSegmentedColormap.from_list("solid", ["#6C8FD0", "#5BB8CE", "#93D3A8", "#E6E78F", "#F4AE45", "#DB5530"])
 FORCES = LinearSegmentedColormap.from_list("forces", ["#F2C14E", "#E8743B", "#C02942", "#53113B"])
 # Part of the grains that a wall may hide; one that hides more is drawn as its outline.
 HIDES = 0.08
@@ -61,18 +61,21 @@ def draw_space(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None):
     missing = [f"no {name}.vtkhdf" for name in ("shapes", "contacts", "bodies") if getattr(scene, name) is None]
     if scene.bodies is None:
         raise ResultsError("a scene in space is drawn from its bodies: there is no bodies.vtkhdf")
-    box = _box(scene, periods)
-    solids = _solids(scene, axes, view, box)
+    walls = _wall_faces(scene) if scene.shapes is not None else {}
+    box = _box(scene, periods, walls)
+    solids = _solids(scene, axes, view, box, walls)
     is_grain = scene.bodies.point_data["is_grain"] > 0
     corners = _corners(box) @ axes.T
     margin = 0.02 * np.ptp(corners[:, :2], axis=0).max()
+    if max(periods) > 0:  # grains stick out of the period
+        margin = max(margin, 1.05 * scene.bodies.point_data["radius"][is_grain].max(initial=0))
     frame = np.column_stack([corners.min(axis=0) - margin, corners.max(axis=0) + margin])[:2].ravel()
     ax.set(aspect="equal", xlim=frame[:2], ylim=frame[2:])
     ax.set_axis_off()
     scale, colours = _colours(scene, quantity, is_grain, view)
     canvas = Canvas(frame, PIXELS)
     _paint(canvas, solids, is_grain, keep=True)
-    outlines = _paint_walls(canvas, solids, is_grain, box, axes)
+    outlines = _paint_walls(canvas, solids, is_grain)
     radius = _middling_radius(scene, is_grain)
     edge = 0.55 * np.clip(radius * canvas.scale / canvas.FINE / 5, 0.0, 1.0)
     picture = canvas.image(colours, radius, edge)
@@ -99,39 +102,86 @@ def proportions(scene, periods=(0.0, 0.0), view=None):
     return float(np.clip(width / height, 0.3, 3.5)) if height > 0 else 1.0
 
 
-def _box(scene, periods):
+def _box(scene, periods, walls=None):
     """Corners (low, high) of what is shown: all grains, and walls that are near them."""
-    is_grain = scene.bodies.point_data["is_grain"] > 0
-    radius = scene.bodies.point_data["radius"][:, None]
-    low, high = scene.bodies.points - radius, scene.bodies.points + radius
-    box = None
-    if is_grain.any():
-        box = np.array([low[is_grain].min(axis=0), high[is_grain].max(axis=0)])
-    if scene.shapes is not None and len(scene.shapes.points):
-        of_grain = _points_of_grains(scene)
-        reach = np.asarray(scene.shapes.point_data["radius"])[:, None]
-        low, high = scene.shapes.points - reach, scene.shapes.points + reach
-        if of_grain.any():
-            box = np.array([low[of_grain].min(axis=0), high[of_grain].max(axis=0)])
-        if not of_grain.all():
-            walls = np.array([low[~of_grain].min(axis=0), high[~of_grain].max(axis=0)])
-            more = 0.2 * np.ptp(box, axis=0).max() if box is not None else 0
-            box = walls if box is None else np.array([np.maximum(np.minimum(walls[0], box[0]), box[0] - more),
-                                                      np.minimum(np.maximum(walls[1], box[1]), box[1] + more)])
-    if box is None:
-        box = np.array([low.min(axis=0), high.max(axis=0)])
+    grains, others = _extents(scene)
+    if walls is None and scene.shapes is not None:
+        walls = _wall_faces(scene)
+    if walls:
+        corners = np.concatenate(list(walls.values()))
+        others = _joined(others, np.array([corners.min(axis=0), corners.max(axis=0)]))
+    box = others if grains is None else grains
+    if grains is not None and others is not None:
+        more = 0.2 * np.ptp(grains, axis=0).max()
+        box = np.array([np.maximum(np.minimum(others[0], grains[0]), grains[0] - more),
+                        np.minimum(np.maximum(others[1], grains[1]), grains[1] + more)])
     for axis, period in enumerate(periods):
         if period > 0:
             box[:, axis] = 0, period
     return box
 
 
-def _points_of_grains(scene):
-    """Which points of the shapes belong to grains."""
+def _extents(scene):
+    """Corners of a box about all grains and of one about all round walls; None where there are none."""
+    if scene.shapes is None:
+        points, reach = scene.bodies.points, scene.bodies.point_data["radius"]
+        is_grain = scene.bodies.point_data["is_grain"] > 0
+        is_round = is_grain
+    else:
+        points, reach = scene.shapes.points, scene.shapes.point_data["radius"]
+        cells = of_shapes(scene, "is_grain", 1) > 0
+        is_grain = _points_of(scene.shapes, cells)
+        is_round = _points_of(scene.shapes, ~cells & (np.asarray(scene.shapes.cell_data["kind"]) != KIND_PLANE))
+    reach = np.asarray(reach)[:, None]
+    return tuple(
+        np.array([(points - reach)[own].min(axis=0), (points + reach)[own].max(axis=0)]) if own.any() else None
+        for own in (is_grain, is_round)
+    )
+
+
+def _joined(one, other):
+    """A box about two boxes, of which the first may be missing."""
+    return other if one is None else np.array([np.minimum(one[0], other[0]), np.maximum(one[1], other[1])])
+
+
+def _points_of(shapes, cells):
+    """Which points of the shapes these cells use."""
+    used = np.zeros(len(shapes.points), dtype=bool)
+    used[shapes.connectivity[np.repeat(cells, np.diff(shapes.offsets))]] = True
+    return used
+
+
+def _wall_faces(scene):
+    """Faces of planes that are drawn, by cell.
+
+    Of a plane that holds the grains in, only the face before which they are is drawn, as far as it bounds the room
+    that is left by all such faces: so a box looks the same however thick its walls are and however they overlap.
+    """
     shapes = scene.shapes
-    is_grain = np.zeros(len(shapes.points), dtype=bool)
-    is_grain[shapes.connectivity] = np.repeat(of_shapes(scene, "is_grain", 1) > 0, np.diff(shapes.offsets))
-    return is_grain
+    is_plane = np.asarray(shapes.cell_data["kind"]) == KIND_PLANE
+    planes = np.flatnonzero(is_plane & (of_shapes(scene, "is_grain", 1) <= 0))
+    numbers = np.asarray(shapes.cell_data["shape"])[planes]
+    grains = scene.bodies.points[scene.bodies.point_data["is_grain"] > 0]
+    faces, holding = {}, {}
+    for shape in np.unique(numbers):
+        own = {cell: _face(shapes, cell) for cell in planes[numbers == shape]}
+        before = {cell: face for cell, face in own.items() if _all_before(grains, face)}
+        holding |= before
+        faces |= before or own
+    bounds = {cell: (normal_of(face), face[0]) for cell, face in holding.items()}
+    for cell, face in holding.items():
+        faces[cell] = _clipped(face, [bound for other, bound in bounds.items() if other != cell])
+    return faces
+
+
+def _all_before(grains, face):
+    """Are nearly all these centres on the outer side of a face?"""
+    return len(grains) > 0 and np.mean((grains - face[0]) @ normal_of(face) > 0) > 0.97
+
+
+def _face(shapes, cell):
+    """Corners of a cell."""
+    return shapes.points[shapes.connectivity[shapes.offsets[cell] : shapes.offsets[cell + 1]]]
 
 
 def _corners(box):
@@ -139,7 +189,7 @@ def _corners(box):
     return np.array([[box[(i >> k) & 1, k] for k in range(3)] for i in range(8)])
 
 
-def _solids(scene, axes, view, box):
+def _solids(scene, axes, view, box, walls):
     """All shapes in the axes of the camera, without the grains that a cut removes."""
     bodies, shapes = scene.bodies, scene.shapes
     kept = _kept(bodies, view)
@@ -159,12 +209,14 @@ def _solids(scene, axes, view, box):
     cells = cells[kept[of_cell[cells]]]
     tubes = _tubes(shapes, points, of_cell, cells[kinds[cells] == KIND_CYLINDER])
     cells = cells[kinds[cells] != KIND_CYLINDER]
-    is_wall = bodies.point_data["is_grain"][of_cell[cells]] <= 0
+    is_grain = bodies.point_data["is_grain"][of_cell] > 0
+    cells = np.array([k for k in cells if is_grain[k] or kinds[k] != KIND_PLANE or k in walls], dtype=int)
+    sides = [(sign * unit, bound) for sign, bound in ((1.0, box[0]), (-1.0, box[1])) for unit in np.eye(3)]
     polygons = []
-    for cell, wall in zip(cells, is_wall, strict=True):
-        corners = shapes.connectivity[shapes.offsets[cell] : shapes.offsets[cell + 1]]
-        polygons.append(_clipped(shapes.points[corners], box) @ axes.T if wall else points[corners])
-    numbers = np.asarray(shapes.cell_data.get("shape", shapes.cell_data["body"]))
+    for cell in cells:
+        face = walls.get(cell, _face(shapes, cell))
+        polygons.append((face if is_grain[cell] else _clipped(face, sides)) @ axes.T)
+    numbers = np.asarray(shapes.cell_data["shape"])
     return Solids(spheres, tubes, (polygons, of_cell[cells], numbers[cells], kinds[cells]))
 
 
@@ -197,23 +249,23 @@ def _tubes(shapes, points, of_cell, cells):
     return np.reshape(starts, (-1, 3)), np.reshape(ends, (-1, 3)), radii, rows
 
 
-def _clipped(corners, box):
-    """The part of a convex polygon within a box."""
-    for axis in range(3):
-        for sign, bound in ((1.0, box[0, axis]), (-1.0, box[1, axis])):
-            if not len(corners):
-                return np.zeros((3, 3))
-            inside = sign * (corners[:, axis] - bound)
-            if inside.min() >= 0:
-                continue
-            kept = []
-            for a, b, da, db in zip(corners, np.roll(corners, -1, axis=0), inside, np.roll(inside, -1), strict=True):
-                if da >= 0:
-                    kept.append(a)
-                if da * db < 0:
-                    kept.append(a + (b - a) * da / (da - db))
-            corners = np.array(kept).reshape(-1, 3)
-    return corners if len(corners) else np.zeros((3, 3))
+def _clipped(corners, bounds):
+    """The part of a convex polygon before planes (normal, point); a polygon without area where nothing is left."""
+    for normal, point in bounds:
+        before = (corners - point) @ normal
+        before[np.abs(before) < 1e-9 * np.ptp(corners, axis=0).max()] = 0
+        if before.min() >= 0:
+            continue
+        kept = []
+        for a, b, da, db in zip(corners, np.roll(corners, -1, axis=0), before, np.roll(before, -1), strict=True):
+            if da >= 0:
+                kept.append(a)
+            if da * db < 0:
+                kept.append(a + (b - a) * da / (da - db))
+        if len(kept) < 3:
+            return np.tile(corners[:1], (3, 1))
+        corners = np.array(kept)
+    return corners
 
 
 def _paint(canvas, solids, is_grain, keep):
@@ -227,13 +279,12 @@ def _paint(canvas, solids, is_grain, keep):
         canvas.add_polygons([corners[k] for k in chosen], np.asarray(rows)[chosen] if len(chosen) else [])
 
 
-def _paint_walls(canvas, solids, is_grain, box, axes):
+def _paint_walls(canvas, solids, is_grain):
     """Paint walls that hide few grains; returns the outlines of the others."""
     corners, rows, shapes, kinds = solids.polygons
     rows = np.asarray(rows, dtype=int)
     outlines = []
     grains = np.count_nonzero(canvas.item >= 0)
-    middle = axes @ box.mean(axis=0)
     walls = np.flatnonzero(~is_grain[rows]) if len(rows) else []
     shown = []
     for shape in np.unique(np.asarray(shapes)[walls]):
@@ -241,20 +292,17 @@ def _paint_walls(canvas, solids, is_grain, box, axes):
         faces = [corners[k] for k in cells]
         # The inside of a hollow cylinder is its only side: its front half is left out by itself.
         if kinds[cells[0]] != KIND_HOLLOW and canvas.hidden_by(faces) > HIDES * grains:
-            outlines += [_closed(face) for face in faces if _faces(face, middle)]
-        else:
-            shown += cells
+            outlines += [_closed(face) for face in faces]
+            continue
+        shown += cells
+        if kinds[cells[0]] == KIND_PLANE and len(faces) == 1 and normal_of(faces[0])[2] < 0:
+            outlines.append(_closed(faces[0]))
         if kinds[cells[0]] == KIND_HOLLOW:
             outlines += [face[[i, i + 1], :2] for face in faces if len(face) == 4 for i in (0, 2)]
-    canvas.add_polygons([corners[k] for k in shown], rows[shown] if len(shown) else [])
+    smooth = [kinds[b] == KIND_HOLLOW and shapes[a] == shapes[b] for a, b in zip([-1, *shown[:-1]], shown, strict=True)]
+    canvas.add_polygons([corners[k] for k in shown], rows[shown] if len(shown) else [], smooth)
     _paint(canvas, solids, is_grain, keep=False)
     return outlines
-
-
-def _faces(face, middle):
-    """Does the outer side of a face look towards a point, away from the viewer?"""
-    normal = normal_of(face)
-    return normal @ (middle - face[0]) > 0 and normal[2] < 0
 
 
 def _closed(face):
@@ -357,7 +405,7 @@ def _draw_axis(ax, k, sides, box, axes, size, middle):
     out = np.array([way[1], -way[0]])
     if out @ ((start + end) / 2 - middle) < 0:
         out = -out
-    steps = max(2, round(6 * np.linalg.norm(end - start) / size))
+    steps = max(2, round(9 * np.linalg.norm(end - start) / size))
     ticks = [x for x in MaxNLocator(steps, steps=[1, 2, 2.5, 5, 10]).tick_values(*box[:, k]) if box[0, k] <= x <= box[1, k]]
     lines = [np.array([start, end])] + [np.array([place(x), place(x) + 0.012 * size * out]) for x in ticks]
     ax.add_collection(LineCollection(lines, colors="#444444", linewidths=0.8, zorder=3, clip_on=False), autolim=False)
