@@ -96,7 +96,9 @@ contains
       text = text//topology(self, grid)//geometry(self, grid)
     end if
     do a = 1, size(grid%arrays)
-      if (grid%arrays(a)%where /= on_field) text = text//attribute(self, grid, grid%arrays(a))
+      ! XDMF knows no quaternions, and its matrices are read in more than one way.
+      if (grid%arrays(a)%where == on_field .or. grid%arrays(a)%components > 3) cycle
+      text = text//attribute(self, grid, grid%arrays(a))
     end do
     text = text//step_end//nl
     call write_at(self, text//tail, self%end, is_new=.false.)
@@ -149,7 +151,6 @@ contains
 
     kind = 'Scalar'
     if (array%components == 3) kind = 'Vector'
-    if (array%components > 3) kind = 'Matrix'
     centre = 'Cell'
     if (array%where == on_points) centre = 'Node'
     text = '    <Attribute Name="'//array%name//'" AttributeType="'//kind//'" Center="'//centre//'">'//nl// &
