@@ -153,7 +153,7 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics
     type(error_t), allocatable :: error
     type(mesh_t) :: mesh
-    real(wp) :: scale
+    real(wp) :: scale, deviation
     logical :: is_hull
 
     call read_mesh(path_in_deck(deck, deck%word(b, 'file')), mesh, error)
@@ -163,7 +163,10 @@ contains
       is_hull = .false.
       if (deck%is_given(b, 'hull')) is_hull = deck%flag(b, 'hull')
       if (is_hull) then
-        call hull_polyhedron(scale*mesh%vertex, shape, error)
+        call hull_polyhedron(scale*mesh%vertex, shape, error, deviation=deviation)
+        if (deviation > 1e-3_wp*scale*maxval(maxval(mesh%vertex, 2) - minval(mesh%vertex, 2))) &
+          call deck%warn(diagnostics, 'the hull of this file has too many vertices: '//to_text(shape%n_vertices)// &
+                         ' of them are kept, and others stand out by up to '//to_text(deviation, 3)//' m', b, 'file')
       else
         call polyhedron_from_faces(scale*mesh%vertex, mesh%face_first, mesh%face_vertex, shape, error)
       end if

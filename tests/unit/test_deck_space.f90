@@ -248,11 +248,36 @@ contains
     call read_text(box//'inertia = [1, 2, 2.5]'//nl, scene)
     call close_to(scene%bodies%principal(:, 1), [1.0_wp, 2.0_wp, 2.5_wp], 'moments that are given')
     call t%near(scene%bodies%inverse_mass(5, 1), 0.5_wp, 1e-15_wp, 'their inverse')
+    call test_capsule()
     call read_text(head//'[[body]]'//nl//'shape = "hollow cylinder"'//nl//'radius = 1'//nl//'half_height = 1'//nl// &
                    'mass = 2'//nl// &
                    'inertia = [1, 1, 1]'//nl, scene)
     call t%near(scene%bodies%mass(1), 2.0_wp, 0.0_wp, 'a hollow cylinder that moves')
   end subroutine test_mass
+
+  !> A capsule that is turned within its body: the same moments, about its axis the least, and in the world the same capsule.
+  subroutine test_capsule()
+    type(scene_t) :: scene
+    real(wp) :: ball, cylinder, along, across
+
+    call read_text(head//'[[body]]'//nl//'position = [0, 0, 2]'//nl//'[[body.shape]]'//nl//'kind = "cylinder"'//nl// &
+                   'half_height = 0.5'//nl//'radius = 0.2'//nl//'rotation = [0.4, 0.9, 0]'//nl//'centre = [1, 0, 0]'//nl, scene)
+    ! Two half balls whose centres lie 3/8 of the radius beyond the ends of the axis, and a cylinder.
+    ball = 2000*4*pi/3*0.2_wp**3
+    cylinder = 2000*pi*0.2_wp**2
+    along = (ball*0.4_wp + cylinder/2)*0.2_wp**2
+    across = ball*(0.4_wp*0.2_wp**2 + 0.5_wp**2 + 0.75_wp*0.5_wp*0.2_wp) + cylinder*(0.2_wp**2/4 + 0.5_wp**2/3)
+    call t%near(scene%bodies%mass(1), ball + cylinder, 1e-11_wp, 'mass of a capsule')
+    call t%near(minval(scene%bodies%principal(:, 1)), along, 1e-9_wp*across, 'moment along its axis')
+    call t%near(maxval(scene%bodies%principal(:, 1)), across, 1e-9_wp*across, 'moment across it')
+    call close_to(scene%bodies%position(:, 1), [1.0_wp, 0.0_wp, 2.0_wp], 'its centre')
+    scene%bodies%middle(:3, :) = scene%bodies%position
+    scene%bodies%middle(4:, :) = scene%bodies%orientation
+    call place_contactors(scene%contactors, scene%bodies%middle)
+    call close_to(scene%contactors%space%cylinder_world(:, 1), &
+                  matmul(frame_of(rotation_by([0.4_wp, 0.9_wp, 0.0_wp])), [0.0_wp, 0.0_wp, 1.0_wp]), 'its axis in the world', &
+                  1e-13_wp)
+  end subroutine test_capsule
 
   !> Walls: their faces lie where the deck says, level sides first.
   subroutine test_walls()
