@@ -2,7 +2,7 @@
 module sg_detect
   use sg_contactors, only: kind_hollow, kind_wall, place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
-  use sg_history, only: history_t, keep_contacts, match_pairs, recall
+  use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, recall, unwrap_images
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_mohr, status_bonded, status_new
   use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
@@ -27,11 +27,13 @@ contains
     if (.not. history%is_loaded) call keep_contacts(history, contacts)
     history%is_matched = .false.
     if (neighbours_are_stale(pairs, scene)) then
-      if (.not. history%is_loaded .and. allocated(pairs%contactor)) history%contactor = pairs%contactor(:, :pairs%n)
+      if (.not. history%is_loaded .and. allocated(pairs%contactor)) call keep_pairs(history, pairs)
+      call unwrap_images(history, scene)
       call build_neighbours(pairs, scene, scene%bodies%middle, fitting_skin(scene))
-      call match_pairs(history, scene%contactors%n, pairs)
+      call match_pairs(history, scene, pairs)
     else if (history%is_loaded) then
-      call match_pairs(history, scene%contactors%n, pairs)
+      call unwrap_images(history, scene)
+      call match_pairs(history, scene, pairs)
     end if
     call place_contactors(scene%contactors, scene%bodies%middle)
     call touch_all(scene, pairs, history, contacts)

@@ -12,7 +12,7 @@ module sg_history
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: history_t, start_history, resume_history, keep_contacts, match_pairs, recall, revive
+  public :: history_t, start_history, resume_history, keep_contacts, keep_pairs, unwrap_images, match_pairs, recall, revive
 
   !> Contacts of the last detection, as much as the next one needs
   type :: history_t
@@ -20,6 +20,8 @@ module sg_history
     integer :: n_pairs = 0
     !> Contactors of each pair, shape (2, n_pairs); set when the list of neighbours is about to change
     integer(i4), allocatable :: contactor(:, :)
+    !> Periods by which the antagonist of each pair is moved in x and y, shape (2, n_pairs); set with `contactor`
+    integer(i4), allocatable :: image(:, :)
     !> Contacts of pair p are `first(p)` to `first(p + 1) - 1`
     integer(i4), allocatable :: first(:)
     !> Feature, impulse, status of each contact; point in the candidate's period, for contacts read from a deck
@@ -129,6 +131,7 @@ contains
   subroutine load(history, contacts)
     type(history_t), intent(inout) :: history
     type(contacts_t), intent(in) :: contacts
+    integer(i4) :: image(2), last(2)
     integer :: k
     logical :: is_new
 
@@ -136,13 +139,19 @@ contains
     call keep_contacts(history, contacts)
     call reserve(history%first, contacts%n + 1)
     call reserve(history%contactor, 2, contacts%n)
+    call reserve(history%image, 2, contacts%n)
+    last = 0
     do k = 1, contacts%n
+      image = int(contacts%image(k), i4)
+      image(2) = 0
+      if (contacts%dimension == 3) image(2) = int(contacts%image_y(k), i4)
       is_new = k == 1
-      if (.not. is_new) is_new = any(contacts%contactor(:, k) /= contacts%contactor(:, k - 1)) &
-                                 .or. contacts%image(k) /= contacts%image(k - 1)
+      if (.not. is_new) is_new = any(contacts%contactor(:, k) /= contacts%contactor(:, k - 1)) .or. any(image /= last)
+      last = image
       if (.not. is_new) cycle
       history%n_pairs = history%n_pairs + 1
       history%contactor(:, history%n_pairs) = contacts%contactor(:, k)
+      history%image(:, history%n_pairs) = image
       history%first(history%n_pairs) = int(k, i4)
     end do
     history%first(history%n_pairs + 1) = int(contacts%n, i4) + 1
@@ -166,20 +175,66 @@ contains
     history%impulse(:, :n) = contacts%impulse(:, :n)
   end subroutine keep_contacts
 
-  !> Find the past of every pair of a new list of neighbours.
-  subroutine match_pairs(history, n_contactors, pairs)
-    type(history_t), intent(inout) :: history !! past; `past` is set
-    integer, intent(in) :: n_contactors !! contactors of the scene
+  !> Note the pairs of the last detection, before their list is made anew.
+  subroutine keep_pairs(history, pairs)
+    type(history_t), intent(inout) :: history !! past to fill
+    type(neighbours_t), intent(in) :: pairs !! list to note
+
+    history%contactor = pairs%contactor(:, :pairs%n)
+    if (allocated(history%image)) deallocate (history%image)
+    allocate (history%image(2, pairs%n), source=0_i4)
+    history%image(1, :) = int(pairs%image(:pairs%n), i4)
+    if (allocated(pairs%image_y)) history%image(2, :) = int(pairs%image_y(:pairs%n), i4)
+  end subroutine keep_pairs
+
+  !> Count the images of past pairs from where their bodies would be had none ever come back into the period: a new list may
+  !! bring some back, and images change with them.
+  subroutine unwrap_images(history, scene)
+    type(history_t), intent(inout) :: history !! past; its images change
+    type(scene_t), intent(in) :: scene !! scene before the new list
+    integer :: p
+
+    if (history%n_pairs == 0 .or. .not. max(scene%period, scene%period_y) > 0) return
+    do p = 1, history%n_pairs
+      history%image(:, p) = history%image(:, p) + crossed_between(scene, history%contactor(:, p))
+    end do
+  end subroutine unwrap_images
+
+  !> Periods that the antagonist has crossed more than the candidate.
+  pure function crossed_between(scene, contactor) result(crossed)
+    type(scene_t), intent(in) :: scene
+    integer(i4), intent(in) :: contactor(2)
+    integer(i4) :: crossed(2)
+
+    associate (c => scene%contactors%body(contactor(1)), a => scene%contactors%body(contactor(2)))
+      crossed = scene%bodies%crossings(a) - scene%bodies%crossings(c)
+      crossed(2) = 0
+      if (scene%dimension == 3) crossed(2) = scene%bodies%crossings_y(a) - scene%bodies%crossings_y(c)
+    end associate
+  end function crossed_between
+
+  !> Find the past of every pair of a new list of neighbours: of one image if there is one, or else of any, since that of a wall
+  !! that spans the period is but the nearest.
+  subroutine match_pairs(history, scene, pairs)
+    type(history_t), intent(inout) :: history !! past, its images unwrapped; `past` is set
+    type(scene_t), intent(in) :: scene !! scene after the new list
     type(neighbours_t), intent(in) :: pairs !! the new list
     integer(i4), allocatable :: first(:), member(:)
+    integer(i4) :: image(2)
     integer :: p, m
 
-    call list_by_candidate(history, n_contactors, first, member)
+    call list_by_candidate(history, scene%contactors%n, first, member)
     call reserve(history%past, pairs%n)
     do p = 1, pairs%n
       history%past(p) = 0
+      image = int(pairs%image(p), i4)
+      image(2) = 0
+      if (allocated(pairs%image_y)) image(2) = int(pairs%image_y(p), i4)
+      image = image + crossed_between(scene, pairs%contactor(:, p))
       do m = first(pairs%contactor(1, p)), first(pairs%contactor(1, p) + 1) - 1
-        if (history%contactor(2, member(m)) == pairs%contactor(2, p)) history%past(p) = member(m)
+        if (history%contactor(2, member(m)) /= pairs%contactor(2, p)) cycle
+        history%past(p) = member(m)
+        if (all(history%image(:, member(m)) == image)) exit
       end do
     end do
     history%is_matched = .true.

@@ -1,0 +1,340 @@
+!> Impulses carried from step to step in space: by pair, image and feature, while normals turn and lists are made anew; and runs
+!! that are stopped, written, read and continued, bit for bit.
+program test_history_space
+  use harness, only: tests_t
+  use scenes, only: begin_run, drive, run
+  use scenes_space, only: begin_space_scene, put_box, put_capsule, put_plane, put_sphere, turn_at_random
+  use sg_checkpoint, only: load_checkpoint, save_checkpoint
+  use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
+  use sg_detect, only: detect
+  use sg_error, only: diagnostics_t, error_t
+  use sg_hdf5, only: hdf5_is_available
+  use sg_history, only: history_t, resume_history
+  use sg_kinds, only: wp, i8
+  use sg_laws, only: status_new, status_slide
+  use sg_neighbours, only: neighbours_t
+  use sg_random, only: random_t
+  use sg_scene, only: scene_t
+  use sg_simulation, only: simulation_t, start_simulation
+  use sg_system, only: make_folder, remove_file
+  use sg_time_functions, only: time_function_t
+  implicit none
+  character(len=*), parameter :: folder = 'continuation_in_space'
+  integer, parameter :: rows = 5, n_grains = rows**3
+  type(tests_t) :: t
+
+  call test_recovery([0.0_wp, 0.0_wp], 'box')
+  call test_recovery([real(rows, wp), real(rows, wp)], 'periodic')
+  call test_turning()
+  call test_images()
+  if (hdf5_is_available()) then
+    call test_restart('spheres', 0, [0.0_wp, 0.0_wp], 0.4_wp)
+    call test_restart('spheres without friction', 0, [0.0_wp, 0.0_wp], 0.0_wp)
+    call test_restart('periodic polyhedra', 1, [5.5_wp, 5.5_wp], 0.4_wp)
+    call test_restart('all shapes without friction', 2, [5.5_wp, 0.0_wp], 0.0_wp)
+  else
+    write (*, '(a)') 'skipped: this build has no HDF5'
+  end if
+  call t%finish()
+
+contains
+
+  !> Boxes and spheres that nearly touch, on a floor.
+  subroutine make_scene(scene, period)
+    type(scene_t), intent(out) :: scene
+    real(wp), intent(in) :: period(2)
+    integer :: b
+
+    call begin_space_scene(scene, n_grains + 1, 0.3_wp, 0.3_wp)
+    scene%period = period(1)
+    scene%period_y = period(2)
+    do b = 1, n_grains
+      associate (place => real([modulo(b - 1, rows), modulo((b - 1)/rows, rows), (b - 1)/rows**2], wp) + 0.5_wp)
+        if (modulo(b, 3) == 0) then
+          call put_sphere(scene, b, 0.5_wp, place)
+        else
+          call put_box(scene, b, [0.5_wp, 0.48_wp, 0.46_wp], place)
+        end if
+      end associate
+    end do
+    call put_plane(scene, n_grains + 1, [20.0_wp, 20.0_wp, 0.1_wp], [2.5_wp, 2.5_wp, -0.1_wp])
+    call set_middle(scene)
+  end subroutine make_scene
+
+  !> The configuration of detection is where bodies are.
+  subroutine set_middle(scene)
+    type(scene_t), intent(inout) :: scene
+
+    scene%bodies%middle(1:3, :) = scene%bodies%position
+    scene%bodies%middle(4:7, :) = scene%bodies%orientation
+  end subroutine set_middle
+
+  !> A number that tells a contact from all others, the same whatever its place in the list.
+  real(wp) function mark(contacts, k)
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+
+    mark = real(contacts%contactor(1, k), wp) + 1e3_wp*real(contacts%contactor(2, k), wp) + 1e6_wp*real(contacts%feature(k), wp)
+  end function mark
+
+  !> Mark all contacts by their impulses.
+  subroutine mark_all(contacts)
+    type(contacts_t), intent(inout) :: contacts
+    integer :: k
+
+    do k = 1, contacts%n
+      contacts%impulse(:, k) = mark(contacts, k)*[1.0_wp, -2.0_wp, 3.0_wp]
+      contacts%status(k) = status_slide
+    end do
+  end subroutine mark_all
+
+  !> Contacts whose impulse is neither their own mark nor zero, and those that are new.
+  subroutine count_marks(contacts, wrong, new)
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(out) :: wrong, new
+    integer :: k
+
+    wrong = 0
+    new = 0
+    do k = 1, contacts%n
+      if (contacts%status(k) == status_new) then
+        new = new + 1
+        if (any(abs(contacts%impulse(:, k)) > 0)) wrong = wrong + 1
+      else if (contacts%status(k) /= status_slide .or. &
+               any(abs(contacts%impulse(:, k) - mark(contacts, k)*[1.0_wp, -2.0_wp, 3.0_wp]) > 0)) then
+        wrong = wrong + 1
+      end if
+    end do
+  end subroutine count_marks
+
+  !> Bodies move a little and far; contacts that were there keep their impulses, the rest starts at zero.
+  subroutine test_recovery(period, name)
+    real(wp), intent(in) :: period(2)
+    character(len=*), intent(in) :: name
+    type(scene_t) :: scene
+    type(neighbours_t) :: pairs
+    type(history_t) :: history
+    type(contacts_t) :: contacts
+    type(random_t) :: random
+    integer :: round, wrong, new, b, kept
+
+    call random%seed(1)
+    call make_scene(scene, period)
+    contacts%dimension = 3
+    contacts%n_components = 3
+    call detect(scene, pairs, history, contacts)
+    call count_marks(contacts, wrong, new)
+    call t%equal(new, contacts%n, name//': at first all contacts are new')
+    kept = 0
+    do round = 1, 30
+      call mark_all(contacts)
+      do b = 1, n_grains
+        scene%bodies%position(:, b) = scene%bodies%position(:, b) + 0.01_wp*[random%uniform() + 4, random%uniform() + 2, &
+                                                                            random%uniform() - 0.5_wp]
+      end do
+      call set_middle(scene)
+      call detect(scene, pairs, history, contacts)
+      call count_marks(contacts, wrong, new)
+      call t%equal(wrong, 0, name//': impulses are those of the same pair and feature')
+      kept = kept + contacts%n - new
+      call t%check(new < contacts%n/3, name//': most contacts go on')
+    end do
+    call t%check(pairs%builds > 8, name//': the list was made again several times')
+    call t%check(kept > 30*300, name//': contacts were kept')
+  end subroutine test_recovery
+
+  !> A sphere rolls over another that is held: the normal turns by a quarter and more, and yet the impulse of the last step is
+  !! always the guess of the next, as a vector in the world.
+  subroutine test_turning()
+    type(simulation_t) :: sim
+    real(wp) :: last(3), n(3)
+    integer :: i, lost
+    type(scene_t) :: copy
+    type(neighbours_t) :: pairs
+    type(history_t) :: history
+    type(contacts_t) :: contacts
+
+    call begin_space_scene(sim%scene, 2, 0.5_wp, 0.01_wp)
+    call put_sphere(sim%scene, 1, 0.2_wp, [0.0_wp, 0.0_wp, 0.7_wp])
+    call put_sphere(sim%scene, 2, 0.5_wp, [0.0_wp, 0.0_wp, 0.0_wp])
+    do i = 1, 6
+      call drive(sim%scene, 2, i, time_function_t())
+    end do
+    sim%scene%bodies%velocity(1:3, 1) = [0.5_wp, 0.0_wp, 0.0_wp]
+    call begin_run(sim, 1e-3_wp, 1e-12_wp)
+    call run(sim, 1)
+    lost = 0
+    do i = 1, 300
+      last = impulse_vector(sim%contacts, 1)
+      copy = sim%scene
+      pairs = sim%pairs
+      history = sim%history
+      contacts = sim%contacts
+      call detect(copy, pairs, history, contacts)
+      if (contacts%n /= 1) exit
+      if (any(abs(contacts%impulse(:, 1) - last) > 0)) lost = lost + 1
+      call run(sim, 1)
+      if (sim%contacts%n /= 1) exit
+    end do
+    n = sim%contacts%normal(:, 1)
+    call t%check(n(3) < 0.8_wp, 'turning normal: it has turned')
+    call t%equal(lost, 0, 'turning normal: no impulse is lost')
+    call t%check(i > 150, 'turning normal: over many steps')
+    call t%check(normal_impulse(sim%contacts, 1) >= 0, 'turning normal: it presses')
+  end subroutine test_turning
+
+  !> Two spheres in a narrow period touch each other on both sides, in x and in y: each image keeps its own impulse when the list
+  !! is made anew, and when contacts are loaded from a restart.
+  subroutine test_images()
+    type(scene_t) :: scene
+    type(neighbours_t) :: pairs
+    type(history_t) :: history, loaded
+    type(contacts_t) :: contacts, kept
+    integer :: k, round, axis, wrong
+
+    do axis = 1, 2
+      call begin_space_scene(scene, 2, 0.3_wp, 0.05_wp)
+      scene%period = 2
+      scene%period_y = 2
+      call put_sphere(scene, 1, 0.5_wp, [0.4_wp, 0.4_wp, 0.0_wp])
+      call put_sphere(scene, 2, 0.5_wp, [0.4_wp, 0.4_wp, 0.0_wp])
+      scene%bodies%position(axis, 2) = 1.4_wp
+      call set_middle(scene)
+      contacts = contacts_t()
+      contacts%dimension = 3
+      contacts%n_components = 3
+      pairs = neighbours_t()
+      history = history_t()
+      call detect(scene, pairs, history, contacts)
+      call t%equal(contacts%n, 2, 'images: both sides touch')
+      do round = 1, 2
+        do k = 1, contacts%n
+          contacts%impulse(:, k) = contacts%normal(:, k)
+          contacts%status(k) = status_slide
+        end do
+        kept = contacts
+        if (round == 2) then
+          loaded = history_t()
+          call resume_history(loaded, contacts)
+          history = loaded
+          pairs = neighbours_t()
+        end if
+        scene%bodies%position(3, :) = scene%bodies%position(3, :) + 5
+        call set_middle(scene)
+        call detect(scene, pairs, history, contacts)
+        wrong = 0
+        do k = 1, contacts%n
+          if (norm2(contacts%impulse(:, k) - contacts%normal(:, k)) > 1e-12_wp) wrong = wrong + 1
+        end do
+        call t%equal(contacts%n, kept%n, 'images: both sides touch again')
+        call t%equal(wrong, 0, 'images: each side keeps its own impulse')
+      end do
+    end do
+  end subroutine test_images
+
+  !> Straight run against runs split in two places.
+  subroutine test_restart(name, shapes, period, friction)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: shapes
+    real(wp), intent(in) :: period(2), friction
+    type(simulation_t) :: straight, first, second
+    type(error_t), allocatable :: error
+    type(diagnostics_t) :: warnings
+    integer, parameter :: steps = 200
+    integer :: i, split
+
+    call t%check(make_folder(folder), name//': the folder is there')
+    call make(straight, shapes, period, friction)
+    call run(straight, steps)
+    call t%check(straight%pairs%builds > 4, name//': lists were made again')
+    call t%check(straight%contacts%n > 60, name//': there are contacts')
+    do i = 1, 2
+      split = merge(1, 117, i == 1)
+      call remove_file(folder//'/restart_a.h5')
+      call remove_file(folder//'/restart_b.h5')
+      call make(first, shapes, period, friction)
+      call run(first, split)
+      call save_checkpoint(first, error)
+      call t%check(.not. allocated(error), name//': a checkpoint is written')
+      call make(second, shapes, period, friction)
+      call load_checkpoint(second, folder, warnings, error)
+      call t%check(.not. allocated(error), name//': it is read')
+      if (allocated(error)) return
+      call t%equal(second%step, split, name//': step')
+      call run(second, steps - split)
+      call compare(straight, second, name)
+      first = simulation_t()
+      second = simulation_t()
+    end do
+  end subroutine test_restart
+
+  !> Bodies and contacts of two simulations, to the last bit.
+  subroutine compare(a, b, name)
+    type(simulation_t), intent(in) :: a, b
+    character(len=*), intent(in) :: name
+
+    call t%check(same(pack(a%scene%bodies%position, .true.), pack(b%scene%bodies%position, .true.)), name//': positions')
+    call t%check(same(pack(a%scene%bodies%velocity, .true.), pack(b%scene%bodies%velocity, .true.)), name//': velocities')
+    if (allocated(a%scene%bodies%orientation)) then
+      call t%check(same(pack(a%scene%bodies%orientation, .true.), pack(b%scene%bodies%orientation, .true.)), name//': orientations')
+    end if
+    call t%check(all(a%scene%bodies%crossings == b%scene%bodies%crossings) .and. &
+                 all(a%scene%bodies%crossings_y == b%scene%bodies%crossings_y), name//': crossings')
+    call t%equal(b%contacts%n, a%contacts%n, name//': number of contacts')
+    if (b%contacts%n /= a%contacts%n) return
+    associate (k => a%contacts%n)
+      call t%check(same(pack(a%contacts%impulse(:, :k), .true.), pack(b%contacts%impulse(:, :k), .true.)), name//': impulses')
+      call t%check(all(a%contacts%status(:k) == b%contacts%status(:k)), name//': statuses')
+    end associate
+    call t%check(same(a%energy%pack(), b%energy%pack()), name//': energies')
+  end subroutine compare
+
+  !> Are these the same numbers, to the last bit?
+  pure logical function same(a, b)
+    real(wp), intent(in) :: a(:), b(:)
+
+    same = size(a) == size(b)
+    if (same) same = all(transfer(a, [0_i8]) == transfer(b, [0_i8]))
+  end function same
+
+  !> Grains fall onto a shaken floor, between planes or in a period that a wind carries them through.
+  subroutine make(sim, shapes, period, friction)
+    type(simulation_t), intent(inout) :: sim
+    integer, intent(in) :: shapes
+    real(wp), intent(in) :: period(2), friction
+    integer, parameter :: n = 75
+    type(random_t) :: random
+    integer :: b
+
+    call random%seed(12)
+    call begin_space_scene(sim%scene, n + 1, friction, 0.05_wp)
+    sim%scene%period = period(1)
+    sim%scene%period_y = period(2)
+    do b = 1, n
+      associate (place => 1.1_wp*real([modulo(b - 1, 5), modulo((b - 1)/5, 5), (b - 1)/25], wp) + 0.55_wp)
+        select case (shapes*modulo(b, 1 + shapes))
+        case (0)
+          call put_sphere(sim%scene, b, random%uniform(0.4_wp, 0.5_wp), place)
+        case (1:2)
+          call put_box(sim%scene, b, [0.3_wp, 0.25_wp, 0.35_wp], place)
+        case default
+          call put_capsule(sim%scene, b, 0.2_wp, 0.3_wp, place)
+        end select
+      end associate
+      call turn_at_random(sim%scene, b, random)
+      sim%scene%bodies%velocity(1:3, b) = [merge(4.0_wp, 0.0_wp, period(1) > 0), merge(-3.0_wp, 0.0_wp, period(2) > 0), -2.0_wp] &
+                                          + [random%uniform(), random%uniform(), random%uniform()]
+    end do
+    call put_plane(sim%scene, n + 1, [20.0_wp, 20.0_wp, 0.1_wp], [2.75_wp, 2.75_wp, -0.1_wp])
+    ! Take back the hold along z.
+    do b = 1, size(sim%scene%drives)
+      if (sim%scene%drives(b)%component == 3) sim%scene%drives(b)%value = time_function_t(amplitude=0.2_wp, omega=30.0_wp)
+    end do
+    sim%options%folder = folder
+    sim%options%deck_hash = 'cafe'
+    sim%options%step = 4e-3_wp
+    ! Bit for bit, converged or not.
+    sim%options%solver%maximum_sweeps = 60
+    call start_simulation(sim)
+  end subroutine make
+end program test_history_space
