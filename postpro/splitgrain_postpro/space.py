@@ -299,7 +299,7 @@ def _paint_walls(canvas, solids, is_grain):
             outlines.append(_closed(faces[0]))
         if kinds[cells[0]] == KIND_HOLLOW:
             outlines += [face[[i, i + 1], :2] for face in faces if len(face) == 4 for i in (0, 2)]
-    smooth = [kinds[b] == KIND_HOLLOW and shapes[a] == shapes[b] for a, b in zip([-1, *shown[:-1]], shown, strict=True)]
+    smooth = [kinds[b] == KIND_HOLLOW and shapes[a] == shapes[b] for a, b in zip(shown[:1] + shown[:-1], shown, strict=True)]
     canvas.add_polygons([corners[k] for k in shown], rows[shown] if len(shown) else [], smooth)
     _paint(canvas, solids, is_grain, keep=False)
     return outlines
