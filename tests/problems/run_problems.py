@@ -4,7 +4,7 @@
 usage: run_problems.py PROGRAM [unittest options]
 
 The problems are FCLIB files of a folder `problems`, beside the project or below SPLITGRAIN_SHARED; without them, or without
-HDF5, only what needs no file is tested.
+HDF5, only what needs no file is tested; our own problems are made here from decks of input_decks.
 """
 
 import csv
@@ -19,8 +19,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from own_problems import SMALL, SOURCE, dump
+
 PROGRAM = None
-SOURCE = Path(os.environ.get("SPLITGRAIN_SOURCE") or Path(__file__).resolve().parents[2])
 PROBLEMS = Path(os.environ.get("SPLITGRAIN_SHARED") or SOURCE.parent / "shared") / "problems"
 
 # Contacts of each problem.
@@ -91,6 +92,27 @@ class CommandLine(Solve):
         said = self.solve("text.hdf5", code=2).stderr
         self.assertRegex(said, "this is no HDF5 file" if has_hdf5() else "built without HDF5")
         self.assertEqual(said.count("\n"), 1)
+
+
+class Own(Solve):
+    """The default solver on steps of our own decks, in the plane and in space, in both forms."""
+
+    def test_default_solves_steps_of_our_decks(self):
+        if not has_hdf5():
+            self.skipTest("built without HDF5")
+        for name in SMALL:
+            with self.subTest(name=name):
+                local = dump(PROGRAM, self.place, name)
+                rows = self.solve_json(local, local.with_name(local.name.replace("local", "global")), "--tolerance", TOLERANCE)
+                self.assertEqual([row["dimension"] for row in rows], [2 if "plane" in name else 3] * 2)
+                self.assertEqual(rows[0]["contacts"], rows[1]["contacts"])
+                # One sweep does not do: these are no trivial problems.
+                first, = self.solve_json(local, "--solver", "nlgs", "--iterations", 1, code=3)
+                self.assertGreater(first["e1"], TOLERANCE)
+                for row in rows:
+                    self.assertGreater(row["contacts"], 20)
+                    self.assertIs(row["converged"], True)
+                    self.assertLessEqual(row["e1"], TOLERANCE)
 
 
 class Real(Solve):
