@@ -34,6 +34,7 @@ program test_solver_space
   call test_extreme()
   call test_laws()
   call test_orders()
+  call test_crowd()
   call test_column()
   call test_criteria()
   call test_nothing()
@@ -369,6 +370,44 @@ contains
       end do
     end do
   end subroutine test_orders
+
+  !> Eighty spheres fly at one as light as they are: more contacts of one body than a block has groups. Those beyond must not be
+  !! swept side by side, or the sweep overshoots.
+  subroutine test_crowd()
+    integer, parameter :: n = 80
+    type(problem_t) :: start, natural, groups
+    type(nlgs_t) :: solver
+    type(report_t) :: report
+    type(random_t) :: random
+    real(wp) :: normal(3)
+    integer :: k, c
+
+    call random%seed(13)
+    call reserve_problem(start, ball_frictional, n + 1, n)
+    start%free_norm = 1
+    start%velocity_scale = 1
+    do k = 1, n
+      do c = 1, 3
+        normal(c) = random%normal()
+      end do
+      normal = normal/norm2(normal)
+      start%pair(:, k) = [k + 1, 1]
+      start%record(:, k) = [normal, 0.0_wp, 0.0_wp, 0.0_wp, 0.5_wp, 1/7.0_wp, 0.3_wp]
+      start%body(1:3, k + 1) = -random%uniform()*normal
+    end do
+    start%body(7, :) = 1
+    start%body(8, :) = 2.5_wp
+    natural = start
+    groups = start
+    solver = solver_of(criterion_e8, 1e-13_wp, 2000)
+    solver%options%order = 'natural'
+    call solver%solve(natural, report)
+    call t%check(report%is_converged, 'crowd: natural order converged')
+    solver = solver_of(criterion_e8, 1e-13_wp, 2000)
+    call solver%solve(groups, report)
+    call t%check(report%is_converged, 'crowd: groups converged')
+    call t%near(maxval(abs(natural%body(1:6, :) - groups%body(1:6, :))), 0.0_wp, 1e-10_wp, 'crowd: the same velocities')
+  end subroutine test_crowd
 
   !> A column of spheres or of boxes on a floor.
   subroutine make_column(kind, n_column, problem, sim)
