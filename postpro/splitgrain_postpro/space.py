@@ -409,7 +409,7 @@ def _draw_axis(ax, k, sides, box, axes, size, middle):
     ticks = [x for x in MaxNLocator(steps, steps=[1, 2, 2.5, 5, 10]).tick_values(*box[:, k]) if box[0, k] <= x <= box[1, k]]
     lines = [np.array([start, end])] + [np.array([place(x), place(x) + 0.012 * size * out]) for x in ticks]
     ax.add_collection(LineCollection(lines, colors="#444444", linewidths=0.8, zorder=3, clip_on=False), autolim=False)
-    align = {"ha": "left" if out[0] > 0.5 else "right" if out[0] < -0.5 else "center",
+    align = {"ha": "left" if out[0] > 0.15 else "right" if out[0] < -0.15 else "center",
              "va": "bottom" if out[1] > 0.5 else "top" if out[1] < -0.5 else "center"}
     for x in ticks:
         ax.text(*(place(x) + 0.02 * size * out), f"{x:g}", fontsize=8, zorder=3, **align)
