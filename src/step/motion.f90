@@ -6,7 +6,7 @@ module sg_motion
   use sg_drives, only: drive_forces, drive_velocities
   use sg_free_spin, only: free_spin
   use sg_kinds, only: wp
-  use sg_rotations, only: turned_on
+  use sg_rotations, only: turned_back, turned_by, turned_on
   use sg_scene, only: scene_t
   implicit none
   private
@@ -82,8 +82,20 @@ contains
       do b = 1, bodies%n
         bodies%orientation(:, b) = turned_on(bodies%orientation(:, b), &
                                              h*((1 - theta)*bodies%velocity(4:6, b) + theta*bodies%free_velocity(4:6, b)))
+        if (keeps_spin(bodies%principal(:, b), bodies%inverse_mass(4:6, b))) then
+          bodies%free_velocity(4:6, b) = turned_back(bodies%orientation(:, b), &
+                                                     turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b)))
+        end if
       end do
     end select
     bodies%velocity = bodies%free_velocity
   end subroutine update
+
+  !> Is the spin of a body its angular momentum over one moment of inertia? Then it is kept as a vector of the world: the frame
+  !! that carries it turns on from the `middle`, where contacts changed it, about an axis that is not its own.
+  pure logical function keeps_spin(principal, inverse)
+    real(wp), intent(in) :: principal(3), inverse(3)
+
+    keeps_spin = minval(inverse) > 0 .and. maxval(principal) - minval(principal) <= 16*epsilon(1.0_wp)*maxval(principal)
+  end function keeps_spin
 end module sg_motion
