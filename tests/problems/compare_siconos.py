@@ -32,6 +32,8 @@ from own_problems import LARGE, SMALL, SOURCE, dump
 WORKER = Path(__file__).with_name("siconos_worker.py")
 MARKERS = ("<!-- tables: begin -->", "<!-- tables: end -->")
 TOLERANCE = 1e-8
+RESOLUTION = 3e-4
+"""CPU seconds that clocks tell apart"""
 LOCK = threading.Lock()
 OURS = ("auto", "nlgs", "accelerated", "proximal", "interior")
 # One thread each: both codes are measured in CPU seconds of one core.
@@ -172,14 +174,14 @@ def show(run):
     """Seconds to the tolerance, or the lowest error in parentheses."""
     seconds = run.seconds_to(TOLERANCE)
     if seconds is not None:
-        return f"{seconds:.2g}"
+        return f"{seconds:.2g}" if seconds >= RESOLUTION else f"< {RESOLUTION:g}"
     return run.last or (f"({run.lowest():.0e})" if run.points else "(no answer)")
 
 
 def best(runs):
     """The fastest of some solvers, by name and time."""
     solved = [(run.seconds_to(TOLERANCE), name) for name, run in runs.items() if run.seconds_to(TOLERANCE) is not None]
-    return "{1} {0:.2g}".format(*min(solved)) if solved else "none"
+    return f"{min(solved)[1]} {show(runs[min(solved)[1]])}" if solved else "none"
 
 
 def table(head, rows):
@@ -204,12 +206,14 @@ def tables(problems, seconds):
 
 
 def winner(problem):
-    """Which code is faster, each by its best solver; a tie within a factor of 1.5."""
+    """Which code is faster, each by its best solver; a tie within a factor of 1.5, or where clocks do not tell."""
     ours, theirs = (min((t for run in runs.values() if (t := run.seconds_to(TOLERANCE)) is not None), default=float("inf"))
                     for runs in (problem.ours, problem.theirs))
     if ours == theirs == float("inf"):
         return "none"
-    if max(ours, theirs) <= 1.5 * min(ours, theirs):
+    if float("inf") in (ours, theirs):
+        return "Siconos alone" if ours > theirs else "ours alone"
+    if max(ours, theirs) <= max(1.5 * min(ours, theirs), RESOLUTION):
         return "as fast"
     return f"ours, {theirs / ours:.2g} times" if ours < theirs else f"Siconos, {ours / theirs:.2g} times"
 
