@@ -258,9 +258,9 @@ def draw(problems, file):
         axis.axis("off")
     space = next((axis for axis, problem in zip(axes.flat, problems) if problem.dimension == 3), axes.flat[0])
     figure.legend(*space.get_legend_handles_labels(), loc="lower center", ncol=5, fontsize=8)
-    figure.supxlabel("CPU time [s]", y=0.045, fontsize=9)
+    figure.supxlabel("CPU time [s]", y=0.65 / (3 * rows), fontsize=9)
     figure.supylabel("e1", fontsize=9)
-    figure.tight_layout(rect=(0.01, 0.055, 1, 1))
+    figure.tight_layout(rect=(0.01, 0.9 / (3 * rows), 1, 1))
     figure.savefig(file, dpi=80)
 
 
