@@ -103,8 +103,9 @@ def check(problem, solver, row, answer, again, place):
     """What is wrong with an answer and its printed figures, as sentences."""
     import numpy as np
 
-    for name in ("e1", "e2", "e8"):
-        if abs(row[name] - getattr(again, name)) > 1e-6 * row[name] + again.rounding:
+    # The program takes largest eigenvalues from 256th powers: to 1e-3 at worst, where two are nearly alike.
+    for name, share in (("e1", 1e-6), ("e2", 1e-6), ("e8", 1e-3)):
+        if abs(row[name] - getattr(again, name)) > share * row[name] + again.rounding:
             yield f"{problem.name}, {solver}: {name} is {getattr(again, name):.3e}, printed {row[name]:.3e}"
     if solver == "auto" and again.e1 > TOLERANCE:
         yield f"{problem.name}: the default solver stays at e1 = {again.e1:.1e}"
