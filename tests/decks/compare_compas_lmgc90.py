@@ -10,8 +10,8 @@ Run it with a Python that has compas_lmgc90, h5py and numpy:
 
 Without compas_lmgc90 one sentence is said and nothing is done. --write puts the table between the two markers of FILE
 (doc/verification.md). Exit code 1 when what has one solution differs: points of each joint, what each course carries, for
-stacks also the centre of pressure of each joint; and the way of the brick that moves farthest in two scenes that fall. Single forces, and
-the share of each joint of a wall, have many solutions.
+stacks also the centre of pressure of each joint; and the way of the brick that moves farthest in two scenes that fall.
+Single forces, and the share of each joint of a wall, have many solutions.
 """
 
 import json

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Solve contact problems by Siconos and by `splitgrain solve`, side by side: error against CPU time.
 
-usage: compare_siconos.py PROGRAM [--seconds S] [--jobs N] [--only WORD ...] [--results FILE.json] [--write FILE] [--picture FILE.png]
+usage: compare_siconos.py PROGRAM [--seconds S] [--jobs N] [--only WORD ...]
+                          [--results FILE.json] [--write FILE] [--picture FILE.png]
 
 Needs the Python bindings of Siconos (Debian: python3-siconos), h5py, scipy and matplotlib; without Siconos one sentence is
-said and nothing is done. --results keeps what was measured, and measures only what is not there yet. Problems are the files of ${SPLITGRAIN_SHARED}/problems or ../shared/problems beside the source,
-where there are any, and some of input_decks, dumped here. Errors of both are recomputed by numpy from W, q, mu and r.
+said and nothing is done. --results keeps what was measured, and measures only what is not there yet.
+Problems are the files of ${SPLITGRAIN_SHARED}/problems or ../shared/problems beside the source, where there are any, and some of input_decks, dumped here. Errors of both are recomputed by numpy from W, q, mu and r.
 
 Exit code 1 when an error that `splitgrain solve` prints is not that of its answer, when its default solver leaves a problem
 above e1 = 1e-8, or when Siconos finds a larger error in an answer than we do. Times are not judged.
