@@ -48,7 +48,7 @@ contains
     integer :: k
     integer(i4) :: c, a
     real(wp) :: x, y, z, tx, ty, tz, bx, by, bz, ux, uy, uz, px, py, pz
-    real(wp) :: q_n, q_1, q_2, r_n, r_1, r_2, old_n, old_1, old_2, lead, slip, square, guess
+    real(wp) :: q_n, q_1, q_2, r_n, r_1, r_2, old_n, old_1, old_2, lead, slip, square, inverse, g_1, g_2
 
     do k = 1, n
       if (record(25, k) < 0.5_wp) cycle
@@ -80,19 +80,20 @@ contains
       q_n = x*ux + y*uy + z*uz + record(23, k)*old_n
       q_1 = tx*ux + ty*uy + tz*uz
       q_2 = bx*ux + by*uy + bz*uz
-      guess = -1
       slip = q_1**2 + q_2**2
       square = old_1**2 + old_2**2
-      if (square > tiny(square)*(1 + slip)) guess = sqrt(slip/square)
       q_1 = q_1 + (record(24, k) - record(19, k))*old_1
       q_2 = q_2 + (record(24, k) - record(20, k))*old_2
       old_n = old_n + record(22, k)
-      lead = old_n + (record(17, k)*old_1 + record(18, k)*old_2)/record(16, k)
+      inverse = 1/record(16, k)
+      g_1 = record(17, k)*inverse
+      g_2 = record(18, k)*inverse
+      lead = old_n + g_1*old_1 + g_2*old_2
       q_n = q_n - record(16, k)*lead
       q_1 = q_1 - record(17, k)*lead
       q_2 = q_2 - record(18, k)*lead
-      call local_step(record(16, k), record(17, k), record(18, k), record(19, k), record(20, k), record(21, k), &
-                      record(25, k) > 1.5_wp, q_n, q_1, q_2, guess, r_n, r_1, r_2)
+      call local_step(inverse, g_1, g_2, record(19, k), record(20, k), record(21, k), &
+                      record(25, k) > 1.5_wp, q_n, q_1, q_2, slip, square, r_n, r_1, r_2)
       r_n = relaxation*(r_n - old_n)
       r_1 = relaxation*(r_1 - old_1)
       r_2 = relaxation*(r_2 - old_2)
@@ -128,52 +129,52 @@ contains
   !! Sliding with velocity alpha r_t against itself is r_i = -s_i/(S_i + alpha), and alpha >= 0 is where |r_t| meets
   !! friction r_n: below zero or infinite at alpha = 0, above as alpha grows, so that it lies in a bracket that only
   !! shrinks. Private, so that it is compiled into the sweep.
-  pure subroutine local_step(w_nn, w_1, w_2, s_1, s_2, friction, is_linear, q_n, q_1, q_2, guess, r_n, r_1, r_2)
-    real(wp), intent(in) :: w_nn, w_1, w_2 !! first row of W [1/kg]
+  pure subroutine local_step(inverse, g_1, g_2, s_1, s_2, friction, is_linear, q_n, q_1, q_2, slip, before, r_n, r_1, r_2)
+    real(wp), intent(in) :: inverse, g_1, g_2 !! 1/W_nn [kg], and w/W_nn
     real(wp), intent(in) :: s_1, s_2 !! Schur complement, diagonal [1/kg]
     real(wp), intent(in) :: friction !! Coulomb coefficient
     logical, intent(in) :: is_linear !! does the law ask u = 0 without any inequality?
     real(wp), intent(in) :: q_n, q_1, q_2 !! velocity without this impulse [m/s]
-    real(wp), intent(in) :: guess !! slip over tangential impulse before, negative where there is none [1/kg]
+    real(wp), intent(in) :: slip, before !! squares of tangential velocity and impulse at the last visit
     real(wp), intent(out) :: r_n, r_1, r_2 !! impulse [N s]
-    real(wp) :: t_1, t_2
+    real(wp) :: h_n, t_1, t_2, both
 
     r_n = 0
     r_1 = 0
     r_2 = 0
     if (q_n >= 0 .and. .not. is_linear) return
-    t_1 = w_1*q_n/w_nn - q_1
-    t_2 = w_2*q_n/w_nn - q_2
+    h_n = -q_n*inverse
+    t_1 = g_1*q_n - q_1
+    t_2 = g_2*q_n - q_2
     if (.not. is_linear .and. .not. friction > 0) then
-      r_n = -q_n/w_nn
+      r_n = h_n
       return
     end if
-    r_1 = t_1/s_1
-    r_2 = t_2/s_2
-    r_n = -(q_n + w_1*r_1 + w_2*r_2)/w_nn
+    both = 1/(s_1*s_2)
+    r_1 = t_1*(s_2*both)
+    r_2 = t_2*(s_1*both)
+    r_n = h_n - g_1*r_1 - g_2*r_2
     if (is_linear) return
     if (r_n >= 0 .and. r_1**2 + r_2**2 <= (friction*r_n)**2) return
-    call slide(w_nn, w_1, w_2, s_1, s_2, friction, q_n, t_1, t_2, guess, r_n, r_1, r_2)
+    call slide(g_1, g_2, s_1, s_2, friction, h_n, t_1, t_2, slip, before, r_n, r_1, r_2)
   end subroutine local_step
 
   !> The sliding case: Newton's method for friction r_n/|r_t| = 1, a nearly straight line in alpha, within a bracket.
-  pure subroutine slide(w_nn, w_1, w_2, s_1, s_2, friction, q_n, t_1, t_2, guess, r_n, r_1, r_2)
-    real(wp), intent(in) :: w_nn, w_1, w_2, s_1, s_2, friction, q_n, t_1, t_2
-    real(wp), intent(in) :: guess !! slip over tangential impulse before, negative where there is none [1/kg]
+  pure subroutine slide(g_1, g_2, s_1, s_2, friction, h_n, t_1, t_2, slip, before, r_n, r_1, r_2)
+    real(wp), intent(in) :: g_1, g_2, s_1, s_2, friction
+    real(wp), intent(in) :: h_n !! normal impulse without a tangential one [N s]
+    real(wp), intent(in) :: t_1, t_2, slip, before
     real(wp), intent(out) :: r_n, r_1, r_2
     integer, parameter :: most_rounds = 60
     real(wp), parameter :: enough = 1e-13_wp
-    real(wp) :: alpha, low, high, a_1, a_2, d_1, d_2, square, length, value, slope, inverse, g_1, g_2, h_n
+    real(wp) :: alpha, low, high, a_1, a_2, d_1, d_2, square, length, value, slope, inverse
     integer :: round
 
-    inverse = 1/w_nn
-    g_1 = w_1*inverse
-    g_2 = w_2*inverse
-    h_n = -q_n*inverse
     low = 0
     high = huge(high)
-    alpha = guess
-    if (guess < 0) then
+    if (before > tiny(before)*(1 + slip)) then
+      alpha = sqrt(slip/before)
+    else
       length = sqrt(t_1**2 + t_2**2)
       alpha = 0
       if (friction*h_n > tiny(alpha)*length) alpha = max(0.0_wp, length/(friction*h_n) - 0.5_wp*(s_1 + s_2))
@@ -187,8 +188,6 @@ contains
       r_1 = t_1*d_1
       r_2 = t_2*d_2
       r_n = h_n - g_1*r_1 - g_2*r_2
-      d_1 = r_1*d_1
-      d_2 = r_2*d_2
       square = r_1**2 + r_2**2
       length = sqrt(square)
       value = friction*r_n - length
@@ -196,6 +195,8 @@ contains
       if (value < 0) low = alpha
       if (value > 0) high = alpha
       ! The slope of friction r_n/length, times length^3: a step to the root, bisection where it leaves the bracket.
+      d_1 = r_1*d_1
+      d_2 = r_2*d_2
       slope = friction*((g_1*d_1 + g_2*d_2)*square + r_n*(r_1*d_1 + r_2*d_2))
       if (slope > tiny(slope)) then
         alpha = alpha - value*square/slope
@@ -203,6 +204,7 @@ contains
       end if
       if (high < huge(high)) then
         alpha = 0.5_wp*(low + high)
+        if (high > 4*(low + s_1 + s_2)) alpha = sqrt(high)*sqrt(low + s_1 + s_2)
       else
         alpha = 4*low + s_1 + s_2
       end if

@@ -386,7 +386,7 @@ contains
     character(len=*), parameter :: solid = space//'[[body]]'//nl//'shape = "polyhedron"'//nl//'file = '
     integer :: unit
 
-    call bad('no such mesh', solid//'"none.stl"'//nl, 'none.stl', 12)
+    call bad('no such mesh', solid//'"no_such_mesh.stl"'//nl, 'no_such_mesh.stl', 12)
     call bad('no mesh', solid//'"bad.toml"'//nl, 'ends in .stl or .obj', 12)
     open (newunit=unit, file='bad.obj', status='replace')
     write (unit, '(a)') 'v 0 0 0', 'v 1 0 0', 'v 0 1 0', 'v 0 0 x', 'f 1 2 3'

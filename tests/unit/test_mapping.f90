@@ -199,7 +199,8 @@ contains
       law = local_law(sim%scene%laws(1), sim%contacts%gap(k), h, before, sim%contacts%status(k))
       if (.not. law%is_active) cycle
       r(:m) = sim%problem%impulse(:, k)
-      u = relative_velocity(sim%contacts, k, sim%scene%bodies%middle, sim%scene%period, velocity) + law%bias + law%compliance*r
+      u = relative_velocity(sim%contacts, k, sim%scene%bodies%middle, sim%scene%period, velocity) + law%bias(:2) &
+          + law%compliance*r
       got = compact_velocity(sim%problem, k)
       misfit = max(misfit, maxval(abs(got(:m) - u(:m))))
     end do
