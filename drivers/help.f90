@@ -2,9 +2,11 @@
 module sg_help
   use, intrinsic :: iso_fortran_env, only: compiler_version
   use sg_comm, only: comm_t
+  use sg_convex_hull, only: hull_is_available
   use sg_fourier, only: fourier_is_available
   use sg_graph_split, only: graph_splits
   use sg_hdf5, only: hdf5_is_available
+  use sg_sparse_factor, only: has_sparse_library
   use sg_version, only: commit, compiler_flags, version
   implicit none
   private
@@ -105,7 +107,8 @@ contains
     if (len(library) == 0) library = 'off'
     write (*, '(a)') 'splitgrain '//version, 'commit    '//commit, 'compiler  '//compiler_version(), &
       'flags     '//compiler_flags, 'MPI       '//library, 'HDF5      '//on_or_off(hdf5_is_available()), &
-      'METIS     '//on_or_off(graph_splits()), 'FFTW      '//on_or_off(fourier_is_available())
+      'METIS     '//on_or_off(graph_splits()), 'FFTW      '//on_or_off(fourier_is_available()), &
+      'UMFPACK   '//on_or_off(has_sparse_library()), 'Qhull     '//on_or_off(hull_is_available())
   end subroutine print_version
 
   !> Is a library in?

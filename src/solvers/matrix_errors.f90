@@ -82,7 +82,7 @@ contains
     if (.not. maxval(abs(s)) > 0) return
     ! Powers of the matrix, squared and scaled, leave its largest eigenvector in every column that has a part of it.
     x = 0
-    do i = 1, 8
+    do i = 1, 20
       s = matmul(s, s)
       s = s/maxval(abs(s))
     end do

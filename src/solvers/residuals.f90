@@ -253,7 +253,7 @@ contains
         a%u_t(i) = record(2, i)*x - record(1, i)*y + record(4, i)*body(3, c) - record(6, i)*body(3, d) &
                    + record(8, i) + record(15, i)*r(2, i)
       end associate
-      a%r_n(i) = r(1, i) + record(13, i)
+      a%r_n(i) = r(1, i) + merge(record(13, i), 0.0_wp, record(16, i) > 0.5_wp)
       a%r_t(i) = r(2, i)
       a%friction(i) = record(12, i)
       largest = (record(9, i) + record(11, i))/2 + sqrt((record(9, i) - record(11, i))**2/4 + record(10, i)**2)

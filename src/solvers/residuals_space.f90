@@ -149,7 +149,7 @@ contains
         a%rho(i) = scale_of(problem%kind, record)
         if (problem%kind == solid_frictional) then
           a%normal(i, :) = record(1:3)
-          a%r(i, :) = r + record(22)*record(1:3)
+          a%r(i, :) = r + merge(record(22), 0.0_wp, record(25) > 0.5_wp)*record(1:3)
           a%friction(i) = record(21)
           a%linear(i) = merge(1.0_wp, 0.0_wp, record(25) > 1.5_wp)
         else

@@ -86,11 +86,11 @@ class Cli(unittest.TestCase):
 class Commands(Cli):
     def test_version_names_compiler_and_libraries(self):
         printed = self.run_program("--version").stdout
-        for word in ("splitgrain", "commit", "compiler", "flags", "MPI", "HDF5", "METIS", "FFTW"):
+        for word in ("splitgrain", "commit", "compiler", "flags", "MPI", "HDF5", "METIS", "FFTW", "UMFPACK", "Qhull"):
             self.assertIn(word, printed)
 
     def test_help_everywhere(self):
-        for command in ("run", "check", "reference", "convert", "bench", "partition"):
+        for command in ("run", "check", "reference", "convert", "bench", "partition", "solve"):
             self.assertIn(command, self.run_program(command, "--help").stdout)
         self.assertIn("run DECK", self.run_program("--help").stdout)
 
@@ -147,6 +147,37 @@ class Decks(Cli):
                 self.assertEqual(checked.returncode, 0, checked.stderr)
                 self.run_program("run", deck, "--set", "time.steps=3", *without, "--output", deck.stem, "--quiet")
                 self.assertEqual(self.run_json(deck.stem)["steps"], 3)
+
+
+class Dumps(Cli):
+    def solve(self, *files):
+        lines = self.run_program("solve", *files, "--json").stdout.splitlines()
+        return [json.loads(line) for line in lines]
+
+    def test_asked_for(self):
+        if not self.has_library("HDF5"):
+            said = self.run_program("run", "fall.toml", "--dump", "100", code=2).stderr
+            self.assertIn("no HDF5", said)
+            return
+        self.run_program("run", "fall.toml", "--dump", "100,118-119")
+        files = [f"fall.results/dump-{step}-{form}.hdf5" for step in (100, 118, 119) for form in ("local", "global")]
+        solved = self.solve(*files)
+        self.assertTrue(all(answer["converged"] for answer in solved))
+        self.assertTrue(all(answer["contacts"] > 0 for answer in solved))
+        self.assertEqual(self.run_json()["file_dump_119"], "dump-119-local.hdf5")
+
+    def test_of_a_step_that_fails(self):
+        if not self.has_library("HDF5"):
+            self.skipTest("built without HDF5")
+        few = ["--set", "solver.maximum_sweeps=1", "--set", "solver.check_every=1", "--set", "solver.stop_unconverged=true"]
+        self.run_program("run", "fall.toml", *few, code=3)
+        step = self.run_json()["steps"]
+        answer, = self.solve(f"fall.results/dump-{step}-local.hdf5")
+        self.assertTrue(answer["converged"])
+
+    def test_bad_lists(self):
+        for words in ("x", "0", "5-3", "1,,2", "-4"):
+            self.assertIn("--dump", self.run_program("run", "fall.toml", f"--dump={words}", code=2).stderr)
 
 
 class Partition(Cli):
