@@ -25,8 +25,8 @@ module sg_run_summary
   type :: run_summary_t
     !> How the run ended, one of `run_*`, and one sentence that says why (empty when done)
     character(len=:), allocatable :: status, reason
-    !> Path and hash of the deck, folder of the results, name of the stopping criterion
-    character(len=:), allocatable :: deck, deck_hash, folder, criterion
+    !> Path and hash of the deck, folder of the results, solver, name of the stopping criterion
+    character(len=:), allocatable :: deck, deck_hash, folder, method, criterion
     !> Tolerance of the stopping criterion
     real(wp) :: tolerance = 0
     !> Dimension of space, number of ranks, bodies, and steps asked
@@ -62,6 +62,7 @@ contains
     self%deck = deck
     if (allocated(options%deck_hash)) self%deck_hash = options%deck_hash
     if (allocated(options%folder)) self%folder = options%folder
+    self%method = trim(options%solver%method)
     self%criterion = trim(criterion_names(options%solver%criterion))
     self%tolerance = options%solver%tolerance
     self%dimension = scene%dimension
@@ -151,6 +152,7 @@ contains
     call json%add('commit', commit)
     call json%add('deck', known(summary%deck, ''))
     call json%add('deck_hash', known(summary%deck_hash, ''))
+    call json%add('solver', known(summary%method, ''))
     call json%add('criterion', known(summary%criterion, ''))
     call json%add('tolerance', summary%tolerance)
     call json%add('dimension', summary%dimension)

@@ -40,7 +40,7 @@ contains
                 fixed(measures%get('coordination'), 2)//', walls carry '//percent(measures%get('floor_share'))// &
                 ' of the weight')
       call line('cost', fixed(totals%clock%cpu, 2)//' s CPU ('//phase_words(totals)//'), '//fixed(totals%clock%wall, 2)//' s wall')
-      call line('solver', effort_words(totals))
+      call line('solver', effort_words(totals, summary%method == 'nlgs'))
       call line('memory', megabytes(peak_memory_bytes())//', '//to_text(nint(totals%bytes_per_contact))// &
                 ' bytes a contact in the contact problem')
       if (allocated(summary%files)) call line('files', joined(summary%files, ', ')//' in '//summary%folder)
@@ -83,12 +83,16 @@ contains
     end do
   end function phase_words
 
-  !> Sweeps a step, and contact updates per CPU second of the solver.
-  pure function effort_words(totals) result(words)
+  !> Sweeps a step, and contact updates per CPU second of the solver; of solvers that do more than sweep, iterations.
+  pure function effort_words(totals, sweeps) result(words)
     type(totals_t), intent(in) :: totals
+    logical, intent(in) :: sweeps
     character(len=:), allocatable :: words
 
-    words = fixed(real(totals%sweeps, wp)/real(max(1, totals%steps), wp), 1)//' sweeps a step, '// &
+    words = fixed(real(totals%sweeps, wp)/real(max(1, totals%steps), wp), 1)//merge(' sweeps    ', ' iterations', sweeps)
+    words = trim(words)//' a step'
+    if (.not. sweeps) return
+    words = words//', '// &
             to_text(totals%contact_updates)//' contact updates'
     if (.not. totals%phase(phase_solve)%cpu > 0) return
     words = words//', '//fixed(real(totals%contact_updates, wp)/totals%phase(phase_solve)%cpu/1e6_wp, 1)// &

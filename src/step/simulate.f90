@@ -76,7 +76,8 @@ contains
     character(len=:), allocatable :: text
 
     text = 'solver     '//trim(options%solver%method)//' until '//trim(criterion_names(options%solver%criterion))//' <= ' &
-           //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps)//' sweeps'//new_line('a') &
+           //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps) &
+           //trim(merge(' sweeps    ', ' iterations', options%solver%method == 'nlgs'))//new_line('a') &
            //'outputs    '//every('record', options%record_every)//', '//every('pictures', options%output_every)//', ' &
            //every('checkpoints', options%restart_every)//new_line('a')//'time       '//to_text(options%steps)//' steps of ' &
            //to_text(options%step, 4)//' s; results in '//options%folder
