@@ -86,7 +86,11 @@ contains
     real(wp), intent(in) :: skin !! how far shapes may move, two together, before the list is made again [m]
     integer(i4), allocatable :: table(:, :)
 
-    pairs%built = configuration
+    if (allocated(pairs%built)) then
+      if (any(shape(pairs%built) /= shape(configuration))) deallocate (pairs%built)
+    end if
+    if (.not. allocated(pairs%built)) allocate (pairs%built(size(configuration, 1), size(configuration, 2)))
+    pairs%built(:, :) = configuration
     if (scene%period > 0) call wrap(scene%bodies, pairs%built, 1, scene%period, scene%bodies%crossings)
     if (scene%period_y > 0) call wrap(scene%bodies, pairs%built, 2, scene%period_y, scene%bodies%crossings_y)
     call place_contactors(scene%contactors, pairs%built)

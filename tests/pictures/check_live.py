@@ -1,7 +1,11 @@
 """Open pictures while a program writes them, and after that program was killed.
 
 usage: check_live.py PROGRAM FOLDER
+       check_live.py --steps FOLDER      print the number of whole steps of the pictures in a folder
+       check_live.py --killed FOLDER N   check pictures of a program that was killed after it had written N steps
        PROGRAM is the unit test test_pictures, which called with a folder writes pictures there until it is killed.
+
+Every look is a process of its own: a library that has met a file amid a flush may be in no state to read the next one.
 """
 import subprocess
 import sys
@@ -9,7 +13,6 @@ import time
 from pathlib import Path
 
 import h5py
-import vtk
 
 NAMES = ("bodies", "shapes", "contacts")
 
@@ -35,6 +38,8 @@ def whole_steps(path):
 
 
 def last_step_in_vtk(path):
+    import vtk  # not for the looks at a growing file: it takes long to load
+
     reader = vtk.vtkHDFReader()
     reader.SetFileName(str(path))
     reader.UpdateInformation()
@@ -45,31 +50,53 @@ def last_step_in_vtk(path):
     return last + 1
 
 
-def main():
-    program, folder = sys.argv[1], Path(sys.argv[2])
-    writer = subprocess.Popen([program, str(folder)])
-    try:
-        seen = []
-        deadline = time.monotonic() + 60
-        while len(set(seen)) < 20 and time.monotonic() < deadline:
-            time.sleep(0.1)
-            assert writer.poll() is None, "the writer ended by itself"
-            if not all((folder / f"{name}.vtkhdf").exists() for name in NAMES):
-                continue
-            try:
-                seen.append(min(whole_steps(folder / f"{name}.vtkhdf") for name in NAMES))
-            except (OSError, KeyError, RuntimeError) as unlucky:  # caught the writer amid a flush
-                print("seen amid a flush:", unlucky)
-        assert len(set(seen)) >= 20, f"the number of steps did not grow: {seen}"
-        assert seen == sorted(seen), "the number of steps shrank"
-    finally:
-        writer.kill()
-        writer.wait()
+def look(*words):
+    return subprocess.run([sys.executable, __file__, *map(str, words)], capture_output=True, text=True)
+
+
+def check_killed(folder, least):
     for name in NAMES:
         path = folder / f"{name}.vtkhdf"
         steps = whole_steps(path)
-        assert steps >= seen[-1] and last_step_in_vtk(path) == steps, f"{name} after the kill"
+        assert steps >= least and last_step_in_vtk(path) == steps, f"{name} after the kill"
         print(f"{name}: {steps} steps after the kill")
+
+
+def watch(program, folder):
+    """Numbers of whole steps seen while a program writes, which is then killed."""
+    writer = subprocess.Popen([program, str(folder)])
+    seen = []
+    try:
+        deadline = time.monotonic() + 90
+        while len(set(seen)) < 20 and time.monotonic() < deadline:
+            assert writer.poll() is None, "the writer ended by itself"
+            if not all((folder / f"{name}.vtkhdf").exists() for name in NAMES):
+                continue
+            done = look("--steps", folder)
+            if done.returncode == 0:
+                seen.append(int(done.stdout))
+            else:  # caught the writer amid a flush
+                print("seen amid a flush:", (done.stderr.splitlines() or [f"exit {done.returncode}"])[-1])
+    finally:
+        writer.kill()
+        writer.wait()
+    return seen
+
+
+def main():
+    if sys.argv[1] == "--steps":
+        print(min(whole_steps(Path(sys.argv[2]) / f"{name}.vtkhdf") for name in NAMES))
+        return
+    if sys.argv[1] == "--killed":
+        check_killed(Path(sys.argv[2]), int(sys.argv[3]))
+        return
+    folder = Path(sys.argv[2])
+    seen = watch(sys.argv[1], folder)
+    assert len(set(seen)) >= 20, f"the number of steps did not grow: {seen}"
+    assert seen == sorted(seen), "the number of steps shrank"
+    done = look("--killed", folder, seen[-1])
+    print(done.stdout, end="")
+    assert done.returncode == 0, done.stderr
     print("0 failed")
 
 
