@@ -3,7 +3,7 @@ module sg_verdict
   use sg_kinds, only: wp, i8
   use sg_run_summary, only: run_summary_t
   use sg_system, only: peak_memory_bytes
-  use sg_text, only: joined, to_text
+  use sg_text, only: joined, text_t, to_text
   use sg_totals, only: n_phases, phase_names, phase_solve, totals_t
   implicit none
   private
@@ -43,7 +43,7 @@ contains
       call line('solver', effort_words(totals, summary%method == 'nlgs'))
       call line('memory', megabytes(peak_memory_bytes())//', '//to_text(nint(totals%bytes_per_contact))// &
                 ' bytes a contact in the contact problem')
-      if (allocated(summary%files)) call line('files', joined(summary%files, ', ')//' in '//summary%folder)
+      if (allocated(summary%files)) call line('files', file_words(summary%files)//' in '//summary%folder)
     end associate
 
   contains
@@ -57,6 +57,16 @@ contains
       write (unit, '(a)') '  '//column//text
     end subroutine line
   end subroutine print_verdict
+
+  !> Names of the files, and how many more there are (dumps of many steps).
+  pure function file_words(files) result(words)
+    type(text_t), intent(in) :: files(:)
+    character(len=:), allocatable :: words
+    integer, parameter :: most = 8
+
+    words = joined(files(:min(most, size(files))), ', ')
+    if (size(files) > most) words = words//' and '//to_text(size(files) - most)//' more'
+  end function file_words
 
   !> The deepest penetration, absolute and over the mean radius.
   pure function penetration_words(deepest, radius) result(words)

@@ -215,7 +215,7 @@ contains
            //used(.not. plan%is_round, 'lever arms')//used(scene%period > 0, 'period in x') &
            //used(scene%period_y > 0, 'period in y') &
            //used(size(scene%drives) > 0, 'drives')//used(size(scene%pressures) > 0, 'pressures')
-    text = text//nl//'left out   '//merge('3D', '2D', scene%dimension == 2)//', decomposition' &
+    text = text//nl//'left out   decomposition'//used(scene%dimension == 2, '3D') &
            //used(.not. plan%has_tangent, 'friction') &
            //used(.not. plan%has_rotation, 'rotation')//used(plan%is_round, 'lever arms') &
            //used(.not. max(scene%period, scene%period_y) > 0, 'period')//used(size(scene%drives) == 0, 'drives') &

@@ -69,33 +69,40 @@ contains
     character(len=*), intent(in) :: list !! what the user wrote
     integer, allocatable, intent(out) :: steps(:, :) !! first and last step of each range, shape (2, ranges)
     type(error_t), allocatable, intent(out) :: error !! set when it is no such list
-    integer :: i, first, comma, dash, status(2), n
+    integer :: i, first, last
 
-    n = 1 + count([(list(i:i) == ',', i=1, len(list))])
-    allocate (steps(2, n), source=0)
+    allocate (steps(2, 1 + count([(list(i:i) == ',', i=1, len(list))])), source=0)
     first = 1
-    do i = 1, n
-      comma = index(list(first:), ',')
-      if (comma == 0) comma = len(list) - first + 2
-      associate (word => list(first:first + comma - 2))
-        dash = index(word, '-')
-        if (dash == 0) dash = len(word) + 1
-        status = 1
-        if (dash > 1 .and. verify(word(:dash - 1), '0123456789') == 0) read (word(:dash - 1), *, iostat=status(1)) steps(1, i)
-        steps(2, i) = steps(1, i)
-        if (dash > len(word)) then
-          status(2) = status(1)
-        else if (dash < len(word)) then
-          if (verify(word(dash + 1:), '0123456789') == 0) read (word(dash + 1:), *, iostat=status(2)) steps(2, i)
-        end if
-      end associate
-      if (any(status /= 0) .or. steps(1, i) < 1 .or. steps(2, i) < steps(1, i)) then
-        call fail(error, '--dump wants steps such as 10 or 10,20,100-110, not "'//list//'"')
-        return
-      end if
-      first = first + comma
+    do i = 1, size(steps, 2)
+      last = index(list(first:)//',', ',') + first - 2
+      steps(:, i) = range_of(list(first:last))
+      first = last + 2
     end do
+    if (all(steps(1, :) >= 1 .and. steps(2, :) >= steps(1, :))) return
+    call fail(error, '--dump wants steps such as 10 or 10,20,100-110, not "'//list//'"')
   end subroutine read_steps
+
+  !> First and last step of `10` or `100-110`; zeros where a number is none.
+  function range_of(word) result(range)
+    character(len=*), intent(in) :: word
+    integer :: range(2), dash
+
+    dash = index(word//'-', '-')
+    range(1) = number_of(word(:dash - 1))
+    range(2) = range(1)
+    if (dash <= len(word)) range(2) = number_of(word(dash + 1:))
+  end function range_of
+
+  !> A number of digits alone; 0 where it is none.
+  integer function number_of(word) result(number)
+    character(len=*), intent(in) :: word
+    integer :: status
+
+    number = 0
+    if (len(word) == 0 .or. verify(word, '0123456789') > 0) return
+    read (word, *, iostat=status) number
+    if (status /= 0) number = 0
+  end function number_of
 
   !> Is a step in one of the ranges?
   pure logical function is_listed(steps, step)

@@ -94,7 +94,7 @@ contains
       call phase(phase_solve)%stop()
 
       call phase(phase_update)%start()
-      if (must_be_told(sim)) call begin_again(sim)
+      if (has_failed(sim)) call begin_late_dump(sim)
       call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%contacts)
       call find_broken(sim%scene, sim%contacts, sim%step + 1, error)
       call phase(phase_update)%stop()
@@ -120,25 +120,25 @@ contains
     if (allocated(sim%options%dump_steps)) is_dumped = is_listed(sim%options%dump_steps, sim%step + 1)
   end function is_dumped
 
-  !> Did a solve fail of which no dump was begun: a value is not finite, or the run ends because it did not converge?
-  pure logical function must_be_told(sim)
+  !> Did a solve fail of which no dump has begun: a value is not finite, or the run ends because it did not converge?
+  pure logical function has_failed(sim)
     type(simulation_t), intent(in) :: sim
 
-    must_be_told = .not. sim%dump%is_begun .and. sim%problem%n_contacts > 0
-    if (.not. must_be_told) return
-    must_be_told = (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged) &
+    has_failed = .not. sim%dump%is_begun .and. sim%problem%n_contacts > 0
+    if (.not. has_failed) return
+    has_failed = (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged) &
                    .or. .not. all(abs(sim%problem%body) <= huge(1.0_wp))
-  end function must_be_told
+  end function has_failed
 
   !> Begin a dump after all: contacts still hold the guess, and bodies their free velocities.
-  subroutine begin_again(sim)
+  subroutine begin_late_dump(sim)
     type(simulation_t), intent(inout) :: sim
     type(problem_t) :: problem
 
     call assemble(sim%scene, sim%contacts, sim%problem%kind, sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, &
                   sim%options%step, problem)
     call begin_dump(sim%dump, problem)
-  end subroutine begin_again
+  end subroutine begin_late_dump
 
   !> Largest speed of all bodies [m/s].
   pure real(wp) function largest_speed(velocity)
