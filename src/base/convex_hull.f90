@@ -7,6 +7,7 @@ module sg_convex_hull
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i4
   use sg_text, only: to_text
+  use sg_vectors, only: cross
   implicit none
   private
   public :: convex_hull, find_spanning, hull_is_available
@@ -147,12 +148,4 @@ contains
 
     unit = v/norm2(v)
   end function unit
-
-  !> Cross product.
-  pure function cross(a, b) result(c)
-    real(wp), intent(in) :: a(3), b(3)
-    real(wp) :: c(3)
-
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 end module sg_convex_hull

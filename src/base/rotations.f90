@@ -7,10 +7,11 @@ module sg_rotations
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp
   use sg_text, only: to_text
+  use sg_vectors, only: cross
   implicit none
   private
   public :: no_rotation, quaternion_product, normalised, rotation_by, turned, frame_of, quaternion_of, nearest_rotation
-  public :: turned_on, turned_by, turned_back, cross
+  public :: turned_on, turned_by, turned_back
 
   !> The orientation of a body whose axes are the world's
   real(wp), parameter :: no_rotation(4) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
@@ -193,13 +194,4 @@ contains
     cofactors(:, 3) = cross(m(:, 1), m(:, 2))
     determinant = dot_product(m(:, 1), cofactors(:, 1))
   end subroutine invert
-
-  !> Cross product.
-  pure function cross(a, b) result(c)
-    real(wp), intent(in) :: a(3) !! first vector
-    real(wp), intent(in) :: b(3) !! second vector
-    real(wp) :: c(3)
-
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 end module sg_rotations

@@ -4,6 +4,7 @@
 !! rounding however close the values are, which closed forms by the cubic's roots do not give.
 module sg_symmetric
   use sg_kinds, only: wp
+  use sg_vectors, only: determinant
   implicit none
   private
   public :: principal_axes
@@ -119,12 +120,4 @@ contains
     k = minloc(along, 1)
     axes(:, k) = -axes(:, k)
   end subroutine choose_signs
-
-  !> Determinant of a 3x3 matrix.
-  pure real(wp) function determinant(m)
-    real(wp), intent(in) :: m(3, 3)
-
-    determinant = m(1, 1)*(m(2, 2)*m(3, 3) - m(2, 3)*m(3, 2)) - m(1, 2)*(m(2, 1)*m(3, 3) - m(2, 3)*m(3, 1)) &
-                  + m(1, 3)*(m(2, 1)*m(3, 2) - m(2, 2)*m(3, 1))
-  end function determinant
 end module sg_symmetric

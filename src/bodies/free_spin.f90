@@ -5,7 +5,8 @@
 !! 1991): w_m.(J w' - J w) = 0 because w_m does not turn under a rotation about itself.
 module sg_free_spin
   use sg_kinds, only: wp
-  use sg_rotations, only: cross, turned_back, turned_on
+  use sg_rotations, only: turned_back, turned_on
+  use sg_vectors, only: cross
   implicit none
   private
   public :: free_spin

@@ -13,12 +13,13 @@ module sg_datbox_space_bodies
   use sg_polyhedron_build, only: polyhedron_from_triangles
   use sg_polyhedron_make, only: centre_polyhedron
   use sg_polyhedron_moments, only: composed_solid, cylinder_solid, moved_solid, solid_t
-  use sg_rotations, only: cross, frame_of, nearest_rotation, no_rotation
+  use sg_rotations, only: frame_of, nearest_rotation, no_rotation
   use sg_scene, only: colour_index, scene_t
   use sg_solid_bodies, only: move_body_frame, set_inertia, solid_of_shapes
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_symmetric, only: principal_axes
   use sg_text, only: to_text
+  use sg_vectors, only: cross
   implicit none
   private
   public :: read_solid_node, read_solid_contactor, complete_solid_body, read_frame, solid_of_datbox

@@ -6,9 +6,9 @@ module sg_datbox_write_contacts
   use sg_datbox_sees, only: datbox_kind_names
   use sg_error, only: error_t
   use sg_kinds, only: wp, i1, i4
-  use sg_rotations, only: cross
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
+  use sg_vectors, only: cross
   implicit none
   private
   public :: datbox_contacts_t, contacts_at_start, write_contacts

@@ -10,10 +10,11 @@ module sg_datbox_write_space
   use sg_kinds, only: wp, i4, pi
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_moments, only: solid_t
-  use sg_rotations, only: cross, frame_of
+  use sg_rotations, only: frame_of
   use sg_scene, only: scene_t
   use sg_solid_bodies, only: move_body_frame
   use sg_text, only: to_text
+  use sg_vectors, only: cross
   implicit none
   private
   public :: stand_upright, check_solids, put_solid, put_solid_state

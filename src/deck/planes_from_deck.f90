@@ -6,11 +6,11 @@ module sg_planes_from_deck
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_named_bodies, only: give_name
-  use sg_rotations, only: cross
   use sg_scene, only: colour_index, scene_t
   use sg_solid_bodies, only: make_solid_body
   use sg_space_contactors, only: add_plane
   use sg_text, only: to_text
+  use sg_vectors, only: cross
   implicit none
   private
   public :: add_wall_plane, add_container, planes_of_container

@@ -6,8 +6,8 @@
 module sg_solid_overlaps
   use sg_contactors, only: contactors_t
   use sg_kinds, only: wp, i4
-  use sg_rotations, only: cross
   use sg_space_shapes, only: kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron
+  use sg_vectors, only: cross
   implicit none
   private
   public :: solid_overlap_depth

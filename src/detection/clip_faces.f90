@@ -14,8 +14,9 @@ module sg_clip_faces
   use sg_four_points, only: choose_points
   use sg_kinds, only: wp, i4, i8
   use sg_polyhedron, only: polyhedron_t
-  use sg_separation, only: axis_t, cross
+  use sg_separation, only: axis_t
   use sg_touch_space, only: add_space_point, touch_space_t
+  use sg_vectors, only: cross
   implicit none
   private
   public :: add_shared_points, facing_face

@@ -1,7 +1,7 @@
 !> Which of the corners that two faces share carry the contact: at most four.
 module sg_four_points
   use sg_kinds, only: wp
-  use sg_separation, only: cross
+  use sg_vectors, only: cross
   implicit none
   private
   public :: choose_points

@@ -4,6 +4,7 @@
 !! the inside to the edges, and the nearest of all wins: slower than a tree of cases, but nothing is lost on slivers.
 module sg_nearest_simplex
   use sg_kinds, only: wp
+  use sg_vectors, only: cross
   implicit none
   private
   public :: simplex_t, reduce_simplex
@@ -131,12 +132,4 @@ contains
       if (square < best%square) best = trial_t(square, place, [1 - along, along, 0.0_wp], 2, [i, j, 0])
     end if
   end subroutine try_segment
-
-  !> Vector product, here so that it is compiled into its callers.
-  pure function cross(u, v) result(w)
-    real(wp), intent(in) :: u(3), v(3)
-    real(wp) :: w(3)
-
-    w = [u(2)*v(3) - u(3)*v(2), u(3)*v(1) - u(1)*v(3), u(1)*v(2) - u(2)*v(1)]
-  end function cross
 end module sg_nearest_simplex

@@ -7,6 +7,7 @@ module sg_polyhedra_overlap
   use sg_kinds, only: wp
   use sg_polyhedron, only: polyhedron_t
   use sg_separation, only: axis_t, extreme_vertex, measure_axis
+  use sg_vectors, only: cross
   implicit none
   private
   public :: try_faces, try_edges
@@ -217,12 +218,4 @@ contains
       bar = trial%separation + rounding
     end do
   end subroutine try_edge
-
-  !> Vector product, here so that it is compiled into its callers.
-  pure function cross(u, v) result(w)
-    real(wp), intent(in) :: u(3), v(3)
-    real(wp) :: w(3)
-
-    w = [u(2)*v(3) - u(3)*v(2), u(3)*v(1) - u(1)*v(3), u(1)*v(2) - u(2)*v(1)]
-  end function cross
 end module sg_polyhedra_overlap

@@ -8,7 +8,7 @@ module sg_separation
   use sg_polyhedron, only: polyhedron_t
   implicit none
   private
-  public :: axis_t, cross, extreme_vertex, measure_axis, rounding_of
+  public :: axis_t, extreme_vertex, measure_axis, rounding_of
 
   !> An axis between two polyhedra
   type :: axis_t
@@ -25,14 +25,6 @@ module sg_separation
   end type axis_t
 
 contains
-
-  !> Vector product.
-  pure function cross(u, v) result(w)
-    real(wp), intent(in) :: u(3), v(3)
-    real(wp) :: w(3)
-
-    w = [u(2)*v(3) - u(3)*v(2), u(3)*v(1) - u(1)*v(3), u(1)*v(2) - u(2)*v(1)]
-  end function cross
 
   !> The vertex that lies farthest in a direction, the first of several.
   pure integer function extreme_vertex(n, vertex, x, y, z) result(k)

@@ -3,18 +3,9 @@ module sg_touch_axis
   use sg_kinds, only: wp
   implicit none
   private
-  public :: cross, perpendicular, from_line, from_axis, clip_to_slab
+  public :: perpendicular, from_line, from_axis, clip_to_slab
 
 contains
-
-  !> Vector product.
-  pure function cross(a, b)
-    real(wp), intent(in) :: a(3) !! first vector
-    real(wp), intent(in) :: b(3) !! second vector
-    real(wp) :: cross(3)
-
-    cross = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function cross
 
   !> A unit vector perpendicular to an axis, always the same one: where nothing else tells a direction.
   pure function perpendicular(axis)

@@ -4,8 +4,9 @@
 !! where the segments cross. Nearly parallel cylinders also touch by the ends of what they share.
 module sg_touch_cylinder_cylinder
   use sg_kinds, only: wp, i4
-  use sg_touch_axis, only: cross, perpendicular
+  use sg_touch_axis, only: perpendicular
   use sg_touch_space, only: touch_space_t, add_space_point
+  use sg_vectors, only: cross
   implicit none
   private
   public :: touch_cylinder_cylinder

@@ -5,7 +5,7 @@
 !! integrated across the planes.
 module sg_overlap_capsules
   use sg_kinds, only: wp, pi
-  use sg_rotations, only: cross
+  use sg_vectors, only: cross
   implicit none
   private
   public :: overlap_cylinder_cylinder

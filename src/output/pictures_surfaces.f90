@@ -7,7 +7,7 @@ module sg_pictures_surfaces
   use sg_kinds, only: wp, pi
   use sg_pictures_grid, only: vtk_polygon, vtk_vertex
   use sg_pictures_mesh, only: add_cell, add_point, mesh_t
-  use sg_rotations, only: cross
+  use sg_vectors, only: cross
   implicit none
   private
   public :: trace_surfaces

@@ -6,8 +6,9 @@ module sg_assemble_space
   use sg_laws, only: inverse_of, local_law_t
   use sg_mapping_space, only: space_arms, space_relative_velocity, tangent_of
   use sg_problem, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless, problem_t
-  use sg_rotations, only: cross, frame_of, turned_back, turned_by
+  use sg_rotations, only: frame_of, turned_back, turned_by
   use sg_scene, only: scene_t
+  use sg_vectors, only: cross, determinant
   implicit none
   private
   public :: load_space_bodies, unload_space_bodies, space_record, velocity_before
@@ -196,7 +197,7 @@ contains
     largest = mean
     if (.not. p > epsilon(1.0_wp)*abs(mean)) return
     spread_of = spread_of/p
-    half_determinant = dot_product(spread_of(:, 1), cross(spread_of(:, 2), spread_of(:, 3)))/2
+    half_determinant = determinant(spread_of)/2
     largest = mean + 2*p*cos(acos(max(-1.0_wp, min(1.0_wp, half_determinant)))/3)
   end function largest_eigenvalue
 

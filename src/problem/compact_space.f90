@@ -2,7 +2,7 @@
 module sg_compact_space
   use sg_kinds, only: wp
   use sg_problem, only: ball_frictional, ball_frictionless, free_axes, problem_t, solid_frictional, solid_frictionless
-  use sg_rotations, only: cross
+  use sg_vectors, only: cross
   implicit none
   private
   public :: space_velocity, add_space_impulses, push_bodies

@@ -4,8 +4,9 @@
 module sg_mapping_space
   use sg_contacts, only: contacts_t, impulse_vector
   use sg_kinds, only: wp
-  use sg_rotations, only: cross, turned_back, turned_by
+  use sg_rotations, only: turned_back, turned_by
   use sg_scene, only: scene_t
+  use sg_vectors, only: cross
   implicit none
   private
   public :: tangent_of, space_arms, space_relative_velocity, add_space_resultants

@@ -4,8 +4,8 @@ module sg_problem_records
   use sg_mapping_space, only: tangent_of
   use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, free_axes, &
                         is_in_space, problem_t, round_frictional, round_frictionless, solid_frictional, solid_frictionless
-  use sg_rotations, only: cross
   use sg_symmetric, only: principal_axes
+  use sg_vectors, only: cross
   implicit none
   private
   public :: contact_record_t, body_record_t, contact_of, body_of

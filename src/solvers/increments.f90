@@ -5,9 +5,9 @@ module sg_increments
   use sg_kinds, only: wp
   use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
                         round_frictionless, solid_frictional, solid_frictionless
-  use sg_rotations, only: cross
   use sg_run_options, only: criterion_maxm, criterion_qm16
   use sg_sweep_order, only: sweep_order_t
+  use sg_vectors, only: cross
   implicit none
   private
   public :: increment_criterion

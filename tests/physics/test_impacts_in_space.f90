@@ -9,8 +9,9 @@ program test_impacts_in_space
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: prism_polyhedron
   use sg_random, only: random_t
-  use sg_rotations, only: cross, turned_by
+  use sg_rotations, only: turned_by
   use sg_simulation, only: simulation_t
+  use sg_vectors, only: cross
   implicit none
   type(tests_t) :: t
 

@@ -5,8 +5,9 @@ program test_rolling_in_space
   use scenes, only: begin_run, g, run
   use scenes_space, only: begin_space_scene, force_in_space, put_box, put_capsule, put_drum, put_plane, put_sphere
   use sg_kinds, only: wp, pi
-  use sg_rotations, only: cross, frame_of, no_rotation, normalised, quaternion_product, rotation_by, turned_by
+  use sg_rotations, only: frame_of, no_rotation, normalised, quaternion_product, rotation_by, turned_by
   use sg_simulation, only: simulation_t
+  use sg_vectors, only: cross
   implicit none
   real(wp), parameter :: h = 1e-3_wp
   ! 10^-12 of the solver, over steps and sums.

@@ -14,9 +14,10 @@ program test_mapping_space
   use sg_motion, only: predict
   use sg_problem, only: ball_frictional, ball_frictionless, problem_kind, solid_frictional, solid_frictionless
   use sg_random, only: random_t
-  use sg_rotations, only: cross, turned_by
+  use sg_rotations, only: turned_by
   use sg_simulation, only: simulation_t
   use sg_symmetric, only: principal_axes
+  use sg_vectors, only: cross
   implicit none
   integer, parameter :: n_bodies = 40
   real(wp), parameter :: side = 3.5_wp, h = 0.01_wp

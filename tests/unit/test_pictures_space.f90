@@ -12,11 +12,12 @@ program test_pictures_space
   use sg_kinds, only: wp, i1, i4, i8, pi
   use sg_laws, only: status_slide, status_stick
   use sg_pictures, only: pictures_t
-  use sg_rotations, only: cross, normalised
+  use sg_rotations, only: normalised
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_space_shapes, only: freeze_in_space
   use sg_system, only: make_folder
+  use sg_vectors, only: cross
   implicit none
   !> Periods in x and y [m], time step [s], velocity of the sphere [m/s]
   real(wp), parameter :: period(2) = [10.0_wp, 8.0_wp], h = 0.01_wp, velocity(3) = [2.0_wp, 3.0_wp, -1.0_wp]

@@ -17,11 +17,11 @@ program test_solver_space
                         solid_frictionless
   use sg_random, only: random_t
   use sg_report, only: report_t
-  use sg_rotations, only: cross
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_maxm, criterion_names, criterion_quad, &
                             criterion_violation
   use sg_simulation, only: simulation_t
   use sg_symmetric, only: principal_axes
+  use sg_vectors, only: cross
   implicit none
   real(wp), parameter :: h = 0.01_wp
   character(len=18), parameter :: names(5:8) = [character(len=18) :: 'ball frictionless', 'ball frictional', &
