@@ -1,8 +1,8 @@
-!> Convex polyhedra that are made rather than given: hulls, boxes, prisms, regular and random ones.
+!> Convex polyhedra that are made rather than given: hulls, boxes and random ones.
 module sg_polyhedron_make
   use sg_convex_hull, only: convex_hull, find_spanning
   use sg_error, only: error_t, fail
-  use sg_kinds, only: wp, i4, i8, pi
+  use sg_kinds, only: wp, i4, i8
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_build, only: polyhedron_from_faces
   use sg_polyhedron_checks, only: length_tolerance, most_faces
@@ -13,7 +13,7 @@ module sg_polyhedron_make
   use sg_welding, only: weld
   implicit none
   private
-  public :: hull_polyhedron, box_polyhedron, prism_polyhedron, regular_polyhedron, random_polyhedron
+  public :: hull_polyhedron, box_polyhedron, random_polyhedron
   public :: move_polyhedron, centre_polyhedron, most_vertices
 
   !> Most vertices of a hull: n of them have at most 2 n - 4 faces
@@ -182,84 +182,6 @@ contains
     end do
     call polyhedron_from_faces(vertices, [(int(4*i + 1, i4), i=0, 6)], corners, shape, error)
   end subroutine box_polyhedron
-
-  !> An upright prism about the origin over a regular polygon, a corner of which lies along x.
-  subroutine prism_polyhedron(n_sides, radius, half_height, shape, error)
-    integer, intent(in) :: n_sides !! of the polygon, 3 or more
-    real(wp), intent(in) :: radius !! from the axis to its corners [m]
-    real(wp), intent(in) :: half_height !! [m]
-    type(polyhedron_t), intent(out) :: shape !! prism
-    type(error_t), allocatable, intent(out) :: error !! set when the sizes make no prism
-    real(wp), allocatable :: vertices(:, :)
-    integer(i4), allocatable :: first(:), corner(:)
-    integer :: i, n
-
-    n = n_sides
-    if (n < 3 .or. n > most_faces - 2) then
-      call fail(error, 'a prism has 3 to '//to_text(most_faces - 2)//' sides, not '//to_text(n))
-      return
-    else if (.not. (radius > 0 .and. half_height > 0)) then
-      call fail(error, 'the radius and the half height of a prism must be positive')
-      return
-    end if
-    allocate (vertices(3, 2*n), first(n + 3), corner(6*n))
-    do i = 1, n
-      vertices(:, i) = [radius*cos(2*pi*real(i - 1, wp)/real(n, wp)), radius*sin(2*pi*real(i - 1, wp)/real(n, wp)), -half_height]
-      vertices(:, n + i) = [vertices(1, i), vertices(2, i), half_height]
-      corner(4*i - 3:4*i) = int([i, 1 + mod(i, n), n + 1 + mod(i, n), n + i], i4)
-      first(i) = int(4*i - 3, i4)
-      corner(4*n + i) = int(n + 1 - i, i4)
-      corner(5*n + i) = int(n + i, i4)
-    end do
-    first(n + 1:) = int([4*n + 1, 5*n + 1, 6*n + 1], i4)
-    call polyhedron_from_faces(vertices, first, corner, shape, error)
-  end subroutine prism_polyhedron
-
-  !> A regular polyhedron about the origin.
-  subroutine regular_polyhedron(n_faces, radius, shape, error)
-    integer, intent(in) :: n_faces !! 4, 6, 8, 12 or 20
-    real(wp), intent(in) :: radius !! from the centre to the vertices [m]
-    type(polyhedron_t), intent(out) :: shape !! tetrahedron, cube, octahedron, dodecahedron or icosahedron
-    type(error_t), allocatable, intent(out) :: error !! set when there is no such polyhedron, or no hulls in this build
-    real(wp), parameter :: golden = (1 + sqrt(5.0_wp))/2
-    real(wp) :: points(3, 20), sign_1, sign_2
-    integer :: i, k, n
-
-    if (.not. radius > 0) then
-      call fail(error, 'the radius of a polyhedron must be positive')
-      return
-    end if
-    n = 0
-    ! The corners of a cube, all or every second; and those of three rectangles across each other.
-    do i = 0, 7
-      if (n_faces == 8 .or. n_faces == 20) cycle
-      if (n_faces == 4 .and. mod(popcnt(i), 2) == 1) cycle
-      call add(real([2*mod(i, 2) - 1, 2*mod(i/2, 2) - 1, 2*(i/4) - 1], wp))
-    end do
-    do k = 0, 2
-      do i = 0, 3
-        sign_1 = real(2*mod(i, 2) - 1, wp)
-        sign_2 = real(2*(i/2) - 1, wp)
-        if (n_faces == 8 .and. i < 2) call add(cshift([sign_1, 0.0_wp, 0.0_wp], k))
-        if (n_faces == 12) call add(cshift([0.0_wp, sign_1*golden, sign_2/golden], k))
-        if (n_faces == 20) call add(cshift([0.0_wp, sign_1*golden, sign_2], k))
-      end do
-    end do
-    if (.not. any(n_faces == [4, 6, 8, 12, 20])) then
-      call fail(error, 'a regular polyhedron has 4, 6, 8, 12 or 20 faces, not '//to_text(n_faces))
-      return
-    end if
-    call hull_polyhedron(points(:, :n), shape, error)
-
-  contains
-
-    subroutine add(point)
-      real(wp), intent(in) :: point(3)
-
-      n = n + 1
-      points(:, n) = radius/norm2(point)*point
-    end subroutine add
-  end subroutine regular_polyhedron
 
   !> A random convex polyhedron, such as a grain of ballast: its vertices lie on an ellipsoid about the origin.
   !!

@@ -1,13 +1,13 @@
 !> Impacts in space: a bouncing sphere, Newton's cradle, clouds of polyhedra that collide freely.
 program test_impacts_in_space
   use harness, only: tests_t
+  use polyhedra, only: prism_polyhedron
   use scenes, only: begin_run, g, run
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_shape, put_sphere, turn_at_random
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_laws, only: law_iqs, law_restitution
   use sg_polyhedron, only: polyhedron_t
-  use sg_polyhedron_make, only: prism_polyhedron
   use sg_random, only: random_t
   use sg_rotations, only: turned_by
   use sg_simulation, only: simulation_t

@@ -1,6 +1,7 @@
 !> Detection in space against brute force over all pairs and images: the same contacts, before and after motions of any size.
 program test_neighbours_space
   use harness, only: tests_t
+  use polyhedra, only: prism_polyhedron
   use scenes_space, only: turn_at_random
   use sg_bodies, only: drop_rotation
   use sg_contactors, only: kind_plane, kind_polyhedron, kind_sphere, place_contactors
@@ -12,7 +13,7 @@ program test_neighbours_space
   use sg_near, only: candidate_first
   use sg_neighbours, only: build_neighbours, neighbours_t
   use sg_polyhedron, only: polyhedron_t
-  use sg_polyhedron_make, only: box_polyhedron, prism_polyhedron
+  use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
   use sg_rotations, only: frame_of, no_rotation, turned
   use sg_scene, only: colour_index, scene_t

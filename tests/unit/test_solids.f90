@@ -1,11 +1,11 @@
 !> Volume, centre and inertia of shapes in space and of bodies made of several.
 program test_solids
   use harness, only: tests_t
-  use polyhedra, only: identity, none, rounding, same_solid
+  use polyhedra, only: identity, none, prism_polyhedron, rounding, same_solid
   use sg_error, only: error_t
   use sg_kinds, only: wp, pi
   use sg_polyhedron, only: polyhedron_t
-  use sg_polyhedron_make, only: move_polyhedron, prism_polyhedron
+  use sg_polyhedron_make, only: move_polyhedron
   use sg_polyhedron_moments, only: box_solid, capsule_solid, composed_solid, cylinder_solid, moved_solid, polyhedron_solid, &
                                    principal_inertia, solid_t, sphere_solid
   use sg_random, only: random_t
