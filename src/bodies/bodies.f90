@@ -13,6 +13,8 @@ module sg_bodies
   type :: bodies_t
     !> Number of bodies
     integer :: n = 0
+    !> Number of bodies that this rank counts as its own: the first ones; all of them where the scene is not decomposed
+    integer :: n_home = 0
     !> Dimension of space
     integer :: dimension = 2
     !> Velocity components of a body: 3 (x, y, rotation) or 6 (x, y, z, spin); 2 or 3 where nothing turns
@@ -49,6 +51,9 @@ module sg_bodies
     logical, allocatable :: is_grain(:)
     !> Bulk material, index into the scene's materials, shape (n)
     integer(i4), allocatable :: material(:)
+    !> In a decomposed scene: number of the body in the whole scene, and the rank that is its home; shape (n). The bodies of
+    !! this rank come first, then copies of others'; both by ascending number. Unallocated elsewhere
+    integer(i4), allocatable :: id(:), home(:)
   contains
     procedure :: allocate => bodies_allocate
   end type bodies_t
@@ -63,6 +68,7 @@ contains
     integer :: m
 
     self%n = n
+    self%n_home = n
     self%dimension = 2
     if (present(dimension)) self%dimension = dimension
     m = merge(3, 6, self%dimension == 2)

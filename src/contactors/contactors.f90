@@ -41,6 +41,8 @@ module sg_contactors
     real(wp), allocatable :: reach(:)
     !> Centre in the detection configuration [m], shape (dimension, n); set by `place_contactors`
     real(wp), allocatable :: centre(:, :)
+    !> In a decomposed scene: number of the contactor in the whole scene, shape (n); unallocated elsewhere
+    integer(i4), allocatable :: id(:)
 
     !> Number of rows of each table
     integer :: n_rows(n_kinds) = 0

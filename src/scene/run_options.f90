@@ -3,7 +3,7 @@ module sg_run_options
   use sg_kinds, only: wp
   implicit none
   private
-  public :: run_options_t, solver_options_t
+  public :: run_options_t, solver_options_t, partition_options_t, split_names, gluing_names
   public :: criterion_e1, criterion_e2, criterion_e8, criterion_violation, criterion_quad, criterion_maxm, criterion_qm16
   public :: criterion_estimate, criterion_names, method_names
 
@@ -17,6 +17,28 @@ module sg_run_options
   !> Solvers: sweeps over compact records first, then those of matrices (sg_choose_matrix_solver)
   character(len=11), parameter :: method_names(5) = &
     [character(len=11) :: 'nlgs', 'interior', 'proximal', 'accelerated', 'auto']
+
+  !> How grains are split over ranks, and how their parts are glued
+  character(len=8), parameter :: split_names(2) = [character(len=8) :: 'boxes', 'graph'], &
+                                 gluing_names(3) = [character(len=8) :: 'dual', 'primal', 'contacts']
+
+  !> How a scene is decomposed when there is more than one rank
+  type :: partition_options_t
+    !> How grains are distributed, one of `split_names`, and how their parts are glued, one of `gluing_names`
+    character(len=8) :: split = 'boxes', gluing = 'dual'
+    !> Boxes along x, y and z, as many together as ranks; 0 where the program chooses
+    integer :: boxes(3) = 0
+    !> Sweeps of a subdomain between two gluings: one number for all, or one for each
+    integer, allocatable :: sweeps(:)
+    !> Sweeps over the contacts between subdomains at each gluing (primal)
+    integer :: interface_sweeps = 1
+    !> Share of each new impulse taken by contacts of shared grains (contacts)
+    real(wp) :: relaxation = 0.8_wp
+    !> Steps after which the split is made anew, 0 for never; and the imbalance (largest load over the mean one) from
+    !! which it is
+    integer :: every = 0
+    real(wp) :: imbalance = 1.2_wp
+  end type partition_options_t
 
   !> How the contact problem of a step is solved
   type :: solver_options_t
@@ -48,6 +70,8 @@ module sg_run_options
     real(wp) :: theta = 0.5_wp
     !> The solver
     type(solver_options_t) :: solver
+    !> The decomposition
+    type(partition_options_t) :: partition
     !> Steps between two pictures (VTKHDF), 0 for none; between two rows of the record; between two checkpoints
     integer :: output_every = 0, record_every = 10, restart_every = 0
     !> Write pictures in single precision, compressed
