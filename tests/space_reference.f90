@@ -2,7 +2,7 @@
 module space_reference
   use sg_kinds, only: wp
   use sg_polyhedron, only: polyhedron_t
-  use space_shapes, only: cross
+  use sg_vectors, only: cross
   implicit none
   private
   public :: signed_distance, separation_along, height_above, point_distance

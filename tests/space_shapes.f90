@@ -1,11 +1,13 @@
 !> Convex polyhedra for tests, made by trying all planes through three points: slow, and simple enough to be trusted.
 module space_shapes
+  use random_space, only: random_direction
   use sg_kinds, only: wp, i4, pi
   use sg_polyhedron, only: polyhedron_t
   use sg_random, only: random_t
+  use sg_vectors, only: cross
   implicit none
   private
-  public :: hull_shape, box_shape, prism_shape, random_shape, random_frame, random_way, scaled_shape, cross
+  public :: hull_shape, box_shape, prism_shape, random_shape, scaled_shape
 
 contains
 
@@ -198,7 +200,7 @@ contains
     case default
       n = merge(4, 4 + int(random%uniform(0.0_wp, 15.0_wp)), kind == 2)
       do i = 1, n
-        point(:, i) = random_way(random)
+        point(:, i) = random_direction(random)
       end do
       shape = hull_shape(point(:, :n))
     end select
@@ -208,33 +210,4 @@ contains
     end do
     shape = scaled_shape(shape, stretch)
   end function random_shape
-
-  !> A random rotation.
-  function random_frame(random) result(frame)
-    type(random_t), intent(inout) :: random !! generator
-    real(wp) :: frame(3, 3)
-
-    frame(:, 1) = [random%normal(), random%normal(), random%normal()]
-    frame(:, 1) = frame(:, 1)/norm2(frame(:, 1))
-    frame(:, 2) = cross(frame(:, 1), [random%normal(), random%normal(), random%normal()])
-    frame(:, 2) = frame(:, 2)/norm2(frame(:, 2))
-    frame(:, 3) = cross(frame(:, 1), frame(:, 2))
-  end function random_frame
-
-  !> A random unit vector.
-  function random_way(random) result(way)
-    type(random_t), intent(inout) :: random !! generator
-    real(wp) :: way(3)
-
-    way = [random%normal(), random%normal(), random%normal()]
-    way = way/norm2(way)
-  end function random_way
-
-  !> Vector product.
-  pure function cross(u, v) result(w)
-    real(wp), intent(in) :: u(3), v(3)
-    real(wp) :: w(3)
-
-    w = [u(2)*v(3) - u(3)*v(2), u(3)*v(1) - u(1)*v(3), u(1)*v(2) - u(2)*v(1)]
-  end function cross
 end module space_shapes

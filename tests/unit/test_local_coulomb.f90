@@ -7,6 +7,7 @@ program test_local_coulomb
   use sg_local_coulomb, only: solve_local, solve_local_2, solve_local_3
   use sg_matrix_errors, only: project_on_cone
   use sg_random, only: random_t
+  use sg_vectors, only: determinant
   implicit none
   type(tests_t) :: tests
   type(random_t) :: random
@@ -221,17 +222,9 @@ contains
     do k = 1, 3
       replaced = w
       replaced(:, k) = q
-      x(k) = determinant_of(replaced)/determinant_of(w)
+      x(k) = determinant(replaced)/determinant(w)
     end do
   end function solved
-
-  !> Determinant of a 3 by 3 matrix.
-  real(wp) function determinant_of(w)
-    real(wp), intent(in) :: w(3, 3)
-
-    determinant_of = w(1, 1)*(w(2, 2)*w(3, 3) - w(2, 3)*w(3, 2)) - w(1, 2)*(w(2, 1)*w(3, 3) - w(2, 3)*w(3, 1)) &
-                     + w(1, 3)*(w(2, 1)*w(3, 2) - w(2, 2)*w(3, 1))
-  end function determinant_of
 
   !> Round contacts, W diagonal: what can be worked out by hand.
   subroutine closed_forms_hold()

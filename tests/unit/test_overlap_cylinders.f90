@@ -1,6 +1,7 @@
 !> Overlap volumes of cylinders with spheres and planes against closed forms, random points and sums of parts.
 program test_overlap_cylinders
   use harness, only: tests_t
+  use random_space, only: check_hits, random_direction, random_frame
   use sg_kinds, only: wp, pi
   use sg_overlap_cylinders, only: overlap_cylinder_plane
   use sg_overlap_disks, only: overlap_disk_disk
@@ -23,44 +24,6 @@ program test_overlap_cylinders
   call t%finish()
 
 contains
-
-  !> A random unit vector.
-  function random_direction(random) result(unit)
-    type(random_t), intent(inout) :: random
-    real(wp) :: unit(3)
-
-    unit = [random%normal(), random%normal(), random%normal()]
-    unit = unit/norm2(unit)
-  end function random_direction
-
-  !> A random right-handed frame.
-  function random_frame(random) result(frame)
-    type(random_t), intent(inout) :: random
-    real(wp) :: frame(3, 3)
-
-    frame(:, 1) = random_direction(random)
-    frame(:, 2) = random_direction(random)
-    frame(:, 2) = frame(:, 2) - dot_product(frame(:, 1), frame(:, 2))*frame(:, 1)
-    frame(:, 2) = frame(:, 2)/norm2(frame(:, 2))
-    frame(:, 3) = product_of(frame(:, 1), frame(:, 2))
-  end function random_frame
-
-  !> Vector product.
-  pure function product_of(a, b) result(c)
-    real(wp), intent(in) :: a(3), b(3)
-    real(wp) :: c(3)
-
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function product_of
-
-  !> Check a count of random points against the share that it should have.
-  subroutine check_hits(hits, share, what)
-    integer, intent(in) :: hits
-    real(wp), intent(in) :: share
-    character(len=*), intent(in) :: what
-
-    call t%near(real(hits, wp), share*n_points, 5*sqrt(max(1.0_wp, share*n_points)), what)
-  end subroutine check_hits
 
   subroutine test_sphere_cylinder()
     real(wp), parameter :: ball = 4*pi/3
@@ -223,7 +186,7 @@ contains
         point = matmul(frame, point) - centre
         if (norm2(point - axis*max(-length, min(length, dot_product(axis, point)))) < radius) hits = hits + 1
       end do
-      call check_hits(hits, whole/product(2*half), 'points in a cylinder and a box')
+      call check_hits(t, hits, n_points, whole/product(2*half), 'points in a cylinder and a box')
     end do
   end subroutine test_cylinder_plane_random
 end program test_overlap_cylinders

@@ -2,12 +2,14 @@
 !! test_overlap_cylinders has more of cylinders.
 program test_overlap_volumes
   use harness, only: tests_t
+  use random_space, only: check_hits, random_direction, random_frame
   use sg_kinds, only: wp, i4, pi
   use sg_overlap_polyhedra, only: overlap_polyhedron_plane, overlap_polyhedron_polyhedron, overlap_sphere_polyhedron
   use sg_overlap_solid, only: box_solid, cut, solid_t, solid_volume
   use sg_overlap_spheres, only: overlap_sphere_cylinder, overlap_sphere_hollow_cylinder, overlap_sphere_plane, overlap_sphere_sphere
   use sg_polyhedron, only: place_polyhedron, polyhedron_t
   use sg_random, only: random_t
+  use sg_vectors, only: cross
   implicit none
   !> Some tens of roundings of volumes of order 1
   real(wp), parameter :: tight = 1e-13_wp, zero(3) = 0
@@ -27,35 +29,6 @@ program test_overlap_volumes
   call t%finish()
 
 contains
-
-  !> A random unit vector.
-  function random_direction(random) result(unit)
-    type(random_t), intent(inout) :: random
-    real(wp) :: unit(3)
-
-    unit = [random%normal(), random%normal(), random%normal()]
-    unit = unit/norm2(unit)
-  end function random_direction
-
-  !> A random right-handed frame.
-  function random_frame(random) result(frame)
-    type(random_t), intent(inout) :: random
-    real(wp) :: frame(3, 3)
-
-    frame(:, 1) = random_direction(random)
-    frame(:, 2) = random_direction(random)
-    frame(:, 2) = frame(:, 2) - dot_product(frame(:, 1), frame(:, 2))*frame(:, 1)
-    frame(:, 2) = frame(:, 2)/norm2(frame(:, 2))
-    frame(:, 3) = product_of(frame(:, 1), frame(:, 2))
-  end function random_frame
-
-  !> Vector product.
-  pure function product_of(a, b) result(c)
-    real(wp), intent(in) :: a(3), b(3)
-    real(wp) :: c(3)
-
-    c = [a(2)*b(3) - a(3)*b(2), a(3)*b(1) - a(1)*b(3), a(1)*b(2) - a(2)*b(1)]
-  end function product_of
 
   !> A polyhedron with the surface of a solid; the volume needs no edges.
   subroutine make_polyhedron(solid, shape)
@@ -80,7 +53,7 @@ contains
       do i = first + 1, last - 1
         a = shape%vertex(:, shape%face_vertex(i)) - shape%vertex(:, shape%face_vertex(first))
         b = shape%vertex(:, shape%face_vertex(i + 1)) - shape%vertex(:, shape%face_vertex(first))
-        sum_of = sum_of + product_of(a, b)
+        sum_of = sum_of + cross(a, b)
       end do
       shape%normal(:, f) = sum_of/norm2(sum_of)
     end do
@@ -335,19 +308,10 @@ contains
           if (abs(along) < cylinder(1) .and. norm2(point - along*axis) > cylinder(2)) hits(4) = hits(4) + 1
         end associate
       end do
-      call check_hits(hits(1), got(1)/64, 'points in a sphere and a polyhedron')
-      call check_hits(hits(2), got(2)/64, 'points in two polyhedra')
-      call check_hits(hits(3), got(3)/(2*radius)**3, 'points in a sphere and a cylinder')
-      call check_hits(hits(4), got(4)/(2*radius)**3, 'points in a sphere outside a hollow cylinder')
+      call check_hits(t, hits(1), n_points, got(1)/64, 'points in a sphere and a polyhedron')
+      call check_hits(t, hits(2), n_points, got(2)/64, 'points in two polyhedra')
+      call check_hits(t, hits(3), n_points, got(3)/(2*radius)**3, 'points in a sphere and a cylinder')
+      call check_hits(t, hits(4), n_points, got(4)/(2*radius)**3, 'points in a sphere outside a hollow cylinder')
     end do
   end subroutine test_random_points
-
-  !> Check a count of random points against the share that it should have.
-  subroutine check_hits(hits, share, what)
-    integer, intent(in) :: hits
-    real(wp), intent(in) :: share
-    character(len=*), intent(in) :: what
-
-    call t%near(real(hits, wp), share*n_points, 5*sqrt(max(1.0_wp, share*n_points)), what)
-  end subroutine check_hits
 end program test_overlap_volumes

@@ -1,12 +1,14 @@
 !> Quaternions, frames, and principal axes of symmetric matrices.
 program test_rotations
   use harness, only: tests_t
+  use polyhedra, only: expect
   use sg_error, only: error_t
   use sg_kinds, only: wp, pi
   use sg_random, only: random_t
   use sg_rotations, only: frame_of, nearest_rotation, no_rotation, normalised, quaternion_of, quaternion_product, rotation_by, &
                           turned
   use sg_symmetric, only: principal_axes
+  use sg_vectors, only: determinant
   implicit none
   type(tests_t) :: t
   ! A few roundings of numbers of order one.
@@ -113,28 +115,17 @@ contains
     call t%check(maxval(abs(given - transpose(given))) < rounding, 'no rotation is nearer')
     frame(:, 3) = -frame(:, 3)
     call nearest_rotation(frame, found, distance, error)
-    call expect(error, 'the axes of the frame are left-handed')
+    call expect(t, error, 'the axes of the frame are left-handed')
     frame(:, 3) = frame(:, 1)
     call nearest_rotation(frame, found, distance, error)
-    call expect(error, 'the axes of the frame are not independent')
+    call expect(t, error, 'the axes of the frame are not independent')
     frame(:, 3) = 0
     call nearest_rotation(frame, found, distance, error)
-    call expect(error, 'axis 3 of the frame has length 0.00E+00, not 1')
+    call expect(t, error, 'axis 3 of the frame has length 0.00E+00, not 1')
     frame(1, 1) = huge(1.0_wp)
     call nearest_rotation(frame, found, distance, error)
     call t%check(allocated(error), 'a huge axis is refused')
   end subroutine test_nearest
-
-  subroutine expect(error, sentence)
-    type(error_t), allocatable, intent(in) :: error
-    character(len=*), intent(in) :: sentence
-
-    if (allocated(error)) then
-      call t%check(error%message == sentence, 'said "'//error%message//'" rather than "'//sentence//'"')
-    else
-      call t%check(.false., 'nothing was said rather than "'//sentence//'"')
-    end if
-  end subroutine expect
 
   !> Random axes and values of any size are found again.
   subroutine test_axes()
@@ -211,11 +202,4 @@ contains
       end do
     end do
   end function rebuilt
-
-  pure real(wp) function determinant(m)
-    real(wp), intent(in) :: m(3, 3)
-
-    determinant = m(1, 1)*(m(2, 2)*m(3, 3) - m(2, 3)*m(3, 2)) - m(1, 2)*(m(2, 1)*m(3, 3) - m(2, 3)*m(3, 1)) &
-                  + m(1, 3)*(m(2, 1)*m(3, 2) - m(2, 2)*m(3, 1))
-  end function determinant
 end program test_rotations

@@ -1,13 +1,14 @@
 !> Contacts of random convex polyhedra against a dense reference, and what must not change them.
 program test_touch_polyhedra
   use harness, only: tests_t
+  use random_space, only: random_direction, random_frame
   use sg_kinds, only: wp
   use sg_polyhedron, only: place_polyhedron, polyhedron_t
   use sg_random, only: random_t
   use sg_touch_polyhedron_polyhedron, only: touch_polyhedron_polyhedron
   use sg_touch_space, only: touch_space_t
   use space_reference, only: height_above, separation_along, signed_distance
-  use space_shapes, only: prism_shape, random_frame, random_shape, random_way, scaled_shape
+  use space_shapes, only: prism_shape, random_shape, scaled_shape
   implicit none
   type(tests_t) :: t
   real(wp), parameter :: zero(3) = 0
@@ -44,7 +45,7 @@ contains
     if (present(frame_a)) frame_a = frame
     call place_polyhedron(a, zero, frame)
     alert = 0.2_wp*min(c%reach, a%reach)
-    way = random_way(random)
+    way = random_direction(random)
     low = merge(-8.0_wp, -0.5_wp, random%uniform() < 0.5_wp)
     gap = random%uniform(low, 1.0_wp)*alert
     offset = (separation_along(c, a, zero, way) - gap)*way
@@ -118,7 +119,7 @@ contains
       a = scaled_shape(prism_shape(40 - modulo(i, 7)), [0.5_wp, 1.0_wp, 1.0_wp])
       call place_polyhedron(c, zero, random_frame(random))
       call place_polyhedron(a, zero, random_frame(random))
-      offset = random%uniform(0.1_wp, 1.8_wp)*random_way(random)
+      offset = random%uniform(0.1_wp, 1.8_wp)*random_direction(random)
       distance = signed_distance(c, a, offset)
       call touch_polyhedron_polyhedron(c, a, offset, 0.2_wp, touch)
       call t%check((touch%n > 0) .eqv. (distance < 0.2_wp), 'many edges: touch or not')
@@ -143,7 +144,7 @@ contains
     call random%seed(4)
     do i = 1, 1000
       call random_pair(random, c, a, offset, alert, frame_c, frame_a)
-      shift = 1e6_wp*random_way(random)
+      shift = 1e6_wp*random_direction(random)
       call place_polyhedron(c, shift, frame_c)
       call place_polyhedron(a, shift, frame_a)
       call touch_polyhedron_polyhedron(c, a, offset, alert, touch)
@@ -208,7 +209,7 @@ contains
       call random_pair(random, c, a, offset, alert, frame_c, frame_a)
       call touch_polyhedron_polyhedron(c, a, offset, alert, before)
       turn = random_frame(random)
-      shift = 10*random_way(random)
+      shift = 10*random_direction(random)
       call place_polyhedron(c, shift, matmul(turn, frame_c))
       call place_polyhedron(a, shift + matmul(turn, offset), matmul(turn, frame_a))
       call touch_polyhedron_polyhedron(c, a, zero, alert, after)
@@ -230,7 +231,7 @@ contains
     do i = 1, 4000
       call random_pair(random, c, a, offset, alert)
       call touch_polyhedron_polyhedron(c, a, offset, alert, without)
-      guess = random_way(random)
+      guess = random_direction(random)
       do k = 1, 2
         call touch_polyhedron_polyhedron(c, a, offset, alert, with, guess)
         call t%check(is_same(without, with, unit, zero, 1.0_wp, tight*(c%reach + a%reach)), 'guess of the axis')
@@ -251,7 +252,7 @@ contains
     steps = 0
     do i = 1, 300
       call random_pair(random, c, a, offset, alert, frame_c)
-      way = random_way(random)
+      way = random_direction(random)
       axis = random_frame(random)
       step = alert/50
       last = huge(last)

@@ -1,13 +1,15 @@
 !> Contacts of convex polyhedra in the cases that chance never meets: parallel faces, shared edges and vertices, same places.
 program test_touch_polyhedra_cases
   use harness, only: tests_t
+  use random_space, only: random_direction, random_frame
   use sg_kinds, only: wp, i4, pi
   use sg_polyhedron, only: place_polyhedron, polyhedron_t
   use sg_random, only: random_t
   use sg_touch_polyhedron_polyhedron, only: touch_polyhedron_polyhedron
   use sg_touch_space, only: touch_space_t
+  use sg_vectors, only: cross
   use space_reference, only: separation_along, signed_distance
-  use space_shapes, only: box_shape, cross, hull_shape, prism_shape, random_frame, random_way, scaled_shape
+  use space_shapes, only: box_shape, hull_shape, prism_shape, scaled_shape
   implicit none
   type(tests_t) :: t
   real(wp), parameter :: zero(3) = 0
@@ -251,7 +253,7 @@ contains
     call random%seed(9)
     do i = 1, 2000
       tilt = 10**random%uniform(-15.0_wp, -3.0_wp)
-      way = random_way(random)
+      way = random_direction(random)
       ! A small turn about any axis, to first order; its error of tilt^2 is far below alert.
       frame(:, 1) = unit(:, 1) + tilt*cross(way, unit(:, 1))
       frame(:, 1) = frame(:, 1)/norm2(frame(:, 1))
@@ -295,7 +297,7 @@ contains
     touch = touching(cube, [0.0_wp, 0.0_wp, 2.0_wp], unit, 0.01_wp)
     kept = 0
     do i = 1, 500
-      slip = 10**random%uniform(-16.0_wp, -3.0_wp)*random_way(random)
+      slip = 10**random%uniform(-16.0_wp, -3.0_wp)*random_direction(random)
       slipped = touching(cube, [0.0_wp, 0.0_wp, 2.0_wp] + slip, turned(3, slip(1)), 0.01_wp)
       call t%equal(slipped%n, 4, 'slipping cube: points')
       do j = 1, slipped%n
@@ -362,7 +364,7 @@ contains
     keys = 0
     do i = 1, 1000
       frame = random_frame(random)
-      shift = 100*random_way(random)
+      shift = 100*random_direction(random)
       call place_polyhedron(a, shift, frame)
       do j = 1, 5
         call place_polyhedron(c, shift + matmul(frame, place(:, j)), frame)

@@ -1,6 +1,7 @@
 !> Contacts of convex polyhedra with planes and with spheres, against dense references.
 program test_touch_polyhedron_others
   use harness, only: tests_t
+  use random_space, only: random_direction, random_frame
   use sg_kinds, only: wp
   use sg_polyhedron, only: place_polyhedron, polyhedron_t
   use sg_random, only: random_t
@@ -9,7 +10,7 @@ program test_touch_polyhedron_others
   use sg_touch_space, only: touch_space_t
   use sg_touch_sphere_polyhedron, only: touch_sphere_polyhedron
   use space_reference, only: height_above, point_distance, separation_along, signed_distance
-  use space_shapes, only: box_shape, random_frame, random_shape, random_way
+  use space_shapes, only: box_shape, random_shape
   implicit none
   type(tests_t) :: t
   real(wp), parameter :: zero(3) = 0
@@ -42,7 +43,7 @@ contains
       c = random_shape(random)
       half = [random%uniform(1.0_wp, 6.0_wp), random%uniform(1.0_wp, 6.0_wp), 10**random%uniform(-3.0_wp, 0.0_wp)]
       frame = random_frame(random)
-      centre = random_way(random)
+      centre = random_direction(random)
       call place_polyhedron(c, zero, random_frame(random))
       alert = 0.1_wp*c%reach
       low = minval(matmul(frame(:, 3), c%world_vertex))
@@ -124,11 +125,11 @@ contains
     inside = 0
     do i = 1, 8000
       a = random_shape(random)
-      call place_polyhedron(a, random_way(random), random_frame(random))
-      offset = 10*random_way(random)
+      call place_polyhedron(a, random_direction(random), random_frame(random))
+      offset = 10*random_direction(random)
       radius = 10**random%uniform(-3.0_wp, 1.0_wp)
       alert = 0.2_wp*min(radius, a%reach)
-      centre = a%centre + offset + random%uniform(0.0_wp, 1.1_wp)*(a%reach + radius + alert)*random_way(random)
+      centre = a%centre + offset + random%uniform(0.0_wp, 1.1_wp)*(a%reach + radius + alert)*random_direction(random)
       ! Some centres on vertices and in the middle of faces.
       if (modulo(i, 20) == 0) centre = a%world_vertex(:, 1) + offset
       if (modulo(i, 20) == 1) centre = (a%world_vertex(:, 1) + a%world_vertex(:, 2))/2 + offset
@@ -189,8 +190,8 @@ contains
     do i = 1, 200
       a = random_shape(random)
       call place_polyhedron(a, zero, random_frame(random))
-      start = 0.3_wp*random_way(random)
-      way = random_way(random)
+      start = 0.3_wp*random_direction(random)
+      way = random_direction(random)
       step = 0.01_wp
       last = huge(last)
       do k = 1, 150

@@ -4,6 +4,7 @@
 program test_touch_space
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use harness, only: tests_t
+  use random_space, only: random_direction, random_frame
   use sg_kinds, only: wp, i4
   use sg_random, only: random_t
   use sg_touch_cylinder_cylinder, only: touch_cylinder_cylinder
@@ -211,28 +212,6 @@ contains
     call t%near(minval(touch%gap(:3)), 0.0_wp, tight, 'their least gap')
     call t%check(all(touch%feature(:3) == [1_i4, 2_i4, 3_i4]), 'their features')
   end subroutine test_cylinders
-
-  !> A random unit vector.
-  function random_direction(random) result(unit)
-    type(random_t), intent(inout) :: random
-    real(wp) :: unit(3)
-
-    unit = [random%normal(), random%normal(), random%normal()]
-    unit = unit/norm2(unit)
-  end function random_direction
-
-  !> A random right-handed frame.
-  function random_frame(random) result(frame)
-    type(random_t), intent(inout) :: random
-    real(wp) :: frame(3, 3)
-
-    frame(:, 1) = random_direction(random)
-    frame(:, 2) = random_direction(random)
-    frame(:, 2) = frame(:, 2) - dot_product(frame(:, 1), frame(:, 2))*frame(:, 1)
-    frame(:, 2) = frame(:, 2)/norm2(frame(:, 2))
-    frame(:, 3) = [frame(2, 1)*frame(3, 2) - frame(3, 1)*frame(2, 2), frame(3, 1)*frame(1, 2) - frame(1, 1)*frame(3, 2), &
-                   frame(1, 1)*frame(2, 2) - frame(2, 1)*frame(1, 2)]
-  end function random_frame
 
   !> Shapes on top of each other and of no length: unit normals and finite numbers.
   subroutine test_degenerate()

@@ -3,6 +3,7 @@
 !! Lengths are of order 1; `tight` allows some tens of roundings of such lengths.
 program test_touch_space_random
   use harness, only: tests_t
+  use random_space, only: random_direction, random_frame
   use sg_kinds, only: wp
   use sg_random, only: random_t
   use sg_touch_cylinder_cylinder, only: touch_cylinder_cylinder
@@ -24,28 +25,6 @@ program test_touch_space_random
   call t%finish()
 
 contains
-
-  !> A random unit vector.
-  function random_direction(random) result(unit)
-    type(random_t), intent(inout) :: random
-    real(wp) :: unit(3)
-
-    unit = [random%normal(), random%normal(), random%normal()]
-    unit = unit/norm2(unit)
-  end function random_direction
-
-  !> A random right-handed frame.
-  function random_frame(random) result(frame)
-    type(random_t), intent(inout) :: random
-    real(wp) :: frame(3, 3)
-
-    frame(:, 1) = random_direction(random)
-    frame(:, 2) = random_direction(random)
-    frame(:, 2) = frame(:, 2) - dot_product(frame(:, 1), frame(:, 2))*frame(:, 1)
-    frame(:, 2) = frame(:, 2)/norm2(frame(:, 2))
-    frame(:, 3) = [frame(2, 1)*frame(3, 2) - frame(3, 1)*frame(2, 2), frame(3, 1)*frame(1, 2) - frame(1, 1)*frame(3, 2), &
-                   frame(1, 1)*frame(2, 2) - frame(2, 1)*frame(1, 2)]
-  end function random_frame
 
   !> Distance of a point to a segment by its parameter, written apart from the kernels.
   pure real(wp) function to_segment(point, centre, axis, half_height)
