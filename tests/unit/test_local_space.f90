@@ -7,6 +7,7 @@ program test_local_space
   use sg_random, only: random_t
   use sg_sweep_solid, only: sweep_solid_frictional
   use sg_symmetric, only: principal_axes
+  use solver_cases, only: map_in_space
   implicit none
   type(tests_t) :: t
 
@@ -40,25 +41,6 @@ contains
     call sweep_solid_frictional(1, 2, reshape([1, 2], [2, 1]), record, 1.0_wp, impulse, body)
     r = impulse(:, 1)
   end function local_answer
-
-  !> Natural map of impulse r and velocity u, axes n, t, n x t, written down anew: r - P(r - rho (u + friction |u_t| n)).
-  pure function map(r, u, friction, rho) result(f)
-    real(wp), intent(in) :: r(3), u(3), friction, rho
-    real(wp) :: f(3), p(3), across, along
-
-    p = r - rho*(u + [friction*hypot(u(2), u(3)), 0.0_wp, 0.0_wp])
-    across = hypot(p(2), p(3))
-    if (across > friction*p(1) .or. p(1) < 0) then
-      along = (p(1) + friction*across)/(1 + friction**2)
-      if (along <= 0) then
-        p = 0
-      else
-        p(2:3) = p(2:3)*friction*along/across
-        p(1) = along
-      end if
-    end if
-    f = r - p
-  end function map
 
   !> A positive definite block with a condition number of up to a limit, as contacts of bodies have them or worse.
   subroutine random_block(random, condition, w)
@@ -100,7 +82,7 @@ contains
           end do
           r = local_answer(w, q, frictions(i))
           length = max(norm2(r), norm2(q))
-          worst(j) = max(worst(j), norm2(map(r, matmul(w, r) + q, frictions(i), 1.0_wp))/length)
+          worst(j) = max(worst(j), norm2(map_in_space(r, matmul(w, r) + q, frictions(i), 1.0_wp))/length)
           if (norm2(r) <= 0) then
             kinds(1) = kinds(1) + 1
           else if (norm2(matmul(w, r) + q) < 1e-6_wp*norm2(q)) then

@@ -2,7 +2,6 @@
 program test_mapping
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, put_disk, put_polygon, put_wall
-  use sg_assemble, only: assemble
   use sg_compact, only: add_impulses, compact_velocity
   use sg_contacts, only: contacts_t
   use sg_detect, only: detect
@@ -10,13 +9,14 @@ program test_mapping
   use sg_laws, only: law_iqs, law_elastic, law_restitution, local_law, local_law_t, status_new
   use sg_mapping, only: add_resultants, relative_velocity
   use sg_motion, only: predict
-  use sg_problem, only: arm_frictional, arm_frictionless, problem_kind, round_frictional, round_frictionless
+  use sg_problem, only: arm_frictional, arm_frictionless, round_frictional, round_frictionless
   use sg_random, only: random_t
   use sg_simulation, only: simulation_t
   use sg_time_functions, only: time_function_t
+  use solver_cases, only: begin_step, h, reassemble
   implicit none
   integer, parameter :: n_bodies = 40
-  real(wp), parameter :: side = 6, h = 0.01_wp
+  real(wp), parameter :: side = 6
   ! Sums of some ten terms of order one to ten, over contacts some hundred in all.
   real(wp), parameter :: rounding = 1e-13_wp
   character(len=18), parameter :: names(4) = [character(len=18) :: 'round frictionless', 'round frictional', 'arm frictionless', &
@@ -43,9 +43,7 @@ contains
     name = trim(names(kind))
     if (period > 0) name = name//', periodic'
     call make_scene(sim, kind, period)
-    call begin_run(sim, h, 1e-3_wp)
-    call predict(sim%scene, 0.0_wp, h, 0.5_wp)
-    call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+    call begin_step(sim)
     call reassemble(sim)
     call t%equal(sim%problem%kind, kind, name//': the kind is as planned')
     call t%check(sim%contacts%n > 60, name//': there are contacts')
@@ -103,14 +101,6 @@ contains
       end if
     end associate
   end subroutine make_scene
-
-  !> Assemble the problem anew: free velocities, and the impulses of the contacts.
-  subroutine reassemble(sim)
-    type(simulation_t), intent(inout) :: sim
-
-    call assemble(sim%scene, sim%contacts, problem_kind(2, sim%plan%is_round, sim%plan%has_tangent), sim%pairs%body_of, &
-                  sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
-  end subroutine reassemble
 
   !> r . H^T V = V . H r for random impulses and velocities.
   subroutine test_adjoint(sim, name)

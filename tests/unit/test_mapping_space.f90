@@ -2,25 +2,22 @@
 !! H^T M^-1 H, and the blocks of the records against W.
 program test_mapping_space
   use harness, only: tests_t
-  use scenes, only: begin_run
   use scenes_space, only: random_space_scene
-  use sg_assemble, only: assemble
   use sg_compact_space, only: add_space_impulses, space_velocity
   use sg_contacts, only: contacts_t, impulse_vector
-  use sg_detect, only: detect
   use sg_kinds, only: wp
   use sg_laws, only: law_elastic, law_linear, law_restitution, local_law, local_law_t, status_new
   use sg_mapping_space, only: add_space_resultants, space_arms, space_relative_velocity, tangent_of
-  use sg_motion, only: predict
-  use sg_problem, only: ball_frictional, ball_frictionless, problem_kind, solid_frictional, solid_frictionless
+  use sg_problem, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless
   use sg_random, only: random_t
   use sg_rotations, only: turned_by
   use sg_simulation, only: simulation_t
   use sg_symmetric, only: principal_axes
   use sg_vectors, only: cross
+  use solver_cases, only: begin_step, h, reassemble
   implicit none
   integer, parameter :: n_bodies = 40
-  real(wp), parameter :: side = 3.5_wp, h = 0.01_wp
+  real(wp), parameter :: side = 3.5_wp
   ! Sums of some ten terms of order one to ten, over contacts some hundred in all.
   real(wp), parameter :: rounding = 2e-13_wp
   character(len=18), parameter :: names(5:8) = [character(len=18) :: 'ball frictionless', 'ball frictional', &
@@ -70,9 +67,7 @@ contains
 
     name = trim(names(kind))//variant
     call random_space_scene(sim%scene, kind, law, period, side, n_bodies)
-    call begin_run(sim, h, 1e-3_wp)
-    call predict(sim%scene, 0.0_wp, h, 0.5_wp)
-    call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+    call begin_step(sim)
     call reassemble(sim)
     call t%equal(sim%problem%kind, kind, name//': the kind is as planned')
     call t%check(sim%contacts%n > 60, name//': there are contacts')
@@ -83,14 +78,6 @@ contains
     call test_compact(sim, name)
     call test_delassus(sim, name)
   end subroutine test_kind
-
-  !> Assemble the problem anew: free velocities, and the impulses of the contacts.
-  subroutine reassemble(sim)
-    type(simulation_t), intent(inout) :: sim
-
-    call assemble(sim%scene, sim%contacts, problem_kind(3, sim%plan%is_round, sim%plan%has_tangent), sim%pairs%body_of, &
-                  sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
-  end subroutine reassemble
 
   !> Arms lead from the centres to the surfaces: they are a gap apart along the normal, through the image of the antagonist.
   !! No contact sees a translation of everything; none sees a common spin but through its gap, where no image is between.

@@ -1,14 +1,11 @@
 !> The solver: criteria stop where they should, orders and relaxation reach one solution, and whom sweeps visit changes nothing.
 program test_solver
   use harness, only: tests_t
-  use scenes, only: begin_run, begin_scene, g, put_disk, put_polygon, put_wall
-  use sg_assemble, only: assemble
+  use scenes, only: begin_scene, g, put_disk, put_polygon, put_wall
   use sg_compact, only: compact_velocity
-  use sg_detect, only: detect
   use sg_kinds, only: wp
-  use sg_motion, only: predict
   use sg_nlgs, only: nlgs_t
-  use sg_problem, only: arm_frictional, arm_frictionless, problem_kind, problem_t, reserve_problem, round_frictional, &
+  use sg_problem, only: arm_frictional, arm_frictionless, problem_t, reserve_problem, round_frictional, &
                         round_frictionless
   use sg_random, only: random_t
   use sg_report, only: report_t
@@ -17,12 +14,13 @@ program test_solver
                             criterion_quad, criterion_violation
   use sg_simulation, only: simulation_t
   use sg_sweep_round, only: sweep_round_frictionless
+  use solver_cases, only: check_nothing, first_problem, h, solver_of
   implicit none
   ! Disks or squares of a column, by kind of problem: stacked squares with friction bend like a beam, and sweeps need the
   ! fourth power of their number.
   integer, parameter :: heights(4) = [8, 8, 8, 3]
-  real(wp), parameter :: h = 0.01_wp
   type(tests_t) :: t
+  integer :: kind
 
   call test_column()
   call test_criteria()
@@ -31,22 +29,12 @@ program test_solver
   call test_relaxation()
   call test_visited()
   call test_late()
-  call test_nothing()
+  do kind = 1, 4
+    call check_nothing(t, kind)
+  end do
   call t%finish()
 
 contains
-
-  !> The problem of the first step of a scene.
-  subroutine first_problem(sim, problem)
-    type(simulation_t), intent(inout) :: sim
-    type(problem_t), intent(out) :: problem
-
-    call begin_run(sim, h, 1e-3_wp)
-    call predict(sim%scene, 0.0_wp, h, 0.5_wp)
-    call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%contacts, problem_kind(2, sim%plan%is_round, sim%plan%has_tangent), sim%pairs%body_of, &
-                  sim%pairs%slot_of, sim%plan%radius, h, problem)
-  end subroutine first_problem
 
   !> A column of disks, or of squares, on a floor; the exact impulses, contact by contact.
   subroutine make_column(kind, problem, exact)
@@ -77,17 +65,6 @@ contains
       exact(k) = share*real(n_column - lower, wp)*sim%scene%bodies%mass(1)*g*h
     end do
   end subroutine make_column
-
-  !> A solver with a criterion, a tolerance, and tests every sweep.
-  type(nlgs_t) function solver_of(criterion, tolerance, maximum_sweeps) result(solver)
-    integer, intent(in) :: criterion, maximum_sweeps
-    real(wp), intent(in) :: tolerance
-
-    solver%options%criterion = criterion
-    solver%options%tolerance = tolerance
-    solver%options%check_every = 1
-    solver%options%maximum_sweeps = maximum_sweeps
-  end function solver_of
 
   !> Every kind of problem: the contacts of a column carry what lies above.
   subroutine test_column()
@@ -449,26 +426,4 @@ contains
       late(k) = u(1) > 0
     end do
   end function closes_late
-
-  !> No contact, and contacts that nothing can move.
-  subroutine test_nothing()
-    type(problem_t) :: problem
-    type(nlgs_t) :: solver
-    type(report_t) :: report
-    integer :: kind
-
-    do kind = 1, 4
-      problem = problem_t()
-      call reserve_problem(problem, kind, 3, 0)
-      solver = solver_of(criterion_e8, 1e-6_wp, 10)
-      call solver%solve(problem, report)
-      call t%check(report%is_converged .and. report%sweeps == 0, 'nothing to solve')
-      call reserve_problem(problem, kind, 3, 2)
-      problem%pair(:, 1) = [1, 2]
-      problem%pair(:, 2) = [2, 3]
-      call solver%solve(problem, report)
-      call t%check(report%is_converged, 'contacts of bodies that do not move')
-      call t%near(maxval(abs(problem%impulse)), 0.0_wp, 0.0_wp, 'and they carry nothing')
-    end do
-  end subroutine test_nothing
 end program test_solver

@@ -2,18 +2,17 @@
 !! definitions.
 program test_solver_space
   use harness, only: tests_t
-  use scenes, only: begin_run, g
+  use scenes, only: g
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere, random_space_scene
   use sg_assemble, only: assemble, disassemble
   use sg_compact_space, only: space_velocity
   use sg_contacts, only: contacts_t
-  use sg_detect, only: detect
   use sg_kinds, only: wp
   use sg_laws, only: law_elastic, law_iqs, law_restitution, local_law, local_law_t, status_new
   use sg_mapping_space, only: add_space_resultants, space_relative_velocity, tangent_of
   use sg_motion, only: predict
   use sg_nlgs, only: nlgs_t
-  use sg_problem, only: ball_frictional, ball_frictionless, problem_kind, problem_t, reserve_problem, solid_frictional, &
+  use sg_problem, only: ball_frictional, ball_frictionless, problem_t, reserve_problem, solid_frictional, &
                         solid_frictionless
   use sg_random, only: random_t
   use sg_report, only: report_t
@@ -22,63 +21,24 @@ program test_solver_space
   use sg_simulation, only: simulation_t
   use sg_symmetric, only: principal_axes
   use sg_vectors, only: cross
+  use solver_cases, only: check_nothing, first_problem, h, map_in_space, solver_of
   implicit none
-  real(wp), parameter :: h = 0.01_wp
   character(len=18), parameter :: names(5:8) = [character(len=18) :: 'ball frictionless', 'ball frictional', &
                                                 'solid frictionless', 'solid frictional']
   type(tests_t) :: t
+  integer :: kind
 
   call test_laws()
   call test_orders()
   call test_crowd()
   call test_column()
   call test_criteria()
-  call test_nothing()
+  do kind = ball_frictionless, solid_frictional
+    call check_nothing(t, kind)
+  end do
   call t%finish()
 
 contains
-
-  !> Natural map of impulse r and velocity u, axes n, t, n x t, written down anew: r - P(r - rho (u + friction |u_t| n)).
-  pure function map(r, u, friction, rho) result(f)
-    real(wp), intent(in) :: r(3), u(3), friction, rho
-    real(wp) :: f(3), p(3), across, along
-
-    p = r - rho*(u + [friction*hypot(u(2), u(3)), 0.0_wp, 0.0_wp])
-    across = hypot(p(2), p(3))
-    if (across > friction*p(1) .or. p(1) < 0) then
-      along = (p(1) + friction*across)/(1 + friction**2)
-      if (along <= 0) then
-        p = 0
-      else
-        p(2:3) = p(2:3)*friction*along/across
-        p(1) = along
-      end if
-    end if
-    f = r - p
-  end function map
-
-  !> The problem of the first step of a scene.
-  subroutine first_problem(sim, problem)
-    type(simulation_t), intent(inout) :: sim
-    type(problem_t), intent(out) :: problem
-
-    call begin_run(sim, h, 1e-3_wp)
-    call predict(sim%scene, 0.0_wp, h, 0.5_wp)
-    call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%contacts, problem_kind(3, sim%plan%is_round, sim%plan%has_tangent), sim%pairs%body_of, &
-                  sim%pairs%slot_of, sim%plan%radius, h, problem)
-  end subroutine first_problem
-
-  !> A solver with a criterion, a tolerance, and tests every sweep.
-  type(nlgs_t) function solver_of(criterion, tolerance, maximum_sweeps) result(solver)
-    integer, intent(in) :: criterion, maximum_sweeps
-    real(wp), intent(in) :: tolerance
-
-    solver%options%criterion = criterion
-    solver%options%tolerance = tolerance
-    solver%options%check_every = 1
-    solver%options%maximum_sweeps = maximum_sweeps
-  end function solver_of
 
   !> Random scenes with driven and partly driven bodies: impulses and velocities, from geometry alone, obey the laws.
   subroutine test_laws()
@@ -139,7 +99,7 @@ contains
       if (sim%contacts%n_components == 3) r = matmul(sim%contacts%impulse(:, k), frame)
       u = u + [law%compliance(1), law%compliance(2), law%compliance(2)]*r
       if (sim%contacts%n_components == 1) u(2:3) = 0
-      worst_map = max(worst_map, norm2(map(r, u, law%friction, 0.1_wp)))
+      worst_map = max(worst_map, norm2(map_in_space(r, u, law%friction, 0.1_wp)))
     end do
   end function worst_map
 
@@ -354,9 +314,9 @@ contains
         r = matmul(after%impulse(:, k), frame)
         call principal_axes(w, values, axes)
       end if
-      f1 = f1 + sum(map(r, u, friction, 1.0_wp)**2)
-      f8 = f8 + sum(map(r, u, friction, 1/maxval(values))**2)
-      fv = fv + sum((map(r, u, friction, 1/maxval(values))*maxval(values))**2)
+      f1 = f1 + sum(map_in_space(r, u, friction, 1.0_wp)**2)
+      f8 = f8 + sum(map_in_space(r, u, friction, 1/maxval(values))**2)
+      fv = fv + sum((map_in_space(r, u, friction, 1/maxval(values))*maxval(values))**2)
       r2 = r2 + sum(r**2)
       u2 = u2 + sum(u**2)
       dv = -u
@@ -447,26 +407,4 @@ contains
     all = space_velocity(problem, k)
     u = all(1)
   end function space_first
-
-  !> No contact, and contacts that nothing can move.
-  subroutine test_nothing()
-    type(problem_t) :: problem
-    type(nlgs_t) :: solver
-    type(report_t) :: report
-    integer :: kind
-
-    do kind = ball_frictionless, solid_frictional
-      problem = problem_t()
-      call reserve_problem(problem, kind, 3, 0)
-      solver = solver_of(criterion_e8, 1e-6_wp, 10)
-      call solver%solve(problem, report)
-      call t%check(report%is_converged .and. report%sweeps == 0, 'nothing to solve')
-      call reserve_problem(problem, kind, 3, 2)
-      problem%pair(:, 1) = [1, 2]
-      problem%pair(:, 2) = [2, 3]
-      call solver%solve(problem, report)
-      call t%check(report%is_converged, 'contacts of bodies that do not move')
-      call t%near(maxval(abs(problem%impulse)), 0.0_wp, 0.0_wp, 'and they carry nothing')
-    end do
-  end subroutine test_nothing
 end program test_solver_space

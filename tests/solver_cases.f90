@@ -1,0 +1,103 @@
+!> First steps of scenes as problems, solvers for them, and checks of solvers that all kinds of problems share.
+module solver_cases
+  use harness, only: tests_t
+  use scenes, only: begin_run
+  use sg_assemble, only: assemble
+  use sg_detect, only: detect
+  use sg_kinds, only: wp
+  use sg_motion, only: predict
+  use sg_nlgs, only: nlgs_t
+  use sg_problem, only: problem_kind, problem_t, reserve_problem
+  use sg_report, only: report_t
+  use sg_run_options, only: criterion_e8
+  use sg_simulation, only: simulation_t
+  implicit none
+  private
+  public :: begin_step, reassemble, first_problem, solver_of, map_in_space, check_nothing
+
+  !> Time step of the problems [s]
+  real(wp), parameter, public :: h = 0.01_wp
+
+contains
+
+  !> Find the contacts of the first step of a scene.
+  subroutine begin_step(sim)
+    type(simulation_t), intent(inout) :: sim !! its scene is set
+
+    call begin_run(sim, h, 1e-3_wp)
+    call predict(sim%scene, 0.0_wp, h, 0.5_wp)
+    call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+  end subroutine begin_step
+
+  !> Assemble the problem anew: free velocities, and the impulses of the contacts.
+  subroutine reassemble(sim)
+    type(simulation_t), intent(inout) :: sim !! its contacts are found
+
+    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
+                  sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
+  end subroutine reassemble
+
+  !> The problem of the first step of a scene.
+  subroutine first_problem(sim, problem)
+    type(simulation_t), intent(inout) :: sim !! its scene is set
+    type(problem_t), intent(out) :: problem !! a copy of its problem
+
+    call begin_step(sim)
+    call reassemble(sim)
+    problem = sim%problem
+  end subroutine first_problem
+
+  !> A solver with a criterion, a tolerance, and tests every sweep.
+  type(nlgs_t) function solver_of(criterion, tolerance, maximum_sweeps) result(solver)
+    integer, intent(in) :: criterion !! number of the criterion
+    real(wp), intent(in) :: tolerance !! of it
+    integer, intent(in) :: maximum_sweeps !! sweeps after which it gives up
+
+    solver%options%criterion = criterion
+    solver%options%tolerance = tolerance
+    solver%options%check_every = 1
+    solver%options%maximum_sweeps = maximum_sweeps
+  end function solver_of
+
+  !> Natural map of impulse r and velocity u, axes n, t, n x t, written down anew: r - P(r - rho (u + friction |u_t| n)).
+  pure function map_in_space(r, u, friction, rho) result(f)
+    real(wp), intent(in) :: r(3) !! impulse [N s]
+    real(wp), intent(in) :: u(3) !! relative velocity [m/s]
+    real(wp), intent(in) :: friction !! Coulomb coefficient
+    real(wp), intent(in) :: rho !! [kg]
+    real(wp) :: f(3), p(3), across, along
+
+    p = r - rho*(u + [friction*hypot(u(2), u(3)), 0.0_wp, 0.0_wp])
+    across = hypot(p(2), p(3))
+    if (across > friction*p(1) .or. p(1) < 0) then
+      along = (p(1) + friction*across)/(1 + friction**2)
+      if (along <= 0) then
+        p = 0
+      else
+        p(2:3) = p(2:3)*friction*along/across
+        p(1) = along
+      end if
+    end if
+    f = r - p
+  end function map_in_space
+
+  !> No contact, and contacts that nothing can move.
+  subroutine check_nothing(t, kind)
+    class(tests_t), intent(inout) :: t !! the checks
+    integer, intent(in) :: kind !! kind of problem
+    type(problem_t) :: problem
+    type(nlgs_t) :: solver
+    type(report_t) :: report
+
+    call reserve_problem(problem, kind, 3, 0)
+    solver = solver_of(criterion_e8, 1e-6_wp, 10)
+    call solver%solve(problem, report)
+    call t%check(report%is_converged .and. report%sweeps == 0, 'nothing to solve')
+    call reserve_problem(problem, kind, 3, 2)
+    problem%pair(:, 1) = [1, 2]
+    problem%pair(:, 2) = [2, 3]
+    call solver%solve(problem, report)
+    call t%check(report%is_converged, 'contacts of bodies that do not move')
+    call t%near(maxval(abs(problem%impulse)), 0.0_wp, 0.0_wp, 'and they carry nothing')
+  end subroutine check_nothing
+end module solver_cases
