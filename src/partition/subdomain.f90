@@ -18,12 +18,13 @@ module sg_subdomain
     integer :: all_bodies = 0, all_contactors = 0
     !> Ranks that share bodies with this one, ascending
     integer, allocatable :: neighbour(:)
-    !> Bodies (local) shared with neighbour i: `body(first(i):first(i + 1) - 1)`, by ascending number; wide bodies left out
-    integer, allocatable :: first(:), body(:)
+    !> Bodies (local) shared with neighbour i: `body(first(i):first(i + 1) - 1)`, by ascending number, and their homes; wide
+    !! bodies left out
+    integer, allocatable :: first(:), body(:), home(:)
     !> Wide bodies (local), which all ranks hold, by ascending number
     integer, allocatable :: wide(:)
-    !> Splits made since the start, and bodies that changed home in all of them
-    integer :: splits = 0
+    !> Times that these lists were made; splits made since the start, and bodies that changed home in all of them
+    integer :: serial = 0, splits = 0
     real(wp) :: moved = 0
   end type subdomain_t
 

@@ -11,7 +11,7 @@ module sg_assemble_space
   use sg_vectors, only: cross, determinant
   implicit none
   private
-  public :: load_space_bodies, unload_space_bodies, space_record, velocity_before
+  public :: load_space_bodies, unload_space_bodies, set_solid_block, space_record, velocity_before
 
 contains
 
@@ -116,69 +116,61 @@ contains
     case (solid_frictionless)
       arms = space_arms(scene, contacts, k)
       record(1:10) = [n, cross(arms(:, 1), n), cross(arms(:, 2), n), law%bias(1)]
-      w = dot_product(n, matmul(block_of(body, pair, arms), n))
+      w = dot_product(n, matmul(block_of(body(:, pair(1)), arms(:, 1)) + block_of(body(:, pair(2)), arms(:, 2)), n))
       record(11) = inverse_of(w + law%compliance(1), law%is_active)
     case (solid_frictional)
-      call solid_record(n, t, space_arms(scene, contacts, k), bias, law, body, pair, record)
+      record = [n, t, space_arms(scene, contacts, k), bias, spread(0.0_wp, 1, 5), law%friction, law%cohesion, &
+                law%compliance, merge(merge(2.0_wp, 1.0_wp, law%is_linear), 0.0_wp, law%is_active), 0.0_wp]
+      call set_solid_block(body(:, pair(1)), body(:, pair(2)), record)
     end select
   end subroutine space_record
 
-  !> Record of a solid contact with friction, on the tangents in which S is diagonal.
-  pure subroutine solid_record(n, t, arms, bias, law, body, pair, record)
-    real(wp), intent(in) :: n(3), t(3), arms(3, 2), bias(3), body(:, :)
-    type(local_law_t), intent(in) :: law
-    integer(i4), intent(in) :: pair(2)
-    real(wp), intent(inout) :: record(:)
-    real(wp) :: frame(3, 3), w(3, 3), s(2, 2), angle, c, d, law_kind
+  !> Set the block of a solid contact with friction for the masses of its bodies, on the tangents in which S is diagonal.
+  pure subroutine set_solid_block(candidate, antagonist, record)
+    real(wp), intent(in) :: candidate(:), antagonist(:) !! records of the two bodies
+    real(wp), intent(inout) :: record(:) !! record of the contact, complete but for its block; its tangent may turn
+    real(wp) :: frame(3, 3), w(3, 3), s(2, 2), angle, c, d
 
-    frame(:, 1) = n
-    frame(:, 2) = t
-    frame(:, 3) = cross(n, t)
-    w = matmul(transpose(frame), matmul(block_of(body, pair, arms), frame))
-    w(1, 1) = w(1, 1) + law%compliance(1)
-    w(2, 2) = w(2, 2) + law%compliance(2)
-    w(3, 3) = w(3, 3) + law%compliance(2)
-    law_kind = merge(2.0_wp, 1.0_wp, law%is_linear)
+    frame(:, 1) = record(1:3)
+    frame(:, 2) = record(4:6)
+    frame(:, 3) = cross(frame(:, 1), frame(:, 2))
+    w = matmul(transpose(frame), matmul(block_of(candidate, record(7:9)) + block_of(antagonist, record(10:12)), frame))
+    w(1, 1) = w(1, 1) + record(23)
+    w(2, 2) = w(2, 2) + record(24)
+    w(3, 3) = w(3, 3) + record(24)
     s = 1
     c = 1
     d = 0
-    if (law%is_active .and. w(1, 1) > tiny(1.0_wp)) then
+    if (record(25) > 0.5_wp .and. w(1, 1) > tiny(1.0_wp)) then
       s = w(2:3, 2:3) - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
       angle = 0.5_wp*atan2(2*s(1, 2), s(1, 1) - s(2, 2))
       c = cos(angle)
       d = sin(angle)
     else
-      law_kind = 0
+      record(25) = 0
     end if
     ! S is positive for bodies that can move; where rounding or a driven body takes that away, a trace of W_nn keeps it so.
     associate (least => 16*epsilon(1.0_wp)*max(w(1, 1), w(2, 2), w(3, 3), tiny(1.0_wp)))
-      record = [n, c*frame(:, 2) + d*frame(:, 3), arms(:, 1), arms(:, 2), bias, w(1, 1), c*w(1, 2) + d*w(1, 3), &
-                c*w(1, 3) - d*w(1, 2), max(least, c**2*s(1, 1) + 2*c*d*s(1, 2) + d**2*s(2, 2)), &
-                max(least, d**2*s(1, 1) - 2*c*d*s(1, 2) + c**2*s(2, 2)), law%friction, law%cohesion, law%compliance, law_kind, &
-                0.0_wp]
+      record(4:6) = c*frame(:, 2) + d*frame(:, 3)
+      record(16:20) = [w(1, 1), c*w(1, 2) + d*w(1, 3), c*w(1, 3) - d*w(1, 2), &
+                       max(least, c**2*s(1, 1) + 2*c*d*s(1, 2) + d**2*s(2, 2)), &
+                       max(least, d**2*s(1, 1) - 2*c*d*s(1, 2) + c**2*s(2, 2))]
     end associate
-    if (law_kind > 0) record(26) = 1/largest_eigenvalue(w)
-  end subroutine solid_record
+    if (record(25) > 0.5_wp) record(26) = 1/largest_eigenvalue(w)
+  end subroutine set_solid_block
 
-  !> Block of W of a contact in the world's axes [1/kg], without compliance.
-  pure function block_of(body, pair, arms) result(w)
-    real(wp), intent(in) :: body(:, :), arms(3, 2)
-    integer(i4), intent(in) :: pair(2)
+  !> What one body adds to the block of W of a contact in the world's axes [1/kg].
+  pure function block_of(body, arm) result(w)
+    real(wp), intent(in) :: body(:), arm(3)
     real(wp) :: w(3, 3), lever(3, 3), inverse(3, 3)
-    integer :: side, i
+    integer :: i
 
-    w = 0
-    do side = 1, 2
-      associate (own => body(:, pair(side)))
-        inverse = reshape(own([10, 13, 14, 13, 11, 15, 14, 15, 12]), [3, 3])
-        ! Columns: arm x unit vectors, so that lever^T I^-1 lever is the rotational part.
-        lever = reshape([0.0_wp, arms(3, side), -arms(2, side), -arms(3, side), 0.0_wp, arms(1, side), arms(2, side), &
-                         -arms(1, side), 0.0_wp], [3, 3])
-        w = w + matmul(transpose(lever), matmul(inverse, lever))
-        do i = 1, 3
-          w(i, i) = w(i, i) + own(6 + i)
-        end do
-      end associate
+    inverse = reshape(body([10, 13, 14, 13, 11, 15, 14, 15, 12]), [3, 3])
+    ! Columns: arm x unit vectors, so that lever^T I^-1 lever is the rotational part.
+    lever = reshape([0.0_wp, arm(3), -arm(2), -arm(3), 0.0_wp, arm(1), arm(2), -arm(1), 0.0_wp], [3, 3])
+    w = matmul(transpose(lever), matmul(inverse, lever))
+    do i = 1, 3
+      w(i, i) = w(i, i) + body(6 + i)
     end do
   end function block_of
 

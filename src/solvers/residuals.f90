@@ -9,10 +9,15 @@ module sg_residuals
   use sg_residuals_space, only: add_space_contacts, approaching
   implicit none
   private
-  public :: measure_errors, choose_visited, natural_map
+  public :: measure_errors, sum_errors, set_errors, choose_visited, natural_map, n_error_sums
 
   !> Contacts gathered at a time: their data stay in the first cache, and the map runs over them in vector registers
   integer, parameter :: chunk = 128
+
+  !> Sums that the errors of a problem are made of
+  integer, parameter :: n_error_sums = 6
+  !> Open contacts that part faster than this many rms errors of velocity are not visited
+  real(wp), parameter :: speed_limit = 30
 
   !> What the natural map needs of a chunk of contacts
   type :: chunk_t
@@ -37,31 +42,50 @@ contains
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     type(report_t), intent(inout) :: report !! errors and active contacts are set
     logical, intent(in) :: with_e1 !! measure e1 and e2 too, which take a map of their own
+
+    call set_errors(sum_errors(problem, with_e1), problem%n_contacts, problem%free_norm, problem%velocity_scale, with_e1, report)
+  end subroutine measure_errors
+
+  !> Sums over the contacts of a problem that make its errors: squares of the map with rho = 1 (where wanted), of the map
+  !! with rho_a, of its velocity error, of r, and of u; and the number of contacts that carry an impulse.
+  pure function sum_errors(problem, with_e1) result(sums)
+    type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
+    logical, intent(in) :: with_e1 !! sum the first one too, which takes a map of its own
+    real(wp) :: sums(n_error_sums)
     type(chunk_t) :: a
-    real(wp) :: sums(5), speed
     integer :: first, active
 
     sums = 0
     active = 0
-    if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, sums, active)
+    if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, sums(:5), active)
     do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
       call gather(problem, first, a)
-      call add_chunk(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums, active)
+      call add_chunk(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums(:5), active)
       if (with_e1) call add_unscaled(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums(1))
     end do
-    speed = sqrt(sums(3)/real(max(1, problem%n_contacts), wp))
-    report%active_contacts = active
-    if (with_e1) report%e1 = ratio(sqrt(sums(1)), problem%free_norm)
-    if (with_e1) report%e2 = ratio(sqrt(sums(1)), max(problem%free_norm, sqrt(sums(4)), sqrt(sums(5))))
+    sums(6) = real(active, wp)
+  end function sum_errors
+
+  !> Errors from their sums, over one problem or over all parts of a decomposed one.
+  pure subroutine set_errors(sums, contacts, free_norm, velocity_scale, with_e1, report)
+    real(wp), intent(in) :: sums(n_error_sums) !! what `sum_errors` gave
+    integer, intent(in) :: contacts !! number of contacts
+    real(wp), intent(in) :: free_norm !! norm of q [m/s]
+    real(wp), intent(in) :: velocity_scale !! of the violation [m/s]
+    logical, intent(in) :: with_e1 !! set e1 and e2 too
+    type(report_t), intent(inout) :: report !! errors and active contacts are set
+
+    report%active_contacts = nint(sums(6))
+    if (with_e1) report%e1 = ratio(sqrt(sums(1)), free_norm)
+    if (with_e1) report%e2 = ratio(sqrt(sums(1)), max(free_norm, sqrt(sums(4)), sqrt(sums(5))))
     report%e8 = ratio(sqrt(sums(2)), sqrt(sums(4)))
-    report%violation = ratio(speed, problem%velocity_scale)
-  end subroutine measure_errors
+    report%violation = ratio(sqrt(sums(3)/real(max(1, contacts), wp)), velocity_scale)
+  end subroutine set_errors
 
   !> Which contacts a sweep had better visit: those that carry an impulse, and open ones that part slower than a limit.
-  pure subroutine choose_visited(problem, report, speed_limit, is_wanted, visited, missed)
+  pure subroutine choose_visited(problem, report, is_wanted, visited, missed)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     type(report_t), intent(in) :: report !! its errors
-    real(wp), intent(in) :: speed_limit !! in rms errors of velocity
     logical, intent(inout) :: is_wanted(:) !! contacts visited so far, then those to visit, shape (contacts)
     integer, intent(out) :: visited !! number of contacts to visit
     integer, intent(out) :: missed !! how many of them were not visited so far
