@@ -20,15 +20,18 @@ module scenes
 
 contains
 
-  !> A scene of `n` bodies without shapes, one inelastic law with friction, gravity downwards.
-  subroutine begin_scene(scene, n, friction, alert)
+  !> A scene of `n` bodies without shapes, one inelastic law with friction, gravity downwards: along -y, in space along -z.
+  subroutine begin_scene(scene, n, friction, alert, dimension)
     type(scene_t), intent(out) :: scene !! the scene
     integer, intent(in) :: n !! number of bodies
     real(wp), intent(in) :: friction !! Coulomb coefficient
     real(wp), intent(in) :: alert !! gap from which a contact is none [m]
+    integer, intent(in), optional :: dimension !! 2 unless given
     integer :: colour
 
-    call scene%bodies%allocate(n)
+    if (present(dimension)) scene%dimension = dimension
+    scene%contactors%dimension = scene%dimension
+    call scene%bodies%allocate(n, scene%dimension)
     call colour_index(scene, 'any', colour)
     allocate (scene%laws(1), scene%sees(1), scene%drives(0), scene%pressures(0))
     scene%laws(1)%name = 'law'
@@ -36,7 +39,7 @@ contains
     scene%laws(1)%dynamic_friction = friction
     scene%sees(1)%law = 1
     scene%sees(1)%alert = alert
-    scene%gravity(:2) = [0.0_wp, -g]
+    scene%gravity(scene%dimension) = -g
   end subroutine begin_scene
 
   !> Make a body a disk.
@@ -98,7 +101,7 @@ contains
   subroutine drive(scene, body, component, velocity)
     type(scene_t), intent(inout) :: scene !! scene that holds the body
     integer, intent(in) :: body !! index of the body
-    integer, intent(in) :: component !! 1 x, 2 y, 3 rotation
+    integer, intent(in) :: component !! 1 x, 2 y, 3 rotation; in space 1 to 3 along x, y, z, 4 to 6 spin
     type(time_function_t), intent(in) :: velocity !! imposed velocity [m/s, rad/s]
 
     scene%drives = [scene%drives, drive_t(body=body, component=component, value=velocity)]
@@ -111,7 +114,7 @@ contains
     integer, intent(in) :: body !! index of the body
     integer :: component
 
-    do component = 1, 3
+    do component = 1, scene%bodies%n_velocity
       call drive(scene, body, component, time_function_t())
     end do
   end subroutine hold

@@ -1,6 +1,6 @@
 !> Small scenes in space for tests, body by body: density 1000, one law, everything sees everything.
 module scenes_space
-  use scenes, only: density, drive, g
+  use scenes, only: begin_scene, density, drive, hold
   use sg_contacts, only: impulse_vector
   use sg_kinds, only: wp
   use sg_error, only: error_t
@@ -9,14 +9,14 @@ module scenes_space
   use sg_problem, only: ball_frictional, ball_frictionless, solid_frictional
   use sg_random, only: random_t
   use sg_rotations, only: frame_of, no_rotation, normalised
-  use sg_scene, only: colour_index, scene_t
+  use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
   use sg_solid_bodies, only: make_solid_body
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_time_functions, only: time_function_t
   implicit none
   private
-  public :: begin_space_scene, put_sphere, put_plane, put_box, put_shape, hold_in_space, force_in_space
+  public :: begin_space_scene, put_sphere, put_plane, put_box, put_shape, force_in_space
   public :: put_capsule, put_dumbbell, put_drum, turn_at_random, random_space_scene
 
 contains
@@ -27,19 +27,8 @@ contains
     integer, intent(in) :: n !! number of bodies
     real(wp), intent(in) :: friction !! Coulomb coefficient
     real(wp), intent(in) :: alert !! gap from which a contact is none [m]
-    integer :: colour
 
-    scene%dimension = 3
-    scene%contactors%dimension = 3
-    call scene%bodies%allocate(n, 3)
-    call colour_index(scene, 'any', colour)
-    allocate (scene%laws(1), scene%sees(1), scene%drives(0), scene%pressures(0))
-    scene%laws(1)%name = 'law'
-    scene%laws(1)%static_friction = friction
-    scene%laws(1)%dynamic_friction = friction
-    scene%sees(1)%law = 1
-    scene%sees(1)%alert = alert
-    scene%gravity = [0.0_wp, 0.0_wp, -g]
+    call begin_scene(scene, n, friction, alert, dimension=3)
   end subroutine begin_space_scene
 
   !> Make a body a sphere.
@@ -66,7 +55,7 @@ contains
     scene%bodies%position(:, body) = position
     if (present(orientation)) scene%bodies%orientation(:, body) = orientation
     call finish_body(scene, body)
-    call hold_in_space(scene, body)
+    call hold(scene, body)
   end subroutine put_plane
 
   !> Make a body a box.
@@ -140,7 +129,7 @@ contains
     scene%bodies%mass(body) = 1
     scene%bodies%principal(:, body) = 1
     scene%bodies%inverse_mass(:, body) = 1
-    call hold_in_space(scene, body)
+    call hold(scene, body)
   end subroutine put_drum
 
   !> Give a body an orientation, all equally likely.
@@ -248,17 +237,6 @@ contains
     scene%bodies%inverse_mass(1:3, body) = 1/scene%bodies%mass(body)
     scene%bodies%inverse_mass(4:6, body) = 1/scene%bodies%principal(:, body)
   end subroutine finish_body
-
-  !> Hold a body where it is.
-  subroutine hold_in_space(scene, body)
-    type(scene_t), intent(inout) :: scene !! scene that holds the body
-    integer, intent(in) :: body !! index of the body
-    integer :: component
-
-    do component = 1, 6
-      call drive(scene, body, component, time_function_t())
-    end do
-  end subroutine hold_in_space
 
   !> Mean force of all contacts on a body over the last step [N].
   pure function force_in_space(sim, body) result(force)

@@ -1,11 +1,12 @@
 !> A run that is stopped, written, read and continued is the straight run, bit for bit, with new lists of neighbours in between.
 program test_continuation
   use harness, only: tests_t
+  use kept_states, only: check_same_state
   use scenes, only: begin_scene, drive, put_disk, put_polygon, put_wall, run
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
   use sg_error, only: diagnostics_t, error_t
   use sg_hdf5, only: hdf5_is_available
-  use sg_kinds, only: wp, i8
+  use sg_kinds, only: wp
   use sg_laws, only: law_mohr
   use sg_random, only: random_t
   use sg_simulation, only: simulation_t, start_simulation
@@ -61,38 +62,11 @@ contains
       call t%equal(second%step, split, name//': step')
       call run(second, steps - split)
       call t%check(second%pairs%builds > 2, name//': lists were made again after the split')
-      call compare(straight, second, name)
+      call check_same_state(t, straight, second, name)
       first = simulation_t()
       second = simulation_t()
     end do
   end subroutine test_scene
-
-  !> Bodies and contacts of two simulations, to the last bit.
-  subroutine compare(a, b, name)
-    type(simulation_t), intent(in) :: a, b
-    character(len=*), intent(in) :: name
-
-    call t%check(same(reshape(a%scene%bodies%position, [2*(n + 3)]), reshape(b%scene%bodies%position, [2*(n + 3)])), &
-                 name//': positions')
-    call t%check(same(pack(a%scene%bodies%velocity, .true.), pack(b%scene%bodies%velocity, .true.)), name//': velocities')
-    if (allocated(a%scene%bodies%angle)) call t%check(same(a%scene%bodies%angle, b%scene%bodies%angle), name//': angles')
-    call t%check(all(a%scene%bodies%crossings == b%scene%bodies%crossings), name//': crossings')
-    call t%equal(b%contacts%n, a%contacts%n, name//': number of contacts')
-    if (b%contacts%n /= a%contacts%n) return
-    associate (k => a%contacts%n)
-      call t%check(same(pack(a%contacts%impulse(:, :k), .true.), pack(b%contacts%impulse(:, :k), .true.)), name//': impulses')
-      call t%check(all(a%contacts%status(:k) == b%contacts%status(:k)), name//': statuses')
-    end associate
-    call t%check(same(a%energy%pack(), b%energy%pack()), name//': energies')
-  end subroutine compare
-
-  !> Are these the same numbers, to the last bit?
-  pure logical function same(a, b)
-    real(wp), intent(in) :: a(:), b(:)
-
-    same = size(a) == size(b)
-    if (same) same = all(transfer(a, [0_i8]) == transfer(b, [0_i8]))
-  end function same
 
   !> Grains of two shapes fall onto a shaken floor, between walls or in a period that a wind carries them through.
   subroutine make(sim, with_polygons, period, friction)

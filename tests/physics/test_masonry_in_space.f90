@@ -4,8 +4,8 @@
 !! The arch is that of the plane drawn out along y: its limit is t/R = 0.10672 for straight-sided voussoirs (see test_arch).
 program test_masonry_in_space
   use harness, only: tests_t
-  use scenes, only: begin_run, g, run
-  use scenes_space, only: begin_space_scene, force_in_space, hold_in_space, put_box, put_plane, put_shape
+  use scenes, only: begin_run, g, hold, run
+  use scenes_space, only: begin_space_scene, force_in_space, put_box, put_plane, put_shape
   use sg_error, only: error_t
   use sg_kinds, only: wp, pi
   use sg_polyhedron, only: polyhedron_t
@@ -55,7 +55,7 @@ contains
     do side = 1, 2
       b = voussoirs + side
       call put_box(sim%scene, b, [0.2_wp, 0.2_wp, 0.1_wp], [real(3 - 2*side, wp), 0.0_wp, -0.1_wp])
-      call hold_in_space(sim%scene, b)
+      call hold(sim%scene, b)
     end do
   end subroutine build
 

@@ -1,6 +1,7 @@
 !> Impulses carried from one detection to the next: by pair and feature, through new lists, from a deck's points, over periods.
 program test_history
   use harness, only: tests_t
+  use kept_states, only: count_marks, mark, mark_all
   use scenes, only: begin_scene, put_disk, put_polygon, put_wall
   use sg_contacts, only: contacts_t
   use sg_detect, only: detect
@@ -52,44 +53,6 @@ contains
     scene%bodies%middle(1:2, :) = scene%bodies%position
     scene%bodies%middle(3, :) = scene%bodies%angle
   end subroutine set_middle
-
-  !> A number that tells a contact from all others, the same whatever its place in the list.
-  real(wp) function mark(contacts, k)
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(in) :: k
-
-    mark = real(contacts%contactor(1, k), wp) + 1e3_wp*real(contacts%contactor(2, k), wp) + 1e6_wp*real(contacts%feature(k), wp)
-  end function mark
-
-  !> Mark all contacts by their impulses.
-  subroutine mark_all(contacts)
-    type(contacts_t), intent(inout) :: contacts
-    integer :: k
-
-    do k = 1, contacts%n
-      contacts%impulse(:, k) = [mark(contacts, k), -mark(contacts, k)]
-      contacts%status(k) = status_slide
-    end do
-  end subroutine mark_all
-
-  !> Contacts whose impulse is neither their own mark nor zero, and those that are new.
-  subroutine count_marks(contacts, wrong, new)
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(out) :: wrong, new
-    integer :: k
-
-    wrong = 0
-    new = 0
-    do k = 1, contacts%n
-      if (contacts%status(k) == status_new) then
-        new = new + 1
-        if (any(abs(contacts%impulse(:, k)) > 0)) wrong = wrong + 1
-      else if (contacts%status(k) /= status_slide .or. abs(contacts%impulse(1, k) - mark(contacts, k)) > 0 &
-               .or. abs(contacts%impulse(2, k) + mark(contacts, k)) > 0) then
-        wrong = wrong + 1
-      end if
-    end do
-  end subroutine count_marks
 
   !> Bodies move a little and far; contacts that were there keep their impulses, the rest starts at zero.
   subroutine test_recovery(period, name)

@@ -2,6 +2,7 @@
 !! that are stopped, written, read and continued, bit for bit.
 program test_history_space
   use harness, only: tests_t
+  use kept_states, only: check_same_state, count_marks, mark_all
   use scenes, only: begin_run, drive, run
   use scenes_space, only: begin_space_scene, put_box, put_capsule, put_plane, put_sphere, turn_at_random
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
@@ -10,8 +11,8 @@ program test_history_space
   use sg_error, only: diagnostics_t, error_t
   use sg_hdf5, only: hdf5_is_available
   use sg_history, only: history_t, resume_history
-  use sg_kinds, only: wp, i8
-  use sg_laws, only: status_new, status_slide
+  use sg_kinds, only: wp
+  use sg_laws, only: status_slide
   use sg_neighbours, only: neighbours_t
   use sg_random, only: random_t
   use sg_scene, only: scene_t
@@ -68,44 +69,6 @@ contains
     scene%bodies%middle(1:3, :) = scene%bodies%position
     scene%bodies%middle(4:7, :) = scene%bodies%orientation
   end subroutine set_middle
-
-  !> A number that tells a contact from all others, the same whatever its place in the list.
-  real(wp) function mark(contacts, k)
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(in) :: k
-
-    mark = real(contacts%contactor(1, k), wp) + 1e3_wp*real(contacts%contactor(2, k), wp) + 1e6_wp*real(contacts%feature(k), wp)
-  end function mark
-
-  !> Mark all contacts by their impulses.
-  subroutine mark_all(contacts)
-    type(contacts_t), intent(inout) :: contacts
-    integer :: k
-
-    do k = 1, contacts%n
-      contacts%impulse(:, k) = mark(contacts, k)*[1.0_wp, -2.0_wp, 3.0_wp]
-      contacts%status(k) = status_slide
-    end do
-  end subroutine mark_all
-
-  !> Contacts whose impulse is neither their own mark nor zero, and those that are new.
-  subroutine count_marks(contacts, wrong, new)
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(out) :: wrong, new
-    integer :: k
-
-    wrong = 0
-    new = 0
-    do k = 1, contacts%n
-      if (contacts%status(k) == status_new) then
-        new = new + 1
-        if (any(abs(contacts%impulse(:, k)) > 0)) wrong = wrong + 1
-      else if (contacts%status(k) /= status_slide .or. &
-               any(abs(contacts%impulse(:, k) - mark(contacts, k)*[1.0_wp, -2.0_wp, 3.0_wp]) > 0)) then
-        wrong = wrong + 1
-      end if
-    end do
-  end subroutine count_marks
 
   !> Bodies move a little and far; contacts that were there keep their impulses, the rest starts at zero.
   subroutine test_recovery(period, name)
@@ -262,40 +225,11 @@ contains
       if (allocated(error)) return
       call t%equal(second%step, split, name//': step')
       call run(second, steps - split)
-      call compare(straight, second, name)
+      call check_same_state(t, straight, second, name)
       first = simulation_t()
       second = simulation_t()
     end do
   end subroutine test_restart
-
-  !> Bodies and contacts of two simulations, to the last bit.
-  subroutine compare(a, b, name)
-    type(simulation_t), intent(in) :: a, b
-    character(len=*), intent(in) :: name
-
-    call t%check(same(pack(a%scene%bodies%position, .true.), pack(b%scene%bodies%position, .true.)), name//': positions')
-    call t%check(same(pack(a%scene%bodies%velocity, .true.), pack(b%scene%bodies%velocity, .true.)), name//': velocities')
-    if (allocated(a%scene%bodies%orientation)) then
-      call t%check(same(pack(a%scene%bodies%orientation, .true.), pack(b%scene%bodies%orientation, .true.)), name//': orientations')
-    end if
-    call t%check(all(a%scene%bodies%crossings == b%scene%bodies%crossings) .and. &
-                 all(a%scene%bodies%crossings_y == b%scene%bodies%crossings_y), name//': crossings')
-    call t%equal(b%contacts%n, a%contacts%n, name//': number of contacts')
-    if (b%contacts%n /= a%contacts%n) return
-    associate (k => a%contacts%n)
-      call t%check(same(pack(a%contacts%impulse(:, :k), .true.), pack(b%contacts%impulse(:, :k), .true.)), name//': impulses')
-      call t%check(all(a%contacts%status(:k) == b%contacts%status(:k)), name//': statuses')
-    end associate
-    call t%check(same(a%energy%pack(), b%energy%pack()), name//': energies')
-  end subroutine compare
-
-  !> Are these the same numbers, to the last bit?
-  pure logical function same(a, b)
-    real(wp), intent(in) :: a(:), b(:)
-
-    same = size(a) == size(b)
-    if (same) same = all(transfer(a, [0_i8]) == transfer(b, [0_i8]))
-  end function same
 
   !> Grains fall onto a shaken floor, between planes or in a period that a wind carries them through.
   subroutine make(sim, shapes, period, friction)

@@ -9,7 +9,7 @@ program test_touch_polyhedra_cases
   use sg_touch_space, only: touch_space_t
   use sg_vectors, only: cross
   use space_reference, only: separation_along, signed_distance
-  use space_shapes, only: box_shape, hull_shape, prism_shape, scaled_shape
+  use space_shapes, only: box_shape, hull_shape, prism_shape
   implicit none
   type(tests_t) :: t
   real(wp), parameter :: zero(3) = 0

@@ -1,0 +1,91 @@
+!> What restarts and histories must keep: states to the last bit, and impulses that tell the contact they belong to.
+module kept_states
+  use harness, only: tests_t
+  use sg_contacts, only: contacts_t
+  use sg_kinds, only: wp, i8
+  use sg_laws, only: status_new, status_slide
+  use sg_simulation, only: simulation_t
+  implicit none
+  private
+  public :: same_bits, check_same_state, mark, mark_all, count_marks
+
+  !> Components of a marked impulse over its mark
+  real(wp), parameter :: factors(3) = [1.0_wp, -2.0_wp, 3.0_wp]
+
+contains
+
+  !> Are these the same numbers, to the last bit?
+  pure logical function same_bits(a, b)
+    real(wp), intent(in) :: a(:), b(:)
+
+    same_bits = size(a) == size(b)
+    if (same_bits) same_bits = all(transfer(a, [0_i8]) == transfer(b, [0_i8]))
+  end function same_bits
+
+  !> Compare bodies, contacts and energies of two simulations, to the last bit.
+  subroutine check_same_state(t, a, b, name)
+    class(tests_t), intent(inout) :: t !! the checks
+    type(simulation_t), intent(in) :: a, b !! simulations
+    character(len=*), intent(in) :: name !! of the case
+
+    associate (one => a%scene%bodies, other => b%scene%bodies)
+      call t%check(same_bits(pack(one%position, .true.), pack(other%position, .true.)), name//': positions')
+      call t%check(same_bits(pack(one%velocity, .true.), pack(other%velocity, .true.)), name//': velocities')
+      if (allocated(one%angle)) call t%check(same_bits(one%angle, other%angle), name//': angles')
+      if (allocated(one%orientation)) then
+        call t%check(same_bits(pack(one%orientation, .true.), pack(other%orientation, .true.)), name//': orientations')
+      end if
+      if (allocated(one%crossings_y)) then
+        call t%check(all(one%crossings == other%crossings) .and. all(one%crossings_y == other%crossings_y), name//': crossings')
+      else
+        call t%check(all(one%crossings == other%crossings), name//': crossings')
+      end if
+    end associate
+    call t%equal(b%contacts%n, a%contacts%n, name//': number of contacts')
+    if (b%contacts%n /= a%contacts%n) return
+    associate (k => a%contacts%n)
+      call t%check(same_bits(pack(a%contacts%impulse(:, :k), .true.), pack(b%contacts%impulse(:, :k), .true.)), name//': impulses')
+      call t%check(all(a%contacts%status(:k) == b%contacts%status(:k)), name//': statuses')
+    end associate
+    call t%check(same_bits(a%energy%pack(), b%energy%pack()), name//': energies')
+  end subroutine check_same_state
+
+  !> A number that tells a contact from all others, the same whatever its place in the list.
+  pure real(wp) function mark(contacts, k)
+    type(contacts_t), intent(in) :: contacts !! contacts
+    integer, intent(in) :: k !! which of them
+
+    mark = real(contacts%contactor(1, k), wp) + 1e3_wp*real(contacts%contactor(2, k), wp) + 1e6_wp*real(contacts%feature(k), wp)
+  end function mark
+
+  !> Mark all contacts by their impulses.
+  subroutine mark_all(contacts)
+    type(contacts_t), intent(inout) :: contacts !! all become sliding ones
+    integer :: k
+
+    do k = 1, contacts%n
+      contacts%impulse(:, k) = mark(contacts, k)*factors(:contacts%n_components)
+      contacts%status(k) = status_slide
+    end do
+  end subroutine mark_all
+
+  !> Contacts whose impulse is neither their own mark nor zero, and those that are new.
+  subroutine count_marks(contacts, wrong, new)
+    type(contacts_t), intent(in) :: contacts !! once marked, since found anew
+    integer, intent(out) :: wrong !! contacts with an impulse that is not theirs
+    integer, intent(out) :: new !! contacts that were not there
+    integer :: k
+
+    wrong = 0
+    new = 0
+    do k = 1, contacts%n
+      if (contacts%status(k) == status_new) then
+        new = new + 1
+        if (any(abs(contacts%impulse(:, k)) > 0)) wrong = wrong + 1
+      else if (contacts%status(k) /= status_slide .or. &
+               any(abs(contacts%impulse(:, k) - mark(contacts, k)*factors(:contacts%n_components)) > 0)) then
+        wrong = wrong + 1
+      end if
+    end do
+  end subroutine count_marks
+end module kept_states
