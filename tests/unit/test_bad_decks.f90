@@ -7,7 +7,9 @@ program test_bad_decks
   use sg_kinds, only: i1
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
+  use sg_system, only: remove_file
   use sg_text, only: text_t, to_text
+  use written_files, only: put_lines, read_deck_text
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   !> Seven lines that are right
@@ -66,13 +68,8 @@ contains
     type(diagnostics_t), intent(out) :: diagnostics
     type(scene_t) :: scene
     type(run_options_t) :: options
-    type(text_t) :: none(0)
-    integer :: unit
 
-    open (newunit=unit, file='bad.toml', access='stream', form='unformatted', status='replace')
-    write (unit) text
-    close (unit)
-    call read_deck('bad.toml', none, scene, options, diagnostics)
+    call read_deck_text(text, scene, options, diagnostics)
   end subroutine read_text
 
   subroutine bad_texts()
@@ -237,7 +234,6 @@ contains
 
   subroutine bad_drives()
     character(len=*), parameter :: drive = head//disk//'name = "ball"'//nl//'[[drive]]'//nl//'component = "x"'//nl
-    integer :: unit
 
     call bad('whom', drive, 'lacks the key "body"', 12)
     call bad('unknown name', drive//'body = "bal"'//nl, 'did you mean "ball"?', 14)
@@ -248,13 +244,9 @@ contains
     call bad('both frequencies', drive//'body = 1'//nl//'omega = 1'//nl//'frequency = 1'//nl, 'either "frequency"', 15)
     call bad('driven twice', drive//'body = 1'//nl//'[[drive]]'//nl//'component = "x"'//nl//'body = 1'//nl, 'driven twice', 16)
     call bad('missing file', drive//'body = 1'//nl//'file = "no.txt"'//nl, 'cannot read the file "no.txt"', 15)
-    open (newunit=unit, file='words.txt', status='replace')
-    write (unit, '(a)') '0 1', 'one two'
-    close (unit)
+    call put_lines('words.txt', [character(len=7) :: '0 1', 'one two'])
     call bad('words for numbers', drive//'body = 1'//nl//'file = "words.txt"'//nl, 'a time and a value', 2)
-    open (newunit=unit, file='back.txt', status='replace')
-    write (unit, '(a)') '0 1', '1 2', '1 3'
-    close (unit)
+    call put_lines('back.txt', ['0 1', '1 2', '1 3'])
     call bad('time stands still', drive//'body = 1'//nl//'file = "back.txt"'//nl, 'times must grow', 3)
     call bad('no direction', head//disk//'[[pressure]]'//nl//'body = 1'//nl//'length = 1'//nl//'direction = [0, 0]'//nl, &
              'has no length', 14)
@@ -281,8 +273,7 @@ contains
     close (unit)
     call read_deck('huge.toml', none, scene, options, diagnostics)
     call t%check(index(diagnostics%errors(3)%message, 'larger than 64 MiB') > 0, 'a huge deck')
-    open (newunit=unit, file='huge.toml', status='old')
-    close (unit, status='delete')
+    call remove_file('huge.toml')
   end subroutine bad_files
 
   !> What belongs to the other dimension.
@@ -384,17 +375,12 @@ contains
   !> Files of meshes: the mistake stands at the key, with the line of the file.
   subroutine bad_meshes()
     character(len=*), parameter :: solid = space//'[[body]]'//nl//'shape = "polyhedron"'//nl//'file = '
-    integer :: unit
 
     call bad('no such mesh', solid//'"no_such_mesh.stl"'//nl, 'no_such_mesh.stl', 12)
-    call bad('no mesh', solid//'"bad.toml"'//nl, 'ends in .stl or .obj', 12)
-    open (newunit=unit, file='bad.obj', status='replace')
-    write (unit, '(a)') 'v 0 0 0', 'v 1 0 0', 'v 0 1 0', 'v 0 0 x', 'f 1 2 3'
-    close (unit)
+    call bad('no mesh', solid//'"deck.toml"'//nl, 'ends in .stl or .obj', 12)
+    call put_lines('bad.obj', ['v 0 0 0', 'v 1 0 0', 'v 0 1 0', 'v 0 0 x', 'f 1 2 3'])
     call bad('a mesh with a word', solid//'"bad.obj"'//nl, 'line 4 of the file: ', 12)
-    open (newunit=unit, file='bad.obj', status='replace')
-    write (unit, '(a)') 'v 0 0 0', 'v 2 0 0', 'v 2 2 0', 'v 0 2 0', 'v 1 1 2', 'f 1 2 5', 'f 2 3 5', 'f 3 4 5', 'f 4 1 5'
-    close (unit)
+    call put_lines('bad.obj', ['v 0 0 0', 'v 2 0 0', 'v 2 2 0', 'v 0 2 0', 'v 1 1 2', 'f 1 2 5', 'f 2 3 5', 'f 3 4 5', 'f 4 1 5'])
     call bad('an open mesh', solid//'"bad.obj"'//nl, 'edge', 12)
     call bad('a file and vertices', solid//'"bad.obj"'//nl//'vertices = [[0, 0, 0]]'//nl, 'either "vertices" or "file"', 12)
     call bad('a file and faces', solid//'"bad.obj"'//nl//'faces = [[1, 2, 3]]'//nl, '"faces" has no meaning beside "file"', 13)

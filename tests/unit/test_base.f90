@@ -6,6 +6,7 @@ program test_base
   use sg_lists, only: reserve
   use sg_random, only: random_t
   use sg_text, only: lower, nearest_word, read_lines, text_t, to_text
+  use written_files, only: put_text
   implicit none
   type(tests_t) :: t
 
@@ -21,7 +22,6 @@ contains
     type(text_t) :: known(3)
     type(text_t), allocatable :: lines(:)
     type(error_t), allocatable :: error
-    integer :: unit
 
     known(1)%s = 'friction'
     known(2)%s = 'kind'
@@ -30,9 +30,7 @@ contains
     call t%check(nearest_word('zzzzzz', known) == '', 'nothing near')
     call t%check(lower('AbC9') == 'abc9', 'lower case')
     call t%check(to_text(0.1_wp, 3) == '1.00E-01', 'real with three digits: '//to_text(0.1_wp, 3))
-    open (newunit=unit, file='lines.txt', access='stream', form='unformatted', status='replace')
-    write (unit) 'one'//achar(13)//new_line('a')//new_line('a')//'three'
-    close (unit)
+    call put_text('lines.txt', 'one'//achar(13)//new_line('a')//new_line('a')//'three')
     call read_lines('lines.txt', lines, error)
     call t%check(.not. allocated(error), 'file is read')
     call t%equal(size(lines), 3, 'lines of a file without a last end')

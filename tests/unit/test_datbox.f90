@@ -12,6 +12,7 @@ program test_datbox
   use sg_scene, only: law_index, scene_t, see_t
   use sg_system, only: file_exists, make_folder
   use sg_timers, only: cpu_now
+  use written_files, only: put_lines
   implicit none
   type(tests_t) :: tests
   character(len=*), parameter :: folder = 'datbox_sample'
@@ -32,7 +33,7 @@ contains
   !> Write the sample folder: disk, cluster, segment, hollow disk, two polygons, and all the rest.
   subroutine write_sample()
     if (.not. make_folder(folder)) error stop 'no folder'
-    call put_file(folder//'/BULK_BEHAV.DAT', [character(len=104) :: '! bulk', &
+    call put_lines(folder//'/BULK_BEHAV.DAT', [character(len=104) :: '! bulk', &
       '$gravy', &
       '                   grv1= 0.5000000D+00  grv2=-0.9810000D+01  grv3= 0.0000000D+00', '', &
       '$behav  lawty', &
@@ -41,7 +42,7 @@ contains
       ' hotxx  THERMO_RIGID                    Umas= 0.2000000D+04'])
     call write_sample_laws()
     call write_sample_bodies()
-    call put_file(folder//'/DRV_DOF.DAT', [character(len=104) :: '! DOF', &
+    call put_lines(folder//'/DRV_DOF.DAT', [character(len=104) :: '! DOF', &
       '$bdyty', ' RBDY2      3', '$nodty', ' NO3xx      1', '$dofty  numbr', &
       ' vlocy      1  0.1000000D+01  0.2000000D+01  0.3000000D+01  0.4000000D+00  0.2500000D+00  0.5000000D+00', &
       ' force      2 evolution push.dat', &
@@ -50,8 +51,8 @@ contains
       '$bdyty', ' RBDY2      4', '$nodty', ' NO3xx      1'//achar(9), '$dofty', &
       ' vlocy      2 -0.5000000E+00  0.0000000E+00  0.0000000e+00  0.0000000e+00  1.0000000e+00  0.0000000e+00'//achar(9), &
       '$$$$$$'])
-    call put_file(folder//'/push.dat', [character(len=104) :: '  0.008 0.0', '1. 19000.0', ' 2.0D0  -1.9e4'])
-    call put_file(folder//'/DOF.INI', [character(len=104) :: '! DOF', '', &
+    call put_lines(folder//'/push.dat', [character(len=104) :: '  0.008 0.0', '1. 19000.0', ' 2.0D0  -1.9e4'])
+    call put_lines(folder//'/DOF.INI', [character(len=104) :: '! DOF', '', &
       '$steps       12              time= 0.2400000D-01', '!---', &
       '$bdyty', ' RBDY2      1', '$nodty', &
       ' NO3xx      1                X(1)= 0.1000000D-01  X(2)=-0.2000000D-01  X(3)= 0.3000000D+00', &
@@ -64,7 +65,7 @@ contains
 
   !> Laws of every form, one unknown that nothing uses, see tables.
   subroutine write_sample_laws()
-    call put_file(folder//'/TACT_BEHAV.DAT', [character(len=104) :: &
+    call put_lines(folder//'/TACT_BEHAV.DAT', [character(len=104) :: &
       '$behav  lawty', ' iqsc0  IQS_CLB                         fric= 0.3000000D+00', &
       '$behav  lawty', ' iqsds  IQS_DS_CLB                      dyfr= 0.3000000D+00  stfr= 0.5000000D+00', &
       '$behav  lawty', ' gapc0  GAP_SGR_CLB                     fric= 0.4000000D+00', &
@@ -100,7 +101,7 @@ contains
 
   !> Bodies: disk, cluster with its node at the origin, segment, hollow disk, polygon in global coordinates, polygon.
   subroutine write_sample_bodies()
-    call put_file(folder//'/BODIES.DAT', [character(len=104) :: &
+    call put_lines(folder//'/BODIES.DAT', [character(len=104) :: &
       '$bdyty', ' RBDY2      1', '$blmty', &
       ' PLAIN      1  behav  PLEXx  avrd= 0.1000000D+00  gyrd= 0.7000000D-01', '', '$nodty', &
       ' NO3xx      1                coo1= 0.1000000D+01  coo2= 0.2000000D+01  coo3= 0.5000000D+00', '$tacty', &
@@ -145,7 +146,7 @@ contains
       '                             n(1)= 0.0000000D+00  n(2)= 0.1000000D+01  n(3)= 0.0000000D+00', &
       '                             coo1= 0.3000000D+00  coo2= 0.4000000D+00  coo3= 0.0000000D+00']
 
-    call put_file(folder//'/Vloc_Rloc.INI', [character(len=104) :: '! Vloc_Rloc', &
+    call put_lines(folder//'/Vloc_Rloc.INI', [character(len=104) :: '! Vloc_Rloc', &
       '$steps       12              time= 0.2400000D-01', &
       '$icdan  DKDKx        1', ' cdbdy', &
       ' RBDY2      2  DISKx      2  iqsc1  RBDY2      1  DISKx      1  stick    297', data, '', &
@@ -160,18 +161,6 @@ contains
       '$icdan  PLJCx        6', ' cdbdy', &
       ' RBDY2      6  POLYG      1  CDVER      2  iqsc0  RBDY2      3  JONCx      1                stick     1', data])
   end subroutine write_sample_contacts
-
-  !> Write lines, without their closing blanks, as a file.
-  subroutine put_file(path, lines)
-    character(len=*), intent(in) :: path, lines(:)
-    integer :: unit, i
-
-    open (newunit=unit, file=path, status='replace', action='write')
-    do i = 1, size(lines)
-      write (unit, '(a)') trim(lines(i))
-    end do
-    close (unit)
-  end subroutine put_file
 
   !> Read the sample, which has no mistake.
   subroutine read_sample(scene, diagnostics)
@@ -458,7 +447,7 @@ contains
         ' DISKx      1  color  BLEUx  byrd= 0.2000000D+00', '$$$$$$'
     end do
     close (unit)
-    call put_file('datbox_many/Vloc_Rloc.INI', [character(len=6) :: '! none'])
+    call put_lines('datbox_many/Vloc_Rloc.INI', [character(len=6) :: '! none'])
     seconds = cpu_now()
     call read_datbox('datbox_many', again, diagnostics)
     seconds = cpu_now() - seconds

@@ -8,6 +8,7 @@ program test_datbox_decks
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
   use sg_system, only: file_exists
+  use written_files, only: shared_folder
   implicit none
   type(tests_t) :: tests
   character(len=320) :: decks = ''
@@ -19,18 +20,12 @@ contains
 
   !> LMGC90's own decks, where they are at hand: counts, and the total mass that LMGC90 found.
   subroutine test_decks()
-    character(len=300) :: variable
     type(scene_t) :: scene
     type(diagnostics_t) :: diagnostics
 
     call read_datbox('datbox_of_nobody', scene, diagnostics)
     call tests%equal(diagnostics%count(), 1, 'a folder that is not there is refused once')
-    call get_environment_variable('SPLITGRAIN_SHARED', variable)
-    if (variable == '') then
-      call get_environment_variable('SPLITGRAIN_SOURCE', variable)
-      variable = trim(variable)//'/../shared'
-    end if
-    decks = trim(variable)//'/decks/'
+    decks = shared_folder()//'/decks/'
     if (.not. file_exists(trim(decks)//'1024DK_BoxJC/DATBOX/BODIES.DAT')) then
       write (*, '(a)') 'the decks of LMGC90 are not at hand: skipped'
       return

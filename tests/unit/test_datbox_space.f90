@@ -10,6 +10,7 @@ program test_datbox_space
   use sg_rotations, only: turned_by
   use sg_scene, only: scene_t
   use sg_system, only: make_folder
+  use written_files, only: put_lines
   implicit none
   character(len=*), parameter :: folder = 'datbox_solids'
   integer, parameter :: width = 104
@@ -30,10 +31,10 @@ contains
 
   !> Write all files of the sample.
   subroutine write_sample()
-    call put_file('BULK_BEHAV.DAT', [character(len=width) :: '$gravy', &
+    call put_lines(folder//'/BULK_BEHAV.DAT', [character(len=width) :: '$gravy', &
       '                   grv1= 0.1000000D+00  grv2= 0.2000000D+00  grv3=-0.9810000D+01', &
       '$behav  lawty', ' PLEXx  RIGID                           Umas= 0.2000000D+04'])
-    call put_file('TACT_BEHAV.DAT', [character(len=width) :: &
+    call put_lines(folder//'/TACT_BEHAV.DAT', [character(len=width) :: &
       '$behav  lawty', ' iqsc0  IQS_CLB                         fric= 0.3000000D+00', &
       '$seety', ' cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert', &
       ' RBDY3  SPHER  BLEUx  iqsc0  RBDY3  PLANx  WALLx       0.5000000D-03', &
@@ -41,15 +42,15 @@ contains
       ' RBDY3  POLYR  BLEUx  iqsc0  RBDY3  POLYR  BLEUx       0.6000000D-03', &
       '$seety', ' cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert', &
       ' RBDY3  SPHER  BLEUx  iqsc0  RBDY3  SPHER  REDxx       0.7000000D-03'])
-    call put_file('BODIES.DAT', bodies())
-    call put_file('DRV_DOF.DAT', [character(len=width) :: &
+    call put_lines(folder//'/BODIES.DAT', bodies())
+    call put_lines(folder//'/DRV_DOF.DAT', [character(len=width) :: &
       '$bdyty', ' RBDY3    3', '$nodty', ' NO6xx      1', '$dofty', &
       ' vlocy      3  0.1000000D+01  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00', &
       ' vlocy      6  0.2000000D+01  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00', &
       ' force      4  0.3000000D+01  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01  0.0000000D+00', &
       '$$$$$$'])
-    call put_file('DOF.INI', state())
-    call put_file('Vloc_Rloc.INI', contacts())
+    call put_lines(folder//'/DOF.INI', state())
+    call put_lines(folder//'/Vloc_Rloc.INI', contacts())
   end subroutine write_sample
 
   !> Sphere, cluster, plane, cylinder, hollow cylinder, turned box in global coordinates, box with moments of its own.
@@ -207,18 +208,6 @@ contains
 
     turned_z = [cos(angle)*v(1) - sin(angle)*v(2), sin(angle)*v(1) + cos(angle)*v(2), v(3)]
   end function turned_z
-
-  !> Write lines, without their closing blanks, as a file of the folder.
-  subroutine put_file(name, lines)
-    character(len=*), intent(in) :: name, lines(:)
-    integer :: unit, i
-
-    open (newunit=unit, file=folder//'/'//name, status='replace', action='write')
-    do i = 1, size(lines)
-      write (unit, '(a)') trim(lines(i))
-    end do
-    close (unit)
-  end subroutine put_file
 
   !> Read the sample, which has no mistake.
   subroutine read_sample(scene)

@@ -2,7 +2,6 @@
 program test_deck
   use harness, only: tests_t
   use sg_contactors, only: kind_disk, kind_polygon, kind_wall
-  use sg_deck, only: read_deck
   use sg_effective, only: fingerprint
   use sg_error, only: diagnostics_t, error_t
   use sg_key_table, only: key_table_t
@@ -17,6 +16,7 @@ program test_deck
   use sg_toml, only: document_t, parse_toml, read_content, toml_array, toml_integer, toml_logical, toml_real, toml_string, &
                      toml_table
   use sg_words, only: quoted_string, short_real
+  use written_files, only: put_lines, read_deck_text, shared_folder
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   character(len=*), parameter :: head = '[time]'//nl//'step = 1e-3'//nl//'steps = 10'//nl//'[[material]]'//nl// &
@@ -38,26 +38,6 @@ program test_deck
   call t%finish()
 
 contains
-
-  !> Read a deck from a text.
-  subroutine read_text(text, scene, options, diagnostics, settings)
-    character(len=*), intent(in) :: text
-    type(scene_t), intent(out) :: scene
-    type(run_options_t), intent(out) :: options
-    type(diagnostics_t), intent(out) :: diagnostics
-    type(text_t), intent(in), optional :: settings(:)
-    type(text_t) :: none(0)
-    integer :: unit
-
-    open (newunit=unit, file='test_deck.toml', access='stream', form='unformatted', status='replace')
-    write (unit) text
-    close (unit)
-    if (present(settings)) then
-      call read_deck('test_deck.toml', settings, scene, options, diagnostics)
-    else
-      call read_deck('test_deck.toml', none, scene, options, diagnostics)
-    end if
-  end subroutine read_text
 
   !> First mistake as one text.
   function first(diagnostics) result(sentence)
@@ -128,7 +108,7 @@ contains
     type(run_options_t) :: options, default
     type(diagnostics_t) :: diagnostics
 
-    call read_text(head//'[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.5'//nl, scene, options, diagnostics)
+    call read_deck_text(head//'[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.5'//nl, scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'a small deck is read: '//first(diagnostics))
     call t%equal(scene%bodies%n, 1, 'one body')
     call t%equal(options%steps, 10, 'steps')
@@ -152,17 +132,17 @@ contains
       '[[sample]]'//nl//'box = [0, 3, 3, 6]'//nl//'count = 5'//nl//'radius = 0.1'//nl// &
       '[[drive]]'//nl//'body = 1'//nl//'component = "x"'//nl//'kind = "force"'//nl//'value = 0.333333333333333314829616256'//nl
 
-    call read_text(text, scene, options, diagnostics)
+    call read_deck_text(text, scene, options, diagnostics)
     call t%equal(diagnostics%count(), 1, 'a quote in a quote is a mistake: '//first(diagnostics))
-    call read_text(without_quotes(text), scene, options, diagnostics)
+    call read_deck_text(without_quotes(text), scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'a deck of all sections is read: '//first(diagnostics))
-    call read_text(options%deck_text, scene, again, diagnostics)
+    call read_deck_text(options%deck_text, scene, again, diagnostics)
     call t%equal(diagnostics%count(), 0, 'its effective deck is read: '//first(diagnostics))
     call t%check(again%deck_text == options%deck_text, 'the effective deck of the effective deck is itself')
     call t%check(again%deck_hash == options%deck_hash, 'same hash')
     call t%check(index(options%deck_text, 'radius = 0.1'//nl) > 0, 'one number stays one number')
     call t%check(index(options%deck_text, 'restitution') == 0, 'keys that do not apply are left out')
-    call read_text(without_quotes(text)//'phase = 1'//nl, scene, changed, diagnostics)
+    call read_deck_text(without_quotes(text)//'phase = 1'//nl, scene, changed, diagnostics)
     call t%check(changed%deck_hash /= options%deck_hash, 'another deck has another hash')
   end subroutine test_effective
 
@@ -192,7 +172,7 @@ contains
     settings(5)%s = 'scene.gravity=[0.5, -1]'
     settings(6)%s = 'solver.warm_start=false'
     settings(7)%s = 'body.material="stone"'
-    call read_text(text, scene, options, diagnostics, settings)
+    call read_deck_text(text, scene, options, diagnostics, settings)
     call t%equal(diagnostics%count(), 0, 'settings are taken: '//first(diagnostics))
     call t%near(options%theta, 1.0_wp, 0.0_wp, 'a number')
     call t%equal(options%solver%criterion, criterion_quad, 'a word without quotes')
@@ -209,7 +189,7 @@ contains
     settings(5)%s = 'time.step=0'
     settings(6)%s = 'tme.step=1'
     settings(7)%s = 'body.radius=1 2'
-    call read_text(text, scene, options, diagnostics, settings)
+    call read_deck_text(text, scene, options, diagnostics, settings)
     call t%equal(diagnostics%count(), 7, 'seven wrong settings, seven mistakes')
     do i = 1, diagnostics%count()
       call t%check(index(diagnostics%errors(i)%sentence(), '--set: ') == 1, 'told as --set: '//diagnostics%errors(i)%sentence())
@@ -222,12 +202,13 @@ contains
     type(run_options_t) :: options
     type(diagnostics_t) :: diagnostics
 
-    call read_text(head//'[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.5'//nl// &
-                   '[[law]]'//nl//'name = "a"'//nl//'kind = "RST_CLB"'//nl//'normal_restitution = 0.5'//nl//'friction = 0.3'//nl// &
-                   '[[law]]'//nl//'name = "b"'//nl//'kind = "IQS_WET_DS_CLB"'//nl//'normal_cohesion = 2'//nl// &
-                   'wet_thickness = 0.1'//nl//'static_friction = 0.4'//nl// &
-                   '[[law]]'//nl//'name = "c"'//nl//'kind = "LINEAR"'//nl//'epsilon = 1e-3'//nl// &
-                   '[[interaction]]'//nl//'law = "c"'//nl//'alert = 0.25'//nl, scene, options, diagnostics)
+    call read_deck_text(head//'[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.5'//nl// &
+                        '[[law]]'//nl//'name = "a"'//nl//'kind = "RST_CLB"'//nl//'normal_restitution = 0.5'//nl// &
+                        'friction = 0.3'//nl// &
+                        '[[law]]'//nl//'name = "b"'//nl//'kind = "IQS_WET_DS_CLB"'//nl//'normal_cohesion = 2'//nl// &
+                        'wet_thickness = 0.1'//nl//'static_friction = 0.4'//nl// &
+                        '[[law]]'//nl//'name = "c"'//nl//'kind = "LINEAR"'//nl//'epsilon = 1e-3'//nl// &
+                        '[[interaction]]'//nl//'law = "c"'//nl//'alert = 0.25'//nl, scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'laws are read: '//first(diagnostics))
     call t%equal(scene%laws(1)%kind, law_restitution, 'RST_CLB')
     call t%near(scene%laws(1)%normal_restitution, 0.5_wp, 0.0_wp, 'restitution')
@@ -248,10 +229,10 @@ contains
     real(wp) :: a_disk, a_square, area, centre, moment
     real(wp), parameter :: quarter = pi/2
 
-    call read_text(head//'[[body]]'//nl//'position = [10, 20]'//nl//'angle = 1.5707963267948966'//nl// &
-                   '[[body.shape]]'//nl//'kind = "disk"'//nl//'radius = 0.5'//nl// &
-                   '[[body.shape]]'//nl//'kind = "polygon"'//nl//'centre = [3, 0]'//nl//'angle = 0.3'//nl// &
-                   'vertices = [[-1, -1], [1, -1], [1, 1], [-1, 1]]'//nl, scene, options, diagnostics)
+    call read_deck_text(head//'[[body]]'//nl//'position = [10, 20]'//nl//'angle = 1.5707963267948966'//nl// &
+                        '[[body.shape]]'//nl//'kind = "disk"'//nl//'radius = 0.5'//nl// &
+                        '[[body.shape]]'//nl//'kind = "polygon"'//nl//'centre = [3, 0]'//nl//'angle = 0.3'//nl// &
+                        'vertices = [[-1, -1], [1, -1], [1, 1], [-1, 1]]'//nl, scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'a cluster is read: '//first(diagnostics))
     a_disk = pi/4
     a_square = 4
@@ -275,9 +256,11 @@ contains
     type(run_options_t) :: options
     type(diagnostics_t) :: diagnostics
 
-    call read_text(head//'[[body]]'//nl//'shape = "polygon"'//nl//'vertices = [[5, 1], [7, 1], [6, 4]]'//nl// &
-                   '[[body]]'//nl//'shape = "segment"'//nl//'half_length = 2'//nl//'half_thickness = 0.5'//nl//'mass = 3'//nl// &
-                   '[[body]]'//nl//'shape = "hollow disk"'//nl//'radius = 9'//nl//'fixed = true'//nl, scene, options, diagnostics)
+    call read_deck_text(head//'[[body]]'//nl//'shape = "polygon"'//nl//'vertices = [[5, 1], [7, 1], [6, 4]]'//nl// &
+                        '[[body]]'//nl//'shape = "segment"'//nl//'half_length = 2'//nl//'half_thickness = 0.5'//nl// &
+                        'mass = 3'//nl// &
+                        '[[body]]'//nl//'shape = "hollow disk"'//nl//'radius = 9'//nl// &
+                        'fixed = true'//nl, scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'single shapes are read: '//first(diagnostics))
     call t%near(scene%bodies%mass(1), 6000.0_wp, 1e-10_wp, 'mass of a triangle')
     call t%near(scene%bodies%position(1, 1), 6.0_wp, 1e-14_wp, 'its centre, x')
@@ -303,20 +286,18 @@ contains
     type(scene_t) :: scene
     type(run_options_t) :: options
     type(diagnostics_t) :: diagnostics
-    integer :: i, unit
+    integer :: i
 
-    open (newunit=unit, file='ramp.txt', status='replace')
-    write (unit, '(a)') '# time, force', '0 0', '2 10'
-    close (unit)
-    call read_text(head//'[[wall]]'//nl//'name = "left"'//nl//'from = [0, 0]'//nl//'to = [0, 4]'//nl//'thickness = 0.2'//nl// &
-                   '[[wall]]'//nl//'name = "right"'//nl//'from = [3, 0]'//nl//'to = [3, 4]'//nl//'thickness = 0.4'//nl// &
-                   'velocity = [-0.1, 0]'//nl// &
-                   '[[wall]]'//nl//'name = "lid"'//nl//'from = [0, 4]'//nl//'to = [3, 4]'//nl//'thickness = 0.2'//nl// &
-                   'pressure = 1000'//nl//'direction = [0, -2]'//nl//'between = ["left", "right"]'//nl// &
-                   '[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.1'//nl//'position = [1.5, 2]'//nl// &
-                   '[[drive]]'//nl//'body = "left"'//nl//'component = "x"'//nl//'amplitude = 2'//nl//'frequency = 0.5'//nl// &
-                   '[[drive]]'//nl//'body = 1'//nl//'component = "y"'//nl//'kind = "force"'//nl//'file = "ramp.txt"'//nl, &
-                   scene, options, diagnostics)
+    call put_lines('ramp.txt', [character(len=13) :: '# time, force', '0 0', '2 10'])
+    call read_deck_text(head//'[[wall]]'//nl//'name = "left"'//nl//'from = [0, 0]'//nl//'to = [0, 4]'//nl//'thickness = 0.2'//nl// &
+                        '[[wall]]'//nl//'name = "right"'//nl//'from = [3, 0]'//nl//'to = [3, 4]'//nl//'thickness = 0.4'//nl// &
+                        'velocity = [-0.1, 0]'//nl// &
+                        '[[wall]]'//nl//'name = "lid"'//nl//'from = [0, 4]'//nl//'to = [3, 4]'//nl//'thickness = 0.2'//nl// &
+                        'pressure = 1000'//nl//'direction = [0, -2]'//nl//'between = ["left", "right"]'//nl// &
+                        '[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.1'//nl//'position = [1.5, 2]'//nl// &
+                        '[[drive]]'//nl//'body = "left"'//nl//'component = "x"'//nl//'amplitude = 2'//nl//'frequency = 0.5'//nl// &
+                        '[[drive]]'//nl//'body = 1'//nl//'component = "y"'//nl//'kind = "force"'//nl//'file = "ramp.txt"'//nl, &
+                        scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'walls and drives are read: '//first(diagnostics))
     call t%near(scene%bodies%angle(2), pi/2, 1e-15_wp, 'a wall lies along its axis')
     call t%near(scene%contactors%wall_size(1, 1), 2.0_wp, 0.0_wp, 'half length')
@@ -350,18 +331,18 @@ contains
     character(len=*), parameter :: bodies = '[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.5'//nl//'colour = "red"'//nl// &
       '[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.1'//nl//'position = [0, 0.595]'//nl//'velocity = [0, -3]'//nl
 
-    call read_text(head//'[[law]]'//nl//bodies, scene, options, diagnostics)
+    call read_deck_text(head//'[[law]]'//nl//bodies, scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'an overlap of a twentieth of the smaller radius is no mistake: '//first(diagnostics))
     call t%check(allocated(diagnostics%warnings), 'but a warning')
     call t%equal(size(scene%sees), 1, 'a law alone holds for all pairs')
     call t%equal(scene%sees(1)%candidate_colour + scene%sees(1)%antagonist_kind, 0, 'of all colours and shapes')
     ! A tenth of 0.1 m is more than the way of 10 steps of 1 ms at 3 m/s and 10 m/s2 in one of them.
     call t%near(scene%sees(1)%alert, 0.01_wp, 1e-15_wp, 'default alert: a tenth of the smallest radius')
-    call read_text(head//'[[law]]'//nl//'[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.1'//nl//'velocity = [0, -30]'//nl// &
-                   '[scene]'//nl//'gravity = [0, 0]'//nl, scene, options, diagnostics)
+    call read_deck_text(head//'[[law]]'//nl//'[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.1'//nl//'velocity = [0, -30]'//nl// &
+                        '[scene]'//nl//'gravity = [0, 0]'//nl, scene, options, diagnostics)
     call t%near(scene%sees(1)%alert, 0.03_wp, 1e-15_wp, 'default alert: the way of a fast grain')
-    call read_text(head//'[[law]]'//nl//bodies//'[[interaction]]'//nl//'candidate = "red"'//nl// &
-                   'antagonist_shape = "polygon"'//nl, scene, options, diagnostics)
+    call read_deck_text(head//'[[law]]'//nl//bodies//'[[interaction]]'//nl//'candidate = "red"'//nl// &
+                        'antagonist_shape = "polygon"'//nl, scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'an interaction is read: '//first(diagnostics))
     call t%check(scene%colours(scene%sees(1)%candidate_colour)%s == 'red', 'its colour')
     call t%equal(scene%sees(1)%antagonist_kind, kind_polygon, 'its shape')
@@ -382,33 +363,19 @@ contains
       return
     end if
     text = '[scene]'//nl//'datbox = "'//folder//'"'//nl//'[time]'//nl//'step = 1e-3'//nl//'steps = 10'//nl
-    call read_text(text, scene, options, diagnostics)
+    call read_deck_text(text, scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'a DATBOX is read: '//first(diagnostics))
     call t%equal(scene%bodies%n, 1028, 'its bodies')
     call t%near(scene%gravity(2), -9.81_wp, 1e-6_wp, 'its gravity')
-    call read_text(options%deck_text, scene, again, diagnostics)
+    call read_deck_text(options%deck_text, scene, again, diagnostics)
     call t%check(again%deck_hash == options%deck_hash, 'its effective deck reads back')
-    call read_text(text//'[[drive]]'//nl//'body = 7'//nl//'component = "x"'//nl//'[[pressure]]'//nl//'body = 8'//nl// &
-                   'direction = [1, 1]'//nl//'length = 2'//nl//'value = 5'//nl, scene, options, diagnostics)
+    call read_deck_text(text//'[[drive]]'//nl//'body = 7'//nl//'component = "x"'//nl//'[[pressure]]'//nl//'body = 8'//nl// &
+                        'direction = [1, 1]'//nl//'length = 2'//nl//'value = 5'//nl, scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'drives beside a DATBOX: '//first(diagnostics))
     call t%check(.not. any(scene%bodies%is_grain(7:8)), 'what is driven or pressed is no grain')
-    call read_text(text//'[[law]]'//nl, scene, options, diagnostics)
+    call read_deck_text(text//'[[law]]'//nl, scene, options, diagnostics)
     call t%check(index(first(diagnostics), 'beside scene.datbox') > 0, 'no law beside a DATBOX')
   end subroutine test_datbox
-
-  !> Folder of the real decks.
-  function shared_folder() result(folder)
-    character(len=:), allocatable :: folder
-    character(len=1000) :: value
-    integer :: length
-
-    call get_environment_variable('SPLITGRAIN_SHARED', value, length)
-    if (length == 0) then
-      call get_environment_variable('SPLITGRAIN_SOURCE', value)
-      value = trim(value)//'/../shared'
-    end if
-    folder = trim(value)
-  end function shared_folder
 
   !> The table has whole sentences and sound defaults; the committed reference is the generated one.
   subroutine test_reference()

@@ -3,13 +3,13 @@ program test_deck_space
   use harness, only: tests_t
   use sg_contactors, only: kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, kind_sphere, place_contactors
   use sg_convex_hull, only: hull_is_available
-  use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, pi
   use sg_rotations, only: frame_of, rotation_by, turned_by
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_text, only: text_t, to_text
+  use written_files, only: put_lines, read_deck_text
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   character(len=*), parameter :: head = '[scene]'//nl//'dimension = 3'//nl//'[time]'//nl//'step = 1e-3'//nl//'steps = 10'//nl// &
@@ -44,17 +44,9 @@ contains
     logical, intent(in), optional :: is_warned
     type(run_options_t) :: chosen
     type(diagnostics_t) :: diagnostics
-    type(text_t) :: none(0)
-    integer :: unit, i
+    integer :: i
 
-    open (newunit=unit, file='test_deck_space.toml', access='stream', form='unformatted', status='replace')
-    write (unit) text
-    close (unit)
-    if (present(settings)) then
-      call read_deck('test_deck_space.toml', settings, scene, chosen, diagnostics)
-    else
-      call read_deck('test_deck_space.toml', none, scene, chosen, diagnostics)
-    end if
+    call read_deck_text(text, scene, chosen, diagnostics, settings)
     do i = 1, diagnostics%count()
       call t%check(.false., 'a mistake: '//diagnostics%errors(i)%sentence())
     end do
@@ -440,12 +432,10 @@ contains
   !> A cube from an OBJ file, in millimetres.
   subroutine test_mesh_file()
     type(scene_t) :: scene
-    integer :: unit
 
-    open (newunit=unit, file='cube.obj', status='replace')
-    write (unit, '(a)') 'v 0 0 0', 'v 200 0 0', 'v 200 200 0', 'v 0 200 0', 'v 0 0 200', 'v 200 0 200', 'v 200 200 200', &
-      'v 0 200 200', 'f 1 4 3 2', 'f 5 6 7 8', 'f 1 2 6 5', 'f 2 3 7 6', 'f 3 4 8 7', 'f 4 1 5 8'
-    close (unit)
+    call put_lines('cube.obj', [character(len=13) :: 'v 0 0 0', 'v 200 0 0', 'v 200 200 0', 'v 0 200 0', 'v 0 0 200', &
+                                'v 200 0 200', 'v 200 200 200', 'v 0 200 200', 'f 1 4 3 2', 'f 5 6 7 8', 'f 1 2 6 5', &
+                                'f 2 3 7 6', 'f 3 4 8 7', 'f 4 1 5 8'])
     call read_text(head//'[[body]]'//nl//'shape = "polyhedron"'//nl//'file = "cube.obj"'//nl//'scale = 1e-3'//nl, scene)
     call t%near(scene%bodies%mass(1), 16.0_wp, 1e-12_wp, 'mass of a cube')
     call close_to(scene%bodies%position(:, 1), [0.1_wp, 0.1_wp, 0.1_wp], 'its centre')

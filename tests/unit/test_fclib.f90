@@ -15,6 +15,7 @@ program test_fclib
   use sg_random, only: random_t
   use sg_sparse, only: multiply
   use sg_system, only: file_exists, make_folder
+  use written_files, only: shared_folder
   implicit none
   character(len=*), parameter :: folder = 'fclib'
   type(tests_t) :: t
@@ -331,7 +332,7 @@ contains
     character(len=:), allocatable :: place
     integer :: i
 
-    place = problems_folder()
+    place = shared_folder()//'/problems'
     if (.not. file_exists(place//'/global/Box_Stacks-i0122-82-5.hdf5')) then
       write (*, '(a)') 'no real problems here: '//place
       return
@@ -345,20 +346,6 @@ contains
                   /maxval(abs(local%w%block)), 0.0_wp, 1e-12_wp, 'real files: both forms are one problem')
     end do
   end subroutine test_real_files
-
-  !> Folder of the real problems.
-  function problems_folder() result(place)
-    character(len=:), allocatable :: place
-    character(len=1000) :: value
-    integer :: length
-
-    call get_environment_variable('SPLITGRAIN_SHARED', value, length)
-    if (length == 0) then
-      call get_environment_variable('SPLITGRAIN_SOURCE', value)
-      value = trim(value)//'/../shared'
-    end if
-    place = trim(value)//'/problems'
-  end function problems_folder
 
   !> Without the library reading and writing are one clear error each.
   subroutine test_without_library()

@@ -1,10 +1,7 @@
 !> Samples: no overlaps, seeds, size distributions, lattices, polygons, start overlaps of all pairs of shapes.
 program test_generators
-  use, intrinsic :: iso_fortran_env, only: output_unit
   use harness, only: tests_t
   use sg_contactors, only: add_disk, add_polygon, add_wall, contactors_t, place_contactors
-  use sg_deck, only: read_deck
-  use sg_error, only: diagnostics_t
   use sg_generators, only: draw_polygon, draw_radius, insert_at_random, place_on_lattice, size_constant, size_lognormal, &
                            size_uniform, size_volume
   use sg_kinds, only: wp, pi
@@ -12,10 +9,9 @@ program test_generators
   use sg_ordering, only: order_of
   use sg_overlaps, only: overlap_depth
   use sg_random, only: random_t
-  use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
-  use sg_text, only: text_t
   use sg_timers, only: cpu_now
+  use written_files, only: read_good_deck
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   type(tests_t) :: t
@@ -231,12 +227,12 @@ contains
     type(scene_t) :: scene, again, other
     real(wp) :: mass
 
-    call read_text(head('7')//'shape = "polygon"'//nl//'sides = [3, 6]'//nl//'radius = [0.05, 0.1]'//nl// &
-                   'box = [0, 0, 3, 3]'//nl//'count = 200'//nl//'velocity = [1, 2]'//nl, scene)
-    call read_text(head('7')//'shape = "polygon"'//nl//'sides = [3, 6]'//nl//'radius = [0.05, 0.1]'//nl// &
-                   'box = [0, 0, 3, 3]'//nl//'count = 200'//nl, again)
-    call read_text(head('8')//'shape = "polygon"'//nl//'sides = [3, 6]'//nl//'radius = [0.05, 0.1]'//nl// &
-                   'box = [0, 0, 3, 3]'//nl//'count = 200'//nl, other)
+    call read_good_deck(t, head('7')//'shape = "polygon"'//nl//'sides = [3, 6]'//nl//'radius = [0.05, 0.1]'//nl// &
+                        'box = [0, 0, 3, 3]'//nl//'count = 200'//nl//'velocity = [1, 2]'//nl, scene)
+    call read_good_deck(t, head('7')//'shape = "polygon"'//nl//'sides = [3, 6]'//nl//'radius = [0.05, 0.1]'//nl// &
+                        'box = [0, 0, 3, 3]'//nl//'count = 200'//nl, again)
+    call read_good_deck(t, head('8')//'shape = "polygon"'//nl//'sides = [3, 6]'//nl//'radius = [0.05, 0.1]'//nl// &
+                        'box = [0, 0, 3, 3]'//nl//'count = 200'//nl, other)
     call t%equal(scene%bodies%n, 200, 'grains of a sample')
     call t%near(maxval(abs(scene%bodies%position - again%bodies%position)), 0.0_wp, 0.0_wp, 'the same seed, the same sample')
     call t%check(maxval(abs(scene%bodies%position - other%bodies%position)) > 0.1_wp, 'another seed, another sample')
@@ -245,13 +241,14 @@ contains
       call t%check(minval(first(2:) - first(:200)) == 3 .and. maxval(first(2:) - first(:200)) == 6, 'three to six sides')
     end associate
     call t%check(all(scene%bodies%mass > 0 .and. scene%bodies%inertia > 0 .and. scene%bodies%is_grain), 'masses')
-    call read_text('[scene]'//nl//'period_x = 3'//nl//head('7')//'radius = 0.1'//nl//'box = [0, 0, 3, 3]'//nl// &
-                   'fill = 0.4'//nl, scene)
+    call read_good_deck(t, '[scene]'//nl//'period_x = 3'//nl//head('7')//'radius = 0.1'//nl//'box = [0, 0, 3, 3]'//nl// &
+                        'fill = 0.4'//nl, scene)
     mass = 1000*0.4_wp*9
     call t%near(sum(scene%bodies%mass), mass, 1000*pi*0.01_wp, 'fill, to one grain')
     call t%check(least_gap(scene%bodies%position, spread(0.1_wp, 1, scene%bodies%n), 3.0_wp) >= 0, 'no overlap through the period')
-    call read_text(head('7')//'kind = "lattice"'//nl//'arrangement = "triangular"'//nl//'spacing = 1.2'//nl//'jitter = 1'//nl// &
-                   'radius = 0.1'//nl//'box = [0, 0, 3, 3]'//nl, scene)
+    call read_good_deck(t, head('7')//'kind = "lattice"'//nl//'arrangement = "triangular"'//nl//'spacing = 1.2'//nl// &
+                        'jitter = 1'//nl// &
+                        'radius = 0.1'//nl//'box = [0, 0, 3, 3]'//nl, scene)
     call t%check(least_gap(scene%bodies%position, spread(0.1_wp, 1, scene%bodies%n), 0.0_wp) >= 0, 'jitter makes no overlap')
   end subroutine test_samples
 
@@ -264,32 +261,14 @@ contains
            '[[law]]'//nl//'[[sample]]'//nl//'seed = '//seed//nl
   end function head
 
-  !> Read a deck from a text.
-  subroutine read_text(text, scene)
-    character(len=*), intent(in) :: text
-    type(scene_t), intent(out) :: scene
-    type(run_options_t) :: options
-    type(diagnostics_t) :: diagnostics
-    type(text_t) :: none(0)
-    integer :: unit
-
-    open (newunit=unit, file='generated.toml', access='stream', form='unformatted', status='replace')
-    write (unit) text
-    close (unit)
-    call read_deck('generated.toml', none, scene, options, diagnostics)
-    call diagnostics%print(output_unit)
-    call t%equal(diagnostics%count(), 0, 'a deck with a sample is read')
-    call t%check(.not. allocated(diagnostics%warnings), 'without warnings')
-  end subroutine read_text
-
   !> A hundred thousand grains take seconds.
   subroutine test_many()
     type(scene_t) :: scene
     real(wp) :: start
 
     start = cpu_now()
-    call read_text(head('1')//'radius = [0.5, 1.5]'//nl//'distribution = "volume"'//nl//'box = [0, 0, 700, 700]'//nl// &
-                   'count = 100000'//nl, scene)
+    call read_good_deck(t, head('1')//'radius = [0.5, 1.5]'//nl//'distribution = "volume"'//nl//'box = [0, 0, 700, 700]'//nl// &
+                        'count = 100000'//nl, scene)
     call t%equal(scene%bodies%n, 100000, 'a hundred thousand grains')
     ! Some seconds with all run-time checks; a search through all grains would take hours.
     call t%check(cpu_now() - start < 60, 'in seconds')

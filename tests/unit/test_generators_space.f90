@@ -1,24 +1,21 @@
 !> Samples in space: no overlaps, seeds, size distributions, lattices, polyhedra, start overlaps of pairs of shapes.
 program test_generators_space
-  use, intrinsic :: iso_fortran_env, only: output_unit
   use harness, only: tests_t
   use sg_contactors, only: contactors_t, place_contactors
   use sg_convex_hull, only: hull_is_available
-  use sg_deck, only: read_deck
-  use sg_error, only: diagnostics_t, error_t
+  use sg_error, only: error_t
   use sg_generators, only: draw_radius, size_lognormal, size_uniform, size_volume
   use sg_kinds, only: wp, pi
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
   use sg_rotations, only: frame_of, no_rotation, rotation_by, turned_by
-  use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_solid_overlaps, only: solid_overlap_depth
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_space_generators, only: insert_in_space, lattice_cubic, lattice_fcc, lattice_hexagonal, place_on_space_lattice, &
                                  random_direction, random_rotation
-  use sg_text, only: text_t
+  use written_files, only: read_good_deck
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   type(tests_t) :: t
@@ -291,10 +288,10 @@ contains
     type(scene_t) :: scene, again, other
     real(wp) :: mass
 
-    call read_text(head('7')//'radius = [0.05, 0.1]'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl//'count = 200'//nl// &
-                   'velocity = [1, 2, 3]'//nl, scene)
-    call read_text(head('7')//'radius = [0.05, 0.1]'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl//'count = 200'//nl, again)
-    call read_text(head('8')//'radius = [0.05, 0.1]'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl//'count = 200'//nl, other)
+    call read_good_deck(t, head('7')//'radius = [0.05, 0.1]'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl//'count = 200'//nl// &
+                        'velocity = [1, 2, 3]'//nl, scene)
+    call read_good_deck(t, head('7')//'radius = [0.05, 0.1]'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl//'count = 200'//nl, again)
+    call read_good_deck(t, head('8')//'radius = [0.05, 0.1]'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl//'count = 200'//nl, other)
     call t%equal(scene%bodies%n, 200, 'grains of a sample')
     call t%equal(scene%dimension + scene%bodies%dimension + scene%contactors%dimension, 9, 'in space')
     call t%near(maxval(abs(scene%bodies%position - again%bodies%position)), 0.0_wp, 0.0_wp, 'the same seed, the same sample')
@@ -306,14 +303,15 @@ contains
                 'masses')
     call t%near(maxval(abs(scene%bodies%principal(2, :)/(0.4_wp*scene%bodies%mass*scene%contactors%reach(:200)**2) - 1)), 0.0_wp, &
                 1e-14_wp, 'moments')
-    call read_text('[scene]'//nl//'period_x = 2'//nl//'period_y = 3'//nl//'dimension = 3'//nl//tail('7')//'radius = 0.1'//nl// &
-                   'box = [0, 0, 0, 2, 3, 2]'//nl//'fill = 0.25'//nl, scene)
+    call read_good_deck(t, '[scene]'//nl//'period_x = 2'//nl//'period_y = 3'//nl//'dimension = 3'//nl// &
+                        tail('7')//'radius = 0.1'//nl// &
+                        'box = [0, 0, 0, 2, 3, 2]'//nl//'fill = 0.25'//nl, scene)
     mass = 1000*0.25_wp*12
     call t%near(sum(scene%bodies%mass), mass, 4000*pi/3*0.001_wp, 'fill, to one grain')
     call t%check(least_gap(scene%bodies%position, spread(0.1_wp, 1, scene%bodies%n), [2.0_wp, 3.0_wp]) >= 0, &
                  'no overlap through the periods')
-    call read_text(head('7')//'kind = "lattice"'//nl//'arrangement = "fcc"'//nl//'spacing = 1.2'//nl//'jitter = 1'//nl// &
-                   'radius = 0.1'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl, scene)
+    call read_good_deck(t, head('7')//'kind = "lattice"'//nl//'arrangement = "fcc"'//nl//'spacing = 1.2'//nl//'jitter = 1'//nl// &
+                        'radius = 0.1'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl, scene)
     call t%check(least_gap(scene%bodies%position, spread(0.1_wp, 1, scene%bodies%n), [0.0_wp, 0.0_wp]) >= 0, &
                  'jitter makes no overlap')
   end subroutine test_samples
@@ -328,10 +326,10 @@ contains
       write (*, '(a)') 'polyhedra not tested: built without Qhull'
       return
     end if
-    call read_text(head('7')//'shape = "polyhedron"'//nl//'vertices = [6, 9]'//nl//'elongation = [1, 2]'//nl// &
-                   'radius = [0.08, 0.1]'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl//'count = 120'//nl, scene)
-    call read_text(head('7')//'shape = "polyhedron"'//nl//'vertices = [6, 9]'//nl//'elongation = [1, 2]'//nl// &
-                   'radius = [0.08, 0.1]'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl//'count = 120'//nl, again)
+    call read_good_deck(t, head('7')//'shape = "polyhedron"'//nl//'vertices = [6, 9]'//nl//'elongation = [1, 2]'//nl// &
+                        'radius = [0.08, 0.1]'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl//'count = 120'//nl, scene)
+    call read_good_deck(t, head('7')//'shape = "polyhedron"'//nl//'vertices = [6, 9]'//nl//'elongation = [1, 2]'//nl// &
+                        'radius = [0.08, 0.1]'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl//'count = 120'//nl, again)
     call t%near(maxval(abs(scene%bodies%position - again%bodies%position)), 0.0_wp, 0.0_wp, 'the same seed, the same polyhedra')
     least = huge(1)
     most = 0
@@ -364,30 +362,13 @@ contains
            '[[law]]'//nl//'[[sample]]'//nl//'seed = '//seed//nl
   end function tail
 
-  !> Read a deck from a text.
-  subroutine read_text(text, scene)
-    character(len=*), intent(in) :: text
-    type(scene_t), intent(out) :: scene
-    type(run_options_t) :: options
-    type(diagnostics_t) :: diagnostics
-    type(text_t) :: none(0)
-    integer :: unit
-
-    open (newunit=unit, file='generated_space.toml', access='stream', form='unformatted', status='replace')
-    write (unit) text
-    close (unit)
-    call read_deck('generated_space.toml', none, scene, options, diagnostics)
-    call diagnostics%print(output_unit)
-    call t%equal(diagnostics%count(), 0, 'a deck with a sample is read')
-    call t%check(.not. allocated(diagnostics%warnings), 'without warnings')
-  end subroutine read_text
-
   !> Thirty thousand spheres through a deck, without one overlap that its check would find.
   subroutine test_many()
     type(scene_t) :: scene
 
-    call read_text(head('1')//'radius = [0.5, 1.0]'//nl//'distribution = "volume"'//nl//'box = [0, 0, 0, 60, 60, 60]'//nl// &
-                   'count = 30000'//nl, scene)
+    call read_good_deck(t, head('1')//'radius = [0.5, 1.0]'//nl//'distribution = "volume"'//nl// &
+                        'box = [0, 0, 0, 60, 60, 60]'//nl// &
+                        'count = 30000'//nl, scene)
     call t%equal(scene%bodies%n, 30000, 'thirty thousand spheres')
   end subroutine test_many
 end program test_generators_space

@@ -15,7 +15,9 @@ program test_interior_point
   use sg_random, only: random_t
   use sg_report, only: report_t
   use sg_sparse, only: multiply, sparse_from_triplets
+  use sg_system, only: file_exists
   use sg_text, only: to_text
+  use written_files, only: shared_folder
   implicit none
   ! Numbers of order one to a hundred, in some ten operations.
   real(wp), parameter :: rounding = 1e-11_wp
@@ -208,22 +210,19 @@ contains
 
   !> Real problems, where they are at hand.
   subroutine test_files()
-    character(len=1024) :: source
-    logical :: is_there
+    character(len=:), allocatable :: place
     integer :: i
 
-    call get_environment_variable('SPLITGRAIN_SOURCE', source)
-    source = trim(source)//'/../shared/problems/'
-    inquire (file=trim(source)//trim(files(1))//'.hdf5', exist=is_there)
-    if (.not. (is_there .and. hdf5_is_available())) then
-      write (*, '(a)') 'skipped: real problems need HDF5 and '//trim(source)
+    place = shared_folder()//'/problems/'
+    if (.not. (file_exists(place//trim(files(1))//'.hdf5') .and. hdf5_is_available())) then
+      write (*, '(a)') 'skipped: real problems need HDF5 and '//place
       return
     end if
     do i = 1, size(files)
-      call test_file(trim(source), trim(files(i)))
+      call test_file(place, trim(files(i)))
     end do
     do i = 1, size(global_files)
-      call test_file(trim(source)//'global/', trim(global_files(i)))
+      call test_file(place//'global/', trim(global_files(i)))
     end do
   end subroutine test_files
 

@@ -11,25 +11,22 @@ program test_matrix_solvers_real
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
   use sg_report, only: report_t
+  use sg_system, only: file_exists
+  use written_files, only: shared_folder
   implicit none
   character(len=*), parameter :: files(15) = [character(len=40) :: 'FC3D_Example1', 'Rover1039', 'Rover4613', &
     'OneObject-i1028-138', 'OneObject-i100000-499', 'NESpheres_30_1', 'BoxesStack1-i100000-32', 'Confeti-ex03-Fc3D-SBM', &
     'LMGC_100_PR_PerioBox-i00361-60-03000', 'Box_Stacks-i0122-82-5', 'spheres-in-a-box-98-i10000-256-10', 'Capsules-i100-889', &
     'Capsules-i125-1213', 'Spheres-i099-356-679', 'KaplasTower-i1061-4']
   type(tests_t) :: tests
-  character(len=1024) :: folder
-  logical :: is_there
   integer :: i
 
-  call get_environment_variable('SPLITGRAIN_SOURCE', folder)
-  folder = trim(folder)//'/../shared/problems/'
-  inquire (file=trim(folder)//trim(files(1))//'.hdf5', exist=is_there)
-  if (is_there .and. hdf5_is_available()) then
+  if (file_exists(shared_folder()//'/problems/'//trim(files(1))//'.hdf5') .and. hdf5_is_available()) then
     do i = 1, size(files)
       call try_all(trim(files(i)))
     end do
   else
-    write (*, '(a)') 'skipped: real problems need HDF5 and '//trim(folder)
+    write (*, '(a)') 'skipped: real problems need HDF5 and '//shared_folder()//'/problems'
     call tests%check(.true., 'skipped')
   end if
   call tests%finish()
@@ -49,7 +46,7 @@ contains
     logical :: has_guess
     integer :: s
 
-    call read_fclib(trim(folder)//name//'.hdf5', .false., problem, has_guess, error)
+    call read_fclib(shared_folder()//'/problems/'//name//'.hdf5', .false., problem, has_guess, error)
     call tests%check(.not. allocated(error), name//': read')
     if (allocated(error)) return
     do s = 1, size(solvers)

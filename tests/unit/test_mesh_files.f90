@@ -10,6 +10,8 @@ program test_mesh_files
   use sg_polyhedron_build, only: polyhedron_from_faces
   use sg_polyhedron_moments, only: solid_t, surface_solid
   use sg_random, only: random_t
+  use sg_system, only: remove_file
+  use written_files, only: put_text
   implicit none
   type(tests_t) :: t
   character, parameter :: nl = new_line('a')
@@ -41,15 +43,15 @@ contains
     type(error_t), allocatable :: error
 
     text = 'solid two words'//nl//facets(unit_cube(), cube_triangles(), nl)//'endsolid two words'//nl
-    call write_text('cube_of_text.stl', text)
+    call put_text('cube_of_text.stl', text)
     call check_cube('cube_of_text.stl', 8, 12)
     ! Returns at line ends, capital letters, all of a solid on a line, two solids in a file.
     text = facets(unit_cube(), cube_triangles(), ' ')
-    call write_text('odd.stl', '  SOLID'//achar(13)//nl//text//nl//'EndSolid'//achar(13)//nl// &
-                    'solid b'//nl//'endsolid b')
+    call put_text('odd.stl', '  SOLID'//achar(13)//nl//text//nl//'EndSolid'//achar(13)//nl// &
+                  'solid b'//nl//'endsolid b')
     call check_cube('odd.stl', 8, 12)
-    call write_text('one.stl', 'solid'//nl//'facet normal nan nan nan'//nl//'outer loop'//nl//'vertex 1 2.5 -3e0'//nl// &
-                    'vertex 1.d0 .5 +3.'//nl//'vertex 0 0 0'//nl//'endloop'//nl//'endfacet'//nl//'endsolid')
+    call put_text('one.stl', 'solid'//nl//'facet normal nan nan nan'//nl//'outer loop'//nl//'vertex 1 2.5 -3e0'//nl// &
+                  'vertex 1.d0 .5 +3.'//nl//'vertex 0 0 0'//nl//'endloop'//nl//'endfacet'//nl//'endsolid')
     call read_mesh('one.stl', mesh, error)
     call none(t, error, 'numbers in all forms, and a normal that is none')
     call t%check(maxval(abs(mesh%vertex(:, 1) - [1.0_wp, 2.5_wp, -3.0_wp])) < rounding, 'first vertex')
@@ -70,13 +72,13 @@ contains
       write (line, '(a,3f5.1)') 'v ', cube(:, k)
       text = text//trim(line)//nl
     end do
-    call write_text('cube.obj', text//'vn 0 0 1'//nl//'vt 0 0'//nl//'s off'//nl// &
-                    'f 1 3 4 2'//nl//'f 5/1 6/1 8/1 7/1'//nl//'f 1//1 2//1 6//1 5//1'//nl//'f 3/1/1 7/1/1 8/1/1 4/1/1'//nl// &
-                    'f -8 -4 -2 -6 # the same'//nl//'f 2 4 \'//nl//' 8 6'//nl)
+    call put_text('cube.obj', text//'vn 0 0 1'//nl//'vt 0 0'//nl//'s off'//nl// &
+                  'f 1 3 4 2'//nl//'f 5/1 6/1 8/1 7/1'//nl//'f 1//1 2//1 6//1 5//1'//nl//'f 3/1/1 7/1/1 8/1/1 4/1/1'//nl// &
+                  'f -8 -4 -2 -6 # the same'//nl//'f 2 4 \'//nl//' 8 6'//nl)
     call check_cube('cube.obj', 8, 6)
     ! Faces before vertices, returns at line ends, no end of the last line, repeated vertices.
-    call write_text('late.obj', 'f 1 3 2'//achar(13)//nl//'f 1 2 4'//achar(13)//nl//'f 2 3 4'//nl//'f 5 4 3'//nl// &
-                    corners//'v 0 0 0')
+    call put_text('late.obj', 'f 1 3 2'//achar(13)//nl//'f 1 2 4'//achar(13)//nl//'f 2 3 4'//nl//'f 5 4 3'//nl// &
+                  corners//'v 0 0 0')
     call read_mesh('late.obj', mesh, error)
     call none(t, error, 'faces before vertices')
     call t%equal(size(mesh%vertex, 2), 4, 'a repeated vertex is one')
@@ -98,13 +100,13 @@ contains
     call write_bytes('many.stl', 'a count below zero', unit_cube(), cube_triangles(), -1)
     call read_mesh('many.stl', mesh, error)
     call expect_part(t, error, '4294967295 triangles need 214748364834 bytes')
-    call write_text('short.stl', 'not')
+    call put_text('short.stl', 'not')
     call read_mesh('short.stl', mesh, error)
     call expect_part(t, error, 'this is no STL file: it neither begins with "solid" nor has the 84 bytes that head a binary one')
-    call write_text('empty.stl', '')
+    call put_text('empty.stl', '')
     call read_mesh('empty.stl', mesh, error)
     call expect_report(error, 'empty.stl: error: this mesh file is empty')
-    call write_text('none.stl', repeat(achar(0), 84))
+    call put_text('none.stl', repeat(achar(0), 84))
     call read_mesh('none.stl', mesh, error)
     call expect_part(t, error, 'this STL file holds no triangles')
     call read_mesh('missing.stl', mesh, error)
@@ -164,13 +166,13 @@ contains
       end do
       content = content//nl
     end do
-    call write_text('numbers.obj', content)
+    call put_text('numbers.obj', content)
     call read_mesh('numbers.obj', mesh, error)
     call none(t, error, 'numbers of all forms')
     call t%equal(size(mesh%vertex, 2), size(values, 2), 'all vertices')
     call t%check(maxval(abs(mesh%vertex - values)) <= 0, 'are what Fortran reads')
-    call remove('numbers.obj')
-    call write_text('numbers.obj', 'f 1 2 3'//nl//'v -0 .5 5.'//nl//'v +1 1E1 -2d-1'//nl//'v 0e99 1e-400 000000000000000000001'//nl)
+    call remove_file('numbers.obj')
+    call put_text('numbers.obj', 'f 1 2 3'//nl//'v -0 .5 5.'//nl//'v +1 1E1 -2d-1'//nl//'v 0e99 1e-400 000000000000000000001'//nl)
     call read_mesh('numbers.obj', mesh, error)
     call none(t, error, 'odd forms')
     call t%check(maxval(abs(mesh%vertex - reshape([0.0_wp, 0.5_wp, 5.0_wp, 1.0_wp, 10.0_wp, -0.2_wp, 0.0_wp, 0.0_wp, 1.0_wp], &
@@ -246,8 +248,8 @@ contains
     end do
     close (unit)
     call read_large('large.obj', vertices, list)
-    call remove('large.stl')
-    call remove('large.obj')
+    call remove_file('large.stl')
+    call remove_file('large.obj')
   end subroutine test_large
 
   !> Read a large file, and compare vertices and volume with what was written.
@@ -301,7 +303,7 @@ contains
     type(mesh_t) :: mesh
     type(error_t), allocatable :: error
 
-    call write_text(name, content)
+    call put_text(name, content)
     call read_mesh(name, mesh, error)
     call expect_part(t, error, words)
     if (.not. allocated(error)) return
@@ -309,7 +311,7 @@ contains
     call t%equal(error%line, line, words//': line')
     call t%equal(error%column, column, words//': column')
     call t%check(allocated(error%text) .eqv. (line > 0 .and. len(content) < 200), words//': the line is shown')
-    call remove(name)
+    call remove_file(name)
   end subroutine fault
 
   !> Facets of an STL file of text, words apart by blanks or lines.
@@ -331,23 +333,6 @@ contains
       text = text//'endloop'//between//'endfacet'//nl
     end do
   end function facets
-
-  subroutine write_text(name, content)
-    character(len=*), intent(in) :: name, content
-    integer :: unit
-
-    open (newunit=unit, file=name, access='stream', form='unformatted', status='replace', action='write')
-    write (unit) content
-    close (unit)
-  end subroutine write_text
-
-  subroutine remove(name)
-    character(len=*), intent(in) :: name
-    integer :: unit
-
-    open (newunit=unit, file=name, status='old')
-    close (unit, status='delete')
-  end subroutine remove
 
   !> Write an STL file of bytes that says it has `n_said` triangles; one may have a corner that is no number.
   subroutine write_bytes(name, head, vertices, list, n_said, broken)

@@ -16,6 +16,7 @@ program test_polyhedron
   use sg_rotations, only: frame_of
   use sg_system, only: file_exists
   use sg_text, only: read_lines, text_t, to_text
+  use written_files, only: shared_folder
   implicit none
   type(tests_t) :: t
 
@@ -188,21 +189,17 @@ contains
     type(error_t), allocatable :: error
     type(text_t), allocatable :: lines(:)
     type(solid_t) :: solid
-    character(len=500) :: top
+    character(len=:), allocatable :: file
     real(wp) :: vertices(3, 8), low(3), high(3)
     integer(i4) :: list(3, 12)
     integer :: i, k, n
 
-    call get_environment_variable('SPLITGRAIN_SHARED', top)
-    if (top == '') then
-      call get_environment_variable('SPLITGRAIN_SOURCE', top)
-      top = trim(top)//'/../shared'
-    end if
-    if (.not. file_exists(trim(top)//'/decks/Wall_PR/DATBOX/BODIES.DAT')) then
+    file = shared_folder()//'/decks/Wall_PR/DATBOX/BODIES.DAT'
+    if (.not. file_exists(file)) then
       write (*, '(a)') 'the wall of LMGC90 is not at hand: skipped'
       return
     end if
-    call read_lines(trim(top)//'/decks/Wall_PR/DATBOX/BODIES.DAT', lines, error)
+    call read_lines(file, lines, error)
     n = 0
     do i = 1, size(lines) - 20
       if (index(lines(i)%s, 'POLYR') /= 2 .or. index(lines(i)%s, 'nb_vertex=    8      nb_face=   12') == 0) cycle

@@ -5,6 +5,7 @@ program test_tagged
   use sg_tagged, only: tagged_text
   use sg_text, only: read_lines, text_t
   use sg_error, only: error_t
+  use written_files, only: put_text
   implicit none
   type(tests_t) :: t
 
@@ -19,11 +20,9 @@ contains
     type(error_t), allocatable :: error
     real(wp), parameter :: values(4) = [1/3.0_wp, -1e-300_wp, 0.0_wp, 123456789.0_wp]
     real(wp) :: value
-    integer :: unit, i
+    integer :: i
 
-    open (newunit=unit, file='tagged.txt', status='replace', access='stream', form='unformatted')
-    write (unit) tagged_text('kinetic_energy', 'measure', values), tagged_text('steps', 'count', [7.0_wp])
-    close (unit)
+    call put_text('tagged.txt', tagged_text('kinetic_energy', 'measure', values)//tagged_text('steps', 'count', [7.0_wp]))
     call read_lines('tagged.txt', lines, error)
     call t%check(.not. allocated(error), 'the file is read')
     call t%equal(size(lines), 7, 'a line a quantity and a line a number')

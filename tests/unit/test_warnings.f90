@@ -1,11 +1,10 @@
 !> Decks that are right and yet hardly mean what they say: each must give its warning, and its neighbour none.
 program test_warnings
   use harness, only: tests_t
-  use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
-  use sg_text, only: text_t
+  use written_files, only: read_deck_text
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   character(len=*), parameter :: head = '[time]'//nl//'step = 1e-3'//nl//'steps = 10'//nl//'[[material]]'//nl// &
@@ -97,13 +96,8 @@ contains
     type(scene_t) :: scene
     type(run_options_t) :: options
     type(diagnostics_t) :: diagnostics
-    type(text_t) :: none(0)
-    integer :: unit
 
-    open (newunit=unit, file='warned.toml', status='replace', action='write')
-    write (unit, '(a)') text
-    close (unit)
-    call read_deck('warned.toml', none, scene, options, diagnostics)
+    call read_deck_text(text, scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, name//' is right')
     if (fragment == '') then
       call t%check(.not. allocated(diagnostics%warnings), name//': no warning')

@@ -1,0 +1,84 @@
+!> Files that tests write, decks read from texts, and the folder of real data beside the sources.
+module written_files
+  use, intrinsic :: iso_fortran_env, only: output_unit
+  use harness, only: tests_t
+  use sg_deck, only: read_deck
+  use sg_error, only: diagnostics_t
+  use sg_run_options, only: run_options_t
+  use sg_scene, only: scene_t
+  use sg_text, only: text_t
+  implicit none
+  private
+  public :: put_text, put_lines, read_deck_text, read_good_deck, shared_folder
+
+contains
+
+  !> Write a file byte by byte.
+  subroutine put_text(path, text)
+    character(len=*), intent(in) :: path !! file
+    character(len=*), intent(in) :: text !! all that it holds
+    integer :: unit
+
+    open (newunit=unit, file=path, access='stream', form='unformatted', status='replace', action='write')
+    write (unit) text
+    close (unit)
+  end subroutine put_text
+
+  !> Write lines, without their closing blanks, as a file.
+  subroutine put_lines(path, lines)
+    character(len=*), intent(in) :: path !! file
+    character(len=*), intent(in) :: lines(:) !! its lines
+    integer :: unit, i
+
+    open (newunit=unit, file=path, status='replace', action='write')
+    do i = 1, size(lines)
+      write (unit, '(a)') trim(lines(i))
+    end do
+    close (unit)
+  end subroutine put_lines
+
+  !> Read a deck from a text.
+  subroutine read_deck_text(text, scene, options, diagnostics, settings)
+    character(len=*), intent(in) :: text !! the deck
+    type(scene_t), intent(out) :: scene !! its scene
+    type(run_options_t), intent(out) :: options !! its options
+    type(diagnostics_t), intent(out) :: diagnostics !! its mistakes
+    type(text_t), intent(in), optional :: settings(:) !! of the command line
+    type(text_t) :: none(0)
+
+    call put_text('deck.toml', text)
+    if (present(settings)) then
+      call read_deck('deck.toml', settings, scene, options, diagnostics)
+    else
+      call read_deck('deck.toml', none, scene, options, diagnostics)
+    end if
+  end subroutine read_deck_text
+
+  !> Read a deck with a sample from a text; it has no mistakes.
+  subroutine read_good_deck(t, text, scene)
+    class(tests_t), intent(inout) :: t !! the checks
+    character(len=*), intent(in) :: text !! the deck
+    type(scene_t), intent(out) :: scene !! its scene
+    type(run_options_t) :: options
+    type(diagnostics_t) :: diagnostics
+
+    call read_deck_text(text, scene, options, diagnostics)
+    call diagnostics%print(output_unit)
+    call t%equal(diagnostics%count(), 0, 'a deck with a sample is read')
+    call t%check(.not. allocated(diagnostics%warnings), 'without warnings')
+  end subroutine read_good_deck
+
+  !> Folder of the real decks and problems; it may be absent.
+  function shared_folder() result(folder)
+    character(len=:), allocatable :: folder
+    character(len=1000) :: value
+    integer :: length
+
+    call get_environment_variable('SPLITGRAIN_SHARED', value, length)
+    if (length == 0) then
+      call get_environment_variable('SPLITGRAIN_SOURCE', value)
+      value = trim(value)//'/../shared'
+    end if
+    folder = trim(value)
+  end function shared_folder
+end module written_files
