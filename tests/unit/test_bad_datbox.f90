@@ -1,17 +1,13 @@
 !> Bad DATBOX folders: each is a good one with one thing wrong, and must be refused where it is wrong.
 program test_bad_datbox
-  use harness, only: tests_t
+  use datbox_tests, only: any_place, datbox_tests_t, width
   use sg_datbox, only: read_datbox
   use sg_error, only: diagnostics_t
   use sg_scene, only: scene_t
-  use sg_system, only: make_folder, remove_file
-  use sg_text, only: to_text
+  use sg_system, only: remove_file
   implicit none
   character(len=*), parameter :: folder = 'datbox_bad'
   character(len=*), parameter :: tab = achar(9)
-  !> Do not look at the line, or at the column, of the mistake
-  integer, parameter :: any_place = -1
-  integer, parameter :: width = 104
 
   ! The good folder, line by line.
   character(len=width), parameter :: bulk(*) = [character(len=width) :: &
@@ -79,10 +75,17 @@ program test_bad_datbox
     '                             gapTT-0.1000000D-03', &
     '                             n(1)= 0.0000000D+00  n(2)= 0.1000000D+01  n(3)= 0.0000000D+00', &
     '                             coo1= 0.3000000D+00  coo2= 0.4000000D+00  coo3= 0.0000000D+00']
-  type(tests_t) :: tests
+  type(datbox_tests_t) :: tests
 
-  if (.not. make_folder(folder)) error stop 'no folder'
-  call test_good()
+  tests%folder = folder
+  call tests%keep('BULK_BEHAV.DAT', bulk)
+  call tests%keep('TACT_BEHAV.DAT', tact)
+  call tests%keep('BODIES.DAT', bodies)
+  call tests%keep('DRV_DOF.DAT', drives)
+  call tests%keep('push.dat', push)
+  call tests%keep('DOF.INI', state)
+  call tests%keep('Vloc_Rloc.INI', contacts)
+  call tests%check_good()
   call test_bulk()
   call test_laws_and_sees()
   call test_bodies()
@@ -96,166 +99,66 @@ program test_bad_datbox
 
 contains
 
-  !> Write the good folder.
-  subroutine write_good()
-    call put_file('BULK_BEHAV.DAT', bulk)
-    call put_file('TACT_BEHAV.DAT', tact)
-    call put_file('BODIES.DAT', bodies)
-    call put_file('DRV_DOF.DAT', drives)
-    call put_file('push.dat', push)
-    call put_file('DOF.INI', state)
-    call put_file('Vloc_Rloc.INI', contacts)
-  end subroutine write_good
-
-  !> Write lines, without their closing blanks, as a file of the folder.
-  subroutine put_file(name, lines)
-    character(len=*), intent(in) :: name, lines(:)
-    integer :: unit, i
-
-    open (newunit=unit, file=folder//'/'//name, status='replace', action='write')
-    do i = 1, size(lines)
-      write (unit, '(a)') trim(lines(i))
-    end do
-    close (unit)
-  end subroutine put_file
-
-  !> Lines of one file of the good folder.
-  function good_lines(name) result(lines)
-    character(len=*), intent(in) :: name
-    character(len=width), allocatable :: lines(:)
-
-    select case (name)
-    case ('BULK_BEHAV.DAT')
-      lines = bulk
-    case ('TACT_BEHAV.DAT')
-      lines = tact
-    case ('BODIES.DAT')
-      lines = bodies
-    case ('DRV_DOF.DAT')
-      lines = drives
-    case ('push.dat')
-      lines = push
-    case ('DOF.INI')
-      lines = state
-    case default
-      lines = contacts
-    end select
-  end function good_lines
-
-  !> Put another text in place of one line of one file: the first mistake must hold a fragment and stand at a place.
-  subroutine refuse(name, line, text, fragment, at_line, at_column, in_file)
-    character(len=*), intent(in) :: name !! file to spoil
-    integer, intent(in) :: line !! line to replace
-    character(len=*), intent(in) :: text !! what to put there
-    character(len=*), intent(in) :: fragment !! part of the message expected
-    integer, intent(in) :: at_line !! line expected
-    integer, intent(in), optional :: at_column !! column expected
-    character(len=*), intent(in), optional :: in_file !! file that is blamed, when not the one spoilt
-    character(len=width), allocatable :: lines(:)
-
-    call write_good()
-    lines = good_lines(name)
-    lines(line) = text
-    call put_file(name, lines)
-    if (present(in_file)) then
-      call expect(in_file, fragment, at_line, at_column)
-    else
-      call expect(name, fragment, at_line, at_column)
-    end if
-  end subroutine refuse
-
-  !> Read the folder as it stands and check its first mistake.
-  subroutine expect(name, fragment, at_line, at_column)
-    character(len=*), intent(in) :: name, fragment
-    integer, intent(in) :: at_line
-    integer, intent(in), optional :: at_column
-    type(scene_t) :: scene
-    type(diagnostics_t) :: diagnostics
-    character(len=:), allocatable :: what
-
-    call read_datbox(folder, scene, diagnostics)
-    what = name//' '//to_text(at_line)//' "'//fragment//'"'
-    call tests%check(diagnostics%count() > 0, 'no mistake found: '//what)
-    if (diagnostics%count() == 0) return
-    associate (first => diagnostics%errors(1))
-      call tests%check(index(first%message, fragment) > 0, what//' but said: '//first%sentence())
-      call tests%check(index(first%file, name) > 0, what//' in the file '//first%file)
-      if (at_line /= any_place) call tests%equal(first%line, at_line, 'line of '//what)
-      if (present(at_column)) call tests%equal(first%column, at_column, 'column of '//what)
-    end associate
-  end subroutine expect
-
-  !> The good folder has no mistake; were it otherwise, nothing below would mean anything.
-  subroutine test_good()
-    type(scene_t) :: scene
-    type(diagnostics_t) :: diagnostics
-
-    call write_good()
-    call read_datbox(folder, scene, diagnostics)
-    call diagnostics%print(6)
-    call tests%equal(diagnostics%count(), 0, 'the good folder')
-    call tests%check(.not. allocated(diagnostics%warnings), 'nothing to warn of')
-  end subroutine test_good
-
   !> Gravity and densities.
   subroutine test_bulk()
     character(len=*), parameter :: file = 'BULK_BEHAV.DAT', law = ' PLEXx  RIGID                           Umas='
 
-    call refuse(file, 2, '                   grv1= 0.0000000D+00  grv2=-0.98x0000D+01', 'not a number', 2, 46)
-    call refuse(file, 2, '$behav', 'a keyword stands where the gravity', 2)
-    call refuse(file, 4, law//' 0.0000000D+00', 'density', 4, 46)
-    call refuse(file, 4, law//'-0.2000000D+04', 'density', 4, 46)
-    call refuse(file, 4, law//tab//'0.2000000D+04', 'a tab', 4, 46)
-    call refuse(file, 4, law, 'missing', 4, 46)
-    call refuse(file, 4, law//'          2000', 'decimal point', 4, 56)
-    call refuse(file, 4, law//' 0.2000000D+99', 'out of range', 4, 47)
-    call refuse(file, 4, law//' 0.20 0000D+04', 'not a number', 4, 47)
-    call refuse(file, 4, law//'           NaN', 'not a number', 4, 57)
-    call refuse(file, 4, ' hotxx  RIGID                           Umas= 0.2000000D+04', 'no bulk law is called ''PLEXx''', &
-                4, 23, 'BODIES.DAT')
+    call tests%refuse(file, 2, '                   grv1= 0.0000000D+00  grv2=-0.98x0000D+01', 'not a number', 2, 46)
+    call tests%refuse(file, 2, '$behav', 'a keyword stands where the gravity', 2)
+    call tests%refuse(file, 4, law//' 0.0000000D+00', 'density', 4, 46)
+    call tests%refuse(file, 4, law//'-0.2000000D+04', 'density', 4, 46)
+    call tests%refuse(file, 4, law//tab//'0.2000000D+04', 'a tab', 4, 46)
+    call tests%refuse(file, 4, law, 'missing', 4, 46)
+    call tests%refuse(file, 4, law//'          2000', 'decimal point', 4, 56)
+    call tests%refuse(file, 4, law//' 0.2000000D+99', 'out of range', 4, 47)
+    call tests%refuse(file, 4, law//' 0.20 0000D+04', 'not a number', 4, 47)
+    call tests%refuse(file, 4, law//'           NaN', 'not a number', 4, 57)
+    call tests%refuse(file, 4, ' hotxx  RIGID                           Umas= 0.2000000D+04', 'no bulk law is called ''PLEXx''', &
+                      4, 23, 'BODIES.DAT')
   end subroutine test_bulk
 
   !> Contact laws and see tables.
   subroutine test_laws_and_sees()
     character(len=*), parameter :: file = 'TACT_BEHAV.DAT'
 
-    call refuse(file, 2, ' iqsc0  MAC_CZM                         fric= 0.3000000D+00', 'MAC_CZM, which is not done', 8, 23)
-    call refuse(file, 2, ' iqsc0  IQS_CLB                         fric=-0.3000000D+00', 'must not be negative', 2, 46)
-    call refuse(file, 2, ' rstc0  IQS_CLB                         fric= 0.3000000D+00', 'listed twice', 4, 2)
-    call refuse(file, 4, ' rstc0  RST_CLB                         rstn= 0.9000000D+01  rstt= 0.5000000D+00', 'restitution', 4, 46)
-    call refuse(file, 5, '', 'the rest of the law', 6)
-    call refuse(file, 3, '                                        fric= 0.2500000D+00', 'has no place in the law', 3)
-    call refuse(file, 8, ' RBDY2  DISKx  BLEUx  iqscX  RBDY2  POLYG  BLEUx       0.9000000D-02', 'no contact law', 8, 23)
-    call refuse(file, 8, ' RBDY2  DISKx  BLEUx  iqsc0  MAILx  POLYG  BLEUx       0.9000000D-02', 'MAILx', 8, 30)
-    call refuse(file, 8, ' RBDY2  PT2Dx  BLEUx  iqsc0  RBDY2  POLYG  BLEUx       0.9000000D-02', 'PT2Dx', 8, 9)
-    call refuse(file, 8, ' RBDY2  DISKx  BLEUx  iqsc0  RBDY2  POLYG  BLEUx      -0.9000000D-02', 'alert', 8)
-    call refuse(file, 8, ' RBDY2  DISKx  BLEUx  iqsc0  RBDY2  POLYG  BLEUx', 'missing', 8, 55)
-    call refuse(file, 8, '', 'the file ends where a see table', 8)
+    call tests%refuse(file, 2, ' iqsc0  MAC_CZM                         fric= 0.3000000D+00', 'MAC_CZM, which is not done', 8, 23)
+    call tests%refuse(file, 2, ' iqsc0  IQS_CLB                         fric=-0.3000000D+00', 'must not be negative', 2, 46)
+    call tests%refuse(file, 2, ' rstc0  IQS_CLB                         fric= 0.3000000D+00', 'listed twice', 4, 2)
+    call tests%refuse(file, 4, ' rstc0  RST_CLB                         rstn= 0.9000000D+01  rstt= 0.5000000D+00', 'restitution', &
+                      4, 46)
+    call tests%refuse(file, 5, '', 'the rest of the law', 6)
+    call tests%refuse(file, 3, '                                        fric= 0.2500000D+00', 'has no place in the law', 3)
+    call tests%refuse(file, 8, ' RBDY2  DISKx  BLEUx  iqscX  RBDY2  POLYG  BLEUx       0.9000000D-02', 'no contact law', 8, 23)
+    call tests%refuse(file, 8, ' RBDY2  DISKx  BLEUx  iqsc0  MAILx  POLYG  BLEUx       0.9000000D-02', 'MAILx', 8, 30)
+    call tests%refuse(file, 8, ' RBDY2  PT2Dx  BLEUx  iqsc0  RBDY2  POLYG  BLEUx       0.9000000D-02', 'PT2Dx', 8, 9)
+    call tests%refuse(file, 8, ' RBDY2  DISKx  BLEUx  iqsc0  RBDY2  POLYG  BLEUx      -0.9000000D-02', 'alert', 8)
+    call tests%refuse(file, 8, ' RBDY2  DISKx  BLEUx  iqsc0  RBDY2  POLYG  BLEUx', 'missing', 8, 55)
+    call tests%refuse(file, 8, '', 'the file ends where a see table', 8)
   end subroutine test_laws_and_sees
 
   !> Bodies and round contactors.
   subroutine test_bodies()
     character(len=*), parameter :: file = 'BODIES.DAT'
 
-    call refuse(file, 11, ' RBDY3      2', 'RBDY3', 11, 2)
-    call refuse(file, 2, ' RBDY3      1', 'in one DATBOX', 11, 2)
-    call refuse(file, 2, ' MAILx      1', 'MAILx', 2, 2)
-    call refuse(file, 3, '$thing', 'thing', 3)
-    call refuse(file, 4, '', 'has no bulk element', 1)
-    call refuse(file, 4, ' PLAIN      1  behav  TDURx  avrd= 0.1000000D+00  gyrd= 0.7000000D-01', 'TDURx', 4, 23)
-    call refuse(file, 4, ' T3xxx      1  behav  PLEXx  avrd= 0.1000000D+00  gyrd= 0.7000000D-01', 'PLAIN', 4, 2)
-    call refuse(file, 4, ' PLAIN      1  behav  PLEXx  avrd=-0.1000000D+00  gyrd= 0.7000000D-01', 'negative', 4, 35)
-    call refuse(file, 6, '', 'has no node', 1)
-    call refuse(file, 6, ' NO3xx      1                coo1= 0.1000000D+01  coo2= 0.2000000DD01  coo3= 0.0000000D+00', &
-                'not a number', 6, 57)
-    call refuse(file, 8, '', 'has no contactor', 1)
-    call refuse(file, 8, ' DISKx      1  color  BLEUx  byrd=-0.2000000D+00', 'positive', 8, 35)
-    call refuse(file, 8, ' DISKx      1  color  BLEUx  byrd= 0.0000000D+00', 'positive', 8, 35)
-    call refuse(file, 8, ' DISKb      1  color  BLEUx  byrd= 0.2000000D+00', 'the centre of a shifted disk', 9)
-    call refuse(file, 8, ' PT2Dx      1  color  BLEUx  coo1= 0.2000000D+00  coo2= 0.2000000D+00', 'PT2Dx', 8, 2)
-    call refuse(file, 9, '', 'has not been ended', 10)
-    call refuse(file, 13, ' PLAIN      1  behav  PLEXx  avrd= 0.1000000-200  gyrd= 0.7000000D-01', 'no mass', 10)
-    call refuse(file, 22, '', 'the file ends within body 2', 22)
+    call tests%refuse(file, 11, ' RBDY3      2', 'RBDY3', 11, 2)
+    call tests%refuse(file, 2, ' RBDY3      1', 'in one DATBOX', 11, 2)
+    call tests%refuse(file, 2, ' MAILx      1', 'MAILx', 2, 2)
+    call tests%refuse(file, 3, '$thing', 'thing', 3)
+    call tests%refuse(file, 4, '', 'has no bulk element', 1)
+    call tests%refuse(file, 4, ' PLAIN      1  behav  TDURx  avrd= 0.1000000D+00  gyrd= 0.7000000D-01', 'TDURx', 4, 23)
+    call tests%refuse(file, 4, ' T3xxx      1  behav  PLEXx  avrd= 0.1000000D+00  gyrd= 0.7000000D-01', 'PLAIN', 4, 2)
+    call tests%refuse(file, 4, ' PLAIN      1  behav  PLEXx  avrd=-0.1000000D+00  gyrd= 0.7000000D-01', 'negative', 4, 35)
+    call tests%refuse(file, 6, '', 'has no node', 1)
+    call tests%refuse(file, 6, ' NO3xx      1                coo1= 0.1000000D+01  coo2= 0.2000000DD01  coo3= 0.0000000D+00', &
+                      'not a number', 6, 57)
+    call tests%refuse(file, 8, '', 'has no contactor', 1)
+    call tests%refuse(file, 8, ' DISKx      1  color  BLEUx  byrd=-0.2000000D+00', 'positive', 8, 35)
+    call tests%refuse(file, 8, ' DISKx      1  color  BLEUx  byrd= 0.0000000D+00', 'positive', 8, 35)
+    call tests%refuse(file, 8, ' DISKb      1  color  BLEUx  byrd= 0.2000000D+00', 'the centre of a shifted disk', 9)
+    call tests%refuse(file, 8, ' PT2Dx      1  color  BLEUx  coo1= 0.2000000D+00  coo2= 0.2000000D+00', 'PT2Dx', 8, 2)
+    call tests%refuse(file, 9, '', 'has not been ended', 10)
+    call tests%refuse(file, 13, ' PLAIN      1  behav  PLEXx  avrd= 0.1000000-200  gyrd= 0.7000000D-01', 'no mass', 10)
+    call tests%refuse(file, 22, '', 'the file ends within body 2', 22)
   end subroutine test_bodies
 
   !> Polygons.
@@ -268,27 +171,27 @@ contains
       coo//'-0.8090170D+00  coo2=-0.5877853D+00']
     character(len=width), allocatable :: lines(:)
 
-    call refuse(file, 17, head//'    2', 'three', 17)
-    call refuse(file, 17, head//'9999999', 'cannot be', 17)
-    call refuse(file, 17, head//' four', 'whole number', 17, 41)
-    call refuse(file, 17, head//'    5', 'a vertex', 22)
-    call refuse(file, 17, head//'    3', 'contactors of type ''''', 21)
-    call refuse(file, 20, coo//' 0.3000000D+00  coo2= 0.1000000D+00', 'not convex', 20, 35)
-    call refuse(file, 19, coo//' 0.2000000D+00  coo2= 0.0000000D+00', 'no area there', 19, 35)
-    call write_good()
+    call tests%refuse(file, 17, head//'    2', 'three', 17)
+    call tests%refuse(file, 17, head//'9999999', 'cannot be', 17)
+    call tests%refuse(file, 17, head//' four', 'whole number', 17, 41)
+    call tests%refuse(file, 17, head//'    5', 'a vertex', 22)
+    call tests%refuse(file, 17, head//'    3', 'contactors of type ''''', 21)
+    call tests%refuse(file, 20, coo//' 0.3000000D+00  coo2= 0.1000000D+00', 'not convex', 20, 35)
+    call tests%refuse(file, 19, coo//' 0.2000000D+00  coo2= 0.0000000D+00', 'no area there', 19, 35)
+    call tests%write_good()
     lines = bodies
     lines(18:21) = bodies([21, 20, 19, 18])
-    call put_file(file, lines)
-    call expect(file, 'clockwise', 17)
+    call tests%put(file, lines)
+    call tests%expect(file, 'clockwise', 17)
     ! A five-pointed star turns left alone, but twice around.
     lines = [character(len=width) :: bodies(:16), head//'    5', star, bodies(22:)]
-    call put_file(file, lines)
-    call expect(file, 'not convex', any_place)
+    call tests%put(file, lines)
+    call tests%expect(file, 'not convex', any_place)
     lines = bodies
     ! A bow tie turns both ways and has no area.
     lines(18:21) = bodies([18, 20, 19, 21])
-    call put_file(file, lines)
-    call expect(file, 'not convex', any_place)
+    call tests%put(file, lines)
+    call tests%expect(file, 'not convex', any_place)
   end subroutine test_polygons
 
   !> Drives and evolution files.
@@ -296,50 +199,50 @@ contains
     character(len=*), parameter :: file = 'DRV_DOF.DAT'
     character(len=*), parameter :: rest = '  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.0000000D+00  0.1000000D+01'
 
-    call refuse(file, 2, ' RBDY2      7', 'no body 7', 2)
-    call refuse(file, 2, ' RBDY2  xx', 'whole number', 2, 9)
-    call refuse(file, 2, ' RBDY3      2', 'RBDY3', 2, 2)
-    call refuse(file, 6, ' vlocy      4'//rest//'  0.0000000D+00', 'components 1 (x)', 6)
-    call refuse(file, 6, ' vlocy      1'//rest, 'missing', 6, 90)
-    call refuse(file, 6, ' push       1'//rest//'  0.0000000D+00', 'either ''vlocy'' or ''force''', 6, 2)
-    call refuse(file, 7, ' force      2 evolution nothing.dat', 'cannot read the file', 7, 25)
-    call refuse(file, 7, ' force      2 evolution', 'name of the evolution file', 7)
-    call refuse(file, 7, ' vlocy      1'//rest//'  0.0000000D+00', 'imposed before', 7)
-    call refuse(file, 8, '', 'the file ends within a body', 8)
-    call refuse('push.dat', 2, '', 'needs two lines', 7, 25, 'DRV_DOF.DAT')
+    call tests%refuse(file, 2, ' RBDY2      7', 'no body 7', 2)
+    call tests%refuse(file, 2, ' RBDY2  xx', 'whole number', 2, 9)
+    call tests%refuse(file, 2, ' RBDY3      2', 'RBDY3', 2, 2)
+    call tests%refuse(file, 6, ' vlocy      4'//rest//'  0.0000000D+00', 'components 1 (x)', 6)
+    call tests%refuse(file, 6, ' vlocy      1'//rest, 'missing', 6, 90)
+    call tests%refuse(file, 6, ' push       1'//rest//'  0.0000000D+00', 'either ''vlocy'' or ''force''', 6, 2)
+    call tests%refuse(file, 7, ' force      2 evolution nothing.dat', 'cannot read the file', 7, 25)
+    call tests%refuse(file, 7, ' force      2 evolution', 'name of the evolution file', 7)
+    call tests%refuse(file, 7, ' vlocy      1'//rest//'  0.0000000D+00', 'imposed before', 7)
+    call tests%refuse(file, 8, '', 'the file ends within a body', 8)
+    call tests%refuse('push.dat', 2, '', 'needs two lines', 7, 25, 'DRV_DOF.DAT')
   end subroutine test_drives
 
   !> Evolution files that hold no table, states.
   subroutine test_state()
     character(len=*), parameter :: file = 'DOF.INI'
 
-    call refuse('push.dat', 2, 'one two', 'a time and a value', 2)
-    call refuse('push.dat', 2, '0.0 3.0', 'times must grow', 2)
-    call refuse('push.dat', 2, '1.0 /', 'a time and a value', 2)
-    call refuse('push.dat', 2, '1.0 1.0e999', 'a time and a value', 2)
-    call refuse('push.dat', 2, '1.0 '//repeat('9', 90), 'a time and a value', 2)
-    call refuse('push.dat', 2, '1.0', 'a time and a value', 2)
-    call refuse(file, 1, '$steps      ten              time= 0.2400000D-01', 'whole number', 1, 13)
-    call refuse(file, 1, '$steps       12              time= soon', 'not a number', 1, 36)
-    call refuse(file, 3, ' RBDY2      3', 'no body 3', 3)
-    call refuse(file, 5, ' NO6xx      1                X(1)= 0.1000000D-01', 'NO3xx', 5, 2)
-    call refuse(file, 5, ' NO3xx      1                X(1)= 0.1000000D-01  X(2)=-0.2000000D-01  X(3)= ************', &
-                'not a number', 5, 78)
-    call refuse(file, 6, '', 'a velocity', 7)
-    call refuse(file, 7, '', 'the file ends within a body', 7)
+    call tests%refuse('push.dat', 2, 'one two', 'a time and a value', 2)
+    call tests%refuse('push.dat', 2, '0.0 3.0', 'times must grow', 2)
+    call tests%refuse('push.dat', 2, '1.0 /', 'a time and a value', 2)
+    call tests%refuse('push.dat', 2, '1.0 1.0e999', 'a time and a value', 2)
+    call tests%refuse('push.dat', 2, '1.0 '//repeat('9', 90), 'a time and a value', 2)
+    call tests%refuse('push.dat', 2, '1.0', 'a time and a value', 2)
+    call tests%refuse(file, 1, '$steps      ten              time= 0.2400000D-01', 'whole number', 1, 13)
+    call tests%refuse(file, 1, '$steps       12              time= soon', 'not a number', 1, 36)
+    call tests%refuse(file, 3, ' RBDY2      3', 'no body 3', 3)
+    call tests%refuse(file, 5, ' NO6xx      1                X(1)= 0.1000000D-01', 'NO3xx', 5, 2)
+    call tests%refuse(file, 5, ' NO3xx      1                X(1)= 0.1000000D-01  X(2)=-0.2000000D-01  X(3)= ************', &
+                      'not a number', 5, 78)
+    call tests%refuse(file, 6, '', 'a velocity', 7)
+    call tests%refuse(file, 7, '', 'the file ends within a body', 7)
   end subroutine test_state
 
   !> Contacts known at the start.
   subroutine test_contacts()
     character(len=*), parameter :: file = 'Vloc_Rloc.INI'
 
-    call refuse(file, 2, '$icdan  PTPT2        1', 'PTPT2', 2, 9)
-    call refuse(file, 4, ' RBDY2      9  DISKx      1  iqsc0  RBDY2      2  POLYG      1  stick', 'no body 9', 4, 13)
-    call refuse(file, 4, ' RBDY2  *****  DISKx      1  iqsc0  RBDY2      2  POLYG      1  stick', 'no readable number', 4, 9)
-    call refuse(file, 4, ' RBDY2      1  DISKx      2  iqsc0  RBDY2      2  POLYG      1  stick', 'no contactor 2', 4, 27)
-    call refuse(file, 4, ' RBDY2      1  DISKx      1', 'who touches whom', 4)
-    call refuse(file, 5, '                             rlt/H 0.1000000D+01  rln/H     Infinity', 'not a number', 5, 61)
-    call refuse(file, 9, '', 'the point of a contact', 9)
+    call tests%refuse(file, 2, '$icdan  PTPT2        1', 'PTPT2', 2, 9)
+    call tests%refuse(file, 4, ' RBDY2      9  DISKx      1  iqsc0  RBDY2      2  POLYG      1  stick', 'no body 9', 4, 13)
+    call tests%refuse(file, 4, ' RBDY2  *****  DISKx      1  iqsc0  RBDY2      2  POLYG      1  stick', 'no readable number', 4, 9)
+    call tests%refuse(file, 4, ' RBDY2      1  DISKx      2  iqsc0  RBDY2      2  POLYG      1  stick', 'no contactor 2', 4, 27)
+    call tests%refuse(file, 4, ' RBDY2      1  DISKx      1', 'who touches whom', 4)
+    call tests%refuse(file, 5, '                             rlt/H 0.1000000D+01  rln/H     Infinity', 'not a number', 5, 61)
+    call tests%refuse(file, 9, '', 'the point of a contact', 9)
   end subroutine test_contacts
 
   !> Missing, empty and garbled files.
@@ -351,33 +254,33 @@ contains
     integer :: i
 
     do i = 1, size(needed)
-      call write_good()
+      call tests%write_good()
       call remove_file(folder//'/'//trim(needed(i)))
-      call expect(trim(needed(i)), 'missing', 0)
+      call tests%expect(trim(needed(i)), 'missing', 0)
     end do
-    call write_good()
+    call tests%write_good()
     do i = 1, size(needed)
-      call write_good()
-      call put_file(trim(needed(i)), [character(len=width) ::])
-      call expect(trim(needed(i)), 'empty', 0)
+      call tests%write_good()
+      call tests%put(trim(needed(i)), [character(len=width) ::])
+      call tests%expect(trim(needed(i)), 'empty', 0)
     end do
-    call write_good()
-    call put_file('BODIES.DAT', [character(len=width) :: '! only', '# comments', ''])
-    call expect('BODIES.DAT', 'no body', any_place)
-    call put_file('BODIES.DAT', [character(len=width) :: (char(200)//char(0)//char(127)//'\0\%$', i=1, 200)])
-    call expect('BODIES.DAT', 'belongs to no body', 1)
+    call tests%write_good()
+    call tests%put('BODIES.DAT', [character(len=width) :: '! only', '# comments', ''])
+    call tests%expect('BODIES.DAT', 'no body', any_place)
+    call tests%put('BODIES.DAT', [character(len=width) :: (char(200)//char(0)//char(127)//'\0\%$', i=1, 200)])
+    call tests%expect('BODIES.DAT', 'belongs to no body', 1)
     call read_datbox('datbox_nowhere', scene, diagnostics)
     call tests%check(index(diagnostics%errors(1)%message, 'no such DATBOX') > 0, 'a missing folder')
-    call write_good()
+    call tests%write_good()
     allocate (lines(300))
     lines = bodies(8)
     lines(:7) = bodies(:7)
     lines(8:) = ' DISKx      1  color  BLEUx  byrd= zero'
-    call put_file('BODIES.DAT', lines)
-    call expect('BODIES.DAT', 'not a number', 8, 36)
+    call tests%put('BODIES.DAT', lines)
+    call tests%expect('BODIES.DAT', 'not a number', 8, 36)
     call read_datbox(folder, scene, diagnostics)
     call tests%check(diagnostics%count() < 30, 'mistakes without end are cut short')
-    call write_good()
+    call tests%write_good()
     call remove_file(folder//'/DRV_DOF.DAT')
     call remove_file(folder//'/DOF.INI')
     call remove_file(folder//'/Vloc_Rloc.INI')
@@ -406,11 +309,11 @@ contains
     integer :: f, n, accepted
 
     do f = 1, size(names)
-      lines = good_lines(trim(names(f)))
+      call tests%take(trim(names(f)), lines)
       accepted = 0
       do n = 0, size(lines) - 1
-        call write_good()
-        call put_file(trim(names(f)), lines(:n))
+        call tests%write_good()
+        call tests%put(trim(names(f)), lines(:n))
         accepted = accepted + count_accepted()
       end do
       call tests%equal(accepted, whole(f), 'cuts of '//trim(names(f))//' that leave a whole file')

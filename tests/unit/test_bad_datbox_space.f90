@@ -1,13 +1,11 @@
 !> Bad DATBOX folders of space: each is a good one with one thing wrong, and must be refused where it is wrong.
 program test_bad_datbox_space
-  use harness, only: tests_t
+  use datbox_tests, only: datbox_tests_t, width
   use sg_datbox, only: read_datbox
   use sg_error, only: diagnostics_t
   use sg_scene, only: scene_t
-  use sg_system, only: make_folder
   implicit none
   character(len=*), parameter :: folder = 'datbox_bad_solids'
-  integer, parameter :: width = 104
 
   ! The good folder, line by line.
   character(len=width), parameter :: bulk(*) = [character(len=width) :: &
@@ -105,10 +103,16 @@ program test_bad_datbox_space
     '                             t(1)= 0.1000000D+01  t(2)= 0.0000000D+00  t(3)= 0.0000000D+00', &
     '                             n(1)= 0.0000000D+00  n(2)= 0.0000000D+00  n(3)= 0.1000000D+01', &
     '                             coo1= 0.3000000D+00  coo2= 0.4000000D+00  coo3= 0.0000000D+00']
-  type(tests_t) :: tests
+  type(datbox_tests_t) :: tests
 
-  if (.not. make_folder(folder)) error stop 'no folder'
-  call test_good()
+  tests%folder = folder
+  call tests%keep('BULK_BEHAV.DAT', bulk)
+  call tests%keep('TACT_BEHAV.DAT', tact)
+  call tests%keep('BODIES.DAT', bodies)
+  call tests%keep('DRV_DOF.DAT', drives)
+  call tests%keep('DOF.INI', state)
+  call tests%keep('Vloc_Rloc.INI', contacts)
+  call tests%check_good()
   call test_bodies()
   call test_polyhedra()
   call test_other_files()
@@ -117,161 +121,81 @@ program test_bad_datbox_space
 
 contains
 
-  !> Write the good folder.
-  subroutine write_good()
-    call put_file('BULK_BEHAV.DAT', bulk)
-    call put_file('TACT_BEHAV.DAT', tact)
-    call put_file('BODIES.DAT', bodies)
-    call put_file('DRV_DOF.DAT', drives)
-    call put_file('DOF.INI', state)
-    call put_file('Vloc_Rloc.INI', contacts)
-  end subroutine write_good
-
-  !> Write lines, without their closing blanks, as a file of the folder.
-  subroutine put_file(name, lines)
-    character(len=*), intent(in) :: name, lines(:)
-    integer :: unit, i
-
-    open (newunit=unit, file=folder//'/'//name, status='replace', action='write')
-    do i = 1, size(lines)
-      write (unit, '(a)') trim(lines(i))
-    end do
-    close (unit)
-  end subroutine put_file
-
-  !> Lines of one file of the good folder.
-  function good_lines(name) result(lines)
-    character(len=*), intent(in) :: name
-    character(len=width), allocatable :: lines(:)
-
-    select case (name)
-    case ('BULK_BEHAV.DAT')
-      lines = bulk
-    case ('TACT_BEHAV.DAT')
-      lines = tact
-    case ('BODIES.DAT')
-      lines = bodies
-    case ('DRV_DOF.DAT')
-      lines = drives
-    case ('DOF.INI')
-      lines = state
-    case default
-      lines = contacts
-    end select
-  end function good_lines
-
-  !> Put another text in place of one line of one file: the first mistake must hold a fragment and stand at a place.
-  subroutine refuse(name, line, text, fragment, at_line, at_column)
-    character(len=*), intent(in) :: name !! file to spoil
-    integer, intent(in) :: line !! line to replace
-    character(len=*), intent(in) :: text !! what to put there
-    character(len=*), intent(in) :: fragment !! part of the message expected
-    integer, intent(in) :: at_line !! line expected
-    integer, intent(in) :: at_column !! column expected
-    character(len=width), allocatable :: lines(:)
-    type(scene_t) :: scene
-    type(diagnostics_t) :: diagnostics
-
-    call write_good()
-    lines = good_lines(name)
-    lines(line) = text
-    call put_file(name, lines)
-    call read_datbox(folder, scene, diagnostics)
-    call tests%check(diagnostics%count() > 0, 'no mistake found: '//text)
-    if (diagnostics%count() == 0) return
-    associate (first => diagnostics%errors(1))
-      call tests%check(index(first%message, fragment) > 0, fragment//' but said: '//first%sentence())
-      call tests%check(index(first%file, name) > 0, fragment//' in the file '//first%file)
-      call tests%equal(first%line, at_line, 'line of '//fragment//', '//first%message)
-      call tests%equal(first%column, at_column, 'column of '//fragment//', '//first%message)
-    end associate
-  end subroutine refuse
-
-  !> The good folder has no mistake; were it otherwise, nothing below would mean anything.
-  subroutine test_good()
-    type(scene_t) :: scene
-    type(diagnostics_t) :: diagnostics
-
-    call write_good()
-    call read_datbox(folder, scene, diagnostics)
-    call diagnostics%print(6)
-    call tests%equal(diagnostics%count(), 0, 'the good folder')
-    call tests%check(.not. allocated(diagnostics%warnings), 'nothing to warn of')
-  end subroutine test_good
-
   !> Bodies, nodes, moments, round shapes and frames.
   subroutine test_bodies()
     character(len=*), parameter :: file = 'BODIES.DAT', moments = '                             I1  ='
 
-    call refuse(file, 16, ' RBDY2      2', 'cannot stand in one DATBOX', 16, 2)
-    call refuse(file, 16, ' MAILx      2', 'MAILx', 16, 2)
-    call refuse(file, 5, moments//'-0.2000000D-02  I2  = 0.3000000D-02  I3  = 0.4000000D-02', 'principal moments', 5, 35)
-    call refuse(file, 5, moments//' 0.2000000D-02  I2  = 0.3000000D-02  I3  = 0.6000000D-02', 'principal moments', 5, 35)
-    call refuse(file, 5, moments//' 0.2000000D-02  I2  = 0.3000000D-02', 'missing', 5, 77)
-    call refuse(file, 7, bodies(7)(:13), 'missing', 7, 35)
-    call refuse(file, 7, ' NO3xx'//bodies(7)(7:), 'NO6xx', 7, 2)
-    call refuse(file, 8, '', 'a keyword stands where the rotations of a node', 9, 1)
-    call refuse(file, 10, ' SPHEb      1  color  BLEUx  byrd=-0.1000000D+00', 'positive', 10, 35)
-    call refuse(file, 11, '                             coo1= 0.10x0000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00', &
-                'not a number', 11, 36)
-    call refuse(file, 12, ' PT3Dx      2  color  BLEUx  coo1= 0.1000000D+00', 'PT3Dx', 12, 2)
-    call refuse(file, 23, bodies(23)(:76)//' 0.0000000D+00', 'positive', 23, 77)
-    call refuse(file, 27, '                             gam1= 0.1100000D+01  gam2= 0.0000000D+00  gam3= 0.0000000D+00', &
-                'not orthonormal', 27, 35)
-    call refuse(file, 27, '                             gam1=-0.1000000D+01  gam2= 0.0000000D+00  gam3= 0.0000000D+00', &
-                'left-handed', 27, 35)
-    call refuse(file, 28, '', 'a keyword stands where the centre of a contactor', 29, 1)
+    call tests%refuse(file, 16, ' RBDY2      2', 'cannot stand in one DATBOX', 16, 2)
+    call tests%refuse(file, 16, ' MAILx      2', 'MAILx', 16, 2)
+    call tests%refuse(file, 5, moments//'-0.2000000D-02  I2  = 0.3000000D-02  I3  = 0.4000000D-02', 'principal moments', 5, 35)
+    call tests%refuse(file, 5, moments//' 0.2000000D-02  I2  = 0.3000000D-02  I3  = 0.6000000D-02', 'principal moments', 5, 35)
+    call tests%refuse(file, 5, moments//' 0.2000000D-02  I2  = 0.3000000D-02', 'missing', 5, 77)
+    call tests%refuse(file, 7, bodies(7)(:13), 'missing', 7, 35)
+    call tests%refuse(file, 7, ' NO3xx'//bodies(7)(7:), 'NO6xx', 7, 2)
+    call tests%refuse(file, 8, '', 'a keyword stands where the rotations of a node', 9, 1)
+    call tests%refuse(file, 10, ' SPHEb      1  color  BLEUx  byrd=-0.1000000D+00', 'positive', 10, 35)
+    call tests%refuse(file, 11, '                             coo1= 0.10x0000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00', &
+                      'not a number', 11, 36)
+    call tests%refuse(file, 12, ' PT3Dx      2  color  BLEUx  coo1= 0.1000000D+00', 'PT3Dx', 12, 2)
+    call tests%refuse(file, 23, bodies(23)(:76)//' 0.0000000D+00', 'positive', 23, 77)
+    call tests%refuse(file, 27, '                             gam1= 0.1100000D+01  gam2= 0.0000000D+00  gam3= 0.0000000D+00', &
+                      'not orthonormal', 27, 35)
+    call tests%refuse(file, 27, '                             gam1=-0.1000000D+01  gam2= 0.0000000D+00  gam3= 0.0000000D+00', &
+                      'left-handed', 27, 35)
+    call tests%refuse(file, 28, '', 'a keyword stands where the centre of a contactor', 29, 1)
   end subroutine test_bodies
 
   !> Surfaces that are no polyhedra.
   subroutine test_polyhedra()
     character(len=*), parameter :: file = 'BODIES.DAT', face = '                             ver1='
 
-    call refuse(file, 38, ' POLYR      1  color  BLEUx  nb_vertex=      3    nb_faces=      6', 'cannot be', 38, 40)
-    call refuse(file, 38, ' POLYR      1  color  BLEUx  nb_vertex=      5    nb_faces= 600000', 'cannot be', 38, 40)
-    call refuse(file, 38, ' POLYR      1  color  BLEUx  nb_vertex=      5    nb_faces=    six', 'whole number', 38, 64)
-    call refuse(file, 44, face//'      1         ver2=      3         ver3=      9', 'there is no vertex 9', 44, 77)
-    call refuse(file, 44, face//'      1         ver2=      3', 'whole number', 44, 77)
-    call refuse(file, 44, face//'      1         ver2=      3         ver3=      4', 'the surface is not', 38, 2)
-    call refuse(file, 49, '', 'a keyword stands where a triangle', 50, 1)
+    call tests%refuse(file, 38, ' POLYR      1  color  BLEUx  nb_vertex=      3    nb_faces=      6', 'cannot be', 38, 40)
+    call tests%refuse(file, 38, ' POLYR      1  color  BLEUx  nb_vertex=      5    nb_faces= 600000', 'cannot be', 38, 40)
+    call tests%refuse(file, 38, ' POLYR      1  color  BLEUx  nb_vertex=      5    nb_faces=    six', 'whole number', 38, 64)
+    call tests%refuse(file, 44, face//'      1         ver2=      3         ver3=      9', 'there is no vertex 9', 44, 77)
+    call tests%refuse(file, 44, face//'      1         ver2=      3', 'whole number', 44, 77)
+    call tests%refuse(file, 44, face//'      1         ver2=      3         ver3=      4', 'the surface is not', 38, 2)
+    call tests%refuse(file, 49, '', 'a keyword stands where a triangle', 50, 1)
     ! The tip in the plane of the base, and a corner of the base within the triangle of the others.
-    call refuse(file, 43, '                             coo1= 0.5000000D+00  coo2= 0.5000000D+00  coo3= 0.0000000D+00', &
-                'no volume', 38, 2)
-    call refuse(file, 41, '                             coo1= 0.4000000D+00  coo2= 0.4000000D+00  coo3= 0.0000000D+00', &
-                'not convex', 38, 2)
+    call tests%refuse(file, 43, '                             coo1= 0.5000000D+00  coo2= 0.5000000D+00  coo3= 0.0000000D+00', &
+                      'no volume', 38, 2)
+    call tests%refuse(file, 41, '                             coo1= 0.4000000D+00  coo2= 0.4000000D+00  coo3= 0.0000000D+00', &
+                      'not convex', 38, 2)
   end subroutine test_polyhedra
 
   !> See tables, drives, states and contacts.
   subroutine test_other_files()
     character(len=*), parameter :: frame = '                             b(1)='
 
-    call refuse('BULK_BEHAV.DAT', 2, bulk(2)(:60), 'missing', 2, 67)
-    call refuse('TACT_BEHAV.DAT', 5, ' RBDY2'//tact(5)(7:), 'cannot be seen', 5, 2)
-    call refuse('TACT_BEHAV.DAT', 5, ' RBDY3  DISKx'//tact(5)(14:), 'only SPHER', 5, 9)
-    call refuse('DRV_DOF.DAT', 2, ' RBDY3    4', 'no body 4', 2, 9)
-    call refuse('DRV_DOF.DAT', 2, ' RBDY2    2', 'RBDY3, rigid', 2, 2)
-    call refuse('DRV_DOF.DAT', 6, ' vlocy      7'//drives(6)(14:), 'components 1, 2, 3', 6, 9)
-    call refuse('DOF.INI', 5, ' NO3xx'//state(5)(7:), 'NO6xx', 5, 2)
-    call refuse('DOF.INI', 10, frame//' 0.1000000D+01  b(2)= 0.0000000D+00  b(3)= 0.0000000D+00', 'not independent', 11, 35)
-    call refuse('DOF.INI', 10, frame//' 0.0000000D+00  b(2)= 0.0000000D+00  b(3)= 0.0000000D+00', 'has length 0', 11, 35)
-    call refuse('DOF.INI', 11, '', 'where an axis of a frame', 12, 1)
-    call refuse('Vloc_Rloc.INI', 2, '$icdan  DKDKx        1', 'DKDKx', 2, 9)
-    call refuse('Vloc_Rloc.INI', 4, contacts(4)(:21)//'      3'//contacts(4)(29:), 'no contactor 3', 4, 28)
-    call refuse('Vloc_Rloc.INI', 4, ' RBDY3      1  SPHER      2  iqsc0', 'who touches whom', 4, 2)
-    call refuse('Vloc_Rloc.INI', 9, ' '//repeat(' ', 28)//'q'//contacts(9)(31:), 'should stand here', 9, 30)
-    call refuse('Vloc_Rloc.INI', 9, ' '//repeat(' ', 28)//'s'//contacts(9)(31:), 'not complete', 11, 30)
-    call refuse('Vloc_Rloc.INI', 10, '', 'the file ends where the frame and point', 11, 0)
+    call tests%refuse('BULK_BEHAV.DAT', 2, bulk(2)(:60), 'missing', 2, 67)
+    call tests%refuse('TACT_BEHAV.DAT', 5, ' RBDY2'//tact(5)(7:), 'cannot be seen', 5, 2)
+    call tests%refuse('TACT_BEHAV.DAT', 5, ' RBDY3  DISKx'//tact(5)(14:), 'only SPHER', 5, 9)
+    call tests%refuse('DRV_DOF.DAT', 2, ' RBDY3    4', 'no body 4', 2, 9)
+    call tests%refuse('DRV_DOF.DAT', 2, ' RBDY2    2', 'RBDY3, rigid', 2, 2)
+    call tests%refuse('DRV_DOF.DAT', 6, ' vlocy      7'//drives(6)(14:), 'components 1, 2, 3', 6, 9)
+    call tests%refuse('DOF.INI', 5, ' NO3xx'//state(5)(7:), 'NO6xx', 5, 2)
+    call tests%refuse('DOF.INI', 10, frame//' 0.1000000D+01  b(2)= 0.0000000D+00  b(3)= 0.0000000D+00', 'not independent', 11, 35)
+    call tests%refuse('DOF.INI', 10, frame//' 0.0000000D+00  b(2)= 0.0000000D+00  b(3)= 0.0000000D+00', 'has length 0', 11, 35)
+    call tests%refuse('DOF.INI', 11, '', 'where an axis of a frame', 12, 1)
+    call tests%refuse('Vloc_Rloc.INI', 2, '$icdan  DKDKx        1', 'DKDKx', 2, 9)
+    call tests%refuse('Vloc_Rloc.INI', 4, contacts(4)(:21)//'      3'//contacts(4)(29:), 'no contactor 3', 4, 28)
+    call tests%refuse('Vloc_Rloc.INI', 4, ' RBDY3      1  SPHER      2  iqsc0', 'who touches whom', 4, 2)
+    call tests%refuse('Vloc_Rloc.INI', 9, ' '//repeat(' ', 28)//'q'//contacts(9)(31:), 'should stand here', 9, 30)
+    call tests%refuse('Vloc_Rloc.INI', 9, ' '//repeat(' ', 28)//'s'//contacts(9)(31:), 'not complete', 11, 30)
+    call tests%refuse('Vloc_Rloc.INI', 10, '', 'the file ends where the frame and point', 11, 0)
   end subroutine test_other_files
 
   !> Cut each file after each of its lines: whatever is told, the reader comes to an end, and takes no body for whole.
   subroutine test_every_cut()
     character(len=14), parameter :: names(5) = [character(len=14) :: 'BODIES.DAT', 'TACT_BEHAV.DAT', 'DRV_DOF.DAT', 'DOF.INI', &
                                                 'Vloc_Rloc.INI']
+    character(len=width), allocatable :: lines(:)
     integer :: f, i
 
     do f = 1, size(names)
-      do i = 0, size(good_lines(trim(names(f)))) - 1
-        call write_good()
+      call tests%take(trim(names(f)), lines)
+      do i = 0, size(lines) - 1
+        call tests%write_good()
         call cut(trim(names(f)), i)
       end do
     end do
@@ -285,8 +209,8 @@ contains
     type(scene_t) :: scene
     type(diagnostics_t) :: diagnostics
 
-    lines = good_lines(name)
-    call put_file(name, lines(:last))
+    call tests%take(name, lines)
+    call tests%put(name, lines(:last))
     call read_datbox(folder, scene, diagnostics)
     if (name /= 'BODIES.DAT') return
     call tests%check(diagnostics%count() > 0 .or. any(last == [14, 29]), 'bodies that end early')
