@@ -1,13 +1,16 @@
-!> What restarts and histories must keep: states to the last bit, and impulses that tell the contact they belong to.
+!> What restarts and histories must keep: states to the last bit, lists that can be made again, and impulses that tell the
+!! contact they belong to.
 module kept_states
   use harness, only: tests_t
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp, i8
   use sg_laws, only: status_new, status_slide
+  use sg_neighbours, only: build_neighbours, neighbours_t
+  use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
   implicit none
   private
-  public :: same_bits, check_same_state, mark, mark_all, count_marks
+  public :: same_bits, check_same_state, check_list_again, mark, mark_all, count_marks
 
   !> Components of a marked impulse over its mark
   real(wp), parameter :: factors(3) = [1.0_wp, -2.0_wp, 3.0_wp]
@@ -49,6 +52,31 @@ contains
     end associate
     call t%check(same_bits(a%energy%pack(), b%energy%pack()), name//': energies')
   end subroutine check_same_state
+
+  !> The list can be made again from `built`, pair by pair in the same order, and slots are a numbering of the bodies.
+  subroutine check_list_again(t, scene, pairs, name)
+    class(tests_t), intent(inout) :: t !! the checks
+    type(scene_t), intent(in) :: scene !! scene
+    type(neighbours_t), intent(in) :: pairs !! its list
+    character(len=*), intent(in) :: name !! of the case
+    type(scene_t) :: copy
+    type(neighbours_t) :: again
+    logical :: is_same
+    integer :: b, axis
+
+    copy = scene
+    axis = scene%dimension
+    ! The bodies have moved since: the list must not depend on where they are now.
+    copy%bodies%middle(axis, :) = copy%bodies%middle(axis, :) + 0.01_wp
+    call build_neighbours(again, copy, pairs%built, pairs%skin)
+    call t%equal(again%n, pairs%n, name//': as many pairs when made again')
+    if (again%n /= pairs%n) return
+    is_same = all(again%contactor(:, :again%n) == pairs%contactor(:, :pairs%n)) .and. &
+              all(again%image(:again%n) == pairs%image(:pairs%n)) .and. all(again%see(:again%n) == pairs%see(:pairs%n))
+    if (scene%dimension == 3) is_same = is_same .and. all(again%image_y(:again%n) == pairs%image_y(:pairs%n))
+    call t%check(is_same, name//': the same pairs in the same order')
+    call t%check(all(pairs%slot_of(pairs%body_of) == [(b, b=1, scene%bodies%n)]), name//': each body has a slot')
+  end subroutine check_list_again
 
   !> A number that tells a contact from all others, the same whatever its place in the list.
   pure real(wp) function mark(contacts, k)

@@ -1,6 +1,6 @@
 !> Small scenes for tests, body by body: density 1000, one law, everything sees everything.
 module scenes
-  use sg_contactors, only: add_disk, add_polygon, add_wall
+  use sg_contactors, only: add_disk, add_polygon, add_wall, place_contactors
   use sg_drives, only: drive_t
   use sg_error, only: error_t
   use sg_kinds, only: wp, pi
@@ -11,7 +11,7 @@ module scenes
   use sg_time_functions, only: time_function_t
   implicit none
   private
-  public :: begin_scene, put_disk, put_polygon, put_wall, drive, hold, begin_run, run, force_on
+  public :: begin_scene, put_disk, put_polygon, put_wall, drive, hold, place_bodies, begin_run, run, force_on
 
   !> Mass per area and metre of depth of all bodies [kg/m3]
   real(wp), parameter, public :: density = 1000
@@ -118,6 +118,18 @@ contains
       call drive(scene, body, component, time_function_t())
     end do
   end subroutine hold
+
+  !> Bring a scene to its detection configuration, which is that of the beginning.
+  subroutine place_bodies(scene)
+    type(scene_t), intent(inout) :: scene !! scene to place
+
+    associate (bodies => scene%bodies)
+      bodies%middle(:bodies%dimension, :) = bodies%position
+      if (allocated(bodies%angle)) bodies%middle(3, :) = bodies%angle
+      if (allocated(bodies%orientation)) bodies%middle(4:7, :) = bodies%orientation
+    end associate
+    call place_contactors(scene%contactors, scene%bodies%middle)
+  end subroutine place_bodies
 
   !> Start a simulation whose scene is set; the solver stops at an e8 of `tolerance`, tested every sweep.
   subroutine begin_run(sim, step, tolerance)

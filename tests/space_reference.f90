@@ -5,7 +5,7 @@ module space_reference
   use sg_vectors, only: cross
   implicit none
   private
-  public :: signed_distance, separation_along, height_above, point_distance
+  public :: signed_distance, separation_along, height_above, point_distance, vertex_distance
 
 contains
 
@@ -106,6 +106,19 @@ contains
       if (side >= 0 .and. height >= 0) distance = min(distance, height)
     end do
   end function point_distance
+
+  !> Distance of a point to the nearest vertex of a polyhedron.
+  pure function vertex_distance(shape, place) result(distance)
+    type(polyhedron_t), intent(in) :: shape !! placed in the world
+    real(wp), intent(in) :: place(3) !! point [m]
+    real(wp) :: distance
+    integer :: k
+
+    distance = huge(distance)
+    do k = 1, shape%n_vertices
+      distance = min(distance, norm2(shape%world_vertex(:, k) - place))
+    end do
+  end function vertex_distance
 
   !> Distance of two segments: between their insides, or from an end of one to the other.
   function edge_distance(p1, q1, p2, q2) result(distance)

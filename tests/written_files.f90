@@ -4,12 +4,14 @@ module written_files
   use harness, only: tests_t
   use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t
+  use sg_kinds, only: wp
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
+  use sg_system, only: make_folder
   use sg_text, only: text_t
   implicit none
   private
-  public :: put_text, put_lines, read_deck_text, read_good_deck, shared_folder
+  public :: put_text, put_lines, read_deck_text, read_good_deck, options_of, shared_folder
 
 contains
 
@@ -67,6 +69,19 @@ contains
     call t%equal(diagnostics%count(), 0, 'a deck with a sample is read')
     call t%check(.not. allocated(diagnostics%warnings), 'without warnings')
   end subroutine read_good_deck
+
+  !> Options of a run that writes into a folder.
+  function options_of(t, folder, step) result(options)
+    class(tests_t), intent(inout) :: t !! the checks
+    character(len=*), intent(in) :: folder !! it is made
+    real(wp), intent(in) :: step !! time step [s]
+    type(run_options_t) :: options
+
+    options%folder = folder
+    options%step = step
+    options%deck_hash = '0123456789abcdef'
+    call t%check(make_folder(folder), 'the folder '//folder//' is there')
+  end function options_of
 
   !> Folder of the real decks and problems; it may be absent.
   function shared_folder() result(folder)

@@ -1,15 +1,16 @@
 !> DATBOX folders of space: one that holds every construct, checked by hand.
 program test_datbox_space
   use harness, only: tests_t
-  use sg_contactors, only: kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, kind_sphere, place_contactors
+  use scenes, only: place_bodies
+  use sg_contactors, only: kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, kind_sphere
   use sg_datbox, only: read_datbox
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, pi
   use sg_laws, only: status_slide, status_stick
-  use sg_polyhedron, only: polyhedron_t
   use sg_rotations, only: turned_by
   use sg_scene, only: scene_t
   use sg_system, only: make_folder
+  use space_reference, only: vertex_distance
   use written_files, only: put_lines
   implicit none
   character(len=*), parameter :: folder = 'datbox_solids'
@@ -271,17 +272,15 @@ contains
     integer :: k
 
     call read_sample(scene)
-    scene%bodies%middle(1:3, :) = scene%bodies%position
-    scene%bodies%middle(4:7, :) = scene%bodies%orientation
-    call place_contactors(scene%contactors, scene%bodies%middle)
+    call place_bodies(scene)
     call tests%near(scene%contactors%space%plane_world(7, 1), 1.0_wp, tight, 'the plane looks along x')
     corners = box_corners()
     ! Seven digits of corners 2 m from the origin: half a micrometre.
     do k = 1, 8
-      call tests%check(distance_to(scene%contactors%space%polyhedra(1), [2.1_wp, 0.0_wp, 0.0_wp] &
+      call tests%check(vertex_distance(scene%contactors%space%polyhedra(1), [2.1_wp, 0.0_wp, 0.0_wp] &
                                + turned_z(tilt + 0.4_wp, corners(:, k))) < 1.5e-6_wp, 'a corner of the turned box')
-      call tests%check(distance_to(scene%contactors%space%polyhedra(2), [9.0_wp, 0.2_wp, 0.0_wp] + turned_z(pi/2, corners(:, k))) &
-                       < 1e-7_wp, 'a corner of the box along its axes')
+      call tests%check(vertex_distance(scene%contactors%space%polyhedra(2), [9.0_wp, 0.2_wp, 0.0_wp] &
+                               + turned_z(pi/2, corners(:, k))) < 1e-7_wp, 'a corner of the box along its axes')
     end do
     spin = turned_by(scene%bodies%orientation(:, 6), scene%bodies%velocity(4:6, 6))
     call tests%check(norm2(spin - [0.0_wp, 0.0_wp, 6.0_wp] + turned_z(tilt + 0.4_wp, [4.0_wp, 5.0_wp, 0.0_wp])) < 1e-6_wp, &
@@ -289,18 +288,6 @@ contains
     call tests%near(scene%bodies%velocity(5, 7), 8.0_wp, tight, 'spin of the second box')
     call tests%near(scene%start_time, 0.024_wp, tight, 'time')
   end subroutine test_frames
-
-  !> Distance from a place to the nearest vertex of a polyhedron.
-  pure real(wp) function distance_to(shape, place)
-    type(polyhedron_t), intent(in) :: shape
-    real(wp), intent(in) :: place(3)
-    integer :: k
-
-    distance_to = huge(1.0_wp)
-    do k = 1, shape%n_vertices
-      distance_to = min(distance_to, norm2(shape%world_vertex(:, k) - place))
-    end do
-  end function distance_to
 
   !> Drives by component, see tables by kind.
   subroutine test_drives_and_sees()

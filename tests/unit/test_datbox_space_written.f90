@@ -2,7 +2,8 @@
 !! the format cannot hold.
 program test_datbox_space_written
   use harness, only: tests_t
-  use sg_contactors, only: kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, place_contactors
+  use scenes, only: place_bodies
+  use sg_contactors, only: kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron
   use sg_datbox, only: read_datbox
   use sg_datbox_write, only: write_datbox
   use sg_datbox_write_contacts, only: contacts_at_start
@@ -17,6 +18,7 @@ program test_datbox_space_written
   use sg_solid_bodies, only: make_solid_body, set_inertia
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_time_functions, only: time_function_t
+  use space_reference, only: vertex_distance
   implicit none
   real(wp), parameter :: density = 2000
   type(tests_t) :: tests
@@ -125,8 +127,8 @@ contains
       call diagnostics%print(6)
       return
     end if
-    call place(a)
-    call place(b)
+    call place_bodies(a)
+    call place_bodies(b)
     associate (x => a%bodies, y => b%bodies)
       call tests%check(maxval(abs(x%position - y%position)) < 1e-6_wp, 'places of '//name)
       call tests%check(all(abs(x%mass - y%mass) < 2e-7_wp*x%mass), 'masses of '//name)
@@ -179,20 +181,11 @@ contains
     end do
     do row = 1, a%contactors%n_rows(kind_polyhedron)
       do k = 1, a%contactors%space%polyhedra(row)%n_vertices
-        call tests%check(distance_to(b%contactors%space%polyhedra(row), a%contactors%space%polyhedra(row)%world_vertex(:, k)) &
+        call tests%check(vertex_distance(b%contactors%space%polyhedra(row), a%contactors%space%polyhedra(row)%world_vertex(:, k)) &
                          < 2e-6_wp, 'vertices of '//name)
       end do
     end do
   end subroutine compare_shapes
-
-  !> Put the contactors of a scene where its bodies are.
-  subroutine place(scene)
-    type(scene_t), intent(inout) :: scene
-
-    scene%bodies%middle(1:3, :) = scene%bodies%position
-    scene%bodies%middle(4:7, :) = scene%bodies%orientation
-    call place_contactors(scene%contactors, scene%bodies%middle)
-  end subroutine place
 
   !> Inertia tensor in the world.
   pure function tensor(principal, orientation)
@@ -251,16 +244,4 @@ contains
     if (.not. allocated(error)) return
     call tests%check(index(error%message, fragment) > 0, fragment//' but said: '//error%message)
   end subroutine expect
-
-  !> Distance from a place to the nearest vertex of a polyhedron.
-  pure real(wp) function distance_to(shape, place)
-    type(polyhedron_t), intent(in) :: shape
-    real(wp), intent(in) :: place(3)
-    integer :: k
-
-    distance_to = huge(1.0_wp)
-    do k = 1, shape%n_vertices
-      distance_to = min(distance_to, norm2(shape%world_vertex(:, k) - place))
-    end do
-  end function distance_to
 end program test_datbox_space_written

@@ -2,7 +2,7 @@
 program test_history
   use harness, only: tests_t
   use kept_states, only: count_marks, mark, mark_all
-  use scenes, only: begin_scene, put_disk, put_polygon, put_wall
+  use scenes, only: begin_scene, place_bodies, put_disk, put_polygon, put_wall
   use sg_contacts, only: contacts_t
   use sg_detect, only: detect
   use sg_history, only: history_t, resume_history, revive, start_history
@@ -43,16 +43,8 @@ contains
       end if
     end do
     call put_wall(scene, n_grains + 1, 40.0_wp, 0.1_wp, [4.0_wp, -0.1_wp], 0.0_wp)
-    call set_middle(scene)
+    call place_bodies(scene)
   end subroutine make_scene
-
-  !> The configuration of detection is where bodies are.
-  subroutine set_middle(scene)
-    type(scene_t), intent(inout) :: scene
-
-    scene%bodies%middle(1:2, :) = scene%bodies%position
-    scene%bodies%middle(3, :) = scene%bodies%angle
-  end subroutine set_middle
 
   !> Bodies move a little and far; contacts that were there keep their impulses, the rest starts at zero.
   subroutine test_recovery(period, name)
@@ -76,7 +68,7 @@ contains
       do b = 1, n_grains
         scene%bodies%position(:, b) = scene%bodies%position(:, b) + 0.01_wp*[random%uniform() + 4.0_wp, random%uniform() - 0.5_wp]
       end do
-      call set_middle(scene)
+      call place_bodies(scene)
       call detect(scene, pairs, history, contacts)
       call count_marks(contacts, wrong, new)
       call t%equal(wrong, 0, name//': impulses are those of the same pair and feature')
@@ -90,7 +82,7 @@ contains
     builds = pairs%builds
     call mark_all(contacts)
     scene%bodies%position(1, :n_grains) = scene%bodies%position(1, :n_grains) + period
-    call set_middle(scene)
+    call place_bodies(scene)
     call detect(scene, pairs, history, contacts)
     call count_marks(contacts, wrong, new)
     call t%check(pairs%builds > builds, name//': a period on, the list is made again')
@@ -145,7 +137,7 @@ contains
     call put_polygon(scene, 1, square)
     call put_polygon(scene, 2, square + spread([0.0_wp, 1.0_wp], 2, 4))
     call put_disk(scene, 3, 0.5_wp, [0.0_wp, 2.0_wp])
-    call set_middle(scene)
+    call place_bodies(scene)
     allocate (scene%start_contacts(3))
     scene%start_contacts(1) = start_contact_t([1, 2], [0.4_wp, 0.45_wp, 0.0_wp], [2.0_wp, 1.0_wp, 0.0_wp], status_stick)
     scene%start_contacts(2) = start_contact_t([2, 3], [0.0_wp, 1.5_wp, 0.0_wp], [6.0_wp, 3.0_wp, 0.0_wp], status_slide)
@@ -181,15 +173,15 @@ contains
     scene%laws(1)%kind = law_mohr
     call put_disk(scene, 1, 0.5_wp, [0.0_wp, 0.0_wp])
     call put_disk(scene, 2, 0.5_wp, [0.0_wp, 1.0_wp])
-    call set_middle(scene)
+    call place_bodies(scene)
     call detect(scene, pairs, history, contacts)
     call t%check(contacts%status(1) == status_bonded, 'bonds: at the start')
     scene%bodies%position(2, 2) = 3
-    call set_middle(scene)
+    call place_bodies(scene)
     call detect(scene, pairs, history, contacts)
     call t%equal(contacts%n, 0, 'bonds: drawn apart')
     scene%bodies%position(2, 2) = 1
-    call set_middle(scene)
+    call place_bodies(scene)
     call detect(scene, pairs, history, contacts)
     call t%check(contacts%status(1) == status_new, 'bonds: none where grains meet later')
   end subroutine test_bonds

@@ -3,7 +3,7 @@
 program test_history_space
   use harness, only: tests_t
   use kept_states, only: check_same_state, count_marks, mark_all
-  use scenes, only: begin_run, drive, run
+  use scenes, only: begin_run, drive, place_bodies, run
   use scenes_space, only: begin_space_scene, put_box, put_capsule, put_plane, put_sphere, turn_at_random
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
   use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
@@ -59,16 +59,8 @@ contains
       end associate
     end do
     call put_plane(scene, n_grains + 1, [20.0_wp, 20.0_wp, 0.1_wp], [2.5_wp, 2.5_wp, -0.1_wp])
-    call set_middle(scene)
+    call place_bodies(scene)
   end subroutine make_scene
-
-  !> The configuration of detection is where bodies are.
-  subroutine set_middle(scene)
-    type(scene_t), intent(inout) :: scene
-
-    scene%bodies%middle(1:3, :) = scene%bodies%position
-    scene%bodies%middle(4:7, :) = scene%bodies%orientation
-  end subroutine set_middle
 
   !> Bodies move a little and far; contacts that were there keep their impulses, the rest starts at zero.
   subroutine test_recovery(period, name)
@@ -95,7 +87,7 @@ contains
         scene%bodies%position(:, b) = scene%bodies%position(:, b) + 0.01_wp*[random%uniform() + 4, random%uniform() + 2, &
                                                                             random%uniform() - 0.5_wp]
       end do
-      call set_middle(scene)
+      call place_bodies(scene)
       call detect(scene, pairs, history, contacts)
       call count_marks(contacts, wrong, new)
       call t%equal(wrong, 0, name//': impulses are those of the same pair and feature')
@@ -162,7 +154,7 @@ contains
       call put_sphere(scene, 1, 0.5_wp, [0.4_wp, 0.4_wp, 0.0_wp])
       call put_sphere(scene, 2, 0.5_wp, [0.4_wp, 0.4_wp, 0.0_wp])
       scene%bodies%position(axis, 2) = 1.4_wp
-      call set_middle(scene)
+      call place_bodies(scene)
       contacts = contacts_t()
       contacts%dimension = 3
       contacts%n_components = 3
@@ -183,7 +175,7 @@ contains
           pairs = neighbours_t()
         end if
         scene%bodies%position(3, :) = scene%bodies%position(3, :) + 5
-        call set_middle(scene)
+        call place_bodies(scene)
         call detect(scene, pairs, history, contacts)
         wrong = 0
         do k = 1, contacts%n

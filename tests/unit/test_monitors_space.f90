@@ -1,11 +1,10 @@
 !> Indicators in space against closed forms: pairs of shapes, boxes, flows, contacts by hand; neighbours by brute force.
 program test_monitors_space
   use harness, only: tests_t
-  use scenes, only: begin_run, density, run
+  use scenes, only: begin_run, density, place_bodies, run
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
   use sg_balance, only: floor_share, force_on_walls, momentum
   use sg_compactness, only: box_area
-  use sg_contactors, only: place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_coordination, only: coordinate, coordination_t
   use sg_energy, only: energy_t
@@ -74,15 +73,6 @@ contains
       are = [(is_count(names(i)), i=1, size(names))]
     end associate
   end function is_count_of
-
-  !> Bring a scene to its detection configuration, which is that of the beginning.
-  subroutine place(scene)
-    type(scene_t), intent(inout) :: scene
-
-    scene%bodies%middle(1:3, :) = scene%bodies%position
-    scene%bodies%middle(4:7, :) = scene%bodies%orientation
-    call place_contactors(scene%contactors, scene%bodies%middle)
-  end subroutine place
 
   !> Add a contact of two bodies, and of contactors of the same numbers.
   subroutine touch(contacts, candidate, antagonist, normal, gap, impulse)
@@ -157,7 +147,7 @@ contains
     call put_sphere(scene, 1, 1.0_wp, [0.0_wp, 0.0_wp, 0.0_wp])
     call put_box(scene, 2, [1.0_wp, 1.0_wp, 1.0_wp], [6.0_wp, 0.0_wp, 0.0_wp], rotation_by([0.0_wp, pi/4, 0.0_wp]))
     call put_plane(scene, 3, [90.0_wp, 90.0_wp, 1.0_wp], [0.0_wp, 0.0_wp, -9.0_wp])
-    call place(scene)
+    call place_bodies(scene)
     call t%near(box_area(scene), (7 + sqrt(2.0_wp))*2*(2*sqrt(2.0_wp)), 100*rounding, 'box of a sphere and a cube on its edge')
     scene%period = 7
     call t%near(box_area(scene), 7*2*(2*sqrt(2.0_wp)), 100*rounding, 'as wide as the period')
@@ -167,11 +157,11 @@ contains
     scene%period_y = 0
     ! A capsule along (0, 3, 4)/5: half lengths 1, 5 * 0.6 + 1 and 5 * 0.8 + 1.
     call add_cylinder(scene%contactors, 1, 1, 5.0_wp, 1.0_wp, centre, [0.0_wp, 0.6_wp, 0.8_wp])
-    call place(scene)
+    call place_bodies(scene)
     call t%near(box_area(scene), (7 + sqrt(2.0_wp))*8*10, 1e3_wp*rounding, 'box with a leaning capsule')
     ! A hollow cylinder about the same axis, its rim 10 off: half lengths 10, 6 * 0.6 + 10 * 0.8 and 6 * 0.8 + 10 * 0.6.
     call add_hollow_cylinder(scene%contactors, 1, 1, 6.0_wp, 10.0_wp, centre, [0.0_wp, 0.6_wp, 0.8_wp])
-    call place(scene)
+    call place_bodies(scene)
     call t%near(box_area(scene), 20*23.2_wp*21.6_wp, 1e4_wp*rounding, 'box with a leaning hollow cylinder')
     scene%bodies%is_grain = [.false., .false., .true.]
     call t%near(box_area(scene), 180*180*2.0_wp, 1e4_wp*rounding, 'box of a plane that is a grain')
@@ -307,7 +297,7 @@ contains
     scene%bodies%position(:, 10) = [30.0_wp, 0.0_wp, 3.0_wp]
     scene%bodies%is_grain(10:11) = .false.
     call put_capsule(scene, 11, [20.0_wp, 0.0_wp, 4.0_wp])
-    call place(scene)
+    call place_bodies(scene)
     call expect(scene, 1, 2, lens, 'two spheres')
     call expect(scene, 2, 3, cap, 'sphere and plane')
     call expect(scene, 6, 4, cap, 'sphere and polyhedron')
@@ -405,7 +395,7 @@ contains
     call put_sphere(scene, 1, 1.0_wp, [1.0_wp, 1.0_wp, 1.0_wp])
     ! Seen from the first sphere the second stands at (1, 1, 1) - 2.1 n.
     call put_sphere(scene, 2, 1.0_wp, [1.0_wp, 1.0_wp, 1.0_wp] - 2.1_wp*n + [10.0_wp, 20.0_wp, 0.0_wp])
-    call place(scene)
+    call place_bodies(scene)
     call touch(contacts, 1, 2, n, 0.1_wp, h*force)
     contacts%point(:, 1) = [1.0_wp, 1.0_wp, 1.0_wp] - 1.05_wp*n
     contacts%image(1) = -1_i1

@@ -1,6 +1,7 @@
 !> Detection against brute force over all pairs and images: the same contacts, before and after motions of any size.
 program test_neighbours
   use harness, only: tests_t
+  use kept_states, only: check_list_again
   use sg_bodies, only: drop_rotation
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, kind_wall, place_contactors
   use sg_contacts, only: contacts_t
@@ -9,7 +10,7 @@ program test_neighbours
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4, pi
   use sg_near, only: candidate_first
-  use sg_neighbours, only: build_neighbours, neighbours_t
+  use sg_neighbours, only: neighbours_t
   use sg_random, only: random_t
   use sg_scene, only: colour_index, scene_t
   use sg_sees, only: see_between
@@ -48,7 +49,7 @@ contains
     call detect(scene, pairs, history, contacts)
     call t%check(contacts%n > 50, name//': there are contacts')
     call compare(scene, contacts, name)
-    call test_order(scene, pairs, name)
+    call check_list_again(t, scene, pairs, name)
     do round = 1, 3
       ! Three motions of 0.15 skin at most stay below half a skin; turns add 0.01 skin at most.
       call move(scene, random, 0.1_wp*pairs%skin)
@@ -208,27 +209,6 @@ contains
     end do
     is_listed = .false.
   end function is_listed
-
-  !> The list can be made again from `built`, pair by pair in the same order, and slots are a numbering of the bodies.
-  subroutine test_order(scene, pairs, name)
-    type(scene_t), intent(in) :: scene
-    type(neighbours_t), intent(in) :: pairs
-    character(len=*), intent(in) :: name
-    type(scene_t) :: copy
-    type(neighbours_t) :: again
-    integer :: b
-
-    copy = scene
-    ! The bodies have moved since: the list must not depend on where they are now.
-    copy%bodies%middle(2, :) = copy%bodies%middle(2, :) + 0.01_wp
-    call build_neighbours(again, copy, pairs%built, pairs%skin)
-    call t%equal(again%n, pairs%n, name//': as many pairs when made again')
-    if (again%n /= pairs%n) return
-    call t%check(all(again%contactor(:, :again%n) == pairs%contactor(:, :pairs%n)) .and. &
-                 all(again%image(:again%n) == pairs%image(:pairs%n)) .and. &
-                 all(again%see(:again%n) == pairs%see(:pairs%n)), name//': the same pairs in the same order')
-    call t%check(all(pairs%slot_of(pairs%body_of) == [(b, b=1, n_bodies)]), name//': each body has a slot')
-  end subroutine test_order
 
   !> Two colours that do not see their own: only pairs across, with the alert distance of their line.
   subroutine test_colours()

@@ -1,6 +1,7 @@
 !> Detection in space against brute force over all pairs and images: the same contacts, before and after motions of any size.
 program test_neighbours_space
   use harness, only: tests_t
+  use kept_states, only: check_list_again
   use polyhedra, only: prism_polyhedron
   use scenes_space, only: turn_at_random
   use sg_bodies, only: drop_rotation
@@ -11,7 +12,7 @@ program test_neighbours_space
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4
   use sg_near, only: candidate_first
-  use sg_neighbours, only: build_neighbours, neighbours_t
+  use sg_neighbours, only: neighbours_t
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
@@ -58,7 +59,7 @@ contains
     call detect(scene, pairs, history, contacts)
     call t%check(contacts%n > 50, name//': there are contacts')
     call compare(scene, contacts, name)
-    call test_order(scene, pairs, name)
+    call check_list_again(t, scene, pairs, name)
     do round = 1, 3
       ! Three motions of 0.13 skin at most stay below half a skin, turns included.
       call move(scene, random, 0.065_wp*pairs%skin)
@@ -260,28 +261,6 @@ contains
     end do
     is_listed = .false.
   end function is_listed
-
-  !> The list can be made again from `built`, pair by pair in the same order, and slots are a numbering of the bodies.
-  subroutine test_order(scene, pairs, name)
-    type(scene_t), intent(in) :: scene
-    type(neighbours_t), intent(in) :: pairs
-    character(len=*), intent(in) :: name
-    type(scene_t) :: copy
-    type(neighbours_t) :: again
-    integer :: b
-
-    copy = scene
-    ! The bodies have moved since: the list must not depend on where they are now.
-    copy%bodies%middle(3, :) = copy%bodies%middle(3, :) + 0.01_wp
-    call build_neighbours(again, copy, pairs%built, pairs%skin)
-    call t%equal(again%n, pairs%n, name//': as many pairs when made again')
-    if (again%n /= pairs%n) return
-    call t%check(all(again%contactor(:, :again%n) == pairs%contactor(:, :pairs%n)) .and. &
-                 all(again%image(:again%n) == pairs%image(:pairs%n)) .and. &
-                 all(again%image_y(:again%n) == pairs%image_y(:pairs%n)) .and. &
-                 all(again%see(:again%n) == pairs%see(:pairs%n)), name//': the same pairs in the same order')
-    call t%check(all(pairs%slot_of(pairs%body_of) == [(b, b=1, n_bodies)]), name//': each body has a slot')
-  end subroutine test_order
 
   !> Two colours that do not see their own: only pairs across; then only polyhedra with spheres.
   subroutine test_colours()

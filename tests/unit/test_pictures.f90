@@ -14,8 +14,8 @@ program test_pictures
   use sg_pictures, only: pictures_t
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
-  use sg_system, only: make_folder
   use sg_text, only: read_lines, text_t
+  use written_files, only: options_of
   implicit none
   !> Period of the scene [m], time step [s], and velocity of the grains [m/s]
   real(wp), parameter :: period = 10, h = 0.01_wp, velocity = 2
@@ -100,17 +100,6 @@ contains
     contacts%status(:2) = [status_stick, status_slide]
   end function some_contacts
 
-  !> Options of a run.
-  function some_options(folder) result(options)
-    character(len=*), intent(in) :: folder
-    type(run_options_t) :: options
-
-    options%folder = folder
-    options%step = h
-    options%deck_hash = '0123456789abcdef'
-    call t%check(make_folder(folder), 'the folder '//folder//' is there')
-  end function some_options
-
   !> Write pictures of steps `first` to `last`; step 0 is the start.
   subroutine write_steps(pictures, scene, first, last)
     type(pictures_t), intent(inout) :: pictures
@@ -138,7 +127,7 @@ contains
     type(scene_t) :: scene
     type(error_t), allocatable :: error
 
-    options = some_options(folder)
+    options = options_of(t, folder, h)
     options%output_single = is_single
     options%output_compressed = is_compressed
     scene = some_scene()
@@ -161,7 +150,7 @@ contains
 
     call get_command_argument(1, folder)
     scene = some_scene()
-    call pictures%open(scene, some_options(trim(folder)), -1, error)
+    call pictures%open(scene, options_of(t, trim(folder), h), -1, error)
     step = 0
     do while (.not. allocated(error))
       step = step + 1
@@ -242,7 +231,7 @@ contains
     character(len=12), parameter :: files(3) = [character(len=12) :: 'bodies.xmf', 'shapes.xmf', 'contacts.xmf']
     integer :: i, j
 
-    options = some_options('pictures_resumed')
+    options = options_of(t, 'pictures_resumed', h)
     scene = some_scene()
     call pictures%open(scene, options, -1, error)
     call write_steps(pictures, scene, 0, 5)
@@ -280,7 +269,7 @@ contains
     contacts%n = 1
     contacts%body(:, 1) = [1_i4, 2_i4]
     contacts%impulse(1, 1) = 7*h
-    call pictures%open(scene, some_options('pictures_disks'), -1, error)
+    call pictures%open(scene, options_of(t, 'pictures_disks', h), -1, error)
     call move(scene)
     call pictures%write(scene, contacts, h, 1, error)
     call t%check(.not. allocated(error), 'a scene without rotation is written')
@@ -313,7 +302,7 @@ contains
     call t%check(index(file%error%message, 'No space left on device') > 0, 'and said: '//file%error%message)
     call t%equal(file%error%code, exit_output, 'and has its exit code')
     scene = some_scene()
-    call pictures%open(scene, some_options('pictures'), 10, error)
+    call pictures%open(scene, options_of(t, 'pictures', h), 10, error)
     call t%check(.not. allocated(error), 'other files can be opened afterwards')
     call pictures%close(error)
   end subroutine test_full_disk
@@ -327,7 +316,7 @@ contains
     integer :: unit
 
     scene = some_scene()
-    options = some_options('pictures_foreign')
+    options = options_of(t, 'pictures_foreign', h)
     open (newunit=unit, file='pictures_foreign/bodies.vtkhdf', status='replace')
     write (unit, '(a)') 'no pictures'
     close (unit)
@@ -352,7 +341,7 @@ contains
 
     write (*, '(a)') 'built without HDF5: the files themselves are not tested'
     scene = some_scene()
-    call pictures%open(scene, some_options('pictures'), -1, error)
+    call pictures%open(scene, options_of(t, 'pictures', h), -1, error)
     call t%check(allocated(error), 'pictures need HDF5')
     if (.not. allocated(error)) return
     call t%check(index(error%message, 'HDF5') > 0, 'and the error says so')

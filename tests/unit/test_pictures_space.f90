@@ -3,9 +3,9 @@
 !! The files stay in the folder `pictures_space`, where tests/pictures/check_vtkhdf_space.py reads them with VTK.
 program test_pictures_space
   use harness, only: tests_t
+  use scenes, only: place_bodies
   use scenes_space, only: begin_space_scene, put_box, put_capsule, put_drum, put_dumbbell, put_plane, put_sphere
   use sg_bodies, only: drop_rotation
-  use sg_contactors, only: place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: error_t
   use sg_hdf5, only: hdf5_file_t, hdf5_is_available
@@ -13,11 +13,10 @@ program test_pictures_space
   use sg_laws, only: status_slide, status_stick
   use sg_pictures, only: pictures_t
   use sg_rotations, only: normalised
-  use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_space_shapes, only: freeze_in_space
-  use sg_system, only: make_folder
   use sg_vectors, only: cross
+  use written_files, only: options_of
   implicit none
   !> Periods in x and y [m], time step [s], velocity of the sphere [m/s]
   real(wp), parameter :: period(2) = [10.0_wp, 8.0_wp], h = 0.01_wp, velocity(3) = [2.0_wp, 3.0_wp, -1.0_wp]
@@ -114,17 +113,6 @@ contains
     contacts%status(:2) = [status_stick, status_slide]
   end function some_contacts
 
-  !> Options of a run.
-  function some_options(folder) result(options)
-    character(len=*), intent(in) :: folder
-    type(run_options_t) :: options
-
-    options%folder = folder
-    options%step = h
-    options%deck_hash = '0123456789abcdef'
-    call t%check(make_folder(folder), 'the folder '//folder//' is there')
-  end function some_options
-
   !> Write steps `first` to `last`; step 0 is the start.
   subroutine write_steps(pictures, scene, first, last)
     type(pictures_t), intent(inout) :: pictures
@@ -151,7 +139,7 @@ contains
     type(error_t), allocatable :: error
 
     scene = some_scene()
-    call pictures%open(scene, some_options(folder), -1, error)
+    call pictures%open(scene, options_of(t, folder, h), -1, error)
     call t%check(.not. allocated(error), 'the files are made')
     call write_steps(pictures, scene, 0, max(stop_at, 0))
     checkpoint = scene
@@ -159,7 +147,7 @@ contains
     call pictures%close(error)
     call t%check(.not. allocated(error), 'the files are closed')
     if (stop_at > 0) then
-      call resumed%open(checkpoint, some_options(folder), stop_at, error)
+      call resumed%open(checkpoint, options_of(t, folder, h), stop_at, error)
       call t%check(.not. allocated(error), 'the files are opened again')
       call write_steps(resumed, checkpoint, stop_at + 1, 5)
       call resumed%close(error)
@@ -226,9 +214,7 @@ contains
     call near(radius(:3), [0.5_wp, 0.25_wp, 0.25_wp], 0.0_wp, 'radii of the spheres')
     call t%near(maxval(radius(4:)), 0.0_wp, 0.0_wp, 'corners have none')
     call t%check(all(body == scene%contactors%body(shape)), 'cells know their bodies')
-    scene%bodies%middle(1:3, :) = scene%bodies%position
-    scene%bodies%middle(4:7, :) = scene%bodies%orientation
-    call place_contactors(scene%contactors, scene%bodies%middle)
+    call place_bodies(scene)
     call near([points(:, first + 1:first + 3)], [scene%contactors%centre(:, :3)], tight, 'spheres are where they touch')
     do i = 1, 8
       call near(points(:, first + 3 + i), scene%contactors%space%polyhedra(1)%world_vertex(:, i), tight, 'corners of the box')
@@ -333,7 +319,7 @@ contains
     contacts%body(:, 1) = [1_i4, 2_i4]
     contacts%normal(:, 1) = [0.0_wp, 0.6_wp, 0.8_wp]
     contacts%impulse(1, 1) = 7*h
-    call pictures%open(scene, some_options('pictures_space_balls'), -1, error)
+    call pictures%open(scene, options_of(t, 'pictures_space_balls', h), -1, error)
     call move(scene)
     call pictures%write(scene, contacts, h, 1, error)
     call t%check(.not. allocated(error), 'a scene without rotation is written')
