@@ -54,7 +54,8 @@ contains
       problem%impulse(:, k) = contacts%impulse(:, k)
     end do
     problem%free_norm = sqrt(squares)
-    problem%velocity_scale = norm2(scene%gravity)*step
+    problem%fall_speed = norm2(scene%gravity)*step
+    problem%velocity_scale = problem%fall_speed
     if (.not. problem%velocity_scale > 0) problem%velocity_scale = problem%free_norm/sqrt(real(max(1, contacts%n), wp))
   end subroutine assemble
 

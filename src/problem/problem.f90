@@ -58,7 +58,9 @@ module sg_problem
     real(wp), allocatable :: body(:, :)
     !> Norm of q, the relative velocities (with bias) without impulses [m/s]
     real(wp) :: free_norm = 0
-    !> Velocity scale of the violation, gravity times step [m/s]; where there is no gravity, the rms of q
+    !> Gravity times step [m/s]
+    real(wp) :: fall_speed = 0
+    !> Velocity scale of the violation [m/s]: that speed; where there is no gravity, the rms of q
     real(wp) :: velocity_scale = 0
   end type problem_t
 

@@ -38,6 +38,9 @@ module sg_run_options
     !! which it is
     integer :: every = 0
     real(wp) :: imbalance = 1.2_wp
+  contains
+    procedure :: sweeps_of => partition_sweeps_of
+    procedure :: most_sweeps => partition_most_sweeps
   end type partition_options_t
 
   !> How the contact problem of a step is solved
@@ -89,4 +92,23 @@ module sg_run_options
     !> Say less; no progress
     logical :: is_quiet = .false.
   end type run_options_t
+
+contains
+
+  !> Sweeps of a rank between two gluings.
+  pure integer function partition_sweeps_of(self, rank) result(sweeps)
+    class(partition_options_t), intent(in) :: self
+    integer, intent(in) :: rank !! from 0
+
+    sweeps = 1
+    if (allocated(self%sweeps)) sweeps = self%sweeps(min(rank + 1, size(self%sweeps)))
+  end function partition_sweeps_of
+
+  !> The most sweeps of any rank between two gluings.
+  pure integer function partition_most_sweeps(self) result(sweeps)
+    class(partition_options_t), intent(in) :: self
+
+    sweeps = 1
+    if (allocated(self%sweeps)) sweeps = maxval(self%sweeps)
+  end function partition_most_sweeps
 end module sg_run_options

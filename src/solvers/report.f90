@@ -21,6 +21,8 @@ module sg_report
     !> Sweeps over all contacts, and single contact updates
     integer :: sweeps = 0
     integer(i8) :: contact_updates = 0
+    !> Times that the parts of a decomposed problem were glued
+    integer :: gluings = 0
     !> Iterations of solvers that do not only sweep, and factorisations of their matrices
     integer :: iterations = 0, factorisations = 0
     !> Tests of the criterion

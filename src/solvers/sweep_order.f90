@@ -52,7 +52,7 @@ contains
     logical, intent(in) :: in_groups !! groups order; natural otherwise
     integer :: i, k
 
-    call make_room(order, problem)
+    call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
     order%n = 0
     order%n_groups = 0
     do k = 1, problem%n_contacts
@@ -74,20 +74,21 @@ contains
     if (in_groups .and. problem%kind == ball_frictional) call fill_lanes(order)
   end subroutine set_order
 
-  !> Room for all contacts of a problem.
-  pure subroutine make_room(order, problem)
+  !> Room for the contacts wanted.
+  pure subroutine make_room(order, problem, wanted)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
+    integer, intent(in) :: wanted
     integer :: n
     logical :: fits
 
     fits = allocated(order%contact)
-    if (fits) fits = size(order%contact) >= problem%n_contacts .and. size(order%groups_of) == problem%n_bodies
+    if (fits) fits = size(order%contact) >= wanted .and. size(order%groups_of) == problem%n_bodies
     if (fits) return
     if (allocated(order%contact)) then
       deallocate (order%contact, order%pair, order%record, order%impulse, order%chosen, order%groups_of)
     end if
-    n = problem%n_contacts + problem%n_contacts/8
+    n = wanted + wanted/8
     allocate (order%contact(n), order%chosen(n), order%pair(2, n))
     allocate (order%record(size(problem%record, 1), n), order%impulse(size(problem%impulse, 1), n))
     allocate (order%groups_of(problem%n_bodies), source=0_i8)

@@ -1,0 +1,250 @@
+!> Edges between subdomains: the contacts that lie between the grains of two ranks, and the order in which edges take
+!! their turns (doc/theory/decomposition.md).
+!!
+!! One of the two ranks owns all contacts of an edge. In its turn the other one lends it the velocities of its grains and
+!! gets them back changed. Turns are colours: no rank has two edges of one colour, so that edges of one colour are swept at
+!! the same time and no grain is in two places.
+module sg_edges
+  use sg_comm, only: comm_t
+  use sg_exchange, only: exchange_t
+  use sg_kinds, only: wp, i4
+  use sg_problem, only: first_inverse, problem_t
+  use sg_sharing, only: sharing_t
+  use sg_subdomain, only: subdomain_t
+  implicit none
+  private
+  public :: edges_t, carry, colour_edges
+
+  !> The edges of one rank
+  type :: edges_t
+    !> Colours in all, and colour of the edge with each neighbour, 0 where there is none
+    integer :: n_colours = 0
+    integer, allocatable :: colour(:)
+    !> Slots that neighbour i borrows from this rank: `lent(lent_first(i):lent_first(i + 1) - 1)`; and those of neighbour i
+    !! that this rank borrows
+    integer, allocatable :: lent_first(:), lent(:), borrowed_first(:), borrowed(:)
+    !> Messages that lend and give back on all edges at once, and on the edges of each colour
+    type(exchange_t), allocatable :: lend(:), give_back(:)
+    integer, private :: width = 0
+  contains
+    procedure :: prepare => edges_prepare
+    procedure :: lend_all => edges_lend_all
+    procedure :: lend_colour => edges_lend_colour
+    procedure :: return_colour => edges_return_colour
+    procedure :: return_changes => edges_return_changes
+  end type edges_t
+
+contains
+
+  !> Find the edges of a problem and prepare their messages: number 0 for all edges, number c for those of colour c.
+  subroutine edges_prepare(self, problem, subdomain, slot_of, sharing, comm)
+    class(edges_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! this rank's part
+    type(subdomain_t), intent(in) :: subdomain !! who holds which body
+    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
+    type(sharing_t), intent(in) :: sharing !! on which bodies ranks have contacts
+    type(comm_t), intent(inout) :: comm !! the ranks
+    integer :: c
+
+    self%width = first_inverse(problem%kind) - 1
+    call list_loans(self, subdomain, slot_of, sharing)
+    call colour_all(self, subdomain, comm)
+    call release_all(self)
+    allocate (self%lend(0:self%n_colours), self%give_back(0:self%n_colours))
+    do c = 0, self%n_colours
+      call prepare_turn(self, subdomain, c, comm)
+    end do
+  end subroutine edges_prepare
+
+  !> List what is lent and borrowed on each edge.
+  subroutine list_loans(self, subdomain, slot_of, sharing)
+    class(edges_t), intent(inout) :: self
+    type(subdomain_t), intent(in) :: subdomain
+    integer(i4), intent(in) :: slot_of(:)
+    type(sharing_t), intent(in) :: sharing
+    integer :: i, e
+
+    self%lent = [integer ::]
+    self%borrowed = [integer ::]
+    if (allocated(self%lent_first)) deallocate (self%lent_first, self%borrowed_first)
+    allocate (self%lent_first(size(subdomain%neighbour) + 1), self%borrowed_first(size(subdomain%neighbour) + 1), source=1)
+    do i = 1, size(subdomain%neighbour)
+      associate (entries => [(e, e=subdomain%first(i), subdomain%first(i + 1) - 1)])
+        self%lent = [self%lent, slot_of(subdomain%body(pack(entries, subdomain%home(entries) == subdomain%rank .and. &
+                                                              sharing%is_there(entries))))]
+        self%borrowed = [self%borrowed, slot_of(subdomain%body(pack(entries, subdomain%home(entries) == subdomain%neighbour(i) &
+                                                                      .and. sharing%is_here(entries))))]
+      end associate
+      self%lent_first(i + 1) = size(self%lent) + 1
+      self%borrowed_first(i + 1) = size(self%borrowed) + 1
+    end do
+  end subroutine list_loans
+
+  !> Colour the edges of all ranks; each rank knows the whole list of edges, but of no grain.
+  subroutine colour_all(self, subdomain, comm)
+    class(edges_t), intent(inout) :: self
+    type(subdomain_t), intent(in) :: subdomain
+    type(comm_t), intent(inout) :: comm
+    real(wp), allocatable :: own(:), all(:, :)
+    integer, allocatable :: edge(:, :), colour(:)
+    real(wp) :: most(1)
+    integer :: i, r, n
+    logical :: is_edge(size(subdomain%neighbour))
+
+    do i = 1, size(subdomain%neighbour)
+      is_edge(i) = self%lent_first(i + 1) > self%lent_first(i) .or. self%borrowed_first(i + 1) > self%borrowed_first(i)
+    end do
+    most = real(count(is_edge), wp)
+    call comm%maximum(most)
+    allocate (own(nint(most(1))), source=-1.0_wp)
+    own(:count(is_edge)) = real(pack(subdomain%neighbour, is_edge), wp)
+    call comm%gather(own, all)
+    allocate (edge(2, count(all > -0.5_wp)/2))
+    n = 0
+    do r = 0, comm%size - 1
+      do i = 1, size(all, 1)
+        if (all(i, r + 1) < real(r, wp)) cycle
+        n = n + 1
+        edge(:, n) = [r, nint(all(i, r + 1))]
+      end do
+    end do
+    colour = colour_edges(edge(:, :n), comm%size)
+    self%n_colours = 0
+    if (n > 0) self%n_colours = maxval(colour)
+    self%colour = [(0, i=1, size(subdomain%neighbour))]
+    do i = 1, n
+      if (any(edge(:, i) == comm%rank)) then
+        where (subdomain%neighbour == sum(edge(:, i)) - comm%rank) self%colour = colour(i)
+      end if
+    end do
+  end subroutine colour_all
+
+  !> Colours of edges between ranks, from 1: no rank has two edges of one colour. Edges take the first colour that is free
+  !! at both ends, which needs less than twice the number of edges of a rank.
+  pure function colour_edges(edge, ranks) result(colour)
+    integer, intent(in) :: edge(:, :) !! ranks from 0, shape (2, edges)
+    integer, intent(in) :: ranks !! number of ranks
+    integer :: colour(size(edge, 2))
+    logical, allocatable :: is_taken(:, :)
+    integer :: degree(0:ranks - 1), i, c
+
+    degree = 0
+    do i = 1, size(edge, 2)
+      degree(edge(:, i)) = degree(edge(:, i)) + 1
+    end do
+    allocate (is_taken(2*maxval([degree, 1]), 0:ranks - 1), source=.false.)
+    do i = 1, size(edge, 2)
+      c = findloc(is_taken(:, edge(1, i)) .or. is_taken(:, edge(2, i)), .false., 1)
+      colour(i) = c
+      is_taken(c, edge(:, i)) = .true.
+    end do
+  end function colour_edges
+
+  !> Prepare the messages of one turn.
+  subroutine prepare_turn(self, subdomain, c, comm)
+    class(edges_t), intent(inout) :: self
+    type(subdomain_t), intent(in) :: subdomain
+    integer, intent(in) :: c
+    type(comm_t), intent(in) :: comm
+    integer :: lent(size(subdomain%neighbour)), borrowed(size(subdomain%neighbour)), n
+
+    n = size(subdomain%neighbour)
+    lent = self%lent_first(2:) - self%lent_first(:n)
+    borrowed = self%borrowed_first(2:) - self%borrowed_first(:n)
+    where (c > 0 .and. self%colour /= c)
+      lent = 0
+      borrowed = 0
+    end where
+    call self%lend(c)%prepare(comm, self%width, subdomain%neighbour, lent, borrowed)
+    call self%give_back(c)%prepare(comm, self%width, subdomain%neighbour, borrowed, lent)
+  end subroutine prepare_turn
+
+  !> Give back the messages of the last problem.
+  subroutine release_all(self)
+    class(edges_t), intent(inout) :: self
+    integer :: c
+
+    if (.not. allocated(self%lend)) return
+    do c = lbound(self%lend, 1), ubound(self%lend, 1)
+      call self%lend(c)%release()
+      call self%give_back(c)%release()
+    end do
+    deallocate (self%lend, self%give_back)
+  end subroutine release_all
+
+  !> Bring all borrowed copies up to date.
+  subroutine edges_lend_all(self, problem, comm)
+    class(edges_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! velocities of borrowed bodies are set
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    call carry(self%lend(0), self%lent, self%borrowed, problem, comm)
+  end subroutine edges_lend_all
+
+  !> Lend on the edges of one colour.
+  subroutine edges_lend_colour(self, c, problem, comm)
+    class(edges_t), intent(inout) :: self
+    integer, intent(in) :: c !! colour
+    type(problem_t), intent(inout) :: problem !! velocities of borrowed bodies are set
+    type(comm_t), intent(inout) :: comm !! the ranks
+    integer :: i
+
+    i = findloc(self%colour, c, 1)
+    if (i == 0) return
+    call carry(self%lend(c), self%lent(self%lent_first(i):self%lent_first(i + 1) - 1), &
+               self%borrowed(self%borrowed_first(i):self%borrowed_first(i + 1) - 1), problem, comm)
+  end subroutine edges_lend_colour
+
+  !> Give back on the edges of one colour what was borrowed.
+  subroutine edges_return_colour(self, c, problem, comm)
+    class(edges_t), intent(inout) :: self
+    integer, intent(in) :: c !! colour
+    type(problem_t), intent(inout) :: problem !! velocities of lent bodies are set
+    type(comm_t), intent(inout) :: comm !! the ranks
+    integer :: i
+
+    i = findloc(self%colour, c, 1)
+    if (i == 0) return
+    call carry(self%give_back(c), self%borrowed(self%borrowed_first(i):self%borrowed_first(i + 1) - 1), &
+               self%lent(self%lent_first(i):self%lent_first(i + 1) - 1), problem, comm)
+  end subroutine edges_return_colour
+
+  !> Send velocities of some slots and set those of others.
+  subroutine carry(messages, from, to, problem, comm)
+    type(exchange_t), intent(inout) :: messages !! prepared, as wide as a velocity
+    integer, intent(in) :: from(:), to(:) !! slots, neighbour by neighbour
+    type(problem_t), intent(inout) :: problem !! velocities change
+    type(comm_t), intent(inout) :: comm !! the ranks
+    integer :: j, width
+
+    width = size(messages%send, 1)
+    do j = 1, size(from)
+      messages%send(:, j) = problem%body(:width, from(j))
+    end do
+    call messages%begin(comm)
+    call messages%finish(comm)
+    do j = 1, size(to)
+      problem%body(:width, to(j)) = messages%receive(:, j)
+    end do
+  end subroutine carry
+
+  !> Add what all borrowers have changed to the velocities of lent bodies: what the guess on edges does to them.
+  subroutine edges_return_changes(self, before, problem, comm)
+    class(edges_t), intent(inout) :: self
+    real(wp), intent(in) :: before(:, :) !! velocities of borrowed bodies before, shape (width, borrowed)
+    type(problem_t), intent(inout) :: problem !! velocities of lent bodies change
+    type(comm_t), intent(inout) :: comm !! the ranks
+    integer :: j
+
+    associate (messages => self%give_back(0))
+      do j = 1, size(self%borrowed)
+        messages%send(:, j) = problem%body(:self%width, self%borrowed(j)) - before(:, j)
+      end do
+      call messages%begin(comm)
+      call messages%finish(comm)
+      do j = 1, size(self%lent)
+        problem%body(:self%width, self%lent(j)) = problem%body(:self%width, self%lent(j)) + messages%receive(:, j)
+      end do
+    end associate
+  end subroutine edges_return_changes
+end module sg_edges

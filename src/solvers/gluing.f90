@@ -1,0 +1,132 @@
+!> Gluing: copies of shared bodies that have moved apart get one velocity again (doc/theory/decomposition.md).
+!!
+!! All copies start a round with one velocity v and end it with v_c each. The dual method takes their mean: with masses
+!! divided by the number of copies that is the velocity under the impulses of all ranks. The method that exchanges
+!! momentum adds up the changes, v + sum (v_c - v). Sums are taken in the order of ranks, so that all copies get the very
+!! same numbers. Messages go to neighbours while contacts that touch no shared body are swept.
+module sg_gluing
+  use sg_comm, only: comm_t
+  use sg_exchange, only: exchange_t
+  use sg_kinds, only: wp, i4
+  use sg_problem, only: first_inverse, problem_t
+  use sg_sharing, only: sharing_t
+  use sg_subdomain, only: subdomain_t
+  implicit none
+  private
+  public :: gluing_t
+
+  !> Shared bodies of one solve and the messages about them
+  type :: gluing_t
+    !> Who shares what
+    type(sharing_t) :: sharing
+    !> Take the mean of copies, or add up their changes?
+    logical :: is_mean = .true.
+    !> Velocities at the beginning of the round, and changes since then summed over copies, shape (width, shared)
+    real(wp), allocatable :: before(:, :), change(:, :)
+    !> Sum of what gluing has added to the velocity of each shared copy of this rank [m/s], shape (width, shared): times
+    !! its part of the mass this is F_Gamma
+    real(wp), allocatable :: jump(:, :)
+    type(exchange_t), private :: messages
+    integer, private :: rank = 0, width = 0
+  contains
+    procedure :: prepare => gluing_prepare
+    procedure :: begin => gluing_begin
+    procedure :: finish => gluing_finish
+  end type gluing_t
+
+contains
+
+  !> Find the shared bodies of a problem and prepare their messages. Collective.
+  subroutine gluing_prepare(self, problem, subdomain, slot_of, is_mean, comm)
+    class(gluing_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! this rank's part, with free velocities
+    type(subdomain_t), intent(in) :: subdomain !! who holds which body
+    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
+    logical, intent(in) :: is_mean !! take the mean of copies (masses are divided), or add up their changes
+    type(comm_t), intent(inout) :: comm !! the ranks
+    integer :: n, i
+
+    self%is_mean = is_mean
+    self%rank = comm%rank
+    self%width = first_inverse(problem%kind) - 1
+    call self%sharing%find(problem, subdomain, slot_of, comm)
+    call self%sharing%prepare_result(problem, subdomain, slot_of, comm)
+    associate (counts => self%sharing%first(2:) - self%sharing%first(:size(subdomain%neighbour)))
+      call self%messages%prepare(comm, self%width, subdomain%neighbour, counts, counts)
+    end associate
+    n = size(self%sharing%slot)
+    if (allocated(self%before)) deallocate (self%before, self%change, self%jump)
+    allocate (self%before(self%width, n), self%change(self%width, n), self%jump(self%width, n), source=0.0_wp)
+    do i = 1, n
+      self%before(:, i) = problem%body(:self%width, self%sharing%slot(i))
+    end do
+  end subroutine gluing_prepare
+
+  !> Send the velocities of shared copies to the neighbours.
+  subroutine gluing_begin(self, problem, comm)
+    class(gluing_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! problem whose shared bodies have been swept
+    type(comm_t), intent(inout) :: comm !! the ranks
+    integer :: j
+
+    do j = 1, size(self%sharing%item)
+      self%messages%send(:, j) = problem%body(:self%width, self%sharing%slot(self%sharing%item(j)))
+    end do
+    call self%messages%begin(comm)
+  end subroutine gluing_begin
+
+  !> Give all copies one velocity.
+  subroutine gluing_finish(self, problem, comm)
+    class(gluing_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! shared bodies get their new velocities
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp) :: new(self%width)
+    integer :: i
+
+    call self%messages%finish(comm)
+    call add_up(self, problem)
+    do i = 1, size(self%sharing%slot)
+      associate (body => problem%body(:, self%sharing%slot(i)), parts => self%sharing%parts(i))
+        new = self%before(:, i) + self%change(:, i)/real(merge(parts, 1, self%is_mean), wp)
+        self%jump(:, i) = self%jump(:, i) + new - body(:self%width)
+        self%before(:, i) = new
+        body(:self%width) = new
+      end associate
+    end do
+    call self%sharing%wide%glue(problem, self%is_mean, comm)
+  end subroutine gluing_finish
+
+  !> Sum the changes of all copies in the order of ranks. What nobody moves stays as it is, to the last digit.
+  pure subroutine add_up(self, problem)
+    class(gluing_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
+    integer :: i, j
+    logical :: is_own_added
+
+    self%change = 0
+    is_own_added = .false.
+    do i = 1, size(self%messages%rank)
+      if (.not. is_own_added .and. self%messages%rank(i) > self%rank) then
+        call add_own(self, problem)
+        is_own_added = .true.
+      end if
+      do j = self%sharing%first(i), self%sharing%first(i + 1) - 1
+        associate (k => self%sharing%item(j))
+          self%change(:, k) = self%change(:, k) + self%messages%receive(:, j) - self%before(:, k)
+        end associate
+      end do
+    end do
+    if (.not. is_own_added) call add_own(self, problem)
+  end subroutine add_up
+
+  !> Add the changes of this rank's own copies.
+  pure subroutine add_own(self, problem)
+    class(gluing_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
+    integer :: k
+
+    do k = 1, size(self%sharing%slot)
+      self%change(:, k) = self%change(:, k) + problem%body(:self%width, self%sharing%slot(k)) - self%before(:, k)
+    end do
+  end subroutine add_own
+end module sg_gluing

@@ -1,0 +1,30 @@
+!> Exchange of momentum (after Breitkopf and Jean 1999): contacts are distributed, shared grains keep their whole mass in
+!! every part, and the changes of their momentum are added up (doc/theory/decomposition.md).
+!!
+!! What several parts do to one grain at once is too much: without relaxation the rounds diverge where grains are shared
+!! by three or more parts. The contacts of shared grains therefore take only a share of each change.
+module sg_momentum
+  use sg_kinds, only: wp
+  use sg_shared_sweeps, only: shared_sweeps_t
+  implicit none
+  private
+  public :: momentum_t
+
+  !> The method that exchanges momentum
+  type, extends(shared_sweeps_t) :: momentum_t
+  contains
+    procedure :: rule => momentum_rule
+  end type momentum_t
+
+contains
+
+  !> Keep masses whole, add up the changes, and relax.
+  pure subroutine momentum_rule(self, is_mean, relaxation)
+    class(momentum_t), intent(in) :: self
+    logical, intent(out) :: is_mean !! no
+    real(wp), intent(out) :: relaxation !! that of all sweeps times the share of the deck
+
+    is_mean = .false.
+    relaxation = self%options%relaxation*self%partition%relaxation
+  end subroutine momentum_rule
+end module sg_momentum

@@ -1,0 +1,127 @@
+!> A rank's contacts in several parts, each in an order of its own: those of shared bodies, swept before messages leave;
+!! those of its own bodies, swept while they travel; those on edges between subdomains.
+module sg_parts
+  use sg_delassus, only: set_block
+  use sg_kinds, only: wp, i4, i8
+  use sg_problem, only: problem_t
+  use sg_report, only: report_t
+  use sg_residuals, only: choose_visited
+  use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
+  use sg_sweeps, only: sweep
+  implicit none
+  private
+  public :: parts_t, part_shared, part_own
+
+  !> The first two parts: contacts of bodies whose mass may be divided among copies, and those of no shared body
+  integer, parameter :: part_shared = 1, part_own = 2
+
+  !> Contacts of one rank, part by part
+  type :: parts_t
+    !> Contacts of each part in the order of its sweep
+    type(sweep_order_t), allocatable, private :: order(:)
+    !> Part of each contact, and whether it is visited
+    integer(i4), allocatable, private :: part(:)
+    logical, allocatable, private :: is_wanted(:)
+    !> Contacts of divided bodies, and their records with blocks for a part of the mass
+    integer(i4), allocatable, private :: contact(:)
+    real(wp), allocatable, private :: record(:, :)
+    logical, private :: in_groups = .true.
+  contains
+    procedure :: begin => parts_begin
+    procedure :: choose => parts_choose
+    procedure :: sweep => parts_sweep
+    procedure :: give_impulses => parts_give_impulses
+  end type parts_t
+
+contains
+
+  !> Take the parts of a problem, and begin with all contacts.
+  subroutine parts_begin(self, problem, part, n_parts, are_masses_divided, in_groups)
+    class(parts_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! problem whose shared bodies may have divided masses
+    integer(i4), intent(in) :: part(:) !! of each contact, from 1
+    integer, intent(in) :: n_parts !! number of parts
+    logical, intent(in) :: are_masses_divided !! set the blocks of the first part anew
+    logical, intent(in) :: in_groups !! order in coloured groups
+    integer :: k
+
+    self%in_groups = in_groups
+    if (allocated(self%order)) then
+      if (size(self%order) /= n_parts) deallocate (self%order)
+    end if
+    if (.not. allocated(self%order)) allocate (self%order(n_parts))
+    if (allocated(self%record)) deallocate (self%record)
+    self%part = part
+    self%is_wanted = [(.true., k=1, size(part))]
+    self%contact = pack([(int(k, i4), k=1, size(part))], part == part_shared .and. are_masses_divided)
+    allocate (self%record(size(problem%record, 1), size(self%contact)))
+    do k = 1, size(self%contact)
+      self%record(:, k) = problem%record(:, self%contact(k))
+      call set_block(problem%kind, problem%body(:, problem%pair(1, self%contact(k))), &
+                     problem%body(:, problem%pair(2, self%contact(k))), self%record(:, k))
+    end do
+    call set_orders(self, problem)
+  end subroutine parts_begin
+
+  !> Copy the contacts to visit into the orders of their parts.
+  subroutine set_orders(self, problem)
+    class(parts_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    integer :: p
+
+    call swap_records(self, problem)
+    do p = 1, size(self%order)
+      call set_order(self%order(p), problem, self%is_wanted .and. self%part == p, self%in_groups)
+    end do
+    call swap_records(self, problem)
+  end subroutine set_orders
+
+  !> Exchange the records of contacts of divided bodies with those for whole masses.
+  subroutine swap_records(self, problem)
+    class(parts_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    real(wp) :: record(size(problem%record, 1))
+    integer :: i
+
+    do i = 1, size(self%contact)
+      record = problem%record(:, self%contact(i))
+      problem%record(:, self%contact(i)) = self%record(:, i)
+      self%record(:, i) = record
+    end do
+  end subroutine swap_records
+
+  !> Choose anew whom to visit, by the errors of the whole problem.
+  subroutine parts_choose(self, problem, report)
+    class(parts_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! problem with its impulses and velocities
+    type(report_t), intent(in) :: report !! errors of the whole problem
+    integer :: visited, missed, n
+
+    n = sum(self%order%n)
+    call choose_visited(problem, report, self%is_wanted, visited, missed)
+    if (missed > 0 .or. visited < n - n/16) call set_orders(self, problem)
+  end subroutine parts_choose
+
+  !> Update the contacts of a part once.
+  subroutine parts_sweep(self, part, problem, relaxation, report)
+    class(parts_t), intent(inout) :: self
+    integer, intent(in) :: part !! which one
+    type(problem_t), intent(inout) :: problem !! velocities change
+    real(wp), intent(in) :: relaxation !! share of each change taken
+    type(report_t), intent(inout) :: report !! updates are counted
+
+    call sweep(problem%kind, self%order(part), problem%n_bodies, relaxation, problem%body)
+    report%contact_updates = report%contact_updates + int(self%order(part)%n, i8)
+  end subroutine parts_sweep
+
+  !> Copy impulses back to the problem.
+  pure subroutine parts_give_impulses(self, problem)
+    class(parts_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! its impulses are set
+    integer :: p
+
+    do p = 1, size(self%order)
+      call give_impulses(self%order(p), problem)
+    end do
+  end subroutine parts_give_impulses
+end module sg_parts

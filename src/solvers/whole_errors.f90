@@ -1,0 +1,79 @@
+!> Errors of the whole problem from its parts: sums over ranks, made while sweeps go on.
+module sg_whole_errors
+  use sg_comm, only: comm_t
+  use sg_kinds, only: wp
+  use sg_problem, only: is_in_space, problem_t
+  use sg_report, only: report_t
+  use sg_residuals, only: n_error_sums, set_errors, sum_errors
+  implicit none
+  private
+  public :: whole_errors_t
+
+  !> Scales of a whole problem, and a sum that may be under way
+  type :: whole_errors_t
+    !> Contacts of all ranks
+    integer :: contacts = 0
+    !> Norm of q over all of them, velocity scale, largest velocity component [m/s]
+    real(wp) :: free_norm = 0, velocity_scale = 0, fastest = 0
+    logical, private :: with_e1 = .false.
+  contains
+    procedure :: prepare => errors_prepare
+    procedure :: begin => errors_begin
+    procedure :: finish => errors_finish
+    procedure :: measure => errors_measure
+  end type whole_errors_t
+
+contains
+
+  !> Find the scales of a problem that is about to be solved. Collective.
+  subroutine errors_prepare(self, problem, comm)
+    class(whole_errors_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! this rank's part, with free velocities
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp) :: sums(2), largest(1)
+
+    sums = [real(problem%n_contacts, wp), problem%free_norm**2]
+    call comm%sum(sums)
+    largest = 0
+    if (problem%n_bodies > 0) largest(1) = maxval(abs(problem%body(1:merge(3, 2, is_in_space(problem%kind)), :)))
+    call comm%maximum(largest)
+    self%contacts = nint(sums(1))
+    self%free_norm = sqrt(sums(2))
+    self%fastest = largest(1)
+    self%velocity_scale = problem%fall_speed
+    if (.not. self%velocity_scale > 0) self%velocity_scale = self%free_norm/sqrt(real(max(1, self%contacts), wp))
+  end subroutine errors_prepare
+
+  !> Begin to sum the errors of all parts.
+  subroutine errors_begin(self, problem, with_e1, comm)
+    class(whole_errors_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! this rank's part, its copies glued
+    logical, intent(in) :: with_e1 !! measure e1 and e2 too
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    self%with_e1 = with_e1
+    call comm%begin_sum(sum_errors(problem, with_e1))
+  end subroutine errors_begin
+
+  !> Take the errors of the whole problem from the sums that were begun.
+  subroutine errors_finish(self, report, comm)
+    class(whole_errors_t), intent(in) :: self
+    type(report_t), intent(inout) :: report !! errors and active contacts are set
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp) :: sums(n_error_sums)
+
+    call comm%finish_sum(sums)
+    call set_errors(sums, self%contacts, self%free_norm, self%velocity_scale, self%with_e1, report)
+  end subroutine errors_finish
+
+  !> Both at once.
+  subroutine errors_measure(self, problem, report, comm)
+    class(whole_errors_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! this rank's part, its copies glued
+    type(report_t), intent(inout) :: report !! errors and active contacts are set
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    call self%begin(problem, .true., comm)
+    call self%finish(report, comm)
+  end subroutine errors_measure
+end module sg_whole_errors

@@ -1,0 +1,61 @@
+!> Wide bodies (walls) that impulses can move: every rank holds them, and what all ranks do to them is summed.
+module sg_wide_bodies
+  use sg_comm, only: comm_t
+  use sg_kinds, only: wp
+  use sg_problem, only: problem_t
+  implicit none
+  private
+  public :: wide_bodies_t
+
+  !> Wide bodies of one solve
+  type :: wide_bodies_t
+    !> Slots of those that can move, ranks that have contacts on each, and whether this one has
+    integer, allocatable :: slot(:), parts(:)
+    logical, allocatable :: is_here(:)
+    !> Velocities at the beginning of the round, shape (width, bodies)
+    real(wp), allocatable :: before(:, :)
+  contains
+    procedure :: mark => wide_mark
+    procedure :: glue => wide_glue
+  end type wide_bodies_t
+
+contains
+
+  !> Take the present velocities, the same on all ranks, for those at the beginning of a round.
+  pure subroutine wide_mark(self, problem, width)
+    class(wide_bodies_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! problem with its velocities
+    integer, intent(in) :: width !! components of a velocity
+
+    if (allocated(self%before)) deallocate (self%before)
+    allocate (self%before(width, size(self%slot)))
+    self%before(:, :) = problem%body(:width, self%slot)
+  end subroutine wide_mark
+
+  !> Give wide bodies one velocity: the mean of those ranks that have contacts on them, or the sum of their changes.
+  subroutine wide_glue(self, problem, is_mean, comm)
+    class(wide_bodies_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! velocities of wide bodies are set
+    logical, intent(in) :: is_mean !! their masses are divided
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp) :: change(size(self%before))
+    integer :: i, first, last, width
+
+    if (size(change) == 0) return
+    width = size(self%before, 1)
+    change = 0
+    do i = 1, size(self%slot)
+      if (.not. self%is_here(i)) cycle
+      first = (i - 1)*width + 1
+      change(first:i*width) = problem%body(:width, self%slot(i)) - self%before(:, i)
+    end do
+    call comm%sum(change)
+    do i = 1, size(self%slot)
+      first = (i - 1)*width + 1
+      last = i*width
+      if (is_mean) change(first:last) = change(first:last)/real(max(1, self%parts(i)), wp)
+      self%before(:, i) = self%before(:, i) + change(first:last)
+      problem%body(:width, self%slot(i)) = self%before(:, i)
+    end do
+  end subroutine wide_glue
+end module sg_wide_bodies
