@@ -4,11 +4,12 @@
 module sg_datbox_write
   use sg_datbox_output, only: short_names
   use sg_datbox_write_behaviours, only: write_bulk, write_drives, write_laws
-  use sg_datbox_write_bodies, only: check_writable, contactors_of_bodies, write_bodies, write_state
+  use sg_datbox_write_bodies, only: check_writable, write_bodies, write_state
   use sg_datbox_write_contacts, only: contacts_at_start, datbox_contacts_t, write_contacts
   use sg_datbox_write_space, only: check_solids, stand_upright
   use sg_error, only: error_t, exit_output, fail
   use sg_kinds, only: wp, i4
+  use sg_local_numbers, only: contactors_of_bodies
   use sg_scene, only: scene_t
   use sg_system, only: make_folder
   use sg_text, only: text_t

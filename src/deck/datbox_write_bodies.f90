@@ -16,35 +16,9 @@ module sg_datbox_write_bodies
   use sg_text, only: to_text
   implicit none
   private
-  public :: write_bodies, write_state, contactors_of_bodies, check_writable
+  public :: write_bodies, write_state, check_writable
 
 contains
-
-  !> Contactors grouped by body: those of body b are `list(first(b):first(b + 1) - 1)`, in their own order.
-  pure subroutine contactors_of_bodies(contactors, n_bodies, first, list)
-    type(contactors_t), intent(in) :: contactors !! all contactors
-    integer, intent(in) :: n_bodies !! number of bodies
-    integer(i4), allocatable, intent(out) :: first(:) !! shape (n_bodies + 1)
-    integer(i4), allocatable, intent(out) :: list(:) !! shape (contactors)
-    integer(i4), allocatable :: next(:)
-    integer :: c, b
-
-    allocate (first(n_bodies + 1), source=0_i4)
-    allocate (list(contactors%n))
-    do c = 1, contactors%n
-      first(contactors%body(c) + 1) = first(contactors%body(c) + 1) + 1
-    end do
-    first(1) = 1
-    do b = 1, n_bodies
-      first(b + 1) = first(b + 1) + first(b)
-    end do
-    next = first
-    do c = 1, contactors%n
-      b = contactors%body(c)
-      list(next(b)) = int(c, i4)
-      next(b) = next(b) + 1
-    end do
-  end subroutine contactors_of_bodies
 
   !> Refuse what the format cannot hold: bodies of no material, shifted hollow disks, segments that are shifted or turned.
   subroutine check_writable(scene, first, list, error)

@@ -1,0 +1,85 @@
+!> Numbers in the whole scene and in the part of one rank: bodies and contactors, in logarithmic time.
+!!
+!! In a scene that is not decomposed both numbers are the same.
+module sg_local_numbers
+  use sg_bodies, only: bodies_t
+  use sg_contactors, only: contactors_t
+  use sg_kinds, only: i4
+  implicit none
+  private
+  public :: local_body, local_contactor, contactors_of_bodies
+
+contains
+
+  !> Body here that has a number in the whole scene; 0 when it is not here.
+  pure integer function local_body(bodies, number) result(body)
+    type(bodies_t), intent(in) :: bodies !! bodies of this rank
+    integer(i4), intent(in) :: number !! in the whole scene
+
+    if (.not. allocated(bodies%id)) then
+      body = merge(number, 0, number >= 1 .and. number <= bodies%n)
+      return
+    end if
+    body = place_of(bodies%id(:bodies%n_home), number)
+    if (body > 0) return
+    body = place_of(bodies%id(bodies%n_home + 1:bodies%n), number)
+    if (body > 0) body = bodies%n_home + body
+  end function local_body
+
+  !> Contactor here that has a number in the whole scene; 0 when it is not here.
+  pure integer function local_contactor(contactors, number) result(contactor)
+    type(contactors_t), intent(in) :: contactors !! contactors of this rank
+    integer(i4), intent(in) :: number !! in the whole scene
+
+    if (allocated(contactors%id)) then
+      contactor = place_of(contactors%id(:contactors%n), number)
+    else
+      contactor = merge(number, 0, number >= 1 .and. number <= contactors%n)
+    end if
+  end function local_contactor
+
+  !> Place of a value in an ascending list, by bisection; 0 when it is not there.
+  pure integer function place_of(list, value) result(place)
+    integer(i4), intent(in) :: list(:), value
+    integer :: low, high
+
+    low = 1
+    high = size(list)
+    do while (low <= high)
+      place = low + (high - low)/2
+      if (list(place) == value) return
+      if (list(place) < value) then
+        low = place + 1
+      else
+        high = place - 1
+      end if
+    end do
+    place = 0
+  end function place_of
+
+  !> Contactors grouped by body: those of body b are `list(first(b):first(b + 1) - 1)`, in their own order.
+  pure subroutine contactors_of_bodies(contactors, n_bodies, first, list)
+    type(contactors_t), intent(in) :: contactors !! all contactors
+    integer, intent(in) :: n_bodies !! number of bodies
+    integer(i4), allocatable, intent(out) :: first(:) !! shape (n_bodies + 1)
+    integer(i4), allocatable, intent(out) :: list(:) !! shape (contactors)
+    integer(i4), allocatable :: next(:)
+    integer :: c, b
+
+    allocate (first(n_bodies + 1), source=0_i4)
+    allocate (list(contactors%n))
+    do c = 1, contactors%n
+      first(contactors%body(c) + 1) = first(contactors%body(c) + 1) + 1
+    end do
+    first(1) = 1
+    do b = 1, n_bodies
+      first(b + 1) = first(b + 1) + first(b)
+    end do
+    next = first
+    do c = 1, contactors%n
+      b = contactors%body(c)
+      list(next(b)) = int(c, i4)
+      next(b) = next(b) + 1
+    end do
+  end subroutine contactors_of_bodies
+end module sg_local_numbers

@@ -1,0 +1,229 @@
+!> Bodies as records of reals, with their contactors, and scenes made of such records: how bodies travel between ranks.
+!!
+!! A record is its length, number in the whole scene, home, is it a grain, material, number of contactors; position, angle or
+!! orientation, velocity, mass, moments of inertia, inverse inertias, area, crossings; then the records of its contactors.
+!! Orientations stand in it only where something turns. What a step sets anew (forces, free velocities, the configuration of
+!! detection) is no part of it.
+module sg_pack_bodies
+  use sg_bodies, only: bodies_t, drop_rotation
+  use sg_contactors, only: contactors_t, n_kinds
+  use sg_kinds, only: wp, i4, i8
+  use sg_pack_shapes, only: make_room_for_shapes, pack_contactor, unpack_contactor, unpack_size
+  use sg_parcels, only: parcel_t
+  use sg_scene, only: scene_t
+  use sg_sorting, only: sort_permutation
+  implicit none
+  private
+  public :: pack_body, order_records, build_scene
+
+  !> Places of values in a record
+  integer, parameter :: place_length = 1, place_number = 2, place_home = 3, place_contactors = 6
+
+contains
+
+  !> Append the record of a body with its contactors.
+  subroutine pack_body(scene, body, first, list, home, parcel)
+    type(scene_t), intent(in) :: scene !! whole scene, or the part of this rank
+    integer, intent(in) :: body !! body of that scene
+    integer(i4), intent(in) :: first(:) !! contactors of body b are list(first(b):first(b + 1) - 1)
+    integer(i4), intent(in) :: list(:) !! see `contactors_of_bodies`
+    integer, intent(in) :: home !! rank that is or becomes its home; -1 for wide bodies
+    type(parcel_t), intent(inout) :: parcel !! takes the record
+    integer :: start, number, k
+
+    number = body
+    if (allocated(scene%bodies%id)) number = scene%bodies%id(body)
+    start = parcel%n + 1
+    call parcel%put(0) ! the length, known at the end
+    call parcel%put(number)
+    call parcel%put(home)
+    call parcel%put(merge(1, 0, scene%bodies%is_grain(body)))
+    call parcel%put(scene%bodies%material(body))
+    call parcel%put(first(body + 1) - first(body))
+    call pack_motion(scene%bodies, body, parcel)
+    do k = first(body), first(body + 1) - 1
+      call pack_contactor(scene%contactors, list(k), parcel)
+    end do
+    parcel%value(start) = real(parcel%n - start + 1, wp)
+  end subroutine pack_body
+
+  !> Where a body is, how it moves, and what it weighs.
+  subroutine pack_motion(bodies, b, parcel)
+    type(bodies_t), intent(in) :: bodies
+    integer, intent(in) :: b
+    type(parcel_t), intent(inout) :: parcel
+
+    call parcel%put(bodies%position(:, b))
+    if (allocated(bodies%angle)) call parcel%put(bodies%angle(b))
+    if (allocated(bodies%orientation)) call parcel%put(bodies%orientation(:, b))
+    call parcel%put(bodies%velocity(:, b))
+    call parcel%put(bodies%mass(b))
+    if (bodies%dimension == 2) call parcel%put(bodies%inertia(b))
+    if (bodies%dimension == 3) call parcel%put(bodies%principal(:, b))
+    call parcel%put(bodies%inverse_mass(:, b))
+    call parcel%put(bodies%area(b))
+    call parcel%put(bodies%crossings(b))
+    if (bodies%dimension == 3) call parcel%put(bodies%crossings_y(b))
+  end subroutine pack_motion
+
+  !> Where the records of a parcel begin, in the order of a rank's bodies: first those it counts as its own, then copies of
+  !! others', both by ascending number. No body may stand in the parcel twice.
+  !!
+  !! Of wide bodies each rank counts as its own those whose number modulo the number of ranks is its own.
+  pure subroutine order_records(parcel, rank, ranks, start, n_home)
+    type(parcel_t), intent(in) :: parcel !! records of bodies and nothing else
+    integer, intent(in) :: rank !! rank whose bodies they are
+    integer, intent(in) :: ranks !! number of ranks
+    integer, allocatable, intent(out) :: start(:) !! first value of each record, shape (bodies)
+    integer, intent(out) :: n_home !! bodies that the rank counts as its own
+    integer(i8), allocatable :: keys(:)
+    integer(i8) :: last
+    integer :: at, n, home, number
+
+    n = 0
+    at = 1
+    last = 0
+    do while (at <= parcel%n)
+      n = n + 1
+      last = max(last, nint(parcel%value(at + place_number - 1), i8))
+      at = at + nint(parcel%value(at + place_length - 1))
+    end do
+    allocate (start(n), keys(n))
+    n_home = 0
+    at = 1
+    do n = 1, size(start)
+      start(n) = at
+      number = nint(parcel%value(at + place_number - 1))
+      home = nint(parcel%value(at + place_home - 1))
+      keys(n) = int(number, i8) + last
+      if (home == rank .or. (home < 0 .and. modulo(number, ranks) == rank)) then
+        keys(n) = int(number, i8)
+        n_home = n_home + 1
+      end if
+      at = at + nint(parcel%value(at + place_length - 1))
+    end do
+    start = start(sort_permutation(keys))
+  end subroutine order_records
+
+  !> Make the scene of a rank from records of bodies; contactors stand by ascending number in the whole scene.
+  !!
+  !! What is no body is copied from the template, without drives, pressures and names (see `localise`) and without contacts
+  !! known at the start. Forces, free velocities and the configuration of detection are zero.
+  subroutine build_scene(template, parcel, start, n_home, local)
+    type(scene_t), intent(in) :: template !! any scene of the run, whole or in part, of any bodies; not `local`
+    type(parcel_t), intent(inout) :: parcel !! records of bodies
+    integer, intent(in) :: start(:) !! first value of the record of each body, shape (bodies)
+    integer, intent(in) :: n_home !! bodies that the rank counts as its own: the first ones
+    type(scene_t), intent(out) :: local !! the scene made
+
+    call copy_frame(template, local)
+    call local%bodies%allocate(size(start), template%dimension)
+    if (template%bodies%n_velocity == template%dimension) call drop_rotation(local%bodies)
+    allocate (local%bodies%id(size(start)), local%bodies%home(size(start)), source=0_i4)
+    local%bodies%n_home = n_home
+    call unpack_bodies(parcel, start, local%bodies, local%contactors)
+  end subroutine build_scene
+
+  !> All of a scene that does not depend on its bodies.
+  subroutine copy_frame(template, local)
+    type(scene_t), intent(in) :: template
+    type(scene_t), intent(inout) :: local
+    integer :: i
+
+    local%dimension = template%dimension
+    local%gravity = template%gravity
+    local%period = template%period
+    local%period_y = template%period_y
+    local%start_time = template%start_time
+    local%start_step = template%start_step
+    if (allocated(template%materials)) then
+      allocate (local%materials(size(template%materials)))
+      do i = 1, size(template%materials)
+        local%materials(i) = template%materials(i)
+      end do
+    end if
+    if (allocated(template%laws)) then
+      allocate (local%laws(size(template%laws)))
+      do i = 1, size(template%laws)
+        local%laws(i) = template%laws(i)
+      end do
+    end if
+    if (allocated(template%colours)) then
+      allocate (local%colours(size(template%colours)))
+      do i = 1, size(template%colours)
+        local%colours(i)%s = template%colours(i)%s
+      end do
+    end if
+    if (allocated(template%sees)) allocate (local%sees(size(template%sees)), source=template%sees)
+  end subroutine copy_frame
+
+  !> Read bodies in the order of `start`, then their contactors by ascending number.
+  subroutine unpack_bodies(parcel, start, bodies, contactors)
+    type(parcel_t), intent(inout) :: parcel
+    integer, intent(in) :: start(:)
+    type(bodies_t), intent(inout) :: bodies
+    type(contactors_t), intent(inout) :: contactors
+    integer, allocatable :: before(:)
+    integer(i4), allocatable :: body(:), order(:)
+    integer(i8), allocatable :: number(:)
+    integer(i4) :: n_contactors, kind, vertices, one
+    integer :: b, c, k, n, n_rows(n_kinds), n_vertices
+
+    n = 0
+    do b = 1, size(start)
+      n = n + nint(parcel%value(start(b) + place_contactors - 1))
+    end do
+    allocate (before(n), body(n), number(n))
+    n_rows = 0
+    n_vertices = 0
+    c = 0
+    do b = 1, size(start)
+      call unpack_body(parcel, start(b), bodies, b, n_contactors)
+      do k = 1, n_contactors
+        c = c + 1
+        before(c) = parcel%at
+        body(c) = b
+        call unpack_size(parcel, bodies%dimension, one, kind, vertices)
+        number(c) = int(one, i8)
+        n_rows(kind) = n_rows(kind) + 1
+        n_vertices = n_vertices + vertices
+      end do
+    end do
+    order = sort_permutation(number)
+    deallocate (number)
+    call make_room_for_shapes(contactors, bodies%dimension, n_rows, n_vertices)
+    do c = 1, n
+      parcel%at = before(order(c))
+      call unpack_contactor(contactors, c, body(order(c)), parcel)
+    end do
+  end subroutine unpack_bodies
+
+  !> Read what a record says of its body; the parcel is left before its contactors.
+  subroutine unpack_body(parcel, start, bodies, b, n_contactors)
+    type(parcel_t), intent(inout) :: parcel
+    integer, intent(in) :: start
+    type(bodies_t), intent(inout) :: bodies
+    integer, intent(in) :: b
+    integer(i4), intent(out) :: n_contactors
+    integer(i4) :: is_grain
+
+    parcel%at = start + place_number - 2
+    call parcel%take(bodies%id(b))
+    call parcel%take(bodies%home(b))
+    call parcel%take(is_grain)
+    bodies%is_grain(b) = is_grain == 1
+    call parcel%take(bodies%material(b))
+    call parcel%take(n_contactors)
+    call parcel%take(bodies%position(:, b))
+    if (allocated(bodies%angle)) call parcel%take(bodies%angle(b))
+    if (allocated(bodies%orientation)) call parcel%take(bodies%orientation(:, b))
+    call parcel%take(bodies%velocity(:, b))
+    call parcel%take(bodies%mass(b))
+    if (bodies%dimension == 2) call parcel%take(bodies%inertia(b))
+    if (bodies%dimension == 3) call parcel%take(bodies%principal(:, b))
+    call parcel%take(bodies%inverse_mass(:, b))
+    call parcel%take(bodies%area(b))
+    call parcel%take(bodies%crossings(b))
+    if (bodies%dimension == 3) call parcel%take(bodies%crossings_y(b))
+  end subroutine unpack_body
+end module sg_pack_bodies
