@@ -6,17 +6,17 @@ usage: test_cli.py PROGRAM [unittest options]
 
 import csv
 import json
-import re
 import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 from pathlib import Path
 
-PROGRAM = None
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from program_case import ProgramCase, take_program
+
 SOURCE = Path(__file__).resolve().parents[2]
 
 # Twelve disks fall on a floor.
@@ -52,19 +52,11 @@ compactness coordination coordination_without_rattlers single_contacts double_co
 max_velocity inertia_number""".split()
 
 
-class Cli(unittest.TestCase):
+class Cli(ProgramCase):
     def setUp(self):
-        place = tempfile.TemporaryDirectory(prefix="splitgrain ")
-        self.addCleanup(place.cleanup)
-        self.place = Path(place.name)
+        super().setUp()
         self.deck = self.place / "fall.toml"
         self.deck.write_text(DECK)
-
-    def run_program(self, *words, code=0):
-        """Run the program in the test's folder; its exit code must be this one."""
-        done = subprocess.run([PROGRAM, *map(str, words)], cwd=self.place, capture_output=True, text=True, timeout=120)
-        self.assertEqual(done.returncode, code, f"{words}\n{done.stdout}\n{done.stderr}")
-        return done
 
     def run_json(self, folder="fall.results"):
         return json.loads((self.place / folder / "run.json").read_text())
@@ -72,12 +64,6 @@ class Cli(unittest.TestCase):
     def record(self, folder="fall.results"):
         with open(self.place / folder / "record.csv", newline="") as file:
             return list(csv.DictReader(file))
-
-    def has_library(self, name):
-        return re.search(rf"^{name}\s+on", self.run_program("--version").stdout, re.M) is not None
-
-    def has_hdf5(self):
-        return self.has_library("HDF5")
 
     def restart_files(self, folder):
         return sorted(p.name for p in (self.place / folder).iterdir() if "restart" in p.name)
@@ -140,7 +126,7 @@ class Decks(Cli):
         for deck in decks:
             with self.subTest(deck=deck.name):
                 # Random polyhedra are hulls; a program without Qhull must say so.
-                checked = subprocess.run([PROGRAM, "check", deck], cwd=self.place, capture_output=True, text=True, timeout=120)
+                checked = subprocess.run([self.program, "check", deck], cwd=self.place, capture_output=True, text=True, timeout=120)
                 if checked.returncode and 'shape = "polyhedron"' in deck.read_text():
                     self.assertIn("without Qhull", checked.stderr)
                     continue
@@ -287,7 +273,7 @@ class Stops(Cli):
     def start(self, *words):
         """Start a run that would last for hours, and wait for its first rows."""
         program = subprocess.Popen(
-            [PROGRAM, "run", "fall.toml", "--set", "time.steps=100000000", "--set", "output.record_every=100",
+            [self.program, "run", "fall.toml", "--set", "time.steps=100000000", "--set", "output.record_every=100",
              "--output", "out", "--quiet", *words],
             cwd=self.place, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)  # fmt: skip
         self.addCleanup(program.stderr.close)
@@ -365,7 +351,7 @@ class Stops(Cli):
 
 
 if __name__ == "__main__":
-    PROGRAM = str(Path(sys.argv.pop(1)).resolve())
+    take_program()
     outcome = unittest.main(exit=False).result
     failed = len(outcome.failures) + len(outcome.errors)
     print(f"{outcome.testsRun - failed} passed, {failed} failed")

@@ -21,10 +21,12 @@ import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from pages import put, table
+
 LENGTH, DEPTH, HEIGHT = 0.236, 0.115, 0.071
 PITCH = 0.24
 DENSITY, FRICTION, ALERT, STEP, THETA, GRAVITY = 1800.0, 0.6, 1e-3, 1e-3, 0.5, 9.81
-MARKERS = ("<!-- compas: begin -->", "<!-- compas: end -->")
 FACES = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
 # Of the weight above a joint: LMGC90 stops at 1e-4 of its own criterion, which looks at increments.
 SAME = 2e-3
@@ -157,13 +159,10 @@ def main():
                          f"{here[brick][axis]:.5f}", f"{there[brick][axis]:.5f}"])
         if abs(here[brick] - there[brick]).max() > 0.05 * abs(there[brick]).max():
             wrong.append(f"{name}: not the same way")
-    lines = [["scene", "", "ours", "LMGC90"], ["---"] * 4, *rows]
-    text = "\n".join("| " + " | ".join(line) + " |" for line in lines)
-    print(text)
+    text = table(["scene", "", "ours", "LMGC90"], rows)
+    print(text, end="")
     if sys.argv[2:3] == ["--write"]:
-        page = Path(sys.argv[3]).read_text()
-        begin, end = (page.index(marker) for marker in MARKERS)
-        Path(sys.argv[3]).write_text(f"{page[:begin]}{MARKERS[0]}\n\n{text}\n\n{page[end:]}")
+        put(sys.argv[3], "compas", text)
     sys.exit("\n".join(wrong) or 0)
 
 

@@ -22,8 +22,10 @@ from pathlib import Path
 
 from lmgc90_reference import Reference, read_references, read_steps
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from pages import put, table
+
 SOURCE = Path(__file__).resolve().parents[2]
-MARKERS = ("<!-- tables: begin -->", "<!-- tables: end -->")
 OUR_DEFAULTS = dict.fromkeys(("solver.criterion", "solver.tolerance", "solver.check_every", "solver.maximum_sweeps"))
 TIGHT = {"solver.criterion": "e8", "solver.tolerance": 1e-6, "solver.check_every": 100, "solver.maximum_sweeps": 200000}
 
@@ -151,12 +153,6 @@ def figures(result):
             "coordination_2Nc/Nb": 2 * run_json["active_contacts"] / run_json["bodies"],
             "sweeps_mean": run_json["sweeps"] / run_json["steps"], "sweeps_total": run_json["sweeps"],
             "total_user": result.cpu}
-
-
-def table(head, rows):
-    """A table in Markdown."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(str(w) for w in line) + " |" for line in lines) + "\n"
 
 
 def show(value, digits=6):
@@ -411,8 +407,7 @@ def main():
     if arguments.write is None:
         print(tables)
         return
-    before, rest = arguments.write.read_text().split(MARKERS[0])
-    arguments.write.write_text(before + MARKERS[0] + "\n\n" + tables + "\n" + MARKERS[1] + rest.split(MARKERS[1])[1])
+    put(arguments.write, "tables", tables)
 
 
 if __name__ == "__main__":

@@ -30,8 +30,10 @@ from pathlib import Path
 
 from own_problems import LARGE, SMALL, SOURCE, dump
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from pages import put, table
+
 WORKER = Path(__file__).with_name("siconos_worker.py")
-MARKERS = ("<!-- tables: begin -->", "<!-- tables: end -->")
 TOLERANCE = 1e-8
 RESOLUTION = 3e-4
 """CPU seconds that clocks tell apart"""
@@ -186,11 +188,6 @@ def best(runs):
     return f"{min(solved)[1]} {show(runs[min(solved)[1]])}" if solved else "none"
 
 
-def table(head, rows):
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines) + "\n"
-
-
 def tables(problems, seconds):
     """All tables in Markdown."""
     yield (f"Measured {time.strftime('%Y-%m-%d')} on {processor()}, one core, at most {seconds:g} CPU s a solve. CPU seconds to "
@@ -266,13 +263,6 @@ def draw(problems, file):
     figure.savefig(file, dpi=80)
 
 
-def put(file, text):
-    """Replace what is between the markers of a page."""
-    page = Path(file).read_text()
-    begin, end = (page.index(marker) for marker in MARKERS)
-    Path(file).write_text(f"{page[:begin]}{MARKERS[0]}\n\n{text}\n{page[end:]}")
-
-
 def arguments():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("program", type=Path)
@@ -304,7 +294,7 @@ def main():
     text = "\n".join(tables(problems, asked.seconds))
     print(text)
     if asked.write:
-        put(asked.write, text)
+        put(asked.write, "tables", text)
     if asked.picture:
         draw(problems, asked.picture)
     sys.exit("\n".join(mistakes) or 0)

@@ -10,18 +10,17 @@ HDF5, only what needs no file is tested; our own problems are made here from dec
 import csv
 import json
 import os
-import re
 import shutil
 import stat
-import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
 from own_problems import SMALL, SOURCE, dump
 
-PROGRAM = None
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from program_case import ProgramCase, take_program
+
 PROBLEMS = Path(os.environ.get("SPLITGRAIN_SHARED") or SOURCE.parent / "shared") / "problems"
 
 # Contacts of each problem.
@@ -48,18 +47,12 @@ TOLERANCE = 1e-8
 KEYS = {"file", "contacts", "solver", "iterations", "cpu_seconds", "e1", "e2", "e8", "converged"}
 
 
-class Solve(unittest.TestCase):
-    def setUp(self):
-        place = tempfile.TemporaryDirectory(prefix="splitgrain ")
-        self.addCleanup(place.cleanup)
-        self.place = Path(place.name)
+class Solve(ProgramCase):
+    timeout = 600
 
     def solve(self, *words, code=0):
         """Run the subcommand in the test's folder; its exit code must be this one."""
-        command = [PROGRAM, "solve", *map(str, words)]
-        done = subprocess.run(command, cwd=self.place, capture_output=True, text=True, timeout=600)
-        self.assertEqual(done.returncode, code, f"{words}\n{done.stdout}\n{done.stderr}")
-        return done
+        return self.run_program("solve", *words, code=code)
 
     def solve_json(self, *words, code=0):
         """The objects that the subcommand prints, one a line."""
@@ -90,7 +83,7 @@ class CommandLine(Solve):
     def test_no_hdf5_file(self):
         (self.place / "text.hdf5").write_text("u = W r + q")
         said = self.solve("text.hdf5", code=2).stderr
-        self.assertRegex(said, "this is no HDF5 file" if has_hdf5() else "built without HDF5")
+        self.assertRegex(said, "this is no HDF5 file" if self.has_hdf5() else "built without HDF5")
         self.assertEqual(said.count("\n"), 1)
 
 
@@ -98,11 +91,11 @@ class Own(Solve):
     """The default solver on steps of our own decks, in the plane and in space, in both forms."""
 
     def test_default_solves_steps_of_our_decks(self):
-        if not has_hdf5():
+        if not self.has_hdf5():
             self.skipTest("built without HDF5")
         for name in SMALL:
             with self.subTest(name=name):
-                local = dump(PROGRAM, self.place, name)
+                local = dump(self.program, self.place, name)
                 rows = self.solve_json(local, local.with_name(local.name.replace("local", "global")), "--tolerance", TOLERANCE)
                 self.assertEqual([row["dimension"] for row in rows], [2 if "plane" in name else 3] * 2)
                 self.assertEqual(rows[0]["contacts"], rows[1]["contacts"])
@@ -118,7 +111,7 @@ class Own(Solve):
 class Real(Solve):
     def setUp(self):
         super().setUp()
-        if not has_hdf5():
+        if not self.has_hdf5():
             self.skipTest("built without HDF5")
         if not PROBLEMS.is_dir():
             self.skipTest(f"no real problems in {PROBLEMS}")
@@ -209,13 +202,8 @@ class Real(Solve):
                 self.assertLessEqual(row["e1"], TOLERANCE)
 
 
-def has_hdf5():
-    printed = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout
-    return re.search(r"^HDF5\s+on", printed, re.M) is not None
-
-
 if __name__ == "__main__":
     if len(sys.argv) < 2:
         sys.exit(__doc__)
-    PROGRAM = str(Path(sys.argv.pop(1)).resolve())
+    take_program()
     unittest.main()

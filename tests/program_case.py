@@ -1,0 +1,37 @@
+"""Tests of the program from outside, each in a folder of its own whose name has a blank."""
+
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+
+class ProgramCase(unittest.TestCase):
+    program = None
+    timeout = 120
+    """Seconds that a call may take"""
+
+    def setUp(self):
+        place = tempfile.TemporaryDirectory(prefix="splitgrain ")
+        self.addCleanup(place.cleanup)
+        self.place = Path(place.name)
+
+    def run_program(self, *words, code=0):
+        """Run the program in the test's folder; its exit code must be this one."""
+        done = subprocess.run([self.program, *map(str, words)], cwd=self.place, capture_output=True, text=True,
+                              timeout=self.timeout)
+        self.assertEqual(done.returncode, code, f"{words}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def has_library(self, name):
+        return re.search(rf"^{name}\s+on", self.run_program("--version").stdout, re.M) is not None
+
+    def has_hdf5(self):
+        return self.has_library("HDF5")
+
+
+def take_program():
+    """Take the program from the command line."""
+    ProgramCase.program = str(Path(sys.argv.pop(1)).resolve())
