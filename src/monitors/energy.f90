@@ -10,9 +10,10 @@ module sg_energy
   use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
   use sg_kinds, only: wp
   use sg_mapping, only: relative_velocity
-  use sg_mapping_space, only: space_relative_velocity
-  use sg_rotations, only: no_rotation, turned_back, turned_on
+  use sg_mapping_space, only: space_arms
+  use sg_rotations, only: no_rotation, turned_back, turned_by, turned_on
   use sg_scene, only: scene_t
+  use sg_vectors, only: cross
   implicit none
   private
   public :: energy_t, kinetic_energy, potential_energy, energy_closure, n_energy_values
@@ -70,14 +71,16 @@ contains
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(in), contiguous :: velocity(:, :)
     real(wp) :: work(2), u(2), jump(3), normal_work
+    real(wp), allocatable :: spin(:, :)
     integer :: k, n
 
     work = 0
     n = contacts%n_components
+    if (scene%dimension == 3) spin = spins_in_world(scene%bodies, velocity)
     do k = 1, contacts%n
       if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
       if (scene%dimension == 3) then
-        jump = space_relative_velocity(scene, contacts, k, velocity)
+        jump = jump_at(scene, contacts, k, velocity, spin)
         normal_work = normal_impulse(contacts, k)*dot_product(contacts%normal(:, k), jump)
         work = work + [normal_work, dot_product(impulse_vector(contacts, k), jump) - normal_work]
         cycle
@@ -86,6 +89,35 @@ contains
       work(:n) = work(:n) + contacts%impulse(:, k)*u(:n)
     end do
   end function contact_work
+
+  !> Spins of all bodies in the world's axes [rad/s]; a body has many contacts, and is turned once. None where nothing turns.
+  pure function spins_in_world(bodies, velocity) result(spin)
+    type(bodies_t), intent(in) :: bodies
+    real(wp), intent(in), contiguous :: velocity(:, :)
+    real(wp), allocatable :: spin(:, :)
+    integer :: b
+
+    allocate (spin(3, merge(bodies%n, 0, size(velocity, 1) == 6)))
+    do b = 1, size(spin, 2)
+      spin(:, b) = turned_by(bodies%middle(4:7, b), velocity(4:6, b))
+    end do
+  end function spins_in_world
+
+  !> Relative velocity at a contact in space [m/s]: `space_relative_velocity`, of spins that are turned already.
+  pure function jump_at(scene, contacts, k, velocity, spin) result(u)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    real(wp), intent(in), contiguous :: velocity(:, :), spin(:, :)
+    real(wp) :: u(3), arms(3, 2)
+
+    associate (c => contacts%body(1, k), a => contacts%body(2, k))
+      u = velocity(1:3, c) - velocity(1:3, a)
+      if (size(spin, 2) == 0) return
+      arms = space_arms(scene, contacts, k)
+      u = u + cross(spin(:, c), arms(:, 1)) - cross(spin(:, a), arms(:, 2))
+    end associate
+  end function jump_at
 
   !> Work of all forces but gravity over a step [J].
   pure real(wp) function imposed_work(scene, h, mean) result(work)
