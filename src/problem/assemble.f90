@@ -242,6 +242,8 @@ contains
       normal = normal + problem%record(13, k)
     case (ball_frictional, solid_frictional)
       normal = dot_product(problem%record(1:3, k), problem%impulse(:, k))
+      status = status_none
+      if (problem%kind == ball_frictional .and. .not. normal > 0) return
       tangential = norm2(problem%impulse(:, k) - normal*problem%record(1:3, k))
       friction = problem%record(merge(9, 21, problem%kind == ball_frictional), k)
       if (problem%kind == solid_frictional) normal = normal + problem%record(22, k)

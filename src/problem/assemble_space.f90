@@ -100,8 +100,12 @@ contains
     real(wp) :: n(3), t(3), bias(3), arms(3, 2), mass(3), w
 
     n = contacts%normal(:, k)
-    t = tangent_of(n)
-    bias = law%bias(1)*n + law%bias(2)*t + law%bias(3)*cross(n, t)
+    bias = law%bias(1)*n
+    t = 0
+    if (kind == solid_frictional .or. any(abs(law%bias(2:)) > 0)) then
+      t = tangent_of(n)
+      bias = bias + law%bias(2)*t + law%bias(3)*cross(n, t)
+    end if
     select case (kind)
     case (ball_frictionless)
       mass = body(4:6, pair(1)) + body(4:6, pair(2))

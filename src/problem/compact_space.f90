@@ -43,9 +43,31 @@ contains
     integer :: k
 
     do k = 1, problem%n_contacts
+      if (.not. any(abs(problem%impulse(:, k)) > 0)) cycle
+      if (problem%kind == ball_frictional) then
+        associate (c => problem%pair(1, k), a => problem%pair(2, k))
+          if (min(problem%body(8, c), problem%body(8, a)) >= 0) then
+            call push_balls(problem%body(:, c), problem%body(:, a), problem%impulse(:, k), problem%record(:, k))
+            cycle
+          end if
+        end associate
+      end if
       call push_bodies(problem, k, problem%impulse(:, k))
     end do
   end subroutine add_space_impulses
+
+  !> What an impulse does to two balls that are free in all directions or in none, the most frequent case.
+  pure subroutine push_balls(c, a, p, n)
+    real(wp), intent(inout) :: c(8), a(8)
+    real(wp), intent(in) :: p(3), n(3)
+    real(wp) :: turn(3)
+
+    turn = cross(p, n)
+    c(1:3) = c(1:3) + c(7)*p
+    a(1:3) = a(1:3) - a(7)*p
+    c(4:6) = c(4:6) + c(8)*turn
+    a(4:6) = a(4:6) + a(8)*turn
+  end subroutine push_balls
 
   !> Add to the velocities of its two bodies what an impulse at one contact does.
   pure subroutine push_bodies(problem, k, r)
