@@ -37,7 +37,8 @@ contains
     real(wp), intent(in) :: offset(3) !! by which j is moved [m]
     real(wp), intent(in) :: period(3) !! in x, y and z, zero where not periodic [m]
     real(wp), intent(in) :: distance !! [m]
-    real(wp) :: apart(3)
+    real(wp) :: apart(3), limit
+    real(wp), parameter :: rounded = 1 + 16*epsilon(1.0_wp)
 
     apart = 0
     apart(:contactors%dimension) = contactors%centre(:, i) - contactors%centre(:, j)
@@ -47,7 +48,10 @@ contains
     else if (is_wall(contactors, i)) then
       is_near = near_wall(contactors, i, -apart, contactors%reach(j), period, distance)
     else
-      is_near = norm2(apart) - contactors%reach(i) - contactors%reach(j) < distance
+      ! Most are far: a square tells, without a root. Where rounding might matter the distance itself decides.
+      limit = rounded*max(0.0_wp, contactors%reach(i) + contactors%reach(j) + distance)
+      is_near = apart(1)**2 + apart(2)**2 + apart(3)**2 <= limit**2
+      if (is_near) is_near = norm2(apart) - contactors%reach(i) - contactors%reach(j) < distance
     end if
   end function is_near
 

@@ -10,18 +10,18 @@ module sg_touch_space
   !> The most points of one pair
   integer, parameter :: most_points = 4
 
-  !> Points of contact of one pair
+  !> Points of contact of one pair. Made for every pair that comes near, so nothing but `n` is set before there are points
   type :: touch_space_t
     !> Number of points
     integer :: n = 0
     !> Unit normals from antagonist to candidate, shape (3, point)
-    real(wp) :: normal(3, most_points) = 0
+    real(wp) :: normal(3, most_points)
     !> Points half-way between the two facing surfaces, along the normal [m], shape (3, point)
-    real(wp) :: point(3, most_points) = 0
+    real(wp) :: point(3, most_points)
     !> Gaps [m], negative where the shapes overlap
-    real(wp) :: gap(most_points) = 0
+    real(wp) :: gap(most_points)
     !> Keys that tell the points of a pair apart, the same from step to step; 0 where a pair has one point only
-    integer(i4) :: feature(most_points) = 0
+    integer(i4) :: feature(most_points)
   end type touch_space_t
 
 contains
