@@ -6,7 +6,7 @@
 module sg_polyhedra_overlap
   use sg_kinds, only: wp
   use sg_polyhedron, only: polyhedron_t
-  use sg_separation, only: axis_t, extreme_vertex, measure_axis
+  use sg_separation, only: axis_t, measure_axis
   use sg_vectors, only: cross
   implicit none
   private

@@ -8,7 +8,7 @@ module sg_separation
   use sg_polyhedron, only: polyhedron_t
   implicit none
   private
-  public :: axis_t, extreme_vertex, measure_axis, rounding_of
+  public :: axis_t, measure_axis, rounding_of
 
   !> An axis between two polyhedra
   type :: axis_t

@@ -12,35 +12,26 @@ module sg_touch_polyhedron_polyhedron
   use sg_touch_space, only: touch_space_t
   implicit none
   private
-  public :: touch_polyhedron_polyhedron, touching_axis
+  public :: touch_polyhedron_polyhedron
 
 contains
 
   !> Points of contact of two convex polyhedra.
-  pure subroutine touch_polyhedron_polyhedron(c, a, offset, alert, touch, guess)
+  pure subroutine touch_polyhedron_polyhedron(c, a, offset, alert, touch)
     type(polyhedron_t), intent(in) :: c !! candidate, in the world
     type(polyhedron_t), intent(in) :: a !! antagonist, in the world
     real(wp), intent(in) :: offset(3) !! added to the antagonist's coordinates (its periodic image) [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     type(touch_space_t), intent(out) :: touch !! up to four points
-    real(wp), intent(inout), optional :: guess(3) !! axis of the pair's last detection, 0 for none; set to the present one
     type(axis_t) :: axis
     real(wp) :: way(3), start(3), size2
 
     way = c%centre - a%centre - offset
-    if (dot_product(way, way) >= (c%reach + a%reach + max(alert, 0.0_wp))**2) return
-    start = way
-    if (present(guess)) then
-      if (dot_product(guess, guess) > 0.25_wp) start = guess
-    end if
-    size2 = dot_product(start, start)
-    if (size2 > tiny(size2)) then
-      start = start/sqrt(size2)
-    else
-      start = [1.0_wp, 0.0_wp, 0.0_wp]
-    end if
+    size2 = dot_product(way, way)
+    if (size2 >= (c%reach + a%reach + max(alert, 0.0_wp))**2) return
+    start = [1.0_wp, 0.0_wp, 0.0_wp]
+    if (size2 > tiny(size2)) start = way/sqrt(size2)
     call touching_axis(c, a, offset, alert, start, axis)
-    if (present(guess)) guess = axis%normal
     ! Places that are not numbers have no axis.
     if (axis%separation >= alert .or. axis%vertex_c == 0) return
     call add_shared_points(c, a, offset, alert, rounding_of(c, a, offset), axis, touch)

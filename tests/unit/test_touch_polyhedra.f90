@@ -21,7 +21,6 @@ program test_touch_polyhedra
   call test_far_from_origin()
   call test_exchange()
   call test_rigid_motion()
-  call test_guess()
   call test_sweeps()
   call t%finish()
 
@@ -218,27 +217,6 @@ contains
     end do
     call t%check(found > 1000, 'many pairs touch')
   end subroutine test_rigid_motion
-
-  !> A guess of the axis, however wrong, changes nothing.
-  subroutine test_guess()
-    type(random_t) :: random
-    type(polyhedron_t) :: c, a
-    type(touch_space_t) :: without, with
-    real(wp) :: offset(3), alert, guess(3)
-    integer :: i, k
-
-    call random%seed(7)
-    do i = 1, 4000
-      call random_pair(random, c, a, offset, alert)
-      call touch_polyhedron_polyhedron(c, a, offset, alert, without)
-      guess = random_direction(random)
-      do k = 1, 2
-        call touch_polyhedron_polyhedron(c, a, offset, alert, with, guess)
-        call t%check(is_same(without, with, unit, zero, 1.0_wp, tight*(c%reach + a%reach)), 'guess of the axis')
-        call t%near(norm2(guess), 1.0_wp, 1e-14_wp, 'the guess kept is a unit vector')
-      end do
-    end do
-  end subroutine test_guess
 
   !> Along a sweep the gap changes by no more than the shapes move: the signed distance is a distance.
   subroutine test_sweeps()
