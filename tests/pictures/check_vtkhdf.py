@@ -12,14 +12,9 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
+from vtk_pictures import check, finish, grid_at, points_of, times_of
+
 STEPS, STEP, VELOCITY, PERIOD = 11, 0.01, 2.0, 10.0
-failures = []
-
-
-def check(holds, what):
-    if not holds:
-        failures.append(what)
-        print("FAILED:", what)
 
 
 def near(got, wanted, tolerance, what):
@@ -32,20 +27,12 @@ def contacts_at(step):
 
 
 def grids(path, reader):
-    """The grid of every step, with its time, read through the pipeline as ParaView does."""
-    reader.SetFileName(str(path))
-    reader.UpdateInformation()
-    key = vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()
-    times = reader.GetOutputInformation(0).Get(key)
-    times = times or ()
+    """The grid of every step."""
+    times = times_of(reader, path)
     check(len(times) == STEPS, f"{path.name}: {STEPS} times")
     near(times, STEP * np.arange(len(times)), 1e-14, f"{path.name}: times")
     for time in times:
-        reader.UpdateTimeStep(time)
-        grid = reader.GetOutputDataObject(0)
-        while not grid.IsA("vtkDataSet"):  # one part, or one step of a collection
-            grid = grid.GetBlock(0) if grid.IsA("vtkMultiBlockDataSet") else grid.GetPartition(0)
-        yield grid
+        yield grid_at(reader, time)
 
 
 def array(data, name):
@@ -54,17 +41,13 @@ def array(data, name):
     return vtk_to_numpy(found)
 
 
-def points(grid):
-    return vtk_to_numpy(grid.GetPoints().GetData()) if grid.GetNumberOfPoints() else np.zeros((0, 3))
-
-
 def check_bodies(path, reader, tolerance):
     for step, grid in enumerate(grids(path, reader)):
         check(grid.GetNumberOfPoints() == 6 and grid.GetNumberOfCells() == 6, f"{path.name} {step}: six bodies")
         moved = 9.9 + VELOCITY * STEP * step
         # Of a grain within rounding of the border either side is right.
-        near((points(grid)[0, 0] - moved + 1) % PERIOD - 1, 0, tolerance, f"{path.name} {step}: the first grain")
-        near(points(grid)[2, 0], 3 + VELOCITY * STEP * step, tolerance, f"{path.name} {step}: the third grain")
+        near((points_of(grid)[0, 0] - moved + 1) % PERIOD - 1, 0, tolerance, f"{path.name} {step}: the first grain")
+        near(points_of(grid)[2, 0], 3 + VELOCITY * STEP * step, tolerance, f"{path.name} {step}: the third grain")
         data = grid.GetPointData()
         near(array(data, "displacement")[:4, 0], VELOCITY * STEP * step, tolerance, f"{path.name} {step}: displacement")
         near(array(data, "velocity").sum(0), [4 * VELOCITY, 0, 0], tolerance, f"{path.name} {step}: velocity")
@@ -102,7 +85,7 @@ def check_contacts(path, reader, tolerance):
             continue
         data = grid.GetCellData()
         near(array(data, "force_normal")[lines].sum(), [0, 3, 8][wanted], tolerance, f"{path.name} {step}: forces")
-        ends = points(grid)[:2]
+        ends = points_of(grid)[:2]
         near(ends[1, 0] - ends[0, 0], 0.6, tolerance, f"{path.name} {step}: a line ends at the near image")
         if path.suffix != ".xmf":
             count = array(grid.GetFieldData(), "ncontacts")
@@ -134,8 +117,7 @@ def main():
         look(folder / f"{name}.vtkhdf", vtk.vtkHDFReader(), tolerance)
         if hasattr(vtk, "vtkXdmfReader"):
             look(folder / f"{name}.xmf", vtk.vtkXdmfReader(), tolerance)
-    print(f"VTK {vtk.VTK_VERSION}, {folder}: {len(failures)} failed")
-    sys.exit(1 if failures else 0)
+    finish(folder)
 
 
 if __name__ == "__main__":

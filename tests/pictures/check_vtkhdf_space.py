@@ -11,39 +11,15 @@ import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
+from vtk_pictures import check, finish, grid_at, points_of, times_of
+
 SPHERE, PLANE, CYLINDER, HOLLOW, POLYHEDRON = 5, 6, 7, 8, 9
 NAMES = ("bodies", "shapes", "contacts")
-failures = []
-
-
-def check(holds, what):
-    if not holds:
-        failures.append(what)
-        print("FAILED:", what)
-
-
-def times_of(reader, path):
-    reader.SetFileName(str(path))
-    reader.UpdateInformation()
-    return reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()) or ()
-
-
-def grid_at(reader, time):
-    """The grid of a time, read through the pipeline as ParaView does."""
-    reader.UpdateTimeStep(time)
-    grid = reader.GetOutputDataObject(0)
-    while not grid.IsA("vtkDataSet"):
-        grid = grid.GetBlock(0) if grid.IsA("vtkMultiBlockDataSet") else grid.GetPartition(0)
-    return grid
 
 
 def arrays(data):
     """All arrays by name, as numpy's."""
     return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
-
-
-def points_of(grid):
-    return vtk_to_numpy(grid.GetPoints().GetData()) if grid.GetNumberOfPoints() else np.zeros((0, 3))
 
 
 def surface_of(grid, cells):
@@ -155,8 +131,7 @@ def main():
         also = look(folder, ".xmf", vtk.vtkXdmfReader, density)
         for one, other in zip(seen, also):
             check(one[:3] == other[:3] and np.isclose(one[3], other[3]), f"the sidecars show what the files show: {one}, {other}")
-    print(f"VTK {vtk.VTK_VERSION}, {folder}: {len(failures)} failed")
-    sys.exit(1 if failures else 0)
+    finish(folder)
 
 
 if __name__ == "__main__":
