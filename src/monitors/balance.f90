@@ -6,7 +6,7 @@ module sg_balance
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: floor_share, force_on_walls, momentum
+  public :: floor_share, carried_share, force_on_walls, momentum
 
 contains
 
@@ -16,15 +16,23 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in) :: mass !! mass of all grains [kg]
+
+    share = carried_share(force_on_walls(scene, contacts, h), scene%gravity, mass)
+  end function floor_share
+
+  !> A force along gravity over the weight of a mass; zero without weight.
+  pure real(wp) function carried_share(force, gravity, mass) result(share)
+    real(wp), intent(in) :: force(:) !! force [N], shape (dimension)
+    real(wp), intent(in) :: gravity(3) !! [m/s2]
+    real(wp), intent(in) :: mass !! [kg]
     real(wp) :: weight
 
     share = 0
-    weight = mass*norm2(scene%gravity)
-    if (.not. weight*h > 0) return
-    share = dot_product(force_on_walls(scene, contacts, h), scene%gravity(:scene%dimension))/(norm2(scene%gravity)*weight)
-  end function floor_share
+    weight = mass*norm2(gravity)
+    if (weight > 0) share = dot_product(force, gravity(:size(force)))/(norm2(gravity)*weight)
+  end function carried_share
 
-  !> Force of contacts on all walls, mean over the step [N].
+  !> Force of this rank's contacts on all walls, mean over the step [N].
   pure function force_on_walls(scene, contacts, h) result(force)
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
@@ -33,6 +41,7 @@ contains
     integer :: k
 
     force = 0
+    if (.not. h > 0) return
     do k = 1, contacts%n
       associate (is_grain => scene%bodies%is_grain(contacts%body(:, k)))
         if (is_grain(1) .eqv. is_grain(2)) cycle
@@ -43,14 +52,14 @@ contains
     end do
   end function force_on_walls
 
-  !> Momentum of the grains [kg m/s].
+  !> Momentum of this rank's grains [kg m/s].
   pure function momentum(bodies)
     type(bodies_t), intent(in) :: bodies !! bodies with their velocities
     real(wp) :: momentum(bodies%dimension)
     integer :: i
 
     momentum = 0
-    do i = 1, bodies%n
+    do i = 1, bodies%n_home
       if (bodies%is_grain(i)) momentum = momentum + bodies%mass(i)*bodies%velocity(:bodies%dimension, i)
     end do
   end function momentum

@@ -8,37 +8,51 @@ module sg_compactness
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: box_area
+  public :: box_area, box_of_grains, area_of_box
 
 contains
 
   !> Area of the box of the grains [m2], in space its volume [m3]; zero without grains.
   pure real(wp) function box_area(scene) result(area)
     type(scene_t), intent(in) :: scene !! scene with its contactors placed
-    real(wp) :: low(scene%dimension), high(scene%dimension), corner(scene%dimension, 2)
-    integer :: c
-    logical :: is_empty
 
-    is_empty = .true.
-    low = huge(low)
-    high = -huge(high)
+    area = area_of_box(scene, box_of_grains(scene))
+  end function box_area
+
+  !> Lowest and highest coordinates of the grains of this rank [m], shape (dimension, 2); the lowest above the highest without any.
+  pure function box_of_grains(scene) result(box)
+    type(scene_t), intent(in) :: scene !! scene with its contactors placed
+    real(wp) :: box(scene%dimension, 2), corner(scene%dimension, 2)
+    integer :: c
+
+    box(:, 1) = huge(box)
+    box(:, 2) = -huge(box)
     do c = 1, scene%contactors%n
+      if (scene%contactors%body(c) > scene%bodies%n_home) cycle
       if (.not. scene%bodies%is_grain(scene%contactors%body(c))) cycle
       if (scene%dimension == 3) then
         corner = extent_in_space(scene%contactors, c)
       else
         corner = extent(scene%contactors, c)
       end if
-      low = min(low, corner(:, 1))
-      high = max(high, corner(:, 2))
-      is_empty = .false.
+      box(:, 1) = min(box(:, 1), corner(:, 1))
+      box(:, 2) = max(box(:, 2), corner(:, 2))
     end do
+  end function box_of_grains
+
+  !> Area of a box [m2], in space its volume [m3], as wide as the period where there is one; zero for an empty one.
+  pure real(wp) function area_of_box(scene, box) result(area)
+    type(scene_t), intent(in) :: scene !! scene with its periods
+    real(wp), intent(in) :: box(:, :) !! of `box_of_grains`, of all ranks [m]
+    real(wp) :: high(size(box, 1))
+
     area = 0
-    if (is_empty) return
-    if (scene%period > 0) high(1) = low(1) + scene%period
-    if (scene%period_y > 0) high(2) = low(2) + scene%period_y
-    area = product(high - low)
-  end function box_area
+    if (any(box(:, 1) > box(:, 2))) return
+    high = box(:, 2)
+    if (scene%period > 0) high(1) = box(1, 1) + scene%period
+    if (scene%period_y > 0) high(2) = box(2, 1) + scene%period_y
+    area = product(high - box(:, 1))
+  end function area_of_box
 
   !> Lowest and highest coordinates of a shape in the plane [m].
   pure function extent(contactors, c) result(corner)

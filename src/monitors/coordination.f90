@@ -3,6 +3,9 @@
 !! Two bodies touch when a contact between them carries a positive normal impulse. A rattler is a grain with fewer
 !! than two touching neighbours, in the plane and in space (C. Thornton, Geotechnique 50, 2000); it is taken away once,
 !! not again and again, since a column under its own weight would otherwise unravel from its top.
+!!
+!! Contacts of one grain may lie on several ranks. Its neighbours are then added up at its home and told to all who hold a
+!! copy, between `neighbours_of` and `coordination_sums`.
 module sg_coordination
   use sg_contacts, only: contacts_t, normal_impulse
   use sg_kinds, only: wp, i4, i8
@@ -11,6 +14,17 @@ module sg_coordination
   implicit none
   private
   public :: coordination_t, coordinate
+  public :: touching_t, touching_pairs, neighbours_of, coordination_sums, coordination_of, n_coordination_sums
+
+  !> Numbers of `coordination_sums`
+  integer, parameter :: n_coordination_sums = 8
+
+  !> Pairs of bodies that touch
+  type :: touching_t
+    !> The two bodies, shape (2, pairs), and by how many points they touch, shape (pairs)
+    integer(i4), allocatable :: body(:, :)
+    integer, allocatable :: points(:)
+  end type touching_t
 
   !> Numbers of neighbours and of points
   type :: coordination_t
@@ -24,51 +38,78 @@ module sg_coordination
 
 contains
 
-  !> Count neighbours and points.
+  !> Count neighbours and points in a scene that is not decomposed.
   pure function coordinate(contacts, is_grain) result(coordination)
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     logical, intent(in) :: is_grain(:) !! is a body a grain? shape (bodies)
     type(coordination_t) :: coordination
-    integer(i4), allocatable :: pair(:, :)
-    integer, allocatable :: points(:)
-    integer :: neighbours(size(is_grain)), i
-    logical :: carries(size(is_grain))
+    type(touching_t) :: touching
 
-    call touching_pairs(contacts, size(is_grain), pair, points)
-    coordination%single = count(points == 1)
-    coordination%double = count(points == 2)
-    coordination%triple = count(points == 3)
-    coordination%quadruple = count(points >= 4)
-    neighbours = 0
-    do i = 1, size(points)
-      neighbours(pair(:, i)) = neighbours(pair(:, i)) + 1
-    end do
-    carries = is_grain .and. neighbours >= 2
-    coordination%rattlers = count(is_grain) - count(carries)
-    coordination%mean = mean_of(neighbours, is_grain)
-    neighbours = 0
-    do i = 1, size(points)
-      if (any(is_grain(pair(:, i)) .and. .not. carries(pair(:, i)))) cycle
-      neighbours(pair(:, i)) = neighbours(pair(:, i)) + 1
-    end do
-    coordination%without_rattlers = mean_of(neighbours, carries)
+    touching = touching_pairs(contacts, size(is_grain))
+    coordination = coordination_of(coordination_sums(touching, is_grain, size(is_grain), &
+                                                     neighbours_of(touching, size(is_grain))))
   end function coordinate
 
-  !> Mean over some items; zero without any.
-  pure real(wp) function mean_of(counts, counted) result(mean)
-    integer, intent(in) :: counts(:)
-    logical, intent(in) :: counted(:)
+  !> Neighbours that a body touches through this rank's contacts; those of all ranks must be added up at its home.
+  pure function neighbours_of(touching, n_bodies) result(neighbours)
+    type(touching_t), intent(in) :: touching !! pairs that touch
+    integer, intent(in) :: n_bodies !! number of bodies
+    real(wp) :: neighbours(n_bodies)
+    integer :: i
 
-    mean = 0
-    if (any(counted)) mean = real(sum(counts, mask=counted), wp)/real(count(counted), wp)
-  end function mean_of
+    neighbours = 0
+    do i = 1, size(touching%points)
+      neighbours(touching%body(:, i)) = neighbours(touching%body(:, i)) + 1
+    end do
+  end function neighbours_of
 
-  !> Pairs of bodies that touch, and by how many points.
-  pure subroutine touching_pairs(contacts, n_bodies, pair, points)
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(in) :: n_bodies
-    integer(i4), allocatable, intent(out) :: pair(:, :)
-    integer, allocatable, intent(out) :: points(:)
+  !> What this rank adds: pairs by one to four points, its grains and how many of them are carried, neighbours of its grains,
+  !! and grains in pairs without rattlers.
+  pure function coordination_sums(touching, is_grain, n_home, neighbours) result(sums)
+    type(touching_t), intent(in) :: touching !! pairs that touch by this rank's contacts
+    logical, intent(in) :: is_grain(:) !! is a body a grain? shape (bodies)
+    integer, intent(in) :: n_home !! bodies of this rank: the first ones
+    real(wp), intent(in) :: neighbours(:) !! neighbours of each grain over all ranks, of copies too, shape (bodies)
+    real(wp) :: sums(n_coordination_sums)
+    logical :: carries(size(is_grain))
+    integer :: i
+
+    do i = 1, 3
+      sums(i) = real(count(touching%points == i), wp)
+    end do
+    sums(4) = real(count(touching%points >= 4), wp)
+    carries = is_grain .and. neighbours > 1.5_wp
+    sums(5) = real(count(is_grain(:n_home)), wp)
+    sums(6) = real(count(carries(:n_home)), wp)
+    sums(7) = sum(neighbours(:n_home), mask=is_grain(:n_home))
+    sums(8) = 0
+    do i = 1, size(touching%points)
+      associate (pair => touching%body(:, i))
+        if (any(is_grain(pair) .and. .not. carries(pair))) cycle
+        sums(8) = sums(8) + real(count(is_grain(pair)), wp)
+      end associate
+    end do
+  end function coordination_sums
+
+  !> Numbers of neighbours and points from the sums over all ranks.
+  pure function coordination_of(sums) result(coordination)
+    real(wp), intent(in) :: sums(n_coordination_sums) !! of `coordination_sums`
+    type(coordination_t) :: coordination
+
+    coordination%single = nint(sums(1))
+    coordination%double = nint(sums(2))
+    coordination%triple = nint(sums(3))
+    coordination%quadruple = nint(sums(4))
+    coordination%rattlers = nint(sums(5) - sums(6))
+    if (sums(5) > 0) coordination%mean = sums(7)/sums(5)
+    if (sums(6) > 0) coordination%without_rattlers = sums(8)/sums(6)
+  end function coordination_of
+
+  !> Pairs of bodies that touch, and by how many points; all contacts of a pair are on one rank.
+  pure function touching_pairs(contacts, n_bodies) result(pairs)
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    integer, intent(in) :: n_bodies !! number of bodies
+    type(touching_t) :: pairs
     integer, allocatable :: touching(:)
     integer(i8), allocatable :: key(:)
     integer :: k, n
@@ -79,7 +120,8 @@ contains
       touching = touching(order)
       key = key(order)
     end associate
-    allocate (pair(2, size(key)), points(size(key)), source=0)
+    n = count(key(2:) /= key(:size(key) - 1)) + min(1, size(key))
+    allocate (pairs%body(2, n), pairs%points(n), source=0)
     n = 0
     do k = 1, size(key)
       if (k == 1) then
@@ -87,10 +129,8 @@ contains
       else if (key(k) /= key(k - 1)) then
         n = n + 1
       end if
-      pair(:, n) = contacts%body(:, touching(k))
-      points(n) = points(n) + 1
+      pairs%body(:, n) = contacts%body(:, touching(k))
+      pairs%points(n) = pairs%points(n) + 1
     end do
-    pair = pair(:, :n)
-    points = points(:n)
-  end subroutine touching_pairs
+  end function touching_pairs
 end module sg_coordination

@@ -7,6 +7,7 @@
 !! impacts they do some, of the order of the step, which the balance then shows. Drives work against them.
 module sg_energy
   use sg_bodies, only: bodies_t
+  use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
   use sg_kinds, only: wp
   use sg_mapping, only: relative_velocity
@@ -16,12 +17,14 @@ module sg_energy
   use sg_vectors, only: cross
   implicit none
   private
-  public :: energy_t, kinetic_energy, potential_energy, energy_closure, n_energy_values
+  public :: energy_t, kinetic_energy, potential_energy, energy_closure, energy_sums, closure_of, n_energy_values, n_energy_sums
 
   !> Numbers that `pack` writes
   integer, parameter :: n_energy_values = 7
+  !> Numbers of `energy_sums`
+  integer, parameter :: n_energy_sums = 9
 
-  !> Works summed since the start of the run [J per metre of depth]
+  !> Works summed since the start of the run [J per metre of depth]; in a decomposed scene the shares of this rank
   type :: energy_t
     !> Has the balance begun?
     logical :: is_started = .false.
@@ -37,6 +40,8 @@ module sg_energy
     procedure :: add_step => energy_add_step
     procedure :: pack => energy_pack
     procedure :: unpack => energy_unpack
+    procedure :: reduce => energy_reduce
+    procedure :: leave_to_first => energy_leave_to_first
   end type energy_t
 
 contains
@@ -127,7 +132,7 @@ contains
 
     work = 0
     associate (bodies => scene%bodies)
-      do i = 1, bodies%n
+      do i = 1, bodies%n_home
         work = work + h*(dot_product(bodies%force(:, i), mean(:, i)) &
                          - bodies%mass(i)*dot_product(scene%gravity(:scene%dimension), mean(:scene%dimension, i)))
       end do
@@ -141,7 +146,7 @@ contains
     integer :: i, c
 
     work = 0
-    do i = 1, bodies%n
+    do i = 1, bodies%n_home
       do c = 1, bodies%n_velocity
         work = work + driven(c, i)*(inertia_of(bodies, c, i)*(bodies%free_velocity(c, i) - bodies%velocity(c, i)) &
                                     - h*bodies%force(c, i))
@@ -177,26 +182,26 @@ contains
     end if
   end function inertia_of
 
-  !> Kinetic energy of all bodies [J].
+  !> Kinetic energy of this rank's bodies [J].
   pure real(wp) function kinetic_energy(bodies) result(kinetic)
     type(bodies_t), intent(in) :: bodies !! bodies with their velocities
     integer :: i, c
 
     kinetic = 0
-    do i = 1, bodies%n
+    do i = 1, bodies%n_home
       do c = 1, bodies%n_velocity
         kinetic = kinetic + inertia_of(bodies, c, i)*bodies%velocity(c, i)**2/2
       end do
     end do
   end function kinetic_energy
 
-  !> Potential energy of all bodies [J], zero at the origin; positions are unwrapped.
+  !> Potential energy of this rank's bodies [J], zero at the origin; positions are unwrapped.
   pure real(wp) function potential_energy(scene) result(potential)
     type(scene_t), intent(in) :: scene !! scene with its positions
     integer :: i
 
     potential = 0
-    do i = 1, scene%bodies%n
+    do i = 1, scene%bodies%n_home
       potential = potential - potential_drop(scene, i)
     end do
   end function potential_energy
@@ -220,23 +225,68 @@ contains
   pure real(wp) function energy_closure(energy, scene) result(closure)
     type(energy_t), intent(in) :: energy !! works since the start
     type(scene_t), intent(in) :: scene !! scene after the update
-    real(wp) :: kinetic, gain, scale
+
+    closure = closure_of(energy_sums(energy, scene), energy%is_started)
+  end function energy_closure
+
+  !> What the balance is made of, of this rank [J]: kinetic and potential energy, sum of the absolute potential energies of
+  !! the bodies, both energies at the start, and works of forces, drives, friction and impacts.
+  pure function energy_sums(energy, scene) result(sums)
+    type(energy_t), intent(in) :: energy !! works since the start
+    type(scene_t), intent(in) :: scene !! scene after the update
+    real(wp) :: sums(n_energy_sums)
     integer :: i
 
-    closure = 0
-    if (.not. energy%is_started) return
-    kinetic = kinetic_energy(scene%bodies)
-    gain = potential_energy(scene) - energy%potential_start
-    scale = 0
-    do i = 1, scene%bodies%n
-      scale = scale + abs(potential_drop(scene, i))
+    sums(1:2) = [kinetic_energy(scene%bodies), potential_energy(scene)]
+    sums(3) = 0
+    do i = 1, scene%bodies%n_home
+      sums(3) = sums(3) + abs(potential_drop(scene, i))
     end do
-    scale = max(scale*sqrt(epsilon(scale)), kinetic, energy%kinetic_start, abs(gain), abs(energy%external_work), &
-                abs(energy%drive_work), abs(energy%friction_loss), abs(energy%impact_loss))
-    if (.not. scale > 0) return
-    closure = abs(kinetic - energy%kinetic_start + gain - energy%external_work - energy%drive_work &
-                  + energy%friction_loss + energy%impact_loss)/scale
-  end function energy_closure
+    sums(4:) = [energy%kinetic_start, energy%potential_start, energy%external_work, energy%drive_work, &
+                energy%friction_loss, energy%impact_loss]
+  end function energy_sums
+
+  !> How far the balance is from closing, from the sums over all ranks.
+  pure real(wp) function closure_of(sums, is_started) result(closure)
+    real(wp), intent(in) :: sums(n_energy_sums) !! of `energy_sums`, over all ranks [J]
+    logical, intent(in) :: is_started !! has the balance begun?
+    real(wp) :: gain, scale
+
+    closure = 0
+    if (.not. is_started) return
+    associate (kinetic => sums(1), kinetic_start => sums(4), external_work => sums(6), drive_work => sums(7), &
+               friction_loss => sums(8), impact_loss => sums(9))
+      gain = sums(2) - sums(5)
+      scale = max(sums(3)*sqrt(epsilon(scale)), kinetic, kinetic_start, abs(gain), abs(external_work), abs(drive_work), &
+                  abs(friction_loss), abs(impact_loss))
+      if (.not. scale > 0) return
+      closure = abs(kinetic - kinetic_start + gain - external_work - drive_work + friction_loss + impact_loss)/scale
+    end associate
+  end function closure_of
+
+  !> From the shares of each rank to the sums of the whole scene, for restart files.
+  subroutine energy_reduce(self, comm)
+    class(energy_t), intent(inout) :: self
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp) :: values(n_energy_values)
+
+    if (comm%size == 1) return
+    values = self%pack()
+    call comm%sum(values)
+    call self%unpack(values)
+  end subroutine energy_reduce
+
+  !> The other way round: the first rank keeps the sums of the whole scene, and the others begin at zero.
+  pure subroutine energy_leave_to_first(self, comm)
+    class(energy_t), intent(inout) :: self
+    type(comm_t), intent(in) :: comm !! the ranks
+    real(wp) :: values(n_energy_values)
+
+    if (comm%rank == 0) return
+    values = 0
+    if (self%is_started) values(1) = 1
+    call self%unpack(values)
+  end subroutine energy_leave_to_first
 
   !> The sums as a list of reals, for restart files.
   pure function energy_pack(self) result(values)

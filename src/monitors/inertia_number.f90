@@ -9,7 +9,7 @@ module sg_inertia_number
   use sg_symmetric, only: principal_axes
   implicit none
   private
-  public :: velocity_gradient, shear_rate, inertia_number
+  public :: velocity_gradient, field_sums, gradient_of, n_field_sums, shear_rate, inertia_number
 
 contains
 
@@ -18,24 +18,44 @@ contains
   !! Zero where the grains are too few, on one line, or in space in one plane, so that there is no such field.
   pure function velocity_gradient(bodies) result(gradient)
     type(bodies_t), intent(in) :: bodies !! bodies with positions and velocities of one moment
-    real(wp), dimension(bodies%dimension, bodies%dimension) :: gradient, spread, mixed
+    real(wp) :: gradient(bodies%dimension, bodies%dimension)
+
+    gradient = gradient_of(field_sums(bodies), bodies%dimension)
+  end function velocity_gradient
+
+  !> Numbers of `field_sums`.
+  pure integer function n_field_sums(dimension)
+    integer, intent(in) :: dimension !! of space
+
+    n_field_sums = 1 + 2*dimension*(1 + dimension)
+  end function n_field_sums
+
+  !> What the velocity field of this rank's grains is made of, ready to be summed over ranks: number of grains, and sums of
+  !! places x about an origin, of velocities v, of (x - centre) (x) (x - centre) and of (v - drift) (x) (x - centre).
+  !!
+  !! The two last are of this rank's own centre and drift, so that nothing cancels, plus what brings the centre to the origin.
+  pure function field_sums(bodies, origin) result(sums)
+    type(bodies_t), intent(in) :: bodies !! bodies with positions and velocities of one moment
+    real(wp), intent(in), optional :: origin(:) !! the same on all ranks and amid the grains [m]; their centre unless given
+    real(wp) :: sums(n_field_sums(bodies%dimension))
+    real(wp), dimension(bodies%dimension, bodies%dimension) :: spread, mixed
     real(wp), dimension(bodies%dimension) :: centre, drift, x, v
     integer :: i, j, n, d
 
-    gradient = 0
+    sums = 0
     d = bodies%dimension
-    n = count(bodies%is_grain)
-    if (n <= d) return
+    n = count(bodies%is_grain(:bodies%n_home))
+    if (n == 0) return
     centre = 0
     drift = 0
-    do i = 1, bodies%n
+    do i = 1, bodies%n_home
       if (.not. bodies%is_grain(i)) cycle
       centre = centre + bodies%position(:, i)/real(n, wp)
       drift = drift + bodies%velocity(:d, i)/real(n, wp)
     end do
     spread = 0
     mixed = 0
-    do i = 1, bodies%n
+    do i = 1, bodies%n_home
       if (.not. bodies%is_grain(i)) cycle
       x = bodies%position(:, i) - centre
       v = bodies%velocity(:d, i) - drift
@@ -44,12 +64,34 @@ contains
         mixed(:, j) = mixed(:, j) + v*x(j)
       end do
     end do
+    x = 0
+    if (present(origin)) x = centre - origin
+    sums = [real(n, wp), real(n, wp)*x, real(n, wp)*drift, spread + real(n, wp)*spread_out(x, x), &
+            mixed + real(n, wp)*spread_out(drift, x)]
+  end function field_sums
+
+  !> Gradient of the affine velocity field nearest to the velocities that were summed [1/s]; zero where there is none.
+  pure function gradient_of(sums, dimension) result(gradient)
+    integer, intent(in) :: dimension !! of space
+    real(wp), intent(in) :: sums(n_field_sums(dimension)) !! of `field_sums`, over all ranks
+    real(wp), dimension(dimension, dimension) :: gradient, spread, mixed
+    real(wp), dimension(dimension) :: centre, drift
+    integer :: d, first
+
+    d = dimension
+    gradient = 0
+    if (nint(sums(1)) <= d) return
+    centre = sums(2:d + 1)/sums(1)
+    drift = sums(d + 2:2*d + 1)/sums(1)
+    first = 2*d + 2
+    spread = reshape(sums(first:first + d**2 - 1), [d, d]) - sums(1)*spread_out(centre, centre)
+    mixed = reshape(sums(first + d**2:), [d, d]) - sums(1)*spread_out(drift, centre)
     if (d == 3) then
       gradient = divided_in_space(mixed, spread)
     else
       gradient = divided(mixed, spread)
     end if
-  end function velocity_gradient
+  end function gradient_of
 
   !> mixed spread^-1; zero where the points of the spread are nearly on a line.
   pure function divided(mixed, spread) result(gradient)
@@ -78,11 +120,11 @@ contains
 
   !> The matrix a (x) b.
   pure function spread_out(a, b) result(matrix)
-    real(wp), intent(in) :: a(3), b(3)
-    real(wp) :: matrix(3, 3)
+    real(wp), intent(in) :: a(:), b(:)
+    real(wp) :: matrix(size(a), size(b))
     integer :: j
 
-    do j = 1, 3
+    do j = 1, size(b)
       matrix(:, j) = a*b(j)
     end do
   end function spread_out

@@ -2,19 +2,26 @@
 !!
 !! Measure after the update of a step: positions and velocities are those of its end; contacts, shapes and gaps
 !! those of its detection configuration. Scenes in space have a few measures more than those in the plane.
+!!
+!! Each indicator is made of what every rank says of its own bodies and contacts. Two exchanges with neighbours (how many
+!! touch a grain), one largest value and one sum over the ranks make them those of the whole scene, on all ranks.
 module sg_measures
-  use sg_balance, only: floor_share, momentum
-  use sg_compactness, only: box_area
+  use sg_balance, only: carried_share, force_on_walls, momentum
+  use sg_comm, only: comm_t
+  use sg_compactness, only: area_of_box, box_of_grains
   use sg_contacts, only: contacts_t
-  use sg_coordination, only: coordinate, coordination_t
-  use sg_energy, only: energy_closure, energy_t, kinetic_energy, potential_energy
-  use sg_grains, only: count_grains, grains_t
-  use sg_inertia_number, only: inertia_number, shear_rate, velocity_gradient
+  use sg_coordination, only: coordination_of, coordination_sums, coordination_t, n_coordination_sums, neighbours_of, &
+                             touching_pairs, touching_t
+  use sg_energy, only: closure_of, energy_sums, energy_t, n_energy_sums
+  use sg_grains, only: grain_sums, grains_of, grains_t, n_grain_sums
+  use sg_home_sum, only: add_grains_at_home, copy_from_home
+  use sg_inertia_number, only: field_sums, gradient_of, inertia_number, shear_rate
   use sg_kinds, only: wp
-  use sg_penetration, only: penetrations
+  use sg_penetration, only: deepest_penetration, penetration_sums
   use sg_scene, only: scene_t
-  use sg_stress, only: mean_stress
-  use sg_velocities, only: speeds
+  use sg_stress, only: stress_sums
+  use sg_subdomain, only: subdomain_t
+  use sg_velocities, only: speed_sums
   use sg_volume_error, only: overlap_area
   use sg_volume_error_space, only: overlap_volume
   implicit none
@@ -36,6 +43,21 @@ module sg_measures
   character(len=name_length), parameter :: space_names(14) = [character(len=name_length) :: 'quadruple_contacts', &
     'stress_xx', 'stress_xy', 'stress_xz', 'stress_yx', 'stress_yy', 'stress_yz', 'stress_zx', 'stress_zy', 'stress_zz', &
     'shear_rate', 'momentum_x', 'momentum_y', 'momentum_z']
+
+  !> What the measures are made of: sums over bodies and contacts, of one rank or of all
+  type :: sums_t
+    real(wp) :: energy(n_energy_sums) = 0, gaps(2) = 0, overlap(1) = 0, grains(n_grain_sums) = 0
+    real(wp) :: touch(n_coordination_sums) = 0, speed(1) = 0
+    !> Stress, force on the walls, momentum, and velocity field, by dimension of space
+    real(wp), allocatable :: stress(:), force(:), momentum(:), field(:)
+  end type sums_t
+
+  !> Largest values, of one rank or of all
+  type :: extremes_t
+    !> Box of the grains, shape (dimension, 2), and largest speed and penetration
+    real(wp), allocatable :: box(:, :)
+    real(wp) :: speed = 0, penetration = 0
+  end type extremes_t
 
   !> The indicators of one moment
   type :: measures_t
@@ -80,42 +102,151 @@ contains
     end select
   end function is_count
 
-  !> Measure everything.
-  pure subroutine measure(scene, contacts, h, energy, measures)
+  !> Measure everything. In a decomposed scene all ranks call this, and all get the measures of the whole scene.
+  subroutine measure(scene, contacts, h, energy, measures, subdomain, comm)
     type(scene_t), intent(in) :: scene !! scene after the update
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
     type(energy_t), intent(in) :: energy !! works since the start
     type(measures_t), intent(out) :: measures !! the indicators
+    type(subdomain_t), intent(in), optional :: subdomain !! who shares which bodies; with `comm`
+    type(comm_t), intent(inout), optional :: comm !! the ranks of a decomposed scene
+    type(touching_t) :: touching
+    type(sums_t) :: sums
+    type(extremes_t) :: extremes
+    real(wp) :: neighbours(1, scene%bodies%n)
+    logical :: is_shared
+
+    is_shared = .false.
+    if (present(comm) .and. present(subdomain)) is_shared = comm%size > 1
+    touching = touching_pairs(contacts, scene%bodies%n)
+    neighbours(1, :) = neighbours_of(touching, scene%bodies%n)
+    call speed_sums(scene%bodies, sums%speed(1), extremes%speed)
+    extremes%box = box_of_grains(scene)
+    extremes%penetration = deepest_penetration(contacts)
+    if (is_shared) then
+      call add_grains_at_home(subdomain, scene%bodies%home, comm, neighbours)
+      call copy_from_home(subdomain, scene%bodies%home, comm, neighbours)
+      call share_extremes(comm, extremes)
+      sums%field = field_sums(scene%bodies, middle_of(extremes%box))
+    else
+      sums%field = field_sums(scene%bodies)
+    end if
+    call sum_up(scene, contacts, h, energy, touching, neighbours(1, :), sums)
+    if (is_shared) call share_sums(comm, sums)
+    call conclude(scene, h, energy%is_started, sums, extremes, measures)
+  end subroutine measure
+
+  !> Sums over this rank's bodies and contacts, beside those of speeds and of the velocity field.
+  pure subroutine sum_up(scene, contacts, h, energy, touching, neighbours, sums)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in) :: h, neighbours(:)
+    type(energy_t), intent(in) :: energy
+    type(touching_t), intent(in) :: touching
+    type(sums_t), intent(inout) :: sums
+
+    sums%energy = energy_sums(energy, scene)
+    sums%gaps = penetration_sums(contacts)
+    sums%overlap = shared_by_shapes(scene, contacts)
+    sums%grains = grain_sums(scene%bodies)
+    sums%touch = coordination_sums(touching, scene%bodies%is_grain, scene%bodies%n_home, neighbours)
+    sums%stress = reshape(stress_sums(scene, contacts), [scene%dimension**2])
+    sums%force = force_on_walls(scene, contacts, h)
+    sums%momentum = momentum(scene%bodies)
+  end subroutine sum_up
+
+  !> Largest values of all ranks, by one reduction.
+  subroutine share_extremes(comm, extremes)
+    type(comm_t), intent(inout) :: comm
+    type(extremes_t), intent(inout) :: extremes
+    real(wp) :: values(2*size(extremes%box, 1) + 2)
+    integer :: d
+
+    d = size(extremes%box, 1)
+    values = [-extremes%box(:, 1), extremes%box(:, 2), extremes%speed, extremes%penetration]
+    call comm%maximum(values)
+    extremes%box(:, 1) = -values(:d)
+    extremes%box(:, 2) = values(d + 1:2*d)
+    extremes%speed = values(2*d + 1)
+    extremes%penetration = values(2*d + 2)
+  end subroutine share_extremes
+
+  !> Sums over all ranks, by one reduction.
+  subroutine share_sums(comm, sums)
+    type(comm_t), intent(inout) :: comm
+    type(sums_t), intent(inout) :: sums
+    real(wp), allocatable :: all(:)
+    integer :: at
+
+    all = [sums%energy, sums%gaps, sums%overlap, sums%grains, sums%touch, sums%speed, sums%stress, sums%force, &
+           sums%momentum, sums%field]
+    call comm%sum(all)
+    at = 0
+    call take(sums%energy)
+    call take(sums%gaps)
+    call take(sums%overlap)
+    call take(sums%grains)
+    call take(sums%touch)
+    call take(sums%speed)
+    call take(sums%stress)
+    call take(sums%force)
+    call take(sums%momentum)
+    call take(sums%field)
+  contains
+    subroutine take(part)
+      real(wp), intent(inout) :: part(:)
+
+      part = all(at + 1:at + size(part))
+      at = at + size(part)
+    end subroutine take
+  end subroutine share_sums
+
+  !> Middle of a box [m]; the origin where it is empty.
+  pure function middle_of(box) result(middle)
+    real(wp), intent(in) :: box(:, :)
+    real(wp) :: middle(size(box, 1))
+
+    middle = 0
+    if (all(box(:, 1) <= box(:, 2))) middle = (box(:, 1) + box(:, 2))/2
+  end function middle_of
+
+  !> The indicators from sums and largest values of the whole scene.
+  pure subroutine conclude(scene, h, has_energy, sums, extremes, measures)
+    type(scene_t), intent(in) :: scene
+    real(wp), intent(in) :: h
+    logical, intent(in) :: has_energy
+    type(sums_t), intent(in) :: sums
+    type(extremes_t), intent(in) :: extremes
+    type(measures_t), intent(inout) :: measures
     type(grains_t) :: grains
     type(coordination_t) :: touch
-    real(wp) :: penetration(2), speed(2), stress(scene%dimension, scene%dimension), pressure, box, rate
+    real(wp) :: stress(scene%dimension, scene%dimension), pressure, box, rate, n
 
-    grains = count_grains(scene%bodies)
-    touch = coordinate(contacts, scene%bodies%is_grain)
-    call penetrations(contacts, penetration(1), penetration(2))
-    call speeds(scene%bodies, speed(1), speed(2))
-    box = box_area(scene)
-    stress = mean_stress(scene, contacts, h, box)
+    grains = grains_of(sums%grains)
+    n = sums%grains(1)
+    touch = coordination_of(sums%touch)
+    box = area_of_box(scene, extremes%box)
+    stress = 0
+    if (box*h > 0) stress = reshape(sums%stress, shape(stress))/(box*h)
     pressure = mean_pressure(stress)
-    rate = shear_rate(velocity_gradient(scene%bodies))
+    rate = shear_rate(gradient_of(sums%field, scene%dimension))
     allocate (measures%value(n_measures(scene%dimension)))
     measures%value(:size(shared_names)) = &
-      [kinetic_energy(scene%bodies), potential_energy(scene), energy%external_work, energy%drive_work, &
-       energy%friction_loss, energy%impact_loss, energy_closure(energy, scene), &
-       penetration, ratio(shared_by_shapes(scene, contacts), grains%area), ratio(grains%area, box), &
+      [sums%energy(1:2), sums%energy(6:9), closure_of(sums%energy, has_energy), &
+       ratio(sums%gaps(2), sums%gaps(1)), extremes%penetration, ratio(sums%overlap(1), grains%area), ratio(grains%area, box), &
        touch%mean, touch%without_rattlers, real([touch%single, touch%double, touch%triple], wp), &
-       speed, inertia_number(rate, mass_by_length(grains, scene%dimension), pressure), pressure, &
-       floor_share(scene, contacts, h, grains%mass), real(touch%rattlers, wp)]
+       ratio(sums%speed(1), n), extremes%speed, inertia_number(rate, mass_by_length(grains, scene%dimension), pressure), &
+       pressure, carried_share(sums%force, scene%gravity, grains%mass), real(touch%rattlers, wp)]
     associate (rest => measures%value(size(shared_names) + 1:))
       if (scene%dimension == 2) then
         measures%value(16) = real(touch%triple + touch%quadruple, wp)
-        rest = [stress(1, :), stress(2, :), rate, momentum(scene%bodies)]
+        rest = [stress(1, :), stress(2, :), rate, sums%momentum]
       else
-        rest = [real(touch%quadruple, wp), stress(1, :), stress(2, :), stress(3, :), rate, momentum(scene%bodies)]
+        rest = [real(touch%quadruple, wp), stress(1, :), stress(2, :), stress(3, :), rate, sums%momentum]
       end if
     end associate
-  end subroutine measure
+  end subroutine conclude
 
   !> Area, in space volume, of the overlaps of all pairs of shapes [m2, m3].
   pure real(wp) function shared_by_shapes(scene, contacts) result(overlap)

@@ -4,7 +4,7 @@ module sg_penetration
   use sg_kinds, only: wp
   implicit none
   private
-  public :: penetrations, deepest_penetration
+  public :: penetrations, penetration_sums, deepest_penetration
 
 contains
 
@@ -13,19 +13,27 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     real(wp), intent(out) :: mean !! mean penetration [m]
     real(wp), intent(out) :: largest !! largest penetration [m]
-    integer :: k, n
+    real(wp) :: sums(2)
 
-    mean = 0
-    largest = 0
-    n = 0
+    sums = penetration_sums(contacts)
+    mean = sums(2)
+    if (sums(1) > 0) mean = mean/sums(1)
+    largest = deepest_penetration(contacts)
+  end subroutine penetrations
+
+  !> Number of contacts of this rank whose gap is negative, and sum of their penetrations [m].
+  pure function penetration_sums(contacts) result(sums)
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    real(wp) :: sums(2)
+    integer :: k
+
+    sums = 0
     do k = 1, contacts%n
       if (.not. contacts%gap(k) < 0) cycle
-      n = n + 1
-      mean = mean - contacts%gap(k)
-      largest = max(largest, -contacts%gap(k))
+      sums(1) = sums(1) + 1
+      sums(2) = sums(2) - contacts%gap(k)
     end do
-    if (n > 0) mean = mean/real(n, wp)
-  end subroutine penetrations
+  end function penetration_sums
 
   !> Largest penetration alone [m], cheap enough for every step; zero without any.
   pure real(wp) function deepest_penetration(contacts) result(largest)

@@ -2,6 +2,7 @@
 module sg_samples
   use sg_balance, only: force_on_walls
   use sg_bodies, only: bodies_t, spin_of
+  use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp
   use sg_lists, only: reserve
@@ -22,11 +23,12 @@ module sg_samples
     real(wp), allocatable :: value(:, :)
   contains
     procedure :: add => samples_add
+    procedure :: reduce => samples_reduce
   end type samples_t
 
 contains
 
-  !> Sample a step after its update.
+  !> Sample a step after its update: the shares of this rank, which `reduce` adds up at the end.
   subroutine samples_add(self, scene, contacts, h)
     class(samples_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! scene of the step
@@ -39,13 +41,25 @@ contains
     self%value(2:, self%n) = force_on_walls(scene, contacts, h)
   end subroutine samples_add
 
-  !> Kinetic energy of the grains [J]; walls, whose motion is imposed, do not count.
+  !> From the shares of each rank to the samples of the whole scene, once, after the last step.
+  subroutine samples_reduce(self, comm)
+    class(samples_t), intent(inout) :: self
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp), allocatable :: flat(:)
+
+    if (comm%size == 1 .or. self%n == 0) return
+    flat = reshape(self%value(:, :self%n), [size(self%value, 1)*self%n])
+    call comm%sum(flat)
+    self%value(:, :self%n) = reshape(flat, [size(self%value, 1), self%n])
+  end subroutine samples_reduce
+
+  !> Kinetic energy of this rank's grains [J]; walls, whose motion is imposed, do not count.
   pure real(wp) function kinetic_energy_of_grains(bodies) result(energy)
     type(bodies_t), intent(in) :: bodies
     integer :: i
 
     energy = 0
-    do i = 1, bodies%n
+    do i = 1, bodies%n_home
       if (.not. bodies%is_grain(i)) cycle
       if (bodies%dimension == 2) then
         energy = energy + (bodies%mass(i)*sum(bodies%velocity(1:2, i)**2) + bodies%inertia(i)*spin_of(bodies, i)**2)/2

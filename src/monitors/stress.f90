@@ -10,7 +10,7 @@ module sg_stress
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: mean_stress
+  public :: mean_stress, stress_sums
 
 contains
 
@@ -20,20 +20,28 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in) :: area !! area, in space volume, that the grains take [m2, m3]
-    real(wp) :: stress(scene%dimension, scene%dimension), branch(scene%dimension), impulse(3)
-    integer :: k, b
+    real(wp) :: stress(scene%dimension, scene%dimension)
 
     stress = 0
-    if (.not. area*h > 0) return
+    if (area*h > 0) stress = stress_sums(scene, contacts)/(area*h)
+  end function mean_stress
+
+  !> Sum over this rank's contacts of impulse (x) branch [N s m].
+  pure function stress_sums(scene, contacts) result(sums)
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    real(wp) :: sums(scene%dimension, scene%dimension), branch(scene%dimension), impulse(3)
+    integer :: k, b
+
+    sums = 0
     do k = 1, contacts%n
       branch = branch_of(scene, contacts, k)
       impulse = impulse_vector(contacts, k)
       do b = 1, scene%dimension
-        stress(:, b) = stress(:, b) + impulse(:scene%dimension)*branch(b)
+        sums(:, b) = sums(:, b) + impulse(:scene%dimension)*branch(b)
       end do
     end do
-    stress = stress/(area*h)
-  end function mean_stress
+  end function stress_sums
 
   !> From the antagonist's centre, or from the point of contact on a wall, to the candidate's [m].
   pure function branch_of(scene, contacts, k) result(branch)

@@ -1,12 +1,13 @@
 !> What a whole run cost and how well it was solved: sums and worst values over the steps.
 module sg_totals
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+  use sg_comm, only: comm_t
   use sg_kinds, only: wp, i8
   use sg_report, only: report_t
   use sg_timers, only: timer_t
   implicit none
   private
-  public :: totals_t, n_phases, phase_names, n_totals_values
+  public :: totals_t, reduce_report, n_phases, phase_names, n_totals_values
   public :: phase_predict, phase_detect, phase_assemble, phase_solve, phase_update, phase_measure, phase_output
 
   !> Phases of a step
@@ -23,7 +24,7 @@ module sg_totals
   !> Numbers that `pack` writes
   integer, parameter :: n_totals_values = n_sums + 2*(n_phases + 1)
 
-  !> Totals since the start of the run, restarts included
+  !> Totals since the start of the run, restarts included; in a decomposed scene those of this rank, until they are reduced
   type :: totals_t
     !> Steps done, and how many of them converged or not
     integer :: steps = 0, converged_steps = 0, unconverged_steps = 0
@@ -48,16 +49,19 @@ module sg_totals
     procedure :: tick => totals_tick
     procedure :: pack => totals_pack
     procedure :: unpack => totals_unpack
+    procedure :: reduce => totals_reduce
+    procedure :: leave_to_first => totals_leave_to_first
   end type totals_t
 
 contains
 
   !> Add the solve of one step.
-  pure subroutine totals_add(self, report, contacts, penetration)
+  pure subroutine totals_add(self, report, contacts, penetration, all_contacts)
     class(totals_t), intent(inout) :: self
-    type(report_t), intent(in) :: report !! what the solver said
-    integer, intent(in) :: contacts !! number of contacts of the step
+    type(report_t), intent(in) :: report !! what the solver said: updates and active contacts of this rank, errors of the whole
+    integer, intent(in) :: contacts !! number of contacts of the step on this rank
     real(wp), intent(in), optional :: penetration !! deepest penetration of the step, none unless given [m]
+    integer, intent(in), optional :: all_contacts !! contacts of the step on all ranks, those of this rank unless given
 
     self%steps = self%steps + 1
     if (report%is_converged) then
@@ -73,7 +77,11 @@ contains
     self%contact_updates = self%contact_updates + report%contact_updates
     self%contacts = contacts
     self%active_contacts = report%active_contacts
-    self%most_contacts = max(self%most_contacts, contacts)
+    if (present(all_contacts)) then
+      self%most_contacts = max(self%most_contacts, all_contacts)
+    else
+      self%most_contacts = max(self%most_contacts, contacts)
+    end if
     self%bytes_per_contact = report%bytes_per_contact
     if (present(penetration)) self%worst_penetration = worse(self%worst_penetration, penetration)
   end subroutine totals_add
@@ -98,6 +106,84 @@ contains
     call self%clock%stop()
     call self%clock%start()
   end subroutine totals_tick
+
+  !> From the totals of each rank to those of the run: contacts, updates and CPU seconds are summed; of sweeps, worst errors,
+  !! most contacts, fast steps and wall seconds the largest counts.
+  subroutine totals_reduce(self, comm)
+    class(totals_t), intent(inout) :: self
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp) :: sums(n_phases + 5), largest(n_phases + 4), worst(5)
+
+    if (comm%size == 1) return
+    sums = [real(self%contacts, wp), real(self%active_contacts, wp), real(self%contact_updates, wp), &
+            self%bytes_per_contact*real(self%contacts, wp), self%phase%cpu, self%clock%cpu]
+    call comm%sum(sums)
+    largest = [real(self%sweeps, wp), real(self%fast_steps, wp), real(self%most_contacts, wp), self%phase%wall, self%clock%wall]
+    worst = [self%worst_e1, self%worst_e2, self%worst_e8, self%worst_violation, self%worst_penetration]
+    call find_largest(comm, largest, worst)
+    self%contacts = nint(sums(1))
+    self%active_contacts = nint(sums(2))
+    self%contact_updates = nint(sums(3), i8)
+    if (self%contacts > 0) self%bytes_per_contact = sums(4)/sums(1)
+    self%phase%cpu = sums(5:n_phases + 4)
+    self%clock%cpu = sums(n_phases + 5)
+    self%sweeps = nint(largest(1), i8)
+    self%fast_steps = nint(largest(2))
+    self%most_contacts = max(nint(largest(3)), self%contacts)
+    self%phase%wall = largest(4:n_phases + 3)
+    self%clock%wall = largest(n_phases + 4)
+    self%worst_e1 = worst(1)
+    self%worst_e2 = worst(2)
+    self%worst_e8 = worst(3)
+    self%worst_violation = worst(4)
+    self%worst_penetration = worst(5)
+  end subroutine totals_reduce
+
+  !> The largest of the ranks' values, and of their errors, of which one that is not a number is the worst.
+  subroutine find_largest(comm, values, errors)
+    type(comm_t), intent(inout) :: comm
+    real(wp), intent(inout) :: values(:), errors(:)
+    real(wp) :: all(size(values) + 2*size(errors))
+    integer :: n, m
+
+    n = size(values)
+    m = size(errors)
+    all = [values, merge(1.0_wp, 0.0_wp, ieee_is_nan(errors)), merge(-huge(errors), errors, ieee_is_nan(errors))]
+    call comm%maximum(all)
+    values = all(:n)
+    errors = all(n + m + 1:)
+    where (all(n + 1:n + m) > 0) errors = ieee_value(errors, ieee_quiet_nan)
+  end subroutine find_largest
+
+  !> The other way round, for a restart: the first rank keeps what is summed over the ranks, the others begin at zero.
+  pure subroutine totals_leave_to_first(self, comm)
+    class(totals_t), intent(inout) :: self
+    type(comm_t), intent(in) :: comm !! the ranks
+
+    if (comm%rank == 0) return
+    self%contacts = 0
+    self%active_contacts = 0
+    self%contact_updates = 0
+    self%phase%cpu = 0
+    self%clock%cpu = 0
+  end subroutine totals_leave_to_first
+
+  !> From what a solver says of each rank's contacts to what it says of all: updates and active contacts are summed, of sweeps
+  !! the largest counts; errors are of the whole scene already.
+  subroutine reduce_report(report, comm)
+    type(report_t), intent(inout) :: report !! of this rank, then of all
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp) :: sums(2), largest(1)
+
+    if (comm%size == 1) return
+    sums = [real(report%contact_updates, wp), real(report%active_contacts, wp)]
+    call comm%sum(sums)
+    largest = real(report%sweeps, wp)
+    call comm%maximum(largest)
+    report%contact_updates = nint(sums(1), i8)
+    report%active_contacts = nint(sums(2))
+    report%sweeps = nint(largest(1))
+  end subroutine reduce_report
 
   !> The totals as a list of reals, for restart files; counters are exact up to 2^53.
   pure function totals_pack(self) result(values)

@@ -4,7 +4,7 @@ module sg_velocities
   use sg_kinds, only: wp
   implicit none
   private
-  public :: speeds
+  public :: speeds, speed_sums
 
 contains
 
@@ -13,19 +13,28 @@ contains
     type(bodies_t), intent(in) :: bodies !! bodies with their velocities
     real(wp), intent(out) :: mean !! mean speed [m/s]
     real(wp), intent(out) :: largest !! largest speed [m/s]
-    real(wp) :: speed
-    integer :: i, n
+    integer :: n
 
-    mean = 0
-    largest = 0
-    n = 0
-    do i = 1, bodies%n
-      if (.not. bodies%is_grain(i)) cycle
-      n = n + 1
-      speed = norm2(bodies%velocity(:bodies%dimension, i))
-      mean = mean + speed
-      largest = max(largest, speed)
-    end do
+    call speed_sums(bodies, mean, largest)
+    n = count(bodies%is_grain(:bodies%n_home))
     if (n > 0) mean = mean/real(n, wp)
   end subroutine speeds
+
+  !> Sum of the speeds of this rank's grains and the largest of them [m/s].
+  pure subroutine speed_sums(bodies, total, largest)
+    type(bodies_t), intent(in) :: bodies !! bodies with their velocities
+    real(wp), intent(out) :: total !! sum of the speeds [m/s]
+    real(wp), intent(out) :: largest !! largest speed [m/s]
+    real(wp) :: speed
+    integer :: i
+
+    total = 0
+    largest = 0
+    do i = 1, bodies%n_home
+      if (.not. bodies%is_grain(i)) cycle
+      speed = norm2(bodies%velocity(:bodies%dimension, i))
+      total = total + speed
+      largest = max(largest, speed)
+    end do
+  end subroutine speed_sums
 end module sg_velocities

@@ -14,7 +14,8 @@ module sg_guard
 
 contains
 
-  !> Is every velocity of the end of the step finite? If not, name the bodies and their contacts.
+  !> Is every velocity of the end of the step finite? If not, name the bodies and their contacts, by their numbers in the whole
+  !! scene; each rank looks at the bodies that it holds.
   subroutine find_broken(scene, contacts, step, error)
     type(scene_t), intent(in) :: scene !! its `free_velocity` is that of the end of the step
     type(contacts_t), intent(in) :: contacts !! contacts of the step
@@ -31,7 +32,7 @@ contains
     do b = 1, scene%bodies%n
       if (.not. is_broken(b) .or. named >= most_named) cycle
       named = named + 1
-      names = names//' '//to_text(b)
+      names = names//' '//to_text(number_of(b))
     end do
     if (count(is_broken) > named) names = names//' and '//to_text(count(is_broken) - named)//' more'
     names = names//'; contacts there (candidate-antagonist, gap):'
@@ -40,10 +41,18 @@ contains
       if (named >= most_named) exit
       if (.not. any(is_broken(contacts%body(:, k)))) cycle
       named = named + 1
-      names = names//' '//to_text(int(contacts%body(1, k)))//'-'//to_text(int(contacts%body(2, k)))//' ' &
-              //to_text(contacts%gap(k), 3)
+      names = names//' '//to_text(number_of(int(contacts%body(1, k))))//'-'//to_text(number_of(int(contacts%body(2, k)))) &
+              //' '//to_text(contacts%gap(k), 3)
     end do
     if (named == 0) names = names//' none'
     call fail(error, 'step '//to_text(step)//': velocities are not finite'//names, code=exit_broken)
+  contains
+    !> Number of a body in the whole scene.
+    pure integer function number_of(body)
+      integer, intent(in) :: body
+
+      number_of = body
+      if (allocated(scene%bodies%id)) number_of = int(scene%bodies%id(body))
+    end function number_of
   end subroutine find_broken
 end module sg_guard

@@ -34,6 +34,15 @@ program test_guard
     call t%check(index(error%message, ' 2-3 ') > 0 .and. index(error%message, ' 1-3 ') == 0, 'so is its contact: '//error%message)
   end if
 
+  ! In a decomposed scene bodies go by their numbers in the whole one.
+  sim%scene%bodies%id = [21, 22, 40]
+  call find_broken(sim%scene, sim%contacts, 4, error)
+  if (allocated(error)) then
+    call t%check(index(error%message, 'of bodies 22;') > 0, 'the number in the whole scene: '//error%message)
+    call t%check(index(error%message, ' 22-40 ') > 0, 'of the contact too: '//error%message)
+  end if
+  deallocate (sim%scene%bodies%id)
+
   ! What a step that breaks leaves behind: the contacts of the step before it, as a checkpoint wants them.
   impulse = sim%contacts%impulse(1, 1)
   call t%check(impulse > 0, 'the floor pushes')
