@@ -1,6 +1,7 @@
 !> A small test harness: checks are counted, failures printed, and the last line is `N passed, N failed`.
 module harness
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use sg_comm, only: comm_t
   use sg_kinds, only: wp
   implicit none
   private
@@ -57,11 +58,21 @@ contains
     call self%check(got == expected, what//trim(numbers))
   end subroutine tests_equal
 
-  !> Print the count; end with code 1 when a check failed or none was made.
-  subroutine tests_finish(self)
+  !> Print the count; end with code 1 when a check failed or none was made. Of several ranks the first one prints the sums.
+  subroutine tests_finish(self, comm)
     class(tests_t), intent(in) :: self
+    type(comm_t), intent(inout), optional :: comm !! the ranks of a parallel test, which end here
+    real(wp) :: counts(2)
+    integer :: rank
 
-    write (*, '(i0,a,i0,a)') self%passed, ' passed, ', self%failed, ' failed'
-    if (self%failed > 0 .or. self%passed == 0) error stop 1
+    counts = real([self%passed, self%failed], wp)
+    rank = 0
+    if (present(comm)) then
+      rank = comm%rank
+      call comm%sum(counts)
+      call comm%finish()
+    end if
+    if (rank == 0) write (*, '(i0,a,i0,a)') nint(counts(1)), ' passed, ', nint(counts(2)), ' failed'
+    if (nint(counts(2)) > 0 .or. nint(counts(1)) == 0) error stop 1
   end subroutine tests_finish
 end module harness

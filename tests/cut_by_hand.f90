@@ -1,0 +1,161 @@
+!> One rank's part of a scene that all ranks hold, cut out the plain way: every rank looks at all bodies and contacts.
+module cut_by_hand
+  use sg_bodies, only: bodies_t
+  use sg_contactors, only: contactors_t
+  use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_kinds, only: i4
+  use sg_scene, only: scene_t
+  use sg_subdomain, only: owner_of, subdomain_t
+  implicit none
+  private
+  public :: cut_scene
+
+contains
+
+  !> Cut a rank's part: its own bodies, all wide ones, and all grains that its own grains or its contacts touch.
+  subroutine cut_scene(whole, contacts, part, rank, size_of_all, local, local_contacts, subdomain)
+    type(scene_t), intent(in) :: whole !! the scene
+    type(contacts_t), intent(in) :: contacts !! all its contacts
+    integer(i4), intent(in) :: part(:) !! rank of each grain; of wide bodies it does not count
+    integer, intent(in) :: rank !! whose part
+    integer, intent(in) :: size_of_all !! number of ranks
+    type(scene_t), intent(out) :: local !! its scene
+    type(contacts_t), intent(out) :: local_contacts !! its contacts
+    type(subdomain_t), intent(out) :: subdomain !! who shares which bodies
+    integer(i4) :: home(whole%bodies%n)
+    integer :: place(whole%bodies%n), seat(whole%contactors%n), i
+    integer, allocatable :: ids(:), kept(:)
+    logical :: is_held(whole%bodies%n, 0:size_of_all - 1), is_own(whole%bodies%n)
+
+    home = merge(part, -1_i4, whole%bodies%is_grain)
+    do i = 0, size_of_all - 1
+      is_held(:, i) = held_by(i, home, contacts)
+    end do
+    is_own = home == rank .or. (home < 0 .and. modulo([(i, i=1, size(home))], size_of_all) == rank)
+    ids = [pack([(i, i=1, size(home))], is_own), pack([(i, i=1, size(home))], is_held(:, rank) .and. .not. is_own)]
+    place = 0
+    place(ids) = [(i, i=1, size(ids))]
+
+    local = whole
+    call keep_bodies(whole%bodies, ids, count(is_own), local%bodies)
+    if (size_of_all > 1) then
+      local%bodies%id = int(ids, i4)
+      local%bodies%home = home(ids)
+    end if
+    kept = pack([(i, i=1, whole%contactors%n)], place(whole%contactors%body(:whole%contactors%n)) > 0)
+    call keep_contactors(whole%contactors, kept, place, local%contactors)
+    seat = 0
+    seat(kept) = [(i, i=1, size(kept))]
+    kept = pack([(i, i=1, contacts%n)], [(owner_of(home(contacts%body(:, i))) == rank, i=1, contacts%n)])
+    call keep_contacts(contacts, kept, place, seat, local_contacts)
+    call name_neighbours(is_held, home, place, rank, subdomain)
+  end subroutine cut_scene
+
+  !> Bodies that a rank holds.
+  pure function held_by(rank, home, contacts) result(is_held)
+    integer, intent(in) :: rank
+    integer(i4), intent(in) :: home(:)
+    type(contacts_t), intent(in) :: contacts
+    logical :: is_held(size(home))
+    integer :: k
+
+    is_held = home < 0 .or. home == rank
+    do k = 1, contacts%n
+      associate (pair => contacts%body(:, k))
+        if (any(home(pair) == rank) .or. owner_of(home(pair)) == rank) is_held(pair) = .true.
+      end associate
+    end do
+  end function held_by
+
+  !> Keep some bodies, in the order given.
+  subroutine keep_bodies(whole, ids, n_home, bodies)
+    type(bodies_t), intent(in) :: whole
+    integer, intent(in) :: ids(:), n_home
+    type(bodies_t), intent(inout) :: bodies
+
+    bodies%n = size(ids)
+    bodies%n_home = n_home
+    bodies%position = whole%position(:, ids)
+    bodies%velocity = whole%velocity(:, ids)
+    bodies%middle = whole%middle(:, ids)
+    bodies%mass = whole%mass(ids)
+    bodies%inverse_mass = whole%inverse_mass(:, ids)
+    bodies%force = whole%force(:, ids)
+    bodies%free_velocity = whole%free_velocity(:, ids)
+    bodies%area = whole%area(ids)
+    bodies%crossings = whole%crossings(ids)
+    bodies%is_grain = whole%is_grain(ids)
+    if (allocated(whole%angle)) bodies%angle = whole%angle(ids)
+    if (allocated(whole%inertia)) bodies%inertia = whole%inertia(ids)
+    if (allocated(whole%orientation)) bodies%orientation = whole%orientation(:, ids)
+    if (allocated(whole%principal)) bodies%principal = whole%principal(:, ids)
+    if (allocated(whole%crossings_y)) bodies%crossings_y = whole%crossings_y(ids)
+  end subroutine keep_bodies
+
+  !> Keep some contactors; tables of shapes stay whole, and rows point into them.
+  subroutine keep_contactors(whole, kept, place, contactors)
+    type(contactors_t), intent(in) :: whole
+    integer, intent(in) :: kept(:), place(:)
+    type(contactors_t), intent(inout) :: contactors
+
+    contactors%n = size(kept)
+    contactors%kind = whole%kind(kept)
+    contactors%body = int(place(whole%body(kept)), i4)
+    contactors%row = whole%row(kept)
+    contactors%colour = whole%colour(kept)
+    contactors%shift = whole%shift(:, kept)
+    contactors%reach = whole%reach(kept)
+    contactors%centre = whole%centre(:, kept)
+  end subroutine keep_contactors
+
+  !> Keep some contacts, with the numbers of their bodies and contactors here.
+  subroutine keep_contacts(whole, kept, place, seat, contacts)
+    type(contacts_t), intent(in) :: whole
+    integer, intent(in) :: kept(:), place(:), seat(:)
+    type(contacts_t), intent(inout) :: contacts
+    integer :: i, k
+
+    contacts%dimension = whole%dimension
+    contacts%n_components = whole%n_components
+    call reserve_contacts(contacts, max(1, size(kept)))
+    contacts%n = size(kept)
+    do i = 1, size(kept)
+      k = kept(i)
+      contacts%contactor(:, i) = int(seat(whole%contactor(:, k)), i4)
+      contacts%body(:, i) = int(place(whole%body(:, k)), i4)
+      contacts%feature(i) = whole%feature(k)
+      contacts%law(i) = whole%law(k)
+      contacts%normal(:, i) = whole%normal(:, k)
+      contacts%point(:, i) = whole%point(:, k)
+      contacts%gap(i) = whole%gap(k)
+      contacts%image(i) = whole%image(k)
+      if (whole%dimension == 3) contacts%image_y(i) = whole%image_y(k)
+      contacts%impulse(:, i) = whole%impulse(:, k)
+      contacts%status(i) = whole%status(k)
+    end do
+  end subroutine keep_contacts
+
+  !> Name the grains shared with each neighbour, and the wide bodies.
+  subroutine name_neighbours(is_held, home, place, rank, subdomain)
+    logical, intent(in) :: is_held(:, 0:)
+    integer(i4), intent(in) :: home(:)
+    integer, intent(in) :: place(:), rank
+    type(subdomain_t), intent(inout) :: subdomain
+    integer, allocatable :: shared(:)
+    integer :: r
+
+    subdomain%rank = rank
+    subdomain%size = size(is_held, 2)
+    subdomain%all_bodies = size(home)
+    allocate (subdomain%neighbour(0), subdomain%body(0), subdomain%first(1))
+    subdomain%first = 1
+    do r = 0, subdomain%size - 1
+      shared = pack(place, is_held(:, r) .and. is_held(:, rank) .and. home >= 0 .and. r /= rank)
+      if (size(shared) == 0) cycle
+      subdomain%neighbour = [subdomain%neighbour, r]
+      subdomain%body = [subdomain%body, shared]
+      subdomain%first = [subdomain%first, size(subdomain%body) + 1]
+    end do
+    subdomain%wide = pack(place, home < 0)
+  end subroutine name_neighbours
+end module cut_by_hand
