@@ -2,28 +2,21 @@
 !! contact they belong to.
 module kept_states
   use harness, only: tests_t
+  use same_bits, only: same
   use sg_contacts, only: contacts_t
-  use sg_kinds, only: wp, i8
+  use sg_kinds, only: wp
   use sg_laws, only: status_new, status_slide
   use sg_neighbours, only: build_neighbours, neighbours_t
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
   implicit none
   private
-  public :: same_bits, check_same_state, check_list_again, mark, mark_all, count_marks
+  public :: check_same_state, check_list_again, mark, mark_all, count_marks
 
   !> Components of a marked impulse over its mark
   real(wp), parameter :: factors(3) = [1.0_wp, -2.0_wp, 3.0_wp]
 
 contains
-
-  !> Are these the same numbers, to the last bit?
-  pure logical function same_bits(a, b)
-    real(wp), intent(in) :: a(:), b(:)
-
-    same_bits = size(a) == size(b)
-    if (same_bits) same_bits = all(transfer(a, [0_i8]) == transfer(b, [0_i8]))
-  end function same_bits
 
   !> Compare bodies, contacts and energies of two simulations, to the last bit.
   subroutine check_same_state(t, a, b, name)
@@ -32,11 +25,11 @@ contains
     character(len=*), intent(in) :: name !! of the case
 
     associate (one => a%scene%bodies, other => b%scene%bodies)
-      call t%check(same_bits(pack(one%position, .true.), pack(other%position, .true.)), name//': positions')
-      call t%check(same_bits(pack(one%velocity, .true.), pack(other%velocity, .true.)), name//': velocities')
-      if (allocated(one%angle)) call t%check(same_bits(one%angle, other%angle), name//': angles')
+      call t%check(same(one%position, other%position), name//': positions')
+      call t%check(same(one%velocity, other%velocity), name//': velocities')
+      if (allocated(one%angle)) call t%check(same(one%angle, other%angle), name//': angles')
       if (allocated(one%orientation)) then
-        call t%check(same_bits(pack(one%orientation, .true.), pack(other%orientation, .true.)), name//': orientations')
+        call t%check(same(one%orientation, other%orientation), name//': orientations')
       end if
       if (allocated(one%crossings_y)) then
         call t%check(all(one%crossings == other%crossings) .and. all(one%crossings_y == other%crossings_y), name//': crossings')
@@ -47,10 +40,10 @@ contains
     call t%equal(b%contacts%n, a%contacts%n, name//': number of contacts')
     if (b%contacts%n /= a%contacts%n) return
     associate (k => a%contacts%n)
-      call t%check(same_bits(pack(a%contacts%impulse(:, :k), .true.), pack(b%contacts%impulse(:, :k), .true.)), name//': impulses')
+      call t%check(same(a%contacts%impulse(:, :k), b%contacts%impulse(:, :k)), name//': impulses')
       call t%check(all(a%contacts%status(:k) == b%contacts%status(:k)), name//': statuses')
     end associate
-    call t%check(same_bits(a%energy%pack(), b%energy%pack()), name//': energies')
+    call t%check(same(a%energy%pack(), b%energy%pack()), name//': energies')
   end subroutine check_same_state
 
   !> The list can be made again from `built`, pair by pair in the same order, and slots are a numbering of the bodies.
