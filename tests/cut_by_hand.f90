@@ -1,9 +1,13 @@
 !> One rank's part of a scene that all ranks hold, cut out the plain way: every rank looks at all bodies and contacts.
+!!
+!! No message is sent, so tests that use it know what is right from the whole scene alone.
 module cut_by_hand
-  use sg_bodies, only: bodies_t
-  use sg_contactors, only: contactors_t
+  use sg_contactors, only: place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_kinds, only: i4
+  use sg_local_numbers, only: contactors_of_bodies
+  use sg_pack_bodies, only: build_scene, order_records, pack_body
+  use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
   use sg_subdomain, only: owner_of, subdomain_t
   implicit none
@@ -23,29 +27,32 @@ contains
     type(contacts_t), intent(out) :: local_contacts !! its contacts
     type(subdomain_t), intent(out) :: subdomain !! who shares which bodies
     integer(i4) :: home(whole%bodies%n)
-    integer :: place(whole%bodies%n), seat(whole%contactors%n), i
-    integer, allocatable :: ids(:), kept(:)
-    logical :: is_held(whole%bodies%n, 0:size_of_all - 1), is_own(whole%bodies%n)
+    type(parcel_t) :: parcel
+    integer :: place(whole%bodies%n), seat(whole%contactors%n), n_home, i
+    integer, allocatable :: start(:), kept(:)
+    integer(i4), allocatable :: first(:), list(:)
+    logical :: is_held(whole%bodies%n, 0:size_of_all - 1)
 
     home = merge(part, -1_i4, whole%bodies%is_grain)
     do i = 0, size_of_all - 1
       is_held(:, i) = held_by(i, home, contacts)
     end do
-    is_own = home == rank .or. (home < 0 .and. modulo([(i, i=1, size(home))], size_of_all) == rank)
-    ids = [pack([(i, i=1, size(home))], is_own), pack([(i, i=1, size(home))], is_held(:, rank) .and. .not. is_own)]
-    place = 0
-    place(ids) = [(i, i=1, size(ids))]
-
-    local = whole
-    call keep_bodies(whole%bodies, ids, count(is_own), local%bodies)
-    if (size_of_all > 1) then
-      local%bodies%id = int(ids, i4)
-      local%bodies%home = home(ids)
-    end if
-    kept = pack([(i, i=1, whole%contactors%n)], place(whole%contactors%body(:whole%contactors%n)) > 0)
-    call keep_contactors(whole%contactors, kept, place, local%contactors)
+    call contactors_of_bodies(whole%contactors, whole%bodies%n, first, list)
+    do i = 1, whole%bodies%n
+      if (is_held(i, rank)) call pack_body(whole, i, first, list, int(home(i)), parcel)
+    end do
+    call order_records(parcel, rank, size_of_all, start, n_home)
+    call build_scene(whole, parcel, start, n_home, local)
+    associate (ids => local%bodies%id)
+      local%bodies%force = whole%bodies%force(:, ids)
+      local%bodies%free_velocity = whole%bodies%free_velocity(:, ids)
+      local%bodies%middle = whole%bodies%middle(:, ids)
+      place = 0
+      place(ids) = [(i, i=1, size(ids))]
+    end associate
+    call place_contactors(local%contactors, local%bodies%middle)
     seat = 0
-    seat(kept) = [(i, i=1, size(kept))]
+    seat(local%contactors%id) = [(i, i=1, local%contactors%n)]
     kept = pack([(i, i=1, contacts%n)], [(owner_of(home(contacts%body(:, i))) == rank, i=1, contacts%n)])
     call keep_contacts(contacts, kept, place, seat, local_contacts)
     call name_neighbours(is_held, home, place, rank, subdomain)
@@ -66,47 +73,6 @@ contains
       end associate
     end do
   end function held_by
-
-  !> Keep some bodies, in the order given.
-  subroutine keep_bodies(whole, ids, n_home, bodies)
-    type(bodies_t), intent(in) :: whole
-    integer, intent(in) :: ids(:), n_home
-    type(bodies_t), intent(inout) :: bodies
-
-    bodies%n = size(ids)
-    bodies%n_home = n_home
-    bodies%position = whole%position(:, ids)
-    bodies%velocity = whole%velocity(:, ids)
-    bodies%middle = whole%middle(:, ids)
-    bodies%mass = whole%mass(ids)
-    bodies%inverse_mass = whole%inverse_mass(:, ids)
-    bodies%force = whole%force(:, ids)
-    bodies%free_velocity = whole%free_velocity(:, ids)
-    bodies%area = whole%area(ids)
-    bodies%crossings = whole%crossings(ids)
-    bodies%is_grain = whole%is_grain(ids)
-    if (allocated(whole%angle)) bodies%angle = whole%angle(ids)
-    if (allocated(whole%inertia)) bodies%inertia = whole%inertia(ids)
-    if (allocated(whole%orientation)) bodies%orientation = whole%orientation(:, ids)
-    if (allocated(whole%principal)) bodies%principal = whole%principal(:, ids)
-    if (allocated(whole%crossings_y)) bodies%crossings_y = whole%crossings_y(ids)
-  end subroutine keep_bodies
-
-  !> Keep some contactors; tables of shapes stay whole, and rows point into them.
-  subroutine keep_contactors(whole, kept, place, contactors)
-    type(contactors_t), intent(in) :: whole
-    integer, intent(in) :: kept(:), place(:)
-    type(contactors_t), intent(inout) :: contactors
-
-    contactors%n = size(kept)
-    contactors%kind = whole%kind(kept)
-    contactors%body = int(place(whole%body(kept)), i4)
-    contactors%row = whole%row(kept)
-    contactors%colour = whole%colour(kept)
-    contactors%shift = whole%shift(:, kept)
-    contactors%reach = whole%reach(kept)
-    contactors%centre = whole%centre(:, kept)
-  end subroutine keep_contactors
 
   !> Keep some contacts, with the numbers of their bodies and contactors here.
   subroutine keep_contacts(whole, kept, place, seat, contacts)
