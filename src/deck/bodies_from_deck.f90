@@ -5,8 +5,9 @@ module sg_bodies_from_deck
   use sg_contactors, only: add_disk, add_polygon, add_wall
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
+  use sg_laws_from_deck, only: material_of
   use sg_moments, only: body_moments
-  use sg_named_bodies, only: check_names, material_of, name_body
+  use sg_named_bodies, only: check_names, name_body
   use sg_samples_from_deck, only: generate_sample, grain_polygon, sample_t
   use sg_scene, only: colour_index, scene_t
   use sg_shapes_from_deck, only: add_shape

@@ -4,10 +4,11 @@ module sg_interactions_from_deck
   use sg_contactors, only: kind_names, n_kinds
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
+  use sg_laws_from_deck, only: law_of
   use sg_run_options, only: run_options_t
-  use sg_scene, only: law_index, scene_t, see_t
+  use sg_scene, only: scene_t, see_t
   use sg_sees, only: blind_pairs
-  use sg_text, only: nearest_word, text_t, to_text
+  use sg_text, only: nearest_word, to_text
   use sg_words, only: choice_index, choices_of
   implicit none
   private
@@ -63,7 +64,7 @@ contains
     call find_colour(deck, b, 'antagonist', scene, see%antagonist_colour, diagnostics)
     see%alert = alert
     if (deck%is_given(b, 'alert')) see%alert = deck%number(b, 'alert')
-    call find_law(deck, b, scene, see%law, diagnostics)
+    see%law = law_of(deck, b, scene, diagnostics)
   end subroutine read_interaction
 
   !> Warn of shapes that the last line of the see tables brings together and that cannot touch. A line that names both kinds
@@ -126,34 +127,6 @@ contains
     if (near /= '') near = '; did you mean "'//near//'"?'
     call deck%complain(diagnostics, 'no body has the colour "'//name//'"'//near, b, key)
   end subroutine find_colour
-
-  !> Law of a name, or the only one; 0 after a mistake.
-  subroutine find_law(deck, b, scene, law, diagnostics)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b
-    type(scene_t), intent(in) :: scene
-    integer, intent(out) :: law
-    type(diagnostics_t), intent(inout) :: diagnostics
-    type(text_t), allocatable :: known(:)
-    character(len=:), allocatable :: name
-    integer :: i
-
-    name = deck%word(b, 'law')
-    law = law_index(scene, name)
-    if (name == '' .and. size(scene%laws) == 1) law = 1
-    if (law > 0) return
-    if (size(scene%laws) == 0) then
-      call deck%complain(diagnostics, 'the deck has no [[law]]', b, 'law')
-    else if (name == '') then
-      call deck%complain(diagnostics, 'there are several laws: this block needs the key "law"', b)
-    else
-      allocate (known(size(scene%laws)))
-      do i = 1, size(known)
-        known(i)%s = scene%laws(i)%name
-      end do
-      call deck%complain_unknown(diagnostics, 'law', name, known, b, 'law')
-    end if
-  end subroutine find_law
 
   !> Alert distance where none is given [m]: a tenth of the radius of the smallest grain, or the way in a step of what is
   !! fastest at the start, driven, or falls through the whole scene, if that is longer.

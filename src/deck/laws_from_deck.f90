@@ -5,10 +5,11 @@ module sg_laws_from_deck
   use sg_keys_scene, only: law_kinds
   use sg_laws, only: law_elastic, law_linear, law_mohr, law_restitution, law_t, law_wet
   use sg_scene, only: law_index, material_index, material_t, scene_t
+  use sg_text, only: text_t
   use sg_words, only: choice_index, choices_of
   implicit none
   private
-  public :: materials_from_deck, laws_from_deck
+  public :: materials_from_deck, laws_from_deck, material_of, law_of
 
 contains
 
@@ -79,4 +80,61 @@ contains
       law%tangential_cohesion = deck%number(b, 'tangential_cohesion')
     end if
   end subroutine read_law
+
+  !> Material of a block: the one it names, or the only one; 0 after a mistake.
+  integer function material_of(deck, b, scene, diagnostics) result(material)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block of the bodies
+    type(scene_t), intent(in) :: scene !! scene with its materials
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(text_t), allocatable :: names(:)
+    integer :: i
+
+    allocate (names(size(scene%materials)))
+    do i = 1, size(names)
+      names(i)%s = scene%materials(i)%name
+    end do
+    material = named_or_only(deck, b, 'material', names, diagnostics)
+  end function material_of
+
+  !> Law of a block: the one it names, or the only one; 0 after a mistake.
+  integer function law_of(deck, b, scene, diagnostics) result(law)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block of the interaction
+    type(scene_t), intent(in) :: scene !! scene with its laws
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(text_t), allocatable :: names(:)
+    integer :: i
+
+    allocate (names(size(scene%laws)))
+    do i = 1, size(names)
+      names(i)%s = scene%laws(i)%name
+    end do
+    law = named_or_only(deck, b, 'law', names, diagnostics)
+  end function law_of
+
+  !> Which of the things that bear names a block means by the key that is called like them.
+  integer function named_or_only(deck, b, what, names, diagnostics) result(found)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    character(len=*), intent(in) :: what
+    type(text_t), intent(in) :: names(:)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: name
+
+    name = deck%word(b, what)
+    do found = 1, size(names)
+      if (names(found)%s == name) return
+    end do
+    found = 0
+    if (name == '' .and. size(names) == 1) then
+      found = 1
+    else if (size(names) == 0) then
+      call deck%complain(diagnostics, 'the deck has no [['//what//']]', b, what)
+    else if (name == '') then
+      call deck%complain(diagnostics, 'there are several '//what//'s: this block needs the key "'//what//'"', b)
+    else
+      call deck%complain_unknown(diagnostics, what, name, names, b, what)
+    end if
+  end function named_or_only
 end module sg_laws_from_deck

@@ -1,14 +1,13 @@
-!> What every block that makes bodies does: name them, and find their material.
+!> Names of bodies.
 module sg_named_bodies
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
   use sg_kinds, only: i4, i8
-  use sg_scene, only: material_index, scene_t
+  use sg_scene, only: scene_t
   use sg_sorting, only: sort_permutation
-  use sg_text, only: text_t
   implicit none
   private
-  public :: name_body, give_name, check_names, material_of
+  public :: name_body, give_name, check_names
 
 contains
 
@@ -69,32 +68,4 @@ contains
       end associate
     end do
   end subroutine check_names
-
-  !> Material of a block: the one it names, or the only one; 0 after a mistake.
-  integer function material_of(deck, b, scene, diagnostics) result(material)
-    type(deck_t), intent(in) :: deck !! checked deck
-    integer, intent(in) :: b !! block of the bodies
-    type(scene_t), intent(in) :: scene !! scene with its materials
-    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    type(text_t), allocatable :: known(:)
-    character(len=:), allocatable :: name
-    integer :: i
-
-    name = deck%word(b, 'material')
-    material = material_index(scene, name)
-    if (material > 0) return
-    if (name == '' .and. size(scene%materials) == 1) then
-      material = 1
-    else if (size(scene%materials) == 0) then
-      call deck%complain(diagnostics, 'the deck has no [[material]]', b, 'material')
-    else if (name == '') then
-      call deck%complain(diagnostics, 'there are several materials: this block needs the key "material"', b)
-    else
-      allocate (known(size(scene%materials)))
-      do i = 1, size(known)
-        known(i)%s = scene%materials(i)%name
-      end do
-      call deck%complain_unknown(diagnostics, 'material', name, known, b, 'material')
-    end if
-  end function material_of
 end module sg_named_bodies

@@ -4,8 +4,9 @@ module sg_solids_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp, i4
+  use sg_laws_from_deck, only: material_of
   use sg_masonry, only: add_arch, add_brick_wall, bricks_of_wall
-  use sg_named_bodies, only: check_names, material_of, name_body
+  use sg_named_bodies, only: check_names, name_body
   use sg_planes_from_deck, only: add_container, add_wall_plane, planes_of_container
   use sg_polyhedron, only: polyhedron_t
   use sg_rotations, only: frame_of, rotation_by, turned_back
