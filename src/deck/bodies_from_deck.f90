@@ -1,16 +1,22 @@
-!> Planar bodies and their contactors from the blocks body, wall and sample, numbered in this order.
+!> Bodies and their contactors from the blocks body, wall, container, brick_wall, arch and sample, numbered in this order.
 module sg_bodies_from_deck
   use sg_blocks, only: deck_t
-  use sg_bodies, only: bodies_t
-  use sg_contactors, only: add_disk, add_polygon, add_wall
-  use sg_error, only: diagnostics_t
+  use sg_contactors, only: add_disk, add_polygon
+  use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp, i4
   use sg_laws_from_deck, only: material_of
-  use sg_moments, only: body_moments
+  use sg_masonry, only: add_arch, add_brick_wall, bricks_of_wall
   use sg_named_bodies, only: check_names, name_body
-  use sg_samples_from_deck, only: generate_sample, grain_polygon, sample_t
+  use sg_polyhedra_from_deck, only: place_polyhedral_shape
+  use sg_polyhedron, only: polyhedron_t
+  use sg_rotations, only: frame_of, rotation_by, turned_back
+  use sg_samples_from_deck, only: generate_sample, grain_polygon, grain_polyhedron, sample_t
   use sg_scene, only: colour_index, scene_t
   use sg_shapes_from_deck, only: add_shape
+  use sg_space_contactors, only: add_sphere
+  use sg_space_generators, only: random_rotation
+  use sg_walls_from_deck, only: add_container, add_wall_body, planes_of_container
+  use sg_weights_from_deck, only: override_mass, weigh_body
   implicit none
   private
   public :: bodies_from_deck
@@ -20,25 +26,32 @@ contains
   !> Fill the scene's bodies and contactors.
   subroutine bodies_from_deck(deck, scene, diagnostics)
     type(deck_t), intent(inout) :: deck !! checked deck; its blocks learn which bodies are theirs
-    type(scene_t), intent(inout) :: scene !! scene with its materials
+    type(scene_t), intent(inout) :: scene !! scene with its dimension, periods and materials
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(sample_t), allocatable :: samples(:)
+    character(len=10), parameter :: sections(5) = [character(len=10) :: 'body', 'wall', 'container', 'brick_wall', 'arch']
     integer :: b, i, n
 
     allocate (samples(deck%count_of('sample')))
+    i = 0
     n = 0
     do b = 1, deck%n
+      n = n + fixed_count(deck, b, scene)
       if (.not. deck%is_in(b, 'sample')) cycle
-      n = n + 1
-      call generate_sample(deck, b, scene%period, samples(n), diagnostics)
+      i = i + 1
+      call generate_sample(deck, b, [scene%period, scene%period_y], samples(i), diagnostics)
     end do
-    n = deck%count_of('body') + deck%count_of('wall') + sum(samples%n)
+    n = n + sum(samples%n)
     if (n == 0 .and. diagnostics%count() == 0) call deck%complain(diagnostics, 'there is no body: a deck needs [[body]], '// &
                                                    '[[wall]], [[sample]] or scene.datbox', deck%block_of('scene'))
-    call scene%bodies%allocate(n)
+    scene%contactors%dimension = scene%dimension
+    call scene%bodies%allocate(n, scene%dimension)
     n = 0
-    call add_bodies(deck, 'body', scene, n, diagnostics)
-    call add_bodies(deck, 'wall', scene, n, diagnostics)
+    do i = 1, size(sections)
+      do b = 1, deck%n
+        if (deck%is_in(b, trim(sections(i)))) call add_block(deck, b, scene, n, diagnostics)
+      end do
+    end do
     call check_names(deck, scene, diagnostics)
     do i = 1, size(samples)
       deck%blocks(samples(i)%block)%first_body = n + 1
@@ -47,43 +60,68 @@ contains
     end do
   end subroutine bodies_from_deck
 
-  !> Add all bodies of the blocks of one section.
-  subroutine add_bodies(deck, section, scene, n, diagnostics)
+  !> Number of bodies that a block makes, but for samples.
+  integer function fixed_count(deck, b, scene) result(n)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(scene_t), intent(in) :: scene
+
+    n = 0
+    if (deck%is_in(b, 'body') .or. deck%is_in(b, 'wall')) n = 1
+    if (deck%is_in(b, 'container')) n = planes_of_container(deck, b, [scene%period, scene%period_y])
+    if (deck%is_in(b, 'brick_wall')) n = bricks_of_wall(deck, b)
+    if (deck%is_in(b, 'arch')) n = deck%integer(b, 'voussoirs')
+  end function fixed_count
+
+  !> Add the bodies of one block.
+  subroutine add_block(deck, b, scene, n, diagnostics)
     type(deck_t), intent(inout) :: deck
-    character(len=*), intent(in) :: section
+    integer, intent(in) :: b
     type(scene_t), intent(inout) :: scene
     integer, intent(inout) :: n
     type(diagnostics_t), intent(inout) :: diagnostics
-    integer :: b
+    integer :: first, last
 
-    do b = 1, deck%n
-      if (.not. deck%is_in(b, section)) cycle
-      n = n + 1
-      deck%blocks(b)%first_body = n
-      deck%blocks(b)%last_body = n
-      call name_body(deck, b, scene, n, diagnostics)
-      scene%bodies%material(n) = int(material_of(deck, b, scene, diagnostics), i4)
-      if (section == 'wall') then
-        call add_wall_body(deck, b, scene, n, diagnostics)
-      else
-        call add_body(deck, b, scene, n, diagnostics)
-      end if
-    end do
-  end subroutine add_bodies
+    first = n + 1
+    last = n + fixed_count(deck, b, scene)
+    deck%blocks(b)%first_body = first
+    deck%blocks(b)%last_body = last
+    if (deck%is_in(b, 'body') .or. deck%is_in(b, 'wall')) call name_body(deck, b, scene, first, diagnostics)
+    scene%bodies%material(first:last) = int(material_of(deck, b, scene, diagnostics), i4)
+    if (deck%is_in(b, 'container')) then
+      call add_container(deck, b, scene, n, diagnostics)
+    else if (deck%is_in(b, 'brick_wall')) then
+      call add_brick_wall(deck, b, scene, n, diagnostics)
+    else if (deck%is_in(b, 'arch')) then
+      call add_arch(deck, b, scene, n, diagnostics)
+    else if (deck%is_in(b, 'wall')) then
+      call add_wall_body(deck, b, scene, first, diagnostics)
+    else
+      call add_body(deck, b, scene, first, diagnostics)
+    end if
+    n = last
+  end subroutine add_block
 
-  !> One body of a [[body]] block.
+  !> The body of a [[body]] block.
   subroutine add_body(deck, b, scene, n, diagnostics)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b, n
     type(scene_t), intent(inout) :: scene
     type(diagnostics_t), intent(inout) :: diagnostics
+    real(wp) :: position(3), velocity(3)
     integer :: first, inner, errors
 
     errors = diagnostics%count()
     first = scene%contactors%n + 1
-    scene%bodies%position(:, n) = deck%pair(b, 'position')
-    scene%bodies%angle(n) = deck%number(b, 'angle')
-    scene%bodies%velocity(:, n) = [deck%pair(b, 'velocity'), deck%number(b, 'spin')]
+    position = deck%vector(b, 'position')
+    velocity = deck%vector(b, 'velocity')
+    scene%bodies%position(:, n) = position(:scene%dimension)
+    scene%bodies%velocity(:scene%dimension, n) = velocity(:scene%dimension)
+    if (scene%dimension == 2) then
+      scene%bodies%angle(n) = deck%number(b, 'angle')
+    else
+      scene%bodies%orientation(:, n) = rotation_by(deck%vector(b, 'rotation'))
+    end if
     if (deck%is_given(b, 'shape')) call add_shape(deck, b, b, scene, n, diagnostics)
     do inner = b + 1, deck%n
       if (deck%blocks(inner)%parent /= b) exit
@@ -94,84 +132,14 @@ contains
       call deck%complain(diagnostics, 'this body has no shape: it needs the key "shape" or [[body.shape]]', b)
       return
     end if
-    call weigh(scene, n, first)
-    call override_mass(deck, b, scene%bodies, n, diagnostics)
+    call weigh_body(scene, n, first)
+    call override_mass(deck, b, scene, n, diagnostics)
+    if (scene%dimension == 2) then
+      scene%bodies%velocity(3, n) = deck%number(b, 'spin')
+    else
+      scene%bodies%velocity(4:, n) = turned_back(scene%bodies%orientation(:, n), deck%vector(b, 'spin'))
+    end if
   end subroutine add_body
-
-  !> Mass, inertia, area and centre of a body from its contactors `first` to the last; shifts become relative to the centre.
-  subroutine weigh(scene, n, first)
-    type(scene_t), intent(inout) :: scene
-    integer, intent(in) :: n, first
-    real(wp) :: area, centre(2), moment, density, cosine, sine
-    integer :: c
-
-    call body_moments(scene%contactors, first, scene%contactors%n, area, centre, moment)
-    do c = first, scene%contactors%n
-      scene%contactors%shift(:, c) = scene%contactors%shift(:, c) - centre
-    end do
-    associate (bodies => scene%bodies)
-      cosine = cos(bodies%angle(n))
-      sine = sin(bodies%angle(n))
-      bodies%position(:, n) = bodies%position(:, n) + [cosine*centre(1) - sine*centre(2), sine*centre(1) + cosine*centre(2)]
-      density = 0
-      if (bodies%material(n) > 0) density = scene%materials(bodies%material(n))%density
-      bodies%area(n) = area
-      bodies%mass(n) = density*area
-      bodies%inertia(n) = density*moment
-    end associate
-    call invert_mass(scene%bodies, n)
-  end subroutine weigh
-
-  !> Inverse inertia of a free body; zero where it weighs nothing.
-  pure subroutine invert_mass(bodies, n)
-    type(bodies_t), intent(inout) :: bodies
-    integer, intent(in) :: n
-
-    bodies%inverse_mass(:, n) = 0
-    if (bodies%mass(n) > 0) bodies%inverse_mass(1:2, n) = 1/bodies%mass(n)
-    if (bodies%inertia(n) > 0) bodies%inverse_mass(3, n) = 1/bodies%inertia(n)
-  end subroutine invert_mass
-
-  !> Mass and inertia that the deck gives; inertia follows a mass that is given alone.
-  subroutine override_mass(deck, b, bodies, n, diagnostics)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b, n
-    type(bodies_t), intent(inout) :: bodies
-    type(diagnostics_t), intent(inout) :: diagnostics
-
-    if (deck%is_given(b, 'mass')) then
-      if (bodies%mass(n) > 0) bodies%inertia(n) = bodies%inertia(n)*deck%number(b, 'mass')/bodies%mass(n)
-      bodies%mass(n) = deck%number(b, 'mass')
-    end if
-    if (deck%is_given(b, 'inertia')) bodies%inertia(n) = deck%number(b, 'inertia')
-    if (.not. min(bodies%mass(n), bodies%inertia(n)) > 0 .and. .not. deck%flag(b, 'fixed') .and. bodies%material(n) > 0) &
-      call deck%complain(diagnostics, 'this body weighs nothing: it needs "mass" and "inertia", or fixed = true', b)
-    call invert_mass(bodies, n)
-  end subroutine override_mass
-
-  !> The body of a [[wall]] block.
-  subroutine add_wall_body(deck, b, scene, n, diagnostics)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b, n
-    type(scene_t), intent(inout) :: scene
-    type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp) :: from(2), to(2), length
-    integer :: colour
-
-    from = deck%pair(b, 'from')
-    to = deck%pair(b, 'to')
-    length = norm2(to - from)
-    if (.not. length > 0) then
-      call deck%complain(diagnostics, 'the wall has no length: "from" and "to" are the same point', b, 'to')
-      return
-    end if
-    scene%bodies%position(:, n) = (from + to)/2
-    scene%bodies%angle(n) = atan2(to(2) - from(2), to(1) - from(1))
-    scene%bodies%velocity(1:2, n) = deck%pair(b, 'velocity')
-    call colour_index(scene, deck%word(b, 'colour'), colour)
-    call add_wall(scene%contactors, n, colour, length/2, deck%number(b, 'thickness')/2, [0.0_wp, 0.0_wp], 0.0_wp)
-    call weigh(scene, n, scene%contactors%n)
-  end subroutine add_wall_body
 
   !> All grains of a sample.
   subroutine add_sample(deck, sample, scene, n, diagnostics)
@@ -180,26 +148,57 @@ contains
     type(scene_t), intent(inout) :: scene
     integer, intent(inout) :: n
     type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp), allocatable :: vertices(:, :)
+    type(error_t), allocatable :: error
+    character(len=:), allocatable :: shape
+    real(wp) :: velocity(3)
     integer :: i, colour, material
-    logical :: is_disk
 
     material = material_of(deck, sample%block, scene, diagnostics)
     call colour_index(scene, deck%word(sample%block, 'colour'), colour)
-    is_disk = deck%word(sample%block, 'shape') == 'disk'
+    shape = deck%word(sample%block, 'shape')
+    velocity = deck%vector(sample%block, 'velocity')
     do i = 1, sample%n
       n = n + 1
-      scene%bodies%material(n) = int(material, i4)
-      scene%bodies%velocity(1:2, n) = deck%pair(sample%block, 'velocity')
-      scene%bodies%position(:, n) = sample%centre(:, i)
-      if (is_disk) then
-        call add_disk(scene%contactors, n, colour, sample%radius(i), [0.0_wp, 0.0_wp])
-      else
-        call grain_polygon(deck, sample, i, vertices, scene%bodies%position(:, n))
-        call add_polygon(scene%contactors, n, colour, vertices, [0.0_wp, 0.0_wp])
-      end if
-      call weigh(scene, n, scene%contactors%n)
-      if (scene%period > 0) scene%bodies%position(1, n) = modulo(scene%bodies%position(1, n), scene%period)
+      associate (bodies => scene%bodies)
+        bodies%material(n) = int(material, i4)
+        bodies%velocity(:scene%dimension, n) = velocity(:scene%dimension)
+        bodies%position(:, n) = sample%centre(:, i)
+        call add_grain(deck, sample, i, shape, scene, n, colour, error)
+        if (allocated(error)) then
+          call deck%complain(diagnostics, error%message, sample%block, 'shape')
+          return
+        end if
+        call weigh_body(scene, n, scene%contactors%n)
+        if (scene%period > 0) bodies%position(1, n) = modulo(bodies%position(1, n), scene%period)
+        if (scene%period_y > 0) bodies%position(2, n) = modulo(bodies%position(2, n), scene%period_y)
+      end associate
     end do
   end subroutine add_sample
+
+  !> Shape of a grain of a sample.
+  subroutine add_grain(deck, sample, i, shape, scene, n, colour, error)
+    type(deck_t), intent(in) :: deck
+    type(sample_t), intent(inout) :: sample
+    integer, intent(in) :: i, n, colour
+    character(len=*), intent(in) :: shape
+    type(scene_t), intent(inout) :: scene
+    type(error_t), allocatable, intent(out) :: error
+    type(polyhedron_t) :: polyhedron
+    real(wp), allocatable :: vertices(:, :)
+    real(wp), parameter :: none(3) = 0
+
+    select case (shape)
+    case ('disk')
+      call add_disk(scene%contactors, n, colour, sample%radius(i), none(:2))
+    case ('polygon')
+      call grain_polygon(deck, sample, i, vertices, scene%bodies%position(:, n))
+      call add_polygon(scene%contactors, n, colour, vertices, none(:2))
+    case ('sphere')
+      call add_sphere(scene%contactors, n, colour, sample%radius(i), none)
+    case ('polyhedron')
+      call grain_polyhedron(deck, sample, i, polyhedron, error)
+      if (.not. allocated(error)) &
+        call place_polyhedral_shape(scene, n, colour, polyhedron, none, frame_of(random_rotation(sample%random)))
+    end select
+  end subroutine add_grain
 end module sg_bodies_from_deck

@@ -9,9 +9,9 @@ module sg_masonry
   use sg_polyhedron_make, only: box_polyhedron, centre_polyhedron
   use sg_rotations, only: frame_of, rotation_by
   use sg_scene, only: colour_index, scene_t
-  use sg_solid_bodies, only: make_solid_body
   use sg_space_contactors, only: add_polyhedron
   use sg_text, only: to_text
+  use sg_weights_from_deck, only: weigh_body
   implicit none
   private
   public :: bricks_of_wall, add_brick_wall, add_arch
@@ -34,16 +34,16 @@ contains
   end function bricks_of_wall
 
   !> The bricks of a [[brick_wall]] block.
-  subroutine add_brick_wall(deck, b, scene, n, density, diagnostics)
+  subroutine add_brick_wall(deck, b, scene, n, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: b !! block of the wall
-    type(scene_t), intent(inout) :: scene !! scene with its bodies
+    type(scene_t), intent(inout) :: scene !! scene with its bodies and their materials
     integer, intent(inout) :: n !! bodies so far
-    real(wp), intent(in) :: density !! [kg/m3]
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(polyhedron_t) :: whole, half
     type(error_t), allocatable :: error
-    real(wp) :: size_of(3), joint, begin, length
+    character(len=:), allocatable :: name
+    real(wp) :: size_of(3), joint, begin, length, centre(3)
     integer :: row, column, columns
     logical :: is_half
 
@@ -65,47 +65,46 @@ contains
       do column = 1, columns
         is_half = mod(row, 2) == 0 .and. (column == 1 .or. column == columns)
         length = merge((size_of(1) - joint)/2, size_of(1), is_half)
+        centre = [begin + length/2, 0.0_wp, (real(row, wp) - 0.5_wp)*size_of(3)]
+        name = to_text(row)//'.'//to_text(column)
         if (is_half) then
-          call add_stone(deck, b, scene, n, density, half, &
-                         [begin + length/2, 0.0_wp, (real(row, wp) - 0.5_wp)*size_of(3)], deck%vector(b, 'position'))
+          call add_stone(deck, b, scene, n, half, centre, 'position', name)
         else
-          call add_stone(deck, b, scene, n, density, whole, &
-                         [begin + length/2, 0.0_wp, (real(row, wp) - 0.5_wp)*size_of(3)], deck%vector(b, 'position'))
+          call add_stone(deck, b, scene, n, whole, centre, 'position', name)
         end if
-        call give_name(scene, n, deck%word(b, 'name')//'.'//to_text(row)//'.'//to_text(column))
         begin = begin + length + joint
       end do
     end do
   end subroutine add_brick_wall
 
   !> Add a body of one polyhedron, given about its centre of mass; what the block draws along x lies along its angle.
-  subroutine add_stone(deck, b, scene, n, density, shape, centre, origin)
+  subroutine add_stone(deck, b, scene, n, shape, centre, origin, name)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b
     type(scene_t), intent(inout) :: scene
     integer, intent(inout) :: n
-    real(wp), intent(in) :: density, centre(3), origin(3)
     type(polyhedron_t), intent(in) :: shape
+    real(wp), intent(in) :: centre(3)
+    character(len=*), intent(in) :: origin, name
     real(wp) :: q(4)
     integer :: colour
 
     n = n + 1
     call colour_index(scene, deck%word(b, 'colour'), colour)
     q = rotation_by([0.0_wp, 0.0_wp, deck%number(b, 'angle')])
-    scene%bodies%material(n) = scene%bodies%material(deck%blocks(b)%first_body)
-    scene%bodies%position(:, n) = origin + matmul(frame_of(q), centre)
+    scene%bodies%position(:, n) = deck%vector(b, origin) + matmul(frame_of(q), centre)
     scene%bodies%orientation(:, n) = q
     call add_polyhedron(scene%contactors, n, colour, shape, [0.0_wp, 0.0_wp, 0.0_wp])
-    call make_solid_body(scene%bodies, scene%contactors, n, scene%contactors%n, scene%contactors%n, density)
+    call weigh_body(scene, n, scene%contactors%n)
+    call give_name(scene, n, deck%word(b, 'name')//'.'//name)
   end subroutine add_stone
 
   !> The voussoirs of an [[arch]] block.
-  subroutine add_arch(deck, b, scene, n, density, diagnostics)
+  subroutine add_arch(deck, b, scene, n, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: b !! block of the arch
-    type(scene_t), intent(inout) :: scene !! scene with its bodies
+    type(scene_t), intent(inout) :: scene !! scene with its bodies and their materials
     integer, intent(inout) :: n !! bodies so far
-    real(wp), intent(in) :: density !! [kg/m3]
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(polyhedron_t) :: shape
     type(error_t), allocatable :: error
@@ -136,8 +135,7 @@ contains
         return
       end if
       call centre_polyhedron(shape, centre)
-      call add_stone(deck, b, scene, n, density, shape, centre, deck%vector(b, 'centre'))
-      call give_name(scene, n, deck%word(b, 'name')//'.'//to_text(i))
+      call add_stone(deck, b, scene, n, shape, centre, 'centre', to_text(i))
     end do
   end subroutine add_arch
 end module sg_masonry

@@ -1,19 +1,23 @@
-!> Samples: many grains from one block of a deck.
+!> Samples: many grains of the plane or of space from one block of a deck.
 module sg_samples_from_deck
   use sg_blocks, only: deck_t
-  use sg_error, only: diagnostics_t
-  use sg_generators, only: draw_polygon, draw_radius, insert_at_random, place_on_lattice
+  use sg_error, only: diagnostics_t, error_t
+  use sg_generators, only: draw_polygon, draw_radius, place_on_lattice
+  use sg_insertion, only: insert_at_random
   use sg_kinds, only: wp, i4, i8, pi
   use sg_moments, only: polygon_moments
   use sg_ordering, only: order_of
+  use sg_polyhedron, only: polyhedron_t
+  use sg_polyhedron_make, only: random_polyhedron
   use sg_random, only: random_t
-  use sg_sorting, only: hilbert_key, sort_permutation
+  use sg_sorting, only: hilbert_key, hilbert_key_in_space, sort_permutation
+  use sg_space_generators, only: place_on_space_lattice, random_direction
   use sg_text, only: to_text
   use sg_values, only: value_t
   use sg_words, only: choice_index
   implicit none
   private
-  public :: sample_t, generate_sample, grain_polygon
+  public :: sample_t, generate_sample, grain_polygon, grain_polyhedron
 
   !> Grains of one sample, in spatial order
   type :: sample_t
@@ -21,11 +25,14 @@ module sg_samples_from_deck
     integer :: block = 0
     !> Number of grains
     integer :: n = 0
-    !> Centres of the circles about the grains [m], shape (2, n), and their radii [m]
+    !> Centres of the circles or spheres about the grains [m], shape (dimension, n), and their radii [m]
     real(wp), allocatable :: centre(:, :), radius(:)
-    !> Numbers for the shapes of polygons
+    !> Numbers for the shapes of polygons and polyhedra
     type(random_t) :: random
   end type sample_t
+
+  !> Grains of a sample at most
+  integer, parameter :: most = 10000000
 
 contains
 
@@ -33,20 +40,28 @@ contains
   subroutine generate_sample(deck, block, period, sample, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: block !! block of the sample
-    real(wp), intent(in) :: period !! period in x [m], 0 for none
+    real(wp), intent(in) :: period(2) !! periods in x and y [m], 0 for none
     type(sample_t), intent(out) :: sample !! the grains
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    real(wp) :: box(4)
-    logical :: is_periodic
+    character(len=*), parameter :: boxes(2:3) = [character(len=50) :: 'x least, y least, x most, y most', &
+                                                 'x least, y least, z least, x most, y most, z most']
+    type(value_t) :: value
+    real(wp) :: box(2*deck%dimension)
+    logical :: is_periodic(deck%dimension - 1)
 
     sample%block = block
-    allocate (sample%centre(2, 0), sample%radius(0))
-    box = box_of(deck, block)
-    if (any(box(3:4) <= box(1:2))) then
-      call deck%complain(diagnostics, 'the box is empty: it is [x least, y least, x most, y most]', block, 'box')
-      return
-    end if
-    is_periodic = period > 0 .and. all(abs(box([1, 3]) - [0.0_wp, period]) <= 1e-9_wp*period)
+    value = deck%value(block, 'box')
+    associate (d => deck%dimension)
+      allocate (sample%centre(d, 0), sample%radius(0))
+      box = value%numbers(:2*d)
+      if (any(box(d + 1:) <= box(:d))) then
+        call deck%complain(diagnostics, 'the box is empty: it is ['//trim(boxes(d))//']', block, 'box')
+        return
+      end if
+      associate (along => period(:d - 1))
+        is_periodic = along > 0 .and. abs(box(:d - 1)) <= 1e-9_wp*along .and. abs(box(d + 1:2*d - 1) - along) <= 1e-9_wp*along
+      end associate
+    end associate
     call sample%random%seed(deck%integer(block, 'seed'))
     if (deck%word(block, 'kind') == 'lattice') then
       call fill_lattice(deck, block, box, is_periodic, sample, diagnostics)
@@ -56,30 +71,20 @@ contains
     call order(sample, box)
   end subroutine generate_sample
 
-  !> The box of a sample.
-  pure function box_of(deck, block) result(box)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: block
-    real(wp) :: box(4)
-    type(value_t) :: value
-
-    value = deck%value(block, 'box')
-    box = value%numbers(:4)
-  end function box_of
-
   !> Draw the radii of a sample.
-  subroutine draw_radii(deck, block, random, radii)
+  subroutine draw_radii(deck, sample, n)
     type(deck_t), intent(in) :: deck
-    integer, intent(in) :: block
-    type(random_t), intent(inout) :: random
-    real(wp), intent(out) :: radii(:)
+    type(sample_t), intent(inout) :: sample
+    integer, intent(in) :: n
     real(wp) :: range(2)
     integer :: distribution, i
 
-    distribution = choice_index(deck%word(block, 'distribution'), 'uniform|volume|lognormal|constant')
-    range = deck%pair(block, 'radius')
-    do i = 1, size(radii)
-      radii(i) = draw_radius(random, distribution, range)
+    distribution = choice_index(deck%word(sample%block, 'distribution'), 'uniform|volume|lognormal|constant')
+    range = deck%pair(sample%block, 'radius')
+    deallocate (sample%radius)
+    allocate (sample%radius(n))
+    do i = 1, n
+      sample%radius(i) = draw_radius(sample%random, distribution, range, deck%dimension)
     end do
   end subroutine draw_radii
 
@@ -87,19 +92,24 @@ contains
   subroutine fill_lattice(deck, block, box, is_periodic, sample, diagnostics)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: block
-    real(wp), intent(in) :: box(4)
-    logical, intent(in) :: is_periodic
+    real(wp), intent(in) :: box(:)
+    logical, intent(in) :: is_periodic(:)
     type(sample_t), intent(inout) :: sample
     type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp) :: range(2), pitch, room, angle
-    integer :: wanted, i
+    real(wp) :: range(2), pitch
+    integer :: wanted
 
     range = deck%pair(block, 'radius')
     if (deck%word(block, 'distribution') == 'constant') range(2) = range(1)
     pitch = 2*range(2)*deck%number(block, 'spacing')
-    wanted = 10000000
+    wanted = most
     if (deck%is_given(block, 'count')) wanted = deck%integer(block, 'count')
-    call place_on_lattice(box, pitch, deck%word(block, 'arrangement') == 'triangular', is_periodic, wanted, sample%centre)
+    if (deck%dimension == 2) then
+      call place_on_lattice(box, pitch, deck%word(block, 'arrangement') == 'triangular', is_periodic(1), wanted, sample%centre)
+    else
+      call place_on_space_lattice(box, pitch, choice_index(deck%word(block, 'arrangement'), 'cubic|hexagonal|fcc'), is_periodic, &
+                                  wanted, sample%centre)
+    end if
     sample%n = size(sample%centre, 2)
     if (deck%is_given(block, 'count') .and. sample%n < wanted) then
       call deck%complain(diagnostics, 'the box is too small: its lattice holds '//to_text(sample%n)//' of '//to_text(wanted)// &
@@ -107,88 +117,118 @@ contains
     else if (sample%n == 0) then
       call deck%complain(diagnostics, 'the box is too small for one grain', block, 'box')
     end if
-    room = deck%number(block, 'jitter')*(pitch - 2*range(2))/2
-    deallocate (sample%radius)
-    allocate (sample%radius(sample%n))
-    call draw_radii(deck, block, sample%random, sample%radius)
-    do i = 1, sample%n
-      angle = sample%random%uniform(0.0_wp, 2*pi)
-      sample%centre(:, i) = sample%centre(:, i) + room*sample%random%uniform()*[cos(angle), sin(angle)]
-    end do
+    call draw_radii(deck, sample, sample%n)
+    call shift_grains(sample, deck%number(block, 'jitter')*(pitch - 2*range(2))/2)
   end subroutine fill_lattice
+
+  !> Shift every grain at random by up to some length [m].
+  subroutine shift_grains(sample, room)
+    type(sample_t), intent(inout) :: sample
+    real(wp), intent(in) :: room
+    real(wp) :: angle
+    integer :: i
+
+    do i = 1, sample%n
+      if (size(sample%centre, 1) == 2) then
+        angle = sample%random%uniform(0.0_wp, 2*pi)
+        sample%centre(:, i) = sample%centre(:, i) + room*sample%random%uniform()*[cos(angle), sin(angle)]
+      else if (room > 0) then
+        sample%centre(:, i) = sample%centre(:, i) + room*sample%random%uniform()**(1.0_wp/3)*random_direction(sample%random)
+      end if
+    end do
+  end subroutine shift_grains
 
   !> Grains at random places.
   subroutine fill_random(deck, block, box, is_periodic, sample, diagnostics)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: block
-    real(wp), intent(in) :: box(4)
-    logical, intent(in) :: is_periodic
+    real(wp), intent(in) :: box(:)
+    logical, intent(in) :: is_periodic(:)
     type(sample_t), intent(inout) :: sample
     type(diagnostics_t), intent(inout) :: diagnostics
-    integer, parameter :: most = 10000000
-    real(wp) :: area, least(2)
+    real(wp) :: volume, least
     integer :: n
 
     if (deck%is_given(block, 'count') .eqv. deck%is_given(block, 'fill')) then
       call deck%complain(diagnostics, 'a random [[sample]] needs either "count" or "fill"', block)
       return
     end if
-    area = (box(3) - box(1))*(box(4) - box(2))
-    least = deck%pair(block, 'radius')
+    volume = product(box(deck%dimension + 1:) - box(:deck%dimension))
+    least = volume_of(minval(deck%pair(block, 'radius')), deck%dimension)
     if (deck%is_given(block, 'count')) then
       n = deck%integer(block, 'count')
-      if (real(n, wp)*pi*least(1)**2 > area) then
-        call deck%complain(diagnostics, 'the box is too full: '//to_text(n)//' grains cover more than all of it', block, 'box')
+      if (real(n, wp)*least > volume) then
+        call deck%complain(diagnostics, 'the box is too full: '//to_text(n)//' grains '// &
+                           trim(merge('cover', 'fill ', deck%dimension == 2))//' more than all of it', block, 'box')
         return
       end if
     else
-      area = deck%number(block, 'fill')*area
-      if (area/(pi*least(1)**2) > most) then
+      volume = deck%number(block, 'fill')*volume
+      if (volume/least > most) then
         call deck%complain(diagnostics, 'this box would hold more than '//to_text(most)//' grains', block, 'fill')
         return
       end if
-      n = int(area/(pi*least(1)**2)) + 1
+      n = int(volume/least) + 1
     end if
-    deallocate (sample%radius)
-    allocate (sample%radius(n))
-    call draw_radii(deck, block, sample%random, sample%radius)
-    if (deck%is_given(block, 'fill')) sample%radius = sample%radius(:enough(sample%radius, area))
+    call draw_radii(deck, sample, n)
+    if (deck%is_given(block, 'fill')) sample%radius = sample%radius(:enough(sample%radius, volume, deck%dimension))
     ! Largest first: late grains are small and still find room.
     sample%radius = sample%radius(order_of(-sample%radius))
     call insert_at_random(sample%random, sample%radius, box, deck%number(block, 'clearance'), is_periodic, sample%centre, n)
     if (n < size(sample%radius)) then
       call deck%complain(diagnostics, 'the box is too full: '//to_text(n)//' of '//to_text(size(sample%radius))// &
-                         ' grains found room; random insertion rarely passes a fill of 0.5', block, 'box')
+                         ' grains found room; random insertion rarely passes a fill of '// &
+                         trim(merge('0.5 ', '0.35', deck%dimension == 2)), block, 'box')
       return
     end if
     sample%n = n
   end subroutine fill_random
 
-  !> How many circles, from the first on, cover an area.
-  pure integer function enough(radii, area) result(n)
-    real(wp), intent(in) :: radii(:), area
-    real(wp) :: covered
+  !> Area of a circle, or volume of a sphere.
+  pure real(wp) function volume_of(radius, dimension) result(volume)
+    real(wp), intent(in) :: radius
+    integer, intent(in) :: dimension
 
-    covered = 0
+    if (dimension == 2) then
+      volume = pi*radius**2
+    else
+      volume = 4*pi/3*radius**3
+    end if
+  end function volume_of
+
+  !> How many grains, from the first on, fill an area or a volume.
+  pure integer function enough(radii, volume, dimension) result(n)
+    real(wp), intent(in) :: radii(:), volume
+    integer, intent(in) :: dimension
+    real(wp) :: filled
+
+    filled = 0
     do n = 1, size(radii) - 1
-      covered = covered + pi*radii(n)**2
-      if (covered >= area) return
+      filled = filled + volume_of(radii(n), dimension)
+      if (filled >= volume) return
     end do
   end function enough
 
   !> Put grains in spatial order.
   subroutine order(sample, box)
     type(sample_t), intent(inout) :: sample
-    real(wp), intent(in) :: box(4)
+    real(wp), intent(in) :: box(:)
     integer(i8), allocatable :: keys(:)
     integer(i4), allocatable :: permutation(:)
-    integer :: i
+    real(wp) :: point(size(box)/2)
     real(wp) :: extent
+    integer :: d, i
 
-    extent = maxval(box(3:4) - box(1:2))
+    d = size(box)/2
+    extent = maxval(box(d + 1:) - box(:d))
     allocate (keys(sample%n))
     do i = 1, sample%n
-      keys(i) = hilbert_key((sample%centre(:, i) - box(1:2))/extent)
+      point = (sample%centre(:, i) - box(:d))/extent
+      if (d == 2) then
+        keys(i) = hilbert_key(point)
+      else
+        keys(i) = hilbert_key_in_space(point)
+      end if
     end do
     permutation = sort_permutation(keys)
     sample%centre = sample%centre(:, permutation)
@@ -202,14 +242,40 @@ contains
     integer, intent(in) :: i !! grain of the sample
     real(wp), allocatable, intent(out) :: vertices(:, :) !! about the centre of mass [m], shape (2, n)
     real(wp), intent(out) :: centre(2) !! centre of mass [m]
-    integer :: sides(2)
     real(wp) :: area, moment, offset(2)
+    integer :: n
 
-    sides = nint(deck%pair(sample%block, 'sides'))
-    sides(1) = min(sides(2), sides(1) + int(sample%random%uniform()*real(sides(2) - sides(1) + 1, wp)))
-    call draw_polygon(sample%random, sides(1), sample%radius(i), vertices)
+    n = drawn_count(deck, sample, 'sides')
+    call draw_polygon(sample%random, n, sample%radius(i), vertices)
     call polygon_moments(vertices, area, offset, moment)
     vertices = vertices - spread(offset, 2, size(vertices, 2))
     centre = sample%centre(:, i) + offset
   end subroutine grain_polygon
+
+  !> Shape of one polyhedral grain, in the frame of its ellipsoid.
+  subroutine grain_polyhedron(deck, sample, i, shape, error)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(sample_t), intent(inout) :: sample !! its sample
+    integer, intent(in) :: i !! grain of the sample
+    type(polyhedron_t), intent(out) :: shape !! polyhedron
+    type(error_t), allocatable, intent(out) :: error !! set when the numbers make none
+    real(wp) :: elongation(2), least
+    integer :: n
+
+    n = drawn_count(deck, sample, 'vertices')
+    elongation = deck%pair(sample%block, 'elongation')
+    least = 1/sample%random%uniform(elongation(1), elongation(2))
+    call random_polyhedron(n, sample%radius(i)*[1.0_wp, sample%random%uniform(least, 1.0_wp), least], sample%random, shape, error)
+  end subroutine grain_polyhedron
+
+  !> A number of vertices within the range that the deck gives.
+  integer function drawn_count(deck, sample, name) result(n)
+    type(deck_t), intent(in) :: deck
+    type(sample_t), intent(inout) :: sample
+    character(len=*), intent(in) :: name
+    integer :: range(2)
+
+    range = nint(deck%pair(sample%block, name))
+    n = min(range(2), range(1) + int(sample%random%uniform()*real(range(2) - range(1) + 1, wp)))
+  end function drawn_count
 end module sg_samples_from_deck

@@ -11,7 +11,6 @@ module sg_scene_from_deck
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_solid_checks, only: check_solid_overlaps
-  use sg_solids_from_deck, only: solids_from_deck
   use sg_start_checks, only: check_overlaps, check_range
   use sg_system, only: file_exists
   use sg_text, only: to_text
@@ -45,11 +44,7 @@ contains
     scene%gravity = deck%vector(b, 'gravity')
     call materials_from_deck(deck, scene, diagnostics)
     call laws_from_deck(deck, scene, diagnostics)
-    if (scene%dimension == 2) then
-      call bodies_from_deck(deck, scene, diagnostics)
-    else
-      call solids_from_deck(deck, scene, diagnostics)
-    end if
+    call bodies_from_deck(deck, scene, diagnostics)
     if (diagnostics%count() > 0) return
     call drives_from_deck(deck, scene, diagnostics)
     call interactions_from_deck(deck, options, scene, diagnostics)

@@ -1,11 +1,14 @@
-!> One shape of a body from the keys of [[body]] or [[body.shape]].
+!> One shape of a body, of the plane or of space, from the keys of [[body]] or [[body.shape]].
 module sg_shapes_from_deck
   use sg_blocks, only: deck_t
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, pi
   use sg_moments, only: polygon_moments
+  use sg_polyhedra_from_deck, only: add_polyhedral_shape
+  use sg_rotations, only: frame_of, no_rotation, rotation_by
   use sg_scene, only: colour_index, scene_t
+  use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_sphere
   use sg_text, only: to_text
   use sg_values, only: value_t
   implicit none
@@ -17,7 +20,7 @@ module sg_shapes_from_deck
 
 contains
 
-  !> Add the shape of a block to the scene's contactors.
+  !> Add the shape of a block to the scene's contactors, in the frame of the body as the deck gives it.
   subroutine add_shape(deck, b, body_block, scene, body, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: b !! block with the sizes, that of the body or one within
@@ -26,31 +29,49 @@ contains
     integer, intent(in) :: body !! body that carries the shape
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     character(len=:), allocatable :: kind, colour_name
-    real(wp) :: centre(2), angle
+    real(wp) :: centre(3), angle, frame(3, 3)
     integer :: colour
 
     centre = 0
     angle = 0
+    frame = frame_of(no_rotation)
     colour_name = deck%word(body_block, 'colour')
     if (b == body_block) then
       kind = deck%word(b, 'shape')
     else
       kind = deck%word(b, 'kind')
-      centre = deck%pair(b, 'centre')
-      angle = deck%number(b, 'angle')
+      centre = deck%vector(b, 'centre')
+      if (scene%dimension == 2) then
+        angle = deck%number(b, 'angle')
+      else
+        frame = frame_of(rotation_by(deck%vector(b, 'rotation')))
+      end if
       if (deck%is_given(b, 'colour')) colour_name = deck%word(b, 'colour')
     end if
     call colour_index(scene, colour_name, colour)
-    select case (kind)
-    case ('disk')
-      call add_disk(scene%contactors, body, colour, deck%number(b, 'radius'), centre)
-    case ('hollow disk')
-      call add_hollow(scene%contactors, body, colour, deck%number(b, 'radius'), centre)
-    case ('segment')
-      call add_wall(scene%contactors, body, colour, deck%number(b, 'half_length'), deck%number(b, 'half_thickness'), centre, angle)
-    case ('polygon')
-      call add_vertices(deck, b, scene, body, colour, centre, angle, diagnostics)
-    end select
+    associate (contactors => scene%contactors)
+      select case (kind)
+      case ('disk')
+        call add_disk(contactors, body, colour, deck%number(b, 'radius'), centre(:2))
+      case ('hollow disk')
+        call add_hollow(contactors, body, colour, deck%number(b, 'radius'), centre(:2))
+      case ('segment')
+        call add_wall(contactors, body, colour, deck%number(b, 'half_length'), deck%number(b, 'half_thickness'), centre(:2), angle)
+      case ('polygon')
+        call add_vertices(deck, b, scene, body, colour, centre(:2), angle, diagnostics)
+      case ('sphere')
+        call add_sphere(contactors, body, colour, deck%number(b, 'radius'), centre)
+      case ('plane')
+        call add_plane(contactors, body, colour, deck%vector(b, 'half_axes'), centre, frame)
+      case ('cylinder')
+        call add_cylinder(contactors, body, colour, deck%number(b, 'half_height'), deck%number(b, 'radius'), centre, frame(:, 3))
+      case ('hollow cylinder')
+        call add_hollow_cylinder(contactors, body, colour, deck%number(b, 'half_height'), deck%number(b, 'radius'), centre, &
+                                 frame(:, 3))
+      case ('box', 'polyhedron')
+        call add_polyhedral_shape(deck, b, kind, scene, body, colour, centre, frame, diagnostics)
+      end select
+    end associate
   end subroutine add_shape
 
   !> Add a polygon, its vertices about its own centre of area.

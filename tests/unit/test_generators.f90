@@ -2,8 +2,9 @@
 program test_generators
   use harness, only: tests_t
   use sg_contactors, only: add_disk, add_polygon, add_wall, contactors_t, place_contactors
-  use sg_generators, only: draw_polygon, draw_radius, insert_at_random, place_on_lattice, size_constant, size_lognormal, &
-                           size_uniform, size_volume
+  use sg_generators, only: draw_polygon, draw_radius, place_on_lattice, size_constant, size_lognormal, size_uniform, &
+                           size_volume
+  use sg_insertion, only: insert_at_random
   use sg_kinds, only: wp, pi
   use sg_moments, only: polygon_moments
   use sg_ordering, only: order_of
@@ -94,7 +95,7 @@ contains
       is_periodic = i == 2
       radii = sizes(n, 0.02_wp, 0.08_wp)
       call random%seed(5)
-      call insert_at_random(random, radii, box, 0.005_wp, is_periodic, points, placed)
+      call insert_at_random(random, radii, box, 0.005_wp, [is_periodic], points, placed)
       call t%equal(placed, n, 'all grains find room')
       gap = least_gap(points, radii, merge(4.0_wp, 0.0_wp, is_periodic))
       call t%check(gap >= 0.005_wp - 1e-12_wp, 'grains keep their clearance')
@@ -107,13 +108,13 @@ contains
       call t%check(all(points(2, :) - radii >= 2 .and. points(2, :) + radii <= 5), 'grains within the box in y')
     end do
     call random%seed(5)
-    call insert_at_random(random, radii, box, 0.005_wp, .true., again, placed)
+    call insert_at_random(random, radii, box, 0.005_wp, [.true.], again, placed)
     call t%near(maxval(abs(points - again)), 0.0_wp, 0.0_wp, 'the same seed gives the same places')
     call random%seed(6)
-    call insert_at_random(random, radii, box, 0.005_wp, .true., again, placed)
+    call insert_at_random(random, radii, box, 0.005_wp, [.true.], again, placed)
     call t%check(maxval(abs(points - again)) > 0.1_wp, 'another seed gives others')
     radii = 0.2_wp
-    call insert_at_random(random, radii, box, 0.0_wp, .false., again, placed)
+    call insert_at_random(random, radii, box, 0.0_wp, [.false.], again, placed)
     call t%check(placed > 30 .and. placed < 96, 'a box that is too full takes some')
     call t%check(least_gap(again(:, :placed), radii(:placed), 0.0_wp) >= 0, 'and those do not overlap')
   end subroutine test_insertion

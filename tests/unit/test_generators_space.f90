@@ -5,6 +5,7 @@ program test_generators_space
   use sg_convex_hull, only: hull_is_available
   use sg_error, only: error_t
   use sg_generators, only: draw_radius, size_lognormal, size_uniform, size_volume
+  use sg_insertion, only: insert_at_random
   use sg_kinds, only: wp, pi
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
@@ -13,8 +14,8 @@ program test_generators_space
   use sg_scene, only: scene_t
   use sg_solid_overlaps, only: solid_overlap_depth
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
-  use sg_space_generators, only: insert_in_space, lattice_cubic, lattice_fcc, lattice_hexagonal, place_on_space_lattice, &
-                                 random_direction, random_rotation
+  use sg_space_generators, only: lattice_cubic, lattice_fcc, lattice_hexagonal, place_on_space_lattice, random_direction, &
+                                 random_rotation
   use written_files, only: read_good_deck
   implicit none
   character(len=*), parameter :: nl = new_line('a')
@@ -107,7 +108,7 @@ contains
       wraps = [btest(k, 0), btest(k, 1), .false.]
       is_periodic = wraps(:2)
       call random%seed(5)
-      call insert_in_space(random, radii, box, 0.003_wp, is_periodic, points, placed)
+      call insert_at_random(random, radii, box, 0.003_wp, is_periodic, points, placed)
       call t%equal(placed, n, 'all grains find room')
       call t%check(least_gap(points, radii, merge(box(4:5) - box(1:2), 0.0_wp, is_periodic)) >= 0.003_wp - 1e-12_wp, &
                    'grains keep their clearance')
@@ -122,13 +123,13 @@ contains
       end do
     end do
     call random%seed(5)
-    call insert_in_space(random, radii, box, 0.003_wp, is_periodic, again, placed)
+    call insert_at_random(random, radii, box, 0.003_wp, is_periodic, again, placed)
     call t%near(maxval(abs(points - again)), 0.0_wp, 0.0_wp, 'the same seed gives the same places')
     call random%seed(6)
-    call insert_in_space(random, radii, box, 0.003_wp, is_periodic, again, placed)
+    call insert_at_random(random, radii, box, 0.003_wp, is_periodic, again, placed)
     call t%check(maxval(abs(points - again)) > 0.1_wp, 'another seed gives others')
     radii = 0.45_wp
-    call insert_in_space(random, radii, box, 0.0_wp, is_periodic, again, placed)
+    call insert_at_random(random, radii, box, 0.0_wp, is_periodic, again, placed)
     call t%check(placed > 3 .and. placed < 20, 'a full box is told')
   end subroutine test_insertion
 

@@ -1,5 +1,5 @@
-!> One shape of a body in space from the keys of [[body]] or [[body.shape]].
-module sg_solid_shapes_from_deck
+!> Polyhedra from the keys of [[body]] or [[body.shape]].
+module sg_polyhedra_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp, i4
@@ -7,64 +7,39 @@ module sg_solid_shapes_from_deck
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_build, only: polyhedron_from_faces
   use sg_polyhedron_make, only: box_polyhedron, centre_polyhedron, hull_polyhedron, move_polyhedron
-  use sg_rotations, only: frame_of, rotation_by
-  use sg_scene, only: colour_index, scene_t
-  use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
+  use sg_scene, only: scene_t
+  use sg_space_contactors, only: add_polyhedron
   use sg_text, only: to_text
   use sg_time_function_from_deck, only: path_in_deck
   use sg_values, only: value_t
   implicit none
   private
-  public :: add_solid_shape, place_polyhedral_shape
+  public :: add_polyhedral_shape, place_polyhedral_shape
 
 contains
 
-  !> Add the shape of a block to the scene's contactors, in the frame of the body as the deck gives it.
-  subroutine add_solid_shape(deck, b, body_block, scene, body, diagnostics)
+  !> Add the box or the polyhedron of a block to the scene's contactors.
+  subroutine add_polyhedral_shape(deck, b, kind, scene, body, colour, centre, frame, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
-    integer, intent(in) :: b !! block with the sizes, that of the body or one within
-    integer, intent(in) :: body_block !! block of the body
+    integer, intent(in) :: b !! block with the sizes
+    character(len=*), intent(in) :: kind !! box or polyhedron
     type(scene_t), intent(inout) :: scene !! scene with the contactors
     integer, intent(in) :: body !! body that carries the shape
+    integer, intent(in) :: colour !! index of the colour
+    real(wp), intent(in) :: centre(3) !! origin of the shape's frame in that of the body [m]
+    real(wp), intent(in) :: frame(3, 3) !! columns: axes of the shape's frame in that of the body
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    character(len=:), allocatable :: kind, colour_name
     type(polyhedron_t) :: shape
-    real(wp) :: centre(3), frame(3, 3)
-    integer :: colour, errors
+    integer :: errors
 
-    centre = 0
-    frame = frame_of(rotation_by(centre))
-    colour_name = deck%word(body_block, 'colour')
-    if (b == body_block) then
-      kind = deck%word(b, 'shape')
+    errors = diagnostics%count()
+    if (kind == 'box') then
+      call read_box(deck, b, shape, diagnostics)
     else
-      kind = deck%word(b, 'kind')
-      centre = deck%vector(b, 'centre')
-      frame = frame_of(rotation_by(deck%vector(b, 'rotation')))
-      if (deck%is_given(b, 'colour')) colour_name = deck%word(b, 'colour')
+      call read_polyhedron(deck, b, shape, diagnostics)
     end if
-    call colour_index(scene, colour_name, colour)
-    select case (kind)
-    case ('sphere')
-      call add_sphere(scene%contactors, body, colour, deck%number(b, 'radius'), centre)
-    case ('plane')
-      call add_plane(scene%contactors, body, colour, deck%vector(b, 'half_axes'), centre, frame)
-    case ('cylinder')
-      call add_cylinder(scene%contactors, body, colour, deck%number(b, 'half_height'), deck%number(b, 'radius'), centre, &
-                        frame(:, 3))
-    case ('hollow cylinder')
-      call add_hollow_cylinder(scene%contactors, body, colour, deck%number(b, 'half_height'), deck%number(b, 'radius'), centre, &
-                               frame(:, 3))
-    case default
-      errors = diagnostics%count()
-      if (kind == 'box') then
-        call read_box(deck, b, shape, diagnostics)
-      else
-        call read_polyhedron(deck, b, shape, diagnostics)
-      end if
-      if (diagnostics%count() == errors) call place_polyhedral_shape(scene, body, colour, shape, centre, frame)
-    end select
-  end subroutine add_solid_shape
+    if (diagnostics%count() == errors) call place_polyhedral_shape(scene, body, colour, shape, centre, frame)
+  end subroutine add_polyhedral_shape
 
   !> Add a polyhedron, its vertices about its own centre of mass.
   subroutine place_polyhedral_shape(scene, body, colour, shape, centre, frame)
@@ -182,4 +157,4 @@ contains
       if (error%line > 0) words = 'line '//to_text(error%line)//' of the file: '
     end function place
   end subroutine read_mesh_file
-end module sg_solid_shapes_from_deck
+end module sg_polyhedra_from_deck

@@ -1,53 +1,68 @@
-!> Planes in space: from the blocks wall, and the sides of the boxes that the blocks container describe.
+!> Walls from the blocks wall, segments of the plane or planes in space, and the sides of the boxes that the blocks container
+!! describe.
 !!
-!! The frame of such a body has the axes of the world; its plane lies in it as the normal says.
-module sg_planes_from_deck
+!! The frame of a plane's body has the axes of the world; the plane lies in it as the normal says.
+module sg_walls_from_deck
   use sg_blocks, only: deck_t
+  use sg_contactors, only: add_wall
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_named_bodies, only: give_name
   use sg_scene, only: colour_index, scene_t
-  use sg_solid_bodies, only: make_solid_body
   use sg_space_contactors, only: add_plane
   use sg_text, only: to_text
   use sg_vectors, only: cross
+  use sg_weights_from_deck, only: weigh_body
   implicit none
   private
-  public :: add_wall_plane, add_container, planes_of_container
+  public :: add_wall_body, add_container, planes_of_container
 
   !> Cosine to z from which on a normal is taken for vertical: rounding
   real(wp), parameter :: vertical = 1 - 1e-12_wp
 
 contains
 
-  !> The body of a [[wall]] block in space.
-  subroutine add_wall_plane(deck, b, scene, n, density, diagnostics)
+  !> The body of a [[wall]] block.
+  subroutine add_wall_body(deck, b, scene, n, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: b !! block of the wall
     type(scene_t), intent(inout) :: scene !! scene with its bodies
     integer, intent(in) :: n !! number of the body
-    real(wp), intent(in) :: density !! [kg/m3]
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    real(wp) :: normal(3)
+    real(wp) :: normal(3), velocity(3), from(2), to(2)
+    integer :: colour
 
-    normal = deck%vector(b, 'normal')
-    if (.not. norm2(normal) > 0) then
-      call deck%complain(diagnostics, 'the normal has no length', b, 'normal')
+    velocity = deck%vector(b, 'velocity')
+    scene%bodies%velocity(:scene%dimension, n) = velocity(:scene%dimension)
+    call colour_index(scene, deck%word(b, 'colour'), colour)
+    if (scene%dimension == 3) then
+      normal = deck%vector(b, 'normal')
+      if (norm2(normal) > 0) then
+        call set_plane(scene, n, colour, deck%vector(b, 'centre'), normal/norm2(normal), deck%pair(b, 'size'), &
+                       deck%number(b, 'thickness'))
+      else
+        call deck%complain(diagnostics, 'the normal has no length', b, 'normal')
+      end if
       return
     end if
-    call set_plane(scene, n, deck%word(b, 'colour'), density, deck%vector(b, 'centre'), normal/norm2(normal), &
-                   deck%pair(b, 'size'), deck%number(b, 'thickness'))
-    scene%bodies%velocity(:3, n) = deck%vector(b, 'velocity')
-  end subroutine add_wall_plane
+    from = deck%pair(b, 'from')
+    to = deck%pair(b, 'to')
+    if (.not. norm2(to - from) > 0) then
+      call deck%complain(diagnostics, 'the wall has no length: "from" and "to" are the same point', b, 'to')
+      return
+    end if
+    scene%bodies%position(:, n) = (from + to)/2
+    scene%bodies%angle(n) = atan2(to(2) - from(2), to(1) - from(1))
+    call add_wall(scene%contactors, n, colour, norm2(to - from)/2, deck%number(b, 'thickness')/2, [0.0_wp, 0.0_wp], 0.0_wp)
+    call weigh_body(scene, n, scene%contactors%n)
+  end subroutine add_wall_body
 
   !> Make a body of one plane.
-  subroutine set_plane(scene, n, colour_name, density, face, normal, sides, thickness)
+  subroutine set_plane(scene, n, colour, face, normal, sides, thickness)
     type(scene_t), intent(inout) :: scene
-    integer, intent(in) :: n
-    character(len=*), intent(in) :: colour_name
-    real(wp), intent(in) :: density, face(3), normal(3), sides(2), thickness
+    integer, intent(in) :: n, colour
+    real(wp), intent(in) :: face(3), normal(3), sides(2), thickness
     real(wp) :: frame(3, 3)
-    integer :: colour
 
     ! The first side is level; where all sides are, it lies along x.
     frame(:, 1) = [1.0_wp, 0.0_wp, 0.0_wp]
@@ -55,10 +70,9 @@ contains
     frame(:, 3) = normal
     frame(:, 2) = cross(frame(:, 3), frame(:, 1))
     frame(:, 2) = frame(:, 2)/norm2(frame(:, 2))
-    call colour_index(scene, colour_name, colour)
     scene%bodies%position(:, n) = face - thickness/2*normal
     call add_plane(scene%contactors, n, colour, [sides/2, thickness/2], [0.0_wp, 0.0_wp, 0.0_wp], frame)
-    call make_solid_body(scene%bodies, scene%contactors, n, scene%contactors%n, scene%contactors%n, density)
+    call weigh_body(scene, n, scene%contactors%n)
   end subroutine set_plane
 
   !> Number of planes of a container.
@@ -73,17 +87,16 @@ contains
   end function planes_of_container
 
   !> The planes of a [[container]] block. Each reaches beyond the room by its thickness, so that edges and corners are closed.
-  subroutine add_container(deck, b, scene, n, density, diagnostics)
+  subroutine add_container(deck, b, scene, n, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: b !! block of the container
-    type(scene_t), intent(inout) :: scene !! scene with its bodies
+    type(scene_t), intent(inout) :: scene !! scene with its bodies and their materials
     integer, intent(inout) :: n !! bodies so far
-    real(wp), intent(in) :: density !! [kg/m3]
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     character(len=*), parameter :: names(3, 2) = reshape([character(len=5) :: 'left', 'front', 'floor', 'right', 'back', 'lid'], &
                                                          [3, 2])
     real(wp) :: corner(3), room(3), thickness, face(3), normal(3), sides(2), beyond(3), period(3)
-    integer :: axis, other, side
+    integer :: axis, other, side, colour
 
     period = [scene%period, scene%period_y, 0.0_wp]
     corner = deck%vector(b, 'corner')
@@ -96,6 +109,7 @@ contains
       call deck%complain(diagnostics, 'the room is not as long as the period along '//merge('x', 'y', axis == 1)//': '// &
                          to_text(room(axis), 6)//' m against '//to_text(period(axis), 6)//' m', b, 'size')
     end do
+    call colour_index(scene, deck%word(b, 'colour'), colour)
     do axis = 3, 1, -1
       do side = 1, 2
         if (period(axis) > 0) cycle
@@ -109,10 +123,9 @@ contains
         sides = room(:2) + beyond(:2)
         if (axis < 3) sides = [room(other) + beyond(other), room(3) + beyond(3)]
         n = n + 1
-        scene%bodies%material(n) = scene%bodies%material(deck%blocks(b)%first_body)
-        call set_plane(scene, n, deck%word(b, 'colour'), density, face, normal, sides, thickness)
+        call set_plane(scene, n, colour, face, normal, sides, thickness)
         call give_name(scene, n, deck%word(b, 'name')//'.'//trim(names(axis, side)))
       end do
     end do
   end subroutine add_container
-end module sg_planes_from_deck
+end module sg_walls_from_deck
