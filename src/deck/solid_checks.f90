@@ -7,10 +7,8 @@ module sg_solid_checks
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4, i8
   use sg_scene, only: scene_t
-  use sg_sees, only: see_between
-  use sg_solid_overlaps, only: solid_overlap_depth
   use sg_sorting, only: sort_permutation
-  use sg_start_checks, only: report_overlap, warn_of_more
+  use sg_start_checks, only: check_pair, warn_of_more
   implicit none
   private
   public :: check_solid_overlaps
@@ -181,31 +179,4 @@ contains
       end if
     end do
   end function first_of
-
-  !> Report a pair that overlaps, if at least one of the two is a grain and they see each other.
-  subroutine check_pair(deck, scene, c1, c2, n_pairs, diagnostics)
-    type(deck_t), intent(in) :: deck
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: c1, c2
-    integer, intent(inout) :: n_pairs
-    type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp) :: distance(3), shift(3), radius
-    integer :: b1, b2
-
-    associate (contactors => scene%contactors)
-      b1 = contactors%body(c1)
-      b2 = contactors%body(c2)
-      if (b1 == b2 .or. .not. (scene%bodies%is_grain(b1) .or. scene%bodies%is_grain(b2))) return
-      distance = contactors%centre(:, c2) - contactors%centre(:, c1)
-      shift = 0
-      if (scene%period > 0) shift(1) = -scene%period*anint(distance(1)/scene%period)
-      if (scene%period_y > 0) shift(2) = -scene%period_y*anint(distance(2)/scene%period_y)
-      distance = distance + shift
-      if (sum(distance**2) > (contactors%reach(c1) + contactors%reach(c2))**2) return
-      if (see_between(scene, c1, c2) == 0) return
-      radius = min(merge(contactors%reach(c1), huge(1.0_wp), scene%bodies%is_grain(b1)), &
-                   merge(contactors%reach(c2), huge(1.0_wp), scene%bodies%is_grain(b2)))
-      call report_overlap(deck, scene, b1, b2, solid_overlap_depth(contactors, c1, c2, shift), radius, n_pairs, diagnostics)
-    end associate
-  end subroutine check_pair
 end module sg_solid_checks

@@ -8,10 +8,11 @@ module sg_start_checks
   use sg_overlaps, only: overlap_depth
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
+  use sg_solid_overlaps, only: solid_overlap_depth
   use sg_text, only: to_text
   implicit none
   private
-  public :: check_range, check_overlaps, report_overlap, warn_of_more
+  public :: check_range, check_overlaps, check_pair, warn_of_more
 
   !> Share of the smaller radius by which two bodies may overlap at the start
   real(wp), parameter :: tolerated = 0.1_wp
@@ -105,40 +106,49 @@ contains
 
   !> Report a pair that overlaps, if at least one of the two is a grain and they see each other.
   subroutine check_pair(deck, scene, c1, c2, n_pairs, diagnostics)
-    type(deck_t), intent(in) :: deck
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: c1, c2
-    integer, intent(inout) :: n_pairs
-    type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp) :: distance(2), shift, radius
-    integer :: b1, b2
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(in) :: scene !! the scene, its contactors placed
+    integer, intent(in) :: c1 !! one contactor
+    integer, intent(in) :: c2 !! the other
+    integer, intent(inout) :: n_pairs !! pairs found
+    type(diagnostics_t), intent(inout) :: diagnostics !! list to add to
+    real(wp) :: distance(3), shift(3), radius, depth
+    integer :: b1, b2, k
 
     associate (contactors => scene%contactors)
       b1 = contactors%body(c1)
       b2 = contactors%body(c2)
       if (b1 == b2 .or. .not. (scene%bodies%is_grain(b1) .or. scene%bodies%is_grain(b2))) return
-      distance = contactors%centre(:, c2) - contactors%centre(:, c1)
+      distance = 0
+      do k = 1, scene%dimension
+        distance(k) = contactors%centre(k, c2) - contactors%centre(k, c1)
+      end do
       shift = 0
-      if (scene%period > 0) shift = -scene%period*anint(distance(1)/scene%period)
-      distance(1) = distance(1) + shift
+      if (scene%period > 0) shift(1) = -scene%period*anint(distance(1)/scene%period)
+      if (scene%period_y > 0) shift(2) = -scene%period_y*anint(distance(2)/scene%period_y)
+      distance = distance + shift
       if (any(abs(distance) > contactors%reach(c1) + contactors%reach(c2))) return
+      if (scene%dimension == 3 .and. sum(distance**2) > (contactors%reach(c1) + contactors%reach(c2))**2) return
       if (see_between(scene, c1, c2) == 0) return
       radius = min(merge(contactors%reach(c1), huge(1.0_wp), scene%bodies%is_grain(b1)), &
                    merge(contactors%reach(c2), huge(1.0_wp), scene%bodies%is_grain(b2)))
-      call report_overlap(deck, scene, b1, b2, overlap_depth(contactors, c1, c2, shift), radius, n_pairs, diagnostics)
+      if (scene%dimension == 2) then
+        depth = overlap_depth(contactors, c1, c2, shift(1))
+      else
+        depth = solid_overlap_depth(contactors, c1, c2, shift)
+      end if
+      call report_overlap(deck, scene, b1, b2, depth, radius, n_pairs, diagnostics)
     end associate
   end subroutine check_pair
 
   !> Report two bodies whose shapes overlap: by much a mistake, by little a warning, by rounding nothing.
   subroutine report_overlap(deck, scene, b1, b2, depth, radius, n_pairs, diagnostics)
-    type(deck_t), intent(in) :: deck !! checked deck
-    type(scene_t), intent(in) :: scene !! the scene
-    integer, intent(in) :: b1 !! one body
-    integer, intent(in) :: b2 !! the other
-    real(wp), intent(in) :: depth !! of the overlap, negative for a gap [m]
-    real(wp), intent(in) :: radius !! about the smaller grain [m]
-    integer, intent(inout) :: n_pairs !! pairs found
-    type(diagnostics_t), intent(inout) :: diagnostics !! list to add to
+    type(deck_t), intent(in) :: deck
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: b1, b2
+    real(wp), intent(in) :: depth, radius
+    integer, intent(inout) :: n_pairs
+    type(diagnostics_t), intent(inout) :: diagnostics
     character(len=:), allocatable :: message
     real(wp) :: share
 
