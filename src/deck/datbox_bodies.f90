@@ -1,14 +1,14 @@
 !> BODIES.DAT of a DATBOX: rigid bodies of the plane or of space, block by block.
 !!
-!! What the two kinds of body share is here: blocks and their sections, the bulk line. Nodes, contactors and masses
-!! are read in `datbox_plane_bodies` and `datbox_space_bodies`.
+!! What the two kinds of body share is here: blocks and their sections, bulk lines, nodes. Contactors and masses are read in
+!! `datbox_plane_bodies` and `datbox_space_bodies`.
 module sg_datbox_bodies
   use sg_datbox_behaviours, only: other_law, other_law_t
-  use sg_datbox_blocks, only: block_t, complain_block, read_size, read_triple, triple
+  use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, read_triple, triple
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, is_block_end, keyword, name_field, next_data_line, &
-                             next_line, step_back
-  use sg_datbox_plane_bodies, only: complete_planar_body, read_planar_contactor, read_planar_node
-  use sg_datbox_space_bodies, only: complete_solid_body, read_solid_contactor, read_solid_node
+                             next_line, remark_once, step_back
+  use sg_datbox_plane_bodies, only: complete_planar_body, read_planar_contactor
+  use sg_datbox_space_bodies, only: complete_solid_body, read_solid_contactor
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_scene, only: material_index, scene_t
@@ -139,11 +139,7 @@ contains
     case ('blmty')
       call read_bulk(file, scene, block, others, diagnostics)
     case ('nodty')
-      if (scene%dimension == 2) then
-        call read_planar_node(file, block, diagnostics)
-      else
-        call read_solid_node(file, block, diagnostics)
-      end if
+      call read_node(file, scene%dimension, block, diagnostics)
     case ('tacty')
       if (scene%dimension == 2) then
         call read_planar_contactor(file, scene, block, diagnostics)
@@ -207,6 +203,28 @@ contains
                   triple(1), diagnostics)
     block%ok = .false.
   end subroutine read_moments
+
+  !> Read the node: place and angle; in space place, and on a second line rotations that are not used.
+  subroutine read_node(file, dimension, block, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    integer, intent(in) :: dimension
+    type(block_t), intent(inout) :: block
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=*), parameter :: nodes(2:3) = ['NO3xx', 'NO6xx'], where(2:3) = ['of the plane', 'in space    ']
+    real(wp) :: rotations(3)
+
+    if (name_field(file, 2) /= nodes(dimension) .or. block%has_node) then
+      call complain(file, 'a rigid body '//trim(where(dimension))//' has one node, '//nodes(dimension), 2, diagnostics)
+      block%ok = .false.
+      return
+    end if
+    block%has_node = .true.
+    call read_triple(file, block%node, block%ok, diagnostics)
+    if (dimension == 2) return
+    call read_point(file, 'the rotations of a node', rotations, block%ok, diagnostics)
+    if (any(abs(rotations) > 0)) call remark_once(file, 'rotations', 'the rotations of a node are not used: an orientation ' &
+                                                  //'stands in DOF.INI', triple(1), diagnostics)
+  end subroutine read_node
 
   !> Turn a block into a body of the scene.
   subroutine complete_body(file, scene, block, diagnostics)

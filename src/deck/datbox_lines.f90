@@ -10,7 +10,7 @@ module sg_datbox_lines
   implicit none
   private
   public :: datbox_file_t, open_datbox_file, next_line, next_data_line, step_back, keyword, line_text
-  public :: name_field, real_field, integer_field, listed_integer, free_numbers, complain, complain_once, remark_once, is_block_end
+  public :: name_field, real_field, integer_field, free_numbers, complain, complain_once, remark_once, is_block_end
 
   !> Errors after which the rest of a file is not read: what follows is noise
   integer, parameter :: most_errors = 20
@@ -254,50 +254,29 @@ contains
   end function is_integer
 
   !> A whole number within columns; where it is wrong, a mistake is told and `ok` turns false.
-  subroutine integer_field(file, first, last, value, ok, diagnostics)
+  subroutine integer_field(file, first, last, value, ok, diagnostics, may_go_on)
     type(datbox_file_t), intent(inout) :: file !! file being read
     integer, intent(in) :: first !! first column
     integer, intent(in) :: last !! last column
     integer, intent(out) :: value !! the number, zero when wrong
     logical, intent(inout) :: ok !! turned false when the number is wrong, else left alone
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    character(len=last - first + 1) :: word
-    integer :: status
-
-    value = 0
-    word = adjustl(columns(file, first, last))
-    if (is_integer(word)) then
-      read (word, *, iostat=status) value
-      if (status == 0) return
-    end if
-    ok = .false.
-    call complain_field(file, first, last - first + 1, 'a whole number should stand in columns '//to_text(first)//' to ' &
-                        //to_text(last), diagnostics)
-  end subroutine integer_field
-
-  !> The first whole number within columns, whatever follows it; where it is wrong, a mistake is told and `ok` turns false.
-  subroutine listed_integer(file, first, last, value, ok, diagnostics)
-    type(datbox_file_t), intent(inout) :: file !! file being read
-    integer, intent(in) :: first !! first column
-    integer, intent(in) :: last !! last column
-    integer, intent(out) :: value !! the number, zero when wrong
-    logical, intent(inout) :: ok !! turned false when the number is wrong, else left alone
-    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    logical, intent(in), optional :: may_go_on !! may anything follow it, behind a blank? Not when absent
     character(len=last - first + 2) :: word
-    integer :: length
 
     word = adjustl(columns(file, first, last))
-    length = index(word, ' ') - 1
-    word(length + 1:) = ''
+    if (present(may_go_on)) then
+      if (may_go_on) word(index(word, ' '):) = ''
+    end if
     value = 0
-    if (is_integer(word) .and. length <= 9) then
+    if (is_integer(word) .and. len_trim(word) <= 9) then
       read (word, *) value
     else
       ok = .false.
       call complain_field(file, first, last - first + 1, 'a whole number should stand in columns '//to_text(first)//' to ' &
                           //to_text(last), diagnostics)
     end if
-  end subroutine listed_integer
+  end subroutine integer_field
 
   !> Numbers of a line of free format, as evolution files have them; false when there are others than wanted.
   subroutine free_numbers(line, values, ok)

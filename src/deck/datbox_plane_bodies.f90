@@ -1,10 +1,10 @@
-!> Bodies of the plane (RBDY2) in a DATBOX: node, contactors, mass.
+!> Bodies of the plane (RBDY2) in a DATBOX: contactors, mass.
 !!
 !! LMGC90 takes mass and inertia from the radii of the bulk line, mass = density pi avrd^2 and inertia = mass gyrd^2,
 !! not from the shapes; they come from the shapes only where one of the radii is zero.
 module sg_datbox_plane_bodies
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall
-  use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, read_triple, triple
+  use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, triple
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, integer_field, name_field
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, pi
@@ -13,24 +13,9 @@ module sg_datbox_plane_bodies
   use sg_text, only: to_text
   implicit none
   private
-  public :: read_planar_node, read_planar_contactor, complete_planar_body
+  public :: read_planar_contactor, complete_planar_body
 
 contains
-
-  !> Read the node: place and angle.
-  subroutine read_planar_node(file, block, diagnostics)
-    type(datbox_file_t), intent(inout) :: file !! file at the node's line
-    type(block_t), intent(inout) :: block !! the body's block
-    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-
-    if (name_field(file, 2) /= 'NO3xx' .or. block%has_node) then
-      call complain(file, 'a rigid body of the plane has one node, NO3xx', 2, diagnostics)
-      block%ok = .false.
-      return
-    end if
-    block%has_node = .true.
-    call read_triple(file, block%node, block%ok, diagnostics)
-  end subroutine read_planar_node
 
   !> Read one contactor with its further lines.
   subroutine read_planar_contactor(file, scene, block, diagnostics)

@@ -1,11 +1,11 @@
-!> Bodies of space (RBDY3) in a DATBOX: node, contactors, mass, and the frame in which LMGC90 turns them.
+!> Bodies of space (RBDY3) in a DATBOX: contactors, mass, and the frame in which LMGC90 turns them.
 !!
 !! LMGC90 puts a body's centre at that of its volume, wherever the node is, and its axes along the principal ones of its
 !! inertia: those of DOF.INI are these. So must ours be, and in the same order (`inertia_frame`).
 module sg_datbox_space_bodies
   use sg_contactors, only: kind_cylinder, kind_hollow_cylinder, kind_plane
-  use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, read_triple, triple
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, listed_integer, name_field, next_data_line, next_line, &
+  use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, triple
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, integer_field, name_field, next_data_line, next_line, &
                              remark_once, step_back
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp, i4, pi
@@ -22,31 +22,12 @@ module sg_datbox_space_bodies
   use sg_vectors, only: cross
   implicit none
   private
-  public :: read_solid_node, read_solid_contactor, complete_solid_body, read_frame, solid_of_datbox
+  public :: read_solid_contactor, complete_solid_body, read_frame, solid_of_datbox
 
   !> Difference from a rotation that eight digits leave [1]
   real(wp), parameter :: frame_slack = 1e-5_wp
 
 contains
-
-  !> Read the node: two lines, place and rotations that are not used.
-  subroutine read_solid_node(file, block, diagnostics)
-    type(datbox_file_t), intent(inout) :: file !! file at the node's line
-    type(block_t), intent(inout) :: block !! the body's block
-    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    real(wp) :: rotations(3)
-
-    if (name_field(file, 2) /= 'NO6xx' .or. block%has_node) then
-      call complain(file, 'a rigid body in space has one node, NO6xx', 2, diagnostics)
-      block%ok = .false.
-      return
-    end if
-    block%has_node = .true.
-    call read_triple(file, block%node, block%ok, diagnostics)
-    call read_point(file, 'the rotations of a node', rotations, block%ok, diagnostics)
-    if (any(abs(rotations) > 0)) call remark_once(file, 'rotations', 'the rotations of a node are not used: an orientation ' &
-                                                  //'stands in DOF.INI', triple(1), diagnostics)
-  end subroutine read_solid_node
 
   !> Read one contactor with its further lines.
   subroutine read_solid_contactor(file, scene, block, diagnostics)
@@ -155,8 +136,8 @@ contains
     real(wp) :: centre(3)
     integer :: n_vertices, n_faces, line, last
 
-    call listed_integer(file, 40, 47, n_vertices, ok, diagnostics)
-    call listed_integer(file, 60, 67, n_faces, ok, diagnostics)
+    call integer_field(file, 40, 47, n_vertices, ok, diagnostics, may_go_on=.true.)
+    call integer_field(file, 60, 67, n_faces, ok, diagnostics, may_go_on=.true.)
     if (.not. ok) return
     line = file%at
     if (min(n_vertices, n_faces) < 4 .or. n_vertices > size(file%lines) - line .or. n_faces > size(file%lines) - line) then
@@ -221,7 +202,7 @@ contains
     do i = 1, n_faces
       ok = next_data_line(file, 'a triangle', diagnostics)
       do k = 1, 3
-        if (ok) call listed_integer(file, triple(k), triple(k) + 12, corner, ok, diagnostics)
+        if (ok) call integer_field(file, triple(k), triple(k) + 12, corner, ok, diagnostics, may_go_on=.true.)
         if (.not. ok) return
         if (corner < 1 .or. corner > n_vertices) then
           call complain(file, 'there is no vertex '//to_text(corner)//': the polyhedron has '//to_text(n_vertices), triple(k), &
