@@ -6,7 +6,7 @@ module sg_datbox_write
   use sg_datbox_write_behaviours, only: write_bulk, write_drives, write_laws
   use sg_datbox_write_bodies, only: check_writable, write_bodies, write_state
   use sg_datbox_write_contacts, only: contacts_at_start, datbox_contacts_t, write_contacts
-  use sg_datbox_write_space, only: check_solids, stand_upright
+  use sg_datbox_write_space, only: stand_upright
   use sg_error, only: error_t, exit_output, fail
   use sg_kinds, only: wp, i4
   use sg_local_numbers, only: contactors_of_bodies
@@ -35,12 +35,8 @@ contains
 
     allocate (ready, source=scene)
     call contactors_of_bodies(ready%contactors, ready%bodies%n, first, list)
-    if (scene%dimension == 2) then
-      call check_writable(ready, first, list, error)
-    else
-      call stand_upright(ready, first, list)
-      call check_solids(ready, first, list, error)
-    end if
+    if (scene%dimension == 3) call stand_upright(ready, first, list)
+    call check_writable(ready, first, list, error)
     if (allocated(error)) return
     if (.not. make_folder(folder)) then
       call fail(error, 'cannot make the folder', file=folder, code=exit_output)

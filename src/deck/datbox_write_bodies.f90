@@ -9,7 +9,7 @@ module sg_datbox_write_bodies
   use sg_datbox_bodies, only: body_type
   use sg_datbox_output, only: as_written, finish_file, labelled, node_head, output_t, put, put_steps, real_word, &
                               start_file
-  use sg_datbox_write_space, only: put_solid, put_solid_state
+  use sg_datbox_write_space, only: check_solid, put_solid, put_solid_contactor, put_solid_state
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i4, pi
   use sg_scene, only: scene_t
@@ -20,7 +20,8 @@ module sg_datbox_write_bodies
 
 contains
 
-  !> Refuse what the format cannot hold: bodies of no material, shifted hollow disks, segments that are shifted or turned.
+  !> Refuse what the format cannot hold: bodies of no material, and in the plane shifted hollow disks and segments that are
+  !! shifted or turned.
   subroutine check_writable(scene, first, list, error)
     type(scene_t), intent(in) :: scene !! scene to write
     integer(i4), intent(in) :: first(:) !! first place of each body in the list
@@ -32,8 +33,11 @@ contains
     do b = 1, scene%bodies%n
       if (scene%bodies%material(b) < 1) then
         call fail(error, 'body '//to_text(b)//' has no material: a DATBOX needs one')
-        return
+      else if (scene%dimension == 3) then
+        call check_solid(scene, b, list(first(b):first(b + 1) - 1), error)
       end if
+      if (allocated(error)) return
+      if (scene%dimension == 3) cycle
       do i = first(b), first(b + 1) - 1
         c = list(i)
         is_shifted = norm2(scene%contactors%shift(:, c)) > 1e-12_wp*scene%contactors%reach(c)
@@ -62,6 +66,7 @@ contains
     character(len=5), intent(in) :: colours(:) !! names of the colours
     type(error_t), allocatable, intent(inout) :: error !! set when the file cannot be written
     type(output_t) :: output
+    character(len=27) :: head
     real(wp) :: mass_radius
     integer :: b, i
 
@@ -71,19 +76,24 @@ contains
     if (scene%period_y > 0) call put(output, '! The period in y is no part of a DATBOX: '//real_word(scene%period_y))
     do b = 1, scene%bodies%n
       call put_body(output, scene%dimension, b)
-      if (scene%dimension == 3) then
-        call put_solid(output, scene, b, list(first(b):first(b + 1) - 1), materials(scene%bodies%material(b)), colours)
-        cycle
-      end if
       call put(output, '$blmty')
-      mass_radius = sqrt(scene%bodies%mass(b)/(pi*scene%materials(scene%bodies%material(b))%density))
-      call put(output, labelled('avrd= gyrd= ', [mass_radius, sqrt(scene%bodies%inertia(b)/scene%bodies%mass(b))], &
-                                ' PLAIN      1  behav  '//materials(scene%bodies%material(b))))
-      call put(output, '$nodty')
-      call put(output, labelled('coo1= coo2= coo3= ', node_of(scene, first, list, b), node_head))
+      if (scene%dimension == 3) then
+        call put_solid(output, scene, b, materials(scene%bodies%material(b)))
+      else
+        mass_radius = sqrt(scene%bodies%mass(b)/(pi*scene%materials(scene%bodies%material(b))%density))
+        call put(output, labelled('avrd= gyrd= ', [mass_radius, sqrt(scene%bodies%inertia(b)/scene%bodies%mass(b))], &
+                                  ' PLAIN      1  behav  '//materials(scene%bodies%material(b))))
+        call put(output, '$nodty')
+        call put(output, labelled('coo1= coo2= coo3= ', node_of(scene, first, list, b), node_head))
+      end if
       call put(output, '$tacty')
       do i = first(b), first(b + 1) - 1
-        call put_contactor(output, scene%contactors, list(i), i - first(b) + 1, colours)
+        write (head, '(t9,i5,a,a)') i - first(b) + 1, '  color  ', colours(scene%contactors%colour(list(i)))
+        if (scene%dimension == 3) then
+          call put_solid_contactor(output, scene%contactors, int(list(i)), head)
+        else
+          call put_contactor(output, scene%contactors, int(list(i)), head)
+        end if
       end do
       call put(output, '$$$$$$')
     end do
@@ -119,21 +129,20 @@ contains
   end function node_of
 
   !> Write one contactor with its further lines.
-  subroutine put_contactor(output, contactors, contactor, rank, colours)
+  subroutine put_contactor(output, contactors, contactor, head)
     type(output_t), intent(inout) :: output
     type(contactors_t), intent(in) :: contactors
-    integer, intent(in) :: contactor, rank
-    character(len=5), intent(in) :: colours(:)
-    character(len=27) :: head
+    integer, intent(in) :: contactor
+    character(len=27), intent(inout) :: head
     character(len=46) :: polygon
     real(wp) :: shift(2)
     integer :: row, v
 
     row = contactors%row(contactor)
     shift = contactors%shift(:, contactor)
-    write (head, '(a,i5,a,a)') ' DISKx  ', rank, '  color  ', colours(contactors%colour(contactor))
     select case (contactors%kind(contactor))
     case (kind_disk)
+      head(2:6) = 'DISKx'
       if (any(abs(shift) > 0)) head(2:6) = 'DISKb'
       call put(output, labelled('byrd= ', [contactors%disk_radius(row)], head))
       if (any(abs(shift) > 0)) call put(output, labelled('coo1= coo2= ', shift))

@@ -17,7 +17,7 @@ module sg_datbox_write_space
   use sg_vectors, only: cross
   implicit none
   private
-  public :: stand_upright, check_solids, put_solid, put_solid_state
+  public :: stand_upright, check_solid, put_solid, put_solid_contactor, put_solid_state
 
   !> Share of a size below which a shift or a tilt is none
   real(wp), parameter :: slack = 1e-6_wp
@@ -110,86 +110,72 @@ contains
     end do
   end subroutine turn_drives
 
-  !> Refuse what the format cannot hold.
-  subroutine check_solids(scene, first, list, error)
-    type(scene_t), intent(in) :: scene !! scene to write
-    integer(i4), intent(in) :: first(:) !! first place of each body in the list
-    integer(i4), intent(in) :: list(:) !! contactors grouped by body
-    type(error_t), allocatable, intent(out) :: error !! set when something cannot be written
-    type(solid_t) :: solid
-    real(wp) :: frame(3, 3), reach
-    integer :: b, i, c
-
-    do b = 1, scene%bodies%n
-      if (scene%bodies%material(b) < 1) then
-        call fail(error, 'body '//to_text(b)//' has no material: a DATBOX needs one')
-      else if (first(b + 1) == first(b)) then
-        call fail(error, 'body '//to_text(b)//' has no shape: a DATBOX needs one')
-      else if (list(first(b + 1) - 1) - list(first(b)) /= first(b + 1) - 1 - first(b)) then
-        call fail(error, 'the shapes of body '//to_text(b)//' do not stand together')
-      end if
-      if (allocated(error)) return
-      reach = 0
-      do i = first(b), first(b + 1) - 1
-        c = list(i)
-        reach = max(reach, scene%contactors%reach(c) + norm2(scene%contactors%shift(:, c)))
-        if (scene%contactors%kind(c) /= kind_hollow_cylinder) cycle
-        frame = frame_of_shape(scene%contactors, c)
-        if (norm2(scene%contactors%shift(:, c)) > slack*scene%contactors%reach(c) .or. frame(3, 3) < 1 - slack) call fail(error, &
-          'body '//to_text(b)//': a DATBOX cannot hold a hollow cylinder that is off its body''s centre or not along its third'// &
-          ' axis')
-        if (allocated(error)) return
-      end do
-      solid = solid_of_datbox(scene, int(list(first(b))), int(list(first(b + 1) - 1)))
-      if (norm2(solid%centre) > slack*reach) then
-        call fail(error, 'body '//to_text(b)//': its centre is not that of the volume of its shapes, where a DATBOX puts it')
-        return
-      end if
-    end do
-  end subroutine check_solids
-
-  !> Write bulk, node and contactors of a body.
-  subroutine put_solid(output, scene, body, list, material, colours)
-    type(output_t), intent(inout) :: output !! BODIES.DAT
+  !> Refuse a body that the format cannot hold.
+  subroutine check_solid(scene, body, list, error)
     type(scene_t), intent(in) :: scene !! scene to write
     integer, intent(in) :: body !! the body
     integer(i4), intent(in) :: list(:) !! its contactors
+    type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
+    type(solid_t) :: solid
+    real(wp) :: frame(3, 3), reach
+    integer :: i, c
+
+    if (size(list) == 0) then
+      call fail(error, 'body '//to_text(body)//' has no shape: a DATBOX needs one')
+      return
+    else if (list(size(list)) - list(1) /= size(list) - 1) then
+      call fail(error, 'the shapes of body '//to_text(body)//' do not stand together')
+      return
+    end if
+    reach = 0
+    do i = 1, size(list)
+      c = list(i)
+      reach = max(reach, scene%contactors%reach(c) + norm2(scene%contactors%shift(:, c)))
+      if (scene%contactors%kind(c) /= kind_hollow_cylinder) cycle
+      frame = frame_of_shape(scene%contactors, c)
+      if (norm2(scene%contactors%shift(:, c)) > slack*scene%contactors%reach(c) .or. frame(3, 3) < 1 - slack) then
+        call fail(error, 'body '//to_text(body)//': a DATBOX cannot hold a hollow cylinder that is off its body''s centre or '// &
+                  'not along its third axis')
+        return
+      end if
+    end do
+    solid = solid_of_datbox(scene, int(list(1)), int(list(size(list))))
+    if (norm2(solid%centre) > slack*reach) &
+      call fail(error, 'body '//to_text(body)//': its centre is not that of the volume of its shapes, where a DATBOX puts it')
+  end subroutine check_solid
+
+  !> Write bulk and node of a body.
+  subroutine put_solid(output, scene, body, material)
+    type(output_t), intent(inout) :: output !! BODIES.DAT
+    type(scene_t), intent(in) :: scene !! scene to write
+    integer, intent(in) :: body !! the body
     character(len=5), intent(in) :: material !! name of its material
-    character(len=5), intent(in) :: colours(:) !! names of the colours
     real(wp) :: density
-    integer :: i
 
     density = scene%materials(scene%bodies%material(body))%density
-    call put(output, '$blmty')
     call put(output, labelled('avrd= gyrd= ', [(0.75_wp*scene%bodies%mass(body)/(pi*density))**(1.0_wp/3), 0.0_wp], &
                               ' PLAIN      1  behav  '//material))
     call put(output, labelled('I1  = I2  = I3  = ', scene%bodies%principal(:, body)/density))
     call put(output, '$nodty')
     call put(output, labelled('coo1= coo2= coo3= ', scene%bodies%position(:, body), solid_node_head))
     call put(output, labelled('coo4= coo5= coo6= ', [0.0_wp, 0.0_wp, 0.0_wp]))
-    call put(output, '$tacty')
-    do i = 1, size(list)
-      call put_contactor(output, scene%contactors, int(list(i)), i, colours)
-    end do
-    call put(output, '$$$$$$')
   end subroutine put_solid
 
   !> Write one contactor with its further lines.
-  subroutine put_contactor(output, contactors, contactor, rank, colours)
-    type(output_t), intent(inout) :: output
-    type(contactors_t), intent(in) :: contactors
-    integer, intent(in) :: contactor, rank
-    character(len=5), intent(in) :: colours(:)
-    character(len=27) :: head
+  subroutine put_solid_contactor(output, contactors, contactor, head)
+    type(output_t), intent(inout) :: output !! BODIES.DAT
+    type(contactors_t), intent(in) :: contactors !! all contactors
+    integer, intent(in) :: contactor !! the contactor
+    character(len=27), intent(inout) :: head !! head of its line, which gets its type
     real(wp) :: shift(3)
     integer :: row
 
     row = contactors%row(contactor)
     shift = contactors%shift(:, contactor)
-    write (head, '(a,i5,a,a)') ' SPHER  ', rank, '  color  ', colours(contactors%colour(contactor))
     associate (space => contactors%space)
       select case (contactors%kind(contactor))
       case (kind_sphere)
+        head(2:6) = 'SPHER'
         if (any(abs(shift) > 0)) head(2:6) = 'SPHEb'
         call put(output, labelled('byrd= ', [space%sphere_radius(row)], head))
         if (any(abs(shift) > 0)) call put(output, labelled('coo1= coo2= coo3= ', shift))
@@ -209,7 +195,7 @@ contains
         call put_polyhedron(output, space%polyhedra(row), shift, head)
       end select
     end associate
-  end subroutine put_contactor
+  end subroutine put_solid_contactor
 
   !> Write frame and shift of a contactor where there is something to say.
   subroutine put_local_frame(output, frame, shift)
