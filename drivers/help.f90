@@ -55,9 +55,13 @@ contains
     case ('partition')
       call lines([character(len=110) :: &
                   'splitgrain partition DECK --parts N [options]   split the grains of a deck as it starts, without a run', &
-                  '  --method boxes|graph    boxes of equal weight (default), or METIS on the graph of contacts', &
+                  '  --restart FILE|DIR      as they are in a restart file, or in the newest one of a folder of results', &
+                  '  --method boxes|graph    boxes of equal weight, or METIS on the graph of contacts (default: the deck''s)', &
+                  '  --boxes 2x2x1           boxes along x, y and z, 0 for any number (default: the deck''s)', &
+                  '  --picture FOLDER        write pictures in which the rank of a body is its part, from 0', &
                   '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
-                  '  --json                  one flat JSON object'])
+                  '  --json                  one flat JSON object', &
+                  'splitgrain-postpro split FOLDER draws the pictures.'])
     case ('solve')
       call lines([character(len=110) :: &
                   'splitgrain solve FILE... [options]    solve contact problems in FCLIB files (HDF5)', &

@@ -3,12 +3,15 @@ module sg_partition
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_arguments, only: arguments_t
   use sg_deck, only: read_deck
-  use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, fail
-  use sg_kinds, only: wp
+  use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, exit_output, fail
+  use sg_interface_blocks, only: block_structure_t
+  use sg_kinds, only: wp, i4
+  use sg_run_options, only: partition_options_t, split_names
   use sg_simulation, only: simulation_t
   use sg_split_report, only: split_report_t
   use sg_split_text, only: print_split, split_json
-  use sg_start_split, only: split_at_start
+  use sg_start_split, only: draw_split, split_at_start
+  use sg_system, only: make_folder
   implicit none
   private
   public :: partition_command
@@ -23,17 +26,13 @@ contains
     type(simulation_t) :: sim
     type(diagnostics_t) :: diagnostics
     type(split_report_t) :: report
-    character(len=:), allocatable :: method
-    real(wp) :: parts
+    type(block_structure_t) :: blocks
+    integer(i4), allocatable :: part(:)
+    integer :: parts
 
     code = exit_done
-    method = arguments%get('method', 'boxes')
-    call arguments%expect('parts method set json', 1, 1, 'partition DECK --parts N [options]', error)
-    if (.not. allocated(error)) call arguments%number('parts', 0.0_wp, 1.0_wp, parts, error)
-    if (.not. allocated(error) .and. .not. arguments%has('parts')) call fail(error, 'how many parts? Give --parts N')
-    if (.not. allocated(error) .and. all(method /= [character(len=5) :: 'boxes', 'graph'])) then
-      call fail(error, 'method is boxes or graph, not "'//method//'"')
-    end if
+    call arguments%expect('parts method boxes restart picture set json', 1, 1, 'partition DECK --parts N [options]', error)
+    if (.not. allocated(error)) call choose_split(arguments, sim%options%partition, parts, error)
     if (allocated(error)) return
     call read_deck(arguments%words(1)%s, arguments%all_of('set'), sim%scene, sim%options, diagnostics)
     call diagnostics%print(error_unit)
@@ -41,12 +40,84 @@ contains
       code = exit_bad_input
       return
     end if
-    call split_at_start(sim, method, nint(parts), report, error)
+    ! What the command line says goes before the deck.
+    call choose_split(arguments, sim%options%partition, parts, error)
+    if (arguments%has('restart')) sim%options%restart_file = arguments%get('restart', '')
+    if (.not. allocated(error)) call split_at_start(sim, parts, part, report, blocks, error)
+    if (.not. allocated(error) .and. arguments%has('picture')) call draw(sim, part, arguments%get('picture', ''), error)
     if (allocated(error)) return
     if (arguments%has('json')) then
-      write (output_unit, '(a)') split_json(report)
+      write (output_unit, '(a)') split_json(report, blocks)
     else
-      call print_split(output_unit, report)
+      call print_split(output_unit, report, blocks)
     end if
   end subroutine partition_command
+
+  !> Take method, boxes and number of parts from the command line.
+  subroutine choose_split(arguments, options, parts, error)
+    type(arguments_t), intent(in) :: arguments
+    type(partition_options_t), intent(inout) :: options
+    integer, intent(out) :: parts
+    type(error_t), allocatable, intent(out) :: error
+    character(len=:), allocatable :: method
+    real(wp) :: number
+
+    parts = 0
+    method = arguments%get('method', trim(options%split))
+    if (all(method /= split_names)) then
+      call fail(error, 'method is boxes or graph, not "'//method//'"')
+    else if (arguments%has('boxes')) then
+      if (.not. arguments%has('method')) method = 'boxes'
+      call read_boxes(arguments%get('boxes', ''), options%boxes, error)
+      if (.not. allocated(error) .and. method /= 'boxes') call fail(error, 'option --boxes goes with the method boxes alone')
+      parts = product(options%boxes)
+    end if
+    if (allocated(error)) return
+    options%split = method
+    if (arguments%has('parts')) then
+      call arguments%number('parts', 0.0_wp, 1.0_wp, number, error)
+      if (.not. allocated(error)) parts = nint(number)
+    else if (parts == 0) then
+      call fail(error, 'how many parts? Give --parts N')
+    end if
+  end subroutine choose_split
+
+  !> Numbers of boxes as they are written, 2x3 or 2x3x1.
+  subroutine read_boxes(word, boxes, error)
+    character(len=*), intent(in) :: word
+    integer, intent(out) :: boxes(3)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: axis, first, cut, status
+
+    boxes = 1
+    first = 1
+    do axis = 1, 3
+      cut = index(word(first:)//'x', 'x')
+      read (word(first:first + cut - 2), *, iostat=status) boxes(axis)
+      if (status /= 0 .or. boxes(axis) < 0 .or. boxes(axis) > 100000) exit
+      first = first + cut
+      if (first > len(word)) exit
+    end do
+    if (status /= 0 .or. first <= len(word) .or. verify(word, '0123456789x') > 0) then
+      call fail(error, 'option --boxes needs two or three numbers such as 2x3 or 2x3x1, not "'//word//'"')
+      boxes = 1
+    else if (product(real(boxes, wp)) > 1e6_wp) then
+      call fail(error, 'option --boxes asks for more than a million boxes')
+      boxes = 1
+    end if
+  end subroutine read_boxes
+
+  !> Draw the split into a folder, made where it is missing.
+  subroutine draw(sim, part, folder, error)
+    type(simulation_t), intent(inout) :: sim
+    integer(i4), intent(in) :: part(:)
+    character(len=*), intent(in) :: folder
+    type(error_t), allocatable, intent(out) :: error
+
+    if (make_folder(folder)) then
+      call draw_split(sim, part, folder, error)
+    else
+      call fail(error, 'cannot make the folder of the pictures', file=folder, code=exit_output)
+    end if
+  end subroutine draw
 end module sg_partition

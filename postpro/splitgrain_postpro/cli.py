@@ -16,6 +16,7 @@ EXIT_DONE, EXIT_BAD_INPUT = 0, 2
 COMMANDS = {
     "summary": "one page and a short text: scene with force chains, energies, solver effort, residuals",
     "scene": "the scene: grains coloured by a quantity, force chains, walls",
+    "split": "the scene by ranks: grains coloured by the rank that they belong to, contacts between ranks",
     "energy": "energies, works and losses against time",
     "solver": "sweeps, contacts, residuals and cost by phase against time",
 }
@@ -30,12 +31,13 @@ def parser():
         command.add_argument("results", metavar="RESULTS", help="folder that the run wrote")
         command.add_argument("--output", metavar="PNG", type=Path, help=f"file to write (default RESULTS/{name}.png)")
         command.add_argument("--dpi", metavar="N", type=int, default=150, help="dots an inch (default 150)")
-        if name in ("summary", "scene"):
+        if name in ("summary", "scene", "split"):
             command.add_argument("--step", metavar="N", type=int,
                                  help="show the last picture at or before time step N (default: the last picture)")
         if name == "scene":
             command.add_argument("--colour", choices=QUANTITIES, default="speed",
                                  help="quantity that fills the grains (default speed)")
+        if name in ("scene", "split"):
             space = command.add_argument_group("scenes in space")
             space.add_argument("--azimuth", metavar="DEGREES", type=float, default=View.azimuth,
                                help=f"where to look from: angle from x towards y (default {View.azimuth:g})")
@@ -43,6 +45,7 @@ def parser():
                                help=f"where to look from: angle above the horizon (default {View.elevation:g})")
             space.add_argument("--cut", metavar="AXIS=PLACE", type=_cut,
                                help="leave out grains whose centres lie before this plane, for example y=0.15")
+        if name == "scene":
             space.add_argument("--forces", action="store_true",
                                help="draw the forces between grains, and the grains pale")
     return top
@@ -59,6 +62,8 @@ def draw(arguments):
             figure, missing = figures.summary_figure(results, picture)
         elif arguments.command == "scene":
             figure, missing = figures.scene_figure(results, picture, arguments.colour, _view(arguments))
+        elif arguments.command == "split":
+            figure, missing = figures.split_figure(results, picture, _view(arguments))
         elif arguments.command == "energy":
             figure, missing = figures.energy_figure(results)
         else:
@@ -102,7 +107,7 @@ def _cut(words):
 
 def _view(arguments):
     """How to look at a scene in space."""
-    return View(arguments.azimuth, arguments.elevation, arguments.forces, arguments.cut)
+    return View(arguments.azimuth, arguments.elevation, getattr(arguments, "forces", False), arguments.cut)
 
 
 def _write(path, write):

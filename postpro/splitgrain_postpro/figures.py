@@ -2,7 +2,7 @@
 
 from . import plots
 from .errors import ResultsError
-from .scene import draw_scene, proportions
+from .scene import draw_scene, draw_split, proportions
 from .style import new_figure, say_nothing_there
 from .text import headline
 
@@ -13,13 +13,24 @@ WIDE = 1.9
 def scene_figure(results, picture=-1, quantity="speed", view=None):
     """The scene alone; its page has the proportions of the scene."""
     scene = results.scene(picture)
-    # As large as a page whatever the proportions of the scene, with room for the scale at its right.
+    figure, ax = _page_of(scene, results, view)
+    missing = draw_scene(ax, scene, quantity, results.periods, view)
+    return figure, missing
+
+
+def split_figure(results, picture=-1, view=None):
+    """The scene by ranks; its page has the proportions of the scene."""
+    scene = results.scene(picture)
+    figure, ax = _page_of(scene, results, view)
+    return figure, draw_split(ax, scene, results.periods, view)
+
+
+def _page_of(scene, results, view):
+    """As large a page whatever the proportions of the scene, with room for the scale at its right."""
     ratio = proportions(scene, results.periods, view)
     figure = new_figure(7 * ratio**0.5 + 1.4, 7 / ratio**0.5 + 1)
-    ax = figure.add_subplot()
-    missing = draw_scene(ax, scene, quantity, results.periods, view)
     figure.suptitle(results.name)
-    return figure, missing
+    return figure, figure.add_subplot()
 
 
 def energy_figure(results):

@@ -1,5 +1,6 @@
 """Quantities that fill the grains, and the scales of their colours."""
 
+from colorsys import hsv_to_rgb
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,10 +49,15 @@ def colouring(values, quantity, fill=FILL):
 
 
 def _colouring_of_labels(values, label):
-    """One colour a label; colours come again when there are more labels than colours."""
+    """One colour a label; of many labels those near in number have hues far apart."""
     low, high = int(values.min()), int(values.max())
-    colours = ListedColormap([KINDS[k % len(KINDS)] for k in range(high - low + 1)])
-    ticks = np.unique(np.linspace(low, high, min(high - low, 10) + 1).astype(int))
+    count = high - low + 1
+    if count <= len(KINDS):
+        colours = ListedColormap(KINDS[:count])
+    else:  # steps of the golden section about the circle of hues
+        colours = ListedColormap([hsv_to_rgb(0.618034 * k % 1, (0.32, 0.5)[k % 2], (0.97, 0.88)[k // 2 % 2])
+                                  for k in range(count)])
+    ticks = np.arange(low, high + 1, -(-count // 11))
     return Colouring(label, colours, Normalize(low - 0.5, high + 0.5), ticks)
 
 
@@ -141,6 +147,17 @@ def rows_of(ids, wanted):
     if not len(ids) and len(wanted) or np.any(ids[rows] != wanted):
         raise ResultsError("the pictures do not fit together: a shape or contact names a body that is not there")
     return rows
+
+
+def between_ranks(scene):
+    """Cells that are contacts of two grains of different ranks, and the number of contacts between grains."""
+    data, contacts = scene.bodies.point_data, scene.contacts
+    ends = np.column_stack([contacts.cell_data["candidate"], contacts.cell_data["antagonist"]])
+    cells = np.flatnonzero(contacts.types == VTK_LINE)
+    rows = rows_of(data["id"], ends[cells].ravel()).reshape(-1, 2)
+    grains = np.all(np.asarray(data["is_grain"])[rows] > 0, axis=1)
+    ranks = np.asarray(data["rank"])[rows]
+    return cells[grains & (ranks[:, 0] != ranks[:, 1])], int(grains.sum())
 
 
 def carrying(contacts):

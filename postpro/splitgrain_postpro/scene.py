@@ -4,14 +4,26 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 
 from . import space
-from .quantities import QUANTITIES, carrying, colouring, is_in_space, of_bodies, of_shapes
-from .style import BLUE, GRAIN, VERMILION, WALL, number
+from .quantities import QUANTITIES, between_ranks, carrying, colouring, is_in_space, of_bodies, of_shapes
+from .style import BLACK, BLUE, GRAIN, VERMILION, WALL, number
 from .vtkhdf import VTK_POLY_LINE, VTK_POLYGON
 
-__all__ = ["QUANTITIES", "draw_scene", "proportions"]
+__all__ = ["QUANTITIES", "draw_scene", "draw_split", "proportions"]
 
 
-def draw_scene(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None):
+def draw_split(ax, scene, periods=(0.0, 0.0), view=None):
+    """Draw grains in the colours of their ranks and, in the plane, the contacts between ranks as lines."""
+    missing = draw_scene(ax, scene, "rank", periods, view, draw_contacts=_draw_interface)
+    data = scene.bodies.point_data if scene.bodies is not None else {}
+    if "rank" not in data or scene.contacts is None:
+        return missing
+    cells, count = between_ranks(scene)
+    parts = np.unique(np.asarray(data["rank"])[np.asarray(data["is_grain"]) > 0])
+    ax.set_title(f"{len(parts)} parts, {len(cells)} of {count} contacts between them ({100 * len(cells) / max(count, 1):.1f} %)")
+    return missing
+
+
+def draw_scene(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None, draw_contacts=None):
     """Draw one picture of a run; returns sentences about what is not there to draw."""
     if is_in_space(scene):
         return space.draw_space(ax, scene, quantity, periods, view)
@@ -27,7 +39,7 @@ def draw_scene(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None):
     if scene.contacts is None:
         missing.append("no contacts.vtkhdf")
     elif view is not None:
-        _draw_forces(ax, scene, period, view)
+        (draw_contacts or _draw_forces)(ax, scene, period, view)
     if scene.bodies is None:
         missing.append("no bodies.vtkhdf")
     elif scene.shapes is None:
@@ -168,6 +180,18 @@ def _draw_forces(ax, scene, period, view):
     colours = np.where(force[copied] >= 0, VERMILION, BLUE)
     ax.add_collection(LineCollection(lines, linewidths=widths, colors=colours, capstyle="round"), autolim=False)
     ax.set_xlabel(f"x [m]      thickest line: normal force {number(thick)} N and above")
+
+
+def _draw_interface(ax, scene, period, view):
+    """Contacts between grains of different ranks, as lines from centre to centre."""
+    if scene.bodies is None or "rank" not in scene.bodies.point_data:
+        return
+    lines = scene.contacts.outlines(between_ranks(scene)[0])
+    if period > 0:
+        lines = [_nearest_image(line, period) for line in lines]
+    lines, _ = _repeat(lines, period, view)
+    width = np.clip(0.15 * _grain_diameter(ax, scene, view), 0.6, 2.0)
+    ax.add_collection(LineCollection(lines, linewidths=width, colors=BLACK, capstyle="round"), autolim=False)
 
 
 def _nearest_image(line, period):

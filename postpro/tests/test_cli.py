@@ -10,7 +10,7 @@ from sample_results import write_record, write_results
 
 from splitgrain_postpro import Results
 from splitgrain_postpro.cli import main
-from splitgrain_postpro.scene import QUANTITIES, draw_scene
+from splitgrain_postpro.scene import QUANTITIES, draw_scene, draw_split
 from splitgrain_postpro.style import new_figure
 
 
@@ -67,6 +67,24 @@ def test_summary_prints_what_it_saves(folder, capsys):
 def test_every_quantity_fills_the_grains(folder, quantity):
     ax, missing = drawn(Results(folder), quantity)
     assert missing == [] and len(grains_of(ax).get_paths()) == 24
+
+
+def test_split_shows_contacts_between_ranks(folder):
+    with h5py.File(folder / "bodies.vtkhdf", "r+") as file:
+        data = file["VTKHDF/PointData"]
+        data["rank"][...] = data["start_position"][:, 0] > 3
+    results = Results(folder)
+    ax = new_figure(6, 6).add_subplot()
+    assert draw_split(ax, results.scene(), results.periods) == []
+    scene = results.scene()
+    ranks = dict(zip(scene.bodies.point_data["id"], scene.bodies.point_data["rank"], strict=True))
+    walls = set(np.asarray(scene.bodies.point_data["id"])[np.asarray(scene.bodies.point_data["is_grain"]) == 0])
+    ends = np.column_stack([scene.contacts.cell_data["candidate"], scene.contacts.cell_data["antagonist"]])
+    between = sum(ranks[a] != ranks[b] and not {a, b} & walls for a, b in ends)
+    lines = [c for c in ax.collections if isinstance(c, LineCollection)]
+    assert between > 0 and max(len(c.get_segments()) for c in lines) == between
+    assert f"2 parts, {between} of" in ax.get_title()
+    assert main(["split", str(folder)]) == 0 and size_of(folder / "split.png")[0] > 500
 
 
 def test_speed_is_that_of_the_body(folder):

@@ -1,8 +1,8 @@
 !> The key table, first part: what to do with a scene. Defaults are those of `run_options_t`.
 module sg_keys_run
-  use sg_key_table, only: key_table_t, value_choice, value_integer, value_logical, value_real
+  use sg_key_table, only: key_table_t, value_choice, value_counts, value_integer, value_logical, value_real
   use sg_kinds, only: wp
-  use sg_run_options, only: criterion_names, method_names, run_options_t
+  use sg_run_options, only: criterion_names, gluing_names, method_names, run_options_t, split_names
   use sg_text, only: to_text
   use sg_words, only: choices_of, short_real
   implicit none
@@ -11,12 +11,13 @@ module sg_keys_run
 
 contains
 
-  !> Add the sections time, solver, output, restart and report.
+  !> Add the sections time, solver, partition, output, restart and report.
   subroutine add_run_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
     call add_time(table)
     call add_solver(table)
+    call add_partition(table)
     call add_output(table)
   end subroutine add_run_keys
 
@@ -62,6 +63,34 @@ contains
                      default=true_or_false(default%stop_unconverged))
     end associate
   end subroutine add_solver
+
+  !> Section partition.
+  subroutine add_partition(table)
+    type(key_table_t), intent(inout) :: table
+    type(run_options_t) :: run
+
+    associate (default => run%partition)
+      call table%open_section('partition', 'How grains are split over ranks, and how their parts are glued; without a meaning '// &
+                              'where there is one rank.')
+      call table%add('split', value_choice, 'How grains are dealt to ranks: boxes of equal load, or METIS on the graph of '// &
+                     'contacts.', default=quoted(default%split), choices=choices_of(split_names))
+      call table%add('boxes', value_counts, 'Boxes along x, y and z, as many together as ranks; 0, or none given, where the '// &
+                     'program chooses.', least=0.0_wp, most=1e6_wp)
+      call table%add('gluing', value_choice, 'How parts are glued: shared grains brought to one velocity (dual), contacts '// &
+                     'between parts solved as a part of their own (primal), or contacts dealt to ranks that exchange the '// &
+                     'momentum of shared grains (contacts).', default=quoted(default%gluing), choices=choices_of(gluing_names))
+      call table%add('sweeps', value_counts, 'Sweeps of a part between two gluings: one number for all parts, or one for each.', &
+                     default='1', least=1.0_wp)
+      call table%add('interface_sweeps', value_integer, 'Sweeps over the contacts between parts at each gluing; primal alone.', &
+                     default=to_text(default%interface_sweeps), least=1.0_wp)
+      call table%add('relaxation', value_real, 'Share of each new impulse that contacts of shared grains take; contacts alone.', &
+                     default=short_real(default%relaxation), above=0.0_wp, most=1.0_wp)
+      call table%add('every', value_integer, 'Steps after which grains are dealt anew; 0 for never, unless the imbalance asks '// &
+                     'for it.', default=to_text(default%every), least=0.0_wp)
+      call table%add('imbalance', value_real, 'Largest load of a rank over the mean one from which grains are dealt anew.', &
+                     default=short_real(default%imbalance), above=1.0_wp)
+    end associate
+  end subroutine add_partition
 
   !> Sections output, restart and report.
   subroutine add_output(table)

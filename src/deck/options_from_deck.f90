@@ -1,9 +1,11 @@
-!> Options of a run from the sections time, solver, output, restart and report.
+!> Options of a run from the sections time, solver, partition, output, restart and report.
 module sg_options_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
   use sg_fourier, only: fourier_is_available
-  use sg_run_options, only: criterion_names, run_options_t
+  use sg_run_options, only: criterion_names, partition_options_t, run_options_t
+  use sg_text, only: to_text
+  use sg_values, only: value_t
   use sg_words, only: choice_index, choices_of
   implicit none
   private
@@ -32,6 +34,7 @@ contains
     options%solver%warm_start = deck%flag(b, 'warm_start')
     options%solver%order = deck%word(b, 'order')
     options%solver%stop_unconverged = deck%flag(b, 'stop_unconverged')
+    call partition_from_deck(deck, options%partition, diagnostics)
     b = deck%block_of('output')
     options%output_every = deck%integer(b, 'every')
     options%record_every = deck%integer(b, 'record_every')
@@ -44,4 +47,32 @@ contains
       call deck%complain(diagnostics, 'this program was built without FFTW, which spectra need', b, 'spectrum')
     end if
   end subroutine options_from_deck
+
+  !> Fill the options of the decomposition.
+  subroutine partition_from_deck(deck, options, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(partition_options_t), intent(inout) :: options
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(value_t) :: value
+    integer :: b
+
+    b = deck%block_of('partition')
+    options%split = deck%word(b, 'split')
+    options%gluing = deck%word(b, 'gluing')
+    value = deck%value(b, 'boxes')
+    if (value%n > deck%dimension) then
+      call deck%complain(diagnostics, 'boxes has '//to_text(value%n)//' numbers, but there are '//to_text(deck%dimension)// &
+                         ' axes', b, 'boxes')
+    else if (value%n > 0) then
+      ! Axes that are left out have one box.
+      options%boxes = 1
+      options%boxes(:value%n) = nint(value%numbers(:value%n))
+    end if
+    value = deck%value(b, 'sweeps')
+    options%sweeps = nint(value%numbers(:value%n))
+    options%interface_sweeps = deck%integer(b, 'interface_sweeps')
+    options%relaxation = deck%number(b, 'relaxation')
+    options%every = deck%integer(b, 'every')
+    options%imbalance = deck%number(b, 'imbalance')
+  end subroutine partition_from_deck
 end module sg_options_from_deck

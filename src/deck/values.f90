@@ -1,9 +1,9 @@
 !> The value of one key: taken from the entries of a TOML text, checked against the key table, written as TOML.
 module sg_values
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use sg_key_table, only: key_t, value_bodies, value_body, value_box, value_choice, value_faces, value_integer, value_logical, &
-                          value_name, value_pair, value_points, value_range, value_real, value_sides, value_text, value_triple, &
-                          value_turn, value_vector
+  use sg_key_table, only: key_t, value_bodies, value_body, value_box, value_choice, value_counts, value_faces, value_integer, &
+                          value_logical, value_name, value_pair, value_points, value_range, value_real, value_sides, value_text, &
+                          value_triple, value_turn, value_vector
   use sg_kinds, only: wp, i4, i8
   use sg_lists, only: reserve
   use sg_text, only: nearest_word, text_t, to_text
@@ -105,7 +105,7 @@ contains
       may = (depth == 0 .and. entry_kind == toml_array) .or. (depth == 1 .and. number)
     case (value_range)
       may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. number)
-    case (value_sides)
+    case (value_sides, value_counts)
       may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. entry_kind == toml_integer)
     case (value_points)
       may = (depth <= 1 .and. entry_kind == toml_array) .or. (depth == 2 .and. number)
@@ -138,7 +138,7 @@ contains
     if (.not. ieee_is_finite(entry%real)) then
       message = 'must be a finite number'
     else if (entry%kind == toml_integer .and. abs(entry%real) > 2e9_wp .and. &
-             any(key%kind == [value_integer, value_sides, value_faces])) then
+             any(key%kind == [value_integer, value_sides, value_counts, value_faces])) then
       message = 'must be between -2000000000 and 2000000000'
     else if (abs(entry%real) > largest .or. (abs(entry%real) > 0 .and. abs(entry%real) < smallest)) then
       message = 'must be 0 or between '//short_real(smallest)//' and '//short_real(largest)//' in size'
@@ -232,7 +232,7 @@ contains
     case (value_points)
       fits = value%n == dimension*value%n_lists .and. value%n > 0
       if (fits) fits = all(value%before(2:value%n_lists) - value%before(:value%n_lists - 1) == dimension)
-    case (value_faces)
+    case (value_faces, value_counts)
       fits = value%n > 0
     case (value_bodies)
       fits = value%n_words == 2
@@ -337,7 +337,7 @@ contains
     type(key_t), intent(in) :: key
     character(len=:), allocatable :: word
 
-    if (any(key%kind == [value_integer, value_sides, value_faces])) then
+    if (any(key%kind == [value_integer, value_sides, value_counts, value_faces])) then
       word = to_text(nint(number, i8))
     else
       word = short_real(number)

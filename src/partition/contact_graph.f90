@@ -1,14 +1,16 @@
-!> The contact graph: grains are vertices, pairs of grains in contact are edges.
+!> The contact graph: grains are vertices, pairs of grains in contact are edges, as heavy as they have contacts.
 !!
-!! Walls are no vertices: every part has its own copy of them. Their contacts count in the weight of the grain.
-!! Weights are costs of a sweep in half contacts: a contact of two grains costs each of them one half, a contact with
-!! a wall costs the grain a whole one; one half more stands for the motion of the grain itself (doc/theory/partition.md).
+!! Walls are no vertices: every part has its own copy of them. Their contacts count in the weight of the grain (sg_load).
 module sg_contact_graph
   use sg_contacts, only: contacts_t
   use sg_kinds, only: i4
+  use sg_load, only: measured_weights
   implicit none
   private
-  public :: contact_graph_t, build_contact_graph
+  public :: contact_graph_t, build_contact_graph, graph_from_edges, contact_weight
+
+  !> Weight of a contact in that of an edge; two neighbours along a curve through the grains, which may touch later, weigh 1
+  integer(i4), parameter :: contact_weight = 8
 
   !> Grains and the pairs of them in contact, as compressed rows
   type :: contact_graph_t
@@ -20,78 +22,76 @@ module sg_contact_graph
     integer(i4), allocatable :: weight(:)
     !> Neighbours of vertex v are `neighbour(first(v):first(v + 1) - 1)`; each edge stands in two rows
     integer(i4), allocatable :: first(:), neighbour(:)
-    !> Contacts between the two grains, for each entry of `neighbour`
-    integer(i4), allocatable :: multiplicity(:)
+    !> Weight of the edge, for each entry of `neighbour`
+    integer(i4), allocatable :: edge_weight(:)
   end type contact_graph_t
 
 contains
 
   !> Build the graph in linear time.
-  pure subroutine build_contact_graph(contacts, is_grain, graph)
+  pure subroutine build_contact_graph(contacts, is_grain, order, graph)
     type(contacts_t), intent(in) :: contacts !! contacts of a step
     logical, intent(in) :: is_grain(:) !! is a body a grain?, shape (bodies)
+    integer(i4), intent(in) :: order(:) !! vertices along a curve through the grains: neighbours on it are joined; may be empty
     type(contact_graph_t), intent(out) :: graph !! their graph
-    integer(i4), allocatable :: vertex(:)
-    integer :: b
+    integer(i4), allocatable :: vertex(:), edges(:, :)
+    integer :: b, k, n
 
-    graph%n = count(is_grain)
+    n = count(is_grain)
+    graph%weight = pack(nint(measured_weights(contacts, is_grain, size(is_grain)), i4), is_grain)
     graph%body = pack([(int(b, i4), b=1, size(is_grain))], is_grain)
     allocate (vertex(size(is_grain)), source=0_i4)
-    vertex(graph%body) = [(int(b, i4), b=1, graph%n)]
-    call weigh(contacts, vertex, graph)
-    call fill_rows(contacts, vertex, graph)
-    call merge_repeated(graph)
-  end subroutine build_contact_graph
-
-  !> Weight of each vertex, and the number of entries of each row in `first`.
-  pure subroutine weigh(contacts, vertex, graph)
-    type(contacts_t), intent(in) :: contacts
-    integer(i4), intent(in) :: vertex(:)
-    type(contact_graph_t), intent(inout) :: graph
-    integer :: k, side, v
-
-    allocate (graph%weight(graph%n), source=1_i4)
-    allocate (graph%first(graph%n + 1), source=0_i4)
+    vertex(graph%body) = [(int(b, i4), b=1, n)]
+    allocate (edges(3, contacts%n + size(order)), source=contact_weight)
+    n = 0
     do k = 1, contacts%n
       associate (ends => vertex(contacts%body(:, k)))
-        do side = 1, 2
-          v = ends(side)
-          if (v == 0) cycle
-          graph%weight(v) = graph%weight(v) + merge(1_i4, 2_i4, all(ends > 0))
-          if (all(ends > 0)) graph%first(v) = graph%first(v) + 1
-        end do
+        ! A grain may touch its own periodic image.
+        if (any(ends == 0) .or. ends(1) == ends(2)) cycle
+        n = n + 1
+        edges(:2, n) = ends
       end associate
     end do
-  end subroutine weigh
+    do k = 2, size(order)
+      n = n + 1
+      edges(:, n) = [order(k - 1), order(k), 1_i4]
+    end do
+    call graph_from_edges(size(graph%body), edges(:, :n), graph)
+  end subroutine build_contact_graph
 
-  !> Rows of the graph, one entry a contact; `first` comes with their lengths.
-  pure subroutine fill_rows(contacts, vertex, graph)
-    type(contacts_t), intent(in) :: contacts
-    integer(i4), intent(in) :: vertex(:)
-    type(contact_graph_t), intent(inout) :: graph
-    integer :: k, v, next, side
+  !> Set the rows of a graph from a list of edges, in which a pair may come several times.
+  pure subroutine graph_from_edges(n, edges, graph)
+    integer, intent(in) :: n !! number of vertices
+    integer(i4), intent(in) :: edges(:, :) !! two vertices and the weight of their edge, shape (3, edges)
+    type(contact_graph_t), intent(inout) :: graph !! its rows are set
+    integer :: e, v, next, side
 
+    graph%n = n
+    allocate (graph%first(n + 1), source=0_i4)
+    do e = 1, size(edges, 2)
+      graph%first(edges(1, e)) = graph%first(edges(1, e)) + 1_i4
+      graph%first(edges(2, e)) = graph%first(edges(2, e)) + 1_i4
+    end do
     next = 1
-    do v = 1, graph%n
+    do v = 1, n
       next = next + graph%first(v)
       graph%first(v) = int(next, i4)
     end do
-    graph%first(graph%n + 1) = int(next, i4)
-    allocate (graph%neighbour(next - 1), graph%multiplicity(next - 1), source=1_i4)
+    graph%first(n + 1) = int(next, i4)
+    allocate (graph%neighbour(next - 1), graph%edge_weight(next - 1))
     ! `first` stands at the ends of the rows and walks back to their beginnings.
-    do k = contacts%n, 1, -1
-      associate (ends => vertex(contacts%body(:, k)))
-        if (any(ends == 0)) cycle
-        do side = 1, 2
-          v = ends(side)
-          graph%first(v) = graph%first(v) - 1
-          graph%neighbour(graph%first(v)) = ends(3 - side)
-        end do
-      end associate
+    do e = size(edges, 2), 1, -1
+      do side = 1, 2
+        v = edges(side, e)
+        graph%first(v) = graph%first(v) - 1
+        graph%neighbour(graph%first(v)) = edges(3 - side, e)
+        graph%edge_weight(graph%first(v)) = edges(3, e)
+      end do
     end do
-  end subroutine fill_rows
+    call merge_repeated(graph)
+  end subroutine graph_from_edges
 
-  !> Make one entry of the contacts of a pair, with their number.
+  !> Make one entry of all edges of a pair, with their weight.
   pure subroutine merge_repeated(graph)
     type(contact_graph_t), intent(inout) :: graph
     integer(i4), allocatable :: place(:)
@@ -104,19 +104,19 @@ contains
       do e = graph%first(v), graph%first(v + 1) - 1
         associate (other => graph%neighbour(e))
           if (place(other) >= begin) then
-            graph%multiplicity(place(other)) = graph%multiplicity(place(other)) + 1_i4
+            graph%edge_weight(place(other)) = graph%edge_weight(place(other)) + graph%edge_weight(e)
             cycle
           end if
           kept = kept + 1
           place(other) = int(kept, i4)
           graph%neighbour(kept) = other
-          graph%multiplicity(kept) = 1
+          graph%edge_weight(kept) = graph%edge_weight(e)
         end associate
       end do
       graph%first(v) = int(begin, i4)
     end do
     graph%first(graph%n + 1) = int(kept, i4) + 1
     graph%neighbour = graph%neighbour(:kept)
-    graph%multiplicity = graph%multiplicity(:kept)
+    graph%edge_weight = graph%edge_weight(:kept)
   end subroutine merge_repeated
 end module sg_contact_graph

@@ -35,17 +35,20 @@ contains
   module procedure split_graph
   integer(c_int32_t) :: options(0:n_options - 1), cut
   integer(c_int) :: status
+  integer :: v
 
-  allocate (part(graph%n), source=1_i4)
-  ! METIS divides by zero where there is nothing to split.
-  if (parts == 1 .or. graph%n == 0) return
+  part = [(int(v, i4), v=1, graph%n)]
+  ! METIS divides by zero where there is nothing to split, and leaves parts empty where there is little.
+  if (graph%n <= parts) return
+  part = 1
+  if (parts == 1) return
   status = metis_set_default_options(options)
   ! Fortran counts from 1; the same deck has the same split; ufactor is the imbalance in thousandths above 1.
   options(option_numbering) = 1
   options(option_seed) = 1
   options(option_ufactor) = max(1_c_int32_t, nint(1000*(imbalance - 1), c_int32_t))
   status = metis_part_graph_kway(int(graph%n, c_int32_t), 1_c_int32_t, graph%first, graph%neighbour, graph%weight, c_null_ptr, &
-                                 graph%multiplicity, int(parts, c_int32_t), c_null_ptr, c_null_ptr, options, cut, part)
+                                 graph%edge_weight, int(parts, c_int32_t), c_null_ptr, c_null_ptr, options, cut, part)
   if (status /= metis_ok) call fail(error, 'METIS could not split the graph of contacts, status '//to_text(int(status)), &
                                     code=exit_failure)
   end procedure split_graph

@@ -1,53 +1,152 @@
-!> The split of a scene as it starts: contacts are sought once, and no step is made.
+!> The split of a scene as it starts or restarts: contacts are sought once, and no step is made.
 module sg_start_split
-  use sg_boxes, only: fitting_boxes, split_boxes
+  use, intrinsic :: iso_fortran_env, only: error_unit
+  use sg_assemble, only: assemble
+  use sg_boxes, only: choose_boxes, split_boxes
+  use sg_checkpoint, only: load_checkpoint
+  use sg_comm, only: comm_t
   use sg_contact_graph, only: build_contact_graph, contact_graph_t
+  use sg_curve_order, only: curve_order
   use sg_detect, only: detect
-  use sg_error, only: error_t, fail
+  use sg_error, only: diagnostics_t, error_t, fail
   use sg_graph_split, only: split_graph
+  use sg_interface_blocks, only: block_structure, block_structure_t
   use sg_kinds, only: wp, i4
+  use sg_load, only: measured_weights
   use sg_motion, only: predict
+  use sg_pictures, only: pictures_t
+  use sg_problem, only: problem_kind
+  use sg_problem_records, only: contact_of, contact_record_t
   use sg_simulation, only: simulation_t, start_simulation
   use sg_split_report, only: report_split, split_report_t
   use sg_text, only: to_text
   implicit none
   private
-  public :: split_at_start
+  public :: split_at_start, draw_split
 
   !> Largest weight of a part over the mean one that is asked of METIS, which seldom finds a better one worth its cut
   real(wp), parameter :: imbalance = 1.03_wp
 
 contains
 
-  !> Split a scene and look at the parts.
-  subroutine split_at_start(sim, method, parts, report, error)
+  !> Split a scene as its options say, in the state of a restart file where they name one, and look at the parts.
+  subroutine split_at_start(sim, parts, part, report, blocks, error)
     type(simulation_t), intent(inout) :: sim !! its scene and options are set
-    character(len=*), intent(in) :: method !! boxes or graph
     integer, intent(in) :: parts !! number of parts
+    integer(i4), allocatable, intent(out) :: part(:) !! part of each body, from 1; 0 for walls
     type(split_report_t), intent(out) :: report !! figures of the split
+    type(block_structure_t), intent(out) :: blocks !! what the matrix of the primal interface looks like
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be split
-    type(contact_graph_t) :: graph
-    integer(i4), allocatable :: part(:)
-    real(wp), allocatable :: position(:, :)
-    integer :: boxes(2)
+    type(diagnostics_t) :: warnings
+    real(wp), allocatable :: load(:)
+    integer :: boxes(3)
 
     call start_simulation(sim)
+    if (allocated(sim%options%restart_file)) call load_checkpoint(sim, sim%options%restart_file, warnings, error)
+    if (allocated(error)) return
+    call warnings%print(error_unit)
     call predict(sim%scene, sim%time(), 0.0_wp, sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call build_contact_graph(sim%contacts, sim%scene%bodies%is_grain, graph)
-    boxes = 0
-    if (graph%n < parts) then
-      call fail(error, 'the scene has '//to_text(graph%n)//' grains, too few for '//to_text(parts)//' parts')
-    else if (method == 'graph') then
-      call split_graph(graph, parts, imbalance, part, error)
-    else
-      position = sim%scene%bodies%position(:, graph%body)
-      boxes = fitting_boxes(parts, maxval(position, 2) - minval(position, 2))
-      part = split_boxes(position, graph%weight, boxes)
-    end if
-    if (allocated(error)) return
-    report = report_split(graph, part, parts)
-    report%method = method
-    report%boxes = boxes
+    associate (bodies => sim%scene%bodies, split => sim%options%partition%split)
+      if (count(bodies%is_grain) < parts) then
+        call fail(error, 'the scene has '//to_text(count(bodies%is_grain))//' grains, too few for '//to_text(parts)//' parts')
+        return
+      end if
+      load = measured_weights(sim%contacts, bodies%is_grain, bodies%n_home)
+      boxes = 0
+      if (split == 'graph') then
+        call split_by_graph(sim, parts, part, error)
+      else
+        call split_by_boxes(sim, load, parts, boxes, part, error)
+      end if
+      if (allocated(error)) return
+      report = report_split(sim%contacts, part, load, parts)
+      report%method = trim(split)
+      report%boxes = boxes
+    end associate
+    call look_at_interface(sim, part, blocks)
   end subroutine split_at_start
+
+  !> Parts of all bodies by boxes.
+  subroutine split_by_boxes(sim, load, parts, boxes, part, error)
+    type(simulation_t), intent(in) :: sim
+    real(wp), intent(in) :: load(:)
+    integer, intent(in) :: parts
+    integer, intent(out) :: boxes(3)
+    integer(i4), allocatable, intent(out) :: part(:)
+    type(error_t), allocatable, intent(out) :: error
+    type(comm_t) :: alone
+    real(wp), allocatable :: position(:, :)
+    integer(i4), allocatable :: grain(:), box(:)
+    integer :: b
+
+    associate (bodies => sim%scene%bodies)
+      grain = pack([(int(b, i4), b=1, bodies%n)], bodies%is_grain)
+      position = bodies%position(:, grain)
+      call choose_boxes(alone, position, parts, sim%options%partition%boxes, boxes, error)
+      if (allocated(error)) return
+      call split_boxes(alone, position, load(grain), grain, boxes, box)
+      allocate (part(bodies%n), source=0_i4)
+      part(grain) = box
+    end associate
+  end subroutine split_by_boxes
+
+  !> Parts of all bodies by the graph of contacts, in full resolution.
+  subroutine split_by_graph(sim, parts, part, error)
+    type(simulation_t), intent(in) :: sim
+    integer, intent(in) :: parts
+    integer(i4), allocatable, intent(out) :: part(:)
+    type(error_t), allocatable, intent(out) :: error
+    type(contact_graph_t) :: graph
+    type(comm_t) :: alone
+    real(wp), allocatable :: position(:, :)
+    integer(i4), allocatable :: vertex_part(:)
+    integer :: b
+
+    associate (bodies => sim%scene%bodies)
+      position = bodies%position(:, pack([(b, b=1, bodies%n)], bodies%is_grain))
+      call build_contact_graph(sim%contacts, bodies%is_grain, curve_order(alone, position), graph)
+    end associate
+    call split_graph(graph, parts, imbalance, vertex_part, error)
+    if (allocated(error)) return
+    allocate (part(sim%scene%bodies%n), source=0_i4)
+    part(graph%body) = vertex_part
+  end subroutine split_by_graph
+
+  !> Work out the matrix of those contacts between parts that can carry an impulse.
+  subroutine look_at_interface(sim, part, blocks)
+    type(simulation_t), intent(inout) :: sim
+    integer(i4), intent(in) :: part(:)
+    type(block_structure_t), intent(out) :: blocks
+    type(contact_record_t) :: contact
+    integer :: chosen(sim%contacts%n), k, n
+
+    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
+                  sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
+    n = 0
+    do k = 1, sim%contacts%n
+      associate (ends => part(sim%contacts%body(:, k)))
+        if (any(ends == 0) .or. ends(1) == ends(2)) cycle
+      end associate
+      contact = contact_of(sim%problem, k)
+      if (.not. contact%is_active) cycle
+      n = n + 1
+      chosen(n) = k
+    end do
+    blocks = block_structure(sim%problem, chosen(:n))
+  end subroutine look_at_interface
+
+  !> Draw the scene into a folder that exists; each body has the number of its part, from 0, as its rank.
+  subroutine draw_split(sim, part, folder, error)
+    type(simulation_t), intent(inout) :: sim !! simulation that was split
+    integer(i4), intent(in) :: part(:) !! part of each body, from 1; 0 for walls
+    character(len=*), intent(in) :: folder !! folder for the pictures
+    type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
+    type(pictures_t) :: pictures
+
+    sim%options%folder = folder
+    call pictures%open(sim%scene, sim%options, -1, error)
+    if (.not. allocated(error)) call pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, error, part - 1_i4)
+    if (.not. allocated(error)) call pictures%close(error)
+  end subroutine draw_split
 end module sg_start_split

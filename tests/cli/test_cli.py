@@ -178,6 +178,22 @@ class Partition(Cli):
         table = self.run_program("partition", "fall.toml", "--parts", "4").stdout
         self.assertEqual(sum(int(line.split()[1]) for line in table.splitlines()[-4:]), 12)
 
+    def test_boxes_as_asked(self):
+        split = self.partition("--boxes", "3x2")
+        self.assertEqual((split["parts"], split["boxes_x"], split["boxes_y"], split["boxes_z"]), (6, 3, 2, 1))
+        split = self.partition("--parts", "4", "--set", "partition.boxes=[0, 2]")
+        self.assertEqual((split["boxes_x"], split["boxes_y"]), (2, 2))
+
+    def test_pictures_and_restart(self):
+        if not self.has_library("HDF5"):
+            self.skipTest("built without HDF5")
+        self.run_program("run", "fall.toml", "--quiet", "--set", "restart.every=120")
+        split = self.partition("--parts", "3", "--restart", "fall.results", "--picture", "split")
+        # All twelve have fallen on the floor.
+        self.assertGreater(split["wall_contacts"], 0)
+        for name in ("bodies", "shapes", "contacts"):
+            self.assertTrue((self.place / "split" / f"{name}.vtkhdf").exists())
+
     def test_graph_needs_metis(self):
         if self.has_library("METIS"):
             self.assertEqual(self.partition("--parts", "3", "--method", "graph")["parts"], 3)
@@ -191,6 +207,14 @@ class Partition(Cli):
             (["--parts", "0"], "at least"),
             (["--parts", "13"], "12 grains, too few for 13 parts"),
             (["--parts", "2", "--method", "grpah"], "boxes or graph"),
+            (["--parts", "4", "--boxes", "3x2"], "boxes 3 x 2 (0 for any number) cannot make 4 parts"),
+            (["--boxes", "2x2x2"], "cannot make 8 parts of a scene in the plane"),
+            (["--boxes", "2x0"], "how many parts"),
+            (["--boxes", "2xx2"], "two or three numbers"),
+            (["--boxes", "1x2x3x4"], "two or three numbers"),
+            (["--boxes", "2x-1"], "two or three numbers"),
+            (["--boxes", "2x2", "--method", "graph"], "boxes alone"),
+            (["--parts", "2", "--restart", "nowhere"], "nowhere"),
             (["--parts", "2", "--set", "solver.tolerence=1"], 'did you mean "tolerance"'),
         ):
             with self.subTest(words=words):

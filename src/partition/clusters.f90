@@ -1,0 +1,224 @@
+!> Splitting by a graph over many ranks: grains are grouped into clusters, and only the graph of clusters is gathered.
+!!
+!! Each rank groups its own grains along Hilbert's curve, a few dozen clusters a part (`make_clusters`). Who knows the
+!! clusters of all bodies that its contacts touch, copies of others' grains among them, knows the edges that these contacts
+!! make (`cluster_edges`). The graph of clusters, small enough for every rank, is gathered and split alike on all of them;
+!! then parts are given to those ranks that have most of their weight already (`split_clusters`).
+module sg_clusters
+  use sg_comm, only: comm_t
+  use sg_contact_graph, only: contact_graph_t, contact_weight, graph_from_edges
+  use sg_contacts, only: contacts_t
+  use sg_curve_order, only: curve_order
+  use sg_error, only: error_t
+  use sg_graph_split, only: split_graph
+  use sg_kinds, only: wp, i4, i8
+  use sg_sorting, only: sort_permutation
+  implicit none
+  private
+  public :: clusters_t, make_clusters, cluster_edges, split_clusters, keep_at_home
+
+  !> Most clusters a part; what ranks round up may come on top, at most one cluster a rank
+  integer, parameter :: wanted_clusters = 63
+
+  !> This rank's clusters
+  type :: clusters_t
+    !> Clusters of all ranks, and of those before this one
+    integer :: all = 0, before = 0
+    !> Cluster of each of this rank's grains, numbered over all ranks from 1, shape (grains)
+    integer(i4), allocatable :: of_grain(:)
+    !> Weight of each of this rank's clusters, shape (own clusters)
+    real(wp), allocatable :: weight(:)
+  end type clusters_t
+
+contains
+
+  !> Group this rank's grains into clusters of equal numbers of them. Collective.
+  subroutine make_clusters(comm, position, weight, parts, clusters)
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp), intent(in) :: position(:, :) !! centres of this rank's grains [m], shape (dimension, n)
+    real(wp), intent(in) :: weight(:) !! cost of each, a whole number, shape (n)
+    integer, intent(in) :: parts !! parts that the clusters will be dealt to
+    type(clusters_t), intent(out) :: clusters !! this rank's clusters
+    integer(i4), allocatable :: order(:)
+    integer(i8) :: before, all
+    integer :: n, own, i, c, grains
+
+    n = size(weight)
+    call comm%before(int(n, i8), before, all)
+    grains = int((all + int(wanted_clusters, i8)*int(parts, i8) - 1)/(int(wanted_clusters, i8)*int(parts, i8)))
+    own = 0
+    if (n > 0) own = (n + grains - 1)/grains
+    call comm%before(int(own, i8), before, all)
+    clusters%all = int(all)
+    clusters%before = int(before)
+    allocate (clusters%of_grain(n), source=0_i4)
+    allocate (clusters%weight(own), source=0.0_wp)
+    order = curve_order(comm, position)
+    do i = 1, n
+      c = 1 + int(int(i - 1, i8)*int(own, i8)/int(n, i8))
+      clusters%of_grain(order(i)) = int(clusters%before + c, i4)
+      clusters%weight(c) = clusters%weight(c) + weight(order(i))
+    end do
+  end subroutine make_clusters
+
+  !> Edges between clusters that a rank's contacts make, the lower cluster first.
+  pure subroutine cluster_edges(contacts, cluster, edges)
+    type(contacts_t), intent(in) :: contacts !! contacts that this rank owns
+    integer(i4), intent(in) :: cluster(:) !! cluster of each local body, 0 for walls, shape (bodies)
+    integer(i4), allocatable, intent(out) :: edges(:, :) !! two clusters and the contacts between them, shape (3, edges)
+    integer(i8), allocatable :: key(:)
+    integer(i4), allocatable :: order(:)
+    integer :: k, n, i
+
+    allocate (key(contacts%n))
+    n = 0
+    do k = 1, contacts%n
+      associate (ends => cluster(contacts%body(:, k)))
+        if (any(ends == 0) .or. ends(1) == ends(2)) cycle
+        n = n + 1
+        key(n) = ior(shiftl(int(minval(ends), i8), 31), int(maxval(ends), i8))
+      end associate
+    end do
+    order = sort_permutation(key(:n))
+    key(:n) = key(order)
+    allocate (edges(3, n))
+    k = 0
+    do i = 1, n
+      if (i > 1) then
+        if (key(i) == key(i - 1)) then
+          edges(3, k) = edges(3, k) + 1_i4
+          cycle
+        end if
+      end if
+      k = k + 1
+      edges(:, k) = [int(shiftr(key(i), 31), i4), int(ibits(key(i), 0, 31), i4), 1_i4]
+    end do
+    edges = edges(:, :k)
+  end subroutine cluster_edges
+
+  !> Split the clusters of all ranks: the part of each of this rank's grains, from 1. Part p is meant for rank p - 1. Collective.
+  subroutine split_clusters(comm, clusters, edges, parts, imbalance, part, error)
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(clusters_t), intent(in) :: clusters !! this rank's clusters
+    integer(i4), intent(in) :: edges(:, :) !! edges that its contacts make, shape (3, edges)
+    integer, intent(in) :: parts !! number of parts
+    real(wp), intent(in) :: imbalance !! largest weight of a part over the mean one, above 1
+    integer(i4), allocatable, intent(out) :: part(:) !! part of each grain, shape (grains)
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when the graph cannot be split
+    type(contact_graph_t) :: graph
+    integer(i4), allocatable :: rank(:), cluster_part(:)
+    integer :: speaker
+
+    call gather_graph(comm, clusters, edges, graph, rank)
+    call split_graph(graph, parts, imbalance, cluster_part, error)
+    call comm%agree(error, speaker)
+    if (allocated(error)) return
+    if (comm%size > 1) call keep_at_home(rank, real(graph%weight, wp), parts, cluster_part)
+    allocate (part(size(clusters%of_grain)))
+    part = cluster_part(clusters%of_grain)
+  end subroutine split_clusters
+
+  !> The graph of all clusters, and the rank of each.
+  subroutine gather_graph(comm, clusters, edges, graph, rank)
+    type(comm_t), intent(inout) :: comm
+    type(clusters_t), intent(in) :: clusters
+    integer(i4), intent(in) :: edges(:, :)
+    type(contact_graph_t), intent(out) :: graph
+    integer(i4), allocatable, intent(out) :: rank(:)
+    real(wp), allocatable :: weights(:, :), ends(:, :)
+    integer(i4), allocatable :: all_edges(:, :)
+    integer :: r, i, n, m
+
+    call gather_lists(comm, clusters%weight, weights)
+    call gather_lists(comm, reshape(real(edges, wp), [size(edges)]), ends)
+    allocate (graph%weight(clusters%all), rank(clusters%all))
+    allocate (all_edges(3, nint(sum(ends(1, :)))/3 + max(0, clusters%all - 1)))
+    n = 0
+    m = 0
+    do r = 1, comm%size
+      do i = 1, nint(weights(1, r))
+        n = n + 1
+        graph%weight(n) = nint(weights(i + 1, r), i4)
+        rank(n) = int(r - 1, i4)
+      end do
+      do i = 2, nint(ends(1, r)), 3
+        m = m + 1
+        all_edges(:, m) = nint(ends(i:i + 2, r), i4)
+        all_edges(3, m) = contact_weight*all_edges(3, m)
+      end do
+    end do
+    ! Neighbours along the curve hold together what has no contacts.
+    do i = 1, clusters%all - 1
+      all_edges(:, m + i) = [int(i, i4), int(i + 1, i4), 1_i4]
+    end do
+    call graph_from_edges(clusters%all, all_edges, graph)
+  end subroutine gather_graph
+
+  !> Lists of all ranks side by side, each after its length, shape (longest + 1, ranks).
+  subroutine gather_lists(comm, list, lists)
+    type(comm_t), intent(inout) :: comm
+    real(wp), intent(in) :: list(:)
+    real(wp), allocatable, intent(out) :: lists(:, :)
+    real(wp), allocatable :: padded(:)
+    real(wp) :: longest(1)
+
+    longest = real(size(list), wp)
+    call comm%maximum(longest)
+    allocate (padded(nint(longest(1)) + 1), source=0.0_wp)
+    padded(1) = real(size(list), wp)
+    padded(2:size(list) + 1) = list
+    call comm%gather(padded, lists)
+  end subroutine gather_lists
+
+  !> Rename parts so that little weight moves: the largest weight that a rank has of a part is settled first.
+  pure subroutine keep_at_home(rank, weight, parts, part)
+    integer(i4), intent(in) :: rank(:) !! rank that each item is at, from 0; beyond the parts, it has no say
+    real(wp), intent(in) :: weight(:) !! weight of each item, a whole number
+    integer, intent(in) :: parts !! number of parts
+    integer(i4), intent(inout) :: part(:) !! part of each item, from 1
+    integer(i8), allocatable :: key(:)
+    integer(i4), allocatable :: order(:)
+    real(wp), allocatable :: shared(:)
+    integer :: new_name(parts), i, k, p, r
+    logical :: is_taken(parts)
+
+    ! Weight that a rank and a part have in common: items sorted by both make runs.
+    allocate (key(size(part)), shared(size(part)))
+    key = int(rank, i8)*int(parts, i8) + int(part, i8) - 1
+    order = sort_permutation(key)
+    key = key(order)
+    k = 0
+    do i = 1, size(key)
+      if (k > 0) then
+        if (key(i) == key(k)) then
+          shared(k) = shared(k) + weight(order(i))
+          cycle
+        end if
+      end if
+      k = k + 1
+      key(k) = key(i)
+      shared(k) = weight(order(i))
+    end do
+    new_name = 0
+    is_taken = .false.
+    order = sort_permutation(int(shared(:k), i8))
+    do i = k, 1, -1
+      p = int(modulo(key(order(i)), int(parts, i8))) + 1
+      r = int(key(order(i))/int(parts, i8)) + 1
+      if (r > parts .or. new_name(p) > 0) cycle
+      if (is_taken(r)) cycle
+      new_name(p) = r
+      is_taken(r) = .true.
+    end do
+    r = 1
+    do p = 1, parts
+      if (new_name(p) > 0) cycle
+      do while (is_taken(r))
+        r = r + 1
+      end do
+      new_name(p) = r
+      is_taken(r) = .true.
+    end do
+    part = int(new_name(part), i4)
+  end subroutine keep_at_home
+end module sg_clusters

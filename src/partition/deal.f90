@@ -1,0 +1,73 @@
+!> New homes for the grains of a decomposed scene, by boxes or by the graph of contacts.
+module sg_deal
+  use sg_bodies, only: bodies_t
+  use sg_boxes, only: choose_boxes, split_boxes
+  use sg_clusters, only: cluster_edges, clusters_t, make_clusters, split_clusters
+  use sg_comm, only: comm_t
+  use sg_contacts, only: contacts_t
+  use sg_error, only: error_t
+  use sg_home_sum, only: add_grains_at_home, copy_from_home
+  use sg_kinds, only: wp, i4
+  use sg_load, only: measured_weights
+  use sg_run_options, only: partition_options_t
+  use sg_subdomain, only: subdomain_t
+  implicit none
+  private
+  public :: deal_grains
+
+  !> Largest load of a part over the mean one that is asked of a split of the graph
+  real(wp), parameter :: imbalance = 1.03_wp
+
+contains
+
+  !> Deal the grains of a scene to the ranks anew, by what they cost in the last step. Collective; nothing moves yet.
+  subroutine deal_grains(comm, options, subdomain, bodies, contacts, home, error)
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(partition_options_t), intent(in) :: options !! how to split
+    type(subdomain_t), intent(in) :: subdomain !! who shares which bodies now
+    type(bodies_t), intent(in) :: bodies !! bodies of this rank's scene, with homes and numbers
+    type(contacts_t), intent(in) :: contacts !! contacts that this rank owns
+    integer(i4), allocatable, intent(out) :: home(:) !! new home of each body of this rank, -1 for wide ones, shape (n_home)
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when the grains cannot be dealt so
+    integer(i4), allocatable :: own(:), part(:)
+    real(wp), allocatable :: load(:, :), position(:, :)
+    integer :: counts(3), b
+
+    allocate (load(1, bodies%n))
+    load(1, :) = measured_weights(contacts, bodies%is_grain, bodies%n_home)
+    call add_grains_at_home(subdomain, bodies%home, comm, load)
+    own = pack([(int(b, i4), b=1, bodies%n_home)], bodies%home(:bodies%n_home) >= 0)
+    position = bodies%position(:, own)
+    if (options%split == 'graph') then
+      call deal_clusters(comm, subdomain, bodies, contacts, own, load(1, own), part, error)
+    else
+      call choose_boxes(comm, position, comm%size, options%boxes, counts, error)
+      if (.not. allocated(error)) call split_boxes(comm, position, load(1, own), bodies%id(own), counts, part)
+    end if
+    if (allocated(error)) return
+    allocate (home(bodies%n_home), source=-1_i4)
+    home(own) = part - 1_i4
+  end subroutine deal_grains
+
+  !> Parts of this rank's grains by the graph of all ranks' clusters.
+  subroutine deal_clusters(comm, subdomain, bodies, contacts, own, load, part, error)
+    type(comm_t), intent(inout) :: comm
+    type(subdomain_t), intent(in) :: subdomain
+    type(bodies_t), intent(in) :: bodies
+    type(contacts_t), intent(in) :: contacts
+    integer(i4), intent(in) :: own(:)
+    real(wp), intent(in) :: load(:)
+    integer(i4), allocatable, intent(out) :: part(:)
+    type(error_t), allocatable, intent(out) :: error
+    type(clusters_t) :: clusters
+    real(wp), allocatable :: cluster(:, :)
+    integer(i4), allocatable :: edges(:, :)
+
+    call make_clusters(comm, bodies%position(:, own), load, comm%size, clusters)
+    allocate (cluster(1, bodies%n), source=0.0_wp)
+    cluster(1, own) = real(clusters%of_grain, wp)
+    call copy_from_home(subdomain, bodies%home, comm, cluster)
+    call cluster_edges(contacts, nint(cluster(1, :), i4), edges)
+    call split_clusters(comm, clusters, edges, comm%size, imbalance, part, error)
+  end subroutine deal_clusters
+end module sg_deal
