@@ -1,9 +1,10 @@
 !> Splitting by a graph over many ranks: grains are grouped into clusters, and only the graph of clusters is gathered.
 !!
-!! Each rank groups its own grains along Hilbert's curve, a few dozen clusters a part (`make_clusters`). Who knows the
+!! Each rank groups its own grains along Hilbert's curve, at least a few dozen clusters a part (`make_clusters`). Who knows the
 !! clusters of all bodies that its contacts touch, copies of others' grains among them, knows the edges that these contacts
 !! make (`cluster_edges`). The graph of clusters, small enough for every rank, is gathered and split alike on all of them;
-!! then parts are given to those ranks that have most of their weight already (`split_clusters`).
+!! then parts are given to those ranks that have most of their weight already; or, where that does as well, the present split is
+!! mended (`split_clusters`).
 module sg_clusters
   use sg_comm, only: comm_t
   use sg_contact_graph, only: contact_graph_t, contact_weight, graph_from_edges
@@ -12,13 +13,16 @@ module sg_clusters
   use sg_error, only: error_t
   use sg_graph_split, only: split_graph
   use sg_kinds, only: wp, i4, i8
+  use sg_refine, only: cut_weight, largest_share, refine_split
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: clusters_t, make_clusters, cluster_edges, split_clusters, keep_at_home
+  public :: clusters_t, most_clusters, make_clusters, cluster_edges, split_clusters, keep_at_home
 
-  !> Most clusters a part; what ranks round up may come on top, at most one cluster a rank
-  integer, parameter :: wanted_clusters = 63
+  !> Clusters that any machine can gather and split in no time, and clusters a part where that makes more
+  integer, parameter :: always = 20000, per_part = 63
+  !> Cut of a split that is kept, over that of the one that METIS would make: moving grains has a price too
+  real(wp), parameter :: worth_moving = 1.1_wp
 
   !> This rank's clusters
   type :: clusters_t
@@ -32,12 +36,19 @@ module sg_clusters
 
 contains
 
-  !> Group this rank's grains into clusters of equal numbers of them. Collective.
-  subroutine make_clusters(comm, position, weight, parts, clusters)
+  !> Clusters of all ranks together for a number of parts.
+  pure integer function most_clusters(parts)
+    integer, intent(in) :: parts !! number of parts
+
+    most_clusters = max(always, per_part*parts)
+  end function most_clusters
+
+  !> Group this rank's grains into clusters of equal numbers of them, single grains where there are no more. Collective.
+  subroutine make_clusters(comm, position, weight, most, clusters)
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(in) :: position(:, :) !! centres of this rank's grains [m], shape (dimension, n)
     real(wp), intent(in) :: weight(:) !! cost of each, a whole number, shape (n)
-    integer, intent(in) :: parts !! parts that the clusters will be dealt to
+    integer, intent(in) :: most !! clusters of all ranks together at most, and one a rank that rounding up may add
     type(clusters_t), intent(out) :: clusters !! this rank's clusters
     integer(i4), allocatable :: order(:)
     integer(i8) :: before, all
@@ -45,7 +56,7 @@ contains
 
     n = size(weight)
     call comm%before(int(n, i8), before, all)
-    grains = int((all + int(wanted_clusters, i8)*int(parts, i8) - 1)/(int(wanted_clusters, i8)*int(parts, i8)))
+    grains = max(1, int((all + int(most, i8) - 1)/int(most, i8)))
     own = 0
     if (n > 0) own = (n + grains - 1)/grains
     call comm%before(int(own, i8), before, all)
@@ -106,16 +117,29 @@ contains
     integer(i4), allocatable, intent(out) :: part(:) !! part of each grain, shape (grains)
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the graph cannot be split
     type(contact_graph_t) :: graph
-    integer(i4), allocatable :: rank(:), cluster_part(:)
+    integer(i4), allocatable :: rank(:), cluster_part(:), kept(:)
     integer :: speaker
 
     call gather_graph(comm, clusters, edges, graph, rank)
     call split_graph(graph, parts, imbalance, cluster_part, error)
     call comm%agree(error, speaker)
     if (allocated(error)) return
-    if (comm%size > 1) call keep_at_home(rank, real(graph%weight, wp), parts, cluster_part)
+    if (comm%size > 1) then
+      call keep_at_home(rank, real(graph%weight, wp), parts, cluster_part)
+      kept = min(rank, int(parts, i4) - 1_i4) + 1_i4
+      call refine_split(graph, parts, imbalance, kept)
+      if (is_good(kept)) cluster_part = kept
+    end if
     allocate (part(size(clusters%of_grain)))
     part = cluster_part(clusters%of_grain)
+  contains
+    !> Is the split that came from the present one about as good as the new one?
+    logical function is_good(other)
+      integer(i4), intent(in) :: other(:)
+
+      is_good = real(cut_weight(graph, other), wp) <= worth_moving*real(cut_weight(graph, cluster_part), wp) .and. &
+                largest_share(graph, parts, other) <= max(imbalance, largest_share(graph, parts, cluster_part))
+    end function is_good
   end subroutine split_clusters
 
   !> The graph of all clusters, and the rank of each.

@@ -2,7 +2,7 @@
 module sg_deal
   use sg_bodies, only: bodies_t
   use sg_boxes, only: choose_boxes, split_boxes
-  use sg_clusters, only: cluster_edges, clusters_t, make_clusters, split_clusters
+  use sg_clusters, only: cluster_edges, clusters_t, make_clusters, most_clusters, split_clusters
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t
   use sg_error, only: error_t
@@ -63,7 +63,7 @@ contains
     real(wp), allocatable :: cluster(:, :)
     integer(i4), allocatable :: edges(:, :)
 
-    call make_clusters(comm, bodies%position(:, own), load, comm%size, clusters)
+    call make_clusters(comm, bodies%position(:, own), load, most_clusters(comm%size), clusters)
     allocate (cluster(1, bodies%n), source=0.0_wp)
     cluster(1, own) = real(clusters%of_grain, wp)
     call copy_from_home(subdomain, bodies%home, comm, cluster)

@@ -184,7 +184,7 @@ contains
     end do
     own = owned(n, 2)
     do parts = max(2, comm%size), 8, 3
-      call make_clusters(comm, position(:, own), spread(2.0_wp, 1, size(own)), parts, clusters)
+      call make_clusters(comm, position(:, own), spread(2.0_wp, 1, size(own)), 63*parts, clusters)
       call t%check(clusters%all <= 63*parts + comm%size, 'few clusters')
       call t%check(clusters%all >= 16*parts, 'but enough')
       sums = [sum(clusters%weight), real(size(clusters%weight), wp)]

@@ -11,6 +11,7 @@ program test_partition
   use sg_kinds, only: wp, i4
   use sg_load, only: measured_weights
   use sg_random, only: random_t
+  use sg_refine, only: cut_weight, largest_share, refine_split
   use sg_split_report, only: report_split, split_report_t
   implicit none
   integer, parameter :: side = 40
@@ -25,6 +26,7 @@ program test_partition
   call test_image()
   call test_no_contacts()
   call test_home()
+  call test_refine()
   if (graph_splits()) then
     call test_lattice()
     call test_small()
@@ -198,6 +200,31 @@ contains
     call keep_at_home(spread(0_i4, 1, 6), spread(1.0_wp, 1, 6), 3, part)
     call t%check(all(part(:3) == part([6, 5, 4])) .and. sum(part(:3)) == 6, 'parts stay parts, each with a name of its own')
   end subroutine test_home
+
+  !> A lattice in two halves, one with six columns too many: they move, and nothing else.
+  subroutine test_refine()
+    type(contact_graph_t) :: graph
+    type(contacts_t) :: contacts
+    integer(i4) :: part(side**2), before(side**2)
+    integer :: i
+
+    call make_lattice(graph, side, contacts)
+    part = [(merge(1_i4, 2_i4, modulo(i - 1, side) < side/2), i=1, side**2)]
+    before = part
+    call refine_split(graph, 2, imbalance, part)
+    call t%check(all(part == before), 'what is best stays')
+    associate (straight => int(contact_weight)*side)
+      call t%equal(int(cut_weight(graph, part)), straight, 'a straight cut')
+      part = [(merge(1_i4, 2_i4, modulo(i - 1, side) < side/2 + 6), i=1, side**2)]
+      before = part
+      call t%check(largest_share(graph, 2, part) > 1.25_wp, 'one half has too much')
+      call refine_split(graph, 2, imbalance, part)
+      call t%check(largest_share(graph, 2, part) <= imbalance, 'then no longer')
+      call t%check(all(part == before .or. before == 1), 'what moves leaves the heavy half')
+      call t%check(count(part /= before) <= 6*side, 'and is no more than needed')
+      call t%check(int(cut_weight(graph, part)) <= 3*straight/2, 'the border stays short')
+    end associate
+  end subroutine test_refine
 
   subroutine test_no_contacts()
     type(contact_graph_t) :: graph
