@@ -3,12 +3,32 @@
 !! No movable body is twice in a group, so that its contacts may be updated at once. Unlike the sweep one by one this one
 !! has no branch that a processor could guess wrong: sticking, sliding and open contacts take the same time.
 module sg_sweep_ball_lanes
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
   use sg_kinds, only: wp, i4
   use sg_sweep_ball, only: push_partly_driven
   use sg_sweep_order, only: lanes
   implicit none
   private
   public :: sweep_ball_lanes
+
+  !> How many groups ahead records and bodies are asked for: later, they come too late; earlier, they are gone again
+  integer, parameter :: records_ahead = 6, bodies_ahead = 3
+
+  interface
+    !> Ask for records, impulses and slots of a group (prefetch.cpp).
+    pure subroutine prefetch_group(record, impulse, pair) bind(c, name='sg_prefetch_group')
+      import :: c_double, c_int
+      real(c_double), intent(in) :: record(*), impulse(*)
+      integer(c_int), intent(in) :: pair(*)
+    end subroutine prefetch_group
+
+    !> Ask for the bodies of a group.
+    pure subroutine prefetch_bodies(pair, body) bind(c, name='sg_prefetch_bodies')
+      import :: c_double, c_int
+      integer(c_int), intent(in) :: pair(*)
+      real(c_double), intent(in) :: body(*)
+    end subroutine prefetch_bodies
+  end interface
 
 contains
 
@@ -23,10 +43,13 @@ contains
     real(wp), intent(inout) :: body(8, n_bodies) !! velocity, R spin, inverse mass, R^2/I or marks of free directions
     real(wp), dimension(lanes) :: vx, vy, vz, sx, sy, sz, px, py, pz
     real(wp) :: lowest
-    integer :: g, i
+    integer :: g, i, next
     integer(i4) :: c, a
 
     do g = 1, n_groups
+      next = min(g + records_ahead, n_groups)
+      call prefetch_group(record(:, :, next), impulse(:, :, next), pair(:, :, next))
+      call prefetch_bodies(pair(:, :, min(g + bodies_ahead, n_groups)), body)
       lowest = 0
       do i = 1, lanes
         c = pair(i, 1, g)
