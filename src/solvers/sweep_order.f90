@@ -100,8 +100,12 @@ contains
   pure subroutine deal(order, problem)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
-    integer :: first, last, block_size, width, filled(0:most_groups), g
+    integer :: first, last, block_size, width, filled(0:most_groups)
 
+    if (problem%kind == ball_frictional) then
+      call deal_lanes(order, problem)
+      return
+    end if
     block_size = block_arm
     width = width_arm
     if (is_compact(problem%kind)) then
@@ -111,12 +115,47 @@ contains
     do first = 1, order%n, block_size
       last = min(order%n, first + block_size - 1)
       call deal_block(order%chosen(first:last), problem, width, order%groups_of, order%contact(first:last), filled)
-      if (problem%kind /= ball_frictional) cycle
-      do g = 0, most_groups
-        if (filled(g) > 0) call note_group(order, filled(g), g == most_groups)
-      end do
     end do
   end subroutine deal
+
+  !> The same for groups side by side, in which lanes to spare cost as much as contacts: groups that a block leaves open are
+  !! dealt anew with the next one.
+  pure subroutine deal_lanes(order, problem)
+    type(sweep_order_t), intent(inout) :: order
+    type(problem_t), intent(in) :: problem
+    integer(i4) :: block(block_round), dealt(block_round)
+    integer :: filled(0:most_groups), next, placed, left, n, last, g
+    logical :: is_kept(0:most_groups)
+
+    next = 1
+    placed = 0
+    left = 0
+    do while (next <= order%n)
+      n = min(block_round, left + order%n - next + 1)
+      block(left + 1:n) = order%chosen(next:next + n - left - 1)
+      next = next + n - left
+      call deal_block(block(:n), problem, lanes, order%groups_of, dealt(:n), filled)
+      is_kept = filled == lanes
+      is_kept(most_groups) = .false.
+      ! Where few groups are full, as about a large ball, dealing anew would not help.
+      if (next > order%n .or. sum(filled, .not. is_kept) > block_round/4) is_kept = .true.
+      left = 0
+      last = 0
+      do g = 0, most_groups
+        associate (group => dealt(last + 1:last + filled(g)))
+          if (is_kept(g)) then
+            order%contact(placed + 1:placed + filled(g)) = group
+            placed = placed + filled(g)
+            call note_group(order, filled(g), g == most_groups)
+          else
+            block(left + 1:left + filled(g)) = group
+            left = left + filled(g)
+          end if
+        end associate
+        last = last + filled(g)
+      end do
+    end do
+  end subroutine deal_lanes
 
   !> Deal one block: each contact goes to the first group that has room and neither of its movable bodies.
   pure subroutine deal_block(chosen, problem, width, groups_of, contact, filled)
