@@ -61,7 +61,7 @@ contains
                   '  --picture FOLDER        write pictures in which the rank of a body is its part, from 0', &
                   '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
                   '  --json                  one flat JSON object', &
-                  'splitgrain-postpro split FOLDER draws the pictures.'])
+                  './start look split FOLDER draws the pictures.'])
     case ('solve')
       call lines([character(len=110) :: &
                   'splitgrain solve FILE... [options]    solve contact problems in FCLIB files (HDF5)', &

@@ -55,7 +55,7 @@ def _colouring_of_labels(values, label):
     if count <= len(KINDS):
         colours = ListedColormap(KINDS[:count])
     else:  # steps of the golden section about the circle of hues
-        colours = ListedColormap([hsv_to_rgb(0.618034 * k % 1, (0.32, 0.5)[k % 2], (0.97, 0.88)[k // 2 % 2])
+        colours = ListedColormap([hsv_to_rgb(0.618034 * k % 1, (0.28, 0.5, 0.38)[k % 3], (0.97, 0.88)[k // 2 % 2])
                                   for k in range(count)])
     ticks = np.arange(low, high + 1, -(-count // 11))
     return Colouring(label, colours, Normalize(low - 0.5, high + 0.5), ticks)
