@@ -3,13 +3,18 @@
 !! A file remembers its first failure in `error` and does nothing from then on: a writer makes all its calls
 !! and looks once, at the end. Shapes are those of Fortran: `values(component, row)` is `[row][component]` in the
 !! file, without a transpose. The bodies live in `hdf5_with_hdf5` or `hdf5_without_hdf5`, chosen by CMake.
+!!
+!! Ranks share a file that they make or open together. Then all of them make all calls, in the same order; each stores its
+!! own rows, which follow those of lower ranks, or all have the same ones (`is_common`), which are stored once. A
+!! failure of one is a failure of all.
 module sg_hdf5
+  use sg_comm, only: comm_t
   use sg_error, only: error_t
   use sg_kinds, only: wp, i4, i8
   use sg_text, only: text_t
   implicit none
   private
-  public :: hdf5_file_t, hdf5_is_available
+  public :: hdf5_file_t, hdf5_is_available, hdf5_is_parallel
   public :: stored_double, stored_single, stored_long, stored_integer, stored_byte
 
   !> How numbers of a growing dataset are stored: real of 8 and 4 bytes, integer of 8 and 4 bytes, unsigned byte
@@ -21,8 +26,12 @@ module sg_hdf5
     character(len=:), allocatable :: name
     !> First failure since it was opened; unallocated while all is well
     type(error_t), allocatable :: error
+    !> The ranks that share it: one where it is not shared
+    type(comm_t) :: ranks
     !> Handle of the library; negative when closed
     integer(i8) :: id = -1
+    !> Of a shared file: bytes that it may have by now, and for which the disk has promised room
+    integer(i8), private :: most_bytes = 0, reserved = 0
   contains
     procedure :: create => file_create
     procedure :: open => file_open
@@ -37,6 +46,8 @@ module sg_hdf5
     procedure :: cut => file_cut
     procedure, private :: append_reals, append_real_records, append_integers, append_longs, append_long_records
     procedure, private :: put_reals, put_real_records, put_integers, put_integer_records, put_text
+    procedure :: total => file_total
+    procedure :: get_rows => file_get_rows
     procedure, private :: get_reals, get_real_records, get_integers, get_integer_records, get_longs, get_text
     procedure, private :: set_long, set_longs, set_text
     procedure, private :: look_long, look_text
@@ -58,17 +69,24 @@ module sg_hdf5
       logical :: is_available
     end function hdf5_is_available
 
+    !> Can ranks share files?
+    module function hdf5_is_parallel() result(is_parallel)
+      logical :: is_parallel
+    end function hdf5_is_parallel
+
     !> Make a file; an old one of the same name is replaced.
-    module subroutine file_create(self, name)
+    module subroutine file_create(self, name, comm)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: name !! path
+      type(comm_t), intent(in), optional :: comm !! ranks that share the file; absent where it is not shared
     end subroutine file_create
 
     !> Open a file that exists.
-    module subroutine file_open(self, name, is_read_only)
+    module subroutine file_open(self, name, is_read_only, comm)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: name !! path
       logical, intent(in) :: is_read_only !! open for reading alone?
+      type(comm_t), intent(in), optional :: comm !! ranks that share the file; absent where it is not shared
     end subroutine file_open
 
     !> Hand all that was written to the operating system.
@@ -114,8 +132,25 @@ module sg_hdf5
       integer, intent(in) :: storage !! one of `stored_*`
       integer, intent(in) :: components !! numbers of a row; 0 for a plain list
       integer, intent(in) :: chunk !! rows that are stored together
-      logical, intent(in) :: is_compressed !! compress chunks by gzip?
+      logical, intent(in) :: is_compressed !! compress chunks by gzip? Ranks that share a file do not
     end subroutine file_declare
+
+    !> Rows of all ranks together, from those of each; of a file that is not shared those given.
+    module function file_total(self, rows, is_common) result(total)
+      class(hdf5_file_t), intent(inout) :: self
+      integer, intent(in) :: rows !! rows of this rank
+      logical, intent(in), optional :: is_common !! are they the same rows on all ranks?
+      integer(i8) :: total
+    end function file_total
+
+    !> Read some rows of records of reals.
+    module subroutine file_get_rows(self, path, first, rows, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i8), intent(in) :: first !! rows before them
+      integer, intent(in) :: rows !! how many
+      real(wp), allocatable, intent(out), target :: values(:, :) !! records read, shape (components, rows)
+    end subroutine file_get_rows
 
     !> Number of rows of a dataset.
     module function file_rows(self, path) result(rows)
@@ -132,66 +167,75 @@ module sg_hdf5
     end subroutine file_cut
 
     !> Add reals to a list.
-    module subroutine append_reals(self, path, values)
+    module subroutine append_reals(self, path, values, is_common)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path !! path within the file
       real(wp), intent(in), contiguous, target :: values(:) !! numbers to add
+      logical, intent(in), optional :: is_common !! the same on all ranks, to be stored once?
     end subroutine append_reals
 
     !> Add records of reals.
-    module subroutine append_real_records(self, path, values)
+    module subroutine append_real_records(self, path, values, is_common)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path !! path within the file
       real(wp), intent(in), contiguous, target :: values(:, :) !! records to add, shape (components, rows)
+      logical, intent(in), optional :: is_common !! the same on all ranks, to be stored once?
     end subroutine append_real_records
 
     !> Add integers to a list.
-    module subroutine append_integers(self, path, values)
+    module subroutine append_integers(self, path, values, is_common)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path !! path within the file
       integer(i4), intent(in), contiguous, target :: values(:) !! numbers to add
+      logical, intent(in), optional :: is_common !! the same on all ranks, to be stored once?
     end subroutine append_integers
 
     !> Add long integers to a list.
-    module subroutine append_longs(self, path, values)
+    module subroutine append_longs(self, path, values, is_common)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path !! path within the file
       integer(i8), intent(in), contiguous, target :: values(:) !! numbers to add
+      logical, intent(in), optional :: is_common !! the same on all ranks, to be stored once?
     end subroutine append_longs
 
     !> Add records of long integers.
-    module subroutine append_long_records(self, path, values)
+    module subroutine append_long_records(self, path, values, is_common)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path !! path within the file
       integer(i8), intent(in), contiguous, target :: values(:, :) !! records to add, shape (components, rows)
+      logical, intent(in), optional :: is_common !! the same on all ranks, to be stored once?
     end subroutine append_long_records
 
     !> Store a list of reals.
-    module subroutine put_reals(self, path, values)
+    module subroutine put_reals(self, path, values, is_common)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path !! path within the file
       real(wp), intent(in), contiguous, target :: values(:) !! numbers to store
+      logical, intent(in), optional :: is_common !! the same on all ranks, to be stored once?
     end subroutine put_reals
 
     !> Store records of reals.
-    module subroutine put_real_records(self, path, values)
+    module subroutine put_real_records(self, path, values, is_common)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path !! path within the file
       real(wp), intent(in), contiguous, target :: values(:, :) !! records to store
+      logical, intent(in), optional :: is_common !! the same on all ranks, to be stored once?
     end subroutine put_real_records
 
     !> Store a list of integers.
-    module subroutine put_integers(self, path, values)
+    module subroutine put_integers(self, path, values, is_common)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path !! path within the file
       integer(i4), intent(in), contiguous, target :: values(:) !! numbers to store
+      logical, intent(in), optional :: is_common !! the same on all ranks, to be stored once?
     end subroutine put_integers
 
     !> Store records of integers.
-    module subroutine put_integer_records(self, path, values)
+    module subroutine put_integer_records(self, path, values, is_common)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path !! path within the file
       integer(i4), intent(in), contiguous, target :: values(:, :) !! records to store
+      logical, intent(in), optional :: is_common !! the same on all ranks, to be stored once?
     end subroutine put_integer_records
 
     !> Store a text as one item of fixed length, with the zero byte that ends texts in C.

@@ -67,6 +67,8 @@ contains
     integer(hid_t) :: object, attribute
     logical :: exists
 
+    call reserve(self, 0_i8)
+    if (allocated(self%error)) return
     call h5oopen_f(int(self%id, hid_t), path, object, status)
     call check(self, status, 'cannot find '//path)
     call h5aexists_f(object, name, exists, status)
@@ -81,6 +83,7 @@ contains
     call h5aclose_f(attribute, status)
     call h5oclose_f(object, status)
     call h5sclose_f(space, status)
+    call settle(self)
   end subroutine set_block
 
   !> Open an attribute.
@@ -96,6 +99,7 @@ contains
     call h5aopen_f(object, name, attribute, status)
     call check(self, status, 'cannot find the attribute '//name)
     call h5oclose_f(object, status)
+    call settle(self)
   end subroutine open_attribute
 
   module procedure look_long
@@ -113,6 +117,7 @@ contains
   call check(self, status, 'cannot read the attribute '//name)
   if (status >= 0) value = number(1)
   call h5aclose_f(attribute, status)
+  call settle(self)
   end procedure look_long
 
   module procedure look_text
@@ -137,5 +142,6 @@ contains
   end do
   call h5tclose_f(text_type, status)
   call h5aclose_f(attribute, status)
+  call settle(self)
   end procedure look_text
 end submodule hdf5_attributes_with_hdf5

@@ -2,10 +2,11 @@
 submodule(sg_hdf5:hdf5_with_hdf5) hdf5_datasets_with_hdf5
   ! gfortran 12 refuses to use again what the parent uses already: the kinds and some constants come from there.
   use, intrinsic :: iso_c_binding, only: c_null_ptr
-  use hdf5, only: h5dclose_f, h5dcreate_f, h5dget_space_f, h5dopen_f, h5dread_f, h5dset_extent_f, h5dwrite_f, &
-                  h5p_dataset_create_f, h5pset_chunk_f, h5pset_deflate_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, &
-                  h5screate_simple_f, h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
-                  h5sselect_hyperslab_f, h5t_ieee_f32le, h5t_ieee_f64le, h5t_native_integer, h5t_std_i32le, &
+  use hdf5, only: h5d_alloc_time_early_f, h5dclose_f, h5dcreate_f, h5dget_create_plist_f, h5dget_space_f, h5dopen_f, h5dread_f, &
+                  h5dset_extent_f, h5dwrite_f, h5p_dataset_create_f, h5p_dataset_xfer_f, h5pget_nfilters_f, h5pset_alloc_time_f, &
+                  h5pset_chunk_f, h5pset_deflate_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, &
+                  h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
+                  h5sselect_hyperslab_f, h5sselect_none_f, h5t_ieee_f32le, h5t_ieee_f64le, h5t_native_integer, h5t_std_i32le, &
                   h5t_std_i64le, h5t_std_u8le, hsize_t
   implicit none
 
@@ -20,6 +21,8 @@ contains
   integer(hsize_t) :: shape(2), most(2)
 
   if (allocated(self%error)) return
+  call reserve(self, 0_i8)
+  if (allocated(self%error)) return
   rank = merge(2, 1, components > 0)
   shape = int(max(1, components), hsize_t)
   shape(rank) = 0
@@ -29,13 +32,20 @@ contains
   shape(rank) = int(chunk, hsize_t)
   call h5pcreate_f(h5p_dataset_create_f, list, status)
   call h5pset_chunk_f(list, rank, shape, status)
-  if (is_compressed) call h5pset_deflate_f(list, gzip_level, status)
+  ! HDF5 compresses what ranks write together only where file and memory hold the same type, and 1.10 not safely then.
+  if (is_compressed .and. self%ranks%size == 1) then
+    call h5pset_deflate_f(list, gzip_level, status)
+  else
+    ! Ranks can go on with a file only where chunks get their place as the dataset grows, also when one rank made it.
+    call h5pset_alloc_time_f(list, h5d_alloc_time_early_f, status)
+  end if
   call check(self, status, 'cannot compress '//path)
   call h5dcreate_f(int(self%id, hid_t), path, file_type(storage), space, dataset, status, list)
   call check(self, status, 'cannot make '//path)
   call h5dclose_f(dataset, status)
   call h5pclose_f(list, status)
   call h5sclose_f(space, status)
+  call settle(self)
   end procedure file_declare
 
   !> Type of numbers in the file.
@@ -56,6 +66,37 @@ contains
     end select
   end function file_type
 
+  module procedure file_total
+  integer(i8) :: first
+
+  call count_rows(self, rows, is_common, first, total)
+  end procedure file_total
+
+  !> Rows of lower ranks and of all ranks; rows that all have are those of rank 0.
+  subroutine count_rows(self, rows, is_common, first, total)
+    class(hdf5_file_t), intent(inout) :: self
+    integer, intent(in) :: rows
+    logical, intent(in), optional :: is_common
+    integer(i8), intent(out) :: first, total
+
+    first = 0
+    total = int(rows, i8)
+    if (self%ranks%size == 1) return
+    if (are_common(is_common)) then
+      if (self%ranks%rank > 0) first = total
+    else
+      call self%ranks%before(int(rows, i8), first, total)
+    end if
+  end subroutine count_rows
+
+  !> Are rows the same on all ranks?
+  pure logical function are_common(is_common)
+    logical, intent(in), optional :: is_common
+
+    are_common = .false.
+    if (present(is_common)) are_common = is_common
+  end function are_common
+
   module procedure file_rows
   integer :: status
   integer(hid_t) :: dataset
@@ -66,6 +107,7 @@ contains
   call open_dataset(self, path, dataset, shape)
   rows = shape(2)
   call h5dclose_f(dataset, status)
+  call settle(self)
   end procedure file_rows
 
   module procedure file_cut
@@ -77,6 +119,7 @@ contains
   call open_dataset(self, path, dataset, shape)
   if (shape(2) > rows) call resize(self, path, dataset, shape(1), int(rows, hsize_t))
   call h5dclose_f(dataset, status)
+  call settle(self)
   end procedure file_cut
 
   !> Open a dataset and ask for its shape (components, rows); zero after a failure.
@@ -129,89 +172,152 @@ contains
   end subroutine resize
 
   !> Add `n` numbers at an address to a growing dataset.
-  subroutine append_block(self, path, memory_type, n, address)
+  subroutine append_block(self, path, memory_type, n, address, is_common)
     class(hdf5_file_t), intent(inout) :: self
     character(len=*), intent(in) :: path
     integer(hid_t), intent(in) :: memory_type
     integer, intent(in) :: n
     type(c_ptr), intent(in) :: address
-    integer :: status, rank
-    integer(hid_t) :: dataset, space, memory
-    integer(hsize_t) :: shape(2), first(2), count(2)
+    logical, intent(in), optional :: is_common
+    integer :: status
+    integer(hid_t) :: dataset
+    integer(hsize_t) :: shape(2)
+    integer(i8) :: before, total
 
     if (allocated(self%error)) return
+    if (n == 0 .and. self%ranks%size == 1) return
     call open_dataset(self, path, dataset, shape)
+    if (self%ranks%size > 1) call refuse_compressed(self, path, dataset)
+    call settle(self)
     if (allocated(self%error)) return
-    first = [0_hsize_t, shape(2)]
-    count = [shape(1), int(n, hsize_t)/shape(1)]
-    call resize(self, path, dataset, shape(1), shape(2) + count(2))
-    call h5dget_space_f(dataset, space, status)
-    call h5sget_simple_extent_ndims_f(space, rank, status)
-    call h5sselect_hyperslab_f(space, h5s_select_set_f, first(3 - rank:), count(3 - rank:), status)
-    call h5screate_simple_f(1, [int(n, hsize_t)], memory, status)
-    call h5dwrite_f(dataset, memory_type, address, status, memory, space)
-    call check(self, status, 'cannot write '//path)
-    call h5sclose_f(memory, status)
-    call h5sclose_f(space, status)
+    call count_rows(self, int(int(n, hsize_t)/shape(1)), is_common, before, total)
+    ! Chunks are made whole, and a compressed one may be made anew: room for twice the rows.
+    call reserve(self, 16*shape(1)*total)
+    if (total > 0 .and. .not. allocated(self%error)) then
+      call resize(self, path, dataset, shape(1), shape(2) + total)
+      call write_rows(self, path, dataset, memory_type, shape(1), shape(2), before, total, n, address)
+    end if
     call h5dclose_f(dataset, status)
     call check(self, status, 'cannot write '//path)
+    call settle(self)
   end subroutine append_block
 
+  !> Ranks cannot add to a dataset that one rank made compressed.
+  subroutine refuse_compressed(self, path, dataset)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(hid_t), intent(in) :: dataset
+    integer :: status, n
+    integer(hid_t) :: list
+
+    if (allocated(self%error)) return
+    call h5dget_create_plist_f(dataset, list, status)
+    call h5pget_nfilters_f(list, n, status)
+    if (n > 0) call note(self, 'cannot go on with this file on several ranks, move it away: '//path//' is compressed')
+    call h5pclose_f(list, status)
+  end subroutine refuse_compressed
+
+  !> Write the rows of this rank: `n` numbers at an address, `before` of `total` rows after the first `first` of a dataset.
+  subroutine write_rows(self, path, dataset, memory_type, components, first, before, total, n, address)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(hid_t), intent(in) :: dataset, memory_type
+    integer(hsize_t), intent(in) :: components, first
+    integer(i8), intent(in) :: before, total
+    integer, intent(in) :: n
+    type(c_ptr), intent(in) :: address
+    integer :: status, rank
+    integer(hid_t) :: space, memory, list
+    integer(hsize_t) :: origin(2), count(2)
+
+    ! Of rows that all ranks have only rank 0 has none of lower ranks before it.
+    count = [components, merge(int(n, hsize_t)/components, 0_hsize_t, before < total)]
+    origin = [0_hsize_t, first + before]
+    call h5dget_space_f(dataset, space, status)
+    call h5sget_simple_extent_ndims_f(space, rank, status)
+    call h5screate_simple_f(1, [max(1_hsize_t, product(count))], memory, status)
+    if (product(count) > 0) then
+      call h5sselect_hyperslab_f(space, h5s_select_set_f, origin(3 - rank:), count(3 - rank:), status)
+    else
+      call h5sselect_none_f(space, status)
+      call h5sselect_none_f(memory, status)
+    end if
+    call h5pcreate_f(h5p_dataset_xfer_f, list, status)
+    if (self%ranks%size > 1) call share_transfer(self, list)
+    call h5dwrite_f(dataset, memory_type, address, status, memory, space, list)
+    call check(self, status, 'cannot write '//path)
+    call h5pclose_f(list, status)
+    call h5sclose_f(memory, status)
+    call h5sclose_f(space, status)
+  end subroutine write_rows
+
   module procedure append_reals
-  if (size(values) > 0) call append_block(self, path, h5t_native_double, size(values), c_loc(values))
+  call append_block(self, path, h5t_native_double, size(values), address_of_reals(values, size(values)), is_common)
   end procedure append_reals
 
   module procedure append_real_records
-  if (size(values) > 0) call append_block(self, path, h5t_native_double, size(values), c_loc(values))
+  call append_block(self, path, h5t_native_double, size(values), address_of_reals(values, size(values)), is_common)
   end procedure append_real_records
 
   module procedure append_integers
-  if (size(values) > 0) call append_block(self, path, h5t_native_integer, size(values), c_loc(values))
+  call append_block(self, path, h5t_native_integer, size(values), address_of_integers(values, size(values)), is_common)
   end procedure append_integers
 
   module procedure append_longs
-  if (size(values) > 0) call append_block(self, path, long_type(), size(values), c_loc(values))
+  call append_block(self, path, long_type(), size(values), address_of_longs(values, size(values)), is_common)
   end procedure append_longs
 
   module procedure append_long_records
-  if (size(values) > 0) call append_block(self, path, long_type(), size(values), c_loc(values))
+  call append_block(self, path, long_type(), size(values), address_of_longs(values, size(values)), is_common)
   end procedure append_long_records
 
   !> Make a dataset of fixed size and fill it from an address.
-  subroutine put_block(self, path, stored_type, memory_type, shape, address)
+  subroutine put_block(self, path, stored_type, memory_type, shape, address, is_common)
     class(hdf5_file_t), intent(inout) :: self
     character(len=*), intent(in) :: path
     integer(hid_t), intent(in) :: stored_type, memory_type
     integer, intent(in) :: shape(:)
     type(c_ptr), intent(in) :: address
-    integer :: status
+    logical, intent(in), optional :: is_common
+    integer :: status, rank
     integer(hid_t) :: dataset, space
+    integer(hsize_t) :: whole(2)
+    integer(i8) :: before, total
 
     if (allocated(self%error)) return
-    call h5screate_simple_f(size(shape), int(shape, hsize_t), space, status)
+    rank = size(shape)
+    call count_rows(self, shape(rank), is_common, before, total)
+    whole = [merge(int(shape(1), hsize_t), 1_hsize_t, rank == 2), int(total, hsize_t)]
+    call reserve(self, 8*product(whole))
+    if (allocated(self%error)) return
+    call h5screate_simple_f(rank, whole(3 - rank:), space, status)
     call h5dcreate_f(int(self%id, hid_t), path, stored_type, space, dataset, status)
     call check(self, status, 'cannot make '//path)
-    if (product(shape) > 0) call h5dwrite_f(dataset, memory_type, address, status)
-    call check(self, status, 'cannot write '//path)
+    call settle(self)
+    if (product(whole) > 0 .and. .not. allocated(self%error)) &
+      call write_rows(self, path, dataset, memory_type, whole(1), 0_hsize_t, before, total, product(shape), address)
     call h5dclose_f(dataset, status)
     call check(self, status, 'cannot write '//path)
     call h5sclose_f(space, status)
+    call settle(self)
   end subroutine put_block
 
   module procedure put_reals
-  call put_block(self, path, h5t_ieee_f64le, h5t_native_double, shape(values), address_of_reals(values, size(values)))
+  call put_block(self, path, h5t_ieee_f64le, h5t_native_double, shape(values), address_of_reals(values, size(values)), is_common)
   end procedure put_reals
 
   module procedure put_real_records
-  call put_block(self, path, h5t_ieee_f64le, h5t_native_double, shape(values), address_of_reals(values, size(values)))
+  call put_block(self, path, h5t_ieee_f64le, h5t_native_double, shape(values), address_of_reals(values, size(values)), is_common)
   end procedure put_real_records
 
   module procedure put_integers
-  call put_block(self, path, h5t_std_i32le, h5t_native_integer, shape(values), address_of_integers(values, size(values)))
+  call put_block(self, path, h5t_std_i32le, h5t_native_integer, shape(values), address_of_integers(values, size(values)), &
+                 is_common)
   end procedure put_integers
 
   module procedure put_integer_records
-  call put_block(self, path, h5t_std_i32le, h5t_native_integer, shape(values), address_of_integers(values, size(values)))
+  call put_block(self, path, h5t_std_i32le, h5t_native_integer, shape(values), address_of_integers(values, size(values)), &
+                 is_common)
   end procedure put_integer_records
 
   !> Address of reals; null when there are none, as an empty array has no address.
@@ -232,6 +338,15 @@ contains
     if (n > 0) address = c_loc(values)
   end function address_of_integers
 
+  !> Address of long integers; null when there are none.
+  type(c_ptr) function address_of_longs(values, n) result(address)
+    integer, intent(in) :: n
+    integer(i8), intent(in), target :: values(n)
+
+    address = c_null_ptr
+    if (n > 0) address = c_loc(values)
+  end function address_of_longs
+
   !> Open a dataset to be read whole; a list must have one component.
   subroutine prepare_read(self, path, is_list, dataset, shape)
     class(hdf5_file_t), intent(inout) :: self
@@ -246,6 +361,7 @@ contains
     call open_dataset(self, path, dataset, shape)
     if (is_list .and. shape(1) > 1) call note(self, path//' is not a list')
     if (shape(1)*shape(2) > huge(1_i4)) call note(self, path//' has more entries than can be counted')
+    call settle(self)
     if (allocated(self%error)) shape = 0
   end subroutine prepare_read
 
@@ -265,6 +381,7 @@ contains
     if (n > 0) call h5dread_f(dataset, memory_type, to, status)
     call check(self, status, 'cannot read '//path)
     call h5dclose_f(dataset, status)
+    call settle(self)
   end subroutine read_block
 
   module procedure get_reals
@@ -284,6 +401,37 @@ contains
   allocate (values(shape(1), shape(2)))
   call read_block(self, path, dataset, h5t_native_double, size(values), address_of_reals(values, size(values)))
   end procedure get_real_records
+
+  module procedure file_get_rows
+  integer :: status
+  integer(hid_t) :: dataset, space, memory
+  integer(hsize_t) :: shape(2), count(2)
+  type(c_ptr) :: address
+
+  shape = 0
+  if (.not. allocated(self%error)) then
+    call open_dataset(self, path, dataset, shape)
+    if (first + int(rows, i8) > shape(2)) call note(self, path//' is not whole')
+    call settle(self)
+  end if
+  count = [shape(1), int(rows, hsize_t)]
+  if (allocated(self%error)) count = 0
+  allocate (values(count(1), count(2)))
+  if (allocated(self%error)) return
+  status = 0
+  if (size(values) > 0) then
+    call h5dget_space_f(dataset, space, status)
+    call h5sselect_hyperslab_f(space, h5s_select_set_f, [0_hsize_t, int(first, hsize_t)], count, status)
+    call h5screate_simple_f(2, count, memory, status)
+    address = c_loc(values)
+    call h5dread_f(dataset, h5t_native_double, address, status, memory, space)
+    call check(self, status, 'cannot read '//path)
+    call h5sclose_f(memory, status)
+    call h5sclose_f(space, status)
+  end if
+  call h5dclose_f(dataset, status)
+  call settle(self)
+  end procedure file_get_rows
 
   module procedure get_integers
   integer(hid_t) :: dataset
@@ -306,12 +454,9 @@ contains
   module procedure get_longs
   integer(hid_t) :: dataset
   integer(hsize_t) :: shape(2)
-  type(c_ptr) :: address
 
   call prepare_read(self, path, .true., dataset, shape)
   allocate (values(shape(2)))
-  address = c_null_ptr
-  if (size(values) > 0) address = c_loc(values)
-  call read_block(self, path, dataset, long_type(), size(values), address)
+  call read_block(self, path, dataset, long_type(), size(values), address_of_longs(values, size(values)))
   end procedure get_longs
 end submodule hdf5_datasets_with_hdf5

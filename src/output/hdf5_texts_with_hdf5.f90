@@ -21,12 +21,14 @@ contains
   if (allocated(self%error)) return
   call h5gn_members_f(int(self%id, hid_t), path, n, status)
   call check(self, status, 'cannot list '//path)
-  if (status < 0) return
+  call settle(self)
+  if (allocated(self%error)) return
   do i = 0, n - 1
     call h5gget_obj_info_idx_f(int(self%id, hid_t), path, i, name, kind, status)
     call check(self, status, 'cannot list '//path)
     if (status >= 0) call append_word(names, trim(name))
   end do
+  call settle(self)
   end procedure file_names
 
   module procedure file_remove
@@ -35,6 +37,7 @@ contains
   if (allocated(self%error)) return
   call h5ldelete_f(int(self%id, hid_t), path, status)
   call check(self, status, 'cannot remove '//path)
+  call settle(self)
   end procedure file_remove
 
   module procedure put_text
@@ -42,6 +45,8 @@ contains
   integer(hid_t) :: dataset, space, text_type
   character(kind=c_char), target :: letters(len(text) + 1)
 
+  if (allocated(self%error)) return
+  call reserve(self, size(letters, kind=i8))
   if (allocated(self%error)) return
   letters = c_null_char
   do i = 1, len(text)
@@ -53,11 +58,13 @@ contains
   call h5screate_f(h5s_scalar_f, space, status)
   call h5dcreate_f(int(self%id, hid_t), path, text_type, space, dataset, status)
   call check(self, status, 'cannot make '//path)
-  call h5dwrite_f(dataset, text_type, c_loc(letters), status)
+  ! The text is the same on all ranks.
+  if (self%ranks%rank == 0) call h5dwrite_f(dataset, text_type, c_loc(letters), status)
   call check(self, status, 'cannot write '//path)
   call h5dclose_f(dataset, status)
   call h5sclose_f(space, status)
   call h5tclose_f(text_type, status)
+  call settle(self)
   end procedure put_text
 
   module procedure get_text
@@ -72,7 +79,8 @@ contains
   if (allocated(self%error)) return
   call h5dopen_f(int(self%id, hid_t), path, dataset, status)
   call check(self, status, 'cannot find '//path)
-  if (status < 0) return
+  call settle(self)
+  if (allocated(self%error)) return
   call h5dget_type_f(dataset, text_type, status)
   call h5tget_class_f(text_type, class, status)
   is_variable = .false.
@@ -92,5 +100,6 @@ contains
   end if
   call h5tclose_f(text_type, status)
   call h5dclose_f(dataset, status)
+  call settle(self)
   end procedure get_text
 end submodule hdf5_texts_with_hdf5

@@ -1,4 +1,5 @@
-!> HDF5 files by the HDF5 library (1.10.7 or later), through its serial driver: MPI need not be started.
+!> HDF5 files by the HDF5 library (1.10.7 or later), through its serial driver: MPI need not be started. Files that
+!! ranks share go through its driver for MPI, which hdf5_sharing_with_mpio knows.
 !!
 !! Files and failures are here; datasets and attributes in submodules of this one.
 submodule(sg_hdf5) hdf5_with_hdf5
@@ -23,6 +24,30 @@ submodule(sg_hdf5) hdf5_with_hdf5
   type, bind(c) :: reason_t
     character(kind=c_char) :: text(400) = c_null_char
   end type reason_t
+
+  ! What only a library made for MPI has; bodies in hdf5_sharing_with_mpio or hdf5_sharing_without_mpio.
+  interface
+    !> Can ranks share files?
+    module function is_shareable() result(is_so)
+      logical :: is_so
+    end function is_shareable
+    !> Make a file ready to be made anew by all ranks, and let it be opened by all of them.
+    module subroutine share_access(self, access, is_new)
+      class(hdf5_file_t), intent(inout) :: self
+      integer(hid_t), intent(in) :: access
+      logical, intent(in) :: is_new
+    end subroutine share_access
+    !> Let all ranks write together.
+    module subroutine share_transfer(self, list)
+      class(hdf5_file_t), intent(inout) :: self
+      integer(hid_t), intent(in) :: list
+    end subroutine share_transfer
+    !> Have the disk promise room for so many more bytes.
+    module subroutine reserve_room(self, bytes)
+      class(hdf5_file_t), intent(inout) :: self
+      integer(i8), intent(in) :: bytes
+    end subroutine reserve_room
+  end interface
 
   ! The Fortran interface of HDF5 1.10 lacks these two.
   interface
@@ -53,37 +78,54 @@ contains
   is_available = .true.
   end procedure hdf5_is_available
 
+  module procedure hdf5_is_parallel
+  is_parallel = is_shareable()
+  end procedure hdf5_is_parallel
+
   module procedure file_create
   integer :: status
   integer(hid_t) :: access, id
 
-  call start(self, name, access)
-  call h5fcreate_f(name, h5f_acc_trunc_f, id, status, access_prp=access)
-  call check(self, status, 'cannot create the file')
+  call start(self, name, access, comm)
+  if (self%ranks%size > 1) call share_access(self, access, .true.)
+  if (.not. allocated(self%error)) then
+    call h5fcreate_f(name, h5f_acc_trunc_f, id, status, access_prp=access)
+    call check(self, status, 'cannot create the file')
+  end if
   call opened(self, id, access)
+  if (.not. allocated(self%error)) call reserve(self, 0_i8)
   end procedure file_create
 
   module procedure file_open
   integer :: status
   integer(hid_t) :: access, id
 
-  call start(self, name, access)
-  call h5fopen_f(name, merge(h5f_acc_rdonly_f, h5f_acc_rdwr_f, is_read_only), id, status, access_prp=access)
-  call check(self, status, 'cannot open the file')
+  call start(self, name, access, comm)
+  if (self%ranks%size > 1) call share_access(self, access, .false.)
+  if (.not. allocated(self%error)) then
+    call h5fopen_f(name, merge(h5f_acc_rdonly_f, h5f_acc_rdwr_f, is_read_only), id, status, access_prp=access)
+    call check(self, status, 'cannot open the file')
+  end if
   call opened(self, id, access)
   end procedure file_open
 
   !> Forget earlier failures, silence the library, and choose how files are opened.
-  subroutine start(self, name, access)
+  subroutine start(self, name, access, comm)
     class(hdf5_file_t), intent(inout) :: self
     character(len=*), intent(in) :: name
     integer(hid_t), intent(out) :: access
+    type(comm_t), intent(in), optional :: comm
     integer :: status
     logical :: is_open
 
     if (allocated(self%error)) deallocate (self%error)
     self%name = name
     self%id = -1
+    self%most_bytes = 0
+    self%reserved = 0
+    self%ranks%rank = 0
+    self%ranks%size = 1
+    if (present(comm)) self%ranks = comm
     ! At exit the library would try once more to flush a file for which the disk had no room, and crash.
     call h5dont_atexit_f(status)
     ! The types of the library's Fortran side exist once it has been opened; each opening would make new ones.
@@ -107,7 +149,27 @@ contains
 
     if (.not. allocated(self%error)) self%id = id
     call h5pclose_f(access, status)
+    call settle(self)
   end subroutine opened
+
+  !> Have the disk promise room for a dataset of so many bytes, and for what the library needs to know of it: when it is
+  !! told of a full disk by some ranks alone, the others may wait for ever.
+  subroutine reserve(self, bytes)
+    class(hdf5_file_t), intent(inout) :: self
+    integer(i8), intent(in) :: bytes
+
+    if (self%ranks%size == 1) return
+    call reserve_room(self, bytes)
+    call settle(self)
+  end subroutine reserve
+
+  !> A failure of one rank is one of all.
+  subroutine settle(self)
+    class(hdf5_file_t), intent(inout) :: self
+    integer :: speaker
+
+    if (self%ranks%size > 1) call self%ranks%agree(self%error, speaker)
+  end subroutine settle
 
   module procedure file_flush
   integer :: status
@@ -115,6 +177,10 @@ contains
   if (allocated(self%error)) return
   call h5fflush_f(int(self%id, hid_t), h5f_scope_global_f, status)
   call check(self, status, 'cannot write')
+  ! The file has been cut to what it holds, and with it what was reserved.
+  self%most_bytes = 0
+  self%reserved = 0
+  call settle(self)
   end procedure file_flush
 
   module procedure file_close
@@ -124,6 +190,7 @@ contains
   call h5fclose_f(int(self%id, hid_t), status)
   self%id = -1
   call check(self, status, 'cannot write')
+  call settle(self)
   end procedure file_close
 
   module procedure file_group
@@ -131,9 +198,12 @@ contains
   integer(hid_t) :: group
 
   if (allocated(self%error)) return
+  call reserve(self, 0_i8)
+  if (allocated(self%error)) return
   call h5gcreate_f(int(self%id, hid_t), path, group, status)
   call check(self, status, 'cannot make '//path)
   call h5gclose_f(group, status)
+  call settle(self)
   end procedure file_group
 
   module procedure file_has

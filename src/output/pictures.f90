@@ -1,7 +1,11 @@
 !> Pictures of a run for ParaView, VTK and h5py: bodies, shapes and contacts, each a VTKHDF file with an XDMF sidecar.
 !!
-!! The three files always have the same steps. They can be read while the run goes on and after it was killed.
+!! The three files always have the same steps. They can be read while the run goes on and after it was killed. Where ranks
+!! share a scene they write the files together, and bodies and shapes stand in them as one rank would write them.
 module sg_pictures
+  use sg_bodies, only: bodies_t
+  use sg_bodies_rows, only: order_bodies
+  use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t
   use sg_error, only: error_t
   use sg_kinds, only: wp, i4
@@ -9,6 +13,7 @@ module sg_pictures
   use sg_pictures_contacts, only: contacts_picture_t
   use sg_pictures_grid, only: grid_file_t
   use sg_pictures_shapes, only: shapes_picture_t
+  use sg_rows, only: rows_t
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_xdmf, only: xdmf_t
@@ -25,6 +30,8 @@ module sg_pictures
     type(shapes_picture_t) :: shapes
     !> What they do to each other
     type(contacts_picture_t) :: contacts
+    !> Ranks that share the scene
+    type(comm_t) :: comm
   contains
     procedure :: open => pictures_open
     procedure :: write => pictures_write
@@ -34,39 +41,53 @@ module sg_pictures
 contains
 
   !> Make the files, or go on with those of a stopped run.
-  subroutine pictures_open(self, scene, options, resumed_step, error)
+  subroutine pictures_open(self, scene, options, resumed_step, error, comm)
     class(pictures_t), intent(inout) :: self
-    type(scene_t), intent(in) :: scene !! what to show
+    type(scene_t), intent(in) :: scene !! what to show; where ranks share it, the part of this one
     type(run_options_t), intent(in) :: options !! folder, precision, compression, hash of the deck, time step
     integer, intent(in) :: resumed_step !! step of the checkpoint, after which pictures are dropped; negative for a new run
     type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
+    type(comm_t), intent(in), optional :: comm !! ranks that share the scene; absent where it is not shared
+    type(bodies_t) :: block
+    type(rows_t) :: rows
 
-    call self%bodies%open(scene, options, resumed_step)
-    call self%shapes%open(scene, options, resumed_step)
-    call self%contacts%open(options, resumed_step)
-    call first_error(self, error)
+    if (present(comm)) self%comm = comm
+    if (self%comm%size > 1) then
+      call order_bodies(scene%bodies, self%comm, rows, block, error)
+      if (allocated(error)) return
+      call self%bodies%open(scene, block, options, resumed_step, self%comm)
+    else
+      call self%bodies%open(scene, scene%bodies, options, resumed_step, self%comm)
+    end if
+    call self%shapes%open(scene, rows, options, resumed_step, self%comm)
+    call self%contacts%open(options, resumed_step, self%comm)
+    call agree_on_error(self, error)
   end subroutine pictures_open
 
   !> Add the end of a step to all files.
   subroutine pictures_write(self, scene, contacts, time, step, error, home)
     class(pictures_t), intent(inout) :: self
-    type(scene_t), intent(in) :: scene !! what to show, at the end of the step
+    type(scene_t), intent(in) :: scene !! what to show, at the end of the step; where ranks share it, the part of this one
     type(contacts_t), intent(in) :: contacts !! contacts of the step, with their impulses
     real(wp), intent(in) :: time !! [s]
     integer, intent(in) :: step !! number of the step
     type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
-    integer(i4), intent(in), optional :: home(:) !! rank that owns each body; all 0 when absent
+    integer(i4), intent(in), optional :: home(:) !! of a scene that is not shared: rank to show for each body, 0 when absent
+    type(bodies_t) :: block
+    type(rows_t) :: rows
 
-    call first_error(self, error)
+    call agree_on_error(self, error)
     if (allocated(error)) return
-    if (present(home)) then
-      call self%bodies%write(scene, time, step, home)
+    if (self%comm%size > 1) then
+      call order_bodies(scene%bodies, self%comm, rows, block, error)
+      if (allocated(error)) return
+      call self%bodies%write(scene, block, time, step)
     else
-      call self%bodies%write(scene, time, step, spread(0_i4, 1, scene%bodies%n))
+      call self%bodies%write(scene, scene%bodies, time, step, home)
     end if
-    call self%shapes%write(scene, time, step)
+    call self%shapes%write(scene, block, time, step)
     call self%contacts%write(scene, contacts, time, step)
-    call first_error(self, error)
+    call agree_on_error(self, error)
   end subroutine pictures_write
 
   !> Close all files.
@@ -77,8 +98,18 @@ contains
     call self%bodies%grid%close()
     call self%shapes%grid%close()
     call self%contacts%grid%close()
-    call first_error(self, error)
+    call agree_on_error(self, error)
   end subroutine pictures_close
+
+  !> The first failure of any file on any rank.
+  subroutine agree_on_error(self, error)
+    type(pictures_t), intent(inout) :: self
+    type(error_t), allocatable, intent(out) :: error
+    integer :: speaker
+
+    call first_error(self, error)
+    call self%comm%agree(error, speaker)
+  end subroutine agree_on_error
 
   !> The first failure of any file.
   subroutine first_error(self, error)

@@ -1,6 +1,8 @@
-!> Picture of the bodies: one point a body, at its centre of mass, for glyphs and analysis.
+!> Picture of the bodies: one point a body, at its centre of mass, for glyphs and analysis. Where ranks share a scene, each
+!! draws a block of bodies, in the order of their numbers (sg_bodies_rows).
 module sg_pictures_bodies
   use sg_bodies, only: angle_of, bodies_t, spin_of
+  use sg_comm, only: comm_t
   use sg_error, only: exit_output, fail
   use sg_kinds, only: wp, i4, i8, pi
   use sg_pictures_grid, only: grid_file_t, grid_root, on_field, on_points, vtk_vertex
@@ -18,7 +20,7 @@ module sg_pictures_bodies
     type(grid_file_t) :: grid
     !> Its sidecar `bodies.xmf`
     type(xdmf_t) :: xdmf
-    !> Where the bodies were at the first picture, without periods [m], shape (3, bodies)
+    !> Where the bodies of this rank's rows were at the first picture, without periods [m], shape (3, bodies)
     real(wp), allocatable :: start(:, :)
   contains
     procedure :: open => bodies_open
@@ -28,43 +30,58 @@ module sg_pictures_bodies
 contains
 
   !> Make the file, or go on with it.
-  subroutine bodies_open(self, scene, options, resumed_step)
+  subroutine bodies_open(self, scene, bodies, options, resumed_step, comm)
     class(bodies_picture_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! what to show
+    type(bodies_t), intent(in) :: bodies !! the bodies that this rank draws
     type(run_options_t), intent(in) :: options !! folder and precision
     integer, intent(in) :: resumed_step !! step of the checkpoint; negative for a new run
+    type(comm_t), intent(inout) :: comm !! ranks that share the scene
+    integer(i8) :: before, total
 
-    call self%grid%open(options%folder//'/bodies.vtkhdf', options, resumed_step)
+    call self%grid%open(options%folder//'/bodies.vtkhdf', options, resumed_step, comm)
     if (allocated(self%grid%file%error)) return
     if (self%grid%n_steps == 0) then
-      self%start = unwrapped(scene)
+      self%start = unwrapped(scene, bodies)
     else
-      call self%grid%file%get(grid_root//'PointData/start_position', self%start)
-      if (size(self%start, 2) /= scene%bodies%n .and. .not. allocated(self%grid%file%error)) &
+      call comm%before(int(bodies%n, i8), before, total)
+      if (self%grid%n_points /= total) then
         call fail(self%grid%file%error, 'cannot go on with this file: it shows another number of bodies', &
                   file=self%grid%file%name, code=exit_output)
+      else
+        call self%grid%file%get_rows(grid_root//'PointData/start_position', before, bodies%n, self%start)
+      end if
     end if
-    call self%xdmf%open(options%folder//'/bodies.xmf', 'bodies.vtkhdf', 'Polyvertex', self%grid%n_steps)
+    call self%xdmf%open(options%folder//'/bodies.xmf', 'bodies.vtkhdf', 'Polyvertex', self%grid%n_steps, comm%rank == 0)
   end subroutine bodies_open
 
   !> Add a step.
-  subroutine bodies_write(self, scene, time, step, home)
+  subroutine bodies_write(self, scene, bodies, time, step, home)
     class(bodies_picture_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! what to show
+    type(bodies_t), intent(in) :: bodies !! the bodies that this rank draws
     real(wp), intent(in) :: time !! [s]
     integer, intent(in) :: step !! number of the step
-    integer(i4), intent(in) :: home(:) !! rank that owns each body, shape (bodies)
+    integer(i4), intent(in), optional :: home(:) !! rank to show for each body, that of the bodies or 0 when absent
+    integer(i8) :: before, total
     integer :: b, n
 
-    n = scene%bodies%n
+    n = bodies%n
+    call self%grid%file%ranks%before(int(n, i8), before, total)
     if (self%grid%n_steps == 0) &
-      call self%grid%part(n, [(int(b, i8), b=0, n - 1)], [(int(b, i8), b=0, n)], spread(vtk_vertex, 1, n))
-    call self%grid%place(in_space(scene%bodies%position))
-    call write_constants(self%grid, scene%bodies, self%start)
-    call self%grid%put(on_points, 'velocity', in_space(scene%bodies%velocity(1:scene%dimension, :)))
-    call write_turning(self%grid, scene%bodies)
-    call self%grid%put(on_points, 'displacement', unwrapped(scene) - self%start)
-    call self%grid%put(on_points, 'rank', home)
+      call self%grid%part(n, [(before + int(b, i8), b=0, n - 1)], spread(1_i4, 1, n), spread(vtk_vertex, 1, n))
+    call self%grid%place(in_space(bodies%position))
+    call write_constants(self%grid, bodies, self%start)
+    call self%grid%put(on_points, 'velocity', in_space(bodies%velocity(1:scene%dimension, :)))
+    call write_turning(self%grid, bodies)
+    call self%grid%put(on_points, 'displacement', unwrapped(scene, bodies) - self%start)
+    if (present(home)) then
+      call self%grid%put(on_points, 'rank', home)
+    else if (allocated(bodies%home)) then
+      call self%grid%put(on_points, 'rank', bodies%home)
+    else
+      call self%grid%put(on_points, 'rank', spread(0_i4, 1, n))
+    end if
     call self%grid%put(on_field, 'period', [scene%period])
     if (scene%dimension == 3) call self%grid%put(on_field, 'period_y', [scene%period_y])
     call self%grid%finish(time, step)
@@ -102,7 +119,11 @@ contains
     real(wp), intent(in) :: start(:, :)
     integer :: b
 
-    call grid%put(on_points, 'id', [(int(b, i4), b=1, bodies%n)], is_static=.true.)
+    if (allocated(bodies%id)) then
+      call grid%put(on_points, 'id', bodies%id, is_static=.true.)
+    else
+      call grid%put(on_points, 'id', [(int(b, i4), b=1, bodies%n)], is_static=.true.)
+    end if
     if (bodies%dimension == 2) then
       call grid%put(on_points, 'radius', sqrt(bodies%area/pi), is_static=.true.)
     else
@@ -115,13 +136,14 @@ contains
   end subroutine write_constants
 
   !> Positions as if there were no period [m], shape (3, bodies).
-  pure function unwrapped(scene) result(position)
+  pure function unwrapped(scene, bodies) result(position)
     type(scene_t), intent(in) :: scene
+    type(bodies_t), intent(in) :: bodies
     real(wp), allocatable :: position(:, :)
 
-    position = in_space(scene%bodies%position)
-    position(1, :) = position(1, :) + real(scene%bodies%crossings, wp)*scene%period
-    if (scene%dimension == 3) position(2, :) = position(2, :) + real(scene%bodies%crossings_y, wp)*scene%period_y
+    position = in_space(bodies%position)
+    position(1, :) = position(1, :) + real(bodies%crossings, wp)*scene%period
+    if (scene%dimension == 3) position(2, :) = position(2, :) + real(bodies%crossings_y, wp)*scene%period_y
   end function unwrapped
 
   !> Vectors of the plane with a third component of zero; those of space as they are.

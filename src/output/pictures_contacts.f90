@@ -1,8 +1,11 @@
 !> Picture of the contacts: one line a contact from body to body, which carries the forces of the step.
 !!
 !! A line goes from the candidate's centre to the antagonist's, in the periodic image of the candidate; at a wall,
-!! whose centre means nothing, it ends at the point of contact instead.
+!! whose centre means nothing, it ends at the point of contact instead. Where ranks share a scene each draws its own
+!! contacts; those of lower ranks come first.
 module sg_pictures_contacts
+  use sg_bodies, only: bodies_t
+  use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
   use sg_kinds, only: wp, i4, i8
   use sg_pictures_grid, only: grid_file_t, on_cells, on_field, vtk_empty, vtk_line
@@ -29,15 +32,16 @@ module sg_pictures_contacts
 contains
 
   !> Make the file, or go on with it.
-  subroutine contacts_open(self, options, resumed_step)
+  subroutine contacts_open(self, options, resumed_step, comm)
     class(contacts_picture_t), intent(inout) :: self
     type(run_options_t), intent(in) :: options !! folder, precision and time step
     integer, intent(in) :: resumed_step !! step of the checkpoint; negative for a new run
+    type(comm_t), intent(inout) :: comm !! ranks that share the scene
 
     self%time_step = options%step
-    call self%grid%open(options%folder//'/contacts.vtkhdf', options, resumed_step)
+    call self%grid%open(options%folder//'/contacts.vtkhdf', options, resumed_step, comm)
     if (allocated(self%grid%file%error)) return
-    call self%xdmf%open(options%folder//'/contacts.xmf', 'contacts.vtkhdf', 'Polyline', self%grid%n_steps)
+    call self%xdmf%open(options%folder//'/contacts.xmf', 'contacts.vtkhdf', 'Polyline', self%grid%n_steps, comm%rank == 0)
   end subroutine contacts_open
 
   !> Add a step.
@@ -48,24 +52,27 @@ contains
     real(wp), intent(in) :: time !! [s]
     integer, intent(in) :: step !! number of the step
     integer :: i, n
-    integer(i8) :: no_ids(0)
+    integer(i8) :: before, total, no_ids(0)
     real(wp), allocatable :: points(:, :)
 
     n = contacts%n
-    call self%grid%put(on_field, 'ncontacts', [int(n, i4)])
+    call self%grid%file%ranks%before(int(n, i8), before, total)
+    call self%grid%put(on_field, 'ncontacts', [int(total, i4)])
     allocate (points(3, 2*n), source=0.0_wp)
-    if (n > 0) then
-      call self%grid%part(2*n, [(int(i, i8), i=0, 2*n - 1)], [(int(2*i, i8), i=0, n)], spread(vtk_line, 1, n))
+    if (total > 0) then
+      call self%grid%part(2*n, [(2*before + int(i, i8), i=0, 2*n - 1)], spread(2_i4, 1, n), spread(vtk_line, 1, n))
       do i = 1, n
         points(1:scene%dimension, 2*i - 1:2*i) = ends(scene, contacts, i)
       end do
       call self%grid%place(points)
-      call write_arrays(self, scene, contacts)
+      if (n > 0) call write_arrays(self, scene, contacts)
+      if (n == 0) call write_zeros(self, scene%dimension, 0)
     else
       ! VTK 9.5 and 9.6 misread a step without cells: one cell of type "empty" draws nothing.
-      call self%grid%part(0, no_ids, [0_i8, 0_i8], [vtk_empty])
+      i = merge(1, 0, self%grid%file%ranks%rank == 0)
+      call self%grid%part(0, no_ids, spread(0_i4, 1, i), spread(vtk_empty, 1, i))
       call self%grid%place(points)
-      call write_zeros(self, scene%dimension)
+      call write_zeros(self, scene%dimension, i)
     end if
     call self%grid%finish(time, step)
     call self%xdmf%add(self%grid, time)
@@ -92,8 +99,8 @@ contains
     call self%grid%put(on_cells, 'point', vectors)
     call self%grid%put(on_cells, 'status', int(contacts%status(:n), i4))
     call self%grid%put(on_cells, 'law', contacts%law(:n))
-    call self%grid%put(on_cells, 'candidate', contacts%body(1, :n))
-    call self%grid%put(on_cells, 'antagonist', contacts%body(2, :n))
+    call self%grid%put(on_cells, 'candidate', numbers_of(scene%bodies, contacts%body(1, :n)))
+    call self%grid%put(on_cells, 'antagonist', numbers_of(scene%bodies, contacts%body(2, :n)))
   end subroutine write_arrays
 
   !> Forces of all contacts; in space the tangential one has no sign, but there is the whole vector.
@@ -118,23 +125,36 @@ contains
     if (dimension == 3) call self%grid%put(on_cells, 'force', vectors)
   end subroutine write_forces
 
-  !> Numbers of the cell that stands for no contact.
-  subroutine write_zeros(self, dimension)
+  !> Numbers of the cell that stands for no contact, or nothing of a rank without contacts where others have some.
+  subroutine write_zeros(self, dimension, rows)
     type(contacts_picture_t), intent(inout) :: self
-    integer, intent(in) :: dimension
-    real(wp), parameter :: vector(3, 1) = 0
+    integer, intent(in) :: dimension, rows
+    real(wp) :: vector(3, rows)
+    integer(i4) :: zero(rows)
 
+    vector = 0
+    zero = 0
     call self%grid%put(on_cells, 'force_normal', vector(1, :))
     call self%grid%put(on_cells, 'force_tangential', vector(1, :))
     if (dimension == 3) call self%grid%put(on_cells, 'force', vector)
     call self%grid%put(on_cells, 'gap', vector(1, :))
     call self%grid%put(on_cells, 'normal', vector)
     call self%grid%put(on_cells, 'point', vector)
-    call self%grid%put(on_cells, 'status', [0_i4])
-    call self%grid%put(on_cells, 'law', [0_i4])
-    call self%grid%put(on_cells, 'candidate', [0_i4])
-    call self%grid%put(on_cells, 'antagonist', [0_i4])
+    call self%grid%put(on_cells, 'status', zero)
+    call self%grid%put(on_cells, 'law', zero)
+    call self%grid%put(on_cells, 'candidate', zero)
+    call self%grid%put(on_cells, 'antagonist', zero)
   end subroutine write_zeros
+
+  !> Numbers of bodies in the whole scene.
+  pure function numbers_of(bodies, body) result(number)
+    type(bodies_t), intent(in) :: bodies
+    integer(i4), intent(in) :: body(:)
+    integer(i4), allocatable :: number(:)
+
+    number = body
+    if (allocated(bodies%id)) number = bodies%id(body)
+  end function numbers_of
 
   !> The two ends of a contact's line [m]: at the candidate and at the antagonist, shape (dimension, 2).
   pure function ends(scene, contacts, i)

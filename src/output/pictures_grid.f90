@@ -4,7 +4,11 @@
 !! those of the steps before, and /VTKHDF/Steps tells where each begins. `NSteps` is set last, after all else has
 !! been flushed, so that a reader that looks on, or comes after a kill, finds whole steps. doc/guide/files.md lists
 !! the datasets.
+!!
+!! Ranks share the file: each gives its own points and cells, which follow those of lower ranks; fields of the step are the
+!! same on all. There is one part whatever the number of ranks, as some readers of VTK fail on several.
 module sg_pictures_grid
+  use sg_comm, only: comm_t
   use sg_error, only: exit_output, fail
   use sg_hdf5, only: hdf5_file_t, stored_byte, stored_double, stored_integer, stored_long, stored_single
   use sg_kinds, only: wp, i4, i8
@@ -51,7 +55,7 @@ module sg_pictures_grid
     integer(i8) :: parts = 0, points = 0, cells = 0, ids = 0
     !> First point, first cell and first connectivity id of the present step
     integer(i8) :: first_point = 0, first_cell = 0, first_id = 0
-    !> Points, cells and connectivity ids of the present part
+    !> Points, cells and connectivity ids of the present part, of all ranks
     integer(i8) :: n_points = 0, n_cells = 0, n_ids = 0
     !> In a file to go on with: points, cells and fields of the last step that stayed
     integer(i8) :: kept(3) = 0
@@ -74,21 +78,23 @@ module sg_pictures_grid
 contains
 
   !> Make the file, or go on with one that a stopped run left: its pictures up to `resumed_step` stay.
-  subroutine grid_open(self, path, options, resumed_step)
+  subroutine grid_open(self, path, options, resumed_step, comm)
     class(grid_file_t), intent(inout) :: self
     character(len=*), intent(in) :: path !! path of the file
     type(run_options_t), intent(in) :: options !! precision, compression, hash of the deck
     integer, intent(in) :: resumed_step !! step of the checkpoint; negative for a new run
+    type(comm_t), intent(inout) :: comm !! ranks that share the file
     logical :: exists
 
     self%stored_real = merge(stored_single, stored_double, options%output_single)
     self%is_compressed = options%output_compressed
     allocate (self%arrays(0))
     inquire (file=path, exist=exists)
-    if (exists .and. resumed_step >= 0) call resume(self, path, resumed_step)
+    exists = comm%any(exists .and. comm%rank == 0)
+    if (exists .and. resumed_step >= 0) call resume(self, path, resumed_step, comm)
     if (allocated(self%file%error) .or. self%n_steps > 0) return
     call self%file%close()
-    call self%file%create(path)
+    call self%file%create(path, comm)
     call make_header(self, options)
   end subroutine grid_open
 
@@ -136,23 +142,25 @@ contains
   subroutine declare_large(self, name, storage, components, rows)
     type(grid_file_t), intent(inout) :: self
     character(len=*), intent(in) :: name
-    integer, intent(in) :: storage, components, rows
+    integer, intent(in) :: storage, components
+    integer(i8), intent(in) :: rows
 
     if (self%file%has(grid_root//name)) return
-    call self%file%declare(grid_root//name, storage, components, max(least_chunk, min(rows, most_chunk)), &
+    call self%file%declare(grid_root//name, storage, components, max(least_chunk, int(min(rows, int(most_chunk, i8)))), &
                            self%is_compressed)
   end subroutine declare_large
 
   !> Open an old file and drop what came after a step.
-  subroutine resume(self, path, resumed_step)
+  subroutine resume(self, path, resumed_step, comm)
     type(grid_file_t), intent(inout) :: self
     character(len=*), intent(in) :: path
     integer, intent(in) :: resumed_step
+    type(comm_t), intent(in) :: comm
     integer(i8) :: n_steps, real_bytes
     integer(i4), allocatable :: step(:)
     character(len=*), parameter :: steps = grid_root//'Steps'
 
-    call self%file%open(path, is_read_only=.false.)
+    call self%file%open(path, is_read_only=.false., comm=comm)
     if (allocated(self%file%error)) &
       self%file%error%message = 'cannot go on with this file, move it away: '//self%file%error%message
     call self%file%look(steps, 'NSteps', n_steps)
@@ -234,41 +242,59 @@ contains
   end subroutine not_whole
 
   !> Store the cells of the step and of those that follow.
-  subroutine grid_part(self, n_points, connectivity, offsets, types)
+  subroutine grid_part(self, n_points, connectivity, sizes, types)
     class(grid_file_t), intent(inout) :: self
-    integer, intent(in) :: n_points !! number of points
-    integer(i8), intent(in), contiguous :: connectivity(:) !! points of the cells, from 0
-    integer(i8), intent(in), contiguous :: offsets(:) !! where each cell begins in them, from 0, and their number
+    integer, intent(in) :: n_points !! number of points of this rank
+    integer(i8), intent(in), contiguous :: connectivity(:) !! points of the cells, from 0 over all ranks
+    integer(i4), intent(in) :: sizes(:) !! points of each cell
     integer(i4), intent(in), contiguous :: types(:) !! types of the cells, one of `vtk_*`
 
     self%parts = self%parts + 1
-    self%n_points = int(n_points, i8)
-    self%n_cells = size(types, kind=i8)
-    self%n_ids = size(connectivity, kind=i8)
+    self%n_points = self%file%total(n_points)
+    self%n_cells = self%file%total(size(types))
+    self%n_ids = self%file%total(size(connectivity))
     self%first_cell = self%cells
     self%first_id = self%ids
     self%cells = self%cells + self%n_cells
     self%ids = self%ids + self%n_ids
-    call declare_large(self, 'Connectivity', stored_long, 0, size(connectivity))
-    call declare_large(self, 'Offsets', stored_long, 0, size(offsets))
-    call declare_large(self, 'Types', stored_byte, 0, size(types))
-    call self%file%append(grid_root//'NumberOfPoints', [self%n_points])
-    call self%file%append(grid_root//'NumberOfCells', [self%n_cells])
-    call self%file%append(grid_root//'NumberOfConnectivityIds', [self%n_ids])
+    call declare_large(self, 'Connectivity', stored_long, 0, self%n_ids)
+    call declare_large(self, 'Offsets', stored_long, 0, self%n_cells + 1)
+    call declare_large(self, 'Types', stored_byte, 0, self%n_cells)
+    call self%file%append(grid_root//'NumberOfPoints', [self%n_points], is_common=.true.)
+    call self%file%append(grid_root//'NumberOfCells', [self%n_cells], is_common=.true.)
+    call self%file%append(grid_root//'NumberOfConnectivityIds', [self%n_ids], is_common=.true.)
     call self%file%append(grid_root//'Connectivity', connectivity)
-    call self%file%append(grid_root//'Offsets', offsets)
+    call append_offsets(self, sizes)
     call self%file%append(grid_root//'Types', types)
   end subroutine grid_part
+
+  !> Store where each cell begins in the connectivity, from 0, and after the last rank's at last their number.
+  subroutine append_offsets(self, sizes)
+    type(grid_file_t), intent(inout) :: self
+    integer(i4), intent(in) :: sizes(:)
+    integer(i8) :: offsets(size(sizes) + 1), total
+    integer :: c, n
+
+    call self%file%ranks%before(sum(int(sizes, i8)), offsets(1), total)
+    do c = 1, size(sizes)
+      offsets(c + 1) = offsets(c) + int(sizes(c), i8)
+    end do
+    n = size(sizes)
+    if (self%file%ranks%rank == self%file%ranks%size - 1) n = n + 1
+    call self%file%append(grid_root//'Offsets', offsets(:n))
+  end subroutine append_offsets
 
   !> Store the points of the step.
   subroutine grid_place(self, points)
     class(grid_file_t), intent(inout) :: self
-    real(wp), intent(in), contiguous :: points(:, :) !! [m], shape (3, points)
+    real(wp), intent(in), contiguous :: points(:, :) !! of this rank [m], shape (3, points)
+    integer(i8) :: total
 
-    call declare_large(self, 'Points', self%stored_real, 3, size(points, 2))
+    total = self%file%total(size(points, 2))
+    call declare_large(self, 'Points', self%stored_real, 3, total)
     call self%file%append(grid_root//'Points', points)
     self%first_point = self%points
-    self%points = self%points + size(points, 2, i8)
+    self%points = self%points + total
   end subroutine grid_place
 
   !> Store a list of reals.
@@ -281,7 +307,8 @@ contains
     integer :: a
 
     call array_of(self, where, name, 0, merge(stored_double, self%stored_real, where == on_field), size(values), a)
-    if (.not. is_stored(self, a, size(values), is_static)) call self%file%append(path_of(self%arrays(a)), values)
+    if (.not. is_stored(self, a, size(values), is_static)) &
+      call self%file%append(path_of(self%arrays(a)), values, is_common=where == on_field)
   end subroutine put_reals
 
   !> Store vectors.
@@ -294,7 +321,8 @@ contains
     integer :: a
 
     call array_of(self, where, name, size(values, 1), self%stored_real, size(values, 2), a)
-    if (.not. is_stored(self, a, size(values, 2), is_static)) call self%file%append(path_of(self%arrays(a)), values)
+    if (.not. is_stored(self, a, size(values, 2), is_static)) &
+      call self%file%append(path_of(self%arrays(a)), values, is_common=where == on_field)
   end subroutine put_real_records
 
   !> Store a list of integers.
@@ -307,7 +335,8 @@ contains
     integer :: a
 
     call array_of(self, where, name, 0, stored_integer, size(values), a)
-    if (.not. is_stored(self, a, size(values), is_static)) call self%file%append(path_of(self%arrays(a)), values)
+    if (.not. is_stored(self, a, size(values), is_static)) &
+      call self%file%append(path_of(self%arrays(a)), values, is_common=where == on_field)
   end subroutine put_integers
 
   !> Path of an array's numbers.
@@ -328,8 +357,19 @@ contains
     if (present(is_static)) is_stored = is_static .and. self%n_steps > 0
     if (is_stored) return
     self%arrays(a)%first = self%arrays(a)%rows
-    self%arrays(a)%rows = self%arrays(a)%rows + int(rows, i8)
+    self%arrays(a)%rows = self%arrays(a)%rows + rows_of_all(self, self%arrays(a)%where, rows)
   end function is_stored
+
+  !> Rows of an array on all ranks: those of the points or cells of the present part.
+  pure integer(i8) function rows_of_all(self, where, rows)
+    type(grid_file_t), intent(in) :: self
+    integer, intent(in) :: where, rows
+
+    rows_of_all = int(rows, i8)
+    if (self%file%ranks%size == 1) return
+    if (where == on_points) rows_of_all = self%n_points
+    if (where == on_cells) rows_of_all = self%n_cells
+  end function rows_of_all
 
   !> Index of an array, which is made at the first step, or found again in a file to go on with.
   subroutine array_of(self, where, name, components, storage, rows, a)
@@ -367,7 +407,7 @@ contains
       call declare_small(self, group//'/'//array%name, array%storage, array%components)
       call declare_small(self, 'Steps/FieldDataSizes/'//array%name, stored_long, 2)
     else
-      call declare_large(self, group//'/'//array%name, array%storage, array%components, rows)
+      call declare_large(self, group//'/'//array%name, array%storage, array%components, rows_of_all(self, array%where, rows))
     end if
   end subroutine declare_array
 
@@ -398,16 +438,16 @@ contains
     call self%put(on_field, 'time', [time])
     do a = 1, size(self%arrays)
       associate (array => self%arrays(a))
-        call self%file%append(steps//trim(group_names(array%where))//'Offsets/'//array%name, [array%first])
-        if (array%where == on_field) call self%file%append(steps//'FieldDataSizes/'//array%name, [1_i8, 1_i8])
+        call self%file%append(steps//trim(group_names(array%where))//'Offsets/'//array%name, [array%first], is_common=.true.)
+        if (array%where == on_field) call self%file%append(steps//'FieldDataSizes/'//array%name, [1_i8, 1_i8], is_common=.true.)
       end associate
     end do
-    call self%file%append(steps//'PartOffsets', [self%parts - 1])
-    call self%file%append(steps//'NumberOfParts', [1_i8])
-    call self%file%append(steps//'PointOffsets', [self%first_point])
-    call self%file%append(steps//'CellOffsets', [self%first_cell])
-    call self%file%append(steps//'ConnectivityIdOffsets', [self%first_id])
-    call self%file%append(steps//'Values', [time])
+    call self%file%append(steps//'PartOffsets', [self%parts - 1], is_common=.true.)
+    call self%file%append(steps//'NumberOfParts', [1_i8], is_common=.true.)
+    call self%file%append(steps//'PointOffsets', [self%first_point], is_common=.true.)
+    call self%file%append(steps//'CellOffsets', [self%first_cell], is_common=.true.)
+    call self%file%append(steps//'ConnectivityIdOffsets', [self%first_id], is_common=.true.)
+    call self%file%append(steps//'Values', [time], is_common=.true.)
     call self%file%flush()
     self%n_steps = self%n_steps + 1
     call self%file%set(grid_root//'Steps', 'NSteps', self%n_steps)

@@ -1,10 +1,14 @@
 !> What shapes look like: points in the frames of their bodies, and cells that never change.
 module sg_pictures_mesh
-  use sg_kinds, only: wp, i4, i8
+  use sg_kinds, only: wp, i4
   use sg_lists, only: reserve
+  use sg_pictures_grid, only: vtk_poly_line, vtk_vertex
   implicit none
   private
-  public :: mesh_t, add_point, add_cell
+  public :: mesh_t, add_point, add_cell, xdmf_topology
+
+  !> Codes of XDMF for cells of any number of points
+  integer(i4), parameter :: xdmf_poly_vertex = 1, xdmf_poly_line = 2, xdmf_polygon = 3
 
   !> Points and cells of all shapes, contactor by contactor
   type :: mesh_t
@@ -22,8 +26,6 @@ module sg_pictures_mesh
     integer(i4), allocatable :: corner(:)
     !> Number of points of each cell, and its type in VTK's words, shape (n_cells)
     integer(i4), allocatable :: size_of_cell(:), type_of_cell(:)
-  contains
-    procedure :: offsets
   end type mesh_t
 
 contains
@@ -70,15 +72,24 @@ contains
     mesh%n_corners = last
   end subroutine add_cell
 
-  !> Where each cell begins in the list of corners, from 0, and at last their number, shape (n_cells + 1).
-  pure function offsets(self)
-    class(mesh_t), intent(in) :: self
-    integer(i8) :: offsets(self%n_cells + 1)
-    integer :: c
+  !> The cells as XDMF takes them: of each its code, the number of its points, and its points from 0.
+  pure function xdmf_topology(mesh) result(topology)
+    type(mesh_t), intent(in) :: mesh !! points and cells
+    integer(i4), allocatable :: topology(:)
+    integer(i4) :: code
+    integer :: c, first, last, n
 
-    offsets(1) = 0
-    do c = 1, self%n_cells
-      offsets(c + 1) = offsets(c) + int(self%size_of_cell(c), i8)
+    allocate (topology(mesh%n_corners + 2*mesh%n_cells))
+    last = 0
+    do c = 1, mesh%n_cells
+      first = last + 1
+      last = last + mesh%size_of_cell(c)
+      n = first + 2*(c - 1)
+      code = xdmf_polygon
+      if (mesh%type_of_cell(c) == vtk_poly_line) code = xdmf_poly_line
+      if (mesh%type_of_cell(c) == vtk_vertex) code = xdmf_poly_vertex
+      topology(n:n + 1) = [code, mesh%size_of_cell(c)]
+      topology(n + 2:n + 1 + mesh%size_of_cell(c)) = mesh%corner(first:last)
     end do
-  end function offsets
+  end function xdmf_topology
 end module sg_pictures_mesh

@@ -15,14 +15,17 @@ module sg_pictures_outlines
 
 contains
 
-  !> Trace the outlines of all contactors in their bodies' frames.
-  subroutine trace_outlines(contactors, mesh)
+  !> Trace the outlines of contactors in their bodies' frames.
+  subroutine trace_outlines(contactors, n_of_kind, is_traced, mesh)
     type(contactors_t), intent(in) :: contactors !! shapes of a plane scene
+    integer, intent(in) :: n_of_kind(:) !! shapes of each kind in the whole scene
+    logical, intent(in) :: is_traced(:) !! which of them are to be traced
     type(mesh_t), intent(out) :: mesh !! one cell a contactor
     integer :: c, sides
 
-    sides = merge(disk_sides, disk_sides/2, contactors%n_rows(kind_disk) <= many_disks)
+    sides = merge(disk_sides, disk_sides/2, n_of_kind(kind_disk) <= many_disks)
     do c = 1, contactors%n
+      if (.not. is_traced(c)) cycle
       call add_outline(mesh, c, contactors%shift(:, c), outline_of(contactors, c, corners(contactors, c, sides)), &
                        contactors%kind(c) == kind_hollow)
     end do

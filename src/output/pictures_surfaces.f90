@@ -21,15 +21,18 @@ module sg_pictures_surfaces
 
 contains
 
-  !> Trace the surfaces of all contactors in their bodies' frames.
-  subroutine trace_surfaces(contactors, mesh)
+  !> Trace the surfaces of contactors in their bodies' frames.
+  subroutine trace_surfaces(contactors, n_of_kind, is_traced, mesh)
     type(contactors_t), intent(in) :: contactors !! shapes of a scene in space
+    integer, intent(in) :: n_of_kind(:) !! shapes of each kind in the whole scene
+    logical, intent(in) :: is_traced(:) !! which of them are to be traced
     type(mesh_t), intent(out) :: mesh !! one cell a face; a sphere is one cell
     integer :: c, fineness
 
     mesh%dimension = 3
-    fineness = merge(1, 2, contactors%n_rows(kind_cylinder) <= many_cylinders)
+    fineness = merge(1, 2, n_of_kind(kind_cylinder) <= many_cylinders)
     do c = 1, contactors%n
+      if (.not. is_traced(c)) cycle
       associate (row => contactors%row(c), space => contactors%space)
         select case (contactors%kind(c))
         case (kind_sphere)

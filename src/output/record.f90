@@ -19,6 +19,8 @@ module sg_record
     character(len=:), allocatable :: file
     !> Dimension of space, which decides on the columns
     integer :: dimension = 2
+    !> Does this rank write it? Of ranks that share a run one alone does
+    logical :: is_speaker = .true.
   contains
     procedure :: start => record_start
     procedure :: resume => record_resume
@@ -36,6 +38,7 @@ contains
 
     self%file = file
     self%dimension = dimension
+    if (.not. self%is_speaker) return
     call replace_file(file, header(dimension)//new_line('a'), error)
   end subroutine record_start
 
@@ -52,6 +55,7 @@ contains
 
     self%file = file
     self%dimension = dimension
+    if (.not. self%is_speaker) return
     if (.not. file_exists(file)) then
       call self%start(file, dimension, error)
       return
@@ -127,6 +131,7 @@ contains
     character(len=:), allocatable :: row
     integer :: i
 
+    if (.not. self%is_speaker) return
     row = to_text(step)//','//cell(time)//','//to_text(contacts)//','//to_text(report%active_contacts)//','// &
           to_text(report%sweeps)//','//to_text(report%contact_updates)//','//merge('1', '0', report%is_converged)//','// &
           cell(report%criterion)//','//cell(report%e1)//','//cell(report%e2)//','//cell(report%e8)//','// &

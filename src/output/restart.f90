@@ -2,9 +2,13 @@
 !!
 !! Two files take turns, `restart_a.h5` and `restart_b.h5`. Each is written under another name, brought to the disk and
 !! then renamed, so that at any time at least one of them is whole. doc/guide/files.md lists the datasets.
+!!
+!! Ranks that share a scene write one file together, in the same layout: bodies by number, contacts rank by rank. Any
+!! number of ranks can go on from it.
 module sg_restart
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_bodies, only: bodies_t
+  use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: diagnostics_t, error_t, exit_output, fail
   use sg_hdf5, only: hdf5_file_t
@@ -24,7 +28,7 @@ module sg_restart
   !> The two files that take turns
   character(len=*), parameter :: file_names(2) = [character(len=12) :: 'restart_a.h5', 'restart_b.h5']
 
-  !> The state of a run at the end of a step
+  !> The state of a run at the end of a step; where ranks share it, of one block of bodies and of the contacts of one rank
   type :: restart_t
     !> Steps done, and time [s]
     integer :: step = 0
@@ -51,11 +55,12 @@ module sg_restart
 contains
 
   !> Copy the state of bodies and contacts; the caller sets the other components.
-  subroutine keep_state(bodies, contacts, state)
-    type(bodies_t), intent(in) :: bodies !! bodies at the end of the step
+  subroutine keep_state(bodies, contacts, state, number)
+    type(bodies_t), intent(in) :: bodies !! bodies at the end of the step; where ranks share them, a block of them by number
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     type(restart_t), intent(inout) :: state !! state to set
-    integer :: n
+    integer(i4), intent(in), optional :: number(:) !! numbers of the contactors in the whole scene, where they differ
+    integer :: n, i
 
     n = contacts%n
     call copy(bodies%position, state%position)
@@ -72,6 +77,11 @@ contains
     if (allocated(state%contactor)) deallocate (state%contactor)
     allocate (state%contactor(2, n))
     state%contactor(:, :) = contacts%contactor(:, :n)
+    if (present(number)) then
+      do i = 1, n
+        state%contactor(:, i) = number(contacts%contactor(:, i))
+      end do
+    end if
     state%feature = contacts%feature(:n)
     state%image = int(contacts%image(:n), i4)
     state%law = contacts%law(:n)
@@ -154,18 +164,35 @@ contains
   end subroutine restore_state
 
   !> Write the state in place of the older of the two files.
-  subroutine write_restart(folder, state, error)
+  subroutine write_restart(folder, state, error, comm)
     character(len=*), intent(in) :: folder !! folder of the results
-    type(restart_t), intent(in) :: state !! state to write, all components set
+    type(restart_t), intent(in) :: state !! state to write, all components set; totals, step and time are the same on all ranks
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written; older files stay
-    character(len=:), allocatable :: name, unfinished
-    integer :: newest
+    type(comm_t), intent(inout), optional :: comm !! ranks that share the scene; absent where it is not shared
+    character(len=:), allocatable :: name
+    type(comm_t) :: ranks
+    integer :: newest, speaker
     integer(i8) :: serial
+    real(wp) :: found(2)
 
-    call find_newest(folder, newest, serial)
-    name = folder//'/'//file_names(merge(2, 1, newest == 1))
-    unfinished = name//'.unfinished'
-    call write_file(unfinished, state, serial + 1, error)
+    if (present(comm)) ranks = comm
+    newest = 0
+    serial = 0
+    if (ranks%rank == 0) call find_newest(folder, newest, serial)
+    found = [real(newest, wp), real(serial, wp)]
+    call ranks%sum(found)
+    name = folder//'/'//file_names(merge(2, 1, nint(found(1)) == 1))
+    call write_file(name//'.unfinished', state, nint(found(2), i8) + 1, ranks, error)
+    ! All ranks have written their part: one of them gives the file its name.
+    if (ranks%rank == 0) call settle_file(name//'.unfinished', name, error)
+    call ranks%agree(error, speaker)
+  end subroutine write_restart
+
+  !> Give a file that is written its name, or remove it where it could not be written.
+  subroutine settle_file(unfinished, name, error)
+    character(len=*), intent(in) :: unfinished, name
+    type(error_t), allocatable, intent(inout) :: error
+
     if (allocated(error)) then
       call remove_file(unfinished)
     else if (.not. is_synced(unfinished)) then
@@ -173,25 +200,26 @@ contains
     else if (.not. rename_file(unfinished, name)) then
       call fail(error, 'cannot rename '//unfinished, file=name, code=exit_output)
     end if
-  end subroutine write_restart
+  end subroutine settle_file
 
   !> Write all datasets.
-  subroutine write_file(name, state, serial, error)
+  subroutine write_file(name, state, serial, ranks, error)
     character(len=*), intent(in) :: name
     type(restart_t), intent(in) :: state
     integer(i8), intent(in) :: serial
+    type(comm_t), intent(in) :: ranks
     type(error_t), allocatable, intent(out) :: error
     type(hdf5_file_t) :: file
 
-    call file%create(name)
+    call file%create(name, ranks)
     call file%set('/', 'format', format_name)
     call file%set('/', 'format_version', format_version)
     call file%set('/', 'program', 'SplitGrain '//version//' ('//commit//')')
     call file%set('/', 'deck_hash', state%deck_hash)
     call file%set('/', 'serial', serial)
     call file%set('/', 'step', int(state%step, i8))
-    call file%put('/time', [state%time])
-    call file%put('/totals', state%totals)
+    call file%put('/time', [state%time], is_common=.true.)
+    call file%put('/totals', state%totals, is_common=.true.)
     call file%put('/built', state%built)
     call file%group('/bodies')
     call file%put('/bodies/position', state%position)
@@ -210,6 +238,8 @@ contains
     call file%put('/contacts/law', state%law)
     call file%put('/contacts/status', state%status)
     call file%put('/contacts/impulse', state%impulse)
+    ! Other ranks may sit on other machines, whose part is brought to the disk from there.
+    if (ranks%size > 1) call file%flush()
     call file%close()
     if (allocated(file%error)) call move_alloc(file%error, error)
   end subroutine write_file

@@ -1,9 +1,10 @@
 !> run.json: one flat object that says what a run was, how it ended, and what it found (doc/guide/results.md).
 module sg_run_summary
+  use sg_comm, only: comm_t
   use sg_error, only: error_t
   use sg_grains, only: count_grains, grains_t
   use sg_json, only: json_t
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i8
   use sg_measures, only: is_count, measure_names, measures_t
   use sg_run_options, only: criterion_names, run_options_t
   use sg_scene, only: scene_t
@@ -14,15 +15,40 @@ module sg_run_summary
   use sg_version, only: commit, version
   implicit none
   private
-  public :: run_summary_t, write_run_summary, run_done, run_failed, run_stopped, run_not_converged
+  public :: run_summary_t, shared_cost_t, write_run_summary, run_done, run_failed, run_stopped, run_not_converged
 
   !> Words for how a run ended: all steps done, an error, stopped on request with a checkpoint, and ended because a
   !! step did not converge
   character(len=*), parameter :: run_done = 'done', run_failed = 'failed', run_stopped = 'stopped', &
                                  run_not_converged = 'not converged'
 
+  !> How a scene was shared between ranks, and what that cost
+  type :: shared_cost_t
+    !> How grains were split and how their parts were glued, in the deck's words
+    character(len=:), allocatable :: split, gluing
+    !> Splits made, and bodies that changed home in all of them
+    integer :: splits = 0
+    real(wp) :: moved = 0
+    !> Gluings of all steps
+    integer(i8) :: gluings = 0
+    !> Contact updates of a rank: fewest, mean and most; imbalance: most over mean
+    real(wp) :: least_updates = 0, mean_updates = 0, most_updates = 0, imbalance = 1
+    !> Messages and bytes that all ranks together send at a gluing, in the mean
+    real(wp) :: messages = 0, bytes = 0
+    !> Wall seconds that a rank waited for others: mean and most
+    real(wp) :: mean_wait = 0, most_wait = 0
+    !> Largest memory of a rank, and of all ranks together [byte]
+    real(wp) :: most_memory = 0, all_memory = 0
+  contains
+    procedure :: collect => cost_collect
+  end type shared_cost_t
+
   !> What run.json says
   type :: run_summary_t
+    !> Does this rank write it, and the other texts of a run? Of ranks that share a run one alone does
+    logical :: is_speaker = .true.
+    !> Where ranks share the scene: how, and what that cost
+    type(shared_cost_t) :: shared
     !> How the run ended, one of `run_*`, and one sentence that says why (empty when done)
     character(len=:), allocatable :: status, reason
     !> Path and hash of the deck, folder of the results, solver, name of the stopping criterion
@@ -73,6 +99,32 @@ contains
     self%time = scene%start_time
   end subroutine summary_describe
 
+  !> Learn from all ranks what sharing cost; every rank calls this.
+  subroutine cost_collect(self, comm, contact_updates, gluings, messages, bytes)
+    class(shared_cost_t), intent(inout) :: self
+    type(comm_t), intent(inout) :: comm !! the ranks
+    integer(i8), intent(in) :: contact_updates !! of this rank
+    integer(i8), intent(in) :: gluings !! of all steps, the same on all ranks
+    integer(i8), intent(in) :: messages !! sent by this rank in all gluings
+    integer(i8), intent(in) :: bytes !! sent by this rank in all gluings
+    real(wp), allocatable :: all(:, :)
+
+    call comm%gather([real(contact_updates, wp), comm%traffic%wait_seconds, real(peak_memory_bytes(), wp), &
+                      real(messages, wp), real(bytes, wp)], all)
+    self%gluings = gluings
+    self%least_updates = minval(all(1, :))
+    self%mean_updates = sum(all(1, :))/real(comm%size, wp)
+    self%most_updates = maxval(all(1, :))
+    self%imbalance = 1
+    if (self%mean_updates > 0) self%imbalance = self%most_updates/self%mean_updates
+    self%mean_wait = sum(all(2, :))/real(comm%size, wp)
+    self%most_wait = maxval(all(2, :))
+    self%most_memory = maxval(all(3, :))
+    self%all_memory = sum(all(3, :))
+    self%messages = sum(all(4, :))/real(max(1_i8, gluings), wp)
+    self%bytes = sum(all(5, :))/real(max(1_i8, gluings), wp)
+  end subroutine cost_collect
+
   !> Name a file that was written.
   subroutine summary_add_file(self, key, file)
     class(run_summary_t), intent(inout) :: self
@@ -122,8 +174,10 @@ contains
     type(json_t) :: json
     integer :: i
 
+    if (.not. summary%is_speaker) return
     call add_identity(json, summary)
     call add_totals(json, summary%totals)
+    if (summary%ranks > 1) call add_shared(json, summary%shared)
     associate (names => measure_names(summary%dimension))
       do i = 1, size(names)
         if (is_count(names(i))) then
@@ -193,6 +247,28 @@ contains
       call json%add('wall_'//trim(phase_names(i)), totals%phase(i)%wall)
     end do
   end subroutine add_totals
+
+  !> How the scene was shared, and what that cost.
+  subroutine add_shared(json, shared)
+    type(json_t), intent(inout) :: json
+    type(shared_cost_t), intent(in) :: shared
+
+    call json%add('split', known(shared%split, ''))
+    call json%add('gluing', known(shared%gluing, ''))
+    call json%add('splits', shared%splits)
+    call json%add('moved_bodies', shared%moved)
+    call json%add('gluings', shared%gluings)
+    call json%add('rank_updates_min', shared%least_updates)
+    call json%add('rank_updates_mean', shared%mean_updates)
+    call json%add('rank_updates_max', shared%most_updates)
+    call json%add('imbalance', shared%imbalance)
+    call json%add('messages_per_gluing', shared%messages)
+    call json%add('bytes_per_gluing', shared%bytes)
+    call json%add('wait_seconds_mean', shared%mean_wait)
+    call json%add('wait_seconds_max', shared%most_wait)
+    call json%add('rank_memory_bytes_max', shared%most_memory)
+    call json%add('memory_bytes_sum', shared%all_memory)
+  end subroutine add_shared
 
   !> A text, or another one where it was never set.
   pure function known(text, otherwise)

@@ -1,7 +1,7 @@
 !> The last words of a run: is it done, is it right, what did it cost, what to open.
 module sg_verdict
   use sg_kinds, only: wp, i8
-  use sg_run_summary, only: run_summary_t
+  use sg_run_summary, only: run_summary_t, shared_cost_t
   use sg_system, only: peak_memory_bytes
   use sg_text, only: joined, text_t, to_text
   use sg_totals, only: n_phases, phase_names, phase_solve, totals_t
@@ -17,6 +17,7 @@ contains
     type(run_summary_t), intent(in) :: summary !! the run, concluded
     character(len=:), allocatable :: headline
 
+    if (.not. summary%is_speaker) return
     associate (totals => summary%totals, measures => summary%measures)
       headline = summary%status//': '//to_text(totals%steps)//' of '//to_text(summary%steps_asked)//' steps, time '// &
                  to_text(summary%time, 4)//' s, '//to_text(summary%grains%n)//' grains, '// &
@@ -41,7 +42,11 @@ contains
                 ' of the weight')
       call line('cost', fixed(totals%clock%cpu, 2)//' s CPU ('//phase_words(totals)//'), '//fixed(totals%clock%wall, 2)//' s wall')
       call line('solver', effort_words(totals, summary%method == 'nlgs'))
-      call line('memory', megabytes(peak_memory_bytes())//', '//to_text(nint(totals%bytes_per_contact))// &
+      if (summary%ranks > 1) then
+        call line('ranks', to_text(summary%ranks)//' by '//split_words(summary%shared))
+        call line('gluing', gluing_words(summary%shared))
+      end if
+      call line('memory', memory_words(summary)//', '//to_text(nint(totals%bytes_per_contact))// &
                 ' bytes a contact in the contact problem')
       if (allocated(summary%files)) call line('files', file_words(summary%files)//' in '//summary%folder)
     end associate
@@ -57,6 +62,43 @@ contains
       write (unit, '(a)') '  '//column//text
     end subroutine line
   end subroutine print_verdict
+
+  !> How the scene was split, and how evenly.
+  pure function split_words(shared) result(words)
+    type(shared_cost_t), intent(in) :: shared
+    character(len=:), allocatable :: words
+
+    words = ''
+    if (allocated(shared%split)) words = shared%split
+    words = words//', '//to_text(shared%splits)//' splits, '//to_text(nint(shared%moved, i8))//' bodies moved; contact updates '// &
+            to_text(nint(shared%least_updates, i8))//' to '//to_text(nint(shared%most_updates, i8))//' a rank, imbalance '// &
+            fixed(shared%imbalance, 2)
+  end function split_words
+
+  !> What gluing cost.
+  pure function gluing_words(shared) result(words)
+    type(shared_cost_t), intent(in) :: shared
+    character(len=:), allocatable :: words
+
+    words = ''
+    if (allocated(shared%gluing)) words = shared%gluing//', '
+    words = words//to_text(shared%gluings)//' gluings of '//fixed(shared%messages, 1)//' messages and '// &
+            fixed(shared%bytes/1e3_wp, 1)//' kB; a rank waited '//fixed(shared%mean_wait, 2)//' s in the mean, '// &
+            fixed(shared%most_wait, 2)//' s at most'
+  end function gluing_words
+
+  !> Memory of the program, or of the largest rank and of all.
+  function memory_words(summary) result(words)
+    type(run_summary_t), intent(in) :: summary
+    character(len=:), allocatable :: words
+
+    if (summary%ranks == 1) then
+      words = megabytes(peak_memory_bytes())
+    else
+      words = megabytes(nint(summary%shared%most_memory, i8))//' the largest rank, '// &
+              megabytes(nint(summary%shared%all_memory, i8))//' all'
+    end if
+  end function memory_words
 
   !> Names of the files, and how many more there are (dumps of many steps).
   pure function file_words(files) result(words)

@@ -29,6 +29,8 @@ module sg_xdmf
     character(len=:), allocatable :: cells
     !> Place of the closing tags: bytes, from 1
     integer(i8) :: end = 1
+    !> Does this rank write it?
+    logical :: is_speaker = .true.
     !> First failure; unallocated while all is well
     type(error_t), allocatable :: error
   contains
@@ -39,17 +41,20 @@ module sg_xdmf
 contains
 
   !> Make the sidecar; of an old one the first `n_steps` steps stay.
-  subroutine xdmf_open(self, name, target, cells, n_steps)
+  subroutine xdmf_open(self, name, target, cells, n_steps, is_speaker)
     class(xdmf_t), intent(inout) :: self
     character(len=*), intent(in) :: name !! path of the sidecar
     character(len=*), intent(in) :: target !! name of the VTKHDF file beside it
     character(len=*), intent(in) :: cells !! 'Polyvertex', 'Polyline' or 'Mixed'
     integer(i8), intent(in) :: n_steps !! steps to keep
+    logical, intent(in) :: is_speaker !! does this rank write it?
     character(len=:), allocatable :: kept
 
     self%name = name
     self%target = target
     self%cells = cells
+    self%is_speaker = is_speaker
+    if (.not. is_speaker) return
     kept = head
     if (n_steps > 0) kept = kept//first_steps(name, n_steps)
     self%end = len(kept, kind=i8) + 1
@@ -88,7 +93,7 @@ contains
     character(len=:), allocatable :: text
     integer :: a
 
-    if (allocated(self%error) .or. allocated(grid%file%error)) return
+    if (allocated(self%error) .or. allocated(grid%file%error) .or. .not. self%is_speaker) return
     text = '  <Grid Name="step" GridType="Uniform">'//nl//'    <Time Value="'//to_text(time)//'"/>'//nl
     if (grid%n_points == 0) then
       text = text//nothing()

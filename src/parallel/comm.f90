@@ -35,6 +35,7 @@ module sg_comm
     procedure :: abort => comm_abort
     procedure, nopass :: library => comm_library
     procedure, nopass :: handle => comm_handle
+    procedure, nopass :: no_hints => comm_no_hints
     procedure :: sum => comm_sum
     procedure :: maximum => comm_maximum
     procedure :: minimum => comm_minimum
@@ -69,6 +70,10 @@ module sg_comm
     module function comm_handle() result(handle)
       integer :: handle
     end function comm_handle
+    !> Handle of no hints, which such libraries also ask for.
+    module function comm_no_hints() result(handle)
+      integer :: handle
+    end function comm_no_hints
 
     !> Replace each value by its sum over the ranks, the same on all.
     module subroutine comm_sum(self, values)

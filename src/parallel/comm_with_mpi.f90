@@ -2,7 +2,7 @@
 submodule(sg_comm) comm_with_mpi
   use mpi_f08, only: mpi_abort, mpi_allgather, mpi_allreduce, mpi_alltoall, mpi_alltoallv, mpi_bcast, mpi_character, &
                      mpi_comm, mpi_comm_rank, mpi_comm_size, mpi_comm_world, mpi_double_precision, mpi_exscan, mpi_finalize, &
-                     mpi_get_library_version, mpi_iallreduce, mpi_in_place, mpi_init, mpi_initialized, mpi_integer, &
+                     mpi_get_library_version, mpi_iallreduce, mpi_in_place, mpi_info_null, mpi_init, mpi_initialized, mpi_integer, &
                      mpi_integer8, mpi_logical, mpi_lor, mpi_max, mpi_max_library_version_string, mpi_min, mpi_op, &
                      mpi_request, mpi_status_ignore, mpi_sum, mpi_wait
   use sg_system, only: end_program
@@ -60,6 +60,10 @@ contains
   module procedure comm_handle
   handle = mpi_comm_world%mpi_val
   end procedure comm_handle
+
+  module procedure comm_no_hints
+  handle = mpi_info_null%mpi_val
+  end procedure comm_no_hints
 
   module procedure comm_sum
   call reduce(self, values, mpi_sum)

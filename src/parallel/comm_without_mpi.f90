@@ -27,6 +27,10 @@ contains
   handle = 0
   end procedure comm_handle
 
+  module procedure comm_no_hints
+  handle = 0
+  end procedure comm_no_hints
+
   module procedure comm_sum
   end procedure comm_sum
 

@@ -1,17 +1,24 @@
 !> Checkpoints of a simulation: what a restart file must hold so that the run goes on bit for bit.
+!!
+!! Ranks that share the scene write one file. Another number of ranks may go on from it, from the same bodies, velocities,
+!! impulses and totals; only one rank that goes on from one rank also takes up its list of neighbours, and with it every bit.
 module sg_checkpoint
-  use sg_energy, only: n_energy_values
+  use sg_bodies, only: bodies_t
+  use sg_bodies_rows, only: order_bodies
+  use sg_comm, only: comm_t
+  use sg_energy, only: energy_t, n_energy_values
   use sg_error, only: diagnostics_t, error_t, fail
   use sg_history, only: resume_history
   use sg_kinds, only: wp
   use sg_neighbours, only: build_neighbours
   use sg_restart, only: keep_state, newest_restart, read_restart, restart_t, restore_state, write_restart
+  use sg_rows, only: rows_t
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
-  use sg_totals, only: n_totals_values
+  use sg_totals, only: n_totals_values, totals_t
   implicit none
   private
-  public :: save_checkpoint, load_checkpoint
+  public :: save_checkpoint, load_checkpoint, signature_of, n_signature
 
   !> Numbers of a scene's signature
   integer, parameter :: n_signature = 5
@@ -19,27 +26,85 @@ module sg_checkpoint
 contains
 
   !> Write the state of a simulation to the older of the two restart files of its folder.
-  subroutine save_checkpoint(sim, error)
+  subroutine save_checkpoint(sim, error, comm, signature)
     type(simulation_t), intent(in) :: sim !! simulation between two steps
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written; the older file stays
+    type(comm_t), intent(inout), optional :: comm !! ranks that share the scene, all of which call this
+    real(wp), intent(in), optional :: signature(n_signature) !! of the whole scene, where ranks share it
     type(restart_t) :: state
+    type(energy_t) :: energy
+    type(totals_t) :: totals
+    type(comm_t) :: ranks
+    real(wp) :: whole(n_signature)
 
-    call keep_state(sim%scene%bodies, sim%contacts, state)
+    if (present(comm)) ranks = comm
+    energy = sim%energy
+    totals = sim%totals
+    call energy%reduce(ranks)
+    call totals%reduce(ranks)
+    if (present(signature)) then
+      whole = signature
+    else
+      whole = signature_of(sim%scene)
+    end if
+    call keep_shared(sim, ranks, state, error)
+    if (allocated(error)) return
     state%step = sim%step
     state%time = sim%time()
     state%deck_hash = sim%options%deck_hash
-    state%totals = [sim%energy%pack(), sim%totals%pack(), sim%pairs%skin, signature(sim%scene)]
+    state%totals = [energy%pack(), totals%pack(), sim%pairs%skin, whole]
     allocate (state%built(size(sim%scene%bodies%middle, 1), 0))
-    if (allocated(sim%pairs%built)) state%built = sim%pairs%built
-    call write_restart(sim%options%folder, state, error)
+    if (ranks%size == 1 .and. allocated(sim%pairs%built)) state%built = sim%pairs%built
+    call write_restart(sim%options%folder, state, error, ranks)
   end subroutine save_checkpoint
 
+  !> Copy the state of bodies and contacts, of bodies those that this rank writes.
+  subroutine keep_shared(sim, ranks, state, error)
+    type(simulation_t), intent(in) :: sim
+    type(comm_t), intent(inout) :: ranks
+    type(restart_t), intent(inout) :: state
+    type(error_t), allocatable, intent(out) :: error
+    type(bodies_t) :: block
+    type(rows_t) :: rows
+
+    if (ranks%size == 1) then
+      call keep_state(sim%scene%bodies, sim%contacts, state)
+      return
+    end if
+    call order_bodies(sim%scene%bodies, ranks, rows, block, error)
+    if (allocated(error)) return
+    if (allocated(sim%scene%contactors%id)) then
+      call keep_state(block, sim%contacts, state, sim%scene%contactors%id)
+    else
+      call keep_state(block, sim%contacts, state)
+    end if
+  end subroutine keep_shared
+
   !> Bring a started simulation to the state of a restart file; a folder stands for its newest one.
-  subroutine load_checkpoint(sim, name, warnings, error)
-    type(simulation_t), intent(inout) :: sim !! started simulation
+  subroutine load_checkpoint(sim, name, warnings, error, comm)
+    type(simulation_t), intent(inout) :: sim !! started simulation; each rank still has the whole scene
     character(len=*), intent(in) :: name !! restart file, or a folder of results
     type(diagnostics_t), intent(inout) :: warnings !! takes what is odd but harmless
     type(error_t), allocatable, intent(out) :: error !! set when the file does not serve
+    type(comm_t), intent(inout), optional :: comm !! ranks that are to share the scene, all of which call this
+    type(comm_t) :: ranks
+    integer :: speaker
+
+    if (present(comm)) ranks = comm
+    call load_whole(sim, name, warnings, ranks%size == 1, error)
+    call ranks%agree(error, speaker)
+    if (allocated(error)) return
+    call sim%energy%leave_to_first(ranks)
+    call sim%totals%leave_to_first(ranks)
+  end subroutine load_checkpoint
+
+  !> Bring a simulation of the whole scene to the state of a restart file.
+  subroutine load_whole(sim, name, warnings, has_list, error)
+    type(simulation_t), intent(inout) :: sim
+    character(len=*), intent(in) :: name
+    type(diagnostics_t), intent(inout) :: warnings
+    logical, intent(in) :: has_list !! is the list of neighbours to be taken up?
+    type(error_t), allocatable, intent(out) :: error
     type(restart_t) :: state
     character(len=:), allocatable :: file
     logical :: is_folder
@@ -56,7 +121,7 @@ contains
       call warnings%add('the restart file is of another version of the program', file=file)
     end if
     if (warnings%count() == 0) then
-      if (any(abs(state%totals(size(state%totals) - n_signature + 1:) - signature(sim%scene)) > 0)) then
+      if (any(abs(state%totals(size(state%totals) - n_signature + 1:) - signature_of(sim%scene)) > 0)) then
         call warnings%add('the restart file is of another scene: shapes, masses or drives differ', file=file)
       end if
     end if
@@ -69,13 +134,14 @@ contains
     call sim%energy%unpack(state%totals(:n_energy_values))
     call sim%totals%unpack(state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
     call resume_history(sim%history, sim%contacts)
-    if (size(state%built, 2) > 0) call build_neighbours(sim%pairs, sim%scene, state%built, &
-                                                          state%totals(size(state%totals) - n_signature))
-  end subroutine load_checkpoint
+    if (has_list .and. size(state%built, 2) > 0) then
+      call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals) - n_signature))
+    end if
+  end subroutine load_whole
 
   !> What tells scenes apart that have as many bodies: sums over bodies and contactors, each weighted by its place.
-  pure function signature(scene)
-    type(scene_t), intent(in) :: scene
+  pure function signature_of(scene) result(signature)
+    type(scene_t), intent(in) :: scene !! whole scene
     real(wp) :: signature(n_signature)
     real(wp) :: inertia(scene%bodies%n)
     integer :: i, n
@@ -89,5 +155,5 @@ contains
     signature = [real(n, wp), sum(scene%bodies%mass*[(real(i, wp), i=1, scene%bodies%n)]), &
                  sum(inertia*[(real(i, wp), i=1, scene%bodies%n)]), &
                  sum(scene%contactors%reach(:n)*[(real(i, wp), i=1, n)]), real(size(scene%drives), wp)]
-  end function signature
+  end function signature_of
 end module sg_checkpoint

@@ -1,0 +1,283 @@
+!> Restart files that ranks write together: bodies stand in them as one rank writes them, bit for bit, contacts are the same
+!! ones; any number of ranks reads them; an old file stays whole when a new one cannot be written.
+program test_restart
+  use harness, only: tests_t
+  use rank_parts, only: chain_of_contacts, draw_homes, plane_scene, shake, space_scene, take_part
+  use sg_bodies, only: drop_rotation
+  use sg_checkpoint, only: load_checkpoint, n_signature, save_checkpoint, signature_of
+  use sg_comm, only: comm_t
+  use sg_contacts, only: contacts_t
+  use sg_error, only: diagnostics_t, error_t, exit_output
+  use sg_hdf5, only: hdf5_file_t, hdf5_is_available, hdf5_is_parallel
+  use sg_kinds, only: wp, i4, i8
+  use sg_random, only: random_t
+  use sg_restart, only: newest_restart
+  use sg_rows, only: rows_t, wanted_t
+  use sg_scene, only: scene_t
+  use sg_simulation, only: simulation_t, start_simulation
+  use sg_system, only: file_exists, make_folder, remove_file
+  implicit none
+  type(tests_t) :: t
+  type(comm_t) :: comm
+
+  call comm%start()
+  call test_rows()
+  if (hdf5_is_available() .and. (hdf5_is_parallel() .or. comm%size == 1)) then
+    call test_scene('plane', 2, 57, .true., 1)
+    call test_scene('frozen', 2, 40, .false., 3)
+    call test_scene('space', 3, 45, .true., 2)
+    call test_scene('few', 2, 2, .true., 1)
+    call test_scene('lonely', 3, 9, .false., 0)
+    call test_no_folder()
+  else
+    if (comm%rank == 0) write (*, '(a)') 'this build cannot share files between ranks: they are not tested'
+  end if
+  call t%finish(comm)
+
+contains
+
+  !> Numbers dealt out at random come into blocks, back to their holders, and to those who want them.
+  subroutine test_rows()
+    type(random_t) :: random
+    type(rows_t) :: rows
+    type(wanted_t) :: wanted
+    real(wp), allocatable :: block(:, :), back(:, :), values(:, :)
+    integer(i4), allocatable :: number(:), ordered(:)
+    integer, parameter :: n = 101
+    integer :: i
+
+    call random%seed(3)
+    allocate (number(0))
+    do i = n, 1, -1
+      if (int(real(comm%size, wp)*random%uniform()) == comm%rank) number = [number, int(i, i4)]
+    end do
+    call rows%plan(comm, number, n)
+    call t%check(rows%is_complete, 'each number is held once')
+    call rows%order(comm, number, ordered)
+    call t%equal(size(ordered), rows%n, 'size of the block')
+    call t%check(all(ordered == [(rows%first + i, i=1, rows%n)]), 'the block is in order')
+    allocate (values(2, size(number)))
+    values(1, :) = real(number, wp)
+    values(2, :) = -0.5_wp*values(1, :)
+    call rows%order(comm, values, block)
+    call rows%back(comm, block, back)
+    call t%check(all(shape(back) == shape(values)), 'size of what comes back')
+    if (all(shape(back) == shape(values))) call t%near(sum(abs(back - values)), 0.0_wp, 0.0_wp, 'what comes back')
+    call wanted%plan(comm, rows, [7_i4, 99_i4, 7_i4, int(50 + comm%rank, i4)])
+    call wanted%fetch(comm, block, values)
+    call t%equal(size(values, 2), 3, 'things wanted, each once')
+    if (size(values, 2) == 3) call t%near(sum(abs(values(1, :) - [7.0_wp, 50.0_wp + real(comm%rank, wp), 99.0_wp])), 0.0_wp, &
+                                          0.0_wp, 'what is wanted')
+    call t%check(all(wanted%place([7_i4, 99_i4, 8_i4]) == [1, 3, 0]), 'places of what is wanted')
+    call rows%plan(comm, [number, 5_i4], n)
+    call t%check(.not. rows%is_complete, 'a number that several ranks hold is noticed')
+  end subroutine test_rows
+
+  !> A started simulation of one of the scenes.
+  subroutine begin(name, dimension, n, turns, sim)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: dimension, n
+    logical, intent(in) :: turns
+    type(simulation_t), intent(out) :: sim
+
+    if (dimension == 2) call plane_scene(sim%scene, n)
+    if (dimension == 3) call space_scene(sim%scene, n)
+    sim%scene%bodies%inverse_mass = 1
+    sim%options%step = 0.01_wp
+    sim%options%deck_hash = 'cafe'
+    sim%options%folder = name
+    call start_simulation(sim)
+    if (.not. turns) call drop_rotation(sim%scene%bodies)
+  end subroutine begin
+
+  !> Write a scene by one rank and by all, and read what all have written on each of them.
+  subroutine test_scene(name, dimension, n, turns, stride)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: dimension, n, stride
+    logical, intent(in) :: turns
+    type(simulation_t) :: whole, part
+    type(random_t) :: random
+    type(error_t), allocatable :: error
+    integer(i4), allocatable :: home(:)
+    real(wp) :: signature(n_signature)
+    integer :: serial
+
+    call t%check(make_folder(name//'_one'), 'a folder')
+    call t%check(make_folder(name//'_all'), 'a folder')
+    call begin(name//'_one', dimension, n, turns, whole)
+    signature = signature_of(whole%scene)
+    call random%seed(21)
+    call shake(whole%scene, random)
+    call chain_of_contacts(whole%scene, min(stride, whole%scene%contactors%n - 1), random, whole%contacts)
+    whole%step = 1234
+    whole%energy%external_work = 5
+    whole%totals%contact_updates = 1000
+    if (comm%rank == 0) then
+      call save_checkpoint(whole, error)
+      call t%check(.not. allocated(error), 'one rank writes '//name)
+    end if
+    do serial = 1, 3
+      part = whole
+      part%options%folder = name//'_all'
+      call draw_homes(whole%scene, comm%size, random, home)
+      call take_part(whole%scene, whole%contacts, home, comm%rank, comm%size, part%scene, part%contacts)
+      if (comm%size > 1) then
+        call part%energy%leave_to_first(comm)
+        call part%totals%leave_to_first(comm)
+      end if
+      call save_checkpoint(part, error, comm, signature)
+      call t%check(.not. allocated(error), 'all ranks write '//name)
+      if (allocated(error)) write (*, '(a)') error%report()
+    end do
+    call t%check(.not. file_exists(name//'_all/restart_a.h5.unfinished'), 'nothing unfinished is left')
+    call t%check(newest_restart(name//'_all') == name//'_all/restart_a.h5', 'the third file takes the place of the first')
+    if (comm%rank == 0) call compare(name//'_one/restart_a.h5', name//'_all/restart_a.h5', dimension)
+    call read_again(name//'_all', dimension, n, turns, whole)
+    call read_again(name//'_one', dimension, n, turns, whole)
+  end subroutine test_scene
+
+  !> Compare what two files say of bodies bit for bit, and their contacts in the order of their impulses.
+  subroutine compare(one, other, dimension)
+    character(len=*), intent(in) :: one, other
+    integer, intent(in) :: dimension
+    character(len=20), parameter :: bodies(8) = [character(len=20) :: 'time', 'totals', 'bodies/position', 'bodies/angle', &
+      'bodies/velocity', 'bodies/crossings', 'bodies/orientation', 'bodies/crossings_y']
+    character(len=20), parameter :: contacts(7) = [character(len=20) :: 'contactor', 'feature', 'image', 'law', 'status', &
+      'impulse', 'image_y']
+    type(hdf5_file_t) :: a, b
+    integer(i4), allocatable :: order_a(:), order_b(:)
+    integer(i4), allocatable :: feature(:)
+    integer :: i
+
+    call a%open(one, is_read_only=.true.)
+    call b%open(other, is_read_only=.true.)
+    do i = 1, merge(6, 8, dimension == 2)
+      call compare_numbers(a, b, '/'//trim(bodies(i)), other)
+    end do
+    call a%get('/contacts/feature', feature)
+    call order_of(feature, order_a)
+    call b%get('/contacts/feature', feature)
+    call order_of(feature, order_b)
+    call t%equal(size(order_b), size(order_a), 'contacts of '//other)
+    if (size(order_a) /= size(order_b)) return
+    do i = 1, merge(6, 7, dimension == 2)
+      call compare_numbers(a, b, '/contacts/'//trim(contacts(i)), other, order_a, order_b)
+    end do
+    call t%check(.not. allocated(a%error) .and. .not. allocated(b%error), other//' is read')
+    call a%close()
+    call b%close()
+  end subroutine compare
+
+  !> Features are 7 k for contact k here: where each contact stands.
+  subroutine order_of(feature, order)
+    integer(i4), intent(in) :: feature(:)
+    integer(i4), allocatable, intent(out) :: order(:)
+    integer :: i
+
+    allocate (order(size(feature)), source=1_i4)
+    do i = 1, size(feature)
+      if (modulo(feature(i), 7) == 0 .and. feature(i)/7 <= size(order)) order(feature(i)/7) = int(i, i4)
+    end do
+  end subroutine order_of
+
+  !> Compare a dataset bit for bit, rows in an order given.
+  subroutine compare_numbers(a, b, path, what, order_a, order_b)
+    type(hdf5_file_t), intent(inout) :: a, b
+    character(len=*), intent(in) :: path, what
+    integer(i4), intent(in), optional :: order_a(:), order_b(:)
+    real(wp), allocatable :: one(:, :), other(:, :)
+    logical :: is_same
+
+    call a%get(path, one)
+    call b%get(path, other)
+    is_same = all(shape(one) == shape(other))
+    if (is_same .and. present(order_a) .and. present(order_b)) then
+      one = one(:, order_a)
+      other = other(:, order_b)
+    end if
+    if (is_same) is_same = all(transfer(one, [0_i8]) == transfer(other, [0_i8]))
+    call t%check(is_same, path//' of '//what)
+  end subroutine compare_numbers
+
+  !> Read a file on all ranks: each has the whole scene, and the first one the sums of the run.
+  subroutine read_again(folder, dimension, n, turns, whole)
+    character(len=*), intent(in) :: folder
+    integer, intent(in) :: dimension, n
+    logical, intent(in) :: turns
+    type(simulation_t), intent(in) :: whole
+    type(simulation_t) :: sim
+    type(diagnostics_t) :: warnings
+    type(error_t), allocatable :: error
+    real(wp) :: sums(2)
+
+    call begin(folder, dimension, n, turns, sim)
+    call load_checkpoint(sim, folder, warnings, error, comm)
+    call t%check(.not. allocated(error), folder//' is read')
+    if (allocated(error)) then
+      write (*, '(a)') error%report()
+      return
+    end if
+    call t%equal(sim%step, 1234, 'step')
+    call t%check(all(transfer(sim%scene%bodies%position, [0_i8]) == transfer(whole%scene%bodies%position, [0_i8])), 'positions')
+    call t%check(all(transfer(sim%scene%bodies%velocity, [0_i8]) == transfer(whole%scene%bodies%velocity, [0_i8])), 'velocities')
+    call t%check(all(sim%scene%bodies%crossings == whole%scene%bodies%crossings), 'periods crossed')
+    call t%equal(sim%contacts%n, whole%contacts%n, 'contacts')
+    sums = [sim%energy%external_work, real(sim%totals%contact_updates, wp)]
+    call comm%sum(sums)
+    call t%near(sums(1), 5.0_wp, 0.0_wp, 'work, over all ranks')
+    call t%near(sums(2), 1000.0_wp, 0.0_wp, 'contact updates, over all ranks')
+    ! Of another number of bodies the scene is another one, and all ranks say so.
+    if (comm%rank == 0) call begin(folder, dimension, n + 1, turns, sim)
+    call load_checkpoint(sim, folder, warnings, error, comm)
+    call t%check(allocated(error), 'a file that does not fit one rank is refused by all')
+    if (allocated(error)) call t%check(index(error%message, 'does not fit') > 0, 'and it is said why')
+  end subroutine read_again
+
+  !> A folder that is not there, and a disk with little room where one is named in the environment.
+  subroutine test_no_folder()
+    type(simulation_t) :: sim
+    type(error_t), allocatable :: error
+    character(len=200) :: folder
+    integer :: length, i
+
+    call begin('no/such/folder', 2, 8, .true., sim)
+    call give_numbers(sim)
+    call save_checkpoint(sim, error, comm, signature_of(sim%scene))
+    call t%check(allocated(error), 'a folder must exist')
+    if (allocated(error)) call t%equal(error%code, exit_output, 'exit code')
+    call get_environment_variable('SPLITGRAIN_SMALL_DISK', folder, length)
+    if (length == 0) return
+    call begin(trim(folder), 2, 8000, .true., sim)
+    call give_numbers(sim)
+    call remove_file(trim(folder)//'/restart_a.h5')
+    call remove_file(trim(folder)//'/restart_b.h5')
+    do i = 1, 3
+      call save_checkpoint(sim, error, comm, signature_of(sim%scene))
+      if (i == 1) call t%check(.not. allocated(error), 'there is room for one file')
+      if (allocated(error)) exit
+    end do
+    call t%check(allocated(error), 'but not for three')
+    if (allocated(error)) call t%check(index(error%message, 'No space left on device') > 0, 'and it is said why: '//error%message)
+    ! The second or the third one had no room.
+    call t%check(newest_restart(trim(folder)) == trim(folder)//'/restart_'//merge('a', 'b', i == 2)//'.h5', 'the older file stays')
+    call t%check(.not. (file_exists(trim(folder)//'/restart_a.h5.unfinished') .or. &
+                        file_exists(trim(folder)//'/restart_b.h5.unfinished')), 'and nothing unfinished')
+  end subroutine test_no_folder
+
+  !> Deal bodies out in turns.
+  subroutine give_numbers(sim)
+    type(simulation_t), intent(inout) :: sim
+    type(scene_t) :: whole
+    type(contacts_t) :: contacts, none
+    integer(i4), allocatable :: home(:)
+    integer :: b
+
+    whole = sim%scene
+    none%dimension = 2
+    allocate (home(whole%bodies%n), source=-1_i4)
+    do b = 1, whole%bodies%n
+      if (whole%bodies%is_grain(b)) home(b) = int(modulo(b, comm%size), i4)
+    end do
+    call take_part(whole, none, home, comm%rank, comm%size, sim%scene, contacts)
+  end subroutine give_numbers
+end program test_restart
