@@ -1,4 +1,4 @@
-// Asks the processor to fetch what a sweep over groups of balls is about to read; it changes no value. Fortran has no word for
+// Asks the processor to fetch what a sweep over groups of contacts is about to read; it changes no value. Fortran has no word for
 // this, and processors foresee neither which bodies come next nor, where a group fills their window, the records.
 
 namespace {
@@ -26,3 +26,6 @@ extern "C" void sg_prefetch_group(const double *record, const double *impulse, c
 extern "C" void sg_prefetch_bodies(const int *pair, const double *body) {
   for (int i = 0; i < 16; ++i) fetch(body + 8L * (pair[i] - 1), 8);
 }
+
+// Impulses and records of a row of eight solid contacts (row_length of sg_sweep_solid_order).
+extern "C" void sg_prefetch_row(const double *row) { fetch(row, 22 * 8); }

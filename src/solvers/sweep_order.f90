@@ -7,7 +7,8 @@
 !! the ones chosen.
 module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
-  use sg_problem, only: ball_frictional, first_inverse, is_compact, problem_t
+  use sg_problem, only: ball_frictional, first_inverse, is_compact, problem_t, solid_frictional
+  use sg_sweep_solid_order, only: deal_chains, fill_rows, row_impulse, solid_lanes_t
   implicit none
   private
   public :: sweep_order_t, set_order, give_impulses, lanes
@@ -37,6 +38,8 @@ module sg_sweep_order
     integer :: n_groups = 0
     integer(i4), allocatable :: group_size(:), lane_pair(:, :, :)
     real(wp), allocatable :: lane_record(:, :, :), lane_impulse(:, :, :)
+    !> Groups of pairs of solids with friction, side by side
+    type(solid_lanes_t) :: solids
     !> Room for dealing: contacts chosen, and groups of each body as bits
     integer(i4), allocatable, private :: chosen(:)
     integer(i8), allocatable, private :: groups_of(:)
@@ -55,12 +58,15 @@ contains
     call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
     order%n = 0
     order%n_groups = 0
+    order%solids%n_groups = 0
     do k = 1, problem%n_contacts
       if (.not. is_wanted(k)) cycle
       order%n = order%n + 1
       order%chosen(order%n) = int(k, i4)
     end do
-    if (in_groups) then
+    if (in_groups .and. problem%kind == solid_frictional) then
+      call deal_chains(order%chosen(:order%n), problem, order%groups_of, order%contact, order%solids)
+    else if (in_groups) then
       call deal(order, problem)
     else
       order%contact(:order%n) = order%chosen(:order%n)
@@ -72,6 +78,8 @@ contains
     end do
     call take_impulses(order, problem)
     if (in_groups .and. problem%kind == ball_frictional) call fill_lanes(order)
+    if (order%solids%n_groups > 0) call fill_rows(order%pair(:, :order%n), order%record(:, :order%n), order%impulse(:, :order%n), &
+                                                  order%solids)
   end subroutine set_order
 
   !> Room for the contacts wanted.
@@ -267,7 +275,7 @@ contains
   pure subroutine give_impulses(order, problem)
     type(sweep_order_t), intent(inout) :: order !! swept order
     type(problem_t), intent(inout) :: problem !! its impulses are set
-    integer :: i, g, e
+    integer :: i, g, e, row
 
     e = 0
     do g = 1, order%n_groups
@@ -276,6 +284,14 @@ contains
         order%impulse(:, e) = order%lane_impulse(i, :, g)
       end do
     end do
+    if (order%solids%n_groups > 0) then
+      do row = 1, order%solids%n_rows
+        do i = 1, order%solids%row_size(row)
+          e = e + 1
+          if (order%record(25, e) > 0.5_wp) order%impulse(:, e) = row_impulse(order%record(:, e), order%solids%row(i, 1:3, row))
+        end do
+      end do
+    end if
     do i = 1, order%n
       problem%impulse(:, order%contact(i)) = order%impulse(:, i)
     end do

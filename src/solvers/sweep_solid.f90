@@ -3,7 +3,7 @@ module sg_sweep_solid
   use sg_kinds, only: wp, i4
   implicit none
   private
-  public :: sweep_solid_frictionless, sweep_solid_frictional
+  public :: sweep_solid_frictionless, sweep_solid_frictional, slide
 
 contains
 

@@ -9,6 +9,7 @@ module sg_sweeps
   use sg_sweep_order, only: sweep_order_t
   use sg_sweep_round, only: sweep_round_frictional, sweep_round_frictionless
   use sg_sweep_solid, only: sweep_solid_frictional, sweep_solid_frictionless
+  use sg_sweep_solid_lanes, only: sweep_solid_lanes
   implicit none
   private
   public :: sweep, sweep_impulses
@@ -25,6 +26,11 @@ contains
 
     if (order%n_groups > 0) then
       call sweep_ball_lanes(order%n_groups, n_bodies, order%lane_pair, order%lane_record, relaxation, order%lane_impulse, body)
+    else if (order%solids%n_groups > 0) then
+      associate (solids => order%solids)
+        call sweep_solid_lanes(solids%n_groups, solids%n_rows, n_bodies, solids%last_row, solids%row_size, solids%pair, &
+                               solids%special, relaxation, solids%row, body)
+      end associate
     else
       call sweep_impulses(kind, order, n_bodies, relaxation, order%impulse, body)
     end if

@@ -1,0 +1,283 @@
+!> Gauss-Seidel sweep over solids with friction, pairs of bodies side by side, for vector registers (doc/theory/nlgs.md).
+!!
+!! No movable body is twice in a group, so that its pairs may be updated at once; the bodies are fetched once for all points of
+!! a pair. Open, sticking and sliding contacts take the same operations: masks of zeros and ones in place of branches, and
+!! nothing within that could divide by zero, so that the loops over lanes become vector instructions.
+module sg_sweep_solid_lanes
+  use, intrinsic :: iso_c_binding, only: c_double
+  use sg_kinds, only: wp, i4, i8
+  use sg_sweep_solid, only: slide
+  use sg_sweep_solid_order, only: lanes, row_length, special_length
+  implicit none
+  private
+  public :: sweep_solid_lanes
+
+  !> Relative difference of friction r_n and |r_t| that is let pass
+  real(wp), parameter :: enough = 1e-13_wp
+  !> Rows that are asked for ahead of their turn
+  integer, parameter :: ahead = 2
+
+  interface
+    !> Ask for a row (prefetch.cpp).
+    pure subroutine prefetch_row(row) bind(c, name='sg_prefetch_row')
+      import :: c_double
+      real(c_double), intent(in) :: row(*)
+    end subroutine prefetch_row
+  end interface
+
+contains
+
+  !> One sweep, group by group.
+  pure subroutine sweep_solid_lanes(n_groups, n_rows, n_bodies, last_row, row_size, pair, special, relaxation, row, body)
+    integer, intent(in) :: n_groups !! groups
+    integer, intent(in) :: n_rows !! rows of contacts side by side
+    integer, intent(in) :: n_bodies !! slots
+    integer(i4), intent(in) :: last_row(n_groups) !! last row of each group
+    integer(i4), intent(in) :: row_size(n_rows) !! contacts of each row
+    integer(i4), intent(in) :: pair(lanes, 2, n_groups) !! slots of candidate and antagonist
+    real(wp), intent(in), contiguous :: special(:, :, :) !! shape (lanes, special_length, rows), or no rows
+    real(wp), intent(in) :: relaxation !! share of each change taken
+    real(wp), intent(inout) :: row(lanes, row_length, n_rows) !! impulses [N s] and records
+    real(wp), intent(inout) :: body(16, n_bodies) !! velocity, spin, inverse masses, inverse inertia
+    real(wp) :: one(lanes, 15), other(lanes, 15), extra(lanes, 3)
+    integer :: g, i, first
+
+    extra = 0
+    first = 1
+    do g = 1, n_groups
+      call fetch(n_bodies, pair(:, 1, g), body, one)
+      call fetch(n_bodies, pair(:, 2, g), body, other)
+      do i = first, last_row(g)
+        call prefetch_row(row(:, :, min(i + ahead, n_rows)))
+        if (size(special, 3) > 0) call add_special(special(:, :, i), row(:, 1:3, i), extra)
+        call update_row(relaxation, extra, row(:, :, i), one, other)
+      end do
+      call put_back(n_bodies, row_size(first), pair(:, 1, g), one, body)
+      call put_back(n_bodies, row_size(first), pair(:, 2, g), other, body)
+      first = last_row(g) + 1
+    end do
+  end subroutine sweep_solid_lanes
+
+  !> Bodies side by side.
+  pure subroutine fetch(n_bodies, slot, body, own)
+    integer, intent(in) :: n_bodies
+    integer(i4), intent(in) :: slot(lanes)
+    real(wp), intent(in) :: body(16, n_bodies)
+    real(wp), intent(out) :: own(lanes, 15)
+    integer :: i, j
+
+    do i = 1, lanes
+      do j = 1, 15
+        own(i, j) = body(j, slot(i))
+      end do
+    end do
+  end subroutine fetch
+
+  !> Velocities back to the bodies of the lanes in use.
+  pure subroutine put_back(n_bodies, n, slot, own, body)
+    integer, intent(in) :: n_bodies, n
+    integer(i4), intent(in) :: slot(lanes)
+    real(wp), intent(in) :: own(lanes, 15)
+    real(wp), intent(inout) :: body(16, n_bodies)
+    integer :: i, j
+
+    do i = 1, n
+      do j = 1, 6
+        body(j, slot(i)) = own(i, j)
+      end do
+    end do
+  end subroutine put_back
+
+  !> Velocities that laws out of the ordinary add: bias along the tangents, and compliance.
+  pure subroutine add_special(special, impulse, extra)
+    real(wp), intent(in) :: special(lanes, special_length), impulse(lanes, 3)
+    real(wp), intent(out) :: extra(lanes, 3)
+
+    extra(:, 1) = special(:, 3)*impulse(:, 1)
+    extra(:, 2) = special(:, 1) + special(:, 4)*impulse(:, 2)
+    extra(:, 3) = special(:, 2) + special(:, 4)*impulse(:, 3)
+  end subroutine add_special
+
+  !> New impulses of a row, and new velocities of its bodies.
+  pure subroutine update_row(relaxation, extra, row, one, other)
+    real(wp), intent(in) :: relaxation, extra(lanes, 3)
+    real(wp), intent(inout) :: row(lanes, row_length), one(lanes, 15), other(lanes, 15)
+    real(wp), dimension(lanes) :: h, t_1, t_2, alpha, slides
+    real(wp) :: r(lanes, 3)
+    logical :: is_sliding
+
+    call open_or_stick(extra, row, one, other, h, t_1, t_2, alpha, r, slides, is_sliding)
+    if (is_sliding) call slide_row(row, h, t_1, t_2, slides, alpha, r)
+    call push_row(relaxation, r, row, one, other)
+  end subroutine update_row
+
+  !> Impulses of contacts that part or stick; what the others need to slide.
+  !!
+  !! The velocity that a contact would have without its own impulse is never formed: what that impulse does cancels.
+  pure subroutine open_or_stick(extra, row, one, other, h, t_1, t_2, alpha, r, slides, is_sliding)
+    real(wp), intent(in) :: extra(lanes, 3), row(lanes, row_length), one(lanes, 15), other(lanes, 15)
+    real(wp), intent(out), dimension(lanes) :: h, t_1, t_2 !! normal impulse [N s] and minus velocity [m/s] without friction
+    real(wp), intent(out) :: alpha(lanes) !! guess of slip over impulse [1/kg]
+    real(wp), intent(out) :: r(lanes, 3) !! impulses [N s]
+    real(wp), intent(out) :: slides(lanes) !! one where the contact slides, else zero
+    logical, intent(out) :: is_sliding !! does any?
+    real(wp) :: ux, uy, uz, u_n, u_1, u_2, r_n, r_1, r_2, inverse, excess, limit, pushes, linear, against
+    integer :: i
+    integer(i8) :: sliding
+
+    sliding = 0
+    do i = 1, lanes
+      ux = one(i, 1) - other(i, 1) + one(i, 5)*row(i, 12) - one(i, 6)*row(i, 11) - other(i, 5)*row(i, 15) + other(i, 6)*row(i, 14)
+      uy = one(i, 2) - other(i, 2) + one(i, 6)*row(i, 10) - one(i, 4)*row(i, 12) - other(i, 6)*row(i, 13) + other(i, 4)*row(i, 15)
+      uz = one(i, 3) - other(i, 3) + one(i, 4)*row(i, 11) - one(i, 5)*row(i, 10) - other(i, 4)*row(i, 14) + other(i, 5)*row(i, 13)
+      u_n = row(i, 4)*ux + row(i, 5)*uy + row(i, 6)*uz + row(i, 16) + extra(i, 1)
+      u_1 = row(i, 7)*ux + row(i, 8)*uy + row(i, 9)*uz + extra(i, 2)
+      u_2 = (row(i, 5)*row(i, 9) - row(i, 6)*row(i, 8))*ux + (row(i, 6)*row(i, 7) - row(i, 4)*row(i, 9))*uy &
+            + (row(i, 4)*row(i, 8) - row(i, 5)*row(i, 7))*uz + extra(i, 3)
+      h(i) = row(i, 1) + row(i, 18)*row(i, 2) + row(i, 19)*row(i, 3) - u_n*row(i, 17)
+      t_1(i) = row(i, 20)*row(i, 2) + row(i, 18)*u_n - u_1
+      t_2(i) = row(i, 21)*row(i, 3) + row(i, 19)*u_n - u_2
+      inverse = 1/(row(i, 20)*row(i, 21))
+      r_1 = t_1(i)*(row(i, 21)*inverse)
+      r_2 = t_2(i)*(row(i, 20)*inverse)
+      r_n = h(i) - row(i, 18)*r_1 - row(i, 19)*r_2
+      limit = row(i, 22)*max(0.0_wp, r_n)
+      excess = r_1*r_1 + r_2*r_2 - limit*limit
+      pushes = merge(1.0_wp, 0.0_wp, h(i) > 0)
+      linear = merge(1.0_wp, 0.0_wp, row(i, 22) < 0)
+      slides(i) = merge(1.0_wp, 0.0_wp, excess > 0)*pushes*(1 - linear)
+      sliding = sliding + merge(1_i8, 0_i8, slides(i) > 0)
+      pushes = max(pushes, linear)
+      r(i, 1) = r_n*pushes
+      r(i, 2) = r_1*pushes
+      r(i, 3) = r_2*pushes
+      against = max(0.0_wp, -(u_1*row(i, 2) + u_2*row(i, 3)))
+      alpha(i) = row(i, 20)*against/max(row(i, 20)*(row(i, 2)*row(i, 2) + row(i, 3)*row(i, 3)), 1e-9_wp*against, tiny(1.0_wp))
+    end do
+    is_sliding = sliding > 0
+  end subroutine open_or_stick
+
+  !> Sliding contacts of a row: two steps of Halley's method leave nothing to do but next to singular blocks.
+  pure subroutine slide_row(row, h, t_1, t_2, slides, alpha, r)
+    real(wp), intent(in) :: row(lanes, row_length), h(lanes), t_1(lanes), t_2(lanes), slides(lanes)
+    real(wp), intent(inout) :: alpha(lanes), r(lanes, 3)
+    real(wp) :: wrong(lanes)
+    integer :: i, round
+    logical :: is_done
+
+    call improve(row, h, t_1, t_2, alpha)
+    call improve(row, h, t_1, t_2, alpha)
+    do round = 1, 3
+      call take(row, h, t_1, t_2, alpha, slides, r, wrong, is_done)
+      if (is_done) return
+      call improve(row, h, t_1, t_2, alpha)
+    end do
+    do i = 1, lanes
+      if (wrong(i) > 0) call slide(row(i, 18), row(i, 19), row(i, 20), row(i, 21), row(i, 22), h(i), t_1(i), t_2(i), &
+                                   0.0_wp, 0.0_wp, r(i, 1), r(i, 2), r(i, 3))
+    end do
+  end subroutine slide_row
+
+  !> A step of Halley's method for friction r_n/|r_t| = 1, nearly a straight line in alpha. With a_i = S_i + alpha, r_n is
+  !! normal/(a_1 a_2), |r_t| length/(a_1 a_2): the root and the one division do not wait for each other.
+  pure subroutine improve(row, h, t_1, t_2, alpha)
+    real(wp), intent(in) :: row(lanes, row_length), h(lanes), t_1(lanes), t_2(lanes)
+    real(wp), intent(inout) :: alpha(lanes)
+    real(wp), parameter :: longest = 1e6_wp
+    real(wp) :: a_1, a_2, normal, change, square, half_change, excess, slope, bend, s_1, s_2, top, bottom
+    integer :: i
+
+    do i = 1, lanes
+      a_1 = row(i, 20) + alpha(i)
+      a_2 = row(i, 21) + alpha(i)
+      s_1 = row(i, 18)*t_1(i)
+      s_2 = row(i, 19)*t_2(i)
+      normal = h(i)*(a_1*a_2) - s_1*a_2 - s_2*a_1
+      change = h(i)*(a_1 + a_2) - (s_1 + s_2)
+      s_1 = t_1(i)*t_1(i)
+      s_2 = t_2(i)*t_2(i)
+      half_change = s_1*a_2 + s_2*a_1
+      square = s_1*a_2*a_2 + s_2*a_1*a_1
+      excess = sqrt(square) - row(i, 22)*normal
+      ! Slope and bend of normal/length, times length^3 and length^5.
+      slope = change*square - normal*half_change
+      bend = (2*h(i)*square + change*half_change - normal*(s_1 + s_2))*square - 3*slope*half_change
+      top = 2*excess*slope*square
+      bottom = (2*row(i, 22)*slope*slope + excess*bend)*a_1
+      alpha(i) = max(0.0_wp, alpha(i) + top*a_1/max(bottom, abs(top)/longest, tiny(1.0_wp)))
+    end do
+  end subroutine improve
+
+  !> Take the impulses of sliding contacts.
+  pure subroutine take(row, h, t_1, t_2, alpha, slides, r, wrong, is_done)
+    real(wp), intent(in) :: row(lanes, row_length), h(lanes), t_1(lanes), t_2(lanes), alpha(lanes), slides(lanes)
+    real(wp), intent(inout) :: r(lanes, 3)
+    real(wp), intent(out) :: wrong(lanes) !! one where the contact slides and they do not obey the law, else zero
+    logical, intent(out) :: is_done !! are none wrong?
+    real(wp) :: a_1, a_2, inverse, r_1, r_2, r_n, length, miss
+    integer :: i
+    integer(i8) :: missed
+
+    missed = 0
+    do i = 1, lanes
+      a_1 = row(i, 20) + alpha(i)
+      a_2 = row(i, 21) + alpha(i)
+      inverse = 1/(a_1*a_2)
+      r_1 = t_1(i)*(a_2*inverse)
+      r_2 = t_2(i)*(a_1*inverse)
+      r_n = h(i) - row(i, 18)*r_1 - row(i, 19)*r_2
+      length = sqrt(r_1*r_1 + r_2*r_2)
+      miss = abs(row(i, 22)*r_n - length) - enough*length
+      wrong(i) = slides(i)*(1 - merge(1.0_wp, 0.0_wp, miss <= 0))
+      missed = missed + merge(1_i8, 0_i8, wrong(i) > 0)
+      r(i, 1) = r(i, 1)*(1 - slides(i)) + r_n*slides(i)
+      r(i, 2) = r(i, 2)*(1 - slides(i)) + r_1*slides(i)
+      r(i, 3) = r(i, 3)*(1 - slides(i)) + r_2*slides(i)
+    end do
+    is_done = missed == 0
+  end subroutine take
+
+  !> Give the changes of impulse to contacts and bodies.
+  pure subroutine push_row(relaxation, r, row, one, other)
+    real(wp), intent(in) :: relaxation, r(lanes, 3)
+    real(wp), intent(inout) :: row(lanes, row_length), one(lanes, 15), other(lanes, 15)
+    real(wp) :: x, y, z, tx, ty, tz, r_n, r_1, r_2, px, py, pz, ax, ay, az
+    integer :: i
+
+    do i = 1, lanes
+      r_n = relaxation*(r(i, 1) - row(i, 1))
+      r_1 = relaxation*(r(i, 2) - row(i, 2))
+      r_2 = relaxation*(r(i, 3) - row(i, 3))
+      row(i, 1) = row(i, 1) + r_n
+      row(i, 2) = row(i, 2) + r_1
+      row(i, 3) = row(i, 3) + r_2
+      x = row(i, 4)
+      y = row(i, 5)
+      z = row(i, 6)
+      tx = row(i, 7)
+      ty = row(i, 8)
+      tz = row(i, 9)
+      px = x*r_n + tx*r_1 + (y*tz - z*ty)*r_2
+      py = y*r_n + ty*r_1 + (z*tx - x*tz)*r_2
+      pz = z*r_n + tz*r_1 + (x*ty - y*tx)*r_2
+      one(i, 1) = one(i, 1) + one(i, 7)*px
+      one(i, 2) = one(i, 2) + one(i, 8)*py
+      one(i, 3) = one(i, 3) + one(i, 9)*pz
+      other(i, 1) = other(i, 1) - other(i, 7)*px
+      other(i, 2) = other(i, 2) - other(i, 8)*py
+      other(i, 3) = other(i, 3) - other(i, 9)*pz
+      ax = row(i, 11)*pz - row(i, 12)*py
+      ay = row(i, 12)*px - row(i, 10)*pz
+      az = row(i, 10)*py - row(i, 11)*px
+      one(i, 4) = one(i, 4) + one(i, 10)*ax + one(i, 13)*ay + one(i, 14)*az
+      one(i, 5) = one(i, 5) + one(i, 13)*ax + one(i, 11)*ay + one(i, 15)*az
+      one(i, 6) = one(i, 6) + one(i, 14)*ax + one(i, 15)*ay + one(i, 12)*az
+      ax = row(i, 14)*pz - row(i, 15)*py
+      ay = row(i, 15)*px - row(i, 13)*pz
+      az = row(i, 13)*py - row(i, 14)*px
+      other(i, 4) = other(i, 4) - other(i, 10)*ax - other(i, 13)*ay - other(i, 14)*az
+      other(i, 5) = other(i, 5) - other(i, 13)*ax - other(i, 11)*ay - other(i, 15)*az
+      other(i, 6) = other(i, 6) - other(i, 14)*ax - other(i, 15)*ay - other(i, 12)*az
+    end do
+  end subroutine push_row
+end module sg_sweep_solid_lanes

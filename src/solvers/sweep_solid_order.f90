@@ -1,0 +1,249 @@
+!> Solid contacts with friction dealt to the lanes of vector registers: each lane holds a pair of bodies with all its points.
+!!
+!! The contacts of a block are cut into *chains*, runs of up to four contacts of one pair. A group is up to `lanes` chains in
+!! which no movable body appears twice; its rows are their first, second, ... contacts (doc/theory/nlgs.md).
+module sg_sweep_solid_order
+  use sg_kinds, only: wp, i4, i8
+  use sg_problem, only: first_inverse, problem_t, solid_frictional
+  use sg_vectors, only: cross
+  implicit none
+  private
+  public :: solid_lanes_t, deal_chains, fill_rows, row_impulse, lanes, row_length, special_length
+
+  !> Contacts side by side
+  integer, parameter :: lanes = 8
+  !> Reals of a contact in a row: impulse on n, t and n x t (cohesion added to the first), n (3), t (3), arm_c (3), arm_a (3),
+  !! bias_n, 1/W_nn, W_n1/W_nn, W_n2/W_nn, S_1, S_2, friction or -1 for a linear law; lanes to spare have no direction and S = 1
+  integer, parameter :: row_length = 22
+  !> Reals of a contact whose law is out of the ordinary: bias on t and n x t, compliance_n, compliance_t
+  integer, parameter :: special_length = 4
+  !> Contacts of a chain and chains of a block, at most
+  integer, parameter :: most_points = 4, block_chains = 256
+  !> Groups that a block may open (bits of an integer)
+  integer, parameter :: most_groups = 63
+
+  !> Contacts side by side in the order of the sweep
+  type :: solid_lanes_t
+    !> Number of groups and of rows
+    integer :: n_groups = 0, n_rows = 0
+    !> Last row of each group, and contacts of each row
+    integer(i4), allocatable :: last_row(:), row_size(:)
+    !> Slots of candidate and antagonist, shape (lanes, 2, groups)
+    integer(i4), allocatable :: pair(:, :, :)
+    !> Impulses and records, shape (lanes, row_length, rows)
+    real(wp), allocatable :: row(:, :, :)
+    !> Shape (lanes, special_length, rows), or no rows where all laws are ordinary
+    real(wp), allocatable :: special(:, :, :)
+  end type solid_lanes_t
+
+contains
+
+  !> Deal chosen contacts to rows of groups.
+  pure subroutine deal_chains(chosen, problem, groups_of, contact, rows)
+    integer(i4), intent(in), contiguous :: chosen(:) !! contacts to deal, in spatial order
+    type(problem_t), intent(in) :: problem !! problem to sweep
+    integer(i8), intent(inout) :: groups_of(:) !! room, by slot; zero before and after
+    integer(i4), intent(inout), contiguous :: contact(:) !! the same contacts, row by row
+    type(solid_lanes_t), intent(inout) :: rows !! groups and rows; impulses and records come later
+    integer :: head(block_chains + 1), n, done
+
+    if (allocated(rows%last_row)) then
+      if (size(rows%last_row) < size(chosen)) deallocate (rows%last_row, rows%row_size)
+    end if
+    if (.not. allocated(rows%last_row)) allocate (rows%last_row(size(chosen)), rows%row_size(size(chosen)))
+    rows%n_groups = 0
+    rows%n_rows = 0
+    done = 0
+    do while (done < size(chosen))
+      call cut_block(chosen, problem%pair, done + 1, head, n)
+      call deal_block(chosen, problem, head(:n + 1), groups_of, contact, done, rows)
+    end do
+  end subroutine deal_chains
+
+  !> Chains of the next block: where each begins, and the one after the last would.
+  pure subroutine cut_block(chosen, pair, first, head, n)
+    integer(i4), intent(in), contiguous :: chosen(:), pair(:, :)
+    integer, intent(in) :: first
+    integer, intent(out) :: head(block_chains + 1), n
+    integer :: i
+
+    n = 1
+    head(1) = first
+    do i = first + 1, size(chosen)
+      if (all(pair(:, chosen(i)) == pair(:, chosen(i - 1))) .and. i - head(n) < most_points) cycle
+      if (n == block_chains) exit
+      n = n + 1
+      head(n) = i
+    end do
+    head(n + 1) = i
+  end subroutine cut_block
+
+  !> Deal one block, long chains first, so that the rows of a group are filled from their beginning.
+  pure subroutine deal_block(chosen, problem, head, groups_of, contact, done, rows)
+    integer(i4), intent(in), contiguous :: chosen(:)
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: head(:)
+    integer(i8), intent(inout) :: groups_of(:) !! bit g: the body is in group g of this block
+    integer(i4), intent(inout), contiguous :: contact(:)
+    integer, intent(inout) :: done !! contacts dealt so far
+    type(solid_lanes_t), intent(inout) :: rows
+    integer :: chain(lanes, 0:most_groups - 1), filled(0:most_groups - 1), points, c, g, side
+    integer(i8) :: full
+    integer(i4) :: pair(2)
+
+    full = 0
+    filled = 0
+    do points = most_points, 1, -1
+      do c = 1, size(head) - 1
+        if (head(c + 1) - head(c) /= points) cycle
+        pair = problem%pair(:, chosen(head(c)))
+        g = trailz(not(ior(full, ior(groups_of(pair(1)), groups_of(pair(2))))))
+        if (g >= most_groups) then
+          ! No group is left for it: one of its own.
+          call write_rows(chosen, head, [c], contact, done, rows)
+          cycle
+        end if
+        filled(g) = filled(g) + 1
+        chain(filled(g), g) = c
+        if (filled(g) == lanes) full = ibset(full, g)
+        do side = 1, 2
+          if (any(problem%body(first_inverse(solid_frictional):, pair(side)) > 0)) then
+            groups_of(pair(side)) = ibset(groups_of(pair(side)), g)
+          end if
+        end do
+      end do
+    end do
+    do g = 0, most_groups - 1
+      if (filled(g) > 0) call write_rows(chosen, head, chain(:filled(g), g), contact, done, rows)
+    end do
+    do c = 1, size(head) - 1
+      groups_of(problem%pair(:, chosen(head(c)))) = 0
+    end do
+  end subroutine deal_block
+
+  !> Write the rows of a group, whose longest chain is the first.
+  pure subroutine write_rows(chosen, head, chain, contact, done, rows)
+    integer(i4), intent(in), contiguous :: chosen(:)
+    integer, intent(in) :: head(:), chain(:)
+    integer(i4), intent(inout), contiguous :: contact(:)
+    integer, intent(inout) :: done
+    type(solid_lanes_t), intent(inout) :: rows
+    integer :: point, i, n
+
+    do point = 1, head(chain(1) + 1) - head(chain(1))
+      n = 0
+      do i = 1, size(chain)
+        if (head(chain(i)) + point > head(chain(i) + 1)) exit
+        n = n + 1
+        contact(done + n) = chosen(head(chain(i)) + point - 1)
+      end do
+      done = done + n
+      rows%n_rows = rows%n_rows + 1
+      rows%row_size(rows%n_rows) = int(n, i4)
+    end do
+    rows%n_groups = rows%n_groups + 1
+    rows%last_row(rows%n_groups) = int(rows%n_rows, i4)
+  end subroutine write_rows
+
+  !> Put slots, impulses and records side by side.
+  pure subroutine fill_rows(pair, record, impulse, rows)
+    integer(i4), intent(in) :: pair(:, :) !! slots, shape (2, contacts), as all that follows in the order of the rows
+    real(wp), intent(in) :: record(:, :) !! records
+    real(wp), intent(in) :: impulse(:, :) !! impulses
+    type(solid_lanes_t), intent(inout) :: rows !! dealt rows to fill
+    integer :: g, row, i, e, first
+
+    call make_room(rows, any(abs(record(23:24, :)) > 0) .or. any(is_oblique(record)))
+    e = 0
+    first = 1
+    do g = 1, rows%n_groups
+      rows%pair(:, 1, g) = pair(1, e + 1)
+      rows%pair(:, 2, g) = pair(2, e + 1)
+      do i = 1, rows%row_size(first)
+        rows%pair(i, :, g) = pair(:, e + i)
+      end do
+      do row = first, rows%last_row(g)
+        do i = 1, lanes
+          rows%row(i, :, row) = 0
+          rows%row(i, 20:21, row) = 1
+          if (size(rows%special, 3) > 0) rows%special(i, :, row) = 0
+          if (i > rows%row_size(row)) cycle
+          if (record(25, e + i) < 0.5_wp) cycle
+          call fill_lane(record(:, e + i), impulse(:, e + i), rows%row(i, :, row))
+          if (size(rows%special, 3) > 0) rows%special(i, :, row) = special_of(record(:, e + i))
+        end do
+        e = e + rows%row_size(row)
+      end do
+      first = rows%last_row(g) + 1
+    end do
+  end subroutine fill_rows
+
+  !> Room for the rows.
+  pure subroutine make_room(rows, is_special)
+    type(solid_lanes_t), intent(inout) :: rows
+    logical, intent(in) :: is_special !! is there a law out of the ordinary?
+    integer :: n_rows, n_groups
+    logical :: fits
+
+    fits = allocated(rows%row)
+    if (fits) fits = size(rows%row, 3) >= rows%n_rows .and. size(rows%pair, 3) >= rows%n_groups &
+                     .and. (size(rows%special, 3) > 0 .eqv. is_special)
+    if (fits) return
+    if (allocated(rows%row)) deallocate (rows%row, rows%pair, rows%special)
+    n_rows = rows%n_rows + rows%n_rows/8
+    n_groups = rows%n_groups + rows%n_groups/8
+    allocate (rows%row(lanes, row_length, n_rows), rows%pair(lanes, 2, n_groups), &
+              rows%special(lanes, special_length, merge(n_rows, 0, is_special)))
+  end subroutine make_room
+
+  !> Does the bias of a contact have a part along its tangents?
+  pure elemental logical function is_oblique_bias(x, y, z, bx, by, bz)
+    real(wp), intent(in) :: x, y, z, bx, by, bz
+    real(wp) :: b(3)
+
+    b = cross([x, y, z], [bx, by, bz])
+    is_oblique_bias = maxval(abs(b)) > 8*epsilon(1.0_wp)*max(abs(bx), abs(by), abs(bz))
+  end function is_oblique_bias
+
+  !> The same for all records.
+  pure function is_oblique(record)
+    real(wp), intent(in) :: record(:, :)
+    logical :: is_oblique(size(record, 2))
+
+    is_oblique = is_oblique_bias(record(1, :), record(2, :), record(3, :), record(13, :), record(14, :), record(15, :))
+  end function is_oblique
+
+  !> A contact's lane of a row.
+  pure subroutine fill_lane(record, impulse, lane)
+    real(wp), intent(in) :: record(:), impulse(:)
+    real(wp), intent(inout) :: lane(:)
+
+    associate (n => record(1:3), t => record(4:6), inverse => 1/record(16))
+      lane(1:3) = [dot_product(n, impulse) + record(22), dot_product(t, impulse), dot_product(cross(n, t), impulse)]
+      lane(4:15) = record(1:12)
+      ! Cohesion is in the impulse, but what yields to a law with compliance is the impulse without it.
+      lane(16) = dot_product(n, record(13:15)) - record(23)*record(22)
+      lane(17:19) = [inverse, record(17)*inverse, record(18)*inverse]
+      lane(20:22) = record(19:21)
+      if (record(25) > 1.5_wp) lane(22) = -1
+    end associate
+  end subroutine fill_lane
+
+  !> Bias on the tangents, and compliance.
+  pure function special_of(record) result(special)
+    real(wp), intent(in) :: record(:)
+    real(wp) :: special(special_length)
+
+    special = [dot_product(record(4:6), record(13:15)), dot_product(cross(record(1:3), record(4:6)), record(13:15)), &
+               record(23), record(24)]
+  end function special_of
+
+  !> Impulse of a contact, a vector in the world's axes [N s].
+  pure function row_impulse(record, local) result(impulse)
+    real(wp), intent(in) :: record(:) !! record of the problem
+    real(wp), intent(in) :: local(3) !! impulse as rows have it
+    real(wp) :: impulse(3)
+
+    impulse = (local(1) - record(22))*record(1:3) + local(2)*record(4:6) + local(3)*cross(record(1:3), record(4:6))
+  end function row_impulse
+end module sg_sweep_solid_order
