@@ -23,13 +23,16 @@ contains
     type(neighbours_t), intent(inout) :: pairs !! pairs that may touch, made anew when stale
     type(history_t), intent(inout) :: history !! contacts of the last detection
     type(contacts_t), intent(inout) :: contacts !! contacts of the last step, replaced by those of this one
+    real(wp) :: skin
 
     if (.not. history%is_loaded) call keep_contacts(history, contacts)
     history%is_matched = .false.
     if (neighbours_are_stale(pairs, scene)) then
       if (.not. history%is_loaded .and. allocated(pairs%contactor)) call keep_pairs(history, pairs)
       call unwrap_images(history, scene)
-      call build_neighbours(pairs, scene, scene%bodies%middle, fitting_skin(scene))
+      skin = pairs%asked_skin
+      if (.not. skin > 0) skin = fitting_skin(scene)
+      call build_neighbours(pairs, scene, scene%bodies%middle, skin)
       call match_pairs(history, scene, pairs)
     else if (history%is_loaded) then
       call unwrap_images(history, scene)

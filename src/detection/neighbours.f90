@@ -10,6 +10,7 @@ module sg_neighbours
                            place_contactors
   use sg_kinds, only: wp, i1, i4, i8
   use sg_lists, only: reserve
+  use sg_homes, only: owner_of
   use sg_near, only: candidate_first, is_near, turning_arm
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
@@ -36,6 +37,10 @@ module sg_neighbours
     real(wp), allocatable :: built(:, :)
     !> How far shapes may move, two together, before the list is made again [m]
     real(wp) :: skin = 0
+    !> Skin of the next list, where all ranks of a decomposed scene must have the same; 0 where it is free to choose [m]
+    real(wp) :: asked_skin = 0
+    !> Rank whose contacts are sought, in a decomposed scene: each contact belongs to one rank
+    integer :: rank = 0
   end type neighbours_t
 
 contains
@@ -310,6 +315,9 @@ contains
       if (contactors%body(i) == contactors%body(j)) return
       see = table(class_of(contactors, i), class_of(contactors, j))
       if (see == 0) return
+      if (allocated(scene%bodies%home)) then
+        if (owner_of(scene%bodies%home([contactors%body(i), contactors%body(j)])) /= pairs%rank) return
+      end if
       period = [scene%period, scene%period_y, 0.0_wp]
       if (.not. is_near(contactors, i, j, period*real([image, 0], wp), period, scene%sees(see)%alert + pairs%skin)) return
       pairs%n = pairs%n + 1

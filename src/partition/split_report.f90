@@ -4,9 +4,9 @@
 !! part (`owner_of`), which holds copies of grains whose home is another one (doc/theory/partition.md).
 module sg_split_report
   use sg_contacts, only: contacts_t
+  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4, i8
   use sg_sorting, only: sort_permutation
-  use sg_subdomain, only: owner_of
   implicit none
   private
   public :: split_report_t, report_split

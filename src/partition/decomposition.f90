@@ -1,0 +1,296 @@
+!> The decomposition of a scene over ranks, from its beginning on: who owns what, and how that changes with the motion.
+!!
+!! Bodies keep their homes until the split is made anew (every so many steps, or when the loads are uneven). Copies are made
+!! anew whenever lists of neighbours are, on all ranks at once: then contacts with their impulses follow their owners. Gluing
+!! impulses are no state: they follow from the impulses of the contacts (doc/theory/decomposition.md).
+module sg_decomposition
+  use sg_boxes, only: choose_boxes, split_boxes
+  use sg_comm, only: comm_t
+  use sg_contacts, only: contacts_t
+  use sg_deal, only: deal_grains
+  use sg_error, only: error_t
+  use sg_halo, only: make_halo
+  use sg_history, only: history_t, resume_history, start_history
+  use sg_home_sum, only: copy_from_home
+  use sg_homes, only: owner_of
+  use sg_kinds, only: wp, i4
+  use sg_load, only: imbalance
+  use sg_local_numbers, only: local_contactor
+  use sg_migrate, only: migrate, take_part
+  use sg_neighbours, only: fitting_skin, neighbours_are_stale, neighbours_t
+  use sg_parcels, only: parcel_t
+  use sg_run_options, only: partition_options_t
+  use sg_scene, only: scene_t, start_contact_t
+  use sg_subdomain, only: subdomain_t
+  use sg_territory, only: body_reach
+  use sg_travel, only: pack_contacts, send_contacts, unpack_contacts
+  use sg_whole, only: keep_whole, localise, whole_t
+  implicit none
+  private
+  public :: decomposition_t
+
+  !> A body that is no grain is wide when it reaches farther than so many mean grains
+  real(wp), parameter :: wide_reach = 8
+
+  !> One rank's side of the decomposition
+  type :: decomposition_t
+    !> Is the scene decomposed?
+    logical :: is_on = .false.
+    !> Who shares what
+    type(subdomain_t) :: subdomain
+    !> What all ranks keep of the whole scene
+    type(whole_t) :: whole
+    !> Options of the deck
+    type(partition_options_t) :: options
+    !> Steps since the split was made, largest load of a rank over the mean one at the last look
+    integer :: age = 0
+    real(wp) :: imbalance = 1
+    !> Contacts known before the first step, with the numbers of the whole scene: read from a deck, or from a restart file
+    type(start_contact_t), allocatable, private :: start_contacts(:)
+    type(parcel_t), private :: resumed
+    logical, private :: is_first = .true., is_resumed = .false.
+  contains
+    procedure :: begin => decomposition_begin
+    procedure :: renew => decomposition_renew
+  end type decomposition_t
+
+contains
+
+  !> Split a whole scene that all ranks hold: afterwards each holds its part. Collective.
+  subroutine decomposition_begin(self, scene, contacts, is_resumed, options, comm, error)
+    class(decomposition_t), intent(inout) :: self
+    type(scene_t), intent(inout) :: scene !! the whole scene, replaced by this rank's part
+    type(contacts_t), intent(in) :: contacts !! contacts of a restart file, none otherwise
+    logical, intent(in) :: is_resumed !! does the run go on from a restart file?
+    type(partition_options_t), intent(in) :: options !! how to split
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when the deck asks for an impossible split
+    integer(i4), allocatable :: home(:)
+
+    self%is_on = .true.
+    self%options = options
+    self%subdomain%rank = comm%rank
+    self%subdomain%size = comm%size
+    self%subdomain%all_bodies = scene%bodies%n
+    self%subdomain%all_contactors = scene%contactors%n
+    call keep_whole(scene, self%whole)
+    call first_homes(scene, options, comm, home, error)
+    if (allocated(error)) return
+    self%is_resumed = is_resumed
+    if (is_resumed) call pack_contacts(contacts, scene, home, self%resumed, comm%rank)
+    call keep_start_contacts(self, scene, home)
+    call take_part(scene, home, comm)
+    call localise(self%whole, scene)
+    self%subdomain%splits = 1
+  end subroutine decomposition_begin
+
+  !> Homes of all bodies: boxes about grains of one weight each. Every rank cuts a share of the grains.
+  subroutine first_homes(scene, options, comm, home, error)
+    type(scene_t), intent(in) :: scene
+    type(partition_options_t), intent(in) :: options
+    type(comm_t), intent(inout) :: comm
+    integer(i4), allocatable, intent(out) :: home(:)
+    type(error_t), allocatable, intent(out) :: error
+    logical, allocatable :: is_wide(:)
+    integer, allocatable :: own(:), narrow(:)
+    integer(i4), allocatable :: part(:)
+    real(wp), allocatable :: mine(:), all(:, :)
+    integer :: i, n, share, counts(3)
+
+    is_wide = wide_bodies(scene)
+    narrow = pack([(i, i=1, scene%bodies%n)], .not. is_wide)
+    n = size(narrow)
+    share = (n + comm%size - 1)/comm%size
+    own = narrow(min(n, comm%rank*share) + 1:min(n, (comm%rank + 1)*share))
+    call choose_boxes(comm, scene%bodies%position(:, own), comm%size, options%boxes, counts, error)
+    if (allocated(error)) return
+    call split_boxes(comm, scene%bodies%position(:, own), [(1.0_wp, i=1, size(own))], int(own, i4), counts, part)
+    allocate (mine(share), source=-1.0_wp)
+    mine(:size(part)) = real(part - 1, wp)
+    call comm%gather(mine, all)
+    allocate (home(scene%bodies%n), source=-1_i4)
+    home(narrow) = nint(pack(all, all > -0.5_wp), i4)
+  end subroutine first_homes
+
+  !> Bodies that all ranks hold: those that carry a pressure or bound a pressed length, and large ones that are no grains.
+  function wide_bodies(scene) result(is_wide)
+    type(scene_t), intent(in) :: scene
+    logical, allocatable :: is_wide(:)
+    real(wp) :: reach(scene%bodies%n), mean
+    integer :: i
+
+    reach = body_reach(scene, scene%bodies%n)
+    mean = 0
+    if (any(scene%bodies%is_grain)) mean = sum(reach, scene%bodies%is_grain)/real(count(scene%bodies%is_grain), wp)
+    is_wide = .not. scene%bodies%is_grain .and. reach > wide_reach*mean
+    do i = 1, size(scene%pressures)
+      is_wide(scene%pressures(i)%body) = .true.
+      if (all(scene%pressures(i)%between > 0)) is_wide(scene%pressures(i)%between) = .true.
+    end do
+  end function wide_bodies
+
+  !> Keep the contacts known at the start that this rank owns, with the numbers of the whole scene.
+  subroutine keep_start_contacts(self, scene, home)
+    class(decomposition_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene
+    integer(i4), intent(in) :: home(:)
+    integer :: k
+
+    if (.not. allocated(scene%start_contacts)) return
+    self%start_contacts = pack(scene%start_contacts, &
+                               [(owner_of(home(scene%contactors%body(scene%start_contacts(k)%contactor))) == &
+                                 self%subdomain%rank, k=1, size(scene%start_contacts))])
+  end subroutine keep_start_contacts
+
+  !> Bring the part of this rank up to date where any rank's list of neighbours is stale. Collective.
+  subroutine decomposition_renew(self, scene, pairs, history, contacts, step, comm, is_renewed, error)
+    class(decomposition_t), intent(inout) :: self
+    type(scene_t), intent(inout) :: scene !! this rank's part, predicted; replaced when renewed
+    type(neighbours_t), intent(inout) :: pairs !! its list of neighbours; forgotten when renewed
+    type(history_t), intent(inout) :: history !! contacts of the last step
+    type(contacts_t), intent(inout) :: contacts !! the same
+    real(wp), intent(in) :: step !! time step [s]
+    type(comm_t), intent(inout) :: comm !! the ranks
+    logical, intent(out) :: is_renewed !! was the part made anew? Then predict again
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when the graph cannot be split
+    integer(i4), allocatable :: home(:)
+    type(parcel_t) :: travelling
+    real(wp) :: skin
+
+    self%age = self%age + 1
+    is_renewed = comm%any(self%is_first .or. must_split(self) .or. neighbours_are_stale(pairs, scene))
+    if (.not. is_renewed) return
+    skin = common_skin(scene, comm)
+    if (self%is_first) then
+      call make_halo(scene, self%whole, self%subdomain, margin_of(scene, skin, comm), comm)
+      call start_contacts_here(self, scene, history, contacts, step)
+    else
+      call new_homes(self, scene, contacts, comm, home, error)
+      if (allocated(error)) return
+      if (allocated(home)) then
+        call send_contacts(contacts, scene, home, comm, travelling)
+        call migrate(scene, home, comm)
+      else
+        call pack_contacts(contacts, scene, scene%bodies%home, travelling)
+      end if
+      call make_halo(scene, self%whole, self%subdomain, margin_of(scene, skin, comm), comm)
+      call unpack_contacts(travelling, scene, contacts)
+      call resume_history(history, contacts)
+    end if
+    self%is_first = .false.
+    call forget_pairs(pairs, skin)
+  end subroutine decomposition_renew
+
+  !> Is a new split due whatever the loads are?
+  pure logical function must_split(self)
+    class(decomposition_t), intent(in) :: self
+
+    must_split = .false.
+    if (self%options%every > 0) must_split = self%age >= self%options%every
+  end function must_split
+
+  !> One skin for all ranks [m].
+  real(wp) function common_skin(scene, comm) result(skin)
+    type(scene_t), intent(in) :: scene
+    type(comm_t), intent(inout) :: comm
+    real(wp) :: widest(1)
+
+    widest = 0
+    if (scene%bodies%n > 0 .and. scene%contactors%n > 0) widest = fitting_skin(scene)
+    call comm%maximum(widest)
+    skin = widest(1)
+  end function common_skin
+
+  !> How near another rank's grains a body must be for its contacts before the next search [m]: the alert distance, the skin,
+  !! and what both move from where they are to where contacts are sought.
+  real(wp) function margin_of(scene, skin, comm) result(margin)
+    type(scene_t), intent(in) :: scene
+    real(wp), intent(in) :: skin
+    type(comm_t), intent(inout) :: comm
+    real(wp) :: most(1)
+    integer :: n
+
+    n = scene%dimension
+    most = 0
+    if (scene%bodies%n > 0) most = sqrt(maxval(sum((scene%bodies%middle(:n, :) - scene%bodies%position)**2, 1)))
+    call comm%maximum(most)
+    margin = skin + 2*most(1)
+    if (size(scene%sees) > 0) margin = margin + maxval(scene%sees%alert)
+  end function margin_of
+
+  !> New homes of this rank's bodies and of its copies, where a new split is due; unallocated where it is not.
+  subroutine new_homes(self, scene, contacts, comm, home, error)
+    class(decomposition_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    type(comm_t), intent(inout) :: comm
+    integer(i4), allocatable, intent(out) :: home(:)
+    type(error_t), allocatable, intent(out) :: error
+    real(wp) :: moved(1)
+    integer :: n
+
+    self%imbalance = imbalance(comm, real(contacts%n, wp))
+    if (.not. (must_split(self) .or. self%imbalance > self%options%imbalance .or. &
+               (self%options%split == 'graph' .and. self%subdomain%splits == 1))) return
+    call deal_grains(comm, self%options, self%subdomain, scene%bodies, contacts, home, error)
+    if (allocated(error)) return
+    n = scene%bodies%n_home
+    moved = real(count(home(:n) /= scene%bodies%home(:n)), wp)
+    call comm%sum(moved)
+    home = [home(:n), scene%bodies%home(n + 1:)]
+    call tell_copies(self%subdomain, scene%bodies%home, home, comm)
+    self%subdomain%moved = self%subdomain%moved + moved(1)
+    self%subdomain%splits = self%subdomain%splits + 1
+    self%age = 0
+  end subroutine new_homes
+
+  !> Tell a whole number of each own body to all that hold copies of it.
+  subroutine tell_copies(subdomain, home, number, comm)
+    type(subdomain_t), intent(in) :: subdomain
+    integer(i4), intent(in) :: home(:) !! present homes
+    integer(i4), intent(inout) :: number(:) !! of own bodies; set for copies
+    type(comm_t), intent(inout) :: comm
+    real(wp) :: values(1, size(number))
+
+    values(1, :) = real(number, wp)
+    call copy_from_home(subdomain, home, comm, values)
+    number = nint(values(1, :), i4)
+  end subroutine tell_copies
+
+  !> The past of the first step, when copies have been made: contacts of a restart file, or those that the deck knows.
+  subroutine start_contacts_here(self, scene, history, contacts, step)
+    class(decomposition_t), intent(inout) :: self
+    type(scene_t), intent(inout) :: scene
+    type(history_t), intent(inout) :: history
+    type(contacts_t), intent(inout) :: contacts
+    real(wp), intent(in) :: step
+    integer :: k, side
+
+    if (self%is_resumed) then
+      call unpack_contacts(self%resumed, scene, contacts)
+      call resume_history(history, contacts)
+      return
+    end if
+    if (.not. allocated(self%start_contacts)) return
+    do k = 1, size(self%start_contacts)
+      do side = 1, 2
+        associate (contactor => self%start_contacts(k)%contactor(side))
+          contactor = local_contactor(scene%contactors, int(contactor, i4))
+        end associate
+      end do
+    end do
+    scene%start_contacts = pack(self%start_contacts, [(all(self%start_contacts(k)%contactor > 0), k=1, size(self%start_contacts))])
+    deallocate (self%start_contacts)
+    call start_history(history, scene, step, contacts%n_components)
+  end subroutine start_contacts_here
+
+  !> Have the list of neighbours made anew, with a given skin.
+  subroutine forget_pairs(pairs, skin)
+    type(neighbours_t), intent(inout) :: pairs
+    real(wp), intent(in) :: skin
+
+    if (allocated(pairs%built)) deallocate (pairs%built)
+    if (allocated(pairs%slot_of)) deallocate (pairs%slot_of)
+    pairs%asked_skin = skin
+  end subroutine forget_pairs
+end module sg_decomposition

@@ -1,0 +1,195 @@
+!> The part of a scene that one rank holds: its own bodies, all wide ones, and copies of those that may touch its own
+!! before the next search for neighbours; and who shares which of them (doc/theory/decomposition.md).
+module sg_halo
+  use sg_comm, only: comm_t
+  use sg_homes, only: owner_of
+  use sg_kinds, only: wp, i4, i8
+  use sg_local_numbers, only: contactors_of_bodies, local_body
+  use sg_pack_bodies, only: build_scene, order_records, pack_body
+  use sg_parcels, only: parcel_t
+  use sg_scene, only: scene_t
+  use sg_sorting, only: sort_permutation
+  use sg_subdomain, only: subdomain_t
+  use sg_territory, only: body_reach, territory_t
+  use sg_whole, only: localise, whole_t
+  implicit none
+  private
+  public :: make_halo
+
+contains
+
+  !> Make the copies of a rank anew: bodies of the scene that are its own, and wide ones, stay; all other copies are replaced.
+  !! Collective.
+  subroutine make_halo(scene, whole, subdomain, margin, comm)
+    type(scene_t), intent(inout) :: scene !! this rank's part, replaced
+    type(whole_t), intent(in) :: whole !! drives, pressures and names of the whole scene
+    type(subdomain_t), intent(inout) :: subdomain !! lists of shared bodies, made anew
+    real(wp), intent(in) :: margin !! how near another rank's grains a body must come to be copied there [m]
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(parcel_t) :: bodies, holders
+    type(scene_t) :: local
+    integer, allocatable :: start(:), share(:, :)
+    integer :: n_home
+
+    call gather_records(scene, margin, comm, bodies, holders)
+    call order_records(bodies, comm%rank, comm%size, start, n_home)
+    call build_scene(scene, bodies, start, n_home, local)
+    deallocate (bodies%value)
+    scene = local
+    call localise(whole, scene)
+    call read_holders(holders, share)
+    call list_shares(scene, share, comm%rank, subdomain)
+  end subroutine make_halo
+
+  !> Records of all bodies that this rank is to hold, and who holds which of the shared ones.
+  subroutine gather_records(scene, margin, comm, bodies, holders)
+    type(scene_t), intent(in) :: scene
+    real(wp), intent(in) :: margin
+    type(comm_t), intent(inout) :: comm
+    type(parcel_t), intent(inout) :: bodies, holders
+    type(territory_t) :: territory
+    real(wp) :: reach(scene%bodies%n_home)
+    integer(i4), allocatable :: first(:), list(:)
+    logical, allocatable :: is_held(:, :)
+    integer :: sent(0:comm%size - 1), told(0:comm%size - 1), r, b, before
+    type(parcel_t) :: copies, words
+
+    reach = body_reach(scene, scene%bodies%n_home)
+    call territory%survey(scene, reach, margin, comm)
+    call find_holders(scene, territory, reach, comm, is_held)
+    call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
+    do r = 0, comm%size - 1
+      sent(r) = copies%n
+      told(r) = words%n
+      do b = 1, scene%bodies%n_home
+        if (.not. is_held(b, r)) cycle
+        before = scene%bodies%home(b)
+        call pack_body(scene, b, first, list, before, copies)
+        call put_holders(scene%bodies%id(b), is_held(b, :), words)
+      end do
+      sent(r) = copies%n - sent(r)
+      told(r) = words%n - told(r)
+    end do
+    call swap_parcel(copies, sent, comm, bodies)
+    call swap_parcel(words, told, comm, holders)
+    ! Own bodies and wide ones stay; what this rank tells itself is who else holds its own.
+    do b = 1, scene%bodies%n
+      if (b > scene%bodies%n_home .and. scene%bodies%home(b) >= 0) cycle
+      call pack_body(scene, b, first, list, int(scene%bodies%home(b)), bodies)
+      if (b > scene%bodies%n_home) cycle
+      if (any(is_held(b, :))) call put_holders(scene%bodies%id(b), is_held(b, :), holders)
+    end do
+  end subroutine gather_records
+
+  !> Which ranks hold a copy of each own grain.
+  subroutine find_holders(scene, territory, reach, comm, is_held)
+    type(scene_t), intent(in) :: scene
+    type(territory_t), intent(in) :: territory
+    real(wp), intent(in) :: reach(:)
+    type(comm_t), intent(in) :: comm
+    logical, allocatable, intent(out) :: is_held(:, :) !! shape (own bodies, 0:ranks-1)
+    integer :: r, b
+
+    allocate (is_held(scene%bodies%n_home, 0:comm%size - 1), source=.false.)
+    do r = 0, comm%size - 1
+      if (r == comm%rank .or. territory%first(r + 1) == territory%first(r)) cycle
+      ! All contacts between two ranks belong to one of them: the other needs no copies.
+      if (owner_of(int([comm%rank, r], i4)) /= r) cycle
+      do b = 1, scene%bodies%n_home
+        if (scene%bodies%home(b) < 0) cycle
+        is_held(b, r) = territory%is_near(r, scene%bodies%position(:, b), reach(b))
+      end do
+    end do
+  end subroutine find_holders
+
+  !> Append who holds a body beside its home: number, number of ranks, ranks.
+  subroutine put_holders(number, is_held, holders)
+    integer(i4), intent(in) :: number
+    logical, intent(in) :: is_held(0:)
+    type(parcel_t), intent(inout) :: holders
+    integer :: r
+
+    call holders%put(number)
+    call holders%put(count(is_held))
+    do r = 0, size(is_held) - 1
+      if (is_held(r)) call holders%put(r)
+    end do
+  end subroutine put_holders
+
+  !> Send each rank its part of a parcel, and take what comes back for another.
+  subroutine swap_parcel(send, sent, comm, receive)
+    type(parcel_t), intent(inout) :: send
+    integer, intent(in) :: sent(0:)
+    type(comm_t), intent(inout) :: comm
+    type(parcel_t), intent(inout) :: receive
+    real(wp), allocatable :: values(:)
+    integer, allocatable :: received(:)
+
+    if (.not. allocated(send%value)) allocate (send%value(0))
+    call comm%swap(send%value(:send%n), sent, values, received)
+    deallocate (send%value)
+    call receive%adopt(values)
+  end subroutine swap_parcel
+
+  !> Read who holds what, as pairs of rank and body number: a body with its holders and, of those that are not our own, its
+  !! home, which is looked up later.
+  subroutine read_holders(holders, share)
+    type(parcel_t), intent(inout) :: holders
+    integer, allocatable, intent(out) :: share(:, :) !! rank and number of the body, shape (2, shares)
+    integer(i4) :: number, ranks, r
+    integer :: n, i, pass
+
+    do pass = 1, 2
+      n = 0
+      holders%at = 0
+      do while (holders%at < holders%n)
+        call holders%take(number)
+        call holders%take(ranks)
+        do i = 1, ranks
+          call holders%take(r)
+          n = n + 1
+          if (pass == 2) share(:, n) = [r, number]
+        end do
+      end do
+      if (pass == 1) allocate (share(2, n))
+    end do
+  end subroutine read_holders
+
+  !> Lists of the bodies shared with each neighbour.
+  subroutine list_shares(scene, share, rank, subdomain)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: share(:, :), rank
+    type(subdomain_t), intent(inout) :: subdomain
+    integer(i8), allocatable :: keys(:)
+    integer, allocatable :: entry(:, :)
+    integer :: b, i, n
+
+    ! A copy is shared with its home too.
+    associate (bodies => scene%bodies)
+      entry = share(:, pack([(i, i=1, size(share, 2))], share(1, :) /= rank))
+      n = size(entry, 2)
+      entry = reshape([reshape(entry, [2*n]), [([int(bodies%home(b)), int(bodies%id(b))], b=bodies%n_home + 1, bodies%n)]], &
+                      [2, n + bodies%n - bodies%n_home])
+      entry = entry(:, pack([(i, i=1, size(entry, 2))], entry(1, :) >= 0))
+      allocate (keys(size(entry, 2)))
+      keys = int(entry(1, :), i8)*int(subdomain%all_bodies + 1, i8) + int(entry(2, :), i8)
+      entry = entry(:, sort_permutation(keys))
+      if (allocated(subdomain%neighbour)) deallocate (subdomain%neighbour, subdomain%first, subdomain%body, subdomain%home)
+      subdomain%neighbour = pack(entry(1, :), [(is_first(i), i=1, size(entry, 2))])
+      subdomain%first = [pack([(i, i=1, size(entry, 2))], [(is_first(i), i=1, size(entry, 2))]), size(entry, 2) + 1]
+      subdomain%body = [(local_body(bodies, int(entry(2, i), i4)), i=1, size(entry, 2))]
+      subdomain%home = int(bodies%home(subdomain%body))
+      subdomain%wide = pack([(b, b=1, bodies%n)], bodies%home < 0)
+      subdomain%wide = subdomain%wide(sort_permutation(int(bodies%id(subdomain%wide), i8)))
+    end associate
+    subdomain%serial = subdomain%serial + 1
+  contains
+    !> Does a new neighbour begin here?
+    pure logical function is_first(i)
+      integer, intent(in) :: i
+
+      is_first = i == 1
+      if (.not. is_first) is_first = entry(1, i) /= entry(1, i - 1)
+    end function is_first
+  end subroutine list_shares
+end module sg_halo

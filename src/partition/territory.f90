@@ -1,0 +1,169 @@
+!> Where a rank's grains are: boxes about groups of them, by which other ranks tell which of their grains come near.
+module sg_territory
+  use sg_comm, only: comm_t
+  use sg_kinds, only: wp, i4, i8
+  use sg_scene, only: scene_t
+  use sg_sorting, only: hilbert_key, hilbert_key_in_space, sort_permutation
+  implicit none
+  private
+  public :: territory_t, body_reach
+
+  !> Most boxes that a rank tells its neighbours
+  integer, parameter :: most_boxes = 128
+
+  !> Boxes of this rank, and of the ranks that may come near
+  type :: territory_t
+    !> Boxes of rank r are `box(:, first(r):first(r + 1) - 1)`, ranks from 0: low corner, high corner [m], shape (6, boxes)
+    integer, allocatable :: first(:)
+    real(wp), allocatable :: box(:, :)
+    !> The box about all grains of each rank, shape (6, 0:ranks-1)
+    real(wp), allocatable :: outline(:, :)
+    !> Periods in x and y [m], 0 where there is none
+    real(wp) :: period(2) = 0
+  contains
+    procedure :: survey => territory_survey
+    procedure :: is_near => territory_is_near
+  end type territory_t
+
+contains
+
+  !> Radius about the centre of mass that holds a body's shapes, for bodies 1 to n [m].
+  pure function body_reach(scene, n) result(reach)
+    type(scene_t), intent(in) :: scene !! scene of the bodies
+    integer, intent(in) :: n !! number of bodies
+    real(wp) :: reach(n)
+    integer :: c, b
+
+    reach = 0
+    do c = 1, scene%contactors%n
+      b = scene%contactors%body(c)
+      if (b > n) cycle
+      reach(b) = max(reach(b), norm2(scene%contactors%shift(:, c)) + scene%contactors%reach(c))
+    end do
+  end function body_reach
+
+  !> Draw boxes about all grains of this rank and learn those of ranks that may come near. Collective.
+  subroutine territory_survey(self, scene, reach, margin, comm)
+    class(territory_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene !! this rank's part
+    real(wp), intent(in) :: reach(:) !! of its own bodies [m]
+    real(wp), intent(in) :: margin !! how near counts [m]
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp), allocatable :: own(:, :), outline(:, :)
+
+    self%period = [scene%period, scene%period_y]
+    call draw_boxes(scene, reach, margin, own)
+    call comm%gather([minval(own(:3, :), 2), maxval(own(4:, :), 2)], outline)
+    if (allocated(self%outline)) deallocate (self%outline)
+    allocate (self%outline(6, 0:comm%size - 1))
+    self%outline(:, :) = outline
+    call learn_boxes(self, own, comm)
+  end subroutine territory_survey
+
+  !> Boxes about groups of grains along Hilbert's curve, widened by the margin.
+  subroutine draw_boxes(scene, reach, margin, box)
+    type(scene_t), intent(in) :: scene
+    real(wp), intent(in) :: reach(:), margin
+    real(wp), allocatable, intent(out) :: box(:, :)
+    integer, allocatable :: grain(:)
+    integer(i8), allocatable :: keys(:)
+    real(wp) :: low(3), high(3), extent, here(3)
+    integer :: i, b, n, d, group
+
+    d = scene%dimension
+    grain = pack([(i, i=1, scene%bodies%n_home)], scene%bodies%home(:scene%bodies%n_home) >= 0)
+    n = size(grain)
+    group = max(16, (n + most_boxes - 1)/most_boxes)
+    allocate (box(6, (n + group - 1)/group))
+    box(:3, :) = huge(1.0_wp)
+    box(4:, :) = -huge(1.0_wp)
+    if (n == 0) return
+    allocate (keys(n))
+    low = 0
+    high = 0
+    low(:d) = minval(scene%bodies%position(:, grain), 2)
+    high(:d) = maxval(scene%bodies%position(:, grain), 2)
+    extent = max(maxval(high - low), tiny(extent))
+    here = 0
+    do i = 1, n
+      here(:d) = (scene%bodies%position(:, grain(i)) - low(:d))/extent
+      if (d == 2) keys(i) = hilbert_key(here(:2))
+      if (d == 3) keys(i) = hilbert_key_in_space(here)
+    end do
+    grain = grain(sort_permutation(keys))
+    here = 0
+    do i = 1, n
+      b = grain(i)
+      here(:d) = scene%bodies%position(:, b)
+      associate (own => box(:, (i - 1)/group + 1))
+        own(:3) = min(own(:3), here - reach(b) - margin)
+        own(4:) = max(own(4:), here + reach(b) + margin)
+      end associate
+    end do
+  end subroutine draw_boxes
+
+  !> Tell the boxes to ranks whose outline comes near, and learn theirs.
+  subroutine learn_boxes(self, own, comm)
+    class(territory_t), intent(inout) :: self
+    real(wp), intent(in) :: own(:, :)
+    type(comm_t), intent(inout) :: comm
+    real(wp), allocatable :: send(:), receive(:)
+    integer, allocatable :: received(:)
+    integer :: sent(0:comm%size - 1), r
+
+    sent = 0
+    allocate (send(0))
+    do r = 0, comm%size - 1
+      if (r == comm%rank) cycle
+      if (.not. overlap(self%outline(:, comm%rank), self%outline(:, r), self%period)) cycle
+      sent(r) = size(own)
+    end do
+    send = [(reshape(own, [size(own)]), r=1, count(sent > 0))]
+    call comm%swap(send, sent, receive, received)
+    if (allocated(self%first)) deallocate (self%first, self%box)
+    allocate (self%first(0:comm%size), self%box(6, size(receive)/6))
+    self%box(:, :) = reshape(receive, [6, size(receive)/6])
+    self%first(0) = 1
+    do r = 0, comm%size - 1
+      self%first(r + 1) = self%first(r) + received(lbound(received, 1) + r)/6
+    end do
+  end subroutine learn_boxes
+
+  !> Does a body come near the grains of another rank?
+  pure logical function territory_is_near(self, r, centre, reach)
+    class(territory_t), intent(in) :: self
+    integer, intent(in) :: r !! rank
+    real(wp), intent(in) :: centre(:) !! of the body [m], shape (dimension)
+    real(wp), intent(in) :: reach !! radius that holds it [m]
+    real(wp) :: own(6)
+    integer :: i
+
+    own = 0
+    own(:size(centre)) = centre - reach
+    own(4:3 + size(centre)) = centre + reach
+    territory_is_near = .false.
+    if (.not. overlap(own, self%outline(:, r), self%period)) return
+    do i = self%first(r), self%first(r + 1) - 1
+      territory_is_near = overlap(own, self%box(:, i), self%period)
+      if (territory_is_near) return
+    end do
+  end function territory_is_near
+
+  !> Do two boxes overlap, or an image of one with the other?
+  pure logical function overlap(a, b, period)
+    real(wp), intent(in) :: a(6), b(6), period(2)
+    real(wp) :: shift
+    integer :: axis, image
+
+    overlap = a(3) <= b(6) .and. b(3) <= a(6)
+    do axis = 1, 2
+      if (.not. overlap) return
+      overlap = .false.
+      do image = -1, 1
+        if (image /= 0 .and. .not. period(axis) > 0) cycle
+        shift = period(axis)*real(image, wp)
+        overlap = overlap .or. (a(axis) + shift <= b(axis + 3) .and. b(axis) <= a(axis + 3) + shift)
+      end do
+    end do
+  end function overlap
+end module sg_territory

@@ -1,0 +1,100 @@
+!> Contacts that travel: with the numbers of the whole scene, from the rank that had them to the rank that will.
+!!
+!! A record is candidate, antagonist, feature, image in x and y, law, status and the impulse. Contacts of one pair stay
+!! together. What one rank knows of a contact goes with it, so that impulses are neither lost nor doubled when grains move.
+module sg_travel
+  use sg_comm, only: comm_t
+  use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_homes, only: owner_of
+  use sg_kinds, only: wp, i1, i4
+  use sg_local_numbers, only: local_contactor
+  use sg_parcels, only: parcel_t
+  use sg_scene, only: scene_t
+  implicit none
+  private
+  public :: pack_contacts, send_contacts, unpack_contacts
+
+contains
+
+  !> Append the contacts that a rank will own, or all where no rank is given.
+  subroutine pack_contacts(contacts, scene, home, parcel, rank)
+    type(contacts_t), intent(in) :: contacts !! contacts of the last step
+    type(scene_t), intent(in) :: scene !! scene whose contactors they name
+    integer(i4), intent(in) :: home(:) !! home of each body of that scene from now on, -1 for wide ones
+    type(parcel_t), intent(inout) :: parcel !! takes the records
+    integer, intent(in), optional :: rank !! rank whose contacts are wanted
+    integer :: k
+
+    do k = 1, contacts%n
+      if (present(rank)) then
+        if (owner_of(home(scene%contactors%body(contacts%contactor(:, k)))) /= rank) cycle
+      end if
+      if (allocated(scene%contactors%id)) then
+        call parcel%put(scene%contactors%id(contacts%contactor(:, k)))
+      else
+        call parcel%put(contacts%contactor(:, k))
+      end if
+      call parcel%put(contacts%feature(k))
+      call parcel%put(int(contacts%image(k)))
+      if (contacts%dimension == 3) call parcel%put(int(contacts%image_y(k)))
+      call parcel%put(contacts%law(k))
+      call parcel%put(int(contacts%status(k)))
+      call parcel%put(contacts%impulse(:, k))
+    end do
+  end subroutine pack_contacts
+
+  !> Send contacts to the ranks that will own them. Collective.
+  subroutine send_contacts(contacts, scene, home, comm, parcel)
+    type(contacts_t), intent(in) :: contacts !! contacts of the last step
+    type(scene_t), intent(in) :: scene !! this rank's part, as it was in that step
+    integer(i4), intent(in) :: home(:) !! home of each body of it from now on, -1 for wide ones
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(parcel_t), intent(inout) :: parcel !! records of the contacts that this rank will own
+    type(parcel_t) :: leaving
+    real(wp), allocatable :: values(:)
+    integer, allocatable :: received(:)
+    integer :: sent(0:comm%size - 1), r
+
+    allocate (leaving%value(0))
+    do r = 0, comm%size - 1
+      sent(r) = leaving%n
+      call pack_contacts(contacts, scene, home, leaving, r)
+      sent(r) = leaving%n - sent(r)
+    end do
+    call comm%swap(leaving%value(:leaving%n), sent, values, received)
+    call parcel%adopt(values)
+  end subroutine send_contacts
+
+  !> Take contacts from their records; those of contactors that are not here are dropped.
+  subroutine unpack_contacts(parcel, scene, contacts)
+    type(parcel_t), intent(inout) :: parcel !! records of contacts
+    type(scene_t), intent(in) :: scene !! this rank's part, as it is from now on
+    type(contacts_t), intent(inout) :: contacts !! contacts; dimension and components are set
+    integer(i4) :: pair(2), words(5)
+    integer :: n, width
+
+    width = 6 + merge(1, 0, contacts%dimension == 3) + contacts%n_components
+    call reserve_contacts(contacts, parcel%n/width)
+    n = 0
+    do while (parcel%at < parcel%n)
+      call parcel%take(pair)
+      words = 0
+      call parcel%take(words(1))
+      call parcel%take(words(2))
+      if (contacts%dimension == 3) call parcel%take(words(3))
+      call parcel%take(words(4:5))
+      call parcel%take(contacts%impulse(:, n + 1))
+      contacts%contactor(1, n + 1) = int(local_contactor(scene%contactors, pair(1)), i4)
+      contacts%contactor(2, n + 1) = int(local_contactor(scene%contactors, pair(2)), i4)
+      if (any(contacts%contactor(:, n + 1) == 0)) cycle
+      n = n + 1
+      contacts%body(:, n) = scene%contactors%body(contacts%contactor(:, n))
+      contacts%feature(n) = words(1)
+      contacts%image(n) = int(words(2), i1)
+      if (contacts%dimension == 3) contacts%image_y(n) = int(words(3), i1)
+      contacts%law(n) = words(4)
+      contacts%status(n) = int(words(5), i1)
+    end do
+    contacts%n = n
+  end subroutine unpack_contacts
+end module sg_travel
