@@ -15,7 +15,9 @@ module sg_whole_errors
     integer :: contacts = 0
     !> Norm of q over all of them, velocity scale, largest velocity component [m/s]
     real(wp) :: free_norm = 0, velocity_scale = 0, fastest = 0
+    !> What is being summed: e1 too? And contacts of this rank that carry an impulse
     logical, private :: with_e1 = .false.
+    integer, private :: active = 0
   contains
     procedure :: prepare => errors_prepare
     procedure :: begin => errors_begin
@@ -51,19 +53,24 @@ contains
     logical, intent(in) :: with_e1 !! measure e1 and e2 too
     type(comm_t), intent(inout) :: comm !! the ranks
 
+    real(wp) :: sums(n_error_sums)
+
+    sums = sum_errors(problem, with_e1)
     self%with_e1 = with_e1
-    call comm%begin_sum(sum_errors(problem, with_e1))
+    self%active = nint(sums(6))
+    call comm%begin_sum(sums)
   end subroutine errors_begin
 
   !> Take the errors of the whole problem from the sums that were begun.
   subroutine errors_finish(self, report, comm)
     class(whole_errors_t), intent(in) :: self
-    type(report_t), intent(inout) :: report !! errors and active contacts are set
+    type(report_t), intent(inout) :: report !! errors of all ranks' contacts and active contacts of this one are set
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp) :: sums(n_error_sums)
 
     call comm%finish_sum(sums)
     call set_errors(sums, self%contacts, self%free_norm, self%velocity_scale, self%with_e1, report)
+    report%active_contacts = self%active
   end subroutine errors_finish
 
   !> Both at once.
