@@ -36,7 +36,7 @@ contains
     code = exit_done
     call print_counts(file, scene, options)
     call make_plan(scene, plan)
-    write (*, '(a)') describe_plan(plan, scene)
+    write (*, '(a)') describe_plan(plan, scene, ranks=1)
   end subroutine check_command
 
   !> Print what the plan does not say: time, laws, drives, memory.

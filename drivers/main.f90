@@ -24,7 +24,8 @@ program splitgrain
   call read_arguments(arguments, error)
   if (.not. allocated(error)) call choose()
   if (allocated(error)) then
-    write (error_unit, '(a)') error%report()
+    ! Ranks that share a run agree on its errors: one of them tells.
+    if (comm%rank == 0) write (error_unit, '(a)') error%report()
     code = error%code
   end if
   call end_program(code)

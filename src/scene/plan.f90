@@ -14,7 +14,7 @@ module sg_plan
   use sg_text, only: to_text
   implicit none
   private
-  public :: plan_t, make_plan, describe_plan
+  public :: plan_t, make_plan, set_radii, describe_plan
 
   !> What a scene needs
   type :: plan_t
@@ -66,6 +66,17 @@ contains
     call drop_rotation(scene%bodies)
   end subroutine make_plan
 
+  !> Set the radii of round bodies anew, when a rank's part of the scene is another one.
+  pure subroutine set_radii(scene, plan)
+    type(scene_t), intent(in) :: scene !! this rank's part
+    type(plan_t), intent(inout) :: plan !! plan of the whole scene
+    logical, allocatable :: turns(:), rests(:), is_partly_driven(:)
+
+    if (.not. (plan%is_round .and. plan%has_tangent)) return
+    call find_turning(scene, turns, rests, is_partly_driven)
+    plan%radius = signed_radii(scene, turns)
+  end subroutine set_radii
+
   !> Laws and pairs of kinds in use, from one contactor of each kind and colour.
   subroutine list_uses(scene, plan)
     type(scene_t), intent(in) :: scene
@@ -96,7 +107,7 @@ contains
 
   !> Which bodies can turn, which neither turn now nor ever are made to, and which of those in space that turn are driven
   !! in some components only.
-  subroutine find_turning(scene, turns, rests, is_partly_driven)
+  pure subroutine find_turning(scene, turns, rests, is_partly_driven)
     type(scene_t), intent(in) :: scene
     logical, allocatable, intent(out) :: turns(:), rests(:), is_partly_driven(:)
     logical, allocatable :: is_free(:, :)
@@ -188,9 +199,10 @@ contains
   end subroutine freeze_walls
 
   !> The plan in a few lines: what is used, what is left out.
-  function describe_plan(plan, scene) result(text)
+  function describe_plan(plan, scene, ranks) result(text)
     type(plan_t), intent(in) :: plan !! plan of the scene
     type(scene_t), intent(in) :: scene !! scene after planning
+    integer, intent(in) :: ranks !! ranks that share it
     character(len=:), allocatable :: text
     character(len=*), parameter :: nl = new_line('a')
     integer :: i, j
@@ -214,8 +226,9 @@ contains
            //used(plan%has_rotation, 'rotation') &
            //used(.not. plan%is_round, 'lever arms')//used(scene%period > 0, 'period in x') &
            //used(scene%period_y > 0, 'period in y') &
-           //used(size(scene%drives) > 0, 'drives')//used(size(scene%pressures) > 0, 'pressures')
-    text = text//nl//'left out   decomposition'//used(scene%dimension == 2, '3D') &
+           //used(size(scene%drives) > 0, 'drives')//used(size(scene%pressures) > 0, 'pressures') &
+           //used(ranks > 1, 'decomposition')
+    text = text//nl//'left out   '//merge('3D', '2D', scene%dimension == 2)//used(ranks == 1, 'decomposition') &
            //used(.not. plan%has_tangent, 'friction') &
            //used(.not. plan%has_rotation, 'rotation')//used(plan%is_round, 'lever arms') &
            //used(.not. max(scene%period, scene%period_y) > 0, 'period')//used(size(scene%drives) == 0, 'drives') &

@@ -13,15 +13,12 @@ module sg_checkpoint
   use sg_neighbours, only: build_neighbours
   use sg_restart, only: keep_state, newest_restart, read_restart, restart_t, restore_state, write_restart
   use sg_rows, only: rows_t
-  use sg_scene, only: scene_t
+  use sg_signature, only: n_signature, signature_of
   use sg_simulation, only: simulation_t
   use sg_totals, only: n_totals_values, totals_t
   implicit none
   private
-  public :: save_checkpoint, load_checkpoint, signature_of, n_signature
-
-  !> Numbers of a scene's signature
-  integer, parameter :: n_signature = 5
+  public :: save_checkpoint, load_checkpoint
 
 contains
 
@@ -138,22 +135,4 @@ contains
       call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals) - n_signature))
     end if
   end subroutine load_whole
-
-  !> What tells scenes apart that have as many bodies: sums over bodies and contactors, each weighted by its place.
-  pure function signature_of(scene) result(signature)
-    type(scene_t), intent(in) :: scene !! whole scene
-    real(wp) :: signature(n_signature)
-    real(wp) :: inertia(scene%bodies%n)
-    integer :: i, n
-
-    n = scene%contactors%n
-    if (scene%dimension == 2) then
-      inertia = scene%bodies%inertia
-    else
-      inertia = sum(scene%bodies%principal, 1)
-    end if
-    signature = [real(n, wp), sum(scene%bodies%mass*[(real(i, wp), i=1, scene%bodies%n)]), &
-                 sum(inertia*[(real(i, wp), i=1, scene%bodies%n)]), &
-                 sum(scene%contactors%reach(:n)*[(real(i, wp), i=1, n)]), real(size(scene%drives), wp)]
-  end function signature_of
 end module sg_checkpoint

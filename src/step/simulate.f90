@@ -13,18 +13,19 @@ module sg_simulate
   use sg_plan, only: describe_plan
   use sg_progress, only: progress_t
   use sg_record, only: record_t
+  use sg_report, only: report_t
   use sg_restart, only: newest_restart
   use sg_run_options, only: criterion_names, run_options_t
   use sg_run_summary, only: run_done, run_failed, run_not_converged, run_stopped, run_summary_t, write_run_summary
   use sg_samples, only: samples_t
-  use sg_simulation, only: advance, simulation_t, start_simulation
+  use sg_simulation, only: advance, decompose, simulation_t, start_simulation
   use sg_spectrum_file, only: write_spectrum
   use sg_system, only: checkpoint_requested, is_terminal, remove_file, stop_signal
   use sg_numbers, only: write_numbers
   use sg_text, only: to_text
   use sg_text_files, only: replace_file
   use sg_timers, only: wall_now
-  use sg_totals, only: phase_measure, phase_output
+  use sg_totals, only: phase_measure, phase_output, reduce_report, totals_t
   use sg_verdict, only: print_verdict
   implicit none
   private
@@ -38,6 +39,8 @@ module sg_simulate
     type(run_summary_t) :: summary
     type(measures_t) :: measures
     type(samples_t) :: samples
+    !> Is this the rank that writes texts?
+    logical :: is_speaker = .true.
     logical :: has_pictures = .false., has_checkpoints = .false., has_saved = .false.
     real(wp) :: wall_start = 0
   end type writers_t
@@ -45,37 +48,47 @@ module sg_simulate
 contains
 
   !> Run a simulation to its end; run.json is written however it ends.
-  subroutine simulate(sim, deck, ranks, code, error)
-    type(simulation_t), intent(inout) :: sim !! scene and options are set
+  !!
+  !! Where there are several ranks, all of them call this, each with the whole scene; the first one alone speaks.
+  subroutine simulate(sim, deck, code, error)
+    type(simulation_t), intent(inout) :: sim !! scene, options and ranks are set
     character(len=*), intent(in) :: deck !! path of the deck
-    integer, intent(in) :: ranks !! number of ranks
     integer, intent(out) :: code !! exit code when there is no error
     type(error_t), allocatable, intent(out) :: error !! what ended the run, when something did
     type(writers_t) :: writers
     type(error_t), allocatable :: late
+    integer :: speaker
 
     code = exit_done
     writers%wall_start = wall_now()
-    call writers%summary%describe(sim%scene, sim%options, deck, ranks)
+    writers%is_speaker = sim%comm%rank == 0
+    writers%summary%is_speaker = writers%is_speaker
+    writers%record%is_speaker = writers%is_speaker
+    call writers%summary%describe(sim%scene, sim%options, deck, sim%comm%size)
     call start_simulation(sim)
-    if (.not. sim%options%is_quiet) then
-      write (output_unit, '(a)') describe_plan(sim%plan, sim%scene), describe_run(sim%options)
+    if (writers%is_speaker .and. .not. sim%options%is_quiet) then
+      write (output_unit, '(a)') describe_plan(sim%plan, sim%scene, sim%comm%size), describe_run(sim%options, sim%comm%size)
       flush (output_unit)
     end if
     call open_all(sim, writers, error)
     if (.not. allocated(error)) call loop(sim, writers, code, error)
     call conclude(sim, writers, code, error)
     call close_all(sim, writers, late)
+    call sim%comm%agree(late, speaker)
     if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
     if (.not. sim%options%is_quiet .or. allocated(error)) call print_verdict(output_unit, writers%summary)
   end subroutine simulate
 
-  !> What is done with the scene, in three lines.
-  function describe_run(options) result(text)
+  !> What is done with the scene, in a few lines.
+  function describe_run(options, ranks) result(text)
     type(run_options_t), intent(in) :: options
+    integer, intent(in) :: ranks
     character(len=:), allocatable :: text
 
-    text = 'solver     '//trim(options%solver%method)//' until '//trim(criterion_names(options%solver%criterion))//' <= ' &
+    text = ''
+    if (ranks > 1) text = 'ranks      '//to_text(ranks)//', split by '//trim(options%partition%split)//', glued by '// &
+                          trim(options%partition%gluing)//new_line('a')
+    text = text//'solver     '//trim(options%solver%method)//' until '//trim(criterion_names(options%solver%criterion))//' <= ' &
            //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps) &
            //trim(merge(' sweeps    ', ' iterations', options%solver%method == 'nlgs'))//new_line('a') &
            //'outputs    '//every('record', options%record_every)//', '//every('pictures', options%output_every)//', ' &
@@ -111,7 +124,7 @@ contains
       call write_due(sim, writers, error)
       if (allocated(error)) return
       if (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged) code = exit_not_converged
-      if (must_stop(sim, writers)) code = exit_stopped
+      if (sim%comm%any(must_stop(sim, writers))) code = exit_stopped
       if (code == exit_done) cycle
       if (code == exit_stopped .and. writers%has_checkpoints) call save(sim, writers, error)
       return
@@ -156,8 +169,7 @@ contains
     if (sim%options%record_every > 0 .and. (is_due(sim%options%record_every) .or. is_last)) then
       call measure_now(sim, writers)
       call sim%totals%phase(phase_output)%start()
-      call sim%totals%tick()
-      call writers%record%add(sim%step, sim%time(), sim%contacts%n, sim%report, sim%totals, writers%measures, error)
+      call record_now(sim, writers, error)
       call sim%totals%phase(phase_output)%stop()
     end if
     if (allocated(error)) return
@@ -166,10 +178,10 @@ contains
       call writers%pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, error)
     end if
     if (.not. allocated(error) .and. writers%has_checkpoints) then
-      if (is_due(sim%options%restart_every) .or. checkpoint_requested()) call save(sim, writers, error)
+      if (is_due(sim%options%restart_every) .or. sim%comm%any(checkpoint_requested())) call save(sim, writers, error)
     end if
     if (writers%progress%is_due()) then
-      call writers%progress%show(sim%step, sim%time(), sim%contacts%n, sim%report, kinetic_energy(sim%scene%bodies))
+      call writers%progress%show(sim%step, sim%time(), sim%all_contacts, sim%report, present_energy(sim, writers))
     end if
     call sim%totals%phase(phase_output)%stop()
   contains
@@ -180,6 +192,36 @@ contains
       if (every > 0) is_due = mod(sim%step, every) == 0
     end function is_due
   end subroutine write_due
+
+  !> Add a row to the record.
+  subroutine record_now(sim, writers, error)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+    type(error_t), allocatable, intent(out) :: error
+    type(report_t) :: report
+    type(totals_t) :: totals
+    integer :: speaker
+
+    call sim%totals%tick()
+    report = sim%report
+    totals = sim%totals
+    call reduce_report(report, sim%comm)
+    call totals%reduce(sim%comm)
+    call writers%record%add(sim%step, sim%time(), sim%all_contacts, report, totals, writers%measures, error)
+    call sim%comm%agree(error, speaker)
+  end subroutine record_now
+
+  !> Kinetic energy to show [J]: that of now on one rank; of several ranks the last one measured, which costs no message.
+  real(wp) function present_energy(sim, writers)
+    type(simulation_t), intent(in) :: sim
+    type(writers_t), intent(in) :: writers
+
+    if (sim%decomposition%is_on) then
+      present_energy = writers%measures%get('kinetic_energy')
+    else
+      present_energy = kinetic_energy(sim%scene%bodies)
+    end if
+  end function present_energy
 
   !> Sample what spectra are made of.
   subroutine sample_now(sim, writers)
@@ -197,7 +239,11 @@ contains
     type(writers_t), intent(inout) :: writers
 
     call sim%totals%phase(phase_measure)%start()
-    call measure(sim%scene, sim%contacts, sim%options%step, sim%energy, writers%measures)
+    if (sim%decomposition%is_on) then
+      call measure(sim%scene, sim%contacts, sim%options%step, sim%energy, writers%measures, sim%decomposition%subdomain, sim%comm)
+    else
+      call measure(sim%scene, sim%contacts, sim%options%step, sim%energy, writers%measures)
+    end if
     call sim%totals%phase(phase_measure)%stop()
   end subroutine measure_now
 
@@ -208,7 +254,11 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call sim%totals%tick()
-    call save_checkpoint(sim, error)
+    if (sim%decomposition%is_on) then
+      call save_checkpoint(sim, error, sim%comm, sim%signature)
+    else
+      call save_checkpoint(sim, error)
+    end if
     if (.not. allocated(error)) writers%has_saved = .true.
   end subroutine save
 
@@ -223,39 +273,61 @@ contains
     call save(sim, writers, error)
   end subroutine save_broken
 
-  !> Open all files of a run, after the checkpoint where there is one.
+  !> Take up a checkpoint where there is one, split the scene, and open all files.
   subroutine open_all(sim, writers, error)
     type(simulation_t), intent(inout) :: sim
     type(writers_t), intent(inout) :: writers
     type(error_t), allocatable, intent(out) :: error
-    type(diagnostics_t) :: warnings
     logical :: resumes
+    integer :: speaker
 
-    associate (folder => sim%options%folder)
-      ! What says how a former run in this folder ended must not speak for this one.
-      call remove_file(folder//'/run.json')
-      call remove_file(folder//'/numbers.tag')
-      resumes = allocated(sim%options%restart_file)
-      writers%has_pictures = sim%options%output_every > 0
-      writers%has_checkpoints = hdf5_is_available()
-      if (.not. (resumes .or. writers%has_pictures)) call remove_pictures(folder)
-      if (resumes) call load_checkpoint(sim, sim%options%restart_file, warnings, error)
-      if (.not. allocated(error)) call warnings%print(error_unit)
-      if (allocated(error)) return
-      call replace_file(folder//'/effective.toml', sim%options%deck_text, error)
-      if (allocated(error)) return
-      call writers%summary%add_file('deck', 'effective.toml')
-      if (sim%options%record_every > 0) call open_record(sim, writers, resumes, error)
-      if (allocated(error)) return
-      if (writers%has_pictures) call writers%pictures%open(sim%scene, sim%options, merge(sim%step, -1, resumes), error)
-      if (allocated(error)) return
-      if (writers%has_pictures) call name_pictures(writers)
-      if (writers%has_pictures .and. .not. resumes) call writers%pictures%write(sim%scene, sim%contacts, sim%time(), 0, error)
-      if (allocated(error)) return
-      call writers%progress%start(output_unit, sim%step, sim%options%steps, &
-                                  trim(criterion_names(sim%options%solver%criterion)), is_terminal(), sim%options%is_quiet)
-    end associate
+    resumes = allocated(sim%options%restart_file)
+    writers%has_pictures = sim%options%output_every > 0
+    writers%has_checkpoints = hdf5_is_available()
+    if (writers%is_speaker) call remove_former(sim%options%folder, .not. (resumes .or. writers%has_pictures))
+    if (resumes) call resume(sim, writers, error)
+    if (.not. allocated(error)) call decompose(sim, error)
+    if (allocated(error)) return
+    if (writers%is_speaker) call replace_file(sim%options%folder//'/effective.toml', sim%options%deck_text, error)
+    call sim%comm%agree(error, speaker)
+    if (allocated(error)) return
+    call writers%summary%add_file('deck', 'effective.toml')
+    if (sim%options%record_every > 0) call open_record(sim, writers, resumes, error)
+    call sim%comm%agree(error, speaker)
+    if (allocated(error)) return
+    if (writers%has_pictures) call open_pictures(sim, writers, resumes, error)
+    if (allocated(error)) return
+    call writers%progress%start(output_unit, sim%step, sim%options%steps, trim(criterion_names(sim%options%solver%criterion)), &
+                                is_terminal() .and. sim%comm%size == 1, sim%options%is_quiet .or. .not. writers%is_speaker)
   end subroutine open_all
+
+  !> Go on from a checkpoint.
+  subroutine resume(sim, writers, error)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(in) :: writers
+    type(error_t), allocatable, intent(out) :: error
+    type(diagnostics_t) :: warnings
+
+    call load_checkpoint(sim, sim%options%restart_file, warnings, error, sim%comm)
+    if (.not. allocated(error) .and. writers%is_speaker) call warnings%print(error_unit)
+  end subroutine resume
+
+  !> Open the pictures, and draw the beginning of a run that begins.
+  subroutine open_pictures(sim, writers, resumes, error)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+    logical, intent(in) :: resumes
+    type(error_t), allocatable, intent(out) :: error
+
+    if (sim%decomposition%is_on) then
+      call writers%pictures%open(sim%scene, sim%options, merge(sim%step, -1, resumes), error, sim%comm)
+    else
+      call writers%pictures%open(sim%scene, sim%options, merge(sim%step, -1, resumes), error)
+    end if
+    if (allocated(error)) return
+    call name_pictures(writers)
+    if (.not. resumes) call writers%pictures%write(sim%scene, sim%contacts, sim%time(), 0, error)
+  end subroutine open_pictures
 
   !> Begin the record, or go on with it, and name it in the summary.
   subroutine open_record(sim, writers, resumes, error)
@@ -274,17 +346,21 @@ contains
     end if
   end subroutine open_record
 
-  !> Remove the pictures of a former run, which would be drawn for those of this one.
-  subroutine remove_pictures(folder)
+  !> Remove what says how a former run in this folder ended, and its pictures where this one draws none.
+  subroutine remove_former(folder, with_pictures)
     character(len=*), intent(in) :: folder
+    logical, intent(in) :: with_pictures
     character(len=8), parameter :: names(3) = [character(len=8) :: 'bodies', 'shapes', 'contacts']
     integer :: i
 
+    call remove_file(folder//'/run.json')
+    call remove_file(folder//'/numbers.tag')
+    if (.not. with_pictures) return
     do i = 1, size(names)
       call remove_file(folder//'/'//trim(names(i))//'.vtkhdf')
       call remove_file(folder//'/'//trim(names(i))//'.xmf')
     end do
-  end subroutine remove_pictures
+  end subroutine remove_former
 
   !> Name the picture files in the summary.
   subroutine name_pictures(writers)
@@ -313,9 +389,14 @@ contains
     type(error_t), allocatable, intent(in) :: error
     character(len=:), allocatable :: status, reason
 
+    type(totals_t) :: totals
+
     call writers%progress%finish()
     if (sim%step > 0 .and. .not. allocated(error)) call measure_now(sim, writers)
     call sim%totals%tick()
+    totals = sim%totals
+    if (sim%decomposition%is_on) call collect_costs(sim, writers)
+    call totals%reduce(sim%comm)
     status = run_done
     reason = ''
     if (allocated(error)) then
@@ -329,8 +410,23 @@ contains
       status = run_not_converged
       reason = 'step '//to_text(sim%step)//' did not converge'
     end if
-    call writers%summary%conclude(status, reason, sim%time(), sim%totals, writers%measures)
+    call writers%summary%conclude(status, reason, sim%time(), totals, writers%measures)
   end subroutine conclude
+
+  !> Learn from all ranks what sharing the scene cost.
+  subroutine collect_costs(sim, writers)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+
+    associate (shared => writers%summary%shared, subdomain => sim%decomposition%subdomain)
+      shared%split = trim(sim%options%partition%split)
+      shared%gluing = trim(sim%options%partition%gluing)
+      shared%splits = subdomain%splits
+      shared%moved = subdomain%moved
+      call shared%collect(sim%comm, sim%totals%contact_updates, sim%gluings, sim%gluing_traffic%messages, &
+                          sim%gluing_traffic%bytes)
+    end associate
+  end subroutine collect_costs
 
   !> Close all files, write run.json and the tagged numbers; the first failure is told.
   subroutine close_all(sim, writers, error)
@@ -341,7 +437,8 @@ contains
 
     if (writers%has_pictures) call writers%pictures%close(error)
     if (writers%has_saved) call name_restart(sim%options%folder, writers)
-    if (writers%samples%n > 0) then
+    if (sim%options%has_spectrum) call writers%samples%reduce(sim%comm)
+    if (writers%samples%n > 0 .and. writers%is_speaker) then
       call write_spectrum(writers%samples, sim%options%step, sim%options%folder//'/spectrum.csv', next)
       if (.not. allocated(next)) call writers%summary%add_file('spectrum', 'spectrum.csv')
       if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)

@@ -1,29 +1,35 @@
 !> A simulation: everything one run owns, and its step of five verbs.
 module sg_simulation
   use sg_assemble, only: assemble, disassemble
+  use sg_choose_glued_solver, only: choose_glued_solver
   use sg_choose_solver, only: choose_solver
+  use sg_comm, only: comm_t, traffic_t
   use sg_contacts, only: contacts_t
+  use sg_decomposition, only: decomposition_t
   use sg_detect, only: detect
   use sg_drives, only: fix_driven
   use sg_dump, only: begin_dump, dump_t, is_listed
   use sg_energy, only: energy_t
-  use sg_error, only: error_t
+  use sg_error, only: error_t, fail
+  use sg_glued_solver, only: glued_solver_t
   use sg_guard, only: find_broken
   use sg_history, only: history_t, start_history
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i8
   use sg_motion, only: predict, update
   use sg_neighbours, only: neighbours_t
   use sg_penetration, only: deepest_penetration
-  use sg_plan, only: make_plan, plan_t
+  use sg_plan, only: make_plan, plan_t, set_radii
   use sg_problem, only: problem_kind, problem_t
   use sg_report, only: report_t
-  use sg_run_options, only: run_options_t
+  use sg_run_options, only: partition_options_t, run_options_t
   use sg_scene, only: scene_t
+  use sg_signature, only: n_signature, signature_of
   use sg_solver, only: solver_t
+  use sg_text, only: to_text
   use sg_totals, only: phase_assemble, phase_detect, phase_measure, phase_predict, phase_solve, phase_update, totals_t
   implicit none
   private
-  public :: simulation_t, start_simulation, advance
+  public :: simulation_t, start_simulation, decompose, advance
 
   !> One run: two of them fit in one program
   type :: simulation_t
@@ -40,6 +46,10 @@ module sg_simulation
     type(problem_t) :: problem
     class(solver_t), allocatable :: solver
     type(report_t) :: report
+    !> The ranks, this one's side of the decomposition, and who solves decomposed problems; of no use on one rank
+    type(comm_t) :: comm
+    type(decomposition_t) :: decomposition
+    class(glued_solver_t), allocatable :: glued_solver
     !> Dump of the step's problem, where one is asked for or the step failed
     type(dump_t) :: dump
     !> Works and costs since the start
@@ -47,6 +57,12 @@ module sg_simulation
     type(totals_t) :: totals
     !> Steps done
     integer :: step = 0
+    !> Contacts of the last step, of all ranks
+    integer :: all_contacts = 0
+    !> Where ranks share the scene: gluings of this run, and what this rank sent in them; what tells the whole scene
+    integer(i8) :: gluings = 0
+    type(traffic_t) :: gluing_traffic
+    real(wp) :: signature(n_signature) = 0
   contains
     procedure :: time => simulation_time
   end type simulation_t
@@ -66,17 +82,60 @@ contains
     call sim%totals%clock%start()
   end subroutine start_simulation
 
+  !> Split a started simulation over the ranks of `sim%comm`, where there are several: each keeps its part. Collective.
+  subroutine decompose(sim, error)
+    type(simulation_t), intent(inout) :: sim !! started, perhaps brought to the state of a restart file; the same on all ranks
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when the deck asks for what cannot be done
+
+    if (sim%comm%size == 1) return
+    sim%signature = signature_of(sim%scene)
+    call check_sweeps(sim%options%partition, sim%comm%size, error)
+    if (allocated(error)) return
+    call choose_glued_solver(sim%options%solver, sim%options%partition, sim%glued_solver, error)
+    if (allocated(error)) return
+    call sim%decomposition%begin(sim%scene, sim%contacts, sim%step > 0, sim%options%partition, sim%comm, error)
+    if (allocated(error)) return
+    if (allocated(sim%pairs%built)) deallocate (sim%pairs%built)
+    sim%pairs%rank = sim%comm%rank
+    sim%contacts%n = 0
+  end subroutine decompose
+
+  !> Are there sweeps for every part?
+  subroutine check_sweeps(partition, ranks, error)
+    type(partition_options_t), intent(in) :: partition
+    integer, intent(in) :: ranks
+    type(error_t), allocatable, intent(out) :: error
+
+    if (.not. allocated(partition%sweeps)) return
+    if (any(size(partition%sweeps) == [1, ranks])) return
+    call fail(error, 'partition.sweeps has '//to_text(size(partition%sweeps))//' numbers; it takes one for all parts, or one '// &
+              'for each of the '//to_text(ranks)//' ranks')
+  end subroutine check_sweeps
+
+  !> Bring this rank's part up to date when lists of neighbours are stale, and predict anew what has come.
+  subroutine renew(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+    logical :: is_renewed
+
+    call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, sim%options%step, sim%comm, is_renewed, error)
+    if (allocated(error) .or. .not. is_renewed) return
+    call set_radii(sim%scene, sim%plan)
+    call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
+  end subroutine renew
+
   !> One time step. When a value is not finite, the bodies stay at the beginning of the step and an error tells.
   subroutine advance(sim, error)
     type(simulation_t), intent(inout) :: sim !! moved on by a step
     type(error_t), allocatable, intent(out) :: error !! set when a value is not finite
+    logical :: is_fast
 
     associate (h => sim%options%step, theta => sim%options%theta, phase => sim%totals%phase)
       call phase(phase_predict)%start()
       call predict(sim%scene, sim%time(), h, theta)
-      if (h*largest_speed(sim%scene%bodies%velocity(:sim%scene%dimension, :)) > sim%plan%alert) then
-        sim%totals%fast_steps = sim%totals%fast_steps + 1
-      end if
+      if (sim%decomposition%is_on) call renew(sim, error)
+      if (allocated(error)) return
+      is_fast = h*largest_speed(sim%scene%bodies%velocity(:sim%scene%dimension, :)) > sim%plan%alert
       call phase(phase_predict)%stop()
 
       call phase(phase_detect)%start()
@@ -90,19 +149,26 @@ contains
       call phase(phase_assemble)%stop()
 
       call phase(phase_solve)%start()
-      call sim%solver%solve(sim%problem, sim%report)
+      if (sim%decomposition%is_on) then
+        call solve_glued(sim)
+      else
+        call sim%solver%solve(sim%problem, sim%report)
+      end if
       call phase(phase_solve)%stop()
 
       call phase(phase_update)%start()
       if (has_failed(sim)) call begin_late_dump(sim)
       call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%contacts)
       call find_broken(sim%scene, sim%contacts, sim%step + 1, error)
+      sim%all_contacts = sim%contacts%n
+      if (sim%decomposition%is_on) call agree(sim%comm, error, is_fast, sim%all_contacts)
       call phase(phase_update)%stop()
       if (allocated(error)) return
 
       call phase(phase_measure)%start()
       call sim%energy%add_step(sim%scene, sim%contacts, h)
-      call sim%totals%add(sim%report, sim%contacts%n, deepest_penetration(sim%contacts))
+      call sim%totals%add(sim%report, sim%contacts%n, deepest_penetration(sim%contacts), sim%all_contacts)
+      if (is_fast) sim%totals%fast_steps = sim%totals%fast_steps + 1
       call phase(phase_measure)%stop()
 
       call phase(phase_update)%start()
@@ -111,6 +177,35 @@ contains
       call phase(phase_update)%stop()
     end associate
   end subroutine advance
+
+  !> Solve this rank's part of the problem, and count what is sent.
+  subroutine solve_glued(sim)
+    type(simulation_t), intent(inout) :: sim
+    type(traffic_t) :: before
+
+    before = sim%comm%traffic
+    call sim%glued_solver%solve(sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, sim%report)
+    sim%gluings = sim%gluings + int(sim%report%gluings, i8)
+    sim%gluing_traffic%messages = sim%gluing_traffic%messages + sim%comm%traffic%messages - before%messages
+    sim%gluing_traffic%bytes = sim%gluing_traffic%bytes + sim%comm%traffic%bytes - before%bytes
+  end subroutine solve_glued
+
+  !> What all ranks must know of a step: whether one of them found a value that is not finite, or a body that moves too fast,
+  !! and how many contacts there are. Collective.
+  subroutine agree(comm, error, is_fast, all_contacts)
+    type(comm_t), intent(inout) :: comm
+    type(error_t), allocatable, intent(inout) :: error
+    logical, intent(inout) :: is_fast
+    integer, intent(inout) :: all_contacts
+    real(wp) :: sums(3)
+    integer :: speaker
+
+    sums = [merge(1.0_wp, 0.0_wp, allocated(error)), merge(1.0_wp, 0.0_wp, is_fast), real(all_contacts, wp)]
+    call comm%sum(sums)
+    is_fast = sums(2) > 0
+    all_contacts = nint(sums(3))
+    if (sums(1) > 0) call comm%agree(error, speaker)
+  end subroutine agree
 
   !> Is the problem of the step about to be solved to be dumped?
   pure logical function is_dumped(sim)
