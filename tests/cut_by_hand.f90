@@ -4,12 +4,13 @@
 module cut_by_hand
   use sg_contactors, only: place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_homes, only: owner_of
   use sg_kinds, only: i4
   use sg_local_numbers, only: contactors_of_bodies
   use sg_pack_bodies, only: build_scene, order_records, pack_body
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
-  use sg_subdomain, only: owner_of, subdomain_t
+  use sg_subdomain, only: subdomain_t
   implicit none
   private
   public :: cut_scene

@@ -4,6 +4,7 @@ module rank_parts
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: error_t
+  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_t
   use sg_local_numbers, only: contactors_of_bodies, local_body, local_contactor
@@ -14,7 +15,6 @@ module rank_parts
   use sg_random, only: random_t
   use sg_scene, only: material_t, scene_t, see_t
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
-  use sg_subdomain, only: owner_of
   use sg_text, only: to_text
   implicit none
   private

@@ -4,7 +4,7 @@ program test_restart
   use harness, only: tests_t
   use rank_parts, only: chain_of_contacts, draw_homes, plane_scene, shake, space_scene, take_part
   use sg_bodies, only: drop_rotation
-  use sg_checkpoint, only: load_checkpoint, n_signature, save_checkpoint, signature_of
+  use sg_checkpoint, only: load_checkpoint, save_checkpoint
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t
   use sg_error, only: diagnostics_t, error_t, exit_output
@@ -14,6 +14,7 @@ program test_restart
   use sg_restart, only: newest_restart
   use sg_rows, only: rows_t, wanted_t
   use sg_scene, only: scene_t
+  use sg_signature, only: n_signature, signature_of
   use sg_simulation, only: simulation_t, start_simulation
   use sg_system, only: file_exists, make_folder, remove_file
   implicit none

@@ -11,6 +11,7 @@ program test_split
   use sg_detect, only: detect
   use sg_error, only: error_t
   use sg_graph_split, only: graph_splits
+  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4
   use sg_load, only: imbalance, measured_weights
   use sg_motion, only: predict
@@ -18,7 +19,7 @@ program test_split
   use sg_run_options, only: partition_options_t
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t, start_simulation
-  use sg_subdomain, only: owner_of, subdomain_t
+  use sg_subdomain, only: subdomain_t
   use scenes, only: begin_scene, put_disk, put_wall
   implicit none
   integer, parameter :: side = 48
