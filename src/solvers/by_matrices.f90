@@ -5,6 +5,7 @@
 !! matrices, those with linear laws, are solved by sweeps.
 module sg_by_matrices
   use sg_compact, only: add_impulses
+  use sg_convergence, only: criterion_value
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
@@ -15,7 +16,7 @@ module sg_by_matrices
   use sg_problem_records, only: contact_of, contact_record_t
   use sg_report, only: report_t
   use sg_residuals, only: measure_errors
-  use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_violation, solver_options_t
+  use sg_run_options, only: criterion_e1, solver_options_t
   use sg_solver, only: solver_t
   use sg_timers, only: cpu_now
   implicit none
@@ -88,7 +89,9 @@ contains
       call measure_errors(problem, report, with_e1=.true.)
       call add_effort(report, one, problem%n_contacts)
       report%estimate = e8_to_estimate*report%e8
-      report%criterion = criterion_value(self%options%criterion, report, one)
+      ! There are no sweeps whose increments could be looked at; e1 is that of the matrices.
+      report%criterion = criterion_value(self%options%criterion, report, increments=report%estimate)
+      if (self%options%criterion == criterion_e1) report%criterion = one%e1
       report%is_converged = report%criterion <= self%options%tolerance
       if (report%is_converged .or. .not. one%is_converged) exit
       if (self%solver%options%tolerance <= least_e1) exit
@@ -133,23 +136,4 @@ contains
     report%factorisations = report%factorisations + one%factorisations
     report%checks = report%checks + max(one%checks, min(1, n_contacts))
   end subroutine add_effort
-
-  !> Value of the stopping criterion; those that look at increments of sweeps give way to e8.
-  pure real(wp) function criterion_value(criterion, report, one) result(value)
-    integer, intent(in) :: criterion
-    type(report_t), intent(in) :: report, one
-
-    select case (criterion)
-    case (criterion_e1)
-      value = one%e1
-    case (criterion_e2)
-      value = report%e2
-    case (criterion_violation)
-      value = report%violation
-    case (criterion_e8)
-      value = report%e8
-    case default
-      value = report%estimate
-    end select
-  end function criterion_value
 end module sg_by_matrices

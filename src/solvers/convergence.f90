@@ -6,7 +6,7 @@ module sg_convergence
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_violation, solver_options_t
   implicit none
   private
-  public :: convergence_t, looks_at_errors
+  public :: convergence_t, criterion_value, looks_at_errors
 
   !> Who is visited is looked up again when the sweeps have doubled, or when a test finds the criterion above this share
   !! of the last one
@@ -60,20 +60,7 @@ contains
     call reserve(self%past_e8, report%checks)
     self%past_e8(report%checks) = report%e8
     report%estimate = estimated_error(self%past_e8(:report%checks), options%check_every)
-    select case (options%criterion)
-    case (criterion_estimate)
-      report%criterion = report%estimate
-    case (criterion_e1)
-      report%criterion = report%e1
-    case (criterion_e2)
-      report%criterion = report%e2
-    case (criterion_e8)
-      report%criterion = report%e8
-    case (criterion_violation)
-      report%criterion = report%violation
-    case default
-      report%criterion = increments
-    end select
+    report%criterion = criterion_value(options%criterion, report, increments)
     report%is_converged = report%criterion <= options%tolerance .or. report%violation*velocity_scale <= self%rounding
     self%is_choice_due = .not. report%is_converged .and. &
                          (report%sweeps >= 2*self%last_choice .or. (report%criterion > stalled*self%last_criterion .and. &
@@ -81,6 +68,28 @@ contains
     if (self%is_choice_due) self%last_choice = report%sweeps
     self%last_criterion = report%criterion
   end subroutine convergence_judge
+
+  !> Value of a stopping criterion, from a report whose errors are measured.
+  pure real(wp) function criterion_value(criterion, report, increments) result(value)
+    integer, intent(in) :: criterion !! one of `criterion_*`
+    type(report_t), intent(in) :: report !! errors and estimate
+    real(wp), intent(in) :: increments !! value for criteria that look at increments
+
+    select case (criterion)
+    case (criterion_estimate)
+      value = report%estimate
+    case (criterion_e1)
+      value = report%e1
+    case (criterion_e2)
+      value = report%e2
+    case (criterion_e8)
+      value = report%e8
+    case (criterion_violation)
+      value = report%violation
+    case default
+      value = increments
+    end select
+  end function criterion_value
 
   !> Error of the impulses, estimated from e8 and the rate at which it falls (doc/theory/errors.md).
   !!

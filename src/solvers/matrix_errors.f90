@@ -2,6 +2,7 @@
 module sg_matrix_errors
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
+  use sg_report, only: ratio
   use sg_sparse, only: multiply
   implicit none
   private
@@ -91,15 +92,4 @@ contains
     largest = dot_product(x, y)/dot_product(x, x)
     if (largest > 0) inverse = 1/largest
   end function inverse_largest_eigenvalue
-
-  !> A ratio of norms; 0 where both vanish, 1 where only the scale does.
-  pure real(wp) function ratio(norm, scale)
-    real(wp), intent(in) :: norm, scale
-
-    if (scale > 0) then
-      ratio = norm/scale
-    else
-      ratio = merge(1.0_wp, 0.0_wp, norm > 0)
-    end if
-  end function ratio
 end module sg_matrix_errors

@@ -3,7 +3,7 @@ module sg_report
   use sg_kinds, only: wp, i8
   implicit none
   private
-  public :: report_t, trace_point_t
+  public :: report_t, trace_point_t, ratio
 
   !> One point of the history of a solve: what had been done, and how far the answer was
   type :: trace_point_t
@@ -45,4 +45,18 @@ module sg_report
     !> Bytes that the problem holds per contact
     real(wp) :: bytes_per_contact = 0
   end type report_t
+
+contains
+
+  !> A ratio of norms, as errors are; 0 where both vanish, 1 where only the scale does.
+  pure real(wp) function ratio(norm, scale)
+    real(wp), intent(in) :: norm !! of what is wrong
+    real(wp), intent(in) :: scale !! of what it is compared with
+
+    if (scale > 0) then
+      ratio = norm/scale
+    else
+      ratio = merge(1.0_wp, 0.0_wp, norm > 0)
+    end if
+  end function ratio
 end module sg_report

@@ -5,7 +5,7 @@
 module sg_residuals
   use sg_kinds, only: wp
   use sg_problem, only: arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, round_frictionless
-  use sg_report, only: report_t
+  use sg_report, only: ratio, report_t
   use sg_residuals_space, only: add_space_contacts, approaching
   implicit none
   private
@@ -285,15 +285,4 @@ contains
       a%linear(i) = merge(1.0_wp, 0.0_wp, record(16, i) > 1.5_wp)
     end do
   end subroutine gather_arm_frictional
-
-  !> A ratio of norms; 0 where both vanish, 1 where only the scale does.
-  pure real(wp) function ratio(norm, scale)
-    real(wp), intent(in) :: norm, scale
-
-    if (scale > 0) then
-      ratio = norm/scale
-    else
-      ratio = merge(1.0_wp, 0.0_wp, norm > 0)
-    end if
-  end function ratio
 end module sg_residuals
