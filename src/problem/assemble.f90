@@ -4,8 +4,9 @@ module sg_assemble
   use sg_assemble_space, only: load_space_bodies, space_record, unload_space_bodies, velocity_before
   use sg_compact, only: compact_velocity
   use sg_contacts, only: contacts_t
+  use sg_delassus, only: set_block
   use sg_kinds, only: wp, i1, i4
-  use sg_laws, only: inverse_of, law_mohr, local_law, local_law_t, status_bonded, status_none, status_slide, status_stick
+  use sg_laws, only: law_mohr, local_law, local_law_t, status_bonded, status_none, status_slide, status_stick
   use sg_mapping, only: arms_of, relative_velocity
   use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, is_compact, is_in_space, problem_t, &
                         reserve_problem, round_frictional, round_frictionless, solid_frictional
@@ -41,12 +42,13 @@ contains
       problem%pair(:, k) = slot_of(contacts%body(:, k))
       law = law_of(scene, contacts, k, step)
       if (is_in_space(kind)) then
-        call space_record(scene, contacts, k, kind, law, problem%body, problem%pair(:, k), problem%record(:, k))
+        call space_record(scene, contacts, k, kind, law, problem%record(:, k))
       else if (is_compact(kind)) then
-        call round_record(scene, contacts, k, kind, law, problem%body, problem%pair(:, k), problem%record(:, k))
+        call round_record(scene, contacts, k, kind, law, problem%record(:, k))
       else
-        call arm_record(scene, contacts, k, kind, law, problem%body, problem%pair(:, k), problem%record(:, k))
+        call arm_record(scene, contacts, k, kind, law, problem%record(:, k))
       end if
+      call set_block(kind, problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), problem%record(:, k))
       problem%impulse(:, k) = 0
       if (.not. law%is_active) cycle
       q = compact_velocity(problem, k)
@@ -104,35 +106,22 @@ contains
     end do
   end subroutine load_bodies
 
-  !> Record of a contact whose arms lie along the normal.
-  !!
-  !! Where a body is driven in one direction only, W_nt does not vanish; the block is then replaced by the diagonal
-  !! one that bounds it (Gershgorin), which moves no solution: the sweep works with true relative velocities.
-  !! A driven spin enters as a bias.
-  pure subroutine round_record(scene, contacts, k, kind, law, body, pair, record)
+  !> Record of a contact whose arms lie along the normal, but for its block, in whose place stands whether the contact takes
+  !! part. A driven spin enters as a bias.
+  pure subroutine round_record(scene, contacts, k, kind, law, record)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k, kind
     type(local_law_t), intent(in) :: law
-    real(wp), intent(in) :: body(:, :)
-    integer(i4), intent(in) :: pair(2)
     real(wp), intent(inout) :: record(:)
-    real(wp) :: n(2), bias(2), mx, my, w_nn, w_tt, w_nt
-    integer :: inverse
+    real(wp) :: bias(2), active
 
-    n = contacts%normal(:, k)
     bias = law%bias(:2) + driven_spin(scene, contacts, k)
-    inverse = merge(3, 4, kind == round_frictionless)
-    mx = body(inverse, pair(1)) + body(inverse, pair(2))
-    my = body(inverse + 1, pair(1)) + body(inverse + 1, pair(2))
-    w_nn = n(1)**2*mx + n(2)**2*my
-    w_nt = abs(n(1)*n(2)*(mx - my))
-    record(1:3) = [n, bias(1)]
+    active = merge(1.0_wp, 0.0_wp, law%is_active)
     if (kind == round_frictionless) then
-      record(4) = inverse_of(w_nn, law%is_active)
+      record = [contacts%normal(:, k), bias(1), active]
     else
-      w_tt = n(2)**2*mx + n(1)**2*my + body(6, pair(1)) + body(6, pair(2))
-      record(4:7) = [bias(2), inverse_of(w_nn + w_nt, law%is_active), inverse_of(w_tt + w_nt, law%is_active), law%friction]
+      record = [contacts%normal(:, k), bias, active, active, law%friction]
     end if
   end subroutine round_record
 
@@ -163,33 +152,25 @@ contains
   end function driven_spin
 
   !> Record of a contact with any lever arms.
-  pure subroutine arm_record(scene, contacts, k, kind, law, body, pair, record)
+  pure subroutine arm_record(scene, contacts, k, kind, law, record)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k, kind
     type(local_law_t), intent(in) :: law
-    real(wp), intent(in) :: body(:, :)
-    integer(i4), intent(in) :: pair(2)
     real(wp), intent(inout) :: record(:)
-    real(wp) :: n(2), arms(2, 2), turn_n(2), turn_t(2), mx, my, w_nn, w_tt, w_nt, law_kind
+    real(wp) :: n(2), arms(2, 2), turn_n(2), turn_t(2), active
 
     n = contacts%normal(:, k)
     arms = arms_of(contacts, k, scene%bodies%middle, scene%period)
     turn_n = arms(1, :)*n(2) - arms(2, :)*n(1)
     turn_t = -arms(1, :)*n(1) - arms(2, :)*n(2)
-    mx = body(4, pair(1)) + body(4, pair(2))
-    my = body(5, pair(1)) + body(5, pair(2))
-    w_nn = n(1)**2*mx + n(2)**2*my + turn_n(1)**2*body(6, pair(1)) + turn_n(2)**2*body(6, pair(2)) + law%compliance(1)
+    active = merge(1.0_wp, 0.0_wp, law%is_active)
     if (kind == arm_frictionless) then
-      record = [n, turn_n, law%bias(1), inverse_of(w_nn, law%is_active)]
-      return
+      record = [n, turn_n, law%bias(1), active]
+    else
+      record = [n, turn_n(1), turn_t(1), turn_n(2), turn_t(2), law%bias(:2), spread(0.0_wp, 1, 3), law%friction, law%cohesion, &
+                law%compliance, active*merge(2.0_wp, 1.0_wp, law%is_linear)]
     end if
-    w_tt = n(2)**2*mx + n(1)**2*my + turn_t(1)**2*body(6, pair(1)) + turn_t(2)**2*body(6, pair(2)) + law%compliance(2)
-    w_nt = n(1)*n(2)*(mx - my) + turn_n(1)*turn_t(1)*body(6, pair(1)) + turn_n(2)*turn_t(2)*body(6, pair(2))
-    law_kind = merge(2.0_wp, 1.0_wp, law%is_linear)
-    if (.not. (law%is_active .and. w_nn > tiny(1.0_wp))) law_kind = 0
-    record = [n, turn_n(1), turn_t(1), turn_n(2), turn_t(2), law%bias(:2), w_nn, w_nt, w_tt, law%friction, law%cohesion, &
-              law%compliance, law_kind]
   end subroutine arm_record
 
   !> Bring the solution back: impulses and statuses of contacts, velocities of bodies (into `free_velocity`).

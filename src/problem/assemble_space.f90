@@ -3,15 +3,15 @@ module sg_assemble_space
   use sg_bodies, only: bodies_t
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp, i4
-  use sg_laws, only: inverse_of, local_law_t
+  use sg_laws, only: local_law_t
   use sg_mapping_space, only: space_arms, space_relative_velocity, tangent_of
   use sg_problem, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless, problem_t
   use sg_rotations, only: frame_of, turned_back, turned_by
   use sg_scene, only: scene_t
-  use sg_vectors, only: cross, determinant
+  use sg_vectors, only: cross
   implicit none
   private
-  public :: load_space_bodies, unload_space_bodies, set_solid_block, space_record, velocity_before
+  public :: load_space_bodies, unload_space_bodies, space_record, velocity_before
 
 contains
 
@@ -87,19 +87,18 @@ contains
     u = [dot_product(n, jump), dot_product(t, jump), dot_product(cross(n, t), jump)]
   end function velocity_before
 
-  !> Record of a contact.
-  pure subroutine space_record(scene, contacts, k, kind, law, body, pair, record)
+  !> Record of a contact but for its block, in whose place stands whether the contact takes part.
+  pure subroutine space_record(scene, contacts, k, kind, law, record)
     type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact
     integer, intent(in) :: kind !! kind of problem
     type(local_law_t), intent(in) :: law !! what the law asks
-    real(wp), intent(in) :: body(:, :) !! body records
-    integer(i4), intent(in) :: pair(2) !! slots
-    real(wp), intent(inout) :: record(:) !! record to fill
-    real(wp) :: n(3), t(3), bias(3), arms(3, 2), mass(3), w
+    real(wp), intent(inout) :: record(:) !! record to fill, but for its block
+    real(wp) :: n(3), t(3), bias(3), arms(3, 2), active
 
     n = contacts%normal(:, k)
+    active = merge(1.0_wp, 0.0_wp, law%is_active)
     bias = law%bias(1)*n
     t = 0
     if (kind == solid_frictional .or. any(abs(law%bias(2:)) > 0)) then
@@ -108,94 +107,17 @@ contains
     end if
     select case (kind)
     case (ball_frictionless)
-      mass = body(4:6, pair(1)) + body(4:6, pair(2))
-      record = [n, law%bias(1) + dot_product(n, driven_spin(scene, contacts, k)), inverse_of(dot_product(mass, n**2), &
-                                                                                            law%is_active)]
+      record = [n, law%bias(1) + dot_product(n, driven_spin(scene, contacts, k)), active]
     case (ball_frictional)
-      ! A body driven in some directions only couples normal and tangents; its inverse mass in all of them bounds the block,
-      ! which moves no solution: the sweep works with true relative velocities.
-      w = body(7, pair(1)) + body(7, pair(2))
-      record = [n, bias + driven_spin(scene, contacts, k), inverse_of(w, law%is_active), &
-                inverse_of(w + max(0.0_wp, body(8, pair(1))) + max(0.0_wp, body(8, pair(2))), law%is_active), law%friction]
+      record = [n, bias + driven_spin(scene, contacts, k), active, active, law%friction]
     case (solid_frictionless)
       arms = space_arms(scene, contacts, k)
-      record(1:10) = [n, cross(arms(:, 1), n), cross(arms(:, 2), n), law%bias(1)]
-      w = dot_product(n, matmul(block_of(body(:, pair(1)), arms(:, 1)) + block_of(body(:, pair(2)), arms(:, 2)), n))
-      record(11) = inverse_of(w + law%compliance(1), law%is_active)
+      record = [n, cross(arms(:, 1), n), cross(arms(:, 2), n), law%bias(1), active]
     case (solid_frictional)
       record = [n, t, space_arms(scene, contacts, k), bias, spread(0.0_wp, 1, 5), law%friction, law%cohesion, &
-                law%compliance, merge(merge(2.0_wp, 1.0_wp, law%is_linear), 0.0_wp, law%is_active), 0.0_wp]
-      call set_solid_block(body(:, pair(1)), body(:, pair(2)), record)
+                law%compliance, active*merge(2.0_wp, 1.0_wp, law%is_linear), 0.0_wp]
     end select
   end subroutine space_record
-
-  !> Set the block of a solid contact with friction for the masses of its bodies, on the tangents in which S is diagonal.
-  pure subroutine set_solid_block(candidate, antagonist, record)
-    real(wp), intent(in) :: candidate(:), antagonist(:) !! records of the two bodies
-    real(wp), intent(inout) :: record(:) !! record of the contact, complete but for its block; its tangent may turn
-    real(wp) :: frame(3, 3), w(3, 3), s(2, 2), angle, c, d
-
-    frame(:, 1) = record(1:3)
-    frame(:, 2) = record(4:6)
-    frame(:, 3) = cross(frame(:, 1), frame(:, 2))
-    w = matmul(transpose(frame), matmul(block_of(candidate, record(7:9)) + block_of(antagonist, record(10:12)), frame))
-    w(1, 1) = w(1, 1) + record(23)
-    w(2, 2) = w(2, 2) + record(24)
-    w(3, 3) = w(3, 3) + record(24)
-    s = 1
-    c = 1
-    d = 0
-    if (record(25) > 0.5_wp .and. w(1, 1) > tiny(1.0_wp)) then
-      s = w(2:3, 2:3) - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
-      angle = 0.5_wp*atan2(2*s(1, 2), s(1, 1) - s(2, 2))
-      c = cos(angle)
-      d = sin(angle)
-    else
-      record(25) = 0
-    end if
-    ! S is positive for bodies that can move; where rounding or a driven body takes that away, a trace of W_nn keeps it so.
-    associate (least => 16*epsilon(1.0_wp)*max(w(1, 1), w(2, 2), w(3, 3), tiny(1.0_wp)))
-      record(4:6) = c*frame(:, 2) + d*frame(:, 3)
-      record(16:20) = [w(1, 1), c*w(1, 2) + d*w(1, 3), c*w(1, 3) - d*w(1, 2), &
-                       max(least, c**2*s(1, 1) + 2*c*d*s(1, 2) + d**2*s(2, 2)), &
-                       max(least, d**2*s(1, 1) - 2*c*d*s(1, 2) + c**2*s(2, 2))]
-    end associate
-    if (record(25) > 0.5_wp) record(26) = 1/largest_eigenvalue(w)
-  end subroutine set_solid_block
-
-  !> What one body adds to the block of W of a contact in the world's axes [1/kg].
-  pure function block_of(body, arm) result(w)
-    real(wp), intent(in) :: body(:), arm(3)
-    real(wp) :: w(3, 3), lever(3, 3), inverse(3, 3)
-    integer :: i
-
-    inverse = reshape(body([10, 13, 14, 13, 11, 15, 14, 15, 12]), [3, 3])
-    ! Columns: arm x unit vectors, so that lever^T I^-1 lever is the rotational part.
-    lever = reshape([0.0_wp, arm(3), -arm(2), -arm(3), 0.0_wp, arm(1), arm(2), -arm(1), 0.0_wp], [3, 3])
-    w = matmul(transpose(lever), matmul(inverse, lever))
-    do i = 1, 3
-      w(i, i) = w(i, i) + body(6 + i)
-    end do
-  end function block_of
-
-  !> Largest eigenvalue of a symmetric 3 x 3 matrix: the largest root of its characteristic polynomial.
-  pure real(wp) function largest_eigenvalue(w) result(largest)
-    real(wp), intent(in) :: w(3, 3)
-    real(wp) :: mean, spread_of(3, 3), p, half_determinant
-    integer :: i
-
-    mean = (w(1, 1) + w(2, 2) + w(3, 3))/3
-    spread_of = w
-    do i = 1, 3
-      spread_of(i, i) = spread_of(i, i) - mean
-    end do
-    p = sqrt(sum(spread_of**2)/6)
-    largest = mean
-    if (.not. p > epsilon(1.0_wp)*abs(mean)) return
-    spread_of = spread_of/p
-    half_determinant = determinant(spread_of)/2
-    largest = mean + 2*p*cos(acos(max(-1.0_wp, min(1.0_wp, half_determinant)))/3)
-  end function largest_eigenvalue
 
   !> Relative velocity due to driven spins, which the records of balls do not carry [m/s].
   pure function driven_spin(scene, contacts, k) result(u)

@@ -1,12 +1,12 @@
 !> The block of W at a contact, as its record holds it, from the geometry in the record and the masses of its two bodies.
 !!
-!! Decomposed solvers sweep shared grains with a part of their mass: they set the blocks of contacts anew for it.
+!! Assembly sets it, and decomposed solvers set it anew where they sweep shared grains with a part of their mass.
 module sg_delassus
-  use sg_assemble_space, only: set_solid_block
   use sg_kinds, only: wp
   use sg_laws, only: inverse_of
   use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
                         round_frictional, round_frictionless, solid_frictional, solid_frictionless
+  use sg_vectors, only: cross, determinant
   implicit none
   private
   public :: set_block, share_mass
@@ -28,32 +28,39 @@ contains
     if (kind == ball_frictional .and. mark < 0) body(8) = mark
   end subroutine share_mass
 
-  !> Set the block of a record that is complete but for the masses of its bodies. Contacts that take no part stay so.
+  !> Set the block of a record that is complete but for it. Contacts that take no part, by a 0 in place of an inverse or as
+  !! kind of local law, stay so; so do those between bodies that nothing moves.
+  !!
+  !! Where a body is driven in some directions only, round and ball contacts couple normal and tangents; their block is then
+  !! replaced by the diagonal one that bounds it (Gershgorin; in space the inverse mass in all directions), which moves no
+  !! solution: the sweep works with true relative velocities.
   pure subroutine set_block(kind, candidate, antagonist, record)
     integer, intent(in) :: kind !! kind of problem
     real(wp), intent(in) :: candidate(:), antagonist(:) !! records of the two bodies
     real(wp), intent(inout) :: record(:) !! record of the contact
-    real(wp) :: mass(3), w, w_t, w_nt
+    real(wp) :: mx, my, w, w_t, w_nt
 
     associate (c => candidate, a => antagonist, n => record(1:2))
       select case (kind)
-      case (round_frictionless, round_frictional)
-        mass(1:2) = c(first_inverse(kind):first_inverse(kind) + 1) + a(first_inverse(kind):first_inverse(kind) + 1)
-        w = n(1)**2*mass(1) + n(2)**2*mass(2)
-        if (kind == round_frictionless) then
-          record(4) = inverse_of(w, record(4) > 0)
-          return
-        end if
-        w_nt = abs(n(1)*n(2)*(mass(1) - mass(2)))
-        w_t = n(2)**2*mass(1) + n(1)**2*mass(2) + c(6) + a(6)
+      case (round_frictionless, round_frictional, arm_frictionless, arm_frictional)
+        mx = c(first_inverse(kind)) + a(first_inverse(kind))
+        my = c(first_inverse(kind) + 1) + a(first_inverse(kind) + 1)
+        w = n(1)**2*mx + n(2)**2*my
+      end select
+      select case (kind)
+      case (round_frictionless)
+        record(4) = inverse_of(w, record(4) > 0)
+      case (round_frictional)
+        w_nt = abs(n(1)*n(2)*(mx - my))
+        w_t = n(2)**2*mx + n(1)**2*my + c(6) + a(6)
         record(5:6) = [inverse_of(w + w_nt, record(5) > 0), inverse_of(w_t + w_nt, record(6) > 0)]
       case (arm_frictionless)
-        w = n(1)**2*(c(4) + a(4)) + n(2)**2*(c(5) + a(5)) + record(3)**2*c(6) + record(4)**2*a(6)
-        record(6) = inverse_of(w, record(6) > 0)
+        record(6) = inverse_of(w + record(3)**2*c(6) + record(4)**2*a(6), record(6) > 0)
       case (arm_frictional)
-        record(9) = n(1)**2*(c(4) + a(4)) + n(2)**2*(c(5) + a(5)) + record(3)**2*c(6) + record(5)**2*a(6) + record(14)
-        record(10) = n(1)*n(2)*(c(4) + a(4) - c(5) - a(5)) + record(3)*record(4)*c(6) + record(5)*record(6)*a(6)
-        record(11) = n(2)**2*(c(4) + a(4)) + n(1)**2*(c(5) + a(5)) + record(4)**2*c(6) + record(6)**2*a(6) + record(15)
+        record(9) = w + record(3)**2*c(6) + record(5)**2*a(6) + record(14)
+        record(10) = n(1)*n(2)*(mx - my) + record(3)*record(4)*c(6) + record(5)*record(6)*a(6)
+        record(11) = n(2)**2*mx + n(1)**2*my + record(4)**2*c(6) + record(6)**2*a(6) + record(15)
+        if (.not. record(9) > tiny(1.0_wp)) record(16) = 0
       case (ball_frictionless)
         record(5) = inverse_of(dot_product(c(4:6) + a(4:6), record(1:3)**2), record(5) > 0)
       case (ball_frictional)
@@ -63,7 +70,7 @@ contains
         w = dot_product(c(7:9) + a(7:9), record(1:3)**2) + turned(c, record(4:6)) + turned(a, record(7:9))
         record(11) = inverse_of(w, record(11) > 0)
       case (solid_frictional)
-        if (record(25) > 0.5_wp) call set_solid_block(c, a, record)
+        call set_solid_block(c, a, record)
       end select
     end associate
   contains
@@ -75,4 +82,72 @@ contains
                + 2*(body(13)*x(1)*x(2) + body(14)*x(1)*x(3) + body(15)*x(2)*x(3))
     end function turned
   end subroutine set_block
+
+  !> Set the block of a solid contact with friction for the masses of its bodies, on the tangents in which S is diagonal.
+  pure subroutine set_solid_block(candidate, antagonist, record)
+    real(wp), intent(in) :: candidate(:), antagonist(:) !! records of the two bodies
+    real(wp), intent(inout) :: record(:) !! record of the contact, complete but for its block; its tangent may turn
+    real(wp) :: frame(3, 3), w(3, 3), s(2, 2), angle, c, d
+
+    frame(:, 1) = record(1:3)
+    frame(:, 2) = record(4:6)
+    frame(:, 3) = cross(frame(:, 1), frame(:, 2))
+    w = matmul(transpose(frame), matmul(block_of(candidate, record(7:9)) + block_of(antagonist, record(10:12)), frame))
+    w(1, 1) = w(1, 1) + record(23)
+    w(2, 2) = w(2, 2) + record(24)
+    w(3, 3) = w(3, 3) + record(24)
+    s = 1
+    c = 1
+    d = 0
+    if (record(25) > 0.5_wp .and. w(1, 1) > tiny(1.0_wp)) then
+      s = w(2:3, 2:3) - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
+      angle = 0.5_wp*atan2(2*s(1, 2), s(1, 1) - s(2, 2))
+      c = cos(angle)
+      d = sin(angle)
+    else
+      record(25) = 0
+    end if
+    ! S is positive for bodies that can move; where rounding or a driven body takes that away, a trace of W_nn keeps it so.
+    associate (least => 16*epsilon(1.0_wp)*max(w(1, 1), w(2, 2), w(3, 3), tiny(1.0_wp)))
+      record(4:6) = c*frame(:, 2) + d*frame(:, 3)
+      record(16:20) = [w(1, 1), c*w(1, 2) + d*w(1, 3), c*w(1, 3) - d*w(1, 2), &
+                       max(least, c**2*s(1, 1) + 2*c*d*s(1, 2) + d**2*s(2, 2)), &
+                       max(least, d**2*s(1, 1) - 2*c*d*s(1, 2) + c**2*s(2, 2))]
+    end associate
+    if (record(25) > 0.5_wp) record(26) = 1/largest_eigenvalue(w)
+  end subroutine set_solid_block
+
+  !> What one body adds to the block of W of a contact in the world's axes [1/kg].
+  pure function block_of(body, arm) result(w)
+    real(wp), intent(in) :: body(:), arm(3)
+    real(wp) :: w(3, 3), lever(3, 3), inverse(3, 3)
+    integer :: i
+
+    inverse = reshape(body([10, 13, 14, 13, 11, 15, 14, 15, 12]), [3, 3])
+    ! Columns: arm x unit vectors, so that lever^T I^-1 lever is the rotational part.
+    lever = reshape([0.0_wp, arm(3), -arm(2), -arm(3), 0.0_wp, arm(1), arm(2), -arm(1), 0.0_wp], [3, 3])
+    w = matmul(transpose(lever), matmul(inverse, lever))
+    do i = 1, 3
+      w(i, i) = w(i, i) + body(6 + i)
+    end do
+  end function block_of
+
+  !> Largest eigenvalue of a symmetric 3 x 3 matrix: the largest root of its characteristic polynomial.
+  pure real(wp) function largest_eigenvalue(w) result(largest)
+    real(wp), intent(in) :: w(3, 3)
+    real(wp) :: mean, spread_of(3, 3), p, half_determinant
+    integer :: i
+
+    mean = (w(1, 1) + w(2, 2) + w(3, 3))/3
+    spread_of = w
+    do i = 1, 3
+      spread_of(i, i) = spread_of(i, i) - mean
+    end do
+    p = sqrt(sum(spread_of**2)/6)
+    largest = mean
+    if (.not. p > epsilon(1.0_wp)*abs(mean)) return
+    spread_of = spread_of/p
+    half_determinant = determinant(spread_of)/2
+    largest = mean + 2*p*cos(acos(max(-1.0_wp, min(1.0_wp, half_determinant)))/3)
+  end function largest_eigenvalue
 end module sg_delassus
