@@ -1,0 +1,115 @@
+!> Small packs of grains between walls, as decks, for tests on several ranks.
+module packs
+  use harness, only: tests_t
+  use sg_comm, only: comm_t
+  use sg_deck, only: read_deck
+  use sg_error, only: diagnostics_t, error_t
+  use sg_kinds, only: wp
+  use sg_run_options, only: criterion_e8
+  use sg_simulation, only: advance, simulation_t, start_simulation
+  use sg_text, only: text_t, to_text
+  use written_files, only: put_text
+  implicit none
+  private
+  public :: pack_names, pack_deck, start_pack, advance_pack
+
+  !> Kinds of packs
+  character(len=14), parameter :: pack_names(7) = [character(len=14) :: 'disks', 'polygons', 'periodic disks', 'clusters', &
+                                                   'pressed disks', 'spheres', 'polyhedra']
+  character(len=*), parameter :: nl = new_line('a')
+  character(len=*), parameter :: walls = '[[wall]]'//nl//'from = [-0.1, -0.01]'//nl//'to = [0.7, -0.01]'//nl// &
+    'thickness = 0.02'//nl//'[[wall]]'//nl//'from = [-0.01, 0.0]'//nl//'to = [-0.01, 0.6]'//nl//'thickness = 0.02'//nl// &
+    '[[wall]]'//nl//'from = [0.61, 0.0]'//nl//'to = [0.61, 0.6]'//nl//'thickness = 0.02'//nl
+  character(len=*), parameter :: lid = '[[wall]]'//nl//'from = [0.01, 0.42]'//nl//'to = [0.59, 0.42]'//nl// &
+    'thickness = 0.02'//nl//'pressure = 1000.0'//nl//'direction = [0.0, -1.0]'//nl
+  character(len=*), parameter :: sample = '[[sample]]'//nl//'kind = "lattice"'//nl//'spacing = 1.0'//nl//'seed = 5'//nl
+  character(len=*), parameter :: in_plane = sample//'arrangement = "square"'//nl//'box = [0.0, 0.0, 0.6, 0.4]'//nl// &
+    'radius = [0.018, 0.022]'//nl
+  character(len=*), parameter :: in_space = sample//'box = [0.0, 0.0, 0.0, 0.3, 0.2, 0.2]'//nl
+  character(len=*), parameter :: container = '[[container]]'//nl//'size = [0.3, 0.2, 0.3]'//nl
+
+contains
+
+  !> The deck of a pack.
+  function pack_deck(name) result(deck)
+    character(len=*), intent(in) :: name !! one of `pack_names`
+    character(len=:), allocatable :: deck
+    character(len=*), parameter :: common = '[time]'//nl//'step = 1e-3'//nl//'steps = 1000'//nl//'[[material]]'//nl// &
+      'name = "stone"'//nl//'density = 2600.0'//nl//'[[law]]'//nl//'friction = 0.5'//nl
+
+    select case (name)
+    case ('polygons')
+      deck = common//walls//in_plane//'shape = "polygon"'//nl//'sides = [4, 7]'//nl
+    case ('periodic disks')
+      deck = '[scene]'//nl//'period_x = 0.6'//nl//common//'[[wall]]'//nl//'from = [0.0, -0.01]'//nl//'to = [0.6, -0.01]'//nl// &
+             'thickness = 0.02'//nl//'velocity = [0.1, 0.0]'//nl//in_plane
+    case ('clusters')
+      deck = common//walls//dumbbells()
+    case ('pressed disks')
+      deck = common//walls//lid//in_plane
+    case ('spheres')
+      deck = '[scene]'//nl//'dimension = 3'//nl//common//container//in_space//'radius = [0.018, 0.02]'//nl
+    case ('polyhedra')
+      deck = '[scene]'//nl//'dimension = 3'//nl//common//container//in_space//'shape = "polyhedron"'//nl// &
+             'vertices = [8, 12]'//nl//'radius = [0.023, 0.025]'//nl
+    case default
+      deck = common//walls//in_plane
+    end select
+  end function pack_deck
+
+  !> Rows of two disks each, lying crosswise.
+  function dumbbells() result(bodies)
+    character(len=:), allocatable :: bodies
+    integer :: row, column
+
+    bodies = ''
+    do row = 0, 5
+      do column = 0, 7
+        bodies = bodies//'[[body]]'//nl//'position = ['//to_text(0.037_wp + 0.067_wp*real(column, wp))//', '// &
+                 to_text(0.034_wp + 0.066_wp*real(row, wp))//']'//nl//'angle = '// &
+                 to_text(0.8_wp*real(modulo(row + column, 3), wp))//nl// &
+                 '[[body.shape]]'//nl//'kind = "disk"'//nl//'radius = 0.018'//nl//'centre = [-0.015, 0.0]'//nl// &
+                 '[[body.shape]]'//nl//'kind = "disk"'//nl//'radius = 0.016'//nl//'centre = [0.015, 0.0]'//nl
+      end do
+    end do
+  end function dumbbells
+
+  !> Read a deck and start its run, whole, on this rank; not a step is done.
+  subroutine start_pack(t, comm, name, deck, tolerance, sim)
+    class(tests_t), intent(inout) :: t !! the checks
+    type(comm_t), intent(in) :: comm !! the ranks; each reads a file of its own
+    character(len=*), intent(in) :: name !! of the case
+    character(len=*), intent(in) :: deck !! text of the deck
+    real(wp), intent(in) :: tolerance !! e8 asked of the solver
+    type(simulation_t), intent(inout) :: sim !! the run
+    type(diagnostics_t) :: diagnostics
+    type(text_t) :: settings(0)
+    character(len=:), allocatable :: file
+
+    file = 'deck_'//to_text(comm%rank)//'.toml'
+    call put_text(file, deck)
+    call read_deck(file, settings, sim%scene, sim%options, diagnostics)
+    call t%equal(diagnostics%count(), 0, name//' is read')
+    if (diagnostics%count() > 0) print '(a)', diagnostics%errors(1)%sentence()
+    sim%options%solver%criterion = criterion_e8
+    sim%options%solver%tolerance = tolerance
+    sim%options%solver%maximum_sweeps = 20000
+    call start_simulation(sim)
+  end subroutine start_pack
+
+  !> Go on for some steps.
+  subroutine advance_pack(t, name, sim, steps)
+    class(tests_t), intent(inout) :: t !! the checks
+    character(len=*), intent(in) :: name !! of the case
+    type(simulation_t), intent(inout) :: sim !! the run
+    integer, intent(in) :: steps !! how many
+    type(error_t), allocatable :: error
+    integer :: i
+
+    do i = 1, steps
+      call advance(sim, error)
+      call t%check(.not. allocated(error), name//' runs')
+      if (allocated(error)) return
+    end do
+  end subroutine advance_pack
+end module packs

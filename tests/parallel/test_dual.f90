@@ -1,0 +1,337 @@
+!> The dual method beside its explicit form: with masses divided, gluing by the mean velocity is the update of stored F_Gamma.
+!!
+!! The explicit form keeps F_Gamma for every copy of a shared body. A round finds the velocities of copies from nothing,
+!! V = V_free + M_c^-1 (H r_c + F_c), sweeps, and updates X F_Gamma = sum A M_E^-1 (R_E + R_E^d). Here all copies have one
+!! mass M_c and one free velocity, so that this is F_c = mean of all H r_c, less one's own. Shared bodies and sums over
+!! their copies are found by tables of the whole scene, apart from the lists of the solver. Run by any number of ranks.
+program test_dual
+  use harness, only: tests_t
+  use packs, only: advance_pack, pack_deck, start_pack
+  use sg_assemble, only: assemble
+  use sg_comm, only: comm_t
+  use sg_compact, only: add_impulses
+  use sg_delassus, only: share_mass
+  use sg_detect, only: detect
+  use sg_dual, only: dual_t
+  use sg_error, only: error_t
+  use sg_kinds, only: wp
+  use sg_motion, only: predict
+  use sg_parts, only: part_own, part_shared, parts_t
+  use sg_plan, only: set_radii
+  use sg_problem, only: arm_frictional, ball_frictional, first_inverse, problem_kind, problem_t, round_frictional, &
+                        solid_frictional
+  use sg_report, only: report_t
+  use sg_simulation, only: decompose, simulation_t
+  implicit none
+
+  !> Bodies that several ranks have contacts on, and the gluing impulses of their copies here
+  type :: explicit_t
+    !> Slot and number of each body of this rank that is shared, and the ranks that have contacts on it
+    integer, allocatable :: slot(:), id(:), parts(:)
+    !> F_Gamma of the copies here [N s, N m s], shape (width, shared)
+    real(wp), allocatable :: force(:, :)
+    !> Velocities without contacts by slot
+    real(wp), allocatable :: free(:, :)
+    integer :: width = 0, all_bodies = 0
+  end type explicit_t
+
+  type(tests_t) :: t
+  type(comm_t) :: comm
+
+  call comm%start()
+  call test_pack('disks', round_frictional)
+  call test_pack('pressed disks', round_frictional)
+  call test_pack('polygons', arm_frictional)
+  call test_pack('spheres', ball_frictional)
+  call test_pack('polyhedra', solid_frictional)
+  call t%finish(comm)
+
+contains
+
+  !> Compare both forms in a pack split along x, and again when it has been split along y.
+  subroutine test_pack(name, kind)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: kind !! of problem
+    type(simulation_t) :: sim
+    type(error_t), allocatable :: error
+    integer :: n_bodies
+
+    call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
+    call advance_pack(t, name, sim, 120)
+    call t%equal(sim%problem%kind, kind, name//': kind of problem')
+    if (comm%size == 1) return
+    n_bodies = sim%scene%bodies%n
+    sim%comm = comm
+    sim%options%partition%boxes = [comm%size, 1, 1]
+    call decompose(sim, error)
+    call advance_pack(t, name, sim, 2)
+    call compare_all(name//', split', sim, n_bodies)
+    sim%decomposition%options%boxes = [1, comm%size, 1]
+    sim%decomposition%options%every = 1
+    call compare_all(name//', split anew', sim, n_bodies)
+    call t%equal(sim%decomposition%subdomain%splits, 2, name//': splits')
+  end subroutine test_pack
+
+  !> One, two and five sweeps a gluing, and another number on each rank.
+  subroutine compare_all(name, sim, n_bodies)
+    character(len=*), intent(in) :: name
+    type(simulation_t), intent(inout) :: sim
+    integer, intent(in) :: n_bodies
+    type(problem_t) :: problem
+
+    call next_problem(sim, problem)
+    call compare(name//', 1 sweep a gluing', sim, problem, [1], 6, n_bodies)
+    call compare(name//', 2 sweeps', sim, problem, [2], 4, n_bodies)
+    call compare(name//', 5 sweeps', sim, problem, [5], 3, n_bodies)
+    call compare(name//', sweeps by rank', sim, problem, [3, 1, 4, 2], 3, n_bodies)
+  end subroutine compare_all
+
+  !> The problem of the next step, with its guess.
+  subroutine next_problem(sim, problem)
+    type(simulation_t), intent(inout) :: sim
+    type(problem_t), intent(out) :: problem
+    type(error_t), allocatable :: error
+    logical :: is_renewed
+
+    associate (h => sim%options%step)
+      call predict(sim%scene, sim%time(), h, sim%options%theta)
+      call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_renewed, error)
+      if (is_renewed) then
+        call set_radii(sim%scene, sim%plan)
+        call predict(sim%scene, sim%time(), h, sim%options%theta)
+      end if
+      call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+      call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
+                    sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, problem)
+    end associate
+  end subroutine next_problem
+
+  !> Both forms after some gluings: velocities, impulses and F_Gamma agree, and F_Gamma of all copies vanish together.
+  subroutine compare(name, sim, problem, sweeps, gluings, n_bodies)
+    character(len=*), intent(in) :: name
+    type(simulation_t), intent(inout) :: sim
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: sweeps(:) !! of each rank between two gluings; one number for all
+    integer, intent(in) :: gluings, n_bodies
+    ! Rounding of some ten sweeps; where contacts slide or open, a sweep may make it grow.
+    real(wp), parameter :: rounding = 1e-10_wp
+    type(dual_t) :: dual
+    type(problem_t) :: glued, plain
+    type(explicit_t) :: explicit
+    type(report_t) :: report
+    real(wp), allocatable :: force(:, :), sums(:)
+    real(wp) :: largest(3)
+    integer :: i, round
+
+    allocate (dual%partition%sweeps, source=sweeps)
+    if (size(sweeps) > 1) dual%partition%sweeps = sweeps(:comm%size)
+    dual%options = sim%options%solver
+    dual%options%maximum_sweeps = gluings*dual%partition%most_sweeps()
+    dual%options%check_every = dual%options%maximum_sweeps + 1
+    glued = problem
+    call dual%solve(glued, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, report)
+    call t%equal(report%gluings, gluings, name//': gluings')
+
+    plain = problem
+    call explicit_form(sim, dual%partition%sweeps_of(comm%rank), gluings, n_bodies, plain, explicit)
+    associate (n => problem%n_contacts, w => explicit%width)
+      largest = 0
+      if (n > 0) largest(1) = maxval(abs(plain%impulse(:, :n)))
+      largest(2) = maxval(abs(plain%body(:w, :problem%n_bodies)))
+      if (size(explicit%slot) > 0) largest(3) = maxval(abs(explicit%force))
+      call comm%maximum(largest)
+      call t%check(largest(3) > 1e-3_wp*largest(1), name//': gluing impulses carry')
+      call t%check(all(abs(glued%impulse(:, :n) - plain%impulse(:, :n)) <= rounding*largest(1)), name//': impulses')
+      call t%check(all(abs(glued%body(:w, explicit%slot) - plain%body(:w, explicit%slot)) <= rounding*largest(2)), &
+                   name//': velocities of shared bodies')
+      do i = 1, n
+        call t%check(all(abs(glued%body(:w, problem%pair(:, i)) - plain%body(:w, problem%pair(:, i))) <= rounding*largest(2)), &
+                     name//': velocities of bodies of a contact')
+      end do
+    end associate
+    call glued_forces(dual, problem, explicit, force)
+    call t%check(all(abs(force - explicit%force) <= rounding*largest(3)), name//': what gluing adds is F_Gamma')
+    allocate (sums(explicit%width*n_bodies), source=0.0_wp)
+    do i = 1, size(explicit%slot)
+      round = (explicit%id(i) - 1)*explicit%width
+      sums(round + 1:round + explicit%width) = force(:, i)
+    end do
+    call comm%sum(sums)
+    call t%check(all(abs(sums) <= rounding*largest(3)), name//': F_Gamma of all copies of a body vanish together')
+  end subroutine compare
+
+  !> Rounds of the explicit form: velocities, sweeps, F_Gamma.
+  subroutine explicit_form(sim, sweeps, gluings, n_bodies, problem, explicit)
+    type(simulation_t), intent(inout) :: sim
+    integer, intent(in) :: sweeps, gluings, n_bodies
+    type(problem_t), intent(inout) :: problem
+    type(explicit_t), intent(out) :: explicit
+    type(parts_t) :: parts
+    type(report_t) :: report
+    logical :: is_shared(problem%n_bodies)
+    integer :: i, k, round
+
+    explicit%all_bodies = n_bodies
+    call find_shared(sim, problem, explicit)
+    is_shared = .false.
+    is_shared(explicit%slot) = .true.
+    do i = 1, size(explicit%slot)
+      call share_mass(problem%kind, explicit%parts(i), problem%body(:, explicit%slot(i)))
+    end do
+    call parts%begin(problem, [(merge(part_shared, part_own, any(is_shared(problem%pair(:, k)))), k=1, problem%n_contacts)], 2, &
+                     .true., sim%options%solver%order == 'groups')
+    call update_forces(problem, explicit)
+    do round = 1, gluings
+      call set_velocities(problem, explicit)
+      do i = 1, sweeps
+        call parts%sweep(part_shared, problem, sim%options%solver%relaxation, report)
+        call parts%sweep(part_own, problem, sim%options%solver%relaxation, report)
+      end do
+      call parts%give_impulses(problem)
+      call update_forces(problem, explicit)
+    end do
+    call set_velocities(problem, explicit)
+  end subroutine explicit_form
+
+  !> Find the bodies on which several ranks have contacts and which impulses can move; walls are swept with them in any case.
+  subroutine find_shared(sim, problem, explicit)
+    type(simulation_t), intent(in) :: sim
+    type(problem_t), intent(in) :: problem
+    type(explicit_t), intent(inout) :: explicit
+    real(wp) :: ranks(explicit%all_bodies)
+    logical :: is_touched(problem%n_bodies)
+    integer :: k, s
+
+    is_touched = .false.
+    do k = 1, problem%n_contacts
+      is_touched(problem%pair(:, k)) = .true.
+    end do
+    explicit%width = first_inverse(problem%kind) - 1
+    associate (id => sim%scene%bodies%id(sim%pairs%body_of))
+      ranks = 0
+      ranks(id) = merge(1.0_wp, 0.0_wp, is_touched)
+      call comm%sum(ranks)
+      explicit%slot = pack([(s, s=1, problem%n_bodies)], &
+                           [(is_touched(s) .and. any(problem%body(explicit%width + 1:, s) > 0) .and. &
+                             (nint(ranks(id(s))) > 1 .or. sim%scene%bodies%home(sim%pairs%body_of(s)) < 0), &
+                             s=1, problem%n_bodies)])
+      explicit%id = int(id(explicit%slot))
+    end associate
+    explicit%parts = nint(ranks(explicit%id))
+    allocate (explicit%force(explicit%width, size(explicit%slot)), source=0.0_wp)
+    explicit%free = problem%body(:explicit%width, :problem%n_bodies)
+  end subroutine find_shared
+
+  !> X F_Gamma = sum A M_E^-1 (R_E + R_E^d): the mean over all copies of the impulses of contacts, less those of this copy.
+  subroutine update_forces(problem, explicit)
+    type(problem_t), intent(in) :: problem
+    type(explicit_t), intent(inout) :: explicit
+    real(wp) :: own(explicit%width, size(explicit%slot)), sums(explicit%width*explicit%all_bodies)
+    type(problem_t) :: unit
+    integer :: i, at
+
+    ! Bodies of unit mass and inertia at rest: what impulses do to them is H r.
+    unit = problem
+    unit%body = 0
+    unit%body(explicit%width + 1:, :) = 1
+    if (problem%kind == solid_frictional) unit%body(13:, :) = 0
+    call add_impulses(unit)
+    own = unit%body(:explicit%width, explicit%slot)
+    sums = 0
+    do i = 1, size(explicit%slot)
+      at = (explicit%id(i) - 1)*explicit%width
+      sums(at + 1:at + explicit%width) = own(:, i)
+    end do
+    call comm%sum(sums)
+    do i = 1, size(explicit%slot)
+      at = (explicit%id(i) - 1)*explicit%width
+      explicit%force(:, i) = sums(at + 1:at + explicit%width)/real(explicit%parts(i), wp) - own(:, i)
+    end do
+  end subroutine update_forces
+
+  !> Velocities under contacts and F_Gamma, from nothing: V_free + M_c^-1 (H r_c + F_c).
+  subroutine set_velocities(problem, explicit)
+    type(problem_t), intent(inout) :: problem
+    type(explicit_t), intent(in) :: explicit
+    integer :: i
+
+    problem%body(:explicit%width, :problem%n_bodies) = explicit%free
+    call add_impulses(problem)
+    do i = 1, size(explicit%slot)
+      associate (body => problem%body(:, explicit%slot(i)))
+        body(:explicit%width) = body(:explicit%width) + moved(problem%kind, body, explicit%force(:, i))
+      end associate
+    end do
+  end subroutine set_velocities
+
+  !> What an impulse does to a body.
+  pure function moved(kind, body, impulse) result(velocity)
+    integer, intent(in) :: kind
+    real(wp), intent(in) :: body(:), impulse(:)
+    real(wp) :: velocity(size(impulse))
+
+    select case (kind)
+    case (ball_frictional)
+      velocity = [body(7)*impulse(:3), max(0.0_wp, body(8))*impulse(4:)]
+    case (solid_frictional)
+      velocity = [body(7:9)*impulse(:3), matmul(reshape(body([10, 13, 14, 13, 11, 15, 14, 15, 12]), [3, 3]), impulse(4:))]
+    case default
+      velocity = body(4:6)*impulse
+    end select
+  end function moved
+
+  !> F_Gamma of the dual method, by shared body as the explicit form lists them: its part of the mass times what gluing has
+  !! added. Walls take part in sums over all ranks that no rank keeps: theirs is taken from the explicit form.
+  subroutine glued_forces(dual, problem, explicit, force)
+    type(dual_t), intent(in) :: dual
+    type(problem_t), intent(in) :: problem !! with whole masses
+    type(explicit_t), intent(in) :: explicit
+    real(wp), allocatable, intent(out) :: force(:, :)
+    real(wp) :: body(size(problem%body, 1)), velocity(explicit%width, explicit%width)
+    integer :: i, j, e
+
+    force = explicit%force
+    associate (sharing => dual%gluing%sharing)
+      call t%check(size(sharing%slot) + count(sharing%wide%is_here) == size(explicit%slot), &
+                   'as many bodies are shared')
+      do i = 1, size(sharing%slot)
+        e = findloc(explicit%slot, sharing%slot(i), 1)
+        call t%check(e > 0, 'a body is shared')
+        if (e == 0) cycle
+        call t%equal(sharing%parts(i), explicit%parts(e), 'ranks that share a body')
+        body = problem%body(:, sharing%slot(i))
+        call share_mass(problem%kind, sharing%parts(i), body)
+        do j = 1, explicit%width
+          velocity(:, j) = moved(problem%kind, body, unit_vector(explicit%width, j))
+        end do
+        force(:, e) = divided(velocity, dual%gluing%jump(:, i))
+      end do
+    end associate
+  end subroutine glued_forces
+
+  !> Unit vector.
+  pure function unit_vector(n, i) result(e)
+    integer, intent(in) :: n, i
+    real(wp) :: e(n)
+
+    e = 0
+    e(i) = 1
+  end function unit_vector
+
+  !> x of A x = b, A symmetric and positive: by elimination.
+  pure function divided(matrix, right) result(x)
+    real(wp), intent(in) :: matrix(:, :), right(:)
+    real(wp) :: x(size(right)), a(size(right), size(right) + 1)
+    integer :: i, j
+
+    a(:, :size(right)) = matrix
+    a(:, size(right) + 1) = right
+    do i = 1, size(right)
+      a(i, :) = a(i, :)/a(i, i)
+      do j = 1, size(right)
+        if (j /= i) a(j, :) = a(j, :) - a(j, i)*a(i, :)
+      end do
+    end do
+    x = a(:, size(right) + 1)
+  end function divided
+end program test_dual

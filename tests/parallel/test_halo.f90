@@ -1,0 +1,193 @@
+!> Copies on ranks: all pairs that a search of the whole scene finds exist on exactly one rank, all copies of a body are one
+!! body to the last bit, and contacts with their impulses survive a new split. Run by any number of ranks.
+program test_halo
+  use harness, only: tests_t
+  use packs, only: advance_pack, pack_deck, pack_names, start_pack
+  use sg_bodies, only: bodies_t
+  use sg_comm, only: comm_t
+  use sg_error, only: error_t
+  use sg_homes, only: owner_of
+  use sg_kinds, only: wp, i4
+  use sg_motion, only: predict
+  use sg_neighbours, only: build_neighbours, neighbours_t
+  use sg_plan, only: set_radii
+  use sg_scene, only: scene_t
+  use sg_simulation, only: decompose, simulation_t
+  implicit none
+  type(tests_t) :: t
+  type(comm_t) :: comm
+  integer :: i
+
+  call comm%start()
+  do i = 1, size(pack_names)
+    call test_pack(trim(pack_names(i)))
+  end do
+  call t%finish(comm)
+
+contains
+
+  !> A pack falls together on one rank, is split along x, moves on, and is split along y.
+  subroutine test_pack(name)
+    character(len=*), intent(in) :: name
+    type(simulation_t) :: sim
+    type(scene_t) :: whole
+    type(error_t), allocatable :: error
+
+    call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
+    call advance_pack(t, name, sim, 60)
+    call t%check(sim%contacts%n > 5, name//': contacts')
+    if (comm%size == 1) return
+    whole = sim%scene
+    sim%comm = comm
+    sim%options%partition%boxes = [comm%size, 1, 1]
+    sim%options%partition%imbalance = 1e3_wp
+    call decompose(sim, error)
+    call t%check(.not. allocated(error), name//' is split')
+    call advance_pack(t, name, sim, 3)
+    call check_pairs(name//', split', sim, whole)
+    call check_copies(name//', split', sim, whole%bodies%n)
+    call split_anew(name, sim, whole)
+    call advance_pack(t, name, sim, 3)
+    call check_pairs(name//', split anew', sim, whole)
+    call check_copies(name//', split anew', sim, whole%bodies%n)
+    call t%equal(sim%decomposition%subdomain%splits, 2, name//': splits')
+  end subroutine test_pack
+
+  !> Deal all grains anew, across: contacts and their impulses are those before.
+  subroutine split_anew(name, sim, whole)
+    character(len=*), intent(in) :: name
+    type(simulation_t), intent(inout) :: sim
+    type(scene_t), intent(in) :: whole
+    type(error_t), allocatable :: error
+    real(wp), allocatable :: before(:, :, :), after(:, :, :)
+    integer :: k
+    logical :: is_renewed
+
+    call tabulate(sim, whole%contactors%n, before)
+    sim%decomposition%options%boxes = [1, comm%size, 1]
+    sim%decomposition%options%every = 1
+    call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
+    call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, sim%options%step, sim%comm, is_renewed, error)
+    call t%check(is_renewed .and. .not. allocated(error), name//' is split anew')
+    sim%decomposition%options%every = 0
+    call set_radii(sim%scene, sim%plan)
+    call tabulate(sim, whole%contactors%n, after)
+    call t%check(sum(before(:, :, 1)) > 5 .and. any(abs(before(:, :, 3:)) > 0), name//': contacts carry')
+    call t%check(.not. any(abs(after - before) > 0), name//': contacts, statuses and impulses are kept')
+    do k = 1, sim%contacts%n
+      call t%equal(owner_of(sim%scene%bodies%home(sim%contacts%body(:, k))), comm%rank, name//': owner of a contact')
+    end do
+    call t%check(sim%decomposition%subdomain%moved > 0.2_wp*real(count(whole%bodies%is_grain), wp), name//': grains have moved')
+  end subroutine split_anew
+
+  !> Contacts of all ranks by pairs of contactors: their number, their statuses weighted by features, and their impulses, added
+  !! up as they stand and weighted by features. All contacts of a pair are on one rank, so that sums are exact.
+  subroutine tabulate(sim, n, table)
+    type(simulation_t), intent(inout) :: sim
+    integer, intent(in) :: n !! contactors of the whole scene
+    real(wp), allocatable, intent(out) :: table(:, :, :)
+    integer :: k, width
+    real(wp), allocatable :: list(:)
+
+    width = sim%contacts%n_components
+    allocate (table(n, n, 2 + 2*width), source=0.0_wp)
+    do k = 1, sim%contacts%n
+      associate (pair => sim%scene%contactors%id(sim%contacts%contactor(:, k)), impulse => sim%contacts%impulse(:, k), &
+                 weight => 1 + real(sim%contacts%feature(k), wp))
+        table(pair(1), pair(2), :) = table(pair(1), pair(2), :) + [1.0_wp, weight*real(sim%contacts%status(k), wp), impulse, &
+                                                                   weight*impulse]
+      end associate
+    end do
+    list = reshape(table, [size(table)])
+    call comm%sum(list)
+    table(:, :, :) = reshape(list, shape(table))
+  end subroutine tabulate
+
+  !> The pairs of all ranks together are those that a search of the whole scene finds, in the state in which they were sought.
+  subroutine check_pairs(name, sim, whole)
+    character(len=*), intent(in) :: name
+    type(simulation_t), intent(inout) :: sim
+    type(scene_t), intent(in) :: whole
+    type(scene_t) :: scene
+    type(neighbours_t) :: pairs
+    real(wp), allocatable :: built(:), found(:, :), expected(:, :), list(:)
+    integer :: b, width
+
+    width = size(sim%pairs%built, 1)
+    allocate (built(width*whole%bodies%n), source=0.0_wp)
+    do b = 1, sim%scene%bodies%n_home
+      built((sim%scene%bodies%id(b) - 1)*width + 1:sim%scene%bodies%id(b)*width) = sim%pairs%built(:, b)
+    end do
+    call comm%sum(built)
+    scene = whole
+    call build_neighbours(pairs, scene, reshape(built, [width, whole%bodies%n]), sim%pairs%skin)
+    call tabulate_pairs(pairs, [(int(b, i4), b=1, whole%contactors%n)], whole%contactors%n, expected)
+    call tabulate_pairs(sim%pairs, sim%scene%contactors%id, whole%contactors%n, found)
+    list = reshape(found, [size(found)])
+    call comm%sum(list)
+    found(:, :) = reshape(list, shape(found))
+    call t%check(sum(expected) > 30, name//': pairs')
+    call t%check(.not. any(abs(found - expected) > 0), name//': every pair is on one rank')
+  end subroutine check_pairs
+
+  !> Number of times that each pair is listed, images told apart.
+  subroutine tabulate_pairs(pairs, id, n, table)
+    type(neighbours_t), intent(in) :: pairs
+    integer(i4), intent(in) :: id(:)
+    integer, intent(in) :: n !! contactors of the whole scene
+    real(wp), allocatable, intent(out) :: table(:, :)
+    integer :: i, image
+
+    allocate (table(n, 9*n), source=0.0_wp)
+    do i = 1, pairs%n
+      image = 4 + int(pairs%image(i))
+      if (allocated(pairs%image_y)) image = image + 3*int(pairs%image_y(i))
+      associate (pair => id(pairs%contactor(:, i)))
+        table(pair(1), 9*(pair(2) - 1) + 1 + image) = table(pair(1), 9*(pair(2) - 1) + 1 + image) + 1
+      end associate
+    end do
+  end subroutine tabulate_pairs
+
+  !> All copies of a body have the same state, bit by bit, and all bodies are at home once.
+  subroutine check_copies(name, sim, n)
+    character(len=*), intent(in) :: name
+    type(simulation_t), intent(inout) :: sim
+    integer, intent(in) :: n !! bodies of the whole scene
+    real(wp), allocatable :: most(:), least(:), homes(:)
+    real(wp) :: copies(1)
+    integer :: width, b, at
+
+    width = size(state_bits(sim%scene%bodies, 1))
+    allocate (most(width*n), source=-huge(1.0_wp))
+    allocate (least(width*n), source=huge(1.0_wp))
+    allocate (homes(n), source=0.0_wp)
+    associate (bodies => sim%scene%bodies)
+      do b = 1, bodies%n
+        at = (bodies%id(b) - 1)*width
+        most(at + 1:at + width) = state_bits(bodies, b)
+        least(at + 1:at + width) = most(at + 1:at + width)
+        if (b <= bodies%n_home) homes(bodies%id(b)) = 1
+      end do
+      copies = real(count(bodies%home(bodies%n_home + 1:) >= 0), wp)
+    end associate
+    call comm%maximum(most)
+    call comm%minimum(least)
+    call comm%sum(homes)
+    call comm%sum(copies)
+    call t%check(copies(1) > 3, name//': there are copies')
+    call t%check(all(nint(homes) == 1), name//': every body is at home once')
+    call t%check(.not. any(abs(most - least) > 0), name//': copies are one body')
+  end subroutine check_copies
+
+  !> The state of a body, bit by bit, in whole numbers.
+  pure function state_bits(bodies, b) result(bits)
+    type(bodies_t), intent(in) :: bodies
+    integer, intent(in) :: b
+    real(wp), allocatable :: bits(:), state(:)
+
+    state = [bodies%position(:, b), bodies%velocity(:, b), real(bodies%crossings(b), wp)]
+    if (allocated(bodies%angle)) state = [state, bodies%angle(b)]
+    if (allocated(bodies%orientation)) state = [state, bodies%orientation(:, b)]
+    bits = real(transfer(state, [0_i4]), wp)
+  end function state_bits
+end program test_halo
