@@ -87,5 +87,14 @@ if(SPLITGRAIN_QHULL)
 endif()
 choose(qhull "${SPLITGRAIN_QHULL}")
 
+if(SPLITGRAIN_OPENMP)
+  # Files with directives of OpenMP: all others are compiled as without it.
+  find_package(OpenMP REQUIRED COMPONENTS Fortran)
+  separate_arguments(openmp_flags UNIX_COMMAND "${OpenMP_Fortran_FLAGS}")
+  set_source_files_properties(${PROJECT_SOURCE_DIR}/src/base/threads.f90 ${PROJECT_SOURCE_DIR}/src/solvers/sweeps.f90
+                              PROPERTIES COMPILE_OPTIONS "${openmp_flags}")
+  list(APPEND splitgrain_libraries ${OpenMP_Fortran_LIBRARIES})
+endif()
+
 find_package(tomlplusplus REQUIRED)
 list(APPEND splitgrain_libraries tomlplusplus::tomlplusplus stdc++)

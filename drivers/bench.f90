@@ -7,6 +7,7 @@ module sg_bench
   use sg_kinds, only: wp
   use sg_run_options, only: solver_options_t
   use sg_text, only: to_text
+  use sg_threads, only: threads_are_available
   implicit none
   private
   public :: bench_command
@@ -19,10 +20,10 @@ contains
     type(error_t), allocatable, intent(out) :: error !! what is wrong with it
     type(solver_options_t) :: options
     type(benchmark_t) :: figures
-    real(wp) :: contacts, friction, sweeps, check_every
+    real(wp) :: contacts, friction, sweeps, check_every, threads
     character(len=:), allocatable :: shape
 
-    call arguments%expect('shape contacts friction order check-every sweeps json', 0, 0, 'bench [options]', error)
+    call arguments%expect('shape contacts friction order threads check-every sweeps json', 0, 0, 'bench [options]', error)
     if (.not. allocated(error)) call arguments%number('contacts', 100000.0_wp, 12.0_wp, contacts, error)
     if (.not. allocated(error)) call arguments%number('friction', 0.3_wp, 0.0_wp, friction, error)
     if (.not. allocated(error)) call arguments%number('check-every', real(options%check_every, wp), 1.0_wp, check_every, error)
@@ -33,8 +34,16 @@ contains
       call fail(error, 'bench knows the shapes disk, sphere and polyhedron, not "'//shape//'"')
     end if
     options%order = arguments%get('order', options%order)
-    if (.not. allocated(error) .and. all(options%order /= [character(len=16) :: 'natural', 'groups'])) then
-      call fail(error, 'order is natural or groups, not "'//trim(options%order)//'"')
+    if (.not. allocated(error) .and. all(options%order /= [character(len=16) :: 'natural', 'groups', 'coloured'])) then
+      call fail(error, 'order is natural, groups or coloured, not "'//trim(options%order)//'"')
+    end if
+    if (.not. allocated(error)) call arguments%number('threads', 1.0_wp, 1.0_wp, threads, error)
+    if (allocated(error)) return
+    options%threads = nint(threads)
+    if (options%threads > 1 .and. .not. threads_are_available()) then
+      call fail(error, 'this program was built without OpenMP, which more than one thread needs')
+    else if (options%threads > 1 .and. options%order /= 'coloured') then
+      call fail(error, 'threads share sweeps in coloured order alone')
     end if
     if (allocated(error)) return
     options%maximum_sweeps = nint(sweeps)
@@ -55,6 +64,8 @@ contains
     call put('active_contacts', real(figures%active_contacts, wp))
     call put('sweeps', real(figures%sweeps, wp))
     call put('contact_updates_per_cpu_second', figures%updates_per_second)
+    call put('threads', real(options%threads, wp))
+    call put('contact_updates_per_second', figures%updates_per_wall_second)
     call put('check_every', real(options%check_every, wp))
     call put('check_share', figures%check_share)
     call put('sweep_seconds', figures%sweep_seconds)

@@ -48,7 +48,8 @@ contains
                   '  --shape disk            shape of the grains', &
                   '  --contacts N            contacts to generate (default 100000)', &
                   '  --friction MU           Coulomb friction, 0 for the frictionless kernel (default 0.3)', &
-                  '  --order natural|groups  order of the sweep (default groups)', &
+                  '  --order NAME            order of the sweep: natural, groups (default) or coloured', &
+                  '  --threads N             threads that share the sweeps, in coloured order (default 1)', &
                   '  --check-every N         sweeps between two tests (default as in decks)', &
                   '  --sweeps N              sweeps to do (default: about a second''s work)', &
                   '  --json                  one flat JSON object'])

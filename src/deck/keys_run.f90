@@ -57,8 +57,11 @@ contains
                      default=short_real(default%relaxation), above=0.0_wp, most=2.0_wp)
       call table%add('warm_start', value_logical, 'Start from the impulses of the last step.', &
                      default=true_or_false(default%warm_start))
-      call table%add('order', value_choice, 'Order of the sweep: natural (spatial), or coloured groups that overlap.', &
-                     default=quoted(default%order), choices='natural|groups')
+      call table%add('order', value_choice, 'Order of the sweep: natural (spatial), coloured groups that overlap, or '// &
+                     'coloured blocks of such groups, which threads can share.', default=quoted(default%order), &
+                     choices='natural|groups|coloured')
+      call table%add('threads', value_integer, 'Threads that share the sweeps of each rank, in coloured order; any number '// &
+                     'of them gives the same answer.', default=to_text(default%threads), least=1.0_wp)
       call table%add('stop_unconverged', value_logical, 'End the run when a step does not converge.', &
                      default=true_or_false(default%stop_unconverged))
     end associate

@@ -3,8 +3,9 @@ module sg_options_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
   use sg_fourier, only: fourier_is_available
-  use sg_run_options, only: criterion_names, partition_options_t, run_options_t
+  use sg_run_options, only: criterion_names, partition_options_t, run_options_t, solver_options_t
   use sg_text, only: to_text
+  use sg_threads, only: threads_are_available
   use sg_values, only: value_t
   use sg_words, only: choice_index, choices_of
   implicit none
@@ -33,6 +34,8 @@ contains
     options%solver%relaxation = deck%number(b, 'relaxation')
     options%solver%warm_start = deck%flag(b, 'warm_start')
     options%solver%order = deck%word(b, 'order')
+    options%solver%threads = deck%integer(b, 'threads')
+    if (options%solver%threads > 1) call check_threads(deck, options%solver, b, diagnostics)
     options%solver%stop_unconverged = deck%flag(b, 'stop_unconverged')
     call partition_from_deck(deck, options%partition, diagnostics)
     b = deck%block_of('output')
@@ -47,6 +50,21 @@ contains
       call deck%complain(diagnostics, 'this program was built without FFTW, which spectra need', b, 'spectrum')
     end if
   end subroutine options_from_deck
+
+  !> Threads need a program that has them, and sweeps that can be shared.
+  subroutine check_threads(deck, options, block, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(solver_options_t), intent(in) :: options
+    integer, intent(in) :: block
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    if (.not. threads_are_available()) then
+      call deck%complain(diagnostics, 'this program was built without OpenMP, which more than one thread needs', block, 'threads')
+    else if (options%order /= 'coloured') then
+      call deck%complain(diagnostics, to_text(options%threads)//' threads need order = "coloured": sweeps in '// &
+                         trim(options%order)//' order cannot be shared', block, 'threads')
+    end if
+  end subroutine check_threads
 
   !> Fill the options of the decomposition.
   subroutine partition_from_deck(deck, options, diagnostics)

@@ -2,9 +2,9 @@
 submodule(sg_comm) comm_with_mpi
   use mpi_f08, only: mpi_abort, mpi_allgather, mpi_allreduce, mpi_alltoall, mpi_alltoallv, mpi_bcast, mpi_character, &
                      mpi_comm, mpi_comm_rank, mpi_comm_size, mpi_comm_world, mpi_double_precision, mpi_exscan, mpi_finalize, &
-                     mpi_get_library_version, mpi_iallreduce, mpi_in_place, mpi_info_null, mpi_init, mpi_initialized, mpi_integer, &
-                     mpi_integer8, mpi_logical, mpi_lor, mpi_max, mpi_max_library_version_string, mpi_min, mpi_op, &
-                     mpi_request, mpi_status_ignore, mpi_sum, mpi_wait
+                     mpi_get_library_version, mpi_iallreduce, mpi_in_place, mpi_info_null, mpi_init_thread, mpi_initialized, &
+                     mpi_integer, mpi_integer8, mpi_logical, mpi_lor, mpi_max, mpi_max_library_version_string, mpi_min, mpi_op, &
+                     mpi_request, mpi_status_ignore, mpi_sum, mpi_thread_funneled, mpi_wait
   use sg_system, only: end_program
   use sg_timers, only: wall_now
   implicit none
@@ -12,8 +12,11 @@ submodule(sg_comm) comm_with_mpi
 contains
 
   module procedure comm_start
+  integer :: provided
+
   if (.not. was_launched()) return
-  call mpi_init()
+  ! Threads share sweeps alone: messages are the first one's.
+  call mpi_init_thread(mpi_thread_funneled, provided)
   call mpi_comm_rank(mpi_comm_world, self%rank)
   call mpi_comm_size(mpi_comm_world, self%size)
   end procedure comm_start

@@ -59,8 +59,11 @@ module sg_run_options
     real(wp) :: relaxation = 1
     !> Start from the impulses of the last step
     logical :: warm_start = .true.
-    !> Order of the sweep: 'natural' (spatial) or 'groups' (coloured groups that overlap in the processor)
+    !> Order of the sweep: 'natural' (spatial), 'groups' (coloured groups that overlap in the processor) or 'coloured' (blocks of
+    !! such groups, which threads share)
     character(len=16) :: order = 'groups'
+    !> Threads that share the sweeps of a rank, in coloured order
+    integer :: threads = 1
     !> End the run when a step does not converge
     logical :: stop_unconverged = .false.
   end type solver_options_t

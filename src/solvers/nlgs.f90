@@ -83,7 +83,7 @@ contains
     end if
     if (.not. allocated(self%is_wanted)) allocate (self%is_wanted(problem%n_contacts + problem%n_contacts/8))
     self%is_wanted(:problem%n_contacts) = .true.
-    call set_order(self%order, problem, self%is_wanted, self%options%order == 'groups')
+    call set_order(self%order, problem, self%is_wanted, self%options)
     call self%convergence%begin(maxval(abs(problem%body(1:merge(3, 2, is_in_space(problem%kind)), :))))
   end subroutine start_order
 
@@ -123,7 +123,7 @@ contains
     if (is_last .or. .not. self%convergence%is_choice_due) return
     call choose_visited(problem, report, self%is_wanted, visited, missed)
     if (missed > 0 .or. visited < self%order%n - self%order%n/16) then
-      call set_order(self%order, problem, self%is_wanted, self%options%order == 'groups')
+      call set_order(self%order, problem, self%is_wanted, self%options)
     end if
   end subroutine check
 

@@ -6,6 +6,7 @@ module sg_parts
   use sg_problem, only: problem_t
   use sg_report, only: report_t
   use sg_residuals, only: choose_visited
+  use sg_run_options, only: solver_options_t
   use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
   use sg_sweeps, only: sweep
   implicit none
@@ -25,7 +26,7 @@ module sg_parts
     !> Contacts of divided bodies, and their records with blocks for a part of the mass
     integer(i4), allocatable, private :: contact(:)
     real(wp), allocatable, private :: record(:, :)
-    logical, private :: in_groups = .true.
+    type(solver_options_t), private :: options
   contains
     procedure :: begin => parts_begin
     procedure :: choose => parts_choose
@@ -36,16 +37,16 @@ module sg_parts
 contains
 
   !> Take the parts of a problem, and begin with all contacts.
-  subroutine parts_begin(self, problem, part, n_parts, are_masses_divided, in_groups)
+  subroutine parts_begin(self, problem, part, n_parts, are_masses_divided, options)
     class(parts_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem whose shared bodies may have divided masses
     integer(i4), intent(in) :: part(:) !! of each contact, from 1
     integer, intent(in) :: n_parts !! number of parts
     logical, intent(in) :: are_masses_divided !! set the blocks of the first part anew
-    logical, intent(in) :: in_groups !! order in coloured groups
+    type(solver_options_t), intent(in) :: options !! order and threads of the sweeps
     integer :: k
 
-    self%in_groups = in_groups
+    self%options = options
     if (allocated(self%order)) then
       if (size(self%order) /= n_parts) deallocate (self%order)
     end if
@@ -71,7 +72,7 @@ contains
 
     call swap_records(self, problem)
     do p = 1, size(self%order)
-      call set_order(self%order(p), problem, self%is_wanted .and. self%part == p, self%in_groups)
+      call set_order(self%order(p), problem, self%is_wanted .and. self%part == p, self%options)
     end do
     call swap_records(self, problem)
   end subroutine set_orders

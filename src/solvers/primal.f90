@@ -93,8 +93,7 @@ contains
     call add_impulses(problem)
     call self%edges%return_changes(before, problem, comm)
     call self%sharing%wide%glue(problem, .true., comm)
-    call self%parts%begin(problem, parts_of(self, problem), part_own + size(subdomain%neighbour), .true., &
-                          self%options%order == 'groups')
+    call self%parts%begin(problem, parts_of(self, problem), part_own + size(subdomain%neighbour), .true., self%options)
     call self%convergence%begin(self%errors%fastest)
   end subroutine open_solve
 

@@ -114,7 +114,7 @@ contains
     call add_impulses(problem)
     call self%gluing%begin(problem, comm)
     call self%parts%begin(problem, [(merge(part_shared, part_own, any(is_shared(problem%pair(:, i)))), i=1, &
-                                       problem%n_contacts)], 2, is_mean, self%options%order == 'groups')
+                                       problem%n_contacts)], 2, is_mean, self%options)
     call self%gluing%finish(problem, comm)
     call self%convergence%begin(self%errors%fastest)
   end subroutine open_solve

@@ -3,12 +3,15 @@
 !! Consecutive contacts of the spatial order share bodies, and the chain of dependent updates limits a sweep. In
 !! *groups* order, blocks of consecutive contacts, small enough to stay in cache, are dealt to small groups in which
 !! no movable body appears twice: the processor then works on several contacts at once, and the order of the blocks
-!! stays spatial (doc/theory/nlgs.md). Contacts that are open and stay so need not be visited at all: the order holds
+!! stays spatial (doc/theory/nlgs.md). In *coloured* order that is done within each of the larger blocks that threads sweep
+!! side by side. Contacts that are open and stay so need not be visited at all: the order holds
 !! the ones chosen.
 module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: ball_frictional, first_inverse, is_compact, problem_t, solid_frictional
-  use sg_sweep_solid_order, only: deal_chains, fill_rows, row_impulse, solid_lanes_t
+  use sg_run_options, only: solver_options_t
+  use sg_sweep_blocks, only: colour_blocks, sweep_blocks_t
+  use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, row_impulse, solid_lanes_t
   implicit none
   private
   public :: sweep_order_t, set_order, give_impulses, lanes
@@ -40,6 +43,9 @@ module sg_sweep_order
     real(wp), allocatable :: lane_record(:, :, :), lane_impulse(:, :, :)
     !> Groups of pairs of solids with friction, side by side
     type(solid_lanes_t) :: solids
+    !> Blocks that may be swept side by side, in coloured order; and by how many threads
+    type(sweep_blocks_t) :: blocks
+    integer :: threads = 1
     !> Room for dealing: contacts chosen, and groups of each body as bits
     integer(i4), allocatable, private :: chosen(:)
     integer(i8), allocatable, private :: groups_of(:)
@@ -48,28 +54,28 @@ module sg_sweep_order
 contains
 
   !> Choose the order of the marked contacts and copy them into it.
-  pure subroutine set_order(order, problem, is_wanted, in_groups)
+  pure subroutine set_order(order, problem, is_wanted, options)
     type(sweep_order_t), intent(inout) :: order !! order to set
     type(problem_t), intent(in) :: problem !! problem to sweep
     logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit
-    logical, intent(in) :: in_groups !! groups order; natural otherwise
+    type(solver_options_t), intent(in) :: options !! order and threads
     integer :: i, k
 
     call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
     order%n = 0
     order%n_groups = 0
     order%solids%n_groups = 0
+    order%blocks%n = 0
+    order%threads = options%threads
     do k = 1, problem%n_contacts
       if (.not. is_wanted(k)) cycle
       order%n = order%n + 1
       order%chosen(order%n) = int(k, i4)
     end do
-    if (in_groups .and. problem%kind == solid_frictional) then
-      call deal_chains(order%chosen(:order%n), problem, order%groups_of, order%contact, order%solids)
-    else if (in_groups) then
-      call deal(order, problem)
-    else
+    if (options%order == 'natural') then
       order%contact(:order%n) = order%chosen(:order%n)
+    else
+      call deal_all(order, problem, options%order == 'coloured')
     end if
     do i = 1, order%n
       k = order%contact(i)
@@ -77,7 +83,7 @@ contains
       order%record(:, i) = problem%record(:, k)
     end do
     call take_impulses(order, problem)
-    if (in_groups .and. problem%kind == ball_frictional) call fill_lanes(order)
+    if (order%n_groups > 0) call fill_lanes(order)
     if (order%solids%n_groups > 0) call fill_rows(order%pair(:, :order%n), order%record(:, :order%n), order%impulse(:, :order%n), &
                                                   order%solids)
   end subroutine set_order
@@ -104,49 +110,76 @@ contains
     if (problem%kind == ball_frictional) allocate (order%group_size(n))
   end subroutine make_room
 
-  !> Deal contacts to groups, block by block.
-  pure subroutine deal(order, problem)
+  !> Deal contacts to groups, all at once or within each coloured block.
+  pure subroutine deal_all(order, problem, are_coloured)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
-    integer :: first, last, block_size, width, filled(0:most_groups)
+    logical, intent(in) :: are_coloured
+    integer :: b
 
-    if (problem%kind == ball_frictional) then
-      call deal_lanes(order, problem)
+    if (problem%kind == solid_frictional) call begin_rows(order%solids, order%n)
+    if (.not. are_coloured) then
+      call deal(order, problem, 1, order%n)
       return
     end if
+    call colour_blocks(order%blocks, problem%pair, order%groups_of, order%chosen(:order%n))
+    do b = 1, order%blocks%n
+      call deal(order, problem, order%blocks%last(b - 1) + 1, order%blocks%last(b))
+      order%blocks%last_group(b) = order%n_groups
+      order%blocks%last_solid_group(b) = order%solids%n_groups
+      order%blocks%last_row(b) = order%solids%n_rows
+    end do
+  end subroutine deal_all
+
+  !> Deal a run of contacts to groups, block by block.
+  pure subroutine deal(order, problem, begin, end)
+    type(sweep_order_t), intent(inout) :: order
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: begin, end
+    integer :: first, last, block_size, width, filled(0:most_groups)
+
+    select case (problem%kind)
+    case (solid_frictional)
+      call deal_chains(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%solids)
+      return
+    case (ball_frictional)
+      call deal_lanes(order, problem, begin, end)
+      return
+    end select
     block_size = block_arm
     width = width_arm
     if (is_compact(problem%kind)) then
       block_size = block_round
       width = width_round
     end if
-    do first = 1, order%n, block_size
-      last = min(order%n, first + block_size - 1)
+    do first = begin, end, block_size
+      last = min(end, first + block_size - 1)
       call deal_block(order%chosen(first:last), problem, width, order%groups_of, order%contact(first:last), filled)
     end do
   end subroutine deal
 
   !> The same for groups side by side, in which lanes to spare cost as much as contacts: groups that a block leaves open are
   !! dealt anew with the next one.
-  pure subroutine deal_lanes(order, problem)
+  pure subroutine deal_lanes(order, problem, begin, end)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
+    integer, intent(in) :: begin, end
     integer(i4) :: block(block_round), dealt(block_round)
     integer :: filled(0:most_groups), next, placed, left, n, last, g
     logical :: is_kept(0:most_groups)
 
-    next = 1
-    placed = 0
+    next = begin
+    placed = begin - 1
     left = 0
-    do while (next <= order%n)
-      n = min(block_round, left + order%n - next + 1)
+    do while (next <= end)
+      n = min(block_round, left + end - next + 1)
       block(left + 1:n) = order%chosen(next:next + n - left - 1)
       next = next + n - left
       call deal_block(block(:n), problem, lanes, order%groups_of, dealt(:n), filled)
       is_kept = filled == lanes
       is_kept(most_groups) = .false.
       ! Where few groups are full, as about a large ball, dealing anew would not help.
-      if (next > order%n .or. sum(filled, .not. is_kept) > block_round/4) is_kept = .true.
+      if (next > end .or. sum(filled, .not. is_kept) > block_round/4) is_kept = .true.
       left = 0
       last = 0
       do g = 0, most_groups

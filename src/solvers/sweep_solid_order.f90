@@ -8,7 +8,7 @@ module sg_sweep_solid_order
   use sg_vectors, only: cross
   implicit none
   private
-  public :: solid_lanes_t, deal_chains, fill_rows, row_impulse, lanes, row_length, special_length
+  public :: solid_lanes_t, begin_rows, deal_chains, fill_rows, row_impulse, lanes, row_length, special_length
 
   !> Contacts side by side
   integer, parameter :: lanes = 8
@@ -38,21 +38,28 @@ module sg_sweep_solid_order
 
 contains
 
-  !> Deal chosen contacts to rows of groups.
+  !> Begin with no row, and room for those of so many contacts.
+  pure subroutine begin_rows(rows, contacts)
+    type(solid_lanes_t), intent(inout) :: rows !! rows to empty
+    integer, intent(in) :: contacts !! to be dealt, at most
+
+    if (allocated(rows%last_row)) then
+      if (size(rows%last_row) < contacts) deallocate (rows%last_row, rows%row_size)
+    end if
+    if (.not. allocated(rows%last_row)) allocate (rows%last_row(contacts), rows%row_size(contacts))
+    rows%n_groups = 0
+    rows%n_rows = 0
+  end subroutine begin_rows
+
+  !> Deal chosen contacts to rows of new groups, after those that are there.
   pure subroutine deal_chains(chosen, problem, groups_of, contact, rows)
     integer(i4), intent(in), contiguous :: chosen(:) !! contacts to deal, in spatial order
     type(problem_t), intent(in) :: problem !! problem to sweep
     integer(i8), intent(inout) :: groups_of(:) !! room, by slot; zero before and after
     integer(i4), intent(inout), contiguous :: contact(:) !! the same contacts, row by row
-    type(solid_lanes_t), intent(inout) :: rows !! groups and rows; impulses and records come later
+    type(solid_lanes_t), intent(inout) :: rows !! begun rows, which grow; impulses and records come later
     integer :: head(block_chains + 1), n, done
 
-    if (allocated(rows%last_row)) then
-      if (size(rows%last_row) < size(chosen)) deallocate (rows%last_row, rows%row_size)
-    end if
-    if (.not. allocated(rows%last_row)) allocate (rows%last_row(size(chosen)), rows%row_size(size(chosen)))
-    rows%n_groups = 0
-    rows%n_rows = 0
     done = 0
     do while (done < size(chosen))
       call cut_block(chosen, problem%pair, done + 1, head, n)

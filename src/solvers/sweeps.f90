@@ -1,6 +1,6 @@
 !> One sweep over contacts in a chosen order, by the kernel of the problem's kind.
 module sg_sweeps
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
   use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
                         round_frictionless, solid_frictional, solid_frictionless
   use sg_sweep_arm, only: sweep_arm_frictional, sweep_arm_frictionless
@@ -17,14 +17,16 @@ module sg_sweeps
 contains
 
   !> Update every contact of an order once.
-  pure subroutine sweep(kind, order, n_bodies, relaxation, body)
+  subroutine sweep(kind, order, n_bodies, relaxation, body)
     integer, intent(in) :: kind !! kind of problem
     type(sweep_order_t), intent(inout) :: order !! contacts to visit; their impulses change
     integer, intent(in) :: n_bodies !! slots
     real(wp), intent(in) :: relaxation !! share of each change taken
-    real(wp), intent(inout) :: body(:, :) !! body records; their velocities change
+    real(wp), intent(inout), contiguous :: body(:, :) !! body records; their velocities change
 
-    if (order%n_groups > 0) then
+    if (order%blocks%n > 0) then
+      call sweep_colours(kind, order, n_bodies, relaxation, body)
+    else if (order%n_groups > 0) then
       call sweep_ball_lanes(order%n_groups, n_bodies, order%lane_pair, order%lane_record, relaxation, order%lane_impulse, body)
     else if (order%solids%n_groups > 0) then
       associate (solids => order%solids)
@@ -32,9 +34,61 @@ contains
                                solids%special, relaxation, solids%row, body)
       end associate
     else
-      call sweep_impulses(kind, order, n_bodies, relaxation, order%impulse, body)
+      call sweep_run(kind, order%n, n_bodies, order%pair, order%record, relaxation, order%impulse, body)
     end if
   end subroutine sweep
+
+  !> The same, colour by colour: threads share the blocks of a colour, which touch no body in common, and wait for each other
+  !! before the next one. Who sweeps a block makes no difference to what comes out.
+  subroutine sweep_colours(kind, order, n_bodies, relaxation, body)
+    integer, intent(in) :: kind, n_bodies
+    type(sweep_order_t), intent(inout) :: order
+    real(wp), intent(in) :: relaxation
+    real(wp), intent(inout), contiguous :: body(:, :)
+    integer :: c, b
+
+    !$omp parallel default(shared) private(c, b) num_threads(order%threads) if (order%threads > 1)
+    do c = 1, order%blocks%n_colours
+      !$omp do schedule(static)
+      do b = order%blocks%last_of_colour(c - 1) + 1, order%blocks%last_of_colour(c)
+        call sweep_block(kind, order, b, n_bodies, relaxation, body)
+      end do
+      !$omp end do
+    end do
+    !$omp end parallel
+  end subroutine sweep_colours
+
+  !> Sweep one block.
+  pure subroutine sweep_block(kind, order, b, n_bodies, relaxation, body)
+    integer, intent(in) :: kind, b, n_bodies
+    type(sweep_order_t), intent(inout) :: order
+    real(wp), intent(in) :: relaxation
+    real(wp), intent(inout), contiguous :: body(:, :)
+    integer :: first, last, before, n_special
+
+    if (order%n_groups > 0) then
+      first = order%blocks%last_group(b - 1) + 1
+      last = order%blocks%last_group(b)
+      call sweep_ball_lanes(last - first + 1, n_bodies, order%lane_pair(:, :, first:last), order%lane_record(:, :, first:last), &
+                            relaxation, order%lane_impulse(:, :, first:last), body)
+    else if (order%solids%n_groups > 0) then
+      first = order%blocks%last_solid_group(b - 1) + 1
+      last = order%blocks%last_solid_group(b)
+      before = order%blocks%last_row(b - 1)
+      associate (solids => order%solids, end => order%blocks%last_row(b))
+        n_special = size(solids%special, 3)
+        call sweep_solid_lanes(last - first + 1, end - before, n_bodies, solids%last_row(first:last) - int(before, i4), &
+                               solids%row_size(before + 1:end), solids%pair(:, :, first:last), &
+                               solids%special(:, :, min(before, n_special) + 1:min(end, n_special)), relaxation, &
+                               solids%row(:, :, before + 1:end), body)
+      end associate
+    else
+      first = order%blocks%last(b - 1) + 1
+      last = order%blocks%last(b)
+      call sweep_run(kind, last - first + 1, n_bodies, order%pair(:, first:last), order%record(:, first:last), relaxation, &
+                     order%impulse(:, first:last), body)
+    end if
+  end subroutine sweep_block
 
   !> The same with impulses that stand apart, one by one.
   pure subroutine sweep_impulses(kind, order, n_bodies, relaxation, impulse, body)
@@ -42,26 +96,37 @@ contains
     type(sweep_order_t), intent(in) :: order !! contacts to visit
     integer, intent(in) :: n_bodies !! slots
     real(wp), intent(in) :: relaxation !! share of each change taken
-    real(wp), intent(inout) :: impulse(:, :) !! impulses in the order of the sweep
-    real(wp), intent(inout) :: body(:, :) !! body records; their velocities change
+    real(wp), intent(inout), contiguous :: impulse(:, :) !! impulses in the order of the sweep
+    real(wp), intent(inout), contiguous :: body(:, :) !! body records; their velocities change
+
+    call sweep_run(kind, order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+  end subroutine sweep_impulses
+
+  !> The same for a run of contacts, by the kernel of the problem's kind.
+  pure subroutine sweep_run(kind, n, n_bodies, pair, record, relaxation, impulse, body)
+    integer, intent(in) :: kind, n, n_bodies
+    integer(i4), intent(in), contiguous :: pair(:, :)
+    real(wp), intent(in), contiguous :: record(:, :)
+    real(wp), intent(in) :: relaxation
+    real(wp), intent(inout), contiguous :: impulse(:, :), body(:, :)
 
     select case (kind)
     case (round_frictionless)
-      call sweep_round_frictionless(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+      call sweep_round_frictionless(n, n_bodies, pair, record, relaxation, impulse, body)
     case (round_frictional)
-      call sweep_round_frictional(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+      call sweep_round_frictional(n, n_bodies, pair, record, relaxation, impulse, body)
     case (arm_frictionless)
-      call sweep_arm_frictionless(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+      call sweep_arm_frictionless(n, n_bodies, pair, record, relaxation, impulse, body)
     case (arm_frictional)
-      call sweep_arm_frictional(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+      call sweep_arm_frictional(n, n_bodies, pair, record, relaxation, impulse, body)
     case (ball_frictionless)
-      call sweep_ball_frictionless(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+      call sweep_ball_frictionless(n, n_bodies, pair, record, relaxation, impulse, body)
     case (ball_frictional)
-      call sweep_ball_frictional(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+      call sweep_ball_frictional(n, n_bodies, pair, record, relaxation, impulse, body)
     case (solid_frictionless)
-      call sweep_solid_frictionless(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+      call sweep_solid_frictionless(n, n_bodies, pair, record, relaxation, impulse, body)
     case (solid_frictional)
-      call sweep_solid_frictional(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
+      call sweep_solid_frictional(n, n_bodies, pair, record, relaxation, impulse, body)
     end select
-  end subroutine sweep_impulses
+  end subroutine sweep_run
 end module sg_sweeps
