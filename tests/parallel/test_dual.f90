@@ -179,7 +179,7 @@ contains
       call share_mass(problem%kind, explicit%parts(i), problem%body(:, explicit%slot(i)))
     end do
     call parts%begin(problem, [(merge(part_shared, part_own, any(is_shared(problem%pair(:, k)))), k=1, problem%n_contacts)], 2, &
-                     .true., sim%options%solver%order == 'groups')
+                     .true., sim%options%solver)
     call update_forces(problem, explicit)
     do round = 1, gluings
       call set_velocities(problem, explicit)
