@@ -114,13 +114,14 @@ contains
     subdomain%rank = rank
     subdomain%size = size(is_held, 2)
     subdomain%all_bodies = size(home)
-    allocate (subdomain%neighbour(0), subdomain%body(0), subdomain%first(1))
+    allocate (subdomain%neighbour(0), subdomain%body(0), subdomain%home(0), subdomain%first(1))
     subdomain%first = 1
     do r = 0, subdomain%size - 1
       shared = pack(place, is_held(:, r) .and. is_held(:, rank) .and. home >= 0 .and. r /= rank)
       if (size(shared) == 0) cycle
       subdomain%neighbour = [subdomain%neighbour, r]
       subdomain%body = [subdomain%body, shared]
+      subdomain%home = [subdomain%home, pack(int(home), is_held(:, r) .and. is_held(:, rank) .and. home >= 0)]
       subdomain%first = [subdomain%first, size(subdomain%body) + 1]
     end do
     subdomain%wide = pack(place, home < 0)

@@ -3,7 +3,7 @@ module sg_sorting
   use sg_kinds, only: wp, i4, i8
   implicit none
   private
-  public :: sort_permutation, hilbert_key, hilbert_key_in_space
+  public :: sort_permutation, hilbert_order, hilbert_key, hilbert_key_in_space
 
   integer, parameter :: bits = 11, buckets = 2**bits
 
@@ -53,6 +53,28 @@ contains
       first(digit) = first(digit) + 1
     end do
   end subroutine sort_digit
+
+  !> Order of points along Hilbert's curve through a square or a cube: near along the curve is near in space.
+  pure function hilbert_order(point, low, side) result(order)
+    real(wp), intent(in) :: point(:, :) !! points [m], shape (dimension, n)
+    real(wp), intent(in) :: low(:) !! low corner of the square or cube [m], shape (dimension)
+    real(wp), intent(in) :: side !! its side, above 0 [m]
+    integer(i4), allocatable :: order(:)
+    integer(i8), allocatable :: keys(:)
+    integer :: i
+
+    allocate (keys(size(point, 2)))
+    if (size(low) == 2) then
+      do i = 1, size(keys)
+        keys(i) = hilbert_key((point(:, i) - low)/side)
+      end do
+    else
+      do i = 1, size(keys)
+        keys(i) = hilbert_key_in_space((point(:, i) - low)/side)
+      end do
+    end if
+    order = sort_permutation(keys)
+  end function hilbert_order
 
   !> Place of a point of the unit square along Hilbert's curve of 2^20 cells a side.
   pure integer(i8) function hilbert_key(point) result(key)

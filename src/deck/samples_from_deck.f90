@@ -4,13 +4,13 @@ module sg_samples_from_deck
   use sg_error, only: diagnostics_t, error_t
   use sg_generators, only: draw_polygon, draw_radius, place_on_lattice
   use sg_insertion, only: insert_at_random
-  use sg_kinds, only: wp, i4, i8, pi
+  use sg_kinds, only: wp, i4, pi
   use sg_moments, only: polygon_moments
   use sg_ordering, only: order_of
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: random_polyhedron
   use sg_random, only: random_t
-  use sg_sorting, only: hilbert_key, hilbert_key_in_space, sort_permutation
+  use sg_sorting, only: hilbert_order
   use sg_space_generators, only: place_on_space_lattice, random_direction
   use sg_text, only: to_text
   use sg_values, only: value_t
@@ -213,24 +213,11 @@ contains
   subroutine order(sample, box)
     type(sample_t), intent(inout) :: sample
     real(wp), intent(in) :: box(:)
-    integer(i8), allocatable :: keys(:)
     integer(i4), allocatable :: permutation(:)
-    real(wp) :: point(size(box)/2)
-    real(wp) :: extent
-    integer :: d, i
+    integer :: d
 
     d = size(box)/2
-    extent = maxval(box(d + 1:) - box(:d))
-    allocate (keys(sample%n))
-    do i = 1, sample%n
-      point = (sample%centre(:, i) - box(:d))/extent
-      if (d == 2) then
-        keys(i) = hilbert_key(point)
-      else
-        keys(i) = hilbert_key_in_space(point)
-      end if
-    end do
-    permutation = sort_permutation(keys)
+    permutation = hilbert_order(sample%centre(:, :sample%n), box(:d), maxval(box(d + 1:) - box(:d)))
     sample%centre = sample%centre(:, permutation)
     sample%radius = sample%radius(permutation)
   end subroutine order

@@ -14,7 +14,7 @@ module sg_neighbours
   use sg_near, only: candidate_first, is_near, turning_arm
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
-  use sg_sorting, only: hilbert_key, hilbert_key_in_space, sort_permutation
+  use sg_sorting, only: hilbert_order, sort_permutation
   implicit none
   private
   public :: neighbours_t, build_neighbours, neighbours_are_stale, fitting_skin
@@ -146,22 +146,13 @@ contains
   subroutine order_bodies(pairs, scene)
     type(neighbours_t), intent(inout) :: pairs
     type(scene_t), intent(in) :: scene
-    integer(i8), allocatable :: keys(:)
-    real(wp) :: low(scene%dimension), size_of_box
+    real(wp) :: low(scene%dimension), side
     integer :: b, n
 
     n = scene%dimension
     low = minval(pairs%built(:n, :), 2)
-    size_of_box = max(maxval(maxval(pairs%built(:n, :), 2) - low), tiny(1.0_wp))
-    allocate (keys(scene%bodies%n))
-    do b = 1, scene%bodies%n
-      if (n == 2) then
-        keys(b) = hilbert_key((pairs%built(:2, b) - low)/size_of_box)
-      else
-        keys(b) = hilbert_key_in_space((pairs%built(:3, b) - low)/size_of_box)
-      end if
-    end do
-    pairs%body_of = sort_permutation(keys)
+    side = max(maxval(maxval(pairs%built(:n, :), 2) - low), tiny(1.0_wp))
+    pairs%body_of = hilbert_order(pairs%built(:n, :), low, side)
     if (.not. allocated(pairs%slot_of)) allocate (pairs%slot_of(scene%bodies%n))
     do b = 1, scene%bodies%n
       pairs%slot_of(pairs%body_of(b)) = int(b, i4)

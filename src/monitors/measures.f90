@@ -125,8 +125,8 @@ contains
     extremes%box = box_of_grains(scene)
     extremes%penetration = deepest_penetration(contacts)
     if (is_shared) then
-      call add_grains_at_home(subdomain, scene%bodies%home, comm, neighbours)
-      call copy_from_home(subdomain, scene%bodies%home, comm, neighbours)
+      call add_grains_at_home(subdomain, comm, neighbours)
+      call copy_from_home(subdomain, comm, neighbours)
       call share_extremes(comm, extremes)
       sums%field = field_sums(scene%bodies, middle_of(extremes%box))
     else

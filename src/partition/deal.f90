@@ -35,7 +35,7 @@ contains
 
     allocate (load(1, bodies%n))
     load(1, :) = measured_weights(contacts, bodies%is_grain, bodies%n_home)
-    call add_grains_at_home(subdomain, bodies%home, comm, load)
+    call add_grains_at_home(subdomain, comm, load)
     own = pack([(int(b, i4), b=1, bodies%n_home)], bodies%home(:bodies%n_home) >= 0)
     position = bodies%position(:, own)
     if (options%split == 'graph') then
@@ -66,7 +66,7 @@ contains
     call make_clusters(comm, bodies%position(:, own), load, most_clusters(comm%size), clusters)
     allocate (cluster(1, bodies%n), source=0.0_wp)
     cluster(1, own) = real(clusters%of_grain, wp)
-    call copy_from_home(subdomain, bodies%home, comm, cluster)
+    call copy_from_home(subdomain, comm, cluster)
     call cluster_edges(contacts, nint(cluster(1, :), i4), edges)
     call split_clusters(comm, clusters, edges, comm%size, imbalance, part, error)
   end subroutine deal_clusters

@@ -238,22 +238,21 @@ contains
     moved = real(count(home(:n) /= scene%bodies%home(:n)), wp)
     call comm%sum(moved)
     home = [home(:n), scene%bodies%home(n + 1:)]
-    call tell_copies(self%subdomain, scene%bodies%home, home, comm)
+    call tell_copies(self%subdomain, home, comm)
     self%subdomain%moved = self%subdomain%moved + moved(1)
     self%subdomain%splits = self%subdomain%splits + 1
     self%age = 0
   end subroutine new_homes
 
   !> Tell a whole number of each own body to all that hold copies of it.
-  subroutine tell_copies(subdomain, home, number, comm)
+  subroutine tell_copies(subdomain, number, comm)
     type(subdomain_t), intent(in) :: subdomain
-    integer(i4), intent(in) :: home(:) !! present homes
     integer(i4), intent(inout) :: number(:) !! of own bodies; set for copies
     type(comm_t), intent(inout) :: comm
     real(wp) :: values(1, size(number))
 
     values(1, :) = real(number, wp)
-    call copy_from_home(subdomain, home, comm, values)
+    call copy_from_home(subdomain, comm, values)
     number = nint(values(1, :), i4)
   end subroutine tell_copies
 

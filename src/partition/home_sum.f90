@@ -5,7 +5,7 @@
 module sg_home_sum
   use sg_comm, only: comm_t
   use sg_exchange, only: exchange_t
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp
   use sg_subdomain, only: subdomain_t
   implicit none
   private
@@ -14,15 +14,14 @@ module sg_home_sum
 contains
 
   !> Add what all ranks say of a body; the total stands at its home, that of a wide body on all ranks.
-  subroutine add_at_home(subdomain, home, comm, values)
+  subroutine add_at_home(subdomain, comm, values)
     type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
-    integer(i4), intent(in) :: home(:) !! rank where each body is at home, -1 for wide ones, shape (bodies)
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(inout) :: values(:, :) !! of this rank, shape (any, bodies); then totals at home
     real(wp), allocatable :: wide(:)
 
     if (comm%size == 1) return
-    call add_grains_at_home(subdomain, home, comm, values)
+    call add_grains_at_home(subdomain, comm, values)
     if (size(subdomain%wide) == 0) return
     wide = reshape(values(:, subdomain%wide), [size(values, 1)*size(subdomain%wide)])
     call comm%sum(wide)
@@ -30,9 +29,8 @@ contains
   end subroutine add_at_home
 
   !> The same for grains alone, between neighbours alone: values of wide bodies stay those of this rank.
-  subroutine add_grains_at_home(subdomain, home, comm, values)
+  subroutine add_grains_at_home(subdomain, comm, values)
     type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
-    integer(i4), intent(in) :: home(:) !! rank where each body is at home, -1 for wide ones, shape (bodies)
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(inout) :: values(:, :) !! of this rank, shape (any, bodies); then totals at home
     type(exchange_t), target :: plan
@@ -40,7 +38,7 @@ contains
     integer :: i
 
     if (comm%size == 1) return
-    call prepare(subdomain, home, comm, size(values, 1), .true., plan, own, theirs)
+    call prepare(subdomain, comm, size(values, 1), .true., plan, own, theirs)
     plan%send(:, :) = values(:, theirs)
     call plan%begin(comm)
     call plan%finish(comm)
@@ -51,16 +49,15 @@ contains
   end subroutine add_grains_at_home
 
   !> Give all copies of a grain the values that stand at its home; those of wide bodies stay as they are.
-  subroutine copy_from_home(subdomain, home, comm, values)
+  subroutine copy_from_home(subdomain, comm, values)
     type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
-    integer(i4), intent(in) :: home(:) !! rank where each body is at home, -1 for wide ones, shape (bodies)
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(inout) :: values(:, :) !! right for bodies at home here, shape (any, bodies); then for all
     type(exchange_t), target :: plan
     integer, allocatable :: own(:), theirs(:)
 
     if (comm%size == 1) return
-    call prepare(subdomain, home, comm, size(values, 1), .false., plan, own, theirs)
+    call prepare(subdomain, comm, size(values, 1), .false., plan, own, theirs)
     plan%send(:, :) = values(:, own)
     call plan%begin(comm)
     call plan%finish(comm)
@@ -70,27 +67,25 @@ contains
 
   !> Plan of an exchange between homes and copies: bodies at home here that neighbours hold, once a neighbour, and copies of
   !! bodies at home there.
-  subroutine prepare(subdomain, home, comm, width, is_homeward, plan, own, theirs)
+  subroutine prepare(subdomain, comm, width, is_homeward, plan, own, theirs)
     type(subdomain_t), intent(in) :: subdomain
-    integer(i4), intent(in) :: home(:)
     type(comm_t), intent(in) :: comm
     integer, intent(in) :: width
     logical, intent(in) :: is_homeward
     type(exchange_t), intent(inout), target :: plan
     integer, allocatable, intent(out) :: own(:), theirs(:)
     integer, dimension(size(subdomain%neighbour)) :: n_own, n_theirs
-    integer :: shared_home(size(subdomain%body)), shared_with(size(subdomain%body)), i
+    integer :: shared_with(size(subdomain%body)), i
 
-    shared_home = home(subdomain%body)
     do i = 1, size(subdomain%neighbour)
       associate (first => subdomain%first(i), last => subdomain%first(i + 1) - 1)
         shared_with(first:last) = subdomain%neighbour(i)
-        n_own(i) = count(shared_home(first:last) == comm%rank)
-        n_theirs(i) = count(shared_home(first:last) == subdomain%neighbour(i))
+        n_own(i) = count(subdomain%home(first:last) == comm%rank)
+        n_theirs(i) = count(subdomain%home(first:last) == subdomain%neighbour(i))
       end associate
     end do
-    own = pack(subdomain%body, shared_home == comm%rank)
-    theirs = pack(subdomain%body, shared_home == shared_with)
+    own = pack(subdomain%body, subdomain%home == comm%rank)
+    theirs = pack(subdomain%body, subdomain%home == shared_with)
     if (is_homeward) then
       call plan%prepare(comm, width, subdomain%neighbour, n_theirs, n_own)
     else

@@ -1,9 +1,9 @@
 !> Where a rank's grains are: boxes about groups of them, by which other ranks tell which of their grains come near.
 module sg_territory
   use sg_comm, only: comm_t
-  use sg_kinds, only: wp, i4, i8
+  use sg_kinds, only: wp
   use sg_scene, only: scene_t
-  use sg_sorting, only: hilbert_key, hilbert_key_in_space, sort_permutation
+  use sg_sorting, only: hilbert_order
   implicit none
   private
   public :: territory_t, body_reach
@@ -66,8 +66,7 @@ contains
     real(wp), intent(in) :: reach(:), margin
     real(wp), allocatable, intent(out) :: box(:, :)
     integer, allocatable :: grain(:)
-    integer(i8), allocatable :: keys(:)
-    real(wp) :: low(3), high(3), extent, here(3)
+    real(wp) :: low(scene%dimension), side, here(3)
     integer :: i, b, n, d, group
 
     d = scene%dimension
@@ -78,19 +77,9 @@ contains
     box(:3, :) = huge(1.0_wp)
     box(4:, :) = -huge(1.0_wp)
     if (n == 0) return
-    allocate (keys(n))
-    low = 0
-    high = 0
-    low(:d) = minval(scene%bodies%position(:, grain), 2)
-    high(:d) = maxval(scene%bodies%position(:, grain), 2)
-    extent = max(maxval(high - low), tiny(extent))
-    here = 0
-    do i = 1, n
-      here(:d) = (scene%bodies%position(:, grain(i)) - low(:d))/extent
-      if (d == 2) keys(i) = hilbert_key(here(:2))
-      if (d == 3) keys(i) = hilbert_key_in_space(here)
-    end do
-    grain = grain(sort_permutation(keys))
+    low = minval(scene%bodies%position(:, grain), 2)
+    side = max(maxval(maxval(scene%bodies%position(:, grain), 2) - low), tiny(side))
+    grain = grain(hilbert_order(scene%bodies%position(:, grain), low, side))
     here = 0
     do i = 1, n
       b = grain(i)

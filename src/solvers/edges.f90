@@ -13,7 +13,7 @@ module sg_edges
   use sg_subdomain, only: subdomain_t
   implicit none
   private
-  public :: edges_t, carry, colour_edges
+  public :: edges_t, colour_edges
 
   !> The edges of one rank
   type :: edges_t

@@ -9,9 +9,9 @@ module sg_primal
   use sg_compact, only: add_impulses
   use sg_convergence, only: convergence_t
   use sg_delassus, only: share_mass
-  use sg_edges, only: carry, edges_t
-  use sg_exchange, only: exchange_t
+  use sg_edges, only: edges_t
   use sg_glued_solver, only: glued_solver_t
+  use sg_home_sum, only: copy_from_home
   use sg_kinds, only: wp, i4
   use sg_parts, only: part_own, part_shared, parts_t
   use sg_problem, only: bytes_per_contact, first_inverse, problem_t
@@ -33,8 +33,6 @@ module sg_primal
     type(parts_t), private :: parts
     type(convergence_t), private :: convergence
     type(whole_errors_t), private :: errors
-    !> Messages that bring the result from the homes to all copies
-    type(exchange_t), private :: result
   contains
     procedure :: solve => primal_solve
   end type primal_t
@@ -65,7 +63,7 @@ contains
     end do
     problem%body(first_inverse(problem%kind):, self%sharing%wide%slot) = whole(first_inverse(problem%kind):, :)
     call self%errors%measure(problem, report, comm)
-    call tell_result(self, problem, subdomain, slot_of, comm)
+    call tell_result(problem, subdomain, slot_of, comm)
     report%cpu_seconds = cpu_now() - start
   end subroutine primal_solve
 
@@ -174,25 +172,19 @@ contains
     if (self%convergence%is_choice_due) call self%parts%choose(problem, report)
   end subroutine test
 
-  !> Give the velocities found to all copies.
-  subroutine tell_result(self, problem, subdomain, slot_of, comm)
-    class(primal_t), intent(inout) :: self
+  !> Give the velocities found to all copies: those of a grain stand at its home.
+  subroutine tell_result(problem, subdomain, slot_of, comm)
     type(problem_t), intent(inout) :: problem
     type(subdomain_t), intent(in) :: subdomain
     integer(i4), intent(in) :: slot_of(:)
     type(comm_t), intent(inout) :: comm
-    integer :: slot(size(subdomain%body)), owner(size(subdomain%body)), i
+    real(wp), allocatable :: velocity(:, :)
+    integer :: width
 
-    slot = slot_of(subdomain%body)
-    do i = 1, size(subdomain%neighbour)
-      owner(subdomain%first(i):subdomain%first(i + 1) - 1) = subdomain%neighbour(i)
-    end do
-    associate (told => [(count(subdomain%home(subdomain%first(i):subdomain%first(i + 1) - 1) == subdomain%rank), &
-                         i=1, size(subdomain%neighbour))], &
-               heard => [(count(subdomain%home(subdomain%first(i):subdomain%first(i + 1) - 1) == subdomain%neighbour(i)), &
-                          i=1, size(subdomain%neighbour))])
-      call self%result%prepare(comm, first_inverse(problem%kind) - 1, subdomain%neighbour, told, heard)
-    end associate
-    call carry(self%result, pack(slot, subdomain%home == subdomain%rank), pack(slot, subdomain%home == owner), problem, comm)
+    width = first_inverse(problem%kind) - 1
+    allocate (velocity(width, size(slot_of)))
+    velocity(:, :) = problem%body(:width, slot_of)
+    call copy_from_home(subdomain, comm, velocity)
+    problem%body(:width, slot_of(subdomain%body)) = velocity(:, subdomain%body)
   end subroutine tell_result
 end module sg_primal

@@ -218,14 +218,14 @@ contains
     do b = 1, local%bodies%n
       wanted(:, b) = [(holders(local%bodies%id(b))*real(k + local%bodies%id(b), wp), k=1, 2)]
     end do
-    call add_at_home(subdomain, local%bodies%home, comm, values)
+    call add_at_home(subdomain, comm, values)
     do b = 1, local%bodies%n_home
       call t%near(maxval(abs(values(:, b) - wanted(:, b))), 0.0_wp, 0.0_wp, what//': sum at home')
     end do
     do b = 1, local%bodies%n
       if (local%bodies%home(b) /= -1 .and. local%bodies%home(b) /= comm%rank) values(:, b) = -1
     end do
-    call copy_from_home(subdomain, local%bodies%home, comm, values)
+    call copy_from_home(subdomain, comm, values)
     call t%near(largest_difference(values, wanted), 0.0_wp, 0.0_wp, what//': all copies know it')
   end subroutine check_sums
 
