@@ -18,16 +18,22 @@ program splitgrain
   type(arguments_t) :: arguments
   type(error_t), allocatable :: error
   type(comm_t) :: comm
-  integer :: code
+  integer :: code, speaker
+  logical :: is_shared
 
   code = exit_done
   call read_arguments(arguments, error)
+  is_shared = arguments%command == 'run'
+  if (is_shared) call comm%start()
+  call comm%agree(error, speaker)
   if (.not. allocated(error)) call choose()
   if (allocated(error)) then
     ! Ranks that share a run agree on its errors: one of them tells.
+    if (.not. is_shared) call comm%start()
     if (comm%rank == 0) write (error_unit, '(a)') error%report()
     code = error%code
   end if
+  call comm%finish()
   call end_program(code)
 
 contains
@@ -44,9 +50,7 @@ contains
     end if
     select case (arguments%command)
     case ('run')
-      call comm%start()
       call run_command(arguments, comm, code, error)
-      call comm%finish()
     case ('check')
       call arguments%expect('set', 1, 1, 'check DECK [--set section.key=value]', error)
       if (.not. allocated(error)) call check_command(arguments%words(1)%s, arguments%all_of('set'), code)

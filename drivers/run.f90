@@ -5,13 +5,16 @@ module sg_run
   use sg_comm, only: comm_t
   use sg_deck, only: read_deck
   use sg_dump, only: read_steps
+  use sg_effective, only: fingerprint
   use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, exit_output, fail
   use sg_hdf5, only: hdf5_is_available, hdf5_is_parallel
   use sg_kinds, only: wp
   use sg_run_summary, only: run_failed, run_summary_t, write_run_summary
+  use sg_signature, only: signature_of
   use sg_simulate, only: simulate
   use sg_simulation, only: simulation_t
   use sg_system, only: catch_signals, file_exists, make_folder
+  use sg_text, only: to_text
   implicit none
   private
   public :: run_command
@@ -29,6 +32,7 @@ contains
     real(wp) :: walltime
     integer, allocatable :: dump_steps(:, :)
     integer :: speaker
+    logical :: is_bad, is_speaker
 
     code = exit_done
     call arguments%expect('set output restart walltime dump quiet', 1, 1, 'run DECK [options]; see splitgrain run --help', error)
@@ -38,14 +42,16 @@ contains
     if (.not. allocated(error) .and. arguments%has('dump') .and. .not. hdf5_is_available()) then
       call fail(error, 'this build has no HDF5, which dumps are written with')
     end if
+    sim%comm = comm
+    call sim%comm%agree(error, speaker)
     if (allocated(error)) return
     associate (deck => arguments%words(1)%s)
-      sim%comm = comm
       call read_deck(deck, arguments%all_of('set'), sim%scene, sim%options, diagnostics)
       sim%options%folder = arguments%get('output', stem(deck)//'.results')
-      if (is_deck_bad(sim%comm, diagnostics)) then
+      call judge_deck(sim%comm, diagnostics, is_bad, is_speaker)
+      if (is_bad) then
         code = exit_bad_input
-        if (diagnostics%count() > 0 .and. (arguments%has('output') .or. file_exists(sim%options%folder))) then
+        if (is_speaker .and. (arguments%has('output') .or. file_exists(sim%options%folder))) then
           call tell_failure(deck, sim%options%folder, diagnostics%errors(1)%sentence())
         end if
         return
@@ -54,12 +60,9 @@ contains
       sim%options%walltime = walltime
       if (allocated(dump_steps)) call move_alloc(dump_steps, sim%options%dump_steps)
       sim%options%is_quiet = arguments%has('quiet')
-      if (comm%rank == 0) then
-        if (.not. make_folder(sim%options%folder)) then
-          call fail(error, 'cannot make the folder of the results', file=sim%options%folder, code=exit_output)
-        end if
-      end if
-      call sim%comm%agree(error, speaker)
+      if (comm%size > 1) call check_sameness(sim, arguments%get('restart', ''), error)
+      if (allocated(error)) return
+      call make_shared_folder(sim%options%folder, sim%comm, error)
       if (allocated(error)) return
       call catch_signals()
       call simulate(sim, deck, code, error)
@@ -79,16 +82,64 @@ contains
   end subroutine check_for_ranks
 
   !> Has any rank found the deck wrong? Of those that have, the lowest one says so. Warnings are the first rank's to tell.
-  logical function is_deck_bad(comm, diagnostics)
+  subroutine judge_deck(comm, diagnostics, is_bad, is_speaker)
     type(comm_t), intent(inout) :: comm
     type(diagnostics_t), intent(in) :: diagnostics
-    real(wp) :: speaker(1)
+    logical, intent(out) :: is_bad, is_speaker
+    real(wp) :: speaker(1), found(1)
 
+    found = merge(1.0_wp, 0.0_wp, diagnostics%count() > 0)
+    call comm%sum(found)
     speaker = real(merge(comm%rank, comm%size, diagnostics%count() > 0), wp)
     call comm%minimum(speaker)
-    is_deck_bad = nint(speaker(1)) < comm%size
-    if (comm%rank == merge(nint(speaker(1)), 0, is_deck_bad)) call diagnostics%print(error_unit)
-  end function is_deck_bad
+    is_bad = found(1) > 0
+    is_speaker = comm%rank == merge(nint(speaker(1)), 0, is_bad)
+    if (.not. is_speaker) return
+    call diagnostics%print(error_unit)
+    if (is_bad .and. nint(found(1)) < comm%size) then
+      write (error_unit, '(a)') to_text(nint(found(1)))//' of '//to_text(comm%size)//' ranks find this, the first is rank '// &
+        to_text(comm%rank)//': do all see the same files?'
+    end if
+  end subroutine judge_deck
+
+  !> Have all ranks read the same deck, with the same files, and will they write in the same folder? Collective.
+  subroutine check_sameness(sim, restart, error)
+    type(simulation_t), intent(inout) :: sim
+    character(len=*), intent(in) :: restart
+    type(error_t), allocatable, intent(out) :: error
+    character(len=:), allocatable :: digits
+    real(wp), allocatable :: own(:), lowest(:), highest(:)
+    integer :: i
+
+    digits = fingerprint(sim%options%deck_text//sim%options%folder//restart)
+    own = [(real(iachar(digits(i:i)), wp), i=1, len(digits)), signature_of(sim%scene)]
+    lowest = own
+    highest = own
+    call sim%comm%minimum(lowest)
+    call sim%comm%maximum(highest)
+    if (all(lowest >= highest)) return
+    call fail(error, 'the ranks do not share one run: deck, files that it names, settings, --output and --restart must be '// &
+              'the same on all of them')
+  end subroutine check_sameness
+
+  !> Make the folder of the results, which all ranks must find. Collective.
+  subroutine make_shared_folder(folder, comm, error)
+    character(len=*), intent(in) :: folder
+    type(comm_t), intent(inout) :: comm
+    type(error_t), allocatable, intent(out) :: error
+    integer :: speaker
+
+    if (comm%rank == 0) then
+      if (.not. make_folder(folder)) call fail(error, 'cannot make the folder of the results', file=folder, code=exit_output)
+    end if
+    call comm%agree(error, speaker)
+    if (allocated(error)) return
+    if (.not. file_exists(folder//'/.')) then
+      call fail(error, 'rank '//to_text(comm%rank)//' does not find the folder of the results that rank 0 made', file=folder, &
+                code=exit_output)
+    end if
+    call comm%agree(error, speaker)
+  end subroutine make_shared_folder
 
   !> Say in run.json that the deck could not be run, so that scripts do not take a former run in the folder for this one.
   subroutine tell_failure(deck, folder, reason)

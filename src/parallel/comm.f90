@@ -49,7 +49,7 @@ module sg_comm
   end type comm_t
 
   interface
-    !> Join the ranks; without a launcher this is one rank and no library is started.
+    !> Join the ranks; without a launcher, or alone under one, this is one rank and no library is started.
     module subroutine comm_start(self)
       class(comm_t), intent(inout) :: self
     end subroutine comm_start

@@ -21,16 +21,19 @@ contains
   call mpi_comm_size(mpi_comm_world, self%size)
   end procedure comm_start
 
-  !> Was this process started by an MPI launcher? Starting MPI costs a second that a single process need not pay.
+  !> Was this process started by an MPI launcher, and not alone? Starting MPI costs a second that a single process need not pay.
   logical function was_launched()
-    character(len=*), parameter :: marks(4) = [character(len=24) :: 'OMPI_COMM_WORLD_SIZE', 'PMI_SIZE', 'PMIX_RANK', &
-                                               'MV2_COMM_WORLD_SIZE']
+    character(len=*), parameter :: marks(4) = [character(len=24) :: 'OMPI_COMM_WORLD_SIZE', 'PMI_SIZE', 'MV2_COMM_WORLD_SIZE', &
+                                               'PMIX_RANK']
+    character(len=12) :: value
     integer :: i, length
 
     was_launched = .false.
     do i = 1, size(marks)
-      call get_environment_variable(trim(marks(i)), length=length)
-      was_launched = was_launched .or. length > 0
+      call get_environment_variable(trim(marks(i)), value, length)
+      if (length == 0) cycle
+      was_launched = marks(i)(:5) == 'PMIX_' .or. value /= '1'
+      return
     end do
   end function was_launched
 

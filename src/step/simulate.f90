@@ -42,6 +42,8 @@ module sg_simulate
     !> Is this the rank that writes texts?
     logical :: is_speaker = .true.
     logical :: has_pictures = .false., has_checkpoints = .false., has_saved = .false.
+    !> Has this run done a step?
+    logical :: has_stepped = .false.
     real(wp) :: wall_start = 0
   end type writers_t
 
@@ -76,7 +78,8 @@ contains
     call close_all(sim, writers, late)
     call sim%comm%agree(late, speaker)
     if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
-    if (.not. sim%options%is_quiet .or. allocated(error)) call print_verdict(output_unit, writers%summary)
+    ! A run that failed before it moved has nothing but its error to tell.
+    if (merge(writers%has_stepped, .not. sim%options%is_quiet, allocated(error))) call print_verdict(output_unit, writers%summary)
   end subroutine simulate
 
   !> What is done with the scene, in a few lines.
@@ -121,6 +124,7 @@ contains
         call save_broken(sim, writers)
         return
       end if
+      writers%has_stepped = .true.
       call write_due(sim, writers, error)
       if (allocated(error)) return
       if (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged) code = exit_not_converged
@@ -388,11 +392,14 @@ contains
     integer, intent(in) :: code
     type(error_t), allocatable, intent(in) :: error
     character(len=:), allocatable :: status, reason
-
     type(totals_t) :: totals
+    real(wp) :: signal(1)
 
     call writers%progress%finish()
-    if (sim%step > 0 .and. .not. allocated(error)) call measure_now(sim, writers)
+    if (writers%has_stepped .and. .not. allocated(error)) call measure_now(sim, writers)
+    ! One rank may have been told to stop.
+    signal = real(stop_signal(), wp)
+    call sim%comm%maximum(signal)
     call sim%totals%tick()
     totals = sim%totals
     if (sim%decomposition%is_on) call collect_costs(sim, writers)
@@ -405,7 +412,7 @@ contains
     else if (code == exit_stopped) then
       status = run_stopped
       reason = 'stopped by the walltime after step '//to_text(sim%step)
-      if (stop_signal() /= 0) reason = 'stopped by signal '//to_text(stop_signal())//' after step '//to_text(sim%step)
+      if (signal(1) > 0) reason = 'stopped by signal '//to_text(nint(signal(1)))//' after step '//to_text(sim%step)
     else if (code == exit_not_converged) then
       status = run_not_converged
       reason = 'step '//to_text(sim%step)//' did not converge'
