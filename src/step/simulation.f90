@@ -215,11 +215,12 @@ contains
     if (allocated(sim%options%dump_steps)) is_dumped = is_listed(sim%options%dump_steps, sim%step + 1)
   end function is_dumped
 
-  !> Did a solve fail of which no dump has begun: a value is not finite, or the run ends because it did not converge?
+  !> Did a solve fail of which no dump has begun: a value is not finite, or the run ends because it did not converge? A dump is
+  !! of the whole problem, which no rank holds where several share it.
   pure logical function has_failed(sim)
     type(simulation_t), intent(in) :: sim
 
-    has_failed = .not. sim%dump%is_begun .and. sim%problem%n_contacts > 0
+    has_failed = .not. (sim%dump%is_begun .or. sim%decomposition%is_on) .and. sim%problem%n_contacts > 0
     if (.not. has_failed) return
     has_failed = (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged) &
                    .or. .not. all(abs(sim%problem%body) <= huge(1.0_wp))
