@@ -79,7 +79,9 @@ contains
     call sim%comm%agree(late, speaker)
     if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
     ! A run that failed before it moved has nothing but its error to tell.
-    if (merge(writers%has_stepped, .not. sim%options%is_quiet, allocated(error))) call print_verdict(output_unit, writers%summary)
+    if (.not. sim%options%is_quiet .and. (writers%has_stepped .or. .not. allocated(error))) then
+      call print_verdict(output_unit, writers%summary)
+    end if
   end subroutine simulate
 
   !> What is done with the scene, in a few lines.
