@@ -32,12 +32,15 @@ contains
 
   !> The deck of a pack.
   function pack_deck(name) result(deck)
-    character(len=*), intent(in) :: name !! one of `pack_names`
+    character(len=*), intent(in) :: name !! one of `pack_names`, or frictionless disks
     character(len=:), allocatable :: deck
-    character(len=*), parameter :: common = '[time]'//nl//'step = 1e-3'//nl//'steps = 1000'//nl//'[[material]]'//nl// &
-      'name = "stone"'//nl//'density = 2600.0'//nl//'[[law]]'//nl//'friction = 0.5'//nl
+    character(len=*), parameter :: bare = '[time]'//nl//'step = 1e-3'//nl//'steps = 1000'//nl//'[[material]]'//nl// &
+      'name = "stone"'//nl//'density = 2600.0'//nl//'[[law]]'//nl//'friction = '
+    character(len=*), parameter :: common = bare//'0.5'//nl
 
     select case (name)
+    case ('frictionless disks')
+      deck = bare//'0.0'//nl//walls//in_plane
     case ('polygons')
       deck = common//walls//in_plane//'shape = "polygon"'//nl//'sides = [4, 7]'//nl
     case ('periodic disks')

@@ -5,56 +5,37 @@
 !! forces are unique (frictionless round grains of many sizes) contacts agree one by one.
 program test_gluing
   use harness, only: tests_t
+  use packs, only: advance_pack, pack_deck, start_pack
   use sg_choose_solver, only: choose_solver
   use sg_comm, only: comm_t
   use sg_contacts, only: normal_impulse
-  use sg_deck, only: read_deck
-  use sg_error, only: diagnostics_t, error_t
+  use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_measures, only: measure, measures_t
-  use sg_run_options, only: criterion_e8
-  use sg_simulation, only: advance, decompose, simulation_t, start_simulation
-  use sg_text, only: text_t, to_text
-  use written_files, only: put_text
+  use sg_simulation, only: decompose, simulation_t
   implicit none
-  character(len=*), parameter :: nl = new_line('a')
   character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'contacts'], &
                                  splits(2) = [character(len=8) :: 'boxes', 'graph']
   !> Steps of one rank after which packs carry their weight, and steps of all ranks after that: few, so that chaos has no
   !! time to grow from what solvers leave
   integer, parameter :: alone = 150, together = 4
-  character(len=*), parameter :: common = '[time]'//nl//'step = 1e-3'//nl//'steps = 154'//nl//'[[material]]'//nl// &
-    'name = "stone"'//nl//'density = 2600.0'//nl
-  character(len=*), parameter :: plane = '[[wall]]'//nl//'from = [-0.1, -0.01]'//nl//'to = [0.7, -0.01]'//nl// &
-    'thickness = 0.02'//nl//'[[wall]]'//nl//'from = [-0.01, 0.0]'//nl//'to = [-0.01, 0.6]'//nl//'thickness = 0.02'//nl// &
-    '[[wall]]'//nl//'from = [0.61, 0.0]'//nl//'to = [0.61, 0.6]'//nl//'thickness = 0.02'//nl
-  character(len=*), parameter :: sample = '[[sample]]'//nl//'kind = "lattice"'//nl//'spacing = 1.0'//nl//'seed = 5'//nl
-  character(len=*), parameter :: in_plane = 'arrangement = "square"'//nl//'box = [0.0, 0.0, 0.6, 0.4]'//nl, &
-                                 in_space = 'box = [0.0, 0.0, 0.0, 0.3, 0.2, 0.2]'//nl
   type(tests_t) :: t
   type(comm_t) :: comm
 
   call comm%start()
-  call test_all('frictionless disks', common//'[[law]]'//nl//'friction = 0.0'//nl//plane//sample//in_plane// &
-                'radius = [0.018, 0.022]'//nl, is_unique=.true.)
-  call test_all('disks', common//'[[law]]'//nl//'friction = 0.5'//nl//plane//sample//in_plane//'radius = [0.018, 0.022]'//nl)
-  call test_all('polygons', common//'[[law]]'//nl//'friction = 0.5'//nl//plane//sample//in_plane//'shape = "polygon"'//nl// &
-                'sides = [4, 7]'//nl//'radius = [0.018, 0.022]'//nl)
-  call test_all('periodic disks', '[scene]'//nl//'period_x = 0.6'//nl//common//'[[law]]'//nl//'friction = 0.5'//nl// &
-                '[[wall]]'//nl//'from = [0.0, -0.01]'//nl//'to = [0.6, -0.01]'//nl//'thickness = 0.02'//nl// &
-                'velocity = [0.1, 0.0]'//nl//sample//in_plane//'radius = [0.018, 0.022]'//nl)
-  call test_all('spheres', '[scene]'//nl//'dimension = 3'//nl//common//'[[law]]'//nl//'friction = 0.4'//nl//'[[container]]'//nl// &
-                'size = [0.3, 0.2, 0.3]'//nl//sample//in_space//'radius = [0.018, 0.02]'//nl)
-  call test_all('polyhedra', '[scene]'//nl//'dimension = 3'//nl//common//'[[law]]'//nl//'friction = 0.4'//nl//'[[container]]'// &
-                nl//'size = [0.3, 0.2, 0.3]'//nl//sample//in_space//'shape = "polyhedron"'//nl//'vertices = [8, 12]'//nl// &
-                'radius = [0.023, 0.025]'//nl)
+  call test_all('frictionless disks', is_unique=.true.)
+  call test_all('disks')
+  call test_all('polygons')
+  call test_all('periodic disks')
+  call test_all('spheres')
+  call test_all('polyhedra')
   call t%finish(comm)
 
 contains
 
-  !> One deck, glued in every way, split in both.
-  subroutine test_all(name, deck, is_unique)
-    character(len=*), intent(in) :: name, deck
+  !> One pack, glued in every way, split in both.
+  subroutine test_all(name, is_unique)
+    character(len=*), intent(in) :: name !! of the pack
     logical, intent(in), optional :: is_unique !! are the forces?
     type(simulation_t) :: whole
     integer :: g, s
@@ -62,13 +43,14 @@ contains
 
     unique = .false.
     if (present(is_unique)) unique = is_unique
-    call begin(name, deck, 'dual', 'boxes', whole)
-    call go(name, whole, together)
+    call begin(name, pack_deck(name), 'dual', 'boxes', whole)
+    call advance_pack(t, name, whole, together)
     call t%check(count(any(abs(whole%contacts%impulse(:, :whole%contacts%n)) > 0, 1)) > 30, name//' carry')
     if (comm%size == 1) return
     do s = 1, size(splits)
       do g = 1, size(gluings)
-        call compare(name//', '//trim(gluings(g))//', '//trim(splits(s)), deck, trim(gluings(g)), trim(splits(s)), unique, whole)
+        call compare(name//', '//trim(gluings(g))//', '//trim(splits(s)), pack_deck(name), trim(gluings(g)), &
+                     trim(splits(s)), unique, whole)
       end do
     end do
   end subroutine test_all
@@ -94,7 +76,7 @@ contains
     call decompose(part, error)
     call t%check(.not. allocated(error), name//' is split')
     call part%energy%leave_to_first(part%comm)
-    call go(name, part, together)
+    call advance_pack(t, name, part, together)
     call t%check(part%report%e8 <= 1e-6_wp, name//': residual of the whole')
     call measure(whole%scene, whole%contacts, whole%options%step, whole%energy, of_whole)
     call measure(part%scene, part%contacts, part%options%step, part%energy, of_parts, part%decomposition%subdomain, part%comm)
@@ -137,39 +119,13 @@ contains
   subroutine begin(name, deck, gluing, split, sim)
     character(len=*), intent(in) :: name, deck, gluing, split
     type(simulation_t), intent(inout) :: sim
-    type(diagnostics_t) :: diagnostics
-    type(text_t) :: settings(0)
-    character(len=:), allocatable :: file
 
-    file = 'deck_'//to_text(comm%rank)//'.toml'
-    call put_text(file, deck)
-    call read_deck(file, settings, sim%scene, sim%options, diagnostics)
-    call t%equal(diagnostics%count(), 0, name//' is read')
-    if (diagnostics%count() > 0) print '(a)', diagnostics%errors(1)%sentence()
-    sim%options%solver%criterion = criterion_e8
-    sim%options%solver%tolerance = 1e-3_wp
-    sim%options%solver%maximum_sweeps = 20000
+    call start_pack(t, comm, name, deck, 1e-3_wp, sim)
     sim%options%partition%gluing = gluing
     sim%options%partition%split = split
     sim%options%partition%every = 2
-    call start_simulation(sim)
-    call go(name, sim, alone)
+    call advance_pack(t, name, sim, alone)
     sim%options%solver%tolerance = 1e-6_wp
     call choose_solver(sim%options%solver, sim%solver)
   end subroutine begin
-
-  !> Go on for some steps.
-  subroutine go(name, sim, steps)
-    character(len=*), intent(in) :: name
-    type(simulation_t), intent(inout) :: sim
-    integer, intent(in) :: steps
-    type(error_t), allocatable :: error
-    integer :: i
-
-    do i = 1, steps
-      call advance(sim, error)
-      call t%check(.not. allocated(error), name//' runs')
-      if (allocated(error)) return
-    end do
-  end subroutine go
 end program test_gluing
