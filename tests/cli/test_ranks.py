@@ -120,7 +120,6 @@ value = 1e50
 
 class Ranks(ProgramCase):
     launcher = None
-    timeout = 60
 
     @classmethod
     def setUpClass(cls):
