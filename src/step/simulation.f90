@@ -59,8 +59,9 @@ module sg_simulation
     integer :: step = 0
     !> Contacts of the last step, of all ranks
     integer :: all_contacts = 0
-    !> Where ranks share the scene: gluings of this run, and what this rank sent in them; what tells the whole scene
-    integer(i8) :: gluings = 0
+    !> Where ranks share the scene: gluings of this run, contact updates of this rank and what it sent in them; what tells the
+    !! whole scene
+    integer(i8) :: gluings = 0, own_updates = 0
     type(traffic_t) :: gluing_traffic
     real(wp) :: signature(n_signature) = 0
   contains
@@ -186,6 +187,7 @@ contains
     before = sim%comm%traffic
     call sim%glued_solver%solve(sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, sim%report)
     sim%gluings = sim%gluings + int(sim%report%gluings, i8)
+    sim%own_updates = sim%own_updates + sim%report%contact_updates
     sim%gluing_traffic%messages = sim%gluing_traffic%messages + sim%comm%traffic%messages - before%messages
     sim%gluing_traffic%bytes = sim%gluing_traffic%bytes + sim%comm%traffic%bytes - before%bytes
   end subroutine solve_glued
