@@ -3,7 +3,7 @@ module sg_sorting
   use sg_kinds, only: wp, i4, i8
   implicit none
   private
-  public :: sort_permutation, hilbert_order, hilbert_key, hilbert_key_in_space
+  public :: sort_permutation, hilbert_order, group_items, hilbert_key, hilbert_key_in_space
 
   integer, parameter :: bits = 11, buckets = 2**bits
 
@@ -29,6 +29,32 @@ contains
       shift = shift + bits
     end do
   end function sort_permutation
+
+  !> Items by their groups, in linear time; those of one group keep their order.
+  pure subroutine group_items(group, groups, first, item)
+    integer(i4), intent(in) :: group(:) !! group of each item, from 1; items of others are left out
+    integer, intent(in) :: groups !! number of groups
+    integer, allocatable, intent(out) :: first(:) !! items of group g are item(first(g):first(g + 1) - 1), shape (groups + 1)
+    integer, allocatable, intent(out) :: item(:) !! the items, group after group
+    integer :: next(groups), i, g
+
+    allocate (first(groups + 1), source=0)
+    do i = 1, size(group)
+      if (group(i) < 1 .or. group(i) > groups) cycle
+      first(group(i) + 1) = first(group(i) + 1) + 1
+    end do
+    first(1) = 1
+    do g = 1, groups
+      first(g + 1) = first(g) + first(g + 1)
+    end do
+    next = first(:groups)
+    allocate (item(first(groups + 1) - 1))
+    do i = 1, size(group)
+      if (group(i) < 1 .or. group(i) > groups) cycle
+      item(next(group(i))) = i
+      next(group(i)) = next(group(i)) + 1
+    end do
+  end subroutine group_items
 
   !> One stable pass of the radix sort.
   pure subroutine sort_digit(keys, shift, from, to)

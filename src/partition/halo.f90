@@ -4,17 +4,29 @@ module sg_halo
   use sg_comm, only: comm_t
   use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4, i8
+  use sg_lists, only: reserve
   use sg_local_numbers, only: contactors_of_bodies, local_body
-  use sg_pack_bodies, only: build_scene, order_records, pack_body
+  use sg_pack_bodies, only: order_records, pack_body, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
-  use sg_sorting, only: sort_permutation
+  use sg_sorting, only: group_items, sort_permutation
   use sg_subdomain, only: subdomain_t
   use sg_territory, only: body_reach, territory_t
   use sg_whole, only: localise, whole_t
   implicit none
   private
   public :: make_halo
+
+  !> Copies of a rank's own bodies on other ranks
+  type :: copies_t
+    !> Number of copies; the body and the rank of each, by rank, then by body
+    integer :: n = 0
+    integer(i4), allocatable :: body(:), rank(:)
+    !> Copies on rank r are `first(r)` to `first(r + 1) - 1`, ranks from 0
+    integer, allocatable :: first(:)
+    !> Copies of body b are `of_body(start(b):start(b + 1) - 1)`, by rank
+    integer, allocatable :: start(:), of_body(:)
+  end type copies_t
 
 contains
 
@@ -27,15 +39,12 @@ contains
     real(wp), intent(in) :: margin !! how near another rank's grains a body must come to be copied there [m]
     type(comm_t), intent(inout) :: comm !! the ranks
     type(parcel_t) :: bodies, holders
-    type(scene_t) :: local
     integer, allocatable :: start(:), share(:, :)
     integer :: n_home
 
     call gather_records(scene, margin, comm, bodies, holders)
     call order_records(bodies, comm%rank, comm%size, start, n_home)
-    call build_scene(scene, bodies, start, n_home, local)
-    deallocate (bodies%value)
-    scene = local
+    call rebuild_scene(scene, bodies, start, n_home)
     call localise(whole, scene)
     call read_holders(holders, share)
     call list_shares(scene, share, comm%rank, subdomain)
@@ -50,70 +59,78 @@ contains
     type(territory_t) :: territory
     real(wp) :: reach(scene%bodies%n_home)
     integer(i4), allocatable :: first(:), list(:)
-    logical, allocatable :: is_held(:, :)
-    integer :: sent(0:comm%size - 1), told(0:comm%size - 1), r, b, before
-    type(parcel_t) :: copies, words
+    integer :: sent(0:comm%size - 1), told(0:comm%size - 1), r, b, i
+    type(copies_t) :: copies
+    type(parcel_t) :: records, words
 
     reach = body_reach(scene, scene%bodies%n_home)
     call territory%survey(scene, reach, margin, comm)
-    call find_holders(scene, territory, reach, comm, is_held)
+    call find_copies(scene, territory, reach, comm, copies)
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     do r = 0, comm%size - 1
-      sent(r) = copies%n
+      sent(r) = records%n
       told(r) = words%n
-      do b = 1, scene%bodies%n_home
-        if (.not. is_held(b, r)) cycle
-        before = scene%bodies%home(b)
-        call pack_body(scene, b, first, list, before, copies)
-        call put_holders(scene%bodies%id(b), is_held(b, :), words)
+      do i = copies%first(r), copies%first(r + 1) - 1
+        b = copies%body(i)
+        call pack_body(scene, b, first, list, int(scene%bodies%home(b)), records)
+        call put_holders(scene%bodies%id(b), copies, b, words)
       end do
-      sent(r) = copies%n - sent(r)
+      sent(r) = records%n - sent(r)
       told(r) = words%n - told(r)
     end do
-    call swap_parcel(copies, sent, comm, bodies)
+    call swap_parcel(records, sent, comm, bodies)
     call swap_parcel(words, told, comm, holders)
     ! Own bodies and wide ones stay; what this rank tells itself is who else holds its own.
     do b = 1, scene%bodies%n
       if (b > scene%bodies%n_home .and. scene%bodies%home(b) >= 0) cycle
       call pack_body(scene, b, first, list, int(scene%bodies%home(b)), bodies)
       if (b > scene%bodies%n_home) cycle
-      if (any(is_held(b, :))) call put_holders(scene%bodies%id(b), is_held(b, :), holders)
+      if (copies%start(b + 1) > copies%start(b)) call put_holders(scene%bodies%id(b), copies, b, holders)
     end do
   end subroutine gather_records
 
-  !> Which ranks hold a copy of each own grain.
-  subroutine find_holders(scene, territory, reach, comm, is_held)
+  !> Which ranks hold a copy of which own grains: only ranks whose grains come near are looked at.
+  subroutine find_copies(scene, territory, reach, comm, copies)
     type(scene_t), intent(in) :: scene
     type(territory_t), intent(in) :: territory
     real(wp), intent(in) :: reach(:)
     type(comm_t), intent(in) :: comm
-    logical, allocatable, intent(out) :: is_held(:, :) !! shape (own bodies, 0:ranks-1)
+    type(copies_t), intent(out) :: copies
     integer :: r, b
 
-    allocate (is_held(scene%bodies%n_home, 0:comm%size - 1), source=.false.)
+    allocate (copies%first(0:comm%size), source=1)
     do r = 0, comm%size - 1
+      copies%first(r) = copies%n + 1
       if (r == comm%rank .or. territory%first(r + 1) == territory%first(r)) cycle
       ! All contacts between two ranks belong to one of them: the other needs no copies.
       if (owner_of(int([comm%rank, r], i4)) /= r) cycle
       do b = 1, scene%bodies%n_home
         if (scene%bodies%home(b) < 0) cycle
-        is_held(b, r) = territory%is_near(r, scene%bodies%position(:, b), reach(b))
+        if (.not. territory%is_near(r, scene%bodies%position(:, b), reach(b))) cycle
+        copies%n = copies%n + 1
+        call reserve(copies%body, copies%n)
+        call reserve(copies%rank, copies%n)
+        copies%body(copies%n) = int(b, i4)
+        copies%rank(copies%n) = int(r, i4)
       end do
     end do
-  end subroutine find_holders
+    copies%first(comm%size) = copies%n + 1
+    if (.not. allocated(copies%body)) allocate (copies%body(0), copies%rank(0))
+    call group_items(copies%body(:copies%n), scene%bodies%n_home, copies%start, copies%of_body)
+  end subroutine find_copies
 
   !> Append who holds a body beside its home: number, number of ranks, ranks.
-  subroutine put_holders(number, is_held, holders)
+  subroutine put_holders(number, copies, body, holders)
     integer(i4), intent(in) :: number
-    logical, intent(in) :: is_held(0:)
+    type(copies_t), intent(in) :: copies
+    integer, intent(in) :: body
     type(parcel_t), intent(inout) :: holders
-    integer :: r
 
-    call holders%put(number)
-    call holders%put(count(is_held))
-    do r = 0, size(is_held) - 1
-      if (is_held(r)) call holders%put(r)
-    end do
+    associate (held => copies%of_body(copies%start(body):copies%start(body + 1) - 1))
+      call holders%put(number)
+      call holders%put(size(held))
+      call holders%put(copies%rank(held))
+    end associate
   end subroutine put_holders
 
   !> Send each rank its part of a parcel, and take what comes back for another.

@@ -3,9 +3,10 @@ module sg_migrate
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i4
   use sg_local_numbers, only: contactors_of_bodies
-  use sg_pack_bodies, only: build_scene, order_records, pack_body
+  use sg_pack_bodies, only: order_records, pack_body, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
+  use sg_sorting, only: group_items
   implicit none
   private
   public :: migrate, take_part
@@ -19,16 +20,17 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
     type(parcel_t) :: leaving, bodies
     real(wp), allocatable :: values(:)
-    integer, allocatable :: received(:)
+    integer, allocatable :: received(:), first_leaver(:), leaver(:)
     integer(i4), allocatable :: first(:), list(:)
-    integer :: sent(0:comm%size - 1), r, b
+    integer :: sent(0:comm%size - 1), r, i, b
 
+    call group_items(home(:scene%bodies%n_home) + 1_i4, comm%size, first_leaver, leaver)
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     allocate (leaving%value(0))
     do r = 0, comm%size - 1
       sent(r) = leaving%n
-      do b = 1, scene%bodies%n_home
-        if (home(b) == r) call pack_body(scene, b, first, list, r, leaving)
+      do i = first_leaver(r + 1), first_leaver(r + 2) - 1
+        call pack_body(scene, leaver(i), first, list, r, leaving)
       end do
       sent(r) = leaving%n - sent(r)
     end do
@@ -63,12 +65,10 @@ contains
     type(scene_t), intent(inout) :: scene
     type(parcel_t), intent(inout) :: bodies
     type(comm_t), intent(in) :: comm
-    type(scene_t) :: local
     integer, allocatable :: start(:)
     integer :: n_home
 
     call order_records(bodies, comm%rank, comm%size, start, n_home)
-    call build_scene(scene, bodies, start, n_home, local)
-    scene = local
+    call rebuild_scene(scene, bodies, start, n_home)
   end subroutine settle
 end module sg_migrate

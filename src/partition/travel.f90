@@ -10,6 +10,7 @@ module sg_travel
   use sg_local_numbers, only: local_contactor
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
+  use sg_sorting, only: group_items
   implicit none
   private
   public :: pack_contacts, send_contacts, unpack_contacts
@@ -29,19 +30,29 @@ contains
       if (present(rank)) then
         if (owner_of(home(scene%contactors%body(contacts%contactor(:, k)))) /= rank) cycle
       end if
-      if (allocated(scene%contactors%id)) then
-        call parcel%put(scene%contactors%id(contacts%contactor(:, k)))
-      else
-        call parcel%put(contacts%contactor(:, k))
-      end if
-      call parcel%put(contacts%feature(k))
-      call parcel%put(int(contacts%image(k)))
-      if (contacts%dimension == 3) call parcel%put(int(contacts%image_y(k)))
-      call parcel%put(contacts%law(k))
-      call parcel%put(int(contacts%status(k)))
-      call parcel%put(contacts%impulse(:, k))
+      call pack_contact(contacts, k, scene, parcel)
     end do
   end subroutine pack_contacts
+
+  !> Append the record of a contact.
+  subroutine pack_contact(contacts, k, scene, parcel)
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    type(scene_t), intent(in) :: scene
+    type(parcel_t), intent(inout) :: parcel
+
+    if (allocated(scene%contactors%id)) then
+      call parcel%put(scene%contactors%id(contacts%contactor(:, k)))
+    else
+      call parcel%put(contacts%contactor(:, k))
+    end if
+    call parcel%put(contacts%feature(k))
+    call parcel%put(int(contacts%image(k)))
+    if (contacts%dimension == 3) call parcel%put(int(contacts%image_y(k)))
+    call parcel%put(contacts%law(k))
+    call parcel%put(int(contacts%status(k)))
+    call parcel%put(contacts%impulse(:, k))
+  end subroutine pack_contact
 
   !> Send contacts to the ranks that will own them. Collective.
   subroutine send_contacts(contacts, scene, home, comm, parcel)
@@ -52,13 +63,20 @@ contains
     type(parcel_t), intent(inout) :: parcel !! records of the contacts that this rank will own
     type(parcel_t) :: leaving
     real(wp), allocatable :: values(:)
-    integer, allocatable :: received(:)
-    integer :: sent(0:comm%size - 1), r
+    integer, allocatable :: received(:), first(:), leaver(:)
+    integer(i4) :: owner(contacts%n)
+    integer :: sent(0:comm%size - 1), r, k
 
+    do k = 1, contacts%n
+      owner(k) = int(owner_of(home(scene%contactors%body(contacts%contactor(:, k)))), i4)
+    end do
+    call group_items(owner + 1_i4, comm%size, first, leaver)
     allocate (leaving%value(0))
     do r = 0, comm%size - 1
       sent(r) = leaving%n
-      call pack_contacts(contacts, scene, home, leaving, r)
+      do k = first(r + 1), first(r + 2) - 1
+        call pack_contact(contacts, leaver(k), scene, leaving)
+      end do
       sent(r) = leaving%n - sent(r)
     end do
     call comm%swap(leaving%value(:leaving%n), sent, values, received)

@@ -14,7 +14,7 @@ module sg_pack_bodies
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: pack_body, order_records, build_scene
+  public :: pack_body, order_records, build_scene, rebuild_scene
 
   !> Places of values in a record
   integer, parameter :: place_length = 1, place_number = 2, place_home = 3, place_contactors = 6
@@ -123,6 +123,20 @@ contains
     local%bodies%n_home = n_home
     call unpack_bodies(parcel, start, local%bodies, local%contactors)
   end subroutine build_scene
+
+  !> Make a scene anew from records of bodies. What it held is given back before the new bodies ask for room.
+  subroutine rebuild_scene(scene, parcel, start, n_home)
+    type(scene_t), intent(inout) :: scene !! scene of the run, replaced
+    type(parcel_t), intent(inout) :: parcel !! records of bodies; used up
+    integer, intent(in) :: start(:) !! first value of the record of each body, shape (bodies)
+    integer, intent(in) :: n_home !! bodies that the rank counts as its own: the first ones
+    type(scene_t) :: frame
+
+    call copy_frame(scene, frame)
+    frame%bodies%n_velocity = scene%bodies%n_velocity
+    call build_scene(frame, parcel, start, n_home, scene)
+    deallocate (parcel%value)
+  end subroutine rebuild_scene
 
   !> All of a scene that does not depend on its bodies.
   subroutine copy_frame(template, local)
