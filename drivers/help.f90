@@ -62,6 +62,10 @@ contains
                   '  --picture FOLDER        write pictures in which the rank of a body is its part, from 0', &
                   '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
                   '  --json                  one flat JSON object', &
+                  '  --predict               cost of an iteration on 1, 2, 4, ... N ranks; under mpirun messages are timed', &
+                  '  --latency US            of messages in microseconds, when they are not timed (default 2)', &
+                  '  --bandwidth GB          of messages in GB/s, when they are not timed (default 10)', &
+                  '  --lattice CONTACTS      a lattice as `bench` makes it, in place of a deck; --shape disk|sphere|polyhedron', &
                   './start look split FOLDER draws the pictures.'])
     case ('solve')
       call lines([character(len=110) :: &

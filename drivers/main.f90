@@ -65,7 +65,10 @@ contains
     case ('bench')
       call bench_command(arguments, error)
     case ('partition')
-      call partition_command(arguments, code, error)
+      ! Splits are made by one rank; those that a prediction is started on time its pieces.
+      if (arguments%has('predict')) call comm%start()
+      call partition_command(arguments, comm, code, error)
+      if (arguments%has('predict')) call comm%finish()
     case ('solve')
       call solve_command(arguments, code, error)
     case ('')

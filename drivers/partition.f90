@@ -2,10 +2,16 @@
 module sg_partition
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_arguments, only: arguments_t
+  use sg_benchmark_scenes, only: lattice_shapes, make_lattice
+  use sg_comm, only: comm_t
+  use sg_cost_model, only: machine_t, prediction_t
+  use sg_cost_text, only: costs_json, print_costs
   use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, exit_output, fail
   use sg_interface_blocks, only: block_structure_t
   use sg_kinds, only: wp, i4
+  use sg_message_costs, only: given_messages, measure_messages
+  use sg_predict_cost, only: predict_cost
   use sg_run_options, only: partition_options_t, split_names
   use sg_simulation, only: simulation_t
   use sg_split_report, only: split_report_t
@@ -19,8 +25,9 @@ module sg_partition
 contains
 
   !> Split and print.
-  subroutine partition_command(arguments, code, error)
+  subroutine partition_command(arguments, comm, code, error)
     type(arguments_t), intent(in) :: arguments !! the command line
+    type(comm_t), intent(inout) :: comm !! ranks that measure what a prediction needs
     integer, intent(out) :: code !! exit code when there is no error
     type(error_t), allocatable, intent(out) :: error !! what went wrong
     type(simulation_t) :: sim
@@ -31,18 +38,29 @@ contains
     integer :: parts
 
     code = exit_done
-    call arguments%expect('parts method boxes restart picture set json', 1, 1, 'partition DECK --parts N [options]', error)
+    call arguments%expect('parts method boxes restart picture set json predict lattice shape latency bandwidth', &
+                          merge(0, 1, arguments%has('lattice')), merge(0, 1, arguments%has('lattice')), &
+                          'partition DECK --parts N [options]', error)
     if (.not. allocated(error)) call choose_split(arguments, sim%options%partition, parts, error)
     if (allocated(error)) return
-    call read_deck(arguments%words(1)%s, arguments%all_of('set'), sim%scene, sim%options, diagnostics)
-    call diagnostics%print(error_unit)
-    if (diagnostics%count() > 0) then
-      code = exit_bad_input
-      return
+    if (arguments%has('lattice')) then
+      call make_scene(arguments, sim, error)
+      if (allocated(error)) return
+    else
+      call read_deck(arguments%words(1)%s, arguments%all_of('set'), sim%scene, sim%options, diagnostics)
+      if (comm%rank == 0) call diagnostics%print(error_unit)
+      if (diagnostics%count() > 0) then
+        code = exit_bad_input
+        return
+      end if
     end if
     ! What the command line says goes before the deck.
     call choose_split(arguments, sim%options%partition, parts, error)
     if (arguments%has('restart')) sim%options%restart_file = arguments%get('restart', '')
+    if (.not. allocated(error) .and. arguments%has('predict')) then
+      call predict(arguments, sim, parts, comm, error)
+      return
+    end if
     if (.not. allocated(error)) call split_at_start(sim, parts, part, report, blocks, error)
     if (.not. allocated(error) .and. arguments%has('picture')) call draw(sim, part, arguments%get('picture', ''), error)
     if (allocated(error)) return
@@ -52,6 +70,55 @@ contains
       call print_split(output_unit, report, blocks)
     end if
   end subroutine partition_command
+
+  !> Make the lattice that `splitgrain bench` measures on, in place of a deck.
+  subroutine make_scene(arguments, sim, error)
+    type(arguments_t), intent(in) :: arguments
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+    character(len=:), allocatable :: shape
+    real(wp) :: contacts
+
+    shape = arguments%get('shape', 'disk')
+    call arguments%number('lattice', 0.0_wp, 12.0_wp, contacts, error)
+    if (.not. allocated(error) .and. all(lattice_shapes /= shape)) then
+      call fail(error, 'lattices are of the shapes disk, sphere and polyhedron, not "'//shape//'"')
+    end if
+    if (allocated(error)) return
+    call make_lattice(sim%scene, shape, nint(contacts), 0.3_wp)
+    sim%options%step = 1e-4_wp
+  end subroutine make_scene
+
+  !> Predict what iterations cost on more and more ranks, and print it.
+  subroutine predict(arguments, sim, most, comm, error)
+    type(arguments_t), intent(in) :: arguments
+    type(simulation_t), intent(inout) :: sim
+    integer, intent(in) :: most
+    type(comm_t), intent(inout) :: comm
+    type(error_t), allocatable, intent(out) :: error
+    type(machine_t) :: machine
+    type(prediction_t), allocatable :: predictions(:)
+    real(wp) :: microseconds, gigabytes
+    logical :: are_measured
+
+    call arguments%number('latency', 2.0_wp, 0.0_wp, microseconds, error)
+    if (.not. allocated(error)) call arguments%number('bandwidth', 10.0_wp, 0.0_wp, gigabytes, error)
+    if (.not. allocated(error) .and. .not. gigabytes > 0) call fail(error, 'option --bandwidth needs a number above zero')
+    if (allocated(error)) return
+    are_measured = comm%size > 1 .and. .not. (arguments%has('latency') .or. arguments%has('bandwidth'))
+    if (are_measured) then
+      call measure_messages(comm, machine%messages)
+    else
+      machine%messages = given_messages(1e-6_wp*microseconds, 1e9_wp*gigabytes)
+    end if
+    call predict_cost(sim, most, comm, machine, predictions, error)
+    if (allocated(error) .or. comm%rank > 0) return
+    if (arguments%has('json')) then
+      write (output_unit, '(a)') costs_json(machine, are_measured, predictions)
+    else
+      call print_costs(output_unit, machine, are_measured, predictions)
+    end if
+  end subroutine predict
 
   !> Take method, boxes and number of parts from the command line.
   subroutine choose_split(arguments, options, parts, error)

@@ -13,7 +13,7 @@ module sg_gluing
   use sg_subdomain, only: subdomain_t
   implicit none
   private
-  public :: gluing_t
+  public :: gluing_t, rehearse_gluing
 
   !> Shared bodies of one solve and the messages about them
   type :: gluing_t
@@ -67,23 +67,40 @@ contains
     class(gluing_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! problem whose shared bodies have been swept
     type(comm_t), intent(inout) :: comm !! the ranks
+
+    call fill_messages(self, problem)
+    call self%messages%begin(comm)
+  end subroutine gluing_begin
+
+  !> Write down the velocities that neighbours get.
+  pure subroutine fill_messages(self, problem)
+    class(gluing_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
     integer :: j
 
     do j = 1, size(self%sharing%item)
       self%messages%send(:, j) = problem%body(:self%width, self%sharing%slot(self%sharing%item(j)))
     end do
-    call self%messages%begin(comm)
-  end subroutine gluing_begin
+  end subroutine fill_messages
 
   !> Give all copies one velocity.
   subroutine gluing_finish(self, problem, comm)
     class(gluing_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! shared bodies get their new velocities
     type(comm_t), intent(inout) :: comm !! the ranks
+
+    call self%messages%finish(comm)
+    call settle(self, problem)
+    call self%sharing%wide%glue(problem, self%is_mean, comm)
+  end subroutine gluing_finish
+
+  !> Give all copies the velocity that follows from those received.
+  pure subroutine settle(self, problem)
+    class(gluing_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
     real(wp) :: new(self%width)
     integer :: i
 
-    call self%messages%finish(comm)
     call add_up(self, problem)
     do i = 1, size(self%sharing%slot)
       associate (body => problem%body(:, self%sharing%slot(i)), parts => self%sharing%parts(i))
@@ -93,8 +110,33 @@ contains
         body(:self%width) = new
       end associate
     end do
-    call self%sharing%wide%glue(problem, self%is_mean, comm)
-  end subroutine gluing_finish
+  end subroutine settle
+
+  !> What gluings do but for their messages, again and again: some bodies as if one neighbour held copies of the same velocity.
+  pure subroutine rehearse_gluing(problem, slots, times)
+    type(problem_t), intent(inout) :: problem !! its bodies keep their velocities up to rounding
+    integer, intent(in) :: slots(:) !! bodies to glue
+    integer, intent(in) :: times !! how often
+    type(gluing_t) :: gluing
+    integer :: i
+
+    gluing%width = first_inverse(problem%kind) - 1
+    allocate (gluing%sharing%slot(size(slots)), gluing%sharing%parts(size(slots)), gluing%sharing%item(size(slots)))
+    gluing%sharing%slot = slots
+    gluing%sharing%parts = 2
+    gluing%sharing%item = [(i, i=1, size(slots))]
+    gluing%sharing%first = [1, size(slots) + 1]
+    gluing%messages%rank = [1]
+    allocate (gluing%before(gluing%width, size(slots)), gluing%change(gluing%width, size(slots)), &
+              gluing%jump(gluing%width, size(slots)), gluing%messages%send(gluing%width, size(slots)), &
+              gluing%messages%receive(gluing%width, size(slots)), source=0.0_wp)
+    gluing%before(:, :) = problem%body(:gluing%width, slots)
+    do i = 1, times
+      call fill_messages(gluing, problem)
+      gluing%messages%receive(:, :) = gluing%messages%send
+      call settle(gluing, problem)
+    end do
+  end subroutine rehearse_gluing
 
   !> Sum the changes of all copies in the order of ranks. What nobody moves stays as it is, to the last digit.
   pure subroutine add_up(self, problem)

@@ -22,7 +22,7 @@ module sg_start_split
   use sg_text, only: to_text
   implicit none
   private
-  public :: split_at_start, draw_split
+  public :: split_at_start, find_contacts, split_bodies, draw_split
 
   !> Largest weight of a part over the mean one that is asked of METIS, which seldom finds a better one worth its cut
   real(wp), parameter :: imbalance = 1.03_wp
@@ -37,9 +37,27 @@ contains
     type(split_report_t), intent(out) :: report !! figures of the split
     type(block_structure_t), intent(out) :: blocks !! what the matrix of the primal interface looks like
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be split
-    type(diagnostics_t) :: warnings
     real(wp), allocatable :: load(:)
     integer :: boxes(3)
+
+    call find_contacts(sim, error)
+    if (allocated(error)) return
+    associate (bodies => sim%scene%bodies)
+      load = measured_weights(sim%contacts, bodies%is_grain, bodies%n_home)
+    end associate
+    call split_bodies(sim, load, parts, boxes, part, error)
+    if (allocated(error)) return
+    report = report_split(sim%contacts, part, load, parts)
+    report%method = trim(sim%options%partition%split)
+    report%boxes = boxes
+    call look_at_interface(sim, part, blocks)
+  end subroutine split_at_start
+
+  !> Bring a simulation to its start, or to the state of a restart file where its options name one, and seek contacts.
+  subroutine find_contacts(sim, error)
+    type(simulation_t), intent(inout) :: sim !! its scene and options are set
+    type(error_t), allocatable, intent(out) :: error !! set when a restart file cannot be read
+    type(diagnostics_t) :: warnings
 
     call start_simulation(sim)
     if (allocated(sim%options%restart_file)) call load_checkpoint(sim, sim%options%restart_file, warnings, error)
@@ -47,25 +65,27 @@ contains
     call warnings%print(error_unit)
     call predict(sim%scene, sim%time(), 0.0_wp, sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    associate (bodies => sim%scene%bodies, split => sim%options%partition%split)
-      if (count(bodies%is_grain) < parts) then
-        call fail(error, 'the scene has '//to_text(count(bodies%is_grain))//' grains, too few for '//to_text(parts)//' parts')
-        return
-      end if
-      load = measured_weights(sim%contacts, bodies%is_grain, bodies%n_home)
-      boxes = 0
-      if (split == 'graph') then
-        call split_by_graph(sim, parts, part, error)
-      else
-        call split_by_boxes(sim, load, parts, boxes, part, error)
-      end if
-      if (allocated(error)) return
-      report = report_split(sim%contacts, part, load, parts)
-      report%method = trim(split)
-      report%boxes = boxes
-    end associate
-    call look_at_interface(sim, part, blocks)
-  end subroutine split_at_start
+  end subroutine find_contacts
+
+  !> Split bodies as the options say.
+  subroutine split_bodies(sim, load, parts, boxes, part, error)
+    type(simulation_t), intent(in) :: sim !! its contacts are known
+    real(wp), intent(in) :: load(:) !! what each body costs [half contacts], shape (bodies)
+    integer, intent(in) :: parts !! number of parts
+    integer, intent(out) :: boxes(3) !! boxes along x, y and z, 0 where there are none
+    integer(i4), allocatable, intent(out) :: part(:) !! part of each body, from 1; 0 for walls
+    type(error_t), allocatable, intent(out) :: error !! set when they cannot be split so
+
+    boxes = 0
+    if (count(sim%scene%bodies%is_grain) < parts) then
+      call fail(error, 'the scene has '//to_text(count(sim%scene%bodies%is_grain))//' grains, too few for '// &
+                to_text(parts)//' parts')
+    else if (sim%options%partition%split == 'graph') then
+      call split_by_graph(sim, parts, part, error)
+    else
+      call split_by_boxes(sim, load, parts, boxes, part, error)
+    end if
+  end subroutine split_bodies
 
   !> Parts of all bodies by boxes.
   subroutine split_by_boxes(sim, load, parts, boxes, part, error)

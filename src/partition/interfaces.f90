@@ -1,0 +1,213 @@
+!> Who has how much to tell whom in a split: what a gluing sends, counted on the contacts of a scene.
+!!
+!! Dual: a grain is shared by the parts that own contacts on it, and each two of them exchange its velocity. Primal: the
+!! contacts between two parts are an edge; the part that owns them borrows the other one's grains (doc/theory/partition.md).
+module sg_interfaces
+  use sg_contacts, only: contacts_t
+  use sg_homes, only: owner_of
+  use sg_kinds, only: i4, i8
+  use sg_sorting, only: sort_permutation
+  implicit none
+  private
+  public :: interfaces_t, find_interfaces
+
+  !> Pairs of parts, each once
+  type :: pairs_t
+    !> Parts from 0, the lower one first, shape (2, pairs), ordered
+    integer, allocatable :: part(:, :)
+    !> What each pair has in common
+    integer, allocatable :: items(:)
+  end type pairs_t
+
+  !> What parts own and share
+  type :: interfaces_t
+    !> Contacts that each part owns, and those within each part, shape (parts)
+    integer, allocatable :: owned(:), inner(:)
+    !> Grains held by more than one part, and how many of them each part holds, shape (parts)
+    integer :: shared_grains = 0
+    integer, allocatable :: shared(:)
+    !> Dual: grains that pairs of parts share
+    type(pairs_t) :: common
+    !> Primal: contacts between pairs of parts; and grains that one lends the other for them, by the same pairs
+    type(pairs_t) :: edge
+    integer, allocatable :: lent(:)
+  end type interfaces_t
+
+contains
+
+  !> Look at a split in time and memory proportional to its contacts.
+  pure subroutine find_interfaces(contacts, part, parts, owner, found)
+    type(contacts_t), intent(in) :: contacts !! contacts of a step
+    integer(i4), intent(in) :: part(:) !! part of each body, from 1; 0 for walls, shape (bodies)
+    integer, intent(in) :: parts !! number of parts
+    integer(i4), allocatable, intent(out) :: owner(:) !! part that owns each contact, from 1, shape (contacts)
+    type(interfaces_t), intent(out) :: found !! what the parts own and share
+    logical, allocatable :: is_shared(:)
+    integer :: k
+
+    allocate (owner(contacts%n), found%owned(parts), found%inner(parts), source=0)
+    do k = 1, contacts%n
+      associate (home => part(contacts%body(:, k)) - 1_i4)
+        owner(k) = int(owner_of(home), i4) + 1_i4
+        found%owned(owner(k)) = found%owned(owner(k)) + 1
+        if (any(home < 0) .or. home(1) == home(2)) found%inner(owner(k)) = found%inner(owner(k)) + 1
+      end associate
+    end do
+    call mark_shared(contacts, part, owner, is_shared)
+    call pair_sharers(contacts, owner, is_shared, parts, found)
+    call pair_edges(contacts, part, owner, parts, found)
+  end subroutine find_interfaces
+
+  !> Grains on which more than one part owns contacts.
+  pure subroutine mark_shared(contacts, part, owner, is_shared)
+    type(contacts_t), intent(in) :: contacts
+    integer(i4), intent(in) :: part(:), owner(:)
+    logical, allocatable, intent(out) :: is_shared(:)
+    integer(i4), allocatable :: first(:)
+    integer :: k, side, b
+
+    allocate (is_shared(size(part)), source=.false.)
+    allocate (first(size(part)), source=0_i4)
+    do k = 1, contacts%n
+      do side = 1, 2
+        b = contacts%body(side, k)
+        if (part(b) == 0) cycle
+        if (first(b) == 0) first(b) = owner(k)
+        if (first(b) /= owner(k)) is_shared(b) = .true.
+      end do
+    end do
+  end subroutine mark_shared
+
+  !> Count the grains that pairs of parts share.
+  pure subroutine pair_sharers(contacts, owner, is_shared, parts, found)
+    type(contacts_t), intent(in) :: contacts
+    integer(i4), intent(in) :: owner(:)
+    logical, intent(in) :: is_shared(:)
+    integer, intent(in) :: parts
+    type(interfaces_t), intent(inout) :: found
+    integer(i8), allocatable :: keys(:), copies(:), pairs(:)
+    integer, allocatable :: times(:)
+    integer :: k, side, n, i, j, last, pass
+
+    n = 0
+    do k = 1, contacts%n
+      n = n + count(is_shared(contacts%body(:, k)))
+    end do
+    allocate (keys(n))
+    n = 0
+    do k = 1, contacts%n
+      do side = 1, 2
+        if (.not. is_shared(contacts%body(side, k))) cycle
+        n = n + 1
+        keys(n) = int(contacts%body(side, k), i8)*int(parts, i8) + int(owner(k) - 1, i8)
+      end do
+    end do
+    call count_runs(keys, copies, times)
+    allocate (found%shared(parts), source=0)
+    found%shared_grains = count(is_shared)
+    do pass = 1, 2
+      n = 0
+      i = 1
+      do while (i <= size(copies))
+        last = i
+        do while (last < size(copies))
+          if (copies(last + 1)/int(parts, i8) /= copies(i)/int(parts, i8)) exit
+          last = last + 1
+        end do
+        do k = i, last
+          if (pass == 1) found%shared(part_of(copies(k)) + 1) = found%shared(part_of(copies(k)) + 1) + 1
+          do j = k + 1, last
+            n = n + 1
+            if (pass == 2) pairs(n) = int(part_of(copies(k)), i8)*int(parts, i8) + int(part_of(copies(j)), i8)
+          end do
+        end do
+        i = last + 1
+      end do
+      if (pass == 1) allocate (pairs(n))
+    end do
+    call list_pairs(pairs, parts, found%common)
+  contains
+    pure integer function part_of(copy)
+      integer(i8), intent(in) :: copy
+
+      part_of = int(modulo(copy, int(parts, i8)))
+    end function part_of
+  end subroutine pair_sharers
+
+  !> Count the contacts between pairs of parts, and the grains lent for them.
+  pure subroutine pair_edges(contacts, part, owner, parts, found)
+    type(contacts_t), intent(in) :: contacts
+    integer(i4), intent(in) :: part(:), owner(:)
+    integer, intent(in) :: parts
+    type(interfaces_t), intent(inout) :: found
+    integer(i8), allocatable :: edges(:), loans(:), distinct(:)
+    integer, allocatable :: times(:)
+    type(pairs_t) :: lent
+    integer :: k, n, borrowed
+
+    n = sum(found%owned) - sum(found%inner)
+    allocate (edges(n), loans(n))
+    n = 0
+    do k = 1, contacts%n
+      associate (home => part(contacts%body(:, k)) - 1_i4)
+        if (any(home < 0) .or. home(1) == home(2)) cycle
+        n = n + 1
+        edges(n) = int(minval(home), i8)*int(parts, i8) + int(maxval(home), i8)
+        borrowed = contacts%body(merge(2, 1, home(1) + 1 == owner(k)), k)
+        ! A grain lent to several parts is told apart by the borrower; its home follows from the grain.
+        loans(n) = int(borrowed, i8)*int(parts, i8) + int(owner(k) - 1, i8)
+      end associate
+    end do
+    call list_pairs(edges, parts, found%edge)
+    call count_runs(loans, distinct, times)
+    do k = 1, size(distinct)
+      n = int(modulo(distinct(k), int(parts, i8)))
+      associate (home => part(int(distinct(k)/int(parts, i8))) - 1)
+        distinct(k) = int(min(home, n), i8)*int(parts, i8) + int(max(home, n), i8)
+      end associate
+    end do
+    call list_pairs(distinct, parts, lent)
+    found%lent = lent%items
+  end subroutine pair_edges
+
+  !> Pairs from keys, lower part times number of parts plus higher part.
+  pure subroutine list_pairs(keys, parts, pairs)
+    integer(i8), intent(in) :: keys(:)
+    integer, intent(in) :: parts
+    type(pairs_t), intent(inout) :: pairs
+    integer(i8), allocatable :: distinct(:)
+    integer :: i
+
+    call count_runs(keys, distinct, pairs%items)
+    allocate (pairs%part(2, size(distinct)))
+    do i = 1, size(distinct)
+      pairs%part(:, i) = [int(distinct(i)/int(parts, i8)), int(modulo(distinct(i), int(parts, i8)))]
+    end do
+  end subroutine list_pairs
+
+  !> Distinct numbers of a list, ascending, and how often each comes.
+  pure subroutine count_runs(list, distinct, times)
+    integer(i8), intent(in) :: list(:)
+    integer(i8), allocatable, intent(out) :: distinct(:)
+    integer, allocatable, intent(out) :: times(:)
+    integer(i8), allocatable :: sorted(:)
+    integer :: i, n
+
+    sorted = list(sort_permutation(list))
+    allocate (distinct(size(list)), times(size(list)))
+    n = 0
+    do i = 1, size(list)
+      if (i > 1) then
+        if (sorted(i) == sorted(i - 1)) then
+          times(n) = times(n) + 1
+          cycle
+        end if
+      end if
+      n = n + 1
+      distinct(n) = sorted(i)
+      times(n) = 1
+    end do
+    distinct = distinct(:n)
+    times = times(:n)
+  end subroutine count_runs
+end module sg_interfaces

@@ -1,0 +1,176 @@
+!> What runs of a scene on many ranks would cost: splits into more and more parts, each with its real interfaces, and the
+!! program's own kernels timed on the largest part (doc/performance.md). Nothing is run.
+module sg_predict_cost
+  use sg_assemble, only: assemble
+  use sg_comm, only: comm_t
+  use sg_cost_model, only: dual_iteration, machine_t, prediction_t, primal_iteration
+  use sg_error, only: error_t
+  use sg_gluing, only: rehearse_gluing
+  use sg_interfaces, only: find_interfaces, interfaces_t
+  use sg_kinds, only: wp, i4
+  use sg_load, only: measured_weights
+  use sg_problem, only: first_inverse, problem_kind, problem_t
+  use sg_residuals, only: n_error_sums, sum_errors
+  use sg_run_options, only: solver_options_t
+  use sg_simulation, only: simulation_t
+  use sg_start_split, only: find_contacts, split_bodies
+  use sg_sweep_order, only: set_order, sweep_order_t
+  use sg_sweeps, only: sweep
+  use sg_timers, only: cpu_now
+  implicit none
+  private
+  public :: predict_cost
+
+  !> Least seconds of one timing, and how many are made of each: the shortest is the undisturbed one
+  real(wp), parameter :: least_seconds = 0.02_wp
+  integer, parameter :: tries = 3
+
+contains
+
+  !> Predict the cost of an iteration on 1, 2, 4, ... ranks up to a number, and on that number.
+  !!
+  !! All ranks that the program was started on measure at the same time, as in a run they would; the slowest counts.
+  subroutine predict_cost(sim, most, comm, machine, predictions, error)
+    type(simulation_t), intent(inout) :: sim !! its scene and options are set
+    integer, intent(in) :: most !! number of ranks to end at
+    type(comm_t), intent(inout) :: comm !! ranks that measure
+    type(machine_t), intent(inout) :: machine !! messages are set; the other costs are found
+    type(prediction_t), allocatable, intent(out) :: predictions(:) !! one for each number of ranks
+    type(error_t), allocatable, intent(out) :: error !! set when the scene cannot be split so
+    integer, allocatable :: ranks(:)
+    real(wp), allocatable :: load(:)
+    real(wp) :: check
+    integer :: i
+
+    call find_contacts(sim, error)
+    if (allocated(error)) return
+    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
+                  sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
+    load = measured_weights(sim%contacts, sim%scene%bodies%is_grain, sim%scene%bodies%n_home)
+    machine%check_every = sim%options%solver%check_every
+    machine%item_bytes = 8*real(first_inverse(sim%problem%kind) - 1, wp)
+    machine%glue = glue_seconds(sim%problem)
+    check = check_seconds(sim%problem)/real(machine%check_every, wp)
+    call slowest(comm, machine%glue)
+    call slowest(comm, check)
+    ranks = [pack([(2**i, i=0, 30)], [(2**i < most, i=0, 30)]), most]
+    allocate (predictions(size(ranks)))
+    do i = 1, size(ranks)
+      call predict_split(sim, load, ranks(i), check, comm, machine, predictions(i), error)
+      if (allocated(error)) return
+      associate (one => predictions(1)%dual%seconds, of => predictions(i))
+        of%dual_efficiency = one/(real(ranks(i), wp)*of%dual%seconds)
+        of%primal_efficiency = one/(real(ranks(i), wp)*of%primal%seconds)
+      end associate
+    end do
+  end subroutine predict_cost
+
+  !> Split into so many parts, time updates on the largest, and put the cost together.
+  subroutine predict_split(sim, load, ranks, check, comm, machine, prediction, error)
+    type(simulation_t), intent(inout) :: sim
+    real(wp), intent(in) :: load(:), check
+    integer, intent(in) :: ranks
+    type(comm_t), intent(inout) :: comm
+    type(machine_t), intent(inout) :: machine
+    type(prediction_t), intent(inout) :: prediction
+    type(error_t), allocatable, intent(out) :: error
+    type(interfaces_t) :: split
+    integer(i4), allocatable :: part(:), owner(:)
+    integer :: boxes(3)
+
+    call split_bodies(sim, load, ranks, boxes, part, error)
+    if (allocated(error)) return
+    call find_interfaces(sim%contacts, part, ranks, owner, split)
+    prediction%ranks = ranks
+    prediction%contacts = sim%contacts%n
+    prediction%largest = maxval(split%owned)
+    prediction%shared_grains = split%shared_grains
+    machine%update = update_seconds(sim%problem, owner == maxloc(split%owned, 1), sim%options%solver)
+    call slowest(comm, machine%update)
+    machine%update = machine%update + check
+    prediction%update = machine%update
+    prediction%dual = dual_iteration(machine, split, ranks)
+    prediction%primal = primal_iteration(machine, split, ranks)
+  end subroutine predict_split
+
+  !> The largest of all ranks' times.
+  subroutine slowest(comm, seconds)
+    type(comm_t), intent(inout) :: comm
+    real(wp), intent(inout) :: seconds
+    real(wp) :: largest(1)
+
+    largest = seconds
+    call comm%maximum(largest)
+    seconds = largest(1)
+  end subroutine slowest
+
+  !> CPU seconds of an update, when some contacts are swept again and again.
+  real(wp) function update_seconds(problem, is_wanted, options) result(seconds)
+    type(problem_t), intent(in) :: problem
+    logical, intent(in) :: is_wanted(:)
+    type(solver_options_t), intent(in) :: options
+    type(sweep_order_t) :: order
+    real(wp), allocatable :: body(:, :)
+    real(wp) :: start, spent
+    integer :: try, sweeps
+
+    seconds = 0
+    call set_order(order, problem, is_wanted, options)
+    if (order%n == 0) return
+    allocate (body(size(problem%body, 1), problem%n_bodies))
+    body(:, :) = problem%body(:, :problem%n_bodies)
+    call sweep(problem%kind, order, problem%n_bodies, 1.0_wp, body)
+    seconds = huge(1.0_wp)
+    do try = 1, tries
+      sweeps = 0
+      start = cpu_now()
+      do
+        call sweep(problem%kind, order, problem%n_bodies, 1.0_wp, body)
+        sweeps = sweeps + 1
+        spent = cpu_now() - start
+        if (spent > least_seconds) exit
+      end do
+      seconds = min(seconds, spent/(real(sweeps, wp)*real(order%n, wp)))
+    end do
+  end function update_seconds
+
+  !> CPU seconds a contact of a test of convergence.
+  real(wp) function check_seconds(problem) result(seconds)
+    type(problem_t), intent(in) :: problem
+    real(wp) :: sums(n_error_sums), start
+    integer :: try
+
+    seconds = 0
+    if (problem%n_contacts == 0) return
+    seconds = huge(1.0_wp)
+    do try = 1, tries
+      start = cpu_now()
+      sums = sum_errors(problem, .false.)
+      seconds = min(seconds, cpu_now() - start)
+    end do
+    ! What was summed is asked for, so that no compiler leaves it out.
+    if (sums(1) < -huge(1.0_wp)) seconds = 0
+    seconds = seconds/real(problem%n_contacts, wp)
+  end function check_seconds
+
+  !> CPU seconds of gluing one grain, messages apart: bodies as far apart in memory as those along a cut are.
+  real(wp) function glue_seconds(problem) result(seconds)
+    type(problem_t), intent(inout) :: problem
+    integer, parameter :: times = 20
+    integer, allocatable :: slots(:)
+    real(wp) :: start
+    integer :: try, i, stride
+
+    seconds = 0
+    if (problem%n_bodies == 0) return
+    stride = max(1, problem%n_bodies/2000)
+    slots = [(i, i=1, problem%n_bodies, stride)]
+    seconds = huge(1.0_wp)
+    do try = 1, tries
+      start = cpu_now()
+      call rehearse_gluing(problem, slots, times)
+      seconds = min(seconds, cpu_now() - start)
+    end do
+    seconds = seconds/(real(times, wp)*real(size(slots), wp))
+  end function glue_seconds
+end module sg_predict_cost
