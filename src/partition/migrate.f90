@@ -2,8 +2,9 @@
 module sg_migrate
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i4
+  use sg_lists, only: reserve
   use sg_local_numbers, only: contactors_of_bodies
-  use sg_pack_bodies, only: order_records, pack_body, rebuild_scene
+  use sg_pack_bodies, only: drop_step_state, order_records, pack_body, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
   use sg_sorting, only: group_items
@@ -48,14 +49,24 @@ contains
     type(scene_t), intent(inout) :: scene !! the whole scene, replaced by the part
     integer(i4), intent(in) :: home(:) !! home of every body, -1 for wide ones
     type(comm_t), intent(in) :: comm !! the ranks
+    integer, parameter :: sample = 256
     type(parcel_t) :: bodies
     integer(i4), allocatable :: first(:), list(:)
-    integer :: b
+    integer :: b, packed
+    real(wp) :: expected
 
+    call drop_step_state(scene)
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     allocate (bodies%value(0))
+    packed = 0
     do b = 1, scene%bodies%n
-      if (home(b) == comm%rank .or. home(b) < 0) call pack_body(scene, b, first, list, int(home(b)), bodies)
+      if (.not. (home(b) == comm%rank .or. home(b) < 0)) cycle
+      call pack_body(scene, b, first, list, int(home(b)), bodies)
+      packed = packed + 1
+      if (packed /= sample) cycle
+      ! Room for all, judged by the first ones: a list that grows by and by would for moments need it twice.
+      expected = 1.05_wp*real(bodies%n, wp)*real(count(home == comm%rank .or. home < 0), wp)/real(sample, wp)
+      if (expected < real(huge(1), wp)) call reserve(bodies%value, int(expected))
     end do
     call settle(scene, bodies, comm)
   end subroutine take_part

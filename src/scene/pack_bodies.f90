@@ -14,7 +14,7 @@ module sg_pack_bodies
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: pack_body, order_records, build_scene, rebuild_scene
+  public :: pack_body, order_records, build_scene, rebuild_scene, drop_step_state
 
   !> Places of values in a record
   integer, parameter :: place_length = 1, place_number = 2, place_home = 3, place_contactors = 6
@@ -137,6 +137,16 @@ contains
     call build_scene(frame, parcel, start, n_home, scene)
     deallocate (parcel%value)
   end subroutine rebuild_scene
+
+  !> Give back what a step sets anew and no record holds: a scene that is only packed needs none of it.
+  subroutine drop_step_state(scene)
+    type(scene_t), intent(inout) :: scene !! scene about to be packed and then made anew
+
+    if (allocated(scene%bodies%middle)) deallocate (scene%bodies%middle)
+    if (allocated(scene%bodies%force)) deallocate (scene%bodies%force)
+    if (allocated(scene%bodies%free_velocity)) deallocate (scene%bodies%free_velocity)
+    if (allocated(scene%contactors%centre)) deallocate (scene%contactors%centre)
+  end subroutine drop_step_state
 
   !> All of a scene that does not depend on its bodies.
   subroutine copy_frame(template, local)

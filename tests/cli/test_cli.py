@@ -167,8 +167,8 @@ class Dumps(Cli):
 
 
 class Partition(Cli):
-    def partition(self, *words):
-        return json.loads(self.run_program("partition", "fall.toml", "--json", *words).stdout)
+    def partition(self, *words, deck=True):
+        return json.loads(self.run_program("partition", *["fall.toml"][:deck], "--json", *words).stdout)
 
     def test_boxes_share_the_grains(self):
         split = self.partition("--parts", "4")
@@ -194,6 +194,21 @@ class Partition(Cli):
         for name in ("bodies", "shapes", "contacts"):
             self.assertTrue((self.place / "split" / f"{name}.vtkhdf").exists())
 
+    def test_predicted_costs(self):
+        told = self.partition("--lattice", "3000", "--parts", "3", "--predict", deck=False)
+        self.assertGreater(told["contacts"], 0)
+        for ranks in (1, 2, 3):
+            # The slowest rank sweeps no less than the mean one.
+            self.assertGreaterEqual(told[f"ranks_{ranks}_largest"] * ranks, told["contacts"])
+            self.assertGreater(told[f"ranks_{ranks}_dual_seconds"], 0)
+            self.assertGreater(told[f"ranks_{ranks}_primal_seconds"], 0)
+        self.assertEqual((told["ranks_1_dual_efficiency"], told["ranks_1_dual_messages"]), (1, 0))
+        slow = self.partition("--lattice", "3000", "--parts", "8", "--predict", "--latency", "1000000", deck=False)
+        # Each message takes a second: a rank with most neighbours waits for them all.
+        self.assertGreaterEqual(slow["ranks_8_dual_seconds"], slow["ranks_8_dual_neighbours"])
+        table = self.run_program("partition", "--lattice", "3000", "--parts", "8", "--predict").stdout
+        self.assertEqual([line.split()[0] for line in table.splitlines()[-4:]], ["1", "2", "4", "8"])
+
     def test_graph_needs_metis(self):
         if self.has_library("METIS"):
             self.assertEqual(self.partition("--parts", "3", "--method", "graph")["parts"], 3)
@@ -215,6 +230,9 @@ class Partition(Cli):
             (["--boxes", "2x-1"], "two or three numbers"),
             (["--boxes", "2x2", "--method", "graph"], "boxes alone"),
             (["--parts", "2", "--restart", "nowhere"], "nowhere"),
+            (["--parts", "2", "--predict", "--bandwidth", "0"], "above zero"),
+            (["--parts", "13", "--predict"], "12 grains, too few for 13 parts"),
+            (["--parts", "2", "--lattice", "3000"], "usage"),
             (["--parts", "2", "--set", "solver.tolerence=1"], 'did you mean "tolerance"'),
         ):
             with self.subTest(words=words):

@@ -5,6 +5,7 @@ program test_comm
   use sg_error, only: error_t, exit_broken, fail
   use sg_exchange, only: exchange_t
   use sg_kinds, only: wp, i8
+  use sg_message_costs, only: measure_messages, message_costs_t
   use sg_text, only: to_text
   implicit none
   type(tests_t) :: t
@@ -22,9 +23,26 @@ program test_comm
   call test_empty_swap()
   call test_exchange()
   call test_one_way()
+  call test_message_costs()
   call t%finish(comm)
 
 contains
+
+  !> What messages cost is positive, grows with their length, and is the same on all ranks.
+  subroutine test_message_costs()
+    type(message_costs_t) :: costs
+    real(wp), allocatable :: all_seconds(:, :)
+    integer :: r
+
+    if (comm%size == 1) return
+    call measure_messages(comm, costs)
+    call t%check(all(costs%seconds > 0), 'messages take time')
+    call t%check(all(costs%seconds(2:) >= costs%seconds(:size(costs%seconds) - 1)), 'longer ones no less')
+    call comm%gather(costs%seconds, all_seconds)
+    do r = 1, comm%size
+      call t%check(all(abs(all_seconds(:, r) - costs%seconds) <= 0), 'all ranks know the same')
+    end do
+  end subroutine test_message_costs
 
   !> Sums, largest and smallest values of 1, r, -r and r**2.
   subroutine test_reductions()
