@@ -23,7 +23,8 @@ program splitgrain
 
   code = exit_done
   call read_arguments(arguments, error)
-  is_shared = arguments%command == 'run'
+  ! Splits are made by one rank; ranks that a prediction is started on time its pieces.
+  is_shared = arguments%command == 'run' .or. (arguments%command == 'partition' .and. arguments%has('predict'))
   if (is_shared) call comm%start()
   call comm%agree(error, speaker)
   if (.not. allocated(error)) call choose()
@@ -65,10 +66,7 @@ contains
     case ('bench')
       call bench_command(arguments, error)
     case ('partition')
-      ! Splits are made by one rank; those that a prediction is started on time its pieces.
-      if (arguments%has('predict')) call comm%start()
       call partition_command(arguments, comm, code, error)
-      if (arguments%has('predict')) call comm%finish()
     case ('solve')
       call solve_command(arguments, code, error)
     case ('')
