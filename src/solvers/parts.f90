@@ -53,7 +53,8 @@ contains
     if (.not. allocated(self%order)) allocate (self%order(n_parts))
     if (allocated(self%record)) deallocate (self%record)
     self%part = part
-    self%is_wanted = [(.true., k=1, size(part))]
+    if (allocated(self%is_wanted)) deallocate (self%is_wanted)
+    allocate (self%is_wanted(size(part)), source=.true.)
     self%contact = pack([(int(k, i4), k=1, size(part))], part == part_shared .and. are_masses_divided)
     allocate (self%record(size(problem%record, 1), size(self%contact)))
     do k = 1, size(self%contact)

@@ -113,11 +113,23 @@ contains
     end do
     call add_impulses(problem)
     call self%gluing%begin(problem, comm)
-    call self%parts%begin(problem, [(merge(part_shared, part_own, any(is_shared(problem%pair(:, i)))), i=1, &
-                                       problem%n_contacts)], 2, is_mean, self%options)
+    call self%parts%begin(problem, parts_of(problem, is_shared), 2, is_mean, self%options)
     call self%gluing%finish(problem, comm)
     call self%convergence%begin(self%errors%fastest)
   end subroutine open_solve
+
+  !> Part of each contact: does it touch a shared body?
+  pure function parts_of(problem, is_shared) result(part)
+    type(problem_t), intent(in) :: problem
+    logical, intent(in) :: is_shared(:) !! by slot
+    integer(i4) :: part(problem%n_contacts)
+    integer :: k
+
+    do k = 1, problem%n_contacts
+      part(k) = part_own
+      if (is_shared(problem%pair(1, k)) .or. is_shared(problem%pair(2, k))) part(k) = part_shared
+    end do
+  end function parts_of
 
   !> Give shared bodies their whole masses again.
   pure subroutine restore_masses(self, whole, problem)
