@@ -2,6 +2,7 @@
 module packs
   use harness, only: tests_t
   use sg_comm, only: comm_t
+  use sg_convex_hull, only: hull_is_available
   use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
@@ -11,7 +12,7 @@ module packs
   use written_files, only: put_text
   implicit none
   private
-  public :: pack_names, pack_deck, start_pack, advance_pack
+  public :: pack_names, pack_deck, can_be_made, start_pack, advance_pack
 
   !> Kinds of packs
   character(len=14), parameter :: pack_names(7) = [character(len=14) :: 'disks', 'polygons', 'periodic disks', 'clusters', &
@@ -29,6 +30,14 @@ module packs
   character(len=*), parameter :: container = '[[container]]'//nl//'size = [0.3, 0.2, 0.3]'//nl
 
 contains
+
+  !> Can this build make a pack? Random polyhedra are hulls of points; a build without them says that it leaves them out.
+  logical function can_be_made(name)
+    character(len=*), intent(in) :: name !! one of `pack_names`
+
+    can_be_made = name /= 'polyhedra' .or. hull_is_available()
+    if (.not. can_be_made) write (*, '(a)') 'no convex hulls in this build: no '//name
+  end function can_be_made
 
   !> The deck of a pack.
   function pack_deck(name) result(deck)
