@@ -6,14 +6,13 @@ module rank_parts
   use sg_error, only: error_t
   use sg_homes, only: owner_of
   use sg_kinds, only: wp, i1, i4
-  use sg_laws, only: law_t
   use sg_local_numbers, only: contactors_of_bodies, local_body, local_contactor
   use sg_pack_bodies, only: build_scene, order_records, pack_body
   use sg_parcels, only: parcel_t
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
-  use sg_scene, only: material_t, scene_t, see_t
+  use sg_scene, only: scene_t, see_t
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_text, only: to_text
   implicit none
@@ -92,10 +91,13 @@ contains
     integer :: b
 
     allocate (scene%laws(1), scene%sees(1), scene%drives(0), scene%pressures(0), scene%materials(3), scene%colours(3))
-    scene%laws(1) = law_t(name='sand', static_friction=0.5_wp, dynamic_friction=0.5_wp)
+    scene%laws(1)%name = 'sand'
+    scene%laws(1)%static_friction = 0.5_wp
+    scene%laws(1)%dynamic_friction = 0.5_wp
     scene%sees(1) = see_t(law=1, alert=0.01_wp)
     do b = 1, 3
-      scene%materials(b) = material_t(to_text(b), 1.0_wp)
+      scene%materials(b)%name = to_text(b)
+      scene%materials(b)%density = 1
       scene%colours(b)%s = to_text(b)
     end do
     do b = 1, scene%bodies%n
