@@ -6,46 +6,22 @@ module sg_simulate
   use sg_energy, only: kinetic_energy
   use sg_error, only: diagnostics_t, error_t, exit_done, exit_not_converged, exit_stopped
   use sg_history, only: revive
-  use sg_hdf5, only: hdf5_is_available
   use sg_kinds, only: wp
-  use sg_measures, only: measure, measures_t
-  use sg_pictures, only: pictures_t
+  use sg_measures, only: measure
   use sg_plan, only: describe_plan
-  use sg_progress, only: progress_t
-  use sg_record, only: record_t
   use sg_report, only: report_t
-  use sg_restart, only: newest_restart
+  use sg_run_files, only: close_files, open_files, remove_former, writers_t
   use sg_run_options, only: criterion_names, run_options_t
-  use sg_run_summary, only: run_done, run_failed, run_not_converged, run_stopped, run_summary_t, write_run_summary
-  use sg_samples, only: samples_t
+  use sg_run_summary, only: run_done, run_failed, run_not_converged, run_stopped
   use sg_simulation, only: advance, decompose, simulation_t, start_simulation
-  use sg_spectrum_file, only: write_spectrum
-  use sg_system, only: checkpoint_requested, is_terminal, remove_file, stop_signal
-  use sg_numbers, only: write_numbers
+  use sg_system, only: checkpoint_requested, stop_signal
   use sg_text, only: to_text
-  use sg_text_files, only: replace_file
   use sg_timers, only: wall_now
   use sg_totals, only: phase_measure, phase_output, reduce_report, totals_t
   use sg_verdict, only: print_verdict
   implicit none
   private
   public :: simulate
-
-  !> All that writes during a run
-  type :: writers_t
-    type(record_t) :: record
-    type(pictures_t) :: pictures
-    type(progress_t) :: progress
-    type(run_summary_t) :: summary
-    type(measures_t) :: measures
-    type(samples_t) :: samples
-    !> Is this the rank that writes texts?
-    logical :: is_speaker = .true.
-    logical :: has_pictures = .false., has_checkpoints = .false., has_saved = .false.
-    !> Has this run done a step?
-    logical :: has_stepped = .false.
-    real(wp) :: wall_start = 0
-  end type writers_t
 
 contains
 
@@ -72,10 +48,10 @@ contains
       write (output_unit, '(a)') describe_plan(sim%plan, sim%scene, sim%comm%size), describe_run(sim%options, sim%comm%size)
       flush (output_unit)
     end if
-    call open_all(sim, writers, error)
+    call begin(sim, writers, error)
     if (.not. allocated(error)) call loop(sim, writers, code, error)
     call conclude(sim, writers, code, error)
-    call close_all(sim, writers, late)
+    call close_files(sim, writers, late)
     call sim%comm%agree(late, speaker)
     if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
     ! A run that failed before it moved has nothing but its error to tell.
@@ -279,33 +255,19 @@ contains
     call save(sim, writers, error)
   end subroutine save_broken
 
-  !> Take up a checkpoint where there is one, split the scene, and open all files.
-  subroutine open_all(sim, writers, error)
+  !> Take up a checkpoint where there is one, split the scene over the ranks, and open all files.
+  subroutine begin(sim, writers, error)
     type(simulation_t), intent(inout) :: sim
     type(writers_t), intent(inout) :: writers
     type(error_t), allocatable, intent(out) :: error
     logical :: resumes
-    integer :: speaker
 
     resumes = allocated(sim%options%restart_file)
-    writers%has_pictures = sim%options%output_every > 0
-    writers%has_checkpoints = hdf5_is_available()
-    if (writers%is_speaker) call remove_former(sim%options%folder, .not. (resumes .or. writers%has_pictures))
+    call remove_former(sim%options, writers, resumes)
     if (resumes) call resume(sim, writers, error)
     if (.not. allocated(error)) call decompose(sim, error)
-    if (allocated(error)) return
-    if (writers%is_speaker) call replace_file(sim%options%folder//'/effective.toml', sim%options%deck_text, error)
-    call sim%comm%agree(error, speaker)
-    if (allocated(error)) return
-    call writers%summary%add_file('deck', 'effective.toml')
-    if (sim%options%record_every > 0) call open_record(sim, writers, resumes, error)
-    call sim%comm%agree(error, speaker)
-    if (allocated(error)) return
-    if (writers%has_pictures) call open_pictures(sim, writers, resumes, error)
-    if (allocated(error)) return
-    call writers%progress%start(output_unit, sim%step, sim%options%steps, trim(criterion_names(sim%options%solver%criterion)), &
-                                is_terminal() .and. sim%comm%size == 1, sim%options%is_quiet .or. .not. writers%is_speaker)
-  end subroutine open_all
+    if (.not. allocated(error)) call open_files(sim, writers, resumes, error)
+  end subroutine begin
 
   !> Go on from a checkpoint.
   subroutine resume(sim, writers, error)
@@ -317,75 +279,6 @@ contains
     call load_checkpoint(sim, sim%options%restart_file, warnings, error, sim%comm)
     if (.not. allocated(error) .and. writers%is_speaker) call warnings%print(error_unit)
   end subroutine resume
-
-  !> Open the pictures, and draw the beginning of a run that begins.
-  subroutine open_pictures(sim, writers, resumes, error)
-    type(simulation_t), intent(inout) :: sim
-    type(writers_t), intent(inout) :: writers
-    logical, intent(in) :: resumes
-    type(error_t), allocatable, intent(out) :: error
-
-    if (sim%decomposition%is_on) then
-      call writers%pictures%open(sim%scene, sim%options, merge(sim%step, -1, resumes), error, sim%comm)
-    else
-      call writers%pictures%open(sim%scene, sim%options, merge(sim%step, -1, resumes), error)
-    end if
-    if (allocated(error)) return
-    call name_pictures(writers)
-    if (.not. resumes) call writers%pictures%write(sim%scene, sim%contacts, sim%time(), 0, error)
-  end subroutine open_pictures
-
-  !> Begin the record, or go on with it, and name it in the summary.
-  subroutine open_record(sim, writers, resumes, error)
-    type(simulation_t), intent(in) :: sim
-    type(writers_t), intent(inout) :: writers
-    logical, intent(in) :: resumes
-    type(error_t), allocatable, intent(out) :: error
-    character(len=:), allocatable :: file
-
-    file = sim%options%folder//'/record.csv'
-    call writers%summary%add_file('record', 'record.csv')
-    if (resumes) then
-      call writers%record%resume(file, sim%scene%dimension, sim%step, error)
-    else
-      call writers%record%start(file, sim%scene%dimension, error)
-    end if
-  end subroutine open_record
-
-  !> Remove what says how a former run in this folder ended, and its pictures where this one draws none.
-  subroutine remove_former(folder, with_pictures)
-    character(len=*), intent(in) :: folder
-    logical, intent(in) :: with_pictures
-    character(len=8), parameter :: names(3) = [character(len=8) :: 'bodies', 'shapes', 'contacts']
-    integer :: i
-
-    call remove_file(folder//'/run.json')
-    call remove_file(folder//'/numbers.tag')
-    if (.not. with_pictures) return
-    do i = 1, size(names)
-      call remove_file(folder//'/'//trim(names(i))//'.vtkhdf')
-      call remove_file(folder//'/'//trim(names(i))//'.xmf')
-    end do
-  end subroutine remove_former
-
-  !> Name the picture files in the summary.
-  subroutine name_pictures(writers)
-    type(writers_t), intent(inout) :: writers
-
-    call writers%summary%add_file('bodies', 'bodies.vtkhdf')
-    call writers%summary%add_file('shapes', 'shapes.vtkhdf')
-    call writers%summary%add_file('contacts', 'contacts.vtkhdf')
-  end subroutine name_pictures
-
-  !> Name the newest restart file in the summary.
-  subroutine name_restart(folder, writers)
-    character(len=*), intent(in) :: folder
-    type(writers_t), intent(inout) :: writers
-    character(len=:), allocatable :: file
-
-    file = newest_restart(folder)
-    call writers%summary%add_file('restart', file(len(folder) + 2:))
-  end subroutine name_restart
 
   !> Say how the run ended.
   subroutine conclude(sim, writers, code, error)
@@ -437,24 +330,4 @@ contains
     end associate
   end subroutine collect_costs
 
-  !> Close all files, write run.json and the tagged numbers; the first failure is told.
-  subroutine close_all(sim, writers, error)
-    type(simulation_t), intent(inout) :: sim
-    type(writers_t), intent(inout) :: writers
-    type(error_t), allocatable, intent(out) :: error
-    type(error_t), allocatable :: next
-
-    if (writers%has_pictures) call writers%pictures%close(error)
-    if (writers%has_saved) call name_restart(sim%options%folder, writers)
-    if (sim%options%has_spectrum) call writers%samples%reduce(sim%comm)
-    if (writers%samples%n > 0 .and. writers%is_speaker) then
-      call write_spectrum(writers%samples, sim%options%step, sim%options%folder//'/spectrum.csv', next)
-      if (.not. allocated(next)) call writers%summary%add_file('spectrum', 'spectrum.csv')
-      if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)
-    end if
-    call write_numbers(writers%summary, sim%options%folder//'/numbers.tag', next)
-    if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)
-    call write_run_summary(writers%summary, sim%options%folder//'/run.json', next)
-    if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)
-  end subroutine close_all
 end module sg_simulate
