@@ -20,82 +20,122 @@ contains
 
     select case (command)
     case ('run')
-      call lines([character(len=110) :: &
-                  'splitgrain run DECK [options]        simulate a deck', &
-                  '  --output DIR            folder of the results (default: NAME.results in the current folder)', &
-                  '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
-                  '  --restart FILE|DIR      go on from a restart file, or from the newest one of a folder', &
-                  '  --walltime SECONDS      stop with a checkpoint after this time (exit code 75)', &
-                  '  --dump STEPS            write the contact problems of steps (10 or 10,20,100-110) as FCLIB files', &
-                  '  --quiet                 print nothing but errors', &
-                  'Signals: INT and TERM finish the step, write a checkpoint and exit with 75; USR1 writes a checkpoint.', &
-                  'Exit codes: 0 done, 1 failed, 2 bad input, 3 not converged (if asked), 4 a value is not finite,', &
-                  '            5 a result cannot be written, 75 stopped early with a checkpoint.'])
+      call help_on_run()
     case ('check')
-      call lines([character(len=110) :: &
-                  'splitgrain check DECK [--set SECTION.KEY=VALUE]', &
-                  'Reads and checks a deck and says what its run would need, without running it.'])
+      call help_on_check()
     case ('reference')
-      call lines([character(len=110) :: 'splitgrain reference', 'Prints all keys of a deck: kind, unit, default, range, meaning.'])
+      call help_on_reference()
     case ('convert')
-      call lines([character(len=110) :: &
-                  'splitgrain convert DATBOX DECK.toml   write a deck that uses an LMGC90 DATBOX folder', &
-                  'splitgrain convert DECK.toml FOLDER   write the scene of a deck as DATBOX files', &
-                  '  --restart FILE|DIR      in the state of a restart file, or of the newest one of a folder of results'])
+      call help_on_convert()
     case ('bench')
-      call lines([character(len=110) :: &
-                  'splitgrain bench [options]            contact updates per CPU second on a generated packing', &
-                  '  --shape disk            shape of the grains', &
-                  '  --contacts N            contacts to generate (default 100000)', &
-                  '  --friction MU           Coulomb friction, 0 for the frictionless kernel (default 0.3)', &
-                  '  --order NAME            order of the sweep: natural, groups (default) or coloured', &
-                  '  --threads N             threads that share the sweeps, in coloured order (default 1)', &
-                  '  --check-every N         sweeps between two tests (default as in decks)', &
-                  '  --sweeps N              sweeps to do (default: about a second''s work)', &
-                  '  --json                  one flat JSON object'])
+      call help_on_bench()
     case ('partition')
-      call lines([character(len=110) :: &
-                  'splitgrain partition DECK --parts N [options]   split the grains of a deck as it starts, without a run', &
-                  '  --restart FILE|DIR      as they are in a restart file, or in the newest one of a folder of results', &
-                  '  --method boxes|graph    boxes of equal weight, or METIS on the graph of contacts (default: the deck''s)', &
-                  '  --boxes 2x2x1           boxes along x, y and z, 0 for any number (default: the deck''s)', &
-                  '  --picture FOLDER        write pictures in which the rank of a body is its part, from 0', &
-                  '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
-                  '  --json                  one flat JSON object', &
-                  '  --predict               cost of an iteration on 1, 2, 4, ... N ranks; under mpirun messages are timed', &
-                  '  --latency US            of messages in microseconds, when they are not timed (default 2)', &
-                  '  --bandwidth GB          of messages in GB/s, when they are not timed (default 10)', &
-                  '  --lattice CONTACTS      a lattice as `bench` makes it, in place of a deck; --shape disk|sphere|polyhedron', &
-                  './start look split FOLDER draws the pictures.'])
+      call help_on_partition()
     case ('solve')
-      call lines([character(len=110) :: &
-                  'splitgrain solve FILE... [options]    solve contact problems in FCLIB files (HDF5)', &
-                  '  --solver NAME           solver (default: auto); all for all; may be given several times', &
-                  '  --tolerance X           e1 to reach (default 1e-8)', &
-                  '  --iterations N          most iterations (default 100000)', &
-                  '  --seconds S             most CPU seconds for each problem (default 60)', &
-                  '  --guess                 start from the first usable guess of the file', &
-                  '  --trace FILE.csv        write errors against iterations and CPU seconds', &
-                  '  --write [--force]       add the answer to the file as /solution; --force replaces one that it has', &
-                  '  --json                  one flat JSON object a line', &
-                  'Errors are measured from the answers. Exit codes: 0 all solved, 2 bad input (the other files are solved),', &
-                  '            3 a problem not solved to the tolerance, 5 an answer or the trace cannot be written.'])
+      call help_on_solve()
     case default
-      call lines([character(len=110) :: &
-                  'splitgrain: nonsmooth contact dynamics of rigid grains', &
-                  '', &
-                  'splitgrain run DECK          simulate', &
-                  'splitgrain check DECK        everything but the run: counts, memory, parts needed, every error', &
-                  'splitgrain reference         print the deck reference', &
-                  'splitgrain convert FROM TO   LMGC90 DATBOX folder to a deck, or a deck to DATBOX files', &
-                  'splitgrain bench             measure the sweeps', &
-                  'splitgrain partition DECK    split the grains into parts: sizes, imbalance, what is cut', &
-                  'splitgrain solve FILE...     solve contact problems in FCLIB files, from this program or others', &
-                  'splitgrain --version         version, commit, compiler, flags, libraries', &
-                  '', &
-                  'splitgrain COMMAND --help tells more.'])
+      call help_on_commands()
     end select
   end subroutine print_help
+
+  !> Help of `run`.
+  subroutine help_on_run()
+    call lines([character(len=110) :: &
+                'splitgrain run DECK [options]        simulate a deck', &
+                '  --output DIR            folder of the results (default: NAME.results in the current folder)', &
+                '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
+                '  --restart FILE|DIR      go on from a restart file, or from the newest one of a folder', &
+                '  --walltime SECONDS      stop with a checkpoint after this time (exit code 75)', &
+                '  --dump STEPS            write the contact problems of steps (10 or 10,20,100-110) as FCLIB files', &
+                '  --quiet                 print nothing but errors', &
+                'Signals: INT and TERM finish the step, write a checkpoint and exit with 75; USR1 writes a checkpoint.', &
+                'Exit codes: 0 done, 1 failed, 2 bad input, 3 not converged (if asked), 4 a value is not finite,', &
+                '            5 a result cannot be written, 75 stopped early with a checkpoint.'])
+  end subroutine help_on_run
+
+  !> Help of `check`.
+  subroutine help_on_check()
+    call lines([character(len=110) :: &
+                'splitgrain check DECK [--set SECTION.KEY=VALUE]', &
+                'Reads and checks a deck and says what its run would need, without running it.'])
+  end subroutine help_on_check
+
+  !> Help of `reference`.
+  subroutine help_on_reference()
+    call lines([character(len=110) :: 'splitgrain reference', 'Prints all keys of a deck: kind, unit, default, range, meaning.'])
+  end subroutine help_on_reference
+
+  !> Help of `convert`.
+  subroutine help_on_convert()
+    call lines([character(len=110) :: &
+                'splitgrain convert DATBOX DECK.toml   write a deck that uses an LMGC90 DATBOX folder', &
+                'splitgrain convert DECK.toml FOLDER   write the scene of a deck as DATBOX files', &
+                '  --restart FILE|DIR      in the state of a restart file, or of the newest one of a folder of results'])
+  end subroutine help_on_convert
+
+  !> Help of `bench`.
+  subroutine help_on_bench()
+    call lines([character(len=110) :: &
+                'splitgrain bench [options]            contact updates per CPU second on a generated packing', &
+                '  --shape disk            shape of the grains', &
+                '  --contacts N            contacts to generate (default 100000)', &
+                '  --friction MU           Coulomb friction, 0 for the frictionless kernel (default 0.3)', &
+                '  --order NAME            order of the sweep: natural, groups (default) or coloured', &
+                '  --threads N             threads that share the sweeps, in coloured order (default 1)', &
+                '  --check-every N         sweeps between two tests (default as in decks)', &
+                '  --sweeps N              sweeps to do (default: about a second''s work)', &
+                '  --json                  one flat JSON object'])
+  end subroutine help_on_bench
+
+  !> Help of `partition`.
+  subroutine help_on_partition()
+    call lines([character(len=110) :: &
+                'splitgrain partition DECK --parts N [options]   split the grains of a deck as it starts, without a run', &
+                '  --restart FILE|DIR      as they are in a restart file, or in the newest one of a folder of results', &
+                '  --method boxes|graph    boxes of equal weight, or METIS on the graph of contacts (default: the deck''s)', &
+                '  --boxes 2x2x1           boxes along x, y and z, 0 for any number (default: the deck''s)', &
+                '  --picture FOLDER        write pictures in which the rank of a body is its part, from 0', &
+                '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
+                '  --json                  one flat JSON object', &
+                '  --predict               cost of an iteration on 1, 2, 4, ... N ranks; under mpirun messages are timed', &
+                '  --latency US            of messages in microseconds, when they are not timed (default 2)', &
+                '  --bandwidth GB          of messages in GB/s, when they are not timed (default 10)', &
+                '  --lattice CONTACTS      a lattice as `bench` makes it, in place of a deck; --shape disk|sphere|polyhedron', &
+                './start look split FOLDER draws the pictures.'])
+  end subroutine help_on_partition
+
+  !> Help of `solve`.
+  subroutine help_on_solve()
+    call lines([character(len=110) :: &
+                'splitgrain solve FILE... [options]    solve contact problems in FCLIB files (HDF5)', &
+                '  --solver NAME           solver (default: auto); all for all; may be given several times', &
+                '  --tolerance X           e1 to reach (default 1e-8)', &
+                '  --iterations N          most iterations (default 100000)', &
+                '  --seconds S             most CPU seconds for each problem (default 60)', &
+                '  --guess                 start from the first usable guess of the file', &
+                '  --trace FILE.csv        write errors against iterations and CPU seconds', &
+                '  --write [--force]       add the answer to the file as /solution; --force replaces one that it has', &
+                '  --json                  one flat JSON object a line', &
+                'Errors are measured from the answers. Exit codes: 0 all solved, 2 bad input (the other files are solved),', &
+                '            3 a problem not solved to the tolerance, 5 an answer or the trace cannot be written.'])
+  end subroutine help_on_solve
+
+  !> All subcommands.
+  subroutine help_on_commands()
+    call lines([character(len=110) :: &
+                'splitgrain: nonsmooth contact dynamics of rigid grains', &
+                '', &
+                'splitgrain run DECK          simulate', &
+                'splitgrain check DECK        everything but the run: counts, memory, parts needed, every error', &
+                'splitgrain reference         print the deck reference', &
+                'splitgrain convert FROM TO   LMGC90 DATBOX folder to a deck, or a deck to DATBOX files', &
+                'splitgrain bench             measure the sweeps', &
+                'splitgrain partition DECK    split the grains into parts: sizes, imbalance, what is cut', &
+                'splitgrain solve FILE...     solve contact problems in FCLIB files, from this program or others', &
+                'splitgrain --version         version, commit, compiler, flags, libraries', &
+                '', &
+                'splitgrain COMMAND --help tells more.'])
+  end subroutine help_on_commands
 
   !> Print lines of text.
   subroutine lines(text)

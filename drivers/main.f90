@@ -8,6 +8,7 @@ program splitgrain
   use sg_convert, only: convert_command
   use sg_error, only: error_t, exit_bad_input, exit_done, fail
   use sg_help, only: print_help, print_version
+  use sg_kinds, only: wp
   use sg_partition, only: partition_command
   use sg_reference_text, only: reference_text
   use sg_run, only: run_command
@@ -19,18 +20,15 @@ program splitgrain
   type(error_t), allocatable :: error
   type(comm_t) :: comm
   integer :: code, speaker
-  logical :: is_shared
 
   code = exit_done
   call read_arguments(arguments, error)
-  ! Splits are made by one rank; ranks that a prediction is started on time its pieces.
-  is_shared = arguments%command == 'run' .or. (arguments%command == 'partition' .and. arguments%has('predict'))
-  if (is_shared) call comm%start()
+  call comm%start()
   call comm%agree(error, speaker)
+  if (.not. allocated(error)) call share_command(error)
   if (.not. allocated(error)) call choose()
   if (allocated(error)) then
-    ! Ranks that share a run agree on its errors: one of them tells.
-    if (.not. is_shared) call comm%start()
+    ! Ranks agree on errors: one of them tells.
     if (comm%rank == 0) write (error_unit, '(a)') error%report()
     code = error%code
   end if
@@ -39,9 +37,58 @@ program splitgrain
 
 contains
 
-  !> Call the subcommand.
+  !> Do ranks work together? Splits are made by one rank; ranks that a prediction is started on time its pieces.
+  logical function is_shared()
+    is_shared = (arguments%command == 'run' .or. (arguments%command == 'partition' .and. arguments%has('predict'))) &
+                .and. .not. (asks_for_help() .or. arguments%has('version'))
+  end function is_shared
+
+  !> Is help all that is wanted?
+  logical function asks_for_help()
+    asks_for_help = arguments%has('help') .or. arguments%has('h') .or. arguments%command == 'help'
+  end function asks_for_help
+
+  !> All ranks must be here for the same: some of them would wait for ever for those that are not. Collective.
+  subroutine share_command(error)
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when they are not
+    logical :: is_here, is_elsewhere
+
+    is_here = comm%any(is_shared())
+    is_elsewhere = comm%any(.not. is_shared())
+    if (is_here .and. is_elsewhere) then
+      call fail(error, 'the ranks do not share one run: each of them was given another command')
+    end if
+  end subroutine share_command
+
+  !> Call the subcommand: all ranks where they work together, else the first one, and the others wait for its exit code.
   subroutine choose()
-    if (arguments%has('help') .or. arguments%has('h') .or. arguments%command == 'help') then
+    real(wp) :: codes(1)
+
+    if (is_shared()) then
+      call choose_shared()
+      return
+    end if
+    if (comm%rank == 0) call choose_alone()
+    call comm%agree(error, speaker)
+    codes = real(code, wp)
+    call comm%maximum(codes)
+    code = nint(codes(1))
+  end subroutine choose
+
+  !> Call a subcommand of all ranks.
+  subroutine choose_shared()
+    if (arguments%command == 'run') then
+      call run_command(arguments, comm, code, error)
+    else
+      call partition_command(arguments, comm, code, error)
+    end if
+  end subroutine choose_shared
+
+  !> Call a subcommand of one rank.
+  subroutine choose_alone()
+    type(comm_t) :: alone
+
+    if (asks_for_help()) then
       call print_help(arguments%command)
       return
     end if
@@ -50,8 +97,6 @@ contains
       return
     end if
     select case (arguments%command)
-    case ('run')
-      call run_command(arguments, comm, code, error)
     case ('check')
       call arguments%expect('set', 1, 1, 'check DECK [--set section.key=value]', error)
       if (.not. allocated(error)) call check_command(arguments%words(1)%s, arguments%all_of('set'), code)
@@ -66,7 +111,7 @@ contains
     case ('bench')
       call bench_command(arguments, error)
     case ('partition')
-      call partition_command(arguments, comm, code, error)
+      call partition_command(arguments, alone, code, error)
     case ('solve')
       call solve_command(arguments, code, error)
     case ('')
@@ -75,7 +120,7 @@ contains
     case default
       call unknown_command()
     end select
-  end subroutine choose
+  end subroutine choose_alone
 
   !> Say that there is no such subcommand.
   subroutine unknown_command()

@@ -9,6 +9,7 @@ import json
 import math
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -482,6 +483,38 @@ class Stops(Ranks):
         self.assertEqual((run["status"], run["reason"]), ("stopped", f"stopped by the walltime after step {run['steps']}"))
         if self.has_hdf5():
             self.run_ranks(2, deck, "--restart", "out", "--set", f"time.steps={run['steps'] + 1}")
+
+
+class Once(Ranks):
+    def test_what_needs_no_ranks_is_done_by_one(self):
+        good = self.deck(FALL)
+        self.deck(FALL.replace("friction =", "frction ="), "bad.toml")
+        for code, *words in (
+            (0, "--help"),
+            (0, "run", "--help"),
+            (0, "--version"),
+            (0, "reference"),
+            (0, "check", good),
+            (2, "check", "bad.toml"),
+            (0, "convert", good, "datbox"),
+            (2, "convert", "nowhere.toml", "other"),
+            (0, "partition", good, "--parts", "3"),
+            (2, "solve", "nowhere.hdf5"),
+            (2,),
+        ):
+            with self.subTest(words=words):
+                alone = self.run_program(*words, code=code)
+                shutil.rmtree(self.place / "datbox", ignore_errors=True)
+                done = self.launch((3, *words), code=code)
+                self.assertEqual(done.stdout, alone.stdout)
+                # The launcher has something to say of exit codes, too.
+                self.assertEqual([done.stderr.count(line) for line in alone.stderr.splitlines()],
+                                 [alone.stderr.count(line) for line in alone.stderr.splitlines()])  # fmt: skip
+
+    def test_ranks_with_different_commands(self):
+        good = self.deck(FALL)
+        done = self.launch((1, "run", good, "--quiet"), (1, "check", good), code=2)
+        self.assertEqual(done.stderr.count("each of them was given another command"), 1, done.stderr)
 
 
 class Log(Ranks):
