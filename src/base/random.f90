@@ -3,7 +3,7 @@
 !! Combined multiple recursive generator MRG32k3a of P. L'Ecuyer, "Good parameters and implementations for
 !! combined multiple recursive random number generators", Operations Research 47 (1999): exact in doubles.
 module sg_random
-  use sg_kinds, only: wp, i8
+  use sg_kinds, only: wp, i4, i8
   implicit none
   private
   public :: random_t
@@ -17,6 +17,7 @@ module sg_random
     procedure :: seed => random_seed_stream
     procedure :: uniform => random_uniform
     procedure :: normal => random_normal
+    procedure :: shuffle => random_shuffle
   end type random_t
 
 contains
@@ -48,6 +49,17 @@ contains
     s = [s(2), s(3), p1, s(5), s(6), p2]
   end subroutine advance
 
+  !> The next number, evenly spread over 0 to 1, ends excluded.
+  pure subroutine draw(s, x)
+    real(wp), intent(inout) :: s(6)
+    real(wp), intent(out) :: x
+
+    call advance(s)
+    x = s(3) - s(6)
+    if (x <= 0) x = x + m1
+    x = x/(m1 + 1)
+  end subroutine draw
+
   !> A number evenly spread over 0 to 1, ends excluded, or over the range given.
   function random_uniform(self, low, high) result(x)
     class(random_t), intent(inout) :: self
@@ -55,10 +67,7 @@ contains
     real(wp), intent(in), optional :: high !! upper end, 1 when absent
     real(wp) :: x
 
-    call advance(self%s)
-    x = self%s(3) - self%s(6)
-    if (x <= 0) x = x + m1
-    x = x/(m1 + 1)
+    call draw(self%s, x)
     if (present(low) .and. present(high)) x = low + (high - low)*x
   end function random_uniform
 
@@ -71,4 +80,18 @@ contains
     radius = sqrt(-2*log(self%uniform()))
     x = radius*cos(2*pi*self%uniform())
   end function random_normal
+
+  !> Bring a list into random order, each order as likely as the others (Fisher and Yates).
+  pure subroutine random_shuffle(self, list)
+    class(random_t), intent(inout) :: self
+    integer(i4), intent(inout) :: list(:) !! the same entries in another order
+    integer :: i, j
+    real(wp) :: x
+
+    do i = size(list), 2, -1
+      call draw(self%s, x)
+      j = min(i, 1 + int(real(i, wp)*x))
+      list([i, j]) = list([j, i])
+    end do
+  end subroutine random_shuffle
 end module sg_random

@@ -57,9 +57,10 @@ contains
                      default=short_real(default%relaxation), above=0.0_wp, most=2.0_wp)
       call table%add('warm_start', value_logical, 'Start from the impulses of the last step.', &
                      default=true_or_false(default%warm_start))
-      call table%add('order', value_choice, 'Order of the sweep: natural (spatial), coloured groups that overlap, or '// &
-                     'coloured blocks of such groups, which threads can share.', default=quoted(default%order), &
-                     choices='natural|groups|coloured')
+      call table%add('order', value_choice, 'Order of the sweep: natural (spatial), coloured groups that overlap, '// &
+                     'coloured blocks of such groups, which threads can share, or shuffled (random, slower, for studies of '// &
+                     'what order does).', default=quoted(default%order), choices='natural|groups|coloured|shuffled')
+      call table%add('order_seed', value_integer, 'Seed of the shuffled order.', default=to_text(default%order_seed))
       call table%add('threads', value_integer, 'Threads that share the sweeps of each rank, in coloured order; any number '// &
                      'of them gives the same answer.', default=to_text(default%threads), least=1.0_wp)
       call table%add('stop_unconverged', value_logical, 'End the run when a step does not converge.', &

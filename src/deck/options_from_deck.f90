@@ -34,6 +34,7 @@ contains
     options%solver%relaxation = deck%number(b, 'relaxation')
     options%solver%warm_start = deck%flag(b, 'warm_start')
     options%solver%order = deck%word(b, 'order')
+    options%solver%order_seed = deck%integer(b, 'order_seed')
     options%solver%threads = deck%integer(b, 'threads')
     if (options%solver%threads > 1) call check_threads(deck, options%solver, b, diagnostics)
     options%solver%stop_unconverged = deck%flag(b, 'stop_unconverged')

@@ -59,9 +59,10 @@ module sg_run_options
     real(wp) :: relaxation = 1
     !> Start from the impulses of the last step
     logical :: warm_start = .true.
-    !> Order of the sweep: 'natural' (spatial), 'groups' (coloured groups that overlap in the processor) or 'coloured' (blocks of
-    !! such groups, which threads share)
+    !> Order of the sweep: 'natural' (spatial), 'groups' (coloured groups that overlap in the processor), 'coloured' (blocks of
+    !! such groups, which threads share) or 'shuffled' (random, of a seed)
     character(len=16) :: order = 'groups'
+    integer :: order_seed = 1
     !> Threads that share the sweeps of a rank, in coloured order
     integer :: threads = 1
     !> End the run when a step does not converge

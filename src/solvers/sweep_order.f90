@@ -4,11 +4,13 @@
 !! *groups* order, blocks of consecutive contacts, small enough to stay in cache, are dealt to small groups in which
 !! no movable body appears twice: the processor then works on several contacts at once, and the order of the blocks
 !! stays spatial (doc/theory/nlgs.md). In *coloured* order that is done within each of the larger blocks that threads sweep
-!! side by side. Contacts that are open and stay so need not be visited at all: the order holds
+!! side by side. *Shuffled* order is random, for studies of what order does: a seed and the number of contacts give it, so that
+!! a run goes on from a restart as it would have. Contacts that are open and stay so need not be visited at all: the order holds
 !! the ones chosen.
 module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: ball_frictional, first_inverse, is_compact, problem_t, solid_frictional
+  use sg_random, only: random_t
   use sg_run_options, only: solver_options_t
   use sg_sweep_blocks, only: colour_blocks, sweep_blocks_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, row_impulse, solid_lanes_t
@@ -59,6 +61,7 @@ contains
     type(problem_t), intent(in) :: problem !! problem to sweep
     logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit
     type(solver_options_t), intent(in) :: options !! order and threads
+    type(random_t) :: random
     integer :: i, k
 
     call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
@@ -72,11 +75,16 @@ contains
       order%n = order%n + 1
       order%chosen(order%n) = int(k, i4)
     end do
-    if (options%order == 'natural') then
+    select case (options%order)
+    case ('natural')
       order%contact(:order%n) = order%chosen(:order%n)
-    else
+    case ('shuffled')
+      order%contact(:order%n) = order%chosen(:order%n)
+      call random%seed(options%order_seed)
+      call random%shuffle(order%contact(:order%n))
+    case default
       call deal_all(order, problem, options%order == 'coloured')
-    end if
+    end select
     do i = 1, order%n
       k = order%contact(i)
       order%pair(:, i) = problem%pair(:, k)

@@ -2,7 +2,7 @@
 program test_base
   use harness, only: tests_t
   use sg_error, only: diagnostics_t, error_t, fail
-  use sg_kinds, only: wp
+  use sg_kinds, only: i4, wp
   use sg_lists, only: reserve
   use sg_random, only: random_t
   use sg_text, only: lower, nearest_word, read_lines, text_t, to_text
@@ -13,6 +13,7 @@ program test_base
   call test_text()
   call test_errors()
   call test_random()
+  call test_shuffle()
   call test_lists()
   call t%finish()
 
@@ -75,6 +76,29 @@ contains
     call b%seed(8)
     call t%check(abs(a%uniform() - b%uniform()) > 0, 'another seed gives other numbers')
   end subroutine test_random
+
+  !> All 24 orders of four entries come up, equally often.
+  subroutine test_shuffle()
+    integer, parameter :: n = 24000
+    type(random_t) :: random
+    integer(i4) :: list(4)
+    integer :: i, times(0:255)
+
+    call random%seed(3)
+    times = 0
+    do i = 1, n
+      list = [0_i4, 1_i4, 2_i4, 3_i4]
+      call random%shuffle(list)
+      associate (code => list(1) + 4*list(2) + 16*list(3) + 64*list(4))
+        times(code) = times(code) + 1
+      end associate
+      if (sum(2**list) /= 15) exit
+    end do
+    call t%check(i == n + 1, 'shuffle: each entry once')
+    call t%equal(count(times > 0), 24, 'shuffle: all orders')
+    ! Each comes n/24 = 1000 times with a standard deviation of 31; five of them allowed.
+    call t%check(all(times == 0 .or. abs(times - 1000) <= 155), 'shuffle: equally often')
+  end subroutine test_shuffle
 
   subroutine test_lists()
     real(wp), allocatable :: records(:, :)

@@ -308,9 +308,32 @@ contains
       call t%check(report%is_converged, name//': groups order converges')
       ! Velocities are of order 0.1 m/s; the heap's W has a condition of some 10^4.
       call t%near(maxval(abs(natural%body(1:2, :) - groups%body(1:2, :))), 0.0_wp, 1e-7_wp, name//': one solution')
+      call compare_shuffled(solver, start, natural, name)
       sim = simulation_t()
     end do
   end subroutine test_orders
+
+  !> Shuffled orders: one seed gives one answer to the bit, another seed another way to the same solution.
+  subroutine compare_shuffled(solver, start, natural, name)
+    type(nlgs_t), intent(inout) :: solver
+    type(problem_t), intent(in) :: start, natural !! before, and solved in natural order
+    character(len=*), intent(in) :: name
+    integer, parameter :: seeds(3) = [1, 2, 1]
+    type(problem_t) :: shuffled(3)
+    type(report_t) :: report
+    integer :: i
+
+    solver%options%order = 'shuffled'
+    do i = 1, 3
+      solver%options%order_seed = seeds(i)
+      shuffled(i) = start
+      call solver%solve(shuffled(i), report)
+      call t%check(report%is_converged, name//': shuffled order converges')
+      call t%near(maxval(abs(natural%body(1:2, :) - shuffled(i)%body(1:2, :))), 0.0_wp, 1e-7_wp, name//': shuffled, one solution')
+    end do
+    call t%check(any(abs(shuffled(1)%body - shuffled(2)%body) > 0), name//': another seed, another order')
+    call t%check(all(abs(shuffled(1)%body - shuffled(3)%body) <= 0), name//': the same seed, the same bits')
+  end subroutine compare_shuffled
 
   !> Under- and over-relaxed sweeps reach the same solution of a column.
   subroutine test_relaxation()
