@@ -13,7 +13,10 @@ module sg_edges
   use sg_subdomain, only: subdomain_t
   implicit none
   private
-  public :: edges_t, colour_edges
+  public :: all_edges, edges_t, colour_edges
+
+  !> Number of the messages on all edges at once
+  integer, parameter :: all_edges = 0
 
   !> The edges of one rank
   type :: edges_t
@@ -24,19 +27,17 @@ module sg_edges
     !! that this rank borrows
     integer, allocatable :: lent_first(:), lent(:), borrowed_first(:), borrowed(:)
     !> Messages that lend and give back on all edges at once, and on the edges of each colour
-    type(exchange_t), allocatable :: lend(:), give_back(:)
+    type(exchange_t), allocatable, private :: lend(:), give_back(:)
     integer, private :: width = 0
   contains
     procedure :: prepare => edges_prepare
-    procedure :: lend_all => edges_lend_all
-    procedure :: lend_colour => edges_lend_colour
-    procedure :: return_colour => edges_return_colour
+    procedure :: carry => edges_carry
     procedure :: return_changes => edges_return_changes
   end type edges_t
 
 contains
 
-  !> Find the edges of a problem and prepare their messages: number 0 for all edges, number c for those of colour c.
+  !> Find the edges of a problem and prepare their messages: number `all_edges`, and number c for those of colour c.
   subroutine edges_prepare(self, problem, subdomain, slot_of, sharing, comm)
     class(edges_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! this rank's part
@@ -172,42 +173,31 @@ contains
     deallocate (self%lend, self%give_back)
   end subroutine release_all
 
-  !> Bring all borrowed copies up to date.
-  subroutine edges_lend_all(self, problem, comm)
+  !> Lend velocities to those who borrow them, or give back what was borrowed: on all edges or those of one colour.
+  subroutine edges_carry(self, c, is_return, problem, comm)
     class(edges_t), intent(inout) :: self
-    type(problem_t), intent(inout) :: problem !! velocities of borrowed bodies are set
+    integer, intent(in) :: c !! colour; `all_edges` for all
+    logical, intent(in) :: is_return !! give back, not lend
+    type(problem_t), intent(inout) :: problem !! velocities of borrowed bodies are set, of lent ones when these come back
     type(comm_t), intent(inout) :: comm !! the ranks
+    integer :: first, last
 
-    call carry(self%lend(0), self%lent, self%borrowed, problem, comm)
-  end subroutine edges_lend_all
-
-  !> Lend on the edges of one colour.
-  subroutine edges_lend_colour(self, c, problem, comm)
-    class(edges_t), intent(inout) :: self
-    integer, intent(in) :: c !! colour
-    type(problem_t), intent(inout) :: problem !! velocities of borrowed bodies are set
-    type(comm_t), intent(inout) :: comm !! the ranks
-    integer :: i
-
-    i = findloc(self%colour, c, 1)
-    if (i == 0) return
-    call carry(self%lend(c), self%lent(self%lent_first(i):self%lent_first(i + 1) - 1), &
-               self%borrowed(self%borrowed_first(i):self%borrowed_first(i + 1) - 1), problem, comm)
-  end subroutine edges_lend_colour
-
-  !> Give back on the edges of one colour what was borrowed.
-  subroutine edges_return_colour(self, c, problem, comm)
-    class(edges_t), intent(inout) :: self
-    integer, intent(in) :: c !! colour
-    type(problem_t), intent(inout) :: problem !! velocities of lent bodies are set
-    type(comm_t), intent(inout) :: comm !! the ranks
-    integer :: i
-
-    i = findloc(self%colour, c, 1)
-    if (i == 0) return
-    call carry(self%give_back(c), self%borrowed(self%borrowed_first(i):self%borrowed_first(i + 1) - 1), &
-               self%lent(self%lent_first(i):self%lent_first(i + 1) - 1), problem, comm)
-  end subroutine edges_return_colour
+    first = 1
+    last = size(self%colour)
+    if (c /= all_edges) then
+      first = findloc(self%colour, c, 1)
+      last = first
+      if (first == 0) return
+    end if
+    associate (lent => self%lent(self%lent_first(first):self%lent_first(last + 1) - 1), &
+               borrowed => self%borrowed(self%borrowed_first(first):self%borrowed_first(last + 1) - 1))
+      if (is_return) then
+        call carry(self%give_back(c), borrowed, lent, problem, comm)
+      else
+        call carry(self%lend(c), lent, borrowed, problem, comm)
+      end if
+    end associate
+  end subroutine edges_carry
 
   !> Send velocities of some slots and set those of others.
   subroutine carry(messages, from, to, problem, comm)

@@ -1,11 +1,19 @@
-!> What every solver of decomposed contact problems looks like: each rank brings its part of one problem.
+!> What all solvers of decomposed contact problems share: each rank brings its part of one problem, rounds of sweeps and
+!! gluings go on until the errors of the whole problem are small enough (doc/theory/decomposition.md).
+!!
+!! A method says how a solve is opened, what a round is, what a test needs before it, and how copies get the result.
 module sg_glued_solver
   use sg_comm, only: comm_t
-  use sg_kinds, only: i4
-  use sg_problem, only: problem_t
+  use sg_convergence, only: convergence_t
+  use sg_delassus, only: share_mass
+  use sg_kinds, only: wp, i4
+  use sg_parts, only: parts_t
+  use sg_problem, only: bytes_per_contact, first_inverse, problem_t
   use sg_report, only: report_t
-  use sg_run_options, only: partition_options_t, solver_options_t
+  use sg_run_options, only: criterion_e1, criterion_e2, partition_options_t, solver_options_t
   use sg_subdomain, only: subdomain_t
+  use sg_timers, only: cpu_now
+  use sg_whole_errors, only: whole_errors_t
   implicit none
   private
   public :: glued_solver_t
@@ -15,22 +23,147 @@ module sg_glued_solver
     !> Options of the deck
     type(solver_options_t) :: options
     type(partition_options_t) :: partition
+    !> This rank's contacts, part by part
+    type(parts_t) :: parts
+    !> Components of a velocity
+    integer :: width = 0
+    !> Errors of the whole problem
+    type(whole_errors_t) :: errors
+    type(convergence_t), private :: convergence
+    !> Slots of bodies whose masses are divided among copies, and their inverse masses when whole
+    integer, allocatable, private :: divided(:)
+    real(wp), allocatable, private :: whole(:, :)
   contains
-    procedure(solve), deferred :: solve
+    procedure :: solve => glued_solve
+    procedure :: divide_masses => glued_divide_masses
+    procedure(open_solve), deferred :: open
+    procedure(one_round), deferred :: one_round
+    procedure(begin_test), deferred :: begin_test
+    procedure(tell_result), deferred :: tell_result
   end type glued_solver_t
 
   abstract interface
-    !> Solve a problem of which each rank holds some contacts and the bodies that they touch. Impulses hold the guess,
-    !! bodies their free velocities (the same in all copies); both are replaced by the solution, on all copies of a body.
-    !! The errors reported are those of the whole, undecomposed problem; sweeps and updates are those of this rank.
-    subroutine solve(self, problem, subdomain, slot_of, comm, report)
-      import :: glued_solver_t, problem_t, subdomain_t, comm_t, report_t, i4
+    !> Find who shares what, let the guess act, and take the parts of the contacts.
+    subroutine open_solve(self, problem, subdomain, slot_of, comm)
+      import :: glued_solver_t, problem_t, subdomain_t, comm_t, i4
       class(glued_solver_t), intent(inout) :: self
-      type(problem_t), intent(inout) :: problem !! this rank's contacts, its bodies and the copies that they touch
-      type(subdomain_t), intent(in) :: subdomain !! who shares which body
+      type(problem_t), intent(inout) :: problem !! this rank's part: the guess and free velocities; then its velocities
+      type(subdomain_t), intent(in) :: subdomain !! who holds which body
       integer(i4), intent(in) :: slot_of(:) !! slot of each local body
       type(comm_t), intent(inout) :: comm !! the ranks
-      type(report_t), intent(out) :: report !! effort and errors
-    end subroutine solve
+    end subroutine open_solve
+    !> Sweep what this rank owns, and glue.
+    subroutine one_round(self, problem, comm, report)
+      import :: glued_solver_t, problem_t, comm_t, report_t
+      class(glued_solver_t), intent(inout) :: self
+      type(problem_t), intent(inout) :: problem !! this rank's part
+      type(comm_t), intent(inout) :: comm !! the ranks
+      type(report_t), intent(inout) :: report !! contact updates are counted
+    end subroutine one_round
+    !> Put impulses and velocities in the problem, where those of a round may lie about in orders and copies, and begin to sum
+    !! their errors.
+    subroutine begin_test(self, problem, with_e1, comm)
+      import :: glued_solver_t, problem_t, comm_t
+      class(glued_solver_t), intent(inout) :: self
+      type(problem_t), intent(inout) :: problem !! this rank's part
+      logical, intent(in) :: with_e1 !! measure e1 and e2 too
+      type(comm_t), intent(inout) :: comm !! the ranks
+    end subroutine begin_test
+    !> Give the velocities found to all copies.
+    subroutine tell_result(self, problem, subdomain, slot_of, comm)
+      import :: glued_solver_t, problem_t, subdomain_t, comm_t, i4
+      class(glued_solver_t), intent(inout) :: self
+      type(problem_t), intent(inout) :: problem !! this rank's part
+      type(subdomain_t), intent(in) :: subdomain !! who holds which body
+      integer(i4), intent(in) :: slot_of(:) !! slot of each local body
+      type(comm_t), intent(inout) :: comm !! the ranks
+    end subroutine tell_result
   end interface
+
+contains
+
+  !> Solve a problem of which each rank holds some contacts and the bodies that they touch. Impulses hold the guess, bodies
+  !! their free velocities (the same in all copies); both are replaced by the solution, on all copies of a body. The errors
+  !! reported are those of the whole, undecomposed problem; sweeps and updates are those of this rank. Collective.
+  subroutine glued_solve(self, problem, subdomain, slot_of, comm, report)
+    class(glued_solver_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's contacts, its bodies and the copies that they touch
+    type(subdomain_t), intent(in) :: subdomain !! who shares which body
+    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(report_t), intent(out) :: report !! effort and errors
+    real(wp) :: start
+
+    report%bytes_per_contact = bytes_per_contact(problem)
+    call self%errors%prepare(problem, comm)
+    if (self%errors%contacts == 0) return
+    start = cpu_now()
+    self%width = first_inverse(problem%kind) - 1
+    if (.not. self%options%warm_start) problem%impulse = 0
+    report%is_converged = .false.
+    call self%open(problem, subdomain, slot_of, comm)
+    call self%convergence%begin(self%errors%fastest)
+    call rounds(self, problem, comm, report)
+    problem%body(self%width + 1:, self%divided) = self%whole
+    call self%begin_test(problem, .true., comm)
+    call self%errors%finish(report, comm)
+    call self%tell_result(problem, subdomain, slot_of, comm)
+    report%cpu_seconds = cpu_now() - start
+  end subroutine glued_solve
+
+  !> Rounds until the criterion holds. The sum of a test travels while the next round is swept.
+  subroutine rounds(self, problem, comm, report)
+    class(glued_solver_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(comm_t), intent(inout) :: comm
+    type(report_t), intent(inout) :: report
+    logical :: is_tested, is_choosing
+    integer :: since_test
+
+    is_tested = .false.
+    since_test = 0
+    do while (report%sweeps < self%options%maximum_sweeps)
+      call self%one_round(problem, comm, report)
+      report%sweeps = report%sweeps + self%partition%most_sweeps()
+      report%gluings = report%gluings + 1
+      since_test = since_test + self%partition%most_sweeps()
+      is_choosing = .false.
+      if (is_tested) then
+        call finish_test(self, comm, report)
+        if (report%is_converged) return
+        is_choosing = self%convergence%is_choice_due
+      end if
+      is_tested = is_choosing .or. since_test >= self%options%check_every
+      if (.not. is_tested) cycle
+      since_test = 0
+      call self%begin_test(problem, any(self%options%criterion == [criterion_e1, criterion_e2]), comm)
+      if (is_choosing) call self%parts%choose(problem, report)
+    end do
+    if (is_tested) call finish_test(self, comm, report)
+  end subroutine rounds
+
+  !> Take the errors of the whole problem from the sums under way, and judge them.
+  subroutine finish_test(self, comm, report)
+    class(glued_solver_t), intent(inout) :: self
+    type(comm_t), intent(inout) :: comm
+    type(report_t), intent(inout) :: report
+
+    call self%errors%finish(report, comm)
+    call self%convergence%judge(self%options, self%errors%velocity_scale, report, 0.0_wp)
+  end subroutine finish_test
+
+  !> Take one of equal parts of the masses of shared bodies until the end of the solve.
+  pure subroutine glued_divide_masses(self, problem, slot, parts)
+    class(glued_solver_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! inverse masses of these bodies grow
+    integer, intent(in) :: slot(:) !! the bodies
+    integer, intent(in) :: parts(:) !! copies of each; 0 and 1 leave it whole
+    integer :: i
+
+    self%divided = slot
+    self%whole = problem%body(self%width + 1:, slot)
+    do i = 1, size(slot)
+      call share_mass(problem%kind, max(1, parts(i)), problem%body(:, slot(i)))
+    end do
+  end subroutine glued_divide_masses
 end module sg_glued_solver

@@ -50,7 +50,6 @@ contains
     self%rank = comm%rank
     self%width = first_inverse(problem%kind) - 1
     call self%sharing%find(problem, subdomain, slot_of, comm)
-    call self%sharing%prepare_result(problem, subdomain, slot_of, comm)
     associate (counts => self%sharing%first(2:) - self%sharing%first(:size(subdomain%neighbour)))
       call self%messages%prepare(comm, self%width, subdomain%neighbour, counts, counts)
     end associate

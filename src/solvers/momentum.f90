@@ -1,8 +1,8 @@
 !> Exchange of momentum (after Breitkopf and Jean 1999): contacts are distributed, shared grains keep their whole mass in
 !! every part, and the changes of their momentum are added up (doc/theory/decomposition.md).
 !!
-!! What several parts do to one grain at once is too much: without relaxation the rounds diverge where grains are shared
-!! by three or more parts. The contacts of shared grains therefore take only a share of each change.
+!! What several parts do to one grain at once is too much: without relaxation the rounds can diverge where grains are
+!! shared by three or more parts. The contacts of shared grains therefore take only a share of each change.
 module sg_momentum
   use sg_kinds, only: wp
   use sg_shared_sweeps, only: shared_sweeps_t

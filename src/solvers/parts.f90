@@ -95,12 +95,10 @@ contains
   !> Choose anew whom to visit, by the errors of the whole problem.
   subroutine parts_choose(self, problem, report)
     class(parts_t), intent(inout) :: self
-    type(problem_t), intent(inout) :: problem !! problem with its impulses and velocities
+    type(problem_t), intent(inout) :: problem !! problem with its present impulses, from which new orders take them, and velocities
     type(report_t), intent(in) :: report !! errors of the whole problem
     integer :: visited, missed, n
 
-    ! Sweeps have gone on since the impulses were copied to the problem, and new orders take them from there.
-    call self%give_impulses(problem)
     n = sum(self%order%n)
     call choose_visited(problem, report, self%is_wanted, visited, missed)
     if (missed > 0 .or. visited < n - n/16) call set_orders(self, problem)

@@ -35,7 +35,6 @@ module sg_sharing
     integer, private :: serial = -1
   contains
     procedure :: find => sharing_find
-    procedure :: prepare_result => sharing_prepare_result
     procedure :: tell_result => sharing_tell_result
   end type sharing_t
 
@@ -116,12 +115,12 @@ contains
   end subroutine list_shared
 
   !> List who tells whom the result: the home of a body if it has contacts on it, else the lowest rank that has.
-  subroutine sharing_prepare_result(self, problem, subdomain, slot_of, comm)
+  subroutine list_result(self, problem, subdomain, slot_of, comm)
     class(sharing_t), intent(inout) :: self
-    type(problem_t), intent(in) :: problem !! this rank's part
-    type(subdomain_t), intent(in) :: subdomain !! who holds which body
-    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
-    type(comm_t), intent(in) :: comm !! the ranks
+    type(problem_t), intent(in) :: problem
+    type(subdomain_t), intent(in) :: subdomain
+    integer(i4), intent(in) :: slot_of(:)
+    type(comm_t), intent(in) :: comm
     integer, allocatable :: speaker(:), slot(:)
     integer :: told(size(subdomain%neighbour)), heard(size(subdomain%neighbour)), i, e, n_told, n_heard
 
@@ -164,7 +163,7 @@ contains
       if (speaker == home) return
       if (rank == home .or. rank < speaker) speaker = rank
     end subroutine propose
-  end subroutine sharing_prepare_result
+  end subroutine list_result
 
   !> Count the ranks that have contacts on wide bodies which impulses can move.
   subroutine share_wide(self, slot, is_touched, problem, comm)
@@ -193,12 +192,15 @@ contains
   end function can_move
 
   !> Give the velocities found to the copies that took no part. Collective among neighbours.
-  subroutine sharing_tell_result(self, problem, comm)
+  subroutine sharing_tell_result(self, problem, subdomain, slot_of, comm)
     class(sharing_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! velocities of copies without contacts are set
+    type(subdomain_t), intent(in) :: subdomain !! who holds which body
+    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
     type(comm_t), intent(inout) :: comm !! the ranks
     integer :: i, width
 
+    call list_result(self, problem, subdomain, slot_of, comm)
     width = size(self%last%send, 1)
     do i = 1, size(self%told)
       self%last%send(:, i) = problem%body(:width, self%told(i))

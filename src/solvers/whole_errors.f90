@@ -22,7 +22,6 @@ module sg_whole_errors
     procedure :: prepare => errors_prepare
     procedure :: begin => errors_begin
     procedure :: finish => errors_finish
-    procedure :: measure => errors_measure
   end type whole_errors_t
 
 contains
@@ -72,15 +71,4 @@ contains
     call set_errors(sums, self%contacts, self%free_norm, self%velocity_scale, self%with_e1, report)
     report%active_contacts = self%active
   end subroutine errors_finish
-
-  !> Both at once.
-  subroutine errors_measure(self, problem, report, comm)
-    class(whole_errors_t), intent(inout) :: self
-    type(problem_t), intent(in) :: problem !! this rank's part, its copies glued
-    type(report_t), intent(inout) :: report !! errors and active contacts are set
-    type(comm_t), intent(inout) :: comm !! the ranks
-
-    call self%begin(problem, .true., comm)
-    call self%finish(report, comm)
-  end subroutine errors_measure
 end module sg_whole_errors
