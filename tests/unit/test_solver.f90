@@ -314,7 +314,8 @@ contains
     end do
   end subroutine test_orders
 
-  !> Shuffled orders: one seed gives one answer to the bit, another seed another way to the same solution.
+  !> Shuffled orders: one seed gives one answer to the bit, another seed another way to a solution; to the same one without
+  !! friction.
   subroutine compare_shuffled(solver, start, natural, name)
     type(nlgs_t), intent(inout) :: solver
     type(problem_t), intent(in) :: start, natural !! before, and solved in natural order
@@ -330,6 +331,7 @@ contains
       shuffled(i) = start
       call solver%solve(shuffled(i), report)
       call t%check(report%is_converged, name//': shuffled order converges')
+      if (start%kind == round_frictional .or. start%kind == arm_frictional) cycle
       call t%near(maxval(abs(natural%body(1:2, :) - shuffled(i)%body(1:2, :))), 0.0_wp, 1e-7_wp, name//': shuffled, one solution')
     end do
     call t%check(any(abs(shuffled(1)%body - shuffled(2)%body) > 0), name//': another seed, another order')
