@@ -37,7 +37,7 @@ contains
     code = exit_done
     call arguments%expect('set output restart walltime dump quiet', 1, 1, 'run DECK [options]; see splitgrain run --help', error)
     if (.not. allocated(error)) call arguments%number('walltime', 0.0_wp, 0.0_wp, walltime, error)
-    if (.not. allocated(error) .and. comm%size > 1) call check_for_ranks(arguments, error)
+    if (.not. allocated(error) .and. comm%size > 1) call check_for_ranks(error)
     if (.not. allocated(error) .and. arguments%has('dump')) call read_steps(arguments%get('dump', ''), dump_steps, error)
     if (.not. allocated(error) .and. arguments%has('dump') .and. .not. hdf5_is_available()) then
       call fail(error, 'this build has no HDF5, which dumps are written with')
@@ -70,13 +70,10 @@ contains
   end subroutine run_command
 
   !> What does not go with several ranks.
-  subroutine check_for_ranks(arguments, error)
-    type(arguments_t), intent(in) :: arguments
+  subroutine check_for_ranks(error)
     type(error_t), allocatable, intent(out) :: error
 
-    if (arguments%has('dump')) then
-      call fail(error, 'dumps are of whole problems; write them on one rank')
-    else if (hdf5_is_available() .and. .not. hdf5_is_parallel()) then
+    if (hdf5_is_available() .and. .not. hdf5_is_parallel()) then
       call fail(error, 'the HDF5 of this build cannot write one file from several ranks; it must be a parallel one')
     end if
   end subroutine check_for_ranks

@@ -1,18 +1,23 @@
 !> Small packs of grains between walls, as decks, for tests on several ranks.
 module packs
   use harness, only: tests_t
+  use sg_assemble, only: assemble
   use sg_comm, only: comm_t
   use sg_convex_hull, only: hull_is_available
   use sg_deck, only: read_deck
+  use sg_detect, only: detect
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
+  use sg_motion, only: predict
+  use sg_plan, only: set_radii
+  use sg_problem, only: problem_kind, problem_t
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: advance, simulation_t, start_simulation
   use sg_text, only: text_t, to_text
   use written_files, only: put_text
   implicit none
   private
-  public :: pack_names, pack_deck, can_be_made, start_pack, advance_pack
+  public :: pack_names, pack_deck, can_be_made, start_pack, advance_pack, next_problem
 
   !> Kinds of packs
   character(len=14), parameter :: pack_names(7) = [character(len=14) :: 'disks', 'polygons', 'periodic disks', 'clusters', &
@@ -124,4 +129,27 @@ contains
       if (allocated(error)) return
     end do
   end subroutine advance_pack
+
+  !> The problem of the next step, with its guess; of several ranks this one's part.
+  subroutine next_problem(sim, problem)
+    type(simulation_t), intent(inout) :: sim !! the run
+    type(problem_t), intent(out) :: problem !! problem that is not solved yet
+    type(error_t), allocatable :: error
+    logical :: is_renewed
+
+    associate (h => sim%options%step)
+      call predict(sim%scene, sim%time(), h, sim%options%theta)
+      is_renewed = .false.
+      if (sim%decomposition%is_on) then
+        call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_renewed, error)
+      end if
+      if (is_renewed) then
+        call set_radii(sim%scene, sim%plan)
+        call predict(sim%scene, sim%time(), h, sim%options%theta)
+      end if
+      call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+      call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
+                    sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, problem)
+    end associate
+  end subroutine next_problem
 end module packs

@@ -6,9 +6,9 @@ module sg_fclib_items
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_error, only: exit_bad_input, fail
   use sg_hdf5, only: hdf5_file_t
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp, i4, i8
+  use sg_matrix_pieces, only: triplets_t
   use sg_sparse, only: sparse_from_triplets, sparse_t
-  use sg_sparse_algebra, only: rows_of
   use sg_text, only: to_text
   implicit none
   private
@@ -258,24 +258,29 @@ contains
   subroutine write_number(file, path, number)
     class(hdf5_file_t), intent(inout) :: file !! open file
     character(len=*), intent(in) :: path !! dataset to make
-    integer, intent(in) :: number !! its value
+    integer, intent(in) :: number !! its value, the same on all ranks that share the file
 
-    call file%put(path, [int(number, i4)])
+    call file%put(path, [int(number, i4)], is_common=.true.)
   end subroutine write_number
 
-  !> Write a matrix as triplets, which all readers take.
-  subroutine write_matrix(file, path, matrix)
+  !> Write a matrix as triplets, which all readers take; ranks that share the file bring some of them each.
+  subroutine write_matrix(file, path, n_rows, n_columns, entries)
     class(hdf5_file_t), intent(inout) :: file !! open file
     character(len=*), intent(in) :: path !! group to make
-    type(sparse_t), intent(in) :: matrix !! the matrix
+    integer, intent(in) :: n_rows !! rows
+    integer, intent(in) :: n_columns !! columns
+    type(triplets_t), intent(in) :: entries !! entries that this rank brings
+    integer(i8) :: all
 
     call file%group(path)
-    call write_number(file, path//'/nzmax', size(matrix%value))
-    call write_number(file, path//'/m', matrix%n_rows)
-    call write_number(file, path//'/n', matrix%n_columns)
-    call write_number(file, path//'/nz', size(matrix%value))
-    call file%put(path//'/p', matrix%column - 1_i4)
-    call file%put(path//'/i', rows_of(matrix) - 1_i4)
-    call file%put(path//'/x', matrix%value)
+    all = file%total(size(entries%value))
+    if (all > int(huge(1_i4), i8)) call refuse(file, path//' has more entries than FCLIB files can count')
+    call write_number(file, path//'/nzmax', int(min(all, int(huge(1_i4), i8))))
+    call write_number(file, path//'/m', n_rows)
+    call write_number(file, path//'/n', n_columns)
+    call write_number(file, path//'/nz', int(min(all, int(huge(1_i4), i8))))
+    call file%put(path//'/p', entries%column - 1_i4)
+    call file%put(path//'/i', entries%row - 1_i4)
+    call file%put(path//'/x', entries%value)
   end subroutine write_matrix
 end module sg_fclib_items

@@ -1,17 +1,19 @@
 !> Contact problems and solutions to FCLIB files (doc/guide/solve.md).
 module sg_fclib_write
+  use sg_comm, only: comm_t
   use sg_condense, only: multipliers_of, sparse_from_blocks, velocity_of
   use sg_error, only: error_t, exit_bad_input, fail
   use sg_fclib_items, only: holds, refuse, write_matrix, write_number
   use sg_fclib_read, only: fclib_constraints_t, open_fclib, read_problem, usable_impulses
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: wp
+  use sg_matrix_pieces, only: matrix_pieces_t, matrix_state_t, triplets_of
   use sg_matrix_problem, only: matrix_problem_t
   use sg_sparse, only: multiply
   use sg_sparse_algebra, only: no_columns
   implicit none
   private
-  public :: write_fclib, write_solution
+  public :: write_fclib, write_pieces, write_solution
 
 contains
 
@@ -25,52 +27,107 @@ contains
     logical, intent(in) :: with_solution !! are the impulses of the problem its solution?
     type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
     real(wp), intent(in), optional :: guess(:, :) !! impulses that a solver may start from [N s], shape (d, n)
+    type(matrix_pieces_t) :: pieces
+    type(matrix_problem_t) :: guessed
+    type(fclib_constraints_t) :: constraints
+    type(comm_t) :: alone
+
+    pieces%d = problem%d
+    pieces%all_contacts = problem%n
+    pieces%w = triplets_of(sparse_from_blocks(problem%w))
+    pieces%q = flat(problem%q)
+    pieces%friction = problem%friction
+    pieces%has_global = problem%has_global
+    pieces%has_solution = with_solution
+    pieces%has_guess = present(guess)
+    if (problem%has_global) then
+      pieces%all_unknowns = size(problem%f)
+      pieces%mass = triplets_of(problem%mass)
+      pieces%h = triplets_of(problem%h)
+      pieces%f = problem%f
+      pieces%offset = problem%offset
+    end if
+    constraints%is_global = problem%has_global
+    if (with_solution) call find_state(problem, constraints, pieces%solution, error)
+    if (allocated(error)) return
+    if (present(guess)) then
+      guessed = problem
+      guessed%r = guess
+      call find_state(guessed, constraints, pieces%guess, error)
+      if (allocated(error)) return
+    end if
+    call write_pieces(stem, pieces, title, description, alone, error)
+  end subroutine write_fclib
+
+  !> The same of a problem of which each rank holds some rows. Collective.
+  subroutine write_pieces(stem, pieces, title, description, comm, error)
+    character(len=*), intent(in) :: stem !! path of the files up to -local or -global
+    type(matrix_pieces_t), intent(in) :: pieces !! this rank's share of the problem, of its guess and of its solution
+    character(len=*), intent(in) :: title !! one line: what this is
+    character(len=*), intent(in) :: description !! where it comes from; the units are said beside
+    type(comm_t), intent(in) :: comm !! the ranks
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when a file cannot be written
     type(hdf5_file_t) :: file
 
-    call file%create(stem//'-local.hdf5')
-    call write_local(file, problem, title, description)
-    call write_states(file, problem, .false., with_solution, guess)
+    call create(file, stem//'-local.hdf5', comm)
+    call write_local(file, pieces, title, description)
+    call write_states(file, pieces, .false.)
     call file%close()
-    if (.not. allocated(file%error) .and. problem%has_global) then
-      call file%create(stem//'-global.hdf5')
-      call write_global(file, problem, title, description)
-      call write_states(file, problem, .true., with_solution, guess)
+    if (.not. allocated(file%error) .and. pieces%has_global) then
+      call create(file, stem//'-global.hdf5', comm)
+      call write_global(file, pieces, title, description)
+      call write_states(file, pieces, .true.)
       call file%close()
     end if
     if (allocated(file%error)) call move_alloc(file%error, error)
-  end subroutine write_fclib
+  end subroutine write_pieces
+
+  !> Make a file, which several ranks share.
+  subroutine create(file, name, comm)
+    type(hdf5_file_t), intent(inout) :: file
+    character(len=*), intent(in) :: name
+    type(comm_t), intent(in) :: comm
+
+    if (comm%size == 1) then
+      call file%create(name)
+    else
+      call file%create(name, comm)
+    end if
+  end subroutine create
 
   !> Write the local form.
-  subroutine write_local(file, problem, title, description)
+  subroutine write_local(file, pieces, title, description)
     type(hdf5_file_t), intent(inout) :: file
-    type(matrix_problem_t), intent(in) :: problem
+    type(matrix_pieces_t), intent(in) :: pieces
     character(len=*), intent(in) :: title, description
 
-    call file%group('/fclib_local')
-    call write_number(file, '/fclib_local/spacedim', problem%d)
-    call write_matrix(file, '/fclib_local/W', sparse_from_blocks(problem%w))
+    associate (m => pieces%d*pieces%all_contacts)
+      call file%group('/fclib_local')
+      call write_number(file, '/fclib_local/spacedim', pieces%d)
+      call write_matrix(file, '/fclib_local/W', m, m, pieces%w)
+    end associate
     call file%group('/fclib_local/vectors')
-    call file%put('/fclib_local/vectors/q', flat(problem%q))
-    call file%put('/fclib_local/vectors/mu', problem%friction)
+    call file%put('/fclib_local/vectors/q', pieces%q)
+    call file%put('/fclib_local/vectors/mu', pieces%friction)
     call write_info(file, '/fclib_local', title, description, &
                     'u = W r + q, components normal first; K* contains (u_N + mu |u_T|, u_T) orthogonal to r in K; '// &
                     'W in 1/kg, q and u in m/s, r in N s')
   end subroutine write_local
 
   !> Write the global form.
-  subroutine write_global(file, problem, title, description)
+  subroutine write_global(file, pieces, title, description)
     type(hdf5_file_t), intent(inout) :: file
-    type(matrix_problem_t), intent(in) :: problem
+    type(matrix_pieces_t), intent(in) :: pieces
     character(len=*), intent(in) :: title, description
 
     call file%group('/fclib_global')
-    call write_number(file, '/fclib_global/spacedim', problem%d)
-    call write_matrix(file, '/fclib_global/M', problem%mass)
-    call write_matrix(file, '/fclib_global/H', problem%h)
+    call write_number(file, '/fclib_global/spacedim', pieces%d)
+    call write_matrix(file, '/fclib_global/M', pieces%all_unknowns, pieces%all_unknowns, pieces%mass)
+    call write_matrix(file, '/fclib_global/H', pieces%all_unknowns, pieces%d*pieces%all_contacts, pieces%h)
     call file%group('/fclib_global/vectors')
-    call file%put('/fclib_global/vectors/f', problem%f)
-    call file%put('/fclib_global/vectors/w', problem%offset)
-    call file%put('/fclib_global/vectors/mu', problem%friction)
+    call file%put('/fclib_global/vectors/f', pieces%f)
+    call file%put('/fclib_global/vectors/w', pieces%offset)
+    call file%put('/fclib_global/vectors/mu', pieces%friction)
     call write_info(file, '/fclib_global', title, description, &
                     'M v = H r + f, u = H^T v + w, components normal first; K* contains (u_N + mu |u_T|, u_T) orthogonal to r '// &
                     'in K; SI units: M in kg and kg m^2, v in m/s and rad/s, w and u in m/s, r in N s')
@@ -88,51 +145,53 @@ contains
   end subroutine write_info
 
   !> Write guess and solution.
-  subroutine write_states(file, problem, is_global, with_solution, guess)
+  subroutine write_states(file, pieces, is_global)
     type(hdf5_file_t), intent(inout) :: file
-    type(matrix_problem_t), intent(in) :: problem
-    logical, intent(in) :: is_global, with_solution
-    real(wp), intent(in), optional :: guess(:, :)
-    type(fclib_constraints_t) :: constraints
-    type(matrix_problem_t) :: guessed
+    type(matrix_pieces_t), intent(in) :: pieces
+    logical, intent(in) :: is_global
 
-    constraints%is_global = is_global
-    if (with_solution) call write_state(file, '/solution', problem, constraints)
-    if (.not. present(guess)) return
-    guessed = problem
-    guessed%r = guess
+    if (pieces%has_solution) call write_state(file, '/solution', pieces%solution, is_global)
+    if (.not. pieces%has_guess) return
     call file%group('/guesses')
     call write_number(file, '/guesses/number_of_guesses', 1)
-    call write_state(file, '/guesses/1', guessed, constraints)
+    call write_state(file, '/guesses/1', pieces%guess, is_global)
   end subroutine write_states
 
-  !> Write the impulses of a problem, and the velocities and multipliers that they cause.
-  subroutine write_state(file, path, problem, constraints)
+  !> Write impulses, and the velocities and multipliers that they cause.
+  subroutine write_state(file, path, state, is_global)
     type(hdf5_file_t), intent(inout) :: file
     character(len=*), intent(in) :: path
+    type(matrix_state_t), intent(in) :: state
+    logical, intent(in) :: is_global
+
+    call file%group(path)
+    if (is_global) call file%put(path//'/v', state%v)
+    call file%put(path//'/u', state%u)
+    call file%put(path//'/r', state%r)
+    if (allocated(state%l)) call file%put(path//'/l', state%l)
+  end subroutine write_state
+
+  !> The velocities and multipliers that the impulses of a problem cause.
+  subroutine find_state(problem, constraints, state, error)
     type(matrix_problem_t), intent(in) :: problem
     type(fclib_constraints_t), intent(in) :: constraints
-    real(wp), allocatable :: u(:, :), v(:), l(:)
-    type(error_t), allocatable :: error
+    type(matrix_state_t), intent(out) :: state
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: u(:, :)
 
-    if (allocated(file%error)) return
     allocate (u(problem%d, problem%n))
     call multiply(problem%w, problem%r, u)
-    u = u + problem%q
+    state%u = flat(u + problem%q)
+    state%r = flat(problem%r)
     if (constraints%n == 0) then
-      if (constraints%is_global) call velocity_of(problem, no_columns(size(problem%f)), [real(wp) ::], v, l, error)
+      if (constraints%is_global) call velocity_of(problem, no_columns(size(problem%f)), [real(wp) ::], state%v, state%l, error)
+      if (allocated(state%l)) deallocate (state%l)
     else if (constraints%is_global) then
-      call velocity_of(problem, constraints%g, constraints%b, v, l, error)
+      call velocity_of(problem, constraints%g, constraints%b, state%v, state%l, error)
     else
-      call multipliers_of(constraints%v, constraints%r, constraints%s, flat(problem%r), l, error)
+      call multipliers_of(constraints%v, constraints%r, constraints%s, state%r, state%l, error)
     end if
-    if (allocated(error)) call refuse(file, error%message)
-    call file%group(path)
-    if (constraints%is_global) call file%put(path//'/v', v)
-    call file%put(path//'/u', flat(u))
-    call file%put(path//'/r', flat(problem%r))
-    if (constraints%n > 0) call file%put(path//'/l', l)
-  end subroutine write_state
+  end subroutine find_state
 
   !> Add a solution to the file of a problem.
   subroutine write_solution(name, r, is_forced, error)
@@ -143,6 +202,7 @@ contains
     type(hdf5_file_t) :: file
     type(matrix_problem_t) :: problem
     type(fclib_constraints_t) :: constraints
+    type(matrix_state_t) :: state
     real(wp), allocatable :: old(:)
     logical :: is_usable
 
@@ -162,7 +222,9 @@ contains
     end if
     if (.not. allocated(file%error)) then
       problem%r = r
-      call write_state(file, '/solution', problem, constraints)
+      call find_state(problem, constraints, state, error)
+      if (allocated(error)) call refuse(file, error%message)
+      if (.not. allocated(file%error)) call write_state(file, '/solution', state, constraints%is_global)
     end if
     call file%close()
     if (allocated(file%error)) call move_alloc(file%error, error)

@@ -18,6 +18,8 @@ module sg_problem_matrices
   implicit none
   private
   public :: matrices_map_t, matrices_of, take_impulses
+  ! Parts of it, for problems that several ranks hold
+  public :: take_contacts, find_pushed, mapping_entries, finish_velocities
 
   !> Where the rows of the matrices come from
   type :: matrices_map_t
@@ -39,6 +41,7 @@ contains
     type(matrices_map_t), intent(out) :: map !! where its rows come from
     type(error_t), allocatable, intent(out) :: error !! set when a law cannot be expressed so
     type(contact_record_t), allocatable :: contacts(:)
+    type(body_record_t), allocatable :: bodies(:)
     real(wp), allocatable :: pushed(:), impulse(:, :)
     integer :: k
 
@@ -51,8 +54,8 @@ contains
       matrices%friction(k) = contacts(k)%friction
       impulse(:, k) = contacts(k)%impulse(:matrices%d)
     end do
-    call set_masses(problem, contacts, map, matrices)
-    call set_mapping(problem, contacts, map, matrices)
+    call set_masses(problem, map, matrices, bodies)
+    call set_mapping(problem, contacts, map, bodies, matrices)
     allocate (pushed(size(matrices%f)))
     matrices%r = impulse
     matrices%r(1, :) = matrices%r(1, :) + map%cohesion
@@ -68,10 +71,10 @@ contains
 
   !> Take all contacts that can carry an impulse from their records.
   subroutine take_contacts(problem, map, contacts, error)
-    type(problem_t), intent(in) :: problem
-    type(matrices_map_t), intent(inout) :: map
-    type(contact_record_t), allocatable, intent(out) :: contacts(:)
-    type(error_t), allocatable, intent(out) :: error
+    type(problem_t), intent(in) :: problem !! problem of a step
+    type(matrices_map_t), intent(inout) :: map !! its contacts and their cohesion are set
+    type(contact_record_t), allocatable, intent(out) :: contacts(:) !! those contacts
+    type(error_t), allocatable, intent(out) :: error !! set when a law cannot be expressed so
     type(contact_record_t) :: contact
     integer :: k, n
 
@@ -94,34 +97,44 @@ contains
     map%cohesion = contacts%cohesion
   end subroutine take_contacts
 
+  !> Which bodies contacts of the matrices push, by slot.
+  pure function find_pushed(problem, map) result(is_pushed)
+    type(problem_t), intent(in) :: problem !! problem of a step
+    type(matrices_map_t), intent(in) :: map !! its contacts are set
+    logical :: is_pushed(problem%n_bodies)
+    integer :: n
+
+    is_pushed = .false.
+    do n = 1, size(map%contact)
+      is_pushed(problem%pair(:, map%contact(n))) = .true.
+    end do
+  end function find_pushed
+
   !> Number the unknown velocities, and set M and f = M v.
-  subroutine set_masses(problem, contacts, map, matrices)
+  subroutine set_masses(problem, map, matrices, bodies)
     type(problem_t), intent(in) :: problem
-    type(contact_record_t), intent(in) :: contacts(:)
     type(matrices_map_t), intent(inout) :: map
     type(matrix_problem_t), intent(inout) :: matrices
-    type(body_record_t) :: body
+    type(body_record_t), allocatable, intent(out) :: bodies(:) !! by slot; of those that are pushed
     logical, allocatable :: is_pushed(:)
     real(wp), allocatable :: mass(:)
     integer :: s, i, n
 
-    allocate (is_pushed(problem%n_bodies), source=.false.)
-    do n = 1, size(contacts)
-      is_pushed(problem%pair(:, map%contact(n))) = .true.
-    end do
+    allocate (is_pushed, source=find_pushed(problem, map))
+    allocate (bodies(problem%n_bodies))
     n = 6*count(is_pushed)
     allocate (map%slot(n), map%component(n), mass(n), matrices%f(n))
     n = 0
     do s = 1, problem%n_bodies
       if (.not. is_pushed(s)) cycle
-      body = body_of(problem, s)
-      do i = 1, body%n
-        if (.not. body%inverse_mass(i) > 0) cycle
+      bodies(s) = body_of(problem, s)
+      do i = 1, bodies(s)%n
+        if (.not. bodies(s)%inverse_mass(i) > 0) cycle
         n = n + 1
         map%slot(n) = int(s, i4)
         map%component(n) = int(i, i4)
-        mass(n) = 1/body%inverse_mass(i)
-        matrices%f(n) = mass(n)*body%velocity(i)
+        mass(n) = 1/bodies(s)%inverse_mass(i)
+        matrices%f(n) = mass(n)*bodies(s)%velocity(i)
       end do
     end do
     map%slot = map%slot(:n)
@@ -131,37 +144,53 @@ contains
   end subroutine set_masses
 
   !> Set H, and the offset w of biases and driven velocities.
-  subroutine set_mapping(problem, contacts, map, matrices)
+  subroutine set_mapping(problem, contacts, map, bodies, matrices)
     type(problem_t), intent(in) :: problem
     type(contact_record_t), intent(in) :: contacts(:)
     type(matrices_map_t), intent(in) :: map
+    type(body_record_t), intent(in) :: bodies(:)
     type(matrix_problem_t), intent(inout) :: matrices
     integer(i4), allocatable :: unknown(:, :), row(:), column(:)
     real(wp), allocatable :: value(:)
-    type(body_record_t) :: body
-    real(wp) :: h(3, 6)
-    integer :: k, i, c, side, e, place, d
+    integer :: i
 
-    d = matrices%d
     allocate (unknown(6, problem%n_bodies), source=0_i4)
     do i = 1, size(map%slot)
       unknown(map%component(i), map%slot(i)) = int(i, i4)
     end do
+    call mapping_entries(problem, contacts, map%contact, bodies, unknown, row, column, value, matrices%offset)
+    call sparse_from_triplets(size(matrices%f), matrices%d*size(contacts), row, column, value, matrices%h)
+  end subroutine set_mapping
+
+  !> Entries of H, and the offset w of biases and driven velocities.
+  subroutine mapping_entries(problem, contacts, contact, bodies, unknown, row, column, value, offset)
+    type(problem_t), intent(in) :: problem !! problem of a step
+    type(contact_record_t), intent(in) :: contacts(:) !! contacts of the matrices
+    integer(i4), intent(in) :: contact(:) !! number of each in the problem
+    type(body_record_t), intent(in) :: bodies(:) !! by slot
+    integer(i4), intent(in) :: unknown(:, :) !! number of each unknown velocity, 0 for driven ones, shape (6, slots)
+    integer(i4), allocatable, intent(out) :: row(:) !! unknown of each entry
+    integer(i4), allocatable, intent(out) :: column(:) !! component of a contact of each entry
+    real(wp), allocatable, intent(out) :: value(:) !! its value
+    real(wp), allocatable, intent(out) :: offset(:) !! w [m/s], shape (d n)
+    real(wp) :: h(3, 6)
+    integer :: k, i, c, side, e, place, d
+
+    d = merge(3, 2, is_in_space(problem%kind))
     allocate (row(12*d*size(contacts)), column(12*d*size(contacts)), value(12*d*size(contacts)))
-    allocate (matrices%offset(d*size(contacts)))
+    allocate (offset(d*size(contacts)))
     e = 0
     do k = 1, size(contacts)
-      matrices%offset(d*(k - 1) + 1:d*k) = contacts(k)%bias(:d)
+      offset(d*(k - 1) + 1:d*k) = contacts(k)%bias(:d)
       do side = 1, 2
-        associate (slot => problem%pair(side, map%contact(k)))
-          body = body_of(problem, int(slot))
+        associate (slot => problem%pair(side, contact(k)))
           h = contacts(k)%h(:, :, side)
-          if (is_in_space(problem%kind)) h(:, 4:6) = matmul(h(:, 4:6), body%axes)
-          do c = 1, body%n
+          if (is_in_space(problem%kind)) h(:, 4:6) = matmul(h(:, 4:6), bodies(slot)%axes)
+          do c = 1, bodies(slot)%n
             do i = 1, d
               place = d*(k - 1) + i
               if (unknown(c, slot) == 0) then
-                matrices%offset(place) = matrices%offset(place) + h(i, c)*body%velocity(c)
+                offset(place) = offset(place) + h(i, c)*bodies(slot)%velocity(c)
               else if (abs(h(i, c)) > 0) then
                 e = e + 1
                 row(e) = unknown(c, slot)
@@ -173,30 +202,42 @@ contains
         end associate
       end do
     end do
-    call sparse_from_triplets(size(matrices%f), d*size(contacts), row(:e), column(:e), value(:e), matrices%h)
-  end subroutine set_mapping
+    row = row(:e)
+    column = column(:e)
+    value = value(:e)
+  end subroutine mapping_entries
 
   !> What laws change once W and q are there: compliance, and tangents that are made up.
   subroutine finish_laws(contacts, matrices)
     type(contact_record_t), intent(in) :: contacts(:)
     type(matrix_problem_t), intent(inout) :: matrices
     real(wp) :: compliance(matrices%d, size(contacts)), q(matrices%d*size(contacts))
-    integer :: k, d
 
-    d = matrices%d
-    do k = 1, size(contacts)
-      compliance(:, k) = contacts(k)%compliance(:d)
-      matrices%q(1, k) = matrices%q(1, k) - compliance(1, k)*contacts(k)%cohesion
-      if (contacts(k)%has_tangent) cycle
-      matrices%offset(d*(k - 1) + 2:d*k) = matrices%offset(d*(k - 1) + 2:d*k) - matrices%q(2:, k)
-      matrices%q(2:, k) = 0
-    end do
+    call finish_velocities(contacts, matrices%q, matrices%offset, compliance)
     if (.not. any(compliance > 0)) return
     matrices%has_global = .false.
     q = reshape(matrices%q, [size(q)])
     call set_local_form(matrices, sum_of(sparse_from_blocks(matrices%w), 1.0_wp, &
                                          diagonal_matrix(reshape(compliance, [size(q)]))), q)
   end subroutine finish_laws
+
+  !> What laws change in q and in the offset w; and the compliance that W takes.
+  pure subroutine finish_velocities(contacts, q, offset, compliance)
+    type(contact_record_t), intent(in) :: contacts(:) !! contacts of the matrices
+    real(wp), intent(inout) :: q(:, :) !! q [m/s], shape (d, n)
+    real(wp), intent(inout) :: offset(:) !! w [m/s], shape (d n)
+    real(wp), intent(out) :: compliance(:, :) !! what is added to the diagonal of W [1/kg], shape (d, n)
+    integer :: k, d
+
+    d = size(q, 1)
+    do k = 1, size(contacts)
+      compliance(:, k) = contacts(k)%compliance(:d)
+      q(1, k) = q(1, k) - compliance(1, k)*contacts(k)%cohesion
+      if (contacts(k)%has_tangent) cycle
+      offset(d*(k - 1) + 2:d*k) = offset(d*(k - 1) + 2:d*k) - q(2:, k)
+      q(2:, k) = 0
+    end do
+  end subroutine finish_velocities
 
   !> Take impulses and velocities of the solved problem as those of its matrices.
   subroutine take_impulses(problem, map, matrices)

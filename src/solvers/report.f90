@@ -18,6 +18,8 @@ module sg_report
   type :: report_t
     !> Has the stopping criterion reached its tolerance?
     logical :: is_converged = .true.
+    !> Are all velocities finite on all ranks? Told where several ranks share the problem
+    logical :: is_finite = .true.
     !> Sweeps over all contacts, and single contact updates
     integer :: sweeps = 0
     integer(i8) :: contact_updates = 0

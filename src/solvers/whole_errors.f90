@@ -52,9 +52,11 @@ contains
     logical, intent(in) :: with_e1 !! measure e1 and e2 too
     type(comm_t), intent(inout) :: comm !! the ranks
 
-    real(wp) :: sums(n_error_sums)
+    real(wp) :: sums(n_error_sums + 1)
 
-    sums = sum_errors(problem, with_e1)
+    sums = [sum_errors(problem, with_e1), 0.0_wp]
+    ! The sum at the end of a solve, which has e1, tells also whether a velocity broke.
+    if (with_e1) sums(n_error_sums + 1) = merge(0.0_wp, 1.0_wp, all(abs(problem%body) <= huge(1.0_wp)))
     self%with_e1 = with_e1
     self%active = nint(sums(6))
     call comm%begin_sum(sums)
@@ -65,10 +67,11 @@ contains
     class(whole_errors_t), intent(in) :: self
     type(report_t), intent(inout) :: report !! errors of all ranks' contacts and active contacts of this one are set
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: sums(n_error_sums)
+    real(wp) :: sums(n_error_sums + 1)
 
     call comm%finish_sum(sums)
-    call set_errors(sums, self%contacts, self%free_norm, self%velocity_scale, self%with_e1, report)
+    report%is_finite = .not. sums(n_error_sums + 1) > 0
+    call set_errors(sums(:n_error_sums), self%contacts, self%free_norm, self%velocity_scale, self%with_e1, report)
     report%active_contacts = self%active
   end subroutine errors_finish
 end module sg_whole_errors

@@ -3,12 +3,13 @@
 !! A dump begins before the solve, with the guess, and ends after it, with the solution; where the solve gave values that are
 !! not finite, the file holds the guess alone.
 module sg_dump
+  use sg_comm, only: comm_t
   use sg_error, only: error_t, fail
-  use sg_fclib_write, only: write_fclib
-  use sg_kinds, only: wp
-  use sg_matrix_problem, only: matrix_problem_t
+  use sg_fclib_write, only: write_pieces
+  use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t
-  use sg_problem_matrices, only: matrices_map_t, matrices_of, take_impulses
+  use sg_shared_matrices, only: share_matrices, shared_matrices_t, take_solution
+  use sg_subdomain, only: subdomain_t
   use sg_text, only: to_text
   implicit none
   private
@@ -18,38 +19,37 @@ module sg_dump
   type :: dump_t
     !> Has one begun?
     logical :: is_begun = .false.
-    !> The problem, where its rows come from, and the guess
-    type(matrix_problem_t) :: matrices
-    type(matrices_map_t) :: map
-    real(wp), allocatable :: guess(:, :)
+    !> The problem with its guess; of several ranks this one's rows
+    type(shared_matrices_t) :: matrices
     !> What stands in the way of writing it
     type(error_t), allocatable :: error
   end type dump_t
 
 contains
 
-  !> Begin a dump of an assembled problem that is not solved yet.
-  subroutine begin_dump(dump, problem)
+  !> Begin a dump of an assembled problem that is not solved yet. Collective.
+  subroutine begin_dump(dump, problem, subdomain, slot_of, comm)
     type(dump_t), intent(inout) :: dump !! dump to begin
-    type(problem_t), intent(in) :: problem !! problem with its guess; bodies move as without impulses
+    type(problem_t), intent(in) :: problem !! this rank's part, with its guess; bodies move as without impulses
+    type(subdomain_t), intent(in) :: subdomain !! who shares which body
+    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
+    type(comm_t), intent(inout) :: comm !! the ranks
 
     dump%is_begun = .true.
-    if (allocated(dump%guess)) deallocate (dump%guess)
-    call matrices_of(problem, .false., dump%matrices, dump%map, dump%error)
-    if (allocated(dump%error)) return
-    allocate (dump%guess, source=dump%matrices%r)
+    call share_matrices(problem, subdomain, slot_of, comm, dump%matrices, dump%error)
   end subroutine begin_dump
 
-  !> Write the two files of a dump, `dump-<step>-local.hdf5` and, where there is a global form, `-global.hdf5`.
-  subroutine finish_dump(dump, problem, folder, deck, step, name, error)
+  !> Write the two files of a dump, `dump-<step>-local.hdf5` and, where there is a global form, `-global.hdf5`. Collective.
+  subroutine finish_dump(dump, problem, folder, deck, step, comm, name, error)
     type(dump_t), intent(inout) :: dump !! dump begun before the solve
     type(problem_t), intent(in) :: problem !! the same problem after it
     character(len=*), intent(in) :: folder !! of the results
     character(len=*), intent(in) :: deck !! path of the deck, for the title
     integer, intent(in) :: step !! number of the step
+    type(comm_t), intent(inout) :: comm !! the ranks
     character(len=:), allocatable, intent(out) :: name !! of the local file, within the folder
-    type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
-    logical :: is_finite
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when it cannot be written
+    logical :: is_broken
 
     dump%is_begun = .false.
     name = 'dump-'//to_text(step)
@@ -57,10 +57,11 @@ contains
       call move_alloc(dump%error, error)
       return
     end if
-    is_finite = all(abs(problem%impulse(:, :problem%n_contacts)) <= huge(1.0_wp)) .and. all(abs(problem%body) <= huge(1.0_wp))
-    if (is_finite) call take_impulses(problem, dump%map, dump%matrices)
-    call write_fclib(folder//'/'//name, dump%matrices, 'step '//to_text(step)//' of '//deck, &
-                     'written by splitgrain run --dump', is_finite, error, dump%guess)
+    is_broken = .not. (all(abs(problem%impulse(:, :problem%n_contacts)) <= huge(1.0_wp)) .and. &
+                       all(abs(problem%body) <= huge(1.0_wp)))
+    if (.not. comm%any(is_broken)) call take_solution(problem, dump%matrices)
+    call write_pieces(folder//'/'//name, dump%matrices%pieces, 'step '//to_text(step)//' of '//deck, &
+                      'written by splitgrain run --dump', comm, error)
     name = name//'-local.hdf5'
   end subroutine finish_dump
 

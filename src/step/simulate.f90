@@ -121,9 +121,9 @@ contains
     type(error_t), allocatable :: error
     character(len=:), allocatable :: name
 
-    call finish_dump(sim%dump, sim%problem, sim%options%folder, writers%summary%deck, step, name, error)
+    call finish_dump(sim%dump, sim%problem, sim%options%folder, writers%summary%deck, step, sim%comm, name, error)
     if (allocated(error)) then
-      write (error_unit, '(a)') error%report('warning')
+      if (writers%is_speaker) write (error_unit, '(a)') error%report('warning')
     else
       call writers%summary%add_file('dump_'//to_text(step), name)
     end if

@@ -146,7 +146,7 @@ contains
       call phase(phase_assemble)%start()
       call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
                     sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
-      if (is_dumped(sim)) call begin_dump(sim%dump, sim%problem)
+      if (is_dumped(sim)) call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
       call phase(phase_assemble)%stop()
 
       call phase(phase_solve)%start()
@@ -217,15 +217,21 @@ contains
     if (allocated(sim%options%dump_steps)) is_dumped = is_listed(sim%options%dump_steps, sim%step + 1)
   end function is_dumped
 
-  !> Did a solve fail of which no dump has begun: a value is not finite, or the run ends because it did not converge? A dump is
-  !! of the whole problem, which no rank holds where several share it.
+  !> Did a solve fail of which no dump has begun: a value is not finite, or the run ends because it did not converge? All ranks
+  !! say the same.
   pure logical function has_failed(sim)
     type(simulation_t), intent(in) :: sim
 
-    has_failed = .not. (sim%dump%is_begun .or. sim%decomposition%is_on) .and. sim%problem%n_contacts > 0
-    if (.not. has_failed) return
-    has_failed = (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged) &
-                   .or. .not. all(abs(sim%problem%body) <= huge(1.0_wp))
+    has_failed = .false.
+    if (sim%dump%is_begun) return
+    if (sim%decomposition%is_on) then
+      has_failed = .not. sim%report%is_finite
+    else if (sim%problem%n_contacts > 0) then
+      has_failed = .not. all(abs(sim%problem%body) <= huge(1.0_wp))
+    else
+      return
+    end if
+    has_failed = has_failed .or. (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged)
   end function has_failed
 
   !> Begin a dump after all: contacts still hold the guess, and bodies their free velocities.
@@ -235,7 +241,7 @@ contains
 
     call assemble(sim%scene, sim%contacts, sim%problem%kind, sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, &
                   sim%options%step, problem)
-    call begin_dump(sim%dump, problem)
+    call begin_dump(sim%dump, problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
   end subroutine begin_late_dump
 
   !> Largest speed of all bodies [m/s].

@@ -245,7 +245,6 @@ class Refusals(Ranks):
             (2, good, '"qm16" looks at the increments of one rank', ["--set", 'solver.criterion="qm16"']),
             (2, good, "unknown option --outptu", ["--outptu=x"]),
             (2, good, "--walltime needs a value", ["--walltime"]),
-            (2, good, "dumps are of whole problems", ["--dump", "10"]),
         ):  # fmt: skip
             with self.subTest(said=said):
                 self.refused(ranks, deck, said, *words)
@@ -294,7 +293,31 @@ class Refusals(Ranks):
         hard = ["--set", "solver.maximum_sweeps=1", "--set", "solver.tolerance=1e-14", "--set", "solver.check_every=1"]
         self.run_ranks(3, deck, *hard, "--set", "solver.stop_unconverged=true", code=3)
         self.assertEqual(self.run_json()["status"], "not converged")
-        self.assertEqual(list((self.place / "out").glob("dump*")), [])
+        if self.has_hdf5():
+            # All ranks together leave the problem of the step.
+            step = self.run_json()["steps"]
+            self.assertEqual(self.run_json()[f"file_dump_{step}"], f"dump-{step}-local.hdf5")
+            self.solve_all(["out"], [f"dump-{step}"])
+
+
+    def solve_all(self, folders, names):
+        """Solve both forms of dumps; number of contacts by file."""
+        files = [f"{folder}/{name}-{form}.hdf5" for folder in folders for name in names for form in ("local", "global")]
+        lines = [json.loads(line) for line in self.run_program("solve", *files, "--json").stdout.splitlines()]
+        self.assertEqual([line["file"] for line in lines], files)
+        self.assertLess(max(line["e1"] for line in lines), 1e-8)
+        return [line["contacts"] for line in lines]
+
+    def test_dumps_hold_the_whole_problem(self):
+        if not self.has_hdf5():
+            self.skipTest("built without HDF5")
+        deck = self.deck(PRESSED)
+        for ranks in (1, 3):
+            self.run_ranks(ranks, deck, "--dump", "1,50-51", output=f"on {ranks}")
+        names = ["dump-1", "dump-50", "dump-51"]
+        one, many = (self.solve_all([f"on {ranks}"], names) for ranks in (1, 3))
+        self.assertGreater(min(one), 0)
+        self.assertEqual(one, many)
 
 
 class Shares(Ranks):

@@ -6,19 +6,15 @@
 !! their copies are found by tables of the whole scene, apart from the lists of the solver. Run by any number of ranks.
 program test_dual
   use harness, only: tests_t
-  use packs, only: advance_pack, can_be_made, pack_deck, start_pack
-  use sg_assemble, only: assemble
+  use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
   use sg_comm, only: comm_t
   use sg_compact, only: add_impulses
   use sg_delassus, only: share_mass
-  use sg_detect, only: detect
   use sg_dual, only: dual_t
   use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_motion, only: predict
   use sg_parts, only: part_own, part_shared, parts_t
-  use sg_plan, only: set_radii
-  use sg_problem, only: arm_frictional, ball_frictional, first_inverse, problem_kind, problem_t, round_frictional, &
+  use sg_problem, only: arm_frictional, ball_frictional, first_inverse, problem_t, round_frictional, &
                         solid_frictional
   use sg_report, only: report_t
   use sg_simulation, only: decompose, simulation_t
@@ -85,26 +81,6 @@ contains
     call compare(name//', 5 sweeps', sim, problem, [5], 3, n_bodies)
     call compare(name//', sweeps by rank', sim, problem, [3, 1, 4, 2], 3, n_bodies)
   end subroutine compare_all
-
-  !> The problem of the next step, with its guess.
-  subroutine next_problem(sim, problem)
-    type(simulation_t), intent(inout) :: sim
-    type(problem_t), intent(out) :: problem
-    type(error_t), allocatable :: error
-    logical :: is_renewed
-
-    associate (h => sim%options%step)
-      call predict(sim%scene, sim%time(), h, sim%options%theta)
-      call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_renewed, error)
-      if (is_renewed) then
-        call set_radii(sim%scene, sim%plan)
-        call predict(sim%scene, sim%time(), h, sim%options%theta)
-      end if
-      call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-      call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
-                    sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, problem)
-    end associate
-  end subroutine next_problem
 
   !> Both forms after some gluings: velocities, impulses and F_Gamma agree, and F_Gamma of all copies vanish together.
   subroutine compare(name, sim, problem, sweeps, gluings, n_bodies)

@@ -106,7 +106,7 @@ contains
     if (allocated(error)) call t%equal(error%code, exit_broken, 'with its exit code')
     call t%near(maxval(abs(sim%scene%bodies%position(:, 1) - place)), 0.0_wp, 0.0_wp, 'no body has moved')
     call t%check(sim%dump%is_begun, 'a dump has begun without being asked for')
-    call finish_dump(sim%dump, sim%problem, '.', 'a test', 4, name, error)
+    call finish_dump(sim%dump, sim%problem, '.', 'a test', 4, sim%comm, name, error)
     call t%check(.not. allocated(error), 'it is written')
     call read_fclib('./'//name, .true., problem, has_guess, error)
     call t%check(.not. allocated(error) .and. has_guess, 'it is read back, with the guess of the step')

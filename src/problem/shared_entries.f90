@@ -1,0 +1,168 @@
+!> Entries of H that other ranks' contacts have on the unknowns that this rank's contacts push.
+!!
+!! Each rank sends its entries to the ranks that own their unknowns, and these send each of them on to all others that have some
+!! of the same unknown. So every rank comes to know the rows of H that rows of W of its contacts are made of, and no others.
+module sg_shared_entries
+  use sg_comm, only: comm_t
+  use sg_kinds, only: wp, i4, i8
+  use sg_shared_unknowns, only: shared_unknowns_t
+  use sg_sorting, only: group_items
+  implicit none
+  private
+  public :: entries_t, exchange_entries
+
+  !> Reals of an entry in a message to its owner: number of the unknown, its place at the sender, then what follows below
+  integer, parameter :: n_sent = 6
+  !> Reals of an entry that is sent on: place of the unknown at the receiver, column, value, impulse and cohesion
+  integer, parameter :: n_passed = 5
+
+  !> Entries of H, in no order
+  type :: entries_t
+    !> How many
+    integer :: n = 0
+    !> Place of the unknown of each among those of this rank, and component of a contact in the whole problem
+    integer(i4), allocatable :: row(:), column(:)
+    !> Value, and along that component impulse and cohesion [N s]
+    real(wp), allocatable :: value(:), impulse(:), cohesion(:)
+  end type entries_t
+
+contains
+
+  !> Learn the entries of others, and what all impulses and cohesions do to the unknowns of this rank. Collective.
+  subroutine exchange_entries(own, unknowns, comm, others, pushed)
+    type(entries_t), intent(in) :: own !! of this rank's contacts
+    type(shared_unknowns_t), intent(in) :: unknowns !! unknowns that this rank has to do with
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(entries_t), intent(out) :: others !! of other ranks' contacts
+    real(wp), allocatable, intent(out) :: pushed(:, :) !! H r and H c of its own unknowns, shape (2, n_own)
+    real(wp), allocatable :: received(:), passed(:)
+    integer, allocatable :: counts(:), pass_counts(:)
+    integer :: i
+
+    call send_home(own, unknowns, comm, received, counts)
+    call pass_on(received, counts/n_sent, unknowns, comm, passed, pass_counts, pushed)
+    others%n = size(passed)/n_passed
+    allocate (others%row(others%n), others%column(others%n), others%value(others%n), others%impulse(others%n), &
+              others%cohesion(others%n))
+    do i = 1, others%n
+      associate (entry => passed(n_passed*(i - 1) + 1:n_passed*i))
+        others%row(i) = nint(entry(1), i4)
+        others%column(i) = nint(entry(2), i4)
+        others%value(i) = entry(3)
+        others%impulse(i) = entry(4)
+        others%cohesion(i) = entry(5)
+      end associate
+    end do
+  end subroutine exchange_entries
+
+  !> Send the entries to the owners of their unknowns.
+  subroutine send_home(own, unknowns, comm, received, counts)
+    type(entries_t), intent(in) :: own
+    type(shared_unknowns_t), intent(in) :: unknowns
+    type(comm_t), intent(inout) :: comm
+    real(wp), allocatable, intent(out) :: received(:)
+    integer, allocatable, intent(out) :: counts(:) !! reals from each rank
+    real(wp), allocatable :: last(:, :), send(:)
+    integer(i4) :: owner(own%n)
+    integer, allocatable :: first(:), item(:)
+    integer :: i, e
+
+    call comm%gather([real(unknowns%before, wp) + real(unknowns%n_own, wp)], last)
+    do e = 1, own%n
+      owner(e) = int(owner_of(last(1, :), unknowns%number(own%row(e))), i4)
+    end do
+    call group_items(owner, comm%size, first, item)
+    allocate (send(n_sent*own%n))
+    do i = 1, own%n
+      e = item(i)
+      send(n_sent*(i - 1) + 1:n_sent*i) = [real(unknowns%number(own%row(e)), wp), real(own%row(e), wp), real(own%column(e), wp), &
+                                           own%value(e), own%impulse(e), own%cohesion(e)]
+    end do
+    call comm%swap(send, n_sent*(first(2:) - first(:comm%size)), received, counts)
+  end subroutine send_home
+
+  !> The rank that owns an unknown, from 1: the first one whose last number is not below it.
+  pure integer function owner_of(last, number) result(lower)
+    real(wp), intent(in) :: last(:)
+    integer(i4), intent(in) :: number
+    integer :: upper, middle
+
+    lower = 1
+    upper = size(last)
+    do while (lower < upper)
+      middle = (lower + upper)/2
+      if (last(middle) < real(number, wp)) then
+        lower = middle + 1
+      else
+        upper = middle
+      end if
+    end do
+  end function owner_of
+
+  !> Sum what the entries received do to their unknowns, and send each to all ranks that have others of its unknown.
+  subroutine pass_on(received, from, unknowns, comm, passed, counts, pushed)
+    real(wp), intent(in) :: received(:)
+    integer, intent(in) :: from(0:) !! entries from each rank
+    type(shared_unknowns_t), intent(in) :: unknowns
+    type(comm_t), intent(inout) :: comm
+    real(wp), allocatable, intent(out) :: passed(:)
+    integer, allocatable, intent(out) :: counts(:)
+    real(wp), allocatable, intent(out) :: pushed(:, :)
+    real(wp), allocatable :: entry(:, :), send(:)
+    integer, allocatable :: first(:), item(:)
+    integer(i4), allocatable :: row(:), rank(:)
+    integer :: next(0:comm%size - 1), to(0:comm%size - 1), r, i
+
+    entry = reshape(received, [n_sent, size(received)/n_sent])
+    row = int(nint(entry(1, :), i8) - unknowns%before, i4)
+    allocate (rank(size(row)), pushed(2, unknowns%n_own))
+    pushed = 0
+    i = 0
+    do r = 0, comm%size - 1
+      rank(i + 1:i + from(r)) = int(r, i4)
+      i = i + from(r)
+    end do
+    do i = 1, size(row)
+      pushed(:, row(i)) = pushed(:, row(i)) + entry(4, i)*entry(5:6, i)
+    end do
+    call group_items(row, unknowns%n_own, first, item)
+    ! Count what each rank gets, then write it.
+    to = 0
+    allocate (send(0))
+    call walk(is_counting=.true.)
+    next(0) = 0
+    do r = 1, comm%size - 1
+      next(r) = next(r - 1) + to(r - 1)
+    end do
+    deallocate (send)
+    allocate (send(sum(to)))
+    call walk(is_counting=.false.)
+    call comm%swap(send, to, passed, counts)
+  contains
+    !> Each entry to each other rank, once, that has entries of the same unknown.
+    subroutine walk(is_counting)
+      logical, intent(in) :: is_counting
+      integer :: u, i, j, e, f
+
+      do u = 1, unknowns%n_own
+        do i = first(u), first(u + 1) - 1
+          f = item(i)
+          ! Entries of a rank follow one another: the first one tells its place of the unknown.
+          if (i > first(u)) then
+            if (rank(item(i - 1)) == rank(f)) cycle
+          end if
+          do j = first(u), first(u + 1) - 1
+            e = item(j)
+            if (rank(e) == rank(f)) cycle
+            if (is_counting) then
+              to(rank(f)) = to(rank(f)) + n_passed
+            else
+              send(next(rank(f)) + 1:next(rank(f)) + n_passed) = [entry(2, f), entry(3:6, e)]
+              next(rank(f)) = next(rank(f)) + n_passed
+            end if
+          end do
+        end do
+      end do
+    end subroutine walk
+  end subroutine pass_on
+end module sg_shared_entries
