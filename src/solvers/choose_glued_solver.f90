@@ -1,12 +1,11 @@
 !> The solver of a decomposed scene, from the deck's word for its gluing.
 module sg_choose_glued_solver
-  use sg_convergence, only: looks_at_errors
   use sg_dual, only: dual_t
   use sg_error, only: error_t, fail
   use sg_glued_solver, only: glued_solver_t
   use sg_momentum, only: momentum_t
   use sg_primal, only: primal_t
-  use sg_run_options, only: criterion_names, partition_options_t, solver_options_t
+  use sg_run_options, only: partition_options_t, solver_options_t
   implicit none
   private
   public :: choose_glued_solver
@@ -22,9 +21,6 @@ contains
 
     if (options%method /= 'nlgs') then
       call fail(error, 'the solver "'//trim(options%method)//'" works on one rank; on several take nlgs')
-    else if (.not. looks_at_errors(options%criterion)) then
-      call fail(error, 'the criterion "'//trim(criterion_names(options%criterion))//'" looks at the increments of one rank; '// &
-                'on several ranks take estimate, e8, e1, e2 or violation')
     end if
     if (allocated(error)) return
     select case (partition%gluing)

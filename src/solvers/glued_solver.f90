@@ -95,6 +95,7 @@ contains
     real(wp) :: start
 
     report%bytes_per_contact = bytes_per_contact(problem)
+    self%errors%criterion = self%options%criterion
     call self%errors%prepare(problem, comm)
     if (self%errors%contacts == 0) return
     start = cpu_now()
@@ -149,7 +150,7 @@ contains
     type(report_t), intent(inout) :: report
 
     call self%errors%finish(report, comm)
-    call self%convergence%judge(self%options, self%errors%velocity_scale, report, 0.0_wp)
+    call self%convergence%judge(self%options, self%errors%velocity_scale, report, self%errors%increments)
   end subroutine finish_test
 
   !> Take one of equal parts of the masses of shared bodies until the end of the solve.

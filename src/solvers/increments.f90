@@ -3,60 +3,78 @@
 !! They measure increments, not errors: a slow sweep passes them far from the solution (doc/theory/errors.md).
 module sg_increments
   use sg_kinds, only: wp
-  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
-                        round_frictionless, solid_frictional, solid_frictionless
+  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, problem_t, &
+                        round_frictional, round_frictionless, solid_frictional, solid_frictionless
   use sg_run_options, only: criterion_maxm, criterion_qm16
   use sg_sweep_order, only: sweep_order_t
+  use sg_sweeps, only: sweep_impulses
   use sg_vectors, only: cross
   implicit none
   private
-  public :: increment_criterion
+  public :: increments_t, increment_value, n_increment_sums, n_increment_maxima
+
+  !> Sums over contacts that carry or ask an impulse, and largest values among them, that the criteria are made of
+  integer, parameter :: n_increment_sums = 6, n_increment_maxima = 2
+
+  !> Room for what each contact asks, and for bodies that nothing moves
+  type :: increments_t
+    real(wp), allocatable, private :: asked(:, :), still(:, :)
+  contains
+    procedure :: measure => increments_measure
+  end type increments_t
 
 contains
 
-  !> Value of a criterion, to be compared with the tolerance.
-  pure real(wp) function increment_criterion(kind, order, asked, criterion) result(value)
-    integer, intent(in) :: kind !! kind of problem
-    type(sweep_order_t), intent(in) :: order !! contacts visited, with their records and impulses
-    real(wp), intent(in) :: asked(:, :) !! impulse that each of them asks while the others stay, shape (components, contacts)
-    integer, intent(in) :: criterion !! one of quad, maxm, qm16
+  !> Sums and largest values over the contacts of an order: of dv = W_aa (r_asked - r), of W_aa r, and of their products with r.
+  !!
+  !! What a contact asks while all others stay comes from a sweep over bodies that nothing moves, as LMGC90 tests.
+  subroutine increments_measure(self, problem, order, sums, maxima)
+    class(increments_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! problem with the velocities that its impulses cause
+    type(sweep_order_t), intent(in) :: order !! contacts to look at, with their records and impulses
+    real(wp), intent(out) :: sums(n_increment_sums) !! of dv^2, (W r)^2, dv.r, (W r).r, dv^2 r^2, and of contacts
+    real(wp), intent(out) :: maxima(n_increment_maxima) !! of dv^2 and dv^2 r^2
     real(wp) :: r(3), change(3), dv(3), wr(3)
-    real(wp) :: sum_dv2, sum_wr2, sum_dvr, sum_wrr, sum_dvr2, max_dv2, max_dvr2, mean_dvr, quad_dv, quad_dvr, max_dv, max_dvr
-    integer :: k, n, m
+    integer :: k, m
 
-    sum_dv2 = 0
-    sum_wr2 = 0
-    sum_dvr = 0
-    sum_wrr = 0
-    sum_dvr2 = 0
-    max_dv2 = 0
-    max_dvr2 = 0
-    n = 0
+    self%asked = order%impulse
+    self%still = problem%body
+    self%still(first_inverse(problem%kind):, :) = 0
+    call sweep_impulses(problem%kind, order, problem%n_bodies, 1.0_wp, self%asked, self%still)
+    sums = 0
+    maxima = 0
     r = 0
     change = 0
-    m = size(asked, 1)
+    m = size(self%asked, 1)
     do k = 1, order%n
-      if (.not. any(abs(asked(:, k)) + abs(order%impulse(:, k)) > 0)) cycle
-      n = n + 1
+      if (.not. any(abs(self%asked(:, k)) + abs(order%impulse(:, k)) > 0)) cycle
       r(:m) = order%impulse(:, k)
-      change(:m) = asked(:, k) - r(:m)
-      dv = block_times(kind, order%record(:, k), change)
-      wr = block_times(kind, order%record(:, k), r)
-      sum_dv2 = sum_dv2 + dot_product(dv, dv)
-      sum_wr2 = sum_wr2 + dot_product(wr, wr)
-      sum_dvr = sum_dvr + dot_product(dv, r)
-      sum_wrr = sum_wrr + dot_product(wr, r)
-      sum_dvr2 = sum_dvr2 + dot_product(dv, dv)*dot_product(r, r)
-      max_dv2 = max(max_dv2, dot_product(dv, dv))
-      max_dvr2 = max(max_dvr2, dot_product(dv, dv)*dot_product(r, r))
+      change(:m) = self%asked(:, k) - r(:m)
+      dv = block_times(problem%kind, order%record(:, k), change)
+      wr = block_times(problem%kind, order%record(:, k), r)
+      associate (dv2 => dot_product(dv, dv), r2 => dot_product(r, r))
+        sums = sums + [dv2, dot_product(wr, wr), dot_product(dv, r), dot_product(wr, r), dv2*r2, 1.0_wp]
+        maxima = max(maxima, [dv2, dv2*r2])
+      end associate
     end do
+  end subroutine increments_measure
+
+  !> Value of a criterion, to be compared with the tolerance.
+  pure real(wp) function increment_value(criterion, sums, maxima) result(value)
+    integer, intent(in) :: criterion !! one of quad, maxm, qm16
+    real(wp), intent(in) :: sums(n_increment_sums) !! over all contacts
+    real(wp), intent(in) :: maxima(n_increment_maxima) !! over all contacts
+    real(wp) :: mean_dvr, quad_dv, quad_dvr, max_dv, max_dvr
+
     value = 0
-    if (n == 0 .or. .not. (sum_wr2 > 0 .and. sum_wrr > 0)) return
-    mean_dvr = abs(sum_dvr)/sum_wrr
-    quad_dv = sqrt(sum_dv2/sum_wr2)
-    quad_dvr = sqrt(sum_dvr2*real(n, wp))/sum_wrr
-    max_dv = sqrt(max_dv2*real(n, wp)/sum_wr2)
-    max_dvr = sqrt(max_dvr2)*real(n, wp)/sum_wrr
+    associate (dv2 => sums(1), wr2 => sums(2), dvr => sums(3), wrr => sums(4), dvr2 => sums(5), n => sums(6))
+      if (.not. (n > 0 .and. wr2 > 0 .and. wrr > 0)) return
+      mean_dvr = abs(dvr)/wrr
+      quad_dv = sqrt(dv2/wr2)
+      quad_dvr = sqrt(dvr2*n)/wrr
+      max_dv = sqrt(maxima(1)*n/wr2)
+      max_dvr = sqrt(maxima(2))*n/wrr
+    end associate
     select case (criterion)
     case (criterion_maxm)
       value = max(mean_dvr, max_dv, max_dvr)
@@ -65,7 +83,7 @@ contains
     case default
       value = max(mean_dvr, quad_dv, quad_dvr)
     end select
-  end function increment_criterion
+  end function increment_value
 
   !> Block of W of a contact times an impulse [m/s], components as impulses have them.
   pure function block_times(kind, record, r) result(v)

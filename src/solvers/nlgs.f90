@@ -5,15 +5,15 @@
 module sg_nlgs
   use sg_compact, only: add_impulses
   use sg_convergence, only: convergence_t, looks_at_errors
-  use sg_increments, only: increment_criterion
+  use sg_increments, only: increment_value, increments_t, n_increment_maxima, n_increment_sums
   use sg_kinds, only: wp, i8
-  use sg_problem, only: bytes_per_contact, first_inverse, is_in_space, problem_t
+  use sg_problem, only: bytes_per_contact, is_in_space, problem_t
   use sg_report, only: report_t
   use sg_residuals, only: choose_visited, measure_errors
   use sg_run_options, only: criterion_e1, criterion_e2, solver_options_t
   use sg_solver, only: solver_t
   use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
-  use sg_sweeps, only: sweep, sweep_impulses
+  use sg_sweeps, only: sweep
   use sg_timers, only: cpu_now
   implicit none
   private
@@ -29,8 +29,8 @@ module sg_nlgs
     logical, allocatable, private :: is_wanted(:)
     !> Tests of this solve
     type(convergence_t), private :: convergence
-    !> For criteria that look at increments: what each contact asks, and bodies that nothing moves
-    real(wp), allocatable, private :: asked(:, :), still(:, :)
+    !> For criteria that look at increments
+    type(increments_t), private :: increments
   contains
     procedure :: solve => nlgs_solve
   end type nlgs_t
@@ -115,7 +115,7 @@ contains
     class(nlgs_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
     type(report_t), intent(inout) :: report
-    real(wp) :: increments
+    real(wp) :: increments, sums(n_increment_sums), maxima(n_increment_maxima)
     integer :: visited, missed
     logical :: is_last
 
@@ -123,8 +123,8 @@ contains
     call measure_errors(problem, report, is_last .or. any(self%options%criterion == [criterion_e1, criterion_e2]))
     increments = 0
     if (.not. looks_at_errors(self%options%criterion)) then
-      call ask_all(self, problem)
-      increments = increment_criterion(problem%kind, self%order, self%asked, self%options%criterion)
+      call self%increments%measure(problem, self%order, sums, maxima)
+      increments = increment_value(self%options%criterion, sums, maxima)
     end if
     call self%convergence%judge(self%options, problem%velocity_scale, report, increments)
     if (is_last .or. .not. self%convergence%is_choice_due) return
@@ -133,14 +133,4 @@ contains
       call set_order(self%order, problem, self%is_wanted, self%options)
     end if
   end subroutine check
-
-  !> What each contact asks while all others stay: a sweep over bodies that nothing moves, as LMGC90 tests.
-  subroutine ask_all(self, problem)
-    class(nlgs_t), intent(inout) :: self
-    type(problem_t), intent(in) :: problem
-    self%asked = self%order%impulse
-    self%still = problem%body
-    self%still(first_inverse(problem%kind):, :) = 0
-    call sweep_impulses(problem%kind, self%order, problem%n_bodies, 1.0_wp, self%asked, self%still)
-  end subroutine ask_all
 end module sg_nlgs

@@ -1,10 +1,14 @@
 !> Errors of the whole problem from its parts: sums over ranks, made while sweeps go on.
 module sg_whole_errors
   use sg_comm, only: comm_t
+  use sg_convergence, only: looks_at_errors
+  use sg_increments, only: increment_value, increments_t, n_increment_maxima, n_increment_sums
   use sg_kinds, only: wp
   use sg_problem, only: is_in_space, problem_t
   use sg_report, only: report_t
   use sg_residuals, only: n_error_sums, set_errors, sum_errors
+  use sg_run_options, only: criterion_estimate, criterion_quad, solver_options_t
+  use sg_sweep_order, only: set_order, sweep_order_t
   implicit none
   private
   public :: whole_errors_t
@@ -18,6 +22,12 @@ module sg_whole_errors
     !> What is being summed: e1 too? And contacts of this rank that carry an impulse
     logical, private :: with_e1 = .false.
     integer, private :: active = 0
+    !> Criterion that the solve ends by; one that looks at increments is summed too, over all contacts in their natural order
+    integer :: criterion = criterion_estimate
+    real(wp) :: increments = 0
+    type(increments_t), private :: asked
+    type(sweep_order_t), private :: order
+    real(wp), private :: maxima(n_increment_maxima) = 0
   contains
     procedure :: prepare => errors_prepare
     procedure :: begin => errors_begin
@@ -52,25 +62,45 @@ contains
     logical, intent(in) :: with_e1 !! measure e1 and e2 too
     type(comm_t), intent(inout) :: comm !! the ranks
 
-    real(wp) :: sums(n_error_sums + 1)
+    real(wp) :: sums(n_error_sums + 1), increments(n_increment_sums)
 
     sums = [sum_errors(problem, with_e1), 0.0_wp]
     ! The sum at the end of a solve, which has e1, tells also whether a velocity broke.
     if (with_e1) sums(n_error_sums + 1) = merge(0.0_wp, 1.0_wp, all(abs(problem%body) <= huge(1.0_wp)))
+    increments = 0
+    if (.not. looks_at_errors(self%criterion)) call measure_increments(self, problem, increments)
     self%with_e1 = with_e1
     self%active = nint(sums(6))
-    call comm%begin_sum(sums)
+    call comm%begin_sum([sums, increments])
   end subroutine errors_begin
+
+  !> What all contacts of this rank ask.
+  subroutine measure_increments(self, problem, sums)
+    class(whole_errors_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
+    real(wp), intent(out) :: sums(:)
+    logical :: is_wanted(problem%n_contacts)
+    type(solver_options_t) :: natural
+
+    is_wanted = .true.
+    natural%order = 'natural'
+    call set_order(self%order, problem, is_wanted, natural)
+    call self%asked%measure(problem, self%order, sums, self%maxima)
+  end subroutine measure_increments
 
   !> Take the errors of the whole problem from the sums that were begun.
   subroutine errors_finish(self, report, comm)
-    class(whole_errors_t), intent(in) :: self
+    class(whole_errors_t), intent(inout) :: self
     type(report_t), intent(inout) :: report !! errors of all ranks' contacts and active contacts of this one are set
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: sums(n_error_sums + 1)
+    real(wp) :: sums(n_error_sums + 1 + n_increment_sums)
 
     call comm%finish_sum(sums)
     report%is_finite = .not. sums(n_error_sums + 1) > 0
+    if (.not. looks_at_errors(self%criterion)) then
+      if (self%criterion /= criterion_quad) call comm%maximum(self%maxima)
+      self%increments = increment_value(self%criterion, sums(n_error_sums + 2:), self%maxima)
+    end if
     call set_errors(sums(:n_error_sums), self%contacts, self%free_norm, self%velocity_scale, self%with_e1, report)
     report%active_contacts = self%active
   end subroutine errors_finish

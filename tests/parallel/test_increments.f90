@@ -1,0 +1,93 @@
+!> Criteria that look at increments: several ranks find the value that one rank finds.
+program test_increments_ranks
+  use harness, only: tests_t
+  use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
+  use sg_comm, only: comm_t
+  use sg_compact, only: add_impulses
+  use sg_error, only: error_t
+  use sg_increments, only: increment_value, increments_t, n_increment_maxima, n_increment_sums
+  use sg_kinds, only: wp
+  use sg_problem, only: problem_t
+  use sg_report, only: report_t
+  use sg_run_options, only: criterion_maxm, criterion_names, criterion_qm16, criterion_quad, solver_options_t
+  use sg_simulation, only: decompose, simulation_t
+  use sg_sweep_order, only: set_order, sweep_order_t
+  implicit none
+  character(len=*), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'contacts']
+  integer, parameter :: criteria(3) = [criterion_quad, criterion_maxm, criterion_qm16]
+  type(tests_t) :: t
+  type(comm_t) :: comm
+  integer :: i
+
+  call comm%start()
+  do i = 1, size(gluings)
+    call test_pack('disks', trim(gluings(i)))
+  end do
+  ! Not by `contacts`, which drops a trace of an impulse that the guess has, and so counts a contact less.
+  call test_pack('pressed disks', 'dual')
+  call test_pack('pressed disks', 'primal')
+  call test_pack('frictionless disks', 'dual')
+  call test_pack('polygons', 'primal')
+  call test_pack('spheres', 'dual')
+  if (can_be_made('polyhedra')) call test_pack('polyhedra', 'primal')
+  call t%finish(comm)
+
+contains
+
+  !> Compare the criteria of the guess of a step.
+  subroutine test_pack(name, gluing)
+    character(len=*), intent(in) :: name, gluing
+    type(simulation_t) :: sim
+    type(problem_t) :: problem
+    type(report_t) :: report
+    type(error_t), allocatable :: error
+    real(wp) :: values(size(criteria))
+    integer :: c
+
+    call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
+    call advance_pack(t, name, sim, 60)
+    sim%comm = comm
+    sim%options%partition%gluing = gluing
+    sim%options%partition%boxes = [comm%size, 1, 1]
+    sim%options%solver%maximum_sweeps = 0
+    call values_of_one(name, values)
+    if (comm%size == 1) return
+    call decompose(sim, error)
+    call t%check(.not. allocated(error), name//': split')
+    do c = 1, size(criteria)
+      if (c == 1) call next_problem(sim, problem)
+      sim%problem = problem
+      sim%glued_solver%options%criterion = criteria(c)
+      call sim%glued_solver%solve(sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, report)
+      ! Sums of some hundred numbers, of velocities to which the guess of all contacts adds.
+      call t%near(sim%glued_solver%errors%increments, values(c), 1e-9_wp*values(c), &
+                  name//', '//gluing//': '//trim(criterion_names(criteria(c))))
+    end do
+  end subroutine test_pack
+
+  !> The same by one rank that holds all.
+  subroutine values_of_one(name, values)
+    character(len=*), intent(in) :: name
+    real(wp), intent(out) :: values(:)
+    type(simulation_t) :: sim
+    type(problem_t) :: problem
+    type(increments_t) :: increments
+    type(sweep_order_t) :: order
+    real(wp) :: sums(n_increment_sums), maxima(n_increment_maxima)
+    logical, allocatable :: is_wanted(:)
+    integer :: c
+
+    call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
+    call advance_pack(t, name, sim, 60)
+    call next_problem(sim, problem)
+    call add_impulses(problem)
+    allocate (is_wanted(problem%n_contacts), source=.true.)
+    call set_order(order, problem, is_wanted, solver_options_t())
+    call increments%measure(problem, order, sums, maxima)
+    do c = 1, size(criteria)
+      values(c) = increment_value(criteria(c), sums, maxima)
+    end do
+    call t%check(all(values > 1e-6_wp), name//': the guess is not the solution')
+    call t%check(values(2) > values(1) .and. values(2) > values(3), name//': maxm is the largest of them')
+  end subroutine values_of_one
+end program test_increments_ranks
