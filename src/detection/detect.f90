@@ -1,6 +1,6 @@
 !> Detection: from the configuration of a step to its contacts, with the impulses of the last step as a guess.
 module sg_detect
-  use sg_contactors, only: kind_hollow, kind_wall, place_contactors
+  use sg_contactors, only: contactors_t, kind_hollow, kind_hollow_cylinder, kind_plane, kind_sphere, kind_wall, place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, recall, unwrap_images
   use sg_kinds, only: wp, i1, i4
@@ -10,7 +10,8 @@ module sg_detect
   use sg_touch, only: touch_t
   use sg_touch_pair, only: touch_pair
   use sg_touch_space, only: touch_space_t
-  use sg_touch_space_pair, only: spheres_are_apart, touch_space_pair
+  use sg_touch_space_pair, only: touch_space_pair
+  use sg_touch_sphere_sphere, only: touch_sphere_sphere
   implicit none
   private
   public :: detect
@@ -105,9 +106,15 @@ contains
     integer :: i
 
     offset = [scene%period*real(pairs%image(p), wp), scene%period_y*real(pairs%image_y(p), wp), 0.0_wp]
-    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert)
-      if (spheres_are_apart(scene%contactors, c, a, offset, alert)) return
-      call touch_space_pair(scene%contactors, c, a, offset, alert, [scene%period, scene%period_y], touch)
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert, &
+               contactors => scene%contactors)
+      if (spheres_are_apart(contactors, c, a, offset, alert)) return
+      if (contactors%kind(c) == kind_sphere .and. contactors%kind(a) == kind_sphere) then
+        call touch_sphere_sphere(contactors%centre(:, c), contactors%reach(c), contactors%centre(:, a) + offset, &
+                                 contactors%reach(a), alert, touch)
+      else
+        call touch_space_pair(contactors, c, a, offset, alert, [scene%period, scene%period_y], touch)
+      end if
     end associate
     if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
     do i = 1, touch%n
@@ -133,6 +140,22 @@ contains
       apart = x**2 + y**2 > limit**2
     end associate
   end function circles_are_apart
+
+  !> Are the spheres about two shapes farther apart than the alert distance? Most neighbours' are; a square tells.
+  pure logical function spheres_are_apart(contactors, c, a, offset, alert) result(apart)
+    type(contactors_t), intent(in) :: contactors
+    integer(i4), intent(in) :: c
+    integer(i4), intent(in) :: a
+    real(wp), intent(in) :: offset(3)
+    real(wp), intent(in) :: alert
+    real(wp) :: between(3), limit
+
+    apart = .false.
+    if (contactors%kind(a) == kind_plane .or. contactors%kind(a) == kind_hollow_cylinder) return
+    between = contactors%centre(:, c) - contactors%centre(:, a) - offset
+    limit = contactors%reach(c) + contactors%reach(a) + alert
+    apart = between(1)**2 + between(2)**2 + between(3)**2 > limit**2
+  end function spheres_are_apart
 
   !> Add one point of contact, with the impulse of its past.
   subroutine add_contact(scene, pairs, history, p, normal, point, gap, feature, contacts)

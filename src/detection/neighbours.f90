@@ -265,27 +265,31 @@ contains
     integer, intent(in) :: crossed(:, :) !! periods between each contactor and its centre, in x and y
     real(wp), intent(in) :: centre(:, :) !! within the period
     integer, intent(in) :: i, level
-    integer(i4) :: home(3), cell(3), bucket
-    integer :: column, row, layer, m, j, axis, image(2), layers
+    integer(i4) :: home(3), cell(3), wrapped(-1:1, 3), bucket
+    integer :: column, row, layer, m, j, axis, step, images(-1:1, 3), layers
 
     home = level_cell(cells, level, centre(:, i))
+    images = 0
+    do axis = 1, 3
+      do step = -1, 1
+        wrapped(step, axis) = home(axis) + int(step, i4)
+        if (cells%columns(axis, level) == 0) cycle
+        wrapped(step, axis) = modulo(wrapped(step, axis), cells%columns(axis, level))
+        images(step, axis) = (home(axis) + step - wrapped(step, axis))/cells%columns(axis, level)
+      end do
+    end do
     layers = scene%dimension - 2
     do layer = -layers, layers
       do row = -1, 1
         do column = -1, 1
-          cell = home + [column, row, layer]
-          image = 0
-          do axis = 1, 2
-            if (cells%columns(axis, level) == 0) cycle
-            image(axis) = (cell(axis) - modulo(cell(axis), cells%columns(axis, level)))/cells%columns(axis, level)
-            cell(axis) = modulo(cell(axis), cells%columns(axis, level))
-          end do
+          cell = [wrapped(column, 1), wrapped(row, 2), wrapped(layer, 3)]
           bucket = cells%bucket(level, cell)
           do m = cells%first(bucket), cells%first(bucket + 1) - 1
             j = cells%member(m)
+            if (j <= i .and. level == cells%level(i)) cycle
             if (cells%level(j) /= level .or. any(cells%cell(:, j) /= cell)) cycle
-            if (level == cells%level(i) .and. j <= i) cycle
-            call consider(pairs, scene, table, order(i), order(j), image + crossed(:, i) - crossed(:, j))
+            call consider(pairs, scene, table, order(i), order(j), &
+                          [images(column, 1), images(row, 2)] + crossed(:, i) - crossed(:, j))
           end do
         end do
       end do

@@ -15,25 +15,9 @@ module sg_touch_space_pair
   use sg_touch_sphere_sphere, only: touch_sphere_sphere
   implicit none
   private
-  public :: touch_space_pair, spheres_are_apart, plane_axes, facing_half
+  public :: touch_space_pair, plane_axes, facing_half
 
 contains
-
-  !> Are the spheres about two shapes farther apart than the alert distance? Most neighbours' are; a square tells.
-  pure logical function spheres_are_apart(contactors, c, a, offset, alert) result(apart)
-    type(contactors_t), intent(in) :: contactors !! placed contactors
-    integer(i4), intent(in) :: c !! candidate
-    integer(i4), intent(in) :: a !! antagonist
-    real(wp), intent(in) :: offset(3) !! shift of the antagonist [m]
-    real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
-    real(wp) :: between(3), limit
-
-    apart = .false.
-    if (contactors%kind(a) == kind_plane .or. contactors%kind(a) == kind_hollow_cylinder) return
-    between = contactors%centre(:, c) - contactors%centre(:, a) - offset
-    limit = contactors%reach(c) + contactors%reach(a) + alert
-    apart = between(1)**2 + between(2)**2 + between(3)**2 > limit**2
-  end function spheres_are_apart
 
   !> Narrow phase of one pair.
   pure subroutine touch_space_pair(contactors, c, a, offset, alert, period, touch)
