@@ -6,13 +6,10 @@ module sg_residuals
   use sg_kinds, only: wp
   use sg_problem, only: arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, round_frictionless
   use sg_report, only: ratio, report_t
-  use sg_residuals_space, only: add_space_contacts, approaching
+  use sg_residuals_space, only: add_space_contacts, chunk, find_approaching
   implicit none
   private
   public :: measure_errors, sum_errors, set_errors, choose_visited, natural_map, n_error_sums
-
-  !> Contacts gathered at a time: their data stay in the first cache, and the map runs over them in vector registers
-  integer, parameter :: chunk = 128
 
   !> Sums that the errors of a problem are made of
   integer, parameter :: n_error_sums = 6
@@ -91,23 +88,22 @@ contains
     integer, intent(out) :: missed !! how many of them were not visited so far
     type(chunk_t) :: a
     real(wp) :: limit
-    integer :: first, i
-    logical :: is_slow
+    integer :: first, n, i
+    logical :: is_slow(chunk)
 
     limit = speed_limit*report%violation*problem%velocity_scale
     visited = 0
     missed = 0
-    if (is_in_space(problem%kind)) then
-      do i = 1, problem%n_contacts
-        call note(approaching(problem, i, limit), is_wanted(i), visited, missed)
-      end do
-      return
-    end if
     do first = 1, problem%n_contacts, chunk
-      call gather(problem, first, a)
-      do i = 1, a%n
-        is_slow = a%rho(i) > 0 .and. (abs(a%r_n(i)) + abs(a%r_t(i)) > 0 .or. a%u_n(i) <= limit)
-        call note(is_slow, is_wanted(first + i - 1), visited, missed)
+      if (is_in_space(problem%kind)) then
+        call find_approaching(problem, first, limit, n, is_slow)
+      else
+        call gather(problem, first, a)
+        n = a%n
+        is_slow(:n) = a%rho(:n) > 0 .and. (abs(a%r_n(:n)) + abs(a%r_t(:n)) > 0 .or. a%u_n(:n) <= limit)
+      end if
+      do i = 1, n
+        call note(is_slow(i), is_wanted(first + i - 1), visited, missed)
       end do
     end do
   end subroutine choose_visited

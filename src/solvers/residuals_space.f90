@@ -5,7 +5,7 @@ module sg_residuals_space
   use sg_problem, only: ball_frictional, ball_frictionless, problem_t, solid_frictional, solid_frictionless
   implicit none
   private
-  public :: add_space_contacts, approaching
+  public :: add_space_contacts, find_approaching, chunk
 
   !> Contacts gathered at a time: their data stay in the first cache, and the map runs over them in vector registers
   integer, parameter :: chunk = 128
@@ -93,22 +93,23 @@ contains
     end if
   end subroutine map_squares
 
-  !> Does a contact carry an impulse, or close faster or part slower than a limit?
-  pure logical function approaching(problem, k, limit)
+  !> Which contacts of a chunk, from one on, carry an impulse, or close faster or part slower than a limit.
+  pure subroutine find_approaching(problem, first, limit, n, is_slow)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
-    integer, intent(in) :: k !! contact
+    integer, intent(in) :: first !! first contact
     real(wp), intent(in) :: limit !! normal velocity [m/s]
-    real(wp) :: u(3)
+    integer, intent(out) :: n !! contacts of the chunk
+    logical, intent(out) :: is_slow(chunk) !! of each; those that take no part are not
+    type(chunk_t) :: a
+    integer :: i
 
-    associate (record => problem%record(:, k), r => problem%impulse(:, k))
-      approaching = scale_of(problem%kind, record) > 0
-      if (.not. approaching) return
-      if (any(abs(r) > 0)) return
-      u = space_velocity(problem, k)
-      approaching = u(1) <= limit
-      if (size(r) == 3) approaching = dot_product(u, record(1:3)) <= limit
-    end associate
-  end function approaching
+    call gather(problem, first, a)
+    n = a%n
+    do i = 1, n
+      is_slow(i) = a%rho(i) > 0 .and. (abs(a%r(i, 1)) + abs(a%r(i, 2)) + abs(a%r(i, 3)) > 0 &
+                   .or. a%normal(i, 1)*a%u(i, 1) + a%normal(i, 2)*a%u(i, 2) + a%normal(i, 3)*a%u(i, 3) <= limit)
+    end do
+  end subroutine find_approaching
 
   !> 1/lambda_max(W_aa) of a contact [kg].
   pure real(wp) function scale_of(kind, record) result(rho)
