@@ -82,18 +82,22 @@ contains
     real(wp), intent(in) :: v(3) !! vector in the body's frame
     real(wp) :: image(3), t(3)
 
-    t = 2*cross(q(2:4), v)
-    image = v + q(1)*t + cross(q(2:4), t)
+    ! v + 2 w (x cross v) + 2 x cross (x cross v), written out: every body in space is turned several times a step.
+    t(1) = 2*(q(3)*v(3) - q(4)*v(2))
+    t(2) = 2*(q(4)*v(1) - q(2)*v(3))
+    t(3) = 2*(q(2)*v(2) - q(3)*v(1))
+    image(1) = v(1) + q(1)*t(1) + q(3)*t(3) - q(4)*t(2)
+    image(2) = v(2) + q(1)*t(2) + q(4)*t(1) - q(2)*t(3)
+    image(3) = v(3) + q(1)*t(3) + q(2)*t(2) - q(3)*t(1)
   end function turned_by
 
   !> A vector of the world in the body's frame.
   pure function turned_back(q, v) result(image)
     real(wp), intent(in) :: q(4) !! orientation, of length one
     real(wp), intent(in) :: v(3) !! vector in the world
-    real(wp) :: image(3), t(3)
+    real(wp) :: image(3)
 
-    t = 2*cross(v, q(2:4))
-    image = v + q(1)*t + cross(t, q(2:4))
+    image = turned_by([q(1), -q(2:4)], v)
   end function turned_back
 
   !> The frame of a quaternion, orthonormal to rounding whatever the quaternion's length.

@@ -14,7 +14,6 @@ module sg_energy
   use sg_mapping_space, only: space_arms
   use sg_rotations, only: no_rotation, turned_back, turned_by, turned_on
   use sg_scene, only: scene_t
-  use sg_vectors, only: cross
   implicit none
   private
   public :: energy_t, kinetic_energy, potential_energy, energy_closure, energy_sums, closure_of, n_energy_values, n_energy_sums
@@ -120,7 +119,11 @@ contains
       u = velocity(1:3, c) - velocity(1:3, a)
       if (size(spin, 2) == 0) return
       arms = space_arms(scene, contacts, k)
-      u = u + cross(spin(:, c), arms(:, 1)) - cross(spin(:, a), arms(:, 2))
+      associate (p => spin(:, c), q => spin(:, a), x => arms(:, 1), y => arms(:, 2))
+        u(1) = u(1) + p(2)*x(3) - p(3)*x(2) - q(2)*y(3) + q(3)*y(2)
+        u(2) = u(2) + p(3)*x(1) - p(1)*x(3) - q(3)*y(1) + q(1)*y(3)
+        u(3) = u(3) + p(1)*x(2) - p(2)*x(1) - q(1)*y(2) + q(2)*y(1)
+      end associate
     end associate
   end function jump_at
 

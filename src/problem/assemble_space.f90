@@ -109,7 +109,11 @@ contains
     case (ball_frictionless)
       record = [n, law%bias(1) + dot_product(n, driven_spin(scene, contacts, k)), active]
     case (ball_frictional)
-      record = [n, bias + driven_spin(scene, contacts, k), active, active, law%friction]
+      ! Part by part: an array constructor would be made aside and copied.
+      record(1:3) = n
+      record(4:6) = bias + driven_spin(scene, contacts, k)
+      record(7:8) = active
+      record(9) = law%friction
     case (solid_frictionless)
       arms = space_arms(scene, contacts, k)
       record = [n, cross(arms(:, 1), n), cross(arms(:, 2), n), law%bias(1), active]

@@ -14,7 +14,7 @@ contains
   pure function space_velocity(problem, k) result(u)
     type(problem_t), intent(in) :: problem !! problem
     integer, intent(in) :: k !! contact
-    real(wp) :: u(3), n(3)
+    real(wp) :: u(3), n(3), s(3)
     integer :: c, a
 
     c = problem%pair(1, k)
@@ -26,7 +26,11 @@ contains
       case (ball_frictionless)
         u = [dot_product(n, u) + record(4), 0.0_wp, 0.0_wp]
       case (ball_frictional)
-        u = u - cross(body(4:6, c) + body(4:6, a), n) + record(4:6)
+        ! Written out, as what `push_balls` does: the compiler calls a procedure of another file, and this is most of the work.
+        s = body(4:6, c) + body(4:6, a)
+        u(1) = u(1) - s(2)*n(3) + s(3)*n(2) + record(4)
+        u(2) = u(2) - s(3)*n(1) + s(1)*n(3) + record(5)
+        u(3) = u(3) - s(1)*n(2) + s(2)*n(1) + record(6)
       case (solid_frictionless)
         u = [dot_product(n, u) + dot_product(record(4:6), body(4:6, c)) - dot_product(record(7:9), body(4:6, a)) + record(10), &
              0.0_wp, 0.0_wp]
@@ -62,7 +66,9 @@ contains
     real(wp), intent(in) :: p(3), n(3)
     real(wp) :: turn(3)
 
-    turn = cross(p, n)
+    turn(1) = p(2)*n(3) - p(3)*n(2)
+    turn(2) = p(3)*n(1) - p(1)*n(3)
+    turn(3) = p(1)*n(2) - p(2)*n(1)
     c(1:3) = c(1:3) + c(7)*p
     a(1:3) = a(1:3) - a(7)*p
     c(4:6) = c(4:6) + c(8)*turn
