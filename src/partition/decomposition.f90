@@ -1,8 +1,9 @@
 !> The decomposition of a scene over ranks, from its beginning on: who owns what, and how that changes with the motion.
 !!
-!! Bodies keep their homes until the split is made anew (every so many steps, or when the loads are uneven). Copies are made
-!! anew whenever lists of neighbours are, on all ranks at once: then contacts with their impulses follow their owners. Gluing
-!! impulses are no state: they follow from the impulses of the contacts (doc/theory/decomposition.md).
+!! Bodies keep their homes until the split is made anew (every so many steps, or when the loads are uneven). Lists of neighbours
+!! are made anew on all ranks at once; copies with them when grains have moved through the margin of the last ones: then contacts
+!! with their impulses follow their owners. Gluing impulses are no state: they follow from the impulses of the contacts
+!! (doc/theory/decomposition.md).
 module sg_decomposition
   use sg_boxes, only: choose_boxes, split_boxes
   use sg_comm, only: comm_t
@@ -10,6 +11,7 @@ module sg_decomposition
   use sg_deal, only: deal_grains
   use sg_error, only: error_t
   use sg_halo, only: make_halo
+  use sg_halo_margin, only: halo_margin_t
   use sg_history, only: history_t, resume_history, start_history
   use sg_home_sum, only: copy_from_home
   use sg_homes, only: owner_of
@@ -19,6 +21,7 @@ module sg_decomposition
   use sg_migrate, only: migrate, take_part
   use sg_neighbours, only: fitting_skin, neighbours_are_stale, neighbours_t
   use sg_parcels, only: parcel_t
+  use sg_renumber, only: renumber_contacts
   use sg_run_options, only: partition_options_t
   use sg_scene, only: scene_t, start_contact_t
   use sg_subdomain, only: subdomain_t
@@ -45,6 +48,8 @@ module sg_decomposition
     !> Steps since the split was made, largest load of a rank over the mean one at the last look
     integer :: age = 0
     real(wp) :: imbalance = 1
+    !> How far copies reach
+    type(halo_margin_t), private :: margin
     !> Contacts known before the first step, with the numbers of the whole scene: read from a deck, or from a restart file
     type(start_contact_t), allocatable, private :: start_contacts(:)
     type(parcel_t), private :: resumed
@@ -153,40 +158,51 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
     logical, intent(out) :: is_renewed !! was the part made anew? Then predict again
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the graph cannot be split
-    integer(i4), allocatable :: home(:)
+    integer(i4), allocatable :: home(:), former(:)
     type(parcel_t) :: travelling
     real(wp) :: skin
 
     self%age = self%age + 1
-    is_renewed = comm%any(self%is_first .or. must_split(self) .or. neighbours_are_stale(pairs, scene))
-    if (.not. is_renewed) return
+    is_renewed = .false.
+    if (.not. comm%any(self%is_first .or. must_split(self) .or. neighbours_are_stale(pairs, scene))) return
     skin = common_skin(scene, comm)
+    call forget_pairs(pairs, skin)
+    if (.not. self%is_first) self%imbalance = imbalance(comm, real(contacts%n, wp))
+    is_renewed = self%is_first .or. must_split(self)
+    if (.not. is_renewed) is_renewed = .not. self%margin%holds(scene, skin, comm)
+    if (.not. is_renewed) return
+    call self%margin%choose(scene, skin, comm)
     if (self%is_first) then
-      call make_halo(scene, self%whole, self%subdomain, margin_of(scene, skin, comm), comm)
+      call make_halo(scene, self%whole, self%subdomain, self%margin%width, comm)
       call start_contacts_here(self, scene, history, contacts, step)
-    else
+    else if (must_split(self)) then
       call new_homes(self, scene, contacts, comm, home, error)
       if (allocated(error)) return
-      if (allocated(home)) then
-        call send_contacts(contacts, scene, home, comm, travelling)
-        call migrate(scene, home, comm)
-      else
-        call pack_contacts(contacts, scene, scene%bodies%home, travelling)
-      end if
-      call make_halo(scene, self%whole, self%subdomain, margin_of(scene, skin, comm), comm)
+      call send_contacts(contacts, scene, home, comm, travelling)
+      call migrate(scene, home, comm)
+      call make_halo(scene, self%whole, self%subdomain, self%margin%width, comm)
       call unpack_contacts(travelling, scene, contacts)
       call resume_history(history, contacts)
+    else
+      former = scene%contactors%id(:scene%contactors%n)
+      call make_halo(scene, self%whole, self%subdomain, self%margin%width, comm)
+      call renumber_contacts(contacts, former, scene)
+      call resume_history(history, contacts)
     end if
+    call self%margin%start(scene)
     self%is_first = .false.
-    call forget_pairs(pairs, skin)
   end subroutine decomposition_renew
 
-  !> Is a new split due whatever the loads are?
+  !> Is a new split due: by its age, by the loads found last, or because there had been no graph to split yet? The same on all
+  !! ranks.
   pure logical function must_split(self)
     class(decomposition_t), intent(in) :: self
 
     must_split = .false.
+    if (self%is_first) return
     if (self%options%every > 0) must_split = self%age >= self%options%every
+    must_split = must_split .or. self%imbalance > self%options%imbalance .or. &
+                 (self%options%split == 'graph' .and. self%subdomain%splits == 1)
   end function must_split
 
   !> One skin for all ranks [m].
@@ -201,24 +217,7 @@ contains
     skin = widest(1)
   end function common_skin
 
-  !> How near another rank's grains a body must be for its contacts before the next search [m]: the alert distance, the skin,
-  !! and what both move from where they are to where contacts are sought.
-  real(wp) function margin_of(scene, skin, comm) result(margin)
-    type(scene_t), intent(in) :: scene
-    real(wp), intent(in) :: skin
-    type(comm_t), intent(inout) :: comm
-    real(wp) :: most(1)
-    integer :: n
-
-    n = scene%dimension
-    most = 0
-    if (scene%bodies%n > 0) most = sqrt(maxval(sum((scene%bodies%middle(:n, :) - scene%bodies%position)**2, 1)))
-    call comm%maximum(most)
-    margin = skin + 2*most(1)
-    if (size(scene%sees) > 0) margin = margin + maxval(scene%sees%alert)
-  end function margin_of
-
-  !> New homes of this rank's bodies and of its copies, where a new split is due; unallocated where it is not.
+  !> New homes of this rank's bodies and of its copies.
   subroutine new_homes(self, scene, contacts, comm, home, error)
     class(decomposition_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
@@ -229,9 +228,6 @@ contains
     real(wp) :: moved(1)
     integer :: n
 
-    self%imbalance = imbalance(comm, real(contacts%n, wp))
-    if (.not. (must_split(self) .or. self%imbalance > self%options%imbalance .or. &
-               (self%options%split == 'graph' .and. self%subdomain%splits == 1))) return
     call deal_grains(comm, self%options, self%subdomain, scene%bodies, contacts, home, error)
     if (allocated(error)) return
     n = scene%bodies%n_home
@@ -242,6 +238,7 @@ contains
     self%subdomain%moved = self%subdomain%moved + moved(1)
     self%subdomain%splits = self%subdomain%splits + 1
     self%age = 0
+    self%imbalance = 1
   end subroutine new_homes
 
   !> Tell a whole number of each own body to all that hold copies of it.

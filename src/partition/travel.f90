@@ -17,19 +17,17 @@ module sg_travel
 
 contains
 
-  !> Append the contacts that a rank will own, or all where no rank is given.
+  !> Append the contacts that a rank will own.
   subroutine pack_contacts(contacts, scene, home, parcel, rank)
     type(contacts_t), intent(in) :: contacts !! contacts of the last step
     type(scene_t), intent(in) :: scene !! scene whose contactors they name
     integer(i4), intent(in) :: home(:) !! home of each body of that scene from now on, -1 for wide ones
     type(parcel_t), intent(inout) :: parcel !! takes the records
-    integer, intent(in), optional :: rank !! rank whose contacts are wanted
+    integer, intent(in) :: rank !! rank whose contacts are wanted
     integer :: k
 
     do k = 1, contacts%n
-      if (present(rank)) then
-        if (owner_of(home(scene%contactors%body(contacts%contactor(:, k)))) /= rank) cycle
-      end if
+      if (owner_of(home(scene%contactors%body(contacts%contactor(:, k)))) /= rank) cycle
       call pack_contact(contacts, k, scene, parcel)
     end do
   end subroutine pack_contacts

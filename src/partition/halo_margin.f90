@@ -1,0 +1,83 @@
+!> How wide the margin of a rank's copies is, and how long it lasts: copies are made anew only when grains have moved through
+!! it, lists of neighbours more often (doc/theory/decomposition.md).
+module sg_halo_margin
+  use sg_comm, only: comm_t
+  use sg_kinds, only: wp
+  use sg_scene, only: scene_t
+  implicit none
+  private
+  public :: halo_margin_t
+
+  !> A margin lasts until two bodies have come nearer by so many skins of lists of neighbours
+  real(wp), parameter :: lasting = 3
+
+  !> A margin and where bodies were when it was chosen
+  type :: halo_margin_t
+    !> How near another rank's grains a body is copied there [m]
+    real(wp) :: width = 0
+    !> Own bodies when copies were made, shape (dimension, n_home)
+    real(wp), allocatable, private :: placed(:, :)
+  contains
+    procedure :: choose => margin_choose
+    procedure :: start => margin_start
+    procedure :: holds => margin_holds
+  end type halo_margin_t
+
+contains
+
+  !> Choose the width for copies about to be made. Collective.
+  subroutine margin_choose(self, scene, skin, comm)
+    class(halo_margin_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene !! this rank's part, predicted
+    real(wp), intent(in) :: skin !! of the next list of neighbours, the same on all ranks [m]
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    self%width = needed(scene, skin, comm) + lasting*skin
+  end subroutine margin_choose
+
+  !> Note where bodies are, now that copies have been made.
+  subroutine margin_start(self, scene)
+    class(halo_margin_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene !! this rank's part, with its copies
+
+    self%placed = scene%bodies%position(:, :scene%bodies%n_home)
+  end subroutine margin_start
+
+  !> Do the copies still hold all that may touch before the list after the next one? The same on all ranks. Collective.
+  logical function margin_holds(self, scene, skin, comm) result(holds)
+    class(halo_margin_t), intent(in) :: self
+    type(scene_t), intent(in) :: scene !! this rank's part, predicted
+    real(wp), intent(in) :: skin !! of the next list of neighbours, the same on all ranks [m]
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    holds = needed(scene, skin, comm, self%placed) <= self%width
+  end function margin_holds
+
+  !> How near another rank's grains a body must be for its contacts before the list after the next one [m]: the alert distance,
+  !! the skin, and what both move from where they are, or were when copies were made, to where contacts are sought.
+  real(wp) function needed(scene, skin, comm, placed)
+    type(scene_t), intent(in) :: scene
+    real(wp), intent(in) :: skin
+    type(comm_t), intent(inout) :: comm
+    real(wp), intent(in), optional :: placed(:, :)
+    real(wp) :: moved(scene%dimension), most(2)
+    integer :: b, n
+
+    n = scene%dimension
+    most = 0
+    do b = 1, scene%bodies%n
+      most(1) = max(most(1), sum((scene%bodies%middle(:n, b) - scene%bodies%position(:, b))**2))
+    end do
+    if (present(placed)) then
+      do b = 1, size(placed, 2)
+        moved = scene%bodies%position(:, b) - placed(:, b)
+        if (scene%period > 0) moved(1) = moved(1) - scene%period*anint(moved(1)/scene%period)
+        if (scene%period_y > 0) moved(2) = moved(2) - scene%period_y*anint(moved(2)/scene%period_y)
+        most(2) = max(most(2), sum(moved**2))
+      end do
+    end if
+    call comm%maximum(most)
+    needed = skin + 2*sum(sqrt(most))
+    if (size(scene%sees) > 0) needed = needed + maxval(scene%sees%alert)
+  end function needed
+end module sg_halo_margin
