@@ -6,7 +6,7 @@ module sg_residuals
   use sg_kinds, only: wp
   use sg_problem, only: arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, round_frictionless
   use sg_report, only: ratio, report_t
-  use sg_residuals_space, only: add_space_contacts, chunk, find_approaching
+  use sg_residuals_space, only: add_space_contacts, chunk, note, note_space_contacts
   implicit none
   private
   public :: measure_errors, sum_errors, set_errors, choose_visited, natural_map, n_error_sums
@@ -88,36 +88,21 @@ contains
     integer, intent(out) :: missed !! how many of them were not visited so far
     type(chunk_t) :: a
     real(wp) :: limit
-    integer :: first, n, i
-    logical :: is_slow(chunk)
+    integer :: first, i
+    logical :: is_slow
 
     limit = speed_limit*report%violation*problem%velocity_scale
     visited = 0
     missed = 0
-    do first = 1, problem%n_contacts, chunk
-      if (is_in_space(problem%kind)) then
-        call find_approaching(problem, first, limit, n, is_slow)
-      else
-        call gather(problem, first, a)
-        n = a%n
-        is_slow(:n) = a%rho(:n) > 0 .and. (abs(a%r_n(:n)) + abs(a%r_t(:n)) > 0 .or. a%u_n(:n) <= limit)
-      end if
-      do i = 1, n
-        call note(is_slow(i), is_wanted(first + i - 1), visited, missed)
+    if (is_in_space(problem%kind)) call note_space_contacts(problem, limit, is_wanted, visited, missed)
+    do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
+      call gather(problem, first, a)
+      do i = 1, a%n
+        is_slow = a%rho(i) > 0 .and. (abs(a%r_n(i)) + abs(a%r_t(i)) > 0 .or. a%u_n(i) <= limit)
+        call note(is_slow, is_wanted(first + i - 1), visited, missed)
       end do
     end do
   end subroutine choose_visited
-
-  !> Note whether a contact is to be visited, and whether it was not so far.
-  pure subroutine note(is_slow, is_wanted, visited, missed)
-    logical, intent(in) :: is_slow
-    logical, intent(inout) :: is_wanted
-    integer, intent(inout) :: visited, missed
-
-    if (is_slow) visited = visited + 1
-    if (is_slow .and. .not. is_wanted) missed = missed + 1
-    is_wanted = is_slow
-  end subroutine note
 
   !> Add a chunk to the sums, from the second: squares of the map with rho_a, of its velocity error, of r, and of u.
   pure subroutine add_chunk(n, u_n, u_t, r_n, r_t, friction, rho, linear, sums, active)

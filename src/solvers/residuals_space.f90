@@ -5,7 +5,7 @@ module sg_residuals_space
   use sg_problem, only: ball_frictional, ball_frictionless, problem_t, solid_frictional, solid_frictionless
   implicit none
   private
-  public :: add_space_contacts, find_approaching, chunk
+  public :: add_space_contacts, note_space_contacts, note, chunk
 
   !> Contacts gathered at a time: their data stay in the first cache, and the map runs over them in vector registers
   integer, parameter :: chunk = 128
@@ -93,23 +93,39 @@ contains
     end if
   end subroutine map_squares
 
-  !> Which contacts of a chunk, from one on, carry an impulse, or close faster or part slower than a limit.
-  pure subroutine find_approaching(problem, first, limit, n, is_slow)
+  !> Note of all contacts whether they are to be visited: those that carry an impulse, and those that close, or part slower
+  !! than a limit.
+  pure subroutine note_space_contacts(problem, limit, is_wanted, visited, missed)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
-    integer, intent(in) :: first !! first contact
     real(wp), intent(in) :: limit !! normal velocity [m/s]
-    integer, intent(out) :: n !! contacts of the chunk
-    logical, intent(out) :: is_slow(chunk) !! of each; those that take no part are not
+    logical, intent(inout) :: is_wanted(:) !! contacts visited so far, then those to visit, shape (contacts)
+    integer, intent(inout) :: visited !! number of contacts to visit
+    integer, intent(inout) :: missed !! how many of them were not visited so far
     type(chunk_t) :: a
-    integer :: i
+    integer :: first, i
+    logical :: is_slow
 
-    call gather(problem, first, a)
-    n = a%n
-    do i = 1, n
-      is_slow(i) = a%rho(i) > 0 .and. (abs(a%r(i, 1)) + abs(a%r(i, 2)) + abs(a%r(i, 3)) > 0 &
-                   .or. a%normal(i, 1)*a%u(i, 1) + a%normal(i, 2)*a%u(i, 2) + a%normal(i, 3)*a%u(i, 3) <= limit)
+    do first = 1, problem%n_contacts, chunk
+      call gather(problem, first, a)
+      do i = 1, a%n
+        is_slow = a%rho(i) > 0 .and. (abs(a%r(i, 1)) + abs(a%r(i, 2)) + abs(a%r(i, 3)) > 0 &
+                  .or. a%normal(i, 1)*a%u(i, 1) + a%normal(i, 2)*a%u(i, 2) + a%normal(i, 3)*a%u(i, 3) <= limit)
+        call note(is_slow, is_wanted(first + i - 1), visited, missed)
+      end do
     end do
-  end subroutine find_approaching
+  end subroutine note_space_contacts
+
+  !> Note whether a contact is to be visited, and whether it was not so far.
+  pure subroutine note(is_slow, is_wanted, visited, missed)
+    logical, intent(in) :: is_slow !! does it carry an impulse, close, or part slowly?
+    logical, intent(inout) :: is_wanted !! was it visited so far; then whether it is to be
+    integer, intent(inout) :: visited !! number of contacts to visit
+    integer, intent(inout) :: missed !! how many of them were not visited so far
+
+    if (is_slow) visited = visited + 1
+    if (is_slow .and. .not. is_wanted) missed = missed + 1
+    is_wanted = is_slow
+  end subroutine note
 
   !> 1/lambda_max(W_aa) of a contact [kg].
   pure real(wp) function scale_of(kind, record) result(rho)
