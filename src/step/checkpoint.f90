@@ -128,6 +128,7 @@ contains
     end if
     call restore_state(state, sim%scene, sim%contacts)
     sim%step = state%step
+    call keep_time(sim, state%time)
     call sim%energy%unpack(state%totals(:n_energy_values))
     call sim%totals%unpack(state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
     call resume_history(sim%history, sim%contacts)
@@ -135,4 +136,13 @@ contains
       call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals) - n_signature))
     end if
   end subroutine load_whole
+
+  !> Go on from the time of a restart file, also where the step is another one now: times are the start's and so many steps.
+  pure subroutine keep_time(sim, time)
+    type(simulation_t), intent(inout) :: sim
+    real(wp), intent(in) :: time !! of the file [s]
+
+    if (abs(sim%time() - time) <= 16*epsilon(1.0_wp)*max(abs(time), abs(sim%scene%start_time))) return
+    sim%scene%start_time = time - sim%options%step*real(sim%step, wp)
+  end subroutine keep_time
 end module sg_checkpoint
