@@ -32,7 +32,8 @@ contains
   shape(rank) = int(chunk, hsize_t)
   call h5pcreate_f(h5p_dataset_create_f, list, status)
   call h5pset_chunk_f(list, rank, shape, status)
-  ! HDF5 compresses what ranks write together only where file and memory hold the same type, and 1.10 not safely then.
+  ! HDF5 compresses what ranks write together only where file and memory hold the same type, and 1.10 not safely then: cutting
+  ! rows off a compressed chunk leaves one that cannot be read, and other ranks wait for ever.
   if (is_compressed .and. self%ranks%size == 1) then
     call h5pset_deflate_f(list, gzip_level, status)
   else

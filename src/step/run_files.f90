@@ -1,6 +1,6 @@
 !> The files of a run: who writes them, how they are opened and closed.
 module sg_run_files
-  use, intrinsic :: iso_fortran_env, only: output_unit
+  use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_error, only: error_t
   use sg_hdf5, only: hdf5_is_available
   use sg_kinds, only: wp
@@ -89,6 +89,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (sim%decomposition%is_on) then
+      if (sim%options%output_compressed .and. writers%is_speaker) then
+        write (error_unit, '(a)') 'warning: output.compression is left aside: several ranks write their pictures uncompressed'
+      end if
       call writers%pictures%open(sim%scene, sim%options, merge(sim%step, -1, resumes), error, sim%comm)
     else
       call writers%pictures%open(sim%scene, sim%options, merge(sim%step, -1, resumes), error)

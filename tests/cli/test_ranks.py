@@ -417,6 +417,21 @@ class Restarts(Ranks):
             for force, other in zip(forces, impulses[pair], strict=True):
                 self.assertAlmostEqual(force, other, delta=1e-3 * largest, msg=f"{pair}")
 
+    def test_time_goes_on_with_another_step(self):
+        deck = self.deck(PRESSED + DRIVES)
+        every = ["--set", "restart.every=30", "--set", "output.record_every=1"]
+        for ranks, others in ((1, 3), (3, 1)):
+            with self.subTest(ranks=ranks):
+                self.run_ranks(ranks, deck, *every, "--set", "time.steps=30", output=f"of {ranks}")
+                for total, step, on in ((50, 5e-4, others), (60, 2e-3, ranks)):
+                    self.run_ranks(on, deck, *every, "--set", f"time.steps={total}", "--set", f"time.step={step}",
+                                   "--set", "restart.every=10", "--restart", f"of {ranks}", output=f"of {ranks}")  # fmt: skip
+                times = [float(row["time"]) for row in self.rows(f"of {ranks}")]
+                steps = [b - a for a, b in zip(times, times[1:])]
+                self.assertEqual(len(times), 60)
+                for got, asked in zip(steps, 29 * [1e-3] + 20 * [5e-4] + 10 * [2e-3], strict=True):
+                    self.assertAlmostEqual(got, asked, delta=1e-12)
+
     def test_nothing_left_to_do(self):
         deck = self.deck(FALL)
         self.run_ranks(1, deck, "--set", "restart.every=60")
@@ -553,6 +568,14 @@ class Once(Ranks):
 
 
 class Log(Ranks):
+    def test_pictures_are_not_compressed_and_this_is_said_once(self):
+        if not self.has_hdf5():
+            self.skipTest("built without HDF5")
+        deck = self.deck(FALL)
+        words = ["--set", "output.every=30", "--set", "output.compression=true"]
+        said = [self.run_ranks(ranks, deck, *words).stderr.count("pictures uncompressed") for ranks in (1, 3)]
+        self.assertEqual(said, [0, 1])
+
     def test_said_once(self):
         printed = self.launch((4, "run", self.deck(PRESSED))).stdout
         lines = [line for line in printed.splitlines() if line.strip()]
