@@ -4,7 +4,7 @@
 !! A method says how a solve is opened, what a round is, what a test needs before it, and how copies get the result.
 module sg_glued_solver
   use sg_comm, only: comm_t
-  use sg_convergence, only: convergence_t
+  use sg_convergence, only: convergence_t, looks_at_errors
   use sg_delassus, only: share_mass
   use sg_kinds, only: wp, i4
   use sg_parts, only: parts_t
@@ -103,6 +103,7 @@ contains
     if (.not. self%options%warm_start) problem%impulse = 0
     report%is_converged = .false.
     call self%open(problem, subdomain, slot_of, comm)
+    call choose_first(self, problem, comm, report)
     call self%convergence%begin(self%errors%fastest)
     call rounds(self, problem, comm, report)
     problem%body(self%width + 1:, self%divided) = self%whole
@@ -111,6 +112,22 @@ contains
     call self%tell_result(problem, subdomain, slot_of, comm)
     report%cpu_seconds = cpu_now() - start
   end subroutine glued_solve
+
+  !> Begin with all contacts; or, where impulses are guessed, without those that the guess opens for good, as on one rank.
+  subroutine choose_first(self, problem, comm, report)
+    class(glued_solver_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(comm_t), intent(inout) :: comm
+    type(report_t), intent(inout) :: report
+
+    if (self%errors%is_guessed .and. looks_at_errors(self%options%criterion)) then
+      call self%begin_test(problem, .false., comm)
+      call self%errors%finish(report, comm)
+      call self%parts%choose(problem, report)
+    else
+      call self%parts%arrange(problem)
+    end if
+  end subroutine choose_first
 
   !> Rounds until the criterion holds. The sum of a test travels while the next round is swept.
   subroutine rounds(self, problem, comm, report)

@@ -27,8 +27,11 @@ module sg_parts
     integer(i4), allocatable, private :: contact(:)
     real(wp), allocatable, private :: record(:, :)
     type(solver_options_t), private :: options
+    !> Do the orders hold contacts of this problem yet?
+    logical, private :: is_arranged = .false.
   contains
     procedure :: begin => parts_begin
+    procedure :: arrange => parts_arrange
     procedure :: choose => parts_choose
     procedure :: sweep => parts_sweep
     procedure :: give_impulses => parts_give_impulses
@@ -36,7 +39,7 @@ module sg_parts
 
 contains
 
-  !> Take the parts of a problem, and begin with all contacts.
+  !> Take the parts of a problem. Before the first sweep follows `arrange`, or `choose` where a guess tells whom to visit.
   subroutine parts_begin(self, problem, part, n_parts, are_masses_divided, options)
     class(parts_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem whose shared bodies may have divided masses
@@ -62,13 +65,13 @@ contains
       call set_block(problem%kind, problem%body(:, problem%pair(1, self%contact(k))), &
                      problem%body(:, problem%pair(2, self%contact(k))), self%record(:, k))
     end do
-    call set_orders(self, problem)
+    self%is_arranged = .false.
   end subroutine parts_begin
 
   !> Copy the contacts to visit into the orders of their parts.
-  subroutine set_orders(self, problem)
+  subroutine parts_arrange(self, problem)
     class(parts_t), intent(inout) :: self
-    type(problem_t), intent(inout) :: problem
+    type(problem_t), intent(inout) :: problem !! problem whose present impulses are taken; it comes back as it was
     integer :: p
 
     call swap_records(self, problem)
@@ -76,7 +79,8 @@ contains
       call set_order(self%order(p), problem, self%is_wanted .and. self%part == p, self%options)
     end do
     call swap_records(self, problem)
-  end subroutine set_orders
+    self%is_arranged = .true.
+  end subroutine parts_arrange
 
   !> Exchange the records of contacts of divided bodies with those for whole masses.
   subroutine swap_records(self, problem)
@@ -101,7 +105,7 @@ contains
 
     n = sum(self%order%n)
     call choose_visited(problem, report, self%is_wanted, visited, missed)
-    if (missed > 0 .or. visited < n - n/16) call set_orders(self, problem)
+    if (.not. self%is_arranged .or. missed > 0 .or. visited < n - n/16) call self%arrange(problem)
   end subroutine parts_choose
 
   !> Update the contacts of a part once.
@@ -116,12 +120,13 @@ contains
     report%contact_updates = report%contact_updates + int(self%order(part)%n, i8)
   end subroutine parts_sweep
 
-  !> Copy impulses back to the problem.
+  !> Copy impulses back to the problem, where sweeps have them.
   pure subroutine parts_give_impulses(self, problem)
     class(parts_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! its impulses are set
     integer :: p
 
+    if (.not. self%is_arranged) return
     do p = 1, size(self%order)
       call give_impulses(self%order(p), problem)
     end do

@@ -19,6 +19,8 @@ module sg_whole_errors
     integer :: contacts = 0
     !> Norm of q over all of them, velocity scale, largest velocity component [m/s]
     real(wp) :: free_norm = 0, velocity_scale = 0, fastest = 0
+    !> Are impulses guessed, on any rank?
+    logical :: is_guessed = .false.
     !> What is being summed: e1 too? And contacts of this rank that carry an impulse
     logical, private :: with_e1 = .false.
     integer, private :: active = 0
@@ -41,16 +43,18 @@ contains
     class(whole_errors_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! this rank's part, with free velocities
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: sums(2), largest(1)
+    real(wp) :: sums(2), largest(2)
 
     sums = [real(problem%n_contacts, wp), problem%free_norm**2]
     call comm%sum(sums)
     largest = 0
     if (problem%n_bodies > 0) largest(1) = maxval(abs(problem%body(1:merge(3, 2, is_in_space(problem%kind)), :)))
+    if (problem%n_contacts > 0) largest(2) = maxval(abs(problem%impulse(:, :problem%n_contacts)))
     call comm%maximum(largest)
     self%contacts = nint(sums(1))
     self%free_norm = sqrt(sums(2))
     self%fastest = largest(1)
+    self%is_guessed = largest(2) > 0
     self%velocity_scale = problem%fall_speed
     if (.not. self%velocity_scale > 0) self%velocity_scale = self%free_norm/sqrt(real(max(1, self%contacts), wp))
   end subroutine errors_prepare

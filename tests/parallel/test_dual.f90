@@ -17,6 +17,7 @@ program test_dual
   use sg_problem, only: arm_frictional, ball_frictional, first_inverse, problem_t, round_frictional, &
                         solid_frictional
   use sg_report, only: report_t
+  use sg_run_options, only: criterion_quad
   use sg_simulation, only: decompose, simulation_t
   implicit none
 
@@ -104,6 +105,7 @@ contains
     dual%options = sim%options%solver
     dual%options%maximum_sweeps = gluings*dual%partition%most_sweeps()
     dual%options%check_every = dual%options%maximum_sweeps + 1
+    dual%options%criterion = criterion_quad ! all contacts are visited
     glued = problem
     call dual%solve(glued, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, report)
     call t%equal(report%gluings, gluings, name//': gluings')
@@ -156,6 +158,7 @@ contains
     end do
     call parts%begin(problem, [(merge(part_shared, part_own, any(is_shared(problem%pair(:, k)))), k=1, problem%n_contacts)], 2, &
                      .true., sim%options%solver)
+    call parts%arrange(problem)
     call update_forces(problem, explicit)
     do round = 1, gluings
       call set_velocities(problem, explicit)

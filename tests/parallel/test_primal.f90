@@ -7,6 +7,7 @@ program test_primal
   use sg_comm, only: comm_t
   use sg_error, only: error_t
   use sg_kinds, only: wp
+  use sg_run_options, only: criterion_quad
   use sg_simulation, only: advance, decompose, simulation_t
   use sg_text, only: to_text
   implicit none
@@ -48,6 +49,7 @@ contains
     ! Sweeps up to the last: nothing is converged to this, and nobody is left out between two tests.
     sim%options%solver%tolerance = tiny(1.0_wp)
     sim%options%solver%check_every = 10000
+    sim%options%solver%criterion = criterion_quad ! all contacts are visited
     call decompose(sim, error)
     call t%check(.not. allocated(error), name//' is split')
     do gluings = 1, 3, 2
