@@ -16,12 +16,14 @@ program test_halo
   implicit none
   type(tests_t) :: t
   type(comm_t) :: comm
-  integer :: i
+  integer :: i, lists_kept
 
   call comm%start()
+  lists_kept = 0
   do i = 1, size(pack_names)
     if (can_be_made(trim(pack_names(i)))) call test_pack(trim(pack_names(i)))
   end do
+  if (comm%size > 1) call t%check(lists_kept > size(pack_names), 'copies are kept for many lists')
   call t%finish(comm)
 
 contains
@@ -46,12 +48,36 @@ contains
     call advance_pack(t, name, sim, 3)
     call check_pairs(name//', split', sim, whole)
     call check_copies(name//', split', sim, whole%bodies%n)
+    call check_kept_copies(name, sim, whole)
     call split_anew(name, sim, whole)
     call advance_pack(t, name, sim, 3)
     call check_pairs(name//', split anew', sim, whole)
     call check_copies(name//', split anew', sim, whole%bodies%n)
     call t%equal(sim%decomposition%subdomain%splits, 2, name//': splits')
   end subroutine test_pack
+
+  !> Copies outlast lists of neighbours: those made with kept copies, too, hold every pair.
+  subroutine check_kept_copies(name, sim, whole)
+    character(len=*), intent(in) :: name
+    type(simulation_t), intent(inout) :: sim
+    type(scene_t), intent(in) :: whole
+    integer, parameter :: steps = 40
+    integer :: builds, serial, kept, renewed, i
+
+    kept = 0
+    renewed = 0
+    do i = 1, steps
+      builds = sim%pairs%builds
+      serial = sim%decomposition%subdomain%serial
+      call advance_pack(t, name, sim, 1)
+      if (sim%decomposition%subdomain%serial > serial) renewed = renewed + 1
+      if (sim%pairs%builds == builds .or. sim%decomposition%subdomain%serial > serial) cycle
+      kept = kept + 1
+      call check_pairs(name//', copies kept', sim, whole)
+    end do
+    call t%check(kept >= renewed, name//': copies are kept for more lists than they are made anew for')
+    lists_kept = lists_kept + kept
+  end subroutine check_kept_copies
 
   !> Deal all grains anew, across: contacts and their impulses are those before.
   subroutine split_anew(name, sim, whole)
