@@ -58,19 +58,21 @@ def name_of(boxes):
     return "x".join(str(n) for n in boxes)
 
 
-def sheared(runner, name, boxes, seed, steps=1200, tolerance=3e-4):
-    """One run of the shear from the dense state, as columns."""
+def sheared(runner, name, boxes, seed, steps=1200, tolerance=3e-4, gluing="dual", output=None,
+            order="shuffled"):
+    """One run of the shear from the dense state, as columns, and its folder."""
     state = runner.run("biaxial_start", DECK, time={"steps": 600}, restart={"every": 600}, anywhere={"law[1].friction": 1e-6})
     begin = summary(state)
-    split = {"boxes": boxes} if boxes != [1, 1] else {}
+    split = {"boxes": boxes, "gluing": f'"{gluing}"'} if boxes != [1, 1] else {}
     results = runner.run(f"biaxial_{name}_{seed}", DECK, boxes[0] * boxes[1], newest(state), partition=split,
-                         solver={"order": '"shuffled"', "order_seed": seed, "tolerance": tolerance},
-                         time={"steps": begin["steps"] + steps})  # fmt: skip
+                         solver={"order": f'"{order}"', "order_seed": seed, "tolerance": tolerance},
+                         time={"steps": begin["steps"] + steps}, output=output or {})  # fmt: skip
     rows = record(results)
     rows = rows[rows["time"] > begin["time"]]
-    columns = {key: rows[key] for key in ("compactness", "inertia_number", "sweeps", "converged")}
+    columns = {key: rows[key] for key in ("compactness", "inertia_number", "sweeps", "converged", "volume_error")}
     columns["stress_ratio"] = (rows["stress_yy"] - rows["stress_xx"]) / (rows["stress_yy"] + rows["stress_xx"])
     columns["strain"] = RATE * (rows["time"] - begin["time"])
+    columns["folder"] = results
     return columns
 
 
@@ -187,35 +189,3 @@ def left_out_figure(runner, ones, splits):
                 ax.set_xlabel(label)
     figure.savefig(runner.folder / "biaxial_left_out.png", dpi=100)
     plt.close(figure)
-
-
-# A tighter tolerance --------------------------------------------------------------------------------------------------
-
-TIGHT, TIGHT_SEEDS, TIGHT_STEPS = 1e-4, 8, 600
-TIGHT_SPLITS = ("4 subdomains, boxes 2 x 2", "4 subdomains, strips 4 x 1")
-
-
-def biaxial_tight(runner):
-    """Half the strain at a tolerance three times tighter: is the scatter that of orders, or of the solver's error?"""
-    ones = [sheared(runner, "tight_one", [1, 1], seed, TIGHT_STEPS, TIGHT) for seed in range(1, 1 + TIGHT_SEEDS)]
-    n = len(ones[0]["strain"])
-    loose = [{key: column[:n] for key, column in sheared(runner, "one", [1, 1], seed).items()} for seed in range(1, 1 + SEEDS)]
-    rows = []
-    for curve, word in CURVES.items():
-        here, there = together(ones, curve), together(loose, curve)
-        share, out = left_out(here).T
-        late = ones[0]["strain"] > ones[0]["strain"][-1] / 2
-        by, error = difference(here[:, late].mean(1), there[:, late].mean(1))
-        rows.append({
-            "curve": word, "scatter at 3e-4": f"{np.median(there.std(0, ddof=1)):.1e}",
-            f"scatter at {TIGHT:.0e}": f"{np.median(here.std(0, ddof=1)):.1e}", "difference of means": f"{by:+.1e}",
-            "standard error": f"{error:.1e}", "left out: inside": f"{100 * share.min():.0f} to {100 * share.max():.0f} %",
-            "left out: out at most": f"{out.min():.1e} to {out.max():.1e}",
-        })  # fmt: skip
-        for name in TIGHT_SPLITS:
-            boxes = SPLITS[name][0]
-            run = sheared(runner, f"tight_{name_of(boxes)}", boxes, 1, TIGHT_STEPS, TIGHT)
-            inside, beyond = newcomer(run[curve], here)
-            rows[-1][name] = f"inside {100 * inside:.0f} %, out {beyond:.1e}"
-    runner.write("biaxial_tight", rows)
-    print(f"sweeps a step: {together(ones, 'sweeps').mean():.0f} at {TIGHT:.0e}, {together(loose, 'sweeps').mean():.0f} at 3e-4")

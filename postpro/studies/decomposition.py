@@ -1,10 +1,11 @@
 """Two figures of Alart's talk of 2010 as measurements: what splitting grains over ranks does to the answer, and to its price.
 
-    python postpro/studies/decomposition.py PROGRAM FOLDER [biaxial] [biaxial_tight] [convergence] [residuals] [sweeps] [relaxation]
+    python postpro/studies/decomposition.py PROGRAM FOLDER [STUDY ...]
 
-runs PROGRAM (a build of splitgrain with MPI and HDF5) through mpiexec, all studies unless some are named, and writes CSV
-files, Markdown tables and PNG figures to FOLDER. A state or a run that is in FOLDER already is not made again. It needs
-numpy and matplotlib; doc/theory/decomposition_study.md shows what it gave. Iterations and messages are counted, no times.
+runs PROGRAM (a build of splitgrain with MPI and HDF5) through mpiexec, all studies (STUDIES below) unless some are named,
+and writes CSV files, Markdown tables and PNG figures to FOLDER. A state or a run that is in FOLDER already is not made again.
+It needs numpy, matplotlib and, for biaxial_overlaps, h5py; doc/theory/decomposition_study.md shows what it gave. Iterations
+and messages are counted, no times.
 """
 
 import argparse
@@ -14,7 +15,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from biaxial import biaxial, biaxial_tight
+from biaxial import biaxial
+from biaxial_causes import biaxial_orders, biaxial_overlaps, biaxial_tight
 from runs import BLUE, GREEN, VERMILION, Runner, newest, record, summary
 
 METHODS = {"dual": (BLUE, "o"), "primal": (GREEN, "s"), "contacts": (VERMILION, "^")}
@@ -171,8 +173,10 @@ def relaxation(runner):
     runner.write("relaxation", rows)
 
 
-STUDIES = {"biaxial": biaxial, "biaxial_tight": biaxial_tight, "convergence": convergence, "residuals": residuals,
-           "sweeps": sweeps, "relaxation": relaxation}
+STUDIES = {
+    study.__name__: study
+    for study in (biaxial, biaxial_overlaps, biaxial_orders, biaxial_tight, convergence, residuals, sweeps, relaxation)
+}
 
 
 def main():
