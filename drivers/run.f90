@@ -2,14 +2,16 @@
 module sg_run
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_arguments, only: arguments_t
+  use sg_blocks, only: deck_t
   use sg_comm, only: comm_t
-  use sg_deck, only: read_deck
+  use sg_deck, only: read_share
   use sg_dump, only: read_steps
   use sg_effective, only: fingerprint
   use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, exit_output, fail
   use sg_hdf5, only: hdf5_is_available, hdf5_is_parallel
   use sg_kinds, only: wp
   use sg_run_summary, only: run_failed, run_summary_t, write_run_summary
+  use sg_shared_start, only: check_shared_start
   use sg_signature, only: signature_of
   use sg_simulate, only: simulate
   use sg_simulation, only: simulation_t
@@ -28,11 +30,10 @@ contains
     integer, intent(out) :: code !! exit code when there is no error
     type(error_t), allocatable, intent(out) :: error !! what went wrong
     type(simulation_t) :: sim
-    type(diagnostics_t) :: diagnostics
     real(wp) :: walltime
     integer, allocatable :: dump_steps(:, :)
     integer :: speaker
-    logical :: is_bad, is_speaker
+    logical :: is_bad
 
     code = exit_done
     call arguments%expect('set output restart walltime dump quiet', 1, 1, 'run DECK [options]; see splitgrain run --help', error)
@@ -46,28 +47,52 @@ contains
     call sim%comm%agree(error, speaker)
     if (allocated(error)) return
     associate (deck => arguments%words(1)%s)
-      call read_deck(deck, arguments%all_of('set'), sim%scene, sim%options, diagnostics)
-      sim%options%folder = arguments%get('output', stem(deck)//'.results')
-      call judge_deck(sim%comm, diagnostics, is_bad, is_speaker)
+      call read_scene(arguments, deck, sim, is_bad, error)
+      if (allocated(error)) return
       if (is_bad) then
         code = exit_bad_input
-        if (is_speaker .and. (arguments%has('output') .or. file_exists(sim%options%folder))) then
-          call tell_failure(deck, sim%options%folder, diagnostics%errors(1)%sentence())
-        end if
         return
       end if
       if (arguments%has('restart')) sim%options%restart_file = arguments%get('restart', '')
       sim%options%walltime = walltime
       if (allocated(dump_steps)) call move_alloc(dump_steps, sim%options%dump_steps)
       sim%options%is_quiet = arguments%has('quiet')
-      if (comm%size > 1) call check_sameness(sim, arguments%get('restart', ''), error)
-      if (allocated(error)) return
       call make_shared_folder(sim%options%folder, sim%comm, error)
       if (allocated(error)) return
       call catch_signals()
       call simulate(sim, deck, code, error)
     end associate
   end subroutine run_command
+
+  !> Read the deck, of several ranks each its share of the scene, and say what is wrong with it. Collective.
+  subroutine read_scene(arguments, file, sim, is_bad, error)
+    type(arguments_t), intent(in) :: arguments
+    character(len=*), intent(in) :: file
+    type(simulation_t), intent(inout) :: sim
+    logical, intent(out) :: is_bad
+    type(error_t), allocatable, intent(out) :: error
+    type(deck_t) :: deck
+    type(diagnostics_t) :: diagnostics, shared
+
+    call read_share(file, arguments%all_of('set'), sim%comm, sim%scene, sim%options, deck, diagnostics)
+    sim%options%folder = arguments%get('output', stem(file)//'.results')
+    call judge(diagnostics)
+    if (is_bad .or. sim%comm%size == 1) return
+    call check_sameness(sim, arguments%get('restart', ''), error)
+    if (allocated(error)) return
+    call check_shared_start(deck, sim%scene, sim%comm, shared)
+    call judge(shared)
+  contains
+    subroutine judge(found)
+      type(diagnostics_t), intent(in) :: found
+      logical :: is_speaker
+
+      call judge_deck(sim%comm, found, is_bad, is_speaker)
+      if (.not. (is_bad .and. is_speaker)) return
+      if (arguments%has('output') .or. file_exists(sim%options%folder)) &
+        call tell_failure(file, sim%options%folder, found%errors(1)%sentence())
+    end subroutine judge
+  end subroutine read_scene
 
   !> What does not go with several ranks.
   subroutine check_for_ranks(error)
@@ -109,7 +134,7 @@ contains
     integer :: i
 
     digits = fingerprint(sim%options%deck_text//sim%options%folder//restart)
-    own = [(real(iachar(digits(i:i)), wp), i=1, len(digits)), signature_of(sim%scene)]
+    own = [(real(iachar(digits(i:i)), wp), i=1, len(digits)), signature_of(sim%scene, is_common=.true.)]
     lowest = own
     highest = own
     call sim%comm%minimum(lowest)

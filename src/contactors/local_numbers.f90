@@ -7,7 +7,7 @@ module sg_local_numbers
   use sg_kinds, only: i4
   implicit none
   private
-  public :: local_body, local_contactor, contactors_of_bodies
+  public :: local_body, local_contactor, contactors_of_bodies, place_of
 
 contains
 
@@ -40,7 +40,8 @@ contains
 
   !> Place of a value in an ascending list, by bisection; 0 when it is not there.
   pure integer function place_of(list, value) result(place)
-    integer(i4), intent(in) :: list(:), value
+    integer(i4), intent(in) :: list(:) !! ascending numbers
+    integer(i4), intent(in) :: value !! number to look for
     integer :: low, high
 
     low = 1

@@ -3,6 +3,7 @@
 !! Sections that stand once ([time], [solver], ...) are always there, with their defaults; `[[body]]` and the like
 !! are one block each, in the order of the text, a `[[body.shape]]` after the body it belongs to.
 module sg_blocks
+  use sg_census, only: census_t
   use sg_error, only: diagnostics_t
   use sg_key_table, only: key_table_t
   use sg_kinds, only: wp
@@ -43,6 +44,9 @@ module sg_blocks
     integer :: n = 0
     !> Dimension of the scene
     integer :: dimension = 2
+    !> Which of how many ranks reads: of the grains of samples it keeps a share, and knows of the others what stands in `absent`
+    integer :: rank = 0, ranks = 1
+    type(census_t) :: absent
   contains
     procedure :: block_of
     procedure :: block_of_body

@@ -3,6 +3,7 @@ module sg_deck
   use sg_blocks, only: deck_t
   use sg_check_blocks, only: check_blocks
   use sg_collect, only: collect, open_deck
+  use sg_comm, only: comm_t
   use sg_dimension_from_deck, only: dimension_from_deck
   use sg_effective, only: effective_deck, fingerprint
   use sg_error, only: diagnostics_t, error_t
@@ -16,7 +17,7 @@ module sg_deck
   use sg_toml, only: document_t, parse_toml, read_content, toml_table
   implicit none
   private
-  public :: read_deck
+  public :: read_deck, read_share
 
 contains
 
@@ -28,15 +29,34 @@ contains
     type(run_options_t), intent(out) :: options !! what to do with it
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
     type(deck_t) :: deck
+    type(comm_t) :: alone
+
+    call read_share(file, settings, alone, scene, options, deck, diagnostics)
+  end subroutine read_deck
+
+  !> Read a deck as one of several ranks that are to share its scene.
+  !!
+  !! The rank keeps a part of it, as `sg_bodies_from_deck` says; that no grains overlap is then to be checked by all ranks together
+  !! (`sg_shared_start`). No message is sent here: the ranks may not read the same deck.
+  subroutine read_share(file, settings, comm, scene, options, deck, diagnostics)
+    character(len=*), intent(in) :: file !! path of the deck
+    type(text_t), intent(in) :: settings(:) !! settings laid over it, each `section.key=value`
+    type(comm_t), intent(in) :: comm !! the ranks
+    type(scene_t), intent(out) :: scene !! what exists, as far as this rank keeps it
+    type(run_options_t), intent(out) :: options !! what to do with it
+    type(deck_t), intent(out) :: deck !! the deck itself, for checks to come
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
 
     call read_blocks(file, settings, deck, diagnostics)
     if (diagnostics%count() > 0) return
+    deck%rank = comm%rank
+    deck%ranks = comm%size
     call options_from_deck(deck, options, diagnostics)
     call scene_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() > 0) return
     call effective_deck(deck, options%deck_text)
     options%deck_hash = fingerprint(options%deck_text)
-  end subroutine read_deck
+  end subroutine read_share
 
   !> Read a deck as blocks of checked values.
   subroutine read_blocks(file, settings, deck, diagnostics)

@@ -6,15 +6,17 @@ module sg_drives_from_deck
   use sg_contactors, only: kind_wall
   use sg_drives, only: drive_t, pressure_t
   use sg_error, only: diagnostics_t
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4, i8
+  use sg_local_numbers, only: local_body
   use sg_scene, only: scene_t
+  use sg_sorting, only: sort_permutation
   use sg_text, only: text_t, to_text
   use sg_time_function_from_deck, only: read_time_function
   use sg_values, only: value_t
   use sg_words, only: choice_index
   implicit none
   private
-  public :: drives_from_deck
+  public :: drives_from_deck, numbers_called
 
 contains
 
@@ -62,6 +64,32 @@ contains
     scene%pressures = scene%pressures(:n_pressures)
     call mark_walls(scene)
   end subroutine drives_from_deck
+
+  !> Numbers by which a deck calls bodies, ascending, each once.
+  subroutine numbers_called(deck, called)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer(i4), allocatable, intent(out) :: called(:) !! numbers, positive
+    integer(i4), allocatable :: found(:)
+    type(value_t) :: value
+    character(len=*), parameter :: keys(2) = [character(len=7) :: 'body', 'between']
+    integer :: b, k, i, number, status
+
+    allocate (found(0))
+    do b = 1, deck%n
+      do k = 1, size(keys)
+        if (.not. (deck%is_in(b, 'drive') .or. deck%is_in(b, 'pressure') .or. deck%is_in(b, 'wall'))) cycle
+        if (.not. deck%is_given(b, trim(keys(k)))) cycle
+        value = deck%value(b, trim(keys(k)))
+        do i = 1, value%n_words
+          if (index(value%words(i)%s, '#') /= 1) cycle
+          read (value%words(i)%s(2:), *, iostat=status) number
+          if (status == 0 .and. number > 0) found = [found, int(number, i4)]
+        end do
+      end do
+    end do
+    found = found(sort_permutation(int(found, i8)))
+    called = pack(found, [(i == 1 .or. found(max(1, i - 1)) /= found(i), i=1, size(found))])
+  end subroutine numbers_called
 
   !> Does a block make bodies that hold still where nothing drives them?
   logical function is_held(deck, b)
@@ -128,8 +156,10 @@ contains
 
     if (word(1:min(1, len(word))) == '#') then
       read (word(2:), *, iostat=status) body
-      if (status == 0 .and. body >= 1 .and. body <= scene%bodies%n) return
-      call deck%complain(diagnostics, 'there is no body '//word(2:)//': the scene has '//to_text(scene%bodies%n), b, key)
+      if (status == 0) body = local_body(scene%bodies, int(body, i4))
+      if (status == 0 .and. body > 0) return
+      call deck%complain(diagnostics, 'there is no body '//word(2:)//': the scene has '// &
+                         to_text(scene%bodies%n + deck%absent%n), b, key)
     else
       known = [text_t ::]
       if (allocated(scene%names)) known = scene%names

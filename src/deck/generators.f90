@@ -1,10 +1,10 @@
-!> Grains: random sizes, places on lattices of the plane, random convex polygons. The same seed gives the same grains.
+!> Grains: random sizes, random convex polygons. The same seed gives the same grains.
 module sg_generators
-  use sg_kinds, only: wp, i8, pi
+  use sg_kinds, only: wp, pi
   use sg_random, only: random_t
   implicit none
   private
-  public :: draw_radius, place_on_lattice, draw_polygon
+  public :: draw_radius, draw_polygon
   public :: size_uniform, size_volume, size_lognormal, size_constant
 
   !> How radii are spread: evenly by number, evenly by area, lognormal, all the same
@@ -42,40 +42,6 @@ contains
       end do
     end select
   end function draw_radius
-
-  !> Places on a lattice, row by row from the bottom.
-  subroutine place_on_lattice(box, pitch, is_triangular, is_periodic, most, points)
-    real(wp), intent(in) :: box(4) !! x least, y least, x most, y most [m]
-    real(wp), intent(in) :: pitch !! distance of neighbours [m]
-    logical, intent(in) :: is_triangular !! triangular rather than square
-    logical, intent(in) :: is_periodic !! do the rows close on themselves?
-    integer, intent(in) :: most !! places wanted at most
-    real(wp), allocatable, intent(out) :: points(:, :) !! places, fewer when the box is full, shape (2, n)
-    integer :: n, n_row, n_rows, row, i
-    real(wp) :: along, height, shift
-    ! A box that is a whole number of pitches wide but for rounding holds that number.
-    real(wp), parameter :: slack = 1e-9_wp
-
-    n_row = int((box(3) - box(1))/pitch + slack)
-    height = merge(sqrt(3.0_wp)/2, 1.0_wp, is_triangular)*pitch
-    n_rows = 0
-    if (box(4) - box(2) >= pitch*(1 - slack)) n_rows = int((box(4) - box(2) - pitch)/height + slack) + 1
-    along = pitch
-    if (is_periodic .and. n_row > 0) along = (box(3) - box(1))/real(n_row, wp)
-    allocate (points(2, int(min(int(most, i8), int(n_row, i8)*int(n_rows, i8)))))
-    n = 0
-    do row = 0, n_rows - 1
-      shift = merge(along/2, 0.0_wp, is_triangular .and. modulo(row, 2) == 1)
-      do i = 0, n_row - 1
-        if (n == size(points, 2)) return
-        if (shift > 0 .and. .not. is_periodic .and. &
-            shift + real(i + 1, wp)*along > (box(3) - box(1))*(1 + slack)) exit
-        n = n + 1
-        points(:, n) = [box(1) + shift + (real(i, wp) + 0.5_wp)*along, box(2) + pitch/2 + real(row, wp)*height]
-      end do
-    end do
-    points = points(:, :n)
-  end subroutine place_on_lattice
 
   !> A random convex polygon with its vertices on a circle about the origin, counter-clockwise.
   subroutine draw_polygon(random, n, radius, vertices)

@@ -1,6 +1,7 @@
 !> Who sees whom, under which law and from which distance on, from the blocks interaction.
 module sg_interactions_from_deck
   use sg_blocks, only: deck_t
+  use sg_census, only: census_t
   use sg_contactors, only: kind_names, n_kinds
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
@@ -27,7 +28,7 @@ contains
     integer :: b, n
 
     n = deck%count_of('interaction')
-    alert = default_alert(scene, options)
+    alert = default_alert(scene, options, deck%absent)
     allocate (scene%sees(0))
     if (n == 0 .and. size(scene%laws) == 1) then
       see%law = 1
@@ -37,13 +38,13 @@ contains
     else if (n == 0 .and. size(scene%laws) > 1) then
       call deck%complain(diagnostics, 'there are several laws: [[interaction]] must say which pairs they hold between', &
                          deck%block_of('law'))
-    else if (size(scene%laws) == 0 .and. scene%bodies%n > 1) then
+    else if (size(scene%laws) == 0 .and. scene%bodies%n + deck%absent%n > 1) then
       call deck%warn(diagnostics, 'the deck has no [[law]]: bodies pass through each other', deck%block_of('scene'))
     end if
     do b = 1, deck%n
       if (.not. deck%is_in(b, 'interaction')) cycle
       call read_interaction(deck, b, scene, alert, see, diagnostics)
-      call warn_of_short(deck, b, options%step*speed_at_start(scene), see%alert, diagnostics)
+      call warn_of_short(deck, b, options%step*speed_at_start(scene, deck%absent), see%alert, diagnostics)
       scene%sees = [scene%sees, see]
       call warn_of_blind(deck, b, scene, diagnostics)
     end do
@@ -79,9 +80,9 @@ contains
 
     line = size(scene%sees)
     if (scene%sees(line)%candidate_kind > 0 .and. scene%sees(line)%antagonist_kind > 0) then
-      blind = blind_pairs(scene, line, is_free(scene))
+      blind = blind_pairs(scene, line, is_free(scene), deck%absent%looks)
     else
-      blind = blind_pairs(scene, line, scene%bodies%is_grain)
+      blind = blind_pairs(scene, line, scene%bodies%is_grain, deck%absent%looks)
     end if
     do j = 1, n_kinds
       do i = 1, j
@@ -130,34 +131,38 @@ contains
 
   !> Alert distance where none is given [m]: a tenth of the radius of the smallest grain, or the way in a step of what is
   !! fastest at the start, driven, or falls through the whole scene, if that is longer.
-  real(wp) function default_alert(scene, options) result(alert)
+  real(wp) function default_alert(scene, options, absent) result(alert)
     type(scene_t), intent(in) :: scene
     type(run_options_t), intent(in) :: options
-    real(wp) :: smallest, height, fall
+    type(census_t), intent(in) :: absent
+    real(wp) :: smallest, height, fall, low(scene%dimension), high(scene%dimension)
     integer :: c
 
     alert = 0
-    if (scene%contactors%n == 0) return
-    smallest = huge(1.0_wp)
+    if (scene%contactors%n + absent%n == 0) return
+    smallest = absent%smallest
     associate (contactors => scene%contactors, bodies => scene%bodies)
       do c = 1, contactors%n
         if (bodies%is_grain(contactors%body(c))) smallest = min(smallest, contactors%reach(c))
       end do
       if (smallest >= huge(1.0_wp)) smallest = minval(contactors%reach(:contactors%n))
-      height = maxval(maxval(bodies%position, 2) - minval(bodies%position, 2)) + 2*smallest
+      low = min(minval(bodies%position, 2), absent%low(:scene%dimension))
+      high = max(maxval(bodies%position, 2), absent%high(:scene%dimension))
+      height = maxval(high - low) + 2*smallest
     end associate
     ! Fastest free fall: through the whole scene. The number of steps has no part in it: a longer run is the same run.
     fall = sqrt(2*norm2(scene%gravity)*height)
-    alert = max(smallest/10, options%step*(speed_at_start(scene) + fall))
+    alert = max(smallest/10, options%step*(speed_at_start(scene, absent) + fall))
   end function default_alert
 
   !> Largest speed of a body at the start or driven [m/s].
-  real(wp) function speed_at_start(scene) result(speed)
+  real(wp) function speed_at_start(scene, absent) result(speed)
     type(scene_t), intent(in) :: scene
+    type(census_t), intent(in) :: absent
     integer :: i
 
-    speed = 0
-    if (scene%bodies%n > 0) speed = sqrt(maxval(sum(scene%bodies%velocity(:scene%dimension, :)**2, 1)))
+    speed = absent%speed
+    if (scene%bodies%n > 0) speed = max(speed, sqrt(maxval(sum(scene%bodies%velocity(:scene%dimension, :)**2, 1))))
     do i = 1, size(scene%drives)
       if (.not. scene%drives(i)%is_velocity .or. scene%drives(i)%component > scene%dimension) cycle
       speed = max(speed, scene%drives(i)%value%largest())

@@ -2,16 +2,18 @@
 module sg_samples_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t, error_t
-  use sg_generators, only: draw_polygon, draw_radius, place_on_lattice
+  use sg_census, only: census_t
+  use sg_generators, only: draw_polygon, draw_radius
   use sg_insertion, only: insert_at_random
-  use sg_kinds, only: wp, i4, pi
+  use sg_kinds, only: wp, i4, i8, pi
+  use sg_lattice, only: lattice_t, open_lattice, place_on_lattice
+  use sg_lattice_slice, only: shift_grain, sizes_t, slice_t, take_slice
   use sg_moments, only: polygon_moments
   use sg_ordering, only: order_of
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: random_polyhedron
   use sg_random, only: random_t
   use sg_sorting, only: hilbert_order
-  use sg_space_generators, only: place_on_space_lattice, random_direction
   use sg_text, only: to_text
   use sg_values, only: value_t
   use sg_words, only: choice_index
@@ -19,14 +21,18 @@ module sg_samples_from_deck
   private
   public :: sample_t, generate_sample, grain_polygon, grain_polyhedron
 
-  !> Grains of one sample, in spatial order
+  !> Grains of one sample, in spatial order: all of them, or those that one of several ranks keeps
   type :: sample_t
     !> Block of the deck
     integer :: block = 0
     !> Number of grains
     integer :: n = 0
-    !> Centres of the circles or spheres about the grains [m], shape (dimension, n), and their radii [m]
+    !> First and last grain that this rank keeps
+    integer :: first = 1, last = 0
+    !> Centres of the circles or spheres about the grains [m], shape (dimension, listed), and their radii [m]; grains before the
+    !! first one listed: either all grains are listed, or those that this rank keeps
     real(wp), allocatable :: centre(:, :), radius(:)
+    integer :: before = 0
     !> Numbers for the shapes of polygons and polyhedra
     type(random_t) :: random
   end type sample_t
@@ -36,18 +42,20 @@ module sg_samples_from_deck
 
 contains
 
-  !> Draw sizes and places of all grains of a block.
-  subroutine generate_sample(deck, block, period, sample, diagnostics)
+  !> Draw sizes and places of all grains of a block. Of round grains on a lattice several ranks need never list all.
+  subroutine generate_sample(deck, block, period, may_stream, sample, census, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: block !! block of the sample
     real(wp), intent(in) :: period(2) !! periods in x and y [m], 0 for none
+    logical, intent(in) :: may_stream !! need a rank know no grain but its own?
     type(sample_t), intent(out) :: sample !! the grains
+    type(census_t), intent(inout) :: census !! learns about grains that are not listed
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     character(len=*), parameter :: boxes(2:3) = [character(len=50) :: 'x least, y least, x most, y most', &
                                                  'x least, y least, z least, x most, y most, z most']
     type(value_t) :: value
     real(wp) :: box(2*deck%dimension)
-    logical :: is_periodic(deck%dimension - 1)
+    logical :: is_periodic(deck%dimension - 1), is_piece
 
     sample%block = block
     value = deck%value(block, 'box')
@@ -64,11 +72,15 @@ contains
     end associate
     call sample%random%seed(deck%integer(block, 'seed'))
     if (deck%word(block, 'kind') == 'lattice') then
-      call fill_lattice(deck, block, box, is_periodic, sample, diagnostics)
+      is_piece = may_stream .and. any(deck%word(block, 'shape') == ['disk  ', 'sphere'])
+      call fill_lattice(deck, box, is_periodic, period, is_piece, sample, census, diagnostics)
+      if (is_piece) return
     else
       call fill_random(deck, block, box, is_periodic, sample, diagnostics)
     end if
     call order(sample, box)
+    sample%first = int(int(sample%n, i8)*int(deck%rank, i8)/int(deck%ranks, i8)) + 1
+    sample%last = int(int(sample%n, i8)*int(deck%rank + 1, i8)/int(deck%ranks, i8))
   end subroutine generate_sample
 
   !> Draw the radii of a sample.
@@ -79,7 +91,7 @@ contains
     real(wp) :: range(2)
     integer :: distribution, i
 
-    distribution = choice_index(deck%word(sample%block, 'distribution'), 'uniform|volume|lognormal|constant')
+    distribution = distribution_of(deck, sample%block)
     range = deck%pair(sample%block, 'radius')
     deallocate (sample%radius)
     allocate (sample%radius(n))
@@ -88,55 +100,72 @@ contains
     end do
   end subroutine draw_radii
 
-  !> Grains on a lattice.
-  subroutine fill_lattice(deck, block, box, is_periodic, sample, diagnostics)
+  !> Grains on a lattice: a piece of it, or all.
+  subroutine fill_lattice(deck, box, is_periodic, period, is_piece, sample, census, diagnostics)
     type(deck_t), intent(in) :: deck
-    integer, intent(in) :: block
-    real(wp), intent(in) :: box(:)
-    logical, intent(in) :: is_periodic(:)
+    real(wp), intent(in) :: box(:), period(2)
+    logical, intent(in) :: is_periodic(:), is_piece
     type(sample_t), intent(inout) :: sample
+    type(census_t), intent(inout) :: census
     type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp) :: range(2), pitch
-    integer :: wanted
+    type(lattice_t) :: lattice
+    real(wp) :: range(2), pitch, room
+    integer :: wanted, i, arrangement
 
-    range = deck%pair(block, 'radius')
-    if (deck%word(block, 'distribution') == 'constant') range(2) = range(1)
-    pitch = 2*range(2)*deck%number(block, 'spacing')
-    wanted = most
-    if (deck%is_given(block, 'count')) wanted = deck%integer(block, 'count')
-    if (deck%dimension == 2) then
-      call place_on_lattice(box, pitch, deck%word(block, 'arrangement') == 'triangular', is_periodic(1), wanted, sample%centre)
-    else
-      call place_on_space_lattice(box, pitch, choice_index(deck%word(block, 'arrangement'), 'cubic|hexagonal|fcc'), is_periodic, &
-                                  wanted, sample%centre)
+    associate (block => sample%block)
+      range = deck%pair(block, 'radius')
+      if (deck%word(block, 'distribution') == 'constant') range(2) = range(1)
+      pitch = 2*range(2)*deck%number(block, 'spacing')
+      wanted = most
+      if (deck%is_given(block, 'count')) wanted = deck%integer(block, 'count')
+      arrangement = choice_index(deck%word(block, 'arrangement'), trim(merge('square|triangular  ', 'cubic|hexagonal|fcc', &
+                                                                             deck%dimension == 2)))
+      call open_lattice(lattice, box, pitch, arrangement, is_periodic, wanted)
+      sample%n = lattice%count()
+      if (deck%is_given(block, 'count') .and. sample%n < wanted) then
+        call deck%complain(diagnostics, 'the box is too small: its lattice holds '//to_text(sample%n)//' of '// &
+                           to_text(wanted)//' grains', block, 'count')
+      else if (sample%n == 0) then
+        call deck%complain(diagnostics, 'the box is too small for one grain', block, 'box')
+      end if
+      room = deck%number(block, 'jitter')*(pitch - 2*range(2))/2
+    end associate
+    if (is_piece) then
+      if (sample%n > 0) call take_piece(deck, lattice, room, box, period, sample, census)
+      return
     end if
-    sample%n = size(sample%centre, 2)
-    if (deck%is_given(block, 'count') .and. sample%n < wanted) then
-      call deck%complain(diagnostics, 'the box is too small: its lattice holds '//to_text(sample%n)//' of '//to_text(wanted)// &
-                         ' grains', block, 'count')
-    else if (sample%n == 0) then
-      call deck%complain(diagnostics, 'the box is too small for one grain', block, 'box')
-    end if
+    call place_on_lattice(box, pitch, arrangement, is_periodic, wanted, sample%centre)
     call draw_radii(deck, sample, sample%n)
-    call shift_grains(sample, deck%number(block, 'jitter')*(pitch - 2*range(2))/2)
+    do i = 1, sample%n
+      call shift_grain(sample%centre(:, i), room, sample%random)
+    end do
   end subroutine fill_lattice
 
-  !> Shift every grain at random by up to some length [m].
-  subroutine shift_grains(sample, room)
+  !> The piece of a lattice that this rank keeps.
+  subroutine take_piece(deck, lattice, room, box, period, sample, census)
+    type(deck_t), intent(in) :: deck
+    type(lattice_t), intent(inout) :: lattice
+    real(wp), intent(in) :: room, box(:), period(2)
     type(sample_t), intent(inout) :: sample
-    real(wp), intent(in) :: room
-    real(wp) :: angle
-    integer :: i
+    type(census_t), intent(inout) :: census
+    type(slice_t) :: slice
 
-    do i = 1, sample%n
-      if (size(sample%centre, 1) == 2) then
-        angle = sample%random%uniform(0.0_wp, 2*pi)
-        sample%centre(:, i) = sample%centre(:, i) + room*sample%random%uniform()*[cos(angle), sin(angle)]
-      else if (room > 0) then
-        sample%centre(:, i) = sample%centre(:, i) + room*sample%random%uniform()**(1.0_wp/3)*random_direction(sample%random)
-      end if
-    end do
-  end subroutine shift_grains
+    call take_slice(lattice, sizes_t(distribution_of(deck, sample%block), deck%pair(sample%block, 'radius'), room), &
+                    sample%random, box, period, deck%rank, deck%ranks, slice, census)
+    call move_alloc(slice%centre, sample%centre)
+    call move_alloc(slice%radius, sample%radius)
+    sample%before = slice%before
+    sample%first = slice%before + 1
+    sample%last = slice%before + size(sample%radius)
+  end subroutine take_piece
+
+  !> How radii are spread.
+  integer function distribution_of(deck, block) result(distribution)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: block
+
+    distribution = choice_index(deck%word(block, 'distribution'), 'uniform|volume|lognormal|constant')
+  end function distribution_of
 
   !> Grains at random places.
   subroutine fill_random(deck, block, box, is_periodic, sample, diagnostics)
@@ -233,10 +262,10 @@ contains
     integer :: n
 
     n = drawn_count(deck, sample, 'sides')
-    call draw_polygon(sample%random, n, sample%radius(i), vertices)
+    call draw_polygon(sample%random, n, sample%radius(i - sample%before), vertices)
     call polygon_moments(vertices, area, offset, moment)
     vertices = vertices - spread(offset, 2, size(vertices, 2))
-    centre = sample%centre(:, i) + offset
+    centre = sample%centre(:, i - sample%before) + offset
   end subroutine grain_polygon
 
   !> Shape of one polyhedral grain, in the frame of its ellipsoid.
@@ -252,7 +281,8 @@ contains
     n = drawn_count(deck, sample, 'vertices')
     elongation = deck%pair(sample%block, 'elongation')
     least = 1/sample%random%uniform(elongation(1), elongation(2))
-    call random_polyhedron(n, sample%radius(i)*[1.0_wp, sample%random%uniform(least, 1.0_wp), least], sample%random, shape, error)
+    call random_polyhedron(n, sample%radius(i - sample%before)*[1.0_wp, sample%random%uniform(least, 1.0_wp), least], &
+                           sample%random, shape, error)
   end subroutine grain_polyhedron
 
   !> A number of vertices within the range that the deck gives.

@@ -10,8 +10,8 @@ module sg_scene_from_deck
   use sg_laws_from_deck, only: laws_from_deck, materials_from_deck
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
-  use sg_solid_checks, only: check_solid_overlaps
-  use sg_start_checks, only: check_overlaps, check_range
+  use sg_solid_checks, only: find_overlaps
+  use sg_start_checks, only: check_range, overlaps_t, report_overlaps
   use sg_system, only: file_exists
   use sg_text, only: to_text
   use sg_time_function_from_deck, only: path_in_deck
@@ -31,6 +31,7 @@ contains
     type(run_options_t), intent(in) :: options !! options read from it
     type(scene_t), intent(inout) :: scene !! scene to fill
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
+    type(overlaps_t) :: overlaps
     integer :: b
 
     b = deck%block_of('scene')
@@ -48,13 +49,12 @@ contains
     if (diagnostics%count() > 0) return
     call drives_from_deck(deck, scene, diagnostics)
     call interactions_from_deck(deck, options, scene, diagnostics)
+    ! Where each rank has a part of the scene, all check it together.
+    if (deck%ranks > 1) return
     call check_range(deck, scene, diagnostics)
     if (diagnostics%count() > 0) return
-    if (scene%dimension == 2) then
-      call check_overlaps(deck, scene, diagnostics)
-    else
-      call check_solid_overlaps(deck, scene, diagnostics)
-    end if
+    call find_overlaps(scene, overlaps)
+    call report_overlaps(deck, scene, overlaps, diagnostics)
   end subroutine scene_from_deck
 
   !> Build the scene of a DATBOX folder, with gravity, drives and pressures of the deck on top.

@@ -2,16 +2,14 @@
 !!
 !! Pairs are found by cells as wide as the larger grains; shapes far larger than those are held against all others.
 module sg_solid_checks
-  use sg_blocks, only: deck_t
   use sg_contactors, only: place_contactors
-  use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4, i8
   use sg_scene, only: scene_t
   use sg_sorting, only: sort_permutation
-  use sg_start_checks, only: check_pair, warn_of_more
+  use sg_start_checks, only: check_pair, find_planar_overlaps, overlaps_t
   implicit none
   private
-  public :: check_solid_overlaps
+  public :: find_overlaps
 
   !> Shapes more than this many times larger than the middle one stand in no cell
   real(wp), parameter :: large = 8
@@ -28,14 +26,25 @@ module sg_solid_checks
 
 contains
 
-  !> Look for shapes that overlap.
-  subroutine check_solid_overlaps(deck, scene, diagnostics)
-    type(deck_t), intent(in) :: deck !! checked deck
-    type(scene_t), intent(inout) :: scene !! whole scene; its contactors are placed
-    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
+  !> Look for shapes that overlap, in the plane or in space.
+  subroutine find_overlaps(scene, found)
+    type(scene_t), intent(inout) :: scene !! whole scene, or the part of a rank with copies; its contactors are placed
+    type(overlaps_t), intent(inout) :: found !! pairs found
+
+    if (scene%dimension == 2) then
+      call find_planar_overlaps(scene, found)
+    else
+      call find_solid_overlaps(scene, found)
+    end if
+  end subroutine find_overlaps
+
+  !> Look for shapes of space that overlap.
+  subroutine find_solid_overlaps(scene, found)
+    type(scene_t), intent(inout) :: scene
+    type(overlaps_t), intent(inout) :: found
     type(cells_t) :: cells
     logical, allocatable :: is_large(:)
-    integer :: i, j, n, n_pairs
+    integer :: i, j, n
 
     n = scene%contactors%n
     if (n < 2 .or. size(scene%sees) == 0) return
@@ -44,20 +53,18 @@ contains
     call place_contactors(scene%contactors, scene%bodies%middle)
     allocate (is_large(n))
     call find_large(scene, is_large)
-    n_pairs = 0
     do i = 1, n
       if (.not. is_large(i)) cycle
       do j = 1, n
         if (j == i .or. (is_large(j) .and. j < i)) cycle
-        call check_pair(deck, scene, i, j, n_pairs, diagnostics)
+        call check_pair(scene, i, j, found)
       end do
     end do
     call build_cells(scene, is_large, cells)
     do i = 1, size(cells%order)
-      call check_around(deck, scene, cells, int(cells%order(i)), n_pairs, diagnostics)
+      call check_around(scene, cells, int(cells%order(i)), found)
     end do
-    call warn_of_more(deck, n_pairs, diagnostics)
-  end subroutine check_solid_overlaps
+  end subroutine find_solid_overlaps
 
   !> Which contactors are far larger than most?
   subroutine find_large(scene, is_large)
@@ -131,13 +138,11 @@ contains
   end function key_of
 
   !> Hold a contactor against those of its cell and the ones around, each pair once.
-  subroutine check_around(deck, scene, cells, c, n_pairs, diagnostics)
-    type(deck_t), intent(in) :: deck
+  subroutine check_around(scene, cells, c, found)
     type(scene_t), intent(in) :: scene
     type(cells_t), intent(in) :: cells
     integer, intent(in) :: c
-    integer, intent(inout) :: n_pairs
-    type(diagnostics_t), intent(inout) :: diagnostics
+    type(overlaps_t), intent(inout) :: found
     integer(i8) :: key, seen(27)
     integer :: cell(3), at(3), i, j, k, m, n_seen
 
@@ -156,7 +161,7 @@ contains
           seen(n_seen) = key
           do m = first_of(cells%key, key), size(cells%key)
             if (cells%key(m) /= key) exit
-            if (cells%order(m) > c) call check_pair(deck, scene, c, int(cells%order(m)), n_pairs, diagnostics)
+            if (cells%order(m) > c) call check_pair(scene, c, int(cells%order(m)), found)
           end do
         end do
       end do

@@ -3,7 +3,9 @@ module sg_start_checks
   use sg_blocks, only: deck_t
   use sg_contactors, only: is_round, place_contactors
   use sg_error, only: diagnostics_t
+  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4
+  use sg_local_numbers, only: local_body
   use sg_ordering, only: order_of
   use sg_overlaps, only: overlap_depth
   use sg_scene, only: scene_t
@@ -12,7 +14,8 @@ module sg_start_checks
   use sg_text, only: to_text
   implicit none
   private
-  public :: check_range, check_overlaps, check_pair, warn_of_more
+  public :: overlaps_t, most_pairs, check_range, find_planar_overlaps, check_pair, report_overlaps
+  public :: first_wide, lies_outside, complain_of_wide, complain_of_outside
 
   !> Share of the smaller radius by which two bodies may overlap at the start
   real(wp), parameter :: tolerated = 0.1_wp
@@ -21,6 +24,17 @@ module sg_start_checks
   !> Pairs that are named
   integer, parameter :: most_pairs = 5
 
+  !> Pairs of bodies that overlap
+  type :: overlaps_t
+    !> How many
+    integer :: n = 0
+    !> The first ones: numbers of the bodies in the whole scene, depth [m], and depth over the smaller radius
+    integer :: pair(2, most_pairs) = 0
+    real(wp) :: depth(most_pairs) = 0, share(most_pairs) = 0
+    !> Where ranks share the scene: the rank that looks, which notes the pairs that it owns
+    integer :: rank = 0
+  end type overlaps_t
+
 contains
 
   !> In a periodic scene every grain lies within the period, and none would touch itself.
@@ -28,47 +42,87 @@ contains
     type(deck_t), intent(in) :: deck !! checked deck
     type(scene_t), intent(in) :: scene !! scene with its bodies
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    real(wp) :: period(2)
+    integer :: axis, c, b
 
-    if (scene%period > 0) call check_axis(deck, scene, 1, scene%period, diagnostics)
-    if (scene%period_y > 0) call check_axis(deck, scene, 2, scene%period_y, diagnostics)
+    period = [scene%period, scene%period_y]
+    do axis = 1, 2
+      if (.not. period(axis) > 0) cycle
+      c = first_wide(scene, period(axis))
+      if (c > 0) then
+        call complain_of_wide(deck, scene, int(scene%contactors%body(c)), scene%contactors%reach(c), period(axis), diagnostics)
+        cycle
+      end if
+      do b = 1, scene%bodies%n
+        if (lies_outside(scene, b, axis)) call complain_of_outside(deck, scene, b, axis, scene%bodies%position(axis, b), &
+                                                                   diagnostics)
+      end do
+    end do
   end subroutine check_range
 
-  !> The same along one axis.
-  subroutine check_axis(deck, scene, axis, period, diagnostics)
-    type(deck_t), intent(in) :: deck
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: axis
-    real(wp), intent(in) :: period
-    type(diagnostics_t), intent(inout) :: diagnostics
-    character(len=*), parameter :: letters = 'xy'
-    integer :: i
+  !> First round contactor of a grain that is wider than a period; 0 when there is none.
+  pure integer function first_wide(scene, period) result(contactor)
+    type(scene_t), intent(in) :: scene !! scene with its bodies
+    real(wp), intent(in) :: period !! [m]
 
-    do i = 1, scene%contactors%n
-      if (.not. scene%bodies%is_grain(scene%contactors%body(i)) .or. .not. is_round(scene%contactors%kind(i))) cycle
-      if (2*scene%contactors%reach(i) <= period) cycle
-      call deck%complain(diagnostics, name_of(scene, int(scene%contactors%body(i)))//' is wider than the period: '// &
-                         to_text(2*scene%contactors%reach(i), 6)//' m against '//to_text(period, 6)//' m', &
-                         deck%block_of_body(int(scene%contactors%body(i))))
-      return
+    do contactor = 1, scene%contactors%n
+      if (.not. scene%bodies%is_grain(scene%contactors%body(contactor)) .or. &
+          .not. is_round(scene%contactors%kind(contactor))) cycle
+      if (2*scene%contactors%reach(contactor) > period) return
     end do
-    do i = 1, scene%bodies%n
-      if (.not. scene%bodies%is_grain(i)) cycle
-      if (scene%bodies%position(axis, i) >= 0 .and. scene%bodies%position(axis, i) < period) cycle
-      call deck%complain(diagnostics, name_of(scene, i)//' lies outside of the period: '//letters(axis:axis)//' = '// &
-                         to_text(scene%bodies%position(axis, i), 6)//' m is not within 0 to '//to_text(period, 6)//' m', &
-                         deck%block_of_body(i))
-    end do
-  end subroutine check_axis
+    contactor = 0
+  end function first_wide
 
-  !> Look for shapes that overlap: sweep along the longer side of the scene.
-  subroutine check_overlaps(deck, scene, diagnostics)
+  !> Does a grain lie outside of the period?
+  pure logical function lies_outside(scene, body, axis)
+    type(scene_t), intent(in) :: scene !! scene with its bodies
+    integer, intent(in) :: body !! body of the scene
+    integer, intent(in) :: axis !! 1 for x, 2 for y
+
+    real(wp) :: period
+
+    period = merge(scene%period, scene%period_y, axis == 1)
+    associate (coordinate => scene%bodies%position(axis, body))
+      lies_outside = scene%bodies%is_grain(body) .and. .not. (coordinate >= 0 .and. coordinate < period)
+    end associate
+  end function lies_outside
+
+  !> Say that a grain is wider than the period.
+  subroutine complain_of_wide(deck, scene, number, reach, period, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
-    type(scene_t), intent(inout) :: scene !! whole scene; its contactors are placed
-    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
+    type(scene_t), intent(in) :: scene !! scene with the names of bodies
+    integer, intent(in) :: number !! number of the body in the whole scene
+    real(wp), intent(in) :: reach !! radius of the grain [m]
+    real(wp), intent(in) :: period !! [m]
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+
+    call deck%complain(diagnostics, name_of(scene, number)//' is wider than the period: '//to_text(2*reach, 6)//' m against '// &
+                       to_text(period, 6)//' m', deck%block_of_body(number))
+  end subroutine complain_of_wide
+
+  !> Say that a grain lies outside of the period.
+  subroutine complain_of_outside(deck, scene, number, axis, coordinate, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(in) :: scene !! scene with its period and the names of bodies
+    integer, intent(in) :: number !! number of the body in the whole scene
+    integer, intent(in) :: axis !! 1 for x, 2 for y
+    real(wp), intent(in) :: coordinate !! of the grain along it [m]
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    character(len=*), parameter :: letters = 'xy'
+
+    call deck%complain(diagnostics, name_of(scene, number)//' lies outside of the period: '//letters(axis:axis)//' = '// &
+                       to_text(coordinate, 6)//' m is not within 0 to '// &
+                       to_text(merge(scene%period, scene%period_y, axis == 1), 6)//' m', deck%block_of_body(number))
+  end subroutine complain_of_outside
+
+  !> Look for shapes of the plane that overlap: sweep along the longer side of the scene.
+  subroutine find_planar_overlaps(scene, found)
+    type(scene_t), intent(inout) :: scene !! whole scene, or the part of a rank with copies; its contactors are placed
+    type(overlaps_t), intent(inout) :: found !! pairs found
     integer(i4), allocatable :: order(:)
     real(wp), allocatable :: low(:)
     real(wp) :: shift
-    integer :: n, axis, i, j, k, turns, n_pairs
+    integer :: n, axis, i, j, k, turns
 
     n = scene%contactors%n
     if (n < 2 .or. size(scene%sees) == 0) return
@@ -80,38 +134,24 @@ contains
       low = centre(axis, :) - reach
       order = order_of(low)
       turns = merge(2, 1, axis == 1 .and. scene%period > 0)
-      n_pairs = 0
       do i = 1, n
         do k = i + 1, i + turns*n - 1
           if (k > turns*n) exit
           j = modulo(k - 1, n) + 1
           shift = merge(scene%period, 0.0_wp, k > n)
           if (low(order(j)) + shift > centre(axis, order(i)) + reach(order(i))) exit
-          if (j /= i) call check_pair(deck, scene, int(order(i)), int(order(j)), n_pairs, diagnostics)
+          if (j /= i) call check_pair(scene, int(order(i)), int(order(j)), found)
         end do
       end do
     end associate
-    call warn_of_more(deck, n_pairs, diagnostics)
-  end subroutine check_overlaps
+  end subroutine find_planar_overlaps
 
-  !> Say how many pairs overlap where not all are listed.
-  subroutine warn_of_more(deck, n_pairs, diagnostics)
-    type(deck_t), intent(in) :: deck !! checked deck
-    integer, intent(in) :: n_pairs !! pairs found
-    type(diagnostics_t), intent(inout) :: diagnostics !! list to add to
-
-    if (n_pairs > most_pairs) call deck%warn(diagnostics, to_text(n_pairs)//' pairs overlap at the start, which are not all '// &
-                                             'listed', deck%block_of('scene'))
-  end subroutine warn_of_more
-
-  !> Report a pair that overlaps, if at least one of the two is a grain and they see each other.
-  subroutine check_pair(deck, scene, c1, c2, n_pairs, diagnostics)
-    type(deck_t), intent(in) :: deck !! checked deck
+  !> Note a pair that overlaps, if at least one of the two is a grain and they see each other.
+  subroutine check_pair(scene, c1, c2, found)
     type(scene_t), intent(in) :: scene !! the scene, its contactors placed
     integer, intent(in) :: c1 !! one contactor
     integer, intent(in) :: c2 !! the other
-    integer, intent(inout) :: n_pairs !! pairs found
-    type(diagnostics_t), intent(inout) :: diagnostics !! list to add to
+    type(overlaps_t), intent(inout) :: found !! list to add to
     real(wp) :: distance(3), shift(3), radius, depth
     integer :: b1, b2, k
 
@@ -119,6 +159,9 @@ contains
       b1 = contactors%body(c1)
       b2 = contactors%body(c2)
       if (b1 == b2 .or. .not. (scene%bodies%is_grain(b1) .or. scene%bodies%is_grain(b2))) return
+      if (allocated(scene%bodies%home)) then
+        if (owner_of(scene%bodies%home([b1, b2])) /= found%rank) return
+      end if
       distance = 0
       do k = 1, scene%dimension
         distance(k) = contactors%centre(k, c2) - contactors%centre(k, c1)
@@ -137,42 +180,61 @@ contains
       else
         depth = solid_overlap_depth(contactors, c1, c2, shift)
       end if
-      call report_overlap(deck, scene, b1, b2, depth, radius, n_pairs, diagnostics)
+      call note_pair(scene, b1, b2, depth, depth/radius, found)
     end associate
   end subroutine check_pair
 
-  !> Report two bodies whose shapes overlap: by much a mistake, by little a warning, by rounding nothing.
-  subroutine report_overlap(deck, scene, b1, b2, depth, radius, n_pairs, diagnostics)
-    type(deck_t), intent(in) :: deck
+  !> Note two bodies whose shapes overlap, if by more than rounding.
+  pure subroutine note_pair(scene, b1, b2, depth, share, found)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: b1, b2
-    real(wp), intent(in) :: depth, radius
-    integer, intent(inout) :: n_pairs
-    type(diagnostics_t), intent(inout) :: diagnostics
-    character(len=:), allocatable :: message
-    real(wp) :: share
+    real(wp), intent(in) :: depth, share
+    type(overlaps_t), intent(inout) :: found
 
-    share = depth/radius
     if (share <= rounding) return
-    n_pairs = n_pairs + 1
-    if (n_pairs > most_pairs) return
-    message = name_of(scene, min(b1, b2))//' and '//name_of(scene, max(b1, b2))// &
-              ' overlap at the start by '//to_text(depth, 3)//' m, '//to_text(nint(100*share))//' % of the smaller radius'
-    if (share > tolerated) then
-      call deck%complain(diagnostics, message, deck%block_of_body(max(b1, b2)))
-    else
-      call deck%warn(diagnostics, message, deck%block_of_body(max(b1, b2)))
-    end if
-  end subroutine report_overlap
+    found%n = found%n + 1
+    if (found%n > most_pairs) return
+    found%pair(:, found%n) = [b1, b2]
+    if (allocated(scene%bodies%id)) found%pair(:, found%n) = scene%bodies%id([b1, b2])
+    found%depth(found%n) = depth
+    found%share(found%n) = share
+  end subroutine note_pair
+
+  !> Report pairs of bodies whose shapes overlap: by much a mistake, by little a warning; and how many pairs there are where not
+  !! all are listed.
+  subroutine report_overlaps(deck, scene, found, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(in) :: scene !! scene with the names of bodies
+    type(overlaps_t), intent(in) :: found !! pairs found
+    type(diagnostics_t), intent(inout) :: diagnostics !! list to add to
+    character(len=:), allocatable :: message
+    integer :: i
+
+    do i = 1, min(found%n, most_pairs)
+      associate (first => minval(found%pair(:, i)), second => maxval(found%pair(:, i)))
+        message = name_of(scene, first)//' and '//name_of(scene, second)//' overlap at the start by '// &
+                  to_text(found%depth(i), 3)//' m, '//to_text(nint(100*found%share(i)))//' % of the smaller radius'
+        if (found%share(i) > tolerated) then
+          call deck%complain(diagnostics, message, deck%block_of_body(second))
+        else
+          call deck%warn(diagnostics, message, deck%block_of_body(second))
+        end if
+      end associate
+    end do
+    if (found%n > most_pairs) call deck%warn(diagnostics, to_text(found%n)//' pairs overlap at the start, which are not all '// &
+                                             'listed', deck%block_of('scene'))
+  end subroutine report_overlaps
 
   !> A body for messages: its name, or its number.
-  function name_of(scene, body) result(name)
+  function name_of(scene, number) result(name)
     type(scene_t), intent(in) :: scene
-    integer, intent(in) :: body
+    integer, intent(in) :: number
     character(len=:), allocatable :: name
+    integer :: body
 
-    name = 'body '//to_text(body)
-    if (.not. allocated(scene%names)) return
+    name = 'body '//to_text(number)
+    body = local_body(scene%bodies, int(number, i4))
+    if (body == 0 .or. .not. allocated(scene%names)) return
     if (scene%names(body)%s /= '') name = '"'//scene%names(body)%s//'"'
   end function name_of
 end module sg_start_checks

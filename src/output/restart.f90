@@ -133,19 +133,24 @@ contains
     state%impulse = reshape([real(wp) ::], [components, 0])
   end subroutine forget_contacts
 
-  !> Put bodies and contacts into a state; of contacts only what recovery by pair needs is set.
+  !> Put bodies and contacts into a state; of contacts only what recovery by pair needs is set. A rank's part takes its bodies;
+  !! contacts keep the numbers that contactors have in the whole scene.
   subroutine restore_state(state, scene, contacts)
     type(restart_t), intent(in) :: state !! state to restore
     type(scene_t), intent(inout) :: scene !! bodies to set
     type(contacts_t), intent(inout) :: contacts !! contacts to set
-    integer :: n, i
+    integer :: n, i, number
 
-    scene%bodies%position = state%position
-    scene%bodies%velocity = state%velocity
-    scene%bodies%crossings = state%crossings
-    if (allocated(scene%bodies%angle)) scene%bodies%angle = state%angle
-    if (allocated(scene%bodies%orientation)) scene%bodies%orientation = state%orientation
-    if (scene%dimension == 3) scene%bodies%crossings_y = state%crossings_y
+    do i = 1, scene%bodies%n
+      number = i
+      if (allocated(scene%bodies%id)) number = scene%bodies%id(i)
+      scene%bodies%position(:, i) = state%position(:, number)
+      scene%bodies%velocity(:, i) = state%velocity(:, number)
+      scene%bodies%crossings(i) = state%crossings(number)
+      if (allocated(scene%bodies%angle)) scene%bodies%angle(i) = state%angle(number)
+      if (allocated(scene%bodies%orientation)) scene%bodies%orientation(:, i) = state%orientation(:, number)
+      if (scene%dimension == 3) scene%bodies%crossings_y(i) = state%crossings_y(number)
+    end do
     n = size(state%feature)
     contacts%n = n
     contacts%dimension = scene%dimension
@@ -158,6 +163,7 @@ contains
     contacts%law(:n) = state%law
     contacts%status(:n) = int(state%status, i1)
     contacts%impulse(:, :n) = state%impulse
+    if (allocated(scene%contactors%id)) return
     do i = 1, n
       contacts%body(:, i) = scene%contactors%body(state%contactor(:, i))
     end do
@@ -278,21 +284,27 @@ contains
   end subroutine find_newest
 
   !> Read a state and see whether it fits the scene; that another deck wrote it is only a warning.
-  subroutine read_restart(name, scene, deck_hash, state, diagnostics)
+  subroutine read_restart(name, scene, deck_hash, state, diagnostics, bodies, contactors)
     character(len=*), intent(in) :: name !! path of the file
-    type(scene_t), intent(in) :: scene !! scene that it must fit
+    type(scene_t), intent(in) :: scene !! scene that it must fit, or the part of a rank
     character(len=*), intent(in) :: deck_hash !! hash of the present deck
     type(restart_t), intent(out) :: state !! state read
     type(diagnostics_t), intent(inout) :: diagnostics !! takes what is wrong
+    integer, intent(in), optional :: bodies !! bodies of the whole scene, where ranks share it
+    integer, intent(in), optional :: contactors !! contactors of the whole scene
     type(error_t), allocatable :: error
     character(len=:), allocatable :: misfit
+    integer :: whole(2)
 
     call read_file(name, state, error)
     if (allocated(error)) then
       call diagnostics%add(error%message, file=name)
       return
     end if
-    misfit = misfit_of(state, scene)
+    whole = [scene%bodies%n, scene%contactors%n]
+    if (present(bodies)) whole(1) = bodies
+    if (present(contactors)) whole(2) = contactors
+    misfit = misfit_of(state, scene, whole(1), whole(2))
     if (len(misfit) > 0) then
       call diagnostics%add('this restart file does not fit the scene: '//misfit, file=name)
     else if (state%deck_hash /= deck_hash) then
@@ -359,17 +371,18 @@ contains
   end subroutine check_format
 
   !> Why a state does not fit a scene; empty when it does.
-  function misfit_of(state, scene) result(misfit)
+  function misfit_of(state, scene, bodies, contactors) result(misfit)
     type(restart_t), intent(in) :: state
     type(scene_t), intent(in) :: scene
+    integer, intent(in) :: bodies, contactors
     character(len=:), allocatable :: misfit
     integer :: n, m
 
     n = size(state%position, 2)
     m = size(state%feature)
     misfit = ''
-    if (n /= scene%bodies%n) then
-      misfit = 'it holds '//to_text(n)//' bodies, the scene '//to_text(scene%bodies%n)
+    if (n /= bodies) then
+      misfit = 'it holds '//to_text(n)//' bodies, the scene '//to_text(bodies)
     else if (size(state%position, 1) /= scene%dimension) then
       misfit = 'it holds a scene of dimension '//to_text(size(state%position, 1))
     else if (size(state%velocity, 1) /= scene%bodies%n_velocity) then
@@ -384,7 +397,7 @@ contains
     else if (.not. (all(ieee_is_finite(state%position)) .and. all(ieee_is_finite(state%velocity)) .and. &
                     all(ieee_is_finite(state%impulse)))) then
       misfit = 'it holds numbers that are not finite'
-    else if (any(state%contactor < 1) .or. any(state%contactor > scene%contactors%n)) then
+    else if (any(state%contactor < 1) .or. any(state%contactor > contactors)) then
       misfit = 'it holds contacts of shapes that the scene does not have'
     else if (any(state%law < 1) .or. any(state%law > number_of_laws(scene))) then
       misfit = 'it holds contacts under laws that the scene does not have'

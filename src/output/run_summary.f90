@@ -2,7 +2,7 @@
 module sg_run_summary
   use sg_comm, only: comm_t
   use sg_error, only: error_t
-  use sg_grains, only: count_grains, grains_t
+  use sg_grains, only: count_grains, grains_t, reduce_grains
   use sg_json, only: json_t
   use sg_kinds, only: wp, i8
   use sg_measures, only: is_count, measure_names, measures_t
@@ -76,12 +76,14 @@ module sg_run_summary
 contains
 
   !> Say what is to be run; until `conclude` the run counts as failed.
-  subroutine summary_describe(self, scene, options, deck, ranks)
+  subroutine summary_describe(self, scene, options, deck, comm)
     class(run_summary_t), intent(inout) :: self
-    type(scene_t), intent(in) :: scene !! what exists
+    type(scene_t), intent(in) :: scene !! what exists, or the part of this rank
     type(run_options_t), intent(in) :: options !! what is done with it
     character(len=*), intent(in) :: deck !! path of the deck
-    integer, intent(in) :: ranks !! number of ranks
+    type(comm_t), intent(in), optional :: comm !! the ranks, all of which call this
+    type(comm_t) :: ranks
+    real(wp) :: bodies(1)
 
     self%status = run_failed
     self%reason = 'the run did not come to its end'
@@ -92,10 +94,14 @@ contains
     self%criterion = trim(criterion_names(options%solver%criterion))
     self%tolerance = options%solver%tolerance
     self%dimension = scene%dimension
-    self%ranks = ranks
-    self%bodies = scene%bodies%n
+    if (present(comm)) self%ranks = comm%size
+    if (present(comm) .and. allocated(scene%bodies%id)) ranks = comm
+    bodies = real(scene%bodies%n_home, wp)
+    call ranks%sum(bodies)
+    self%bodies = nint(bodies(1))
     self%steps_asked = options%steps
     self%grains = count_grains(scene%bodies)
+    call reduce_grains(self%grains, ranks)
     self%time = scene%start_time
   end subroutine summary_describe
 

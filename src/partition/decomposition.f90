@@ -14,11 +14,11 @@ module sg_decomposition
   use sg_halo_margin, only: halo_margin_t
   use sg_history, only: history_t, resume_history, start_history
   use sg_home_sum, only: copy_from_home
-  use sg_homes, only: owner_of
+  use sg_homes, only: counts_on
   use sg_kinds, only: wp, i4
   use sg_load, only: imbalance
   use sg_local_numbers, only: local_contactor
-  use sg_migrate, only: migrate, take_part
+  use sg_migrate, only: migrate
   use sg_neighbours, only: fitting_skin, neighbours_are_stale, neighbours_t
   use sg_parcels, only: parcel_t
   use sg_renumber, only: renumber_contacts
@@ -26,7 +26,7 @@ module sg_decomposition
   use sg_scene, only: scene_t, start_contact_t
   use sg_subdomain, only: subdomain_t
   use sg_territory, only: body_reach
-  use sg_travel, only: pack_contacts, send_contacts, unpack_contacts
+  use sg_travel, only: keep_contacts, may_own, send_contacts, unpack_contacts
   use sg_whole, only: keep_whole, localise, whole_t
   implicit none
   private
@@ -61,11 +61,11 @@ module sg_decomposition
 
 contains
 
-  !> Split a whole scene that all ranks hold: afterwards each holds its part. Collective.
+  !> Split a scene that all ranks hold whole, or of which each holds a share: afterwards each holds its part. Collective.
   subroutine decomposition_begin(self, scene, contacts, is_resumed, options, comm, error)
     class(decomposition_t), intent(inout) :: self
-    type(scene_t), intent(inout) :: scene !! the whole scene, replaced by this rank's part
-    type(contacts_t), intent(in) :: contacts !! contacts of a restart file, none otherwise
+    type(scene_t), intent(inout) :: scene !! the whole scene, or a part with homes; replaced by this rank's part
+    type(contacts_t), intent(in) :: contacts !! contacts of a restart file, with numbers of the whole scene; none otherwise
     logical, intent(in) :: is_resumed !! does the run go on from a restart file?
     type(partition_options_t), intent(in) :: options !! how to split
     type(comm_t), intent(inout) :: comm !! the ranks
@@ -76,75 +76,103 @@ contains
     self%options = options
     self%subdomain%rank = comm%rank
     self%subdomain%size = comm%size
-    self%subdomain%all_bodies = scene%bodies%n
-    self%subdomain%all_contactors = scene%contactors%n
+    if (.not. allocated(scene%bodies%id)) call hold_everywhere(scene)
+    call count_all(self%subdomain, scene, comm)
     call keep_whole(scene, self%whole)
     call first_homes(scene, options, comm, home, error)
     if (allocated(error)) return
+    if (allocated(scene%start_contacts)) call move_alloc(scene%start_contacts, self%start_contacts)
+    call migrate(scene, home, comm)
     self%is_resumed = is_resumed
-    if (is_resumed) call pack_contacts(contacts, scene, home, self%resumed, comm%rank)
-    call keep_start_contacts(self, scene, home)
-    call take_part(scene, home, comm)
+    if (is_resumed) call keep_contacts(contacts, scene, comm%rank, self%resumed)
+    call keep_start_contacts(self, scene)
     call localise(self%whole, scene)
     self%subdomain%splits = 1
   end subroutine decomposition_begin
 
-  !> Homes of all bodies: boxes about grains of one weight each. Every rank cuts a share of the grains.
-  subroutine first_homes(scene, options, comm, home, error)
+  !> Number the bodies of a scene that all ranks hold whole, as bodies that all ranks hold.
+  subroutine hold_everywhere(scene)
+    type(scene_t), intent(inout) :: scene
+    integer :: i
+
+    scene%bodies%id = [(int(i, i4), i=1, scene%bodies%n)]
+    scene%contactors%id = [(int(i, i4), i=1, scene%contactors%n)]
+    allocate (scene%bodies%home(scene%bodies%n), source=-1_i4)
+  end subroutine hold_everywhere
+
+  !> Bodies and contactors of the whole scene: the largest numbers.
+  subroutine count_all(subdomain, scene, comm)
+    type(subdomain_t), intent(inout) :: subdomain
     type(scene_t), intent(in) :: scene
+    type(comm_t), intent(inout) :: comm
+    real(wp) :: most(2)
+
+    most = 0
+    if (scene%bodies%n > 0) most(1) = real(maxval(scene%bodies%id), wp)
+    if (scene%contactors%n > 0) most(2) = real(maxval(scene%contactors%id(:scene%contactors%n)), wp)
+    call comm%maximum(most)
+    subdomain%all_bodies = nint(most(1))
+    subdomain%all_contactors = nint(most(2))
+  end subroutine count_all
+
+  !> First homes of the bodies that this rank counts as its own, by boxes about grains of one weight each; -1 of wide bodies, and
+  !! of others that all ranks hold so far and another one counts.
+  subroutine first_homes(scene, options, comm, home, error)
+    type(scene_t), intent(inout) :: scene !! its bodies know whether they are wide
     type(partition_options_t), intent(in) :: options
     type(comm_t), intent(inout) :: comm
     integer(i4), allocatable, intent(out) :: home(:)
     type(error_t), allocatable, intent(out) :: error
     logical, allocatable :: is_wide(:)
-    integer, allocatable :: own(:), narrow(:)
-    integer(i4), allocatable :: part(:)
-    real(wp), allocatable :: mine(:), all(:, :)
-    integer :: i, n, share, counts(3)
+    integer(i4), allocatable :: own(:), part(:)
+    integer :: i, counts(3)
 
-    is_wide = wide_bodies(scene)
-    narrow = pack([(i, i=1, scene%bodies%n)], .not. is_wide)
-    n = size(narrow)
-    share = (n + comm%size - 1)/comm%size
-    own = narrow(min(n, comm%rank*share) + 1:min(n, (comm%rank + 1)*share))
-    call choose_boxes(comm, scene%bodies%position(:, own), comm%size, options%boxes, counts, error)
-    if (allocated(error)) return
-    call split_boxes(comm, scene%bodies%position(:, own), [(1.0_wp, i=1, size(own))], int(own, i4), counts, part)
-    allocate (mine(share), source=-1.0_wp)
-    mine(:size(part)) = real(part - 1, wp)
-    call comm%gather(mine, all)
-    allocate (home(scene%bodies%n), source=-1_i4)
-    home(narrow) = nint(pack(all, all > -0.5_wp), i4)
+    call find_wide(scene, comm, is_wide)
+    associate (bodies => scene%bodies)
+      own = pack([(int(i, i4), i=1, bodies%n)], [(counts_on(comm%rank, comm%size, bodies%home(i), bodies%id(i)) .and. &
+                                                   .not. is_wide(i), i=1, bodies%n)])
+      where (bodies%home < 0 .and. .not. is_wide) bodies%home = int(comm%rank, i4)
+      call choose_boxes(comm, bodies%position(:, own), comm%size, options%boxes, counts, error)
+      if (allocated(error)) return
+      call split_boxes(comm, bodies%position(:, own), [(1.0_wp, i=1, size(own))], bodies%id(own), counts, part)
+      allocate (home(bodies%n), source=-1_i4)
+    end associate
+    home(own) = part - 1_i4
   end subroutine first_homes
 
-  !> Bodies that all ranks hold: those that carry a pressure or bound a pressed length, and large ones that are no grains.
-  function wide_bodies(scene) result(is_wide)
+  !> Bodies that all ranks go on to hold: those that carry a pressure or bound a pressed length, and large ones that are no
+  !! grains.
+  subroutine find_wide(scene, comm, is_wide)
     type(scene_t), intent(in) :: scene
-    logical, allocatable :: is_wide(:)
-    real(wp) :: reach(scene%bodies%n), mean
+    type(comm_t), intent(inout) :: comm
+    logical, allocatable, intent(out) :: is_wide(:)
+    real(wp) :: reach(scene%bodies%n), sums(2)
     integer :: i
 
     reach = body_reach(scene, scene%bodies%n)
-    mean = 0
-    if (any(scene%bodies%is_grain)) mean = sum(reach, scene%bodies%is_grain)/real(count(scene%bodies%is_grain), wp)
-    is_wide = .not. scene%bodies%is_grain .and. reach > wide_reach*mean
+    associate (bodies => scene%bodies)
+      sums = 0
+      do i = 1, bodies%n
+        if (bodies%is_grain(i) .and. counts_on(comm%rank, comm%size, bodies%home(i), bodies%id(i))) sums = sums + [1.0_wp, reach(i)]
+      end do
+      call comm%sum(sums)
+      is_wide = bodies%home < 0 .and. .not. bodies%is_grain .and. reach > wide_reach*sums(2)/max(1.0_wp, sums(1))
+    end associate
     do i = 1, size(scene%pressures)
       is_wide(scene%pressures(i)%body) = .true.
       if (all(scene%pressures(i)%between > 0)) is_wide(scene%pressures(i)%between) = .true.
     end do
-  end function wide_bodies
+  end subroutine find_wide
 
-  !> Keep the contacts known at the start that this rank owns, with the numbers of the whole scene.
-  subroutine keep_start_contacts(self, scene, home)
+  !> Keep the contacts known at the start that this rank may own, with the numbers of the whole scene.
+  subroutine keep_start_contacts(self, scene)
     class(decomposition_t), intent(inout) :: self
-    type(scene_t), intent(in) :: scene
-    integer(i4), intent(in) :: home(:)
+    type(scene_t), intent(in) :: scene !! this rank's part, without copies
     integer :: k
 
-    if (.not. allocated(scene%start_contacts)) return
-    self%start_contacts = pack(scene%start_contacts, &
-                               [(owner_of(home(scene%contactors%body(scene%start_contacts(k)%contactor))) == &
-                                 self%subdomain%rank, k=1, size(scene%start_contacts))])
+    if (.not. allocated(self%start_contacts)) return
+    self%start_contacts = pack(self%start_contacts, [(may_own(scene, self%subdomain%rank, &
+                                 int(self%start_contacts(k)%contactor, i4)), k=1, size(self%start_contacts))])
   end subroutine keep_start_contacts
 
   !> Bring the part of this rank up to date where any rank's list of neighbours is stale. Collective.

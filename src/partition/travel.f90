@@ -13,37 +13,52 @@ module sg_travel
   use sg_sorting, only: group_items
   implicit none
   private
-  public :: pack_contacts, send_contacts, unpack_contacts
+  public :: keep_contacts, send_contacts, unpack_contacts, may_own
 
 contains
 
-  !> Append the contacts that a rank will own.
-  subroutine pack_contacts(contacts, scene, home, parcel, rank)
-    type(contacts_t), intent(in) :: contacts !! contacts of the last step
-    type(scene_t), intent(in) :: scene !! scene whose contactors they name
-    integer(i4), intent(in) :: home(:) !! home of each body of that scene from now on, -1 for wide ones
+  !> Append those contacts of a list, the same on all ranks, that this rank may own.
+  subroutine keep_contacts(contacts, scene, rank, parcel)
+    type(contacts_t), intent(in) :: contacts !! contacts, with the numbers that contactors have in the whole scene
+    type(scene_t), intent(in) :: scene !! this rank's part, without copies
+    integer, intent(in) :: rank !! this rank
     type(parcel_t), intent(inout) :: parcel !! takes the records
-    integer, intent(in) :: rank !! rank whose contacts are wanted
     integer :: k
 
     do k = 1, contacts%n
-      if (owner_of(home(scene%contactors%body(contacts%contactor(:, k)))) /= rank) cycle
-      call pack_contact(contacts, k, scene, parcel)
+      if (may_own(scene, rank, contacts%contactor(:, k))) call pack_contact(contacts, k, contacts%contactor(:, k), parcel)
     end do
-  end subroutine pack_contacts
+  end subroutine keep_contacts
+
+  !> May a rank own the contacts of a pair, as far as it knows? When copies are made, of those between two ranks' grains both
+  !! contactors are with the owner alone.
+  pure logical function may_own(scene, rank, number)
+    type(scene_t), intent(in) :: scene !! the rank's part, without copies
+    integer, intent(in) :: rank !! the rank, from 0
+    integer(i4), intent(in) :: number(2) !! numbers of the contactors in the whole scene
+    integer :: side, c, wide
+
+    may_own = .false.
+    wide = 0
+    do side = 1, 2
+      c = local_contactor(scene%contactors, number(side))
+      if (c == 0) cycle
+      associate (home => scene%bodies%home(scene%contactors%body(c)))
+        may_own = may_own .or. home == rank
+        if (home < 0) wide = wide + 1
+      end associate
+    end do
+    may_own = may_own .or. (wide == 2 .and. rank == 0)
+  end function may_own
 
   !> Append the record of a contact.
-  subroutine pack_contact(contacts, k, scene, parcel)
+  subroutine pack_contact(contacts, k, number, parcel)
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k
-    type(scene_t), intent(in) :: scene
+    integer(i4), intent(in) :: number(2)
     type(parcel_t), intent(inout) :: parcel
 
-    if (allocated(scene%contactors%id)) then
-      call parcel%put(scene%contactors%id(contacts%contactor(:, k)))
-    else
-      call parcel%put(contacts%contactor(:, k))
-    end if
+    call parcel%put(number)
     call parcel%put(contacts%feature(k))
     call parcel%put(int(contacts%image(k)))
     if (contacts%dimension == 3) call parcel%put(int(contacts%image_y(k)))
@@ -73,7 +88,7 @@ contains
     do r = 0, comm%size - 1
       sent(r) = leaving%n
       do k = first(r + 1), first(r + 2) - 1
-        call pack_contact(contacts, leaver(k), scene, leaving)
+        call pack_contact(contacts, leaver(k), scene%contactors%id(contacts%contactor(:, leaver(k))), leaving)
       end do
       sent(r) = leaving%n - sent(r)
     end do

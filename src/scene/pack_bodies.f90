@@ -7,6 +7,7 @@
 module sg_pack_bodies
   use sg_bodies, only: bodies_t, drop_rotation
   use sg_contactors, only: contactors_t, n_kinds
+  use sg_homes, only: counts_on
   use sg_kinds, only: wp, i4, i8
   use sg_pack_shapes, only: make_room_for_shapes, pack_contactor, unpack_contactor, unpack_size
   use sg_parcels, only: parcel_t
@@ -14,7 +15,7 @@ module sg_pack_bodies
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: pack_body, order_records, build_scene, rebuild_scene, drop_step_state
+  public :: pack_body, order_records, build_scene, rebuild_scene, drop_bodies, drop_step_state
 
   !> Places of values in a record
   integer, parameter :: place_length = 1, place_number = 2, place_home = 3, place_contactors = 6
@@ -96,7 +97,7 @@ contains
       number = nint(parcel%value(at + place_number - 1))
       home = nint(parcel%value(at + place_home - 1))
       keys(n) = int(number, i8) + last
-      if (home == rank .or. (home < 0 .and. modulo(number, ranks) == rank)) then
+      if (counts_on(rank, ranks, int(home, i4), int(number, i4))) then
         keys(n) = int(number, i8)
         n_home = n_home + 1
       end if
@@ -147,6 +148,19 @@ contains
     if (allocated(scene%bodies%free_velocity)) deallocate (scene%bodies%free_velocity)
     if (allocated(scene%contactors%centre)) deallocate (scene%contactors%centre)
   end subroutine drop_step_state
+
+  !> Give back the bodies and contactors of a scene whose records are all in parcels, before it is made anew from others.
+  subroutine drop_bodies(scene)
+    type(scene_t), intent(inout) :: scene !! scene without bodies afterwards
+    type(bodies_t) :: no_bodies
+    type(contactors_t) :: no_contactors
+
+    no_bodies%dimension = scene%bodies%dimension
+    no_bodies%n_velocity = scene%bodies%n_velocity
+    no_contactors%dimension = scene%contactors%dimension
+    scene%bodies = no_bodies
+    scene%contactors = no_contactors
+  end subroutine drop_bodies
 
   !> All of a scene that does not depend on its bodies.
   subroutine copy_frame(template, local)

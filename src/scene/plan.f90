@@ -4,12 +4,13 @@
 !! carry radius times spin; only the rest pays for lever arms. The plan is printed at the start of a run.
 module sg_plan
   use sg_bodies, only: bodies_t, drop_rotation
+  use sg_comm, only: comm_t
   use sg_contactors, only: contactors_t, is_round, kind_disk, kind_hollow, kind_names, kind_sphere, kind_wall, n_kinds
   use sg_drives, only: drive_t
   use sg_kinds, only: wp
   use sg_laws, only: is_frictionless, is_plain
   use sg_scene, only: scene_t
-  use sg_sees, only: see_between
+  use sg_sees, only: see_of
   use sg_space_shapes, only: freeze_in_space
   use sg_text, only: to_text
   implicit none
@@ -31,29 +32,39 @@ module sg_plan
     real(wp) :: alert = huge(1.0_wp)
     !> Signed radius of round bodies [m], zero for those that do not turn, negative where hollow; empty for other scenes
     real(wp), allocatable :: radius(:)
+    !> Bodies, grains among them, contactors and those of each kind; where ranks share the scene, of all of them
+    integer :: bodies = 0, grains = 0, contactors = 0, shapes(n_kinds) = 0
   end type plan_t
 
 contains
 
   !> Decide what a scene needs, and drop from it what it does not.
-  subroutine make_plan(scene, plan)
+  subroutine make_plan(scene, plan, comm)
     type(scene_t), intent(inout) :: scene !! scene; what nothing needs is dropped from it
     type(plan_t), intent(out) :: plan !! the plan
+    type(comm_t), intent(in), optional :: comm !! ranks of which each has a part of the scene, all of which call this
     logical, allocatable :: turns(:), rests(:), is_partly_driven(:)
+    type(comm_t) :: ranks
+    logical :: are_round, all_rest
     integer :: i
 
-    call list_uses(scene, plan)
+    ! A scene that is whole on every rank needs no other rank.
+    if (present(comm) .and. allocated(scene%bodies%id)) ranks = comm
+    call count_all(scene, plan, ranks)
+    call list_uses(scene, plan, ranks)
     call find_turning(scene, turns, rests, is_partly_driven)
+    are_round = .not. ranks%any(.not. all_round(scene, turns) .or. any(is_partly_driven))
+    all_rest = .not. ranks%any(.not. all(rests))
     plan%has_tangent = .false.
     do i = 1, size(scene%laws)
       if (plan%uses_law(i)) plan%has_tangent = plan%has_tangent .or. .not. (is_frictionless(scene%laws(i)) .and. &
                                                                            is_plain(scene%laws(i)))
     end do
-    plan%is_round = all_round(scene, turns) .and. .not. any(is_partly_driven)
+    plan%is_round = are_round
     do i = 1, size(scene%laws)
       if (plan%uses_law(i)) plan%is_round = plan%is_round .and. is_plain(scene%laws(i))
     end do
-    plan%has_rotation = .not. (plan%is_round .and. .not. plan%has_tangent .and. all(rests))
+    plan%has_rotation = .not. (plan%is_round .and. .not. plan%has_tangent .and. all_rest)
     allocate (plan%radius(0))
     if (plan%is_round .and. plan%has_tangent) plan%radius = signed_radii(scene, turns)
     if (plan%has_rotation) return
@@ -77,30 +88,55 @@ contains
     plan%radius = signed_radii(scene, turns)
   end subroutine set_radii
 
-  !> Laws and pairs of kinds in use, from one contactor of each kind and colour.
-  subroutine list_uses(scene, plan)
+  !> Count bodies, grains, contactors and their kinds. Each rank counts the bodies that it counts as its own.
+  subroutine count_all(scene, plan, ranks)
     type(scene_t), intent(in) :: scene
     type(plan_t), intent(inout) :: plan
-    integer, allocatable :: example(:, :)
-    integer :: c, i, j, see
+    type(comm_t), intent(inout) :: ranks
+    real(wp) :: counts(2 + n_kinds)
+    integer :: c
+
+    counts = 0
+    counts(1) = real(scene%bodies%n_home, wp)
+    counts(2) = real(count(scene%bodies%is_grain(:scene%bodies%n_home)), wp)
+    do c = 1, scene%contactors%n
+      if (scene%contactors%body(c) > scene%bodies%n_home) cycle
+      associate (same => counts(2 + scene%contactors%kind(c)))
+        same = same + 1
+      end associate
+    end do
+    call ranks%sum(counts)
+    plan%bodies = nint(counts(1))
+    plan%grains = nint(counts(2))
+    plan%shapes = nint(counts(3:))
+    plan%contactors = sum(plan%shapes)
+  end subroutine count_all
+
+  !> Laws and pairs of kinds in use, from the kinds and colours that there are.
+  subroutine list_uses(scene, plan, ranks)
+    type(scene_t), intent(in) :: scene
+    type(plan_t), intent(inout) :: plan
+    type(comm_t), intent(inout) :: ranks
+    real(wp), allocatable :: is_there(:)
+    integer :: c, i, j, see, kind(2), colour(2)
 
     allocate (plan%uses_law(size(scene%laws)), source=.false.)
-    allocate (example(n_kinds, size(scene%colours)), source=0)
+    allocate (is_there(n_kinds*size(scene%colours)), source=0.0_wp)
     do c = 1, scene%contactors%n
-      example(scene%contactors%kind(c), scene%contactors%colour(c)) = c
+      is_there(scene%contactors%kind(c) + n_kinds*(scene%contactors%colour(c) - 1)) = 1
     end do
-    do i = 1, size(example)
+    call ranks%maximum(is_there)
+    do i = 1, size(is_there)
       do j = 1, i
-        associate (first => example(1 + mod(i - 1, n_kinds), 1 + (i - 1)/n_kinds), &
-                   second => example(1 + mod(j - 1, n_kinds), 1 + (j - 1)/n_kinds))
-          if (first == 0 .or. second == 0) cycle
-          see = see_between(scene, first, second)
-          if (see == 0) cycle
-          plan%uses_law(scene%sees(see)%law) = .true.
-          plan%alert = min(plan%alert, scene%sees(see)%alert)
-          plan%sees(scene%contactors%kind(first), scene%contactors%kind(second)) = .true.
-          plan%sees(scene%contactors%kind(second), scene%contactors%kind(first)) = .true.
-        end associate
+        if (.not. min(is_there(i), is_there(j)) > 0) cycle
+        kind = 1 + mod([i, j] - 1, n_kinds)
+        colour = 1 + ([i, j] - 1)/n_kinds
+        see = see_of(scene%sees, kind, colour)
+        if (see == 0) cycle
+        plan%uses_law(scene%sees(see)%law) = .true.
+        plan%alert = min(plan%alert, scene%sees(see)%alert)
+        plan%sees(kind(1), kind(2)) = .true.
+        plan%sees(kind(2), kind(1)) = .true.
       end do
     end do
   end subroutine list_uses
@@ -207,10 +243,10 @@ contains
     character(len=*), parameter :: nl = new_line('a')
     integer :: i, j
 
-    text = 'scene      '//to_text(scene%bodies%n)//' bodies ('//to_text(count(scene%bodies%is_grain))//' grains), ' &
-           //to_text(scene%contactors%n)//' contactors'//nl//'shapes    '
+    text = 'scene      '//to_text(plan%bodies)//' bodies ('//to_text(plan%grains)//' grains), ' &
+           //to_text(plan%contactors)//' contactors'//nl//'shapes    '
     do i = 1, n_kinds
-      if (scene%contactors%n_rows(i) > 0) text = text//' '//to_text(scene%contactors%n_rows(i))//' '//trim(kind_names(i))
+      if (plan%shapes(i) > 0) text = text//' '//to_text(plan%shapes(i))//' '//trim(kind_names(i))
     end do
     text = text//nl//'pairs     '
     do i = 1, n_kinds

@@ -1,10 +1,10 @@
 !> Who sees whom: which line of the see tables holds between two contactors.
 module sg_sees
   use sg_contactors, only: n_kinds
-  use sg_scene, only: scene_t
+  use sg_scene, only: scene_t, see_t
   implicit none
   private
-  public :: see_between, blind_pairs
+  public :: see_between, see_of, blind_pairs
 
   !> Which kinds of shape can touch each other, shape (kinds, kinds)
   logical, parameter :: can_touch(n_kinds, n_kinds) = reshape([ &
@@ -28,36 +28,48 @@ contains
     integer, intent(in) :: c2 !! the other
 
     associate (kind => scene%contactors%kind, colour => scene%contactors%colour)
-      if (can_touch(kind(c1), kind(c2))) then
-        do see = 1, size(scene%sees)
-          if (fits(see, kind(c1), colour(c1), kind(c2), colour(c2))) return
-          if (fits(see, kind(c2), colour(c2), kind(c1), colour(c1))) return
-        end do
-      end if
+      see = see_of(scene%sees, int([kind(c1), kind(c2)]), int([colour(c1), colour(c2)]))
     end associate
+  end function see_between
+
+  !> Line of the see tables that holds between shapes of two kinds and colours; 0 when they do not see each other.
+  pure integer function see_of(sees, kind, colour) result(see)
+    type(see_t), intent(in) :: sees(:) !! the see tables
+    integer, intent(in) :: kind(2) !! their kinds
+    integer, intent(in) :: colour(2) !! their colours
+
+    if (can_touch(kind(1), kind(2))) then
+      do see = 1, size(sees)
+        if (fits(sees(see), kind, colour)) return
+        if (fits(sees(see), kind([2, 1]), colour([2, 1]))) return
+      end do
+    end if
     see = 0
   contains
-    pure logical function fits(line, kind_c, colour_c, kind_a, colour_a)
-      integer, intent(in) :: line, kind_c, colour_c, kind_a, colour_a
+    pure logical function fits(s, kind, colour)
+      type(see_t), intent(in) :: s
+      integer, intent(in) :: kind(2), colour(2)
 
-      associate (s => scene%sees(line))
-        fits = (s%candidate_kind == 0 .or. s%candidate_kind == kind_c) .and. &
-               (s%candidate_colour == 0 .or. s%candidate_colour == colour_c) .and. &
-               (s%antagonist_kind == 0 .or. s%antagonist_kind == kind_a) .and. &
-               (s%antagonist_colour == 0 .or. s%antagonist_colour == colour_a)
-      end associate
+      fits = (s%candidate_kind == 0 .or. s%candidate_kind == kind(1)) .and. &
+             (s%candidate_colour == 0 .or. s%candidate_colour == colour(1)) .and. &
+             (s%antagonist_kind == 0 .or. s%antagonist_kind == kind(2)) .and. &
+             (s%antagonist_colour == 0 .or. s%antagonist_colour == colour(2))
     end function fits
-  end function see_between
+  end function see_of
 
   !> Which kinds of shape a line of the see tables brings together in vain, shape (kinds, kinds): they cannot touch each
   !! other, although two bodies have them of which one at least counts.
-  pure function blind_pairs(scene, line, counts) result(blind)
+  pure function blind_pairs(scene, line, counts, others) result(blind)
     type(scene_t), intent(in) :: scene !! scene with its see tables
     integer, intent(in) :: line !! line of the see tables
     logical, intent(in) :: counts(:) !! bodies that count, shape (bodies)
+    integer, allocatable, intent(in) :: others(:, :) !! kinds and colours of other bodies, which all count, shape (2, any); perhaps
+    !! unallocated
     logical :: blind(n_kinds, n_kinds)
     integer :: i, j
 
+    blind = .false.
+    if (scene%contactors%n == 0) return
     associate (kind => scene%contactors%kind(:scene%contactors%n), colour => scene%contactors%colour(:scene%contactors%n), &
                s => scene%sees(line))
       do j = 1, n_kinds
@@ -65,11 +77,35 @@ contains
           blind(i, j) = .not. can_touch(i, j) .and. any(s%candidate_kind == [0, i]) .and. any(s%antagonist_kind == [0, j])
           if (blind(i, j)) blind(i, j) = is_pair(kind == i .and. (s%candidate_colour == 0 .or. s%candidate_colour == colour), &
                                                  kind == j .and. (s%antagonist_colour == 0 .or. s%antagonist_colour == colour))
+          if (can_touch(i, j)) cycle
+          blind(i, j) = blind(i, j) .or. (is_other(i, [s%candidate_kind, s%candidate_colour]) .and. &
+                                          is_here(j, [s%antagonist_kind, s%antagonist_colour])) .or. &
+                        (is_other(j, [s%antagonist_kind, s%antagonist_colour]) .and. &
+                         is_here(i, [s%candidate_kind, s%candidate_colour]))
         end do
       end do
       blind = blind .or. transpose(blind)
     end associate
   contains
+    !> Is there a contactor of a kind and of a look that a line asks for? Zero asks for any.
+    pure logical function is_here(kind, look)
+      integer, intent(in) :: kind, look(2)
+
+      associate (contactors => scene%contactors)
+        is_here = any(look(1) == [0, kind]) .and. any(contactors%kind(:contactors%n) == kind .and. &
+                                                      (look(2) == 0 .or. contactors%colour(:contactors%n) == look(2)))
+      end associate
+    end function is_here
+
+    !> The same among the other bodies.
+    pure logical function is_other(kind, look)
+      integer, intent(in) :: kind, look(2)
+
+      is_other = .false.
+      if (.not. allocated(others)) return
+      is_other = any(look(1) == [0, kind]) .and. any(others(1, :) == kind .and. (look(2) == 0 .or. others(2, :) == look(2)))
+    end function is_other
+
     !> Do two sets of contactors hold a pair of bodies of which one counts?
     pure logical function is_pair(first, second)
       logical, intent(in) :: first(:), second(:)

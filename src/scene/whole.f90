@@ -15,7 +15,7 @@ module sg_whole
     type(drive_t), allocatable :: drives(:)
     !> Pressed walls
     type(pressure_t), allocatable :: pressures(:)
-    !> Bodies that have a name, ascending, and their names; unallocated where the scene has none
+    !> Bodies that have a name, and their names; unallocated where the scene has none
     integer(i4), allocatable :: named(:)
     type(text_t), allocatable :: names(:)
   end type whole_t
@@ -24,7 +24,7 @@ contains
 
   !> Keep what a rank needs of the whole scene.
   subroutine keep_whole(scene, whole)
-    type(scene_t), intent(in) :: scene !! the whole scene, not decomposed
+    type(scene_t), intent(in) :: scene !! the whole scene, or a part with all bodies that are driven, pressed or named
     type(whole_t), intent(out) :: whole !! what is kept
     integer :: i, n
 
@@ -33,18 +33,32 @@ contains
     allocate (whole%drives(n))
     do i = 1, n
       whole%drives(i) = scene%drives(i)
+      whole%drives(i)%body = number_of(scene, scene%drives(i)%body)
     end do
     n = 0
     if (allocated(scene%pressures)) n = size(scene%pressures)
     allocate (whole%pressures(n))
     do i = 1, n
       whole%pressures(i) = scene%pressures(i)
+      whole%pressures(i)%body = number_of(scene, scene%pressures(i)%body)
+      whole%pressures(i)%between(1) = number_of(scene, scene%pressures(i)%between(1))
+      whole%pressures(i)%between(2) = number_of(scene, scene%pressures(i)%between(2))
     end do
-    if (allocated(scene%names)) call keep_names(scene%names, whole)
+    if (allocated(scene%names)) call keep_names(scene, scene%names, whole)
   end subroutine keep_whole
 
+  !> Number of a body in the whole scene; zero stays zero.
+  pure integer function number_of(scene, body) result(number)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: body
+
+    number = body
+    if (body > 0 .and. allocated(scene%bodies%id)) number = scene%bodies%id(body)
+  end function number_of
+
   !> Keep the names that are not empty.
-  subroutine keep_names(names, whole)
+  subroutine keep_names(scene, names, whole)
+    type(scene_t), intent(in) :: scene
     type(text_t), intent(in) :: names(:)
     type(whole_t), intent(inout) :: whole
     integer :: b, n
@@ -58,7 +72,7 @@ contains
     do b = 1, size(names)
       if (len(names(b)%s) == 0) cycle
       n = n + 1
-      whole%named(n) = int(b, i4)
+      whole%named(n) = int(number_of(scene, b), i4)
       whole%names(n)%s = names(b)%s
     end do
   end subroutine keep_names

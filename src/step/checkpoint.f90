@@ -79,7 +79,7 @@ contains
 
   !> Bring a started simulation to the state of a restart file; a folder stands for its newest one.
   subroutine load_checkpoint(sim, name, warnings, error, comm)
-    type(simulation_t), intent(inout) :: sim !! started simulation; each rank still has the whole scene
+    type(simulation_t), intent(inout) :: sim !! started simulation, of the whole scene or of a rank's share
     character(len=*), intent(in) :: name !! restart file, or a folder of results
     type(diagnostics_t), intent(inout) :: warnings !! takes what is odd but harmless
     type(error_t), allocatable, intent(out) :: error !! set when the file does not serve
@@ -88,24 +88,26 @@ contains
     integer :: speaker
 
     if (present(comm)) ranks = comm
-    call load_whole(sim, name, warnings, ranks%size == 1, error)
+    call load_whole(sim, name, warnings, ranks, error)
     call ranks%agree(error, speaker)
     if (allocated(error)) return
     call sim%energy%leave_to_first(ranks)
     call sim%totals%leave_to_first(ranks)
   end subroutine load_checkpoint
 
-  !> Bring a simulation of the whole scene to the state of a restart file.
-  subroutine load_whole(sim, name, warnings, has_list, error)
+  !> Bring a simulation to the state of a restart file.
+  subroutine load_whole(sim, name, warnings, ranks, error)
     type(simulation_t), intent(inout) :: sim
     character(len=*), intent(in) :: name
     type(diagnostics_t), intent(inout) :: warnings
-    logical, intent(in) :: has_list !! is the list of neighbours to be taken up?
+    type(comm_t), intent(inout) :: ranks !! one rank alone takes up its list of neighbours
     type(error_t), allocatable, intent(out) :: error
     type(restart_t) :: state
     character(len=:), allocatable :: file
     logical :: is_folder
+    real(wp) :: signature(n_signature)
 
+    signature = signature_of(sim%scene, ranks)
     file = name
     inquire (file=name//'/.', exist=is_folder)
     if (is_folder) file = newest_restart(name)
@@ -113,12 +115,12 @@ contains
       call fail(error, 'the folder holds no restart file', file=name)
       return
     end if
-    call read_restart(file, sim%scene, sim%options%deck_hash, state, warnings)
+    call read_restart(file, sim%scene, sim%options%deck_hash, state, warnings, nint(signature(1)), nint(signature(2)))
     if (warnings%count() == 0 .and. size(state%totals) /= n_energy_values + n_totals_values + 1 + n_signature) then
       call warnings%add('the restart file is of another version of the program', file=file)
     end if
     if (warnings%count() == 0) then
-      if (any(abs(state%totals(size(state%totals) - n_signature + 1:) - signature_of(sim%scene)) > 0)) then
+      if (any(abs(state%totals(size(state%totals) - n_signature + 1:) - signature) > 0)) then
         call warnings%add('the restart file is of another scene: shapes, masses or drives differ', file=file)
       end if
     end if
@@ -131,8 +133,9 @@ contains
     call keep_time(sim, state%time)
     call sim%energy%unpack(state%totals(:n_energy_values))
     call sim%totals%unpack(state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
-    call resume_history(sim%history, sim%contacts)
-    if (has_list .and. size(state%built, 2) > 0) then
+    ! Ranks with a share each take up its contacts when they have split the scene.
+    if (.not. allocated(sim%scene%bodies%id)) call resume_history(sim%history, sim%contacts)
+    if (ranks%size == 1 .and. size(state%built, 2) > 0) then
       call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals) - n_signature))
     end if
   end subroutine load_whole

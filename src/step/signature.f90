@@ -1,31 +1,75 @@
 !> What tells scenes apart that have as many bodies: for restart files, which hold no shapes and no masses.
+!!
+!! A value is taken as the whole number that its bits are, modulo a prime, and weighted by the number of its body: such sums do
+!! not depend on the order in which they are taken, so that any number of ranks comes to the very same.
 module sg_signature
-  use sg_kinds, only: wp
+  use sg_comm, only: comm_t
+  use sg_kinds, only: wp, i4, i8
   use sg_scene, only: scene_t
   implicit none
   private
   public :: signature_of, n_signature
 
   !> Numbers of a scene's signature
-  integer, parameter :: n_signature = 5
+  integer, parameter :: n_signature = 6
+  !> Prime below 2^31: products of two remainders fit into a word
+  integer(i8), parameter :: modulus = 2147483647_i8
 
 contains
 
-  !> What tells scenes apart that have as many bodies: sums over bodies and contactors, each weighted by its place.
-  pure function signature_of(scene) result(signature)
-    type(scene_t), intent(in) :: scene !! whole scene
+  !> What tells scenes apart: numbers of bodies, contactors and drives, and sums over masses, moments of inertia and reaches.
+  function signature_of(scene, comm, is_common) result(signature)
+    type(scene_t), intent(in) :: scene !! whole scene, or the part of a rank
+    type(comm_t), intent(in), optional :: comm !! ranks that share the scene, all of which call this
+    logical, intent(in), optional :: is_common !! is only what all ranks hold to count? Then no rank need call but this
     real(wp) :: signature(n_signature)
-    real(wp) :: inertia(scene%bodies%n)
-    integer :: i, n
+    type(comm_t) :: ranks
+    integer(i8) :: sums(3)
+    real(wp) :: total(5)
+    integer :: b, c, n(2)
+    logical :: counts(scene%bodies%n)
 
-    n = scene%contactors%n
-    if (scene%dimension == 2) then
-      inertia = scene%bodies%inertia
-    else
-      inertia = sum(scene%bodies%principal, 1)
-    end if
-    signature = [real(n, wp), sum(scene%bodies%mass*[(real(i, wp), i=1, scene%bodies%n)]), &
-                 sum(inertia*[(real(i, wp), i=1, scene%bodies%n)]), &
-                 sum(scene%contactors%reach(:n)*[(real(i, wp), i=1, n)]), real(size(scene%drives), wp)]
+    sums = 0
+    n = 0
+    counts = [(b <= scene%bodies%n_home, b=1, scene%bodies%n)]
+    if (present(is_common) .and. allocated(scene%bodies%home)) counts = scene%bodies%home < 0
+    associate (bodies => scene%bodies, contactors => scene%contactors)
+      do b = 1, bodies%n
+        if (.not. counts(b)) cycle
+        n(1) = n(1) + 1
+        sums(1) = sums(1) + weighted(bodies%mass(b), number_of(bodies%id, b))
+        if (scene%dimension == 2) then
+          sums(2) = sums(2) + weighted(bodies%inertia(b), number_of(bodies%id, b))
+        else
+          sums(2) = sums(2) + weighted(sum(bodies%principal(:, b)), number_of(bodies%id, b))
+        end if
+      end do
+      do c = 1, contactors%n
+        if (.not. counts(contactors%body(c))) cycle
+        n(2) = n(2) + 1
+        sums(3) = sums(3) + weighted(contactors%reach(c), number_of(contactors%id, c))
+      end do
+      total = [real(n, wp), real(modulo(sums, modulus), wp)]
+      if (present(comm) .and. allocated(bodies%id)) ranks = comm
+    end associate
+    call ranks%sum(total)
+    signature = [total(1:2), real(modulo(int(total(3:), i8), modulus), wp), real(size(scene%drives), wp)]
   end function signature_of
+
+  !> A value as a remainder, weighted.
+  pure integer(i8) function weighted(value, weight)
+    real(wp), intent(in) :: value
+    integer(i8), intent(in) :: weight
+
+    weighted = modulo(modulo(transfer(value, weight), modulus)*weight, modulus)
+  end function weighted
+
+  !> Number in the whole scene of a body or a contactor.
+  pure integer(i8) function number_of(id, item) result(number)
+    integer(i4), allocatable, intent(in) :: id(:)
+    integer, intent(in) :: item
+
+    number = int(item, i8)
+    if (allocated(id)) number = int(id(item), i8)
+  end function number_of
 end module sg_signature

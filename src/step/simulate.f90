@@ -27,7 +27,7 @@ contains
 
   !> Run a simulation to its end; run.json is written however it ends.
   !!
-  !! Where there are several ranks, all of them call this, each with the whole scene; the first one alone speaks.
+  !! Where there are several ranks, all of them call this, each with the whole scene or its share; the first one alone speaks.
   subroutine simulate(sim, deck, code, error)
     type(simulation_t), intent(inout) :: sim !! scene, options and ranks are set
     character(len=*), intent(in) :: deck !! path of the deck
@@ -42,7 +42,7 @@ contains
     writers%is_speaker = sim%comm%rank == 0
     writers%summary%is_speaker = writers%is_speaker
     writers%record%is_speaker = writers%is_speaker
-    call writers%summary%describe(sim%scene, sim%options, deck, sim%comm%size)
+    call writers%summary%describe(sim%scene, sim%options, deck, sim%comm)
     call start_simulation(sim)
     if (writers%is_speaker .and. .not. sim%options%is_quiet) then
       write (output_unit, '(a)') describe_plan(sim%plan, sim%scene, sim%comm%size), describe_run(sim%options, sim%comm%size)

@@ -70,11 +70,12 @@ module sg_simulation
 
 contains
 
-  !> Make a simulation ready for its first step: plan, driven components, guess of the first impulses, solver.
+  !> Make a simulation ready for its first step: plan, driven components, guess of the first impulses, solver. Collective where
+  !! each rank of `sim%comm` has a part of the scene.
   subroutine start_simulation(sim)
     type(simulation_t), intent(inout) :: sim !! its scene and options are set
 
-    call make_plan(sim%scene, sim%plan)
+    call make_plan(sim%scene, sim%plan, sim%comm)
     call fix_driven(sim%scene%drives, sim%scene%bodies)
     sim%contacts%dimension = sim%scene%dimension
     sim%contacts%n_components = merge(sim%scene%dimension, 1, sim%plan%has_tangent)
@@ -85,11 +86,12 @@ contains
 
   !> Split a started simulation over the ranks of `sim%comm`, where there are several: each keeps its part. Collective.
   subroutine decompose(sim, error)
-    type(simulation_t), intent(inout) :: sim !! started, perhaps brought to the state of a restart file; the same on all ranks
+    type(simulation_t), intent(inout) :: sim !! started, perhaps brought to the state of a restart file; whole on all ranks, or
+    !! a part on each
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the deck asks for what cannot be done
 
     if (sim%comm%size == 1) return
-    sim%signature = signature_of(sim%scene)
+    sim%signature = signature_of(sim%scene, sim%comm)
     call check_sweeps(sim%options%partition, sim%comm%size, error)
     if (allocated(error)) return
     call choose_glued_solver(sim%options%solver, sim%options%partition, sim%glued_solver, error)

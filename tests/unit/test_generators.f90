@@ -2,10 +2,11 @@
 program test_generators
   use harness, only: tests_t
   use sg_contactors, only: add_disk, add_polygon, add_wall, contactors_t, place_contactors
-  use sg_generators, only: draw_polygon, draw_radius, place_on_lattice, size_constant, size_lognormal, size_uniform, &
+  use sg_generators, only: draw_polygon, draw_radius, size_constant, size_lognormal, size_uniform, &
                            size_volume
   use sg_insertion, only: insert_at_random
   use sg_kinds, only: wp, pi
+  use sg_lattice, only: lattice_square, lattice_triangular, place_on_lattice
   use sg_moments, only: polygon_moments
   use sg_ordering, only: order_of
   use sg_overlaps, only: overlap_depth
@@ -150,24 +151,24 @@ contains
     real(wp), allocatable :: points(:, :), radii(:)
     real(wp) :: gap
 
-    call place_on_lattice(box, 0.1_wp, .false., .false., 1000, points)
+    call place_on_lattice(box, 0.1_wp, lattice_square, [.false.], 1000, points)
     call t%equal(size(points, 2), 50, 'square lattice')
     radii = spread(0.05_wp, 1, 1000)
     gap = least_gap(points, radii(:50), 0.0_wp)
     call t%near(gap, 0.0_wp, 1e-14_wp, 'neighbours at one pitch')
     call t%near(minval(points), 0.05_wp, 1e-15_wp, 'half a pitch from the sides')
-    call place_on_lattice(box, 0.1_wp, .true., .false., 1000, points)
+    call place_on_lattice(box, 0.1_wp, lattice_triangular, [.false.], 1000, points)
     ! Rows 0.0866 apart: five of them, of ten and nine places.
     call t%equal(size(points, 2), 10 + 9 + 10 + 9 + 10, 'triangular lattice')
     gap = least_gap(points, radii(:48), 0.0_wp)
     call t%near(gap, 0.0_wp, 1e-14_wp, 'neighbours at one pitch')
-    call place_on_lattice([0.0_wp, 0.0_wp, 1.04_wp, 0.5_wp], 0.1_wp, .true., .true., 1000, points)
+    call place_on_lattice([0.0_wp, 0.0_wp, 1.04_wp, 0.5_wp], 0.1_wp, lattice_triangular, [.true.], 1000, points)
     call t%equal(size(points, 2), 50, 'triangular lattice with a period')
     gap = least_gap(points, radii(:50), 1.04_wp)
     call t%near(gap, norm2([0.052_wp, 0.1_wp*sqrt(0.75_wp)]) - 0.1_wp, 1e-14_wp, 'rows stretched to the period')
-    call place_on_lattice(box, 0.1_wp, .false., .false., 7, points)
+    call place_on_lattice(box, 0.1_wp, lattice_square, [.false.], 7, points)
     call t%equal(size(points, 2), 7, 'no more than wanted')
-    call place_on_lattice(box, 0.6_wp, .false., .false., 7, points)
+    call place_on_lattice(box, 0.6_wp, lattice_square, [.false.], 7, points)
     call t%equal(size(points, 2), 0, 'no room')
   end subroutine test_lattice
 

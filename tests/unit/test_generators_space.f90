@@ -7,6 +7,7 @@ program test_generators_space
   use sg_generators, only: draw_radius, size_lognormal, size_uniform, size_volume
   use sg_insertion, only: insert_at_random
   use sg_kinds, only: wp, pi
+  use sg_lattice, only: lattice_cubic, lattice_fcc, lattice_hexagonal, place_on_lattice
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
@@ -14,8 +15,7 @@ program test_generators_space
   use sg_scene, only: scene_t
   use sg_solid_overlaps, only: solid_overlap_depth
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
-  use sg_space_generators, only: lattice_cubic, lattice_fcc, lattice_hexagonal, place_on_space_lattice, random_direction, &
-                                 random_rotation
+  use sg_space_generators, only: random_direction, random_rotation
   use written_files, only: read_good_deck
   implicit none
   character(len=*), parameter :: nl = new_line('a')
@@ -158,29 +158,29 @@ contains
     real(wp) :: period(2)
     integer :: lattice, middle
 
-    call place_on_space_lattice(cube, 0.25_wp, lattice_cubic, [.false., .false.], 1000, points)
+    call place_on_lattice(cube, 0.25_wp, lattice_cubic, [.false., .false.], 1000, points)
     call t%equal(size(points, 2), 64, 'cubic lattice')
     call t%near(minval(points), 0.125_wp, 1e-15_wp, 'half a pitch from the sides')
-    call place_on_space_lattice(cube, 0.25_wp, lattice_cubic, [.false., .false.], 7, points)
+    call place_on_lattice(cube, 0.25_wp, lattice_cubic, [.false., .false.], 7, points)
     call t%equal(size(points, 2), 7, 'no more than wanted')
-    call place_on_space_lattice(cube, 1.2_wp, lattice_cubic, [.false., .false.], 7, points)
+    call place_on_lattice(cube, 1.2_wp, lattice_cubic, [.false., .false.], 7, points)
     call t%equal(size(points, 2), 0, 'no room')
-    call place_on_space_lattice([0.0_wp, 0.0_wp, 0.0_wp, 0.5_wp, 0.5_wp, 0.5_wp], 0.25_wp, lattice_fcc, [.false., .false.], 99, &
+    call place_on_lattice([0.0_wp, 0.0_wp, 0.0_wp, 0.5_wp, 0.5_wp, 0.5_wp], 0.25_wp, lattice_fcc, [.false., .false.], 99, &
                                 points)
     ! Layers 0.177 apart: of four, of one; a third would stand at 0.479.
     call t%equal(size(points, 2), 5, 'face centred cubic lattice')
-    call place_on_space_lattice([0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 0.5_wp], 0.25_wp, lattice_hexagonal, &
+    call place_on_lattice([0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 0.5_wp], 0.25_wp, lattice_hexagonal, &
                                 [.false., .false.], 99, points)
     ! Rows 0.2165 apart, of four, three, four and three in the first layer, of three, four, three and four in the second.
     call t%equal(size(points, 2), 14 + 14, 'hexagonal lattice')
     period = [2.2_wp, 2.4_wp]
     do lattice = lattice_cubic, lattice_fcc
-      call place_on_space_lattice([0.0_wp, 0.0_wp, 0.0_wp, period, 2.1_wp], 0.25_wp, lattice, [.true., .true.], 9999, points)
+      call place_on_lattice([0.0_wp, 0.0_wp, 0.0_wp, period, 2.1_wp], 0.25_wp, lattice, [.true., .true.], 9999, points)
       call t%check(least_gap(points, spread(0.125_wp, 1, size(points, 2)), period) >= -1e-14_wp, 'no overlap through the period')
       call t%check(all(points >= 0) .and. all(points(1, :) < period(1)) .and. all(points(2, :) < period(2)), 'within the period')
     end do
     do lattice = lattice_hexagonal, lattice_fcc
-      call place_on_space_lattice(2*cube, 0.25_wp, lattice, [.false., .false.], 9999, points)
+      call place_on_lattice(2*cube, 0.25_wp, lattice, [.false., .false.], 9999, points)
       call t%near(least_gap(points, spread(0.125_wp, 1, size(points, 2)), [0.0_wp, 0.0_wp]), 0.0_wp, 1e-14_wp, &
                   'neighbours at one pitch')
       middle = minloc(norm2(points - 1, 1), 1)

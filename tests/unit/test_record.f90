@@ -242,7 +242,7 @@ contains
     scene%dimension = 3
     call scene%bodies%allocate(2, 3)
     scene%bodies%area = 4*pi/3*[1.0_wp, 27.0_wp]
-    call summary%describe(scene, options, 'deck.toml', 1)
+    call summary%describe(scene, options, 'deck.toml')
     totals%worst_penetration = 0.25_wp
     call summary%conclude(run_done, '', 0.5_wp, totals, measures)
     call write_run_summary(summary, 'space.json', error)
@@ -290,7 +290,7 @@ contains
     call totals%tick()
     allocate (measures%value(n_measures(2)), source=0.0_wp)
     measures%value(3) = nan()
-    call summary%describe(scene, options, 'decks/odd "name".toml', 1)
+    call summary%describe(scene, options, 'decks/odd "name".toml')
     call summary%add_file('record', 'record.csv')
     call summary%conclude(run_done, '', 0.5_wp, totals, measures)
   end function concluded

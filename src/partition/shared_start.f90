@@ -1,0 +1,123 @@
+!> Checks of a deck's scene that ranks make together, each having read its share: all come to the same mistakes and warnings.
+!!
+!! Grains that another rank may hold are copied to see whether they overlap, as copies are made in a run (sg_halo); what was found
+!! is told to all, of overlaps the first ones (doc/theory/decomposition.md).
+module sg_shared_start
+  use sg_blocks, only: deck_t
+  use sg_comm, only: comm_t
+  use sg_error, only: diagnostics_t
+  use sg_halo, only: make_halo
+  use sg_kinds, only: wp
+  use sg_scene, only: scene_t
+  use sg_solid_checks, only: find_overlaps
+  use sg_start_checks, only: complain_of_outside, complain_of_wide, first_wide, lies_outside, most_pairs, overlaps_t, &
+                             report_overlaps
+  use sg_subdomain, only: subdomain_t
+  use sg_whole, only: keep_whole, whole_t
+  implicit none
+  private
+  public :: check_shared_start
+
+contains
+
+  !> Check a scene. Collective, of ranks that have read the same deck.
+  subroutine check_shared_start(deck, scene, comm, diagnostics)
+    type(deck_t), intent(in) :: deck !! the deck
+    type(scene_t), intent(inout) :: scene !! this rank's share; gets copies of others' grains
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings, the same on all ranks
+    type(overlaps_t) :: found
+    type(subdomain_t) :: subdomain
+    type(whole_t) :: whole
+
+    if (.not. allocated(scene%bodies%id)) return
+    call check_shared_range(deck, scene, comm, diagnostics)
+    if (diagnostics%count() > 0) return
+    subdomain%rank = comm%rank
+    subdomain%size = comm%size
+    subdomain%all_bodies = scene%bodies%n + deck%absent%n
+    call keep_whole(scene, whole)
+    call make_halo(scene, whole, subdomain, 0.0_wp, comm)
+    found%rank = comm%rank
+    call find_overlaps(scene, found)
+    call gather_overlaps(found, comm)
+    call report_overlaps(deck, scene, found, diagnostics)
+  end subroutine check_shared_start
+
+  !> Every grain lies within the period, and none is wider: of grains that one rank alone holds the first one is told.
+  subroutine check_shared_range(deck, scene, comm, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(scene_t), intent(in) :: scene
+    type(comm_t), intent(inout) :: comm
+    type(diagnostics_t), intent(inout) :: diagnostics
+    real(wp) :: period(2), value
+    integer :: axis, c, b, number
+
+    period = [scene%period, scene%period_y]
+    do axis = 1, 2
+      if (.not. period(axis) > 0) cycle
+      number = huge(1)
+      value = 0
+      c = first_wide(scene, period(axis))
+      if (c > 0) then
+        number = scene%bodies%id(scene%contactors%body(c))
+        value = scene%contactors%reach(c)
+      end if
+      call first_of_all(comm, number, value)
+      if (number < huge(1)) then
+        call complain_of_wide(deck, scene, number, value, period(axis), diagnostics)
+        cycle
+      end if
+      do b = 1, scene%bodies%n
+        if (.not. lies_outside(scene, b, axis)) cycle
+        if (scene%bodies%home(b) < 0) then
+          call complain_of_outside(deck, scene, int(scene%bodies%id(b)), axis, scene%bodies%position(axis, b), diagnostics)
+        else if (number == huge(1)) then
+          number = scene%bodies%id(b)
+          value = scene%bodies%position(axis, b)
+        end if
+      end do
+      call first_of_all(comm, number, value)
+      if (number < huge(1)) call complain_of_outside(deck, scene, number, axis, value, diagnostics)
+    end do
+  end subroutine check_shared_range
+
+  !> The least number that any rank has, and what goes with it.
+  subroutine first_of_all(comm, number, value)
+    type(comm_t), intent(inout) :: comm
+    integer, intent(inout) :: number
+    real(wp), intent(inout) :: value
+    real(wp), allocatable :: all(:, :)
+    integer :: first
+
+    call comm%gather([real(number, wp), value], all)
+    first = minloc(all(1, :), 1)
+    number = nint(all(1, first))
+    value = all(2, first)
+  end subroutine first_of_all
+
+  !> The overlaps of all ranks: how many, and the first ones.
+  subroutine gather_overlaps(found, comm)
+    type(overlaps_t), intent(inout) :: found
+    type(comm_t), intent(inout) :: comm
+    type(overlaps_t) :: of_rank
+    real(wp), allocatable :: all(:, :)
+    integer :: r, i, n
+
+    call comm%gather([real(found%n, wp), real(reshape(found%pair, [2*most_pairs]), wp), found%depth, found%share], all)
+    found%n = nint(sum(all(1, :)))
+    n = 0
+    do r = 1, size(all, 2)
+      of_rank%pair = reshape(nint(all(2:1 + 2*most_pairs, r)), [2, most_pairs])
+      of_rank%depth = all(2 + 2*most_pairs:1 + 3*most_pairs, r)
+      of_rank%share = all(2 + 3*most_pairs:, r)
+      do i = 1, min(nint(all(1, r)), most_pairs)
+        if (n == most_pairs) return
+        n = n + 1
+        found%pair(:, n) = of_rank%pair(:, i)
+        found%depth(n) = of_rank%depth(i)
+        found%share(n) = of_rank%share(i)
+      end do
+    end do
+  end subroutine gather_overlaps
+end module sg_shared_start
