@@ -14,6 +14,9 @@ if(SPLITGRAIN_SANITIZE)
 endif()
 # One flag a line: together they are longer than a line of Fortran may be.
 string(REPLACE " " " '// &\n    '" splitgrain_flags_text "${splitgrain_flags_text}")
+# A path may be longer than a line of Fortran, and hold an apostrophe.
+string(REPLACE "'" "''" splitgrain_source_text "${PROJECT_SOURCE_DIR}")
+string(REPLACE "/" "/'// &\n    '" splitgrain_source_text "${splitgrain_source_text}")
 if(EXISTS ${PROJECT_SOURCE_DIR}/.git/logs/HEAD)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/.git/logs/HEAD)
 endif()

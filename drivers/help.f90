@@ -33,6 +33,8 @@ contains
       call help_on_partition()
     case ('solve')
       call help_on_solve()
+    case ('study')
+      call help_on_study()
     case default
       call help_on_commands()
     end select
@@ -120,6 +122,19 @@ contains
                 '            3 a problem not solved to the tolerance, 5 an answer or the trace cannot be written.'])
   end subroutine help_on_solve
 
+  !> Help of `study`.
+  subroutine help_on_study()
+    call lines([character(len=110) :: &
+                'splitgrain study STUDY.toml [options]   cases x variants x tolerances (or time steps, or subdomains)', &
+                '  --output DIR            folder of the study (default: NAME.study in the current folder)', &
+                '  --jobs N|all            runs at a time, or one a core (default: as the study says)', &
+                '  --program PATH          the splitgrain to run (default: this one)', &
+                'Draws error against work, orders of convergence and performance profiles: study.html, PNG, results.csv.', &
+                'Finished runs are kept: the same command goes on with the others. input_decks/studies has examples.', &
+                'Exit codes: 0 done, 1 a run failed, or no Python was found, 2 bad input, 5 a result cannot be written,', &
+                '            75 stopped early.'])
+  end subroutine help_on_study
+
   !> All subcommands.
   subroutine help_on_commands()
     call lines([character(len=110) :: &
@@ -132,6 +147,7 @@ contains
                 'splitgrain bench             measure the sweeps', &
                 'splitgrain partition DECK    split the grains into parts: sizes, imbalance, what is cut', &
                 'splitgrain solve FILE...     solve contact problems in FCLIB files, from this program or others', &
+                'splitgrain study FILE        error against work: many runs, diagrams, one page', &
                 'splitgrain --version         version, commit, compiler, flags, libraries', &
                 '', &
                 'splitgrain COMMAND --help tells more.'])

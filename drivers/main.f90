@@ -13,6 +13,7 @@ program splitgrain
   use sg_reference_text, only: reference_text
   use sg_run, only: run_command
   use sg_solve, only: solve_command
+  use sg_study, only: study_command
   use sg_system, only: end_program
   use sg_text, only: append_word, nearest_word, text_t
   implicit none
@@ -23,6 +24,8 @@ program splitgrain
 
   code = exit_done
   call read_arguments(arguments, error)
+  ! A study is another program, and starts ranks itself: it begins before there are any.
+  if (.not. allocated(error) .and. arguments%command == 'study' .and. .not. asks_for_help()) call study_command(error)
   call comm%start()
   call comm%agree(error, speaker)
   if (.not. allocated(error)) call share_command(error)
@@ -124,8 +127,8 @@ contains
 
   !> Say that there is no such subcommand.
   subroutine unknown_command()
-    character(len=*), parameter :: commands(7) = [character(len=9) :: 'run', 'check', 'reference', 'convert', 'bench', &
-                                                  'partition', 'solve']
+    character(len=*), parameter :: commands(8) = [character(len=9) :: 'run', 'check', 'reference', 'convert', 'bench', &
+                                                  'partition', 'solve', 'study']
     type(text_t), allocatable :: known(:)
     character(len=:), allocatable :: near
     integer :: i

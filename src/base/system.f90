@@ -1,12 +1,12 @@
 !> What the operating system is asked for: terminals, folders, renaming, memory, signals.
 module sg_system
-  use, intrinsic :: iso_c_binding, only: c_int, c_char, c_null_char, c_funptr, c_funloc
+  use, intrinsic :: iso_c_binding, only: c_int, c_char, c_null_char, c_null_ptr, c_funptr, c_funloc, c_loc, c_ptr
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_kinds, only: i8
   implicit none
   private
   public :: is_terminal, make_folder, rename_file, remove_file, file_exists, peak_memory_bytes
-  public :: end_program, catch_signals, stop_signal, checkpoint_requested
+  public :: become, end_program, catch_signals, stop_signal, checkpoint_requested
 
   integer(c_int), parameter :: sigint = 2, sigusr1 = 10, sigterm = 15
 
@@ -35,6 +35,12 @@ module sg_system
       character(kind=c_char), intent(in) :: path(*)
       integer(c_int) :: status
     end function c_unlink
+    function c_execv(path, words) bind(c, name='execv') result(status)
+      import :: c_int, c_char, c_ptr
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(in) :: words(*)
+      integer(c_int) :: status
+    end function c_execv
     subroutine c_exit(code) bind(c, name='exit')
       import :: c_int
       integer(c_int), value :: code
@@ -117,6 +123,25 @@ contains
     flush (error_unit)
     call c_exit(int(code, c_int))
   end subroutine end_program
+
+  !> Become another program, which goes on in place of this one; it comes back only when that cannot be started.
+  subroutine become(words)
+    character(len=*), intent(in) :: words(:) !! path of the program, then its arguments; blanks at their ends are not of them
+    character(kind=c_char, len=len(words) + 1), allocatable, target :: texts(:)
+    type(c_ptr) :: places(size(words) + 1)
+    integer(c_int) :: status
+    integer :: i
+
+    allocate (texts(size(words)))
+    do i = 1, size(words)
+      texts(i) = trim(words(i))//c_null_char
+      places(i) = c_loc(texts(i))
+    end do
+    places(size(words) + 1) = c_null_ptr
+    flush (output_unit)
+    flush (error_unit)
+    status = c_execv(trim(words(1))//c_null_char, places)
+  end subroutine become
 
   !> From now on SIGINT and SIGTERM ask to stop after the step, SIGUSR1 asks for a checkpoint.
   subroutine catch_signals()
