@@ -1,4 +1,4 @@
-"""The command `splitgrain-postpro COMMAND RESULTS [OPTION...]`."""
+"""The command `splitgrain-postpro COMMAND RESULTS [OPTION...]`, and `study`, which runs the program itself."""
 
 import argparse
 import sys
@@ -9,6 +9,7 @@ from .errors import ResultsError
 from .results import Results
 from .scene import QUANTITIES
 from .space import View
+from .study.command import add_command, run_study
 from .style import styled
 from .text import summary_text
 
@@ -48,6 +49,7 @@ def parser():
         if name == "scene":
             space.add_argument("--forces", action="store_true",
                                help="draw the forces between grains, and the grains pale")
+    add_command(commands)
     return top
 
 
@@ -77,6 +79,8 @@ def draw(arguments):
 def main(words=None):
     """Run the command line; returns the exit code."""
     arguments = parser().parse_args(words)
+    if arguments.command == "study":
+        return run_study(arguments)
     try:
         results, missing, output = draw(arguments)
         if arguments.command == "summary":

@@ -1,0 +1,113 @@
+"""Figures of a study, each of one panel, so that it can be read on a narrow page too."""
+
+import numpy as np
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from ..style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, new_figure, say_nothing_there
+
+LOOKS = list(zip((BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK), "os^Dvp*", strict=True))
+SIZE = (4.7, 3.7)
+ERRORS = {
+    "e1": "error E1 [-]", "e2": "error E2 [-]", "e8": "error E8 [-]",
+    "distance": "distance to the reference [-]",
+}  # fmt: skip
+CLOCKS = {"cpu_seconds": "CPU time [s]", "contact_updates": "contact updates [-]", "bytes": "bytes exchanged [-]"}
+CPU, UPDATES, BYTES = CLOCKS
+
+
+def look(study, variant):
+    """Colour and marker of a variant, the same in all figures."""
+    names = [other.name for other in study.variants]
+    return LOOKS[names.index(variant) % len(LOOKS)]
+
+
+def work_precision(study, case, curves, clock, error_label, title):
+    """Error against work: `curves[variant]` lists (work, error, is it as asked?), by falling tolerance."""
+    figure = new_figure(*SIZE)
+    ax = figure.add_subplot()
+    drawn = False
+    for variant, points in curves.items():
+        points = [point for point in points if point[0] and point[1] and np.isfinite(point[:2]).all()]
+        if not points:
+            continue
+        colour, marker = look(study, variant)
+        work, errors, good = (np.array(numbers) for numbers in zip(*points, strict=True))
+        ax.plot(work, errors, color=colour, label=variant, lw=1, marker=marker, markersize=4.5)
+        ax.plot(work[~good], errors[~good], marker, color=colour, markersize=4.5, markerfacecolor="white")
+        drawn = True
+    _finish(ax, drawn, CLOCKS[clock], error_label, title)
+    return figure
+
+
+def traces(study, curves, title):
+    """Error against CPU time within one run of each variant: `curves[variant]` lists (seconds, e1, e8)."""
+    figure = new_figure(*SIZE)
+    ax = figure.add_subplot()
+    drawn = False
+    for variant, points in curves.items():
+        points = [(seconds, e1) for seconds, e1, _ in points if seconds > 0 and e1 > 0]
+        if points:
+            colour, marker = look(study, variant)
+            ax.plot(*zip(*points, strict=True), color=colour, label=variant, lw=1, marker=marker, markersize=2.5)
+            drawn = True
+    _finish(ax, drawn, CLOCKS[CPU] + ", measuring included", ERRORS["e1"], title)
+    return figure
+
+
+def profiles(study, ratios, count, title):
+    """Share of problems solved within tau times the fastest: steps, drawn to a common end."""
+    figure = new_figure(*SIZE)
+    ax = figure.add_subplot()
+    end = max([2.0, *(values[-1] * 1.3 for values in ratios.values() if values)])
+    for number, (variant, values) in enumerate(ratios.items()):
+        colour, _ = look(study, variant)
+        taus = [1.0, *values, end]
+        shares = [sum(value <= 1 for value in values) / count, *((i + 1) / count for i in range(len(values))), len(values) / count]
+        # Lines that coincide stay to be seen, since each is thinner than the one before.
+        ax.step(taus, shares, where="post", color=colour, label=variant, lw=3.2 - 0.4 * min(number, 5))
+    ax.set_ylim(-0.02, 1.04)
+    ax.set_xlim(1, end)
+    _finish(ax, bool(count), "time over that of the fastest, $\\tau$ [-]", "share of problems [-]", title, scale="x")
+    return figure
+
+
+def convergence(study, curves, orders, label, title):
+    """Error of a measure against the axis, with lines of orders one and two."""
+    figure = new_figure(*SIZE)
+    ax = figure.add_subplot()
+    all_points = []
+    for variant, points in curves.items():
+        points = [(value, error) for value, error in points if error > 0 and np.isfinite(error)]
+        if points:
+            colour, marker = look(study, variant)
+            order = f", order {orders[variant]:.2f}" if orders.get(variant) is not None else ""
+            ax.plot(*zip(*points, strict=True), color=colour, marker=marker, markersize=4.5, label=variant + order, lw=1)
+            all_points += points
+    if all_points and study.axis == "time_steps":
+        h = np.array(sorted({value for value, _ in all_points}))
+        least = min(error / value for value, error in all_points)
+        ax.plot(h, 0.4 * least * h, color="#777777", ls="--", lw=1, label="order 1")
+        ax.plot(h, 0.4 * least * h**2 / h[-1], color="#777777", ls=":", lw=1, label="order 2")
+    axis = {"time_steps": "time step [s]", "tolerances": "tolerance [-]", "subdomains": "subdomains [-]"}[study.axis]
+    _finish(ax, bool(all_points), axis, label, title)
+    return figure
+
+
+def _finish(ax, drawn, x_label, y_label, title, scale="both"):
+    """Scales, labels, and the legend beneath the panel, where it hides nothing."""
+    ax.set_title(title)
+    if not drawn:
+        say_nothing_there(ax, "nothing to draw: no run arrived, or none has this number")
+        return
+    ax.set_xscale("log")
+    if scale == "both":
+        ax.set_yscale("log")
+    low, high = ax.get_xlim()
+    if high / low < 300:
+        # Within two decades powers of ten alone would leave the axis without a number.
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+        ax.xaxis.set_minor_formatter(FuncFormatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else ""))
+    else:
+        ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.set(xlabel=x_label, ylabel=y_label)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.45, -0.17), ncols=3, handlelength=1.5, columnspacing=1.0)

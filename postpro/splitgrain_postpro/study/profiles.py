@@ -1,0 +1,35 @@
+"""Performance profiles after Dolan and More (2002)."""
+
+import math
+
+
+def profile(times):
+    """Profiles of solvers from `times[solver][problem]`, infinite where unsolved.
+
+    Returns for each solver the ratios to the fastest at which its share of problems grows, sorted: the share at tau is the number
+    of ratios up to tau over that of problems. Problems that no solver solves count for all of them as unsolved.
+    """
+    problems = sorted({problem for row in times.values() for problem in row})
+    best = {problem: min(row.get(problem, math.inf) for row in times.values()) for problem in problems}
+    ratios = {}
+    for solver, row in times.items():
+        solved = [problem for problem in problems if math.isfinite(row.get(problem, math.inf))]
+        ratios[solver] = sorted(row[problem] / best[problem] for problem in solved)
+    return ratios, len(problems)
+
+
+def share(ratios, count, tau):
+    """Share of problems that a solver solves within tau times the time of the fastest."""
+    return sum(ratio <= tau for ratio in ratios) / count if count else 0.0
+
+
+def times_of(study, table, tolerance, clock="cpu_seconds", least=1e-6):
+    """Time of each variant on each problem to reach a tolerance on e1, measured from the answer; infinite where it does not."""
+    times = {variant.name: {} for variant in study.variants}
+    for variant in study.variants:
+        for case in study.cases:
+            result = table.get((case.name, variant.name, tolerance), {})
+            error = result.get("e1")
+            is_solved = result.get("status") == "solved" and error is not None and error <= tolerance
+            times[variant.name][case.name] = max(result.get(clock) or 0.0, least) if is_solved else math.inf
+    return times

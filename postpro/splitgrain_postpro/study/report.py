@@ -1,0 +1,192 @@
+"""From results to CSV, figures, tables and the page."""
+
+import csv
+import io
+import math
+
+from ..style import styled
+from . import drawings, page
+from .description import AXES
+from .measures import errors_of, order_of
+from .profiles import profile, share, times_of
+
+COLUMNS = ("case", "variant", "axis", "value", "repeat", "status", "reason", "contacts", "iterations", "sweeps", "factorisations",
+           "steps", "unconverged_steps", "cpu_seconds", "contact_updates", "bytes", "e1", "e2", "e8", "distance")  # fmt: skip
+GOOD = ("solved", "done")
+# Cases whose figures are not folded away.
+OPEN = 4
+
+
+class Report:
+    """All that is made of the results of a study."""
+
+    def __init__(self, study, jobs, results, store, version):
+        self.study, self.jobs, self.results, self.store, self.version = study, jobs, results, store, version
+        self.figures, self.lines = 0, []
+        self.table, self.traces = merged(jobs, results)
+        self.errors = [errors_of(study, self.table, number) for number in range(len(study.measures))]
+
+    def write(self):
+        """Write everything; returns the lines to print."""
+        self.write_csv()
+        sections = []
+        with styled():
+            if self.study.of_problems:
+                sections += self.profiles()
+            sections += [section for number in range(len(self.study.measures)) for section in self.convergence(number)]
+            for number, case in enumerate(self.study.cases):
+                sections.append((case.name, number < OPEN, page.pictures(self.of_case(case, number + 1))))
+        sections.insert(len(sections) - len(self.study.cases), ("Error against work", None, self.legend()))
+        names, rows = self.rows()
+        sections.append(("All runs", None, page.table(names, rows) + '<p class="quiet">The same stands in results.csv.</p>'))
+        text = page.page(self.study.title, self.study.about, self.facts(), sections)
+        self.store.write(self.store.folder / "study.html", text.encode())
+        return self.lines
+
+    def facts(self):
+        """What was done, in one line."""
+        failed = sum(result["status"] not in GOOD for result in self.results)
+        clock = f", the shortest of {self.study.repeats} taken" if self.study.repeats > 1 else ""
+        return (f"{len(self.study.cases)} cases x {len(self.study.variants)} variants x {len(self.study.values)} "
+                f"{AXES[self.study.axis]}s: {len(self.jobs)} runs{clock}, {failed} without an answer as asked. {self.version}; at most "
+                f"{self.study.seconds:g} CPU s a run.")
+
+    def legend(self):
+        """How to read the diagrams."""
+        if self.study.of_problems:
+            words = ("One point a tolerance; below and left is better. Hollow: the tolerance was not reached. Errors are measured from "
+                     "the answers by the program (E1, E2, E8).")
+            if self.study.reference:
+                words += (" The distance to the reference is the energy norm of the difference of velocities over that of what contacts "
+                          "change; where impulses are not unique it cannot be told from zero below about 1e-8.")
+            return f'<p class="quiet">{words}</p>'
+        return '<p class="quiet">One point a run; below and left is better. E1 is that of the worst step.</p>'
+
+    def write_csv(self):
+        """All results, one row a run."""
+        names = list(COLUMNS) + [f"error of {measure.name}" for measure in self.study.measures]
+        text = io.StringIO()
+        writer = csv.writer(text)
+        writer.writerow(names)
+        for job, result in zip(self.jobs, self.results, strict=True):
+            row = {"case": job.case.name, "variant": job.variant.name, "axis": AXES[self.study.axis], "value": job.value,
+                   "repeat": job.repeat or "trace"}  # fmt: skip
+            cells = [(result | row).get(name) for name in COLUMNS] + self.errors_at(job.case.name, job.variant.name, job.value)
+            writer.writerow("" if cell is None else cell for cell in cells)
+        self.store.write(self.store.folder / "results.csv", text.getvalue().encode())
+
+    def errors_at(self, case, variant, value):
+        """Errors of all measures of a run."""
+        return [dict(errors.get((case, variant), [])).get(value) for errors in self.errors]
+
+    def profiles(self):
+        """A profile for each tolerance, and the figures behind it."""
+        figures, rows = [], []
+        for tolerance in self.study.values:
+            ratios, count = profile(times_of(self.study, self.table, tolerance))
+            figure = drawings.profiles(self.study, ratios, count, f"{count} problems to E1 $\\leq$ {tolerance:g}")
+            figures.append(self.save(figure, f"profile-{tolerance:g}", f"Performance profile to E1 {tolerance:g}"))
+            for variant, values in ratios.items():
+                shares = [share(values, count, tau) for tau in (1, 2, 10, math.inf)]
+                rows.append([f"{tolerance:g}", variant, *(f"{100 * s:.0f} %" for s in shares)])
+                self.lines.append(f"e1 <= {tolerance:g}: {variant:<16} fastest {100 * shares[0]:3.0f} %, within 10 times the fastest "
+                                  f"{100 * shares[2]:3.0f} %, solves {100 * shares[3]:3.0f} %")  # fmt: skip
+        words = ('<p class="quiet">Share of problems that a solver brings to the tolerance within so many times the CPU time of the '
+                 "fastest (Dolan and More): at the left wins, at the right robustness.</p>")
+        names = ("E1", "variant", "fastest", "within 2 times", "within 10 times", "solved")
+        return [("Performance profiles", None, words + page.pictures(figures) + "<p></p>" + page.table(names, rows))]
+
+    def convergence(self, number):
+        """A figure for each case: error of a measure against the axis, with its order."""
+        measure, figures = self.study.measures[number], []
+        for place, case in enumerate(self.study.cases, 1):
+            curves = {variant: points for (name, variant), points in self.errors[number].items() if name == case.name}
+            orders = {variant: order_of(points) for variant, points in curves.items()}
+            for variant, order in orders.items():
+                if self.study.axis == "time_steps" and order is not None:
+                    self.lines.append(f"{case.name}, {variant}: error of {measure.name} is of order {order:.2f} in the time step")
+            label = f"error of {measure.name}" + (f" [{measure.unit}]" if measure.unit else "")
+            shown = orders if self.study.axis == "time_steps" else {}
+            figure = drawings.convergence(self.study, curves, shown, label, case.name)
+            figures.append(self.save(figure, f"convergence-{number + 1}-{place}", f"{label} of {case.name}"))
+        against = "its closed form" if measure.closed_form else "the run with the finest value"
+        over = {"end": "at the end", "mean": "mean over the run", "largest": "largest of the run"}[measure.over]
+        words = f'<p class="quiet">Difference from {against}, {over}.</p>'
+        return [(measure.name[0].upper() + measure.name[1:], None, words + page.pictures(figures))]
+
+    def of_case(self, case, number):
+        """Work-precision diagrams of a case."""
+        figures, clocks = [], [drawings.CPU, drawings.UPDATES]
+        wanted = [(name, clock) for name in drawings.ERRORS for clock in (clocks if name == "e1" else clocks[:1])]
+        if self.study.axis == "subdomains":
+            wanted.append(("e1", drawings.BYTES))
+        for name, clock in wanted:
+            curves = self.curves(case, lambda result, _, name=name: result.get(name), clock)
+            # No figure of what is not known, or of errors that are zero throughout.
+            if not any(point[0] and point[1] for points in curves.values() for point in points):
+                continue
+            figures.append(self.work(case, number, curves, clock, drawings.ERRORS[name], name))
+        for index, measure in enumerate(self.study.measures):
+            found = self.errors[index]
+            pick = lambda _, key, found=found: dict(found.get(key[:2], [])).get(key[2])  # noqa: E731
+            label = f"error of {measure.name}" + (f" [{measure.unit}]" if measure.unit else "")
+            curves = self.curves(case, pick, drawings.CPU)
+            figures.append(self.work(case, number, curves, drawings.CPU, label, f"measure-{index + 1}"))
+        found = {variant: self.traces[case.name, variant] for variant in self.names() if self.traces.get((case.name, variant))}
+        if found:
+            figure = drawings.traces(self.study, found, f"Within one run, to {min(self.study.values):g}")
+            figures.append(self.save(figure, f"case-{number}-trace", f"Traces of {case.name}"))
+        return figures
+
+    def work(self, case, number, curves, clock, label, name):
+        """One work-precision diagram."""
+        figure = drawings.work_precision(self.study, case, curves, clock, label, case.name)
+        against = {drawings.CPU: "", drawings.UPDATES: "-updates", drawings.BYTES: "-bytes"}[clock]
+        return self.save(figure, f"case-{number}-{name}{against}", f"{label} against {drawings.CLOCKS[clock]} of {case.name}")
+
+    def curves(self, case, error_of, clock):
+        """Points of every variant: work, error, and whether it arrived."""
+        found = {}
+        for variant in self.names():
+            points = []
+            for value in self.study.values:
+                result = self.table.get((case.name, variant, value))
+                if result:
+                    points.append((result.get(clock), error_of(result, (case.name, variant, value)), result["status"] in GOOD))
+            found[variant] = points
+        return found
+
+    def names(self):
+        """Names of the variants."""
+        return [variant.name for variant in self.study.variants]
+
+    def rows(self):
+        """The table of the page: the shortest of the repeats."""
+        kept = [name for name in COLUMNS[5:] if name != "reason" and any(r.get(name) is not None for r in self.table.values())]
+        rows = [[case, variant, value, *(result.get(name) for name in kept), *self.errors_at(case, variant, value)]
+                for (case, variant, value), result in self.table.items()]  # fmt: skip
+        names = ["case", "variant", AXES[self.study.axis], *(name.replace("_", " ") for name in kept)]
+        return names + [f"error of {measure.name}" for measure in self.study.measures], rows
+
+    def save(self, figure, name, words):
+        """Write a figure as PNG; returns it for the page."""
+        file = io.BytesIO()
+        figure.savefig(file, format="png", dpi=130)
+        taken = self.store.folder / f"{name}.png"
+        self.store.write(taken, file.getvalue())
+        self.figures += 1
+        return page.picture(file.getvalue(), words)
+
+
+def merged(jobs, results):
+    """Results by (case, variant, value), the fastest repeat of each; and traces by (case, variant)."""
+    table, traces = {}, {}
+    for job, result in zip(jobs, results, strict=True):
+        if job.repeat == 0:
+            traces[job.case.name, job.variant.name] = result.get("trace")
+            continue
+        place = (job.case.name, job.variant.name, job.value)
+        seconds = result.get("cpu_seconds")
+        if place not in table or (seconds is not None and seconds < (table[place].get("cpu_seconds") or math.inf)):
+            table[place] = result
+    return table, traces

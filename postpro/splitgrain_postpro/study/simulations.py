@@ -1,0 +1,81 @@
+"""Simulations: a deck run through the program, and what is kept of it."""
+
+import json
+
+import numpy as np
+
+from ..errors import ResultsError
+from ..results import Results
+from .problems import settings_words
+
+# What is kept of run.json beside the measures.
+NUMBERS = ("contact_updates", "sweeps", "steps", "unconverged_steps", "bytes_per_gluing", "gluings", "time")
+# Phases that the answer costs: what is recorded and drawn for the sake of the study is left out.
+PHASES = ("cpu_predict", "cpu_detect", "cpu_assemble", "cpu_solve", "cpu_update")
+
+
+def run_simulation(job, store, program):
+    """Run a deck; how it ended, its cost, its errors, and what its measures need."""
+    own = {"ranks": 1, "measures": []}
+    settings = {name: value for name, value in job.settings.items() if name not in own}
+    ranks = job.settings.get("ranks", 1)
+    with store.scratch() as place:
+        words = ["run", job.case.file.resolve(), "--output", place / "run", "--quiet"] + settings_words(settings)
+        code, _, said = program.call(words, job.seconds, ranks)
+        run = read_run(place / "run")
+        if code is None:
+            return {"status": "time limit", "reason": said, "cpu_seconds": None}
+        if code not in (0, 3, 4) or not run:
+            return {"status": "failed", "reason": said or f"exit code {code}", "cpu_seconds": None}
+        numbers = {name: run.get(name) for name in NUMBERS} | {name: run.get(f"worst_{name}") for name in ("e1", "e2", "e8")}
+        numbers["cpu_seconds"] = sum(run.get(phase) or 0.0 for phase in PHASES)
+        if run.get("bytes_per_gluing") and run.get("gluings"):
+            numbers["bytes"] = run["bytes_per_gluing"] * run["gluings"]
+        status = {0: "done", 3: "not converged", 4: "not finite"}[code]
+        try:
+            series = [series_of(Results(place / "run"), measure) for measure in job.settings["measures"]] if code == 0 else []
+        except ResultsError as error:
+            return {"status": "failed", "reason": str(error).replace(str(place / "run"), "the run"), "cpu_seconds": None}
+        return {"status": status, "reason": run.get("reason") or "", **numbers, "series": series}
+
+
+def read_run(folder):
+    """run.json, empty when there is none."""
+    try:
+        return json.loads((folder / "run.json").read_text())
+    except (OSError, ValueError):
+        return {}
+
+
+def series_of(results, measure):
+    """Times and values of a measure: those of the end alone where this is all that is asked for."""
+    if measure["body"]:
+        times, values = positions(results, measure["body"], "xyz".index(measure["component"]))
+    elif measure["over"] == "end":
+        value = results.run.get(measure["column"])
+        if not isinstance(value, int | float):
+            raise ResultsError(f"there is no number '{measure['column']}' in run.json")
+        return [[results.run["time"]], [value]]
+    else:
+        if measure["column"] not in results.record:
+            raise ResultsError(f"there is no column '{measure['column']}' in record.csv")
+        times, values = results.record["time"], results.record[measure["column"]]
+    if not len(times):
+        raise ResultsError(f"nothing of {measure['column'] or 'the body'} is recorded")
+    keep = slice(-1, None) if measure["over"] == "end" else slice(None)
+    return [np.asarray(times, float)[keep].tolist(), np.asarray(values, float)[keep].tolist()]
+
+
+def positions(results, body, component):
+    """Where the pictures show a body."""
+    if results.bodies is None:
+        raise ResultsError("no picture was taken: is this a build without HDF5?")
+    times, values = [], []
+    for index in range(len(results.bodies.times)):
+        grid = results.bodies.step(index)
+        rows = np.flatnonzero(grid.point_data["id"] == body)
+        if not len(rows):
+            raise ResultsError(f"there is no body {body}")
+        times.append(float(grid.time))
+        values.append(float(grid.points[rows[0], component]))
+    return times, values

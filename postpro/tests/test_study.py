@@ -1,0 +1,387 @@
+"""Studies: their files, their numbers by hand, and whole studies through the real program where SPLITGRAIN_PROGRAM names one."""
+
+import csv
+import json
+import math
+import os
+import re
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from splitgrain_postpro.cli import main
+from splitgrain_postpro.errors import StudyError
+from splitgrain_postpro.study.description import read_study
+from splitgrain_postpro.study.expressions import evaluate
+from splitgrain_postpro.study.jobs import jobs_of
+from splitgrain_postpro.study.measures import order_of
+from splitgrain_postpro.study.problems import distance
+from splitgrain_postpro.study.profiles import profile, share, times_of
+from splitgrain_postpro.study.toml_lines import line_of
+
+DECKS = Path(__file__).resolve().parents[2] / "input_decks"
+PROGRAM = os.environ.get("SPLITGRAIN_PROGRAM")
+with_program = pytest.mark.skipif(not PROGRAM, reason="SPLITGRAIN_PROGRAM names no program to run")
+
+BOUNCES = f"""time_steps = [1e-2, 1e-3, 1e-4]
+duration = 0.75
+[constants]
+g = 9.81
+v = "sqrt(2 * g * 0.5)"
+t1 = "v / g"
+[[case]]
+name = "ball"
+deck = "{DECKS / 'bouncing_ball.toml'}"
+[[variant]]
+name = "mid-point"
+[[measure]]
+name = "height"
+body = 1
+component = "y"
+over = "mean"
+closed_form = '''0.1 + (0.5 - g * t**2 / 2 if t < t1 else v / 2 * (t - t1) - g * (t - t1)**2 / 2 if t < 2 * t1
+                 else v / 4 * (t - 2 * t1) - g * (t - 2 * t1)**2 / 2)'''
+"""
+STONES = f"""tolerances = [1e-2, 1e-6]
+seconds = 20
+[reference]
+tolerance = 1e-11
+[[case]]
+name = "arch"
+deck = "{DECKS / 'arch_of_stones.toml'}"
+dump = 5
+set = {{ "arch.voussoirs" = 7 }}
+[[variant]]
+solver = "interior"
+[[variant]]
+name = "one sweep"
+solver = "nlgs"
+iterations = 1
+"""
+# A study that is right, to be spoiled.
+GOOD = f"""tolerances = [1e-3]
+repeats = 1
+[[case]]
+deck = "{DECKS / 'sliding_block.toml'}"
+[[variant]]
+name = "plain"
+set = {{ "solver.order" = "natural" }}
+[[measure]]
+column = "kinetic_energy"
+"""
+
+
+def written(folder, text, name="study.toml"):
+    path = folder / name
+    path.write_text(text)
+    return path
+
+
+def done(folder, path, *words):
+    """Run a study by the package; its exit code and the folder of its results."""
+    return main(["study", str(path), "--output", str(folder / "out"), *words]), folder / "out"
+
+
+def rows_of(out):
+    with open(out / "results.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def stamps(out):
+    """When each result was written."""
+    return {path.name: path.stat().st_mtime_ns for path in (out / "runs").iterdir()}
+
+
+def test_profile_by_hand():
+    inf = math.inf
+    times = {"a": {1: 1.0, 2: 4.0, 3: inf, 4: inf}, "b": {1: 2.0, 2: 1.0, 3: 3.0, 4: inf}, "c": {1: 1.0, 2: 40.0, 3: 6.0, 4: inf}}
+    ratios, count = profile(times)
+    assert count == 4 and ratios == {"a": [1.0, 4.0], "b": [1.0, 1.0, 2.0], "c": [1.0, 2.0, 40.0]}
+    assert [share(ratios["a"], count, tau) for tau in (1, 3.9, 4, inf)] == [0.25, 0.25, 0.5, 0.5]
+    assert [share(ratios["b"], count, tau) for tau in (1, 2)] == [0.5, 0.75]
+    assert share(ratios["c"], count, inf) == 0.75
+
+
+def test_unsolved_is_infinite_whatever_the_solver_says(tmp_path):
+    study = read_study(written(tmp_path, STONES))
+    result = {"cpu_seconds": 2.0, "e1": 1e-7}
+    table = {("arch", "interior", 1e-6): result | {"status": "solved"}, ("arch", "one sweep", 1e-6): result | {"status": "time limit"}}
+    assert times_of(study, table, 1e-6) == {"interior": {"arch": 2.0}, "one sweep": {"arch": math.inf}}
+    table["arch", "interior", 1e-6]["e1"] = 2e-6
+    assert times_of(study, table, 1e-6)["interior"] == {"arch": math.inf}
+
+
+def test_order_by_hand():
+    assert order_of([(0.1, 0.3), (0.01, 0.03), (0.001, 0.003)]) == pytest.approx(1.0, abs=1e-12)
+    assert order_of([(0.4, 1.6), (0.2, 0.4), (0.1, 0.1)]) == pytest.approx(2.0, abs=1e-12)
+    assert order_of([(0.1, 0.0), (0.01, 0.1)]) is None
+
+
+def test_distance_is_the_energy_norm_of_velocities():
+    w = np.array([[2.0, 1.0], [1.0, 3.0]])
+    q, r, other = np.array([-1.0, -2.0]), np.array([1.0, 2.0]), np.array([1.5, 1.0])
+    reference, answer = {"r": r, "u": w @ r + q, "q": q}, {"r": other, "u": w @ other + q}
+    assert distance(answer, reference) == pytest.approx(math.sqrt((other - r) @ w @ (other - r) / (r @ w @ r)), rel=1e-14)
+    assert distance(answer, None) is None and distance({}, reference) is None
+
+
+@pytest.mark.parametrize("text, value", [
+    ("2 * x**2 - 1", 17.0), ("x if x < 2 else -x", -3.0), ("max(1, sqrt(4 * x - 3))", 3.0), ("-sin(pi / 2) + x % 2", 0.0),
+])  # fmt: skip
+def test_expressions(text, value):
+    assert evaluate(text, {"x": 3.0}) == pytest.approx(value, abs=1e-15)
+
+
+@pytest.mark.parametrize("text", ["y", "1 / 0", "sqrt(-1)", "open('x')", "x.real", "__import__('os')", "1 +", "[1]", "'a'", "sqrt(1, 2)",
+                                  "9.0**9999", "1j * x"])  # fmt: skip
+def test_expressions_that_are_none(text):
+    with pytest.raises(ValueError):
+        evaluate(text, {"x": 3.0})
+
+
+@pytest.mark.parametrize("old, new, line, sentence", [
+    ("repeats = 1", "repeat = 1", 2, "unknown key 'repeat'; did you mean 'repeats'?"),
+    ("repeats = 1", "repeats = 0", 2, "'repeats' should be above 0"),
+    ("repeats = 1", "repeats = 1.5", 2, "'repeats' should be a whole number"),
+    ("repeats = 1", "repeats = true", 2, "'repeats' should be a whole number"),
+    ("repeats = 1", "jobs = 'some'", 2, "'jobs' should be a whole number above 0, or \"all\""),
+    ("repeats = 1", "seconds = nan", 2, "'seconds' should be above 0"),
+    ("repeats = 1", "time_steps = [1e-3]", 2, "needs one of tolerances, time_steps, subdomains, not tolerances and time_steps"),
+    ("repeats = 1", "repeats = ", 2, "invalid value"),
+    ("tolerances = [1e-3]", "", 1, "needs one of tolerances, time_steps, subdomains"),
+    ("[1e-3]", "[-1.0]", 1, "'tolerances' should be a list of numbers above 0"),
+    ("[1e-3]", "[]", 1, "'tolerances' should be a list of numbers above 0"),
+    ("tolerances = [1e-3]", "subdomains = [1.5]", 1, "'subdomains' should be a list of whole numbers above 0"),
+    ("tolerances = [1e-3]", "time_steps = [1e-3]", 1, "needs its 'duration'"),
+    ("tolerances = [1e-3]", "duration = 1\ntime_steps = [0.3]", 2, "no whole number of time steps"),
+    ("sliding_block", "sliding_rock", 4, "there is no deck"),
+    ("[[case]]\n", "[[case]]\nfiles = '*.hdf5'\n", 4, "either a deck or files"),
+    ("deck = ", "files = 'none-*.hdf5' # ", 4, "the contact problems that it needs are not there"),
+    ("deck = ", "dump = 0\ndeck = ", 4, "'dump' of [case] should be a time step"),
+    ("[[case]]", "[case]", 3, "'case' should be a list"),
+    ("name = \"plain\"", "name = 3", 6, "'name' of [variant] should be a text"),
+    ("name = \"plain\"", "solver = 'nlgs'", 6, "'solver' belongs to variants of contact problems"),
+    ("[[variant]]", "[[variant]]\nname = 'plain'\n[[variant]]", 8, "two of [[variant]] are named 'plain'"),
+    ("{ \"solver.order\" = ", "{ solver.order = ", 7, "a setting is written \"section.key\" = value"),
+    ("column = ", "over = 'always'\ncolumn = ", 9, "'over' of [measure] should be end, mean, largest"),
+    ("column = ", "closed_form = 't + y'\ncolumn = ", 9, "'y' is unknown; there are pi, t"),
+    ("column = ", "body = 1\ncolumn = ", 8, "either a column of record.csv or a body"),
+])  # fmt: skip
+def test_mistakes_are_one_sentence_with_their_line(tmp_path, capsys, old, new, line, sentence):
+    assert GOOD.count(old) == 1
+    path = written(tmp_path, GOOD.replace(old, new))
+    assert main(["study", str(path), "--output", str(tmp_path / "out")]) == 2
+    printed = capsys.readouterr()
+    assert printed.err.startswith(f"{path}:{line}: error: ") and sentence in printed.err
+    assert printed.err.count("\n") == 1 and not (tmp_path / "out").exists()
+
+
+def test_mistakes_outside_the_file(tmp_path, capsys, monkeypatch):
+    good = written(tmp_path, GOOD)
+    binary = tmp_path / "binary.toml"
+    binary.write_bytes(b"\xff\xfe")
+    monkeypatch.setenv("SPLITGRAIN_PROGRAM", "/bin/true")
+    for words, said in (
+        ([tmp_path / "none.toml"], "No such file"), ([binary], "no text in UTF-8"), ([good, "--jobs", "0"], "--jobs needs"),
+        ([good, "--program", "no-such-program"], "there is no program no-such-program"), ([good], "is no splitgrain"),
+    ):  # fmt: skip
+        assert main(["study", *map(str, words), "--output", str(tmp_path / "out")]) == 2
+        printed = capsys.readouterr().err
+        assert said in printed and printed.count("\n") == 1
+
+
+def test_lines_of_keys():
+    text = 'a = 1\n[[x]]\nb = 2\n\n[[x]] # second\n"b" = 3\n[y.z]\nc = 4\n'
+    assert [line_of(text, *place) for place in (("", 1, "a"), ("x", 1, "b"), ("x", 2, "b"), ("x", 2, "c"), ("y.z", 1, "c"))] == \
+        [1, 3, 6, 5, 8]
+
+
+def test_keys_tell_work_apart_and_not_names(tmp_path):
+    deck = tmp_path / "deck.toml"
+    shutil.copy(DECKS / "sliding_block.toml", deck)
+    text = GOOD.replace(str(DECKS / "sliding_block.toml"), str(deck))
+
+    def key(text, program="p"):
+        return jobs_of(read_study(written(tmp_path, text)), program)[0].key
+
+    first = key(text)
+    assert key(text.replace('"plain"', '"simple"')) == first
+    assert first not in (key(text, "other"), key(text.replace("natural", "groups")), key(text.replace("1e-3", "1e-4")))
+    deck.write_text(deck.read_text().replace("2500.0", "2600.0"))
+    assert key(text) != first
+    # A file that the deck names is part of the work.
+    deck.write_text(deck.read_text() + '[[body]]\nfile = "part.stl"\n')
+    (tmp_path / "part.stl").write_text("one")
+    before = key(text)
+    (tmp_path / "part.stl").write_text("two")
+    assert key(text) != before
+
+
+def test_shipped_studies_are_right():
+    paths = sorted((DECKS / "studies").glob("*.toml"))
+    assert len(paths) >= 3
+    for path in paths:
+        if path.name == "solvers_of_others.toml":
+            try:
+                assert len(read_study(path).cases) > 1
+            except StudyError as error:
+                assert "the contact problems that it needs are not there" in str(error) and error.line > 0
+        else:
+            assert read_study(path).cases
+
+
+@pytest.fixture(scope="module")
+def bounced(tmp_path_factory):
+    """A study of time steps that is done: what it printed, and its folder."""
+    place = tmp_path_factory.mktemp("bounced")
+    words = [PROGRAM, "study", str(written(place, BOUNCES)), "--output", str(place / "out")]
+    study = subprocess.run(words, capture_output=True, text=True, timeout=300)
+    assert study.returncode == 0, study.stderr
+    return study.stdout, place / "out"
+
+
+@with_program
+def test_order_one_across_impacts(bounced):
+    printed, out = bounced
+    # The error of one run depends on where in a step the impacts fall: the slope of three is no better than this.
+    assert 0.7 < float(re.search(r"error of height is of order (\S+) in the time step", printed)[1]) < 1.3
+    errors = [float(row["error of height"]) for row in rows_of(out)]
+    assert errors == sorted(errors, reverse=True) and 0 < errors[-1] < 1e-3
+
+
+@with_program
+def test_resuming(bounced, tmp_path, capsys):
+    shutil.copytree(bounced[1], tmp_path / "out")
+    path, out = written(tmp_path, BOUNCES), tmp_path / "out"
+    errors = [row["error of height"] for row in rows_of(out)]
+    before = stamps(out)
+    assert len(before) == 3 and all(name.endswith(".json") for name in before)
+    # One result is gone, one is cut: these two are done again and no other.
+    lost, cut, kept = sorted(before)
+    (out / "runs" / lost).unlink()
+    (out / "runs" / cut).write_text((out / "runs" / cut).read_text()[:40])
+    assert done(tmp_path, path)[0] == 0
+    assert "2 of 3 runs to do, 1 done before" in capsys.readouterr().out
+    after = stamps(out)
+    assert after.keys() == before.keys() and after[kept] == before[kept] and after[cut] != before[cut]
+    assert [row["error of height"] for row in rows_of(out)] == errors
+    # One more time step: the others are not run again.
+    assert done(tmp_path, written(tmp_path, BOUNCES.replace("[1e-2,", "[1e-2, 5e-3,")))[0] == 0
+    assert "1 of 4 runs to do, 3 done before" in capsys.readouterr().out
+
+
+@with_program
+def test_page_stands_alone(bounced):
+    out = bounced[1]
+    text = (out / "study.html").read_text()
+    pictures = list(out.glob("*.png"))
+    assert text.count("<img") == text.count("data:image/png;base64,") == len(pictures) >= 2
+    assert not re.search(r"<script|https?:|<link(?! rel=\"icon\" href=\"data:,\")", text)
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in pictures)
+    assert not [path for path in out.rglob(".*")]
+
+
+@with_program
+def test_against_the_smallest_step(bounced, tmp_path, capsys):
+    shutil.copytree(bounced[1], tmp_path / "out")
+    text = re.sub(r"closed_form = '''.*'''\n", "", BOUNCES, flags=re.S)
+    code, out = done(tmp_path, written(tmp_path, text))
+    assert "0 of 3 runs to do" in capsys.readouterr().out
+    errors = [row["error of height"] for row in rows_of(out)]
+    assert code == 0 and errors[-1] == "" and float(errors[0]) > float(errors[1]) > 0
+
+
+@with_program
+def test_contact_problems(tmp_path, capsys):
+    if not re.search(r"^HDF5\s+on", subprocess.run([PROGRAM, "--version"], capture_output=True, text=True).stdout, re.M):
+        pytest.skip("the program is built without HDF5")
+    code, out = done(tmp_path, written(tmp_path, STONES), "--jobs", "all")
+    printed = capsys.readouterr().out
+    rows = rows_of(out)
+    assert code == 0 and len(rows) == 6 and "e1 <= 1e-06: interior         fastest 100 %" in printed
+    for row in rows:
+        assert row["status"] == ("solved" if float(row["e1"]) <= float(row["value"]) else "not solved")
+    near = [float(row["distance"]) for row in rows if row["variant"] == "interior" and row["repeat"] == "1"]
+    far = [float(row["distance"]) for row in rows if row["variant"] == "one sweep"]
+    assert near[1] < near[0] and near[1] < 1e-3 < min(far)
+    assert {row["status"] for row in rows if row["variant"] == "one sweep" and float(row["value"]) < 1e-3} == {"not solved"}
+    traces = [json.loads(path.read_text()).get("trace") for path in (out / "runs").iterdir()]
+    assert sum(bool(trace) for trace in traces) == 2
+    capsys.readouterr()
+    assert done(tmp_path, written(tmp_path, STONES))[0] == 0
+    assert "0 of 6 runs to do" in capsys.readouterr().out
+
+
+@with_program
+def test_stopped_and_gone_on(tmp_path):
+    # The last run alone takes far longer than the others: it is under way when the study is stopped.
+    path = written(tmp_path, BOUNCES.replace("[1e-2, 1e-3, 1e-4]", "[1e-2, 1e-3, 1e-8]"))
+    words = [PROGRAM, "study", str(path), "--output", str(tmp_path / "out")]
+    study = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    end = time.monotonic() + 300
+    while len(list((tmp_path / "out" / "runs").glob("*.json"))) < 2 and time.monotonic() < end and study.poll() is None:
+        time.sleep(0.05)
+    study.send_signal(signal.SIGTERM)
+    _, said = study.communicate(timeout=60)
+    assert study.returncode == 75 and "the same command goes on" in said and said.count("\n") == 1
+    runs = list((tmp_path / "out" / "runs").iterdir())
+    assert len(runs) == 2 and all(json.loads(run.read_text())["status"] == "done" for run in runs)
+    path = written(tmp_path, BOUNCES)
+    again = subprocess.run(words, capture_output=True, text=True, timeout=300)
+    assert again.returncode == 0 and "1 of 3 runs to do, 2 done before" in again.stdout
+
+
+@with_program
+def test_limit_of_time(tmp_path):
+    code, out = done(tmp_path, written(tmp_path, "seconds = 1\n" + BOUNCES.replace("[1e-2, 1e-3, 1e-4]", "[1e-2, 1e-8]")))
+    assert code == 0 and [row["status"] for row in rows_of(out)] == ["done", "time limit"]
+
+
+@with_program
+def test_subdomains(tmp_path):
+    if not shutil.which("mpiexec") or "MPI       off" in subprocess.run([PROGRAM, "--version"], capture_output=True, text=True).stdout:
+        pytest.skip("no mpiexec, or a program built without MPI")
+    deck = DECKS / "decomposition" / "packing.toml"
+    text = f"""subdomains = [1, 2]
+[[case]]
+deck = "{deck}"
+[[variant]]
+name = "dual"
+set = {{ "time.steps" = 5, "output.every" = 0 }}
+[[measure]]
+column = "kinetic_energy"
+"""
+    code, out = done(tmp_path, written(tmp_path, text))
+    one, two = rows_of(out)
+    assert code == 0 and one["bytes"] == "" and float(two["bytes"]) > 0
+    assert one["error of kinetic_energy"] == "" and float(two["error of kinetic_energy"]) >= 0
+
+
+@with_program
+def test_what_fails_is_told_and_tried_again(tmp_path, capsys):
+    path = written(tmp_path, GOOD.replace("solver.order", "solver.ordre"))
+    for _ in range(2):
+        code, out = done(tmp_path, path)
+        printed = capsys.readouterr()
+        assert code == 1 and 'unknown key "ordre"' in printed.err and printed.err.count("\n") == 1
+        assert "1 of 1 runs to do" in printed.out and not list((out / "runs").iterdir())
+
+
+@with_program
+def test_program_hands_over(tmp_path):
+    path = written(tmp_path, GOOD.replace("repeats", "repeat"), "with a blank.toml")
+    said = subprocess.run([PROGRAM, "study", str(path)], capture_output=True, text=True, timeout=120, cwd=tmp_path)
+    assert said.returncode == 2 and said.stderr.startswith(f"{path}:2: error: unknown key 'repeat'")
+
+
+@with_program
+def test_folder_that_cannot_be_written(tmp_path, capsys):
+    (tmp_path / "out").write_text("a file")
+    code, _ = done(tmp_path, written(tmp_path, GOOD))
+    printed = capsys.readouterr().err
+    assert code == 5 and "cannot write" in printed and printed.count("\n") == 1
