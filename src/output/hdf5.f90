@@ -143,7 +143,7 @@ module sg_hdf5
       integer(i8) :: total
     end function file_total
 
-    !> Read some rows of records of reals.
+    !> Read some rows of records, or of a list as records of one component; whole numbers are read as reals.
     module subroutine file_get_rows(self, path, first, rows, values)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path !! path within the file

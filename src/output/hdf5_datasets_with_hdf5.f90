@@ -404,9 +404,9 @@ contains
   end procedure get_real_records
 
   module procedure file_get_rows
-  integer :: status
+  integer :: status, rank
   integer(hid_t) :: dataset, space, memory
-  integer(hsize_t) :: shape(2), count(2)
+  integer(hsize_t) :: shape(2), start(2), count(2)
   type(c_ptr) :: address
 
   shape = 0
@@ -422,8 +422,10 @@ contains
   status = 0
   if (size(values) > 0) then
     call h5dget_space_f(dataset, space, status)
-    call h5sselect_hyperslab_f(space, h5s_select_set_f, [0_hsize_t, int(first, hsize_t)], count, status)
-    call h5screate_simple_f(2, count, memory, status)
+    call h5sget_simple_extent_ndims_f(space, rank, status)
+    start = [0_hsize_t, int(first, hsize_t)]
+    call h5sselect_hyperslab_f(space, h5s_select_set_f, start(3 - rank:), count(3 - rank:), status)
+    call h5screate_simple_f(rank, count(3 - rank:), memory, status)
     address = c_loc(values)
     call h5dread_f(dataset, h5t_native_double, address, status, memory, space)
     call check(self, status, 'cannot read '//path)

@@ -4,7 +4,8 @@
 !! then renamed, so that at any time at least one of them is whole. doc/guide/files.md lists the datasets.
 !!
 !! Ranks that share a scene write one file together, in the same layout: bodies by number, contacts rank by rank. Any
-!! number of ranks can go on from it.
+!! number of ranks can go on from it. Then none reads it whole: each takes the rows of the bodies that it holds, and a piece of the
+!! contacts, as many as the others, which it sends to their owners when the scene is split (sg_travel).
 module sg_restart
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_bodies, only: bodies_t
@@ -13,6 +14,7 @@ module sg_restart
   use sg_error, only: diagnostics_t, error_t, exit_output, fail
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: wp, i1, i4, i8
+  use sg_picked_rows, only: picked_rows_t
   use sg_scene, only: scene_t
   use sg_system, only: remove_file, rename_file
   use sg_text, only: to_text
@@ -28,7 +30,7 @@ module sg_restart
   !> The two files that take turns
   character(len=*), parameter :: file_names(2) = [character(len=12) :: 'restart_a.h5', 'restart_b.h5']
 
-  !> The state of a run at the end of a step; where ranks share it, of one block of bodies and of the contacts of one rank
+  !> The state of a run at the end of a step; where ranks share it, of some bodies and of some contacts
   type :: restart_t
     !> Steps done, and time [s]
     integer :: step = 0
@@ -50,6 +52,9 @@ module sg_restart
     real(wp), allocatable :: built(:, :)
     !> Sums kept over the run, such as works of forces
     real(wp), allocatable :: totals(:)
+    !> Of a state that was read: rows that the datasets of bodies have in the file (position, angle, velocity, crossings,
+    !! orientation, crossings_y), and those of contacts (contactor, feature, image, law, status, impulse, image_y)
+    integer, private :: body_rows(6) = 0, contact_rows(7) = 0
   end type restart_t
 
 contains
@@ -133,23 +138,21 @@ contains
     state%impulse = reshape([real(wp) ::], [components, 0])
   end subroutine forget_contacts
 
-  !> Put bodies and contacts into a state; of contacts only what recovery by pair needs is set. A rank's part takes its bodies;
-  !! contacts keep the numbers that contactors have in the whole scene.
+  !> Put bodies and contacts into a state; of contacts only what recovery by pair needs is set. Where ranks share the scene
+  !! contacts keep the numbers that contactors have in it.
   subroutine restore_state(state, scene, contacts)
     type(restart_t), intent(in) :: state !! state to restore
     type(scene_t), intent(inout) :: scene !! bodies to set
     type(contacts_t), intent(inout) :: contacts !! contacts to set
-    integer :: n, i, number
+    integer :: n, i
 
     do i = 1, scene%bodies%n
-      number = i
-      if (allocated(scene%bodies%id)) number = scene%bodies%id(i)
-      scene%bodies%position(:, i) = state%position(:, number)
-      scene%bodies%velocity(:, i) = state%velocity(:, number)
-      scene%bodies%crossings(i) = state%crossings(number)
-      if (allocated(scene%bodies%angle)) scene%bodies%angle(i) = state%angle(number)
-      if (allocated(scene%bodies%orientation)) scene%bodies%orientation(:, i) = state%orientation(:, number)
-      if (scene%dimension == 3) scene%bodies%crossings_y(i) = state%crossings_y(number)
+      scene%bodies%position(:, i) = state%position(:, i)
+      scene%bodies%velocity(:, i) = state%velocity(:, i)
+      scene%bodies%crossings(i) = state%crossings(i)
+      if (allocated(scene%bodies%angle)) scene%bodies%angle(i) = state%angle(i)
+      if (allocated(scene%bodies%orientation)) scene%bodies%orientation(:, i) = state%orientation(:, i)
+      if (scene%dimension == 3) scene%bodies%crossings_y(i) = state%crossings_y(i)
     end do
     n = size(state%feature)
     contacts%n = n
@@ -284,19 +287,22 @@ contains
   end subroutine find_newest
 
   !> Read a state and see whether it fits the scene; that another deck wrote it is only a warning.
-  subroutine read_restart(name, scene, deck_hash, state, diagnostics, bodies, contactors)
+  subroutine read_restart(name, scene, deck_hash, state, diagnostics, bodies, contactors, comm)
     character(len=*), intent(in) :: name !! path of the file
     type(scene_t), intent(in) :: scene !! scene that it must fit, or the part of a rank
     character(len=*), intent(in) :: deck_hash !! hash of the present deck
-    type(restart_t), intent(out) :: state !! state read
+    type(restart_t), intent(out) :: state !! state read: of the bodies of `scene`
     type(diagnostics_t), intent(inout) :: diagnostics !! takes what is wrong
     integer, intent(in), optional :: bodies !! bodies of the whole scene, where ranks share it
     integer, intent(in), optional :: contactors !! contactors of the whole scene
+    type(comm_t), intent(in), optional :: comm !! ranks that read the file, each its piece of the contacts; absent where one does
     type(error_t), allocatable :: error
+    type(comm_t) :: ranks
     character(len=:), allocatable :: misfit
     integer :: whole(2)
 
-    call read_file(name, state, error)
+    if (present(comm)) ranks = comm
+    call read_file(name, scene, ranks, state, error)
     if (allocated(error)) then
       call diagnostics%add(error%message, file=name)
       return
@@ -313,12 +319,15 @@ contains
     end if
   end subroutine read_restart
 
-  !> Read all datasets.
-  subroutine read_file(name, state, error)
+  !> Read all datasets; of several ranks each its rows.
+  subroutine read_file(name, scene, ranks, state, error)
     character(len=*), intent(in) :: name
+    type(scene_t), intent(in) :: scene
+    type(comm_t), intent(in) :: ranks
     type(restart_t), intent(out) :: state
     type(error_t), allocatable, intent(out) :: error
     type(hdf5_file_t) :: file
+    type(picked_rows_t) :: bodies, contacts
     integer(i8) :: number
     real(wp), allocatable :: time(:)
 
@@ -330,26 +339,51 @@ contains
     call file%get('/time', time)
     if (size(time) == 1) state%time = time(1)
     call file%get('/totals', state%totals)
-    call file%get('/built', state%built)
-    call file%get('/bodies/position', state%position)
-    call file%get('/bodies/angle', state%angle)
-    call file%get('/bodies/velocity', state%velocity)
-    call file%get('/bodies/crossings', state%crossings)
+    ! One rank alone takes up its list of neighbours.
+    if (ranks%size == 1) call file%get('/built', state%built)
+    if (.not. allocated(state%built)) allocate (state%built(0, 0))
+    if (allocated(scene%bodies%id)) call bodies%pick(scene%bodies%id)
+    if (ranks%size > 1) call contacts%pick_piece(file, '/contacts/feature', ranks%rank, ranks%size)
     call forget_space(state)
-    if (size(state%position, 1) == 3) then
-      call file%get('/bodies/orientation', state%orientation)
-      call file%get('/bodies/crossings_y', state%crossings_y)
-      call file%get('/contacts/image_y', state%image_y)
-    end if
-    call file%get('/contacts/contactor', state%contactor)
-    call file%get('/contacts/feature', state%feature)
-    call file%get('/contacts/image', state%image)
-    call file%get('/contacts/law', state%law)
-    call file%get('/contacts/status', state%status)
-    call file%get('/contacts/impulse', state%impulse)
+    call read_bodies(file, bodies, state)
+    call read_contacts(file, contacts, state)
     call file%close()
     if (allocated(file%error)) call move_alloc(file%error, error)
   end subroutine read_file
+
+  !> Read the rows of bodies.
+  subroutine read_bodies(file, rows, state)
+    type(hdf5_file_t), intent(inout) :: file
+    type(picked_rows_t), intent(in) :: rows
+    type(restart_t), intent(inout) :: state
+
+    associate (n => state%body_rows)
+      call rows%get(file, '/bodies/position', state%position, n(1))
+      call rows%get(file, '/bodies/angle', state%angle, n(2))
+      call rows%get(file, '/bodies/velocity', state%velocity, n(3))
+      call rows%get(file, '/bodies/crossings', state%crossings, n(4))
+      if (size(state%position, 1) /= 3) return
+      call rows%get(file, '/bodies/orientation', state%orientation, n(5))
+      call rows%get(file, '/bodies/crossings_y', state%crossings_y, n(6))
+    end associate
+  end subroutine read_bodies
+
+  !> Read the rows of contacts.
+  subroutine read_contacts(file, rows, state)
+    type(hdf5_file_t), intent(inout) :: file
+    type(picked_rows_t), intent(in) :: rows
+    type(restart_t), intent(inout) :: state
+
+    associate (n => state%contact_rows)
+      call rows%get(file, '/contacts/contactor', state%contactor, n(1))
+      call rows%get(file, '/contacts/feature', state%feature, n(2))
+      call rows%get(file, '/contacts/image', state%image, n(3))
+      call rows%get(file, '/contacts/law', state%law, n(4))
+      call rows%get(file, '/contacts/status', state%status, n(5))
+      call rows%get(file, '/contacts/impulse', state%impulse, n(6))
+      if (size(state%position, 1) == 3) call rows%get(file, '/contacts/image_y', state%image_y, n(7))
+    end associate
+  end subroutine read_contacts
 
   !> Is an open file one of ours, in a layout that we know?
   subroutine check_format(file)
@@ -378,8 +412,8 @@ contains
     character(len=:), allocatable :: misfit
     integer :: n, m
 
-    n = size(state%position, 2)
-    m = size(state%feature)
+    n = state%body_rows(1)
+    m = state%contact_rows(2)
     misfit = ''
     if (n /= bodies) then
       misfit = 'it holds '//to_text(n)//' bodies, the scene '//to_text(bodies)
@@ -387,12 +421,10 @@ contains
       misfit = 'it holds a scene of dimension '//to_text(size(state%position, 1))
     else if (size(state%velocity, 1) /= scene%bodies%n_velocity) then
       misfit = 'only one of them has bodies that turn'
-    else if (any([size(state%velocity, 2), size(state%crossings)] /= n) .or. &
-             size(state%angle) /= merge(n, 0, allocated(scene%bodies%angle)) .or. &
-             size(state%orientation) /= merge(4*n, 0, allocated(scene%bodies%orientation)) .or. &
-             size(state%crossings_y) /= merge(n, 0, scene%dimension == 3) .or. &
-             size(state%image_y) /= merge(m, 0, scene%dimension == 3) .or. size(state%contactor) /= 2*m .or. &
-             any([size(state%image), size(state%law), size(state%status), size(state%impulse, 2)] /= m)) then
+    else if (any(state%body_rows /= [n, merge(n, 0, allocated(scene%bodies%angle)), n, n, &
+                                     merge(n, 0, allocated(scene%bodies%orientation)), merge(n, 0, scene%dimension == 3)]) .or. &
+             any(state%contact_rows /= [m, m, m, m, m, m, merge(m, 0, scene%dimension == 3)]) .or. &
+             size(state%orientation, 1) /= 4 .or. size(state%contactor, 1) /= 2) then
       misfit = 'its datasets differ in size'
     else if (.not. (all(ieee_is_finite(state%position)) .and. all(ieee_is_finite(state%velocity)) .and. &
                     all(ieee_is_finite(state%impulse)))) then

@@ -26,7 +26,7 @@ module sg_decomposition
   use sg_scene, only: scene_t, start_contact_t
   use sg_subdomain, only: subdomain_t
   use sg_territory, only: body_reach
-  use sg_travel, only: keep_contacts, may_own, send_contacts, unpack_contacts
+  use sg_travel, only: deal_contacts, may_own, send_contacts, unpack_contacts
   use sg_whole, only: keep_whole, localise, whole_t
   implicit none
   private
@@ -65,7 +65,7 @@ contains
   subroutine decomposition_begin(self, scene, contacts, is_resumed, options, comm, error)
     class(decomposition_t), intent(inout) :: self
     type(scene_t), intent(inout) :: scene !! the whole scene, or a part with homes; replaced by this rank's part
-    type(contacts_t), intent(in) :: contacts !! contacts of a restart file, with numbers of the whole scene; none otherwise
+    type(contacts_t), intent(in) :: contacts !! of a restart file, each on one rank, with numbers of the whole scene; or none
     logical, intent(in) :: is_resumed !! does the run go on from a restart file?
     type(partition_options_t), intent(in) :: options !! how to split
     type(comm_t), intent(inout) :: comm !! the ranks
@@ -84,7 +84,7 @@ contains
     if (allocated(scene%start_contacts)) call move_alloc(scene%start_contacts, self%start_contacts)
     call migrate(scene, home, comm)
     self%is_resumed = is_resumed
-    if (is_resumed) call keep_contacts(contacts, scene, comm%rank, self%resumed)
+    if (is_resumed) call deal_contacts(contacts, scene, self%subdomain%all_contactors, comm, self%resumed)
     call keep_start_contacts(self, scene)
     call localise(self%whole, scene)
     self%subdomain%splits = 1
@@ -292,6 +292,7 @@ contains
 
     if (self%is_resumed) then
       call unpack_contacts(self%resumed, scene, contacts)
+      deallocate (self%resumed%value)
       call resume_history(history, contacts)
       return
     end if

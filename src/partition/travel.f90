@@ -9,26 +9,43 @@ module sg_travel
   use sg_kinds, only: wp, i1, i4
   use sg_local_numbers, only: local_contactor
   use sg_parcels, only: parcel_t
+  use sg_rows, only: rows_t, wanted_t
   use sg_scene, only: scene_t
   use sg_sorting, only: group_items
   implicit none
   private
-  public :: keep_contacts, send_contacts, unpack_contacts, may_own
+  public :: deal_contacts, send_contacts, unpack_contacts, may_own
 
 contains
 
-  !> Append those contacts of a list, the same on all ranks, that this rank may own.
-  subroutine keep_contacts(contacts, scene, rank, parcel)
-    type(contacts_t), intent(in) :: contacts !! contacts, with the numbers that contactors have in the whole scene
+  !> Send contacts to the ranks that will own them, which those that have them do not know: homes are asked for by number.
+  !! Collective.
+  subroutine deal_contacts(contacts, scene, all_contactors, comm, parcel)
+    type(contacts_t), intent(in) :: contacts !! some of all contacts on each rank, with the numbers of the whole scene
     type(scene_t), intent(in) :: scene !! this rank's part, without copies
-    integer, intent(in) :: rank !! this rank
-    type(parcel_t), intent(inout) :: parcel !! takes the records
+    integer, intent(in) :: all_contactors !! contactors of the whole scene
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(parcel_t), intent(inout) :: parcel !! records of the contacts that this rank will own
+    type(rows_t) :: rows
+    type(wanted_t) :: wanted
+    integer(i4), allocatable :: number(:), owner(:)
+    real(wp), allocatable :: block(:, :), home(:, :)
     integer :: k
 
+    associate (contactors => scene%contactors, n => scene%contactors%n)
+      number = pack(contactors%id(:n), [(scene%bodies%home(contactors%body(k)) == comm%rank, k=1, n)])
+    end associate
+    call rows%plan(comm, number, all_contactors)
+    ! Ranks count from 1 here: nobody speaks for wide bodies, of which the blocks hold zero.
+    call rows%order(comm, reshape([(real(comm%rank + 1, wp), k=1, size(number))], [1, size(number)]), block)
+    call wanted%plan(comm, rows, reshape(contacts%contactor(:, :contacts%n), [2*contacts%n]))
+    call wanted%fetch(comm, block, home)
+    allocate (owner(contacts%n))
     do k = 1, contacts%n
-      if (may_own(scene, rank, contacts%contactor(:, k))) call pack_contact(contacts, k, contacts%contactor(:, k), parcel)
+      owner(k) = int(owner_of(nint(home(1, wanted%place(contacts%contactor(:, k))), i4) - 1_i4), i4)
     end do
-  end subroutine keep_contacts
+    call send_records(contacts, owner, comm, parcel)
+  end subroutine deal_contacts
 
   !> May a rank own the contacts of a pair, as far as it knows? When copies are made, of those between two ranks' grains both
   !! contactors are with the owner alone.
@@ -74,27 +91,42 @@ contains
     integer(i4), intent(in) :: home(:) !! home of each body of it from now on, -1 for wide ones
     type(comm_t), intent(inout) :: comm !! the ranks
     type(parcel_t), intent(inout) :: parcel !! records of the contacts that this rank will own
-    type(parcel_t) :: leaving
-    real(wp), allocatable :: values(:)
-    integer, allocatable :: received(:), first(:), leaver(:)
     integer(i4) :: owner(contacts%n)
-    integer :: sent(0:comm%size - 1), r, k
+    integer :: k
 
     do k = 1, contacts%n
       owner(k) = int(owner_of(home(scene%contactors%body(contacts%contactor(:, k)))), i4)
     end do
+    call send_records(contacts, owner, comm, parcel, scene%contactors%id)
+  end subroutine send_contacts
+
+  !> Send contacts to their owners; those of one pair keep their order.
+  subroutine send_records(contacts, owner, comm, parcel, id)
+    type(contacts_t), intent(in) :: contacts
+    integer(i4), intent(in) :: owner(:) !! of each contact
+    type(comm_t), intent(inout) :: comm
+    type(parcel_t), intent(inout) :: parcel
+    integer(i4), intent(in), optional :: id(:) !! numbers of contactors in the whole scene; absent where contacts have them
+    type(parcel_t) :: leaving
+    real(wp), allocatable :: values(:)
+    integer, allocatable :: received(:), first(:), leaver(:)
+    integer(i4) :: number(2)
+    integer :: sent(0:comm%size - 1), r, k
+
     call group_items(owner + 1_i4, comm%size, first, leaver)
     allocate (leaving%value(0))
     do r = 0, comm%size - 1
       sent(r) = leaving%n
       do k = first(r + 1), first(r + 2) - 1
-        call pack_contact(contacts, leaver(k), scene%contactors%id(contacts%contactor(:, leaver(k))), leaving)
+        number = contacts%contactor(:, leaver(k))
+        if (present(id)) number = id(number)
+        call pack_contact(contacts, leaver(k), number, leaving)
       end do
       sent(r) = leaving%n - sent(r)
     end do
     call comm%swap(leaving%value(:leaving%n), sent, values, received)
     call parcel%adopt(values)
-  end subroutine send_contacts
+  end subroutine send_records
 
   !> Take contacts from their records; those of contactors that are not here are dropped.
   subroutine unpack_contacts(parcel, scene, contacts)

@@ -77,7 +77,8 @@ contains
     end if
   end subroutine keep_shared
 
-  !> Bring a started simulation to the state of a restart file; a folder stands for its newest one.
+  !> Bring a started simulation to the state of a restart file; a folder stands for its newest one. Each of several ranks then has a
+  !! piece of the contacts, until the scene is split.
   subroutine load_checkpoint(sim, name, warnings, error, comm)
     type(simulation_t), intent(inout) :: sim !! started simulation, of the whole scene or of a rank's share
     character(len=*), intent(in) :: name !! restart file, or a folder of results
@@ -88,7 +89,7 @@ contains
     integer :: speaker
 
     if (present(comm)) ranks = comm
-    call load_whole(sim, name, warnings, ranks, error)
+    call load_state(sim, name, warnings, ranks, error)
     call ranks%agree(error, speaker)
     if (allocated(error)) return
     call sim%energy%leave_to_first(ranks)
@@ -96,7 +97,7 @@ contains
   end subroutine load_checkpoint
 
   !> Bring a simulation to the state of a restart file.
-  subroutine load_whole(sim, name, warnings, ranks, error)
+  subroutine load_state(sim, name, warnings, ranks, error)
     type(simulation_t), intent(inout) :: sim
     character(len=*), intent(in) :: name
     type(diagnostics_t), intent(inout) :: warnings
@@ -115,7 +116,7 @@ contains
       call fail(error, 'the folder holds no restart file', file=name)
       return
     end if
-    call read_restart(file, sim%scene, sim%options%deck_hash, state, warnings, nint(signature(1)), nint(signature(2)))
+    call read_restart(file, sim%scene, sim%options%deck_hash, state, warnings, nint(signature(1)), nint(signature(2)), ranks)
     if (warnings%count() == 0 .and. size(state%totals) /= n_energy_values + n_totals_values + 1 + n_signature) then
       call warnings%add('the restart file is of another version of the program', file=file)
     end if
@@ -133,12 +134,12 @@ contains
     call keep_time(sim, state%time)
     call sim%energy%unpack(state%totals(:n_energy_values))
     call sim%totals%unpack(state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
-    ! Ranks with a share each take up its contacts when they have split the scene.
-    if (.not. allocated(sim%scene%bodies%id)) call resume_history(sim%history, sim%contacts)
+    ! Several ranks take up their contacts when they have split the scene.
+    if (ranks%size == 1) call resume_history(sim%history, sim%contacts)
     if (ranks%size == 1 .and. size(state%built, 2) > 0) then
       call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals) - n_signature))
     end if
-  end subroutine load_whole
+  end subroutine load_state
 
   !> Go on from the time of a restart file, also where the step is another one now: times are the start's and so many steps.
   pure subroutine keep_time(sim, time)

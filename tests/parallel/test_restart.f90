@@ -1,5 +1,6 @@
 !> Restart files that ranks write together: bodies stand in them as one rank writes them, bit for bit, contacts are the same
-!! ones; any number of ranks reads them; an old file stays whole when a new one cannot be written.
+!! ones; any number of ranks reads them, each the rows of its bodies and a piece of the contacts, which go to their owners; an old
+!! file stays whole when a new one cannot be written.
 program test_restart
   use harness, only: tests_t
   use rank_parts, only: chain_of_contacts, draw_homes, plane_scene, shake, space_scene, take_part
@@ -9,7 +10,9 @@ program test_restart
   use sg_contacts, only: contacts_t
   use sg_error, only: diagnostics_t, error_t, exit_output
   use sg_hdf5, only: hdf5_file_t, hdf5_is_available, hdf5_is_parallel
+  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4, i8
+  use sg_parcels, only: parcel_t
   use sg_random, only: random_t
   use sg_restart, only: newest_restart
   use sg_rows, only: rows_t, wanted_t
@@ -17,6 +20,7 @@ program test_restart
   use sg_signature, only: n_signature, signature_of
   use sg_simulation, only: simulation_t, start_simulation
   use sg_system, only: file_exists, make_folder, remove_file
+  use sg_travel, only: deal_contacts, unpack_contacts
   implicit none
   type(tests_t) :: t
   type(comm_t) :: comm
@@ -29,6 +33,7 @@ program test_restart
     call test_scene('space', 3, 45, .true., 2)
     call test_scene('few', 2, 2, .true., 1)
     call test_scene('lonely', 3, 9, .false., 0)
+    call test_bad_piece()
     call test_no_folder()
   else
     if (comm%rank == 0) write (*, '(a)') 'this build cannot share files between ranks: they are not tested'
@@ -149,6 +154,8 @@ contains
     if (comm%rank == 0) call compare(name//'_one/restart_a.h5', name//'_all/restart_a.h5', dimension)
     call read_again(name//'_all', dimension, n, turns, whole)
     call read_again(name//'_one', dimension, n, turns, whole)
+    if (comm%size > 1) call read_share(name//'_all', dimension, n, turns, whole)
+    if (comm%size > 1) call read_share(name//'_one', dimension, n, turns, whole)
   end subroutine test_scene
 
   !> Compare what two files say of bodies bit for bit, and their contacts in the order of their impulses.
@@ -223,7 +230,7 @@ contains
     type(simulation_t) :: sim
     type(diagnostics_t) :: warnings
     type(error_t), allocatable :: error
-    real(wp) :: sums(2)
+    real(wp) :: sums(3)
 
     call begin(folder, dimension, n, turns, sim)
     call load_checkpoint(sim, folder, warnings, error, comm)
@@ -236,9 +243,10 @@ contains
     call t%check(all(transfer(sim%scene%bodies%position, [0_i8]) == transfer(whole%scene%bodies%position, [0_i8])), 'positions')
     call t%check(all(transfer(sim%scene%bodies%velocity, [0_i8]) == transfer(whole%scene%bodies%velocity, [0_i8])), 'velocities')
     call t%check(all(sim%scene%bodies%crossings == whole%scene%bodies%crossings), 'periods crossed')
-    call t%equal(sim%contacts%n, whole%contacts%n, 'contacts')
-    sums = [sim%energy%external_work, real(sim%totals%contact_updates, wp)]
+    sums = [sim%energy%external_work, real(sim%totals%contact_updates, wp), real(sim%contacts%n, wp)]
     call comm%sum(sums)
+    call t%equal(nint(sums(3)), whole%contacts%n, 'contacts, over all ranks')
+    call t%check(sim%contacts%n <= whole%contacts%n/comm%size + 1, 'no rank has more than its piece')
     call t%near(sums(1), 5.0_wp, 0.0_wp, 'work, over all ranks')
     call t%near(sums(2), 1000.0_wp, 0.0_wp, 'contact updates, over all ranks')
     ! Of another number of bodies the scene is another one, and all ranks say so.
@@ -247,6 +255,85 @@ contains
     call t%check(allocated(error), 'a file that does not fit one rank is refused by all')
     if (allocated(error)) call t%check(index(error%message, 'does not fit') > 0, 'and it is said why')
   end subroutine read_again
+
+  !> Read a file on ranks that hold a share each: they get the state of their bodies, and when all is split each contact comes to
+  !! its owner, once.
+  subroutine read_share(folder, dimension, n, turns, whole)
+    character(len=*), intent(in) :: folder
+    integer, intent(in) :: dimension, n
+    logical, intent(in) :: turns
+    type(simulation_t), intent(in) :: whole
+    type(simulation_t) :: sim
+    type(scene_t) :: fresh
+    type(contacts_t) :: none, own
+    type(diagnostics_t) :: warnings
+    type(error_t), allocatable :: error
+    type(parcel_t) :: parcel
+    type(random_t) :: random
+    integer(i4), allocatable :: home(:)
+    real(wp) :: total(1)
+    integer :: b, k
+
+    call begin(folder, dimension, n, turns, sim)
+    fresh = sim%scene
+    none%dimension = dimension
+    call random%seed(22)
+    call draw_homes(fresh, comm%size, random, home)
+    call take_part(fresh, none, home, comm%rank, comm%size, sim%scene, own)
+    call load_checkpoint(sim, folder, warnings, error, comm)
+    call t%check(.not. allocated(error), folder//' is read by shares')
+    if (allocated(error)) return
+    associate (bodies => sim%scene%bodies, there => whole%scene%bodies)
+      do b = 1, bodies%n
+        associate (number => bodies%id(b))
+          call t%check(all(transfer([bodies%position(:, b), bodies%velocity(:, b)], [0_i8]) == &
+                           transfer([there%position(:, number), there%velocity(:, number)], [0_i8])), 'state of a body')
+          call t%equal(int(bodies%crossings(b)), int(there%crossings(number)), 'its periods crossed')
+          if (allocated(bodies%angle)) call t%near(bodies%angle(b), there%angle(number), 0.0_wp, 'its angle')
+          if (allocated(bodies%orientation)) &
+            call t%near(norm2(bodies%orientation(:, b) - there%orientation(:, number)), 0.0_wp, 0.0_wp, 'its orientation')
+        end associate
+      end do
+    end associate
+    call deal_contacts(sim%contacts, sim%scene, fresh%contactors%n, comm, parcel)
+    own%dimension = dimension
+    own%n_components = sim%contacts%n_components
+    call unpack_contacts(parcel, fresh, own)
+    total = real(own%n, wp)
+    call comm%sum(total)
+    call t%equal(nint(total(1)), whole%contacts%n, 'each contact comes to one rank')
+    do k = 1, own%n
+      associate (number => own%feature(k)/7)
+        call t%equal(owner_of(home(own%body(:, k))), comm%rank, 'which owns it')
+        call t%check(all(own%contactor(:, k) == whole%contacts%contactor(:, number)), 'its contactors')
+        call t%near(norm2(own%impulse(:, k) - whole%contacts%impulse(:, number)), 0.0_wp, 0.0_wp, 'its impulse')
+        call t%equal(int(own%image(k)), int(whole%contacts%image(number)), 'its image')
+        call t%equal(int(own%status(k)), int(whole%contacts%status(number)), 'its status')
+        ! Files of one rank hold contacts in the order of numbers here, and pieces keep it.
+        if (k > 1 .and. index(folder, '_one') > 0) call t%check(own%feature(k) > own%feature(k - 1), 'in the order of the file')
+      end associate
+    end do
+  end subroutine read_share
+
+  !> A contact that does not fit stands in the piece of one rank alone: all refuse the file.
+  subroutine test_bad_piece()
+    type(simulation_t) :: whole, sim
+    type(random_t) :: random
+    type(diagnostics_t) :: warnings
+    type(error_t), allocatable :: error
+
+    call t%check(make_folder('bad'), 'a folder')
+    call begin('bad', 2, 57, .true., whole)
+    sim = whole
+    call random%seed(23)
+    call chain_of_contacts(whole%scene, 1, random, whole%contacts)
+    whole%contacts%law(whole%contacts%n) = 9
+    if (comm%rank == 0) call save_checkpoint(whole, error)
+    if (comm%any(allocated(error))) return
+    call load_checkpoint(sim, 'bad', warnings, error, comm)
+    call t%check(allocated(error), 'a contact that does not fit is refused by all')
+    if (allocated(error)) call t%check(index(error%message, 'laws that the scene does not have') > 0, error%message)
+  end subroutine test_bad_piece
 
   !> A folder that is not there, and a disk with little room where one is named in the environment.
   subroutine test_no_folder()
