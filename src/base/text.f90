@@ -4,7 +4,7 @@ module sg_text
   use sg_kinds, only: wp, i8
   implicit none
   private
-  public :: text_t, read_lines, to_text, lower, nearest_word, joined, append_word
+  public :: text_t, read_lines, split_lines, to_text, lower, nearest_word, joined, append_word
 
   !> One string of any length, so that lists of strings exist
   type :: text_t
@@ -24,7 +24,7 @@ contains
     type(text_t), allocatable, intent(out) :: lines(:) !! the lines, without their ends
     type(error_t), allocatable, intent(out) :: error !! set when the file cannot be read
     character(len=:), allocatable :: content
-    integer :: unit, status, length, first, last, n
+    integer :: unit, status, length
     character(len=200) :: message
 
     open (newunit=unit, file=file, access='stream', form='unformatted', status='old', action='read', &
@@ -41,8 +41,16 @@ contains
       call fail(error, 'cannot read the file: '//trim(message), file=file)
       return
     end if
-    n = count_lines(content)
-    allocate (lines(n))
+    call split_lines(content, lines)
+  end subroutine read_lines
+
+  !> Split a text into lines; carriage returns at line ends are dropped.
+  pure subroutine split_lines(content, lines)
+    character(len=*), intent(in) :: content !! text of a file or a part of it
+    type(text_t), allocatable, intent(out) :: lines(:) !! the lines, without their ends
+    integer :: first, last, n
+
+    allocate (lines(count_lines(content)))
     first = 1
     do n = 1, size(lines)
       last = index(content(first:), new_line('a')) + first - 2
@@ -50,7 +58,7 @@ contains
       lines(n)%s = without_return(content(first:last))
       first = last + 2
     end do
-  end subroutine read_lines
+  end subroutine split_lines
 
   !> Number of lines of a file's content; a last line without an end counts.
   pure integer function count_lines(content) result(n)

@@ -1,7 +1,7 @@
 !> BULK_BEHAV.DAT (gravity, densities) and the contact laws of TACT_BEHAV.DAT of a DATBOX.
 module sg_datbox_behaviours
   use sg_datbox_laws, only: form_of_name, law_forms, set_parameter
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, keyword, name_field, next_data_line, &
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, keyword, name_field, next_data_line, &
                              next_line, open_datbox_file, real_field, step_back
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
@@ -54,7 +54,7 @@ contains
         call complain_once(file, 'stray', 'this line belongs neither to $gravy nor to $behav', 1, diagnostics)
       end select
     end do
-    if (has_gravity .or. size(file%lines) == 0) return
+    if (has_gravity .or. file%n == 0) return
     call diagnostics%warn('no $gravy: there is no gravity', file=file%path)
   end subroutine read_bulk_behaviours
 
@@ -175,16 +175,19 @@ contains
 
   !> Lines of data from the present one to the next keyword.
   integer function count_data(file) result(n)
-    type(datbox_file_t), intent(in) :: file
-    type(datbox_file_t) :: ahead
+    type(datbox_file_t), intent(inout) :: file
+    integer :: at
 
-    ahead%lines = file%lines(file%at:min(file%at + 9, size(file%lines)))
-    ahead%at = 0
+    at = file%at
     n = 0
-    do while (next_line(ahead))
-      if (keyword(ahead) /= '') exit
-      n = n + 1
-    end do
+    if (keyword(file) == '') then
+      n = 1
+      do while (next_line(file))
+        if (keyword(file) /= '') exit
+        n = n + 1
+      end do
+    end if
+    call go_to(file, at)
   end function count_data
 
   !> Pass over lines of data up to the next keyword.

@@ -1,6 +1,6 @@
 !> What a body's block of BODIES.DAT says before it is turned into the scene's terms, and the numbers such blocks hold.
 module sg_datbox_blocks
-  use sg_datbox_lines, only: complain, datbox_file_t, next_data_line, real_field
+  use sg_datbox_lines, only: complain, datbox_file_t, go_to, next_data_line, real_field
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_text, only: to_text
@@ -94,8 +94,8 @@ contains
     integer :: at
 
     at = file%at
-    file%at = block%line
+    call go_to(file, block%line)
     call complain(file, 'body '//to_text(block%body)//' '//message, 0, diagnostics)
-    file%at = max(file%at, at)
+    call go_to(file, max(file%at, at))
   end subroutine complain_block
 end module sg_datbox_blocks

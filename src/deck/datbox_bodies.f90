@@ -5,8 +5,8 @@
 module sg_datbox_bodies
   use sg_datbox_behaviours, only: other_law, other_law_t
   use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, read_triple, triple
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, is_block_end, keyword, name_field, next_data_line, &
-                             next_line, remark_once, step_back
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, is_block_end, keyword, name_field, &
+                             next_data_line, next_line, remark_once, step_back
   use sg_datbox_plane_bodies, only: complete_planar_body, read_planar_contactor
   use sg_datbox_space_bodies, only: complete_solid_body, read_solid_contactor
   use sg_error, only: diagnostics_t
@@ -54,7 +54,7 @@ contains
       return
     end do
     if (dimension == 0) dimension = 2
-    file%at = 0
+    call go_to(file, 0)
   end subroutine find_dimension
 
   !> Read all bodies; they are numbered by order of appearance, whatever number the file writes.
@@ -70,7 +70,7 @@ contains
       if (keyword(file) == 'bdyty') n = n + 1
     end do
     call scene%bodies%allocate(n, scene%dimension)
-    file%at = 0
+    call go_to(file, 0)
     n = 0
     do while (next_line(file))
       if (keyword(file) == 'bdyty') then

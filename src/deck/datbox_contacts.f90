@@ -1,8 +1,8 @@
 !> Vloc_Rloc.INI of a DATBOX: the contacts known at the start, with their mean forces.
 module sg_datbox_contacts
   use sg_datbox_blocks, only: read_point
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, keyword, line_text, name_field, next_data_line, next_line, &
-                             open_datbox_file, remark_once
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, keyword, line_text, name_field, next_data_line, &
+                             next_line, open_datbox_file, remark_once
   use sg_datbox_state, only: first_contactors
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i1, i4
@@ -30,7 +30,7 @@ contains
     integer :: n
 
     call open_datbox_file(file, folder, 'Vloc_Rloc.INI', .false., diagnostics)
-    if (size(file%lines) == 0 .and. scene%start_step > 0) then
+    if (file%n == 0 .and. scene%start_step > 0) then
       call diagnostics%warn('no contacts: the file is missing or empty, the solver starts without impulses', file=file%path)
     end if
     n = 0
@@ -40,7 +40,7 @@ contains
     if (allocated(scene%start_contacts)) deallocate (scene%start_contacts)
     allocate (scene%start_contacts(n))
     call first_contactors(scene%contactors, scene%bodies%n, first)
-    file%at = 0
+    call go_to(file, 0)
     n = 0
     do while (next_line(file))
       if (keyword(file) /= 'icdan') cycle

@@ -1,7 +1,7 @@
 !> DRV_DOF.DAT of a DATBOX: imposed velocities and forces, by formula or by an evolution file.
 module sg_datbox_drives
   use sg_datbox_bodies, only: body_type
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, integer_field, is_block_end, keyword, &
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, integer_field, is_block_end, keyword, &
                              name_field, next_data_line, next_line, open_datbox_file, real_field, remark_once
   use sg_drives, only: drive_t
   use sg_error, only: diagnostics_t
@@ -26,7 +26,7 @@ contains
     integer :: n
 
     call open_datbox_file(file, folder, 'DRV_DOF.DAT', .false., diagnostics)
-    if (size(file%lines) == 0) call diagnostics%warn('no drive: the file is missing or empty', file=file%path)
+    if (file%n == 0) call diagnostics%warn('no drive: the file is missing or empty', file=file%path)
     n = 0
     do while (next_line(file))
       if (any(name_field(file, 2) == ['vlocy', 'force'])) n = n + 1
@@ -34,7 +34,7 @@ contains
     if (allocated(scene%drives)) deallocate (scene%drives)
     allocate (scene%drives(n))
     allocate (is_driven(merge(3, 6, scene%dimension == 2), scene%bodies%n), source=.false.)
-    file%at = 0
+    call go_to(file, 0)
     n = 0
     do while (next_line(file))
       if (keyword(file) == 'bdyty') then

@@ -6,10 +6,11 @@ module sg_datbox_lines
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
   use sg_system, only: file_exists
-  use sg_text, only: read_lines, text_t, to_text
+  use sg_text, only: to_text
+  use sg_text_window, only: text_window_t
   implicit none
   private
-  public :: datbox_file_t, open_datbox_file, next_line, next_data_line, step_back, keyword, line_text
+  public :: datbox_file_t, open_datbox_file, next_line, next_data_line, step_back, go_to, keyword, line_text, first_letter
   public :: name_field, real_field, integer_field, free_numbers, complain, complain_once, remark_once, is_block_end
 
   !> Errors after which the rest of a file is not read: what follows is noise
@@ -28,10 +29,12 @@ module sg_datbox_lines
   type :: datbox_file_t
     !> Path, as said in messages
     character(len=:), allocatable :: path
-    !> All lines
-    type(text_t), allocatable :: lines(:)
-    !> Number of the present line
-    integer :: at = 0
+    !> Number of lines, and of the present one
+    integer :: n = 0, at = 0
+    !> The present line
+    character(len=:), allocatable, private :: line
+    !> All lines, of which a few are held
+    type(text_window_t), private :: text
     !> Mistakes found so far
     integer :: n_errors = 0
     !> What has been said and need not be said again, each between bars
@@ -51,16 +54,16 @@ contains
 
     file%path = trim(folder)//'/'//name
     file%said = '|'
-    allocate (file%lines(0))
+    file%line = ''
     if (.not. file_exists(file%path)) then
       if (is_needed) call complain(file, 'this file is missing', 0, diagnostics)
       return
     end if
-    call read_lines(file%path, file%lines, error)
-    if (.not. allocated(file%lines)) allocate (file%lines(0))
+    call file%text%open(file%path, error)
+    if (.not. allocated(error)) file%n = file%text%n
     if (allocated(error)) then
       call complain(file, error%message, 0, diagnostics)
-    else if (is_needed .and. size(file%lines) == 0) then
+    else if (is_needed .and. file%n == 0) then
       call complain(file, 'this file is empty', 0, diagnostics)
     end if
   end subroutine open_datbox_file
@@ -70,12 +73,10 @@ contains
     type(datbox_file_t), intent(inout) :: file !! file to read on
 
     found = .true.
-    do while (file%at < size(file%lines))
-      file%at = file%at + 1
-      associate (line => file%lines(file%at)%s)
-        if (len_trim(line) == 0) cycle
-        if (line(1:1) /= '!' .and. line(1:1) /= '#') return
-      end associate
+    do while (file%at < file%n)
+      call go_to(file, file%at + 1)
+      if (len_trim(file%line) == 0) cycle
+      if (all(file%line(1:1) /= ['!', '#'])) return
     end do
     found = .false.
   end function next_line
@@ -97,20 +98,37 @@ contains
   end function next_data_line
 
   !> Have the present line read once more.
-  pure subroutine step_back(file)
+  subroutine step_back(file)
     type(datbox_file_t), intent(inout) :: file !! file to step back in
 
-    file%at = file%at - 1
+    call go_to(file, file%at - 1)
   end subroutine step_back
+
+  !> Make a line the present one; 0 is before the first.
+  subroutine go_to(file, at)
+    type(datbox_file_t), intent(inout) :: file !! file being read
+    integer, intent(in) :: at !! number of the line
+
+    file%at = at
+    call file%text%get(at, file%line)
+  end subroutine go_to
 
   !> The present line.
   pure function line_text(file) result(text)
     type(datbox_file_t), intent(in) :: file !! file being read
     character(len=:), allocatable :: text
 
-    text = ''
-    if (file%at >= 1 .and. file%at <= size(file%lines)) text = trim(file%lines(file%at)%s)
+    text = trim(file%line)
   end function line_text
+
+  !> First letter of the present line; blank where it has none.
+  pure function first_letter(file) result(letter)
+    type(datbox_file_t), intent(in) :: file !! file being read
+    character(len=1) :: letter
+
+    letter = ''
+    if (len(file%line) > 0) letter = file%line(1:1)
+  end function first_letter
 
   !> Keyword of the present line; blank when it has none.
   pure function keyword(file)
@@ -119,7 +137,7 @@ contains
 
     keyword = columns(file, 2, 6)
     if (any(keywords == keyword)) return
-    if (file%lines(file%at)%s(1:1) == '$') return
+    if (first_letter(file) == '$') return
     keyword = ''
   end function keyword
 
@@ -137,7 +155,7 @@ contains
     character(len=last - first + 1) :: columns
 
     columns = ''
-    associate (line => file%lines(file%at)%s)
+    associate (line => file%line)
       if (len(line) >= first) columns = line(first:min(last, len(line)))
     end associate
   end function columns
@@ -332,7 +350,7 @@ contains
     end if
     if (file%n_errors < most_errors) return
     call diagnostics%add('too many mistakes: the rest of this file is not read', file=file%path)
-    file%at = size(file%lines)
+    call go_to(file, file%n)
   end subroutine complain
 
   !> Tell a mistake about one thing, the first time it is met.

@@ -5,7 +5,7 @@
 module sg_datbox_plane_bodies
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall
   use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, triple
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, integer_field, name_field
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, integer_field, name_field
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, pi
   use sg_moments, only: body_moments, polygon_moments
@@ -66,7 +66,7 @@ contains
     call integer_field(file, 40, 46, n, ok, diagnostics)
     if (.not. ok) return
     line = file%at
-    if (n < 3 .or. n > size(file%lines) - line) then
+    if (n < 3 .or. n > file%n - line) then
       call complain(file, 'a polygon of '//to_text(n)//' vertices cannot be: it needs three, and a line for each', 40, diagnostics)
       ok = .false.
       return
@@ -105,9 +105,9 @@ contains
     end if
     ok = .false.
     last = file%at
-    file%at = line + fault
+    call go_to(file, line + fault)
     call complain(file, message, merge(triple(1), 2, fault > 0), diagnostics)
-    file%at = max(file%at, last)
+    call go_to(file, max(file%at, last))
   end subroutine check_polygon
 
   !> First vertex at which a polygon turns right, or that lies on top of its neighbour; 0 when there is none.

@@ -4,8 +4,8 @@ module sg_datbox_sees
                            kind_polyhedron, kind_sphere, kind_wall, n_kinds
   use sg_datbox_behaviours, only: other_law, other_law_t, skip_data
   use sg_datbox_bodies, only: body_type
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, keyword, name_field, next_data_line, next_line, &
-                             real_field, remark_once, step_back
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, first_letter, go_to, keyword, name_field, &
+                             next_data_line, next_line, real_field, remark_once, step_back
   use sg_error, only: diagnostics_t
   use sg_scene, only: colour_index, law_index, scene_t, see_t
   implicit none
@@ -31,7 +31,7 @@ contains
     if (.not. allocated(scene%colours)) allocate (scene%colours(0))
     allocate (see_lines(0))
     has_see = .false.
-    file%at = 0
+    call go_to(file, 0)
     do while (next_line(file))
       select case (keyword(file))
       case ('behav')
@@ -41,7 +41,7 @@ contains
         call read_see(file, scene, others, see_lines, diagnostics)
       end select
     end do
-    if (size(file%lines) == 0 .or. has_see) return
+    if (file%n == 0 .or. has_see) return
     call diagnostics%warn('no see table: nothing touches anything', file=file%path)
   end subroutine read_sees
 
@@ -91,7 +91,7 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics
 
     if (.not. next_line(file)) return
-    if (file%lines(file%at)%s(1:1) == '+') then
+    if (first_letter(file) == '+') then
       call remark_once(file, 'halo', 'the halo of a see table is not used', 1, diagnostics)
     else
       call step_back(file)
@@ -196,7 +196,7 @@ contains
       is_there(scene%contactors%kind(c), scene%contactors%colour(c)) = .true.
     end do
     do i = 1, size(scene%sees)
-      file%at = see_lines(i)
+      call go_to(file, see_lines(i))
       call check_side(scene%sees(i)%candidate_kind, scene%sees(i)%candidate_colour, 16)
       call check_side(scene%sees(i)%antagonist_kind, scene%sees(i)%antagonist_colour, 44)
     end do

@@ -5,8 +5,8 @@
 module sg_datbox_space_bodies
   use sg_contactors, only: kind_cylinder, kind_hollow_cylinder, kind_plane
   use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, triple
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, integer_field, name_field, next_data_line, next_line, &
-                             remark_once, step_back
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, integer_field, name_field, next_data_line, &
+                             next_line, remark_once, step_back
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp, i4, pi
   use sg_polyhedron, only: polyhedron_t
@@ -140,7 +140,7 @@ contains
     call integer_field(file, 60, 67, n_faces, ok, diagnostics, may_go_on=.true.)
     if (.not. ok) return
     line = file%at
-    if (min(n_vertices, n_faces) < 4 .or. n_vertices > size(file%lines) - line .or. n_faces > size(file%lines) - line) then
+    if (min(n_vertices, n_faces) < 4 .or. n_vertices > file%n - line .or. n_faces > file%n - line) then
       call complain(file, 'a polyhedron of '//to_text(n_vertices)//' vertices and '//to_text(n_faces)//' triangles cannot be: ' &
                     //'it needs four of each, and a line for each', 40, diagnostics)
       ok = .false.
@@ -149,7 +149,7 @@ contains
     call read_surface(file, n_vertices, n_faces, vertices, triangles, ok, diagnostics)
     if (.not. ok) return
     last = file%at
-    file%at = line
+    call go_to(file, line)
     call turn_outwards(file, vertices, triangles, diagnostics)
     call polyhedron_from_triangles(vertices, triangles, shape, error)
     if (allocated(error)) then
@@ -159,7 +159,7 @@ contains
       call centre_polyhedron(shape, centre)
       call add_polyhedron(scene%contactors, body, colour, shape, centre)
     end if
-    file%at = max(file%at, last)
+    call go_to(file, max(file%at, last))
   end subroutine read_polyhedron
 
   !> Turn the triangles that run clockwise seen from outside, as LMGC90 does: for a convex shape, seen from its middle.
@@ -347,10 +347,10 @@ contains
 
     if (min(off_axes(solid%inertia), off_axes(filled%inertia)) <= 1e-4_wp) return
     at = file%at
-    file%at = block%line
+    call go_to(file, block%line)
     call remark_once(file, 'given moments', 'body '//to_text(block%body)//' gives its principal moments, but its shapes are ' &
                      //'not given along their principal axes', 0, diagnostics)
-    file%at = at
+    call go_to(file, at)
   contains
     !> Largest entry off the diagonal, as a share of the largest entry; zero of no body.
     pure real(wp) function off_axes(inertia)

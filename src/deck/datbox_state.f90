@@ -27,7 +27,7 @@ contains
     logical :: ok
 
     call open_datbox_file(file, folder, 'DOF.INI', .false., diagnostics)
-    if (size(file%lines) == 0) then
+    if (file%n == 0) then
       call diagnostics%warn('no state: the file is missing or empty, bodies start at rest', file=file%path)
     end if
     call first_contactors(scene%contactors, scene%bodies%n, first)
