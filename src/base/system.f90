@@ -128,11 +128,11 @@ contains
   subroutine become(words)
     character(len=*), intent(in) :: words(:) !! path of the program, then its arguments; blanks at their ends are not of them
     character(kind=c_char, len=len(words) + 1), allocatable, target :: texts(:)
-    type(c_ptr) :: places(size(words) + 1)
+    type(c_ptr), allocatable :: places(:)
     integer(c_int) :: status
     integer :: i
 
-    allocate (texts(size(words)))
+    allocate (texts(size(words)), places(size(words) + 1))
     do i = 1, size(words)
       texts(i) = trim(words(i))//c_null_char
       places(i) = c_loc(texts(i))
