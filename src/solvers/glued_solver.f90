@@ -37,7 +37,8 @@ module sg_glued_solver
     procedure :: solve => glued_solve
     procedure :: divide_masses => glued_divide_masses
     procedure(open_solve), deferred :: open
-    procedure(one_round), deferred :: one_round
+    procedure(begin_round), deferred :: begin_round
+    procedure(finish_round), deferred :: finish_round
     procedure(begin_test), deferred :: begin_test
     procedure(tell_result), deferred :: tell_result
   end type glued_solver_t
@@ -52,14 +53,22 @@ module sg_glued_solver
       integer(i4), intent(in) :: slot_of(:) !! slot of each local body
       type(comm_t), intent(inout) :: comm !! the ranks
     end subroutine open_solve
-    !> Sweep what this rank owns, and glue.
-    subroutine one_round(self, problem, comm, report)
+    !> Sweep contacts of shared bodies: the first thing that a round does.
+    subroutine begin_round(self, problem, report)
+      import :: glued_solver_t, problem_t, report_t
+      class(glued_solver_t), intent(inout) :: self
+      type(problem_t), intent(inout) :: problem !! this rank's part
+      type(report_t), intent(inout) :: report !! contact updates are counted
+    end subroutine begin_round
+    !> Sweep the others, and glue; or glue what has been swept, where the round goes no further.
+    subroutine finish_round(self, problem, is_cut, comm, report)
       import :: glued_solver_t, problem_t, comm_t, report_t
       class(glued_solver_t), intent(inout) :: self
       type(problem_t), intent(inout) :: problem !! this rank's part
+      logical, intent(in) :: is_cut !! only glue
       type(comm_t), intent(inout) :: comm !! the ranks
       type(report_t), intent(inout) :: report !! contact updates are counted
-    end subroutine one_round
+    end subroutine finish_round
     !> Put impulses and velocities in the problem, where those of a round may lie about in orders and copies, and begin to sum
     !! their errors.
     subroutine begin_test(self, problem, with_e1, comm)
@@ -105,10 +114,14 @@ contains
     call self%open(problem, subdomain, slot_of, comm)
     call choose_first(self, problem, comm, report)
     call self%convergence%begin(self%errors%fastest)
-    call rounds(self, problem, comm, report)
+    do
+      call rounds(self, problem, comm, report)
+      ! What is handed over is judged itself: the round that was cut short has changed it since its last test.
+      call self%begin_test(problem, .true., comm)
+      call finish_test(self, comm, report)
+      if (report%is_converged .or. report%sweeps >= self%options%maximum_sweeps) exit
+    end do
     problem%body(self%width + 1:, self%divided) = self%whole
-    call self%begin_test(problem, .true., comm)
-    call self%errors%finish(report, comm)
     call self%tell_result(problem, subdomain, slot_of, comm)
     report%cpu_seconds = cpu_now() - start
   end subroutine glued_solve
@@ -129,7 +142,8 @@ contains
     end if
   end subroutine choose_first
 
-  !> Rounds until the criterion holds. The sum of a test travels while the next round is swept.
+  !> Rounds until the criterion holds. The sum of a test travels while the next round begins, which is cut short if the test
+  !! passes.
   subroutine rounds(self, problem, comm, report)
     class(glued_solver_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem
@@ -141,16 +155,17 @@ contains
     is_tested = .false.
     since_test = 0
     do while (report%sweeps < self%options%maximum_sweeps)
-      call self%one_round(problem, comm, report)
-      report%sweeps = report%sweeps + self%partition%most_sweeps()
-      report%gluings = report%gluings + 1
-      since_test = since_test + self%partition%most_sweeps()
+      call self%begin_round(problem, report)
       is_choosing = .false.
       if (is_tested) then
         call finish_test(self, comm, report)
-        if (report%is_converged) return
         is_choosing = self%convergence%is_choice_due
       end if
+      call self%finish_round(problem, report%is_converged, comm, report)
+      if (report%is_converged) return
+      report%sweeps = report%sweeps + self%partition%most_sweeps()
+      report%gluings = report%gluings + 1
+      since_test = since_test + self%partition%most_sweeps()
       is_tested = is_choosing .or. since_test >= self%options%check_every
       if (.not. is_tested) cycle
       since_test = 0

@@ -26,7 +26,8 @@ module sg_primal
     type(edges_t), private :: edges
   contains
     procedure :: open => primal_open
-    procedure :: one_round => primal_round
+    procedure :: begin_round => primal_begin_round
+    procedure :: finish_round => primal_finish_round
     procedure :: begin_test => primal_begin_test
     procedure :: tell_result => primal_tell_result
   end type primal_t
@@ -72,23 +73,33 @@ contains
     end do
   end function parts_of
 
-  !> Sweep within parts, then on edges, colour by colour.
-  subroutine primal_round(self, problem, comm, report)
+  !> Sweep where walls move.
+  subroutine primal_begin_round(self, problem, report)
     class(primal_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! this rank's part
+    type(report_t), intent(inout) :: report !! contact updates are counted
+
+    call self%parts%sweep(part_shared, problem, self%options%relaxation, report)
+  end subroutine primal_begin_round
+
+  !> Sweep within parts, as often as the deck says, then on edges, colour by colour.
+  subroutine primal_finish_round(self, problem, is_cut, comm, report)
+    class(primal_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's part
+    logical, intent(in) :: is_cut !! only glue
     type(comm_t), intent(inout) :: comm !! the ranks
     type(report_t), intent(inout) :: report !! contact updates are counted
     integer :: i, c
 
-    do i = 1, self%partition%sweeps_of(comm%rank)
-      call self%parts%sweep(part_shared, problem, self%options%relaxation, report)
+    do i = 1, merge(0, self%partition%sweeps_of(comm%rank), is_cut)
+      if (i > 1) call self%begin_round(problem, report)
       call self%parts%sweep(part_own, problem, self%options%relaxation, report)
     end do
     call self%sharing%wide%glue(problem, .true., comm)
-    do c = 1, self%edges%n_colours
+    do c = 1, merge(0, self%edges%n_colours, is_cut)
       call sweep_edge(self, c, problem, comm, report)
     end do
-  end subroutine primal_round
+  end subroutine primal_finish_round
 
   !> The turn of one colour on this rank: lend or borrow, sweep what this rank owns, give back.
   subroutine sweep_edge(self, c, problem, comm, report)

@@ -22,7 +22,8 @@ module sg_shared_sweeps
     real(wp), private :: relaxation = 1
   contains
     procedure :: open => shared_open
-    procedure :: one_round => shared_round
+    procedure :: begin_round => shared_begin_round
+    procedure :: finish_round => shared_finish_round
     procedure :: begin_test => shared_begin_test
     procedure :: tell_result => shared_tell_result
     procedure(rule), deferred :: rule
@@ -78,22 +79,33 @@ contains
     end do
   end function parts_of
 
-  !> Sweep, and glue. Contacts of shared bodies come first, so that their messages travel while the others are swept.
-  subroutine shared_round(self, problem, comm, report)
+  !> Sweep contacts of shared bodies, so that their messages travel while the others are swept.
+  subroutine shared_begin_round(self, problem, report)
     class(shared_sweeps_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! this rank's part
+    type(report_t), intent(inout) :: report !! contact updates are counted
+
+    call self%parts%sweep(part_shared, problem, self%relaxation, report)
+  end subroutine shared_begin_round
+
+  !> Sweep the others, go on with all as often as the deck says, and glue.
+  subroutine shared_finish_round(self, problem, is_cut, comm, report)
+    class(shared_sweeps_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's part
+    logical, intent(in) :: is_cut !! only glue
     type(comm_t), intent(inout) :: comm !! the ranks
     type(report_t), intent(inout) :: report !! contact updates are counted
     integer :: i, sweeps
 
-    sweeps = self%partition%sweeps_of(comm%rank)
-    do i = 1, sweeps
-      call self%parts%sweep(part_shared, problem, self%relaxation, report)
-      if (i == sweeps) call self%gluing%begin(problem, comm)
+    sweeps = merge(0, self%partition%sweeps_of(comm%rank), is_cut)
+    do i = 1, sweeps - 1
       call self%parts%sweep(part_own, problem, self%options%relaxation, report)
+      call self%begin_round(problem, report)
     end do
+    call self%gluing%begin(problem, comm)
+    if (.not. is_cut) call self%parts%sweep(part_own, problem, self%options%relaxation, report)
     call self%gluing%finish(problem, comm)
-  end subroutine shared_round
+  end subroutine shared_finish_round
 
   !> Copy the impulses to the problem, and begin to sum its errors; all copies are glued already.
   subroutine shared_begin_test(self, problem, with_e1, comm)
