@@ -20,7 +20,7 @@ program test_packing_in_space
   real(wp), parameter :: radius = 0.5_wp, period = 6
   type(tests_t) :: t
 
-  call test_spheres(0.0_wp, 4000)
+  call test_spheres(0.0_wp, 2000)
   call test_spheres(0.5_wp, 1600)
   call test_polyhedra()
   call t%finish()
@@ -75,13 +75,18 @@ contains
     end do
   end function place_of
 
-  !> Let them fall on a floor; in the end it carries their weight, and momentum is balanced in the last step.
+  !> Let them fall on a floor for some steps, and until they are at rest; in the end it carries their weight, and momentum is
+  !! balanced in the last step.
+  !!
+  !! Without friction grains stir long before they jam, and rounding decides how long: 3500 to 7500 steps in runs that differ
+  !! in nothing else.
   subroutine settle(sim, n, steps, name)
     type(simulation_t), intent(inout) :: sim
     integer, intent(in) :: n, steps
     character(len=*), intent(in) :: name
     real(wp), parameter :: h = 4e-3_wp
     real(wp) :: weight, before(3), floor(3)
+    integer :: block
 
     call put_plane(sim%scene, n + 1, [period, period, 0.5_wp], [0.0_wp, 0.0_wp, -0.5_wp])
     weight = g*sum(sim%scene%bodies%mass(:n))
@@ -89,6 +94,10 @@ contains
     sim%options%solver%maximum_sweeps = 100
     call restart_solver(sim, 1e-3_wp, 60)
     call run(sim, steps - 100)
+    do block = 1, 100
+      if (stirring(sim, n) < 5e-3_wp*sqrt(g*radius)) exit
+      call run(sim, 100)
+    end do
     call restart_solver(sim, 1e-5_wp, 600)
     call run(sim, 99)
     before = matmul(sim%scene%bodies%velocity(1:3, :n), sim%scene%bodies%mass(:n))
@@ -98,8 +107,21 @@ contains
     call t%near(maxval(abs(floor + before + [0.0_wp, 0.0_wp, weight])), 0.0_wp, 1e-9_wp*weight, name//': balance of momentum')
     ! A few grains still rattle.
     call t%near(floor(3)/weight, -1.0_wp, 1e-2_wp, name//': the floor carries the weight')
-    call t%check(sqrt(sum(sim%scene%bodies%velocity(1:3, :n)**2)/real(n, wp)) < 1e-2_wp*sqrt(g*radius), name//': at rest')
+    call t%check(stirring(sim, n) < 1e-2_wp*sqrt(g*radius), name//': at rest')
   end subroutine settle
+
+  !> Root of the mean square of the grains' speeds beside that of all [m/s]: a periodic pack on a floor without friction keeps
+  !! its horizontal momentum.
+  pure real(wp) function stirring(sim, n)
+    type(simulation_t), intent(in) :: sim
+    integer, intent(in) :: n
+    real(wp) :: drift(2)
+
+    associate (velocity => sim%scene%bodies%velocity(:, :n), mass => sim%scene%bodies%mass(:n))
+      drift = matmul(velocity(1:2, :), mass)/sum(mass)
+      stirring = sqrt((sum((velocity(1:2, :) - spread(drift, 2, n))**2) + sum(velocity(3, :)**2))/real(n, wp))
+    end associate
+  end function stirring
 
   !> Tolerance and most sweeps from now on.
   subroutine restart_solver(sim, tolerance, sweeps)
