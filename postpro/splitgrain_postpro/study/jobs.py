@@ -5,7 +5,7 @@ import json
 import tomllib
 from dataclasses import dataclass, field
 
-from .description import Case, Variant
+from .model import Case, Variant
 
 # Raise this when what a result file holds changes its meaning.
 FORMAT = 1

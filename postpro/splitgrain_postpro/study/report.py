@@ -6,8 +6,8 @@ import math
 
 from ..style import styled
 from . import drawings, page
-from .description import AXES
 from .measures import errors_of, order_of
+from .model import AXES
 from .profiles import profile, share, times_of
 
 COLUMNS = ("case", "variant", "axis", "value", "repeat", "status", "reason", "contacts", "iterations", "sweeps", "factorisations",

@@ -1,0 +1,84 @@
+"""The blocks of a study file: [[case]], [[variant]], [[measure]]."""
+
+from pathlib import Path
+
+from .expressions import evaluate
+from .model import Case, Measure, Variant
+
+# Key: kinds allowed. A list is of numbers, a table of settings.
+CASE = {"name": (str,), "files": (str, list), "deck": (str,), "dump": (int, list), "set": (dict,)}
+VARIANT = {"name": (str,), "solver": (str,), "guess": (bool,), "iterations": (int,), "set": (dict,)}
+MEASURE = {"name": (str,), "column": (str,), "body": (int,), "component": (str,), "closed_form": (str, int, float),
+           "over": (str,), "unit": (str,)}  # fmt: skip
+OVER = ("end", "mean", "largest")
+
+
+def cases_of(file, block, number):
+    """The cases of a block: one for each file, or for each step that is dumped."""
+    file.table_of(block, CASE, "case", number)
+    if ("files" in block) == ("deck" in block):
+        file.fail("a case needs either a deck or files of contact problems", "case", number, "files")
+    if "files" in block:
+        return cases_of_files(file, block, number)
+    deck = file.path.parent / block["deck"]
+    if not deck.exists():
+        file.fail(f"there is no deck {deck}", "case", number, "deck")
+    name = block.get("name", deck.stem)
+    if "dump" not in block:
+        return [Case(name, deck, -1, block.get("set", {}))]
+    steps = block["dump"] if isinstance(block["dump"], list) else [block["dump"]]
+    if not steps or any(type(step) is not int or step < 1 for step in steps):
+        file.fail("'dump' of [case] should be a time step or a list of them, from 1", "case", number, "dump")
+    return [Case(name if len(steps) == 1 else f"{name}, step {step}", deck, step, block.get("set", {})) for step in steps]
+
+
+def cases_of_files(file, block, number):
+    """A case for every file that the patterns find."""
+    patterns = block["files"] if isinstance(block["files"], list) else [block["files"]]
+    for key in ("dump", "set"):
+        if key in block:
+            file.fail(f"'{key}' belongs to cases with a deck", "case", number, key)
+    found = []
+    for pattern in map(str, patterns):
+        folder = file.path.parent if not Path(pattern).is_absolute() else Path("/")
+        matches = sorted(folder.glob(str(Path(pattern).relative_to(folder)) if folder == Path("/") else pattern))
+        if not matches:
+            file.fail(f"no file is named {pattern}, seen from the folder of the study: the contact problems that it needs "
+                      "are not there", "case", number, "files")  # fmt: skip
+        found += matches
+    name = block.get("name", "")
+    return [Case(name if name and len(found) == 1 else f"{name} {path.stem}".strip(), path) for path in found]
+
+
+def variant_of(file, block, number, of_problems):
+    """One variant."""
+    file.table_of(block, VARIANT, "variant", number)
+    for key in ("set",) if of_problems else ("solver", "guess", "iterations"):
+        if key in block:
+            kind = "runs" if of_problems else "contact problems"
+            file.fail(f"'{key}' belongs to variants of {kind}", "variant", number, key)
+    name = block.get("name", block.get("solver"))
+    if not name:
+        file.fail("a variant needs a name", "variant", number)
+    return Variant(name, block.get("solver", "auto"), block.get("guess", False), block.get("iterations", 0),
+                   block.get("set", {}))  # fmt: skip
+
+
+def measure_of(file, block, number, study):
+    """One measure."""
+    file.table_of(block, MEASURE, "measure", number)
+    if study.of_problems:
+        file.fail("measures belong to runs; contact problems have their errors", "measure", number)
+    if ("column" in block) == ("body" in block):
+        file.fail("a measure needs either a column of record.csv or a body", "measure", number)
+    if block.get("over", "end") not in OVER:
+        file.fail(f"'over' of [measure] should be {', '.join(OVER)}", "measure", number, "over")
+    if block.get("component", "x") not in ("x", "y", "z"):
+        file.fail("'component' of [measure] should be x, y or z", "measure", number, "component")
+    if "closed_form" in block:
+        try:
+            evaluate(block["closed_form"], study.constants | {"t": study.duration or 1.0})
+        except ValueError as error:
+            file.fail(str(error), "measure", number, "closed_form")
+    default = block.get("column", f"{block.get('component', 'x')} of body {block.get('body')}")
+    return Measure(**({"name": default} | block | {"closed_form": str(block.get("closed_form", ""))}))

@@ -1,0 +1,62 @@
+"""A study as numbers and names: what it varies, its cases, variants and measures."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+# The lists that a study can vary, and the name of one value of each.
+AXES = {"tolerances": "tolerance", "time_steps": "time step", "subdomains": "subdomains"}
+
+
+@dataclass
+class Case:
+    """A deck, or the file of a contact problem: there already, or dumped at a step of the deck."""
+
+    name: str
+    file: Path
+    dump: int = 0
+    settings: dict = field(default_factory=dict)
+
+
+@dataclass
+class Variant:
+    """A solver of contact problems with its options, or settings of a run."""
+
+    name: str
+    solver: str = "auto"
+    guess: bool = False
+    iterations: int = 0
+    settings: dict = field(default_factory=dict)
+
+
+@dataclass
+class Measure:
+    """A number of a run that has an error: a column of the record, or where a body is."""
+
+    name: str
+    column: str = ""
+    body: int = 0
+    component: str = "x"
+    closed_form: str = ""
+    over: str = "end"
+    unit: str = ""
+
+
+@dataclass
+class Study:
+    """A whole study."""
+
+    path: Path
+    title: str
+    about: str
+    axis: str
+    values: list
+    cases: list
+    variants: list
+    measures: list
+    constants: dict
+    duration: float
+    repeats: int
+    seconds: float
+    jobs: int | str
+    reference: dict
+    of_problems: bool
