@@ -48,6 +48,7 @@ contains
     if (present(is_unique)) unique = is_unique
     call begin(name, pack_deck(name), 'dual', 'boxes', whole)
     call advance_pack(t, name, whole, together)
+    call t%check(whole%report%e8 <= whole%options%solver%tolerance, name//': residual on one rank')
     call t%check(count(any(abs(whole%contacts%impulse(:, :whole%contacts%n)) > 0, 1)) > 30, name//' carry')
     if (comm%size == 1) return
     spread = spread_of_orders(name, whole)
