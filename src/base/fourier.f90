@@ -1,11 +1,11 @@
-!> The discrete Fourier transform of a real series, without naming a library.
+!> The discrete Fourier transform of a real series or of reals on a grid, without naming a library.
 !!
 !! The bodies live in `fourier_with_fftw` or `fourier_without_fftw`, chosen by CMake.
 module sg_fourier
   use sg_kinds, only: wp
   implicit none
   private
-  public :: fourier_is_available, squared_transform
+  public :: fourier_is_available, squared_transform, squared_transform_grid
 
   interface
     !> Was the program built with a Fourier transform?
@@ -18,5 +18,12 @@ module sg_fourier
       real(wp), intent(in) :: series(:) !! x, in any unit
       real(wp), allocatable :: squares(:) !! shape (n/2 + 1), in that unit squared
     end function squared_transform
+
+    !> |X_klm|^2 of the transform of reals on a grid, for the first index from 0 to n/2 (the rest is its mirror image); all zero
+    !! where there is no transform.
+    module subroutine squared_transform_grid(grid, squares)
+      real(wp), intent(in), contiguous :: grid(:, :, :) !! in any unit, periodic along each axis; one layer in the plane
+      real(wp), allocatable, intent(out) :: squares(:, :, :) !! shape (0:n/2, 0:, 0:), in that unit squared
+    end subroutine squared_transform_grid
   end interface
 end module sg_fourier

@@ -14,6 +14,13 @@ submodule(sg_fourier) fourier_with_fftw
       complex(c_double_complex), intent(inout) :: out(*)
       type(c_ptr) :: plan
     end function fftw_plan_dft_r2c_1d
+    function fftw_plan_dft_r2c_3d(n_slow, n_middle, n_fast, in, out, flags) bind(c, name='fftw_plan_dft_r2c_3d') result(plan)
+      import :: c_double, c_double_complex, c_int, c_ptr
+      integer(c_int), value :: n_slow, n_middle, n_fast, flags
+      real(c_double), intent(inout) :: in(*)
+      complex(c_double_complex), intent(inout) :: out(*)
+      type(c_ptr) :: plan
+    end function fftw_plan_dft_r2c_3d
     subroutine fftw_execute_dft_r2c(plan, in, out) bind(c, name='fftw_execute_dft_r2c')
       import :: c_double, c_double_complex, c_ptr
       type(c_ptr), value :: plan
@@ -48,4 +55,22 @@ contains
   call fftw_destroy_plan(plan)
   squares = real(out, wp)**2 + aimag(out)**2
   end procedure squared_transform
+
+  module procedure squared_transform_grid
+  real(c_double), allocatable :: in(:, :, :)
+  complex(c_double_complex), allocatable :: out(:, :, :)
+  type(c_ptr) :: plan
+  integer :: n(3)
+
+  n = shape(grid)
+  allocate (in(n(1), n(2), n(3)), out(0:n(1)/2, 0:n(2) - 1, 0:n(3) - 1))
+  allocate (squares(0:n(1)/2, 0:n(2) - 1, 0:n(3) - 1))
+  if (size(grid) == 0) return
+  ! The library counts from the axis that varies slowest.
+  plan = fftw_plan_dft_r2c_3d(int(n(3), c_int), int(n(2), c_int), int(n(1), c_int), in, out, fftw_estimate)
+  in = grid
+  call fftw_execute_dft_r2c(plan, in, out)
+  call fftw_destroy_plan(plan)
+  squares = real(out, wp)**2 + aimag(out)**2
+  end procedure squared_transform_grid
 end submodule fourier_with_fftw

@@ -11,4 +11,8 @@ contains
   module procedure squared_transform
   allocate (squares(0))
   end procedure squared_transform
+
+  module procedure squared_transform_grid
+  allocate (squares(0:size(grid, 1)/2, 0:size(grid, 2) - 1, 0:size(grid, 3) - 1), source=0.0_wp)
+  end procedure squared_transform_grid
 end submodule fourier_without_fftw

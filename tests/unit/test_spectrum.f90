@@ -2,7 +2,7 @@
 program test_spectrum
   use harness, only: tests_t
   use sg_error, only: error_t
-  use sg_fourier, only: fourier_is_available
+  use sg_fourier, only: fourier_is_available, squared_transform_grid
   use sg_kinds, only: wp, pi
   use sg_random, only: random_t
   use sg_samples, only: samples_t
@@ -18,6 +18,7 @@ program test_spectrum
     call test_two_sines()
     call test_variance()
     call test_file()
+    call test_grid()
   else
     call t%equal(size(power_spectrum([1.0_wp, 2.0_wp])), 0, 'without FFTW a spectrum is empty')
   end if
@@ -65,6 +66,41 @@ contains
     call t%near(sum(power_spectrum([2.0_wp])), 0.0_wp, 0.0_wp, 'neither has a single sample')
     call t%equal(size(power_spectrum([real(wp) ::])), 0, 'no sample, no frequency')
   end subroutine test_variance
+
+  !> A grid of random numbers against the sum that defines its transform, in the plane and in space.
+  subroutine test_grid()
+    integer, parameter :: shapes(3, 3) = reshape([6, 4, 1, 5, 3, 4, 1, 1, 1], [3, 3])
+    type(random_t) :: random
+    real(wp), allocatable :: grid(:, :, :), squares(:, :, :)
+    complex(wp) :: sum_of_all
+    real(wp) :: phase
+    integer :: i, j, k, l, m, n, s
+
+    call random%seed(5)
+    do s = 1, size(shapes, 2)
+      associate (a => shapes(1, s), b => shapes(2, s), c => shapes(3, s))
+        grid = reshape([(random%normal(), i=1, a*b*c)], [a, b, c])
+        call squared_transform_grid(grid, squares)
+        call t%equal(size(squares), (a/2 + 1)*b*c, 'half of the transform of a grid')
+        do k = 0, a/2
+          do l = 0, b - 1
+            do m = 0, c - 1
+              sum_of_all = 0
+              do i = 1, a
+                do j = 1, b
+                  do n = 1, c
+                    phase = 2*pi*sum(real([k*(i - 1), l*(j - 1), m*(n - 1)], wp)/real(shapes(:, s), wp))
+                    sum_of_all = sum_of_all + cmplx(grid(i, j, n), 0, wp)*exp(cmplx(0, -phase, wp))
+                  end do
+                end do
+              end do
+              call t%near(squares(k, l, m), abs(sum_of_all)**2, 100*rounding, 'transform of a grid')
+            end do
+          end do
+        end do
+      end associate
+    end do
+  end subroutine test_grid
 
   !> Frequencies and columns of the file.
   subroutine test_file()
