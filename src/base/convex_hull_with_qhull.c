@@ -7,8 +7,20 @@
 
 #include "libqhull_r/qhull_ra.h"
 
+/* What is called of Qhull, which is opened when the first hull is made: in the order of `names` in convex_hull_with_qhull.f90. */
+struct qhull {
+  void (*zero)(qhT *, FILE *);
+  int (*new_qhull)(qhT *, int, int, coordT *, boolT, char *, FILE *, FILE *);
+  void (*freeqhull)(qhT *, boolT);
+  void (*memfreeshort)(qhT *, int *, int *);
+  int (*setsize)(qhT *, setT *);
+  setT *(*facet3vertex)(qhT *, facetT *);
+  int (*pointid)(qhT *, pointT *);
+  void (*settempfree)(qhT *, setT **);
+};
+
 /* Number the corners of all faces; 0, or -1 where there is no room. */
-static int copy_faces(qhT *qh, int *n_faces, int32_t **first, int32_t **corner) {
+static int copy_faces(const struct qhull *qhull, qhT *qh, int *n_faces, int32_t **first, int32_t **corner) {
   facetT *facet;
   vertexT *vertex, **vertexp;
   setT *around;
@@ -16,17 +28,17 @@ static int copy_faces(qhT *qh, int *n_faces, int32_t **first, int32_t **corner) 
   int f = 0;
 
   /* A face that Qhull has merged has as many corners as ridges. */
-  FORALLfacets { room += (size_t)qh_setsize(qh, facet->simplicial ? facet->vertices : facet->ridges); }
+  FORALLfacets { room += (size_t)qhull->setsize(qh, facet->simplicial ? facet->vertices : facet->ridges); }
   *first = malloc((size_t)(qh->num_facets + 1) * sizeof **first);
   *corner = malloc((room + 1) * sizeof **corner);
   if (!*first || !*corner) return -1;
   FORALLfacets {
     (*first)[f++] = (int32_t)k + 1;
-    around = qh_facet3vertex(qh, facet);
+    around = qhull->facet3vertex(qh, facet);
     FOREACHvertex_(around) {
-      if (k < room) (*corner)[k++] = qh_pointid(qh, vertex->point) + 1;
+      if (k < room) (*corner)[k++] = qhull->pointid(qh, vertex->point) + 1;
     }
-    qh_settempfree(qh, &around);
+    qhull->settempfree(qh, &around);
   }
   (*first)[f] = (int32_t)k + 1;
   *n_faces = f;
@@ -36,7 +48,7 @@ static int copy_faces(qhT *qh, int *n_faces, int32_t **first, int32_t **corner) 
 /* Faces of the hull of n points, three reals each: corners of face f are corner[first[f]] to corner[first[f + 1] - 1],
  * point numbers from 1, in order around the face. Returns Qhull's exit code, 0 when all went well; the arrays are to be
  * given back by splitgrain_hull_free. */
-int splitgrain_hull(int n, const double *points, int *n_faces, int32_t **first, int32_t **corner) {
+int splitgrain_hull(const struct qhull *qhull, int n, const double *points, int *n_faces, int32_t **first, int32_t **corner) {
   qhT state;
   qhT *qh = &state;
   char command[] = "qhull";
@@ -46,19 +58,19 @@ int splitgrain_hull(int n, const double *points, int *n_faces, int32_t **first, 
   *n_faces = 0;
   *first = NULL;
   *corner = NULL;
-  qh_zero(qh, silent);
-  code = qh_new_qhull(qh, 3, n, (coordT *)points, False, command, NULL, silent);
+  qhull->zero(qh, silent);
+  code = qhull->new_qhull(qh, 3, n, (coordT *)points, False, command, NULL, silent);
   if (code == 0) {
     /* Qhull comes back here when it fails on the way through its faces. */
     code = setjmp(qh->errexit);
     if (code == 0) {
       qh->NOerrexit = False;
-      code = copy_faces(qh, n_faces, first, corner);
+      code = copy_faces(qhull, qh, n_faces, first, corner);
     }
     qh->NOerrexit = True;
   }
-  qh_freeqhull(qh, !qh_ALL);
-  qh_memfreeshort(qh, &short_memory, &total_memory);
+  qhull->freeqhull(qh, !qh_ALL);
+  qhull->memfreeshort(qh, &short_memory, &total_memory);
   if (silent) fclose(silent);
   return code;
 }

@@ -1,12 +1,19 @@
 !> The hull by Qhull (C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The quickhull algorithm for convex hulls", ACM Trans.
 !! Math. Software 22, 1996), reached through convex_hull_with_qhull.c.
 submodule(sg_convex_hull) convex_hull_with_qhull
-  use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_int32_t, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_funptr, c_int, c_int32_t, c_ptr
+  use sg_library, only: find_procedures
+  use sg_library_files, only: qhull_file
   implicit none
 
+  !> Qhull's procedures in the order of `struct qhull` in convex_hull_with_qhull.c
+  character(len=*), parameter :: names(8) = [character(len=17) :: 'qh_zero', 'qh_new_qhull', 'qh_freeqhull', &
+                                             'qh_memfreeshort', 'qh_setsize', 'qh_facet3vertex', 'qh_pointid', 'qh_settempfree']
+
   interface
-    function splitgrain_hull(n, points, n_faces, first, corner) bind(c, name='splitgrain_hull') result(code)
-      import :: c_double, c_int, c_ptr
+    function splitgrain_hull(qhull, n, points, n_faces, first, corner) bind(c, name='splitgrain_hull') result(code)
+      import :: c_double, c_funptr, c_int, c_ptr
+      type(c_funptr), intent(in) :: qhull(*)
       integer(c_int), value :: n
       real(c_double), intent(in) :: points(3, *)
       integer(c_int), intent(out) :: n_faces
@@ -26,11 +33,14 @@ contains
   end procedure hull_is_available
 
   module procedure make_hull
+  type(c_funptr) :: qhull(size(names))
   integer(c_int) :: n_faces, code
   type(c_ptr) :: c_first, c_corner
   integer(c_int32_t), pointer :: first(:), corner(:)
 
-  code = splitgrain_hull(int(size(points, 2), c_int), points, n_faces, c_first, c_corner)
+  call find_procedures('Qhull, which convex hulls need,', qhull_file, names, qhull, error)
+  if (allocated(error)) return
+  code = splitgrain_hull(qhull, int(size(points, 2), c_int), points, n_faces, c_first, c_corner)
   if (code == 0) then
     call c_f_pointer(c_first, first, [n_faces + 1])
     call c_f_pointer(c_corner, corner, [first(n_faces + 1) - 1])

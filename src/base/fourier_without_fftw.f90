@@ -1,5 +1,6 @@
 !> A build without a Fourier transform: decks that ask for spectra are refused when they are read.
 submodule(sg_fourier) fourier_without_fftw
+  use sg_error, only: fail
   implicit none
 
 contains
@@ -7,6 +8,10 @@ contains
   module procedure fourier_is_available
   is_available = .false.
   end procedure fourier_is_available
+
+  module procedure find_fourier
+  call fail(error, 'this program was built without FFTW, which spectra need')
+  end procedure find_fourier
 
   module procedure squared_transform
   allocate (squares(0))

@@ -3,13 +3,13 @@
 !! The bodies live in `sparse_factor_with_suitesparse` (UMFPACK) or `sparse_factor_without_suitesparse` (full factors for
 !! small systems), chosen by CMake. Whoever factorises frees: a library holds the factors.
 module sg_sparse_factor
-  use, intrinsic :: iso_c_binding, only: c_int, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_funptr, c_int, c_null_funptr, c_null_ptr, c_ptr
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_sparse, only: sparse_t
   implicit none
   private
-  public :: sparse_factor_t, has_sparse_library, largest_full
+  public :: sparse_factor_t, find_sparse_library, has_sparse_library, largest_full
 
   !> Most unknowns of a system whose factors are full: without a library there is no other way
   integer, parameter :: largest_full = 1500
@@ -22,6 +22,8 @@ module sg_sparse_factor
     integer :: analyses = 0, factorisations = 0
     !> The library's analysis and factors
     type(c_ptr), private :: symbolic = c_null_ptr, numeric = c_null_ptr
+    !> The library's procedures
+    type(c_funptr), private :: call_of(6) = c_null_funptr
     !> Entries of the matrix by row, counted from 0: the library asks for them with each solution
     integer(c_int), allocatable, private :: first(:), column(:)
     real(wp), allocatable, private :: value(:)
@@ -39,6 +41,11 @@ module sg_sparse_factor
     module function has_sparse_library() result(has)
       logical :: has
     end function has_sparse_library
+
+    !> Make sure that the sparse library is there, if the program was built with one. It is not opened for that.
+    module subroutine find_sparse_library(error)
+      type(error_t), allocatable, intent(out) :: error !! set when it is not
+    end subroutine find_sparse_library
 
     !> Factorise a square matrix, symmetric or not; fails where it is singular or too large for this build.
     module subroutine sparse_factor_factorise(self, matrix, error)

@@ -2,8 +2,10 @@
 !!
 !! UMFPACK takes compressed columns: the rows of A are the columns of A^T, which it is asked to solve with transposed.
 submodule(sg_sparse_factor) sparse_factor_with_suitesparse
-  use, intrinsic :: iso_c_binding, only: c_associated, c_double
+  use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_procpointer
   use sg_error, only: exit_failure, fail
+  use sg_library, only: find_procedures, is_there
+  use sg_library_files, only: umfpack_file
   use sg_text, only: to_text
   implicit none
 
@@ -12,12 +14,19 @@ submodule(sg_sparse_factor) sparse_factor_with_suitesparse
   !> Lengths of UMFPACK's settings and of what it tells
   integer, parameter :: n_control = 20, n_info = 90
 
-  interface
-    subroutine umfpack_di_defaults(control) bind(c, name='umfpack_di_defaults')
+  !> What people call it
+  character(len=*), parameter :: library = 'UMFPACK, which factorises large systems,'
+  !> Its procedures, and their places in `call_of`
+  character(len=*), parameter :: names(6) = [character(len=24) :: 'umfpack_di_defaults', 'umfpack_di_symbolic', &
+                                  'umfpack_di_numeric', 'umfpack_di_solve', 'umfpack_di_free_symbolic', 'umfpack_di_free_numeric']
+  integer, parameter :: defaults = 1, symbolic = 2, numeric = 3, solve = 4, free_symbolic = 5, free_numeric = 6
+
+  abstract interface
+    subroutine umfpack_di_defaults(control) bind(c)
       import :: c_double
       real(c_double), intent(out) :: control(*)
     end subroutine umfpack_di_defaults
-    function umfpack_di_symbolic(m, n, ap, ai, ax, symbolic, control, info) bind(c, name='umfpack_di_symbolic') result(status)
+    function umfpack_di_symbolic(m, n, ap, ai, ax, symbolic, control, info) bind(c) result(status)
       import :: c_double, c_int, c_ptr
       integer(c_int), value :: m, n
       integer(c_int), intent(in) :: ap(*), ai(*)
@@ -26,7 +35,7 @@ submodule(sg_sparse_factor) sparse_factor_with_suitesparse
       real(c_double), intent(out) :: info(*)
       integer(c_int) :: status
     end function umfpack_di_symbolic
-    function umfpack_di_numeric(ap, ai, ax, symbolic, numeric, control, info) bind(c, name='umfpack_di_numeric') result(status)
+    function umfpack_di_numeric(ap, ai, ax, symbolic, numeric, control, info) bind(c) result(status)
       import :: c_double, c_int, c_ptr
       integer(c_int), intent(in) :: ap(*), ai(*)
       real(c_double), intent(in) :: ax(*), control(*)
@@ -35,7 +44,7 @@ submodule(sg_sparse_factor) sparse_factor_with_suitesparse
       real(c_double), intent(out) :: info(*)
       integer(c_int) :: status
     end function umfpack_di_numeric
-    function umfpack_di_solve(sys, ap, ai, ax, x, b, numeric, control, info) bind(c, name='umfpack_di_solve') result(status)
+    function umfpack_di_solve(sys, ap, ai, ax, x, b, numeric, control, info) bind(c) result(status)
       import :: c_double, c_int, c_ptr
       integer(c_int), value :: sys
       integer(c_int), intent(in) :: ap(*), ai(*)
@@ -44,14 +53,10 @@ submodule(sg_sparse_factor) sparse_factor_with_suitesparse
       type(c_ptr), value :: numeric
       integer(c_int) :: status
     end function umfpack_di_solve
-    subroutine umfpack_di_free_symbolic(symbolic) bind(c, name='umfpack_di_free_symbolic')
+    subroutine umfpack_di_free(object) bind(c)
       import :: c_ptr
-      type(c_ptr), intent(inout) :: symbolic
-    end subroutine umfpack_di_free_symbolic
-    subroutine umfpack_di_free_numeric(numeric) bind(c, name='umfpack_di_free_numeric')
-      import :: c_ptr
-      type(c_ptr), intent(inout) :: numeric
-    end subroutine umfpack_di_free_numeric
+      type(c_ptr), intent(inout) :: object
+    end subroutine umfpack_di_free
   end interface
 
 contains
@@ -60,25 +65,37 @@ contains
   has = .true.
   end procedure has_sparse_library
 
+  module procedure find_sparse_library
+  call is_there(library, umfpack_file, error)
+  end procedure find_sparse_library
+
   module procedure sparse_factor_factorise
+  procedure(umfpack_di_defaults), pointer :: set_defaults
+  procedure(umfpack_di_symbolic), pointer :: analyse
+  procedure(umfpack_di_numeric), pointer :: make_factors
   real(c_double) :: control(n_control), info(n_info)
   integer(c_int) :: status
 
-  call umfpack_di_defaults(control)
-  if (c_associated(self%numeric)) call umfpack_di_free_numeric(self%numeric)
+  if (.not. c_associated(self%call_of(1))) call find_procedures(library, umfpack_file, names, self%call_of, error)
+  if (allocated(error)) return
+  call c_f_procpointer(self%call_of(defaults), set_defaults)
+  call c_f_procpointer(self%call_of(symbolic), analyse)
+  call c_f_procpointer(self%call_of(numeric), make_factors)
+  call set_defaults(control)
+  if (c_associated(self%numeric)) call free_by(self%call_of(free_numeric), self%numeric)
   status = umfpack_ok
   if (.not. has_same_places(self, matrix)) then
     call self%free()
     self%n = matrix%n_rows
     self%first = int(matrix%first - 1, c_int)
     self%column = int(matrix%column - 1, c_int)
-    status = umfpack_di_symbolic(int(self%n, c_int), int(self%n, c_int), self%first, self%column, matrix%value, &
-                                 self%symbolic, control, info)
+    status = analyse(int(self%n, c_int), int(self%n, c_int), self%first, self%column, matrix%value, &
+                     self%symbolic, control, info)
     self%analyses = self%analyses + 1
   end if
   self%value = matrix%value
   if (status == umfpack_ok) then
-    status = umfpack_di_numeric(self%first, self%column, self%value, self%symbolic, self%numeric, control, info)
+    status = make_factors(self%first, self%column, self%value, self%symbolic, self%numeric, control, info)
     self%factorisations = self%factorisations + 1
   end if
   select case (status)
@@ -106,19 +123,33 @@ contains
   end function has_same_places
 
   module procedure sparse_factor_solve
+  procedure(umfpack_di_defaults), pointer :: set_defaults
+  procedure(umfpack_di_solve), pointer :: solve_by
   real(c_double) :: control(n_control), info(n_info)
   integer(c_int) :: status
 
-  call umfpack_di_defaults(control)
-  status = umfpack_di_solve(umfpack_at, self%first, self%column, self%value, x, b, self%numeric, control, info)
+  call c_f_procpointer(self%call_of(defaults), set_defaults)
+  call c_f_procpointer(self%call_of(solve), solve_by)
+  call set_defaults(control)
+  status = solve_by(umfpack_at, self%first, self%column, self%value, x, b, self%numeric, control, info)
   if (status /= umfpack_ok) x = 0
   end procedure sparse_factor_solve
 
   module procedure sparse_factor_free
-  if (c_associated(self%numeric)) call umfpack_di_free_numeric(self%numeric)
-  if (c_associated(self%symbolic)) call umfpack_di_free_symbolic(self%symbolic)
+  if (c_associated(self%numeric)) call free_by(self%call_of(free_numeric), self%numeric)
+  if (c_associated(self%symbolic)) call free_by(self%call_of(free_symbolic), self%symbolic)
   self%numeric = c_null_ptr
   self%symbolic = c_null_ptr
   self%n = 0
   end procedure sparse_factor_free
+
+  !> Give back what one of UMFPACK's procedures frees.
+  subroutine free_by(address, object)
+    type(c_funptr), intent(in) :: address
+    type(c_ptr), intent(inout) :: object
+    procedure(umfpack_di_free), pointer :: free
+
+    call c_f_procpointer(address, free)
+    call free(object)
+  end subroutine free_by
 end submodule sparse_factor_with_suitesparse

@@ -11,6 +11,9 @@ contains
   has = .false.
   end procedure has_sparse_library
 
+  module procedure find_sparse_library
+  end procedure find_sparse_library
+
   module procedure sparse_factor_factorise
   logical :: is_singular
   integer :: i, e

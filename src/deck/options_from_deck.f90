@@ -1,8 +1,8 @@
 !> Options of a run from the sections time, solver, partition, output, restart and report.
 module sg_options_from_deck
   use sg_blocks, only: deck_t
-  use sg_error, only: diagnostics_t
-  use sg_fourier, only: fourier_is_available
+  use sg_error, only: diagnostics_t, error_t
+  use sg_fourier, only: find_fourier
   use sg_run_options, only: criterion_names, partition_options_t, run_options_t, solver_options_t
   use sg_text, only: to_text
   use sg_threads, only: threads_are_available
@@ -19,6 +19,7 @@ contains
     type(deck_t), intent(in) :: deck !! checked deck
     type(run_options_t), intent(inout) :: options !! options to fill
     type(diagnostics_t), intent(inout) :: diagnostics !! what this program cannot do
+    type(error_t), allocatable :: error
     integer :: b
 
     b = deck%block_of('time')
@@ -47,9 +48,8 @@ contains
     options%restart_every = deck%integer(deck%block_of('restart'), 'every')
     b = deck%block_of('report')
     options%has_spectrum = deck%flag(b, 'spectrum')
-    if (options%has_spectrum .and. .not. fourier_is_available()) then
-      call deck%complain(diagnostics, 'this program was built without FFTW, which spectra need', b, 'spectrum')
-    end if
+    if (options%has_spectrum) call find_fourier(error)
+    if (allocated(error)) call deck%complain(diagnostics, error%message, b, 'spectrum')
   end subroutine options_from_deck
 
   !> Threads need a program that has them, and sweeps that can be shared.

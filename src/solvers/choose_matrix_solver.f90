@@ -9,6 +9,7 @@ module sg_choose_matrix_solver
   use sg_interior_point, only: interior_point_t
   use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
   use sg_proximal_newton, only: proximal_newton_t
+  use sg_sparse_factor, only: find_sparse_library
   use sg_text, only: append_word, joined, nearest_word, text_t
   implicit none
   private
@@ -25,8 +26,10 @@ contains
     character(len=*), intent(in) :: name !! one of `matrix_solver_names`
     type(matrix_options_t), intent(in) :: options !! when to stop
     class(matrix_solver_t), allocatable, intent(out) :: solver !! the solver
-    type(error_t), allocatable, intent(out) :: error !! set when there is no solver of this name
+    type(error_t), allocatable, intent(out) :: error !! set when there is no solver of this name, or no library for it
 
+    if (any(name == ['auto    ', 'proximal', 'interior'])) call find_sparse_library(error)
+    if (allocated(error)) return
     select case (name)
     case ('auto')
       allocate (block_automatic_t :: solver)
