@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import StudyError
@@ -11,6 +12,9 @@ from .jobs import jobs_of
 from .program import Program
 from .report import Report
 from .runner import Store, run_jobs
+from .study_file import StudyFile
+from .verdict_file import gives_verdicts
+from .verdict_study import do_verdicts
 
 EXIT_DONE, EXIT_FAILED, EXIT_STOPPED = 0, 1, 75
 
@@ -41,17 +45,49 @@ def _study(arguments):
     """Read, run, report."""
     if int(os.environ.get("OMPI_COMM_WORLD_SIZE", os.environ.get("PMI_SIZE", "1"))) > 1:
         raise StudyError("a study starts ranks itself: call it without mpiexec")
+    if gives_verdicts(StudyFile(arguments.study).table):
+        return _verdicts(arguments)
     study = read_study(arguments.study)
     workers = workers_of(arguments.jobs if arguments.jobs is not None else study.jobs)
     program = Program(arguments.program)
-    store = Store(arguments.output or Path(f"{arguments.study.stem}.study"))
+    store = _store(arguments)
+    with _stopped_by_term():
+        jobs = jobs_of(study, program.digest)
+        results = run_jobs(study, jobs, store, program, workers, _say)
+    return _conclude(Report(study, jobs, results, store, program.version), store, jobs, results)
+
+
+def _verdicts(arguments):
+    """Read, run, report, where verdicts are wanted."""
+    program = Program(arguments.program)
+    with _stopped_by_term():
+        report, points = do_verdicts(
+            arguments.study, lambda study: workers_of(arguments.jobs if arguments.jobs is not None else study.jobs),
+            lambda: _store(arguments), program, _say)  # fmt: skip
+    return _conclude(report, report.store, *zip(*points, strict=True))
+
+
+def _store(arguments):
+    """The folder of the study."""
+    return Store(arguments.output or Path(f"{arguments.study.stem}.study"))
+
+
+def _say(line):
+    print(line, flush=True)
+
+
+@contextmanager
+def _stopped_by_term():
+    """TERM ends a study as INT does."""
     before = signal.signal(signal.SIGTERM, _interrupt)
     try:
-        jobs = jobs_of(study, program.digest)
-        results = run_jobs(study, jobs, store, program, workers, lambda line: print(line, flush=True))
+        yield
     finally:
         signal.signal(signal.SIGTERM, before)
-    report = Report(study, jobs, results, store, program.version)
+
+
+def _conclude(report, store, jobs, results):
+    """Write the report and say what came out."""
     for line in report.write():
         print(line)
     print(f"wrote {store.folder / 'study.html'}, results.csv and {report.figures} figures")
@@ -60,7 +96,7 @@ def _study(arguments):
 
 def _verdict(jobs, results):
     """Say which runs failed."""
-    failed = [(job, result) for job, result in zip(jobs, results, strict=True) if result["status"] == "failed"]
+    failed = [(job, result) for job, result in zip(jobs, results, strict=True) if result["status"] in ("failed", "crashed")]
     if not failed:
         return EXIT_DONE
     job, result = failed[0]

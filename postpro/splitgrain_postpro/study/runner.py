@@ -63,8 +63,8 @@ def writing(path):
         raise StudyError(f"cannot write: {error.strerror or error}", path, code=EXIT_OUTPUT) from error
 
 
-def run_jobs(study, jobs, store, program, workers, say):
-    """Do all jobs; returns their results, in order. Finished ones are read, failed ones tried again."""
+def run_jobs(study, jobs, store, program, workers, say, run=run_simulation):
+    """Do all jobs; returns their results, in order. Finished ones are read, failed ones tried again; `run` does one that is a run."""
     results = {job.key: result for job in jobs if (result := store.load(job.key))}
     todo = list({job.key: job for job in jobs if job.key not in results}.values())
     say(f"{len(todo)} of {len(jobs)} runs to do" + (f", {len(jobs) - len(todo)} done before" if len(todo) < len(jobs) else ""))
@@ -74,7 +74,7 @@ def run_jobs(study, jobs, store, program, workers, say):
         if problems:
             # Problems and reference solutions come first: all others need them.
             list(pool.map(problems.prepare, {case.name: case for case in study.cases}.values()))
-        waiting = {pool.submit(_do, job, problems, store, program): job for job in todo}
+        waiting = {pool.submit(_do, job, problems, store, program, run): job for job in todo}
         for count, done in enumerate(as_completed(waiting), 1):
             job = waiting[done]
             results[job.key] = done.result()
@@ -87,9 +87,9 @@ def run_jobs(study, jobs, store, program, workers, say):
     return [results[job.key] for job in jobs]
 
 
-def _do(job, problems, store, program):
+def _do(job, problems, store, program, run):
     """Do one job and keep its result; what failed is not kept, so that it is tried again."""
-    result = problems.solve(job) if problems else run_simulation(job, store, program)
+    result = problems.solve(job) if problems else run(job, store, program)
     if result["status"] != "failed":
         store.save(job.key, result)
     return result
