@@ -1,22 +1,26 @@
 !> First steps of scenes as problems, solvers for them, and checks of solvers that all kinds of problems share.
 module solver_cases
   use harness, only: tests_t
-  use scenes, only: begin_run
+  use scenes, only: begin_run, begin_scene, g, put_disk, put_polygon, put_wall
   use sg_assemble, only: assemble
   use sg_detect, only: detect
   use sg_kinds, only: wp
   use sg_motion, only: predict
   use sg_nlgs, only: nlgs_t
-  use sg_problem, only: problem_kind, problem_t, reserve_problem
+  use sg_problem, only: arm_frictional, arm_frictionless, problem_kind, problem_t, reserve_problem, round_frictional, &
+                        round_frictionless
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: simulation_t
   implicit none
   private
-  public :: begin_step, reassemble, first_problem, solver_of, map_in_space, check_nothing
+  public :: begin_step, reassemble, first_problem, make_column, solver_of, map_in_space, check_nothing
 
   !> Time step of the problems [s]
   real(wp), parameter, public :: h = 0.01_wp
+  ! Disks or squares of a column, by kind of problem: stacked squares with friction bend like a beam, and sweeps need the
+  ! fourth power of their number.
+  integer, parameter, public :: heights(4) = [8, 8, 8, 3]
 
 contains
 
@@ -46,6 +50,36 @@ contains
     call reassemble(sim)
     problem = sim%problem
   end subroutine first_problem
+
+  !> A column of disks, or of squares, on a floor; the exact impulses, contact by contact.
+  subroutine make_column(kind, problem, exact)
+    integer, intent(in) :: kind !! of problem, in the plane
+    type(problem_t), intent(out) :: problem !! of its first step
+    real(wp), allocatable, intent(out) :: exact(:) !! normal impulse of each contact [N s]
+    type(simulation_t) :: sim
+    real(wp), parameter :: square(2, 4) = reshape([0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 0.0_wp, 1.0_wp], [2, 4])
+    integer :: b, k, lower, n_column
+    real(wp) :: share
+
+    n_column = heights(kind)
+    call begin_scene(sim%scene, n_column + 1, merge(0.4_wp, 0.0_wp, kind == round_frictional .or. kind == arm_frictional), 0.01_wp)
+    share = 1
+    do b = 1, n_column
+      if (kind == round_frictional .or. kind == round_frictionless) then
+        call put_disk(sim%scene, b, 0.5_wp, [0.5_wp, real(b, wp) - 0.5_wp])
+      else
+        call put_polygon(sim%scene, b, square + spread([0.0_wp, real(b - 1, wp)], 2, 4))
+        share = 0.5_wp
+      end if
+    end do
+    call put_wall(sim%scene, n_column + 1, 5.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
+    call first_problem(sim, problem)
+    allocate (exact(problem%n_contacts))
+    do k = 1, problem%n_contacts
+      lower = minval(modulo(sim%contacts%body(:, k), n_column + 1))
+      exact(k) = share*real(n_column - lower, wp)*sim%scene%bodies%mass(1)*g*h
+    end do
+  end subroutine make_column
 
   !> A solver with a criterion, a tolerance, and tests every sweep.
   type(nlgs_t) function solver_of(criterion, tolerance, maximum_sweeps) result(solver)

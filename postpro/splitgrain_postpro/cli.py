@@ -20,6 +20,7 @@ COMMANDS = {
     "split": "the scene by ranks: grains coloured by the rank that they belong to, contacts between ranks",
     "energy": "energies, works and losses against time",
     "solver": "sweeps, contacts, residuals and cost by phase against time",
+    "trace": "errors against CPU time within the steps that were traced, and what these steps cost by phase",
 }
 
 
@@ -68,6 +69,8 @@ def draw(arguments):
             figure, missing = figures.split_figure(results, picture, _view(arguments))
         elif arguments.command == "energy":
             figure, missing = figures.energy_figure(results)
+        elif arguments.command == "trace":
+            figure, missing = figures.trace_figure(results)
         else:
             figure, missing = figures.solver_figure(results)
         output = arguments.output or results.folder / f"{arguments.command}.png"

@@ -1,6 +1,6 @@
 """The pages that the commands write."""
 
-from . import plots
+from . import plots, traces
 from .errors import ResultsError
 from .scene import draw_scene, draw_split, proportions
 from .style import new_figure, say_nothing_there
@@ -53,6 +53,21 @@ def solver_figure(results):
     plots.draw_contacts(panels[0, 1], results.record)
     plots.draw_residuals(panels[1, 0], results.record)
     plots.draw_phases(panels[1, 1], results.record)
+    figure.suptitle(results.name)
+    return figure, []
+
+
+def trace_figure(results):
+    """Errors against CPU time and against contact updates within traced steps, and what these steps cost."""
+    points, steps = results.trace
+    if not points or not len(points["step"]):
+        raise ResultsError(f"{results.folder} has no traces: set [report] trace = true in the deck")
+    figure = new_figure(11, 7.5)
+    panels = figure.subplots(2, 2)
+    traces.draw_history(panels[0, 0], points, "e1", "cpu_seconds")
+    traces.draw_history(panels[0, 1], points, "e8", "cpu_seconds")
+    traces.draw_history(panels[1, 0], points, "e1", "contact_updates")
+    traces.draw_costs(panels[1, 1], steps)
     figure.suptitle(results.name)
     return figure, []
 

@@ -61,6 +61,12 @@ class Results:
         return read_record(path)
 
     @cached_property
+    def trace(self):
+        """trace.csv and trace_steps.csv, each as one array a column; empty when the run kept no traces."""
+        paths = [self.folder / name for name in ("trace.csv", "trace_steps.csv")]
+        return [read_record(path) if path.exists() else {} for path in paths]
+
+    @cached_property
     def bodies(self):
         """Pictures of the bodies, or None."""
         return self._pictures("bodies.vtkhdf")

@@ -172,3 +172,18 @@ def write_record(folder, n_rows):
                "max_velocity": 2 * np.ones(n_rows)}
     lines = [",".join(COLUMNS)] + [",".join(f"{values[name][k]:.8g}" for name in COLUMNS) for k in range(n_rows)]
     (folder / "record.csv").write_text("\n".join(lines) + "\n")
+
+
+def write_traces(folder):
+    """trace.csv of two steps, and trace_steps.csv of these and one without contacts."""
+    points = ["step,time,iteration,contact_updates,cpu_seconds,e1,e2,e8"]
+    for step in (10, 20):
+        points += [f"{step},{0.01 * step},{k},{100 * k},{1e-3 * k},{10.0 ** (-k - 1)},{10.0 ** (-k - 2)},{10.0 ** -k}" for k in range(3)]
+    (folder / "trace.csv").write_text("\n".join(points) + "\n")
+    phases = ("predict", "detect", "assemble", "solve", "update", "measure", "output")
+    steps = ["step,time,contacts,active_contacts,sweeps,contact_updates,converged,criterion,e1,e2,e8,cpu_seconds,"
+             + ",".join(f"cpu_{phase}" for phase in phases)]
+    for step in (10, 20, 30):
+        seconds = [1e-3 * (step + i) for i in range(len(phases))]
+        steps.append(f"{step},{0.01 * step},50,40,2,200,1,1e-3,1e-3,1e-4,1e-2,{sum(seconds)}," + ",".join(map(str, seconds)))
+    (folder / "trace_steps.csv").write_text("\n".join(steps) + "\n")

@@ -6,12 +6,13 @@ import h5py
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection, PolyCollection
-from sample_results import write_record, write_results
+from sample_results import write_record, write_results, write_traces
 
 from splitgrain_postpro import Results
 from splitgrain_postpro.cli import main
 from splitgrain_postpro.scene import QUANTITIES, draw_scene, draw_split
 from splitgrain_postpro.style import new_figure
+from splitgrain_postpro.traces import draw_costs, draw_history
 
 
 @pytest.fixture
@@ -48,6 +49,23 @@ def test_pages_have_their_size(folder, command, size):
     assert main([command, str(folder)]) == 0
     path = folder / f"{command}.png"
     assert size_of(path) == size and path.stat().st_size > 30_000
+
+
+def test_traces(folder, capsys):
+    assert main(["trace", str(folder)]) == 2
+    assert "has no traces: set [report] trace = true" in capsys.readouterr().err
+    write_traces(folder)
+    assert main(["trace", str(folder)]) == 0
+    assert size_of(folder / "trace.png") == (1650, 1125)
+    points, steps = Results(folder).trace
+    left, right = new_figure(8, 4).subplots(1, 2)
+    draw_history(left, points, "e1", "cpu_seconds")
+    # Step 30 met no contact: it has no point.
+    assert [line.get_label() for line in left.lines] == ["step 10", "step 20"]
+    assert np.allclose(left.lines[1].get_ydata(), [1e-1, 1e-2, 1e-3]) and np.allclose(left.lines[0].get_xdata(), [0, 1e-3, 2e-3])
+    draw_costs(right, steps)
+    tops = {patch.get_x(): patch.get_y() + patch.get_height() for patch in right.patches}
+    assert np.allclose(list(tops.values()), 1e3 * steps["cpu_seconds"])
 
 
 def test_scene_has_its_own_proportions(folder, tmp_path):

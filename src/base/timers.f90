@@ -13,6 +13,8 @@ module sg_timers
   contains
     procedure :: start => timer_start
     procedure :: stop => timer_stop
+    procedure :: add => timer_add
+    procedure :: hand_over => timer_hand_over
   end type timer_t
 
 contains
@@ -32,6 +34,26 @@ contains
     self%cpu = self%cpu + cpu_now() - self%cpu_start
     self%wall = self%wall + wall_now() - self%wall_start
   end subroutine timer_stop
+
+  !> Add what another one has gathered.
+  pure subroutine timer_add(self, other)
+    class(timer_t), intent(inout) :: self
+    type(timer_t), intent(in) :: other !! gathered elsewhere
+
+    self%cpu = self%cpu + other%cpu
+    self%wall = self%wall + other%wall
+  end subroutine timer_add
+
+  !> Give a part of what was gathered to another one.
+  pure subroutine timer_hand_over(self, part, other)
+    class(timer_t), intent(inout) :: self
+    type(timer_t), intent(in) :: part !! gathered within the time of this one
+    type(timer_t), intent(inout) :: other !! gets it
+
+    self%cpu = self%cpu - part%cpu
+    self%wall = self%wall - part%wall
+    call other%add(part)
+  end subroutine timer_hand_over
 
   !> CPU seconds of this process.
   function cpu_now() result(seconds)

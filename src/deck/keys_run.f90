@@ -116,6 +116,9 @@ contains
     call table%open_section('report', 'What is worked out of a run beside its record.')
     call table%add('spectrum', value_logical, 'Sample kinetic energy and wall forces at every step and write their power '// &
                    'spectra, spectrum.csv, at the end; needs FFTW.', default=true_or_false(default%has_spectrum))
+    call table%add('trace', value_logical, 'Follow errors against CPU time within some steps, and end with a table of errors '// &
+                   'reached and CPU time by phase: trace.csv, trace_steps.csv.', default=true_or_false(default%has_trace))
+    call table%add('trace_steps', value_counts, 'Steps to trace; some spread over the run where none are given.', least=1.0_wp)
   end subroutine add_output
 
   !> A word as TOML string.

@@ -20,6 +20,7 @@ contains
     type(run_options_t), intent(inout) :: options !! options to fill
     type(diagnostics_t), intent(inout) :: diagnostics !! what this program cannot do
     type(error_t), allocatable :: error
+    type(value_t) :: value
     integer :: b
 
     b = deck%block_of('time')
@@ -50,6 +51,9 @@ contains
     options%has_spectrum = deck%flag(b, 'spectrum')
     if (options%has_spectrum) call find_fourier(error)
     if (allocated(error)) call deck%complain(diagnostics, error%message, b, 'spectrum')
+    options%has_trace = deck%flag(b, 'trace')
+    value = deck%value(b, 'trace_steps')
+    if (value%n > 0) options%trace_steps = nint(value%numbers(:value%n))
   end subroutine options_from_deck
 
   !> Threads need a program that has them, and sweeps that can be shared.

@@ -168,8 +168,8 @@ contains
     self%clock%cpu = 0
   end subroutine totals_leave_to_first
 
-  !> From what a solver says of each rank's contacts to what it says of all: updates and active contacts are summed, of sweeps
-  !! the largest counts; errors are of the whole scene already.
+  !> From what a solver says of each rank's contacts to what it says of all: updates, active contacts and the CPU seconds of a
+  !! history are summed, of sweeps the largest counts; errors are of the whole scene already.
   subroutine reduce_report(report, comm)
     type(report_t), intent(inout) :: report !! of this rank, then of all
     type(comm_t), intent(inout) :: comm !! the ranks
@@ -183,7 +183,22 @@ contains
     report%contact_updates = nint(sums(1), i8)
     report%active_contacts = nint(sums(2))
     report%sweeps = nint(largest(1))
+    if (allocated(report%trace)) call reduce_trace(report, comm)
   end subroutine reduce_report
+
+  !> Sum the effort of a history, whose points all ranks have at the same iterations.
+  subroutine reduce_trace(report, comm)
+    type(report_t), intent(inout) :: report
+    type(comm_t), intent(inout) :: comm
+    real(wp) :: sums(2*size(report%trace))
+    integer :: n
+
+    n = size(report%trace)
+    sums = [real(report%trace%contact_updates, wp), report%trace%cpu_seconds]
+    call comm%sum(sums)
+    report%trace%contact_updates = nint(sums(:n), i8)
+    report%trace%cpu_seconds = sums(n + 1:)
+  end subroutine reduce_trace
 
   !> The totals as a list of reals, for restart files; counters are exact up to 2^53.
   pure function totals_pack(self) result(values)

@@ -1,12 +1,11 @@
 !> record.csv: one row a recorded step, named columns, SI units (doc/guide/results.md lists them).
 module sg_record
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_is_negative
-  use sg_error, only: error_t, exit_output, fail
+  use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_measures, only: is_count, measure_names, measures_t
   use sg_report, only: report_t
-  use sg_system, only: file_exists
-  use sg_text, only: read_lines, text_t, to_text
+  use sg_step_rows, only: cell, resume_rows
+  use sg_text, only: to_text
   use sg_text_files, only: append_text, replace_file
   use sg_totals, only: n_phases, phase_names, totals_t
   implicit none
@@ -49,53 +48,12 @@ contains
     integer, intent(in) :: dimension !! of space
     integer, intent(in) :: step !! step of the checkpoint
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be read or written, or has other columns
-    type(text_t), allocatable :: lines(:)
-    character(len=:), allocatable :: kept
-    integer :: i
 
     self%file = file
     self%dimension = dimension
     if (.not. self%is_speaker) return
-    if (.not. file_exists(file)) then
-      call self%start(file, dimension, error)
-      return
-    end if
-    call read_lines(file, lines, error)
-    if (allocated(error)) return
-    kept = header(dimension)//new_line('a')
-    do i = 1, size(lines)
-      if (i == 1) then
-        if (lines(1)%s == header(dimension)) cycle
-        call fail(error, 'this record has other columns: move it away to restart', file=file, line=1, code=exit_output)
-        return
-      end if
-      if (is_row_until(lines(i)%s, count_columns(dimension), step)) kept = kept//lines(i)%s//new_line('a')
-    end do
-    call replace_file(file, kept, error)
+    call resume_rows(file, header(dimension), step, error)
   end subroutine record_resume
-
-  !> Is this a whole row of a step not later than the one given?
-  pure logical function is_row_until(line, columns, last_step)
-    character(len=*), intent(in) :: line
-    integer, intent(in) :: columns, last_step
-    integer :: i, step, status
-
-    is_row_until = .false.
-    if (count([(line(i:i) == ',', i=1, len(line))]) /= columns - 1) return
-    if (line(len(line):) == ',') return
-    read (line(:index(line, ',') - 1), *, iostat=status) step
-    is_row_until = status == 0 .and. step <= last_step
-  end function is_row_until
-
-  !> Number of columns.
-  pure integer function count_columns(dimension)
-    integer, intent(in) :: dimension
-    character(len=:), allocatable :: names
-    integer :: i
-
-    names = header(dimension)
-    count_columns = 1 + count([(names(i:i) == ',', i=1, len(names))])
-  end function count_columns
 
   !> The names of the columns.
   pure function header(dimension) result(names)
@@ -153,18 +111,4 @@ contains
     end do
     call append_text(self%file, row//new_line('a'), error)
   end subroutine record_add
-
-  !> A real with all its digits; pandas and numpy read `nan` and `inf` where it is not finite.
-  pure function cell(value) result(word)
-    real(wp), intent(in) :: value
-    character(len=:), allocatable :: word
-
-    if (ieee_is_finite(value)) then
-      word = to_text(value)
-    else if (ieee_is_nan(value)) then
-      word = 'nan'
-    else
-      word = trim(merge('-inf', 'inf ', ieee_is_negative(value)))
-    end if
-  end function cell
 end module sg_record

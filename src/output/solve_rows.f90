@@ -1,12 +1,14 @@
 !> What `splitgrain solve` tells of one problem and one solver: a row of a table, a line of JSON, the trace as CSV.
 module sg_solve_rows
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_positive_inf, ieee_value
+  use sg_columns, only: padded, right
   use sg_json, only: json_t
   use sg_kinds, only: wp
   use sg_matrix_errors, only: errors_of, matrix_errors_t
   use sg_matrix_problem, only: matrix_problem_t
   use sg_report, only: report_t
   use sg_text, only: to_text
+  use sg_trace_rows, only: point_cells, point_names
   implicit none
   private
   public :: solve_row_t, judge, table_head, table_row, json_row, json_of_error, trace_head, trace_rows
@@ -78,7 +80,7 @@ contains
 
     write (numbers, '(i11,f13.4,3(1x,a9),2x,a)') row%iterations, row%cpu_seconds, short(row%errors%e1), short(row%errors%e2), &
       short(row%errors%e8), trim(merge('yes', 'no ', row%is_converged))
-    text = padded(row%file, width)//right(row%contacts, 10)//'  '//padded(row%solver, 16)//trim(numbers)
+    text = padded(row%file, width)//right(to_text(row%contacts), 10)//'  '//padded(row%solver, 16)//trim(numbers)
   end function table_row
 
   !> An error with three digits.
@@ -92,26 +94,6 @@ contains
       word = ' infinite'
     end if
   end function short
-
-  !> A word with blanks behind; a longer one stays whole.
-  pure function padded(word, width) result(text)
-    character(len=*), intent(in) :: word
-    integer, intent(in) :: width
-    character(len=:), allocatable :: text
-    integer :: length
-
-    length = max(width, len(word))
-    allocate (character(len=length) :: text)
-    text(:) = word
-  end function padded
-
-  !> A whole number with blanks before.
-  pure function right(number, width) result(text)
-    integer, intent(in) :: number, width
-    character(len=:), allocatable :: text
-
-    text = adjustr(padded(to_text(number), width))
-  end function right
 
   !> A row as one flat JSON object on one line.
   function json_row(row) result(text)
@@ -154,7 +136,7 @@ contains
   pure function trace_head() result(text)
     character(len=:), allocatable :: text
 
-    text = 'solver,file,iteration,cpu_seconds,e1,e8'//new_line('a')
+    text = 'solver,file,'//point_names//new_line('a')
   end function trace_head
 
   !> The trace of one solver on one problem, a line a point.
@@ -167,10 +149,7 @@ contains
     text = ''
     if (.not. allocated(report%trace)) return
     do i = 1, size(report%trace)
-      associate (point => report%trace(i))
-        text = text//row%solver//','//csv_field(row%file)//','//to_text(point%iteration)//','//to_text(point%cpu_seconds, 9)// &
-               ','//to_text(point%e1, 9)//','//to_text(point%e8, 9)//new_line('a')
-      end associate
+      text = text//row%solver//','//csv_field(row%file)//','//point_cells(report%trace(i))//new_line('a')
     end do
   end function trace_rows
 

@@ -85,6 +85,9 @@ module sg_run_options
     logical :: output_single = .false., output_compressed = .false.
     !> Sample series at every step and write their spectra at the end
     logical :: has_spectrum = .false.
+    !> Keep the history of errors within some steps: these, or some spread over the run
+    logical :: has_trace = .false.
+    integer, allocatable :: trace_steps(:)
     !> Folder of the results, and the file to restart from (empty for none)
     character(len=:), allocatable :: folder, restart_file
     !> Hash and text of the effective deck

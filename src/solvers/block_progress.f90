@@ -8,7 +8,7 @@ module sg_block_progress
   use sg_matrix_solver, only: matrix_options_t
   use sg_report, only: report_t, trace_point_t
   use sg_sparse, only: multiply
-  use sg_timers, only: cpu_now
+  use sg_trace, only: trace_t
   implicit none
   private
   public :: progress_t
@@ -24,10 +24,9 @@ module sg_block_progress
     logical :: is_converged = .false., is_over = .false.
     !> The best answer [N s], shape (d, n)
     real(wp), allocatable :: answer(:, :)
-    real(wp), private :: start = 0, q_norm = 0
+    real(wp), private :: q_norm = 0
     real(wp), allocatable, private :: r(:, :), u(:, :), f(:, :)
-    type(trace_point_t), allocatable, private :: trace(:)
-    integer, private :: n_trace = 0
+    type(trace_t), private :: trace
   contains
     procedure :: begin => progress_begin
     procedure :: look => progress_look
@@ -43,13 +42,12 @@ contains
     type(matrix_problem_t), intent(inout) :: problem !! problem; its impulses become those to start from
     type(matrix_options_t), intent(in) :: options !! when to stop
 
-    self%start = cpu_now()
+    call self%trace%begin(options%with_trace)
     self%options = options
     self%q_norm = sqrt(sum(problem%q**2))
     allocate (self%r(problem%d, problem%n), self%u(problem%d, problem%n), self%f(problem%d, problem%n))
     if (.not. options%warm_start .or. .not. self%q_norm > 0) problem%r = 0
     allocate (self%answer, source=problem%r)
-    if (options%with_trace) allocate (self%trace(64))
     call self%look(problem, problem%r)
   end subroutine progress_begin
 
@@ -86,32 +84,27 @@ contains
     self%is_converged = self%best <= self%options%tolerance*(1 - 1e-6_wp)
     self%is_over = self%is_converged .or. self%iterations >= self%options%maximum_iterations
     if (.not. self%is_over) self%is_over = self%is_late()
-    if (allocated(self%trace)) call add_to_trace(self, problem)
+    if (self%trace%is_on) call add_to_trace(self, problem)
   end subroutine progress_look
 
   !> Is the time up? For loops that are long without a look.
   logical function progress_is_late(self) result(is_late)
     class(progress_t), intent(in) :: self
 
-    is_late = cpu_now() - self%start >= self%options%maximum_seconds
+    is_late = self%trace%seconds() >= self%options%maximum_seconds
   end function progress_is_late
 
   !> Note the errors of the answer looked at.
   subroutine add_to_trace(self, problem)
     type(progress_t), intent(inout) :: self
     type(matrix_problem_t), intent(in) :: problem
-    type(trace_point_t), allocatable :: longer(:)
     type(matrix_errors_t) :: errors
 
     if (.not. self%e1 < huge(self%e1)) return
-    if (self%n_trace == size(self%trace)) then
-      allocate (longer(2*self%n_trace))
-      longer(:self%n_trace) = self%trace
-      call move_alloc(longer, self%trace)
-    end if
+    call self%trace%pause()
     errors = errors_of(problem, self%r)
-    self%n_trace = self%n_trace + 1
-    self%trace(self%n_trace) = trace_point_t(self%iterations, cpu_now() - self%start, errors%e1, errors%e8)
+    call self%trace%add(trace_point_t(self%iterations, int(self%sweeps, i8)*int(problem%n, i8), 0.0_wp, errors%e1, errors%e2, &
+                                      errors%e8))
   end subroutine add_to_trace
 
   !> Put the best answer into the problem, and say how good it is and what it took.
@@ -122,7 +115,7 @@ contains
     type(matrix_errors_t) :: errors
 
     problem%r = self%answer
-    report%cpu_seconds = cpu_now() - self%start
+    report%cpu_seconds = self%trace%seconds()
     errors = errors_of(problem, problem%r)
     report%e1 = errors%e1
     report%e2 = errors%e2
@@ -135,9 +128,6 @@ contains
     report%checks = self%checks
     report%contact_updates = int(self%sweeps, i8)*int(problem%n, i8)
     if (problem%n > 0) report%active_contacts = count(problem%r(1, :) > 0)
-    if (allocated(self%trace)) then
-      allocate (report%trace(self%n_trace))
-      report%trace = self%trace(:self%n_trace)
-    end if
+    call self%trace%finish(report%iterations, report)
   end subroutine progress_finish
 end module sg_block_progress

@@ -14,7 +14,7 @@ module sg_by_matrices
   use sg_problem, only: bytes_per_contact, problem_t
   use sg_problem_matrices, only: matrices_map_t, matrices_of
   use sg_problem_records, only: contact_of, contact_record_t
-  use sg_report, only: report_t
+  use sg_report, only: report_t, trace_point_t
   use sg_residuals, only: measure_errors
   use sg_run_options, only: criterion_e1, solver_options_t
   use sg_solver, only: solver_t
@@ -59,34 +59,40 @@ contains
     call matrices_of(problem, .false., matrices, map, error)
     if (allocated(error)) then
       self%sweeps%options = self%options
+      self%sweeps%with_trace = self%with_trace
       call self%sweeps%solve(problem, report)
       return
     end if
-    call solve_matrices(self, problem, matrices, map, report)
-    report%cpu_seconds = cpu_now() - start
+    call solve_matrices(self, problem, matrices, map, start, report)
+    report%cpu_seconds = cpu_now() - start - report%apart%cpu
     report%cpu_sweeps = report%cpu_seconds
   end subroutine solve_by_matrices
 
   !> Solve the matrices as closely as the criterion asks for; bodies get the velocities of the solution.
-  subroutine solve_matrices(self, problem, matrices, map, report)
+  subroutine solve_matrices(self, problem, matrices, map, start, report)
     class(solve_by_matrices_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem
     type(matrix_problem_t), intent(inout) :: matrices
     type(matrices_map_t), intent(in) :: map
+    real(wp), intent(in) :: start !! of the solve, on the CPU clock
     type(report_t), intent(inout) :: report
     type(report_t) :: one
     real(wp), allocatable :: free(:, :)
+    real(wp) :: before
 
     allocate (free, source=problem%body)
     self%solver%options%tolerance = self%options%tolerance
     self%solver%options%maximum_iterations = self%options%maximum_sweeps
     self%solver%options%warm_start = self%options%warm_start
+    self%solver%options%with_trace = self%with_trace
     do
+      before = cpu_now() - start - report%apart%cpu
       call self%solver%solve(matrices, one)
       call bring_back(problem, map, matrices)
       problem%body = free
       call add_impulses(problem)
       call measure_errors(problem, report, with_e1=.true.)
+      if (self%with_trace) call add_trace(report, one, before)
       call add_effort(report, one, problem%n_contacts)
       report%estimate = e8_to_estimate*report%e8
       ! There are no sweeps whose increments could be looked at; e1 is that of the matrices.
@@ -123,6 +129,26 @@ contains
       end associate
     end do
   end subroutine bring_back
+
+  !> Go on with the history by that of one solve more, whose effort is not added yet.
+  subroutine add_trace(report, one, before)
+    type(report_t), intent(inout) :: report
+    type(report_t), intent(in) :: one
+    real(wp), intent(in) :: before !! CPU seconds until that solve
+    type(trace_point_t), allocatable :: both(:)
+    integer :: n
+
+    n = 0
+    if (allocated(report%trace)) n = size(report%trace)
+    allocate (both(n + size(one%trace)))
+    if (n > 0) both(:n) = report%trace
+    both(n + 1:) = one%trace
+    both(n + 1:)%iteration = report%iterations + one%trace%iteration
+    both(n + 1:)%contact_updates = report%contact_updates + one%trace%contact_updates
+    both(n + 1:)%cpu_seconds = before + one%trace%cpu_seconds
+    call move_alloc(both, report%trace)
+    call report%apart%add(one%apart)
+  end subroutine add_trace
 
   !> Add what one solve took.
   pure subroutine add_effort(report, one, n_contacts)

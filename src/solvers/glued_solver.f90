@@ -3,7 +3,7 @@
 !!
 !! A method says how a solve is opened, what a round is, what a test needs before it, and how copies get the result.
 module sg_glued_solver
-  use sg_comm, only: comm_t
+  use sg_comm, only: comm_t, traffic_t
   use sg_convergence, only: convergence_t, looks_at_errors
   use sg_delassus, only: share_mass
   use sg_kinds, only: wp, i4
@@ -12,7 +12,7 @@ module sg_glued_solver
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, partition_options_t, solver_options_t
   use sg_subdomain, only: subdomain_t
-  use sg_timers, only: cpu_now
+  use sg_trace, only: point_of, trace_t
   use sg_whole_errors, only: whole_errors_t
   implicit none
   private
@@ -23,6 +23,8 @@ module sg_glued_solver
     !> Options of the deck
     type(solver_options_t) :: options
     type(partition_options_t) :: partition
+    !> Keep the history of errors of the next solves?
+    logical :: with_trace = .false.
     !> This rank's contacts, part by part
     type(parts_t) :: parts
     !> Components of a velocity
@@ -30,6 +32,7 @@ module sg_glued_solver
     !> Errors of the whole problem
     type(whole_errors_t) :: errors
     type(convergence_t), private :: convergence
+    type(trace_t), private :: trace
     !> Slots of bodies whose masses are divided among copies, and their inverse masses when whole
     integer, allocatable, private :: divided(:)
     real(wp), allocatable, private :: whole(:, :)
@@ -101,17 +104,17 @@ contains
     integer(i4), intent(in) :: slot_of(:) !! slot of each local body
     type(comm_t), intent(inout) :: comm !! the ranks
     type(report_t), intent(out) :: report !! effort and errors
-    real(wp) :: start
 
     report%bytes_per_contact = bytes_per_contact(problem)
     self%errors%criterion = self%options%criterion
     call self%errors%prepare(problem, comm)
     if (self%errors%contacts == 0) return
-    start = cpu_now()
+    call self%trace%begin(self%with_trace)
     self%width = first_inverse(problem%kind) - 1
     if (.not. self%options%warm_start) problem%impulse = 0
     report%is_converged = .false.
     call self%open(problem, subdomain, slot_of, comm)
+    if (self%trace%is_on) call note(self, problem, comm, report)
     call choose_first(self, problem, comm, report)
     call self%convergence%begin(self%errors%fastest)
     do
@@ -123,8 +126,31 @@ contains
     end do
     problem%body(self%width + 1:, self%divided) = self%whole
     call self%tell_result(problem, subdomain, slot_of, comm)
-    report%cpu_seconds = cpu_now() - start
+    report%cpu_seconds = self%trace%seconds()
+    call self%trace%finish(report%sweeps, report)
   end subroutine glued_solve
+
+  !> Measure the errors of the whole problem for the history; what is sent for it does not count. Collective.
+  subroutine note(self, problem, comm, report)
+    class(glued_solver_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(comm_t), intent(inout) :: comm
+    type(report_t), intent(in) :: report
+    type(report_t) :: here
+    type(traffic_t) :: before
+    real(wp), allocatable :: impulse(:, :)
+
+    call self%trace%pause()
+    before = comm%traffic
+    ! A test may drop what is left of a guess.
+    allocate (impulse, source=problem%impulse)
+    call self%begin_test(problem, .true., comm)
+    call self%errors%finish(here, comm)
+    here%contact_updates = report%contact_updates
+    call move_alloc(impulse, problem%impulse)
+    comm%traffic = before
+    call self%trace%add(point_of(report%sweeps, here))
+  end subroutine note
 
   !> Begin with all contacts; or, where impulses are guessed, without those that the guess opens for good, as on one rank.
   subroutine choose_first(self, problem, comm, report)
@@ -165,6 +191,7 @@ contains
       if (report%is_converged) return
       report%sweeps = report%sweeps + self%partition%most_sweeps()
       report%gluings = report%gluings + 1
+      if (self%trace%is_due(report%sweeps)) call note(self, problem, comm, report)
       since_test = since_test + self%partition%most_sweeps()
       is_tested = is_choosing .or. since_test >= self%options%check_every
       if (.not. is_tested) cycle

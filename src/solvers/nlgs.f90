@@ -14,7 +14,7 @@ module sg_nlgs
   use sg_solver, only: solver_t
   use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
   use sg_sweeps, only: sweep
-  use sg_timers, only: cpu_now
+  use sg_trace, only: point_of, trace_t
   implicit none
   private
   public :: nlgs_t
@@ -31,6 +31,8 @@ module sg_nlgs
     type(convergence_t), private :: convergence
     !> For criteria that look at increments
     type(increments_t), private :: increments
+    !> History of the errors of this solve
+    type(trace_t), private :: trace
   contains
     procedure :: solve => nlgs_solve
   end type nlgs_t
@@ -46,30 +48,50 @@ contains
 
     report%bytes_per_contact = bytes_per_contact(problem)
     if (problem%n_contacts == 0) return
+    call self%trace%begin(self%with_trace)
     if (.not. self%options%warm_start) problem%impulse = 0
     call add_impulses(problem)
     report%is_converged = .false.
+    if (self%trace%is_on) call note(self, problem, report, 0)
     call start_order(self, problem, report)
-    now = cpu_now()
+    now = self%trace%seconds()
     do while (report%sweeps < self%options%maximum_sweeps .and. .not. report%is_converged)
       call sweep_until_check(self, problem, report)
-      call lap(report%cpu_sweeps, now)
+      call lap(self, report%cpu_sweeps, now)
       call check(self, problem, report)
-      call lap(report%cpu_checks, now)
+      call lap(self, report%cpu_checks, now)
     end do
     ! The test after the very last sweep has measured all.
-    if (report%checks > 0 .and. report%sweeps >= self%options%maximum_sweeps) return
-    call measure_errors(problem, report, with_e1=.true.)
-    call lap(report%cpu_checks, now)
+    if (report%checks == 0 .or. report%sweeps < self%options%maximum_sweeps) then
+      call measure_errors(problem, report, with_e1=.true.)
+      call lap(self, report%cpu_checks, now)
+    end if
+    call self%trace%finish(report%sweeps, report)
   end subroutine nlgs_solve
 
+  !> Measure errors for the history, after some sweeps of a batch.
+  subroutine note(self, problem, report, sweeps)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(report_t), intent(in) :: report
+    integer, intent(in) :: sweeps !! since the last test
+    type(report_t) :: here
+
+    call self%trace%pause()
+    if (sweeps > 0) call give_impulses(self%order, problem)
+    call measure_errors(problem, here, with_e1=.true.)
+    here%contact_updates = report%contact_updates + int(sweeps, i8)*int(self%order%n, i8)
+    call self%trace%add(point_of(report%sweeps + sweeps, here))
+  end subroutine note
+
   !> Add the CPU time since `now` to a phase. Asking for the time costs as much as a small sweep: once a phase is enough.
-  subroutine lap(phase, now)
+  subroutine lap(self, phase, now)
+    class(nlgs_t), intent(in) :: self
     real(wp), intent(inout) :: phase, now
     real(wp) :: before
 
     before = now
-    now = cpu_now()
+    now = self%trace%seconds()
     phase = phase + now - before
   end subroutine lap
 
@@ -104,6 +126,7 @@ contains
     n = min(self%options%check_every, self%options%maximum_sweeps - report%sweeps)
     do i = 1, n
       call sweep(problem%kind, self%order, problem%n_bodies, self%options%relaxation, problem%body)
+      if (self%trace%is_due(report%sweeps + i)) call note(self, problem, report, i)
     end do
     report%sweeps = report%sweeps + n
     report%contact_updates = report%contact_updates + int(n, i8)*int(self%order%n, i8)

@@ -1,17 +1,19 @@
 !> What a solver says of one contact problem: effort, and errors of the whole problem.
 module sg_report
   use sg_kinds, only: wp, i8
+  use sg_timers, only: timer_t
   implicit none
   private
   public :: report_t, trace_point_t, ratio
 
   !> One point of the history of a solve: what had been done, and how far the answer was
   type :: trace_point_t
-    !> Iterations done, and CPU seconds since the start
+    !> Iterations or sweeps done, contact updates, and CPU seconds since the start, those of measuring these points left out
     integer :: iteration = 0
+    integer(i8) :: contact_updates = 0
     real(wp) :: cpu_seconds = 0
     !> Errors of the whole problem there
-    real(wp) :: e1 = 0, e8 = 0
+    real(wp) :: e1 = 0, e2 = 0, e8 = 0
   end type trace_point_t
 
   !> Report of one solve
@@ -42,8 +44,9 @@ module sg_report
     real(wp) :: cpu_sweeps = 0, cpu_checks = 0
     !> CPU seconds of the whole solve, where sweeps and tests are not told apart
     real(wp) :: cpu_seconds = 0
-    !> History of errors, where asked for
+    !> History of errors, where asked for, and what measuring it took, which no other number holds
     type(trace_point_t), allocatable :: trace(:)
+    type(timer_t) :: apart
     !> Bytes that the problem holds per contact
     real(wp) :: bytes_per_contact = 0
   end type report_t

@@ -8,6 +8,8 @@ module sg_solver
 
   !> A solver, chosen once a run
   type, abstract :: solver_t
+    !> Keep the history of errors of the next solves?
+    logical :: with_trace = .false.
   contains
     procedure(solve), deferred :: solve
   end type solver_t

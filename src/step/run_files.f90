@@ -11,6 +11,7 @@ module sg_run_files
   use sg_restart, only: newest_restart
   use sg_run_options, only: criterion_names, run_options_t
   use sg_run_summary, only: run_summary_t, write_run_summary
+  use sg_run_trace, only: run_trace_t, steps_file, trace_file, traced_steps
   use sg_samples, only: samples_t
   use sg_simulation, only: simulation_t
   use sg_spectrum_file, only: write_spectrum
@@ -29,6 +30,7 @@ module sg_run_files
     type(run_summary_t) :: summary
     type(measures_t) :: measures
     type(samples_t) :: samples
+    type(run_trace_t) :: trace
     !> Is this the rank that writes texts?
     logical :: is_speaker = .true.
     logical :: has_pictures = .false., has_checkpoints = .false., has_saved = .false.
@@ -52,6 +54,7 @@ contains
     if (allocated(error)) return
     call writers%summary%add_file('deck', 'effective.toml')
     if (sim%options%record_every > 0) call open_record(sim, writers, resumes, error)
+    if (.not. allocated(error) .and. sim%options%has_trace) call open_trace(sim, writers, resumes, error)
     call sim%comm%agree(error, speaker)
     if (allocated(error)) return
     if (writers%has_pictures) call open_pictures(sim, writers, resumes, error)
@@ -117,6 +120,19 @@ contains
       call writers%record%start(file, sim%scene%dimension, error)
     end if
   end subroutine open_record
+
+  !> Begin the traces, or go on with them, and name them in the summary.
+  subroutine open_trace(sim, writers, resumes, error)
+    type(simulation_t), intent(in) :: sim
+    type(writers_t), intent(inout) :: writers
+    logical, intent(in) :: resumes
+    type(error_t), allocatable, intent(out) :: error
+
+    call writers%trace%open(sim%options%folder, traced_steps(sim%options%trace_steps, sim%options%steps), &
+                            merge(sim%step, 0, resumes), error)
+    call writers%summary%add_file('trace', trace_file)
+    call writers%summary%add_file('trace_steps', steps_file)
+  end subroutine open_trace
 
   !> Name the picture files in the summary.
   subroutine name_pictures(writers)

@@ -42,6 +42,7 @@ contains
     writers%is_speaker = sim%comm%rank == 0
     writers%summary%is_speaker = writers%is_speaker
     writers%record%is_speaker = writers%is_speaker
+    writers%trace%is_speaker = writers%is_speaker
     call writers%summary%describe(sim%scene, sim%options, deck, sim%comm)
     call start_simulation(sim)
     if (writers%is_speaker .and. .not. sim%options%is_quiet) then
@@ -57,6 +58,7 @@ contains
     ! A run that failed before it moved has nothing but its error to tell.
     if (.not. sim%options%is_quiet .and. (writers%has_stepped .or. .not. allocated(error))) then
       call print_verdict(output_unit, writers%summary)
+      if (writers%trace%is_on .and. writers%is_speaker) write (output_unit, '(a)') writers%trace%table(writers%summary%totals)
     end if
   end subroutine simulate
 
@@ -96,6 +98,8 @@ contains
 
     code = exit_done
     do while (sim%step < sim%options%steps)
+      sim%is_traced = writers%trace%wants(sim%step + 1)
+      if (sim%is_traced) call writers%trace%begin_step(sim%totals)
       call advance(sim, error)
       if (sim%dump%is_begun) call save_dump(sim, writers, sim%step + merge(1, 0, allocated(error)))
       if (allocated(error)) then
@@ -104,6 +108,9 @@ contains
       end if
       writers%has_stepped = .true.
       call write_due(sim, writers, error)
+      if (sim%is_traced .and. .not. allocated(error)) then
+        call writers%trace%end_step(sim%step, sim%time(), sim%all_contacts, sim%report, sim%totals, sim%comm, error)
+      end if
       if (allocated(error)) return
       if (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged) code = exit_not_converged
       if (sim%comm%any(must_stop(sim, writers))) code = exit_stopped

@@ -52,6 +52,8 @@ module sg_simulation
     class(glued_solver_t), allocatable :: glued_solver
     !> Dump of the step's problem, where one is asked for or the step failed
     type(dump_t) :: dump
+    !> Is the history of errors kept within the next steps?
+    logical :: is_traced = .false.
     !> Works and costs since the start
     type(energy_t) :: energy
     type(totals_t) :: totals
@@ -155,9 +157,11 @@ contains
       if (sim%decomposition%is_on) then
         call solve_glued(sim)
       else
+        sim%solver%with_trace = sim%is_traced
         call sim%solver%solve(sim%problem, sim%report)
       end if
       call phase(phase_solve)%stop()
+      if (sim%is_traced) call phase(phase_solve)%hand_over(sim%report%apart, phase(phase_measure))
 
       call phase(phase_update)%start()
       if (has_failed(sim)) call begin_late_dump(sim)
@@ -187,6 +191,7 @@ contains
     type(traffic_t) :: before
 
     before = sim%comm%traffic
+    sim%glued_solver%with_trace = sim%is_traced
     call sim%glued_solver%solve(sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, sim%report)
     sim%gluings = sim%gluings + int(sim%report%gluings, i8)
     sim%own_updates = sim%own_updates + sim%report%contact_updates

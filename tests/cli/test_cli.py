@@ -301,6 +301,60 @@ class Runs(Cli):
         self.run_program("run", "fall.toml", "--output", "silent")
         self.assertFalse((self.place / "silent/spectrum.csv").exists())
 
+    def trace(self, folder, name="trace"):
+        return list(csv.DictReader((self.place / folder / f"{name}.csv").read_text().splitlines()))
+
+    def test_trace_follows_errors_and_changes_nothing(self):
+        words = ["--set", "output.record_every=1", "--set", "solver.tolerance=1e-4"]
+        for method in ("nlgs", "auto"):
+            with self.subTest(method):
+                more = [*words, "--set", f"solver.method={method}"]
+                said = self.run_program("run", "fall.toml", *more, "--output", "silent").stdout
+                self.assertNotIn("traced", said)
+                self.assertFalse((self.place / "silent/trace.csv").exists())
+                traced = ["--set", "report.trace=true", "--set", "report.trace_steps=[60, 110, 120, 500]"]
+                said = self.run_program("run", "fall.toml", *more, *traced, "--output", "traced").stdout
+                table = said[said.index("traced steps"):].splitlines()
+                self.assertEqual([line.split()[0] for line in table[2:5]], ["60", "110", "120"])
+                self.assertIn("1 to 120", table[5])
+                rows = self.record("traced")
+                for row, same in zip(rows, self.record("silent"), strict=True):
+                    for name in row:
+                        if "seconds" not in name and not name.startswith(("cpu_", "wall_")):
+                            self.assertEqual(row[name], same[name], name)
+                steps = self.trace("traced", "trace_steps")
+                self.assertEqual([row["step"] for row in steps], ["60", "110", "120"])
+                for step in steps:
+                    self.check_trace(step, rows[int(step["step"]) - 1], self.trace("traced"))
+
+    def check_trace(self, step, row, trace):
+        """The history of a step begins at its start and ends with the errors recorded; effort rises."""
+        for name in ("contacts", "sweeps", "contact_updates", "e1", "e2", "e8", "criterion", "time"):
+            self.assertEqual(step[name], row[name], name)
+        phases = sum(float(step[name]) for name in step if name.startswith("cpu_") and name != "cpu_seconds")
+        self.assertAlmostEqual(float(step["cpu_seconds"]), phases, delta=1e-9)
+        points = [point for point in trace if point["step"] == step["step"]]
+        iterations = [int(point["iteration"]) for point in points]
+        self.assertEqual((iterations[0], iterations), (0, sorted(iterations)))
+        for name in ("cpu_seconds", "contact_updates"):
+            self.assertEqual([float(point[name]) for point in points], sorted(float(point[name]) for point in points))
+        self.assertEqual(points[-1]["contact_updates"], row["contact_updates"])
+        for name in ("e1", "e2", "e8"):
+            # Solvers of matrices sum in another order.
+            self.assertAlmostEqual(float(points[-1][name]), float(row[name]), delta=1e-6 * float(row[name]) + 1e-15)
+
+    def test_trace_goes_on_after_a_restart(self):
+        if not self.has_hdf5():
+            self.skipTest("built without HDF5")
+        words = ["--set", "report.trace=true", "--set", "restart.every=50", "--output", "out", "--quiet"]
+        self.run_program("run", "fall.toml", *words)
+        steps, points = self.trace("out", "trace_steps"), self.trace("out")
+        self.assertEqual([int(row["step"]) for row in steps], [15, 30, 45, 60, 75, 90, 105, 120])
+        self.run_program("run", "fall.toml", *words, "--restart", "out")
+        for rows, again in ((steps, self.trace("out", "trace_steps")), (points, self.trace("out"))):
+            for row, other in zip(rows, again, strict=True):
+                self.assertEqual([row[name] for name in row if "cpu" not in name], [other[name] for name in row if "cpu" not in name])
+
     def test_results_that_cannot_be_written(self):
         (self.place / "taken").write_text("a file, no folder")
         self.assertIn("taken", self.run_program("run", "fall.toml", "--output", "taken", code=5).stderr)

@@ -370,6 +370,25 @@ class Shares(Ranks):
                     self.assertLess(self.run_json("many")["worst_e8"], 1e-5)
                     self.compare(self.run_json("one"), self.run_json("many"), 1e-5, kept)
 
+    def test_traces_are_of_the_whole_problem_and_change_nothing(self):
+        deck = self.deck(PRESSED)
+        words = ["--set", "time.steps=40", "--set", "output.record_every=1"]
+        for gluing in ("dual", "primal", "contacts"):
+            with self.subTest(gluing):
+                self.run_ranks(3, deck, *words, "--set", f'partition.gluing="{gluing}"', output="silent")
+                self.run_ranks(3, deck, *words, "--set", f'partition.gluing="{gluing}"', "--set", "report.trace=true",
+                               "--set", "report.trace_steps=40", output="traced")
+                for row, same in zip(self.rows("traced"), self.rows("silent"), strict=True):
+                    kept = [name for name in row if "seconds" not in name and not name.startswith(("cpu_", "wall_"))]
+                    self.assertEqual([row[name] for name in kept], [same[name] for name in kept])
+                self.assertEqual(self.run_json("traced")["bytes_per_gluing"], self.run_json("silent")["bytes_per_gluing"])
+                points = list(csv.DictReader((self.place / "traced/trace.csv").read_text().splitlines()))
+                last = self.rows("traced")[-1]
+                for name in ("contact_updates", "e1", "e2", "e8"):
+                    self.assertEqual(points[-1][name], last[name], name)
+                self.assertEqual(points[0]["iteration"], "0")
+                self.assertLess(float(points[-1]["e1"]), 0.1 * float(points[0]["e1"]))
+
     def test_a_wall_under_pressure_is_where_one_rank_has_it(self):
         if not self.has_hdf5():
             self.skipTest("built without HDF5")

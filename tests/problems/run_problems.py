@@ -167,7 +167,7 @@ class Real(Solve):
         rows = self.solve_json(*files, "--solver", "nlgs", "--trace", "trace.csv")
         with open(self.place / "trace.csv", newline="") as file:
             trace = list(csv.DictReader(file))
-        self.assertEqual(list(trace[0]), ["solver", "file", "iteration", "cpu_seconds", "e1", "e8"])
+        self.assertEqual(list(trace[0]), ["solver", "file", "iteration", "contact_updates", "cpu_seconds", "e1", "e2", "e8"])
         for row in rows:
             points = [point for point in trace if point["file"] == row["file"]]
             self.assertTrue(points)

@@ -14,11 +14,8 @@ program test_solver
                             criterion_quad, criterion_violation
   use sg_simulation, only: simulation_t
   use sg_sweep_round, only: sweep_round_frictionless
-  use solver_cases, only: check_nothing, first_problem, h, solver_of
+  use solver_cases, only: check_nothing, first_problem, h, heights, make_column, solver_of
   implicit none
-  ! Disks or squares of a column, by kind of problem: stacked squares with friction bend like a beam, and sweeps need the
-  ! fourth power of their number.
-  integer, parameter :: heights(4) = [8, 8, 8, 3]
   type(tests_t) :: t
   integer :: kind
 
@@ -36,36 +33,6 @@ program test_solver
   call t%finish()
 
 contains
-
-  !> A column of disks, or of squares, on a floor; the exact impulses, contact by contact.
-  subroutine make_column(kind, problem, exact)
-    integer, intent(in) :: kind
-    type(problem_t), intent(out) :: problem
-    real(wp), allocatable, intent(out) :: exact(:)
-    type(simulation_t) :: sim
-    real(wp), parameter :: square(2, 4) = reshape([0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 0.0_wp, 1.0_wp], [2, 4])
-    integer :: b, k, lower, n_column
-    real(wp) :: share
-
-    n_column = heights(kind)
-    call begin_scene(sim%scene, n_column + 1, merge(0.4_wp, 0.0_wp, kind == round_frictional .or. kind == arm_frictional), 0.01_wp)
-    share = 1
-    do b = 1, n_column
-      if (kind == round_frictional .or. kind == round_frictionless) then
-        call put_disk(sim%scene, b, 0.5_wp, [0.5_wp, real(b, wp) - 0.5_wp])
-      else
-        call put_polygon(sim%scene, b, square + spread([0.0_wp, real(b - 1, wp)], 2, 4))
-        share = 0.5_wp
-      end if
-    end do
-    call put_wall(sim%scene, n_column + 1, 5.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
-    call first_problem(sim, problem)
-    allocate (exact(problem%n_contacts))
-    do k = 1, problem%n_contacts
-      lower = minval(modulo(sim%contacts%body(:, k), n_column + 1))
-      exact(k) = share*real(n_column - lower, wp)*sim%scene%bodies%mass(1)*g*h
-    end do
-  end subroutine make_column
 
   !> Every kind of problem: the contacts of a column carry what lies above.
   subroutine test_column()

@@ -50,7 +50,7 @@ def traces(study, curves, title):
             colour, marker = look(study, variant)
             ax.plot(*zip(*points, strict=True), color=colour, label=variant, lw=1, marker=marker, markersize=2.5)
             drawn = True
-    _finish(ax, drawn, CLOCKS[CPU] + ", measuring included", ERRORS["e1"], title)
+    _finish(ax, drawn, CLOCKS[CPU], ERRORS["e1"], title)
     return figure
 
 
