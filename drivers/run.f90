@@ -9,7 +9,7 @@ module sg_run
   use sg_effective, only: fingerprint
   use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, exit_output, fail
   use sg_hdf5, only: hdf5_is_available, hdf5_is_parallel
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i8
   use sg_run_summary, only: run_failed, run_summary_t, write_run_summary
   use sg_shared_start, only: check_shared_start
   use sg_signature, only: signature_of
@@ -78,7 +78,7 @@ contains
     sim%options%folder = arguments%get('output', stem(file)//'.results')
     call judge(diagnostics)
     if (is_bad .or. sim%comm%size == 1) return
-    call check_sameness(sim, arguments%get('restart', ''), error)
+    call check_sameness(sim, deck%absent%digest, arguments%get('restart', ''), error)
     if (allocated(error)) return
     call check_shared_start(deck, sim%scene, sim%comm, shared)
     call judge(shared)
@@ -125,8 +125,9 @@ contains
   end subroutine judge_deck
 
   !> Have all ranks read the same deck, with the same files, and will they write in the same folder? Collective.
-  subroutine check_sameness(sim, restart, error)
+  subroutine check_sameness(sim, digest, restart, error)
     type(simulation_t), intent(inout) :: sim
+    integer(i8), intent(in) :: digest
     character(len=*), intent(in) :: restart
     type(error_t), allocatable, intent(out) :: error
     character(len=:), allocatable :: digits
@@ -134,7 +135,8 @@ contains
     integer :: i
 
     digits = fingerprint(sim%options%deck_text//sim%options%folder//restart)
-    own = [(real(iachar(digits(i:i)), wp), i=1, len(digits)), signature_of(sim%scene, is_common=.true.)]
+    own = [(real(iachar(digits(i:i)), wp), i=1, len(digits)), signature_of(sim%scene, is_common=.true.), &
+           real(ibits(digest, 0, 32), wp), real(ibits(digest, 32, 32), wp)]
     lowest = own
     highest = own
     call sim%comm%minimum(lowest)

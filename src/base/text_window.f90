@@ -17,6 +17,8 @@ module sg_text_window
   type :: text_window_t
     !> Number of lines; a last line without an end counts
     integer :: n = 0
+    !> What tells files apart: a mix of all bytes
+    integer(i8) :: digest = 0
     character(len=:), allocatable, private :: file
     !> Byte at which each window begins, and the one behind the file
     integer(i8), allocatable, private :: start(:)
@@ -35,39 +37,50 @@ contains
     class(text_window_t), intent(out) :: self
     character(len=*), intent(in) :: file !! path
     type(error_t), allocatable, intent(out) :: error !! set when the file cannot be read
-    character(len=:), allocatable :: content
     character(len=200) :: message
-    integer(i8) :: length, at
-    integer :: unit, status, i
+    integer(i8) :: length
+    integer :: unit, status
 
     self%file = file
     self%start = [1_i8]
     open (newunit=unit, file=file, access='stream', form='unformatted', status='old', action='read', iostat=status, &
           iomsg=message)
-    if (status == 0) inquire (unit=unit, size=length)
+    if (status == 0) then
+      inquire (unit=unit, size=length)
+      call count_lines(self, unit, length, status, message)
+      close (unit)
+    end if
+    if (status /= 0) call fail(error, 'cannot read the file: '//trim(message), file=file)
+  end subroutine window_open
+
+  !> Count the lines of an open file, a block of it at a time.
+  subroutine count_lines(self, unit, length, status, message)
+    type(text_window_t), intent(inout) :: self
+    integer, intent(in) :: unit
+    integer(i8), intent(in) :: length
+    integer, intent(out) :: status
+    character(len=*), intent(inout) :: message
+    character(len=:), allocatable :: content
+    integer(i8) :: at
+    integer :: i
+
+    status = 0
     at = 0
-    do while (status == 0)
-      if (at >= length) exit
+    do while (at < length)
       allocate (character(len=int(min(int(block, i8), length - at))) :: content)
       read (unit, iostat=status, iomsg=message) content
-      do i = 1, merge(len(content), 0, status == 0)
-        if (content(i:i) == new_line('a')) then
-          self%n = self%n + 1
-          if (mod(self%n, window) == 0) self%start = [self%start, at + int(i, i8) + 1]
-        else if (at + int(i, i8) == length) then
-          self%n = self%n + 1
-        end if
+      if (status /= 0) return
+      do i = 1, len(content)
+        self%digest = ieor(ishftc(self%digest, 5), int(iachar(content(i:i)), i8))
+        if (content(i:i) /= new_line('a') .and. at + int(i, i8) < length) cycle
+        self%n = self%n + 1
+        if (mod(self%n, window) == 0) self%start = [self%start, at + int(i, i8) + 1]
       end do
       at = at + int(len(content), i8)
       deallocate (content)
     end do
-    if (status /= 0) then
-      call fail(error, 'cannot read the file: '//trim(message), file=file)
-      return
-    end if
-    close (unit)
     self%start = [self%start, length + 1]
-  end subroutine window_open
+  end subroutine count_lines
 
   !> A line, without its end and a carriage return there; empty where there is none or the file can no longer be read.
   subroutine window_get(self, number, line)

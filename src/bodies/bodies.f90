@@ -7,7 +7,7 @@ module sg_bodies
   use sg_kinds, only: wp, i4
   implicit none
   private
-  public :: bodies_t, drop_rotation, spin_of, angle_of
+  public :: bodies_t, clear_body, shorten, drop_rotation, spin_of, angle_of
 
   !> Rigid bodies, in the plane or in space
   type :: bodies_t
@@ -86,6 +86,55 @@ contains
       self%orientation(1, :) = 1
     end if
   end subroutine bodies_allocate
+
+  !> Put a body back at rest at the origin, as `allocate` left it.
+  pure subroutine clear_body(bodies, b)
+    type(bodies_t), intent(inout) :: bodies !! bodies of a scene being made
+    integer, intent(in) :: b !! the body
+
+    bodies%position(:, b) = 0
+    bodies%velocity(:, b) = 0
+    bodies%inverse_mass(:, b) = 0
+    bodies%mass(b) = 0
+    bodies%area(b) = 0
+    bodies%material(b) = 0
+    bodies%is_grain(b) = .true.
+    if (bodies%dimension == 2) then
+      bodies%angle(b) = 0
+      bodies%inertia(b) = 0
+    else
+      bodies%principal(:, b) = 0
+      bodies%orientation(:, b) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
+    end if
+  end subroutine clear_body
+
+  !> Keep the first bodies of a scene being made, in which everything still may turn.
+  subroutine shorten(bodies, n)
+    type(bodies_t), intent(inout) :: bodies !! all bodies
+    integer, intent(in) :: n !! bodies to keep
+    type(bodies_t) :: kept
+
+    call kept%allocate(n, bodies%dimension)
+    kept%position(:, :) = bodies%position(:, :n)
+    kept%velocity(:, :) = bodies%velocity(:, :n)
+    kept%inverse_mass(:, :) = bodies%inverse_mass(:, :n)
+    kept%mass(:) = bodies%mass(:n)
+    kept%area(:) = bodies%area(:n)
+    kept%crossings(:) = bodies%crossings(:n)
+    kept%material(:) = bodies%material(:n)
+    kept%is_grain(:) = bodies%is_grain(:n)
+    if (bodies%dimension == 2) then
+      kept%angle(:) = bodies%angle(:n)
+      kept%inertia(:) = bodies%inertia(:n)
+    else
+      kept%principal(:, :) = bodies%principal(:, :n)
+      kept%orientation(:, :) = bodies%orientation(:, :n)
+      kept%crossings_y(:) = bodies%crossings_y(:n)
+    end if
+    if (allocated(bodies%id)) kept%id = bodies%id(:n)
+    if (allocated(bodies%home)) kept%home = bodies%home(:n)
+    bodies = kept
+  end subroutine shorten
 
   !> Leave out all that belongs to rotation: for scenes in which nothing turns.
   subroutine drop_rotation(bodies)

@@ -11,7 +11,7 @@ module sg_contactors
   private
   public :: contactors_t, kind_disk, kind_wall, kind_hollow, kind_polygon, kind_names, n_kinds
   public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
-  public :: add_disk, add_wall, add_hollow, add_polygon, add_contactor, place_contactors, is_round
+  public :: add_disk, add_wall, add_hollow, add_polygon, add_contactor, drop_contactors, place_contactors, is_round
 
   !> Kinds of shape: disk, rounded segment (JONCx), hollow disk (xKSID), convex polygon
   integer, parameter :: kind_disk = 1, kind_wall = 2, kind_hollow = 3, kind_polygon = 4
@@ -160,6 +160,20 @@ contains
     contactors%shift(:, n) = shift
     contactors%reach(n) = reach
   end subroutine add_contactor
+
+  !> Drop all contactors but the first ones.
+  pure subroutine drop_contactors(contactors, n)
+    type(contactors_t), intent(inout) :: contactors !! list to shorten
+    integer, intent(in) :: n !! how many stay
+    integer :: c
+
+    do c = n + 1, contactors%n
+      associate (rows => contactors%n_rows(contactors%kind(c)))
+        rows = rows - 1
+      end associate
+    end do
+    contactors%n = n
+  end subroutine drop_contactors
 
   !> Put all contactors where their bodies are.
   pure subroutine place_contactors(contactors, middle)

@@ -44,7 +44,10 @@ module sg_blocks
     integer :: n = 0
     !> Dimension of the scene
     integer :: dimension = 2
-    !> Which of how many ranks reads: of the grains of samples it keeps a share, and knows of the others what stands in `absent`
+    !> Numbers of the bodies that have a name, ascending, and their names
+    integer, allocatable :: named(:)
+    type(text_t), allocatable :: names(:)
+    !> Which of how many ranks reads: of the bodies it keeps a share, and knows of the others what stands in `absent`
     integer :: rank = 0, ranks = 1
     type(census_t) :: absent
   contains

@@ -1,32 +1,37 @@
 !> Bodies and their contactors from the blocks body, wall, container, brick_wall, arch and sample, numbered in this order.
 !!
-!! Where several ranks read, each goes through all grains of all samples and keeps those of its share and those that the deck
-!! calls by number; these and all other bodies every rank holds, as if they were wide (doc/theory/decomposition.md).
+!! Where several ranks read, each goes through all bodies and all grains of all samples, and keeps those of its share. Bodies that
+!! the deck calls by number or by name, and those that it holds, every rank keeps (doc/theory/decomposition.md).
 module sg_bodies_from_deck
   use sg_blocks, only: deck_t
   use sg_census, only: census_t
-  use sg_contactors, only: add_disk, add_polygon, kind_names, n_kinds
+  use sg_contactors, only: add_disk, add_polygon, kind_names
   use sg_error, only: diagnostics_t, error_t
-  use sg_drives_from_deck, only: numbers_called
+  use sg_drives_from_deck, only: bodies_held, numbers_called
   use sg_kinds, only: wp, i4
   use sg_laws_from_deck, only: material_of
+  use sg_lists, only: reserve
   use sg_local_numbers, only: place_of
   use sg_masonry, only: add_arch, add_brick_wall, bricks_of_wall
-  use sg_named_bodies, only: check_names, name_body
-  use sg_pack_shapes, only: make_room_for_shapes
+  use sg_named_bodies, only: check_names, give_names, list_names
   use sg_polyhedra_from_deck, only: place_polyhedral_shape
   use sg_polyhedron, only: polyhedron_t
   use sg_rotations, only: frame_of, no_rotation, rotation_by, turned_back
   use sg_samples_from_deck, only: generate_sample, grain_polygon, grain_polyhedron, sample_t
   use sg_scene, only: colour_index, scene_t
+  use sg_share, only: share_t, sorted_once
   use sg_shapes_from_deck, only: add_shape
   use sg_space_contactors, only: add_sphere
   use sg_space_generators, only: random_rotation
   use sg_walls_from_deck, only: add_container, add_wall_body, planes_of_container
   use sg_weights_from_deck, only: override_mass, weigh_body
+  use sg_words, only: choice_index, choices_of
   implicit none
   private
   public :: bodies_from_deck
+
+  !> Sections of bodies, in the order in which these are numbered; samples come last
+  character(len=10), parameter :: sections(5) = [character(len=10) :: 'body', 'wall', 'container', 'brick_wall', 'arch']
 
 contains
 
@@ -36,50 +41,68 @@ contains
     type(scene_t), intent(inout) :: scene !! scene with its dimension, periods and materials
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(sample_t), allocatable :: samples(:)
-    type(census_t) :: census
-    integer(i4), allocatable :: called(:)
-    character(len=10), parameter :: sections(5) = [character(len=10) :: 'body', 'wall', 'container', 'brick_wall', 'arch']
-    integer :: b, i, n, n_fixed, before
+    type(share_t) :: share
+    integer(i4), allocatable :: called(:), held(:)
+    integer :: b, i, n, n_fixed, before, section
 
-    n_fixed = 0
-    do b = 1, deck%n
-      n_fixed = n_fixed + fixed_count(deck, b, scene)
-    end do
+    call number_blocks(deck, scene, n_fixed)
+    call list_names(deck, [scene%period, scene%period_y], diagnostics)
+    call check_names(deck, diagnostics)
     call numbers_called(deck, called)
+    call bodies_held(deck, held)
+    share%rank = deck%rank
+    share%ranks = deck%ranks
+    share%common = sorted_once([called, held])
     called = pack(called, called > n_fixed .and. deck%ranks > 1)
     allocate (samples(deck%count_of('sample')))
     i = 0
     do b = 1, deck%n
       if (.not. deck%is_in(b, 'sample')) cycle
       i = i + 1
-      call generate_sample(deck, b, [scene%period, scene%period_y], deck%ranks > 1 .and. size(called) == 0, samples(i), census, &
-                           diagnostics)
+      call generate_sample(deck, b, [scene%period, scene%period_y], deck%ranks > 1 .and. size(called) == 0, samples(i), &
+                           share%census, diagnostics)
     end do
-    n = n_fixed + kept_grains(samples, n_fixed, called)
     if (n_fixed + sum(samples%n) == 0 .and. diagnostics%count() == 0) &
       call deck%complain(diagnostics, 'there is no body: a deck needs [[body]], [[wall]], [[sample]] or scene.datbox', &
                          deck%block_of('scene'))
     scene%contactors%dimension = scene%dimension
-    call scene%bodies%allocate(n, scene%dimension)
+    call share%begin(scene, n_fixed, kept_grains(samples, n_fixed, called))
     n = 0
-    do i = 1, size(sections)
+    do section = 1, size(sections)
       do b = 1, deck%n
-        if (deck%is_in(b, trim(sections(i)))) call add_block(deck, b, scene, n, diagnostics)
+        if (deck%is_in(b, trim(sections(section)))) call add_block(deck, b, scene, share, n, diagnostics)
       end do
     end do
-    call check_names(deck, scene, diagnostics)
-    if (deck%ranks > 1) call number_fixed(scene, n_fixed)
     before = n_fixed
     do i = 1, size(samples)
       deck%blocks(samples(i)%block)%first_body = before + 1
-      call add_sample(deck, samples(i), before, called, scene, n, census, diagnostics)
+      call add_sample(deck, samples(i), before, called, scene, share, n, diagnostics)
       deallocate (samples(i)%centre, samples(i)%radius)
       before = before + samples(i)%n
       deck%blocks(samples(i)%block)%last_body = before
     end do
-    if (deck%ranks > 1) call number_contactors(scene, n_fixed)
-    deck%absent = census
+    call share%finish(scene, n)
+    call give_names(deck, scene)
+    deck%absent = share%census
   end subroutine bodies_from_deck
+
+  !> Tell the blocks which bodies are theirs, but for samples.
+  subroutine number_blocks(deck, scene, n)
+    type(deck_t), intent(inout) :: deck
+    type(scene_t), intent(in) :: scene
+    integer, intent(out) :: n !! how many there are
+    integer :: section, b
+
+    n = 0
+    do section = 1, size(sections)
+      do b = 1, deck%n
+        if (.not. deck%is_in(b, trim(sections(section)))) cycle
+        deck%blocks(b)%first_body = n + 1
+        n = n + fixed_count(deck, b, scene)
+        deck%blocks(b)%last_body = n
+      end do
+    end do
+  end subroutine number_blocks
 
   !> Grains of samples that this rank keeps: its shares, and those called by number.
   pure integer function kept_grains(samples, n_fixed, called) result(n)
@@ -97,37 +120,6 @@ contains
     end do
   end function kept_grains
 
-  !> Number the bodies that are no grains of samples: all ranks hold them.
-  subroutine number_fixed(scene, n_fixed)
-    type(scene_t), intent(inout) :: scene
-    integer, intent(in) :: n_fixed
-    integer :: i
-
-    allocate (scene%bodies%id(scene%bodies%n), scene%bodies%home(scene%bodies%n), source=-1_i4)
-    scene%bodies%id(:n_fixed) = [(int(i, i4), i=1, n_fixed)]
-  end subroutine number_fixed
-
-  !> Number the contactors: grains of samples have one each, behind those of all other bodies.
-  subroutine number_contactors(scene, n_fixed)
-    type(scene_t), intent(inout) :: scene
-    integer, intent(in) :: n_fixed
-    integer, parameter :: none(n_kinds) = 0
-    integer :: c, before
-
-    before = 0
-    if (scene%contactors%n == 0) then
-      call make_room_for_shapes(scene%contactors, scene%dimension, none, 0)
-      return
-    end if
-    allocate (scene%contactors%id(scene%contactors%n))
-    do c = 1, scene%contactors%n
-      associate (number => scene%bodies%id(scene%contactors%body(c)))
-        if (number <= n_fixed) before = c
-        scene%contactors%id(c) = int(merge(c, before + number - n_fixed, number <= n_fixed), i4)
-      end associate
-    end do
-  end subroutine number_contactors
-
   !> Number of bodies that a block makes, but for samples.
   integer function fixed_count(deck, b, scene) result(n)
     type(deck_t), intent(in) :: deck
@@ -142,32 +134,28 @@ contains
   end function fixed_count
 
   !> Add the bodies of one block.
-  subroutine add_block(deck, b, scene, n, diagnostics)
-    type(deck_t), intent(inout) :: deck
+  subroutine add_block(deck, b, scene, share, n, diagnostics)
+    type(deck_t), intent(in) :: deck
     integer, intent(in) :: b
     type(scene_t), intent(inout) :: scene
+    type(share_t), intent(inout) :: share
     integer, intent(inout) :: n
     type(diagnostics_t), intent(inout) :: diagnostics
-    integer :: first, last
+    integer(i4) :: material
 
-    first = n + 1
-    last = n + fixed_count(deck, b, scene)
-    deck%blocks(b)%first_body = first
-    deck%blocks(b)%last_body = last
-    if (deck%is_in(b, 'body') .or. deck%is_in(b, 'wall')) call name_body(deck, b, scene, first, diagnostics)
-    scene%bodies%material(first:last) = int(material_of(deck, b, scene, diagnostics), i4)
+    material = int(material_of(deck, b, scene, diagnostics), i4)
     if (deck%is_in(b, 'container')) then
-      call add_container(deck, b, scene, n, diagnostics)
+      call add_container(deck, b, material, scene, share, n, diagnostics)
     else if (deck%is_in(b, 'brick_wall')) then
-      call add_brick_wall(deck, b, scene, n, diagnostics)
+      call add_brick_wall(deck, b, material, scene, share, n, diagnostics)
     else if (deck%is_in(b, 'arch')) then
-      call add_arch(deck, b, scene, n, diagnostics)
-    else if (deck%is_in(b, 'wall')) then
-      call add_wall_body(deck, b, scene, first, diagnostics)
+      call add_arch(deck, b, material, scene, share, n, diagnostics)
     else
-      call add_body(deck, b, scene, first, diagnostics)
+      scene%bodies%material(n + 1) = material
+      if (deck%is_in(b, 'wall')) call add_wall_body(deck, b, scene, n + 1, diagnostics)
+      if (deck%is_in(b, 'body')) call add_body(deck, b, scene, n + 1, diagnostics)
+      call share%settle(scene, n)
     end if
-    n = last
   end subroutine add_block
 
   !> The body of a [[body]] block.
@@ -210,14 +198,14 @@ contains
   end subroutine add_body
 
   !> The grains of a sample: those that are kept go to the scene, the others are made and noted alone.
-  subroutine add_sample(deck, sample, before, called, scene, n, census, diagnostics)
+  subroutine add_sample(deck, sample, before, called, scene, share, n, diagnostics)
     type(deck_t), intent(in) :: deck
     type(sample_t), intent(inout) :: sample
     integer, intent(in) :: before
     integer(i4), intent(in) :: called(:)
     type(scene_t), intent(inout) :: scene
+    type(share_t), intent(inout) :: share
     integer, intent(inout) :: n
-    type(census_t), intent(inout) :: census
     type(diagnostics_t), intent(inout) :: diagnostics
     type(scene_t) :: other
     type(error_t), allocatable :: error
@@ -227,7 +215,7 @@ contains
     material = material_of(deck, sample%block, scene, diagnostics)
     call colour_index(scene, deck%word(sample%block, 'colour'), colour)
     if (deck%ranks > 1 .and. sample%n > count(called > before .and. called <= before + sample%n)) &
-      call note_look(deck, sample, colour, census)
+      call note_look(deck, sample, before, colour, share%census)
     do i = sample%before + 1, sample%before + size(sample%radius)
       is_own = i >= sample%first .and. i <= sample%last
       is_called = place_of(called, int(before + i, i4)) > 0
@@ -237,11 +225,13 @@ contains
         if (deck%ranks > 1) then
           scene%bodies%id(n) = int(before + i, i4)
           scene%bodies%home(n) = int(merge(-1, deck%rank, is_called), i4)
+          call reserve(scene%contactors%id, scene%contactors%n)
+          scene%contactors%id(scene%contactors%n) = int(share%contactors + before - share%all + i, i4)
         end if
       else
         call clear(scene, other)
         call add_grain(deck, sample, i, other, 1, material, colour, error)
-        if (other%contactors%n > 0) call census%note(other%bodies%position(:, 1), other%contactors%reach(1))
+        if (other%contactors%n > 0) call share%census%note(other%bodies%position(:, 1), other%contactors%reach(1))
       end if
       if (allocated(error)) then
         call deck%complain(diagnostics, error%message, sample%block, 'shape')
@@ -251,16 +241,17 @@ contains
   end subroutine add_sample
 
   !> Note what all grains of a sample have in common.
-  subroutine note_look(deck, sample, colour, census)
+  subroutine note_look(deck, sample, before, colour, census)
     type(deck_t), intent(in) :: deck
     type(sample_t), intent(in) :: sample
-    integer, intent(in) :: colour
+    integer, intent(in) :: before, colour
     type(census_t), intent(inout) :: census
     real(wp) :: velocity(3)
 
     velocity = deck%vector(sample%block, 'velocity')
-    call census%note_look(findloc(kind_names, deck%word(sample%block, 'shape'), 1), colour, &
-                          sqrt(sum(velocity(:deck%dimension)**2)))
+    ! Not findloc: gfortran's finds no word that is shorter than those of the list.
+    call census%note_look(choice_index(deck%word(sample%block, 'shape'), choices_of(kind_names)), colour, before + [1, sample%n], &
+                          norm2(velocity(:deck%dimension)))
   end subroutine note_look
 
   !> Make room for one grain in a scene of its own.

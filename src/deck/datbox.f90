@@ -4,18 +4,20 @@
 !! and we do not do yet is a mistake when the scene would differ without it, and a warning when it would not.
 module sg_datbox
   use sg_datbox_behaviours, only: other_law_t, read_bulk_behaviours, read_contact_laws, warn_of_unused
-  use sg_datbox_bodies, only: find_dimension, read_bodies
+  use sg_datbox_bodies, only: count_bodies, find_dimension, read_bodies
   use sg_datbox_contacts, only: read_start_contacts
-  use sg_datbox_drives, only: read_drives
-  use sg_datbox_lines, only: datbox_file_t, open_datbox_file
+  use sg_datbox_drives, only: bodies_driven, read_drives
+  use sg_datbox_lines, only: datbox_file_t, digest_of, open_datbox_file
   use sg_datbox_sees, only: check_sees, read_sees
   use sg_datbox_state, only: read_state
   use sg_error, only: diagnostics_t
+  use sg_kinds, only: i4
   use sg_scene, only: scene_t
+  use sg_share, only: share_t, sorted_once
   use sg_system, only: file_exists
   implicit none
   private
-  public :: read_datbox
+  public :: read_datbox, read_datbox_share
 
   !> Files that LMGC90 knows and that say nothing about the scene of rigid bodies
   character(len=14), parameter :: files_not_read(7) = [character(len=14) :: 'COMMAND.DAT', 'POSTPRO.DAT', 'PREPRO.DAT', &
@@ -28,10 +30,21 @@ contains
     character(len=*), intent(in) :: folder !! DATBOX folder
     type(scene_t), intent(inout) :: scene !! empty scene to fill
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
+    type(share_t) :: all
+
+    call read_datbox_share(folder, scene, all, diagnostics)
+  end subroutine read_datbox
+
+  !> The same where several ranks read: each keeps its share. All find the same mistakes.
+  subroutine read_datbox_share(folder, scene, share, diagnostics)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    type(scene_t), intent(inout) :: scene !! empty scene to fill
+    type(share_t), intent(inout) :: share !! knows the ranks, and which bodies all keep beside those that the folder drives
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
     type(datbox_file_t) :: bodies, bulk, tact
     type(other_law_t), allocatable :: other_bulk(:), other_laws(:)
     integer, allocatable :: see_lines(:)
-    integer :: before
+    integer :: before, n
     logical :: ok
 
     before = diagnostics%count()
@@ -43,18 +56,37 @@ contains
     call read_bulk_behaviours(folder, scene, other_bulk, bulk, diagnostics)
     call read_contact_laws(folder, scene, other_laws, tact, diagnostics)
     call read_sees(tact, scene, other_laws, see_lines, diagnostics)
-    call read_bodies(bodies, scene, other_bulk, diagnostics)
+    call count_bodies(bodies, n)
+    call keep_driven(folder, scene%dimension, n, share)
+    call share%begin(scene, n, 0)
+    call share%census%mix(digest_of(bodies))
+    call share%census%mix(digest_of(bulk))
+    call share%census%mix(digest_of(tact))
+    call read_bodies(bodies, scene, share, other_bulk, diagnostics)
     call warn_of_unused(other_bulk, bulk, diagnostics)
     call warn_of_unused(other_laws, tact, diagnostics)
-    if (scene%bodies%n > 0) call read_drives(folder, scene, diagnostics)
+    if (share%all > 0) call read_drives(folder, scene, share, diagnostics)
     call warn_of_files(folder, diagnostics)
     if (.not. allocated(scene%pressures)) allocate (scene%pressures(0))
     ! Contacts and states name bodies: where bodies are wrong, what follows would be noise.
     if (diagnostics%count() > before) return
-    call check_sees(scene, see_lines, tact, diagnostics)
-    call read_state(folder, scene, diagnostics)
-    call read_start_contacts(folder, scene, diagnostics)
-  end subroutine read_datbox
+    call check_sees(scene, share%census, see_lines, tact, diagnostics)
+    call read_state(folder, scene, share, diagnostics)
+    call read_start_contacts(folder, scene, share, diagnostics)
+  end subroutine read_datbox_share
+
+  !> All of several ranks keep the bodies that are driven.
+  subroutine keep_driven(folder, dimension, n, share)
+    character(len=*), intent(in) :: folder
+    integer, intent(in) :: dimension, n
+    type(share_t), intent(inout) :: share
+    integer(i4), allocatable :: driven(:)
+
+    if (share%ranks == 1) return
+    call bodies_driven(folder, dimension, n, driven)
+    if (allocated(share%common)) driven = [share%common, driven]
+    share%common = sorted_once(driven)
+  end subroutine keep_driven
 
   !> Is there such a folder? If not, say so, with a hint when its DATBOX may be meant.
   logical function is_folder(folder, diagnostics)

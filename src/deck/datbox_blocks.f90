@@ -13,8 +13,8 @@ module sg_datbox_blocks
 
   !> What a body's block says
   type :: block_t
-    !> Number in order of appearance, and line on which the block begins
-    integer :: body = 0, line = 0
+    !> Number in order of appearance, body of the scene that it becomes, and line on which the block begins
+    integer :: number = 0, body = 0, line = 0
     !> Which sections have been seen
     logical :: has_bulk = .false., has_node = .false.
     !> Nothing in the block was wrong so far
@@ -95,7 +95,7 @@ contains
 
     at = file%at
     call go_to(file, block%line)
-    call complain(file, 'body '//to_text(block%body)//' '//message, 0, diagnostics)
+    call complain(file, 'body '//to_text(block%number)//' '//message, 0, diagnostics)
     call go_to(file, max(file%at, at))
   end subroutine complain_block
 end module sg_datbox_blocks

@@ -12,10 +12,11 @@ module sg_datbox_bodies
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_scene, only: material_index, scene_t
+  use sg_share, only: share_t
   use sg_text, only: to_text
   implicit none
   private
-  public :: read_bodies, find_dimension, body_type
+  public :: read_bodies, count_bodies, find_dimension, body_type
 
   !> LMGC90's types of rigid body: of the plane, of space
   character(len=5), parameter :: body_types(2:3) = [character(len=5) :: 'RBDY2', 'RBDY3']
@@ -57,42 +58,51 @@ contains
     call go_to(file, 0)
   end subroutine find_dimension
 
+  !> Number of bodies.
+  subroutine count_bodies(file, n)
+    type(datbox_file_t), intent(inout) :: file !! BODIES.DAT, left at its beginning
+    integer, intent(out) :: n !! how many
+
+    n = 0
+    do while (next_line(file))
+      if (keyword(file) == 'bdyty') n = n + 1
+    end do
+    call go_to(file, 0)
+  end subroutine count_bodies
+
   !> Read all bodies; they are numbered by order of appearance, whatever number the file writes.
-  subroutine read_bodies(file, scene, others, diagnostics)
+  subroutine read_bodies(file, scene, share, others, diagnostics)
     type(datbox_file_t), intent(inout) :: file !! BODIES.DAT at its beginning
     type(scene_t), intent(inout) :: scene !! scene with its dimension; gets bodies, contactors and colours
+    type(share_t), intent(inout) :: share !! what this rank keeps of them, begun
     type(other_law_t), intent(inout) :: others(:) !! bulk laws that are not done
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     integer :: n
 
     n = 0
     do while (next_line(file))
-      if (keyword(file) == 'bdyty') n = n + 1
-    end do
-    call scene%bodies%allocate(n, scene%dimension)
-    call go_to(file, 0)
-    n = 0
-    do while (next_line(file))
       if (keyword(file) == 'bdyty') then
-        n = n + 1
-        call read_block(file, scene, n, others, diagnostics)
+        call read_block(file, scene, share%made + 1, n + 1, others, diagnostics)
+        call share%settle(scene, n)
       else if (scene%dimension == 2 .or. .not. is_block_end(keyword(file))) then
         call complain_once(file, 'stray', 'this line belongs to no body', 1, diagnostics)
       end if
     end do
-    if (n == 0 .and. file%n_errors == 0) call complain(file, 'there is no body', 0, diagnostics)
+    call share%finish(scene, n)
+    if (share%made == 0 .and. file%n_errors == 0) call complain(file, 'there is no body', 0, diagnostics)
   end subroutine read_bodies
 
   !> Read one body's block, from $bdyty to $$$$$$.
-  subroutine read_block(file, scene, body, others, diagnostics)
+  subroutine read_block(file, scene, number, body, others, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     type(scene_t), intent(inout) :: scene
-    integer, intent(in) :: body
+    integer, intent(in) :: number, body
     type(other_law_t), intent(inout) :: others(:)
     type(diagnostics_t), intent(inout) :: diagnostics
     type(block_t) :: block
     character(len=5) :: section, word
 
+    block%number = number
     block%body = body
     block%before = scene%contactors%n
     block%line = file%at
@@ -105,14 +115,14 @@ contains
     section = ''
     do
       if (.not. next_line(file)) then
-        call complain(file, 'the file ends within body '//to_text(body)//', before its $$$$$$', 0, diagnostics)
+        call complain(file, 'the file ends within body '//to_text(number)//', before its $$$$$$', 0, diagnostics)
         return
       end if
       word = keyword(file)
       if (word /= '') then
         if (is_block_end(word)) exit
         if (word == 'bdyty') then
-          call complain(file, 'a body begins here, but body '//to_text(body)//' has not been ended by $$$$$$', 1, diagnostics)
+          call complain(file, 'a body begins here, but body '//to_text(number)//' has not been ended by $$$$$$', 1, diagnostics)
           call step_back(file)
           return
         end if

@@ -1,13 +1,13 @@
 !> Vloc_Rloc.INI of a DATBOX: the contacts known at the start, with their mean forces.
 module sg_datbox_contacts
   use sg_datbox_blocks, only: read_point
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, keyword, line_text, name_field, next_data_line, &
-                             next_line, open_datbox_file, remark_once
-  use sg_datbox_state, only: first_contactors
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, go_to, keyword, line_text, name_field, &
+                             next_data_line, next_line, open_datbox_file, remark_once
   use sg_error, only: diagnostics_t
-  use sg_kinds, only: wp, i1, i4
+  use sg_kinds, only: wp, i1
   use sg_laws, only: status_bonded, status_new, status_none, status_slide, status_stick
   use sg_scene, only: scene_t, start_contact_t
+  use sg_share, only: piece_of, share_t
   use sg_text, only: to_text
   implicit none
   private
@@ -20,16 +20,19 @@ module sg_datbox_contacts
 
 contains
 
-  !> Read the contacts known at the start, with their mean forces.
-  subroutine read_start_contacts(folder, scene, diagnostics)
+  !> Read the contacts known at the start, with their mean forces; of several ranks each keeps a piece of them.
+  subroutine read_start_contacts(folder, scene, share, diagnostics)
     character(len=*), intent(in) :: folder !! DATBOX folder
-    type(scene_t), intent(inout) :: scene !! scene with bodies and contactors
+    type(scene_t), intent(inout) :: scene !! gets the contacts, with the numbers of the whole scene
+    type(share_t), intent(inout) :: share !! knows the contactors of all bodies
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(datbox_file_t) :: file
-    integer(i4), allocatable :: first(:)
-    integer :: n
+    type(start_contact_t) :: contact
+    integer :: k, n, piece(2)
+    logical :: ok
 
     call open_datbox_file(file, folder, 'Vloc_Rloc.INI', .false., diagnostics)
+    call share%census%mix(digest_of(file))
     if (file%n == 0 .and. scene%start_step > 0) then
       call diagnostics%warn('no contacts: the file is missing or empty, the solver starts without impulses', file=file%path)
     end if
@@ -38,48 +41,51 @@ contains
       if (keyword(file) == 'icdan') n = n + 1
     end do
     if (allocated(scene%start_contacts)) deallocate (scene%start_contacts)
-    allocate (scene%start_contacts(n))
-    call first_contactors(scene%contactors, scene%bodies%n, first)
+    piece = piece_of(n, share%rank, share%ranks)
+    allocate (scene%start_contacts(piece(2) - piece(1) + 1))
     call go_to(file, 0)
     n = 0
+    k = 0
     do while (next_line(file))
       if (keyword(file) /= 'icdan') cycle
+      k = k + 1
+      ok = .false.
       if (any(name_field(file, 9) == pairs) .and. scene%dimension == 2) then
-        call read_contact(file, first, scene, n, diagnostics)
+        call read_contact(file, scene%dimension, share, contact, ok, diagnostics)
       else if (any(name_field(file, 9) == pairs_in_space) .and. scene%dimension == 3) then
-        call read_contact(file, first, scene, n, diagnostics)
+        call read_contact(file, scene%dimension, share, contact, ok, diagnostics)
       else
         call complain_once(file, name_field(file, 9), 'contacts of type '''//name_field(file, 9)//''' are not done', 9, &
                            diagnostics)
       end if
+      if (.not. ok .or. k < piece(1) .or. k > piece(2)) cycle
+      n = n + 1
+      scene%start_contacts(n) = contact
     end do
     scene%start_contacts = scene%start_contacts(:n)
   end subroutine read_start_contacts
 
   !> Read one contact: a title, who touches whom, then forces, velocities, gap, frame, point.
-  subroutine read_contact(file, first, scene, n, diagnostics)
+  subroutine read_contact(file, dimension, share, contact, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
-    integer(i4), intent(in) :: first(:)
-    type(scene_t), intent(inout) :: scene
-    integer, intent(inout) :: n
+    integer, intent(in) :: dimension
+    type(share_t), intent(in) :: share
+    type(start_contact_t), intent(out) :: contact
+    logical, intent(out) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
-    type(start_contact_t) :: contact
     character(len=:), allocatable :: pair
-    logical :: ok
 
+    ok = .false.
     pair = name_field(file, 9)
     if (.not. next_data_line(file, 'the title of a contact', diagnostics)) return
     if (.not. next_data_line(file, 'the bodies of a contact', diagnostics)) return
     ok = .true.
-    call read_identity(file, first, scene%dimension, contact, ok, diagnostics)
-    if (scene%dimension == 2) then
+    call read_identity(file, share, dimension, contact, ok, diagnostics)
+    if (dimension == 2) then
       call read_planar_force(file, contact, ok, diagnostics)
     else
       call read_solid_force(file, pair, contact, ok, diagnostics)
     end if
-    if (.not. ok) return
-    n = n + 1
-    scene%start_contacts(n) = contact
   end subroutine read_contact
 
   !> Read force and point of a contact in the plane; the tangential component comes first there.
@@ -157,9 +163,9 @@ contains
   !!     RBDY2 body DISKx rank            law RBDY2 body JONCx rank            status
   !!     RBDY2 body POLYG rank CDVER n    law RBDY2 body POLYG rank ANSEG n    status
   !!     RBDY3 body POLYR rank n          law RBDY3 body PLANx rank            status
-  subroutine read_identity(file, first, dimension, contact, ok, diagnostics)
+  subroutine read_identity(file, share, dimension, contact, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
-    integer(i4), intent(in) :: first(:)
+    type(share_t), intent(in) :: share
     integer, intent(in) :: dimension
     type(start_contact_t), intent(inout) :: contact
     logical, intent(inout) :: ok
@@ -171,9 +177,9 @@ contains
     call split(line_text(file), words, at, n)
     next = 1
     if (n >= 10) then
-      call read_side(file, first, dimension, words, at, next, contact%contactor(1), ok, diagnostics)
+      call read_side(file, share, dimension, words, at, next, contact%contactor(1), ok, diagnostics)
       next = next + 1
-      call read_side(file, first, dimension, words, at, next, contact%contactor(2), ok, diagnostics)
+      call read_side(file, share, dimension, words, at, next, contact%contactor(2), ok, diagnostics)
       if (next <= n) then
         contact%status = status_of(file, trim(words(next)), at(next), diagnostics)
         return
@@ -184,9 +190,9 @@ contains
   end subroutine read_identity
 
   !> Read one side of a contact: body and rank of its contactor, then perhaps a vertex or a segment.
-  subroutine read_side(file, first, dimension, words, at, next, contactor, ok, diagnostics)
+  subroutine read_side(file, share, dimension, words, at, next, contactor, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
-    integer(i4), intent(in) :: first(:)
+    type(share_t), intent(in) :: share
     integer, intent(in) :: dimension
     character(len=*), intent(in) :: words(:)
     integer, intent(in) :: at(:)
@@ -194,7 +200,7 @@ contains
     integer, intent(out) :: contactor
     logical, intent(inout) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
-    integer :: body, rank, status(2)
+    integer :: body, rank, status(2), ends(2)
 
     contactor = 0
     read (words(next + 1), *, iostat=status(1)) body
@@ -202,21 +208,22 @@ contains
     if (any(status /= 0)) then
       if (ok) call complain(file, 'a body or contactor has no readable number', at(next + 1), diagnostics)
       ok = .false.
-    else if (body < 1 .or. body >= size(first)) then
+    else if (body < 1 .or. body > share%made) then
       if (ok) call complain(file, 'there is no body '//to_text(body), at(next + 1), diagnostics)
       ok = .false.
     else
-      if (dimension == 3 .and. rank > 1 .and. first(body + 1) == first(body) + 1) then
+      ends = share%contactors_of(body)
+      if (dimension == 3 .and. rank > 1 .and. ends(1) == ends(2)) then
         ! Some versions of LMGC90 number contactors through all bodies.
         call remark_once(file, 'rank', 'body '//to_text(body)//' has one contactor, which is meant by number '//to_text(rank), &
                          at(next + 3), diagnostics)
         rank = 1
       end if
-      if (rank < 1 .or. rank > first(body + 1) - first(body)) then
+      if (rank < 1 .or. rank > ends(2) - ends(1) + 1) then
         if (ok) call complain(file, 'body '//to_text(body)//' has no contactor '//to_text(rank), at(next + 3), diagnostics)
         ok = .false.
       else
-        contactor = first(body) + rank - 1
+        contactor = ends(1) + rank - 1
       end if
     end if
     next = next + 4

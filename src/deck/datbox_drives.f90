@@ -1,31 +1,60 @@
 !> DRV_DOF.DAT of a DATBOX: imposed velocities and forces, by formula or by an evolution file.
 module sg_datbox_drives
   use sg_datbox_bodies, only: body_type
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, integer_field, is_block_end, keyword, &
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, go_to, integer_field, is_block_end, keyword, &
                              name_field, next_data_line, next_line, open_datbox_file, real_field, remark_once
   use sg_drives, only: drive_t
   use sg_error, only: diagnostics_t
   use sg_evolution_file, only: read_evolution_file
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
+  use sg_lists, only: reserve
+  use sg_local_numbers, only: local_body
   use sg_scene, only: scene_t
+  use sg_share, only: share_t
   use sg_text, only: to_text
   use sg_time_functions, only: time_function_t
   implicit none
   private
-  public :: read_drives, read_body_number
+  public :: read_drives, bodies_driven, read_body_number
 
 contains
 
-  !> Read all drives; driven bodies are no grains.
-  subroutine read_drives(folder, scene, diagnostics)
+  !> Numbers of the bodies that have drives; what is wrong is told when these are read.
+  subroutine bodies_driven(folder, dimension, n_bodies, numbers)
     character(len=*), intent(in) :: folder !! DATBOX folder
-    type(scene_t), intent(inout) :: scene !! scene with its bodies; gets the drives
+    integer, intent(in) :: dimension !! 2 or 3
+    integer, intent(in) :: n_bodies !! number of bodies
+    integer(i4), allocatable, intent(out) :: numbers(:) !! in the order of the file, perhaps more than once
+    type(datbox_file_t) :: file
+    type(diagnostics_t) :: unheard
+    integer :: n, number
+
+    call open_datbox_file(file, folder, 'DRV_DOF.DAT', .false., unheard)
+    n = 0
+    do while (next_line(file))
+      if (keyword(file) /= 'bdyty') cycle
+      call read_body_number(file, dimension, n_bodies, number, unheard)
+      if (number == 0) cycle
+      n = n + 1
+      call reserve(numbers, n)
+      numbers(n) = int(number, i4)
+    end do
+    if (.not. allocated(numbers)) allocate (numbers(0))
+    numbers = numbers(:n)
+  end subroutine bodies_driven
+
+  !> Read all drives; driven bodies are no grains.
+  subroutine read_drives(folder, scene, share, diagnostics)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    type(scene_t), intent(inout) :: scene !! scene with its bodies, all that are driven; gets the drives
+    type(share_t), intent(inout) :: share !! what this rank keeps of them
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(datbox_file_t) :: file
     logical, allocatable :: is_driven(:, :)
     integer :: n
 
     call open_datbox_file(file, folder, 'DRV_DOF.DAT', .false., diagnostics)
+    call share%census%mix(digest_of(file))
     if (file%n == 0) call diagnostics%warn('no drive: the file is missing or empty', file=file%path)
     n = 0
     do while (next_line(file))
@@ -38,7 +67,7 @@ contains
     n = 0
     do while (next_line(file))
       if (keyword(file) == 'bdyty') then
-        call read_block(file, folder, scene, n, is_driven, diagnostics)
+        call read_block(file, folder, scene, share%all, n, is_driven, diagnostics)
       else
         call complain_once(file, 'stray', 'this line belongs to no body', 1, diagnostics)
       end if
@@ -47,18 +76,21 @@ contains
   end subroutine read_drives
 
   !> Read the drives of one body, from $bdyty to $$$$$$.
-  subroutine read_block(file, folder, scene, n, is_driven, diagnostics)
+  subroutine read_block(file, folder, scene, n_bodies, n, is_driven, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     character(len=*), intent(in) :: folder
     type(scene_t), intent(inout) :: scene
+    integer, intent(in) :: n_bodies
     integer, intent(inout) :: n
     logical, intent(inout) :: is_driven(:, :)
     type(diagnostics_t), intent(inout) :: diagnostics
     type(drive_t) :: drive
     character(len=5) :: section
+    integer :: number
     logical :: ok
 
-    call read_body_number(file, scene, drive%body, diagnostics)
+    call read_body_number(file, scene%dimension, n_bodies, number, diagnostics)
+    drive%body = local_body(scene%bodies, int(number, i4))
     section = ''
     do
       if (.not. next_line(file)) then
@@ -85,25 +117,26 @@ contains
   end subroutine read_block
 
   !> Read the line that says which body a block speaks of; 0 and a mistake when there is no such body.
-  subroutine read_body_number(file, scene, body, diagnostics)
+  subroutine read_body_number(file, dimension, n_bodies, body, diagnostics)
     type(datbox_file_t), intent(inout) :: file !! file at $bdyty
-    type(scene_t), intent(in) :: scene !! scene with its bodies
+    integer, intent(in) :: dimension !! 2 or 3
+    integer, intent(in) :: n_bodies !! number of bodies
     integer, intent(out) :: body !! number of the body
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     logical :: ok
 
     body = 0
     if (.not. next_data_line(file, 'the number of a body', diagnostics)) return
-    if (name_field(file, 2) /= body_type(scene%dimension)) then
+    if (name_field(file, 2) /= body_type(dimension)) then
       call complain_once(file, name_field(file, 2), 'bodies of type '''//name_field(file, 2)//''' are not done: this DATBOX ' &
-                         //'holds '//body_type(scene%dimension)//', rigid', 2, diagnostics)
+                         //'holds '//body_type(dimension)//', rigid', 2, diagnostics)
       return
     end if
     ok = .true.
     call integer_field(file, 9, 15, body, ok, diagnostics)
     if (.not. ok) return
-    if (body >= 1 .and. body <= scene%bodies%n) return
-    call complain(file, 'there is no body '//to_text(body)//': BODIES.DAT holds '//to_text(scene%bodies%n), 9, diagnostics)
+    if (body >= 1 .and. body <= n_bodies) return
+    call complain(file, 'there is no body '//to_text(body)//': BODIES.DAT holds '//to_text(n_bodies), 9, diagnostics)
     body = 0
   end subroutine read_body_number
 

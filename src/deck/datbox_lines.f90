@@ -4,14 +4,14 @@
 !! are skipped. A block keyword stands in columns 2 to 6, by habit after a `$`.
 module sg_datbox_lines
   use sg_error, only: diagnostics_t, error_t
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i8
   use sg_system, only: file_exists
   use sg_text, only: to_text
   use sg_text_window, only: text_window_t
   implicit none
   private
   public :: datbox_file_t, open_datbox_file, next_line, next_data_line, step_back, go_to, keyword, line_text, first_letter
-  public :: name_field, real_field, integer_field, free_numbers, complain, complain_once, remark_once, is_block_end
+  public :: name_field, real_field, integer_field, free_numbers, complain, complain_once, remark_once, is_block_end, digest_of
 
   !> Errors after which the rest of a file is not read: what follows is noise
   integer, parameter :: most_errors = 20
@@ -112,6 +112,13 @@ contains
     file%at = at
     call file%text%get(at, file%line)
   end subroutine go_to
+
+  !> What tells this file from others.
+  pure integer(i8) function digest_of(file)
+    type(datbox_file_t), intent(in) :: file !! file that is open
+
+    digest_of = file%text%digest
+  end function digest_of
 
   !> The present line.
   pure function line_text(file) result(text)

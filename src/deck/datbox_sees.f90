@@ -1,5 +1,6 @@
 !> The see tables of TACT_BEHAV.DAT: which contactors may meet, under which law, from which distance on.
 module sg_datbox_sees
+  use sg_census, only: census_t
   use sg_contactors, only: kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, kind_polygon, &
                            kind_polyhedron, kind_sphere, kind_wall, n_kinds
   use sg_datbox_behaviours, only: other_law, other_law_t, skip_data
@@ -183,8 +184,9 @@ contains
   end function seen_law
 
   !> Warn of see tables that name a kind and colour of which there is no contactor.
-  subroutine check_sees(scene, see_lines, file, diagnostics)
+  subroutine check_sees(scene, others, see_lines, file, diagnostics)
     type(scene_t), intent(in) :: scene !! scene with bodies and see tables
+    type(census_t), intent(in) :: others !! bodies that other ranks keep
     integer, intent(in) :: see_lines(:) !! line of each see table
     type(datbox_file_t), intent(inout) :: file !! TACT_BEHAV.DAT
     type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
@@ -195,6 +197,11 @@ contains
     do c = 1, scene%contactors%n
       is_there(scene%contactors%kind(c), scene%contactors%colour(c)) = .true.
     end do
+    if (allocated(others%looks)) then
+      do i = 1, size(others%looks, 2)
+        is_there(others%looks(1, i), others%looks(2, i)) = .true.
+      end do
+    end if
     do i = 1, size(scene%sees)
       call go_to(file, see_lines(i))
       call check_side(scene%sees(i)%candidate_kind, scene%sees(i)%candidate_colour, 16)

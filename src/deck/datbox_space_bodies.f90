@@ -348,7 +348,7 @@ contains
     if (min(off_axes(solid%inertia), off_axes(filled%inertia)) <= 1e-4_wp) return
     at = file%at
     call go_to(file, block%line)
-    call remark_once(file, 'given moments', 'body '//to_text(block%body)//' gives its principal moments, but its shapes are ' &
+    call remark_once(file, 'given moments', 'body '//to_text(block%number)//' gives its principal moments, but its shapes are ' &
                      //'not given along their principal axes', 0, diagnostics)
     call go_to(file, at)
   contains

@@ -3,30 +3,34 @@ module sg_datbox_state
   use sg_contactors, only: contactors_t, kind_cylinder, kind_plane
   use sg_datbox_blocks, only: read_point, read_triple, triple
   use sg_datbox_drives, only: read_body_number
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, integer_field, is_block_end, keyword, name_field, &
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, integer_field, is_block_end, keyword, name_field, &
                              next_line, open_datbox_file, real_field
   use sg_datbox_space_bodies, only: read_frame
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
+  use sg_local_numbers, only: local_body
   use sg_rotations, only: frame_of, quaternion_of
   use sg_scene, only: scene_t
+  use sg_share, only: share_t
   use sg_solid_bodies, only: move_body_frame
   implicit none
   private
-  public :: read_state, first_contactors
+  public :: read_state
 
 contains
 
   !> Read step number, time, displacements and velocities; bodies that are not listed stay at rest.
-  subroutine read_state(folder, scene, diagnostics)
+  subroutine read_state(folder, scene, share, diagnostics)
     character(len=*), intent(in) :: folder !! DATBOX folder
     type(scene_t), intent(inout) :: scene !! scene with bodies where BODIES.DAT puts them
+    type(share_t), intent(inout) :: share !! what this rank keeps of them
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(datbox_file_t) :: file
     integer(i4), allocatable :: first(:)
     logical :: ok
 
     call open_datbox_file(file, folder, 'DOF.INI', .false., diagnostics)
+    call share%census%mix(digest_of(file))
     if (file%n == 0) then
       call diagnostics%warn('no state: the file is missing or empty, bodies start at rest', file=file%path)
     end if
@@ -38,22 +42,24 @@ contains
         call integer_field(file, 9, 15, scene%start_step, ok, diagnostics)
         call real_field(file, triple(1), scene%start_time, ok, diagnostics)
       case ('bdyty')
-        call read_body_state(file, first, scene, diagnostics)
+        call read_body_state(file, first, scene, share%all, diagnostics)
       case default
         call complain_once(file, 'stray', 'this line belongs to no body', 1, diagnostics)
       end select
     end do
   end subroutine read_state
 
-  !> Read the state of one body, from $bdyty to $$$$$$.
-  subroutine read_body_state(file, first, scene, diagnostics)
+  !> Read the state of one body, from $bdyty to $$$$$$, and drop it where another rank keeps the body.
+  subroutine read_body_state(file, first, scene, n_bodies, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     integer(i4), intent(in) :: first(:)
     type(scene_t), intent(inout) :: scene
+    integer, intent(in) :: n_bodies
     type(diagnostics_t), intent(inout) :: diagnostics
-    integer :: body
+    integer :: number, body
 
-    call read_body_number(file, scene, body, diagnostics)
+    call read_body_number(file, scene%dimension, n_bodies, number, diagnostics)
+    body = local_body(scene%bodies, int(number, i4))
     do
       if (.not. next_line(file)) then
         call complain(file, 'the file ends within a body, before its $$$$$$', 0, diagnostics)

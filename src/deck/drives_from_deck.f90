@@ -6,17 +6,18 @@ module sg_drives_from_deck
   use sg_contactors, only: kind_wall
   use sg_drives, only: drive_t, pressure_t
   use sg_error, only: diagnostics_t
-  use sg_kinds, only: wp, i4, i8
+  use sg_kinds, only: wp, i4
   use sg_local_numbers, only: local_body
+  use sg_named_bodies, only: number_named
   use sg_scene, only: scene_t
-  use sg_sorting, only: sort_permutation
+  use sg_share, only: sorted_once
   use sg_text, only: text_t, to_text
   use sg_time_function_from_deck, only: read_time_function
   use sg_values, only: value_t
   use sg_words, only: choice_index
   implicit none
   private
-  public :: drives_from_deck, numbers_called
+  public :: drives_from_deck, numbers_called, bodies_held
 
 contains
 
@@ -51,13 +52,13 @@ contains
     do b = 1, deck%n
       if (.not. is_held(deck, b)) cycle
       if (deck%is_in(b, 'wall')) then
-        if (deck%is_given(b, 'pressure')) call press_wall(deck, b, deck%blocks(b)%first_body, scene, n_pressures, is_taken, &
-                                                          diagnostics)
+        if (deck%is_given(b, 'pressure')) &
+          call press_wall(deck, b, local_body(scene%bodies, int(deck%blocks(b)%first_body, i4)), scene, n_pressures, is_taken, &
+                          diagnostics)
       end if
       do n = deck%blocks(b)%first_body, deck%blocks(b)%last_body
-        ! Of an arch the ends alone.
-        if (deck%is_in(b, 'arch') .and. n > deck%blocks(b)%first_body .and. n < deck%blocks(b)%last_body) cycle
-        call hold(scene, n, n_drives, is_taken)
+        if (is_between(deck, b, n)) cycle
+        call hold(scene, local_body(scene%bodies, int(n, i4)), n_drives, is_taken)
       end do
     end do
     scene%drives = scene%drives(:n_drives)
@@ -65,7 +66,7 @@ contains
     call mark_walls(scene)
   end subroutine drives_from_deck
 
-  !> Numbers by which a deck calls bodies, ascending, each once.
+  !> Numbers of the bodies that a deck calls, by number or by name, ascending, each once.
   subroutine numbers_called(deck, called)
     type(deck_t), intent(in) :: deck !! checked deck
     integer(i4), allocatable, intent(out) :: called(:) !! numbers, positive
@@ -81,15 +82,46 @@ contains
         if (.not. deck%is_given(b, trim(keys(k)))) cycle
         value = deck%value(b, trim(keys(k)))
         do i = 1, value%n_words
-          if (index(value%words(i)%s, '#') /= 1) cycle
-          read (value%words(i)%s(2:), *, iostat=status) number
-          if (status == 0 .and. number > 0) found = [found, int(number, i4)]
+          if (index(value%words(i)%s, '#') == 1) then
+            read (value%words(i)%s(2:), *, iostat=status) number
+            if (status /= 0) cycle
+          else
+            number = number_named(deck, value%words(i)%s)
+          end if
+          if (number > 0) found = [found, int(number, i4)]
         end do
       end do
     end do
-    found = found(sort_permutation(int(found, i8)))
-    called = pack(found, [(i == 1 .or. found(max(1, i - 1)) /= found(i), i=1, size(found))])
+    called = sorted_once(found)
   end subroutine numbers_called
+
+  !> Numbers of the bodies that hold still where nothing drives them.
+  subroutine bodies_held(deck, held)
+    type(deck_t), intent(in) :: deck !! checked deck; its blocks know their bodies
+    integer(i4), allocatable, intent(out) :: held(:) !! numbers
+    integer :: b, i, n, pass
+
+    do pass = 1, 2
+      n = 0
+      do b = 1, deck%n
+        if (.not. is_held(deck, b)) cycle
+        do i = deck%blocks(b)%first_body, deck%blocks(b)%last_body
+          if (is_between(deck, b, i)) cycle
+          n = n + 1
+          if (pass == 2) held(n) = int(i, i4)
+        end do
+      end do
+      if (pass == 1) allocate (held(n))
+    end do
+  end subroutine bodies_held
+
+  !> Is a body one of an arch's between the two ends, which alone are held?
+  pure logical function is_between(deck, b, body)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b, body
+
+    is_between = deck%is_in(b, 'arch') .and. body > deck%blocks(b)%first_body .and. body < deck%blocks(b)%last_body
+  end function is_between
 
   !> Does a block make bodies that hold still where nothing drives them?
   logical function is_held(deck, b)
@@ -151,7 +183,6 @@ contains
     character(len=*), intent(in) :: key, word
     type(scene_t), intent(in) :: scene
     type(diagnostics_t), intent(inout) :: diagnostics
-    type(text_t), allocatable :: known(:)
     integer :: status
 
     if (word(1:min(1, len(word))) == '#') then
@@ -161,12 +192,14 @@ contains
       call deck%complain(diagnostics, 'there is no body '//word(2:)//': the scene has '// &
                          to_text(scene%bodies%n + deck%absent%n), b, key)
     else
-      known = [text_t ::]
-      if (allocated(scene%names)) known = scene%names
-      do body = 1, size(known)
-        if (known(body)%s == word) return
-      end do
-      call deck%complain_unknown(diagnostics, 'body', word, known, b, key)
+      body = number_named(deck, word)
+      if (body > 0) body = local_body(scene%bodies, int(body, i4))
+      if (body > 0) return
+      if (allocated(deck%names)) then
+        call deck%complain_unknown(diagnostics, 'body', word, deck%names, b, key)
+      else
+        call deck%complain_unknown(diagnostics, 'body', word, [text_t ::], b, key)
+      end if
     end if
     body = 0
   end function body_of

@@ -2,14 +2,15 @@
 module sg_scene_from_deck
   use sg_blocks, only: deck_t
   use sg_bodies_from_deck, only: bodies_from_deck
-  use sg_datbox, only: read_datbox
-  use sg_drives_from_deck, only: drives_from_deck
+  use sg_datbox, only: read_datbox_share
+  use sg_drives_from_deck, only: drives_from_deck, numbers_called
   use sg_error, only: diagnostics_t
   use sg_interactions_from_deck, only: interactions_from_deck
   use sg_kinds, only: wp, i4
   use sg_laws_from_deck, only: laws_from_deck, materials_from_deck
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
+  use sg_share, only: share_t
   use sg_solid_checks, only: find_overlaps
   use sg_start_checks, only: check_range, overlaps_t, report_overlaps
   use sg_system, only: file_exists
@@ -54,7 +55,7 @@ contains
     call check_range(deck, scene, diagnostics)
     if (diagnostics%count() > 0) return
     call find_overlaps(scene, overlaps)
-    call report_overlaps(deck, scene, overlaps, diagnostics)
+    call report_overlaps(deck, overlaps, diagnostics)
   end subroutine scene_from_deck
 
   !> Build the scene of a DATBOX folder, with gravity, drives and pressures of the deck on top.
@@ -66,6 +67,7 @@ contains
     character(len=:), allocatable :: folder
     real(wp) :: period(2)
     integer :: b, i
+    type(share_t) :: share
 
     do b = 1, deck%n
       do i = 1, size(own_sections)
@@ -79,7 +81,11 @@ contains
       return
     end if
     period = [scene%period, scene%period_y]
-    call read_datbox(folder, scene, diagnostics)
+    share%rank = deck%rank
+    share%ranks = deck%ranks
+    call numbers_called(deck, share%common)
+    call read_datbox_share(folder, scene, share, diagnostics)
+    deck%absent = share%census
     scene%period = period(1)
     scene%period_y = period(2)
     if (diagnostics%count() > 0) return

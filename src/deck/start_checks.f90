@@ -5,7 +5,7 @@ module sg_start_checks
   use sg_error, only: diagnostics_t
   use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4
-  use sg_local_numbers, only: local_body
+  use sg_named_bodies, only: name_of
   use sg_ordering, only: order_of
   use sg_overlaps, only: overlap_depth
   use sg_scene, only: scene_t
@@ -50,7 +50,7 @@ contains
       if (.not. period(axis) > 0) cycle
       c = first_wide(scene, period(axis))
       if (c > 0) then
-        call complain_of_wide(deck, scene, int(scene%contactors%body(c)), scene%contactors%reach(c), period(axis), diagnostics)
+        call complain_of_wide(deck, int(scene%contactors%body(c)), scene%contactors%reach(c), period(axis), diagnostics)
         cycle
       end if
       do b = 1, scene%bodies%n
@@ -88,29 +88,28 @@ contains
   end function lies_outside
 
   !> Say that a grain is wider than the period.
-  subroutine complain_of_wide(deck, scene, number, reach, period, diagnostics)
+  subroutine complain_of_wide(deck, number, reach, period, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
-    type(scene_t), intent(in) :: scene !! scene with the names of bodies
     integer, intent(in) :: number !! number of the body in the whole scene
     real(wp), intent(in) :: reach !! radius of the grain [m]
     real(wp), intent(in) :: period !! [m]
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
 
-    call deck%complain(diagnostics, name_of(scene, number)//' is wider than the period: '//to_text(2*reach, 6)//' m against '// &
+    call deck%complain(diagnostics, name_of(deck, number)//' is wider than the period: '//to_text(2*reach, 6)//' m against '// &
                        to_text(period, 6)//' m', deck%block_of_body(number))
   end subroutine complain_of_wide
 
   !> Say that a grain lies outside of the period.
   subroutine complain_of_outside(deck, scene, number, axis, coordinate, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
-    type(scene_t), intent(in) :: scene !! scene with its period and the names of bodies
+    type(scene_t), intent(in) :: scene !! scene with its period
     integer, intent(in) :: number !! number of the body in the whole scene
     integer, intent(in) :: axis !! 1 for x, 2 for y
     real(wp), intent(in) :: coordinate !! of the grain along it [m]
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     character(len=*), parameter :: letters = 'xy'
 
-    call deck%complain(diagnostics, name_of(scene, number)//' lies outside of the period: '//letters(axis:axis)//' = '// &
+    call deck%complain(diagnostics, name_of(deck, number)//' lies outside of the period: '//letters(axis:axis)//' = '// &
                        to_text(coordinate, 6)//' m is not within 0 to '// &
                        to_text(merge(scene%period, scene%period_y, axis == 1), 6)//' m', deck%block_of_body(number))
   end subroutine complain_of_outside
@@ -202,9 +201,8 @@ contains
 
   !> Report pairs of bodies whose shapes overlap: by much a mistake, by little a warning; and how many pairs there are where not
   !! all are listed.
-  subroutine report_overlaps(deck, scene, found, diagnostics)
+  subroutine report_overlaps(deck, found, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
-    type(scene_t), intent(in) :: scene !! scene with the names of bodies
     type(overlaps_t), intent(in) :: found !! pairs found
     type(diagnostics_t), intent(inout) :: diagnostics !! list to add to
     character(len=:), allocatable :: message
@@ -212,7 +210,7 @@ contains
 
     do i = 1, min(found%n, most_pairs)
       associate (first => minval(found%pair(:, i)), second => maxval(found%pair(:, i)))
-        message = name_of(scene, first)//' and '//name_of(scene, second)//' overlap at the start by '// &
+        message = name_of(deck, first)//' and '//name_of(deck, second)//' overlap at the start by '// &
                   to_text(found%depth(i), 3)//' m, '//to_text(nint(100*found%share(i)))//' % of the smaller radius'
         if (found%share(i) > tolerated) then
           call deck%complain(diagnostics, message, deck%block_of_body(second))
@@ -224,17 +222,4 @@ contains
     if (found%n > most_pairs) call deck%warn(diagnostics, to_text(found%n)//' pairs overlap at the start, which are not all '// &
                                              'listed', deck%block_of('scene'))
   end subroutine report_overlaps
-
-  !> A body for messages: its name, or its number.
-  function name_of(scene, number) result(name)
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: number
-    character(len=:), allocatable :: name
-    integer :: body
-
-    name = 'body '//to_text(number)
-    body = local_body(scene%bodies, int(number, i4))
-    if (body == 0 .or. .not. allocated(scene%names)) return
-    if (scene%names(body)%s /= '') name = '"'//scene%names(body)%s//'"'
-  end function name_of
 end module sg_start_checks

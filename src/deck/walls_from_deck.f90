@@ -6,16 +6,16 @@ module sg_walls_from_deck
   use sg_blocks, only: deck_t
   use sg_contactors, only: add_wall
   use sg_error, only: diagnostics_t
-  use sg_kinds, only: wp
-  use sg_named_bodies, only: give_name
+  use sg_kinds, only: wp, i4
   use sg_scene, only: colour_index, scene_t
+  use sg_share, only: share_t
   use sg_space_contactors, only: add_plane
   use sg_text, only: to_text
   use sg_vectors, only: cross
   use sg_weights_from_deck, only: weigh_body
   implicit none
   private
-  public :: add_wall_body, add_container, planes_of_container
+  public :: add_wall_body, add_container, planes_of_container, name_of_plane
 
   !> Cosine to z from which on a normal is taken for vertical: rounding
   real(wp), parameter :: vertical = 1 - 1e-12_wp
@@ -81,22 +81,56 @@ contains
     integer, intent(in) :: b !! block of the container
     real(wp), intent(in) :: period(2) !! periods in x and y [m], zero where there is none
 
-    n = 1
-    if (deck%flag(b, 'lid')) n = n + 1
-    if (deck%flag(b, 'sides')) n = n + 2*count(.not. period > 0)
+    n = size(planes(deck, b, period), 2)
   end function planes_of_container
 
-  !> The planes of a [[container]] block. Each reaches beyond the room by its thickness, so that edges and corners are closed.
-  subroutine add_container(deck, b, scene, n, diagnostics)
+  !> What a plane of a container is called.
+  function name_of_plane(deck, b, period, plane) result(name)
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: b !! block of the container
-    type(scene_t), intent(inout) :: scene !! scene with its bodies and their materials
-    integer, intent(inout) :: n !! bodies so far
-    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    real(wp), intent(in) :: period(2) !! periods in x and y [m], zero where there is none
+    integer, intent(in) :: plane !! plane of the container, in the order in which they are made
+    character(len=:), allocatable :: name
+    integer, allocatable :: list(:, :)
     character(len=*), parameter :: names(3, 2) = reshape([character(len=5) :: 'left', 'front', 'floor', 'right', 'back', 'lid'], &
                                                          [3, 2])
+
+    list = planes(deck, b, period)
+    name = deck%word(b, 'name')//'.'//trim(names(list(1, plane), list(2, plane)))
+  end function name_of_plane
+
+  !> Axis and side of the planes of a container, from the floor on, shape (2, planes).
+  function planes(deck, b, period) result(list)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    real(wp), intent(in) :: period(2)
+    integer, allocatable :: list(:, :)
+
+    list = reshape([3, 1], [2, 1])
+    if (deck%flag(b, 'lid')) call add([3, 2])
+    if (.not. deck%flag(b, 'sides')) return
+    if (.not. period(2) > 0) call add([2, 1, 2, 2])
+    if (.not. period(1) > 0) call add([1, 1, 1, 2])
+  contains
+    subroutine add(more)
+      integer, intent(in) :: more(:)
+
+      list = reshape([list, more], [2, size(list, 2) + size(more)/2])
+    end subroutine add
+  end function planes
+
+  !> The planes of a [[container]] block. Each reaches beyond the room by its thickness, so that edges and corners are closed.
+  subroutine add_container(deck, b, material, scene, share, n, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block of the container
+    integer(i4), intent(in) :: material !! of the planes
+    type(scene_t), intent(inout) :: scene !! scene with its bodies
+    type(share_t), intent(inout) :: share !! what this rank keeps of them
+    integer, intent(inout) :: n !! bodies kept so far
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     real(wp) :: corner(3), room(3), thickness, face(3), normal(3), sides(2), beyond(3), period(3)
-    integer :: axis, other, side, colour
+    integer, allocatable :: list(:, :)
+    integer :: axis, other, side, colour, plane
 
     period = [scene%period, scene%period_y, 0.0_wp]
     corner = deck%vector(b, 'corner')
@@ -110,22 +144,20 @@ contains
                          to_text(room(axis), 6)//' m against '//to_text(period(axis), 6)//' m', b, 'size')
     end do
     call colour_index(scene, deck%word(b, 'colour'), colour)
-    do axis = 3, 1, -1
-      do side = 1, 2
-        if (period(axis) > 0) cycle
-        if (axis < 3 .and. .not. deck%flag(b, 'sides')) cycle
-        if (axis == 3 .and. side == 2 .and. .not. deck%flag(b, 'lid')) cycle
-        normal = 0
-        normal(axis) = merge(1.0_wp, -1.0_wp, side == 1)
-        face = corner + room/2
-        face(axis) = corner(axis) + merge(0.0_wp, room(axis), side == 1)
-        other = 1 + mod(axis, 2)
-        sides = room(:2) + beyond(:2)
-        if (axis < 3) sides = [room(other) + beyond(other), room(3) + beyond(3)]
-        n = n + 1
-        call set_plane(scene, n, colour, face, normal, sides, thickness)
-        call give_name(scene, n, deck%word(b, 'name')//'.'//trim(names(axis, side)))
-      end do
+    list = planes(deck, b, period(:2))
+    do plane = 1, size(list, 2)
+      axis = list(1, plane)
+      side = list(2, plane)
+      normal = 0
+      normal(axis) = merge(1.0_wp, -1.0_wp, side == 1)
+      face = corner + room/2
+      face(axis) = corner(axis) + merge(0.0_wp, room(axis), side == 1)
+      other = 1 + mod(axis, 2)
+      sides = room(:2) + beyond(:2)
+      if (axis < 3) sides = [room(other) + beyond(other), room(3) + beyond(3)]
+      scene%bodies%material(n + 1) = material
+      call set_plane(scene, n + 1, colour, face, normal, sides, thickness)
+      call share%settle(scene, n)
     end do
   end subroutine add_container
 end module sg_walls_from_deck

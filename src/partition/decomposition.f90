@@ -24,9 +24,10 @@ module sg_decomposition
   use sg_renumber, only: renumber_contacts
   use sg_run_options, only: partition_options_t
   use sg_scene, only: scene_t, start_contact_t
+  use sg_share, only: piece_of
   use sg_subdomain, only: subdomain_t
   use sg_territory, only: body_reach
-  use sg_travel, only: deal_contacts, may_own, send_contacts, unpack_contacts
+  use sg_travel, only: deal_contacts, deal_start_contacts, send_contacts, unpack_contacts
   use sg_whole, only: keep_whole, localise, whole_t
   implicit none
   private
@@ -76,7 +77,7 @@ contains
     self%options = options
     self%subdomain%rank = comm%rank
     self%subdomain%size = comm%size
-    if (.not. allocated(scene%bodies%id)) call hold_everywhere(scene)
+    if (.not. allocated(scene%bodies%id)) call hold_everywhere(scene, comm)
     call count_all(self%subdomain, scene, comm)
     call keep_whole(scene, self%whole)
     call first_homes(scene, options, comm, home, error)
@@ -85,19 +86,24 @@ contains
     call migrate(scene, home, comm)
     self%is_resumed = is_resumed
     if (is_resumed) call deal_contacts(contacts, scene, self%subdomain%all_contactors, comm, self%resumed)
-    call keep_start_contacts(self, scene)
+    if (allocated(self%start_contacts)) &
+      call deal_start_contacts(self%start_contacts, scene, self%subdomain%all_contactors, comm)
     call localise(self%whole, scene)
     self%subdomain%splits = 1
   end subroutine decomposition_begin
 
-  !> Number the bodies of a scene that all ranks hold whole, as bodies that all ranks hold.
-  subroutine hold_everywhere(scene)
+  !> Number the bodies of a scene that all ranks hold whole, as bodies that all ranks hold; of known contacts each keeps a piece.
+  subroutine hold_everywhere(scene, comm)
     type(scene_t), intent(inout) :: scene
-    integer :: i
+    type(comm_t), intent(in) :: comm
+    integer :: i, piece(2)
 
     scene%bodies%id = [(int(i, i4), i=1, scene%bodies%n)]
     scene%contactors%id = [(int(i, i4), i=1, scene%contactors%n)]
     allocate (scene%bodies%home(scene%bodies%n), source=-1_i4)
+    if (.not. allocated(scene%start_contacts)) return
+    piece = piece_of(size(scene%start_contacts), comm%rank, comm%size)
+    scene%start_contacts = scene%start_contacts(piece(1):piece(2))
   end subroutine hold_everywhere
 
   !> Bodies and contactors of the whole scene: the largest numbers.
@@ -163,17 +169,6 @@ contains
       if (all(scene%pressures(i)%between > 0)) is_wide(scene%pressures(i)%between) = .true.
     end do
   end subroutine find_wide
-
-  !> Keep the contacts known at the start that this rank may own, with the numbers of the whole scene.
-  subroutine keep_start_contacts(self, scene)
-    class(decomposition_t), intent(inout) :: self
-    type(scene_t), intent(in) :: scene !! this rank's part, without copies
-    integer :: k
-
-    if (.not. allocated(self%start_contacts)) return
-    self%start_contacts = pack(self%start_contacts, [(may_own(scene, self%subdomain%rank, &
-                                 int(self%start_contacts(k)%contactor, i4)), k=1, size(self%start_contacts))])
-  end subroutine keep_start_contacts
 
   !> Bring the part of this rank up to date where any rank's list of neighbours is stale. Collective.
   subroutine decomposition_renew(self, scene, pairs, history, contacts, step, comm, is_renewed, error)

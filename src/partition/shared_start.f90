@@ -7,20 +7,23 @@ module sg_shared_start
   use sg_comm, only: comm_t
   use sg_error, only: diagnostics_t
   use sg_halo, only: make_halo
-  use sg_kinds, only: wp
-  use sg_scene, only: scene_t
+  use sg_kinds, only: wp, i4
+  use sg_local_numbers, only: contactors_of_bodies
+  use sg_pack_bodies, only: drop_step_state, order_records, pack_body, rebuild_scene
+  use sg_parcels, only: parcel_t
+  use sg_scene, only: scene_t, start_contact_t
   use sg_solid_checks, only: find_overlaps
   use sg_start_checks, only: complain_of_outside, complain_of_wide, first_wide, lies_outside, most_pairs, overlaps_t, &
                              report_overlaps
   use sg_subdomain, only: subdomain_t
-  use sg_whole, only: keep_whole, whole_t
+  use sg_whole, only: keep_whole, localise, whole_t
   implicit none
   private
   public :: check_shared_start
 
 contains
 
-  !> Check a scene. Collective, of ranks that have read the same deck.
+  !> Check a scene, and put this rank's own bodies first. Collective, of ranks that have read the same deck.
   subroutine check_shared_start(deck, scene, comm, diagnostics)
     type(deck_t), intent(in) :: deck !! the deck
     type(scene_t), intent(inout) :: scene !! this rank's share; gets copies of others' grains
@@ -31,6 +34,11 @@ contains
     type(whole_t) :: whole
 
     if (.not. allocated(scene%bodies%id)) return
+    ! Of a DATBOX one rank does not ask more either.
+    if (deck%is_given(deck%block_of('scene'), 'datbox')) then
+      call order_share(scene, comm)
+      return
+    end if
     call check_shared_range(deck, scene, comm, diagnostics)
     if (diagnostics%count() > 0) return
     subdomain%rank = comm%rank
@@ -41,8 +49,33 @@ contains
     found%rank = comm%rank
     call find_overlaps(scene, found)
     call gather_overlaps(found, comm)
-    call report_overlaps(deck, scene, found, diagnostics)
+    call report_overlaps(deck, found, diagnostics)
   end subroutine check_shared_start
+
+  !> Put first the bodies that a rank counts as its own; of those that all ranks hold it is some.
+  subroutine order_share(scene, comm)
+    type(scene_t), intent(inout) :: scene
+    type(comm_t), intent(in) :: comm
+    type(start_contact_t), allocatable :: known(:)
+    type(whole_t) :: whole
+    type(parcel_t) :: bodies
+    integer(i4), allocatable :: first(:), list(:)
+    integer, allocatable :: start(:)
+    integer :: b, n_home
+
+    call keep_whole(scene, whole)
+    if (allocated(scene%start_contacts)) call move_alloc(scene%start_contacts, known)
+    call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
+    call drop_step_state(scene)
+    do b = 1, scene%bodies%n
+      call pack_body(scene, b, first, list, int(scene%bodies%home(b)), bodies)
+    end do
+    if (.not. allocated(bodies%value)) allocate (bodies%value(0))
+    call order_records(bodies, comm%rank, comm%size, start, n_home)
+    call rebuild_scene(scene, bodies, start, n_home)
+    call localise(whole, scene)
+    if (allocated(known)) call move_alloc(known, scene%start_contacts)
+  end subroutine order_share
 
   !> Every grain lies within the period, and none is wider: of grains that one rank alone holds the first one is told.
   subroutine check_shared_range(deck, scene, comm, diagnostics)
@@ -65,7 +98,7 @@ contains
       end if
       call first_of_all(comm, number, value)
       if (number < huge(1)) then
-        call complain_of_wide(deck, scene, number, value, period(axis), diagnostics)
+        call complain_of_wide(deck, number, value, period(axis), diagnostics)
         cycle
       end if
       do b = 1, scene%bodies%n

@@ -10,11 +10,11 @@ module sg_travel
   use sg_local_numbers, only: local_contactor
   use sg_parcels, only: parcel_t
   use sg_rows, only: rows_t, wanted_t
-  use sg_scene, only: scene_t
+  use sg_scene, only: scene_t, start_contact_t
   use sg_sorting, only: group_items
   implicit none
   private
-  public :: deal_contacts, send_contacts, unpack_contacts, may_own
+  public :: deal_contacts, deal_start_contacts, send_contacts, unpack_contacts
 
 contains
 
@@ -26,9 +26,56 @@ contains
     integer, intent(in) :: all_contactors !! contactors of the whole scene
     type(comm_t), intent(inout) :: comm !! the ranks
     type(parcel_t), intent(inout) :: parcel !! records of the contacts that this rank will own
+
+    call send_records(contacts, owners_of(contacts%contactor(:, :contacts%n), scene, all_contactors, comm), comm, parcel)
+  end subroutine deal_contacts
+
+  !> Send contacts known at the start to the ranks that will own them; those of one pair keep their order. Collective.
+  subroutine deal_start_contacts(contacts, scene, all_contactors, comm)
+    type(start_contact_t), allocatable, intent(inout) :: contacts(:) !! a piece of all on each rank, with the numbers of the whole
+    !! scene; afterwards those that this rank will own
+    type(scene_t), intent(in) :: scene !! this rank's part, without copies
+    integer, intent(in) :: all_contactors !! contactors of the whole scene
+    type(comm_t), intent(inout) :: comm !! the ranks
+    integer, parameter :: width = 10
+    real(wp), allocatable :: leaving(:), coming(:)
+    integer, allocatable :: received(:), first(:), leaver(:)
+    integer(i4), allocatable :: owner(:)
+    integer :: k
+
+    owner = owners_of(reshape([(int(contacts(k)%contactor, i4), k=1, size(contacts))], [2, size(contacts)]), scene, &
+                      all_contactors, comm)
+    call group_items(owner + 1_i4, comm%size, first, leaver)
+    leaving = [(record_of(contacts(leaver(k))), k=1, size(leaver))]
+    call comm%swap(leaving, [(width*(first(k + 1) - first(k)), k=1, comm%size)], coming, received)
+    deallocate (contacts)
+    allocate (contacts(size(coming)/width))
+    do k = 1, size(contacts)
+      associate (record => coming(width*(k - 1) + 1:width*k))
+        contacts(k) = start_contact_t(nint(record(:2)), record(3:5), record(6:8), nint(record(9), i1), record(10) > 0)
+      end associate
+    end do
+  contains
+    !> A contact as reals.
+    pure function record_of(contact) result(record)
+      type(start_contact_t), intent(in) :: contact
+      real(wp) :: record(width)
+
+      record = [real(contact%contactor, wp), contact%point, contact%force, real(contact%status, wp), &
+                merge(1.0_wp, 0.0_wp, contact%is_vector)]
+    end function record_of
+  end subroutine deal_start_contacts
+
+  !> The ranks that will own contacts of some pairs of contactors. Collective.
+  function owners_of(pair, scene, all_contactors, comm) result(owner)
+    integer(i4), intent(in) :: pair(:, :) !! numbers of contactors in the whole scene, shape (2, contacts)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: all_contactors
+    type(comm_t), intent(inout) :: comm
+    integer(i4) :: owner(size(pair, 2))
     type(rows_t) :: rows
     type(wanted_t) :: wanted
-    integer(i4), allocatable :: number(:), owner(:)
+    integer(i4), allocatable :: number(:)
     real(wp), allocatable :: block(:, :), home(:, :)
     integer :: k
 
@@ -38,35 +85,12 @@ contains
     call rows%plan(comm, number, all_contactors)
     ! Ranks count from 1 here: nobody speaks for wide bodies, of which the blocks hold zero.
     call rows%order(comm, reshape([(real(comm%rank + 1, wp), k=1, size(number))], [1, size(number)]), block)
-    call wanted%plan(comm, rows, reshape(contacts%contactor(:, :contacts%n), [2*contacts%n]))
+    call wanted%plan(comm, rows, reshape(pair, [size(pair)]))
     call wanted%fetch(comm, block, home)
-    allocate (owner(contacts%n))
-    do k = 1, contacts%n
-      owner(k) = int(owner_of(nint(home(1, wanted%place(contacts%contactor(:, k))), i4) - 1_i4), i4)
+    do k = 1, size(owner)
+      owner(k) = int(owner_of(nint(home(1, wanted%place(pair(:, k))), i4) - 1_i4), i4)
     end do
-    call send_records(contacts, owner, comm, parcel)
-  end subroutine deal_contacts
-
-  !> May a rank own the contacts of a pair, as far as it knows? When copies are made, of those between two ranks' grains both
-  !! contactors are with the owner alone.
-  pure logical function may_own(scene, rank, number)
-    type(scene_t), intent(in) :: scene !! the rank's part, without copies
-    integer, intent(in) :: rank !! the rank, from 0
-    integer(i4), intent(in) :: number(2) !! numbers of the contactors in the whole scene
-    integer :: side, c, wide
-
-    may_own = .false.
-    wide = 0
-    do side = 1, 2
-      c = local_contactor(scene%contactors, number(side))
-      if (c == 0) cycle
-      associate (home => scene%bodies%home(scene%contactors%body(c)))
-        may_own = may_own .or. home == rank
-        if (home < 0) wide = wide + 1
-      end associate
-    end do
-    may_own = may_own .or. (wide == 2 .and. rank == 0)
-  end function may_own
+  end function owners_of
 
   !> Append the record of a contact.
   subroutine pack_contact(contacts, k, number, parcel)

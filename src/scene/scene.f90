@@ -66,7 +66,7 @@ module sg_scene
     type(pressure_t), allocatable :: pressures(:)
     !> Contacts known at the start
     type(start_contact_t), allocatable :: start_contacts(:)
-    !> Names of bodies, shape (bodies); only where the deck names some
+    !> Names of bodies, shape (bodies); only where the deck names some, and dropped where the scene is split
     type(text_t), allocatable :: names(:)
     !> Gravity [m/s2]; in the plane the third component is zero
     real(wp) :: gravity(3) = 0

@@ -63,65 +63,64 @@ contains
     type(scene_t), intent(in) :: scene !! scene with its see tables
     integer, intent(in) :: line !! line of the see tables
     logical, intent(in) :: counts(:) !! bodies that count, shape (bodies)
-    integer, allocatable, intent(in) :: others(:, :) !! kinds and colours of other bodies, which all count, shape (2, any); perhaps
-    !! unallocated
+    integer, allocatable, intent(in) :: others(:, :) !! kinds and colours of other bodies, which all count, with the first and the
+    !! last body of each, shape (4, any); perhaps unallocated
     logical :: blind(n_kinds, n_kinds)
-    integer :: i, j
+    integer :: candidate(4, n_kinds), antagonist(4, n_kinds), i, j
 
-    blind = .false.
-    if (scene%contactors%n == 0) return
-    associate (kind => scene%contactors%kind(:scene%contactors%n), colour => scene%contactors%colour(:scene%contactors%n), &
-               s => scene%sees(line))
-      do j = 1, n_kinds
-        do i = 1, n_kinds
-          blind(i, j) = .not. can_touch(i, j) .and. any(s%candidate_kind == [0, i]) .and. any(s%antagonist_kind == [0, j])
-          if (blind(i, j)) blind(i, j) = is_pair(kind == i .and. (s%candidate_colour == 0 .or. s%candidate_colour == colour), &
-                                                 kind == j .and. (s%antagonist_colour == 0 .or. s%antagonist_colour == colour))
-          if (can_touch(i, j)) cycle
-          blind(i, j) = blind(i, j) .or. (is_other(i, [s%candidate_kind, s%candidate_colour]) .and. &
-                                          is_here(j, [s%antagonist_kind, s%antagonist_colour])) .or. &
-                        (is_other(j, [s%antagonist_kind, s%antagonist_colour]) .and. &
-                         is_here(i, [s%candidate_kind, s%candidate_colour]))
-        end do
-      end do
-      blind = blind .or. transpose(blind)
+    associate (s => scene%sees(line))
+      candidate = bodies_seen(scene, [s%candidate_kind, s%candidate_colour], counts, others)
+      antagonist = bodies_seen(scene, [s%antagonist_kind, s%antagonist_colour], counts, others)
     end associate
+    do j = 1, n_kinds
+      do i = 1, n_kinds
+        blind(i, j) = .not. can_touch(i, j) .and. (has_other(candidate(:, i), antagonist(:, j)) .or. &
+                                                   has_other(antagonist(:, j), candidate(:, i)))
+      end do
+    end do
+    blind = blind .or. transpose(blind)
   contains
-    !> Is there a contactor of a kind and of a look that a line asks for? Zero asks for any.
-    pure logical function is_here(kind, look)
-      integer, intent(in) :: kind, look(2)
-
-      associate (contactors => scene%contactors)
-        is_here = any(look(1) == [0, kind]) .and. any(contactors%kind(:contactors%n) == kind .and. &
-                                                      (look(2) == 0 .or. contactors%colour(:contactors%n) == look(2)))
-      end associate
-    end function is_here
-
-    !> The same among the other bodies.
-    pure logical function is_other(kind, look)
-      integer, intent(in) :: kind, look(2)
-
-      is_other = .false.
-      if (.not. allocated(others)) return
-      is_other = any(look(1) == [0, kind]) .and. any(others(1, :) == kind .and. (look(2) == 0 .or. others(2, :) == look(2)))
-    end function is_other
-
-    !> Do two sets of contactors hold a pair of bodies of which one counts?
-    pure logical function is_pair(first, second)
-      logical, intent(in) :: first(:), second(:)
-
-      is_pair = has_other(first, second) .or. has_other(second, first)
-    end function is_pair
-
     !> Does a body that counts in the first set stand beside another body of the second?
     pure logical function has_other(first, second)
-      logical, intent(in) :: first(:), second(:)
+      integer, intent(in) :: first(4), second(4)
 
-      associate (body => scene%contactors%body(:scene%contactors%n))
-        has_other = any(second)
-        if (has_other) has_other = any(first .and. counts(body) .and. &
-                                       .not. (body == minval(body, second) .and. body == maxval(body, second)))
-      end associate
+      has_other = first(3) <= first(4) .and. second(1) <= second(2)
+      if (has_other) has_other = .not. all([first(3:4), second(1:2)] == first(3))
     end function has_other
   end function blind_pairs
+
+  !> Of the bodies with a shape of each kind that a side of a see table asks for: numbers of the first and the last one, and of
+  !! the first and the last that count.
+  pure function bodies_seen(scene, look, counts, others) result(ends)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: look(2) !! kind and colour that are asked for; zero for any
+    logical, intent(in) :: counts(:)
+    integer, allocatable, intent(in) :: others(:, :)
+    integer :: ends(4, n_kinds), c, number
+
+    ends = spread([huge(1), 0, huge(1), 0], 2, n_kinds)
+    do c = 1, scene%contactors%n
+      associate (body => scene%contactors%body(c))
+        number = body
+        if (allocated(scene%bodies%id)) number = scene%bodies%id(body)
+        call note(int(scene%contactors%kind(c)), int(scene%contactors%colour(c)), [number, number], counts(body))
+      end associate
+    end do
+    if (.not. allocated(others)) return
+    do c = 1, size(others, 2)
+      call note(others(1, c), others(2, c), others(3:, c), .true.)
+    end do
+  contains
+    pure subroutine note(kind, colour, numbers, is_counted)
+      integer, intent(in) :: kind, colour, numbers(2)
+      logical, intent(in) :: is_counted
+
+      if (all(look(1) /= [0, kind]) .or. all(look(2) /= [0, colour])) return
+      ends(1, kind) = min(ends(1, kind), numbers(1))
+      ends(2, kind) = max(ends(2, kind), numbers(2))
+      if (.not. is_counted) return
+      ends(3, kind) = min(ends(3, kind), numbers(1))
+      ends(4, kind) = max(ends(4, kind), numbers(2))
+    end subroutine note
+  end function bodies_seen
 end module sg_sees

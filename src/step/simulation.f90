@@ -81,7 +81,9 @@ contains
     call fix_driven(sim%scene%drives, sim%scene%bodies)
     sim%contacts%dimension = sim%scene%dimension
     sim%contacts%n_components = merge(sim%scene%dimension, 1, sim%plan%has_tangent)
-    call start_history(sim%history, sim%scene, sim%options%step, sim%contacts%n_components)
+    ! Contacts known to a scene that is held in part travel first, see `decompose`.
+    if (.not. allocated(sim%scene%bodies%id)) &
+      call start_history(sim%history, sim%scene, sim%options%step, sim%contacts%n_components)
     call choose_solver(sim%options%solver, sim%solver)
     call sim%totals%clock%start()
   end subroutine start_simulation

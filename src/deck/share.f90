@@ -1,0 +1,204 @@
+!> The share that one of several ranks keeps of bodies written one by one, and the numbers of what it keeps in the whole scene.
+!!
+!! Each rank makes every body in turn, at the place behind those that it keeps, so that all ranks find the same mistakes; a body
+!! of another rank's is noted and its place taken by the next one. Some bodies every rank keeps: those that are driven, pressed
+!! or held. Of the others rank r has an even piece, in the order of their numbers (doc/theory/decomposition.md).
+module sg_share
+  use sg_bodies, only: clear_body, shorten
+  use sg_census, only: census_t
+  use sg_contactors, only: drop_contactors, n_kinds
+  use sg_kinds, only: i4, i8
+  use sg_lists, only: reserve
+  use sg_pack_shapes, only: make_room_for_shapes
+  use sg_scene, only: scene_t
+  use sg_sorting, only: sort_permutation
+  implicit none
+  private
+  public :: share_t, piece_of, sorted_once
+
+  !> Bodies made one by one
+  type :: share_t
+    !> Which of how many ranks keeps a share
+    integer :: rank = 0, ranks = 1
+    !> Numbers of the bodies that every rank keeps, ascending, each once
+    integer(i4), allocatable :: common(:)
+    !> Bodies to make; bodies made so far, and their contactors
+    integer :: all = 0, made = 0, contactors = 0
+    !> What is known of bodies that other ranks keep
+    type(census_t) :: census
+    !> First and last that this rank keeps of the bodies that are not common, counted without those
+    integer, private :: piece(2) = 0
+    !> Contactors of the scene before those of the body being made
+    integer, private :: before = 0
+    !> Runs of bodies with as many contactors each: number of the first body, of its first contactor, contactors a body
+    integer, private :: n_runs = 0
+    integer(i4), allocatable, private :: run(:, :)
+  contains
+    procedure :: begin => share_begin
+    procedure :: kept => share_kept
+    procedure :: settle => share_settle
+    procedure :: finish => share_finish
+    procedure :: contactors_of => share_contactors_of
+  end type share_t
+
+contains
+
+  !> Make room for the bodies that this rank keeps.
+  subroutine share_begin(self, scene, n, more)
+    class(share_t), intent(inout) :: self !! knows the ranks, and which bodies all keep
+    type(scene_t), intent(inout) :: scene !! scene with its dimension and no bodies
+    integer, intent(in) :: n !! bodies to be made one by one, of all ranks
+    integer, intent(in) :: more !! other bodies for which there is to be room
+    integer :: room
+
+    self%all = n
+    if (.not. allocated(self%common)) allocate (self%common(0))
+    self%common = pack(self%common, self%common >= 1 .and. self%common <= n)
+    self%piece = piece_of(n - size(self%common), self%rank, self%ranks)
+    room = self%kept() + more
+    ! A place for bodies that are only noted.
+    if (self%kept() < n .and. more == 0) room = room + 1
+    call scene%bodies%allocate(room, scene%dimension)
+    if (self%ranks == 1) return
+    allocate (scene%bodies%id(room), scene%bodies%home(room), source=-1_i4)
+    allocate (scene%contactors%id(0))
+  end subroutine share_begin
+
+  !> Bodies that this rank keeps.
+  pure integer function share_kept(self) result(n)
+    class(share_t), intent(in) :: self
+
+    n = self%all
+    if (self%ranks > 1) n = size(self%common) + self%piece(2) - self%piece(1) + 1
+  end function share_kept
+
+  !> The body behind the last one kept is made: keep it, or note it and leave its place to the next one.
+  subroutine share_settle(self, scene, n)
+    class(share_t), intent(inout) :: self
+    type(scene_t), intent(inout) :: scene !! scene with the body
+    integer, intent(inout) :: n !! bodies kept so far
+    integer :: c, below
+    logical :: is_common
+
+    self%made = self%made + 1
+    call note_run(self, scene%contactors%n - self%before)
+    if (self%ranks == 1) then
+      n = n + 1
+    else
+      call self%census%mix(transfer(scene%bodies%mass(n + 1), 1_i8))
+      call find(self%common, int(self%made, i4), below, is_common)
+      if (is_common .or. (self%made - below >= self%piece(1) .and. self%made - below <= self%piece(2))) then
+        n = n + 1
+        scene%bodies%id(n) = int(self%made, i4)
+        scene%bodies%home(n) = int(merge(-1, self%rank, is_common), i4)
+        call reserve(scene%contactors%id, scene%contactors%n)
+        do c = self%before + 1, scene%contactors%n
+          scene%contactors%id(c) = int(self%contactors + c - self%before, i4)
+        end do
+      end if
+    end if
+    self%contactors = self%contactors + scene%contactors%n - self%before
+    if (self%ranks > 1) call let_go(self, scene, n)
+    self%before = scene%contactors%n
+  end subroutine share_settle
+
+  !> Note the body behind the last one kept, if there is one, and clear its place.
+  subroutine let_go(self, scene, n)
+    class(share_t), intent(inout) :: self
+    type(scene_t), intent(inout) :: scene
+    integer, intent(in) :: n
+
+    if (n > 0) then
+      if (scene%bodies%id(n) == self%made) return
+    end if
+    if (scene%contactors%n > self%before) &
+      call self%census%note_body(self%made, scene%bodies%position(:, n + 1), &
+                                 norm2(scene%bodies%velocity(:scene%dimension, n + 1)), scene%contactors, self%before + 1)
+    call drop_contactors(scene%contactors, self%before)
+    call clear_body(scene%bodies, n + 1)
+  end subroutine let_go
+
+  !> All bodies are made: give back the room that is left.
+  subroutine share_finish(self, scene, n)
+    class(share_t), intent(in) :: self
+    type(scene_t), intent(inout) :: scene !! scene with its bodies
+    integer, intent(in) :: n !! bodies kept
+    integer, parameter :: none(n_kinds) = 0
+
+    if (n < scene%bodies%n) call shorten(scene%bodies, n)
+    if (self%ranks == 1) return
+    scene%contactors%id = scene%contactors%id(:scene%contactors%n)
+    if (scene%contactors%n > 0) return
+    deallocate (scene%contactors%id)
+    call make_room_for_shapes(scene%contactors, scene%dimension, none, 0)
+  end subroutine share_finish
+
+  !> Note how many contactors the next body has.
+  subroutine note_run(self, count)
+    class(share_t), intent(inout) :: self
+    integer, intent(in) :: count
+
+    if (self%n_runs > 0) then
+      if (self%run(3, self%n_runs) == count) return
+    end if
+    self%n_runs = self%n_runs + 1
+    call reserve(self%run, 3, self%n_runs)
+    self%run(:, self%n_runs) = int([self%made, self%contactors + 1, count], i4)
+  end subroutine note_run
+
+  !> Numbers of the first and the last contactor of a body, whoever keeps it.
+  pure function share_contactors_of(self, body) result(ends)
+    class(share_t), intent(in) :: self
+    integer, intent(in) :: body !! number of a body made
+    integer :: ends(2), below, run
+    logical :: is_there
+
+    call find(self%run(1, :self%n_runs), int(body, i4), below, is_there)
+    run = below + merge(1, 0, is_there)
+    associate (first => self%run(1, run), contactor => self%run(2, run), count => self%run(3, run))
+      ends = contactor + (body - first)*count + [0, count - 1]
+    end associate
+  end function share_contactors_of
+
+  !> How many of an ascending list are below a value, and is the value there?
+  pure subroutine find(list, value, below, is_there)
+    integer(i4), intent(in) :: list(:), value
+    integer, intent(out) :: below
+    logical, intent(out) :: is_there
+    integer :: high, middle
+
+    below = 0
+    high = size(list)
+    do while (below < high)
+      middle = (below + high + 1)/2
+      if (list(middle) < value) then
+        below = middle
+      else
+        high = middle - 1
+      end if
+    end do
+    is_there = .false.
+    if (below < size(list)) is_there = list(below + 1) == value
+  end subroutine find
+
+  !> The piece of some things that one of several ranks has: first and last.
+  pure function piece_of(n, rank, ranks) result(piece)
+    integer, intent(in) :: n !! things
+    integer, intent(in) :: rank !! from 0
+    integer, intent(in) :: ranks !! how many
+    integer :: piece(2)
+
+    piece = int(int(n, i8)*int([rank, rank + 1], i8)/int(ranks, i8))
+    piece(1) = piece(1) + 1
+  end function piece_of
+
+  !> Numbers in ascending order, each once.
+  pure function sorted_once(numbers) result(list)
+    integer(i4), intent(in) :: numbers(:) !! any numbers, not negative
+    integer(i4), allocatable :: list(:)
+    integer :: i
+
+    list = numbers(sort_permutation(int(numbers, i8)))
+    list = pack(list, [(i == 1 .or. list(max(1, i - 1)) /= list(i), i=1, size(list))])
+  end function sorted_once
+end module sg_share
