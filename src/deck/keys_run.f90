@@ -1,6 +1,7 @@
 !> The key table, first part: what to do with a scene. Defaults are those of `run_options_t`.
 module sg_keys_run
-  use sg_key_table, only: key_table_t, value_choice, value_counts, value_integer, value_logical, value_real
+  use sg_key_table, only: key_table_t, value_box, value_choice, value_counts, value_integer, value_logical, &
+                          value_real
   use sg_kinds, only: wp
   use sg_run_options, only: criterion_names, gluing_names, method_names, run_options_t, split_names
   use sg_text, only: to_text
@@ -114,8 +115,15 @@ contains
     call table%add('every', value_integer, 'Steps between two checkpoints; 0 for none.', &
                    default=to_text(default%restart_every), least=0.0_wp)
     call table%open_section('report', 'What is worked out of a run beside its record.')
-    call table%add('spectrum', value_logical, 'Sample kinetic energy and wall forces at every step and write their power '// &
-                   'spectra, spectrum.csv, at the end; needs FFTW.', default=true_or_false(default%has_spectrum))
+    call table%add('spectrum', value_logical, 'Sample energy and momentum of the grains and wall forces at every step and '// &
+                   'write their power spectra, spectrum.csv, at the end; needs FFTW.', default=true_or_false(default%has_spectrum))
+    call table%add('structure', value_logical, 'Write the structure of the packing at the end: radial distribution g(r) and '// &
+                   'structure factor S(k) of the centres of grains; needs FFTW.', default=true_or_false(default%has_structure))
+    call table%add('structure_every', value_integer, 'Steps between two such structures; 0 for the end alone.', &
+                   default=to_text(default%structure_every), least=0.0_wp)
+    call table%add('structure_box', value_box, 'Count but the grains of this box: [x least, y least, x most, y most], in space '// &
+                   '[x least, y least, z least, x most, y most, z most]. Without it all '// &
+                   'of them.', unit='m')
     call table%add('trace', value_logical, 'Follow errors against CPU time within some steps, and end with a table of errors '// &
                    'reached and CPU time by phase: trace.csv, trace_steps.csv.', default=true_or_false(default%has_trace))
     call table%add('trace_steps', value_counts, 'Steps to trace; some spread over the run where none are given.', least=1.0_wp)

@@ -54,7 +54,31 @@ contains
     options%has_trace = deck%flag(b, 'trace')
     value = deck%value(b, 'trace_steps')
     if (value%n > 0) options%trace_steps = nint(value%numbers(:value%n))
+    call structure_from_deck(deck, b, options, diagnostics)
   end subroutine options_from_deck
+
+  !> What is asked of the structure of the packing.
+  subroutine structure_from_deck(deck, block, options, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: block
+    type(run_options_t), intent(inout) :: options
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(value_t) :: value
+    type(error_t), allocatable :: error
+    integer :: d
+
+    options%has_structure = deck%flag(block, 'structure')
+    options%structure_every = deck%integer(block, 'structure_every')
+    value = deck%value(block, 'structure_box')
+    allocate (options%structure_box(value%n))
+    if (value%n > 0) options%structure_box = value%numbers(:value%n)
+    d = value%n/2
+    if (any(options%structure_box(:d) >= options%structure_box(d + 1:))) then
+      call deck%complain(diagnostics, 'a box is given by its least, then its largest coordinates', block, 'structure_box')
+    end if
+    if (options%has_structure) call find_fourier(error)
+    if (allocated(error)) call deck%complain(diagnostics, error%message, block, 'structure')
+  end subroutine structure_from_deck
 
   !> Threads need a program that has them, and sweeps that can be shared.
   subroutine check_threads(deck, options, block, diagnostics)

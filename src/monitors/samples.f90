@@ -1,6 +1,6 @@
 !> What a spectrum is made of: series sampled at every step, kept for the whole run.
 module sg_samples
-  use sg_balance, only: force_on_walls
+  use sg_balance, only: force_on_walls, momentum
   use sg_bodies, only: bodies_t, spin_of
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t
@@ -11,15 +11,14 @@ module sg_samples
   private
   public :: samples_t, series_names
 
-  !> Names of the series: kinetic energy of the grains [J], force of contacts on all walls along x, y, and z in space [N]
-  character(len=14), parameter :: series_names(4) = [character(len=14) :: &
-                                                     'kinetic_energy', 'wall_force_x', 'wall_force_y', 'wall_force_z']
+  character(len=14), parameter :: forces(3) = [character(len=14) :: 'wall_force_x', 'wall_force_y', 'wall_force_z'], &
+                                  momenta(3) = [character(len=14) :: 'momentum_x', 'momentum_y', 'momentum_z']
 
   !> The samples of a run
   type :: samples_t
     !> Number of steps sampled
     integer :: n = 0
-    !> Samples, shape (series, steps): three series in the plane, four in space; unallocated until the first one
+    !> Samples, shape (series, steps), in the order of `series_names`; unallocated until the first one
     real(wp), allocatable :: value(:, :)
   contains
     procedure :: add => samples_add
@@ -28,6 +27,15 @@ module sg_samples
 
 contains
 
+  !> Names of the series: kinetic energy of the grains [J], force of contacts on all walls [N] and momentum of the grains
+  !! [kg m/s] along x, y, and z in space.
+  pure function series_names(dimension) result(names)
+    integer, intent(in) :: dimension !! of space
+    character(len=14) :: names(1 + 2*dimension)
+
+    names = [character(len=14) :: 'kinetic_energy', forces(:dimension), momenta(:dimension)]
+  end function series_names
+
   !> Sample a step after its update: the shares of this rank, which `reduce` adds up at the end.
   subroutine samples_add(self, scene, contacts, h)
     class(samples_t), intent(inout) :: self
@@ -35,10 +43,13 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
 
-    call reserve(self%value, 1 + scene%dimension, self%n + 1)
+    associate (d => scene%dimension)
+      call reserve(self%value, 1 + 2*d, self%n + 1)
+      self%value(2:d + 1, self%n + 1) = force_on_walls(scene, contacts, h)
+      self%value(d + 2:, self%n + 1) = momentum(scene%bodies)
+    end associate
     self%n = self%n + 1
     self%value(1, self%n) = kinetic_energy_of_grains(scene%bodies)
-    self%value(2:, self%n) = force_on_walls(scene, contacts, h)
   end subroutine samples_add
 
   !> From the shares of each rank to the samples of the whole scene, once, after the last step.

@@ -23,10 +23,12 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
     character(len=:), allocatable :: text
     real(wp), allocatable :: power(:, :)
+    character(len=14), allocatable :: names(:)
     integer :: s, k, length, n_series
 
     if (samples%n == 0) return
     n_series = size(samples%value, 1)
+    names = series_names((n_series - 1)/2)
     allocate (power(0:samples%n/2, n_series))
     do s = 1, n_series
       power(:, s) = power_spectrum(samples%value(s, :samples%n))
@@ -35,7 +37,7 @@ contains
     length = 0
     call put('frequency_hz')
     do s = 1, n_series
-      call put(','//trim(series_names(s)))
+      call put(','//trim(names(s)))
     end do
     do k = 0, samples%n/2
       call put(new_line('a')//to_text(real(k, wp)/(h*real(samples%n, wp))))

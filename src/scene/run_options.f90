@@ -88,6 +88,10 @@ module sg_run_options
     !> Keep the history of errors within some steps: these, or some spread over the run
     logical :: has_trace = .false.
     integer, allocatable :: trace_steps(:)
+    !> Write the structure of the packing: at the end, and every so many steps unless 0; of grains in a box, empty for all
+    logical :: has_structure = .false.
+    integer :: structure_every = 0
+    real(wp), allocatable :: structure_box(:)
     !> Folder of the results, and the file to restart from (empty for none)
     character(len=:), allocatable :: folder, restart_file
     !> Hash and text of the effective deck

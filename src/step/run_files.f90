@@ -15,6 +15,8 @@ module sg_run_files
   use sg_samples, only: samples_t
   use sg_simulation, only: simulation_t
   use sg_spectrum_file, only: write_spectrum
+  use sg_structure_file, only: structure_file_t
+  use sg_structure_now, only: report_structure
   use sg_system, only: is_terminal, remove_file
   use sg_numbers, only: write_numbers
   use sg_text_files, only: replace_file
@@ -31,6 +33,7 @@ module sg_run_files
     type(measures_t) :: measures
     type(samples_t) :: samples
     type(run_trace_t) :: trace
+    type(structure_file_t) :: structure
     !> Is this the rank that writes texts?
     logical :: is_speaker = .true.
     logical :: has_pictures = .false., has_checkpoints = .false., has_saved = .false.
@@ -166,6 +169,12 @@ contains
     if (writers%samples%n > 0 .and. writers%is_speaker) then
       call write_spectrum(writers%samples, sim%options%step, sim%options%folder//'/spectrum.csv', next)
       if (.not. allocated(next)) call writers%summary%add_file('spectrum', 'spectrum.csv')
+      if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)
+    end if
+    if (sim%options%has_structure .and. writers%has_stepped) then
+      call report_structure(sim, writers%structure, writers%is_speaker, next)
+      call writers%summary%add_file('radial_distribution', 'radial_distribution.csv')
+      call writers%summary%add_file('structure_factor', 'structure_factor.csv')
       if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)
     end if
     call write_numbers(writers%summary, sim%options%folder//'/numbers.tag', next)

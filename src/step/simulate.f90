@@ -14,6 +14,7 @@ module sg_simulate
   use sg_run_options, only: criterion_names, run_options_t
   use sg_run_summary, only: run_done, run_failed, run_not_converged, run_stopped
   use sg_simulation, only: advance, decompose, simulation_t, start_simulation
+  use sg_structure_now, only: report_structure
   use sg_system, only: checkpoint_requested, stop_signal
   use sg_text, only: to_text
   use sg_timers, only: wall_now
@@ -155,6 +156,10 @@ contains
 
     is_last = sim%step == sim%options%steps
     if (sim%options%has_spectrum) call sample_now(sim, writers)
+    if (sim%options%has_structure .and. is_due(sim%options%structure_every)) then
+      call report_structure(sim, writers%structure, writers%is_speaker, error)
+      if (allocated(error)) return
+    end if
     if (sim%options%record_every > 0 .and. (is_due(sim%options%record_every) .or. is_last)) then
       call measure_now(sim, writers)
       call sim%totals%phase(phase_output)%start()

@@ -107,18 +107,18 @@ contains
     type(samples_t) :: samples
     type(error_t), allocatable :: error
     type(text_t), allocatable :: lines(:)
-    real(wp) :: row(4)
+    real(wp) :: row(6)
     integer :: j
 
     samples%n = 8
     ! Room for more than was sampled, as growing leaves it.
-    allocate (samples%value(3, 10), source=1.0_wp)
+    allocate (samples%value(5, 10), source=1.0_wp)
     samples%value(2, :8) = [(cos(pi*real(j, wp)/2), j=1, 8)]
     call write_spectrum(samples, 0.125_wp, 'spectrum.csv', error)
     call t%check(.not. allocated(error), 'the file is written')
     call read_lines('spectrum.csv', lines, error)
     call t%equal(size(lines), 6, 'a header and n/2 + 1 rows')
-    call t%check(lines(1)%s == 'frequency_hz,kinetic_energy,wall_force_x,wall_force_y', 'header')
+    call t%check(lines(1)%s == 'frequency_hz,kinetic_energy,wall_force_x,wall_force_y,momentum_x,momentum_y', 'header')
     read (lines(4)%s, *) row
     call t%near(row(1), 2.0_wp, 0.0_wp, 'frequency')
     call t%near(row(3), 0.5_wp*2/3, rounding, 'power')
