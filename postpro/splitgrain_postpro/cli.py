@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from . import figures
+from . import figures, spectra
 from .errors import ResultsError
 from .results import Results
 from .scene import QUANTITIES
@@ -21,6 +21,8 @@ COMMANDS = {
     "energy": "energies, works and losses against time",
     "solver": "sweeps, contacts, residuals and cost by phase against time",
     "trace": "errors against CPU time within the steps that were traced, and what these steps cost by phase",
+    "spectrum": "power spectra of wall forces, momentum and kinetic energy ([report] spectrum)",
+    "structure": "radial distribution g(r) and structure factor S(k) of the packing",
 }
 
 
@@ -33,7 +35,7 @@ def parser():
         command.add_argument("results", metavar="RESULTS", help="folder that the run wrote")
         command.add_argument("--output", metavar="PNG", type=Path, help=f"file to write (default RESULTS/{name}.png)")
         command.add_argument("--dpi", metavar="N", type=int, default=150, help="dots an inch (default 150)")
-        if name in ("summary", "scene", "split"):
+        if name in ("summary", "scene", "split", "structure"):
             command.add_argument("--step", metavar="N", type=int,
                                  help="show the last picture at or before time step N (default: the last picture)")
         if name == "scene":
@@ -67,6 +69,10 @@ def draw(arguments):
             figure, missing = figures.scene_figure(results, picture, arguments.colour, _view(arguments))
         elif arguments.command == "split":
             figure, missing = figures.split_figure(results, picture, _view(arguments))
+        elif arguments.command == "spectrum":
+            figure, missing = spectra.spectrum_figure(results)
+        elif arguments.command == "structure":
+            figure, missing = spectra.structure_figure(results, picture)
         elif arguments.command == "energy":
             figure, missing = figures.energy_figure(results)
         elif arguments.command == "trace":

@@ -294,7 +294,7 @@ class Runs(Cli):
         self.run_program(*words)
         self.assertEqual(self.run_json()["file_spectrum"], "spectrum.csv")
         rows = list(csv.DictReader((self.place / "fall.results/spectrum.csv").read_text().splitlines()))
-        self.assertEqual(list(rows[0]), ["frequency_hz", "kinetic_energy", "wall_force_x", "wall_force_y"])
+        self.assertEqual(list(rows[0]), ["frequency_hz", "kinetic_energy", "wall_force_x", "wall_force_y", "momentum_x", "momentum_y"])
         self.assertEqual(len(rows), 120 // 2 + 1)
         self.assertAlmostEqual(float(rows[-1]["frequency_hz"]), 500.0)
         self.assertGreater(sum(float(row["wall_force_y"]) for row in rows), 0.0)
@@ -354,6 +354,21 @@ class Runs(Cli):
         for rows, again in ((steps, self.trace("out", "trace_steps")), (points, self.trace("out"))):
             for row, other in zip(rows, again, strict=True):
                 self.assertEqual([row[name] for name in row if "cpu" not in name], [other[name] for name in row if "cpu" not in name])
+
+    def test_structure_is_written_or_refused(self):
+        words = ["run", "fall.toml", "--set", "report.structure=true", "--set", "report.structure_every=50"]
+        if not self.has_library("FFTW"):
+            self.assertIn("without FFTW", self.run_program(*words, code=2).stderr)
+            return
+        self.run_program(*words)
+        self.assertEqual(self.run_json()["file_structure_factor"], "structure_factor.csv")
+        for name, column in (("radial_distribution", "g"), ("structure_factor", "s")):
+            rows = list(csv.DictReader((self.place / f"fall.results/{name}.csv").read_text().splitlines()))
+            # A deck of few grains: its lines may be none, its columns stand.
+            self.assertTrue(all(float(row[column]) >= 0 for row in rows))
+            self.assertLessEqual({row["step"] for row in rows}, {"50", "100", "120"})
+        message = self.run_program("run", "fall.toml", "--set", "report.structure_box=[1, 0, 0, 1]", code=2).stderr
+        self.assertIn("least, then its largest", message)
 
     def test_results_that_cannot_be_written(self):
         (self.place / "taken").write_text("a file, no folder")
