@@ -40,6 +40,10 @@ function(on_demand name library)
   set(${name}_FILE "${file}" PARENT_SCOPE)
 endfunction()
 
+foreach(name METIS FFTW UMFPACK QHULL)
+  set(${name}_FILE "not in this build")
+endforeach()
+
 if(SPLITGRAIN_MPI)
   find_package(MPI REQUIRED COMPONENTS Fortran)
   list(APPEND splitgrain_libraries MPI::MPI_Fortran)

@@ -49,6 +49,7 @@ contains
                 '  --restart FILE|DIR      go on from a restart file, or from the newest one of a folder', &
                 '  --walltime SECONDS      stop with a checkpoint after this time (exit code 75)', &
                 '  --dump STEPS            write the contact problems of steps (10 or 10,20,100-110) as FCLIB files', &
+                '  --needs                 at the end, which tables and libraries it needed, and what an update cost', &
                 '  --quiet                 print nothing but errors', &
                 'Signals: INT and TERM finish the step, write a checkpoint and exit with 75; USR1 writes a checkpoint.', &
                 'Exit codes: 0 done, 1 failed, 2 bad input, 3 not converged (if asked), 4 a value is not finite,', &

@@ -36,7 +36,8 @@ contains
     logical :: is_bad
 
     code = exit_done
-    call arguments%expect('set output restart walltime dump quiet', 1, 1, 'run DECK [options]; see splitgrain run --help', error)
+    call arguments%expect('set output restart walltime dump needs quiet', 1, 1, &
+                          'run DECK [options]; see splitgrain run --help', error)
     if (.not. allocated(error)) call arguments%number('walltime', 0.0_wp, 0.0_wp, walltime, error)
     if (.not. allocated(error) .and. comm%size > 1) call check_for_ranks(error)
     if (.not. allocated(error) .and. arguments%has('dump')) call read_steps(arguments%get('dump', ''), dump_steps, error)
@@ -57,6 +58,7 @@ contains
       sim%options%walltime = walltime
       if (allocated(dump_steps)) call move_alloc(dump_steps, sim%options%dump_steps)
       sim%options%is_quiet = arguments%has('quiet')
+      sim%options%tells_needs = arguments%has('needs')
       call make_shared_folder(sim%options%folder, sim%comm, error)
       if (allocated(error)) return
       call catch_signals()

@@ -3,15 +3,31 @@
 !! A `*_with_<library>` submodule names the procedures that it calls, and gets their addresses; c_f_procpointer makes them
 !! procedures again. CMake writes down where each library was found (sg_library_files). An opened library stays open.
 module sg_library
-  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_funptr, c_int, c_null_char, c_null_funptr, &
-                                         c_null_ptr, c_ptr, c_size_t
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_f_procpointer, c_funptr, c_int, c_null_char, &
+                                         c_null_funptr, c_null_ptr, c_ptr, c_size_t
   use sg_error, only: error_t, exit_failure, fail
+  use sg_kinds, only: i8
   implicit none
   private
-  public :: find_procedures, is_there
+  public :: find_procedures, heap_bytes, is_open, is_there
 
   !> What libraries are opened with, the same on all systems: all symbols are looked up at once, so that what lacks shows then
   integer(c_int), parameter :: all_now = 2
+  !> What Linux takes for: only if it is open already
+  integer(c_int), parameter :: if_open = 4
+
+  !> What the C library of GNU tells of memory that programs ask it for: how much it has from the system, ..., in use
+  type, bind(c) :: memory_t
+    integer(c_size_t) :: arena = 0, free_blocks = 0, fast_blocks = 0, mapped_blocks = 0, mapped_bytes = 0, unused = 0, &
+                         fast_bytes = 0, used_bytes = 0, free_bytes = 0, top_bytes = 0
+  end type memory_t
+
+  abstract interface
+    function mallinfo2() bind(c) result(memory)
+      import :: memory_t
+      type(memory_t) :: memory
+    end function mallinfo2
+  end interface
 
   interface
     function c_dlopen(file, mode) bind(c, name='dlopen') result(handle)
@@ -82,6 +98,34 @@ contains
     if (exists .or. len(file) == 0) return
     call find_procedures(library, file, [character(len=1) ::], nothing, error)
   end subroutine is_there
+
+  !> Is a library in memory, opened by this program or by another library? Told on Linux alone; elsewhere it may be opened for
+  !! that.
+  logical function is_open(file)
+    character(len=*), intent(in) :: file !! where CMake found it; empty when it is a part of the program
+    integer(c_int) :: mode
+
+    mode = all_now + if_open
+    is_open = len(file) == 0
+    if (.not. is_open) is_open = c_associated(c_dlopen(file//c_null_char, mode))
+    if (.not. is_open) is_open = c_associated(c_dlopen(file(index(file, '/', back=.true.) + 1:)//c_null_char, mode))
+  end function is_open
+
+  !> Memory that the program has in use: what it asked for and has not given back; 0 where the system does not tell.
+  function heap_bytes() result(bytes)
+    integer(i8) :: bytes
+    procedure(mallinfo2), pointer :: ask
+    type(c_funptr) :: address(1)
+    type(error_t), allocatable :: error
+    type(memory_t) :: memory
+
+    bytes = 0
+    call find_procedures('the C library', '', ['mallinfo2'], address, error)
+    if (allocated(error)) return
+    call c_f_procpointer(address(1), ask)
+    memory = ask()
+    bytes = int(memory%used_bytes + memory%mapped_bytes, i8)
+  end function heap_bytes
 
   !> Open a library at its place, or wherever the system finds one of its name.
   subroutine open_library(file, handle, why)

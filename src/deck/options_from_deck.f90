@@ -4,6 +4,7 @@ module sg_options_from_deck
   use sg_error, only: diagnostics_t, error_t
   use sg_fourier, only: find_fourier
   use sg_run_options, only: criterion_names, partition_options_t, run_options_t, solver_options_t
+  use sg_sparse_factor, only: find_sparse_library
   use sg_text, only: to_text
   use sg_threads, only: threads_are_available
   use sg_values, only: value_t
@@ -29,6 +30,9 @@ contains
     options%theta = deck%number(b, 'theta')
     b = deck%block_of('solver')
     options%solver%method = deck%word(b, 'method')
+    if (any(options%solver%method == [character(len=16) :: 'auto', 'proximal', 'interior'])) call find_sparse_library(error)
+    if (allocated(error)) call deck%complain(diagnostics, error%message, b, 'method')
+    if (allocated(error)) deallocate (error)
     options%solver%criterion = choice_index(deck%word(b, 'criterion'), choices_of(criterion_names))
     options%solver%tolerance = deck%number(b, 'tolerance')
     options%solver%check_every = deck%integer(b, 'check_every')

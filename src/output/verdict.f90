@@ -7,7 +7,7 @@ module sg_verdict
   use sg_totals, only: n_phases, phase_names, phase_solve, totals_t
   implicit none
   private
-  public :: print_verdict
+  public :: fixed, print_verdict
 
 contains
 
@@ -153,8 +153,8 @@ contains
 
   !> A number with so many decimals.
   pure function fixed(value, decimals) result(word)
-    real(wp), intent(in) :: value
-    integer, intent(in) :: decimals
+    real(wp), intent(in) :: value !! any number
+    integer, intent(in) :: decimals !! digits behind the point
     character(len=:), allocatable :: word
     character(len=40) :: buffer
 

@@ -102,6 +102,8 @@ module sg_run_options
     real(wp) :: walltime = 0
     !> Say less; no progress
     logical :: is_quiet = .false.
+    !> Tell at the end what the run has held in memory, and write needs.json
+    logical :: tells_needs = .false.
   end type run_options_t
 
 contains

@@ -18,6 +18,7 @@ module sg_by_matrices
   use sg_residuals, only: measure_errors
   use sg_run_options, only: criterion_e1, solver_options_t
   use sg_solver, only: solver_t
+  use sg_tables, only: tables_t
   use sg_timers, only: cpu_now
   implicit none
   private
@@ -38,6 +39,7 @@ module sg_by_matrices
     type(nlgs_t) :: sweeps
   contains
     procedure :: solve => solve_by_matrices
+    procedure :: list_tables => list_matrices
   end type solve_by_matrices_t
 
 contains
@@ -67,6 +69,14 @@ contains
     report%cpu_seconds = cpu_now() - start - report%apart%cpu
     report%cpu_sweeps = report%cpu_seconds
   end subroutine solve_by_matrices
+
+  !> Matrices are given back after each solve: only sweeps keep tables.
+  subroutine list_matrices(self, tables)
+    class(solve_by_matrices_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call self%sweeps%list_tables(tables)
+  end subroutine list_matrices
 
   !> Solve the matrices as closely as the criterion asks for; bodies get the velocities of the solution.
   subroutine solve_matrices(self, problem, matrices, map, start, report)

@@ -8,6 +8,7 @@ module sg_increments
   use sg_run_options, only: criterion_maxm, criterion_qm16
   use sg_sweep_order, only: sweep_order_t
   use sg_sweeps, only: sweep_impulses
+  use sg_tables, only: per_body, per_contact, tables_t
   use sg_vectors, only: cross
   implicit none
   private
@@ -21,9 +22,21 @@ module sg_increments
     real(wp), allocatable, private :: asked(:, :), still(:, :)
   contains
     procedure :: measure => increments_measure
+    procedure :: list_tables => increments_list_tables
   end type increments_t
 
 contains
+
+  !> List the tables.
+  subroutine increments_list_tables(self, tables)
+    class(increments_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call tables%begin('increments', per_contact)
+    call tables%note('asked', self%asked)
+    call tables%begin('increments', per_body)
+    call tables%note('still', self%still)
+  end subroutine increments_list_tables
 
   !> Sums and largest values over the contacts of an order: of dv = W_aa (r_asked - r), of W_aa r, and of their products with r.
   !!

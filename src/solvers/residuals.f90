@@ -6,7 +6,7 @@ module sg_residuals
   use sg_kinds, only: wp
   use sg_problem, only: arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, round_frictionless
   use sg_report, only: ratio, report_t
-  use sg_residuals_space, only: add_space_contacts, chunk, note, note_space_contacts
+  use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, note, note_space_contacts
   implicit none
   private
   public :: measure_errors, sum_errors, set_errors, choose_visited, natural_map, n_error_sums
@@ -51,12 +51,18 @@ contains
     real(wp) :: sums(n_error_sums)
     type(chunk_t) :: a
     integer :: first, active
+    logical :: has_tangent
 
     sums = 0
     active = 0
     if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, sums(:5), active)
+    has_tangent = any(problem%kind == [round_frictional, arm_frictional])
     do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
       call gather(problem, first, a)
+      if (.not. has_tangent) then
+        call add_normal_parts(a%n, a%u_n, a%r_n, a%rho, with_e1, sums(:5), active)
+        cycle
+      end if
       call add_chunk(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums(:5), active)
       if (with_e1) call add_unscaled(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums(1))
     end do

@@ -5,7 +5,7 @@ module sg_residuals_space
   use sg_problem, only: ball_frictional, ball_frictionless, problem_t, solid_frictional, solid_frictionless
   implicit none
   private
-  public :: add_space_contacts, note_space_contacts, note, chunk
+  public :: add_normal_parts, add_space_contacts, note_space_contacts, note, chunk
 
   !> Contacts gathered at a time: their data stay in the first cache, and the map runs over them in vector registers
   integer, parameter :: chunk = 128
@@ -36,10 +36,16 @@ contains
     type(chunk_t) :: a
     real(wp) :: squares(chunk), inverse(chunk)
     integer :: first, n
+    logical :: has_tangent
 
+    has_tangent = any(problem%kind == [ball_frictional, solid_frictional])
     do first = 1, problem%n_contacts, chunk
       call gather(problem, first, a)
       n = a%n
+      if (.not. has_tangent) then
+        call add_normal_parts(n, a%u(:, 1), a%r(:, 1), a%rho, with_e1, sums, active)
+        cycle
+      end if
       if (with_e1) then
         inverse = merge(1.0_wp, 0.0_wp, a%rho > 0)
         call map_squares(n, a%normal, a%u, a%r, a%friction, inverse, a%linear, squares)
@@ -54,6 +60,35 @@ contains
       active = active + count(abs(a%r(:n, 1)) + abs(a%r(:n, 2)) + abs(a%r(:n, 3)) > 0)
     end do
   end subroutine add_space_contacts
+
+  !> The same for a chunk of contacts that have a normal part alone, in the plane or in space: the map is r - max(0, r - rho u).
+  pure subroutine add_normal_parts(n, u, r, rho, with_e1, sums, active)
+    integer, intent(in) :: n !! contacts of the chunk
+    real(wp), intent(in) :: u(chunk) !! normal velocity with bias [m/s]
+    real(wp), intent(in) :: r(chunk) !! normal impulse [N s]
+    real(wp), intent(in) :: rho(chunk) !! 1/W_nn [kg]; zero where the contact takes no part
+    logical, intent(in) :: with_e1 !! is the map with rho = 1 wanted too?
+    real(wp), intent(inout) :: sums(5) !! sums to add to
+    integer, intent(inout) :: active !! contacts that carry an impulse
+    real(wp) :: squares(chunk), over(chunk)
+    integer :: i
+
+    if (with_e1) then
+      do i = 1, n
+        squares(i) = (r(i) - max(0.0_wp, r(i) - merge(1.0_wp, 0.0_wp, rho(i) > 0)*u(i)))**2
+      end do
+      sums(1) = sums(1) + sum(squares(:n))
+    end if
+    do i = 1, n
+      squares(i) = (r(i) - max(0.0_wp, r(i) - rho(i)*u(i)))**2
+      over(i) = merge(squares(i), 0.0_wp, rho(i) > 0)/merge(rho(i), 1.0_wp, rho(i) > 0)**2
+    end do
+    sums(2) = sums(2) + sum(squares(:n))
+    sums(3) = sums(3) + sum(over(:n))
+    sums(4) = sums(4) + sum(r(:n)**2)
+    sums(5) = sums(5) + sum(u(:n)**2)
+    active = active + count(abs(r(:n)) > 0)
+  end subroutine add_normal_parts
 
   !> Squares of the natural map of a chunk: zero where impulse and velocity obey the law.
   pure subroutine map_squares(n, normal, u, r, friction, rho, linear, squares)
@@ -159,6 +194,13 @@ contains
       end associate
       return
     end if
+    if (problem%kind == ball_frictionless) then
+      associate (last => first + a%n - 1)
+        call gather_slippery_balls(a%n, problem%pair(:, first:last), problem%record(:, first:last), &
+                                   problem%impulse(:, first:last), problem%n_bodies, problem%body, a)
+      end associate
+      return
+    end if
     do i = 1, a%n
       k = first + i - 1
       a%u(i, :) = space_velocity(problem, k)
@@ -176,6 +218,24 @@ contains
       end associate
     end do
   end subroutine gather
+
+  !> The same for balls without friction.
+  pure subroutine gather_slippery_balls(n, pair, record, r, n_bodies, body, a)
+    integer, intent(in) :: n, pair(2, n), n_bodies
+    real(wp), intent(in) :: record(5, n), r(1, n), body(6, n_bodies)
+    type(chunk_t), intent(inout) :: a
+    integer :: i
+
+    do i = 1, n
+      associate (c => pair(1, i), d => pair(2, i))
+        a%u(i, 1) = record(1, i)*(body(1, c) - body(1, d)) + record(2, i)*(body(2, c) - body(2, d)) &
+                    + record(3, i)*(body(3, c) - body(3, d)) + record(4, i)
+      end associate
+      a%r(i, 1) = r(1, i)
+      a%rho(i) = record(5, i)
+      a%normal(i, 1) = 1
+    end do
+  end subroutine gather_slippery_balls
 
   !> The same for balls with friction.
   pure subroutine gather_balls(n, pair, record, r, n_bodies, body, a)

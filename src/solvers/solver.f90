@@ -2,6 +2,7 @@
 module sg_solver
   use sg_problem, only: problem_t
   use sg_report, only: report_t
+  use sg_tables, only: tables_t
   implicit none
   private
   public :: solver_t
@@ -12,6 +13,7 @@ module sg_solver
     logical :: with_trace = .false.
   contains
     procedure(solve), deferred :: solve
+    procedure(list_tables), deferred :: list_tables
   end type solver_t
 
   abstract interface
@@ -22,5 +24,11 @@ module sg_solver
       type(problem_t), intent(inout) :: problem !! problem to solve
       type(report_t), intent(out) :: report !! effort and errors
     end subroutine solve
+    !> List the tables that a solver keeps from one problem to the next.
+    subroutine list_tables(self, tables)
+      import :: solver_t, tables_t
+      class(solver_t), intent(in) :: self
+      type(tables_t), intent(inout) :: tables !! list to add to
+    end subroutine list_tables
   end interface
 end module sg_solver

@@ -14,9 +14,10 @@ module sg_sweep_order
   use sg_run_options, only: solver_options_t
   use sg_sweep_blocks, only: colour_blocks, sweep_blocks_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, row_impulse, solid_lanes_t
+  use sg_tables, only: per_body, per_contact, tables_t
   implicit none
   private
-  public :: sweep_order_t, set_order, give_impulses, lanes
+  public :: sweep_order_t, set_order, give_impulses, list_order, lanes
 
   !> Contacts of a group that balls with friction are swept by in vector registers
   integer, parameter :: lanes = 8
@@ -337,4 +338,29 @@ contains
       problem%impulse(:, order%contact(i)) = order%impulse(:, i)
     end do
   end subroutine give_impulses
+
+  !> List the tables of an order.
+  subroutine list_order(order, tables)
+    type(sweep_order_t), intent(in) :: order !! set or not
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call tables%begin('order', per_contact)
+    call tables%note('contact', order%contact)
+    call tables%note('pair', order%pair)
+    call tables%note('record', order%record)
+    call tables%note('impulse', order%impulse)
+    call tables%note('chosen', order%chosen)
+    call tables%note('group_size', order%group_size)
+    call tables%note('lane_pair', order%lane_pair)
+    call tables%note('lane_record', order%lane_record)
+    call tables%note('lane_impulse', order%lane_impulse)
+    call tables%note('solid_last_row', order%solids%last_row)
+    call tables%note('solid_row_size', order%solids%row_size)
+    call tables%note('solid_pair', order%solids%pair)
+    call tables%note('solid_row', order%solids%row)
+    call tables%note('solid_special', order%solids%special)
+    call tables%note('block_last', order%blocks%last)
+    call tables%begin('order', per_body)
+    call tables%note('groups_of', order%groups_of)
+  end subroutine list_order
 end module sg_sweep_order

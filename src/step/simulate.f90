@@ -8,6 +8,7 @@ module sg_simulate
   use sg_history, only: revive
   use sg_kinds, only: wp
   use sg_measures, only: measure
+  use sg_needs, only: tell_needs
   use sg_plan, only: describe_plan
   use sg_report, only: report_t
   use sg_run_files, only: close_files, open_files, remove_former, writers_t
@@ -61,6 +62,7 @@ contains
       call print_verdict(output_unit, writers%summary)
       if (writers%trace%is_on .and. writers%is_speaker) write (output_unit, '(a)') writers%trace%table(writers%summary%totals)
     end if
+    if (sim%options%tells_needs .and. .not. allocated(error)) call tell_needs(sim, error)
   end subroutine simulate
 
   !> What is done with the scene, in a few lines.

@@ -2,15 +2,15 @@
 module breaking_solver
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use sg_kinds, only: wp
+  use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t
   use sg_report, only: report_t
-  use sg_solver, only: solver_t
   implicit none
   private
   public :: breaking_solver_t
 
   !> A solver that spoils the velocity of the first slot
-  type, extends(solver_t) :: breaking_solver_t
+  type, extends(nlgs_t) :: breaking_solver_t
   contains
     procedure :: solve => breaking_solve
   end type breaking_solver_t

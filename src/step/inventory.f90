@@ -1,0 +1,196 @@
+!> Which tables a simulation holds between two steps: all of its parts, told one by one.
+!!
+!! What grows neither with the bodies nor with the contacts is left out, and so is what a step makes and gives back. That nothing
+!! else is left out shows where the sum is compared with the memory that the program has in use (tests/cli/test_needs.py).
+module sg_inventory
+  use sg_bodies, only: bodies_t
+  use sg_contactors, only: contactors_t
+  use sg_contacts, only: contacts_t
+  use sg_history, only: history_t
+  use sg_kinds, only: i8
+  use sg_neighbours, only: neighbours_t
+  use sg_polyhedron, only: polyhedron_t
+  use sg_problem, only: problem_t
+  use sg_simulation, only: simulation_t
+  use sg_space_shapes, only: space_shapes_t
+  use sg_tables, only: per_body, per_contact, tables_t
+  implicit none
+  private
+  public :: list_tables
+
+contains
+
+  !> List the tables of a simulation.
+  subroutine list_tables(sim, tables)
+    type(simulation_t), intent(in) :: sim !! after a step
+    type(tables_t), intent(out) :: tables !! allocated ones and others
+
+    call list_bodies(sim%scene%bodies, tables)
+    call tables%begin('plan', per_body)
+    call tables%note('radius', sim%plan%radius)
+    call list_contactors(sim%scene%contactors, tables)
+    call list_space(sim%scene%contactors%space, tables)
+    call list_pairs(sim%pairs, tables)
+    call list_contacts(sim%contacts, tables)
+    call list_history(sim%history, tables)
+    call list_problem(sim%problem, tables)
+    if (allocated(sim%solver)) call sim%solver%list_tables(tables)
+  end subroutine list_tables
+
+  !> Tables of bodies.
+  subroutine list_bodies(bodies, tables)
+    type(bodies_t), intent(in) :: bodies
+    type(tables_t), intent(inout) :: tables
+
+    call tables%begin('bodies', per_body)
+    call tables%note('position', bodies%position)
+    call tables%note('angle', bodies%angle)
+    call tables%note('orientation', bodies%orientation)
+    call tables%note('velocity', bodies%velocity)
+    call tables%note('middle', bodies%middle)
+    call tables%note('mass', bodies%mass)
+    call tables%note('inertia', bodies%inertia)
+    call tables%note('principal', bodies%principal)
+    call tables%note('inverse_mass', bodies%inverse_mass)
+    call tables%note('force', bodies%force)
+    call tables%note('free_velocity', bodies%free_velocity)
+    call tables%note('area', bodies%area)
+    call tables%note('crossings', bodies%crossings)
+    call tables%note('crossings_y', bodies%crossings_y)
+    call tables%note('is_grain', bodies%is_grain)
+    call tables%note('material', bodies%material)
+    call tables%note('id', bodies%id)
+    call tables%note('home', bodies%home)
+  end subroutine list_bodies
+
+  !> Tables of shapes in the plane, and of what all shapes have.
+  subroutine list_contactors(contactors, tables)
+    type(contactors_t), intent(in) :: contactors
+    type(tables_t), intent(inout) :: tables
+
+    call tables%begin('contactors', per_body)
+    call tables%note('kind', contactors%kind)
+    call tables%note('body', contactors%body)
+    call tables%note('row', contactors%row)
+    call tables%note('colour', contactors%colour)
+    call tables%note('shift', contactors%shift)
+    call tables%note('reach', contactors%reach)
+    call tables%note('centre', contactors%centre)
+    call tables%note('id', contactors%id)
+    call tables%note('disk_radius', contactors%disk_radius)
+    call tables%note('wall_size', contactors%wall_size)
+    call tables%note('wall_axis', contactors%wall_axis)
+    call tables%note('hollow_radius', contactors%hollow_radius)
+    call tables%note('polygon_first', contactors%polygon_first)
+    call tables%note('polygon_vertex', contactors%polygon_vertex)
+    call tables%note('polygon_world', contactors%polygon_world)
+  end subroutine list_contactors
+
+  !> Tables of shapes in space.
+  subroutine list_space(space, tables)
+    type(space_shapes_t), intent(in) :: space
+    type(tables_t), intent(inout) :: tables
+    integer(i8) :: bytes
+    integer :: i
+
+    call tables%begin('space', per_body)
+    call tables%note('sphere_radius', space%sphere_radius)
+    call tables%note('plane_half', space%plane_half)
+    call tables%note('plane_frame', space%plane_frame)
+    call tables%note('plane_world', space%plane_world)
+    call tables%note('cylinder_size', space%cylinder_size)
+    call tables%note('cylinder_axis', space%cylinder_axis)
+    call tables%note('cylinder_world', space%cylinder_world)
+    call tables%note('hollow_size', space%hollow_size)
+    call tables%note('hollow_axis', space%hollow_axis)
+    call tables%note('hollow_world', space%hollow_world)
+    bytes = -1
+    if (allocated(space%polyhedra)) then
+      bytes = 0
+      do i = 1, size(space%polyhedra)
+        bytes = bytes + bytes_of(space%polyhedra(i))
+      end do
+    end if
+    call tables%add('polyhedra', bytes)
+  end subroutine list_space
+
+  !> Bytes of a polyhedron, with those of its own tables.
+  integer(i8) function bytes_of(polyhedron) result(bytes)
+    type(polyhedron_t), intent(in) :: polyhedron
+    type(tables_t) :: tables
+
+    call tables%note('vertex', polyhedron%vertex)
+    call tables%note('face_first', polyhedron%face_first)
+    call tables%note('face_vertex', polyhedron%face_vertex)
+    call tables%note('normal', polyhedron%normal)
+    call tables%note('edge', polyhedron%edge)
+    call tables%note('world_vertex', polyhedron%world_vertex)
+    call tables%note('world_normal', polyhedron%world_normal)
+    call tables%note('world_offset', polyhedron%world_offset)
+    bytes = tables%bytes_per(per_body) + storage_size(polyhedron)/8
+  end function bytes_of
+
+  !> Tables of the list of neighbours: those of pairs count as contacts'.
+  subroutine list_pairs(pairs, tables)
+    type(neighbours_t), intent(in) :: pairs
+    type(tables_t), intent(inout) :: tables
+
+    call tables%begin('neighbours', per_body)
+    call tables%note('body_of', pairs%body_of)
+    call tables%note('slot_of', pairs%slot_of)
+    call tables%note('built', pairs%built)
+    call tables%begin('pairs', per_contact)
+    call tables%note('contactor', pairs%contactor)
+    call tables%note('image', pairs%image)
+    call tables%note('image_y', pairs%image_y)
+    call tables%note('see', pairs%see)
+  end subroutine list_pairs
+
+  !> Tables of the contacts of the step.
+  subroutine list_contacts(contacts, tables)
+    type(contacts_t), intent(in) :: contacts
+    type(tables_t), intent(inout) :: tables
+
+    call tables%begin('contacts', per_contact)
+    call tables%note('contactor', contacts%contactor)
+    call tables%note('body', contacts%body)
+    call tables%note('feature', contacts%feature)
+    call tables%note('law', contacts%law)
+    call tables%note('normal', contacts%normal)
+    call tables%note('point', contacts%point)
+    call tables%note('gap', contacts%gap)
+    call tables%note('image', contacts%image)
+    call tables%note('image_y', contacts%image_y)
+    call tables%note('impulse', contacts%impulse)
+    call tables%note('status', contacts%status)
+  end subroutine list_contacts
+
+  !> Tables of the contacts of the last step.
+  subroutine list_history(history, tables)
+    type(history_t), intent(in) :: history
+    type(tables_t), intent(inout) :: tables
+
+    call tables%begin('history', per_contact)
+    call tables%note('contactor', history%contactor)
+    call tables%note('image', history%image)
+    call tables%note('first', history%first)
+    call tables%note('feature', history%feature)
+    call tables%note('impulse', history%impulse)
+    call tables%note('point', history%point)
+    call tables%note('status', history%status)
+    call tables%note('past', history%past)
+  end subroutine list_history
+
+  !> Tables of the contact problem.
+  subroutine list_problem(problem, tables)
+    type(problem_t), intent(in) :: problem
+    type(tables_t), intent(inout) :: tables
+
+    call tables%begin('problem', per_contact)
+    call tables%note('pair', problem%pair)
+    call tables%note('record', problem%record)
+    call tables%note('impulse', problem%impulse)
+    call tables%begin('problem', per_body)
+    call tables%note('body', problem%body)
+  end subroutine list_problem
+end module sg_inventory

@@ -1,0 +1,211 @@
+!> What a run has needed: tables held, libraries opened, bytes a grain and a contact, the cost of a contact update.
+!!
+!! The plan that a run prints at its start is a promise; this is what has become of it, told at the end of `run --needs` and
+!! written to needs.json.
+module sg_needs
+  use, intrinsic :: iso_fortran_env, only: output_unit
+  use sg_assemble, only: assemble
+  use sg_detect, only: detect
+  use sg_error, only: error_t
+  use sg_inventory, only: list_tables
+  use sg_json, only: json_t
+  use sg_kernel_cost, only: compare_cost, kernel_cost_t
+  use sg_kinds, only: wp, i8
+  use sg_library, only: heap_bytes, is_open
+  use sg_library_files, only: library_file, on_demand
+  use sg_motion, only: predict
+  use sg_problem, only: problem_kind
+  use sg_simulation, only: simulation_t
+  use sg_tables, only: per_body, per_contact, tables_t
+  use sg_text, only: to_text
+  use sg_text_files, only: replace_file
+  use sg_verdict, only: fixed
+  implicit none
+  private
+  public :: tell_needs
+
+  !> What a run has needed, all ranks together
+  type :: needs_t
+    type(tables_t) :: tables
+    !> Memory in use [bytes], that of tables and all other; 0 where the system does not tell
+    integer(i8) :: heap = 0
+    !> Libraries that were opened
+    character(len=:), allocatable :: libraries
+    type(kernel_cost_t) :: cost
+    !> Grains and contacts, messages between ranks
+    integer :: grains = 0, contacts = 0
+    real(wp) :: messages = 0
+  end type needs_t
+
+contains
+
+  !> Tell what a run has needed. The simulation is over: it stands within a step afterwards. Collective.
+  subroutine tell_needs(sim, error)
+    type(simulation_t), intent(inout) :: sim !! after its last step
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when needs.json cannot be written
+    type(needs_t) :: needs
+    integer :: speaker
+
+    needs%heap = heap_bytes()
+    call list_tables(sim, needs%tables)
+    needs%grains = sim%plan%grains
+    needs%contacts = sim%all_contacts
+    needs%libraries = opened_libraries()
+    needs%messages = real(sim%comm%traffic%messages, wp)
+    if (sim%comm%size > 1) call add_ranks(needs, sim)
+    if (.not. sim%decomposition%is_on .and. sim%options%solver%method == 'nlgs' .and. sim%step > 0) then
+      call measure_cost(sim, needs%cost)
+    end if
+    if (sim%comm%rank == 0) then
+      if (.not. sim%options%is_quiet) call print_needs(needs)
+      call write_needs(needs, sim, error)
+    end if
+    call sim%comm%agree(error, speaker)
+  end subroutine tell_needs
+
+  !> Which of the libraries that are opened on demand are open?
+  function opened_libraries() result(names)
+    character(len=:), allocatable :: names
+    integer :: i
+
+    names = ''
+    do i = 1, size(on_demand)
+      if (is_open(library_file(on_demand(i)))) names = names//' '//trim(on_demand(i))
+    end do
+    names = trim(adjustl(names))
+  end function opened_libraries
+
+  !> Add what other ranks hold and have sent. Collective.
+  subroutine add_ranks(needs, sim)
+    type(needs_t), intent(inout) :: needs
+    type(simulation_t), intent(inout) :: sim
+    real(wp) :: sums(needs%tables%n + 2), is_there(needs%tables%n)
+    integer :: n
+
+    n = needs%tables%n
+    sums = [real(needs%tables%list(:n)%bytes, wp), real(needs%heap, wp), needs%messages]
+    is_there = merge(1.0_wp, 0.0_wp, needs%tables%list(:n)%is_there)
+    call sim%comm%sum(sums)
+    call sim%comm%maximum(is_there)
+    needs%tables%list(:n)%bytes = nint(sums(:n), i8)
+    needs%tables%list(:n)%is_there = is_there > 0.5_wp
+    needs%heap = nint(sums(n + 1), i8)
+    needs%messages = sums(n + 2)
+  end subroutine add_ranks
+
+  !> Begin one more step, and solve its problem by the bare kernel and by the solver, with as many sweeps as a step had.
+  subroutine measure_cost(sim, cost)
+    type(simulation_t), intent(inout) :: sim
+    type(kernel_cost_t), intent(out) :: cost
+    integer :: n_sweeps, batch
+
+    call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
+    call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
+                  sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
+    batch = sim%options%solver%check_every
+    n_sweeps = nint(real(sim%totals%sweeps, wp)/real(max(1, sim%totals%steps)*batch, wp))*batch
+    call compare_cost(sim%problem, sim%options%solver, max(batch, n_sweeps), cost)
+  end subroutine measure_cost
+
+  !> Print what was needed: one line an owner of tables, with the names of those that are there.
+  subroutine print_needs(needs)
+    type(needs_t), intent(in) :: needs
+    character(len=:), allocatable :: names, absent
+    integer(i8) :: bytes
+    integer :: i, n
+
+    write (output_unit, '(a)') 'needs      '//to_text(needs%grains)//' grains, '//to_text(needs%contacts)//' contacts'
+    absent = ''
+    names = ''
+    bytes = 0
+    n = needs%tables%n
+    do i = 1, n
+      associate (table => needs%tables%list(i))
+        if (table%is_there) names = names//' '//trim(table%name)
+        if (.not. table%is_there) absent = absent//' '//trim(table%owner)//'.'//trim(table%name)
+        bytes = bytes + table%bytes
+        if (i < n) then
+          if (needs%tables%list(i + 1)%owner == table%owner .and. needs%tables%list(i + 1)%per == table%per) cycle
+        end if
+        if (bytes > 0) write (output_unit, '(a11,a)') table%owner, share(needs, bytes, table%per)// &
+          trim(merge(' B a grain:  ', ' B a contact:', table%per == per_body))//names
+      end associate
+      names = ''
+      bytes = 0
+    end do
+    write (output_unit, '(a)') 'left out  '//absent
+    write (output_unit, '(a)') 'bytes      '//share(needs, needs%tables%bytes_per(per_body), per_body)//' a grain, '// &
+      share(needs, needs%tables%bytes_per(per_contact), per_contact)//' a contact; tables '// &
+      fixed(real(table_bytes(needs), wp)/1e6_wp, 2)//' MB, all memory in use '//fixed(real(needs%heap, wp)/1e6_wp, 2)//' MB'
+    if (len(needs%libraries) == 0) then
+      write (output_unit, '(a)') 'libraries  none of those that are opened on demand'
+    else
+      write (output_unit, '(a)') 'libraries  '//needs%libraries
+    end if
+    write (output_unit, '(a)') 'messages   '//to_text(nint(needs%messages, i8))
+    if (needs%cost%visited > 0) write (output_unit, '(a)') 'update     bare kernel '// &
+      fixed(1e9_wp*needs%cost%kernel, 2)//' ns, sweeps '//fixed(needs%cost%sweeps/needs%cost%kernel, 2)//' and solver '// &
+      fixed(needs%cost%solver/needs%cost%kernel, 2)//' times that ('//to_text(needs%cost%n_sweeps)//' sweeps over '// &
+      to_text(needs%cost%visited)//' contacts)'
+  end subroutine print_needs
+
+  !> Bytes of an item, as text.
+  function share(needs, bytes, per) result(text)
+    type(needs_t), intent(in) :: needs
+    integer(i8), intent(in) :: bytes
+    integer, intent(in) :: per
+    character(len=:), allocatable :: text
+
+    text = to_text(nint(per_item(needs, bytes, per)))
+  end function share
+
+  !> Bytes of an item: a grain or a contact.
+  pure real(wp) function per_item(needs, bytes, per)
+    type(needs_t), intent(in) :: needs
+    integer(i8), intent(in) :: bytes
+    integer, intent(in) :: per
+
+    per_item = real(bytes, wp)/real(max(1, merge(needs%grains, needs%contacts, per == per_body)), wp)
+  end function per_item
+
+  !> Bytes of all tables.
+  pure integer(i8) function table_bytes(needs)
+    type(needs_t), intent(in) :: needs
+
+    table_bytes = needs%tables%bytes_per(per_body) + needs%tables%bytes_per(per_contact)
+  end function table_bytes
+
+  !> Write needs.json: bytes of each table that is there, then all other figures.
+  subroutine write_needs(needs, sim, error)
+    type(needs_t), intent(in) :: needs
+    type(simulation_t), intent(in) :: sim
+    type(error_t), allocatable, intent(out) :: error
+    type(json_t) :: json
+    integer :: i
+
+    do i = 1, needs%tables%n
+      associate (table => needs%tables%list(i))
+        if (table%is_there) call json%add(trim(table%owner)//'.'//trim(table%name), table%bytes)
+      end associate
+    end do
+    call json%add('ranks', sim%comm%size)
+    call json%add('steps', sim%step)
+    call json%add('grains', needs%grains)
+    call json%add('contacts', needs%contacts)
+    call json%add('bytes_per_grain', per_item(needs, needs%tables%bytes_per(per_body), per_body))
+    call json%add('bytes_per_contact', per_item(needs, needs%tables%bytes_per(per_contact), per_contact))
+    call json%add('table_bytes', table_bytes(needs))
+    call json%add('memory_bytes', needs%heap)
+    call json%add('libraries', needs%libraries)
+    call json%add('messages', nint(needs%messages, i8))
+    if (needs%cost%visited > 0) then
+      call json%add('kernel_seconds_per_update', needs%cost%kernel)
+      call json%add('sweeps_over_kernel', needs%cost%sweeps/needs%cost%kernel)
+      call json%add('solver_over_kernel', needs%cost%solver/needs%cost%kernel)
+      call json%add('sweeps_compared', needs%cost%n_sweeps)
+      call json%add('contacts_compared', needs%cost%visited)
+    end if
+    call replace_file(sim%options%folder//'/needs.json', json%text(), error)
+  end subroutine write_needs
+end module sg_needs

@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+"""Test what a run needs, scene by scene: the tables that it holds, their bytes, the libraries that it opens, what it calls.
+
+usage: test_needs.py PROGRAM [MPIEXEC [unittest options]]
+       test_needs.py PROGRAM --table              print the table of doc/performance.md instead, with the cost of an update
+"""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from program_case import ProgramCase, take_program
+
+COMMON = """[time]
+step = 1e-3
+steps = 150
+[solver]
+criterion = "e8"
+tolerance = 1e-3
+[[material]]
+name = "stone"
+density = 2600.0
+[[law]]
+friction = {friction}
+"""
+WALL = "[[wall]]\nfrom = {}\nto = {}\nthickness = 0.02\n"
+WALLS = "".join(
+    WALL.format(*ends)
+    for ends in (([-0.5, -0.01], [1.5, -0.01]), ([-0.01, 0.0], [-0.01, 4.0]), ([1.01, 0.0], [1.01, 4.0]))
+)
+GRAINS = 1000
+
+
+def in_plane(shape, friction):
+    sample = f'[[sample]]\nshape = "{shape}"\nbox = [0.0, 0.0, 1.0, 4.0]\nkind = "lattice"\ncount = {GRAINS}\n'
+    return COMMON.format(friction=friction) + WALLS + sample + "radius = [0.023, 0.025]\n"
+
+
+def in_space(shape, friction):
+    sample = f'[[sample]]\nshape = "{shape}"\nbox = [0.0, 0.0, 0.0, 0.4, 0.4, 2.0]\nkind = "lattice"\ncount = {GRAINS}\n'
+    container = "[[container]]\nsize = [0.4, 0.4, 2.0]\n"
+    return "[scene]\ndimension = 3\n" + COMMON.format(friction=friction) + container + sample + "radius = [0.022, 0.025]\n"
+
+
+# Tables that all scenes have: bodies where they are and how they move, contactors, pairs, contacts, the problem, the order.
+ALWAYS = """bodies.position bodies.velocity bodies.middle bodies.mass bodies.inverse_mass bodies.force bodies.free_velocity
+bodies.area bodies.crossings bodies.is_grain bodies.material
+contactors.kind contactors.body contactors.row contactors.colour contactors.shift contactors.reach contactors.centre
+neighbours.body_of neighbours.slot_of neighbours.built pairs.contactor pairs.image pairs.see
+contacts.contactor contacts.body contacts.feature contacts.law contacts.normal contacts.point contacts.gap contacts.image
+contacts.impulse contacts.status
+history.contactor history.image history.first history.feature history.impulse history.status history.past
+problem.pair problem.record problem.impulse problem.body
+order.contact order.pair order.record order.impulse order.chosen order.groups_of visits.is_wanted"""
+PLANE = "contactors.wall_size contactors.wall_axis"
+SPACE = "bodies.crossings_y space.plane_half space.plane_frame space.plane_world pairs.image_y contacts.image_y"
+POLYGONS = "contactors.polygon_first contactors.polygon_vertex contactors.polygon_world"
+BALL_LANES = "order.group_size order.lane_pair order.lane_record order.lane_impulse"
+SOLID_LANES = "order.solid_last_row order.solid_row_size order.solid_pair order.solid_row"
+
+# Scene: deck, tables beside those of all, libraries, and upper bounds of bytes a grain and a contact. A grain and a contact of the
+# plane take least; turning bodies have angles and a third velocity, in space quaternions and spins; polygons and polyhedra
+# their corners twice (in the body's frame and in the world); a contact with friction has a second impulse, one with arms a longer
+# record; lanes hold a copy of the record beside that of the order. Room is kept for half as many contacts again as there were
+# (a list grows by half), and for the contacts near enough to be watched: the bounds are a quarter above what was measured.
+SCENES = {
+    "disks, no friction": (in_plane("disk", 0.0), f"{PLANE} bodies.inertia contactors.disk_radius", [], 330, 420),
+    "disks": (in_plane("disk", 0.3), f"{PLANE} bodies.angle bodies.inertia plan.radius contactors.disk_radius", [], 430, 530),
+    "polygons": (in_plane("polygon", 0.3), f"{PLANE} {POLYGONS} bodies.angle bodies.inertia", [], 730, 730),
+    "spheres, no friction": (in_space("sphere", 0.0), f"{SPACE} bodies.principal space.sphere_radius", [], 470, 580),
+    "spheres": (
+        in_space("sphere", 0.3),
+        f"{SPACE} {BALL_LANES} bodies.orientation bodies.principal plan.radius space.sphere_radius", [], 740, 900,
+    ),
+    "polyhedra": (
+        in_space("polyhedron", 0.3), f"{SPACE} {SOLID_LANES} bodies.orientation bodies.principal space.polyhedra", ["Qhull"],
+        5700, 1600,
+    ),
+}  # fmt: skip
+
+# Memory that is nobody's table: that of the program itself and its libraries at rest, and what polyhedra lose to being many.
+AT_REST = 500_000
+PER_POLYHEDRON = 8 * 24
+
+
+class Needs(ProgramCase):
+    launcher = None
+
+    def needs(self, deck, *words):
+        (self.place / "deck.toml").write_text(deck)
+        self.run_program("run", "deck.toml", "--quiet", "--needs", "--output", "out", *words)
+        return json.loads((self.place / "out/needs.json").read_text())
+
+    def test_each_scene_holds_what_it_needs_and_nothing_else(self):
+        for name, (deck, more, libraries, *bounds) in SCENES.items():
+            if not all(map(self.has_library, libraries)):
+                continue
+            with self.subTest(name):
+                needs = self.needs(deck)
+                held = {table for table, bytes_held in needs.items() if "." in table and bytes_held > 0}
+                self.assertEqual(held, set(ALWAYS.split()) | set(more.split()))
+                self.assertEqual(needs["libraries"].split(), libraries)
+                self.assertEqual(needs["messages"], 0)
+                self.assertGreater(needs["contacts"], GRAINS / 2)
+                self.assertLess(needs["bytes_per_grain"], bounds[0])
+                self.assertLess(needs["bytes_per_contact"], bounds[1])
+                # What the list of tables leaves out is what the program has without any grain.
+                if needs["memory_bytes"] > 0:
+                    other = needs["memory_bytes"] - needs["table_bytes"]
+                    self.assertLess(other, AT_REST + PER_POLYHEDRON * GRAINS * ("polyhedra" in name))
+                self.assertGreater(needs["contacts_compared"], 0)
+                self.assertGreater(needs["solver_over_kernel"], 0)
+
+    def test_two_ranks_hold_no_more_than_their_parts(self):
+        if self.launcher is None:
+            self.skipTest("no program that starts ranks")
+        (self.place / "deck.toml").write_text(in_plane("disk", 0.3))
+        alone = self.needs(in_plane("disk", 0.3))
+        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+        environment.pop("TMPDIR", None)
+        words = [self.launcher, "--oversubscribe", "-n", "2", self.program, "run", "deck.toml", "--needs", "--output", "two"]
+        done = subprocess.run(words, cwd=self.place, env=environment, capture_output=True, text=True, timeout=self.timeout)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("bodies.id", (self.place / "two/needs.json").read_text())
+        two = json.loads((self.place / "two/needs.json").read_text())
+        self.assertEqual((two["ranks"], two["grains"]), (2, GRAINS))
+        self.assertGreater(two["messages"], 0)
+        # Copies along the cut: a tenth of 20 by 50 grains at most, at either side.
+        self.assertLess(two["bodies.position"], 1.2 * alone["bodies.position"])
+        # Which rank is whose home, and the numbers of the whole scene: 12 bytes a body and its contactor.
+        self.assertLess(two["bytes_per_grain"], 1.2 * (alone["bytes_per_grain"] + 12))
+
+    def test_outputs_that_nobody_asked_for_cost_nothing(self):
+        """Nothing is opened, written, or asked of the system for them, however many steps there are."""
+        off = ["--set", "output.every=0", "--set", "output.record_every=0", "--set", "restart.every=0"]
+        self.needs(in_plane("disk", 0.3), *off)
+        files = sorted(path.name for path in (self.place / "out").iterdir())
+        self.assertEqual(files, ["effective.toml", "needs.json", "numbers.tag", "run.json"])
+        if shutil.which("strace") is None:
+            self.skipTest("no strace")
+        deck = in_plane("disk", 0.3).replace("1000", "60")
+        (self.place / "deck.toml").write_text(deck)
+        calls = []
+        for steps in (200, 400):
+            words = [self.program, "run", "deck.toml", "--quiet", "--output", "out", *off, "--set", f"time.steps={steps}"]
+            traced = subprocess.run(["strace", "-f", "-c", "-U", "name,calls", "-o", "calls", *words], cwd=self.place,
+                                    capture_output=True, text=True, timeout=self.timeout)  # fmt: skip
+            if traced.returncode != 0:
+                self.skipTest("strace may not trace here: " + traced.stderr)
+            found = re.findall(r"^(\w+)\s+(\d+)", (self.place / "calls").read_text(), re.M)
+            calls.append({name: int(number) for name, number in found if name != "total"})
+        # What the solver and the phases ask for the time; memory may grow with the number of contacts.
+        more = {name for name, number in calls[1].items() if number > calls[0].get(name, 0)}
+        self.assertLessEqual(more, {"getrusage", "clock_gettime", "brk", "mmap", "munmap", "mremap"}, (calls[0], calls[1]))
+
+
+def wider(deck):
+    """The same scene three times as wide (four times in space), until it is as dense as it gets."""
+    for old, new in ((f"count = {GRAINS}", f"count = {3 * GRAINS}"), ("1.01,", "3.01,"), ("1.5,", "3.5,"), (", 1.0, 4.0]", ", 3.0, 4.0]"),
+                     ("0.4, 0.4, 2.0", "0.8, 0.8, 2.0"), ("step = 1e-3\nsteps = 150", "step = 5e-4\nsteps = 400")):  # fmt: skip
+        deck = deck.replace(old, new)
+    return deck
+
+
+def print_table():
+    """Print a table of all scenes in Markdown; the cost of an update is the least of three runs."""
+    print("| scene | bytes a grain | a contact | libraries | bare kernel, ns | sweeps | whole solver | sweeps a solve |")
+    print("|---|---|---|---|---|---|---|---|")
+    case = Needs()
+    for name, (deck, _, libraries, *_) in SCENES.items():
+        case.setUp()
+        runs = [case.needs(wider(deck)) for _ in range(3)]
+        kernel = min(run["kernel_seconds_per_update"] for run in runs) * 1e9
+        ratios = [min(run[f"{part}_over_kernel"] for run in runs) for part in ("sweeps", "solver")]
+        print(f"| {name} | {runs[0]['bytes_per_grain']:.0f} | {runs[0]['bytes_per_contact']:.0f} | "
+              f"{runs[0]['libraries'] or 'none'} | {kernel:.1f} | {ratios[0]:.2f} | {ratios[1]:.2f} | "
+              f"{runs[0]['sweeps_compared']} |")  # fmt: skip
+        case.doCleanups()
+
+
+if __name__ == "__main__":
+    take_program()
+    if "--table" in sys.argv:
+        print_table()
+        sys.exit()
+    if len(sys.argv) > 1 and not sys.argv[1].startswith("-"):
+        Needs.launcher = sys.argv.pop(1)
+    unittest.main()
