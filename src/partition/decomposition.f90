@@ -184,6 +184,7 @@ contains
     integer(i4), allocatable :: home(:), former(:)
     type(parcel_t) :: travelling
     real(wp) :: skin
+    logical :: is_split
 
     self%age = self%age + 1
     is_renewed = .false.
@@ -191,25 +192,25 @@ contains
     skin = common_skin(scene, comm)
     call forget_pairs(pairs, skin)
     if (.not. self%is_first) self%imbalance = imbalance(comm, real(contacts%n, wp))
-    is_renewed = self%is_first .or. must_split(self)
+    is_split = must_split(self)
+    is_renewed = self%is_first .or. is_split
     if (.not. is_renewed) is_renewed = .not. self%margin%holds(scene, skin, comm)
     if (.not. is_renewed) return
     call self%margin%choose(scene, skin, comm)
-    if (self%is_first) then
-      call make_halo(scene, self%whole, self%subdomain, self%margin%width, comm)
-      call start_contacts_here(self, scene, history, contacts, step)
-    else if (must_split(self)) then
+    if (is_split) then
       call new_homes(self, scene, contacts, comm, home, error)
       if (allocated(error)) return
       call send_contacts(contacts, scene, home, comm, travelling)
       call migrate(scene, home, comm)
-      call make_halo(scene, self%whole, self%subdomain, self%margin%width, comm)
-      call unpack_contacts(travelling, scene, contacts)
-      call resume_history(history, contacts)
     else
       former = scene%contactors%id(:scene%contactors%n)
-      call make_halo(scene, self%whole, self%subdomain, self%margin%width, comm)
-      call renumber_contacts(contacts, former, scene)
+    end if
+    call make_halo(scene, self%whole, self%subdomain, self%margin%width, comm)
+    if (self%is_first) then
+      call start_contacts_here(self, scene, history, contacts, step)
+    else
+      if (is_split) call unpack_contacts(travelling, scene, contacts)
+      if (.not. is_split) call renumber_contacts(contacts, former, scene)
       call resume_history(history, contacts)
     end if
     call self%margin%start(scene)
