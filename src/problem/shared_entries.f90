@@ -5,6 +5,7 @@
 module sg_shared_entries
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i4, i8
+  use sg_lists, only: reserve
   use sg_shared_unknowns, only: shared_unknowns_t
   use sg_sorting, only: group_items
   implicit none
@@ -110,59 +111,65 @@ contains
     real(wp), allocatable, intent(out) :: pushed(:, :)
     real(wp), allocatable :: entry(:, :), send(:)
     integer, allocatable :: first(:), item(:)
-    integer(i4), allocatable :: row(:), rank(:)
-    integer :: next(0:comm%size - 1), to(0:comm%size - 1), r, i
+    integer(i4), allocatable :: row(:), rank(:), copy(:, :)
+    integer :: i
 
     entry = reshape(received, [n_sent, size(received)/n_sent])
     row = int(nint(entry(1, :), i8) - unknowns%before, i4)
-    allocate (rank(size(row)), pushed(2, unknowns%n_own))
-    pushed = 0
-    i = 0
-    do r = 0, comm%size - 1
-      rank(i + 1:i + from(r)) = int(r, i4)
-      i = i + from(r)
-    end do
+    rank = senders(from)
+    allocate (pushed(2, unknowns%n_own), source=0.0_wp)
     do i = 1, size(row)
       pushed(:, row(i)) = pushed(:, row(i)) + entry(4, i)*entry(5:6, i)
     end do
     call group_items(row, unknowns%n_own, first, item)
-    ! Count what each rank gets, then write it.
-    to = 0
-    allocate (send(0))
-    call walk(is_counting=.true.)
-    next(0) = 0
-    do r = 1, comm%size - 1
-      next(r) = next(r - 1) + to(r - 1)
+    call list_copies(first, item, rank, copy)
+    call group_items(rank(copy(1, :)), comm%size, first, item)
+    allocate (send(n_passed*size(item)))
+    do i = 1, size(item)
+      associate (at_receiver => entry(2, copy(1, item(i))), passed_on => entry(3:6, copy(2, item(i))))
+        send(n_passed*(i - 1) + 1:n_passed*i) = [at_receiver, passed_on]
+      end associate
     end do
-    deallocate (send)
-    allocate (send(sum(to)))
-    call walk(is_counting=.false.)
-    call comm%swap(send, to, passed, counts)
-  contains
-    !> Each entry to each other rank, once, that has entries of the same unknown.
-    subroutine walk(is_counting)
-      logical, intent(in) :: is_counting
-      integer :: u, i, j, e, f
+    call comm%swap(send, n_passed*(first(2:) - first(:comm%size)), passed, counts)
+  end subroutine pass_on
 
-      do u = 1, unknowns%n_own
-        do i = first(u), first(u + 1) - 1
-          f = item(i)
-          ! Entries of a rank follow one another: the first one tells its place of the unknown.
-          if (i > first(u)) then
-            if (rank(item(i - 1)) == rank(f)) cycle
-          end if
-          do j = first(u), first(u + 1) - 1
-            e = item(j)
-            if (rank(e) == rank(f)) cycle
-            if (is_counting) then
-              to(rank(f)) = to(rank(f)) + n_passed
-            else
-              send(next(rank(f)) + 1:next(rank(f)) + n_passed) = [entry(2, f), entry(3:6, e)]
-              next(rank(f)) = next(rank(f)) + n_passed
-            end if
-          end do
+  !> The rank, from 1, that each entry received came from.
+  pure function senders(from) result(rank)
+    integer, intent(in) :: from(0:) !! entries from each rank
+    integer(i4) :: rank(sum(from))
+    integer :: r, n
+
+    n = 0
+    do r = 0, ubound(from, 1)
+      rank(n + 1:n + from(r)) = int(r + 1, i4)
+      n = n + from(r)
+    end do
+  end function senders
+
+  !> Each entry for each other rank, once, that has entries of the same unknown: an entry that tells that rank and its place of the
+  !! unknown, and the entry to send there.
+  subroutine list_copies(first, item, rank, copy)
+    integer, intent(in) :: first(:), item(:) !! entries of each unknown, those of a rank one after the other
+    integer(i4), intent(in) :: rank(:) !! of each entry
+    integer(i4), allocatable, intent(out) :: copy(:, :) !! shape (2, copies)
+    integer :: u, i, j, n
+
+    n = 0
+    allocate (copy(2, 0))
+    do u = 1, size(first) - 1
+      do i = first(u), first(u + 1) - 1
+        ! The first entry of each rank speaks for it.
+        if (i > first(u)) then
+          if (rank(item(i - 1)) == rank(item(i))) cycle
+        end if
+        do j = first(u), first(u + 1) - 1
+          if (rank(item(j)) == rank(item(i))) cycle
+          n = n + 1
+          call reserve(copy, 2, n)
+          copy(:, n) = int([item(i), item(j)], i4)
         end do
       end do
-    end subroutine walk
-  end subroutine pass_on
+    end do
+    copy = copy(:, :n)
+  end subroutine list_copies
 end module sg_shared_entries
