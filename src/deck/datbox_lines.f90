@@ -310,7 +310,7 @@ contains
     logical, intent(out) :: ok !! does the line begin with them?
     character(len=len(line) + 1) :: rest
     character(len=:), allocatable :: word
-    integer :: i, last, status
+    integer :: i, last, mark, status
 
     values = 0
     rest = line
@@ -323,6 +323,11 @@ contains
       last = max(1, index(rest, ' ') - 1)
       word = rest(:last)
       rest(:last) = ''
+      ! What stands free needs no point: 1e3.
+      mark = scan(word, 'dDeE')
+      if (mark > 1) then
+        if (is_integer(word(:mark - 1))) word = word(:mark - 1)//'.'//word(mark:)
+      end if
       ! Forty letters hold any double; more might be digits without end.
       ok = last <= 40 .and. (is_integer(word) .or. fault_of_real(word) == '')
       if (ok) read (word, *, iostat=status) values(i)
