@@ -3,7 +3,7 @@ module sg_keys_run
   use sg_key_table, only: key_table_t, value_box, value_choice, value_counts, value_integer, value_logical, &
                           value_real
   use sg_kinds, only: wp
-  use sg_run_options, only: criterion_names, gluing_names, method_names, run_options_t, split_names
+  use sg_run_options, only: criterion_names, energy_guards, gluing_names, method_names, run_options_t, split_names
   use sg_text, only: to_text
   use sg_words, only: choices_of, short_real
   implicit none
@@ -12,7 +12,7 @@ module sg_keys_run
 
 contains
 
-  !> Add the sections time, solver, partition, output, restart and report.
+  !> Add the sections time, solver, partition, output, restart, guard and report.
   subroutine add_run_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
@@ -97,7 +97,7 @@ contains
     end associate
   end subroutine add_partition
 
-  !> Sections output, restart and report.
+  !> Sections output, restart, guard and report.
   subroutine add_output(table)
     type(key_table_t), intent(inout) :: table
     type(run_options_t) :: default
@@ -114,6 +114,12 @@ contains
     call table%open_section('restart', 'Checkpoints, from which a run can go on bit for bit.')
     call table%add('every', value_integer, 'Steps between two checkpoints; 0 for none.', &
                    default=to_text(default%restart_every), least=0.0_wp)
+    call table%open_section('guard', 'What a run watches itself for; a value that is not finite always ends it.')
+    call table%add('energy', value_choice, 'What to do when the energy balance does not close, looked at in each recorded '// &
+                   'step: nothing, warn once (where theta is 0.5), or stop with exit code 6.', &
+                   default=quoted(trim(default%guard%energy)), choices=choices_of(energy_guards))
+    call table%add('energy_tolerance', value_real, 'Error of the balance over its largest term above which it counts as open.', &
+                   default=short_real(default%guard%energy_tolerance), above=0.0_wp)
     call table%open_section('report', 'What is worked out of a run beside its record.')
     call table%add('spectrum', value_logical, 'Sample energy and momentum of the grains and wall forces at every step and '// &
                    'write their power spectra, spectrum.csv, at the end; needs FFTW.', default=true_or_false(default%has_spectrum))

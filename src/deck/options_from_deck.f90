@@ -1,4 +1,4 @@
-!> Options of a run from the sections time, solver, partition, output, restart and report.
+!> Options of a run from the sections time, solver, partition, output, restart, guard and report.
 module sg_options_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t, error_t
@@ -51,6 +51,9 @@ contains
     options%output_single = deck%word(b, 'precision') == 'single'
     options%output_compressed = deck%flag(b, 'compression')
     options%restart_every = deck%integer(deck%block_of('restart'), 'every')
+    b = deck%block_of('guard')
+    options%guard%energy = deck%word(b, 'energy')
+    options%guard%energy_tolerance = deck%number(b, 'energy_tolerance')
     b = deck%block_of('report')
     options%has_spectrum = deck%flag(b, 'spectrum')
     if (options%has_spectrum) call find_fourier(error)

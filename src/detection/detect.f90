@@ -70,6 +70,8 @@ contains
       end do
     end if
     first(pairs%n + 1) = int(contacts%n, i4) + 1
+    call move_alloc(history%first, history%first_before)
+    history%n_before = history%n_pairs
     call move_alloc(first, history%first)
     history%n_pairs = pairs%n
   end subroutine touch_all

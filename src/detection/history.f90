@@ -24,6 +24,9 @@ module sg_history
     integer(i4), allocatable :: image(:, :)
     !> Contacts of pair p are `first(p)` to `first(p + 1) - 1`
     integer(i4), allocatable :: first(:)
+    !> The same of the detection before, to which the features, impulses and statuses below belong once a new one is done
+    integer :: n_before = 0
+    integer(i4), allocatable :: first_before(:)
     !> Feature, impulse, status of each contact; point in the candidate's period, for contacts read from a deck
     integer(i4), allocatable :: feature(:)
     real(wp), allocatable :: impulse(:, :), point(:, :)
@@ -303,11 +306,11 @@ contains
     integer :: p, k
 
     contacts%n = 0
-    if (history%n_pairs == 0 .or. history%by_point) return
-    contacts%n = history%first(history%n_pairs + 1) - 1
+    if (history%n_before == 0 .or. history%by_point) return
+    contacts%n = history%first_before(history%n_before + 1) - 1
     call reserve_contacts(contacts, contacts%n)
-    do p = 1, history%n_pairs
-      do k = history%first(p), history%first(p + 1) - 1
+    do p = 1, history%n_before
+      do k = history%first_before(p), history%first_before(p + 1) - 1
         contacts%contactor(:, k) = pair_of(p)
         contacts%feature(k) = history%feature(k)
         contacts%impulse(:, k) = history%impulse(:, k)

@@ -3,7 +3,7 @@ module sg_run_options
   use sg_kinds, only: wp
   implicit none
   private
-  public :: run_options_t, solver_options_t, partition_options_t, split_names, gluing_names
+  public :: run_options_t, solver_options_t, partition_options_t, guard_options_t, split_names, gluing_names, energy_guards
   public :: criterion_e1, criterion_e2, criterion_e8, criterion_violation, criterion_quad, criterion_maxm, criterion_qm16
   public :: criterion_estimate, criterion_names, method_names
 
@@ -21,6 +21,17 @@ module sg_run_options
   !> How grains are split over ranks, and how their parts are glued
   character(len=8), parameter :: split_names(2) = [character(len=8) :: 'boxes', 'graph'], &
                                  gluing_names(3) = [character(len=8) :: 'dual', 'primal', 'contacts']
+
+  !> What is done when the energy balance does not close
+  character(len=6), parameter :: energy_guards(3) = [character(len=6) :: 'ignore', 'warn', 'stop']
+
+  !> What a run watches itself for
+  type :: guard_options_t
+    !> What is done when the energy balance does not close, one of `energy_guards`
+    character(len=6) :: energy = 'warn'
+    !> Error of the balance over its largest term above which it counts as open
+    real(wp) :: energy_tolerance = 0.05_wp
+  end type guard_options_t
 
   !> How a scene is decomposed when there is more than one rank
   type :: partition_options_t
@@ -77,6 +88,8 @@ module sg_run_options
     real(wp) :: theta = 0.5_wp
     !> The solver
     type(solver_options_t) :: solver
+    !> What is watched
+    type(guard_options_t) :: guard
     !> The decomposition
     type(partition_options_t) :: partition
     !> Steps between two pictures (VTKHDF), 0 for none; between two rows of the record; between two checkpoints

@@ -19,6 +19,8 @@ module sg_dump
   type :: dump_t
     !> Has one begun?
     logical :: is_begun = .false.
+    !> Was the problem not solved at all? Then there is no solution to write
+    logical :: is_unsolved = .false.
     !> The problem with its guess; of several ranks this one's rows
     type(shared_matrices_t) :: matrices
     !> What stands in the way of writing it
@@ -59,7 +61,7 @@ contains
     end if
     is_broken = .not. (all(abs(problem%impulse(:, :problem%n_contacts)) <= huge(1.0_wp)) .and. &
                        all(abs(problem%body) <= huge(1.0_wp)))
-    if (.not. comm%any(is_broken)) call take_solution(problem, dump%matrices)
+    if (.not. (comm%any(is_broken) .or. dump%is_unsolved)) call take_solution(problem, dump%matrices)
     call write_pieces(folder//'/'//name, dump%matrices%pieces, 'step '//to_text(step)//' of '//deck, &
                       'written by splitgrain run --dump', comm, error)
     name = name//'-local.hdf5'

@@ -39,6 +39,8 @@ module sg_run_files
     logical :: has_pictures = .false., has_checkpoints = .false., has_saved = .false.
     !> Has this run done a step?
     logical :: has_stepped = .false.
+    !> Was told that the energy balance does not close?
+    logical :: has_warned = .false.
     real(wp) :: wall_start = 0
   end type writers_t
 

@@ -5,6 +5,7 @@ module sg_simulate
   use sg_dump, only: finish_dump
   use sg_energy, only: kinetic_energy
   use sg_error, only: diagnostics_t, error_t, exit_done, exit_not_converged, exit_stopped
+  use sg_guard, only: judge_energy
   use sg_history, only: revive
   use sg_kinds, only: wp
   use sg_measures, only: measure
@@ -154,6 +155,7 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(writers_t), intent(inout) :: writers
     type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: late
     logical :: is_last
 
     is_last = sim%step == sim%options%steps
@@ -164,10 +166,12 @@ contains
     end if
     if (sim%options%record_every > 0 .and. (is_due(sim%options%record_every) .or. is_last)) then
       call measure_now(sim, writers)
+      call watch_energy(sim, writers, error)
       call sim%totals%phase(phase_output)%start()
-      call record_now(sim, writers, error)
+      call record_now(sim, writers, late)
       call sim%totals%phase(phase_output)%stop()
     end if
+    if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
     if (allocated(error)) return
     call sim%totals%phase(phase_output)%start()
     if (writers%has_pictures .and. (is_due(sim%options%output_every) .or. is_last)) then
@@ -188,6 +192,22 @@ contains
       if (every > 0) is_due = mod(sim%step, every) == 0
     end function is_due
   end subroutine write_due
+
+  !> Do the energies just measured, which all ranks have, end the run, or ask for a warning?
+  subroutine watch_energy(sim, writers, error)
+    type(simulation_t), intent(in) :: sim
+    type(writers_t), intent(inout) :: writers
+    type(error_t), allocatable, intent(out) :: error
+    character(len=:), allocatable :: warning
+    logical :: has_warned
+
+    ! With another theta positions move otherwise than works are summed: the balance is open by the order of the step.
+    has_warned = writers%has_warned .or. abs(sim%options%theta - 0.5_wp) > 0
+    call judge_energy(writers%measures, sim%options%guard, sim%step, has_warned, warning, error)
+    if (len(warning) == 0) return
+    writers%has_warned = .true.
+    if (writers%is_speaker) write (error_unit, '(a)') 'warning: '//warning
+  end subroutine watch_energy
 
   !> Add a row to the record.
   subroutine record_now(sim, writers, error)

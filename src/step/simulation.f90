@@ -153,7 +153,9 @@ contains
       call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
                     sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
       if (is_dumped(sim)) call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
+      if (.not. sim%decomposition%is_on) call look_before(sim, error)
       call phase(phase_assemble)%stop()
+      if (allocated(error)) return
 
       call phase(phase_solve)%start()
       if (sim%decomposition%is_on) then
@@ -168,7 +170,7 @@ contains
       call phase(phase_update)%start()
       if (has_failed(sim)) call begin_late_dump(sim)
       call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%contacts)
-      call find_broken(sim%scene, sim%contacts, sim%step + 1, error)
+      call find_broken(sim%scene, sim%contacts, sim%step + 1, h, .true., error)
       sim%all_contacts = sim%contacts%n
       if (sim%decomposition%is_on) call agree(sim%comm, error, is_fast, sim%all_contacts)
       call phase(phase_update)%stop()
@@ -186,6 +188,19 @@ contains
       call phase(phase_update)%stop()
     end associate
   end subroutine advance
+
+  !> Stop before a problem whose data are not finite already: its dump holds no solution.
+  subroutine look_before(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error !! set when a value is not finite
+
+    call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%step, .false., error)
+    if (.not. allocated(error)) return
+    sim%dump%is_unsolved = .true.
+    if (.not. sim%dump%is_begun .and. sim%problem%n_contacts > 0) then
+      call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
+    end if
+  end subroutine look_before
 
   !> Solve this rank's part of the problem, and count what is sent.
   subroutine solve_glued(sim)

@@ -246,6 +246,9 @@ contains
     call bad('missing file', drive//'body = 1'//nl//'file = "no.txt"'//nl, 'cannot read the file "no.txt"', 15)
     call put_lines('words.txt', [character(len=7) :: '0 1', 'one two'])
     call bad('words for numbers', drive//'body = 1'//nl//'file = "words.txt"'//nl, 'a time and a value', 2)
+    ! Numbers without a point are numbers: the table is read, and what is wrong stands on the line after it.
+    call put_lines('plain.txt', [character(len=7) :: '0 -1e3', '1 2E+3', 'one two'])
+    call bad('words after numbers', drive//'body = 1'//nl//'file = "plain.txt"'//nl, 'a time and a value', 3)
     call put_lines('back.txt', ['0 1', '1 2', '1 3'])
     call bad('time stands still', drive//'body = 1'//nl//'file = "back.txt"'//nl, 'times must grow', 3)
     call bad('no direction', head//disk//'[[pressure]]'//nl//'body = 1'//nl//'length = 1'//nl//'direction = [0, 0]'//nl, &

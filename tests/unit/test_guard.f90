@@ -1,12 +1,13 @@
 !> The guard against values that are not finite: it names bodies and contacts, and the state before the step can be had back.
 program test_guard
-  use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+  use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, put_disk, put_wall, run
-  use sg_error, only: error_t, exit_broken
-  use sg_guard, only: find_broken
+  use sg_error, only: error_t, exit_broken, exit_unbalanced
+  use sg_guard, only: find_broken, judge_energy
   use sg_history, only: revive
   use sg_kinds, only: wp
+  use sg_measures, only: measure, measures_t
   use sg_simulation, only: advance, simulation_t
   implicit none
   type(tests_t) :: t
@@ -20,12 +21,12 @@ program test_guard
   call put_wall(sim%scene, 3, 10.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
   call begin_run(sim, 1e-3_wp, 1e-8_wp)
   call run(sim, 3)
-  call find_broken(sim%scene, sim%contacts, 4, error)
+  call find_broken(sim%scene, sim%contacts, 4, sim%options%step, .true., error)
   call t%check(.not. allocated(error), 'finite velocities are no fault')
   call t%equal(sim%contacts%n, 2, 'both disks lie on the floor')
 
   sim%scene%bodies%free_velocity(2, 2) = ieee_value(1.0_wp, ieee_positive_inf)
-  call find_broken(sim%scene, sim%contacts, 4, error)
+  call find_broken(sim%scene, sim%contacts, 4, sim%options%step, .true., error)
   call t%check(allocated(error), 'an infinity is found')
   if (allocated(error)) then
     call t%equal(error%code, exit_broken, 'exit code')
@@ -36,7 +37,7 @@ program test_guard
 
   ! In a decomposed scene bodies go by their numbers in the whole one.
   sim%scene%bodies%id = [21, 22, 40]
-  call find_broken(sim%scene, sim%contacts, 4, error)
+  call find_broken(sim%scene, sim%contacts, 4, sim%options%step, .true., error)
   if (allocated(error)) then
     call t%check(index(error%message, 'of bodies 22;') > 0, 'the number in the whole scene: '//error%message)
     call t%check(index(error%message, ' 22-40 ') > 0, 'of the contact too: '//error%message)
@@ -46,10 +47,78 @@ program test_guard
   ! What a step that breaks leaves behind: the contacts of the step before it, as a checkpoint wants them.
   impulse = sim%contacts%impulse(1, 1)
   call t%check(impulse > 0, 'the floor pushes')
+  call test_other_contacts()
   call advance(sim, error)
   sim%contacts%impulse = 0
   call revive(sim%history, sim%pairs, sim%contacts)
   call t%equal(sim%contacts%n, 2, 'contacts before the step')
   call t%near(sim%contacts%impulse(1, 1), impulse, 0.0_wp, 'and their impulses, to the last bit')
+  call test_positions()
+  call test_energy()
   call t%finish()
+contains
+
+  !> A step that breaks without contacts solved, and with fewer contacts than the one before, which come back nonetheless.
+  subroutine test_other_contacts()
+    type(simulation_t) :: other
+
+    other = sim
+    other%scene%bodies%position(2, 2) = 5
+    other%scene%bodies%velocity(1, 1) = 1e200_wp
+    call advance(other, error)
+    call t%check(allocated(error), 'velocities beyond energies end the step before its contacts are solved')
+    if (.not. allocated(error)) return
+    call t%check(index(error%message, 'without contacts') > 0 .and. index(error%message, 'of bodies 1;') > 0, error%message)
+    call t%equal(other%step, sim%step, 'no step is done')
+    call t%equal(other%contacts%n, 0, 'what flies touches nothing')
+    call revive(other%history, other%pairs, other%contacts)
+    call t%equal(other%contacts%n, 2, 'the two contacts before it')
+    call t%near(other%contacts%impulse(1, 1), impulse, 0.0_wp, 'with their impulses')
+  end subroutine test_other_contacts
+
+  !> Positions out of range, and impulses and gaps that are no numbers.
+  subroutine test_positions()
+    type(simulation_t) :: other
+
+    other = sim
+    other%scene%bodies%free_velocity = 0
+    other%contacts%impulse(:, :other%contacts%n) = 0
+    call find_broken(other%scene, other%contacts, 1, 1e-3_wp, .true., error)
+    call t%check(.not. allocated(error), 'nothing is wrong')
+    other%contacts%gap(2) = ieee_value(1.0_wp, ieee_quiet_nan)
+    call find_broken(other%scene, other%contacts, 1, 1e-3_wp, .true., error)
+    call t%check(allocated(error), 'a gap that is no number')
+    if (allocated(error)) call t%check(index(error%message, 'contacts are not finite of bodies') > 0, error%message)
+    other%contacts%gap(2) = 0
+    other%scene%bodies%position(1, 2) = 1e160_wp
+    call find_broken(other%scene, other%contacts, 1, 1e-3_wp, .true., error)
+    call t%check(allocated(error), 'a place whose distances have no squares')
+    if (allocated(error)) call t%check(index(error%message, 'positions are not finite of bodies 2;') > 0, error%message)
+  end subroutine test_positions
+
+  !> The energy balance: what is open is told, or ends the run.
+  subroutine test_energy()
+    type(simulation_t) :: other
+    type(measures_t) :: measures
+    character(len=:), allocatable :: warning
+
+    other = sim
+    call measure(other%scene, other%contacts, other%options%step, other%energy, measures)
+    call judge_energy(measures, other%options%guard, 7, .false., warning, error)
+    call t%check(.not. allocated(error) .and. warning == '', 'a balance that closes')
+    ! A work that nobody did.
+    other%energy%external_work = other%energy%external_work + 1e6_wp
+    call measure(other%scene, other%contacts, other%options%step, other%energy, measures)
+    call judge_energy(measures, other%options%guard, 7, .false., warning, error)
+    call t%check(.not. allocated(error) .and. index(warning, 'step 7: the energy balance is open by 1.0E+00') > 0, warning)
+    call judge_energy(measures, other%options%guard, 7, .true., warning, error)
+    call t%check(.not. allocated(error) .and. warning == '', 'told once')
+    other%options%guard%energy = 'ignore'
+    call judge_energy(measures, other%options%guard, 7, .false., warning, error)
+    call t%check(.not. allocated(error) .and. warning == '', 'or not at all')
+    other%options%guard%energy = 'stop'
+    call judge_energy(measures, other%options%guard, 7, .false., warning, error)
+    call t%check(allocated(error), 'or it ends the run')
+    if (allocated(error)) call t%equal(error%code, exit_unbalanced, 'with a code of its own')
+  end subroutine test_energy
 end program test_guard
