@@ -1,6 +1,6 @@
 !> From the entries of a TOML text to blocks of values: unknown words, wrong kinds, numbers out of range.
 module sg_collect
-  use sg_blocks, only: deck_t
+  use sg_blocks, only: block_t, deck_t
   use sg_error, only: diagnostics_t, error_t
   use sg_key_table, only: key_t, key_table_t
   use sg_toml, only: document_t, entry_t, parse_toml, toml_array, toml_table
@@ -47,10 +47,29 @@ contains
     integer, intent(in) :: section, parent, n
 
     deck%n = deck%n + 1
+    if (deck%n > size(deck%blocks)) call grow(deck)
     deck%blocks(deck%n)%section = section
     deck%blocks(deck%n)%parent = parent
     allocate (deck%blocks(deck%n)%values(n))
   end subroutine add_block
+
+  !> Make room for more blocks.
+  subroutine grow(deck)
+    type(deck_t), intent(inout) :: deck
+    type(block_t), allocatable :: more(:)
+    integer :: i
+
+    allocate (more(2*size(deck%blocks)))
+    do i = 1, size(deck%blocks)
+      call move_alloc(deck%blocks(i)%values, more(i)%values)
+      more(i)%section = deck%blocks(i)%section
+      more(i)%parent = deck%blocks(i)%parent
+      more(i)%line = deck%blocks(i)%line
+      more(i)%column = deck%blocks(i)%column
+      more(i)%n = deck%blocks(i)%n
+    end do
+    call move_alloc(more, deck%blocks)
+  end subroutine grow
 
   !> Decide for a dimension: from now on the deck has its defaults.
   subroutine choose_dimension(deck, dimension)
@@ -105,14 +124,16 @@ contains
   end subroutine set_value
 
   !> Sort all entries of a text into blocks.
-  subroutine collect(document, deck, diagnostics)
-    type(document_t), intent(in) :: document !! entries of the text
+  subroutine collect(document, deck, diagnostics, is_again)
+    type(document_t), intent(in) :: document !! entries of the text, or of one of its pieces
     type(deck_t), intent(inout) :: deck !! deck to fill
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    logical, intent(out) :: is_again !! does a section that stands once stand in a piece before this one, too? Then not all is taken
     type(role_t), allocatable :: roles(:)
     integer, allocatable :: n_children(:)
     integer :: i, parent
 
+    is_again = .false.
     allocate (roles(size(document%entries)))
     allocate (n_children(0:size(document%entries)), source=0)
     do i = 1, size(document%entries)
@@ -122,6 +143,8 @@ contains
     do i = 1, size(document%entries)
       parent = document%entries(i)%parent
       if (parent == 0) then
+        is_again = stands(deck, document%entries(i))
+        if (is_again) return
         call take_section(document%entries(i), deck, roles(i), n_children(i), diagnostics)
       else
         select case (roles(parent)%role)
@@ -135,6 +158,19 @@ contains
       end if
     end do
   end subroutine collect
+
+  !> Does a section that is to stand once stand in the deck?
+  pure logical function stands(deck, entry)
+    type(deck_t), intent(in) :: deck
+    type(entry_t), intent(in) :: entry
+    integer :: section
+
+    stands = .false.
+    section = deck%table%find_section(entry%path)
+    if (section == 0) return
+    if (deck%table%sections(section)%is_list) return
+    stands = deck%blocks(deck%block_of(entry%path))%line > 0
+  end function stands
 
   !> An entry at the top: a section, or a list of blocks.
   subroutine take_section(entry, deck, role, n_children, diagnostics)

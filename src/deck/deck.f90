@@ -6,7 +6,7 @@ module sg_deck
   use sg_comm, only: comm_t
   use sg_dimension_from_deck, only: dimension_from_deck
   use sg_effective, only: effective_deck, fingerprint
-  use sg_error, only: diagnostics_t, error_t
+  use sg_error, only: diagnostics_t, error_t, fail
   use sg_keys, only: all_keys
   use sg_options_from_deck, only: options_from_deck
   use sg_run_options, only: run_options_t
@@ -15,6 +15,7 @@ module sg_deck
   use sg_settings, only: apply_settings
   use sg_text, only: text_t
   use sg_toml, only: document_t, parse_toml, read_content, toml_table
+  use sg_toml_pieces, only: find_pieces
   implicit none
   private
   public :: read_deck, read_share
@@ -64,28 +65,85 @@ contains
     type(text_t), intent(in) :: settings(:) !! settings laid over it
     type(deck_t), intent(out) :: deck !! its blocks
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    type(document_t) :: document
     type(error_t), allocatable :: error
+    logical :: is_read
 
     deck%file = file
     deck%folder = file(:index(file, '/', back=.true.))
     call read_content(file, deck%content, error)
-    if (.not. allocated(error)) call parse_toml(deck%content, document, error, file)
+    is_read = .false.
+    if (.not. allocated(error)) call read_pieces(deck, diagnostics, is_read)
+    if (.not. allocated(error) .and. .not. is_read) call read_whole(deck, diagnostics, error)
     if (allocated(error)) then
       call diagnostics%add(error%message, error%file, error%line, error%column, error%text)
       return
     end if
-    if (size(document%entries) == 0) then
-      call diagnostics%add('the deck is empty', file=file)
-      return
-    end if
-    call open_deck(deck, all_keys(), count(document%entries%kind == toml_table))
-    call collect(document, deck, diagnostics)
     call apply_settings(settings, deck, diagnostics)
     call dimension_from_deck(deck)
     call check_blocks(deck, diagnostics)
     if (diagnostics%count() > 1) call sort_by_line(diagnostics%errors)
   end subroutine read_blocks
+
+  !> Take the blocks of a deck from its whole text.
+  subroutine read_whole(deck, diagnostics, error)
+    type(deck_t), intent(inout) :: deck
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(error_t), allocatable, intent(out) :: error
+    type(document_t) :: document
+    logical :: is_again
+
+    call parse_toml(deck%content, document, error, deck%file)
+    if (allocated(error)) return
+    if (size(document%entries) == 0) then
+      call fail(error, 'the deck is empty', file=deck%file)
+      return
+    end if
+    call open_deck(deck, all_keys(), count(document%entries%kind == toml_table))
+    call collect(document, deck, diagnostics, is_again)
+  end subroutine read_whole
+
+  !> Take the blocks of a long deck piece by piece. Where that does not go, the whole text is to tell why.
+  subroutine read_pieces(deck, diagnostics, is_read)
+    type(deck_t), intent(inout) :: deck
+    type(diagnostics_t), intent(inout) :: diagnostics
+    logical, intent(out) :: is_read
+    type(document_t) :: document
+    type(error_t), allocatable :: error
+    type(deck_t) :: no_deck
+    type(diagnostics_t) :: none
+    character(len=:), allocatable :: piece
+    integer, allocatable :: first(:), line(:)
+    integer :: i, n_headers
+    logical :: is_again
+
+    is_read = .false.
+    call find_pieces(deck%content, first, line, n_headers)
+    if (size(line) == 1) return
+    call open_deck(deck, all_keys(), n_headers)
+    is_again = .false.
+    do i = 1, size(line)
+      piece = part_of(deck%content, first(i), first(i + 1) - 1)
+      call parse_toml(piece, document, error, lines_before=line(i))
+      if (.not. allocated(error)) call collect(document, deck, diagnostics, is_again)
+      if (.not. (allocated(error) .or. is_again)) cycle
+      diagnostics = none
+      no_deck%file = deck%file
+      no_deck%folder = deck%folder
+      call move_alloc(deck%content, no_deck%content)
+      deck = no_deck
+      return
+    end do
+    is_read = .true.
+  contains
+    !> Some bytes of a text.
+    pure function part_of(text, from, to) result(part)
+      character(len=*), intent(in) :: text
+      integer, intent(in) :: from, to
+      character(len=to - from + 1) :: part
+
+      part = text(from:to)
+    end function part_of
+  end subroutine read_pieces
 
   !> Mistakes in the order of the text; those without a line come first.
   pure subroutine sort_by_line(errors)

@@ -92,11 +92,12 @@ module sg_toml
 contains
 
   !> Parse a TOML text.
-  subroutine parse_toml(content, document, error, file)
+  subroutine parse_toml(content, document, error, file, lines_before)
     character(len=*), intent(in) :: content !! the text
     type(document_t), intent(out) :: document !! its entries
     type(error_t), allocatable, intent(out) :: error !! set when the text is no TOML
     character(len=*), intent(in), optional :: file !! name of the text in messages
+    integer, intent(in), optional :: lines_before !! lines that stand before a piece of a longer text
     type(c_ptr) :: handle
     type(entry_t) :: mistake
     logical :: copied
@@ -121,6 +122,10 @@ contains
         if (.not. copied) exit
       end do
       if (i <= n) call fail(error, 'no memory left for this deck', file=file)
+      if (present(lines_before)) then
+        document%entries%key_line = document%entries%key_line + lines_before
+        document%entries%line = document%entries%line + lines_before
+      end if
     end if
     call sg_toml_free(handle)
   end subroutine parse_toml

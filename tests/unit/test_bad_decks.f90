@@ -4,7 +4,7 @@ program test_bad_decks
   use sg_convex_hull, only: hull_is_available
   use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t
-  use sg_kinds, only: i1
+  use sg_kinds, only: wp, i1
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_system, only: remove_file
@@ -23,6 +23,7 @@ program test_bad_decks
   type(tests_t) :: t
 
   call bad_texts()
+  call bad_long_texts()
   call bad_values()
   call bad_keys()
   call bad_laws()
@@ -71,6 +72,37 @@ contains
 
     call read_deck_text(text, scene, options, diagnostics)
   end subroutine read_text
+
+  !> Decks that are read piece by piece: mistakes stand on their lines, whatever the piece; texts that cannot be cut are read whole.
+  subroutine bad_long_texts()
+    integer, parameter :: n = 9000
+    character(len=*), parameter :: last = '[[body]]'//nl//'radius = 0.5'//nl
+    character(len=*), parameter :: list = 'vertices = ['//nl//'[0, 0], [1, 0], # [[body]]'//nl//'[0, 1]'//nl//']'//nl
+    character(len=:), allocatable :: long
+    type(scene_t) :: scene
+    type(run_options_t) :: options
+    type(diagnostics_t) :: diagnostics
+    integer :: i, at
+
+    allocate (character(len=n*80) :: long)
+    at = 0
+    do i = 1, n
+      associate (one => '[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.4'//nl//'position = ['//to_text(i)//', 2]'//nl)
+        long(at + 1:at + len(one)) = one
+        at = at + len(one)
+      end associate
+    end do
+    long = long(:at)
+    call read_deck_text(head//long//'[[body]]'//nl//'shape = "polygon"'//nl//list, scene, options, diagnostics)
+    call t%equal(diagnostics%count(), 0, 'a long deck')
+    call t%equal(scene%bodies%n, n + 1, 'bodies of a long deck')
+    call t%near(scene%bodies%position(1, n), real(n, wp), 0.0_wp, 'a body of the last piece')
+    call bad('shape at the end of a long deck', head//long//last, 'without the key "shape"', 4*n + 9)
+    call bad('a key in the midst', head//long//'[[body]]'//nl//'shap = "disk"'//nl//long, 'unknown key', 4*n + 9)
+    call bad('two sections', head//long//last//'[time]'//nl//'step = 1'//nl, 'redefine', 4*n + 10)
+    call bad('a syntax error', head//long//'= 3'//nl, 'syntax', 4*n + 8)
+    call bad('a long string', head//long//'[[body]]'//nl//'name = """'//nl//long//'"""'//nl, 'no shape', 4*n + 8)
+  end subroutine bad_long_texts
 
   subroutine bad_texts()
     character(len=256) :: garbage
