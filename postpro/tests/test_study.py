@@ -170,7 +170,7 @@ def test_expressions_that_are_none(text):
     ("{ \"solver.order\" = ", "{ solver.order = ", 7, "a setting is written \"section.key\" = value"),
     ("column = ", "over = 'always'\ncolumn = ", 9, "'over' of [measure] should be end, mean, largest"),
     ("column = ", "closed_form = 't + y'\ncolumn = ", 9, "'y' is unknown; there are pi, t"),
-    ("column = ", "body = 1\ncolumn = ", 8, "either a column of record.csv or a body"),
+    ("column = ", "body = 1\ncolumn = ", 8, "either a column of record.csv, or a body, or bodies"),
 ])  # fmt: skip
 def test_mistakes_are_one_sentence_with_their_line(tmp_path, capsys, old, new, line, sentence):
     assert GOOD.count(old) == 1

@@ -22,7 +22,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from pages import put, table
+from manual_pages import put, table
 
 LENGTH, DEPTH, HEIGHT = 0.236, 0.115, 0.071
 PITCH = 0.24

@@ -23,7 +23,7 @@ from pathlib import Path
 from lmgc90_reference import Reference, read_references, read_steps
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from pages import put, table
+from manual_pages import put, table
 
 SOURCE = Path(__file__).resolve().parents[2]
 OUR_DEFAULTS = dict.fromkeys(("solver.criterion", "solver.tolerance", "solver.check_every", "solver.maximum_sweeps"))

@@ -31,7 +31,7 @@ from pathlib import Path
 from own_problems import LARGE, SMALL, SOURCE, dump
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from pages import put, table
+from manual_pages import put, table
 
 WORKER = Path(__file__).with_name("siconos_worker.py")
 TOLERANCE = 1e-8

@@ -6,10 +6,11 @@ from .expressions import evaluate
 from .model import Case, Measure, Variant
 
 # Key: kinds allowed. A list is of numbers, a table of settings.
-CASE = {"name": (str,), "files": (str, list), "deck": (str,), "dump": (int, list), "set": (dict,)}
-VARIANT = {"name": (str,), "solver": (str,), "guess": (bool,), "iterations": (int,), "set": (dict,)}
-MEASURE = {"name": (str,), "column": (str,), "body": (int,), "component": (str,), "closed_form": (str, int, float),
-           "over": (str,), "unit": (str,)}  # fmt: skip
+CASE = {"name": (str,), "files": (str, list), "deck": (str,), "dump": (int, list), "set": (dict,), "from": (int,), "steps": (int,),
+        "kind": (str,)}  # fmt: skip
+VARIANT = {"name": (str,), "solver": (str,), "guess": (bool,), "iterations": (int,), "set": (dict,), "values": (list,), "ranks": (int,)}  # fmt: skip
+MEASURE = {"name": (str,), "column": (str,), "below": (int, float), "body": (int,), "component": (str,), "bodies": (str,),
+           "closed_form": (str, int, float), "over": (str,), "unit": (str,), "against": (str,)}  # fmt: skip
 OVER = ("end", "mean", "largest")
 
 
@@ -23,19 +24,22 @@ def cases_of(file, block, number):
     deck = file.path.parent / block["deck"]
     if not deck.exists():
         file.fail(f"there is no deck {deck}", "case", number, "deck")
-    name = block.get("name", deck.stem)
+    name, kind = block.get("name", deck.stem), block.get("kind", "")
     if "dump" not in block:
-        return [Case(name, deck, -1, block.get("set", {}))]
+        start, steps = block.get("from", 0), block.get("steps", 0)
+        if start < 0 or steps < 0 or (start and not steps):
+            file.fail("'from' of [case] is a time step, from which every variant goes on by so many 'steps'", "case", number, "from")
+        return [Case(name, deck, -1, block.get("set", {}), start, steps, kind)]
     steps = block["dump"] if isinstance(block["dump"], list) else [block["dump"]]
     if not steps or any(type(step) is not int or step < 1 for step in steps):
         file.fail("'dump' of [case] should be a time step or a list of them, from 1", "case", number, "dump")
-    return [Case(name if len(steps) == 1 else f"{name}, step {step}", deck, step, block.get("set", {})) for step in steps]
+    return [Case(name if len(steps) == 1 else f"{name}, step {step}", deck, step, block.get("set", {}), kind=kind) for step in steps]
 
 
 def cases_of_files(file, block, number):
     """A case for every file that the patterns find."""
     patterns = block["files"] if isinstance(block["files"], list) else [block["files"]]
-    for key in ("dump", "set"):
+    for key in ("dump", "set", "from", "steps"):
         if key in block:
             file.fail(f"'{key}' belongs to cases with a deck", "case", number, key)
     found = []
@@ -47,21 +51,26 @@ def cases_of_files(file, block, number):
                       "are not there", "case", number, "files")  # fmt: skip
         found += matches
     name = block.get("name", "")
-    return [Case(name if name and len(found) == 1 else f"{name} {path.stem}".strip(), path) for path in found]
+    kind = block.get("kind", "")
+    return [Case(name if name and len(found) == 1 else f"{name} {path.stem}".strip(), path, kind=kind) for path in found]
 
 
-def variant_of(file, block, number, of_problems):
-    """One variant."""
+def variant_of(file, block, number, of_problems, values=()):
+    """One variant; `values` are those of the axis."""
     file.table_of(block, VARIANT, "variant", number)
-    for key in ("set",) if of_problems else ("solver", "guess", "iterations"):
+    for key in ("set", "ranks") if of_problems else ("solver", "guess", "iterations"):
         if key in block:
             kind = "runs" if of_problems else "contact problems"
             file.fail(f"'{key}' belongs to variants of {kind}", "variant", number, key)
     name = block.get("name", block.get("solver"))
     if not name:
         file.fail("a variant needs a name", "variant", number)
+    if not set(block.get("values", [])) <= set(values):
+        file.fail("'values' of [variant] should be some of those that are varied", "variant", number, "values")
+    if block.get("ranks", 1) < 1:
+        file.fail("'ranks' of [variant] should be above 0", "variant", number, "ranks")
     return Variant(name, block.get("solver", "auto"), block.get("guess", False), block.get("iterations", 0),
-                   block.get("set", {}))  # fmt: skip
+                   block.get("set", {}), block.get("ranks", 1), block.get("values", []))  # fmt: skip
 
 
 def measure_of(file, block, number, study):
@@ -69,8 +78,17 @@ def measure_of(file, block, number, study):
     file.table_of(block, MEASURE, "measure", number)
     if study.of_problems:
         file.fail("measures belong to runs; contact problems have their errors", "measure", number)
-    if ("column" in block) == ("body" in block):
-        file.fail("a measure needs either a column of record.csv or a body", "measure", number)
+    if sum(key in block for key in ("column", "body", "bodies")) != 1:
+        file.fail("a measure needs either a column of record.csv, or a body, or bodies", "measure", number)
+    if block.get("bodies", "position") not in ("position", "velocity"):
+        file.fail("'bodies' of [measure] should be position or velocity", "measure", number, "bodies")
+    if block.get("against", "own") not in ("own", "first"):
+        file.fail("'against' of [measure] should be own or first", "measure", number, "against")
+    if "below" in block and "column" not in block:
+        file.fail("'below' of [measure] needs a column", "measure", number, "below")
+    for key in ("over", "closed_form"):
+        if key in block and ("bodies" in block or (key == "over" and "below" in block)):
+            file.fail(f"'{key}' is not for measures of all bodies, or of times", "measure", number, key)
     if block.get("over", "end") not in OVER:
         file.fail(f"'over' of [measure] should be {', '.join(OVER)}", "measure", number, "over")
     if block.get("component", "x") not in ("x", "y", "z"):
@@ -81,4 +99,6 @@ def measure_of(file, block, number, study):
         except ValueError as error:
             file.fail(str(error), "measure", number, "closed_form")
     default = block.get("column", f"{block.get('component', 'x')} of body {block.get('body')}")
+    if "bodies" in block:
+        default = f"{block['bodies']} of bodies"
     return Measure(**({"name": default} | block | {"closed_form": str(block.get("closed_form", ""))}))

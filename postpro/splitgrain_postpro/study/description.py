@@ -9,9 +9,12 @@ from .study_file import StudyFile
 TOP = {
     "title": (str,), "about": (str,), "repeats": (int,), "seconds": (int, float), "jobs": (int, str),
     "duration": (int, float), "constants": (dict,), "case": (list,), "variant": (list,), "measure": (list,),
-    "reference": (dict,), "tolerances": (list,), "time_steps": (list,), "subdomains": (list,),
+    "reference": (dict,), "choice": (dict,), "tolerances": (list,), "time_steps": (list,), "subdomains": (list,),
 }  # fmt: skip
 REFERENCE = {"solver": (str,), "tolerance": (int, float)}
+# What a choice is made by, and the default of each (choice).
+CHOICE = {"measure": (str,), "finer": (int,), "share": (int, float), "least": (int, float), "cases": (int, float),
+          "worst": (int, float), "present": (list,)}  # fmt: skip
 
 
 class Reader(StudyFile):
@@ -34,11 +37,12 @@ class Reader(StudyFile):
             self.fail(f"contact problems are solved at several tolerances, not {AXES[axis]}s", key=axis)
         study = Study(
             self.path, table.get("title", self.path.stem), table.get("about", ""), axis, values, cases,
-            [variant_of(self, block, number, of_problems) for number, block in enumerate(table["variant"], 1)], [],
+            [variant_of(self, block, number, of_problems, values) for number, block in enumerate(table["variant"], 1)], [],
             self.constants(), float(self.positive("duration", 0)), int(self.positive("repeats", 1)),
             float(self.positive("seconds", 60)), table.get("jobs", 1), self.reference(), of_problems,
         )  # fmt: skip
         study.measures = [measure_of(self, block, number, study) for number, block in enumerate(table.get("measure", []), 1)]
+        study.choice = self.choice(study)
         self.check_whole(study)
         return study
 
@@ -72,6 +76,25 @@ class Reader(StudyFile):
         if not 0 < block.get("tolerance", 1) < 1e300:
             self.fail("'tolerance' of [reference] should be above 0", "reference", 1, "tolerance")
         return {"solver": "auto", "tolerance": 1e-12} | block if block else {}
+
+    def choice(self, study):
+        """What a choice among variants and tolerances is made by; empty without one."""
+        if "choice" not in self.table:
+            return {}
+        block = self.table["choice"]
+        self.check(block, CHOICE, "choice")
+        if study.of_problems or study.axis != "tolerances" or not study.measures:
+            self.fail("a choice is made among runs at several tolerances, by a measure", "choice")
+        for key, value in block.items():
+            if isinstance(value, int | float) and not 0 < value < 1e300:
+                self.fail(f"'{key}' of [choice] should be above 0", "choice", 1, key)
+        names = [measure.name for measure in study.measures]
+        if block.get("measure", names[0]) not in names:
+            self.fail(f"there is no measure '{block['measure']}'", "choice", 1, "measure")
+        present = block.get("present", [])
+        if present and (len(present) != 2 or present[0] not in [v.name for v in study.variants] or present[1] not in study.values):
+            self.fail("'present' of [choice] should be the name of a variant and a tolerance", "choice", 1, "present")
+        return {"measure": names[0], "finer": 4, "share": 0.3, "least": 1e-4, "cases": 0.9, "worst": 10.0, "present": []} | block
 
     def check_whole(self, study):
         """What only shows when all is known."""

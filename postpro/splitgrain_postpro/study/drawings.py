@@ -18,7 +18,9 @@ CPU, UPDATES, BYTES = CLOCKS
 def look(study, variant):
     """Colour and marker of a variant, the same in all figures."""
     names = [other.name for other in study.variants]
-    return LOOKS[names.index(variant) % len(LOOKS)]
+    number = names.index(variant)
+    # Beyond the last look colours come again with other markers.
+    return LOOKS[number % len(LOOKS)][0], LOOKS[(number + number // len(LOOKS)) % len(LOOKS)][1]
 
 
 def work_precision(study, case, curves, clock, error_label, title):

@@ -47,14 +47,38 @@ def jobs_of(study, program):
     for case in study.cases:
         for variant in study.variants:
             for value in study.values:
+                if variant.values and value not in variant.values:
+                    continue
+                if study.choice and value == min(study.values) and variant is not study.variants[0]:
+                    continue  # that of the first variant is what all are measured by
                 repeats = range(1, study.repeats + 1)
                 if study.of_problems and value == min(study.values):
                     repeats = range(study.repeats + 1)
+                # What all others are measured by may take longer.
+                seconds = study.seconds * (10 if study.choice and value == min(study.values) else 1)
                 for repeat in repeats:
-                    jobs.append(Job(case, variant, value, repeat, contents[case.file], study.seconds, program,
+                    jobs.append(Job(case, variant, value, repeat, contents[case.file], seconds, program,
                                     settings_of(study, case, variant, value),
                                     json.dumps(study.reference, sort_keys=True)))  # fmt: skip
+        if study.choice:
+            variant = finer_variant(study, case)
+            jobs.append(Job(case, variant, min(study.values), 1, contents[case.file], 10 * study.choice["finer"] * study.seconds, program,
+                            settings_of(study, case, variant, min(study.values))))  # fmt: skip
     return jobs
+
+
+def finer_variant(study, case):
+    """The first variant at a finer time step, which tells what the time step of the deck costs in accuracy."""
+    first, finer = study.variants[0], study.choice["finer"]
+    settings = {"time.step": step_of(case) / finer, "time.steps": case.start + finer * case.steps}
+    return Variant(f"time step / {finer}", settings=first.settings | settings)
+
+
+def step_of(case):
+    """The time step of a case."""
+    if "time.step" in case.settings:
+        return float(case.settings["time.step"])
+    return float(tomllib.loads(case.file.read_text())["time"]["step"])
 
 
 def settings_of(study, case, variant, value):
@@ -62,7 +86,7 @@ def settings_of(study, case, variant, value):
     if study.of_problems:
         return {"solver": variant.solver, "guess": variant.guess, "iterations": variant.iterations, "tolerance": value,
                 "deck": case.settings}  # fmt: skip
-    settings = {**case.settings, **variant.settings}
+    settings = {**case.settings, **({"time.steps": case.start + case.steps} if case.steps else {}), **variant.settings}
     if study.axis == "tolerances":
         settings["solver.tolerance"] = value
     if study.axis == "time_steps":
@@ -71,10 +95,17 @@ def settings_of(study, case, variant, value):
         every = max(1, steps // 100)
         if any(measure.column and measure.over != "end" for measure in study.measures):
             settings.setdefault("output.record_every", every)
-        if any(measure.body for measure in study.measures):
+        if any(measure.body or measure.bodies for measure in study.measures):
             settings.setdefault("output.every", steps if _at_the_end(study) else every)
-    settings["ranks"] = int(value) if study.axis == "subdomains" else 1
-    settings["measures"] = [vars(measure) | {"name": "", "unit": "", "closed_form": ""} for measure in study.measures]
+    elif any(measure.bodies for measure in study.measures):
+        # The end is drawn in any case.
+        settings["output.every"] = 1000000000
+    if any(measure.below for measure in study.measures) or case.start:
+        settings["output.record_every"] = 1
+    if case.start:
+        settings["start"] = [case.start, case.settings]
+    settings["ranks"] = int(value) if study.axis == "subdomains" else variant.ranks
+    settings["measures"] = [vars(measure) | {"name": "", "unit": "", "closed_form": "", "against": ""} for measure in study.measures]
     return settings
 
 

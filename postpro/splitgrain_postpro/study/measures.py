@@ -8,27 +8,37 @@ from .expressions import evaluate
 def errors_of(study, table, measure_number):
     """Error of a measure by case, variant and value: a dictionary of (case, variant) to a list of (value, error)."""
     measure = study.measures[measure_number]
+    finest = study.values[-1] if study.axis != "subdomains" else 1
     found = {}
     for case in study.cases:
         for variant in study.variants:
             runs = {value: result for value in study.values if (result := table.get((case.name, variant.name, value)))
                     and result.get("series")}  # fmt: skip
-            finest = study.values[-1] if study.axis != "subdomains" else 1
-            if not measure.closed_form and finest not in runs:
+            exact_variant = study.variants[0].name if measure.against == "first" else variant.name
+            best = table.get((case.name, exact_variant, finest))
+            if not measure.closed_form and not (best and best.get("series")):
                 continue
             points = []
             for value, result in runs.items():
-                if not measure.closed_form and value == finest:
+                if not measure.closed_form and value == finest and exact_variant == variant.name:
                     continue
                 times, values = (np.array(numbers) for numbers in result["series"][measure_number])
                 if measure.closed_form:
                     exact = np.array([evaluate(measure.closed_form, study.constants | {"t": t}) for t in times])
+                elif measure.bodies:
+                    exact = np.array(best["series"][measure_number][1])
                 else:
-                    other_times, others = (np.array(numbers) for numbers in runs[finest]["series"][measure_number])
+                    other_times, others = (np.array(numbers) for numbers in best["series"][measure_number])
                     exact = np.interp(times, other_times, others)
-                points.append((value, norm(np.abs(values - exact), measure.over)))
+                difference = np.abs(values - exact)
+                points.append((value, rms_of_bodies(difference) if measure.bodies else norm(difference, measure.over)))
             found[case.name, variant.name] = points
     return found
+
+
+def rms_of_bodies(differences):
+    """Root mean square over the bodies of differences that hold three components of each."""
+    return float(np.sqrt(3 * np.mean(np.square(differences))))
 
 
 def norm(errors, over):

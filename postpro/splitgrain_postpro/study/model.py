@@ -15,6 +15,10 @@ class Case:
     file: Path
     dump: int = 0
     settings: dict = field(default_factory=dict)
+    # Steps of the deck that are done before, once, for all variants; and steps that each of them goes on.
+    start: int = 0
+    steps: int = 0
+    kind: str = ""
 
 
 @dataclass
@@ -26,18 +30,25 @@ class Variant:
     guess: bool = False
     iterations: int = 0
     settings: dict = field(default_factory=dict)
+    ranks: int = 1
+    # Values of the axis that it is run at; all where there are none.
+    values: list = field(default_factory=list)
 
 
 @dataclass
 class Measure:
-    """A number of a run that has an error: a column of the record, or where a body is."""
+    """A number of a run that has an error: a column of the record, the time from which it stays below a limit, where a body is, or
+    where all bodies are and how fast."""
 
     name: str
     column: str = ""
     body: int = 0
+    bodies: str = ""
+    below: float = 0.0
     component: str = "x"
     closed_form: str = ""
     over: str = "end"
+    against: str = "own"
     unit: str = ""
 
 
@@ -60,3 +71,4 @@ class Study:
     jobs: int | str
     reference: dict
     of_problems: bool
+    choice: dict = field(default_factory=dict)

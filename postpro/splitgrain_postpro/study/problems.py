@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import StudyError
 from .jobs import Job, fingerprint
-from .program import json_lines
+from .program import json_lines, settings_words
 
 # Points of a trace that are kept.
 TRACE_POINTS = 80
@@ -96,14 +96,6 @@ class ProblemRunner:
             if with_trace:
                 row["trace"] = trace_of(place / "trace.csv")
             return row, answer_of(copy), "solved" if row["converged"] else "not solved", ""
-
-
-def settings_words(settings):
-    """Settings as options of `run`."""
-    words = []
-    for name, value in settings.items():
-        words += ["--set", f"{name}={value if isinstance(value, str) else json.dumps(value)}"]
-    return words
 
 
 def answer_of(path):

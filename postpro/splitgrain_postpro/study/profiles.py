@@ -23,11 +23,14 @@ def share(ratios, count, tau):
     return sum(ratio <= tau for ratio in ratios) / count if count else 0.0
 
 
-def times_of(study, table, tolerance, clock="cpu_seconds", least=1e-6):
-    """Time of each variant on each problem to reach a tolerance on e1, measured from the answer; infinite where it does not."""
+def times_of(study, table, tolerance, cases=None, clock="cpu_seconds", least=1e-6):
+    """Time of each variant on each problem to reach a tolerance on e1, measured from the answer; infinite where it does not.
+
+    `cases` are those that count, all unless given.
+    """
     times = {variant.name: {} for variant in study.variants}
     for variant in study.variants:
-        for case in study.cases:
+        for case in cases or study.cases:
             result = table.get((case.name, variant.name, tolerance), {})
             error = result.get("e1")
             is_solved = result.get("status") == "solved" and error is not None and error <= tolerance

@@ -34,7 +34,7 @@ class Program:
         self.running, self.lock, self.is_stopped = set(), threading.Lock(), False
 
     def call(self, words, seconds, ranks=1):
-        """Run the program; exit code (None when CPU time ran out), what it printed, and the first line of its errors."""
+        """Run the program; exit code (None when CPU time ran out), what it printed, and the first line of its errors, warnings left out."""
         words = [self.path, *map(str, words)]
         if ranks > 1:
             words = ["mpiexec", "--oversubscribe", "-n", str(ranks), *words]
@@ -61,7 +61,7 @@ class Program:
         if self.is_stopped:
             raise InterruptedError
         is_out_of_time = process.returncode in (-signal.SIGXCPU, -signal.SIGKILL, 128 + signal.SIGXCPU, 128 + signal.SIGKILL)
-        lines = errors.strip().splitlines()
+        lines = [line for line in errors.strip().splitlines() if "warning:" not in line]
         return None if is_out_of_time else process.returncode, printed, lines[0] if lines else ""
 
     def stop(self):
@@ -91,3 +91,11 @@ def json_lines(printed):
         if isinstance(value, dict):
             found.append(value)
     return found
+
+
+def settings_words(settings):
+    """Settings as options of `run`."""
+    words = []
+    for name, value in settings.items():
+        words += ["--set", f"{name}={value if isinstance(value, str) else json.dumps(value)}"]
+    return words

@@ -6,6 +6,7 @@ import math
 
 from ..style import styled
 from . import drawings, page
+from .choice_report import choice_section
 from .measures import errors_of, order_of
 from .model import AXES
 from .profiles import profile, share, times_of
@@ -31,9 +32,14 @@ class Report:
         self.write_csv()
         sections = []
         with styled():
-            if self.study.of_problems:
+            if self.study.choice:
+                section, lines = choice_section(self.study, self.table, self.save)
+                sections.append(section)
+                self.lines += lines
+            elif self.study.of_problems:
                 sections += self.profiles()
-            sections += [section for number in range(len(self.study.measures)) for section in self.convergence(number)]
+            else:
+                sections += [section for number in range(len(self.study.measures)) for section in self.convergence(number)]
             for number, case in enumerate(self.study.cases):
                 sections.append((case.name, number < OPEN, page.pictures(self.of_case(case, number + 1))))
         sections.insert(len(sections) - len(self.study.cases), ("Error against work", None, self.legend()))
@@ -86,6 +92,8 @@ class Report:
             ratios, count = profile(times_of(self.study, self.table, tolerance))
             figure = drawings.profiles(self.study, ratios, count, f"{count} problems to E1 $\\leq$ {tolerance:g}")
             figures.append(self.save(figure, f"profile-{tolerance:g}", f"Performance profile to E1 {tolerance:g}"))
+            if tolerance == min(self.study.values):
+                figures += self.profiles_of_kinds(tolerance)
             for variant, values in ratios.items():
                 shares = [share(values, count, tau) for tau in (1, 2, 10, math.inf)]
                 rows.append([f"{tolerance:g}", variant, *(f"{100 * s:.0f} %" for s in shares)])
@@ -95,6 +103,18 @@ class Report:
                  "fastest (Dolan and More): at the left wins, at the right robustness.</p>")
         names = ("E1", "variant", "fastest", "within 2 times", "within 10 times", "solved")
         return [("Performance profiles", None, words + page.pictures(figures) + "<p></p>" + page.table(names, rows))]
+
+    def profiles_of_kinds(self, tolerance):
+        """Profiles of the cases of each kind alone, where there are several."""
+        kinds = dict.fromkeys(case.kind for case in self.study.cases)
+        figures = []
+        for number, kind in enumerate(kinds if len(kinds) > 1 else [], 1):
+            cases = [case for case in self.study.cases if case.kind == kind]
+            ratios, count = profile(times_of(self.study, self.table, tolerance, cases))
+            title = f"{kind or 'others'}: {count} problems to E1 $\\leq$ {tolerance:g}"
+            figures.append(self.save(drawings.profiles(self.study, ratios, count, title), f"profile-kind-{number}",
+                                     f"Performance profile of {kind or 'others'} to E1 {tolerance:g}"))  # fmt: skip
+        return figures
 
     def convergence(self, number):
         """A figure for each case: error of a measure against the axis, with its order."""
@@ -110,6 +130,8 @@ class Report:
             figure = drawings.convergence(self.study, curves, shown, label, case.name)
             figures.append(self.save(figure, f"convergence-{number + 1}-{place}", f"{label} of {case.name}"))
         against = "its closed form" if measure.closed_form else "the run with the finest value"
+        if measure.against == "first":
+            against += f" of {self.study.variants[0].name}"
         over = {"end": "at the end", "mean": "mean over the run", "largest": "largest of the run"}[measure.over]
         words = f'<p class="quiet">Difference from {against}, {over}.</p>'
         return [(measure.name[0].upper() + measure.name[1:], None, words + page.pictures(figures))]
@@ -118,8 +140,9 @@ class Report:
         """Work-precision diagrams of a case."""
         figures, clocks = [], [drawings.CPU, drawings.UPDATES]
         wanted = [(name, clock) for name in drawings.ERRORS for clock in (clocks if name == "e1" else clocks[:1])]
-        if self.study.axis == "subdomains":
-            wanted.append(("e1", drawings.BYTES))
+        wanted.append(("e1", drawings.BYTES))
+        if self.study.choice:
+            wanted.clear()  # what is chosen by is enough
         for name, clock in wanted:
             curves = self.curves(case, lambda result, _, name=name: result.get(name), clock)
             # No figure of what is not known, or of errors that are zero throughout.
@@ -130,8 +153,10 @@ class Report:
             found = self.errors[index]
             pick = lambda _, key, found=found: dict(found.get(key[:2], [])).get(key[2])  # noqa: E731
             label = f"error of {measure.name}" + (f" [{measure.unit}]" if measure.unit else "")
-            curves = self.curves(case, pick, drawings.CPU)
-            figures.append(self.work(case, number, curves, drawings.CPU, label, f"measure-{index + 1}"))
+            for clock in (drawings.CPU, drawings.BYTES):
+                curves = self.curves(case, pick, clock)
+                if clock == drawings.CPU or any(point[0] and point[1] for points in curves.values() for point in points):
+                    figures.append(self.work(case, number, curves, clock, label, f"measure-{index + 1}"))
         found = {variant: self.traces[case.name, variant] for variant in self.names() if self.traces.get((case.name, variant))}
         if found:
             figure = drawings.traces(self.study, found, f"Within one run, to {min(self.study.values):g}")

@@ -11,6 +11,7 @@ from pathlib import Path
 from ..errors import StudyError
 from .problems import ProblemRunner
 from .simulations import run_simulation
+from .states import prepare_states
 
 EXIT_OUTPUT = 5
 
@@ -74,6 +75,7 @@ def run_jobs(study, jobs, store, program, workers, say, run=run_simulation):
         if problems:
             # Problems and reference solutions come first: all others need them.
             list(pool.map(problems.prepare, {case.name: case for case in study.cases}.values()))
+        prepare_states(study, todo, store, program, pool)
         waiting = {pool.submit(_do, job, problems, store, program, run): job for job in todo}
         for count, done in enumerate(as_completed(waiting), 1):
             job = waiting[done]

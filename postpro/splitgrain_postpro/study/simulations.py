@@ -6,29 +6,38 @@ import numpy as np
 
 from ..errors import ResultsError
 from ..results import Results
-from .problems import settings_words
+from .program import settings_words
+from .states import state_folder
 
 # What is kept of run.json beside the measures.
-NUMBERS = ("contact_updates", "sweeps", "steps", "unconverged_steps", "bytes_per_gluing", "gluings", "time")
+NUMBERS = ("contact_updates", "sweeps", "steps", "unconverged_steps", "bytes_per_gluing", "gluings", "time", "mean_radius", "contacts")
+# Those that a run which goes on from a state counts from the beginning.
+SUMS = ("contact_updates", "sweeps", "steps", "unconverged_steps")
 # Phases that the answer costs: what is recorded and drawn for the sake of the study is left out.
 PHASES = ("cpu_predict", "cpu_detect", "cpu_assemble", "cpu_solve", "cpu_update")
 
 
 def run_simulation(job, store, program):
     """Run a deck; how it ended, its cost, its errors, and what its measures need."""
-    own = {"ranks": 1, "measures": []}
-    settings = {name: value for name, value in job.settings.items() if name not in own}
+    settings = {name: value for name, value in job.settings.items() if name not in ("ranks", "measures", "start")}
     ranks = job.settings.get("ranks", 1)
     with store.scratch() as place:
         words = ["run", job.case.file.resolve(), "--output", place / "run", "--quiet"] + settings_words(settings)
+        before = {}
+        if job.case.start:
+            state = state_folder(job, store)
+            words += ["--restart", state]
+            before = read_run(state)
         code, _, said = program.call(words, job.seconds, ranks)
         run = read_run(place / "run")
         if code is None:
             return {"status": "time limit", "reason": said, "cpu_seconds": None}
         if code not in (0, 3, 4) or not run:
             return {"status": "failed", "reason": said or f"exit code {code}", "cpu_seconds": None}
-        numbers = {name: run.get(name) for name in NUMBERS} | {name: run.get(f"worst_{name}") for name in ("e1", "e2", "e8")}
-        numbers["cpu_seconds"] = sum(run.get(phase) or 0.0 for phase in PHASES)
+        numbers = {name: run.get(name) for name in NUMBERS} | worst_errors(run, place / "run", bool(before))
+        numbers |= {name: run[name] - before[name] for name in SUMS if name in run and name in before}
+        numbers["cpu_seconds"] = sum((run.get(phase) or 0.0) - (before.get(phase) or 0.0) for phase in PHASES)
+        numbers["cpu_solve"] = (run.get("cpu_solve") or 0.0) - (before.get("cpu_solve") or 0.0)
         if run.get("bytes_per_gluing") and run.get("gluings"):
             numbers["bytes"] = run["bytes_per_gluing"] * run["gluings"]
         status = {0: "done", 3: "not converged", 4: "not finite"}[code]
@@ -47,8 +56,20 @@ def read_run(folder):
         return {}
 
 
+def worst_errors(run, folder, goes_on):
+    """Errors of the worst step; of a run that goes on, of the worst step recorded."""
+    if not goes_on:
+        return {name: run.get(f"worst_{name}") for name in ("e1", "e2", "e8")}
+    record = Results(folder).record
+    return {name: float(np.max(record[name])) for name in ("e1", "e2", "e8") if len(record.get(name, ()))}
+
+
 def series_of(results, measure):
     """Times and values of a measure: those of the end alone where this is all that is asked for."""
+    if measure["bodies"]:
+        return all_bodies(results, measure["bodies"])
+    if measure["below"]:
+        return [[results.run["time"]], [time_below(results.record, measure["column"], measure["below"])]]
     if measure["body"]:
         times, values = positions(results, measure["body"], "xyz".index(measure["component"]))
     elif measure["over"] == "end":
@@ -64,6 +85,26 @@ def series_of(results, measure):
         raise ResultsError(f"nothing of {measure['column'] or 'the body'} is recorded")
     keep = slice(-1, None) if measure["over"] == "end" else slice(None)
     return [np.asarray(times, float)[keep].tolist(), np.asarray(values, float)[keep].tolist()]
+
+
+def time_below(record, column, limit):
+    """The time from which a column stays below a limit, to a step; that of the end where it does not."""
+    if column not in record or not len(record[column]):
+        raise ResultsError(f"there is no column '{column}' in record.csv, or no row")
+    above = np.flatnonzero(~(record[column] < limit))
+    if not len(above):
+        return float(record["time"][0])
+    return float(record["time"][min(above[-1] + 1, len(record["time"]) - 1)])
+
+
+def all_bodies(results, what):
+    """Positions or velocities of all bodies at the end, by number, one after the other."""
+    if results.bodies is None:
+        raise ResultsError("no picture was taken: is this a build without HDF5?")
+    grid = results.bodies.step(len(results.bodies.times) - 1)
+    order = np.argsort(grid.point_data["id"])
+    values = grid.points if what == "position" else grid.point_data["velocity"]
+    return [[float(grid.time)], [np.asarray(values, float)[order].ravel().tolist()]]
 
 
 def positions(results, body, component):

@@ -11,7 +11,7 @@ from ..errors import ResultsError
 from ..results import Results
 from .expressions import evaluate
 from .jobs import fingerprint
-from .problems import settings_words
+from .program import settings_words
 from .simulations import PHASES, read_run
 
 # Raise this when what a result file holds changes its meaning.

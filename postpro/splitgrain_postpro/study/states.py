@@ -1,0 +1,34 @@
+"""States of decks from which the runs of a study go on: each is made once, by the deck's own settings."""
+
+import hashlib
+import json
+import os
+
+from ..errors import StudyError
+from .program import settings_words
+
+
+def prepare_states(study, jobs, store, program, pool):
+    """Make all states that jobs begin from and that are not there yet."""
+    first = {state_folder(job, store): job for job in jobs if job.case.start}
+    todo = [(folder, job) for folder, job in first.items() if not (folder / "run.json").exists()]
+    list(pool.map(lambda item: _make(*item, study, store, program), todo))
+
+
+def state_folder(job, store):
+    """Where the state of a job is: the same for the same work."""
+    what = [job.program, job.content, job.case.start, job.case.settings]
+    return store.folder / "states" / hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:20]
+
+
+def _make(folder, job, study, store, program):
+    """Run a deck up to its state, and keep the checkpoint and the numbers of the run."""
+    start = job.case.start
+    settings = job.case.settings | {"time.steps": start, "restart.every": start, "output.every": 0, "output.record_every": 0}
+    with store.scratch() as place:
+        words = ["run", job.case.file.resolve(), "--output", place / "state", "--quiet"] + settings_words(settings)
+        code, _, said = program.call(words, 20 * study.seconds)
+        if code != 0 or not list((place / "state").glob("restart_*.h5")):
+            raise StudyError(f"{job.case.file.name} makes no state at step {start}: {said or f'exit code {code}'}", study.path)
+        folder.parent.mkdir(exist_ok=True)
+        os.replace(place / "state", folder)

@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""Look at pages of studies in a browser without a window: offline, at 1280 and 400 pixels.
+
+usage: check_pages.py FOLDER PAGE...
+
+Each page must say nothing to the console, ask for nothing but itself, show all its pictures, keep its text readable, and not be wider than
+the window; pictures of it go to FOLDER.
+"""
+
+import sys
+from pathlib import Path
+
+from browser import Browser, find_browser
+
+WIDTHS = (1280, 400)
+# Smallest letters that can be read [px].
+SMALLEST = 12
+
+LOOK = """(() => {
+  document.querySelectorAll('details').forEach(part => { part.open = true; });
+  const letters = [...document.querySelectorAll('body *')].filter(part => [...part.childNodes].some(n => n.nodeType == 3 && n.data.trim()));
+  const right = part => Math.round(part.getBoundingClientRect().right);
+  const scrolls = part => part.closest('.wide') !== null;
+  return {
+    width: document.documentElement.scrollWidth, inner: innerWidth, title: document.title, height: document.documentElement.scrollHeight,
+    pictures: [...document.images].map(i => [i.complete && i.naturalWidth > 0, i.alt]),
+    narrow: [...document.images].filter(i => i.getBoundingClientRect().width < 250).map(i => i.alt),
+    small: letters.filter(part => parseFloat(getComputedStyle(part).fontSize) < %d).map(part => part.textContent.slice(0, 40)),
+    out: [...document.querySelectorAll('body *')].filter(p => !scrolls(p) && right(p) > innerWidth).map(p => p.tagName + ' to ' + right(p)),
+  };
+})()""" % SMALLEST
+
+
+# A page on which everything is wrong, and what must be noticed.
+SPOILED = Path(__file__).with_name("spoiled.html")
+IN_SPOILED = ("a script fails", "says to the console", "the console shows", "asks for http://127.0.0.1:9/style.css", "has no title",
+              "scrolls sideways", "reaches out", "'absent' is not shown", "letters below")  # fmt: skip
+
+
+def mistakes_of(page, browser, width, picture):
+    """What is wrong with a page at a width, as sentences."""
+    events = browser.open(page, width)
+    seen = browser.value(LOOK)
+    browser.picture(picture)
+    found = []
+    for event in events:
+        said, what = event.get("method"), event.get("params", {})
+        if said == "Runtime.exceptionThrown":
+            found.append(f"a script fails: {what['exceptionDetails']['text']}")
+        elif said == "Runtime.consoleAPICalled":
+            found.append(f"says to the console: {what['args'][:1]}")
+        elif said == "Log.entryAdded":
+            found.append(f"the console shows: {what['entry']['text']}")
+        elif said == "Network.requestWillBeSent" and not what["request"]["url"].startswith(("data:", page.resolve().as_uri())):
+            found.append(f"asks for {what['request']['url']}")
+    if not seen["title"]:
+        found.append("has no title")
+    if seen["width"] > width or seen["inner"] != width:
+        found.append(f"is {seen['width']} pixels wide: it scrolls sideways")
+    found += [f"reaches out of the window: {part}" for part in seen["out"][:5]]
+    found += [f"the picture '{alt}' is not shown" for is_shown, alt in seen["pictures"] if not is_shown]
+    found += [f"the picture '{alt}' is too narrow to be read" for alt in seen["narrow"]]
+    found += [f"letters below {SMALLEST} pixels: {text}" for text in seen["small"][:5]]
+    if not seen["pictures"]:
+        found.append("has no picture")
+    print(f"{page.parent.name}/{page.name} at {width}: {seen['height']} pixels high, {len(seen['pictures'])} pictures; {picture}")
+    return found
+
+
+def main(folder, *pages):
+    if find_browser() is None:
+        sys.exit("check_pages: there is no browser; Debian calls it chromium")
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    passed, failed = 0, 0
+    with Browser() as browser:
+        found = " ".join(mistakes_of(SPOILED, browser, WIDTHS[0], folder / "spoiled.png"))
+        for part in IN_SPOILED:
+            if part not in found:
+                sys.exit(f"check_pages: does not notice what is wrong with {SPOILED.name}: {part}")
+        for page in map(Path, pages):
+            for width in WIDTHS:
+                found = mistakes_of(page, browser, width, folder / f"{page.parent.name}-{width}.png")
+                for sentence in found:
+                    print(f"FAILED: {page} at {width} pixels {sentence}")
+                passed, failed = passed + (not found), failed + bool(found)
+    print(f"{passed} passed, {failed} failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    sys.exit(main(*sys.argv[1:]))
