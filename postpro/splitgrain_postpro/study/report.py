@@ -125,7 +125,7 @@ class Report:
             for variant, order in orders.items():
                 if self.study.axis == "time_steps" and order is not None:
                     self.lines.append(f"{case.name}, {variant}: error of {measure.name} is of order {order:.2f} in the time step")
-            label = f"error of {measure.name}" + (f" [{measure.unit}]" if measure.unit else "")
+            label = label_of(measure)
             shown = orders if self.study.axis == "time_steps" else {}
             figure = drawings.convergence(self.study, curves, shown, label, case.name)
             figures.append(self.save(figure, f"convergence-{number + 1}-{place}", f"{label} of {case.name}"))
@@ -152,7 +152,7 @@ class Report:
         for index, measure in enumerate(self.study.measures):
             found = self.errors[index]
             pick = lambda _, key, found=found: dict(found.get(key[:2], [])).get(key[2])  # noqa: E731
-            label = f"error of {measure.name}" + (f" [{measure.unit}]" if measure.unit else "")
+            label = label_of(measure)
             for clock in (drawings.CPU, drawings.BYTES):
                 curves = self.curves(case, pick, clock)
                 if clock == drawings.CPU or any(point[0] and point[1] for points in curves.values() for point in points):
@@ -201,6 +201,12 @@ class Report:
         self.store.write(taken, file.getvalue())
         self.figures += 1
         return page.picture(file.getvalue(), words)
+
+
+def label_of(measure):
+    """The error of a measure as an axis names it: the measure itself where it should be zero."""
+    name = measure.name if measure.closed_form in ("0", "0.0") else f"error of {measure.name}"
+    return name + (f" [{measure.unit}]" if measure.unit else "")
 
 
 def merged(jobs, results):
