@@ -39,6 +39,7 @@ contains
     options%solver%maximum_sweeps = deck%integer(b, 'maximum_sweeps')
     options%solver%relaxation = deck%number(b, 'relaxation')
     options%solver%warm_start = deck%flag(b, 'warm_start')
+    options%solver%leave_solved = deck%flag(b, 'leave_solved')
     options%solver%order = deck%word(b, 'order')
     options%solver%order_seed = deck%integer(b, 'order_seed')
     options%solver%threads = deck%integer(b, 'threads')

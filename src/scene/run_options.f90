@@ -70,6 +70,8 @@ module sg_run_options
     real(wp) :: relaxation = 1
     !> Start from the impulses of the last step
     logical :: warm_start = .true.
+    !> Leave clusters of contacts that are solved, and touch no other, out of the sweeps
+    logical :: leave_solved = .true.
     !> Order of the sweep: 'natural' (spatial), 'groups' (coloured groups that overlap in the processor), 'coloured' (blocks of
     !! such groups, which threads share) or 'shuffled' (random, of a seed)
     character(len=16) :: order = 'groups'

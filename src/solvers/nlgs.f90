@@ -11,6 +11,7 @@ module sg_nlgs
   use sg_report, only: report_t
   use sg_residuals, only: choose_visited, measure_errors
   use sg_run_options, only: criterion_e1, criterion_e2, solver_options_t
+  use sg_solved_clusters, only: solved_clusters_t
   use sg_solver, only: solver_t
   use sg_sweep_order, only: give_impulses, list_order, set_order, sweep_order_t
   use sg_sweeps, only: sweep
@@ -35,6 +36,8 @@ module sg_nlgs
     type(convergence_t), private :: convergence
     !> For criteria that look at increments
     type(increments_t), private :: increments
+    !> Clusters that are solved before the others
+    type(solved_clusters_t), private :: clusters
     !> History of the errors of this solve
     type(trace_t), private :: trace
   contains
@@ -153,7 +156,12 @@ contains
     ! e1 is measured beside the others where this may be the last test: measuring all once more would cost far more.
     has_e1 = is_last .or. any(self%options%criterion == [criterion_e1, criterion_e2]) .or. report%checks == 0 .or. &
              report%criterion <= likely_last*self%options%tolerance
-    call measure_errors(problem, report, has_e1)
+    call self%clusters%prepare(problem, self%options, report%sweeps)
+    if (self%clusters%are_sought) then
+      call measure_errors(problem, report, has_e1, self%clusters%squares)
+    else
+      call measure_errors(problem, report, has_e1)
+    end if
     increments = 0
     if (.not. looks_at_errors(self%options%criterion)) then
       call self%increments%measure(problem, self%order, sums, maxima)
@@ -161,7 +169,11 @@ contains
     end if
     call self%convergence%judge(self%options, problem%velocity_scale, report, increments)
     if (is_last .or. .not. self%convergence%is_choice_due) return
+    if (self%clusters%are_sought) call self%clusters%note_visited(self%is_wanted(:problem%n_contacts))
     call choose_visited(problem, report, self%is_wanted, visited, missed)
+    if (self%clusters%are_sought) then
+      call self%clusters%leave_out(problem, report%sweeps, self%options%tolerance/report%criterion, self%is_wanted, visited, missed)
+    end if
     if (missed > 0 .or. visited < self%order%n - self%order%n/16) then
       call set_order(self%order, problem, self%is_wanted, self%options)
     end if
@@ -176,5 +188,6 @@ contains
     call tables%begin('visits', per_contact)
     call tables%note('is_wanted', self%is_wanted)
     call self%increments%list_tables(tables)
+    call self%clusters%list_tables(tables)
   end subroutine nlgs_list_tables
 end module sg_nlgs

@@ -35,12 +35,15 @@ module sg_residuals
 contains
 
   !> Fill the errors of a report from the impulses and velocities of a problem.
-  pure subroutine measure_errors(problem, report, with_e1)
+  pure subroutine measure_errors(problem, report, with_e1, squares)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     type(report_t), intent(inout) :: report !! errors and active contacts are set
     logical, intent(in) :: with_e1 !! measure e1 and e2 too, which take a map of their own
+    real(wp), intent(inout), optional :: squares(:) !! squares of the map with rho_a that e8 is made of, shape (contacts)
+    real(wp) :: sums(n_error_sums)
 
-    call set_errors(sum_errors(problem, with_e1), problem%n_contacts, problem%free_norm, problem%velocity_scale, with_e1, report)
+    call add_errors(problem, with_e1, sums, squares)
+    call set_errors(sums, problem%n_contacts, problem%free_norm, problem%velocity_scale, with_e1, report)
   end subroutine measure_errors
 
   !> Sums over the contacts of a problem that make its errors: squares of the map with rho = 1 (where wanted), of the map
@@ -49,25 +52,37 @@ contains
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     logical, intent(in) :: with_e1 !! sum the first one too, which takes a map of its own
     real(wp) :: sums(n_error_sums)
+
+    call add_errors(problem, with_e1, sums)
+  end function sum_errors
+
+  !> The same, and the squares of the map with rho_a one by one.
+  pure subroutine add_errors(problem, with_e1, sums, squares)
+    type(problem_t), intent(in) :: problem
+    logical, intent(in) :: with_e1
+    real(wp), intent(out) :: sums(n_error_sums)
+    real(wp), intent(inout), optional :: squares(:)
     type(chunk_t) :: a
+    real(wp) :: f8(chunk)
     integer :: first, active
     logical :: has_tangent
 
     sums = 0
     active = 0
-    if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, sums(:5), active)
+    if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, sums(:5), active, squares)
     has_tangent = any(problem%kind == [round_frictional, arm_frictional])
     do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
       call gather(problem, first, a)
       if (.not. has_tangent) then
-        call add_normal_parts(a%n, a%u_n, a%r_n, a%rho, with_e1, sums(:5), active)
-        cycle
+        call add_normal_parts(a%n, a%u_n, a%r_n, a%rho, with_e1, sums(:5), active, f8)
+      else
+        call add_chunk(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums(:5), active, f8)
+        if (with_e1) call add_unscaled(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums(1))
       end if
-      call add_chunk(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums(:5), active)
-      if (with_e1) call add_unscaled(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums(1))
+      if (present(squares)) squares(first:first + a%n - 1) = f8(:a%n)
     end do
     sums(6) = real(active, wp)
-  end function sum_errors
+  end subroutine add_errors
 
   !> Errors from their sums, over one problem or over all parts of a decomposed one.
   pure subroutine set_errors(sums, contacts, free_norm, velocity_scale, with_e1, report)
@@ -111,12 +126,13 @@ contains
   end subroutine choose_visited
 
   !> Add a chunk to the sums, from the second: squares of the map with rho_a, of its velocity error, of r, and of u.
-  pure subroutine add_chunk(n, u_n, u_t, r_n, r_t, friction, rho, linear, sums, active)
+  pure subroutine add_chunk(n, u_n, u_t, r_n, r_t, friction, rho, linear, sums, active, f8)
     integer, intent(in) :: n
     real(wp), intent(in) :: u_n(chunk), u_t(chunk), r_n(chunk), r_t(chunk), friction(chunk), rho(chunk), linear(chunk)
     real(wp), intent(inout) :: sums(5)
     integer, intent(inout) :: active
-    real(wp) :: f8(chunk), f(2)
+    real(wp), intent(out) :: f8(chunk)
+    real(wp) :: f(2)
     integer :: i
 
     do i = 1, n

@@ -28,11 +28,12 @@ contains
 
   !> Add all contacts to the sums: squares of the map with rho = 1 (where wanted), of the map with rho_a, of its velocity
   !! error, of r, and of u.
-  pure subroutine add_space_contacts(problem, with_e1, sums, active)
+  pure subroutine add_space_contacts(problem, with_e1, sums, active, all_squares)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     logical, intent(in) :: with_e1 !! is the map with rho = 1 wanted too?
     real(wp), intent(inout) :: sums(5) !! sums to add to
     integer, intent(inout) :: active !! contacts that carry an impulse
+    real(wp), intent(inout), optional :: all_squares(:) !! squares of the map with rho_a, shape (contacts)
     type(chunk_t) :: a
     real(wp) :: squares(chunk), inverse(chunk)
     integer :: first, n
@@ -43,7 +44,8 @@ contains
       call gather(problem, first, a)
       n = a%n
       if (.not. has_tangent) then
-        call add_normal_parts(n, a%u(:, 1), a%r(:, 1), a%rho, with_e1, sums, active)
+        call add_normal_parts(n, a%u(:, 1), a%r(:, 1), a%rho, with_e1, sums, active, squares)
+        if (present(all_squares)) all_squares(first:first + n - 1) = squares(:n)
         cycle
       end if
       if (with_e1) then
@@ -53,6 +55,7 @@ contains
       end if
       call map_squares(n, a%normal, a%u, a%r, a%friction, a%rho, a%linear, squares)
       sums(2) = sums(2) + sum(squares(:n))
+      if (present(all_squares)) all_squares(first:first + n - 1) = squares(:n)
       inverse = merge(1.0_wp, 0.0_wp, a%rho > 0)/max(a%rho, tiny(1.0_wp)**0.25_wp)
       sums(3) = sums(3) + sum(squares(:n)*inverse(:n)**2)
       sums(4) = sums(4) + sum(a%r(:n, :)**2)
@@ -62,7 +65,7 @@ contains
   end subroutine add_space_contacts
 
   !> The same for a chunk of contacts that have a normal part alone, in the plane or in space: the map is r - max(0, r - rho u).
-  pure subroutine add_normal_parts(n, u, r, rho, with_e1, sums, active)
+  pure subroutine add_normal_parts(n, u, r, rho, with_e1, sums, active, squares)
     integer, intent(in) :: n !! contacts of the chunk
     real(wp), intent(in) :: u(chunk) !! normal velocity with bias [m/s]
     real(wp), intent(in) :: r(chunk) !! normal impulse [N s]
@@ -70,7 +73,8 @@ contains
     logical, intent(in) :: with_e1 !! is the map with rho = 1 wanted too?
     real(wp), intent(inout) :: sums(5) !! sums to add to
     integer, intent(inout) :: active !! contacts that carry an impulse
-    real(wp) :: squares(chunk), over(chunk)
+    real(wp), intent(out) :: squares(chunk) !! of the map with rho
+    real(wp) :: over(chunk)
     integer :: i
 
     if (with_e1) then

@@ -63,6 +63,8 @@ SPACE = "bodies.crossings_y space.plane_half space.plane_frame space.plane_world
 POLYGONS = "contactors.polygon_first contactors.polygon_vertex contactors.polygon_world"
 BALL_LANES = "order.group_size order.lane_pair order.lane_record order.lane_impulse"
 SOLID_LANES = "order.solid_last_row order.solid_row_size order.solid_pair order.solid_row"
+# Those of clusters come with the first step that takes 200 sweeps.
+LONG_SOLVES = "clusters.squares clusters.were_visited clusters.parent clusters.members clusters.excess"
 
 # Scene: deck, tables beside those of all, libraries, and upper bounds of bytes a grain and a contact. A grain and a contact of the
 # plane take least; turning bodies have angles and a third velocity, in space quaternions and spins; polygons and polyhedra
@@ -104,7 +106,7 @@ class Needs(ProgramCase):
             with self.subTest(name):
                 needs = self.needs(deck)
                 held = {table for table, bytes_held in needs.items() if "." in table and bytes_held > 0}
-                self.assertEqual(held, set(ALWAYS.split()) | set(more.split()))
+                self.assertEqual(held - set(LONG_SOLVES.split()), set(ALWAYS.split()) | set(more.split()))
                 self.assertEqual(needs["libraries"].split(), libraries)
                 self.assertEqual(needs["messages"], 0)
                 self.assertGreater(needs["contacts"], GRAINS / 2)
