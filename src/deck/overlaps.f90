@@ -95,7 +95,8 @@ contains
         nearest = axis
       end do
     end do
-    gap = 0
+    ! Where corners coincide edges alone tell whether more than corners do.
+    gap = merge(-huge(1.0_wp), 0.0_wp, size(p, 2) > 1 .and. size(q, 2) > 1)
     if (.not. squared > 0) return
     nearest = nearest/sqrt(squared)
     gap = minval(nearest(1)*q(1, :) + nearest(2)*q(2, :)) - maxval(nearest(1)*p(1, :) + nearest(2)*p(2, :))

@@ -1,17 +1,19 @@
 !> Any solver of problems given by matrices as the solver of a run: the step's problem is written as matrices, solved, and its
 !! impulses are brought back.
 !!
-!! Those solvers stop on e1. Where the deck asks for another criterion, e1 is lowered until that holds. Problems that have no
+!! Those solvers stop on e1. Where the deck asks for another criterion, e1 is lowered until that holds, of impulses over a
+!! typical mass where that is far from 1 kg: e1 adds impulses and velocities, so that grains of a micrometre would have a small
+!! one whatever they do. Problems that have no
 !! matrices, those with linear laws, are solved by sweeps.
 module sg_by_matrices
   use sg_compact, only: add_impulses
-  use sg_convergence, only: criterion_value
+  use sg_convergence, only: criterion_value, rounding_of
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_solver_t
   use sg_nlgs, only: nlgs_t
-  use sg_problem, only: bytes_per_contact, problem_t
+  use sg_problem, only: bytes_per_contact, is_in_space, problem_t
   use sg_problem_matrices, only: matrices_map_t, matrices_of
   use sg_problem_records, only: contact_of, contact_record_t
   use sg_report, only: report_t, trace_point_t
@@ -25,7 +27,9 @@ module sg_by_matrices
   public :: solve_by_matrices_t
 
   !> e1 below which no other criterion makes a solver go: rounding is near
-  real(wp), parameter :: least_e1 = 1e-11_wp
+  real(wp), parameter :: least_e1 = 1e-13_wp
+  !> Mobility of contacts from which on, or below the inverse of which, impulses are scaled [1/kg]
+  real(wp), parameter :: far_from_one = 1e5_wp
   !> The estimate of the error of the impulses is this many e8: what it is at least for sweeps
   real(wp), parameter :: e8_to_estimate = 100
 
@@ -88,9 +92,14 @@ contains
     type(report_t), intent(inout) :: report
     type(report_t) :: one
     real(wp), allocatable :: free(:, :)
-    real(wp) :: before
+    real(wp) :: before, rounding, mobility
 
+    rounding = rounding_of(maxval(abs(problem%body(1:merge(3, 2, is_in_space(problem%kind)), :))))
     allocate (free, source=problem%body)
+    mobility = 1
+    if (self%options%criterion /= criterion_e1) mobility = typical_mobility(matrices)
+    matrices%w%block = matrices%w%block/mobility
+    matrices%r = matrices%r*mobility
     self%solver%options%tolerance = self%options%tolerance
     self%solver%options%maximum_iterations = self%options%maximum_sweeps
     self%solver%options%warm_start = self%options%warm_start
@@ -98,7 +107,7 @@ contains
     do
       before = cpu_now() - start - report%apart%cpu
       call self%solver%solve(matrices, one)
-      call bring_back(problem, map, matrices)
+      call bring_back(problem, map, matrices, mobility)
       problem%body = free
       call add_impulses(problem)
       call measure_errors(problem, report, with_e1=.true.)
@@ -108,7 +117,7 @@ contains
       ! There are no sweeps whose increments could be looked at; e1 is that of the matrices.
       report%criterion = criterion_value(self%options%criterion, report, increments=report%estimate)
       if (self%options%criterion == criterion_e1) report%criterion = one%e1
-      report%is_converged = report%criterion <= self%options%tolerance
+      report%is_converged = report%criterion <= self%options%tolerance .or. report%violation*problem%velocity_scale <= rounding
       if (report%is_converged .or. .not. one%is_converged) exit
       if (self%solver%options%tolerance <= least_e1) exit
       self%solver%options%tolerance = max(least_e1, self%solver%options%tolerance/10)
@@ -116,18 +125,38 @@ contains
     end do
   end subroutine solve_matrices
 
+  !> Velocity that an impulse brings to a contact, typically, as a power of two, so that dividing by it rounds nothing; 1 where
+  !! it is not far from that [1/kg].
+  pure real(wp) function typical_mobility(matrices) result(mobility)
+    type(matrix_problem_t), intent(in) :: matrices
+    real(wp) :: total
+    integer :: a, k
+
+    total = 0
+    do a = 1, matrices%n
+      if (matrices%w%diagonal(a) == 0) cycle
+      do k = 1, matrices%d
+        total = total + max(matrices%w%block(k, k, matrices%w%diagonal(a)), 0.0_wp)
+      end do
+    end do
+    mobility = 1
+    total = total/real(max(1, matrices%d*matrices%n), wp)
+    if (total > far_from_one .or. (total > 0 .and. total < 1/far_from_one)) mobility = set_exponent(1.0_wp, exponent(total))
+  end function typical_mobility
+
   !> Impulses of the matrices as the compact problem has them; contacts without any carry nothing.
-  subroutine bring_back(problem, map, matrices)
+  subroutine bring_back(problem, map, matrices, mobility)
     type(problem_t), intent(inout) :: problem
     type(matrices_map_t), intent(in) :: map
     type(matrix_problem_t), intent(in) :: matrices
+    real(wp), intent(in) :: mobility !! by which impulses of the matrices are too large [1/kg]
     type(contact_record_t) :: contact
     real(wp) :: r(matrices%d)
     integer :: k
 
     problem%impulse = 0
     do k = 1, matrices%n
-      r = matrices%r(:, k)
+      r = matrices%r(:, k)/mobility
       r(1) = r(1) - map%cohesion(k)
       associate (impulse => problem%impulse(:, map%contact(k)))
         if (size(impulse) == 3) then

@@ -6,7 +6,7 @@ module sg_convergence
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_violation, solver_options_t
   implicit none
   private
-  public :: convergence_t, criterion_value, looks_at_errors
+  public :: convergence_t, criterion_value, looks_at_errors, rounding_of
 
   !> Who is visited is looked up again when the sweeps have doubled, or when a test finds the criterion above this share
   !! of the last one
@@ -44,9 +44,16 @@ contains
 
     self%last_choice = 0
     self%last_criterion = huge(1.0_wp)
-    self%rounding = 16*epsilon(1.0_wp)*fastest
+    self%rounding = rounding_of(fastest)
     self%is_choice_due = .false.
   end subroutine convergence_begin
+
+  !> Velocity error that rounding leaves [m/s].
+  pure real(wp) function rounding_of(fastest)
+    real(wp), intent(in) :: fastest !! largest velocity component of all bodies [m/s]
+
+    rounding_of = 16*epsilon(1.0_wp)*fastest
+  end function rounding_of
 
   !> Judge a test: sets the estimate, the criterion and whether it is reached.
   subroutine convergence_judge(self, options, velocity_scale, report, increments)

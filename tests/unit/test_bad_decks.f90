@@ -220,6 +220,8 @@ contains
     call bad('a vertex twice', polygon//'[[0, 0], [1, 0], [1, 0], [0, 1]]'//nl, 'vertices 2 and 3 are the same', 10)
     call bad('no area', polygon//'[[0, 0], [1, 0], [2, 0]]'//nl, 'polygon', 10)
     call bad('a vertex not a number', polygon//'[[0, 0], [1, nan], [0, 1]]'//nl, 'finite', 10)
+    call bad('polygons at one place', polygon//'[[0, 0], [1, 0], [1, 1], [0, 1]]'//nl//'[[body]]'//nl//'shape = "polygon"'//nl// &
+             'vertices = [[0, 0], [1, 0], [1, 1], [0, 1]]'//nl, 'overlap', 11)
     call bad('polygons that overlap', polygon//'[[0, 0], [1, 0], [1, 1], [0, 1]]'//nl//'[[body]]'//nl//'shape = "polygon"'//nl// &
              'vertices = [[0.8, 0.2], [2, 0.2], [2, 0.9]]'//nl, 'overlap', 11)
   end subroutine bad_polygons
