@@ -61,7 +61,7 @@ module sg_run_options
     !> Stopping criterion, one of `criterion_*`
     integer :: criterion = criterion_estimate
     !> Value of the criterion at which the solver stops
-    real(wp) :: tolerance = 3e-2_wp
+    real(wp) :: tolerance = 2e-2_wp
     !> Sweeps between two tests
     integer :: check_every = 20
     !> Sweeps after which the solver gives up
