@@ -135,7 +135,8 @@ contains
     ! Moments m (b2 + c2)/3, b and c half lengths: 13, 10 and 5 m/3, with spins of 1, 2 and 3 rad/s.
     call t%near(samples%value(1, 1)/mass, (9 + 98/3.0_wp)/2, 100*rounding, 'kinetic energy of a box')
     call t%near(maxval(abs(samples%value(2:4, 1) - [-2.0_wp, 4.0_wp, -6.0_wp])), 0.0_wp, rounding, 'wall forces sampled')
-    call t%equal(size(samples%value, 1), 4, 'four series in space')
+    call t%near(maxval(abs(samples%value(5:7, 1)/mass - [1.0_wp, 2.0_wp, 2.0_wp])), 0.0_wp, rounding, 'momentum sampled')
+    call t%equal(size(samples%value, 1), 7, 'seven series in space')
   end subroutine test_kinetic_energy_of_grains
 
   !> Boxes of grains: spheres, periods in x and y, a cube on its edge, capsule, hollow cylinder, plane; walls do not count.
