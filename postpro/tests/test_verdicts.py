@@ -146,3 +146,11 @@ def test_the_friction_at_which_a_block_slides_half_a_metre(tmp_path, capsys):
     # A friction is bracketed within 0.02 decades; the step moves the way by v h / 2 at most.
     assert low * 0.999 < 1 / (2 * 9.81 * 0.5) < high * 1.001 and np.log10(high / low) <= 0.02
     assert "does not hold up to" in printed and (out / "study.html").stat().st_size > 10000 and (out / "thresholds-1.png").exists()
+
+
+def test_shipped_studies_are_right():
+    paths = sorted((DECKS / "extreme").glob("*.toml"))
+    assert len(paths) >= 14
+    for path in paths:
+        study = VerdictReader(path).study()
+        assert study.title and study.about
