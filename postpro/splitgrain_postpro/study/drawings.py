@@ -1,7 +1,7 @@
 """Figures of a study, each of one panel, so that it can be read on a narrow page too."""
 
 import numpy as np
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
 from ..style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, new_figure, say_nothing_there
 
@@ -11,7 +11,7 @@ ERRORS = {
     "e1": "error E1 [-]", "e2": "error E2 [-]", "e8": "error E8 [-]",
     "distance": "distance to the reference [-]",
 }  # fmt: skip
-CLOCKS = {"cpu_seconds": "CPU time [s]", "contact_updates": "contact updates [-]", "bytes": "bytes exchanged [-]"}
+CLOCKS = {"cpu_seconds": "CPU time [s]", "contact_updates": "contact updates [-]", "bytes": "data exchanged [byte]"}
 CPU, UPDATES, BYTES = CLOCKS
 
 
@@ -74,7 +74,7 @@ def profiles(study, ratios, count, title):
 
 
 def convergence(study, curves, orders, label, title):
-    """Error of a measure against the axis, with lines of orders one and two."""
+    """Error of a measure, or what it took, against the axis; over time steps with lines of orders one and two."""
     figure = new_figure(*SIZE)
     ax = figure.add_subplot()
     all_points = []
@@ -92,6 +92,9 @@ def convergence(study, curves, orders, label, title):
         ax.plot(h, 0.4 * least * h**2 / h[-1], color="#777777", ls=":", lw=1, label="order 2")
     axis = {"time_steps": "time step [s]", "tolerances": "tolerance [-]", "subdomains": "subdomains [-]"}[study.axis]
     _finish(ax, bool(all_points), axis, label, title)
+    if all_points and study.axis == "subdomains":
+        ax.xaxis.set_major_locator(FixedLocator(sorted({value for value, _ in all_points})))
+        ax.xaxis.set_minor_locator(NullLocator())
     return figure
 
 

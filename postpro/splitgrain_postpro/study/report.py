@@ -157,10 +157,23 @@ class Report:
                 curves = self.curves(case, pick, clock)
                 if clock == drawings.CPU or any(point[0] and point[1] for points in curves.values() for point in points):
                     figures.append(self.work(case, number, curves, clock, label, f"measure-{index + 1}"))
+        if self.study.axis == "subdomains":
+            figures += self.efforts(case, number)
         found = {variant: self.traces[case.name, variant] for variant in self.names() if self.traces.get((case.name, variant))}
         if found:
             figure = drawings.traces(self.study, found, f"Within one run, to {min(self.study.values):g}")
             figures.append(self.save(figure, f"case-{number}-trace", f"Traces of {case.name}"))
+        return figures
+
+    def efforts(self, case, number):
+        """What several subdomains take: CPU time of all, bytes that they exchange, sweeps."""
+        figures = []
+        for name, label in (drawings.CLOCKS | {"sweeps": "sweeps [-]"}).items():
+            curves = {variant: [(value, result[name]) for value in self.study.values
+                                if (result := self.table.get((case.name, variant, value))) and result.get(name)]
+                      for variant in self.names()}  # fmt: skip
+            figure = drawings.convergence(self.study, curves, {}, label, case.name)
+            figures.append(self.save(figure, f"case-{number}-subdomains-{name}", f"{label} of {case.name} against subdomains"))
         return figures
 
     def work(self, case, number, curves, clock, label, name):
