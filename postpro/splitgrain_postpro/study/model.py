@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 # The lists that a study can vary, and the name of one value of each.
-AXES = {"tolerances": "tolerance", "time_steps": "time step", "subdomains": "subdomains"}
+AXES = {"tolerances": "tolerance", "time_steps": "time step", "subdomains": "subdomain"}
 
 
 @dataclass

@@ -53,8 +53,9 @@ class Report:
         """What was done, in one line."""
         failed = sum(result["status"] not in GOOD for result in self.results)
         clock = f", the shortest of {self.study.repeats} taken" if self.study.repeats > 1 else ""
-        return (f"{len(self.study.cases)} cases x {len(self.study.variants)} variants x {len(self.study.values)} "
-                f"{AXES[self.study.axis]}s: {len(self.jobs)} runs{clock}, {failed} without an answer as asked. {self.version}; at most "
+        counts = ((self.study.cases, "case"), (self.study.variants, "variant"), (self.study.values, AXES[self.study.axis]))
+        return (" x ".join(f"{len(items)} {name}{'s' if len(items) > 1 else ''}" for items, name in counts) +
+                f": {len(self.jobs)} runs{clock}, {failed} without an answer as asked. {self.version}; at most "
                 f"{self.study.seconds:g} CPU s a run.")
 
     def legend(self):
@@ -129,7 +130,9 @@ class Report:
             shown = orders if self.study.axis == "time_steps" else {}
             figure = drawings.convergence(self.study, curves, shown, label, case.name)
             figures.append(self.save(figure, f"convergence-{number + 1}-{place}", f"{label} of {case.name}"))
-        against = "its closed form" if measure.closed_form else "the run with the finest value"
+        against = "its closed form"
+        if not measure.closed_form:
+            against = "the run on one subdomain" if self.study.axis == "subdomains" else "the run with the finest value"
         if measure.against == "first":
             against += f" of {self.study.variants[0].name}"
         over = {"end": "at the end", "mean": "mean over the run", "largest": "largest of the run"}[measure.over]
