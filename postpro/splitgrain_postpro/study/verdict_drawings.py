@@ -20,8 +20,9 @@ def thresholds(study, case, table):
         for held, marker, colour in ((True, "o", BLUE), (False, "X", VERMILION)):
             chosen = [point[0].value for point in points if point[2]["held"] == held]
             ax.plot(chosen, [row] * len(chosen), marker, color=colour, markersize=5, zorder=2)
-        for change in changes_of(study, points):
-            ax.annotate(f"{change.low if change.held_below else change.high:.3g}", (change.low, row), (0, 6),
+        for number, change in enumerate(changes_of(study, points)):
+            # In turns above and below the line, so that neighbours stay apart.
+            ax.annotate(f"{change.low if change.held_below else change.high:.3g}", (change.low, row), (0, (6, -13)[number % 2]),
                         textcoords="offset points", ha="center", fontsize=8)  # fmt: skip
     if study.is_log:
         if min(values) > 0:
