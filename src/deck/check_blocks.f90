@@ -3,7 +3,7 @@ module sg_check_blocks
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
   use sg_key_table, only: in_both, key_t
-  use sg_text, only: to_text
+  use sg_text, only: lower, to_text
   use sg_values, only: finish_value
   use sg_words, only: is_choice
   implicit none
@@ -74,11 +74,20 @@ contains
           if (.not. key%is_required) cycle
           if (deck%is_given(b, trim(key%name)) .or. .not. applies(deck, b, key)) cycle
           call deck%complain(diagnostics, deck%heading(deck%blocks(b)%section)//' lacks the key "'//trim(key%name)//'": '// &
-                             trim(key%sentence), b)
+                             first_sentence(key%sentence), b)
         end associate
       end do
     end associate
   end subroutine check_missing
+
+  !> The first sentence of a text, to stand within another one.
+  pure function first_sentence(text) result(sentence)
+    character(len=*), intent(in) :: text
+    character(len=:), allocatable :: sentence
+
+    sentence = text(:index(text//' ', '. ') - 1)
+    sentence(1:1) = lower(sentence(1:1))
+  end function first_sentence
 
   !> Has a key that is given a meaning here? Not told when the word that decides is itself wrong.
   subroutine check_use(deck, block, key, message)

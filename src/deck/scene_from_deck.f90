@@ -112,14 +112,22 @@ contains
       do i = 1, bodies%n
         if (.not. bodies%is_grain(i)) cycle
         if (scene%period > 0) then
-          bodies%crossings(i) = floor(bodies%position(1, i)/scene%period, i4)
+          bodies%crossings(i) = periods_in(bodies%position(1, i)/scene%period)
           bodies%position(1, i) = modulo(bodies%position(1, i), scene%period)
         end if
         if (scene%period_y > 0) then
-          bodies%crossings_y(i) = floor(bodies%position(2, i)/scene%period_y, i4)
+          bodies%crossings_y(i) = periods_in(bodies%position(2, i)/scene%period_y)
           bodies%position(2, i) = modulo(bodies%position(2, i), scene%period_y)
         end if
       end do
     end associate
   end subroutine wrap
+
+  !> Whole periods in a length over the period, as far as they can be counted.
+  pure integer(i4) function periods_in(ratio)
+    real(wp), intent(in) :: ratio
+    real(wp), parameter :: most = 2e9_wp
+
+    periods_in = floor(max(-most, min(most, ratio)), i4)
+  end function periods_in
 end module sg_scene_from_deck

@@ -120,8 +120,9 @@ contains
     type(cells_t), intent(in) :: cells
     real(wp), intent(in) :: point(3)
     integer :: cell(3)
+    real(wp), parameter :: far = 1e9_wp
 
-    cell = floor((point - cells%low)/cells%side)
+    cell = floor(max(-far, min(far, (point - cells%low)/cells%side)))
     where (cells%is_periodic)
       cell = modulo(cell, cells%n)
     elsewhere

@@ -211,7 +211,7 @@ contains
     do i = 1, min(found%n, most_pairs)
       associate (first => minval(found%pair(:, i)), second => maxval(found%pair(:, i)))
         message = name_of(deck, first)//' and '//name_of(deck, second)//' overlap at the start by '// &
-                  to_text(found%depth(i), 3)//' m, '//to_text(nint(100*found%share(i)))//' % of the smaller radius'
+                  to_text(found%depth(i), 3)//' m, '//to_text(nint(100*min(found%share(i), 1e7_wp)))//' % of the smaller radius'
         if (found%share(i) > tolerated) then
           call deck%complain(diagnostics, message, deck%block_of_body(second))
         else

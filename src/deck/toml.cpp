@@ -4,6 +4,7 @@
 // what it holds. No exception crosses the border: what fails is a document with one entry, the mistake.
 // Fortran side: sg_toml (toml.f90).
 #include <algorithm>
+#include <cfenv>
 #include <cstdint>
 #include <cstring>
 #include <new>
@@ -132,6 +133,9 @@ struct sg_toml_entry {
 void* sg_toml_parse(const char* text, std::int64_t length) noexcept {
   document_t* document = new (std::nothrow) document_t;
   if (!document) return nullptr;
+  // Numbers too large for a double are refused as infinite ones; builds that trap an overflow must not stop here.
+  std::fenv_t environment;
+  std::feholdexcept(&environment);
   try {
     try {
       document->root = toml::parse(std::string_view(text, static_cast<std::size_t>(length)));
@@ -142,8 +146,9 @@ void* sg_toml_parse(const char* text, std::int64_t length) noexcept {
     }
   } catch (...) {
     delete document;
-    return nullptr;
+    document = nullptr;
   }
+  std::fesetenv(&environment);
   return document;
 }
 

@@ -59,6 +59,7 @@ contains
     integer, allocatable :: octave(:), new_level(:)
     real(wp), allocatable :: largest(:)
     real(wp) :: smallest
+    real(wp), parameter :: most_columns = 1e9_wp
 
     smallest = max(minval(reach), tiny(1.0_wp))
     allocate (octave(size(reach)), cells%level(size(reach)))
@@ -84,7 +85,7 @@ contains
     cells%columns = 0
     do axis = 1, 3
       if (.not. period(axis) > 0) cycle
-      cells%columns(axis, :) = max(1, int(period(axis)/cells%side(axis, :)))
+      cells%columns(axis, :) = max(1, int(min(most_columns, period(axis)/cells%side(axis, :))))
       cells%side(axis, :) = period(axis)/real(cells%columns(axis, :), wp)
     end do
   end subroutine choose_levels

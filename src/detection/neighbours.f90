@@ -130,15 +130,19 @@ contains
     integer, intent(in) :: axis
     real(wp), intent(in) :: period
     integer(i4), allocatable, intent(inout) :: crossings(:)
-    integer :: b, crossed
+    ! More crossings than can be counted: what flies so fast only stays within the period.
+    real(wp), parameter :: most = 2e9_wp
+    real(wp) :: crossed
+    integer :: b
 
     do b = 1, bodies%n
-      crossed = floor(configuration(axis, b)/period)
-      if (crossed == 0) cycle
-      configuration(axis, b) = configuration(axis, b) - real(crossed, wp)*period
-      bodies%middle(axis, b) = bodies%middle(axis, b) - real(crossed, wp)*period
-      bodies%position(axis, b) = bodies%position(axis, b) - real(crossed, wp)*period
-      crossings(b) = crossings(b) + int(crossed, i4)
+      crossed = configuration(axis, b)/period
+      crossed = crossed - modulo(crossed, 1.0_wp)
+      if (.not. abs(crossed) > 0) cycle
+      configuration(axis, b) = configuration(axis, b) - crossed*period
+      bodies%middle(axis, b) = bodies%middle(axis, b) - crossed*period
+      bodies%position(axis, b) = bodies%position(axis, b) - crossed*period
+      crossings(b) = int(max(-most, min(most, real(crossings(b), wp) + crossed)), i4)
     end do
   end subroutine wrap
 

@@ -132,7 +132,7 @@ contains
         if (any(cells%cell(:, j) /= cell) .or. j == self) cycle
         between = others(:, j) - point
         where (period > 0) between = between - period*anint(between/merge(period, 1.0_wp, period > 0))
-        bin = int(bins*norm2(between)/reach) + 1
+        bin = int(min(bins*norm2(between)/reach, real(bins, wp))) + 1
         if (bin <= bins) counts(bin) = counts(bin) + 1
       end do
     end do
