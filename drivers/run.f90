@@ -63,6 +63,8 @@ contains
       if (allocated(error)) return
       call catch_signals()
       call simulate(sim, deck, code, error)
+      if (.not. allocated(error)) return
+      if (.not. allocated(error%file) .and. error%code == exit_bad_input) error%file = deck
     end associate
   end subroutine run_command
 

@@ -6,7 +6,7 @@
 module sg_share
   use sg_bodies, only: clear_body, shorten
   use sg_census, only: census_t
-  use sg_contactors, only: drop_contactors, n_kinds
+  use sg_contactors, only: contactors_t, drop_contactors, n_kinds
   use sg_kinds, only: i4, i8
   use sg_lists, only: reserve
   use sg_pack_shapes, only: make_room_for_shapes
@@ -124,12 +124,13 @@ contains
     type(scene_t), intent(inout) :: scene !! scene with its bodies
     integer, intent(in) :: n !! bodies kept
     integer, parameter :: none(n_kinds) = 0
+    type(contactors_t) :: nothing
 
     if (n < scene%bodies%n) call shorten(scene%bodies, n)
     if (self%ranks == 1) return
     scene%contactors%id = scene%contactors%id(:scene%contactors%n)
     if (scene%contactors%n > 0) return
-    deallocate (scene%contactors%id)
+    scene%contactors = nothing
     call make_room_for_shapes(scene%contactors, scene%dimension, none, 0)
   end subroutine share_finish
 

@@ -114,6 +114,7 @@ contains
     call test_shares('driven bodies', common//held//bodies_in_plane(40, polygon)//floor//by_name//driven(5), 1.02_wp)
     call test_shares('bodies and samples', common//bodies_in_plane(11, clusters)//floor//above//'kind = "lattice"'//nl, 1.02_wp)
     call test_shares('three bodies', common//bodies_in_plane(3, clusters)//floor, 1.5_wp)
+    call test_shares('two bodies alone', common//bodies_in_plane(2, ''), 3.0_wp)
     call test_shares('bodies in space', solid//bodies_in_space(12), 1.02_wp)
     call test_shares('masonry', solid//stones, 1.02_wp)
   end subroutine test_written
