@@ -278,11 +278,11 @@ class Refusals(Ranks):
         if "ffpe-trap" in self.run_program("--version").stdout:
             self.skipTest("this build stops where numbers overflow")
         deck = self.deck(BEYOND)
-        said = "step 1: velocities are not finite of bodies 9;"
+        said = "step 1: velocities.* are not finite of bodies 9;"
         for ranks in (1, 4):
             self.refused(ranks, deck, said, code=4)
             self.assertEqual(self.run_json()["status"], "failed")
-            self.assertIn(said, self.run_json()["reason"])
+            self.assertRegex(self.run_json()["reason"], said)
         if self.has_hdf5():
             # The checkpoint is of the state before.
             self.refused(2, deck, said, "--restart", "out", code=4)
