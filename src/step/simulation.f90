@@ -268,11 +268,14 @@ contains
     call begin_dump(sim%dump, problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
   end subroutine begin_late_dump
 
-  !> Largest speed of all bodies [m/s].
+  !> Largest speed of all bodies [m/s]; where squares have no room, the largest component.
   pure real(wp) function largest_speed(velocity)
     real(wp), intent(in) :: velocity(:, :)
     integer :: b
 
+    largest_speed = 0
+    if (size(velocity) > 0) largest_speed = maxval(abs(velocity))
+    if (largest_speed > sqrt(huge(1.0_wp))/2) return
     largest_speed = 0
     do b = 1, size(velocity, 2)
       largest_speed = max(largest_speed, sum(velocity(:, b)**2))

@@ -1,6 +1,7 @@
 !> The guard against values that are not finite: it names bodies and contacts, and the state before the step can be had back.
 program test_guard
-  use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
+  use, intrinsic :: ieee_arithmetic, only: ieee_flag_type, ieee_get_halting_mode, ieee_invalid, ieee_overflow, ieee_positive_inf, &
+                                           ieee_quiet_nan, ieee_set_flag, ieee_set_halting_mode, ieee_value
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, put_disk, put_wall, run
   use sg_error, only: error_t, exit_broken, exit_unbalanced
@@ -14,6 +15,9 @@ program test_guard
   type(simulation_t) :: sim
   type(error_t), allocatable :: error
   real(wp) :: impulse
+  !> What builds with all checks stop at, and whether this one does
+  type(ieee_flag_type), parameter :: kinds(2) = [ieee_overflow, ieee_invalid]
+  logical :: halts(2)
 
   call begin_scene(sim%scene, 3, 0.3_wp, 0.1_wp)
   call put_disk(sim%scene, 1, 0.5_wp, [0.0_wp, 0.5_wp])
@@ -47,16 +51,29 @@ program test_guard
   ! What a step that breaks leaves behind: the contacts of the step before it, as a checkpoint wants them.
   impulse = sim%contacts%impulse(1, 1)
   call t%check(impulse > 0, 'the floor pushes')
+  call trap(.false.)
   call test_other_contacts()
+  call trap(.true.)
   call advance(sim, error)
   sim%contacts%impulse = 0
   call revive(sim%history, sim%pairs, sim%contacts)
   call t%equal(sim%contacts%n, 2, 'contacts before the step')
   call t%near(sim%contacts%impulse(1, 1), impulse, 0.0_wp, 'and their impulses, to the last bit')
+  call trap(.false.)
   call test_positions()
+  call trap(.true.)
   call test_energy()
   call t%finish()
 contains
+
+  !> Builds with all checks stop where a number overflows or is none, before the guard can look: in some tests it shall.
+  subroutine trap(numbers)
+    logical, intent(in) :: numbers
+
+    if (.not. numbers) call ieee_get_halting_mode(kinds, halts)
+    if (numbers) call ieee_set_flag(kinds, .false.)
+    call ieee_set_halting_mode(kinds, numbers .and. halts)
+  end subroutine trap
 
   !> A step that breaks without contacts solved, and with fewer contacts than the one before, which come back nonetheless.
   subroutine test_other_contacts()
