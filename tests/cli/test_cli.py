@@ -125,10 +125,12 @@ class Decks(Cli):
         without = [] if self.has_hdf5() else ["--set", "output.every=0", "--set", "restart.every=0"]
         for deck in decks:
             with self.subTest(deck=deck.name):
-                # Random polyhedra are hulls; a program without Qhull must say so.
+                # Random polyhedra are hulls, spectra are transforms; a program without Qhull or FFTW must say so.
                 checked = subprocess.run([self.program, "check", deck], cwd=self.place, capture_output=True, text=True, timeout=120)
-                if checked.returncode and 'shape = "polyhedron"' in deck.read_text():
-                    self.assertIn("without Qhull", checked.stderr)
+                needs = {'shape = "polyhedron"': "Qhull", "spectrum = true": "FFTW"}
+                lacks = [library for words, library in needs.items() if words in deck.read_text() and not self.has_library(library)]
+                if checked.returncode and lacks:
+                    self.assertIn(f"without {lacks[0]}", checked.stderr)
                     continue
                 self.assertEqual(checked.returncode, 0, checked.stderr)
                 self.run_program("run", deck, "--set", "time.steps=3", *without, "--output", deck.stem, "--quiet")
