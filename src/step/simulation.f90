@@ -153,7 +153,7 @@ contains
       call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
                     sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
       if (is_dumped(sim)) call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
-      if (.not. sim%decomposition%is_on) call look_before(sim, error)
+      call look_before(sim, error)
       call phase(phase_assemble)%stop()
       if (allocated(error)) return
 
@@ -189,15 +189,23 @@ contains
     end associate
   end subroutine advance
 
-  !> Stop before a problem whose data are not finite already: its dump holds no solution.
+  !> Stop before a problem whose data are not finite already: its dump holds no solution. Collective.
   subroutine look_before(sim, error)
     type(simulation_t), intent(inout) :: sim
-    type(error_t), allocatable, intent(out) :: error !! set when a value is not finite
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when a value of one is not finite
+    logical :: has_contacts
+    integer :: speaker
 
     call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%step, .false., error)
+    has_contacts = sim%problem%n_contacts > 0
+    if (sim%decomposition%is_on) then
+      if (.not. sim%comm%any(allocated(error))) return
+      call sim%comm%agree(error, speaker)
+      has_contacts = sim%comm%any(has_contacts)
+    end if
     if (.not. allocated(error)) return
     sim%dump%is_unsolved = .true.
-    if (.not. sim%dump%is_begun .and. sim%problem%n_contacts > 0) then
+    if (.not. sim%dump%is_begun .and. has_contacts) then
       call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
     end if
   end subroutine look_before
