@@ -63,6 +63,7 @@ program test_guard
   call test_positions()
   call trap(.true.)
   call test_energy()
+  if (allocated(error)) deallocate (error)
   call t%finish()
 contains
 

@@ -11,16 +11,22 @@ program test_trace
   use solver_cases, only: make_column, solver_of
   implicit none
   type(tests_t) :: t
-  integer, allocatable :: none(:), some(:)
 
   call test_history()
-  some = [3, 1, 400]
-  call t%check(all(traced_steps(some, 10) == some), 'steps asked for')
-  call t%check(all(traced_steps(none, 3) == [1, 2, 3]), 'all of a few steps')
-  call t%check(all(traced_steps(none, 800) == [100, 200, 300, 400, 500, 600, 700, 800]), 'some of many')
+  call test_steps()
   call t%finish()
 
 contains
+
+  !> Steps to trace: those asked for, or some of all.
+  subroutine test_steps()
+    integer, allocatable :: none(:), some(:)
+
+    some = [3, 1, 400]
+    call t%check(all(traced_steps(some, 10) == some), 'steps asked for')
+    call t%check(all(traced_steps(none, 3) == [1, 2, 3]), 'all of a few steps')
+    call t%check(all(traced_steps(none, 800) == [100, 200, 300, 400, 500, 600, 700, 800]), 'some of many')
+  end subroutine test_steps
 
   !> A history changes no bit of the answer, and its points are what solves of as many sweeps reach.
   subroutine test_history()
