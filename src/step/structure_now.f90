@@ -18,10 +18,11 @@ contains
     type(simulation_t), intent(inout) :: sim !! between two steps
     type(structure_file_t), intent(inout) :: file !! what was written before
     logical, intent(in) :: is_speaker !! is this the rank that writes?
-    type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when a file cannot be written
     type(centres_t) :: centres
     type(radial_distribution_t) :: distribution
     type(structure_factor_t) :: factor
+    integer :: speaker
 
     if (file%step == sim%step) return
     call sim%totals%phase(phase_measure)%start()
@@ -32,6 +33,7 @@ contains
     call sim%totals%phase(phase_output)%start()
     call file%add(sim%step, sim%time(), centres%diameter, distribution, factor)
     if (is_speaker) call file%write(sim%options%folder, error)
+    call sim%comm%agree(error, speaker)
     call sim%totals%phase(phase_output)%stop()
   end subroutine report_structure
 end module sg_structure_now
