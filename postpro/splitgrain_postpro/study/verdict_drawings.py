@@ -10,7 +10,8 @@ GREY = "#777777"
 
 def thresholds(study, case, table):
     """One row a variant along the parameter: dots hold, crosses do not; a number where the verdict changes."""
-    figure = new_figure(5.2, 1.5 + 0.42 * len(table))
+    height = 0.42 * max(2, len(table))
+    figure = new_figure(5.2, 1.5 + height)
     ax = figure.add_subplot()
     values = [point[0].value for points in table.values() for point in points]
     for row, points in enumerate(table.values()):
@@ -33,14 +34,15 @@ def thresholds(study, case, table):
     ax.set_ylim(len(table) - 0.4, -0.7)
     ax.grid(axis="y", visible=False)
     ax.set(xlabel=f"{study.parameter} [{study.unit}]", title=case.name)
-    _explain(ax, 0.42 * len(table))
+    _explain(ax, height)
     return figure
 
 
 def matrix(study, table):
     """One row a case, one column a variant."""
     cases, variants = [case.name for case in study.cases], [variant.name for variant in study.variants]
-    figure = new_figure(2.6 + 0.9 * len(variants), 1.3 + 0.24 * len(cases))
+    height = 0.24 * max(3, len(cases))
+    figure = new_figure(2.6 + 0.9 * len(variants), 1.3 + height)
     ax = figure.add_subplot()
     for held, marker, colour in ((True, "o", BLUE), (False, "X", VERMILION)):
         places = [(variants.index(variant), cases.index(case)) for (case, variant), points in table.items()
@@ -51,7 +53,7 @@ def matrix(study, table):
     ax.set_yticks(range(len(cases)), cases)
     ax.set_xlim(-0.6, len(variants) - 0.4)
     ax.set_ylim(len(cases) - 0.4, -0.6)
-    _explain(ax, 0.24 * len(cases))
+    _explain(ax, height)
     return figure
 
 
