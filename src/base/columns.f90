@@ -1,8 +1,10 @@
-!> Words in columns of printed tables.
+!> Words in columns of printed tables, and numbers as such words.
 module sg_columns
+  use sg_kinds, only: wp
+  use sg_text, only: to_text
   implicit none
   private
-  public :: padded, right
+  public :: padded, right, fixed
 
 contains
 
@@ -26,4 +28,15 @@ contains
 
     text = adjustr(padded(word, width))
   end function right
+
+  !> A number with a number of decimals.
+  pure function fixed(value, decimals) result(word)
+    real(wp), intent(in) :: value !! any number
+    integer, intent(in) :: decimals !! digits behind the point
+    character(len=:), allocatable :: word
+    character(len=40) :: buffer
+
+    write (buffer, '(f40.'//to_text(decimals)//')') value
+    word = trim(adjustl(buffer))
+  end function fixed
 end module sg_columns

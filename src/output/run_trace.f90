@@ -1,7 +1,7 @@
 !> Traces of a run: errors against CPU time within chosen steps (trace.csv), and what these steps reached and cost by phase
 !! (trace_steps.csv, and a table at the end of the run).
 module sg_run_trace
-  use sg_columns, only: right
+  use sg_columns, only: fixed, right
   use sg_comm, only: comm_t
   use sg_error, only: error_t
   use sg_kinds, only: wp
@@ -231,12 +231,12 @@ contains
     character(len=16) :: buffer
 
     if (value >= 100) then
-      write (buffer, '(f16.1)') value
+      word = fixed(value, 1)
     else if (value >= 1e-3_wp) then
-      write (buffer, '(f16.4)') value
+      word = fixed(value, 4)
     else
       write (buffer, '(es16.1)') value
+      word = trim(adjustl(buffer))
     end if
-    word = trim(adjustl(buffer))
   end function seconds
 end module sg_run_trace

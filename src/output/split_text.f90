@@ -1,5 +1,6 @@
 !> A split of grains as a table and as one flat JSON object (doc/theory/partition.md says what the figures are).
 module sg_split_text
+  use sg_columns, only: fixed
   use sg_interface_blocks, only: block_structure_t
   use sg_json, only: json_t
   use sg_kinds, only: wp
@@ -27,16 +28,16 @@ contains
     end if
     write (unit, '(a)') text, &
       'contacts     '//to_text(report%contacts)//' between grains, '//to_text(report%wall_contacts)//' with walls', &
-      'imbalance    '//fixed(report%imbalance)//' largest over mean load, '//fixed(report%contact_imbalance)// &
+      'imbalance    '//fixed(report%imbalance, 3)//' largest over mean load, '//fixed(report%contact_imbalance, 3)// &
         ' of contacts owned', &
       'primal       '//to_text(report%cut_contacts)//' of '//to_text(report%contacts)//' contacts between parts ('// &
         percent(report%cut_contacts, report%contacts)//'), of '//to_text(report%interface_grains)//' grains'
     if (blocks%contacts > 0) then
       write (unit, '(a)') &
         'W_gamma      '//percent(blocks%alone, blocks%contacts)//' of rows have no block off the diagonal, '// &
-          fixed(blocks%mean_couplings)//' in the mean, '//to_text(blocks%most_couplings)//' at most', &
+          fixed(blocks%mean_couplings, 3)//' in the mean, '//to_text(blocks%most_couplings)//' at most', &
         '             '//to_text(blocks%groups)//' independent groups of contacts, the largest of '// &
-          to_text(blocks%largest_group)//'; norm off the diagonal '//fixed(blocks%off_diagonal)//' of that on it'
+          to_text(blocks%largest_group)//'; norm off the diagonal '//fixed(blocks%off_diagonal, 3)//' of that on it'
     end if
     text = 'dual         '//to_text(report%multiplicity(1))//' grains in 1 part'
     do i = 2, size(report%multiplicity)
@@ -49,24 +50,12 @@ contains
     end do
   end subroutine print_split
 
-  !> A number with three decimals.
-  pure function fixed(value) result(word)
-    real(wp), intent(in) :: value
-    character(len=:), allocatable :: word
-    character(len=24) :: buffer
-
-    write (buffer, '(f24.3)') value
-    word = trim(adjustl(buffer))
-  end function fixed
-
   !> A share in percent.
   pure function percent(some, all) result(word)
     integer, intent(in) :: some, all
     character(len=:), allocatable :: word
-    character(len=24) :: buffer
 
-    write (buffer, '(f24.1)') 100*real(some, wp)/real(max(1, all), wp)
-    word = trim(adjustl(buffer))//' %'
+    word = fixed(100*real(some, wp)/real(max(1, all), wp), 1)//' %'
   end function percent
 
   !> The whole as one flat object; parts by their extremes.

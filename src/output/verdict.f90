@@ -1,5 +1,6 @@
 !> The last words of a run: is it done, is it right, what did it cost, what to open.
 module sg_verdict
+  use sg_columns, only: fixed
   use sg_kinds, only: wp, i8
   use sg_run_summary, only: run_summary_t, shared_cost_t
   use sg_system, only: peak_memory_bytes
@@ -7,7 +8,7 @@ module sg_verdict
   use sg_totals, only: n_phases, phase_names, phase_solve, totals_t
   implicit none
   private
-  public :: fixed, print_verdict
+  public :: print_verdict
 
 contains
 
@@ -150,17 +151,6 @@ contains
     words = words//', '//fixed(real(totals%contact_updates, wp)/totals%phase(phase_solve)%cpu/1e6_wp, 1)// &
             ' million a CPU second'
   end function effort_words
-
-  !> A number with so many decimals.
-  pure function fixed(value, decimals) result(word)
-    real(wp), intent(in) :: value !! any number
-    integer, intent(in) :: decimals !! digits behind the point
-    character(len=:), allocatable :: word
-    character(len=40) :: buffer
-
-    write (buffer, '(f40.'//to_text(decimals)//')') value
-    word = trim(adjustl(buffer))
-  end function fixed
 
   !> A share as a percentage.
   pure function percent(share) result(word)

@@ -5,6 +5,7 @@
 module sg_needs
   use, intrinsic :: iso_fortran_env, only: output_unit
   use sg_assemble, only: assemble
+  use sg_columns, only: fixed
   use sg_detect, only: detect
   use sg_error, only: error_t
   use sg_inventory, only: list_tables
@@ -19,7 +20,6 @@ module sg_needs
   use sg_tables, only: per_body, per_contact, tables_t
   use sg_text, only: to_text
   use sg_text_files, only: replace_file
-  use sg_verdict, only: fixed
   implicit none
   private
   public :: tell_needs
