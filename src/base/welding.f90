@@ -1,5 +1,6 @@
 !> Points that lie nearer to each other than a tolerance, made one: what a mesh file repeats for every triangle.
 module sg_welding
+  use sg_ascending, only: place_in
   use sg_kinds, only: wp, i4, i8
   use sg_sorting, only: sort_permutation
   implicit none
@@ -85,7 +86,7 @@ contains
     do dz = from(3), to(3)
       do dy = from(2), to(2)
         do dx = from(1), to(1)
-          place = place_of(sorted, cell_key(cell + 1 + [dx, dy, dz]))
+          place = place_in(sorted, cell_key(cell + 1 + [dx, dy, dz]))
           if (place == 0) cycle
           near = near_in_list(points, i, head(place), next, tolerance)
           if (near > 0 .and. (found == 0 .or. near < found)) found = near
@@ -113,23 +114,4 @@ contains
 
     cell_key = int(cell(1), i8) + shiftl(int(cell(2), i8), cell_bits) + shiftl(int(cell(3), i8), 2*cell_bits)
   end function cell_key
-
-  !> First place of a key in a sorted list; 0 when it is not there.
-  pure integer function place_of(sorted, key) result(place)
-    integer(i8), intent(in) :: sorted(:), key
-    integer :: low, high, middle
-
-    low = 1
-    high = size(sorted)
-    do while (low < high)
-      middle = (low + high)/2
-      if (sorted(middle) < key) then
-        low = middle + 1
-      else
-        high = middle
-      end if
-    end do
-    place = 0
-    if (sorted(low) == key) place = low
-  end function place_of
 end module sg_welding

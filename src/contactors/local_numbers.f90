@@ -2,12 +2,13 @@
 !!
 !! In a scene that is not decomposed both numbers are the same.
 module sg_local_numbers
+  use sg_ascending, only: place_in
   use sg_bodies, only: bodies_t
   use sg_contactors, only: contactors_t
   use sg_kinds, only: i4
   implicit none
   private
-  public :: local_body, local_contactor, contactors_of_bodies, place_of
+  public :: local_body, local_contactor, contactors_of_bodies
 
 contains
 
@@ -20,9 +21,9 @@ contains
       body = merge(number, 0, number >= 1 .and. number <= bodies%n)
       return
     end if
-    body = place_of(bodies%id(:bodies%n_home), number)
+    body = place_in(bodies%id(:bodies%n_home), number)
     if (body > 0) return
-    body = place_of(bodies%id(bodies%n_home + 1:bodies%n), number)
+    body = place_in(bodies%id(bodies%n_home + 1:bodies%n), number)
     if (body > 0) body = bodies%n_home + body
   end function local_body
 
@@ -32,31 +33,11 @@ contains
     integer(i4), intent(in) :: number !! in the whole scene
 
     if (allocated(contactors%id)) then
-      contactor = place_of(contactors%id(:contactors%n), number)
+      contactor = place_in(contactors%id(:contactors%n), number)
     else
       contactor = merge(number, 0, number >= 1 .and. number <= contactors%n)
     end if
   end function local_contactor
-
-  !> Place of a value in an ascending list, by bisection; 0 when it is not there.
-  pure integer function place_of(list, value) result(place)
-    integer(i4), intent(in) :: list(:) !! ascending numbers
-    integer(i4), intent(in) :: value !! number to look for
-    integer :: low, high
-
-    low = 1
-    high = size(list)
-    do while (low <= high)
-      place = low + (high - low)/2
-      if (list(place) == value) return
-      if (list(place) < value) then
-        low = place + 1
-      else
-        high = place - 1
-      end if
-    end do
-    place = 0
-  end function place_of
 
   !> Contactors grouped by body: those of body b are `list(first(b):first(b + 1) - 1)`, in their own order.
   pure subroutine contactors_of_bodies(contactors, n_bodies, first, list)

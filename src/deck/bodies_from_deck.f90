@@ -3,6 +3,7 @@
 !! Where several ranks read, each goes through all bodies and all grains of all samples, and keeps those of its share. Bodies that
 !! the deck calls by number or by name, and those that it holds, every rank keeps (doc/theory/decomposition.md).
 module sg_bodies_from_deck
+  use sg_ascending, only: distinct, place_in
   use sg_blocks, only: deck_t
   use sg_census, only: census_t
   use sg_contactors, only: add_disk, add_polygon, kind_names
@@ -11,7 +12,6 @@ module sg_bodies_from_deck
   use sg_kinds, only: wp, i4
   use sg_laws_from_deck, only: material_of
   use sg_lists, only: reserve
-  use sg_local_numbers, only: place_of
   use sg_masonry, only: add_arch, add_brick_wall, bricks_of_wall
   use sg_named_bodies, only: check_names, give_names, list_names
   use sg_polyhedra_from_deck, only: place_polyhedral_shape
@@ -19,7 +19,7 @@ module sg_bodies_from_deck
   use sg_rotations, only: frame_of, no_rotation, rotation_by, turned_back
   use sg_samples_from_deck, only: generate_sample, grain_polygon, grain_polyhedron, sample_t
   use sg_scene, only: colour_index, scene_t
-  use sg_share, only: share_t, sorted_once
+  use sg_share, only: share_t
   use sg_shapes_from_deck, only: add_shape
   use sg_space_contactors, only: add_sphere
   use sg_space_generators, only: random_rotation
@@ -52,7 +52,7 @@ contains
     call bodies_held(deck, held)
     share%rank = deck%rank
     share%ranks = deck%ranks
-    share%common = sorted_once([called, held])
+    share%common = distinct([called, held])
     called = pack(called, called > n_fixed .and. deck%ranks > 1)
     allocate (samples(deck%count_of('sample')))
     i = 0
@@ -218,7 +218,7 @@ contains
       call note_look(deck, sample, before, colour, share%census)
     do i = sample%before + 1, sample%before + size(sample%radius)
       is_own = i >= sample%first .and. i <= sample%last
-      is_called = place_of(called, int(before + i, i4)) > 0
+      is_called = place_in(called, int(before + i, i4)) > 0
       if (is_own .or. is_called) then
         n = n + 1
         call add_grain(deck, sample, i, scene, n, material, colour, error)

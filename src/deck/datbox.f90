@@ -3,6 +3,7 @@
 !! All mistakes of all files are told at once, as far as one does not follow from another. What a folder holds
 !! and we do not do yet is a mistake when the scene would differ without it, and a warning when it would not.
 module sg_datbox
+  use sg_ascending, only: distinct
   use sg_datbox_behaviours, only: other_law_t, read_bulk_behaviours, read_contact_laws, warn_of_unused
   use sg_datbox_bodies, only: count_bodies, find_dimension, read_bodies
   use sg_datbox_contacts, only: read_start_contacts
@@ -13,7 +14,7 @@ module sg_datbox
   use sg_error, only: diagnostics_t
   use sg_kinds, only: i4
   use sg_scene, only: scene_t
-  use sg_share, only: share_t, sorted_once
+  use sg_share, only: share_t
   use sg_system, only: file_exists
   implicit none
   private
@@ -85,7 +86,7 @@ contains
     if (share%ranks == 1) return
     call bodies_driven(folder, dimension, n, driven)
     if (allocated(share%common)) driven = [share%common, driven]
-    share%common = sorted_once(driven)
+    share%common = distinct(driven)
   end subroutine keep_driven
 
   !> Is there such a folder? If not, say so, with a hint when its DATBOX may be meant.

@@ -2,6 +2,7 @@
 !!
 !! A wall holds still, or keeps the velocity of its block, in every component that no [[drive]] or [[pressure]] takes.
 module sg_drives_from_deck
+  use sg_ascending, only: distinct
   use sg_blocks, only: deck_t
   use sg_contactors, only: kind_wall
   use sg_drives, only: drive_t, pressure_t
@@ -10,7 +11,6 @@ module sg_drives_from_deck
   use sg_local_numbers, only: local_body
   use sg_named_bodies, only: number_named
   use sg_scene, only: scene_t
-  use sg_share, only: sorted_once
   use sg_text, only: text_t, to_text
   use sg_time_function_from_deck, only: read_time_function
   use sg_values, only: value_t
@@ -92,7 +92,7 @@ contains
         end do
       end do
     end do
-    called = sorted_once(found)
+    called = distinct(found)
   end subroutine numbers_called
 
   !> Numbers of the bodies that hold still where nothing drives them.

@@ -4,6 +4,7 @@
 !! of another rank's is noted and its place taken by the next one. Some bodies every rank keeps: those that are driven, pressed
 !! or held. Of the others rank r has an even piece, in the order of their numbers (doc/theory/decomposition.md).
 module sg_share
+  use sg_ascending, only: first_at_least, place_in
   use sg_bodies, only: clear_body, shorten
   use sg_census, only: census_t
   use sg_contactors, only: contactors_t, drop_contactors, n_kinds
@@ -11,10 +12,9 @@ module sg_share
   use sg_lists, only: reserve
   use sg_pack_shapes, only: make_room_for_shapes
   use sg_scene, only: scene_t
-  use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: share_t, piece_of, sorted_once
+  public :: share_t, piece_of
 
   !> Bodies made one by one
   type :: share_t
@@ -86,7 +86,8 @@ contains
       n = n + 1
     else
       call self%census%mix(transfer(scene%bodies%mass(n + 1), 1_i8))
-      call find(self%common, int(self%made, i4), below, is_common)
+      is_common = place_in(self%common, int(self%made, i4)) > 0
+      below = first_at_least(self%common, int(self%made, i4)) - 1
       if (is_common .or. (self%made - below >= self%piece(1) .and. self%made - below <= self%piece(2))) then
         n = n + 1
         scene%bodies%id(n) = int(self%made, i4)
@@ -151,36 +152,13 @@ contains
   pure function share_contactors_of(self, body) result(ends)
     class(share_t), intent(in) :: self
     integer, intent(in) :: body !! number of a body made
-    integer :: ends(2), below, run
-    logical :: is_there
+    integer :: ends(2), run
 
-    call find(self%run(1, :self%n_runs), int(body, i4), below, is_there)
-    run = below + merge(1, 0, is_there)
+    run = first_at_least(self%run(1, :self%n_runs), int(body + 1, i4)) - 1
     associate (first => self%run(1, run), contactor => self%run(2, run), count => self%run(3, run))
       ends = contactor + (body - first)*count + [0, count - 1]
     end associate
   end function share_contactors_of
-
-  !> How many of an ascending list are below a value, and is the value there?
-  pure subroutine find(list, value, below, is_there)
-    integer(i4), intent(in) :: list(:), value
-    integer, intent(out) :: below
-    logical, intent(out) :: is_there
-    integer :: high, middle
-
-    below = 0
-    high = size(list)
-    do while (below < high)
-      middle = (below + high + 1)/2
-      if (list(middle) < value) then
-        below = middle
-      else
-        high = middle - 1
-      end if
-    end do
-    is_there = .false.
-    if (below < size(list)) is_there = list(below + 1) == value
-  end subroutine find
 
   !> The piece of some things that one of several ranks has: first and last.
   pure function piece_of(n, rank, ranks) result(piece)
@@ -192,14 +170,4 @@ contains
     piece = int(int(n, i8)*int([rank, rank + 1], i8)/int(ranks, i8))
     piece(1) = piece(1) + 1
   end function piece_of
-
-  !> Numbers in ascending order, each once.
-  pure function sorted_once(numbers) result(list)
-    integer(i4), intent(in) :: numbers(:) !! any numbers, not negative
-    integer(i4), allocatable :: list(:)
-    integer :: i
-
-    list = numbers(sort_permutation(int(numbers, i8)))
-    list = pack(list, [(i == 1 .or. list(max(1, i - 1)) /= list(i), i=1, size(list))])
-  end function sorted_once
 end module sg_share

@@ -2,6 +2,7 @@
 !!
 !! Pairs are found by cells as wide as the larger grains; shapes far larger than those are held against all others.
 module sg_solid_checks
+  use sg_ascending, only: first_at_least
   use sg_contactors, only: place_contactors
   use sg_kinds, only: wp, i4, i8
   use sg_scene, only: scene_t
@@ -160,7 +161,7 @@ contains
           if (any(seen(:n_seen) == key)) cycle
           n_seen = n_seen + 1
           seen(n_seen) = key
-          do m = first_of(cells%key, key), size(cells%key)
+          do m = first_at_least(cells%key, key), size(cells%key)
             if (cells%key(m) /= key) exit
             if (cells%order(m) > c) call check_pair(scene, c, int(cells%order(m)), found)
           end do
@@ -168,21 +169,4 @@ contains
       end do
     end do
   end subroutine check_around
-
-  !> First place of a key in a sorted list, or where it would stand.
-  pure integer function first_of(keys, key) result(low)
-    integer(i8), intent(in) :: keys(:), key
-    integer :: high, middle
-
-    low = 1
-    high = size(keys) + 1
-    do while (low < high)
-      middle = (low + high)/2
-      if (keys(middle) < key) then
-        low = middle + 1
-      else
-        high = middle
-      end if
-    end do
-  end function first_of
 end module sg_solid_checks

@@ -4,12 +4,13 @@
 !! number. Rank r of P writes the block of numbers from r total/P + 1 to (r + 1) total/P: `rows_t` brings what is held
 !! into blocks, and `wanted_t` takes out of the blocks what a rank wants to know. No rank holds more than its share.
 module sg_rows
+  use sg_ascending, only: distinct, place_in
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i4, i8
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: rows_t, wanted_t, distinct
+  public :: rows_t, wanted_t
 
   !> A plan by which things that ranks hold come into blocks
   type :: rows_t
@@ -198,36 +199,7 @@ contains
   pure elemental integer function wanted_place(self, number) result(place)
     class(wanted_t), intent(in) :: self
     integer(i4), intent(in) :: number !! any number
-    integer :: low, high
 
-    low = 1
-    high = size(self%number)
-    do while (low < high)
-      place = (low + high)/2
-      if (self%number(place) < number) then
-        low = place + 1
-      else
-        high = place
-      end if
-    end do
-    place = 0
-    if (low > size(self%number)) return
-    if (self%number(low) == number) place = low
+    place = place_in(self%number, number)
   end function wanted_place
-
-  !> Each number of a list once, ascending.
-  pure function distinct(number)
-    integer(i4), intent(in) :: number(:) !! numbers, none negative
-    integer(i4), allocatable :: distinct(:)
-    integer(i4), allocatable :: sorted(:)
-    logical :: is_new(size(number))
-    integer :: i
-
-    sorted = number(sort_permutation(int(number, i8)))
-    do i = 1, size(number)
-      is_new(i) = .true.
-      if (i > 1) is_new(i) = sorted(i) /= sorted(i - 1)
-    end do
-    distinct = pack(sorted, is_new)
-  end function distinct
 end module sg_rows

@@ -6,6 +6,7 @@
 !! bits a round, from sums of weights over the ranks. Weights are whole numbers: their sums, and so the boxes, do not
 !! depend on where the grains are (doc/theory/partition.md).
 module sg_boxes
+  use sg_ascending, only: first_at_least
   use sg_comm, only: comm_t
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i4, i8
@@ -240,18 +241,10 @@ contains
     type(line_t), intent(in) :: line
     integer, intent(in) :: group
     integer(i8), intent(in) :: place
-    integer :: low, high, middle
+    integer :: low
 
     low = line%first(group)
-    high = line%first(group + 1)
-    do while (low < high)
-      middle = (low + high)/2
-      if (line%place(middle) < place) then
-        low = middle + 1
-      else
-        high = middle
-      end if
-    end do
+    low = low - 1 + first_at_least(line%place(low:line%first(group + 1) - 1), place)
     weight = line%weight(group)
     if (low < line%first(group + 1)) weight = line%before(low)
   end function weight_below

@@ -3,10 +3,10 @@
 !! Primal: contacts between grains of two parts are the interface, a subdomain of their own. Dual: each contact belongs to one
 !! part (`owner_of`), which holds copies of grains whose home is another one (doc/theory/partition.md).
 module sg_split_report
+  use sg_ascending, only: distinct
   use sg_contacts, only: contacts_t
   use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4, i8
-  use sg_sorting, only: sort_permutation
   implicit none
   private
   public :: split_report_t, report_split
@@ -131,22 +131,6 @@ contains
     end do
     report%multiplicity = held_by(:max(1, m))
   end subroutine count_copies
-
-  !> Distinct numbers of a list, ascending.
-  pure function distinct(list) result(kept)
-    integer(i8), intent(in) :: list(:)
-    integer(i8), allocatable :: kept(:)
-    integer :: i, n
-
-    kept = list(sort_permutation(list))
-    n = min(1, size(kept))
-    do i = 2, size(kept)
-      if (kept(i) == kept(n)) cycle
-      n = n + 1
-      kept(n) = kept(i)
-    end do
-    kept = kept(:n)
-  end function distinct
 
   !> Largest of some loads over their mean; 1 where there are none.
   pure real(wp) function over_mean(loads) result(ratio)

@@ -3,6 +3,7 @@
 !! Each rank sends its entries to the ranks that own their unknowns, and these send each of them on to all others that have some
 !! of the same unknown. So every rank comes to know the rows of H that rows of W of its contacts are made of, and no others.
 module sg_shared_entries
+  use sg_ascending, only: first_at_least
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i4, i8
   use sg_lists, only: reserve
@@ -65,12 +66,15 @@ contains
     integer, allocatable, intent(out) :: counts(:) !! reals from each rank
     real(wp), allocatable :: last(:, :), send(:)
     integer(i4) :: owner(own%n)
+    integer(i4), allocatable :: ends(:)
     integer, allocatable :: first(:), item(:)
     integer :: i, e
 
     call comm%gather([real(unknowns%before, wp) + real(unknowns%n_own, wp)], last)
+    ! An unknown is of the first rank whose last number is not below it.
+    ends = nint(last(1, :), i4)
     do e = 1, own%n
-      owner(e) = int(owner_of(last(1, :), unknowns%number(own%row(e))), i4)
+      owner(e) = int(first_at_least(ends, unknowns%number(own%row(e))), i4)
     end do
     call group_items(owner, comm%size, first, item)
     allocate (send(n_sent*own%n))
@@ -81,24 +85,6 @@ contains
     end do
     call comm%swap(send, n_sent*(first(2:) - first(:comm%size)), received, counts)
   end subroutine send_home
-
-  !> The rank that owns an unknown, from 1: the first one whose last number is not below it.
-  pure integer function owner_of(last, number) result(lower)
-    real(wp), intent(in) :: last(:)
-    integer(i4), intent(in) :: number
-    integer :: upper, middle
-
-    lower = 1
-    upper = size(last)
-    do while (lower < upper)
-      middle = (lower + upper)/2
-      if (last(middle) < real(number, wp)) then
-        lower = middle + 1
-      else
-        upper = middle
-      end if
-    end do
-  end function owner_of
 
   !> Sum what the entries received do to their unknowns, and send each to all ranks that have others of its unknown.
   subroutine pass_on(received, from, unknowns, comm, passed, counts, pushed)

@@ -4,6 +4,7 @@
 !! impulses, dv = M^-1 H dr turns it into (M + H B^-1 A H^T) dv = H B^-1 g: its entries link bodies
 !! (doc/theory/interior_point.md).
 module sg_interior_point_system
+  use sg_ascending, only: first_at_least
   use sg_error, only: error_t
   use sg_kinds, only: wp, i4
   use sg_matrix_problem, only: matrix_problem_t
@@ -154,7 +155,9 @@ contains
     self%mass = self%matrix%value
     e = size(problem%mass%column)
     do k = 1, size(self%place)
-      self%place(k) = place_of(self%matrix, row(e + k), column(e + k))
+      i = self%matrix%first(row(e + k))
+      j = self%matrix%first(row(e + k) + 1) - 1
+      self%place(k) = i - 1 + first_at_least(self%matrix%column(i:j), column(e + k))
     end do
     allocate (self%inverse(problem%d, problem%d, problem%n), self%path(problem%d, problem%d, problem%n))
   end subroutine prepare_global
@@ -210,25 +213,6 @@ contains
     self%dof = self%dof(:last)
     self%h = self%h(:, :last)
   end subroutine gather_dofs
-
-  !> Where a matrix keeps an entry that it has.
-  pure integer function place_of(matrix, row, column) result(place)
-    type(sparse_t), intent(in) :: matrix
-    integer(i4), intent(in) :: row, column
-    integer :: low, high
-
-    low = matrix%first(row)
-    high = matrix%first(row + 1) - 1
-    do while (low < high)
-      place = (low + high)/2
-      if (matrix%column(place) < column) then
-        low = place + 1
-      else
-        high = place
-      end if
-    end do
-    place = low
-  end function place_of
 
   !> Factorise A W + B; in the global form B^-1 is asked for instead of B.
   subroutine system_factorise(self, scaled, a, b, error)

@@ -1,8 +1,9 @@
 !> Base: text, random numbers, growing lists.
 program test_base
   use harness, only: tests_t
+  use sg_ascending, only: distinct, first_at_least, place_in
   use sg_error, only: diagnostics_t, error_t, fail
-  use sg_kinds, only: i4, wp
+  use sg_kinds, only: i4, i8, wp
   use sg_lists, only: reserve
   use sg_random, only: random_t
   use sg_text, only: lower, nearest_word, read_lines, text_t, to_text
@@ -15,6 +16,7 @@ program test_base
   call test_random()
   call test_shuffle()
   call test_lists()
+  call test_ascending()
   call t%finish()
 
 contains
@@ -111,4 +113,27 @@ contains
     call t%check(all([(nint(records(1, i)) == i, i=1, 1000)]), 'what was there stays')
     call t%check(size(records, 2) < 2000, 'room grows by half')
   end subroutine test_lists
+
+  !> Places in ascending lists against a look at each number, lists of all small lengths with numbers that come twice.
+  subroutine test_ascending()
+    integer(i8), allocatable :: list(:)
+    integer :: n, value, i, expected, wrong
+
+    wrong = 0
+    do n = 0, 9
+      list = int([(2*(i/2), i=1, n)], i8)
+      do value = -1, n + 1
+        expected = count(list < int(value, i8)) + 1
+        if (first_at_least(list, int(value, i8)) /= expected) wrong = wrong + 1
+        if (first_at_least(int(list, i4), int(value, i4)) /= expected) wrong = wrong + 1
+        if (.not. any(list == int(value, i8))) expected = 0
+        if (place_in(list, int(value, i8)) /= expected) wrong = wrong + 1
+        if (place_in(int(list, i4), int(value, i4)) /= expected) wrong = wrong + 1
+      end do
+    end do
+    call t%equal(wrong, 0, 'ascending lists: places found')
+    call t%check(all(distinct([7_i4, 3_i4, 7_i4, 0_i4, 3_i4]) == [0_i4, 3_i4, 7_i4]), 'ascending lists: each number once')
+    call t%equal(size(distinct([5_i8, 5_i8])), 1, 'ascending lists: one number twice')
+    call t%equal(size(distinct([integer(i8) ::])), 0, 'ascending lists: no number')
+  end subroutine test_ascending
 end program test_base
