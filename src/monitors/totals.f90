@@ -20,7 +20,7 @@ module sg_totals
     [character(len=8) :: 'predict', 'detect', 'assemble', 'solve', 'update', 'measure', 'output']
 
   !> Sums and worst values that `pack` writes before the timers
-  integer, parameter :: n_sums = 15
+  integer, parameter :: n_sums = 16
   !> Numbers that `pack` writes
   integer, parameter :: n_totals_values = n_sums + 2*(n_phases + 1)
 
@@ -38,6 +38,8 @@ module sg_totals
     real(wp) :: worst_penetration = 0
     !> Steps in which a body moved farther than the smallest alert distance, so that a contact may have been missed
     integer :: fast_steps = 0
+    !> Times that two bodies passed through each other within a step
+    integer :: passings = 0
     !> Bytes that the contact problem of the last step holds per contact
     real(wp) :: bytes_per_contact = 0
     !> Stopwatch of each phase, indexed by `phase_*`
@@ -108,17 +110,18 @@ contains
   end subroutine totals_tick
 
   !> From the totals of each rank to those of the run: contacts, updates and CPU seconds are summed; of sweeps, worst errors,
-  !! most contacts, fast steps and wall seconds the largest counts.
+  !! most contacts, fast steps, passings and wall seconds the largest counts.
   subroutine totals_reduce(self, comm)
     class(totals_t), intent(inout) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: sums(n_phases + 5), largest(n_phases + 4), worst(5)
+    real(wp) :: sums(n_phases + 5), largest(n_phases + 5), worst(5)
 
     if (comm%size == 1) return
     sums = [real(self%contacts, wp), real(self%active_contacts, wp), real(self%contact_updates, wp), &
             self%bytes_per_contact*real(self%contacts, wp), self%phase%cpu, self%clock%cpu]
     call comm%sum(sums)
-    largest = [real(self%sweeps, wp), real(self%fast_steps, wp), real(self%most_contacts, wp), self%phase%wall, self%clock%wall]
+    largest = [real(self%sweeps, wp), real(self%fast_steps, wp), real(self%most_contacts, wp), real(self%passings, wp), &
+               self%phase%wall, self%clock%wall]
     worst = [self%worst_e1, self%worst_e2, self%worst_e8, self%worst_violation, self%worst_penetration]
     call find_largest(comm, largest, worst)
     self%contacts = nint(sums(1))
@@ -130,8 +133,9 @@ contains
     self%sweeps = nint(largest(1), i8)
     self%fast_steps = nint(largest(2))
     self%most_contacts = max(nint(largest(3)), self%contacts)
-    self%phase%wall = largest(4:n_phases + 3)
-    self%clock%wall = largest(n_phases + 4)
+    self%passings = nint(largest(4))
+    self%phase%wall = largest(5:n_phases + 4)
+    self%clock%wall = largest(n_phases + 5)
     self%worst_e1 = worst(1)
     self%worst_e2 = worst(2)
     self%worst_e8 = worst(3)
@@ -209,7 +213,7 @@ contains
                        self%worst_e1, self%worst_e2, self%worst_e8, self%worst_violation, &
                        real(self%sweeps, wp), real(self%contact_updates, wp), real(self%contacts, wp), &
                        real(self%active_contacts, wp), real(self%most_contacts, wp), self%bytes_per_contact, &
-                       real(self%fast_steps, wp), self%worst_penetration]
+                       real(self%fast_steps, wp), self%worst_penetration, real(self%passings, wp)]
     values(n_sums + 1:) = [self%phase%cpu, self%phase%wall, self%clock%cpu, self%clock%wall]
   end function totals_pack
 
@@ -233,6 +237,7 @@ contains
     self%bytes_per_contact = values(13)
     self%fast_steps = nint(values(14))
     self%worst_penetration = values(15)
+    self%passings = nint(values(16))
     self%phase%cpu = values(n_sums + 1:n_sums + n_phases)
     self%phase%wall = values(n_sums + n_phases + 1:n_sums + 2*n_phases)
     self%clock%cpu = values(n_totals_values - 1)

@@ -234,6 +234,7 @@ contains
     call json%add('converged_steps', totals%converged_steps)
     call json%add('unconverged_steps', totals%unconverged_steps)
     call json%add('fast_steps', totals%fast_steps)
+    call json%add('passings', totals%passings)
     call json%add('worst_e1', totals%worst_e1)
     call json%add('worst_e2', totals%worst_e2)
     call json%add('worst_e8', totals%worst_e8)

@@ -7,6 +7,7 @@ module sg_plan
   use sg_comm, only: comm_t
   use sg_contactors, only: contactors_t, is_round, kind_disk, kind_hollow, kind_names, kind_sphere, kind_wall, n_kinds
   use sg_drives, only: drive_t
+  use sg_half_width, only: half_width
   use sg_kinds, only: wp
   use sg_laws, only: is_frictionless, is_plain
   use sg_scene, only: scene_t
@@ -30,6 +31,8 @@ module sg_plan
     logical :: sees(n_kinds, n_kinds) = .false.
     !> Smallest alert distance in use [m]
     real(wp) :: alert = huge(1.0_wp)
+    !> Half width of the thinnest shape [m]
+    real(wp) :: thinnest = huge(1.0_wp)
     !> Signed radius of round bodies [m], zero for those that do not turn, negative where hollow; empty for other scenes
     real(wp), allocatable :: radius(:)
     !> Bodies, grains among them, contactors and those of each kind; where ranks share the scene, of all of them
@@ -52,6 +55,7 @@ contains
     if (present(comm) .and. allocated(scene%bodies%id)) ranks = comm
     call count_all(scene, plan, ranks)
     call list_uses(scene, plan, ranks)
+    plan%thinnest = thinnest_of(scene, ranks)
     call find_turning(scene, turns, rests, is_partly_driven)
     are_round = .not. ranks%any(.not. all_round(scene, turns) .or. any(is_partly_driven))
     all_rest = .not. ranks%any(.not. all(rests))
@@ -140,6 +144,21 @@ contains
       end do
     end do
   end subroutine list_uses
+
+  !> Half width of the thinnest shape of all ranks [m].
+  real(wp) function thinnest_of(scene, ranks) result(thinnest)
+    type(scene_t), intent(in) :: scene
+    type(comm_t), intent(inout) :: ranks
+    real(wp) :: least(1)
+    integer :: c
+
+    least = huge(1.0_wp)
+    do c = 1, scene%contactors%n
+      least = min(least, half_width(scene%contactors, c))
+    end do
+    call ranks%minimum(least)
+    thinnest = least(1)
+  end function thinnest_of
 
   !> Which bodies can turn, which neither turn now nor ever are made to, and which of those in space that turn are driven
   !! in some components only.

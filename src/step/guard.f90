@@ -11,7 +11,7 @@ module sg_guard
   use sg_text, only: to_text
   implicit none
   private
-  public :: find_broken, judge_energy
+  public :: find_broken, judge_energy, number_of
 
   !> Bodies and contacts named in a message
   integer, parameter :: most_named = 5
@@ -120,8 +120,8 @@ contains
 
   !> Number of a body in the whole scene.
   pure integer function number_of(scene, body)
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: body
+    type(scene_t), intent(in) :: scene !! scene, or a rank's part of it
+    integer, intent(in) :: body !! body of this rank
 
     number_of = body
     if (allocated(scene%bodies%id)) number_of = int(scene%bodies%id(body))

@@ -10,6 +10,7 @@ module sg_simulate
   use sg_kinds, only: wp
   use sg_measures, only: measure
   use sg_needs, only: tell_needs
+  use sg_passing, only: tell_passing
   use sg_plan, only: describe_plan
   use sg_report, only: report_t
   use sg_run_files, only: close_files, open_files, remove_former, writers_t
@@ -111,6 +112,7 @@ contains
         return
       end if
       writers%has_stepped = .true.
+      call tell_passing(sim%passing, sim%comm, error_unit)
       call write_due(sim, writers, error)
       if (sim%is_traced .and. .not. allocated(error)) then
         call writers%trace%end_step(sim%step, sim%time(), sim%all_contacts, sim%report, sim%totals, sim%comm, error)

@@ -18,6 +18,7 @@ module sg_simulation
   use sg_motion, only: predict, update
   use sg_neighbours, only: neighbours_t
   use sg_penetration, only: deepest_penetration
+  use sg_passing, only: look_for_passing, passing_t
   use sg_plan, only: make_plan, plan_t, set_radii
   use sg_problem, only: problem_kind, problem_t
   use sg_report, only: report_t
@@ -57,6 +58,8 @@ module sg_simulation
     !> Works and costs since the start
     type(energy_t) :: energy
     type(totals_t) :: totals
+    !> Bodies that passed through each other
+    type(passing_t) :: passing
     !> Steps done
     integer :: step = 0
     !> Contacts of the last step, of all ranks
@@ -136,13 +139,19 @@ contains
     type(simulation_t), intent(inout) :: sim !! moved on by a step
     type(error_t), allocatable, intent(out) :: error !! set when a value is not finite
     logical :: is_fast
+    real(wp) :: way
 
     associate (h => sim%options%step, theta => sim%options%theta, phase => sim%totals%phase)
       call phase(phase_predict)%start()
+      way = h*largest_speed(sim%scene%bodies%velocity(:sim%scene%dimension, :))
+      is_fast = way > sim%plan%alert
+      sim%passing%n = 0
+      ! What a checkpoint or a deck knows of contacts has no gaps.
+      if (way > sim%plan%thinnest .and. .not. sim%history%is_loaded) &
+        call look_for_passing(sim%passing, sim%scene, sim%contacts, sim%step + 1, h)
       call predict(sim%scene, sim%time(), h, theta)
       if (sim%decomposition%is_on) call renew(sim, error)
       if (allocated(error)) return
-      is_fast = h*largest_speed(sim%scene%bodies%velocity(:sim%scene%dimension, :)) > sim%plan%alert
       call phase(phase_predict)%stop()
 
       call phase(phase_detect)%start()
@@ -172,7 +181,7 @@ contains
       call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%contacts)
       call find_broken(sim%scene, sim%contacts, sim%step + 1, h, .true., error)
       sim%all_contacts = sim%contacts%n
-      if (sim%decomposition%is_on) call agree(sim%comm, error, is_fast, sim%all_contacts)
+      if (sim%decomposition%is_on) call agree(sim%comm, error, is_fast, sim%passing%n, sim%all_contacts)
       call phase(phase_update)%stop()
       if (allocated(error)) return
 
@@ -180,6 +189,7 @@ contains
       call sim%energy%add_step(sim%scene, sim%contacts, h)
       call sim%totals%add(sim%report, sim%contacts%n, deepest_penetration(sim%contacts), sim%all_contacts)
       if (is_fast) sim%totals%fast_steps = sim%totals%fast_steps + 1
+      sim%totals%passings = sim%totals%passings + sim%passing%n
       call phase(phase_measure)%stop()
 
       call phase(phase_update)%start()
@@ -225,19 +235,21 @@ contains
   end subroutine solve_glued
 
   !> What all ranks must know of a step: whether one of them found a value that is not finite, or a body that moves too fast,
-  !! and how many contacts there are. Collective.
-  subroutine agree(comm, error, is_fast, all_contacts)
+  !! how many passed through each other, and how many contacts there are. Collective.
+  subroutine agree(comm, error, is_fast, passings, all_contacts)
     type(comm_t), intent(inout) :: comm
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(inout) :: is_fast
-    integer, intent(inout) :: all_contacts
-    real(wp) :: sums(3)
+    integer, intent(inout) :: passings, all_contacts
+    real(wp) :: sums(4)
     integer :: speaker
 
-    sums = [merge(1.0_wp, 0.0_wp, allocated(error)), merge(1.0_wp, 0.0_wp, is_fast), real(all_contacts, wp)]
+    sums = [merge(1.0_wp, 0.0_wp, allocated(error)), merge(1.0_wp, 0.0_wp, is_fast), real(passings, wp), &
+            real(all_contacts, wp)]
     call comm%sum(sums)
     is_fast = sums(2) > 0
-    all_contacts = nint(sums(3))
+    passings = nint(sums(3))
+    all_contacts = nint(sums(4))
     if (sums(1) > 0) call comm%agree(error, speaker)
   end subroutine agree
 

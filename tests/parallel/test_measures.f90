@@ -278,6 +278,7 @@ contains
       call totals%add(report, (r + 1)*merge(2, 1, step == 1), 0.1_wp*real(r, wp), n*(n + 1)/2*merge(2, 1, step == 1))
     end do
     totals%fast_steps = 1
+    totals%passings = 2
     totals%phase(phase_solve)%cpu = 1
     totals%clock%wall = real(r, wp)
     call totals%reduce(comm)
@@ -295,6 +296,7 @@ contains
       call t%near(totals%phase(phase_solve)%cpu, real(n, wp), 0.0_wp, 'CPU seconds add up')
       call t%near(totals%clock%wall, real(n - 1, wp), 0.0_wp, 'wall seconds do not')
       call t%equal(totals%fast_steps, 1, 'fast steps')
+      call t%equal(totals%passings, 2, 'passings')
       ! Kept in a restart file and read back by all, they are the same.
       call totals%leave_to_first(comm)
       call totals%reduce(comm)

@@ -1,0 +1,68 @@
+!> How thin a shape is: how deep it may be entered before the nearer way out is the other side.
+module sg_half_width
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_plane, kind_polygon, kind_polyhedron, kind_sphere, kind_wall
+  use sg_kinds, only: wp
+  implicit none
+  private
+  public :: half_width
+
+contains
+
+  !> Half of the least width of a shape, across one of its faces where it has any [m]. Hollow shapes have no other side.
+  pure real(wp) function half_width(contactors, c)
+    type(contactors_t), intent(in) :: contactors !! contactors of the scene
+    integer, intent(in) :: c !! contactor
+    integer :: row
+
+    row = contactors%row(c)
+    select case (contactors%kind(c))
+    case (kind_disk)
+      half_width = contactors%disk_radius(row)
+    case (kind_wall)
+      half_width = contactors%wall_size(2, row)
+    case (kind_polygon)
+      associate (first => contactors%polygon_first(row), last => contactors%polygon_first(row + 1) - 1)
+        half_width = polygon_half_width(contactors%polygon_vertex(:, first:last))
+      end associate
+    case (kind_sphere)
+      half_width = contactors%space%sphere_radius(row)
+    case (kind_plane)
+      half_width = minval(contactors%space%plane_half(:, row))
+    case (kind_cylinder)
+      half_width = contactors%space%cylinder_size(2, row)
+    case (kind_polyhedron)
+      associate (solid => contactors%space%polyhedra(row))
+        half_width = least_half_width(solid%vertex(:, :solid%n_vertices), solid%normal(:, :solid%n_faces))
+      end associate
+    case default
+      half_width = huge(half_width)
+    end select
+  end function half_width
+
+  !> The same of a polygon, from its vertices [m].
+  pure real(wp) function polygon_half_width(vertex)
+    real(wp), intent(in) :: vertex(:, :)
+    real(wp) :: normal(2, size(vertex, 2)), edge(2)
+    integer :: n, v
+
+    n = size(vertex, 2)
+    do v = 1, n
+      edge = vertex(:, 1 + mod(v, n)) - vertex(:, v)
+      normal(:, v) = [edge(2), -edge(1)]/max(norm2(edge), tiny(1.0_wp))
+    end do
+    polygon_half_width = least_half_width(vertex, normal)
+  end function polygon_half_width
+
+  !> Half of the least distance of the two ends of a set of points along some unit vectors [m].
+  pure real(wp) function least_half_width(vertex, normal)
+    real(wp), intent(in) :: vertex(:, :), normal(:, :)
+    real(wp) :: height(size(vertex, 2))
+    integer :: i
+
+    least_half_width = huge(1.0_wp)
+    do i = 1, size(normal, 2)
+      height = matmul(normal(:, i), vertex)
+      least_half_width = min(least_half_width, (maxval(height) - minval(height))/2)
+    end do
+  end function least_half_width
+end module sg_half_width
