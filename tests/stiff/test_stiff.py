@@ -125,6 +125,27 @@ class Units(Stiff):
         sweeps = {s: self.run_deck("polygons_in_a_box", **self.scaled(s))["sweeps"] for s in (1e-6, 1.0, 1e6)}
         self.assertEqual(len(set(sweeps.values())), 1, sweeps)
 
+    @staticmethod
+    def scaled_in_space(s, radius, steps):
+        return {"sample__box": [0.0, 0.0, 0.0, s, s, s], "sample__radius": [radius * s, 1.5 * radius * s],
+                "container__size": [s, s, 2 * s], "container__thickness": 0.1 * s, "time__step": 1e-3 * math.sqrt(s),
+                "time__steps": steps}  # fmt: skip
+
+    def test_spheres_and_polyhedra_in_space(self):
+        """Powers of two: all counts are equal. Scales that round: the same sweeps."""
+        for deck, *scales in (("spheres_in_a_box", 0.08, 200), ("polyhedra_in_a_box", 0.1, 200)):
+            for method in ("nlgs", "auto"):
+                runs = {k: self.run_deck(deck, solver__method=method, **self.scaled_in_space(2.0**k, *scales)) for k in (-20, 0, 20)}
+                self.assertGreater(runs[0]["active_contacts"], 10)
+                for k in (-20, 20):
+                    for count in ("sweeps", "contacts", "active_contacts", "unconverged_steps", "contact_updates"):
+                        self.assertEqual(runs[k][count], runs[0][count], f"{deck}, {method}, 2^{k}, {count}")
+                    self.assertEqual(runs[k]["unconverged_steps"], 0)
+                    self.assert_near(runs[k]["kinetic_energy"] / runs[0]["kinetic_energy"] / 2.0 ** (4 * k), 1,
+                                     1e-12 if method == "nlgs" else 1e-6)
+            sweeps = {s: self.run_deck(deck, **self.scaled_in_space(s, *scales))["sweeps"] for s in (1e-6, 1.0, 1e6)}
+            self.assertEqual(len(set(sweeps.values())), 1, f"{deck}, {sweeps}")
+
     def test_interior_points_converge_in_all_units(self):
         """Their path depends on the scale of impulses, so that iterations may differ, not that they arrive."""
         for k in (-20, 0, 20):
@@ -216,11 +237,36 @@ class Motions(Stiff):
             self.assert_near(run["floor_share"], 1, 1e-6)
             self.assertLess(run["worst_penetration"], 1e-9)
 
+    def test_what_lies_on_a_slope_does_not_creep(self):
+        """A thousand steps: what moves is what the tolerance leaves, 1e-6 of gravity times the step, and is not summed."""
+        tilt = [G * math.sin(0.3), 0.0, -G * math.cos(0.3)]
+        for method in SOLVERS:
+            for deck, more in (("block_on_slope", {"law__friction": 0.7}), ("two_boxes", {"scene__gravity": tilt})):
+                run = self.run_deck(deck, solver__method=method, time__steps=1000, **more)
+                self.assertEqual(run["unconverged_steps"], 0)
+                self.assertLess(run["max_velocity"], 1e-6 * G * 1e-3, f"{deck}, {method}")
+
     def test_an_impact_that_crosses_a_grain_in_a_step(self):
         """At 300 m/s the ball moves by three radii a step: found late, it is stopped in the wall, and the report says how deep."""
         run = self.run_deck("ball_on_floor", body_1__position=[0.0, 0.811], body_1__velocity=[0.0, -300.0], time__steps=10)
         self.assertLess(run["max_velocity"], 1)
         self.assertLess(run["worst_penetration"], 0.31)
+
+    def test_a_ball_that_passes_another_one_is_told(self):
+        """Balls whose law waits for the touch: at 2000 m/s one is found behind the other; the warning says which step would do."""
+        far = {f"body_{i}__position": [0.0, -1e4 * i] for i in (3, 4, 5)}
+        for speed, passings in ((1000.0, 0), (2000.0, 1)):
+            settings = {"body_1__position": [-2.37e-3 * speed, 0.0], "body_1__velocity": [speed, 0.0], "body_2__position": [0.2, 0.0],
+                        "law__normal_restitution": 0.0, "time__steps": 5, **far}  # fmt: skip
+            run = self.run_deck("row_of_balls", **settings)
+            self.assertEqual(run["passings"], passings)
+            if passings:
+                self.assertIn("warning: step 3: bodies 1 and 2 pass through each other, at 2.00E+03 m/s", self.said)
+                self.assertIn("a time step below 1.0E-04 s finds them", self.said)
+                self.assert_near(run["momentum_x"] / (7800 * math.pi * 0.01), speed, 1e-9 * speed)
+                run = self.run_deck("row_of_balls", **settings | {"time__step": 0.99e-4, "time__steps": 50})
+                self.assertEqual(run["passings"], 0)
+            self.assertNotIn("pass", "" if passings else self.said)
 
     def test_fast_spin(self):
         """A free box at 1000 rad/s, one radian a step, keeps its energy; a sphere on a floor rolls or slides as it must."""
