@@ -6,6 +6,7 @@ usage: test_cli.py PROGRAM [unittest options]
 
 import csv
 import json
+import re
 import shutil
 import signal
 import subprocess
@@ -79,6 +80,14 @@ class Commands(Cli):
         for command in ("run", "check", "reference", "convert", "bench", "partition", "solve"):
             self.assertIn(command, self.run_program(command, "--help").stdout)
         self.assertIn("run DECK", self.run_program("--help").stdout)
+
+    def test_exit_codes_are_told_wherever_they_are_listed(self):
+        """Those of the source, in the help of `run` and in the README."""
+        codes = set(re.findall(r":: exit_\w+ = (\d+)", (SOURCE / "src/base/error.f90").read_text()))
+        said = self.run_program("run", "--help").stdout.partition("Exit codes:")[2]
+        self.assertEqual(set(re.findall(r"\b\d+(?= )", said)), codes)
+        table = (SOURCE / "README.md").read_text().partition("### Exit codes")[2].partition("##")[0]
+        self.assertEqual(set(re.findall(r"^\| (\d+) ", table, re.M)), codes)
 
     def test_mistakes_of_the_command_line(self):
         for words, said in (
