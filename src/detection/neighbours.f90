@@ -106,7 +106,8 @@ contains
     pairs%builds = pairs%builds + 1
   end subroutine build_neighbours
 
-  !> A skin for the present motion [m]: lists that last long cost pairs that never touch, short-lived ones cost searches.
+  !> A skin for the present motion [m], 0 where there is nothing: lists that last long cost pairs that never touch, short-lived
+  !! ones cost searches.
   !!
   !! Bodies move from their position to `middle` in half a step, so the fastest crosses half the skin in about eight steps.
   pure real(wp) function fitting_skin(scene) result(skin)
@@ -114,6 +115,8 @@ contains
     real(wp), parameter :: thinnest = 0.1_wp, thickest = 1 ! in mean radii
     real(wp) :: reach, step
 
+    skin = 0
+    if (scene%contactors%n == 0) return
     reach = common_reach(scene)
     associate (bodies => scene%bodies)
       associate (n => bodies%dimension)
@@ -154,8 +157,13 @@ contains
     integer :: b, n
 
     n = scene%dimension
-    low = minval(pairs%built(:n, :), 2)
-    side = max(maxval(maxval(pairs%built(:n, :), 2) - low), tiny(1.0_wp))
+    ! A rank may hold no body.
+    low = 0
+    side = 1
+    if (scene%bodies%n > 0) then
+      low = minval(pairs%built(:n, :), 2)
+      side = max(maxval(maxval(pairs%built(:n, :), 2) - low), tiny(1.0_wp))
+    end if
     pairs%body_of = hilbert_order(pairs%built(:n, :), low, side)
     if (.not. allocated(pairs%slot_of)) allocate (pairs%slot_of(scene%bodies%n))
     do b = 1, scene%bodies%n

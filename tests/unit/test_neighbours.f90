@@ -29,6 +29,7 @@ program test_neighbours
   call test_scene('a period of two columns of cells', smallest=0.5_wp, share_disks=1.0_wp, period=6.5_wp)
   call test_colours()
   call test_two_components()
+  call test_nobody()
   call t%finish()
 
 contains
@@ -256,4 +257,23 @@ contains
     call detect(scene, pairs, history, contacts)
     call compare(scene, contacts, 'two components, moved')
   end subroutine test_two_components
+
+  !> Where ranks outnumber grains and there is no wall, one of them holds nobody: no extent, no contact, no number out of bounds.
+  subroutine test_nobody()
+    type(scene_t) :: scene
+    type(neighbours_t) :: pairs
+    type(history_t) :: history
+    type(contacts_t) :: contacts
+
+    call scene%bodies%allocate(0)
+    allocate (scene%sees(0), scene%colours(0))
+    pairs%asked_skin = 0.1_wp
+    call detect(scene, pairs, history, contacts)
+    call t%equal(pairs%builds, 1, 'nobody: a list is made')
+    call t%equal(contacts%n, 0, 'nobody: no contact')
+    deallocate (pairs%built)
+    pairs%asked_skin = 0
+    call detect(scene, pairs, history, contacts)
+    call t%check(pairs%skin >= 0 .and. pairs%skin <= 1, 'nobody: a skin that is a length')
+  end subroutine test_nobody
 end program test_neighbours
