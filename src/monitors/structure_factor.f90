@@ -19,6 +19,9 @@ module sg_structure_factor
   integer, parameter :: most_bins = 128
   !> Waves of a grid that count have at least eight cells
   integer, parameter :: cells_of_wave = 8
+  !> A box is folded 2 to this power times at most, as many cells as integers count: waves shorter than a 1e8th of it, in space
+  !! than a 2e7th, are left out
+  integer, parameter :: most_foldings = 20
 
   !> Mean over shells of waves
   type :: structure_factor_t
@@ -50,7 +53,7 @@ contains
     width = max(2*pi/maxval(length(:d)), most/centres%diameter/most_bins)
     reach = 0
     level = 0
-    do while (reach(1) < most/centres%diameter)
+    do while (reach(1) < most/centres%diameter .and. level <= most_foldings)
       fold = 1
       fold(:d) = max(1, nint(length(:d)/maxval(length(:d))*2.0_wp**level))
       reach(2) = min(most/centres%diameter, minval(2*pi*real(n*fold(:d), wp)/(cells_of_wave*length(:d))))

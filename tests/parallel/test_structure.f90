@@ -24,6 +24,7 @@ program test_structure
   call test_direct()
   call test_lattice()
   call test_nothing()
+  call test_far()
   call t%finish(comm)
 
 contains
@@ -210,6 +211,22 @@ contains
     call structure_factor(centres, comm, factor)
     call t%check(radial%n == 0 .and. factor%n == 0, 'nothing of a line')
   end subroutine test_nothing
+
+  !> Grains 1e10 diameters apart: the longest waves are told, down to a 1e8th of the box, and there is an end.
+  subroutine test_far()
+    type(centres_t) :: centres
+    type(structure_factor_t) :: factor
+    real(wp) :: points(3, 3)
+
+    if (.not. fourier_is_available()) return
+    points = 0
+    points(2, :) = [0.0_wp, 5e9_wp, 1e10_wp]
+    points(1, :) = [0.0_wp, 1.0_wp, 2.0_wp]
+    call share(2, points, [2.0_wp, 1e10_wp, 0.0_wp], .false., 1.0_wp, centres)
+    call structure_factor(centres, comm, factor)
+    call t%check(factor%n > 0, 'far apart: some waves')
+    call t%check(all(factor%k > 0 .and. factor%k <= 8*pi .and. factor%s >= 0 .and. factor%s <= huge(1.0_wp)), 'far apart: finite')
+  end subroutine test_far
 
   !> Area of a ring, volume of a shell, of middle radius and thickness.
   pure real(wp) function shell(dimension, radius, thickness)
