@@ -1,0 +1,78 @@
+"""Runs of a program within limits, and what is wrong with them."""
+
+import json
+import re
+import resource
+import signal
+import subprocess
+
+CODES = {0: "ran", 2: "refused", 3: "not converged", 4: "stopped for a value that is not finite", 5: "could not write", 6: "unbalanced", 75: "stopped early"}
+ALARMS = re.compile(r"Sanitizer|runtime error:|Fortran runtime|Backtrace for|SIG[A-Z]{3,}|internal error|forrtl", re.I)
+SENTENCE = re.compile(r"^(?:[^\n]*?: )?error: \S.*[^.\s]$", re.M)
+CPU_LIMIT = 60
+TOO_LONG = {-signal.SIGXCPU: "cut short", -signal.SIGKILL: "cut short"}
+# Share of decks that may be cut short: more are a program that does not end.
+MOST_CUT = 0.02
+
+
+class Runner:
+    """Runs decks and judges them."""
+
+    def __init__(self, program, launcher):
+        self.program, self.launcher = program, launcher
+
+    def call(self, words, place, ranks=1):
+        """Run the program within limits; output to files, since it may be long."""
+        command = [self.program, *words]
+        if ranks > 1:
+            command = [self.launcher, "--oversubscribe", "-n", str(ranks), *command]
+        with open(place / "out.txt", "wb") as out, open(place / "err.txt", "wb") as err:
+            try:
+                done = subprocess.run(command, cwd=place, stdout=out, stderr=err, timeout=20 * CPU_LIMIT, check=False,
+                                      preexec_fn=limit)
+                return done.returncode
+            except subprocess.TimeoutExpired:
+                return -signal.SIGXCPU
+
+    def judge(self, place, code, results="results"):
+        """What is wrong with a run; nothing when all is well."""
+        said = (place / "err.txt").read_bytes().decode("utf8", "replace")
+        alarm = ALARMS.search(said)
+        # Random counts make long runs, in builds with checks ten times as long: what was cut short is counted, and judged together.
+        if code in TOO_LONG and (not alarm or alarm.group().startswith("SIG")):
+            return None
+        if alarm:
+            return f"the run-time checks speak: {said[alarm.start():alarm.start() + 200].splitlines()[0]}"
+        if code not in CODES:
+            return f"exit code {code}"
+        if code in (2, 4, 5) and not SENTENCE.search(said):
+            return f"exit code {code} without a sentence that tells why"
+        if code == 2 and not any(re.match(r"(\S.*?)(:\d+)*: error: ", line) for line in said.splitlines()):
+            return "a mistake without its file"
+        return self.judge_results(place / results, code)
+
+    @staticmethod
+    def judge_results(folder, code):
+        """Numbers that are not finite in what was written."""
+        summary = folder / "run.json"
+        if code == 0 and not summary.exists():
+            return "no run.json"
+        if summary.exists():
+            try:
+                json.loads(summary.read_text(encoding="utf8"), parse_constant=complain)
+            except ValueError as error:
+                return f"run.json: {error}"
+        record = folder / "record.csv"
+        if record.exists() and re.search(r"(?:^|,)\s*[-+]?(?:nan|inf)", record.read_text(), re.I | re.M):
+            return "a number that is not finite in record.csv"
+        return None
+
+
+def complain(word):
+    raise ValueError(f"holds {word}")
+
+
+def limit():
+    """Limits of a run: its time, and no core file."""
+    resource.setrlimit(resource.RLIMIT_CPU, (CPU_LIMIT, CPU_LIMIT + 5))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
