@@ -44,6 +44,7 @@ module sg_run_trace
     procedure :: wants => trace_wants
     procedure :: begin_step => trace_begin_step
     procedure :: end_step => trace_end_step
+    procedure :: has_rows => trace_has_rows
     procedure :: table => trace_table
   end type run_trace_t
 
@@ -172,6 +173,14 @@ contains
     text = text//new_line('a')
   end function step_cells
 
+  !> Has a step been traced?
+  pure logical function trace_has_rows(self) result(has_rows)
+    class(run_trace_t), intent(in) :: self
+
+    has_rows = .false.
+    if (allocated(self%traced)) has_rows = size(self%traced) > 0
+  end function trace_has_rows
+
   !> The table at the end: traced steps and the whole run, errors reached, and CPU seconds by phase; empty without traces.
   pure function trace_table(self, totals) result(text)
     class(run_trace_t), intent(in) :: self
@@ -196,6 +205,7 @@ contains
                right(seconds(sum(row%phase)), 9)
       end associate
     end do
+    if (totals%steps == 0) return
     text = text//new_line('a')//right('1 to '//to_text(totals%steps), 9)//right('<= '//to_text(totals%most_contacts), 10)// &
            right(to_text(totals%sweeps), 9)//errors_text(totals%worst_e1, totals%worst_e2, totals%worst_e8)// &
            phases_text(totals%phase%cpu, is_shown)//right(seconds(totals%clock%cpu), 9)//new_line('a')// &

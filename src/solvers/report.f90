@@ -1,10 +1,11 @@
 !> What a solver says of one contact problem: effort, and errors of the whole problem.
 module sg_report
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use sg_kinds, only: wp, i8
   use sg_timers, only: timer_t
   implicit none
   private
-  public :: report_t, trace_point_t, ratio
+  public :: report_t, trace_point_t, ratio, unsolved
 
   !> One point of the history of a solve: what had been done, and how far the answer was
   type :: trace_point_t
@@ -52,6 +53,20 @@ module sg_report
   end type report_t
 
 contains
+
+  !> The report of a problem that nobody solved: no effort, and errors that nobody knows.
+  pure function unsolved() result(report)
+    type(report_t) :: report
+
+    report%is_converged = .false.
+    report%is_finite = .false.
+    report%e1 = ieee_value(report%e1, ieee_quiet_nan)
+    report%e2 = report%e1
+    report%e8 = report%e1
+    report%violation = report%e1
+    report%criterion = report%e1
+    report%estimate = report%e1
+  end function unsolved
 
   !> A ratio of norms, as errors are; 0 where both vanish, 1 where only the scale does.
   pure real(wp) function ratio(norm, scale)

@@ -1,6 +1,7 @@
 !> The loop of a run: steps, and between them what is recorded, drawn, saved and said; and how a run ends.
 module sg_simulate
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  use sg_broken_trace, only: is_of_the_step, trace_broken
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
   use sg_dump, only: finish_dump
   use sg_energy, only: kinetic_energy
@@ -39,6 +40,7 @@ contains
     type(error_t), allocatable, intent(out) :: error !! what ended the run, when something did
     type(writers_t) :: writers
     type(error_t), allocatable :: late
+    logical :: tells_verdict
     integer :: speaker
 
     code = exit_done
@@ -59,10 +61,12 @@ contains
     call close_files(sim, writers, late)
     call sim%comm%agree(late, speaker)
     if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
-    ! A run that failed before it moved has nothing but its error to tell.
-    if (.not. sim%options%is_quiet .and. (writers%has_stepped .or. .not. allocated(error))) then
-      call print_verdict(output_unit, writers%summary)
-      if (writers%trace%is_on .and. writers%is_speaker) write (output_unit, '(a)') writers%trace%table(writers%summary%totals)
+    ! A run that failed before it moved has nothing but its error to tell, and the trace of the step.
+    tells_verdict = .not. sim%options%is_quiet .and. (writers%has_stepped .or. .not. allocated(error))
+    if (tells_verdict) call print_verdict(output_unit, writers%summary)
+    tells_verdict = tells_verdict .or. .not. sim%options%is_quiet .and. writers%trace%has_rows()
+    if (tells_verdict .and. writers%trace%is_on .and. writers%is_speaker) then
+      write (output_unit, '(a)') writers%trace%table(writers%summary%totals)
     end if
     if (sim%options%tells_needs .and. .not. allocated(error)) call tell_needs(sim, error)
   end subroutine simulate
@@ -104,27 +108,46 @@ contains
     code = exit_done
     do while (sim%step < sim%options%steps)
       sim%is_traced = writers%trace%wants(sim%step + 1)
-      if (sim%is_traced) call writers%trace%begin_step(sim%totals)
+      sim%keeps_guess = writers%trace%is_on .and. .not. sim%is_traced
+      if (writers%trace%is_on) call writers%trace%begin_step(sim%totals)
       call advance(sim, error)
       if (sim%dump%is_begun) call save_dump(sim, writers, sim%step + merge(1, 0, allocated(error)))
       if (allocated(error)) then
         call save_broken(sim, writers)
+        if (is_of_the_step(error)) call trace_last(sim, writers, sim%step + 1)
         return
       end if
       writers%has_stepped = .true.
       call tell_passing(sim%passing, sim%comm, error_unit)
       call write_due(sim, writers, error)
-      if (sim%is_traced .and. .not. allocated(error)) then
+      if (allocated(error)) then
+        if (is_of_the_step(error)) call trace_last(sim, writers, sim%step)
+        return
+      end if
+      if (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged) code = exit_not_converged
+      if (sim%is_traced) then
         call writers%trace%end_step(sim%step, sim%time(), sim%all_contacts, sim%report, sim%totals, sim%comm, error)
+      else if (code == exit_not_converged) then
+        call trace_last(sim, writers, sim%step)
       end if
       if (allocated(error)) return
-      if (sim%options%solver%stop_unconverged .and. .not. sim%report%is_converged) code = exit_not_converged
       if (sim%comm%any(must_stop(sim, writers))) code = exit_stopped
       if (code == exit_done) cycle
       if (code == exit_stopped .and. writers%has_checkpoints) call save(sim, writers, error)
       return
     end do
   end subroutine loop
+
+  !> Write the history of the step that ends the run; that it cannot be written is told, and does not hide why the run ends.
+  subroutine trace_last(sim, writers, step)
+    type(simulation_t), intent(inout) :: sim
+    type(writers_t), intent(inout) :: writers
+    integer, intent(in) :: step
+    type(error_t), allocatable :: error
+
+    call trace_broken(sim, step, writers%trace, error)
+    if (allocated(error) .and. writers%is_speaker) write (error_unit, '(a)') error%report('warning')
+  end subroutine trace_last
 
   !> Write the dump of a step; that it cannot be written is told, and does not end the run.
   subroutine save_dump(sim, writers, step)

@@ -21,7 +21,7 @@ module sg_simulation
   use sg_passing, only: look_for_passing, passing_t
   use sg_plan, only: make_plan, plan_t, set_radii
   use sg_problem, only: problem_kind, problem_t
-  use sg_report, only: report_t
+  use sg_report, only: report_t, unsolved
   use sg_run_options, only: partition_options_t, run_options_t
   use sg_scene, only: scene_t
   use sg_signature, only: n_signature, signature_of
@@ -55,6 +55,9 @@ module sg_simulation
     type(dump_t) :: dump
     !> Is the history of errors kept within the next steps?
     logical :: is_traced = .false.
+    !> Is the guess of each solve kept, so that a step that breaks can be solved again? Its impulses, and free velocities by slot
+    logical :: keeps_guess = .false.
+    real(wp), allocatable :: guess_impulse(:, :), guess_body(:, :)
     !> Works and costs since the start
     type(energy_t) :: energy
     type(totals_t) :: totals
@@ -166,6 +169,7 @@ contains
       call phase(phase_assemble)%stop()
       if (allocated(error)) return
 
+      if (sim%keeps_guess) call keep_guess(sim)
       call phase(phase_solve)%start()
       if (sim%decomposition%is_on) then
         call solve_glued(sim)
@@ -204,6 +208,7 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when a value of one is not finite
     logical :: has_contacts
+    real(wp) :: contacts(1)
     integer :: speaker
 
     call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%step, .false., error)
@@ -215,10 +220,35 @@ contains
     end if
     if (.not. allocated(error)) return
     sim%dump%is_unsolved = .true.
+    sim%report = unsolved()
+    contacts = real(sim%contacts%n, wp)
+    call sim%comm%sum(contacts)
+    sim%all_contacts = nint(contacts(1))
     if (.not. sim%dump%is_begun .and. has_contacts) then
       call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
     end if
   end subroutine look_before
+
+  !> Keep what the solve is about to replace. Measuring, as histories are.
+  subroutine keep_guess(sim)
+    type(simulation_t), intent(inout) :: sim
+
+    call sim%totals%phase(phase_measure)%start()
+    call keep(sim%problem%impulse, sim%guess_impulse)
+    call keep(sim%problem%body, sim%guess_body)
+    call sim%totals%phase(phase_measure)%stop()
+  contains
+    pure subroutine keep(values, kept)
+      real(wp), intent(in) :: values(:, :)
+      real(wp), allocatable, intent(inout) :: kept(:, :)
+
+      if (allocated(kept)) then
+        if (any(shape(kept) /= shape(values))) deallocate (kept)
+      end if
+      if (.not. allocated(kept)) allocate (kept(size(values, 1), size(values, 2)))
+      kept = values
+    end subroutine keep
+  end subroutine keep_guess
 
   !> Solve this rank's part of the problem, and count what is sent.
   subroutine solve_glued(sim)
@@ -303,10 +333,15 @@ contains
     largest_speed = sqrt(largest_speed)
   end function largest_speed
 
-  !> Time reached [s]; a product, so that a restarted run has the very same times.
-  pure real(wp) function simulation_time(self) result(time)
+  !> Time reached, or that of the end of another step [s]; a product, so that a restarted run has the very same times.
+  pure real(wp) function simulation_time(self, step) result(time)
     class(simulation_t), intent(in) :: self
+    integer, intent(in), optional :: step !! number of the step
 
-    time = self%scene%start_time + self%options%step*real(self%step, wp)
+    if (present(step)) then
+      time = self%scene%start_time + self%options%step*real(step, wp)
+    else
+      time = self%scene%start_time + self%options%step*real(self%step, wp)
+    end if
   end function simulation_time
 end module sg_simulation

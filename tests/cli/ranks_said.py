@@ -1,0 +1,104 @@
+"""What is said on several ranks is said once: refusals, commands that one rank can do, the log."""
+
+import re
+import shutil
+import subprocess
+
+from ranks_case import FALL, PRESSED, Ranks
+
+
+
+class Refusals(Ranks):
+    def test_bad_decks_and_wishes(self):
+        self.deck(FALL.replace("friction =", "frction ="), "bad.toml")
+        good = self.deck(FALL)
+        for ranks, deck, said, words in (
+            (3, "bad.toml", 'bad.toml:10:1: error: unknown key "frction".*; did you mean "friction"', []),
+            (2, "nowhere.toml", "nowhere.toml: error: cannot read the file", []),
+            (2, good, "partition.sweeps has 3 numbers; .* for each of the 2 ranks", ["--set", "partition.sweeps=[1, 2, 3]"]),
+            (4, good, r"boxes 3 x 2 .* cannot make 4 parts", ["--set", "partition.boxes=[3, 2]"]),
+            (2, good, '"interior" works on one rank', ["--set", 'solver.method="interior"']),
+            (2, good, "unknown option --outptu", ["--outptu=x"]),
+            (2, good, "--walltime needs a value", ["--walltime"]),
+        ):  # fmt: skip
+            with self.subTest(said=said):
+                self.refused(ranks, deck, said, *words)
+        self.assertEqual(self.launch((2, "rnu"), code=2).stderr.count('did you mean "run"'), 1)
+
+    def test_ranks_that_do_not_share_one_run(self):
+        good = self.deck(FALL)
+        bad = self.deck(FALL.replace("friction =", "frction ="), "bad.toml")
+        other = self.deck(FALL.replace("friction = 0.3", "friction = 0.4"), "other.toml")
+        for words, said in (
+            ([bad], "1 of 2 ranks find this, the first is rank 1"),
+            (["nowhere.toml"], "1 of 2 ranks find this, the first is rank 1"),
+            ([other], "the ranks do not share one run"),
+            ([good, "--output", "elsewhere"], "the ranks do not share one run"),
+            ([good, "--outptu", "x"], "unknown option --outptu"),
+            ([good, "--walltime"], "--walltime needs a value"),
+        ):
+            with self.subTest(words=words):
+                done = self.launch((1, "run", good, "--quiet"), (1, "run", *words), code=2)
+                self.assertEqual((done.stderr.count(said), done.stderr.count("error:")), (1, 1), done.stderr)
+        for folder in ("here", "there"):
+            (self.place / folder).mkdir()
+            self.deck(FALL, f"{folder}/deck.toml")
+        done = subprocess.run(
+            [self.launcher, "--oversubscribe", "-n", "1", "-wdir", self.place / "here", self.program, "run", good, ":",
+             "-n", "1", "-wdir", self.place / "there", self.program, "run", good],
+            env=self.environment, capture_output=True, text=True, timeout=self.timeout)  # fmt: skip
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertEqual(done.stderr.count("rank 1 does not find the folder of the results"), 1, done.stderr)
+
+
+class Once(Ranks):
+    def test_what_needs_no_ranks_is_done_by_one(self):
+        good = self.deck(FALL)
+        self.deck(FALL.replace("friction =", "frction ="), "bad.toml")
+        for code, *words in (
+            (0, "--help"),
+            (0, "run", "--help"),
+            (0, "--version"),
+            (0, "reference"),
+            (0, "check", good),
+            (2, "check", "bad.toml"),
+            (0, "convert", good, "datbox"),
+            (2, "convert", "nowhere.toml", "other"),
+            (0, "partition", good, "--parts", "3"),
+            (2, "solve", "nowhere.hdf5"),
+            (2,),
+        ):
+            with self.subTest(words=words):
+                alone = self.run_program(*words, code=code)
+                shutil.rmtree(self.place / "datbox", ignore_errors=True)
+                done = self.launch((3, *words), code=code)
+                self.assertEqual(done.stdout, alone.stdout)
+                # The launcher has something to say of exit codes, too.
+                self.assertEqual([done.stderr.count(line) for line in alone.stderr.splitlines()],
+                                 [alone.stderr.count(line) for line in alone.stderr.splitlines()])  # fmt: skip
+
+    def test_ranks_with_different_commands(self):
+        good = self.deck(FALL)
+        done = self.launch((1, "run", good, "--quiet"), (1, "check", good), code=2)
+        self.assertEqual(done.stderr.count("each of them was given another command"), 1, done.stderr)
+
+
+class Log(Ranks):
+    def test_pictures_are_not_compressed_and_this_is_said_once(self):
+        if not self.has_hdf5():
+            self.skipTest("built without HDF5")
+        deck = self.deck(FALL)
+        words = ["--set", "output.every=30", "--set", "output.compression=true"]
+        said = [self.run_ranks(ranks, deck, *words).stderr.count("pictures uncompressed") for ranks in (1, 3)]
+        self.assertEqual(said, [0, 1])
+
+    def test_said_once(self):
+        printed = self.launch((4, "run", self.deck(PRESSED))).stdout
+        lines = [line for line in printed.splitlines() if line.strip()]
+        self.assertEqual(len(lines), len(set(lines)), printed)
+        for said in ("scene      64 bodies", "ranks      4, split by boxes, glued by dual", "done: 60 of 60 steps",
+                     "  ranks  ", "  gluing  "):  # fmt: skip
+            self.assertEqual(printed.count(said), 1, f"{said}\n{printed}")
+        # No number has gone astray.
+        self.assertIsNone(re.search(r"nan|inf\b|\*\*", printed, re.I), printed)
+        self.assertEqual(self.run_json("deck.results")["ranks"], 4)
