@@ -57,10 +57,10 @@ class Shares(Ranks):
             ("one grain", 3, COMMON + FLOOR + grains(1)),
             ("walls alone", 3, COMMON + FLOOR + SIDES),
         ):
+            deck = self.deck(text)
+            self.run_ranks(1, deck, output="one")
             for words in ([], GRAPH) if self.has_library("METIS") else ([],):
                 with self.subTest(name, words=words):
-                    deck = self.deck(text)
-                    self.run_ranks(1, deck, output="one")
                     self.run_ranks(ranks, deck, *words, output="many")
                     self.compare(self.run_json("one"), self.run_json("many"), 1e-9, kept)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Test runs on several ranks from outside: what goes wrong ends soon, is said once, and leaves a checkpoint that serves.
 
-usage: test_ranks.py PROGRAM MPIEXEC [unittest options]
+usage: test_ranks.py PROGRAM MPIEXEC [GROUP] [unittest options]
 """
 
 import sys

@@ -10,7 +10,8 @@ CODES = {0: "ran", 2: "refused", 3: "not converged", 4: "stopped for a value tha
 ALARMS = re.compile(r"Sanitizer|runtime error:|Fortran runtime|Backtrace for|SIG[A-Z]{3,}|internal error|forrtl", re.I)
 SENTENCE = re.compile(r"^(?:[^\n]*?: )?error: \S.*[^.\s]$", re.M)
 CPU_LIMIT = 60
-TOO_LONG = {-signal.SIGXCPU: "cut short", -signal.SIGKILL: "cut short"}
+# How a run ends that is cut short for its time: by itself, or one of its ranks.
+TOO_LONG = {code: "cut short" for number in (signal.SIGXCPU, signal.SIGKILL) for code in (-number, 128 + number)}
 # Share of decks that may be cut short: more are a program that does not end.
 MOST_CUT = 0.02
 
@@ -18,8 +19,8 @@ MOST_CUT = 0.02
 class Runner:
     """Runs decks and judges them."""
 
-    def __init__(self, program, launcher):
-        self.program, self.launcher = program, launcher
+    def __init__(self, program, launcher, share):
+        self.program, self.launcher, self.share = program, launcher, share
 
     def call(self, words, place, ranks=1):
         """Run the program within limits; output to files, since it may be long."""
@@ -33,6 +34,14 @@ class Runner:
                 return done.returncode
             except subprocess.TimeoutExpired:
                 return -signal.SIGXCPU
+
+    def ends_soon_alone(self, place):
+        """Does one rank end a run in a small part of the time? Ranks that wait for one another do not."""
+        alone = place / "alone"
+        alone.mkdir()
+        before = cpu()
+        code = self.call(["run", str((place / "deck.toml").resolve()), "--output", "results", "--quiet"], alone)
+        return code not in TOO_LONG and cpu() - before < CPU_LIMIT / 20
 
     def judge(self, place, code, results="results"):
         """What is wrong with a run; nothing when all is well."""
@@ -66,6 +75,12 @@ class Runner:
         if record.exists() and re.search(r"(?:^|,)\s*[-+]?(?:nan|inf)", record.read_text(), re.I | re.M):
             return "a number that is not finite in record.csv"
         return None
+
+
+def cpu():
+    """CPU seconds of all programs run."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def complain(word):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Random decks: small scenes, right and wrong, that the program must run or refuse, but never break on.
 
-    random_decks.py PROGRAM [--seed N] [--seconds S] [--only I] [--ranks MPIEXEC] [--keep FOLDER]
+    random_decks.py PROGRAM [--seed N] [--seconds S] [--only I] [--ranks MPIEXEC [--share S]] [--keep FOLDER]
 
 Sections, keys, kinds of value and ranges are those of `splitgrain reference`, so that keys that are new are met without a
 change here; places, shapes and sizes come from here, since bodies must not overlap. One deck in three is right as far as its
@@ -10,21 +10,18 @@ keys go, one in three is spoilt as text, one in nine is a DATBOX, half of those 
 
 A deck fails when the exit code is none of those documented, or a signal; when a sanitizer or the run-time checks speak; when a
 number that is not finite stands in run.json or record.csv; when what is refused is not told by one sentence with its file; or
-when a right deck takes more CPU time than it should. The folder of a deck that fails is kept.
+when several ranks are cut short for their time where one ends soon. The folder of a deck that fails is kept.
 """
-
-import argparse
 
 import argparse
 import os
 import random
-import resource
 import shutil
 import sys
 import tempfile
 from pathlib import Path
 
-from judged_runs import CODES, CPU_LIMIT, MOST_CUT, TOO_LONG, Runner
+from judged_runs import CODES, CPU_LIMIT, MOST_CUT, TOO_LONG, Runner, cpu
 from random_scene import Scene
 from reference_keys import read_reference
 from spoilt_decks import spoil, spoil_datbox
@@ -58,15 +55,12 @@ def one(seed, index, sections, runner, place):
     """Make and run one deck; its kind, exit code, and what is wrong."""
     rng = random.Random(f"{seed}:{index}")
     kind, _ = make(rng, sections, runner, place)
-    ranks = rng.choice([2, 3]) if runner.launcher and rng.random() < 0.3 else 1
+    ranks = rng.choice([2, 3]) if runner.launcher and rng.random() < runner.share else 1
     code = runner.call(["run", "deck.toml", "--output", "results", "--quiet"], place, ranks)
-    return kind + (f" on {ranks} ranks" if ranks > 1 else ""), code, runner.judge(place, code)
-
-
-def cpu():
-    """CPU seconds of all programs run."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
+    fault = runner.judge(place, code)
+    if ranks > 1 and code in TOO_LONG and not fault and runner.ends_soon_alone(place):
+        fault = "several ranks do not end where one does"
+    return kind + (f" on {ranks} ranks" if ranks > 1 else ""), code, fault
 
 
 def main():
@@ -78,11 +72,12 @@ def main():
     parser.add_argument("--decks", type=int, default=1000000, help="decks at most")
     parser.add_argument("--only", type=int, help="run this deck alone, and keep it")
     parser.add_argument("--ranks", metavar="MPIEXEC", help="run some decks on several ranks")
+    parser.add_argument("--share", type=float, default=0.3, help="share of decks that run on several ranks")
     parser.add_argument("--keep", default=".", help="folder for those that fail")
     parser.add_argument("--from", dest="first", type=int, default=0, help="first deck")
     chosen = parser.parse_args()
     program = str(Path(chosen.program).resolve())
-    runner = Runner(program, chosen.ranks)
+    runner = Runner(program, chosen.ranks, chosen.share)
     os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     os.environ.pop("TMPDIR", None)
     sections = read_reference(program)
@@ -100,7 +95,7 @@ def main():
         if fault:
             failed += 1
             print(f"deck {index} ({kind}): {fault}\n  kept in {place}; again by: {sys.argv[0]} {chosen.program} --seed {chosen.seed} "
-                  f"--only {index}" + (f" --ranks {chosen.ranks}" if chosen.ranks else ""), flush=True)
+                  f"--only {index}" + (f" --ranks {chosen.ranks} --share {chosen.share}" if chosen.ranks else ""), flush=True)
         elif chosen.only is None:
             shutil.rmtree(place)
         else:
