@@ -315,6 +315,45 @@ class Geometry(Stiff):
         self.assert_near(run["floor_share"], 1, 1e-3)
 
 
+class Interlocked(Stiff):
+    """Blocks that lock each other by their shapes stand without friction."""
+
+    def assert_stands(self, run):
+        self.assertEqual(run["unconverged_steps"], 0)
+        self.assert_near(run["floor_share"], 1, 1e-3)
+        self.assertLess(run["max_velocity"], 1e-4)
+
+    def test_key_in_a_slot(self):
+        """Wherever gravity points, it moves by its play of a centimetre, and is at rest: free, it would fall by 1.2 m."""
+        for angle in range(0, 360, 30):
+            gravity = [G * math.sin(math.radians(angle)), -G * math.cos(math.radians(angle))]
+            run = self.run_deck("key_in_a_slot", scene__gravity=gravity)
+            self.assertEqual(run["unconverged_steps"], 0)
+            self.assertLess(run["max_velocity"], 1e-3, f"{angle} degrees")
+
+    def test_flat_arch_and_row_of_tetrahedra(self):
+        for deck in ("flat_arch", "tetrahedra_in_a_row"):
+            for method in SOLVERS:
+                self.assert_stands(self.run_deck(deck, solver__method=method))
+
+    def test_plate_of_tetrahedra(self):
+        """Of whole ones it stands without friction; where edges and corners are cut off it needs some, or sinks until corners meet."""
+        for friction in (0, 1):
+            self.assert_stands(self.run_deck("plate_of_tetrahedra", law__friction=friction))
+        weight = 16 * 2500 * 7.29333e-4 * G
+        for friction, sinks in ((0, True), (1, False)):
+            run = self.run_deck("plate_of_cut_tetrahedra", law__friction=friction, time__steps=400)
+            self.assertLess(run["max_velocity"], 1e-3)
+            self.assert_near(run["floor_share"], 1, 1e-2)
+            way = -run["potential_energy"] / weight
+            if sinks:
+                # Until the cut corners, 0.005 wide, meet: along slopes of 0.05/0.08 by 0.008 at the corners of the plate, by 2 and
+                # 6 times that at its sides and in the middle.
+                self.assert_near(way, 0.008 * (4 + 8 * 2 + 4 * 6) / 16, 1e-4)
+            else:
+                self.assert_near(way, 0, 1e-5)
+
+
 class Broken(Stiff):
     def test_an_infinity_ends_the_run_within_its_step(self):
         """With the body and its contacts to blame, the state before it, and a contact problem that can be solved again."""
