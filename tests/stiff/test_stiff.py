@@ -342,7 +342,7 @@ class Interlocked(Stiff):
             self.assert_stands(self.run_deck("plate_of_tetrahedra", law__friction=friction))
         weight = 16 * 2500 * 7.29333e-4 * G
         for friction, sinks in ((0, True), (1, False)):
-            run = self.run_deck("plate_of_cut_tetrahedra", law__friction=friction, time__steps=400)
+            run = self.run_deck("plate_of_cut_tetrahedra", law__friction=friction, time__steps=300)
             self.assertLess(run["max_velocity"], 1e-3)
             self.assert_near(run["floor_share"], 1, 1e-2)
             way = -run["potential_energy"] / weight
