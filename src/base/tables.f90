@@ -51,14 +51,23 @@ contains
     self%per = per
   end subroutine tables_begin
 
-  !> Add a table, by its bytes; a negative number of bytes stands for one that is not there.
+  !> Add a table, by its bytes; a negative number of bytes stands for one that is not there. Tables of one owner and name count as
+  !! one: what several objects of a kind hold adds up.
   subroutine tables_add(self, name, bytes)
     class(tables_t), intent(inout) :: self
     character(len=*), intent(in) :: name !! its name
     integer(i8), intent(in) :: bytes !! what it takes
     type(table_t), allocatable :: grown(:)
+    integer :: i
 
     if (.not. allocated(self%list)) allocate (self%list(64))
+    do i = 1, self%n
+      if (self%list(i)%name /= name) cycle
+      if (self%list(i)%owner /= self%owner .or. self%list(i)%per /= self%per) cycle
+      self%list(i)%is_there = self%list(i)%is_there .or. bytes >= 0
+      self%list(i)%bytes = self%list(i)%bytes + max(0_i8, bytes)
+      return
+    end do
     if (self%n == size(self%list)) then
       allocate (grown(2*self%n))
       grown(:self%n) = self%list

@@ -5,7 +5,7 @@
 !! Between `begin` and `finish` other work may go on; neither list may be touched.
 module sg_exchange
   use sg_comm, only: comm_t
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i8
   implicit none
   private
   public :: exchange_t
@@ -27,6 +27,7 @@ module sg_exchange
     procedure :: begin => exchange_begin
     procedure :: finish => exchange_finish
     procedure :: release => exchange_release
+    procedure :: table_bytes => exchange_table_bytes
   end type exchange_t
 
   interface
@@ -54,4 +55,18 @@ module sg_exchange
       class(exchange_t), intent(inout), target :: self
     end subroutine exchange_release
   end interface
+
+contains
+
+  !> Bytes that a plan holds; negative where there is none.
+  pure integer(i8) function exchange_table_bytes(self) result(bytes)
+    class(exchange_t), intent(in) :: self
+
+    bytes = -1
+    if (.not. allocated(self%rank)) return
+    bytes = (storage_size(self%send)/8)*(size(self%send, kind=i8) + size(self%receive, kind=i8)) &
+            + (storage_size(self%rank)/8)*(size(self%rank, kind=i8) + size(self%send_first, kind=i8) &
+                                           + size(self%receive_first, kind=i8))
+    if (allocated(self%request)) bytes = bytes + (storage_size(self%request)/8)*size(self%request, kind=i8)
+  end function exchange_table_bytes
 end module sg_exchange

@@ -15,7 +15,7 @@ module sg_decomposition
   use sg_history, only: history_t, resume_history, start_history
   use sg_home_sum, only: copy_from_home
   use sg_homes, only: counts_on
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp, i4, i8
   use sg_load, only: imbalance
   use sg_local_numbers, only: local_contactor
   use sg_migrate, only: migrate
@@ -26,6 +26,7 @@ module sg_decomposition
   use sg_scene, only: scene_t, start_contact_t
   use sg_share, only: piece_of
   use sg_subdomain, only: subdomain_t
+  use sg_tables, only: per_contact, tables_t
   use sg_territory, only: body_reach
   use sg_travel, only: deal_contacts, deal_start_contacts, send_contacts, unpack_contacts
   use sg_whole, only: keep_whole, localise, whole_t
@@ -58,6 +59,7 @@ module sg_decomposition
   contains
     procedure :: begin => decomposition_begin
     procedure :: renew => decomposition_renew
+    procedure :: list_tables => decomposition_list_tables
   end type decomposition_t
 
 contains
@@ -314,4 +316,19 @@ contains
     if (allocated(pairs%slot_of)) deallocate (pairs%slot_of)
     pairs%asked_skin = skin
   end subroutine forget_pairs
+
+  !> List the tables of a rank's side: what it shares, its margin, and contacts that wait for the first step.
+  subroutine decomposition_list_tables(self, tables)
+    class(decomposition_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+    integer(i8) :: bytes
+
+    call self%subdomain%list_tables(tables)
+    call self%margin%list_tables(tables)
+    call tables%begin('decomposition', per_contact)
+    bytes = -1
+    if (allocated(self%start_contacts)) bytes = size(self%start_contacts, kind=i8)*(storage_size(self%start_contacts)/8)
+    call tables%add('start_contacts', bytes)
+    call tables%note('resumed', self%resumed%value)
+  end subroutine decomposition_list_tables
 end module sg_decomposition

@@ -4,6 +4,7 @@ module sg_halo_margin
   use sg_comm, only: comm_t
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
+  use sg_tables, only: per_body, tables_t
   implicit none
   private
   public :: halo_margin_t
@@ -21,6 +22,7 @@ module sg_halo_margin
     procedure :: choose => margin_choose
     procedure :: start => margin_start
     procedure :: holds => margin_holds
+    procedure :: list_tables => margin_list_tables
   end type halo_margin_t
 
 contains
@@ -52,6 +54,15 @@ contains
 
     holds = needed(scene, skin, comm, self%placed) <= self%width
   end function margin_holds
+
+  !> List the tables of the margin.
+  subroutine margin_list_tables(self, tables)
+    class(halo_margin_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call tables%begin('halo', per_body)
+    call tables%note('placed', self%placed)
+  end subroutine margin_list_tables
 
   !> How near another rank's grains a body must be for its contacts before the list after the next one [m]: the alert distance,
   !! the skin, and what both move from where they are, or were when copies were made, to where contacts are sought.

@@ -6,6 +6,7 @@
 !! carry values alone (doc/theory/decomposition.md).
 module sg_subdomain
   use sg_kinds, only: wp
+  use sg_tables, only: per_body, tables_t
   implicit none
   private
   public :: subdomain_t
@@ -26,5 +27,22 @@ module sg_subdomain
     !> Times that these lists were made; splits made since the start, and bodies that changed home in all of them
     integer :: serial = 0, splits = 0
     real(wp) :: moved = 0
+  contains
+    procedure :: list_tables => subdomain_list_tables
   end type subdomain_t
+
+contains
+
+  !> List the tables of what is shared.
+  subroutine subdomain_list_tables(self, tables)
+    class(subdomain_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call tables%begin('subdomain', per_body)
+    call tables%note('neighbour', self%neighbour)
+    call tables%note('first', self%first)
+    call tables%note('body', self%body)
+    call tables%note('home', self%home)
+    call tables%note('wide', self%wide)
+  end subroutine subdomain_list_tables
 end module sg_subdomain

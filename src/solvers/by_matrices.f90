@@ -3,8 +3,7 @@
 !!
 !! Those solvers stop on e1. Where the deck asks for another criterion, e1 is lowered until that holds, of impulses over a
 !! typical mass where that is far from 1 kg: e1 adds impulses and velocities, so that grains of a micrometre would have a small
-!! one whatever they do. Problems that have no
-!! matrices, those with linear laws, are solved by sweeps.
+!! one whatever they do. Problems that have no matrices, those with linear laws, are solved by sweeps.
 module sg_by_matrices
   use sg_compact, only: add_impulses
   use sg_convergence, only: criterion_value, rounding_of

@@ -7,10 +7,11 @@
 module sg_edges
   use sg_comm, only: comm_t
   use sg_exchange, only: exchange_t
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp, i4, i8
   use sg_problem, only: first_inverse, problem_t
   use sg_sharing, only: sharing_t
   use sg_subdomain, only: subdomain_t
+  use sg_tables, only: per_body, tables_t
   implicit none
   private
   public :: all_edges, edges_t, colour_edges
@@ -33,6 +34,7 @@ module sg_edges
     procedure :: prepare => edges_prepare
     procedure :: carry => edges_carry
     procedure :: return_changes => edges_return_changes
+    procedure :: list_tables => edges_list_tables
   end type edges_t
 
 contains
@@ -237,4 +239,27 @@ contains
       end do
     end associate
   end subroutine edges_return_changes
+
+  !> List the tables of the edges, and their messages.
+  subroutine edges_list_tables(self, tables)
+    class(edges_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+    integer(i8) :: bytes
+    integer :: c
+
+    call tables%begin('edges', per_body)
+    call tables%note('colour', self%colour)
+    call tables%note('lent_first', self%lent_first)
+    call tables%note('lent', self%lent)
+    call tables%note('borrowed_first', self%borrowed_first)
+    call tables%note('borrowed', self%borrowed)
+    bytes = -1
+    if (allocated(self%lend)) then
+      bytes = 0
+      do c = lbound(self%lend, 1), ubound(self%lend, 1)
+        bytes = bytes + self%lend(c)%table_bytes() + self%give_back(c)%table_bytes()
+      end do
+    end if
+    call tables%add('messages', bytes)
+  end subroutine edges_list_tables
 end module sg_edges

@@ -12,6 +12,7 @@ module sg_glued_solver
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, partition_options_t, solver_options_t
   use sg_subdomain, only: subdomain_t
+  use sg_tables, only: per_body, tables_t
   use sg_trace, only: point_of, trace_t
   use sg_whole_errors, only: whole_errors_t
   implicit none
@@ -39,11 +40,13 @@ module sg_glued_solver
   contains
     procedure :: solve => glued_solve
     procedure :: divide_masses => glued_divide_masses
+    procedure :: list_tables => glued_list_tables
     procedure(open_solve), deferred :: open
     procedure(begin_round), deferred :: begin_round
     procedure(finish_round), deferred :: finish_round
     procedure(begin_test), deferred :: begin_test
     procedure(tell_result), deferred :: tell_result
+    procedure(list_shared), deferred :: list_shared
   end type glued_solver_t
 
   abstract interface
@@ -90,6 +93,12 @@ module sg_glued_solver
       integer(i4), intent(in) :: slot_of(:) !! slot of each local body
       type(comm_t), intent(inout) :: comm !! the ranks
     end subroutine tell_result
+    !> List the tables of what the method shares with other ranks.
+    subroutine list_shared(self, tables)
+      import :: glued_solver_t, tables_t
+      class(glued_solver_t), intent(in) :: self
+      type(tables_t), intent(inout) :: tables !! list to add to
+    end subroutine list_shared
   end interface
 
 contains
@@ -162,7 +171,7 @@ contains
     if (self%errors%is_guessed .and. looks_at_errors(self%options%criterion)) then
       call self%begin_test(problem, .false., comm)
       call self%errors%finish(report, comm)
-      call self%parts%choose(problem, report)
+      call self%parts%choose(problem, report, 0.0_wp)
     else
       call self%parts%arrange(problem)
     end if
@@ -196,8 +205,11 @@ contains
       is_tested = is_choosing .or. since_test >= self%options%check_every
       if (.not. is_tested) cycle
       since_test = 0
+      if (is_choosing) call self%parts%clusters%prepare(problem, self%options, report%sweeps)
       call self%begin_test(problem, any(self%options%criterion == [criterion_e1, criterion_e2]), comm)
-      if (is_choosing) call self%parts%choose(problem, report)
+      ! Errors, criterion and squares are those of the test that asked for the choice, a round ago.
+      if (is_choosing) call self%parts%choose(problem, report, &
+                                              (self%options%tolerance/report%criterion)**2*self%errors%mean_square)
     end do
     if (is_tested) call finish_test(self, comm, report)
   end subroutine rounds
@@ -226,4 +238,17 @@ contains
       call share_mass(problem%kind, max(1, parts(i)), problem%body(:, slot(i)))
     end do
   end subroutine glued_divide_masses
+
+  !> List the tables that are kept from one problem to the next: the same ones on all ranks.
+  subroutine glued_list_tables(self, tables)
+    class(glued_solver_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call self%parts%list_tables(tables)
+    call self%errors%list_tables(tables)
+    call self%list_shared(tables)
+    call tables%begin('masses', per_body)
+    call tables%note('divided', self%divided)
+    call tables%note('whole', self%whole)
+  end subroutine glued_list_tables
 end module sg_glued_solver

@@ -11,6 +11,7 @@ module sg_gluing
   use sg_problem, only: first_inverse, problem_t
   use sg_sharing, only: sharing_t
   use sg_subdomain, only: subdomain_t
+  use sg_tables, only: per_body, tables_t
   implicit none
   private
   public :: gluing_t, rehearse_gluing
@@ -32,6 +33,7 @@ module sg_gluing
     procedure :: prepare => gluing_prepare
     procedure :: begin => gluing_begin
     procedure :: finish => gluing_finish
+    procedure :: list_tables => gluing_list_tables
   end type gluing_t
 
 contains
@@ -170,4 +172,17 @@ contains
       self%change(:, k) = self%change(:, k) + problem%body(:self%width, self%sharing%slot(k)) - self%before(:, k)
     end do
   end subroutine add_own
+
+  !> List the tables of the gluing, and who shares what.
+  subroutine gluing_list_tables(self, tables)
+    class(gluing_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call self%sharing%list_tables(tables)
+    call tables%begin('gluing', per_body)
+    call tables%note('before', self%before)
+    call tables%note('change', self%change)
+    call tables%note('jump', self%jump)
+    call tables%add('messages', self%messages%table_bytes())
+  end subroutine gluing_list_tables
 end module sg_gluing

@@ -9,14 +9,15 @@ module sg_nlgs
   use sg_kinds, only: wp, i8
   use sg_problem, only: bytes_per_contact, is_in_space, problem_t
   use sg_report, only: report_t
-  use sg_residuals, only: choose_visited, measure_errors
+  use sg_residuals, only: measure_errors
   use sg_run_options, only: criterion_e1, criterion_e2, solver_options_t
   use sg_solved_clusters, only: solved_clusters_t
   use sg_solver, only: solver_t
-  use sg_sweep_order, only: give_impulses, list_order, set_order, sweep_order_t
+  use sg_sweep_order, only: give_impulses, list_order, set_order, sweep_order_t, update_order
   use sg_sweeps, only: sweep
-  use sg_tables, only: per_contact, tables_t
+  use sg_tables, only: tables_t
   use sg_trace, only: point_of, trace_t
+  use sg_visits, only: visits_t
   implicit none
   private
   public :: nlgs_t
@@ -30,8 +31,8 @@ module sg_nlgs
     type(solver_options_t) :: options
     !> Contacts in the order of the sweep
     type(sweep_order_t), private :: order
-    !> Which contacts are visited
-    logical, allocatable, private :: is_wanted(:)
+    !> Whom sweeps visit
+    type(visits_t), private :: visits
     !> Tests of this solve
     type(convergence_t), private :: convergence
     !> For criteria that look at increments
@@ -110,18 +111,15 @@ contains
     class(nlgs_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
     type(report_t), intent(inout) :: report
-    integer :: visited, missed
 
-    if (allocated(self%is_wanted)) then
-      if (size(self%is_wanted) < problem%n_contacts) deallocate (self%is_wanted)
-    end if
-    if (.not. allocated(self%is_wanted)) allocate (self%is_wanted(problem%n_contacts + problem%n_contacts/8))
-    self%is_wanted(:problem%n_contacts) = .true.
+    call self%visits%begin(problem%n_contacts)
     if (looks_at_errors(self%options%criterion) .and. any(abs(problem%impulse(:, :problem%n_contacts)) > 0)) then
-      call measure_errors(problem, report, with_e1=.false.)
-      call choose_visited(problem, report, self%is_wanted, visited, missed)
+      call measure_errors(problem, report, with_e1=.false., closing=self%visits%closing)
+      call self%visits%choose(problem%n_contacts, report, problem%velocity_scale)
+      self%visits%is_visited(:problem%n_contacts) = self%visits%is_wanted(:problem%n_contacts)
     end if
-    call set_order(self%order, problem, self%is_wanted, self%options)
+    call set_order(self%order, problem, self%visits%is_visited, self%options)
+    call self%clusters%begin()
     call self%convergence%begin(maxval(abs(problem%body(1:merge(3, 2, is_in_space(problem%kind)), :))))
   end subroutine start_order
 
@@ -148,8 +146,7 @@ contains
     type(problem_t), intent(in) :: problem
     type(report_t), intent(inout) :: report
     logical, intent(out) :: has_e1
-    real(wp) :: increments, sums(n_increment_sums), maxima(n_increment_maxima)
-    integer :: visited, missed
+    real(wp) :: increments, sums(n_increment_sums), maxima(n_increment_maxima), asked
     logical :: is_last
 
     is_last = report%sweeps >= self%options%maximum_sweeps
@@ -158,9 +155,9 @@ contains
              report%criterion <= likely_last*self%options%tolerance
     call self%clusters%prepare(problem, self%options, report%sweeps)
     if (self%clusters%are_sought) then
-      call measure_errors(problem, report, has_e1, self%clusters%squares)
+      call measure_errors(problem, report, has_e1, self%clusters%squares, self%visits%closing)
     else
-      call measure_errors(problem, report, has_e1)
+      call measure_errors(problem, report, has_e1, closing=self%visits%closing)
     end if
     increments = 0
     if (.not. looks_at_errors(self%options%criterion)) then
@@ -169,14 +166,14 @@ contains
     end if
     call self%convergence%judge(self%options, problem%velocity_scale, report, increments)
     if (is_last .or. .not. self%convergence%is_choice_due) return
-    if (self%clusters%are_sought) call self%clusters%note_visited(self%is_wanted(:problem%n_contacts))
-    call choose_visited(problem, report, self%is_wanted, visited, missed)
-    if (self%clusters%are_sought) then
-      call self%clusters%leave_out(problem, report%sweeps, self%options%tolerance/report%criterion, self%is_wanted, visited, missed)
-    end if
-    if (missed > 0 .or. visited < self%order%n - self%order%n/16) then
-      call set_order(self%order, problem, self%is_wanted, self%options)
-    end if
+    associate (n => problem%n_contacts)
+      call self%visits%choose(n, report, problem%velocity_scale)
+      if (self%clusters%are_sought) then
+        asked = (self%options%tolerance/report%criterion)**2*sum(self%clusters%squares(:n))/real(n, wp)
+        call self%clusters%leave_out(problem, report%sweeps, asked, self%visits%is_wanted(:n))
+      end if
+      call update_order(self%order, problem, self%visits%is_wanted(:n), self%visits%is_visited(:n), self%options)
+    end associate
   end subroutine check
 
   !> List the tables of the sweeps.
@@ -185,8 +182,7 @@ contains
     type(tables_t), intent(inout) :: tables !! list to add to
 
     call list_order(self%order, tables)
-    call tables%begin('visits', per_contact)
-    call tables%note('is_wanted', self%is_wanted)
+    call self%visits%list_tables(tables)
     call self%increments%list_tables(tables)
     call self%clusters%list_tables(tables)
   end subroutine nlgs_list_tables

@@ -5,10 +5,12 @@ module sg_parts
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_report, only: report_t
-  use sg_residuals, only: choose_visited
   use sg_run_options, only: solver_options_t
-  use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
+  use sg_solved_clusters, only: solved_clusters_t
+  use sg_sweep_order, only: give_impulses, list_order, set_order, sweep_order_t, update_order
   use sg_sweeps, only: sweep
+  use sg_tables, only: per_contact, tables_t
+  use sg_visits, only: visits_t
   implicit none
   private
   public :: parts_t, part_shared, part_own
@@ -20,12 +22,15 @@ module sg_parts
   type :: parts_t
     !> Contacts of each part in the order of its sweep
     type(sweep_order_t), allocatable, private :: order(:)
-    !> Part of each contact, and whether it is visited
+    !> Part of each contact, and whom to visit
     integer(i4), allocatable, private :: part(:)
-    logical, allocatable, private :: is_wanted(:)
+    type(visits_t) :: visits
     !> Contacts of divided bodies, and their records with blocks for a part of the mass
     integer(i4), allocatable, private :: contact(:)
     real(wp), allocatable, private :: record(:, :)
+    !> Slots of bodies on which other ranks act too, and clusters of others that are solved before the rest
+    integer, allocatable, private :: shared(:)
+    type(solved_clusters_t) :: clusters
     type(solver_options_t), private :: options
     !> Do the orders hold contacts of this problem yet?
     logical, private :: is_arranged = .false.
@@ -35,29 +40,32 @@ module sg_parts
     procedure :: choose => parts_choose
     procedure :: sweep => parts_sweep
     procedure :: give_impulses => parts_give_impulses
+    procedure :: list_tables => parts_list_tables
   end type parts_t
 
 contains
 
   !> Take the parts of a problem. Before the first sweep follows `arrange`, or `choose` where a guess tells whom to visit.
-  subroutine parts_begin(self, problem, part, n_parts, are_masses_divided, options)
+  subroutine parts_begin(self, problem, part, n_parts, are_masses_divided, shared, options)
     class(parts_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem whose shared bodies may have divided masses
     integer(i4), intent(in) :: part(:) !! of each contact, from 1
     integer, intent(in) :: n_parts !! number of parts
     logical, intent(in) :: are_masses_divided !! set the blocks of the first part anew
+    integer, intent(in) :: shared(:) !! slots of bodies on which other ranks act too
     type(solver_options_t), intent(in) :: options !! order and threads of the sweeps
     integer :: k
 
     self%options = options
+    self%shared = shared
+    call self%clusters%begin()
     if (allocated(self%order)) then
       if (size(self%order) /= n_parts) deallocate (self%order)
     end if
     if (.not. allocated(self%order)) allocate (self%order(n_parts))
     if (allocated(self%record)) deallocate (self%record)
     self%part = part
-    if (allocated(self%is_wanted)) deallocate (self%is_wanted)
-    allocate (self%is_wanted(size(part)), source=.true.)
+    call self%visits%begin(size(part))
     self%contact = pack([(int(k, i4), k=1, size(part))], part == part_shared .and. are_masses_divided)
     allocate (self%record(size(problem%record, 1), size(self%contact)))
     do k = 1, size(self%contact)
@@ -76,7 +84,7 @@ contains
 
     call swap_records(self, problem)
     do p = 1, size(self%order)
-      call set_order(self%order(p), problem, self%is_wanted .and. self%part == p, self%options)
+      call set_order(self%order(p), problem, self%visits%is_visited(:problem%n_contacts) .and. self%part == p, self%options)
     end do
     call swap_records(self, problem)
     self%is_arranged = .true.
@@ -97,15 +105,33 @@ contains
   end subroutine swap_records
 
   !> Choose anew whom to visit, by the errors of the whole problem.
-  subroutine parts_choose(self, problem, report)
+  subroutine parts_choose(self, problem, report, asked)
     class(parts_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem with its present impulses, from which new orders take them, and velocities
     type(report_t), intent(in) :: report !! errors of the whole problem
-    integer :: visited, missed, n
+    real(wp), intent(in) :: asked !! mean over all contacts of the squares that are asked for; not used unless clusters are sought
+    logical, allocatable :: is_visited(:)
+    integer :: p
 
-    n = sum(self%order%n)
-    call choose_visited(problem, report, self%is_wanted, visited, missed)
-    if (.not. self%is_arranged .or. missed > 0 .or. visited < n - n/16) call self%arrange(problem)
+    associate (n => problem%n_contacts, visits => self%visits)
+      call visits%choose(n, report, problem%velocity_scale)
+      if (self%clusters%are_sought) then
+        call self%clusters%leave_out(problem, report%sweeps, asked, visits%is_wanted(:n), self%shared)
+        self%clusters%are_sought = .false.
+      end if
+      if (.not. self%is_arranged) then
+        visits%is_visited(:n) = visits%is_wanted(:n)
+        call self%arrange(problem)
+        return
+      end if
+      call swap_records(self, problem)
+      do p = 1, size(self%order)
+        is_visited = visits%is_visited(:n) .and. self%part == p
+        call update_order(self%order(p), problem, visits%is_wanted(:n) .and. self%part == p, is_visited, self%options)
+        where (self%part == p) visits%is_visited(:n) = is_visited
+      end do
+      call swap_records(self, problem)
+    end associate
   end subroutine parts_choose
 
   !> Update the contacts of a part once.
@@ -131,4 +157,26 @@ contains
       call give_impulses(self%order(p), problem)
     end do
   end subroutine parts_give_impulses
+
+  !> List the tables of all parts together, however many there are.
+  subroutine parts_list_tables(self, tables)
+    class(parts_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+    type(sweep_order_t) :: none
+    integer :: p
+
+    call list_order(none, tables)
+    if (allocated(self%order)) then
+      do p = 1, size(self%order)
+        call list_order(self%order(p), tables)
+      end do
+    end if
+    call tables%begin('parts', per_contact)
+    call tables%note('part', self%part)
+    call tables%note('contact', self%contact)
+    call tables%note('record', self%record)
+    call tables%note('shared', self%shared)
+    call self%visits%list_tables(tables)
+    call self%clusters%list_tables(tables)
+  end subroutine parts_list_tables
 end module sg_parts

@@ -16,6 +16,7 @@ module sg_primal
   use sg_report, only: report_t
   use sg_sharing, only: sharing_t
   use sg_subdomain, only: subdomain_t
+  use sg_tables, only: tables_t
   implicit none
   private
   public :: primal_t
@@ -30,6 +31,7 @@ module sg_primal
     procedure :: finish_round => primal_finish_round
     procedure :: begin_test => primal_begin_test
     procedure :: tell_result => primal_tell_result
+    procedure :: list_shared => primal_list_shared
   end type primal_t
 
 contains
@@ -51,7 +53,8 @@ contains
     call add_impulses(problem)
     call self%edges%return_changes(before, problem, comm)
     call self%sharing%wide%glue(problem, .true., comm)
-    call self%parts%begin(problem, parts_of(self, problem), part_own + size(subdomain%neighbour), .true., self%options)
+    call self%parts%begin(problem, parts_of(self, problem), part_own + size(subdomain%neighbour), .true., &
+                          [self%edges%lent, self%edges%borrowed, self%sharing%wide%slot], self%options)
   end subroutine primal_open
 
   !> Part of each contact: 1 where a wall moves, 2 within this rank, 2 + i on the edge with neighbour i.
@@ -130,7 +133,11 @@ contains
 
     call self%parts%give_impulses(problem)
     call self%edges%carry(all_edges, .false., problem, comm)
-    call self%errors%begin(problem, with_e1, comm)
+    if (self%parts%clusters%are_sought) then
+      call self%errors%begin(problem, with_e1, comm, self%parts%visits%closing, self%parts%clusters%squares)
+    else
+      call self%errors%begin(problem, with_e1, comm, self%parts%visits%closing)
+    end if
   end subroutine primal_begin_test
 
   !> Give the velocities found to all copies: those of a grain stand at its home.
@@ -147,4 +154,13 @@ contains
     call copy_from_home(subdomain, comm, velocity)
     problem%body(:self%width, slot_of(subdomain%body)) = velocity(:, subdomain%body)
   end subroutine primal_tell_result
+
+  !> List the tables of walls that move and of edges.
+  subroutine primal_list_shared(self, tables)
+    class(primal_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call self%sharing%list_tables(tables)
+    call self%edges%list_tables(tables)
+  end subroutine primal_list_shared
 end module sg_primal

@@ -6,15 +6,10 @@ module sg_residuals
   use sg_kinds, only: wp
   use sg_problem, only: arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, round_frictionless
   use sg_report, only: ratio, report_t
-  use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, note, note_space_contacts
+  use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, closing_speed, n_error_sums
   implicit none
   private
-  public :: measure_errors, sum_errors, set_errors, choose_visited, natural_map, n_error_sums
-
-  !> Sums that the errors of a problem are made of
-  integer, parameter :: n_error_sums = 6
-  !> Open contacts that part faster than this many rms errors of velocity are not visited
-  real(wp), parameter :: speed_limit = 30
+  public :: measure_errors, sum_errors, set_errors, natural_map, n_error_sums
 
   !> What the natural map needs of a chunk of contacts
   type :: chunk_t
@@ -35,54 +30,51 @@ module sg_residuals
 contains
 
   !> Fill the errors of a report from the impulses and velocities of a problem.
-  pure subroutine measure_errors(problem, report, with_e1, squares)
+  pure subroutine measure_errors(problem, report, with_e1, squares, closing)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     type(report_t), intent(inout) :: report !! errors and active contacts are set
     logical, intent(in) :: with_e1 !! measure e1 and e2 too, which take a map of their own
     real(wp), intent(inout), optional :: squares(:) !! squares of the map with rho_a that e8 is made of, shape (contacts)
+    real(wp), intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts)
     real(wp) :: sums(n_error_sums)
 
-    call add_errors(problem, with_e1, sums, squares)
+    call sum_errors(problem, with_e1, sums, squares, closing)
     call set_errors(sums, problem%n_contacts, problem%free_norm, problem%velocity_scale, with_e1, report)
   end subroutine measure_errors
 
   !> Sums over the contacts of a problem that make its errors: squares of the map with rho = 1 (where wanted), of the map
   !! with rho_a, of its velocity error, of r, and of u; and the number of contacts that carry an impulse.
-  pure function sum_errors(problem, with_e1) result(sums)
+  pure subroutine sum_errors(problem, with_e1, sums, squares, closing)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     logical, intent(in) :: with_e1 !! sum the first one too, which takes a map of its own
-    real(wp) :: sums(n_error_sums)
-
-    call add_errors(problem, with_e1, sums)
-  end function sum_errors
-
-  !> The same, and the squares of the map with rho_a one by one.
-  pure subroutine add_errors(problem, with_e1, sums, squares)
-    type(problem_t), intent(in) :: problem
-    logical, intent(in) :: with_e1
-    real(wp), intent(out) :: sums(n_error_sums)
-    real(wp), intent(inout), optional :: squares(:)
+    real(wp), intent(out) :: sums(n_error_sums) !! the sums
+    real(wp), intent(inout), optional :: squares(:) !! squares of the map with rho_a one by one, shape (contacts)
+    real(wp), intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts)
     type(chunk_t) :: a
-    real(wp) :: f8(chunk)
-    integer :: first, active
+    real(wp) :: lane(chunk, n_error_sums), f8(chunk)
+    integer :: first, i
     logical :: has_tangent
 
-    sums = 0
-    active = 0
-    if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, sums(:5), active, squares)
+    lane = 0
+    if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, lane, squares, closing)
     has_tangent = any(problem%kind == [round_frictional, arm_frictional])
     do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
       call gather(problem, first, a)
-      if (.not. has_tangent) then
-        call add_normal_parts(a%n, a%u_n, a%r_n, a%rho, with_e1, sums(:5), active, f8)
+      if (has_tangent) then
+        call add_chunk(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, with_e1, lane, f8)
       else
-        call add_chunk(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums(:5), active, f8)
-        if (with_e1) call add_unscaled(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, sums(1))
+        call add_normal_parts(a%n, a%u_n, a%r_n, a%rho, with_e1, lane, f8)
       end if
       if (present(squares)) squares(first:first + a%n - 1) = f8(:a%n)
+      if (.not. present(closing)) cycle
+      do i = 1, a%n
+        closing(first + i - 1) = closing_speed(a%u_n(i), abs(a%r_n(i)) + abs(a%r_t(i)) > 0, a%rho(i) > 0)
+      end do
     end do
-    sums(6) = real(active, wp)
-  end subroutine add_errors
+    do i = 1, n_error_sums
+      sums(i) = sum(lane(:, i))
+    end do
+  end subroutine sum_errors
 
   !> Errors from their sums, over one problem or over all parts of a decomposed one.
   pure subroutine set_errors(sums, contacts, free_norm, velocity_scale, with_e1, report)
@@ -100,67 +92,34 @@ contains
     report%violation = ratio(sqrt(sums(3)/real(max(1, contacts), wp)), velocity_scale)
   end subroutine set_errors
 
-  !> Which contacts a sweep had better visit: those that carry an impulse, and open ones that part slower than a limit.
-  pure subroutine choose_visited(problem, report, is_wanted, visited, missed)
-    type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
-    type(report_t), intent(in) :: report !! its errors
-    logical, intent(inout) :: is_wanted(:) !! contacts visited so far, then those to visit, shape (contacts)
-    integer, intent(out) :: visited !! number of contacts to visit
-    integer, intent(out) :: missed !! how many of them were not visited so far
-    type(chunk_t) :: a
-    real(wp) :: limit
-    integer :: first, i
-    logical :: is_slow
-
-    limit = speed_limit*report%violation*problem%velocity_scale
-    visited = 0
-    missed = 0
-    if (is_in_space(problem%kind)) call note_space_contacts(problem, limit, is_wanted, visited, missed)
-    do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
-      call gather(problem, first, a)
-      do i = 1, a%n
-        is_slow = a%rho(i) > 0 .and. (abs(a%r_n(i)) + abs(a%r_t(i)) > 0 .or. a%u_n(i) <= limit)
-        call note(is_slow, is_wanted(first + i - 1), visited, missed)
-      end do
-    end do
-  end subroutine choose_visited
-
-  !> Add a chunk to the sums, from the second: squares of the map with rho_a, of its velocity error, of r, and of u.
-  pure subroutine add_chunk(n, u_n, u_t, r_n, r_t, friction, rho, linear, sums, active, f8)
+  !> Add a chunk to sums of which each place has its own, so that no sum waits for the last one: squares of the map with rho = 1
+  !! (where wanted), of the map with rho_a, of its velocity error, of r, and of u; and the contacts that carry an impulse.
+  pure subroutine add_chunk(n, u_n, u_t, r_n, r_t, friction, rho, linear, with_e1, lane, f8)
     integer, intent(in) :: n
     real(wp), intent(in) :: u_n(chunk), u_t(chunk), r_n(chunk), r_t(chunk), friction(chunk), rho(chunk), linear(chunk)
-    real(wp), intent(inout) :: sums(5)
-    integer, intent(inout) :: active
+    logical, intent(in) :: with_e1
+    real(wp), intent(inout) :: lane(chunk, n_error_sums)
     real(wp), intent(out) :: f8(chunk)
-    real(wp) :: f(2)
+    real(wp) :: normal, tangential
     integer :: i
 
     do i = 1, n
-      f = natural_map([r_n(i), r_t(i)], [u_n(i), u_t(i)], friction(i), rho(i), linear(i))
-      f8(i) = f(1)**2 + f(2)**2
+      call map(r_n(i), r_t(i), u_n(i), u_t(i), friction(i), rho(i), linear(i), normal, tangential)
+      f8(i) = normal**2 + tangential**2
     end do
-    sums(2) = sums(2) + sum(f8(:n))
     do i = 1, n
-      if (rho(i) > 0) sums(3) = sums(3) + f8(i)/rho(i)**2
+      lane(i, 2) = lane(i, 2) + f8(i)
+      lane(i, 3) = lane(i, 3) + merge(f8(i), 0.0_wp, rho(i) > 0)/merge(rho(i), 1.0_wp, rho(i) > 0)**2
+      lane(i, 4) = lane(i, 4) + r_n(i)**2 + r_t(i)**2
+      lane(i, 5) = lane(i, 5) + u_n(i)**2 + u_t(i)**2
+      lane(i, 6) = lane(i, 6) + merge(1.0_wp, 0.0_wp, abs(r_n(i)) + abs(r_t(i)) > 0)
     end do
-    sums(4) = sums(4) + sum(r_n(:n)**2 + r_t(:n)**2)
-    sums(5) = sums(5) + sum(u_n(:n)**2 + u_t(:n)**2)
-    active = active + count(abs(r_n(:n)) + abs(r_t(:n)) > 0)
+    if (.not. with_e1) return
+    do i = 1, n
+      call map(r_n(i), r_t(i), u_n(i), u_t(i), friction(i), merge(1.0_wp, 0.0_wp, rho(i) > 0), linear(i), normal, tangential)
+      lane(i, 1) = lane(i, 1) + normal**2 + tangential**2
+    end do
   end subroutine add_chunk
-
-  !> Add the squares of the map with rho = 1 of a chunk to their sum.
-  pure subroutine add_unscaled(n, u_n, u_t, r_n, r_t, friction, rho, linear, squares)
-    integer, intent(in) :: n
-    real(wp), intent(in) :: u_n(chunk), u_t(chunk), r_n(chunk), r_t(chunk), friction(chunk), rho(chunk), linear(chunk)
-    real(wp), intent(inout) :: squares
-    real(wp) :: f(2)
-    integer :: i
-
-    do i = 1, n
-      f = natural_map([r_n(i), r_t(i)], [u_n(i), u_t(i)], friction(i), merge(1.0_wp, 0.0_wp, rho(i) > 0), linear(i))
-      squares = squares + f(1)**2 + f(2)**2
-    end do
-  end subroutine add_unscaled
 
   !> Natural map of one contact: zero where impulse and velocity obey the law.
   pure function natural_map(r, u, friction, rho, linear) result(f)
@@ -169,20 +128,29 @@ contains
     real(wp), intent(in) :: friction !! Coulomb coefficient
     real(wp), intent(in) :: rho !! scale of velocities [kg]
     real(wp), intent(in) :: linear !! 1 where no inequality but u = 0 is asked, else 0
-    real(wp) :: f(2), x, t, normal, tangential
+    real(wp) :: f(2)
 
-    x = r(1) - rho*(u(1) + friction*abs(u(2)))
-    t = r(2) - rho*u(2)
+    call map(r(1), r(2), u(1), u(2), friction, rho, linear, f(1), f(2))
+  end function natural_map
+
+  !> The same component by component, without a branch.
+  pure elemental subroutine map(r_n, r_t, u_n, u_t, friction, rho, linear, f_n, f_t)
+    real(wp), intent(in) :: r_n, r_t, u_n, u_t, friction, rho, linear
+    real(wp), intent(out) :: f_n, f_t
+    real(wp) :: x, t, normal, tangential
+    logical :: is_inside
+
+    x = r_n - rho*(u_n + friction*abs(u_t))
+    t = r_t - rho*u_t
     ! Projection on Coulomb's cone: on its surface (or the tip), unless the point lies inside. Without friction the cone
     ! is a ray, and behind its tip the point is not inside.
+    is_inside = x > 0 .and. abs(t) <= friction*x
     normal = max(0.0_wp, (x + friction*abs(t))/(1 + friction**2))
-    tangential = sign(friction*normal, t)
-    if (x > 0 .and. abs(t) <= friction*x) then
-      normal = x
-      tangential = t
-    end if
-    f = merge(rho*u, [r(1) - normal, r(2) - tangential], linear > 0)
-  end function natural_map
+    tangential = merge(t, sign(friction*normal, t), is_inside)
+    normal = merge(x, normal, is_inside)
+    f_n = merge(rho*u_n, r_n - normal, linear > 0)
+    f_t = merge(rho*u_t, r_t - tangential, linear > 0)
+  end subroutine map
 
   !> Gather a chunk of contacts, by the kernel of the problem's kind.
   pure subroutine gather(problem, first, a)
@@ -283,6 +251,8 @@ contains
       a%r_n(i) = r(1, i) + merge(record(13, i), 0.0_wp, record(16, i) > 0.5_wp)
       a%r_t(i) = r(2, i)
       a%friction(i) = record(12, i)
+    end do
+    do i = 1, n
       largest = (record(9, i) + record(11, i))/2 + sqrt((record(9, i) - record(11, i))**2/4 + record(10, i)**2)
       a%rho(i) = merge(1/max(largest, tiny(1.0_wp)), 0.0_wp, record(16, i) > 0.5_wp)
       a%linear(i) = merge(1.0_wp, 0.0_wp, record(16, i) > 1.5_wp)

@@ -1,14 +1,15 @@
 !> What the error measures need of contacts in space: the natural map of vectors in the world's axes (doc/theory/errors.md).
 module sg_residuals_space
-  use sg_compact_space, only: space_velocity
   use sg_kinds, only: wp
   use sg_problem, only: ball_frictional, ball_frictionless, problem_t, solid_frictional, solid_frictionless
   implicit none
   private
-  public :: add_normal_parts, add_space_contacts, note_space_contacts, note, chunk
+  public :: add_normal_parts, add_space_contacts, closing_speed, chunk, n_error_sums
 
   !> Contacts gathered at a time: their data stay in the first cache, and the map runs over them in vector registers
   integer, parameter :: chunk = 128
+  !> Sums that the errors of a problem are made of
+  integer, parameter :: n_error_sums = 6
 
   !> A chunk of contacts; where nothing rubs, normal parts stand on the first axis
   type :: chunk_t
@@ -26,72 +27,76 @@ module sg_residuals_space
 
 contains
 
-  !> Add all contacts to the sums: squares of the map with rho = 1 (where wanted), of the map with rho_a, of its velocity
-  !! error, of r, and of u.
-  pure subroutine add_space_contacts(problem, with_e1, sums, active, all_squares)
+  !> Add all contacts to sums of which each place of a chunk has its own: squares of the map with rho = 1 (where wanted), of the map
+  !! with rho_a, of its velocity error, of r, and of u; and the contacts that carry an impulse.
+  pure subroutine add_space_contacts(problem, with_e1, lane, all_squares, closing)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     logical, intent(in) :: with_e1 !! is the map with rho = 1 wanted too?
-    real(wp), intent(inout) :: sums(5) !! sums to add to
-    integer, intent(inout) :: active !! contacts that carry an impulse
+    real(wp), intent(inout) :: lane(chunk, n_error_sums) !! sums to add to
     real(wp), intent(inout), optional :: all_squares(:) !! squares of the map with rho_a, shape (contacts)
+    real(wp), intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts)
     type(chunk_t) :: a
     real(wp) :: squares(chunk), inverse(chunk)
-    integer :: first, n
+    integer :: first, n, i
     logical :: has_tangent
 
     has_tangent = any(problem%kind == [ball_frictional, solid_frictional])
     do first = 1, problem%n_contacts, chunk
       call gather(problem, first, a)
       n = a%n
+      if (present(closing)) then
+        do i = 1, n
+          closing(first + i - 1) = closing_speed(a%normal(i, 1)*a%u(i, 1) + a%normal(i, 2)*a%u(i, 2) + a%normal(i, 3)*a%u(i, 3), &
+                                                 abs(a%r(i, 1)) + abs(a%r(i, 2)) + abs(a%r(i, 3)) > 0, a%rho(i) > 0)
+        end do
+      end if
       if (.not. has_tangent) then
-        call add_normal_parts(n, a%u(:, 1), a%r(:, 1), a%rho, with_e1, sums, active, squares)
+        call add_normal_parts(n, a%u(:, 1), a%r(:, 1), a%rho, with_e1, lane, squares)
         if (present(all_squares)) all_squares(first:first + n - 1) = squares(:n)
         cycle
       end if
       if (with_e1) then
         inverse = merge(1.0_wp, 0.0_wp, a%rho > 0)
         call map_squares(n, a%normal, a%u, a%r, a%friction, inverse, a%linear, squares)
-        sums(1) = sums(1) + sum(squares(:n))
+        lane(:n, 1) = lane(:n, 1) + squares(:n)
       end if
       call map_squares(n, a%normal, a%u, a%r, a%friction, a%rho, a%linear, squares)
-      sums(2) = sums(2) + sum(squares(:n))
       if (present(all_squares)) all_squares(first:first + n - 1) = squares(:n)
       inverse = merge(1.0_wp, 0.0_wp, a%rho > 0)/max(a%rho, tiny(1.0_wp)**0.25_wp)
-      sums(3) = sums(3) + sum(squares(:n)*inverse(:n)**2)
-      sums(4) = sums(4) + sum(a%r(:n, :)**2)
-      sums(5) = sums(5) + sum(a%u(:n, :)**2)
-      active = active + count(abs(a%r(:n, 1)) + abs(a%r(:n, 2)) + abs(a%r(:n, 3)) > 0)
+      do i = 1, n
+        lane(i, 2) = lane(i, 2) + squares(i)
+        lane(i, 3) = lane(i, 3) + squares(i)*inverse(i)**2
+        lane(i, 4) = lane(i, 4) + a%r(i, 1)**2 + a%r(i, 2)**2 + a%r(i, 3)**2
+        lane(i, 5) = lane(i, 5) + a%u(i, 1)**2 + a%u(i, 2)**2 + a%u(i, 3)**2
+        lane(i, 6) = lane(i, 6) + merge(1.0_wp, 0.0_wp, abs(a%r(i, 1)) + abs(a%r(i, 2)) + abs(a%r(i, 3)) > 0)
+      end do
     end do
   end subroutine add_space_contacts
 
   !> The same for a chunk of contacts that have a normal part alone, in the plane or in space: the map is r - max(0, r - rho u).
-  pure subroutine add_normal_parts(n, u, r, rho, with_e1, sums, active, squares)
+  pure subroutine add_normal_parts(n, u, r, rho, with_e1, lane, squares)
     integer, intent(in) :: n !! contacts of the chunk
     real(wp), intent(in) :: u(chunk) !! normal velocity with bias [m/s]
     real(wp), intent(in) :: r(chunk) !! normal impulse [N s]
     real(wp), intent(in) :: rho(chunk) !! 1/W_nn [kg]; zero where the contact takes no part
     logical, intent(in) :: with_e1 !! is the map with rho = 1 wanted too?
-    real(wp), intent(inout) :: sums(5) !! sums to add to
-    integer, intent(inout) :: active !! contacts that carry an impulse
+    real(wp), intent(inout) :: lane(chunk, n_error_sums) !! sums to add to
     real(wp), intent(out) :: squares(chunk) !! of the map with rho
-    real(wp) :: over(chunk)
     integer :: i
 
     if (with_e1) then
       do i = 1, n
-        squares(i) = (r(i) - max(0.0_wp, r(i) - merge(1.0_wp, 0.0_wp, rho(i) > 0)*u(i)))**2
+        lane(i, 1) = lane(i, 1) + (r(i) - max(0.0_wp, r(i) - merge(1.0_wp, 0.0_wp, rho(i) > 0)*u(i)))**2
       end do
-      sums(1) = sums(1) + sum(squares(:n))
     end if
     do i = 1, n
       squares(i) = (r(i) - max(0.0_wp, r(i) - rho(i)*u(i)))**2
-      over(i) = merge(squares(i), 0.0_wp, rho(i) > 0)/merge(rho(i), 1.0_wp, rho(i) > 0)**2
+      lane(i, 2) = lane(i, 2) + squares(i)
+      lane(i, 3) = lane(i, 3) + merge(squares(i), 0.0_wp, rho(i) > 0)/merge(rho(i), 1.0_wp, rho(i) > 0)**2
+      lane(i, 4) = lane(i, 4) + r(i)**2
+      lane(i, 5) = lane(i, 5) + u(i)**2
+      lane(i, 6) = lane(i, 6) + merge(1.0_wp, 0.0_wp, abs(r(i)) > 0)
     end do
-    sums(2) = sums(2) + sum(squares(:n))
-    sums(3) = sums(3) + sum(over(:n))
-    sums(4) = sums(4) + sum(r(:n)**2)
-    sums(5) = sums(5) + sum(u(:n)**2)
-    active = active + count(abs(r(:n)) > 0)
   end subroutine add_normal_parts
 
   !> Squares of the natural map of a chunk: zero where impulse and velocity obey the law.
@@ -132,98 +137,41 @@ contains
     end if
   end subroutine map_squares
 
-  !> Note of all contacts whether they are to be visited: those that carry an impulse, and those that close, or part slower
-  !! than a limit.
-  pure subroutine note_space_contacts(problem, limit, is_wanted, visited, missed)
-    type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
-    real(wp), intent(in) :: limit !! normal velocity [m/s]
-    logical, intent(inout) :: is_wanted(:) !! contacts visited so far, then those to visit, shape (contacts)
-    integer, intent(inout) :: visited !! number of contacts to visit
-    integer, intent(inout) :: missed !! how many of them were not visited so far
-    type(chunk_t) :: a
-    integer :: first, i
-    logical :: is_slow
+  !> What tells whether to visit a contact: how fast it parts, or the lowest number where it carries an impulse, the highest where
+  !! it takes no part.
+  pure elemental real(wp) function closing_speed(u_n, carries, takes_part)
+    real(wp), intent(in) :: u_n !! normal velocity [m/s]
+    logical, intent(in) :: carries !! does it carry an impulse?
+    logical, intent(in) :: takes_part !! can it?
 
-    do first = 1, problem%n_contacts, chunk
-      call gather(problem, first, a)
-      do i = 1, a%n
-        is_slow = a%rho(i) > 0 .and. (abs(a%r(i, 1)) + abs(a%r(i, 2)) + abs(a%r(i, 3)) > 0 &
-                  .or. a%normal(i, 1)*a%u(i, 1) + a%normal(i, 2)*a%u(i, 2) + a%normal(i, 3)*a%u(i, 3) <= limit)
-        call note(is_slow, is_wanted(first + i - 1), visited, missed)
-      end do
-    end do
-  end subroutine note_space_contacts
+    closing_speed = merge(merge(-huge(1.0_wp), u_n, carries), huge(1.0_wp), takes_part)
+  end function closing_speed
 
-  !> Note whether a contact is to be visited, and whether it was not so far.
-  pure subroutine note(is_slow, is_wanted, visited, missed)
-    logical, intent(in) :: is_slow !! does it carry an impulse, close, or part slowly?
-    logical, intent(inout) :: is_wanted !! was it visited so far; then whether it is to be
-    integer, intent(inout) :: visited !! number of contacts to visit
-    integer, intent(inout) :: missed !! how many of them were not visited so far
-
-    if (is_slow) visited = visited + 1
-    if (is_slow .and. .not. is_wanted) missed = missed + 1
-    is_wanted = is_slow
-  end subroutine note
-
-  !> 1/lambda_max(W_aa) of a contact [kg].
-  pure real(wp) function scale_of(kind, record) result(rho)
-    integer, intent(in) :: kind
-    real(wp), intent(in) :: record(:)
-
-    select case (kind)
-    case (ball_frictionless)
-      rho = record(5)
-    case (ball_frictional)
-      rho = merge(min(record(7), record(8)), record(7), record(9) > 0)
-    case (solid_frictionless)
-      rho = record(11)
-    case default
-      rho = record(26)
-    end select
-  end function scale_of
-
-  !> Gather a chunk of contacts.
+  !> Gather a chunk of contacts, by the kernel of the problem's kind.
   pure subroutine gather(problem, first, a)
     type(problem_t), intent(in) :: problem
     integer, intent(in) :: first
     type(chunk_t), intent(inout) :: a
-    integer :: i, k
+    integer :: last
 
     a%n = min(chunk, problem%n_contacts - first + 1)
-    if (problem%kind == ball_frictional) then
-      associate (last => first + a%n - 1)
-        call gather_balls(a%n, problem%pair(:, first:last), problem%record(:, first:last), problem%impulse(:, first:last), &
-                          problem%n_bodies, problem%body, a)
-      end associate
-      return
-    end if
-    if (problem%kind == ball_frictionless) then
-      associate (last => first + a%n - 1)
-        call gather_slippery_balls(a%n, problem%pair(:, first:last), problem%record(:, first:last), &
-                                   problem%impulse(:, first:last), problem%n_bodies, problem%body, a)
-      end associate
-      return
-    end if
-    do i = 1, a%n
-      k = first + i - 1
-      a%u(i, :) = space_velocity(problem, k)
-      associate (record => problem%record(:, k), r => problem%impulse(:, k))
-        a%rho(i) = scale_of(problem%kind, record)
-        if (problem%kind == solid_frictional) then
-          a%normal(i, :) = record(1:3)
-          a%r(i, :) = r + merge(record(22), 0.0_wp, record(25) > 0.5_wp)*record(1:3)
-          a%friction(i) = record(21)
-          a%linear(i) = merge(1.0_wp, 0.0_wp, record(25) > 1.5_wp)
-        else
-          a%normal(i, :) = [1.0_wp, 0.0_wp, 0.0_wp]
-          a%r(i, :) = [r(1), 0.0_wp, 0.0_wp]
-        end if
-      end associate
-    end do
+    last = first + a%n - 1
+    associate (n => a%n, pair => problem%pair(:, first:last), record => problem%record(:, first:last), &
+               r => problem%impulse(:, first:last))
+      select case (problem%kind)
+      case (ball_frictionless)
+        call gather_slippery_balls(n, pair, record, r, problem%n_bodies, problem%body, a)
+      case (ball_frictional)
+        call gather_balls(n, pair, record, r, problem%n_bodies, problem%body, a)
+      case (solid_frictionless)
+        call gather_slippery_solids(n, pair, record, r, problem%n_bodies, problem%body, a)
+      case (solid_frictional)
+        call gather_solids(n, pair, record, r, problem%n_bodies, problem%body, a)
+      end select
+    end associate
   end subroutine gather
 
-  !> The same for balls without friction.
+  !> Data of balls without friction.
   pure subroutine gather_slippery_balls(n, pair, record, r, n_bodies, body, a)
     integer, intent(in) :: n, pair(2, n), n_bodies
     real(wp), intent(in) :: record(5, n), r(1, n), body(6, n_bodies)
@@ -241,7 +189,7 @@ contains
     end do
   end subroutine gather_slippery_balls
 
-  !> The same for balls with friction.
+  !> Data of balls with friction.
   pure subroutine gather_balls(n, pair, record, r, n_bodies, body, a)
     integer, intent(in) :: n, pair(2, n), n_bodies
     real(wp), intent(in) :: record(9, n), r(3, n), body(8, n_bodies)
@@ -268,4 +216,55 @@ contains
       a%rho(i) = merge(min(record(7, i), record(8, i)), record(7, i), record(9, i) > 0)
     end do
   end subroutine gather_balls
+
+  !> Data of solids without friction.
+  pure subroutine gather_slippery_solids(n, pair, record, r, n_bodies, body, a)
+    integer, intent(in) :: n, pair(2, n), n_bodies
+    real(wp), intent(in) :: record(11, n), r(1, n), body(16, n_bodies)
+    type(chunk_t), intent(inout) :: a
+    integer :: i
+
+    do i = 1, n
+      associate (c => pair(1, i), d => pair(2, i))
+        a%u(i, 1) = record(1, i)*(body(1, c) - body(1, d)) + record(2, i)*(body(2, c) - body(2, d)) &
+                    + record(3, i)*(body(3, c) - body(3, d)) + record(4, i)*body(4, c) + record(5, i)*body(5, c) &
+                    + record(6, i)*body(6, c) - record(7, i)*body(4, d) - record(8, i)*body(5, d) - record(9, i)*body(6, d) &
+                    + record(10, i)
+      end associate
+      a%r(i, 1) = r(1, i)
+      a%rho(i) = record(11, i)
+      a%normal(i, 1) = 1
+    end do
+  end subroutine gather_slippery_solids
+
+  !> Data of solids with friction and any law.
+  pure subroutine gather_solids(n, pair, record, r, n_bodies, body, a)
+    integer, intent(in) :: n, pair(2, n), n_bodies
+    real(wp), intent(in) :: record(26, n), r(3, n), body(16, n_bodies)
+    type(chunk_t), intent(inout) :: a
+    real(wp) :: yielding, cohesion
+    integer :: i
+
+    do i = 1, n
+      associate (c => pair(1, i), d => pair(2, i))
+        yielding = (record(23, i) - record(24, i))*(record(1, i)*r(1, i) + record(2, i)*r(2, i) + record(3, i)*r(3, i))
+        a%u(i, 1) = body(1, c) - body(1, d) + body(5, c)*record(9, i) - body(6, c)*record(8, i) - body(5, d)*record(12, i) &
+                    + body(6, d)*record(11, i) + record(13, i) + record(24, i)*r(1, i) + yielding*record(1, i)
+        a%u(i, 2) = body(2, c) - body(2, d) + body(6, c)*record(7, i) - body(4, c)*record(9, i) - body(6, d)*record(10, i) &
+                    + body(4, d)*record(12, i) + record(14, i) + record(24, i)*r(2, i) + yielding*record(2, i)
+        a%u(i, 3) = body(3, c) - body(3, d) + body(4, c)*record(8, i) - body(5, c)*record(7, i) - body(4, d)*record(11, i) &
+                    + body(5, d)*record(10, i) + record(15, i) + record(24, i)*r(3, i) + yielding*record(3, i)
+      end associate
+      cohesion = merge(record(22, i), 0.0_wp, record(25, i) > 0.5_wp)
+      a%normal(i, 1) = record(1, i)
+      a%normal(i, 2) = record(2, i)
+      a%normal(i, 3) = record(3, i)
+      a%r(i, 1) = r(1, i) + cohesion*record(1, i)
+      a%r(i, 2) = r(2, i) + cohesion*record(2, i)
+      a%r(i, 3) = r(3, i) + cohesion*record(3, i)
+      a%friction(i) = record(21, i)
+      a%rho(i) = record(26, i)
+      a%linear(i) = merge(1.0_wp, 0.0_wp, record(25, i) > 1.5_wp)
+    end do
+  end subroutine gather_solids
 end module sg_residuals_space

@@ -10,6 +10,7 @@ module sg_shared_sweeps
   use sg_problem, only: problem_t
   use sg_report, only: report_t
   use sg_subdomain, only: subdomain_t
+  use sg_tables, only: tables_t
   implicit none
   private
   public :: shared_sweeps_t
@@ -26,6 +27,7 @@ module sg_shared_sweeps
     procedure :: finish_round => shared_finish_round
     procedure :: begin_test => shared_begin_test
     procedure :: tell_result => shared_tell_result
+    procedure :: list_shared => shared_list_shared
     procedure(rule), deferred :: rule
   end type shared_sweeps_t
 
@@ -57,7 +59,7 @@ contains
         call self%divide_masses(problem, slot, merge(copies, 1, is_mean))
         call add_impulses(problem)
         call self%gluing%begin(problem, comm)
-        call self%parts%begin(problem, parts_of(problem, slot), 2, is_mean, self%options)
+        call self%parts%begin(problem, parts_of(problem, slot), 2, is_mean, slot, self%options)
       end associate
     end associate
     call self%gluing%finish(problem, comm)
@@ -116,7 +118,11 @@ contains
 
     call self%parts%give_impulses(problem)
     if (self%relaxation < 1) call drop_traces(problem%n_contacts, problem%impulse)
-    call self%errors%begin(problem, with_e1, comm)
+    if (self%parts%clusters%are_sought) then
+      call self%errors%begin(problem, with_e1, comm, self%parts%visits%closing, self%parts%clusters%squares)
+    else
+      call self%errors%begin(problem, with_e1, comm, self%parts%visits%closing)
+    end if
   end subroutine shared_begin_test
 
   !> Drop what is left of impulses of contacts that have opened: relaxed sweeps let them fade, but never vanish, and a contact
@@ -144,4 +150,12 @@ contains
 
     call self%gluing%sharing%tell_result(problem, subdomain, slot_of, comm)
   end subroutine shared_tell_result
+
+  !> List the tables of the gluing.
+  subroutine shared_list_shared(self, tables)
+    class(shared_sweeps_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call self%gluing%list_tables(tables)
+  end subroutine shared_list_shared
 end module sg_shared_sweeps

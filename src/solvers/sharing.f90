@@ -8,6 +8,7 @@ module sg_sharing
   use sg_kinds, only: wp, i4
   use sg_problem, only: first_inverse, problem_t
   use sg_subdomain, only: subdomain_t
+  use sg_tables, only: per_body, tables_t
   use sg_wide_bodies, only: wide_bodies_t
   implicit none
   private
@@ -36,6 +37,7 @@ module sg_sharing
   contains
     procedure :: find => sharing_find
     procedure :: tell_result => sharing_tell_result
+    procedure :: list_tables => sharing_list_tables
   end type sharing_t
 
 contains
@@ -211,4 +213,23 @@ contains
       problem%body(:width, self%heard(i)) = self%last%receive(:, i)
     end do
   end subroutine sharing_tell_result
+
+  !> List the tables of what is shared in a step, and the messages about it.
+  subroutine sharing_list_tables(self, tables)
+    class(sharing_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call tables%begin('sharing', per_body)
+    call tables%note('is_here', self%is_here)
+    call tables%note('is_there', self%is_there)
+    call tables%note('slot', self%slot)
+    call tables%note('parts', self%parts)
+    call tables%note('item', self%item)
+    call tables%note('first', self%first)
+    call tables%note('told', self%told)
+    call tables%note('heard', self%heard)
+    call tables%add('last', self%last%table_bytes())
+    call tables%add('activity', self%activity%table_bytes())
+    call self%wide%list_tables(tables)
+  end subroutine sharing_list_tables
 end module sg_sharing

@@ -1,7 +1,8 @@
 !> Clusters of contacts that are solved while others are not: sweeps leave them alone (doc/theory/nlgs.md).
 !!
 !! A cluster is what bodies that move hold together: walls join nothing. W has no entry between the contacts of two clusters,
-!! so that a cluster which no sweep visits keeps its error to the last bit, whatever the others do.
+!! so that a cluster which no sweep visits keeps its error to the last bit, whatever the others do. On several ranks that holds for
+!! clusters that lie within one of them.
 module sg_solved_clusters
   use sg_kinds, only: wp, i4
   use sg_problem, only: first_inverse, problem_t
@@ -26,20 +27,27 @@ module sg_solved_clusters
     integer, private :: n_left_out = 0, next_look = patience
     !> Squares of the map that e8 is made of, shape (contacts)
     real(wp), allocatable :: squares(:)
-    !> Were contacts in the order of the sweep so far? shape (contacts)
-    logical, allocatable, private :: were_visited(:)
     !> Body that leads to the one which stands for the cluster, by slot, 0 for one that nothing moves; contacts of the cluster, and
     !! what it has beyond its share
     integer(i4), allocatable, private :: parent(:), members(:)
     real(wp), allocatable, private :: excess(:)
   contains
+    procedure :: begin => clusters_begin
     procedure :: prepare => clusters_prepare
-    procedure :: note_visited => clusters_note_visited
     procedure :: leave_out => clusters_leave_out
     procedure :: list_tables => clusters_list_tables
   end type solved_clusters_t
 
 contains
+
+  !> Begin a solve: nothing is left out.
+  pure subroutine clusters_begin(self)
+    class(solved_clusters_t), intent(inout) :: self
+
+    self%are_sought = .false.
+    self%n_left_out = 0
+    self%next_look = patience
+  end subroutine clusters_begin
 
   !> Is it time to look for clusters at this test? Then make room.
   pure subroutine clusters_prepare(self, problem, options, sweeps)
@@ -47,22 +55,14 @@ contains
     type(problem_t), intent(in) :: problem !! problem being solved
     type(solver_options_t), intent(in) :: options !! whether they are wanted; the criterion must be one of e8
     integer, intent(in) :: sweeps !! done so far
-    integer :: room
 
-    if (sweeps < patience) then
-      self%n_left_out = 0
-      self%next_look = patience
-    end if
     self%are_sought = options%leave_solved .and. (self%n_left_out > 0 .or. sweeps >= self%next_look) .and. &
                       any(options%criterion == [criterion_e8, criterion_estimate])
     if (.not. self%are_sought) return
     if (allocated(self%squares)) then
-      if (size(self%squares) < problem%n_contacts) deallocate (self%squares, self%were_visited)
+      if (size(self%squares) < problem%n_contacts) deallocate (self%squares)
     end if
-    if (.not. allocated(self%squares)) then
-      room = problem%n_contacts + problem%n_contacts/8
-      allocate (self%squares(room), self%were_visited(room))
-    end if
+    if (.not. allocated(self%squares)) allocate (self%squares(problem%n_contacts + problem%n_contacts/8))
     if (allocated(self%parent)) then
       if (size(self%parent) < problem%n_bodies) deallocate (self%parent, self%members, self%excess)
     end if
@@ -71,25 +71,35 @@ contains
     end if
   end subroutine clusters_prepare
 
-  !> Note whom sweeps visit, before that is chosen anew.
-  pure subroutine clusters_note_visited(self, is_wanted)
-    class(solved_clusters_t), intent(inout) :: self
-    logical, intent(in) :: is_wanted(:) !! contacts visited so far, shape (contacts)
-
-    self%were_visited(:size(is_wanted)) = is_wanted
-  end subroutine clusters_note_visited
-
   !> Take the contacts of solved clusters out of those that are to be visited.
-  pure subroutine clusters_leave_out(self, problem, sweeps, reduction, is_wanted, visited, missed)
+  pure subroutine clusters_leave_out(self, problem, sweeps, asked, is_wanted, shared)
     class(solved_clusters_t), intent(inout) :: self !! prepared; its squares are measured
-    type(problem_t), intent(in) :: problem !! problem being solved
+    type(problem_t), intent(in) :: problem !! problem being solved, or a rank's part of it
     integer, intent(in) :: sweeps !! done so far
-    real(wp), intent(in) :: reduction !! what is asked for over what is there: tolerance over criterion
+    real(wp), intent(in) :: asked !! mean over all contacts of the squares that are asked for [N2 s2]
     logical, intent(inout) :: is_wanted(:) !! contacts to visit, shape (contacts)
-    integer, intent(inout) :: visited !! number of contacts to visit
-    integer, intent(inout) :: missed !! how many of them were not visited so far
-    real(wp) :: share
-    integer :: b, k, root, inverse
+    integer, intent(in), optional :: shared(:) !! slots of bodies on which others act too: their clusters stay
+    integer :: k
+
+    call join_bodies(self, problem, is_wanted)
+    call weigh(self, problem, is_wanted, part_of_share*asked)
+    if (present(shared)) call keep(self, shared)
+    self%n_left_out = sum(self%members(:problem%n_bodies), .not. self%excess(:problem%n_bodies) > 0)
+    self%next_look = patience_grows*sweeps
+    ! Few are not worth an order of their own: then all is as if nobody had looked.
+    if (self%n_left_out < sum(self%members(:problem%n_bodies))/8) self%n_left_out = 0
+    if (self%n_left_out == 0) return
+    do k = 1, problem%n_contacts
+      if (is_wanted(k)) is_wanted(k) = self%excess(cluster_of(self, problem, k)) > 0
+    end do
+  end subroutine clusters_leave_out
+
+  !> Let each body know the one that stands for its cluster.
+  pure subroutine join_bodies(self, problem, is_wanted)
+    type(solved_clusters_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
+    logical, intent(in) :: is_wanted(:)
+    integer :: b, k, inverse
 
     inverse = first_inverse(problem%kind)
     do b = 1, problem%n_bodies
@@ -107,29 +117,45 @@ contains
     do b = 1, problem%n_bodies
       if (self%parent(b) > 0) self%parent(b) = self%parent(self%parent(b))
     end do
-    share = part_of_share*reduction**2*sum(self%squares(:problem%n_contacts))/real(problem%n_contacts, wp)
+  end subroutine join_bodies
+
+  !> Body that stands for the cluster of a contact.
+  pure integer function cluster_of(self, problem, k) result(root)
+    type(solved_clusters_t), intent(in) :: self
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: k
+
+    root = max(1, self%parent(problem%pair(1, k)), self%parent(problem%pair(2, k)))
+  end function cluster_of
+
+  !> Count the contacts of clusters, and sum what their squares are beyond their share.
+  pure subroutine weigh(self, problem, is_wanted, share)
+    type(solved_clusters_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
+    logical, intent(in) :: is_wanted(:)
+    real(wp), intent(in) :: share !! of a contact
+    integer :: k, root
+
     self%excess = 0
     self%members = 0
     do k = 1, problem%n_contacts
       if (.not. is_wanted(k)) cycle
-      root = max(1, self%parent(problem%pair(1, k)), self%parent(problem%pair(2, k)))
+      root = cluster_of(self, problem, k)
       self%excess(root) = self%excess(root) + self%squares(k) - share
       self%members(root) = self%members(root) + 1
     end do
-    self%n_left_out = sum(self%members(:problem%n_bodies), .not. self%excess(:problem%n_bodies) > 0)
-    self%next_look = patience_grows*sweeps
-    ! Few are not worth an order of their own: then all is as if nobody had looked.
-    if (self%n_left_out < visited/8) self%n_left_out = 0
-    if (self%n_left_out == 0) return
-    visited = 0
-    missed = 0
-    do k = 1, problem%n_contacts
-      root = max(1, self%parent(problem%pair(1, k)), self%parent(problem%pair(2, k)))
-      if (is_wanted(k)) is_wanted(k) = self%excess(root) > 0
-      if (is_wanted(k)) visited = visited + 1
-      if (is_wanted(k) .and. .not. self%were_visited(k)) missed = missed + 1
+  end subroutine weigh
+
+  !> Keep the clusters of some bodies, whatever their squares are.
+  pure subroutine keep(self, bodies)
+    type(solved_clusters_t), intent(inout) :: self
+    integer, intent(in) :: bodies(:)
+    integer :: i
+
+    do i = 1, size(bodies)
+      self%excess(max(1, self%parent(bodies(i)))) = huge(1.0_wp)
     end do
-  end subroutine clusters_leave_out
+  end subroutine keep
 
   !> Join the clusters of two bodies: the lower number stands for both (Rem's algorithm, Dijkstra 1976).
   pure subroutine join(parent, one, other)
@@ -162,7 +188,6 @@ contains
 
     call tables%begin('clusters', per_contact)
     call tables%note('squares', self%squares)
-    call tables%note('were_visited', self%were_visited)
     call tables%begin('clusters', per_body)
     call tables%note('parent', self%parent)
     call tables%note('members', self%members)

@@ -8,16 +8,17 @@
 !! a run goes on from a restart as it would have. Contacts that are open and stay so need not be visited at all: the order holds
 !! the ones chosen.
 module sg_sweep_order
+  use sg_convergence, only: looks_at_errors
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: ball_frictional, first_inverse, is_compact, problem_t, solid_frictional
   use sg_random, only: random_t
   use sg_run_options, only: solver_options_t
   use sg_sweep_blocks, only: colour_blocks, sweep_blocks_t
-  use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, row_impulse, solid_lanes_t
+  use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, solid_lanes_t
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none
   private
-  public :: sweep_order_t, set_order, give_impulses, list_order, lanes
+  public :: sweep_order_t, set_order, update_order, give_impulses, list_order, lanes
 
   !> Contacts of a group that balls with friction are swept by in vector registers
   integer, parameter :: lanes = 8
@@ -27,6 +28,8 @@ module sg_sweep_order
   !! Larger ones overlap more updates, smaller ones keep the spatial order better. Polygons pay for lost order: with
   !! the sizes of disks they need half as many sweeps again (doc/performance.md).
   integer, parameter :: width_round = 8, block_round = 256, width_arm = 4, block_arm = 32
+  !> An order is made anew when more than one over this many of its contacts are missing, or need no visit any more
+  integer, parameter :: slack = 16
   !> The most groups that a block may open (bits of an integer)
   integer, parameter :: most_groups = 63
 
@@ -36,7 +39,8 @@ module sg_sweep_order
     integer :: n = 0
     !> Their indices in the problem
     integer(i4), allocatable :: contact(:)
-    !> Slots, records and impulses in that order
+    !> Slots, records and impulses in that order; not where contacts stand side by side, unless the criterion looks at them
+    logical :: has_copies = .false.
     integer(i4), allocatable :: pair(:, :)
     real(wp), allocatable :: record(:, :), impulse(:, :)
     !> Groups of balls with friction, side by side: number of groups and size of each; slots, shape (lanes, 2, groups),
@@ -61,9 +65,10 @@ contains
     type(sweep_order_t), intent(inout) :: order !! order to set
     type(problem_t), intent(in) :: problem !! problem to sweep
     logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit
-    type(solver_options_t), intent(in) :: options !! order and threads
+    type(solver_options_t), intent(in) :: options !! order and threads; whether the criterion looks at records in their order
     type(random_t) :: random
-    integer :: i, k
+    integer :: k
+    logical :: is_done
 
     call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
     order%n = 0
@@ -86,16 +91,63 @@ contains
     case default
       call deal_all(order, problem, options%order == 'coloured')
     end select
-    do i = 1, order%n
-      k = order%contact(i)
-      order%pair(:, i) = problem%pair(:, k)
-      order%record(:, i) = problem%record(:, k)
-    end do
-    call take_impulses(order, problem)
-    if (order%n_groups > 0) call fill_lanes(order)
-    if (order%solids%n_groups > 0) call fill_rows(order%pair(:, :order%n), order%record(:, :order%n), order%impulse(:, :order%n), &
-                                                  order%solids)
+    order%has_copies = order%n_groups + order%solids%n_groups == 0 .or. .not. looks_at_errors(options%criterion)
+    if (order%has_copies) call fill_copies(order, problem, 1)
+    if (order%n_groups > 0) call fill_lanes(order, problem, 1, 1)
+    if (order%solids%n_groups > 0) call fill_rows(problem, order%contact(:order%n), order%solids, 1, is_done)
   end subroutine set_order
+
+  !> Bring an order up to date with a new choice: where little has changed it stays, with the contacts that it missed at its end.
+  pure subroutine update_order(order, problem, is_wanted, is_visited, options)
+    type(sweep_order_t), intent(inout) :: order !! order to change; its impulses are those of the problem
+    type(problem_t), intent(in) :: problem !! problem being swept
+    logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit, shape (contacts)
+    logical, intent(inout), contiguous :: is_visited(:) !! which ones the order holds, shape (contacts)
+    type(solver_options_t), intent(in) :: options !! those that the order was set with
+    integer :: wanted, missed
+    logical :: is_done
+
+    wanted = count(is_wanted)
+    missed = count(is_wanted .and. .not. is_visited)
+    if (wanted >= order%n - order%n/slack) then
+      if (missed == 0) return
+      if (missed <= order%n/slack .and. options%order == 'groups') then
+        call append(order, problem, is_wanted .and. .not. is_visited, is_done)
+        if (is_done) is_visited = is_visited .or. is_wanted
+        if (is_done) return
+      end if
+    end if
+    call set_order(order, problem, is_wanted, options)
+    is_visited = is_wanted
+  end subroutine update_order
+
+  !> Add contacts to groups of their own at the end of an order, if there is room.
+  pure subroutine append(order, problem, is_added, is_done)
+    type(sweep_order_t), intent(inout) :: order
+    type(problem_t), intent(in) :: problem
+    logical, intent(in), contiguous :: is_added(:)
+    logical, intent(out) :: is_done
+    integer :: k, first, first_group, first_solid_group
+
+    first = order%n + 1
+    first_group = order%n_groups + 1
+    first_solid_group = order%solids%n_groups + 1
+    is_done = order%n + count(is_added) <= size(order%contact)
+    if (is_done .and. order%has_copies) is_done = order%n + count(is_added) <= size(order%pair, 2)
+    if (.not. is_done) return
+    do k = 1, problem%n_contacts
+      if (.not. is_added(k)) cycle
+      order%n = order%n + 1
+      order%chosen(order%n) = int(k, i4)
+    end do
+    call deal(order, problem, first, order%n)
+    if (order%has_copies) call fill_copies(order, problem, first)
+    if (order%n_groups > 0) then
+      is_done = order%n_groups <= size(order%lane_pair, 3)
+      if (is_done) call fill_lanes(order, problem, first_group, first)
+    end if
+    if (order%solids%n_groups > 0) call fill_rows(problem, order%contact(:order%n), order%solids, first_solid_group, is_done)
+  end subroutine append
 
   !> Room for the contacts wanted.
   pure subroutine make_room(order, problem, wanted)
@@ -108,16 +160,35 @@ contains
     fits = allocated(order%contact)
     if (fits) fits = size(order%contact) >= wanted .and. size(order%groups_of) == problem%n_bodies
     if (fits) return
-    if (allocated(order%contact)) then
-      deallocate (order%contact, order%pair, order%record, order%impulse, order%chosen, order%groups_of)
-    end if
+    if (allocated(order%contact)) deallocate (order%contact, order%chosen, order%groups_of)
     n = wanted + wanted/8
-    allocate (order%contact(n), order%chosen(n), order%pair(2, n))
-    allocate (order%record(size(problem%record, 1), n), order%impulse(size(problem%impulse, 1), n))
+    allocate (order%contact(n), order%chosen(n))
     allocate (order%groups_of(problem%n_bodies), source=0_i8)
     if (allocated(order%group_size)) deallocate (order%group_size)
     if (problem%kind == ball_frictional) allocate (order%group_size(n))
   end subroutine make_room
+
+  !> Copy slots, records and impulses one by one, from a first contact on.
+  pure subroutine fill_copies(order, problem, first)
+    type(sweep_order_t), intent(inout) :: order
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: first
+    integer :: i, k, n
+
+    if (allocated(order%pair)) then
+      if (size(order%pair, 2) < order%n) deallocate (order%pair, order%record, order%impulse)
+    end if
+    if (.not. allocated(order%pair)) then
+      n = order%n + order%n/8
+      allocate (order%pair(2, n), order%record(size(problem%record, 1), n), order%impulse(size(problem%impulse, 1), n))
+    end if
+    do i = first, order%n
+      k = order%contact(i)
+      order%pair(:, i) = problem%pair(:, k)
+      order%record(:, i) = problem%record(:, k)
+      order%impulse(:, i) = problem%impulse(:, k)
+    end do
+  end subroutine fill_copies
 
   !> Deal contacts to groups, all at once or within each coloured block.
   pure subroutine deal_all(order, problem, are_coloured)
@@ -126,7 +197,7 @@ contains
     logical, intent(in) :: are_coloured
     integer :: b
 
-    if (problem%kind == solid_frictional) call begin_rows(order%solids, order%n)
+    if (problem%kind == solid_frictional) call begin_rows(order%solids, size(order%contact))
     if (.not. are_coloured) then
       call deal(order, problem, 1, order%n)
       return
@@ -272,10 +343,12 @@ contains
     end do
   end subroutine note_group
 
-  !> Put records and impulses side by side, group by group.
-  pure subroutine fill_lanes(order)
+  !> Put records and impulses side by side, group by group, from a first group and its first contact on.
+  pure subroutine fill_lanes(order, problem, first_group, first)
     type(sweep_order_t), intent(inout) :: order
-    integer :: g, i, e
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: first_group, first
+    integer :: g, i, e, k
 
     if (allocated(order%lane_pair)) then
       if (size(order%lane_pair, 3) < order%n_groups) deallocate (order%lane_pair, order%lane_record, order%lane_impulse)
@@ -285,57 +358,48 @@ contains
                 order%lane_record(lanes, 9, order%n_groups + order%n_groups/8), &
                 order%lane_impulse(lanes, 3, order%n_groups + order%n_groups/8))
     end if
-    e = 0
-    do g = 1, order%n_groups
-      do i = 1, lanes
-        if (i <= order%group_size(g)) then
-          e = e + 1
-          order%lane_pair(i, :, g) = order%pair(:, e)
-          order%lane_record(i, :, g) = order%record(:, e)
-          order%lane_impulse(i, :, g) = order%impulse(:, e)
-        else
-          order%lane_pair(i, :, g) = order%lane_pair(1, :, g)
-          order%lane_record(i, :, g) = 0
-          order%lane_impulse(i, :, g) = 0
-        end if
+    e = first - 1
+    do g = first_group, order%n_groups
+      do i = 1, order%group_size(g)
+        e = e + 1
+        k = order%contact(e)
+        order%lane_pair(i, :, g) = problem%pair(:, k)
+        order%lane_record(i, :, g) = problem%record(1:9, k)
+        order%lane_impulse(i, :, g) = problem%impulse(1:3, k)
+      end do
+      do i = order%group_size(g) + 1, lanes
+        order%lane_pair(i, :, g) = order%lane_pair(1, :, g)
+        order%lane_record(i, :, g) = 0
+        order%lane_impulse(i, :, g) = 0
       end do
     end do
   end subroutine fill_lanes
-
-  !> Copy impulses from the problem into the order.
-  pure subroutine take_impulses(order, problem)
-    type(sweep_order_t), intent(inout) :: order !! order to fill
-    type(problem_t), intent(in) :: problem !! its impulses
-    integer :: i
-
-    do i = 1, order%n
-      order%impulse(:, i) = problem%impulse(:, order%contact(i))
-    end do
-  end subroutine take_impulses
 
   !> Copy impulses from the order back to the problem.
   pure subroutine give_impulses(order, problem)
     type(sweep_order_t), intent(inout) :: order !! swept order
     type(problem_t), intent(inout) :: problem !! its impulses are set
-    integer :: i, g, e, row
+    integer :: i, g, e
 
-    e = 0
-    do g = 1, order%n_groups
-      do i = 1, order%group_size(g)
-        e = e + 1
-        order%impulse(:, e) = order%lane_impulse(i, :, g)
-      end do
-    end do
-    if (order%solids%n_groups > 0) then
-      do row = 1, order%solids%n_rows
-        do i = 1, order%solids%row_size(row)
+    if (order%n_groups > 0) then
+      e = 0
+      do g = 1, order%n_groups
+        do i = 1, order%group_size(g)
           e = e + 1
-          if (order%record(25, e) > 0.5_wp) order%impulse(:, e) = row_impulse(order%record(:, e), order%solids%row(i, 1:3, row))
+          problem%impulse(1:3, order%contact(e)) = order%lane_impulse(i, :, g)
         end do
       end do
+    else if (order%solids%n_groups > 0) then
+      call give_rows(order%solids, order%contact(:order%n), problem)
+    else
+      do i = 1, order%n
+        problem%impulse(:, order%contact(i)) = order%impulse(:, i)
+      end do
+      return
     end if
+    if (.not. order%has_copies) return
     do i = 1, order%n
-      problem%impulse(:, order%contact(i)) = order%impulse(:, i)
+      order%impulse(:, i) = problem%impulse(:, order%contact(i))
     end do
   end subroutine give_impulses
 

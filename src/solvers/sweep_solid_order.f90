@@ -8,7 +8,7 @@ module sg_sweep_solid_order
   use sg_vectors, only: cross
   implicit none
   private
-  public :: solid_lanes_t, begin_rows, deal_chains, fill_rows, row_impulse, lanes, row_length, special_length
+  public :: solid_lanes_t, begin_rows, deal_chains, fill_rows, give_rows, lanes, row_length, special_length
 
   !> Contacts side by side
   integer, parameter :: lanes = 8
@@ -152,38 +152,63 @@ contains
     rows%last_row(rows%n_groups) = int(rows%n_rows, i4)
   end subroutine write_rows
 
-  !> Put slots, impulses and records side by side.
-  pure subroutine fill_rows(pair, record, impulse, rows)
-    integer(i4), intent(in) :: pair(:, :) !! slots, shape (2, contacts), as all that follows in the order of the rows
-    real(wp), intent(in) :: record(:, :) !! records
-    real(wp), intent(in) :: impulse(:, :) !! impulses
+  !> Put slots, impulses and records side by side, from a first group on. Those before it stay, which takes room behind them.
+  pure subroutine fill_rows(problem, contact, rows, first_group, is_done)
+    type(problem_t), intent(in) :: problem !! problem to sweep
+    integer(i4), intent(in), contiguous :: contact(:) !! its contacts in the order of the rows
     type(solid_lanes_t), intent(inout) :: rows !! dealt rows to fill
+    integer, intent(in) :: first_group !! first one to fill
+    logical, intent(out) :: is_done !! always from the first group on
+    logical :: is_special
     integer :: g, row, i, e, first
 
-    call make_room(rows, any(abs(record(23:24, :)) > 0) .or. any(is_oblique(record)))
-    e = 0
     first = 1
-    do g = 1, rows%n_groups
-      rows%pair(:, 1, g) = pair(1, e + 1)
-      rows%pair(:, 2, g) = pair(2, e + 1)
-      do i = 1, rows%row_size(first)
-        rows%pair(i, :, g) = pair(:, e + i)
+    if (first_group > 1) first = rows%last_row(first_group - 1) + 1
+    e = sum(rows%row_size(:first - 1))
+    is_special = any_special(problem, contact(e + 1:))
+    is_done = .true.
+    if (first_group == 1) then
+      call make_room(rows, is_special)
+    else
+      is_done = size(rows%row, 3) >= rows%n_rows .and. size(rows%pair, 3) >= rows%n_groups .and. &
+                (size(rows%special, 3) > 0 .or. .not. is_special)
+      is_special = size(rows%special, 3) > 0
+    end if
+    if (.not. is_done) return
+    do g = first_group, rows%n_groups
+      do i = 1, lanes
+        rows%pair(i, :, g) = problem%pair(:, contact(e + merge(i, 1, i <= rows%row_size(first))))
       end do
       do row = first, rows%last_row(g)
         do i = 1, lanes
-          rows%row(i, :, row) = 0
-          rows%row(i, 20:21, row) = 1
-          if (size(rows%special, 3) > 0) rows%special(i, :, row) = 0
-          if (i > rows%row_size(row)) cycle
-          if (record(25, e + i) < 0.5_wp) cycle
-          call fill_lane(record(:, e + i), impulse(:, e + i), rows%row(i, :, row))
-          if (size(rows%special, 3) > 0) rows%special(i, :, row) = special_of(record(:, e + i))
+          if (i <= rows%row_size(row)) then
+            call fill_lane(problem%record(:, contact(e + i)), problem%impulse(:, contact(e + i)), i, rows%row(:, :, row))
+            if (is_special) rows%special(i, :, row) = special_of(problem%record(:, contact(e + i)))
+          else
+            call clear_lane(i, rows%row(:, :, row))
+            if (is_special) rows%special(i, :, row) = 0
+          end if
         end do
         e = e + rows%row_size(row)
       end do
       first = rows%last_row(g) + 1
     end do
   end subroutine fill_rows
+
+  !> Has a contact a law out of the ordinary?
+  pure logical function any_special(problem, contact)
+    type(problem_t), intent(in) :: problem
+    integer(i4), intent(in), contiguous :: contact(:)
+    integer :: i
+
+    any_special = .false.
+    do i = 1, size(contact)
+      associate (record => problem%record(:, contact(i)))
+        any_special = max(abs(record(23)), abs(record(24))) > 0 .or. is_oblique(record(1:3), record(13:15))
+      end associate
+      if (any_special) return
+    end do
+  end function any_special
 
   !> Room for the rows.
   pure subroutine make_room(rows, is_special)
@@ -204,37 +229,50 @@ contains
   end subroutine make_room
 
   !> Does the bias of a contact have a part along its tangents?
-  pure elemental logical function is_oblique_bias(x, y, z, bx, by, bz)
-    real(wp), intent(in) :: x, y, z, bx, by, bz
-    real(wp) :: b(3)
+  pure logical function is_oblique(n, bias)
+    real(wp), intent(in) :: n(3), bias(3)
+    real(wp) :: most
 
-    b = cross([x, y, z], [bx, by, bz])
-    is_oblique_bias = maxval(abs(b)) > 8*epsilon(1.0_wp)*max(abs(bx), abs(by), abs(bz))
-  end function is_oblique_bias
-
-  !> The same for all records.
-  pure function is_oblique(record)
-    real(wp), intent(in) :: record(:, :)
-    logical :: is_oblique(size(record, 2))
-
-    is_oblique = is_oblique_bias(record(1, :), record(2, :), record(3, :), record(13, :), record(14, :), record(15, :))
+    ! The product of normal and bias, written out: a call for each contact would take longer than all the rest.
+    most = max(abs(n(2)*bias(3) - n(3)*bias(2)), abs(n(3)*bias(1) - n(1)*bias(3)), abs(n(1)*bias(2) - n(2)*bias(1)))
+    is_oblique = most > 8*epsilon(1.0_wp)*max(abs(bias(1)), abs(bias(2)), abs(bias(3)))
   end function is_oblique
 
-  !> A contact's lane of a row.
-  pure subroutine fill_lane(record, impulse, lane)
-    real(wp), intent(in) :: record(:), impulse(:)
-    real(wp), intent(inout) :: lane(:)
+  !> Write a contact's lane of a row.
+  pure subroutine fill_lane(record, impulse, i, row)
+    real(wp), intent(in) :: record(26), impulse(3)
+    integer, intent(in) :: i
+    real(wp), intent(inout) :: row(lanes, row_length)
+    real(wp) :: inverse
 
-    associate (n => record(1:3), t => record(4:6), inverse => 1/record(16))
-      lane(1:3) = [dot_product(n, impulse) + record(22), dot_product(t, impulse), dot_product(cross(n, t), impulse)]
-      lane(4:15) = record(1:12)
+    if (record(25) < 0.5_wp) then
+      call clear_lane(i, row)
+      return
+    end if
+    inverse = 1/record(16)
+    associate (n => record(1:3), t => record(4:6))
+      row(i, 1) = n(1)*impulse(1) + n(2)*impulse(2) + n(3)*impulse(3) + record(22)
+      row(i, 2) = t(1)*impulse(1) + t(2)*impulse(2) + t(3)*impulse(3)
+      row(i, 3) = (n(2)*t(3) - n(3)*t(2))*impulse(1) + (n(3)*t(1) - n(1)*t(3))*impulse(2) + (n(1)*t(2) - n(2)*t(1))*impulse(3)
+      row(i, 4:15) = record(1:12)
       ! Cohesion is in the impulse, but what yields to a law with compliance is the impulse without it.
-      lane(16) = dot_product(n, record(13:15)) - record(23)*record(22)
-      lane(17:19) = [inverse, record(17)*inverse, record(18)*inverse]
-      lane(20:22) = record(19:21)
-      if (record(25) > 1.5_wp) lane(22) = -1
+      row(i, 16) = n(1)*record(13) + n(2)*record(14) + n(3)*record(15) - record(23)*record(22)
     end associate
+    row(i, 17) = inverse
+    row(i, 18) = record(17)*inverse
+    row(i, 19) = record(18)*inverse
+    row(i, 20:22) = record(19:21)
+    if (record(25) > 1.5_wp) row(i, 22) = -1
   end subroutine fill_lane
+
+  !> Write a lane to spare: no direction, so that nothing changes.
+  pure subroutine clear_lane(i, row)
+    integer, intent(in) :: i
+    real(wp), intent(inout) :: row(lanes, row_length)
+
+    row(i, :) = 0
+    row(i, 20:21) = 1
+  end subroutine clear_lane
 
   !> Bias on the tangents, and compliance.
   pure function special_of(record) result(special)
@@ -245,12 +283,35 @@ contains
                record(23), record(24)]
   end function special_of
 
-  !> Impulse of a contact, a vector in the world's axes [N s].
-  pure function row_impulse(record, local) result(impulse)
-    real(wp), intent(in) :: record(:) !! record of the problem
-    real(wp), intent(in) :: local(3) !! impulse as rows have it
-    real(wp) :: impulse(3)
+  !> Give the problem the impulses of rows, as vectors in the world's axes [N s].
+  pure subroutine give_rows(rows, contact, problem)
+    type(solid_lanes_t), intent(in) :: rows !! swept rows
+    integer(i4), intent(in), contiguous :: contact(:) !! contacts in the order of the rows
+    type(problem_t), intent(inout) :: problem !! its impulses are set, of contacts that take part
+    integer :: row, i, e
 
-    impulse = (local(1) - record(22))*record(1:3) + local(2)*record(4:6) + local(3)*cross(record(1:3), record(4:6))
-  end function row_impulse
+    e = 0
+    do row = 1, rows%n_rows
+      do i = 1, rows%row_size(row)
+        e = e + 1
+        call give_lane(problem%record(:, contact(e)), i, rows%row(:, :, row), problem%impulse(:, contact(e)))
+      end do
+    end do
+  end subroutine give_rows
+
+  !> Impulse of a lane, by the axes of the lane: those of the record may have been others when it was filled (divided masses).
+  pure subroutine give_lane(record, i, row, impulse)
+    real(wp), intent(in) :: record(26), row(lanes, row_length)
+    integer, intent(in) :: i
+    real(wp), intent(inout) :: impulse(3)
+    real(wp) :: n(3), t(3), normal
+
+    if (record(25) < 0.5_wp) return
+    normal = row(i, 1) - record(22)
+    n = row(i, 4:6)
+    t = row(i, 7:9)
+    impulse(1) = normal*n(1) + row(i, 2)*t(1) + row(i, 3)*(n(2)*t(3) - n(3)*t(2))
+    impulse(2) = normal*n(2) + row(i, 2)*t(2) + row(i, 3)*(n(3)*t(1) - n(1)*t(3))
+    impulse(3) = normal*n(3) + row(i, 2)*t(3) + row(i, 3)*(n(1)*t(2) - n(2)*t(1))
+  end subroutine give_lane
 end module sg_sweep_solid_order

@@ -8,7 +8,8 @@ module sg_whole_errors
   use sg_report, only: report_t
   use sg_residuals, only: n_error_sums, set_errors, sum_errors
   use sg_run_options, only: criterion_estimate, criterion_quad, solver_options_t
-  use sg_sweep_order, only: set_order, sweep_order_t
+  use sg_sweep_order, only: list_order, set_order, sweep_order_t
+  use sg_tables, only: tables_t
   implicit none
   private
   public :: whole_errors_t
@@ -19,6 +20,8 @@ module sg_whole_errors
     integer :: contacts = 0
     !> Norm of q over all of them, velocity scale, largest velocity component [m/s]
     real(wp) :: free_norm = 0, velocity_scale = 0, fastest = 0
+    !> Mean over all contacts of the squares that e8 is made of, at the last sum taken [N2 s2]
+    real(wp) :: mean_square = 0
     !> Are impulses guessed, on any rank?
     logical :: is_guessed = .false.
     !> What is being summed: e1 too? And contacts of this rank that carry an impulse
@@ -34,6 +37,7 @@ module sg_whole_errors
     procedure :: prepare => errors_prepare
     procedure :: begin => errors_begin
     procedure :: finish => errors_finish
+    procedure :: list_tables => errors_list_tables
   end type whole_errors_t
 
 contains
@@ -60,15 +64,17 @@ contains
   end subroutine errors_prepare
 
   !> Begin to sum the errors of all parts.
-  subroutine errors_begin(self, problem, with_e1, comm)
+  subroutine errors_begin(self, problem, with_e1, comm, closing, squares)
     class(whole_errors_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! this rank's part, its copies glued
     logical, intent(in) :: with_e1 !! measure e1 and e2 too
     type(comm_t), intent(inout) :: comm !! the ranks
-
+    real(wp), intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts of this rank)
+    real(wp), intent(inout), optional :: squares(:) !! squares that e8 is made of, shape (contacts of this rank)
     real(wp) :: sums(n_error_sums + 1), increments(n_increment_sums)
 
-    sums = [sum_errors(problem, with_e1), 0.0_wp]
+    sums(n_error_sums + 1) = 0
+    call sum_errors(problem, with_e1, sums(:n_error_sums), squares, closing)
     ! The sum at the end of a solve, which has e1, tells also whether a velocity broke.
     if (with_e1) sums(n_error_sums + 1) = merge(0.0_wp, 1.0_wp, all(abs(problem%body) <= huge(1.0_wp)))
     increments = 0
@@ -106,6 +112,16 @@ contains
       self%increments = increment_value(self%criterion, sums(n_error_sums + 2:), self%maxima)
     end if
     call set_errors(sums(:n_error_sums), self%contacts, self%free_norm, self%velocity_scale, self%with_e1, report)
+    self%mean_square = sums(2)/real(max(1, self%contacts), wp)
     report%active_contacts = self%active
   end subroutine errors_finish
+
+  !> List the tables of criteria that look at increments.
+  subroutine errors_list_tables(self, tables)
+    class(whole_errors_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call list_order(self%order, tables)
+    call self%asked%list_tables(tables)
+  end subroutine errors_list_tables
 end module sg_whole_errors

@@ -3,6 +3,7 @@ module sg_wide_bodies
   use sg_comm, only: comm_t
   use sg_kinds, only: wp
   use sg_problem, only: problem_t
+  use sg_tables, only: per_body, tables_t
   implicit none
   private
   public :: wide_bodies_t
@@ -17,6 +18,7 @@ module sg_wide_bodies
   contains
     procedure :: mark => wide_mark
     procedure :: glue => wide_glue
+    procedure :: list_tables => wide_list_tables
   end type wide_bodies_t
 
 contains
@@ -58,4 +60,16 @@ contains
       problem%body(:width, self%slot(i)) = self%before(:, i)
     end do
   end subroutine wide_glue
+
+  !> List the tables.
+  subroutine wide_list_tables(self, tables)
+    class(wide_bodies_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call tables%begin('wide', per_body)
+    call tables%note('slot', self%slot)
+    call tables%note('parts', self%parts)
+    call tables%note('is_here', self%is_here)
+    call tables%note('before', self%before)
+  end subroutine wide_list_tables
 end module sg_wide_bodies

@@ -34,7 +34,12 @@ contains
     call list_contacts(sim%contacts, tables)
     call list_history(sim%history, tables)
     call list_problem(sim%problem, tables)
-    if (allocated(sim%solver)) call sim%solver%list_tables(tables)
+    if (sim%decomposition%is_on) then
+      call sim%glued_solver%list_tables(tables)
+    else
+      call sim%solver%list_tables(tables)
+    end if
+    call sim%decomposition%list_tables(tables)
   end subroutine list_tables
 
   !> Tables of bodies.

@@ -9,11 +9,12 @@ module sg_kernel_cost
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t
   use sg_report, only: report_t
-  use sg_residuals, only: choose_visited, measure_errors
+  use sg_residuals, only: measure_errors
   use sg_run_options, only: solver_options_t
   use sg_sweep_order, only: set_order, sweep_order_t
   use sg_sweeps, only: sweep
   use sg_timers, only: cpu_now
+  use sg_visits, only: visits_t
   implicit none
   private
   public :: kernel_cost_t, compare_cost
@@ -61,20 +62,20 @@ contains
     type(problem_t) :: solved
     type(sweep_order_t) :: order
     type(report_t) :: report
-    logical :: is_wanted(problem%n_contacts)
+    type(visits_t) :: visits
     real(wp) :: start, seconds
-    integer :: i, k, missed
+    integer :: i, k
 
     seconds = 0
     do k = 1, repeats
       solved = problem
       call add_impulses(solved)
-      is_wanted = .true.
+      call visits%begin(problem%n_contacts)
       if (any(abs(problem%impulse(:, :problem%n_contacts)) > 0)) then
-        call measure_errors(solved, report, with_e1=.false.)
-        call choose_visited(solved, report, is_wanted, cost%visited, missed)
+        call measure_errors(solved, report, with_e1=.false., closing=visits%closing)
+        call visits%choose(problem%n_contacts, report, problem%velocity_scale)
       end if
-      call set_order(order, solved, is_wanted, options)
+      call set_order(order, solved, visits%is_wanted, options)
       start = cpu_now()
       do i = 1, n_sweeps
         call sweep(solved%kind, order, solved%n_bodies, options%relaxation, solved%body)

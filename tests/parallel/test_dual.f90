@@ -157,7 +157,7 @@ contains
       call share_mass(problem%kind, explicit%parts(i), problem%body(:, explicit%slot(i)))
     end do
     call parts%begin(problem, [(merge(part_shared, part_own, any(is_shared(problem%pair(:, k)))), k=1, problem%n_contacts)], 2, &
-                     .true., sim%options%solver)
+                     .true., explicit%slot, sim%options%solver)
     call parts%arrange(problem)
     call update_forces(problem, explicit)
     do round = 1, gluings

@@ -82,7 +82,7 @@ contains
     call next_problem(sim, problem)
     call add_impulses(problem)
     allocate (is_wanted(problem%n_contacts), source=.true.)
-    call set_order(order, problem, is_wanted, solver_options_t())
+    call set_order(order, problem, is_wanted, solver_options_t(criterion=criterion_quad))
     call increments%measure(problem, order, sums, maxima)
     do c = 1, size(criteria)
       values(c) = increment_value(criteria(c), sums, maxima)

@@ -6,13 +6,15 @@ program test_solid_lanes
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t, reserve_problem, solid_frictional
   use sg_random, only: random_t
-  use sg_run_options, only: solver_options_t
+  use sg_run_options, only: criterion_quad, solver_options_t
   use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
   use sg_sweep_solid, only: sweep_solid_frictional
   use sg_sweep_solid_lanes, only: sweep_solid_lanes
   use sg_sweep_solid_order, only: lanes
   use sg_vectors, only: cross
   implicit none
+  !> Criteria that look at increments have records one by one beside those in lanes
+  type(solver_options_t), parameter :: with_copies = solver_options_t(criterion=criterion_quad)
   type(tests_t) :: t
   integer :: i
 
@@ -130,7 +132,7 @@ contains
     call random_problem(random, n_bodies, n, with_special, problem)
     allocate (is_wanted(n))
     is_wanted = [(modulo(k, 13) > 0, k=1, n)]
-    call set_order(order, problem, is_wanted, solver_options_t())
+    call set_order(order, problem, is_wanted, with_copies)
     seen = 0
     do k = 1, order%n
       seen(order%contact(k)) = seen(order%contact(k)) + 1
@@ -231,7 +233,7 @@ contains
     end do
     problem%impulse = 0
     allocate (is_wanted(n), source=.true.)
-    call set_order(order, problem, is_wanted, solver_options_t())
+    call set_order(order, problem, is_wanted, with_copies)
     allocate (impulse(3, n), source=0.0_wp)
     body = 0
     call sweep_solid_frictional(n, 2, problem%pair(:, :n), problem%record(:, :n), 1.0_wp, impulse, body)

@@ -1,15 +1,14 @@
 !> Clusters that are solved before the others: left out of the sweeps, to the same tolerance of all, and never where there is one.
-!!
-!! Towers of grains of 1 kg, one above the other on a common floor, each fall by 1 m/s: contact k of a tower of n carries
-!! n - k + 1 N s. A tall tower takes thousands of sweeps, short ones a few.
+!! A tall tower takes thousands of sweeps, short ones a few.
 program test_solved_clusters
   use harness, only: tests_t
   use sg_kinds, only: wp
   use sg_nlgs, only: nlgs_t
-  use sg_problem, only: problem_t, reserve_problem, round_frictionless
+  use sg_problem, only: problem_t
   use sg_report, only: report_t
   use sg_residuals, only: measure_errors
   use sg_run_options, only: criterion_e1, criterion_e8
+  use towers, only: make_towers
   implicit none
   !> Grains of the tall tower and of short ones, and number of short ones
   integer, parameter :: tall = 50, short = 3, n_short = 40
@@ -29,7 +28,7 @@ contains
     type(problem_t) :: start, with, without
     type(report_t) :: report, plain, measured
 
-    call make_towers([tall, spread(short, 1, n_short)], start)
+    call make_towers([tall, spread(short, 1, n_short)], start, 0)
     call solve(start, .true., criterion_e8, with, report)
     call solve(start, .false., criterion_e8, without, plain)
     call t%check(report%is_converged .and. plain%is_converged, 'both converge')
@@ -48,7 +47,7 @@ contains
     type(problem_t) :: start, with, without
     type(report_t) :: report, plain
 
-    call make_towers([tall], start)
+    call make_towers([tall], start, 0)
     call solve(start, .true., criterion_e8, with, report)
     call solve(start, .false., criterion_e8, without, plain)
     call t%check(all(transfer(with%impulse(:, :tall), [0]) == transfer(without%impulse(:, :tall), [0])), &
@@ -62,7 +61,7 @@ contains
     type(report_t) :: report
     integer :: n
 
-    call make_towers([tall, spread(short, 1, n_short)], start)
+    call make_towers([tall, spread(short, 1, n_short)], start, 0)
     ! The last of the short towers has its lowest grain on the tall tower, not on the floor.
     n = start%n_contacts - short + 1
     start%pair(2, n) = tall + 1
@@ -79,38 +78,11 @@ contains
     type(problem_t) :: start, with, without
     type(report_t) :: report, plain
 
-    call make_towers([tall, spread(short, 1, n_short)], start)
+    call make_towers([tall, spread(short, 1, n_short)], start, 0)
     call solve(start, .true., criterion_e1, with, report)
     call solve(start, .false., criterion_e1, without, plain)
     call t%equal(int(report%contact_updates), int(plain%contact_updates), 'e1: the same updates')
   end subroutine test_other_criteria
-
-  !> Towers of so many grains on one floor, which is body 1.
-  subroutine make_towers(heights, problem)
-    integer, intent(in) :: heights(:)
-    type(problem_t), intent(out) :: problem
-    integer :: tower, floor, k
-
-    call reserve_problem(problem, round_frictionless, sum(heights) + 1, sum(heights))
-    problem%velocity_scale = 1
-    problem%free_norm = sqrt(real(size(heights), wp))
-    problem%impulse = 0
-    problem%body = 1
-    problem%body(1, :) = 0
-    problem%body(2, :) = -1
-    problem%body(:, 1) = 0
-    k = 0
-    do tower = 1, size(heights)
-      do floor = 1, heights(tower)
-        k = k + 1
-        problem%pair(:, k) = [k + 1, k]
-        problem%record(:, k) = [0.0_wp, 1.0_wp, 0.0_wp, 0.5_wp]
-        if (floor > 1) cycle
-        problem%pair(2, k) = 1
-        problem%record(4, k) = 1
-      end do
-    end do
-  end subroutine make_towers
 
   subroutine solve(start, leaves_solved, criterion, problem, report)
     type(problem_t), intent(in) :: start

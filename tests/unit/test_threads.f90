@@ -13,7 +13,7 @@ program test_threads
                         round_frictionless, solid_frictional
   use sg_random, only: random_t
   use sg_report, only: report_t
-  use sg_run_options, only: criterion_e8, run_options_t, solver_options_t
+  use sg_run_options, only: criterion_e8, criterion_quad, run_options_t, solver_options_t
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
   use sg_sweep_blocks, only: colour_blocks, sweep_blocks_t
@@ -177,6 +177,7 @@ contains
     allocate (is_wanted(start%n_contacts), source=.true.)
     options%order = 'coloured'
     options%threads = merge(2, 1, threads_are_available())
+    options%criterion = criterion_quad ! looks at records one by one
     call set_order(order, start, is_wanted, options)
     call t%check(order%blocks%n > 10, trim(names(kind))//': there are blocks')
     blocks = start
