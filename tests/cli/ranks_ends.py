@@ -55,6 +55,16 @@ class Breaks(Ranks):
         self.assertGreater(min(one), 0)
         self.assertEqual(one, many)
 
+    def test_a_structure_that_cannot_be_written(self):
+        """The one rank that writes it tells the others, which would wait for it in the next step."""
+        if not self.has_library("FFTW"):
+            self.skipTest("built without FFTW")
+        (self.place / "out" / "structure_factor.csv.part").mkdir(parents=True)
+        words = ["--set", "report.structure=true", "--set", "report.structure_every=5"]
+        self.refused(3, self.deck(FALL), "structure_factor.csv.part: error: cannot open the file", *words, code=5)
+        self.assertEqual(self.run_json()["status"], "failed")
+        self.assertEqual(self.run_json()["steps"], 5)
+
 
 class Stops(Ranks):
     def start(self, ranks, *words):
