@@ -4,7 +4,7 @@ import re
 import shutil
 import subprocess
 
-from ranks_case import FALL, PRESSED, Ranks
+from ranks_case import COMMON, FALL, PRESSED, Ranks
 
 
 
@@ -91,6 +91,18 @@ class Log(Ranks):
         words = ["--set", "output.every=30", "--set", "output.compression=true"]
         said = [self.run_ranks(ranks, deck, *words).stderr.count("pictures uncompressed") for ranks in (1, 3)]
         self.assertEqual(said, [0, 1])
+
+    def test_balls_that_pass_each_other_are_told_once(self):
+        """A law that waits for the touch, 0.2 m between centres, and a ball that flies 2 m a step."""
+        balls = "".join(f'[[body]]\nshape = "disk"\nradius = 0.1\nposition = {place}\n'
+                        for place in ([0.2, 0.0], [0.2, 3.0], [0.2, -3.0], [3.0, 3.0], [3.0, -3.0], [-4.74, 0.0]))  # fmt: skip
+        deck = self.deck("[scene]\ngravity = [0.0, 0.0]\n" + COMMON.replace("friction = 0.3", 'kind = "VEL_SGR_CLB"') + balls
+                         + "velocity = [2000.0, 0.0]\n")  # fmt: skip
+        for ranks in (1, 3):
+            said = self.run_ranks(ranks, deck, "--set", "time.steps=5").stderr
+            self.assertEqual(said.count("step 3: bodies 1 and 6 pass through each other, at 2.00E+03 m/s"), 1, said)
+            self.assertEqual(said.count("warning"), 1, said)
+            self.assertEqual(self.run_json()["passings"], 1)
 
     def test_said_once(self):
         printed = self.launch((4, "run", self.deck(PRESSED))).stdout
