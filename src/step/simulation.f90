@@ -14,7 +14,7 @@ module sg_simulation
   use sg_glued_solver, only: glued_solver_t
   use sg_guard, only: find_broken
   use sg_history, only: history_t, start_history
-  use sg_kinds, only: wp, i8
+  use sg_kinds, only: wp, i1, i8
   use sg_motion, only: predict, update
   use sg_neighbours, only: neighbours_t
   use sg_penetration, only: deepest_penetration
@@ -141,6 +141,7 @@ contains
   subroutine advance(sim, error)
     type(simulation_t), intent(inout) :: sim !! moved on by a step
     type(error_t), allocatable, intent(out) :: error !! set when a value is not finite
+    integer(i1), allocatable :: status(:)
     logical :: is_fast
     real(wp) :: way
 
@@ -182,12 +183,16 @@ contains
 
       call phase(phase_update)%start()
       if (has_failed(sim)) call begin_late_dump(sim)
+      status = sim%contacts%status(:sim%contacts%n)
       call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%contacts)
       call find_broken(sim%scene, sim%contacts, sim%step + 1, h, .true., error)
       sim%all_contacts = sim%contacts%n
       if (sim%decomposition%is_on) call agree(sim%comm, error, is_fast, sim%passing%n, sim%all_contacts)
       call phase(phase_update)%stop()
-      if (allocated(error)) return
+      if (allocated(error)) then
+        if (.not. sim%dump%is_begun .and. sim%all_contacts > 0) call begin_last_dump(sim, status)
+        return
+      end if
 
       call phase(phase_measure)%start()
       call sim%energy%add_step(sim%scene, sim%contacts, h)
@@ -317,6 +322,18 @@ contains
                   sim%options%step, problem)
     call begin_dump(sim%dump, problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
   end subroutine begin_late_dump
+
+  !> Begin a dump of a step whose values are finite, but too large to go on with: bodies get their free velocities back, contacts
+  !! what they were, and their guess is none. Collective.
+  subroutine begin_last_dump(sim, status)
+    type(simulation_t), intent(inout) :: sim
+    integer(i1), intent(in) :: status(:) !! of the contacts before the solve
+
+    sim%contacts%impulse(:, :sim%contacts%n) = 0
+    sim%contacts%status(:sim%contacts%n) = status
+    call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
+    call begin_late_dump(sim)
+  end subroutine begin_last_dump
 
   !> Largest speed of all bodies [m/s]; where squares have no room, the largest component.
   pure real(wp) function largest_speed(velocity)

@@ -5,6 +5,7 @@ usage: test_broken_trace.py PROGRAM [MPIEXEC] [unittest options]
 """
 
 import csv
+import json
 import re
 import unittest
 
@@ -68,11 +69,11 @@ class BrokenTrace(Ranks):
     def without_times(rows):
         return [{name: value for name, value in row.items() if not re.search("seconds|^cpu_|^wall_", name)} for row in rows]
 
-    def check_broken(self, name, text, code, words=()):
+    def check_broken(self, name, text, code, words=(), gluings=("dual",)):
         """The step is solved once more, and has the history that it has where it is traced on purpose; nothing else changes."""
         deck = self.deck(text)
         for ranks in self.all_ranks():
-            for gluing in ("dual", "primal", "contacts") if ranks > 1 else ("none",):
+            for gluing in gluings if ranks > 1 else ("none",):
                 with self.subTest(name, ranks=ranks, gluing=gluing):
                     more = [*words, "--set", f'partition.gluing="{gluing}"'] if ranks > 1 else list(words)
                     steps, points, done = self.traced(ranks, deck, *more, *ELSEWHERE, code=code, output="broken")
@@ -93,7 +94,7 @@ class BrokenTrace(Ranks):
         return step
 
     def test_steps_that_do_not_converge(self):
-        step = self.check_broken("unconverged", PILE, 3, UNCONVERGED)
+        step = self.check_broken("unconverged", PILE, 3, UNCONVERGED, ("dual", "primal", "contacts"))
         self.assertEqual((step["sweeps"], step["converged"]), ("3", "0"))
 
     def test_balances_that_are_open(self):
@@ -102,6 +103,15 @@ class BrokenTrace(Ranks):
     def test_speeds_beyond_all_energies(self):
         step = self.check_broken("fast", FAST, 4)
         self.assertEqual(step["step"], "1")
+        for ranks in self.all_ranks() if self.has_hdf5() else ():
+            with self.subTest(ranks=ranks):
+                # The impact of one disk on another is left to be solved again.
+                self.traced(ranks, "deck.toml", code=4, output="dumped")
+                said = self.run_program("solve", *(f"dumped/dump-1-{form}.hdf5" for form in ("local", "global")), "--json").stdout
+                for line in map(json.loads, said.splitlines()):
+                    self.assertEqual(line["contacts"], int(step["contacts"]))
+                    self.assertLess(line["e1"], 1e-8)
+                (self.place / "dumped/dump-1-local.hdf5").unlink()
 
     def test_matrix_solvers(self):
         self.launcher = None  # They work on one rank.
