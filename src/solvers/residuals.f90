@@ -6,7 +6,7 @@ module sg_residuals
   use sg_kinds, only: wp
   use sg_problem, only: arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, round_frictionless
   use sg_report, only: ratio, report_t
-  use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, closing_speed, n_error_sums
+  use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, n_error_sums, note_closing
   implicit none
   private
   public :: measure_errors, sum_errors, set_errors, natural_map, n_error_sums
@@ -66,13 +66,10 @@ contains
         call add_normal_parts(a%n, a%u_n, a%r_n, a%rho, with_e1, lane, f8)
       end if
       if (present(squares)) squares(first:first + a%n - 1) = f8(:a%n)
-      if (.not. present(closing)) cycle
-      do i = 1, a%n
-        closing(first + i - 1) = closing_speed(a%u_n(i), abs(a%r_n(i)) + abs(a%r_t(i)) > 0, a%rho(i) > 0)
-      end do
+      if (present(closing)) call note_closing(a%n, a%u_n, abs(a%r_n) + abs(a%r_t), a%rho, closing(first:first + a%n - 1))
     end do
     do i = 1, n_error_sums
-      sums(i) = sum(lane(:, i))
+      sums(i) = sum(sum(reshape(lane(:, i), [8, chunk/8]), 2))
     end do
   end subroutine sum_errors
 
@@ -100,13 +97,13 @@ contains
     logical, intent(in) :: with_e1
     real(wp), intent(inout) :: lane(chunk, n_error_sums)
     real(wp), intent(out) :: f8(chunk)
-    real(wp) :: normal, tangential
     integer :: i
 
-    do i = 1, n
-      call map(r_n(i), r_t(i), u_n(i), u_t(i), friction(i), rho(i), linear(i), normal, tangential)
-      f8(i) = normal**2 + tangential**2
-    end do
+    if (with_e1) then
+      call map(n, r_n, r_t, u_n, u_t, friction, merge(1.0_wp, 0.0_wp, rho > 0), linear, f8)
+      lane(:n, 1) = lane(:n, 1) + f8(:n)
+    end if
+    call map(n, r_n, r_t, u_n, u_t, friction, rho, linear, f8)
     do i = 1, n
       lane(i, 2) = lane(i, 2) + f8(i)
       lane(i, 3) = lane(i, 3) + merge(f8(i), 0.0_wp, rho(i) > 0)/merge(rho(i), 1.0_wp, rho(i) > 0)**2
@@ -114,12 +111,24 @@ contains
       lane(i, 5) = lane(i, 5) + u_n(i)**2 + u_t(i)**2
       lane(i, 6) = lane(i, 6) + merge(1.0_wp, 0.0_wp, abs(r_n(i)) + abs(r_t(i)) > 0)
     end do
-    if (.not. with_e1) return
-    do i = 1, n
-      call map(r_n(i), r_t(i), u_n(i), u_t(i), friction(i), merge(1.0_wp, 0.0_wp, rho(i) > 0), linear(i), normal, tangential)
-      lane(i, 1) = lane(i, 1) + normal**2 + tangential**2
-    end do
   end subroutine add_chunk
+
+  !> Squares of the natural map of a chunk.
+  pure subroutine map(n, r_n, r_t, u_n, u_t, friction, rho, linear, squares)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: u_n(chunk), u_t(chunk), r_n(chunk), r_t(chunk), friction(chunk), rho(chunk), linear(chunk)
+    real(wp), intent(out) :: squares(chunk)
+    real(wp) :: f_n, f_t
+    integer :: i
+
+    do i = 1, n
+      call project(r_n(i) - rho(i)*(u_n(i) + friction(i)*abs(u_t(i))), r_t(i) - rho(i)*u_t(i), friction(i), f_n, f_t)
+      squares(i) = (r_n(i) - f_n)**2 + (r_t(i) - f_t)**2
+    end do
+    if (any(linear(:n) > 0)) then
+      where (linear(:n) > 0) squares(:n) = rho(:n)**2*(u_n(:n)**2 + u_t(:n)**2)
+    end if
+  end subroutine map
 
   !> Natural map of one contact: zero where impulse and velocity obey the law.
   pure function natural_map(r, u, friction, rho, linear) result(f)
@@ -128,29 +137,25 @@ contains
     real(wp), intent(in) :: friction !! Coulomb coefficient
     real(wp), intent(in) :: rho !! scale of velocities [kg]
     real(wp), intent(in) :: linear !! 1 where no inequality but u = 0 is asked, else 0
-    real(wp) :: f(2)
+    real(wp) :: f(2), projected(2)
 
-    call map(r(1), r(2), u(1), u(2), friction, rho, linear, f(1), f(2))
+    call project(r(1) - rho*(u(1) + friction*abs(u(2))), r(2) - rho*u(2), friction, projected(1), projected(2))
+    f = merge(rho*u, r - projected, linear > 0)
   end function natural_map
 
-  !> The same component by component, without a branch.
-  pure elemental subroutine map(r_n, r_t, u_n, u_t, friction, rho, linear, f_n, f_t)
-    real(wp), intent(in) :: r_n, r_t, u_n, u_t, friction, rho, linear
-    real(wp), intent(out) :: f_n, f_t
-    real(wp) :: x, t, normal, tangential
-    logical :: is_inside
+  !> Projection on Coulomb's cone: on its surface (or the tip), unless the point lies inside. Without friction the cone is a ray,
+  !! and behind its tip the point is not inside. No branch, so that a loop goes through vector registers.
+  pure elemental subroutine project(x, t, friction, normal, tangential)
+    real(wp), intent(in) :: x, t, friction
+    real(wp), intent(out) :: normal, tangential
+    real(wp) :: height, inside
 
-    x = r_n - rho*(u_n + friction*abs(u_t))
-    t = r_t - rho*u_t
-    ! Projection on Coulomb's cone: on its surface (or the tip), unless the point lies inside. Without friction the cone
-    ! is a ray, and behind its tip the point is not inside.
-    is_inside = x > 0 .and. abs(t) <= friction*x
-    normal = max(0.0_wp, (x + friction*abs(t))/(1 + friction**2))
-    tangential = merge(t, sign(friction*normal, t), is_inside)
-    normal = merge(x, normal, is_inside)
-    f_n = merge(rho*u_n, r_n - normal, linear > 0)
-    f_t = merge(rho*u_t, r_t - tangential, linear > 0)
-  end subroutine map
+    inside = merge(1.0_wp, 0.0_wp, x > 0 .and. abs(t) <= friction*x)
+    height = max(0.0_wp, (x + friction*abs(t))/(1 + friction*friction))
+    normal = height + inside*(x - height)
+    ! Inside the cone this is t.
+    tangential = sign(min(friction*height, abs(t)), t)
+  end subroutine project
 
   !> Gather a chunk of contacts, by the kernel of the problem's kind.
   pure subroutine gather(problem, first, a)
@@ -183,6 +188,8 @@ contains
     type(chunk_t), intent(inout) :: a
     integer :: i
 
+    ! Loads one by one are faster than the processor's gathers.
+    !GCC$ novector
     do i = 1, n
       associate (c => pair(1, i), d => pair(2, i))
         a%u_n(i) = record(1, i)*(body(1, c) - body(1, d)) + record(2, i)*(body(2, c) - body(2, d)) + record(3, i)
@@ -221,6 +228,8 @@ contains
     type(chunk_t), intent(inout) :: a
     integer :: i
 
+    ! Loads one by one are faster than the processor's gathers.
+    !GCC$ novector
     do i = 1, n
       associate (c => pair(1, i), d => pair(2, i))
         a%u_n(i) = record(1, i)*(body(1, c) - body(1, d)) + record(2, i)*(body(2, c) - body(2, d)) &
