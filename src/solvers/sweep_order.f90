@@ -289,6 +289,7 @@ contains
     integer(i8) :: full
     integer :: group(block_round), i, g, side, inverse
     integer(i4) :: pair(2)
+    logical :: is_movable
 
     inverse = first_inverse(problem%kind)
     full = 0
@@ -301,12 +302,17 @@ contains
       if (g == most_groups) cycle
       if (filled(g) == width) full = ibset(full, g)
       do side = 1, 2
-        if (any(problem%body(inverse:, pair(side)) > 0)) groups_of(pair(side)) = ibset(groups_of(pair(side)), g)
+        ! Most bodies can move along x: the others are looked at whole.
+        is_movable = problem%body(inverse, pair(side)) > 0
+        if (.not. is_movable) is_movable = any(problem%body(inverse:, pair(side)) > 0)
+        if (is_movable) groups_of(pair(side)) = ibset(groups_of(pair(side)), g)
       end do
     end do
     call spread_groups(chosen, group, filled, contact)
+    ! One by one: a list of two would be made anew for each contact.
     do i = 1, size(chosen)
-      groups_of(problem%pair(:, chosen(i))) = 0
+      groups_of(problem%pair(1, chosen(i))) = 0
+      groups_of(problem%pair(2, chosen(i))) = 0
     end do
   end subroutine deal_block
 

@@ -124,7 +124,8 @@ contains
       if (filled(g) > 0) call write_rows(chosen, head, chain(:filled(g), g), contact, done, rows)
     end do
     do c = 1, size(head) - 1
-      groups_of(problem%pair(:, chosen(head(c)))) = 0
+      groups_of(problem%pair(1, chosen(head(c)))) = 0
+      groups_of(problem%pair(2, chosen(head(c)))) = 0
     end do
   end subroutine deal_block
 
