@@ -3,7 +3,7 @@
 
 usage: compare_one_step.py PROGRAM DECK SETTING=VALUE,VALUE FIRST LAST EVERY [SETTING=VALUE...]
 
-PROGRAM may be several words, such as "mpiexec -n 2 splitgrain": then gluings are counted too, of two messages each.
+PROGRAM may be several words, such as "mpiexec -n 2 splitgrain".
 
 Whole runs differ by chance from the first rounding on; single steps from one state do not. The states are those of a run with the
 first value, after FIRST, FIRST + EVERY, ..., LAST steps. Each value takes each step twice, in turns.
@@ -31,7 +31,7 @@ def main():
         return json.loads((folder / "run.json").read_text())
 
     key = setting.replace(".", "__")
-    names = ("sweeps", "contact_updates", "cpu_solve", "converged_steps", "gluings")
+    names = ("sweeps", "contact_updates", "cpu_solve", "converged_steps")
     sums = {value: dict.fromkeys(names, 0) for value in values}
     with tempfile.TemporaryDirectory(prefix="splitgrain ") as place:
         state = Path(place) / "state"
@@ -42,7 +42,7 @@ def main():
             for value in (*values, *reversed(values)):
                 after = run(Path(place) / "step", *going_on, time__steps=step + 1, restart__every=0, **{key: value})
                 for name in names:
-                    sums[value][name] += (after.get(name, 0) - before.get(name, 0)) / 2
+                    sums[value][name] += (after[name] - before[name]) / 2
     for value in values:
         print(f"{setting}={value}: " + ", ".join(f"{name} {sums[value][name]:.6g}" for name in names))
 
