@@ -117,6 +117,7 @@ contains
     type(grid_file_t), intent(inout) :: grid
     type(bodies_t), intent(in) :: bodies
     real(wp), intent(in) :: start(:, :)
+    real(wp), allocatable :: radius(:)
     integer :: b
 
     if (allocated(bodies%id)) then
@@ -127,7 +128,13 @@ contains
     if (bodies%dimension == 2) then
       call grid%put(on_points, 'radius', sqrt(bodies%area/pi), is_static=.true.)
     else
-      call grid%put(on_points, 'radius', (3*bodies%area/(4*pi))**(1.0_wp/3), is_static=.true.)
+      ! One by one: vector registers round powers otherwise, so that files would depend on what stands beside a body.
+      allocate (radius(bodies%n))
+      !GCC$ novector
+      do b = 1, bodies%n
+        radius(b) = (3*bodies%area(b)/(4*pi))**(1.0_wp/3)
+      end do
+      call grid%put(on_points, 'radius', radius, is_static=.true.)
     end if
     call grid%put(on_points, 'mass', bodies%mass, is_static=.true.)
     call grid%put(on_points, 'material', bodies%material, is_static=.true.)
