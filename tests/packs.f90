@@ -1,6 +1,7 @@
 !> Small packs of grains between walls, as decks, for tests on several ranks.
 module packs
   use harness, only: tests_t
+  use sg_advance, only: advance
   use sg_assemble, only: assemble
   use sg_comm, only: comm_t
   use sg_convex_hull, only: hull_is_available
@@ -12,7 +13,7 @@ module packs
   use sg_plan, only: set_radii
   use sg_problem, only: problem_kind, problem_t
   use sg_run_options, only: criterion_e8
-  use sg_simulation, only: advance, simulation_t, start_simulation
+  use sg_simulation, only: simulation_t, start_simulation
   use sg_text, only: text_t, to_text
   use written_files, only: put_text
   implicit none

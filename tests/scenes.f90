@@ -1,5 +1,6 @@
 !> Small scenes for tests, body by body: density 1000, one law, everything sees everything.
 module scenes
+  use sg_advance, only: advance
   use sg_contactors, only: add_disk, add_polygon, add_wall, place_contactors
   use sg_drives, only: drive_t
   use sg_error, only: error_t
@@ -7,7 +8,7 @@ module scenes
   use sg_moments, only: polygon_moments
   use sg_run_options, only: criterion_e8
   use sg_scene, only: colour_index, scene_t
-  use sg_simulation, only: advance, simulation_t, start_simulation
+  use sg_simulation, only: simulation_t, start_simulation
   use sg_time_functions, only: time_function_t
   implicit none
   private

@@ -40,6 +40,10 @@ contains
       call sim%solver%list_tables(tables)
     end if
     call sim%decomposition%list_tables(tables)
+    call tables%begin('trace', per_contact)
+    call tables%note('guess_impulse', sim%guess_impulse)
+    call tables%begin('trace', per_body)
+    call tables%note('guess_body', sim%guess_body)
   end subroutine list_tables
 
   !> Tables of bodies.

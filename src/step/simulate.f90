@@ -1,6 +1,7 @@
 !> The loop of a run: steps, and between them what is recorded, drawn, saved and said; and how a run ends.
 module sg_simulate
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  use sg_advance, only: advance
   use sg_broken_trace, only: is_of_the_step, trace_broken
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
   use sg_dump, only: finish_dump
@@ -17,7 +18,7 @@ module sg_simulate
   use sg_run_files, only: close_files, open_files, remove_former, writers_t
   use sg_run_options, only: criterion_names, run_options_t
   use sg_run_summary, only: run_done, run_failed, run_not_converged, run_stopped
-  use sg_simulation, only: advance, decompose, simulation_t, start_simulation
+  use sg_simulation, only: decompose, simulation_t, start_simulation
   use sg_structure_now, only: report_structure
   use sg_system, only: checkpoint_requested, stop_signal
   use sg_text, only: to_text

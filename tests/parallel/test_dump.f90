@@ -47,6 +47,7 @@ program test_dump_ranks
   use harness, only: tests_t
   use matrices, only: full
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
+  use sg_advance, only: advance
   use sg_comm, only: comm_t
   use sg_condense, only: sparse_from_blocks
   use sg_dump, only: begin_dump, dump_t, finish_dump
@@ -57,7 +58,7 @@ program test_dump_ranks
   use sg_matrix_problem, only: matrix_problem_t
   use sg_problem, only: arm_frictional, problem_t
   use sg_report, only: report_t
-  use sg_simulation, only: advance, decompose, simulation_t
+  use sg_simulation, only: decompose, simulation_t
   use sg_sparse, only: multiply
   use sg_system, only: make_folder
   implicit none

@@ -3,12 +3,13 @@
 program test_primal
   use harness, only: tests_t
   use packs, only: advance_pack, pack_deck, start_pack
+  use sg_advance, only: advance
   use sg_choose_glued_solver, only: choose_glued_solver
   use sg_comm, only: comm_t
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_run_options, only: criterion_quad
-  use sg_simulation, only: advance, decompose, simulation_t
+  use sg_simulation, only: decompose, simulation_t
   use sg_text, only: to_text
   implicit none
   character(len=*), parameter :: nl = new_line('a')

@@ -2,12 +2,13 @@
 program test_rank_threads
   use harness, only: tests_t
   use same_bits, only: same
+  use sg_advance, only: advance
   use sg_comm, only: comm_t
   use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
   use sg_run_options, only: criterion_e8
-  use sg_simulation, only: advance, decompose, simulation_t, start_simulation
+  use sg_simulation, only: decompose, simulation_t, start_simulation
   use sg_text, only: text_t, to_text
   use sg_threads, only: threads_are_available
   use written_files, only: put_text

@@ -3,6 +3,7 @@
 program test_share
   use harness, only: tests_t
   use same_bits, only: same, same_bodies
+  use sg_advance, only: advance
   use sg_blocks, only: deck_t
   use sg_comm, only: comm_t
   use sg_convex_hull, only: hull_is_available
@@ -19,7 +20,7 @@ program test_share
   use sg_scene, only: scene_t
   use sg_shared_start, only: check_shared_start
   use sg_signature, only: signature_of
-  use sg_simulation, only: advance, decompose, simulation_t, start_simulation
+  use sg_simulation, only: decompose, simulation_t, start_simulation
   use sg_text, only: text_t, to_text
   use sg_toml, only: read_content
   use written_files, only: put_text

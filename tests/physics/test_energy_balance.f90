@@ -4,6 +4,7 @@
 !! sums are packed and unpacked half-way, as a restart does.
 program test_energy_balance
   use harness, only: tests_t
+  use sg_advance, only: advance
   use sg_contactors, only: add_disk, add_polygon, add_wall
   use sg_energy, only: energy_t
   use sg_error, only: error_t
@@ -11,7 +12,7 @@ program test_energy_balance
   use sg_measures, only: measure, measures_t
   use sg_random, only: random_t
   use sg_scene, only: colour_index, scene_t
-  use sg_simulation, only: advance, simulation_t, start_simulation
+  use sg_simulation, only: simulation_t, start_simulation
   implicit none
   integer, parameter :: rows = 6, grains = rows**2, steps = 600
   ! Rounding of some 10^2 sums a step over 600 steps, terms of either sign: 1e-14 measured.

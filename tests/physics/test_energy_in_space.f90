@@ -7,6 +7,7 @@ program test_energy_in_space
   use harness, only: tests_t
   use scenes, only: drive
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
+  use sg_advance, only: advance
   use sg_drives, only: pressure_t
   use sg_energy, only: energy_t
   use sg_error, only: error_t
@@ -15,7 +16,7 @@ program test_energy_in_space
   use sg_random, only: random_t
   use sg_rotations, only: rotation_by
   use sg_scene, only: scene_t
-  use sg_simulation, only: advance, simulation_t, start_simulation
+  use sg_simulation, only: simulation_t, start_simulation
   use sg_time_functions, only: time_function_t
   implicit none
   integer, parameter :: rows = 4, grains = rows**3

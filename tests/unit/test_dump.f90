@@ -32,6 +32,7 @@ program test_dump
   use breaking_solver, only: breaking_solver_t
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, g, put_disk, put_wall, run
+  use sg_advance, only: advance
   use sg_choose_matrix_solver, only: choose_matrix_solver
   use sg_dump, only: finish_dump, is_listed, read_steps
   use sg_error, only: error_t, exit_broken
@@ -41,7 +42,7 @@ program test_dump
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
   use sg_report, only: report_t
-  use sg_simulation, only: advance, simulation_t
+  use sg_simulation, only: simulation_t
   implicit none
   type(tests_t) :: t
 

@@ -4,12 +4,13 @@ program test_guard
                                            ieee_quiet_nan, ieee_set_flag, ieee_set_halting_mode, ieee_value
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, put_disk, put_wall, run
+  use sg_advance, only: advance
   use sg_error, only: error_t, exit_broken, exit_unbalanced
   use sg_guard, only: find_broken, judge_energy
   use sg_history, only: revive
   use sg_kinds, only: wp
   use sg_measures, only: measure, measures_t
-  use sg_simulation, only: advance, simulation_t
+  use sg_simulation, only: simulation_t
   implicit none
   type(tests_t) :: t
   type(simulation_t) :: sim

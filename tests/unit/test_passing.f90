@@ -2,6 +2,7 @@
 program test_passing
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, put_disk, put_wall
+  use sg_advance, only: advance
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t
   use sg_error, only: error_t
   use sg_half_width, only: half_width
@@ -9,7 +10,7 @@ program test_passing
   use sg_laws, only: law_iqs, law_velocity
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
-  use sg_simulation, only: advance, simulation_t
+  use sg_simulation, only: simulation_t
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   implicit none
   type(tests_t) :: t
