@@ -33,8 +33,8 @@ contains
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     logical, intent(in) :: with_e1 !! is the map with rho = 1 wanted too?
     real(wp), intent(inout) :: lane(chunk, n_error_sums) !! sums to add to
-    real(wp), intent(inout), optional :: all_squares(:) !! squares of the map with rho_a, shape (contacts)
-    real(wp), intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts)
+    real(wp), allocatable, intent(inout), optional :: all_squares(:) !! squares of the map with rho_a, shape (contacts)
+    real(wp), allocatable, intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts)
     type(chunk_t) :: a
     real(wp) :: squares(chunk), inverse(chunk)
     integer :: first, n, i
