@@ -41,7 +41,6 @@ contains
     type(error_t), allocatable, intent(out) :: error !! what ended the run, when something did
     type(writers_t) :: writers
     type(error_t), allocatable :: late
-    logical :: tells_verdict
     integer :: speaker
 
     code = exit_done
@@ -62,15 +61,21 @@ contains
     call close_files(sim, writers, late)
     call sim%comm%agree(late, speaker)
     if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
-    ! A run that failed before it moved has nothing but its error to tell, and the trace of the step.
-    tells_verdict = .not. sim%options%is_quiet .and. (writers%has_stepped .or. .not. allocated(error))
-    if (tells_verdict) call print_verdict(output_unit, writers%summary)
-    tells_verdict = tells_verdict .or. .not. sim%options%is_quiet .and. writers%trace%has_rows()
-    if (tells_verdict .and. writers%trace%is_on .and. writers%is_speaker) then
-      write (output_unit, '(a)') writers%trace%table(writers%summary%totals)
-    end if
+    if (.not. sim%options%is_quiet) call tell_end(writers, allocated(error))
     if (sim%options%tells_needs .and. .not. allocated(error)) call tell_needs(sim, error)
   end subroutine simulate
+
+  !> The verdict, and the table of traces. A run that failed before it moved has nothing but its error and the trace of its step.
+  subroutine tell_end(writers, has_failed)
+    type(writers_t), intent(in) :: writers
+    logical, intent(in) :: has_failed
+    logical :: has_moved
+
+    has_moved = writers%has_stepped .or. .not. has_failed
+    if (has_moved) call print_verdict(output_unit, writers%summary)
+    if (.not. (writers%trace%is_on .and. writers%is_speaker)) return
+    if (has_moved .or. writers%trace%has_rows()) write (output_unit, '(a)') writers%trace%table(writers%summary%totals)
+  end subroutine tell_end
 
   !> What is done with the scene, in a few lines.
   function describe_run(options, ranks) result(text)
