@@ -10,8 +10,7 @@ GREY = "#777777"
 
 def thresholds(study, case, table):
     """One row a variant along the parameter: dots hold, crosses do not; a number where the verdict changes."""
-    height = 0.42 * max(2, len(table))
-    figure = new_figure(5.2, 1.5 + height)
+    figure = new_figure(5.2, 1.5 + 0.42 * len(table))
     ax = figure.add_subplot()
     values = [point[0].value for points in table.values() for point in points]
     for row, points in enumerate(table.values()):
@@ -34,15 +33,14 @@ def thresholds(study, case, table):
     ax.set_ylim(len(table) - 0.4, -0.7)
     ax.grid(axis="y", visible=False)
     ax.set(xlabel=f"{study.parameter} [{study.unit}]", title=case.name)
-    _explain(ax, height)
+    _explain(figure)
     return figure
 
 
 def matrix(study, table):
     """One row a case, one column a variant."""
     cases, variants = [case.name for case in study.cases], [variant.name for variant in study.variants]
-    height = 0.24 * max(3, len(cases))
-    figure = new_figure(2.6 + 0.9 * len(variants), 1.3 + height)
+    figure = new_figure(2.6 + 0.9 * len(variants), 1.3 + 0.24 * len(cases))
     ax = figure.add_subplot()
     for held, marker, colour in ((True, "o", BLUE), (False, "X", VERMILION)):
         places = [(variants.index(variant), cases.index(case)) for (case, variant), points in table.items()
@@ -53,12 +51,14 @@ def matrix(study, table):
     ax.set_yticks(range(len(cases)), cases)
     ax.set_xlim(-0.6, len(variants) - 0.4)
     ax.set_ylim(len(cases) - 0.4, -0.6)
-    _explain(ax, height)
+    _explain(figure)
     return figure
 
 
-def _explain(ax, height):
-    """The legend, beneath the panel, which is so many inches high."""
+def _explain(figure):
+    """The legend, on a strip of its own beneath the panel."""
     marks = [Line2D([], [], marker="o", color=BLUE, ls="", label="holds"),
              Line2D([], [], marker="X", color=VERMILION, ls="", label="does not hold")]  # fmt: skip
-    ax.legend(handles=marks, loc="upper center", bbox_to_anchor=(0.45, -0.5 / height), ncols=2)
+    figure.legend(handles=marks, loc="lower center", ncols=2)
+    strip = 0.35 / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0, strip, 1, 1 - strip))
