@@ -1,8 +1,8 @@
 !> The command line: words, options with values, and what is wrong with them.
 module sg_arguments
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp
+  use sg_numerals, only: read_integer, read_real
   use sg_text, only: append_word, nearest_word, text_t, to_text
   implicit none
   private
@@ -15,11 +15,14 @@ module sg_arguments
     type(text_t), allocatable :: words(:)
     !> Names of the options given, without their dashes, and their values (empty for switches)
     type(text_t), allocatable :: names(:), values(:)
+    !> Which of them are switches to which a value was given
+    logical, allocatable :: is_overfed(:)
   contains
     procedure :: has => arguments_has
     procedure :: get => arguments_get
     procedure :: all_of => arguments_all_of
     procedure :: number => arguments_number
+    procedure :: whole => arguments_whole
     procedure :: expect => arguments_expect
   end type arguments_t
 
@@ -39,7 +42,7 @@ contains
     integer :: i, equals
 
     arguments%command = ''
-    allocate (arguments%words(0), arguments%names(0), arguments%values(0))
+    allocate (arguments%words(0), arguments%names(0), arguments%values(0), arguments%is_overfed(0))
     i = 1
     do while (i <= command_argument_count())
       word = argument(i)
@@ -52,24 +55,39 @@ contains
         end if
         cycle
       end if
-      word = word(verify(word, '-'):)
+      word = word(verify(word//'.', '-'):)
       value = ''
       equals = index(word, '=')
       if (equals > 0) then
         value = word(equals + 1:)
         word = word(:equals - 1)
       else if (any(valued == word)) then
-        if (i > command_argument_count()) then
-          call fail(error, 'option --'//word//' needs a value after it')
-          return
-        end if
-        value = argument(i)
+        call value_after(i, word, value, error)
+        if (allocated(error)) return
         i = i + 1
       end if
       call append_word(arguments%names, word)
       call append_word(arguments%values, value)
+      arguments%is_overfed = [arguments%is_overfed, equals > 0 .and. all(valued /= word)]
     end do
   end subroutine read_arguments
+
+  !> The word after an option that needs a value. Another option is none: the value was forgotten.
+  subroutine value_after(i, name, value, error)
+    integer, intent(in) :: i
+    character(len=*), intent(in) :: name
+    character(len=:), allocatable, intent(out) :: value
+    type(error_t), allocatable, intent(out) :: error
+
+    value = ''
+    if (i <= command_argument_count()) value = argument(i)
+    if (i > command_argument_count()) then
+      call fail(error, 'option --'//name//' needs a value after it')
+    else if (index(value, '--') == 1) then
+      call fail(error, 'option --'//name//' needs a value after it, not the option '//value// &
+                '; a value that begins with dashes is written --'//name//'='//value)
+    end if
+  end subroutine value_after
 
   !> One word of the command line.
   function argument(i) result(word)
@@ -121,7 +139,7 @@ contains
     end do
   end function arguments_all_of
 
-  !> Value of an option as a number between `least`, a whole number, and the largest integer.
+  !> Value of an option as a number from `least`, a whole number, to the largest integer.
   subroutine arguments_number(self, name, default, least, value, error)
     class(arguments_t), intent(in) :: self
     character(len=*), intent(in) :: name !! without dashes
@@ -129,23 +147,44 @@ contains
     real(wp), intent(in) :: least !! smallest value allowed
     real(wp), intent(out) :: value !! the number
     type(error_t), allocatable, intent(out) :: error !! set when it is no such number
-    character(len=:), allocatable :: word
-    integer :: status
+    logical :: is_number
 
     value = default
     if (.not. self%has(name)) return
-    word = self%get(name, '')
-    read (word, *, iostat=status) value
-    if (status == 0) then
-      ! What is not finite had better not be compared: debug builds stop there.
-      if (.not. ieee_is_finite(value)) value = least - 1
-      if (value >= least .and. value <= huge(1)) return
-    end if
-    call fail(error, 'option --'//name//' needs a number of at least '//to_text(nint(least))//' and at most '// &
-              to_text(huge(1))//', not "'//word//'"')
+    call read_real(self%get(name, ''), value, is_number)
+    if (is_number .and. value >= least .and. value <= huge(1)) return
+    call refuse(self, name, 'a number', nint(least), error)
   end subroutine arguments_number
 
-  !> Refuse options that the command does not know, and a wrong number of words.
+  !> Value of an option as a whole number from `least` to the largest integer.
+  subroutine arguments_whole(self, name, default, least, value, error)
+    class(arguments_t), intent(in) :: self
+    character(len=*), intent(in) :: name !! without dashes
+    integer, intent(in) :: default !! when it was not given
+    integer, intent(in) :: least !! smallest value allowed
+    integer, intent(out) :: value !! the number
+    type(error_t), allocatable, intent(out) :: error !! set when it is no such number
+    logical :: is_number
+
+    value = default
+    if (.not. self%has(name)) return
+    call read_integer(self%get(name, ''), value, is_number)
+    if (is_number .and. value >= least) return
+    call refuse(self, name, 'a whole number', least, error)
+  end subroutine arguments_whole
+
+  !> Refuse the value of an option.
+  subroutine refuse(self, name, kind, least, error)
+    type(arguments_t), intent(in) :: self
+    character(len=*), intent(in) :: name, kind
+    integer, intent(in) :: least
+    type(error_t), allocatable, intent(out) :: error
+
+    call fail(error, 'option --'//name//' needs '//kind//' of at least '//to_text(least)//' and at most '// &
+              to_text(huge(1))//', not "'//self%get(name, '')//'"')
+  end subroutine refuse
+
+  !> Refuse options that the command does not know, values of switches, and a wrong number of words.
   subroutine arguments_expect(self, known, fewest, most, usage, error)
     class(arguments_t), intent(in) :: self
     character(len=*), intent(in) :: known !! names of the known options, with a blank between two
@@ -157,7 +196,11 @@ contains
     integer :: i
 
     do i = 1, size(self%names)
-      if (index(' '//known//' ', ' '//self%names(i)%s//' ') > 0) cycle
+      if (index(' '//known//' ', ' '//self%names(i)%s//' ') > 0) then
+        if (.not. self%is_overfed(i)) cycle
+        call fail(error, 'option --'//self%names(i)%s//' takes no value, not "'//self%values(i)%s//'"')
+        return
+      end if
       near = nearest_word(self%names(i)%s, split(known))
       if (len(near) > 0) near = '; did you mean --'//near//'?'
       call fail(error, 'unknown option --'//self%names(i)%s//' of '//self%command//near)

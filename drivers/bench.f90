@@ -20,15 +20,17 @@ contains
     type(error_t), allocatable, intent(out) :: error !! what is wrong with it
     type(solver_options_t) :: options
     type(benchmark_t) :: figures
-    real(wp) :: contacts, friction, sweeps, check_every, threads
+    real(wp) :: friction
+    integer :: contacts
     character(len=:), allocatable :: shape
 
     call arguments%expect('shape contacts friction order threads check-every sweeps json', 0, 0, 'bench [options]', error)
-    if (.not. allocated(error)) call arguments%number('contacts', 100000.0_wp, 12.0_wp, contacts, error)
+    if (.not. allocated(error)) call arguments%whole('contacts', 100000, 12, contacts, error)
     if (.not. allocated(error)) call arguments%number('friction', 0.3_wp, 0.0_wp, friction, error)
-    if (.not. allocated(error)) call arguments%number('check-every', real(options%check_every, wp), 1.0_wp, check_every, error)
-    if (.not. allocated(error)) call arguments%number('sweeps', min(20000.0_wp, max(100.0_wp, 1e8_wp/contacts)), 1.0_wp, sweeps, &
-                                                      error)
+    if (.not. allocated(error)) call arguments%whole('check-every', (options%check_every), 1, options%check_every, error)
+    ! About a second's work where nothing is given.
+    if (.not. allocated(error)) &
+      call arguments%whole('sweeps', min(20000, max(100, 100000000/contacts)), 1, options%maximum_sweeps, error)
     shape = arguments%get('shape', 'disk')
     if (.not. allocated(error) .and. all(lattice_shapes /= shape)) then
       call fail(error, 'bench knows the shapes disk, sphere and polyhedron, not "'//shape//'"')
@@ -37,18 +39,16 @@ contains
     if (.not. allocated(error) .and. all(options%order /= [character(len=16) :: 'natural', 'groups', 'coloured'])) then
       call fail(error, 'order is natural, groups or coloured, not "'//trim(options%order)//'"')
     end if
-    if (.not. allocated(error)) call arguments%number('threads', 1.0_wp, 1.0_wp, threads, error)
+    if (.not. allocated(error)) call arguments%whole('threads', 1, 1, options%threads, error)
     if (allocated(error)) return
-    options%threads = nint(threads)
     if (options%threads > 1 .and. .not. threads_are_available()) then
       call fail(error, 'this program was built without OpenMP, which more than one thread needs')
     else if (options%threads > 1 .and. options%order /= 'coloured') then
       call fail(error, 'threads share sweeps in coloured order alone')
     end if
     if (allocated(error)) return
-    options%maximum_sweeps = nint(sweeps)
-    options%check_every = min(nint(check_every), options%maximum_sweeps)
-    call run_benchmark(shape, nint(contacts), friction, options, figures)
+    options%check_every = min(options%check_every, options%maximum_sweeps)
+    call run_benchmark(shape, contacts, friction, options, figures)
     call print_figures(shape, figures, options, arguments%has('json'))
   end subroutine bench_command
 

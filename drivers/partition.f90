@@ -11,6 +11,7 @@ module sg_partition
   use sg_interface_blocks, only: block_structure_t
   use sg_kinds, only: wp, i4
   use sg_message_costs, only: given_messages, measure_messages
+  use sg_numerals, only: read_integer
   use sg_predict_cost, only: predict_cost
   use sg_run_options, only: partition_options_t, split_names
   use sg_simulation, only: simulation_t
@@ -77,15 +78,15 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
     character(len=:), allocatable :: shape
-    real(wp) :: contacts
+    integer :: contacts
 
     shape = arguments%get('shape', 'disk')
-    call arguments%number('lattice', 0.0_wp, 12.0_wp, contacts, error)
+    call arguments%whole('lattice', 0, 12, contacts, error)
     if (.not. allocated(error) .and. all(lattice_shapes /= shape)) then
       call fail(error, 'lattices are of the shapes disk, sphere and polyhedron, not "'//shape//'"')
     end if
     if (allocated(error)) return
-    call make_lattice(sim%scene, shape, nint(contacts), 0.3_wp)
+    call make_lattice(sim%scene, shape, contacts, 0.3_wp)
     sim%options%step = 1e-4_wp
   end subroutine make_scene
 
@@ -127,7 +128,6 @@ contains
     integer, intent(out) :: parts
     type(error_t), allocatable, intent(out) :: error
     character(len=:), allocatable :: method
-    real(wp) :: number
 
     parts = 0
     method = arguments%get('method', trim(options%split))
@@ -142,8 +142,7 @@ contains
     if (allocated(error)) return
     options%split = method
     if (arguments%has('parts')) then
-      call arguments%number('parts', 0.0_wp, 1.0_wp, number, error)
-      if (.not. allocated(error)) parts = nint(number)
+      call arguments%whole('parts', 0, 1, parts, error)
     else if (parts == 0) then
       call fail(error, 'how many parts? Give --parts N')
     end if
@@ -154,18 +153,19 @@ contains
     character(len=*), intent(in) :: word
     integer, intent(out) :: boxes(3)
     type(error_t), allocatable, intent(out) :: error
-    integer :: axis, first, cut, status
+    integer :: axis, first, cut
+    logical :: is_number
 
     boxes = 1
     first = 1
     do axis = 1, 3
       cut = index(word(first:)//'x', 'x')
-      read (word(first:first + cut - 2), *, iostat=status) boxes(axis)
-      if (status /= 0 .or. boxes(axis) < 0 .or. boxes(axis) > 100000) exit
+      call read_integer(word(first:first + cut - 2), boxes(axis), is_number)
+      if (.not. is_number .or. boxes(axis) < 0 .or. boxes(axis) > 100000) exit
       first = first + cut
-      if (first > len(word)) exit
+      if (first > len(word) + 1) exit
     end do
-    if (status /= 0 .or. first <= len(word) .or. verify(word, '0123456789x') > 0) then
+    if (.not. is_number .or. axis == 1 .or. first <= len(word) + 1) then
       call fail(error, 'option --boxes needs two or three numbers such as 2x3 or 2x3x1, not "'//word//'"')
       boxes = 1
     else if (product(real(boxes, wp)) > 1e6_wp) then

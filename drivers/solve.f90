@@ -69,21 +69,20 @@ contains
     type(request_t), intent(out) :: request
     type(error_t), allocatable, intent(out) :: error
     class(matrix_solver_t), allocatable :: solver
-    real(wp) :: tolerance, iterations, seconds, most
+    real(wp) :: tolerance, seconds
     integer :: i
 
     request%trace = arguments%get('trace', '')
     associate (options => request%options)
-      iterations = real(options%maximum_iterations, wp)
       tolerance = options%tolerance
       seconds = options%maximum_seconds
       call arguments%expect('solver tolerance iterations seconds guess trace write force json', 1, huge(1), &
                             'solve FILE... [options]; see splitgrain solve --help', error)
       if (.not. allocated(error)) call arguments%number('tolerance', tolerance, 0.0_wp, options%tolerance, error)
       if (.not. allocated(error)) call arguments%number('seconds', seconds, 0.0_wp, options%maximum_seconds, error)
-      if (.not. allocated(error)) call arguments%number('iterations', iterations, 1.0_wp, most, error)
+      if (.not. allocated(error)) &
+        call arguments%whole('iterations', (options%maximum_iterations), 1, options%maximum_iterations, error)
       if (allocated(error)) return
-      options%maximum_iterations = nint(most)
       options%with_trace = len(request%trace) > 0
     end associate
     request%with_guess = arguments%has('guess')

@@ -6,6 +6,7 @@ module sg_settings
   use sg_blocks, only: deck_t
   use sg_collect, only: set_value
   use sg_error, only: diagnostics_t, error_t
+  use sg_numerals, only: is_integer_word, read_integer
   use sg_text, only: text_t, to_text
   use sg_toml, only: document_t, parse_toml
   use sg_values, only: from_setting, value_t
@@ -68,7 +69,8 @@ contains
     integer, intent(out) :: section, number, key
     character(len=:), allocatable, intent(out) :: message
     character(len=:), allocatable :: name
-    integer :: dot, bracket, status
+    integer :: dot, bracket
+    logical :: is_number
 
     section = 0
     key = 0
@@ -77,8 +79,8 @@ contains
     name = path(:dot - 1)
     bracket = index(name, '[')
     if (bracket > 1 .and. name(len(name):) == ']') then
-      read (name(bracket + 1:len(name) - 1), *, iostat=status) number
-      if (status /= 0 .or. number < 1) message = '"'//path//'": blocks are counted from 1'
+      call read_integer(name(bracket + 1:len(name) - 1), number, is_number)
+      if (.not. is_number .or. number < 1) message = '"'//path//'": blocks are counted from 1'
       name = name(:bracket - 1)
     end if
     if (allocated(message)) return
@@ -94,7 +96,7 @@ contains
     end if
   end subroutine find_target
 
-  !> A value as given, or as a string when it is no TOML.
+  !> A value as given, or as a string when it is no TOML. Integers that TOML cannot hold are no strings.
   function as_toml(text) result(value)
     character(len=*), intent(in) :: text
     character(len=:), allocatable :: value
@@ -103,6 +105,8 @@ contains
 
     value = text
     call parse_toml('x = '//text, document, error)
-    if (allocated(error)) value = quoted_string(text)
+    if (.not. allocated(error)) return
+    value = quoted_string(text)
+    if (is_integer_word(text)) value = text//'.0'
   end function as_toml
 end module sg_settings

@@ -57,6 +57,9 @@ contains
       value%column = entry%column
     end if
     if (.not. may_hold(key%kind, entry%kind, depth)) then
+      ! An integer beyond what TOML holds comes as a real: it is too large before anything else.
+      if (key%kind == value_integer .and. entry%kind == toml_real) call check_number(key, entry, message)
+      if (allocated(message)) return
       message = 'must be '//value_name(key%kind, 0)//', not '//what_is(entry%kind, depth)
       if (key%kind == value_choice) message = 'must be one of '//listed(key%choices)//', not '//what_is(entry%kind, depth)
       return
@@ -137,9 +140,9 @@ contains
     if (entry%kind == toml_logical) return
     if (.not. ieee_is_finite(entry%real)) then
       message = 'must be a finite number'
-    else if (entry%kind == toml_integer .and. abs(entry%real) > 2e9_wp .and. &
+    else if (abs(entry%real) > 2e9_wp .and. &
              any(key%kind == [value_integer, value_sides, value_counts, value_faces])) then
-      message = 'must be between -2000000000 and 2000000000'
+      message = 'is too large in size: it must be between -2000000000 and 2000000000'
     else if (abs(entry%real) > largest .or. (abs(entry%real) > 0 .and. abs(entry%real) < smallest)) then
       message = 'must be 0 or between '//short_real(smallest)//' and '//short_real(largest)//' in size'
     else if (key%highest <= key%lowest .and. abs(entry%real - key%lowest) > 0) then

@@ -7,6 +7,7 @@ module sg_dump
   use sg_error, only: error_t, fail
   use sg_fclib_write, only: write_pieces
   use sg_kinds, only: wp, i4
+  use sg_numerals, only: read_integer
   use sg_problem, only: problem_t
   use sg_shared_matrices, only: share_matrices, shared_matrices_t, take_solution
   use sg_subdomain, only: subdomain_t
@@ -99,12 +100,10 @@ contains
   !> A number of digits alone; 0 where it is none.
   integer function number_of(word) result(number)
     character(len=*), intent(in) :: word
-    integer :: status
+    logical :: is_number
 
-    number = 0
-    if (len(word) == 0 .or. verify(word, '0123456789') > 0) return
-    read (word, *, iostat=status) number
-    if (status /= 0) number = 0
+    call read_integer(word, number, is_number)
+    if (.not. is_number .or. scan(word, '+-') > 0) number = 0
   end function number_of
 
   !> Is a step in one of the ranges?

@@ -98,6 +98,11 @@ class Commands(Cli):
             (["run", "fall.toml", "--walltime", "soon"], "walltime"),
             (["run", "fall.toml", "--set", "solver.tolerence=1"], 'did you mean "tolerance"'),
             (["run", "fall.toml", "--set", "time.steps=many"], "steps"),
+            (["run", "fall.toml", "--set", "time.steps=99999999999999999999"], "too large"),
+            (["run", "fall.toml", "--set", "law[1.0].friction=1"], "counted from 1"),
+            (["run", "fall.toml", "--output", "--quiet"], "not the option --quiet"),
+            (["run", "fall.toml", "--"], "unknown option"),
+            (["partition", "fall.toml", "--boxes", "2x"], "two or three numbers"),
         ):
             with self.subTest(words=words):
                 self.assertIn(said, self.run_program(*words, code=2).stderr)
