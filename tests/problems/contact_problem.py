@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import h5py
 import numpy as np
-from scipy import sparse
 
 
 @dataclass
@@ -15,7 +14,8 @@ class ContactProblem:
     """u = W r + q, normal first."""
 
     dimension: int
-    w: sparse.csr_matrix
+    w: object
+    """A sparse matrix of scipy, or an array"""
     q: np.ndarray
     friction: np.ndarray
 
@@ -48,6 +48,7 @@ def read_problem(file):
 
 def read_matrix(group):
     """A matrix, whichever way it is stored; in triplets i is the row (as files are, not as they are described)."""
+    from scipy import sparse
     nz, shape = int(group["nz"][0]), (int(group["m"][0]), int(group["n"][0]))
     p, i, x = (group[name][:] for name in "pix")
     if nz >= 0:

@@ -26,7 +26,7 @@ def spoil(rng, lines):
         elif way == 6:
             lines.insert(at, rng.choice(["[[nowhere]]", "[time]", "[[body]]", "[[body.shape]]", "[[drive]]", "[[wall]]", "[body]",
                                          "colour = 3", "a.b.c = 1", "= 1", "[", "]]", "# \x00\x01", "[[sample]]", "[[pressure]]"]))
-        elif way == 7:
+        elif way == 7 and lines[at]:
             letters = list(lines[at])
             letters[rng.randrange(len(letters))] = rng.choice("abcxyz_=[]\"'#{}.,0 9-")
             lines[at] = "".join(letters)
