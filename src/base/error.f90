@@ -35,6 +35,9 @@ module sg_error
     character(len=:), allocatable :: text
     !> Line and column of the mistake, from 1; 0 when unknown
     integer :: line = 0, column = 0
+    !> Kind of finding, and how many findings of this kind in this file it stands for; unallocated where each stands alone
+    character(len=:), allocatable :: kind
+    integer :: count = 1
     !> Exit code of the program
     integer :: code = exit_bad_input
   contains
@@ -94,7 +97,7 @@ contains
 
     report = 'error: '
     if (present(kind)) report = kind//': '
-    report = place(self)//report//self%message
+    report = place(self)//report//self%message//times(self)
     if (.not. allocated(self%text)) return
     report = report//new_line('a')//'  '//self%text
     if (self%column < 1) return
@@ -106,8 +109,20 @@ contains
     class(error_t), intent(in) :: self
     character(len=:), allocatable :: sentence
 
-    sentence = place(self)//self%message
+    sentence = place(self)//self%message//times(self)
   end function error_sentence
+
+  !> ` (12 times)`; empty for a finding that stands alone.
+  pure function times(error)
+    class(error_t), intent(in) :: error
+    character(len=:), allocatable :: times
+    character(len=12) :: number
+
+    times = ''
+    if (error%count == 1) return
+    write (number, '(i0)') error%count
+    times = ' ('//trim(number)//' times)'
+  end function times
 
   !> `file:line:column: ` as far as known.
   pure function place(error)
@@ -157,17 +172,46 @@ contains
     call append(self%errors, made(message, file, line, column, text))
   end subroutine diagnostics_add
 
-  !> Add a warning.
-  subroutine diagnostics_warn(self, message, file, line, column, text)
+  !> Add a warning; of those of one kind in one file the first stands for all, with their count.
+  subroutine diagnostics_warn(self, message, file, line, column, text, kind)
     class(diagnostics_t), intent(inout) :: self
     character(len=*), intent(in) :: message !! one sentence
     character(len=*), intent(in), optional :: file !! file concerned
     integer, intent(in), optional :: line !! line concerned, from 1
     integer, intent(in), optional :: column !! column concerned, from 1
     character(len=*), intent(in), optional :: text !! the line itself
+    character(len=*), intent(in), optional :: kind !! kind of finding, where many of it are expected
+    type(error_t) :: warning
+    integer :: i
 
-    call append(self%warnings, made(message, file, line, column, text))
+    warning = made(message, file, line, column, text)
+    if (present(kind)) then
+      warning%kind = kind
+      do i = 1, size_of(self%warnings)
+        if (.not. same_kind(self%warnings(i), warning)) cycle
+        self%warnings(i)%count = self%warnings(i)%count + 1
+        return
+      end do
+    end if
+    call append(self%warnings, warning)
   end subroutine diagnostics_warn
+
+  !> Are both of one kind, in one file?
+  pure logical function same_kind(one, other)
+    type(error_t), intent(in) :: one, other
+
+    same_kind = allocated(one%kind) .and. (allocated(one%file) .eqv. allocated(other%file))
+    if (same_kind) same_kind = one%kind == other%kind
+    if (same_kind .and. allocated(one%file)) same_kind = one%file == other%file
+  end function same_kind
+
+  !> Number of items of a list.
+  pure integer function size_of(list)
+    type(error_t), allocatable, intent(in) :: list(:)
+
+    size_of = 0
+    if (allocated(list)) size_of = size(list)
+  end function size_of
 
   !> Append to a list, item by item: gfortran 12 leaks the texts of items in an array constructor.
   pure subroutine append(list, item)
@@ -176,8 +220,7 @@ contains
     type(error_t), allocatable :: grown(:)
     integer :: i, n
 
-    n = 0
-    if (allocated(list)) n = size(list)
+    n = size_of(list)
     allocate (grown(n + 1))
     do i = 1, n
       grown(i) = list(i)
@@ -190,8 +233,7 @@ contains
   pure integer function diagnostics_count(self) result(count)
     class(diagnostics_t), intent(in) :: self
 
-    count = 0
-    if (allocated(self%errors)) count = size(self%errors)
+    count = size_of(self%errors)
   end function diagnostics_count
 
   !> Print all warnings, then all mistakes.
