@@ -1,7 +1,7 @@
 !> A value that changes with time: constant plus cosine times a clipped ramp, or a table.
 !!
 !! value(t) = (constant + amplitude cos(omega t + phase)) min(1, ramp_start + ramp_rate t), the form of LMGC90's
-!! DRV_DOF.DAT; with a table, linear between its points and constant beyond its ends.
+!! DRV_DOF.DAT; with a table, linear between its points, and beyond its ends constant or on along its first and last line.
 module sg_time_functions
   use sg_kinds, only: wp
   implicit none
@@ -18,6 +18,8 @@ module sg_time_functions
     real(wp) :: ramp_start = 1, ramp_rate = 0
     !> Table: times [s] and values; replaces the formula when allocated
     real(wp), allocatable :: times(:), values(:)
+    !> Table: does it go on linearly beyond its ends, as evolution files of LMGC90 do? Else it holds its end values
+    logical :: goes_on = .false.
   contains
     procedure :: at => value_at
     procedure :: largest => largest_value
@@ -31,7 +33,7 @@ contains
     real(wp), intent(in) :: time !! [s]
 
     if (allocated(self%times)) then
-      value = interpolated(self%times, self%values, time)
+      value = interpolated(self%times, self%values, self%goes_on, time)
     else
       value = (self%constant + self%amplitude*cos(self%omega*time + self%phase)) &
               *min(1.0_wp, self%ramp_start + self%ramp_rate*time)
@@ -49,16 +51,17 @@ contains
     end if
   end function largest_value
 
-  !> Linear interpolation in a table, found by bisection.
-  pure real(wp) function interpolated(times, values, time) result(value)
+  !> Linear interpolation in a table, found by bisection, and extrapolation where it goes on.
+  pure real(wp) function interpolated(times, values, goes_on, time) result(value)
     real(wp), intent(in) :: times(:), values(:), time
+    logical, intent(in) :: goes_on
     integer :: low, high, middle
 
     low = 1
     high = size(times)
-    if (time <= times(low)) then
+    if (time <= times(low) .and. .not. goes_on) then
       value = values(low)
-    else if (time >= times(high)) then
+    else if (time >= times(high) .and. .not. goes_on) then
       value = values(high)
     else
       do while (high - low > 1)

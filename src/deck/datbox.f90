@@ -7,7 +7,7 @@ module sg_datbox
   use sg_datbox_behaviours, only: other_law_t, read_bulk_behaviours, read_contact_laws, warn_of_unused
   use sg_datbox_bodies, only: count_bodies, find_dimension, read_bodies
   use sg_datbox_contacts, only: read_start_contacts
-  use sg_datbox_drives, only: bodies_driven, read_drives
+  use sg_datbox_drives, only: bodies_driven, bodies_held, read_drives
   use sg_datbox_lines, only: datbox_file_t, digest_of, open_datbox_file
   use sg_datbox_sees, only: check_sees, read_sees
   use sg_datbox_state, only: read_state
@@ -44,6 +44,7 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
     type(datbox_file_t) :: bodies, bulk, tact
     type(other_law_t), allocatable :: other_bulk(:), other_laws(:)
+    integer(i4), allocatable :: held(:)
     integer, allocatable :: see_lines(:)
     integer :: before, n
     logical :: ok
@@ -63,7 +64,8 @@ contains
     call share%census%mix(digest_of(bodies))
     call share%census%mix(digest_of(bulk))
     call share%census%mix(digest_of(tact))
-    call read_bodies(bodies, scene, share, other_bulk, diagnostics)
+    call bodies_held(folder, scene%dimension, n, held)
+    call read_bodies(bodies, scene, share, held, other_bulk, diagnostics)
     call warn_of_unused(other_bulk, bulk, diagnostics)
     call warn_of_unused(other_laws, tact, diagnostics)
     if (share%all > 0) call read_drives(folder, scene, share, diagnostics)

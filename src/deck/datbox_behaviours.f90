@@ -1,8 +1,8 @@
 !> BULK_BEHAV.DAT (gravity, densities) and the contact laws of TACT_BEHAV.DAT of a DATBOX.
 module sg_datbox_behaviours
   use sg_datbox_laws, only: form_of_name, law_forms, set_parameter
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, keyword, name_field, next_data_line, &
-                             next_line, open_datbox_file, real_field, step_back
+  use sg_datbox_lines, only: complain, datbox_file_t, first_letter, go_to, is_real, keyword, name_field, next_data_line, &
+                             next_line, open_datbox_file, pass_over, real_field, remark, step_back
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_laws, only: law_t, law_elastic, law_restitution
@@ -33,7 +33,7 @@ contains
     type(other_law_t), allocatable, intent(out) :: others(:) !! bulk laws that are not done
     type(datbox_file_t), intent(out) :: file !! the file, read to its end
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    logical :: has_gravity, ok
+    logical :: has_gravity
 
     scene%materials = [material_t ::]
     allocate (others(0))
@@ -42,39 +42,54 @@ contains
     do while (next_line(file))
       select case (keyword(file))
       case ('gravy')
-        has_gravity = .true.
         if (.not. next_data_line(file, 'the gravity', diagnostics)) cycle
-        ok = .true.
-        call real_field(file, 25, scene%gravity(1), ok, diagnostics)
-        call real_field(file, 46, scene%gravity(2), ok, diagnostics)
-        if (scene%dimension == 3) call real_field(file, 67, scene%gravity(3), ok, diagnostics)
+        if (has_gravity) call remark(file, 'gravity', 'gravity stands here again; the first counts, as in LMGC90', 1, diagnostics)
+        if (.not. has_gravity) call read_gravity(file, scene, diagnostics)
+        has_gravity = .true.
       case ('behav')
         if (next_data_line(file, 'a bulk law', diagnostics)) call read_material(file, scene, others, diagnostics)
       case default
-        call complain_once(file, 'stray', 'this line belongs neither to $gravy nor to $behav', 1, diagnostics)
+        call pass_over(file, 'outside $gravy and $behav', diagnostics)
       end select
     end do
     if (has_gravity .or. file%n == 0) return
     call diagnostics%warn('no $gravy: there is no gravity', file=file%path)
   end subroutine read_bulk_behaviours
 
-  !> Read one bulk law: only rigid ones are done.
+  !> Read the gravity.
+  subroutine read_gravity(file, scene, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    type(scene_t), intent(inout) :: scene
+    type(diagnostics_t), intent(inout) :: diagnostics
+    logical :: ok
+
+    ok = .true.
+    call real_field(file, 25, scene%gravity(1), ok, diagnostics)
+    call real_field(file, 46, scene%gravity(2), ok, diagnostics)
+    if (scene%dimension == 3) call real_field(file, 67, scene%gravity(3), ok, diagnostics)
+  end subroutine read_gravity
+
+  !> Read one bulk law: rigid ones are done, of coupled ones the density.
   subroutine read_material(file, scene, others, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     type(scene_t), intent(inout) :: scene
     type(other_law_t), allocatable, intent(inout) :: others(:)
     type(diagnostics_t), intent(inout) :: diagnostics
     type(material_t) :: material
+    character(len=:), allocatable :: law
     logical :: ok
 
     material%name = name_field(file, 2)
-    if (name_field(file, 9, 30) /= 'RIGID') then
-      call add_other(others, material%name, name_field(file, 9, 30), file%at)
+    law = name_field(file, 9, 30)
+    if (law /= 'RIGID' .and. left_out(law) == '') then
+      call add_other(others, material%name, law, file%at)
       call skip_data(file)
       return
     end if
-    ok = .true.
-    call real_field(file, law_columns(1), material%density, ok, diagnostics)
+    ok = name_field(file, law_columns(1)) /= 'field'
+    if (.not. ok) call complain(file, 'the density of '''//material%name//''' is a field, which is not done: give a number', &
+                                law_columns(1), diagnostics)
+    if (ok) call real_field(file, law_columns(1), material%density, ok, diagnostics)
     if (.not. ok) return
     if (.not. material%density > 0) then
       call complain(file, 'the density of '''//material%name//''' must be positive', law_columns(1), diagnostics)
@@ -82,7 +97,33 @@ contains
       call complain(file, 'the bulk law '''//material%name//''' is listed twice', 2, diagnostics)
     end if
     scene%materials = [scene%materials, material]
+    if (law == 'RIGID') return
+    call remark(file, law, 'the bulk law '//law//' is read as RIGID: '//left_out(law)//' are left out', 9, diagnostics)
+    call skip_data(file)
   end subroutine read_material
+
+  !> What a bulk law of rigid bodies has besides its density, which moves nothing; empty for laws that are not such.
+  pure function left_out(law)
+    character(len=*), intent(in) :: law
+    character(len=:), allocatable :: left_out
+
+    select case (law)
+    case ('THERMO_RIGID')
+      left_out = 'conductivity, heat capacity and contact conductance'
+    case ('ELECTRO_RIGID')
+      left_out = 'electrical conductivity and contact conductance'
+    case ('CHEMICAL_RIGID')
+      left_out = 'surface energies and their evolution'
+    case ('THERMO_CHEMICAL', 'THERMO_CHEMICAL_RIGID')
+      left_out = 'heat and surface energies'
+    case ('THERMO_ELECTRO', 'THERMO_ELECTRO_RIGID')
+      left_out = 'heat, electricity and surface energies'
+    case ('MATERIAL_POINT')
+      left_out = 'numbers of material points other than the density'
+    case default
+      left_out = ''
+    end select
+  end function left_out
 
   !> Read contact laws; see tables are passed over.
   subroutine read_contact_laws(folder, scene, others, file, diagnostics)
@@ -100,9 +141,9 @@ contains
       case ('behav')
         if (next_data_line(file, 'a contact law', diagnostics)) call read_law(file, scene, others, diagnostics)
       case ('seety')
-        call skip_data(file)
+        call skip_see(file)
       case default
-        call complain_once(file, 'stray', 'this line belongs neither to $behav nor to $seety', 1, diagnostics)
+        call pass_over(file, 'outside $behav and $seety', diagnostics)
       end select
     end do
   end subroutine read_contact_laws
@@ -115,7 +156,7 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics
     type(law_t) :: law
     character(len=:), allocatable :: name
-    integer :: form, line, first, n_lines
+    integer :: form, line, first
     logical :: ok
 
     law%name = name_field(file, 2)
@@ -124,8 +165,7 @@ contains
       call complain(file, 'the contact law '''//law%name//''' is listed twice', 2, diagnostics)
     end if
     first = file%at
-    n_lines = count_data(file)
-    form = form_of_name(name, n_lines)
+    form = form_of_name(name, count_numbers(file))
     if (form == 0) then
       call add_other(others, law%name, name, first)
       call skip_data(file)
@@ -140,10 +180,6 @@ contains
       end if
       call read_parameters(file, law_forms(form)%labels(line), law, ok, diagnostics)
     end do
-    if (n_lines > max(1, count(law_forms(form)%labels /= ''))) then
-      if (next_line(file)) call complain(file, 'this line has no place in the law '''//law%name//''', a '//name, 1, diagnostics)
-      call skip_data(file)
-    end if
     scene%laws = [scene%laws, law]
   end subroutine read_law
 
@@ -173,22 +209,32 @@ contains
     end do
   end subroutine read_parameters
 
-  !> Lines of data from the present one to the next keyword.
-  integer function count_data(file) result(n)
+  !> Lines of numbers: the present one, and those behind it that hold one in the first column of numbers.
+  integer function count_numbers(file) result(n)
     type(datbox_file_t), intent(inout) :: file
     integer :: at
 
     at = file%at
-    n = 0
-    if (keyword(file) == '') then
-      n = 1
-      do while (next_line(file))
-        if (keyword(file) /= '') exit
-        n = n + 1
-      end do
-    end if
+    n = 1
+    do while (next_line(file))
+      if (keyword(file) /= '' .or. .not. is_real(file, law_columns(1))) exit
+      n = n + 1
+    end do
     call go_to(file, at)
-  end function count_data
+  end function count_numbers
+
+  !> Pass over a see table: its title, the table, perhaps its halo.
+  subroutine skip_see(file)
+    type(datbox_file_t), intent(inout) :: file
+    integer :: i
+
+    do i = 1, 3
+      if (.not. next_line(file)) return
+      if (keyword(file) == '' .and. (i < 3 .or. first_letter(file) == '+')) cycle
+      call step_back(file)
+      return
+    end do
+  end subroutine skip_see
 
   !> Pass over lines of data up to the next keyword.
   subroutine skip_data(file)
@@ -227,18 +273,23 @@ contains
     other = 0
   end function other_law
 
-  !> Warn of laws that are not done, once each; those that something uses are mistakes told already.
+  !> Warn of laws that are not done, all at once; those that something uses are mistakes told already.
   subroutine warn_of_unused(others, file, diagnostics)
     type(other_law_t), intent(in) :: others(:) !! laws that are not done
     type(datbox_file_t), intent(in) :: file !! file that lists them
     type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
-    integer :: i
+    character(len=:), allocatable :: list
+    integer :: i, first
 
-    do i = 1, size(others)
+    list = ''
+    first = 0
+    do i = size(others), 1, -1
       if (others(i)%is_used) cycle
-      call diagnostics%warn('the law '''//others(i)%nickname//''' is '//others(i)%law//', which is not done; nothing uses it', &
-                            file=file%path, line=others(i)%line)
+      list = ', '''//others(i)%nickname//''' ('//others(i)%law//')'//list
+      first = i
     end do
+    if (first > 0) call diagnostics%warn('laws that are not done, and that nothing uses: '//list(3:), file=file%path, &
+                                         line=others(first)%line)
   end subroutine warn_of_unused
 
 end module sg_datbox_behaviours

@@ -28,6 +28,8 @@ module sg_datbox_blocks
     real(wp) :: node(3) = 0
     !> In space, axes of the shape that was read last, as columns in the frame of the file
     real(wp) :: frame(3, 3) = 0
+    !> Is its velocity imposed in all components, so that it needs no mass?
+    logical :: is_held = .false.
     !> Contactors of the scene before those of this body
     integer :: before = 0
   end type block_t

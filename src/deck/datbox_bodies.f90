@@ -3,14 +3,15 @@
 !! What the two kinds of body share is here: blocks and their sections, bulk lines, nodes. Contactors and masses are read in
 !! `datbox_plane_bodies` and `datbox_space_bodies`.
 module sg_datbox_bodies
+  use sg_ascending, only: place_in
   use sg_datbox_behaviours, only: other_law, other_law_t
   use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, read_triple, triple
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, is_block_end, keyword, name_field, &
-                             next_data_line, next_line, remark_once, step_back
+                             next_data_line, next_line, pass_over, remark, step_back
   use sg_datbox_plane_bodies, only: complete_planar_body, read_planar_contactor
   use sg_datbox_space_bodies, only: complete_solid_body, read_solid_contactor
   use sg_error, only: diagnostics_t
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
   use sg_scene, only: material_index, scene_t
   use sg_share, only: share_t
   use sg_text, only: to_text
@@ -71,10 +72,11 @@ contains
   end subroutine count_bodies
 
   !> Read all bodies; they are numbered by order of appearance, whatever number the file writes.
-  subroutine read_bodies(file, scene, share, others, diagnostics)
+  subroutine read_bodies(file, scene, share, held, others, diagnostics)
     type(datbox_file_t), intent(inout) :: file !! BODIES.DAT at its beginning
     type(scene_t), intent(inout) :: scene !! scene with its dimension; gets bodies, contactors and colours
     type(share_t), intent(inout) :: share !! what this rank keeps of them, begun
+    integer(i4), intent(in) :: held(:) !! numbers of the bodies whose velocity is imposed in all components, ascending
     type(other_law_t), intent(inout) :: others(:) !! bulk laws that are not done
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     integer :: n
@@ -82,10 +84,10 @@ contains
     n = 0
     do while (next_line(file))
       if (keyword(file) == 'bdyty') then
-        call read_block(file, scene, share%made + 1, n + 1, others, diagnostics)
+        call read_block(file, scene, share%made + 1, n + 1, held, others, diagnostics)
         call share%settle(scene, n)
-      else if (scene%dimension == 2 .or. .not. is_block_end(keyword(file))) then
-        call complain_once(file, 'stray', 'this line belongs to no body', 1, diagnostics)
+      else if (.not. is_block_end(keyword(file))) then
+        call pass_over(file, 'outside bodies', diagnostics)
       end if
     end do
     call share%finish(scene, n)
@@ -93,10 +95,11 @@ contains
   end subroutine read_bodies
 
   !> Read one body's block, from $bdyty to $$$$$$.
-  subroutine read_block(file, scene, number, body, others, diagnostics)
+  subroutine read_block(file, scene, number, body, held, others, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     type(scene_t), intent(inout) :: scene
     integer, intent(in) :: number, body
+    integer(i4), intent(in) :: held(:)
     type(other_law_t), intent(inout) :: others(:)
     type(diagnostics_t), intent(inout) :: diagnostics
     type(block_t) :: block
@@ -104,6 +107,7 @@ contains
 
     block%number = number
     block%body = body
+    block%is_held = place_in(held, int(number, i4)) > 0
     block%before = scene%contactors%n
     block%line = file%at
     if (.not. next_data_line(file, 'the type of a body', diagnostics)) return
@@ -126,9 +130,15 @@ contains
           call step_back(file)
           return
         end if
+        if (all(word /= ['blmty', 'nodty', 'tacty'])) then
+          if (section == '') call pass_over(file, 'before the sections of a body', diagnostics)
+          if (section /= '') call complain_once(file, word, 'the keyword '''//word//''' has no place in a rigid body', 1, &
+                                                diagnostics)
+          cycle
+        end if
         section = word
-        if (all(section /= ['blmty', 'nodty', 'tacty'])) call complain_once(file, section, &
-          'the keyword '''//section//''' has no place in a rigid body', 1, diagnostics)
+      else if (section == '') then
+        call pass_over(file, 'before the sections of a body', diagnostics)
       else if (block%ok) then
         call read_section_line(file, scene, block, section, others, diagnostics)
       end if
@@ -145,6 +155,14 @@ contains
     type(other_law_t), intent(inout) :: others(:)
     type(diagnostics_t), intent(inout) :: diagnostics
 
+    if (scan(adjustl(name_field(file, 1, 6)), '!#') == 1) then
+      call complain(file, 'within a section of a body a comment must begin in column 1: LMGC90 stops at this line', 2, diagnostics)
+      block%ok = .false.
+      return
+    else if (name_field(file, 2) == '' .and. .not. (section == 'blmty' .and. is_moments(file, scene%dimension, block))) then
+      call pass_over(file, 'without a type within a body', diagnostics)
+      return
+    end if
     select case (section)
     case ('blmty')
       call read_bulk(file, scene, block, others, diagnostics)
@@ -156,10 +174,17 @@ contains
       else
         call read_solid_contactor(file, scene, block, diagnostics)
       end if
-    case default
-      call complain_once(file, 'out of place', 'this line belongs to no section of the body', 1, diagnostics)
     end select
   end subroutine read_section_line
+
+  !> Is the present line that of the principal moments, behind the bulk line?
+  pure logical function is_moments(file, dimension, block)
+    type(datbox_file_t), intent(in) :: file
+    integer, intent(in) :: dimension
+    type(block_t), intent(in) :: block
+
+    is_moments = dimension == 3 .and. block%has_bulk .and. name_field(file, 30, 2) == 'I1'
+  end function is_moments
 
   !> Read the bulk line: material, radius of mass, radius of gyration.
   subroutine read_bulk(file, scene, block, others, diagnostics)
@@ -171,7 +196,7 @@ contains
     character(len=:), allocatable :: name
     integer :: other
 
-    if (scene%dimension == 3 .and. block%has_bulk .and. name_field(file, 30, 2) == 'I1') then
+    if (is_moments(file, scene%dimension, block)) then
       call read_moments(file, block, diagnostics)
       return
     else if (name_field(file, 2) /= 'PLAIN' .or. block%has_bulk) then
@@ -232,7 +257,7 @@ contains
     call read_triple(file, block%node, block%ok, diagnostics)
     if (dimension == 2) return
     call read_point(file, 'the rotations of a node', rotations, block%ok, diagnostics)
-    if (any(abs(rotations) > 0)) call remark_once(file, 'rotations', 'the rotations of a node are not used: an orientation ' &
+    if (any(abs(rotations) > 0)) call remark(file, 'rotations', 'the rotations of a node are not used: an orientation ' &
                                                   //'stands in DOF.INI', triple(1), diagnostics)
   end subroutine read_node
 

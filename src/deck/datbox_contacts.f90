@@ -2,7 +2,7 @@
 module sg_datbox_contacts
   use sg_datbox_blocks, only: read_point
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, go_to, keyword, line_text, name_field, &
-                             next_data_line, next_line, open_datbox_file, remark_once
+                             next_data_line, next_line, open_datbox_file, remark
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i1
   use sg_laws, only: status_bonded, status_new, status_none, status_slide, status_stick
@@ -215,7 +215,7 @@ contains
       ends = share%contactors_of(body)
       if (dimension == 3 .and. rank > 1 .and. ends(1) == ends(2)) then
         ! Some versions of LMGC90 number contactors through all bodies.
-        call remark_once(file, 'rank', 'body '//to_text(body)//' has one contactor, which is meant by number '//to_text(rank), &
+        call remark(file, 'rank', 'body '//to_text(body)//' has one contactor, which is meant by number '//to_text(rank), &
                          at(next + 3), diagnostics)
         rank = 1
       end if
@@ -276,7 +276,7 @@ contains
     case default
       status = status_new
       if (any(word == [character(len=5) :: 'nknow', 'Wnnow', 'Mnnow', 'Cnnow'])) return
-      call remark_once(file, 'status', 'the status '''//word//''' is not known and taken as new', column, diagnostics)
+      call remark(file, 'status', 'the status '''//word//''' is not known and taken as new', column, diagnostics)
     end select
   end function status_of
 end module sg_datbox_contacts

@@ -2,7 +2,7 @@
 module sg_datbox_drives
   use sg_datbox_bodies, only: body_type
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, go_to, integer_field, is_block_end, keyword, &
-                             name_field, next_data_line, next_line, open_datbox_file, real_field, remark_once
+                             name_field, next_data_line, next_line, open_datbox_file, pass_over, real_field, remark
   use sg_drives, only: drive_t
   use sg_error, only: diagnostics_t
   use sg_evolution_file, only: read_evolution_file
@@ -15,7 +15,7 @@ module sg_datbox_drives
   use sg_time_functions, only: time_function_t
   implicit none
   private
-  public :: read_drives, bodies_driven, read_body_number
+  public :: read_drives, bodies_driven, bodies_held, read_body_number
 
 contains
 
@@ -43,6 +43,34 @@ contains
     numbers = numbers(:n)
   end subroutine bodies_driven
 
+  !> Numbers of the bodies whose velocity is imposed in all components; what is wrong is told when drives are read.
+  subroutine bodies_held(folder, dimension, n_bodies, numbers)
+    character(len=*), intent(in) :: folder !! DATBOX folder
+    integer, intent(in) :: dimension !! 2 or 3
+    integer, intent(in) :: n_bodies !! number of bodies
+    integer(i4), allocatable, intent(out) :: numbers(:) !! ascending
+    type(datbox_file_t) :: file
+    type(diagnostics_t) :: unheard
+    logical, allocatable :: is_held(:, :)
+    integer :: b, component, number
+    logical :: ok
+
+    call open_datbox_file(file, folder, 'DRV_DOF.DAT', .false., unheard)
+    allocate (is_held(merge(3, 6, dimension == 2), 0:n_bodies), source=.false.)
+    number = 0
+    do while (next_line(file))
+      if (keyword(file) == 'bdyty') then
+        call read_body_number(file, dimension, n_bodies, number, unheard)
+        is_held(:, number) = .false.
+      else if (name_field(file, 2) == 'vlocy') then
+        ok = .true.
+        call integer_field(file, 9, 13, component, ok, unheard)
+        if (component >= 1 .and. component <= size(is_held, 1)) is_held(component, number) = .true.
+      end if
+    end do
+    numbers = pack([(int(b, i4), b=1, n_bodies)], all(is_held(:, 1:), 1))
+  end subroutine bodies_held
+
   !> Read all drives; driven bodies are no grains.
   subroutine read_drives(folder, scene, share, diagnostics)
     character(len=*), intent(in) :: folder !! DATBOX folder
@@ -69,7 +97,7 @@ contains
       if (keyword(file) == 'bdyty') then
         call read_block(file, folder, scene, share%all, n, is_driven, diagnostics)
       else
-        call complain_once(file, 'stray', 'this line belongs to no body', 1, diagnostics)
+        call pass_over(file, 'outside bodies', diagnostics)
       end if
     end do
     scene%drives = scene%drives(:n)
@@ -91,6 +119,7 @@ contains
 
     call read_body_number(file, scene%dimension, n_bodies, number, diagnostics)
     drive%body = local_body(scene%bodies, int(number, i4))
+    if (drive%body > 0) call drop_earlier(file, scene, number, drive%body, n, is_driven, diagnostics)
     section = ''
     do
       if (.not. next_line(file)) then
@@ -115,6 +144,30 @@ contains
       end if
     end do
   end subroutine read_block
+
+  !> Drop the drives that an earlier block gave a body: the last block counts, as in LMGC90.
+  subroutine drop_earlier(file, scene, number, body, n, is_driven, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    type(scene_t), intent(inout) :: scene
+    integer, intent(in) :: number, body
+    integer, intent(inout) :: n
+    logical, intent(inout) :: is_driven(:, :)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    integer :: i, kept
+
+    if (scene%bodies%is_grain(body)) return
+    kept = 0
+    do i = 1, n
+      if (scene%drives(i)%body == body) cycle
+      kept = kept + 1
+      scene%drives(kept) = scene%drives(i)
+    end do
+    n = kept
+    is_driven(:, body) = .false.
+    scene%bodies%is_grain(body) = .true.
+    call remark(file, 'second block', 'body '//to_text(number)//' has drives in an earlier block, which this one replaces, as in ' &
+                //'LMGC90', 9, diagnostics)
+  end subroutine drop_earlier
 
   !> Read the line that says which body a block speaks of; 0 and a mistake when there is no such body.
   subroutine read_body_number(file, dimension, n_bodies, body, diagnostics)
@@ -192,7 +245,7 @@ contains
     call real_field(file, 90, value%ramp_rate, ok, diagnostics)
     if (.not. ok .or. max(abs(value%ramp_start), abs(value%ramp_rate)) > 0) return
     if (.not. max(abs(value%constant), abs(value%amplitude)) > 0) return
-    call remark_once(file, 'no ramp', 'this drive is always zero: its ramp, the last two numbers, multiplies the rest', &
+    call remark(file, 'no ramp', 'this drive is always zero: its ramp, the last two numbers, multiplies the rest', &
                      75, diagnostics)
   end subroutine read_formula
 
@@ -214,6 +267,7 @@ contains
     mistakes = diagnostics%count()
     call read_evolution_file(trim(folder)//'/'//name_field(file, 25, 40), value, fault, diagnostics)
     if (fault /= '') call complain(file, fault, 25, diagnostics)
+    value%goes_on = .true.
     ok = diagnostics%count() == mistakes
   end subroutine read_evolution
 end module sg_datbox_drives

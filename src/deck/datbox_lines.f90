@@ -11,7 +11,8 @@ module sg_datbox_lines
   implicit none
   private
   public :: datbox_file_t, open_datbox_file, next_line, next_data_line, step_back, go_to, keyword, line_text, first_letter
-  public :: name_field, real_field, integer_field, free_numbers, complain, complain_once, remark_once, is_block_end, digest_of
+  public :: name_field, real_field, is_real, integer_field, free_numbers, complain, complain_once, remark, pass_over
+  public :: is_block_end, digest_of
 
   !> Errors after which the rest of a file is not read: what follows is noise
   integer, parameter :: most_errors = 20
@@ -193,6 +194,11 @@ contains
 
     value = 0
     field = columns(file, first, first + real_width - 1)
+    if (field == '') then
+      call remark(file, 'blank number', 'no number stands in columns '//to_text(first)//' to '//to_text(first + real_width - 1) &
+                  //', which is read as zero, as LMGC90 does', first, diagnostics)
+      return
+    end if
     fault = fault_of_real(field)
     if (fault == '') then
       read (field, '(d14.0)', iostat=status) value
@@ -202,11 +208,19 @@ contains
       call complain_field(file, first, real_width, fault, diagnostics)
       ok = .false.
     else if (is_cut(file, first)) then
-      call remark_once(file, 'cut number', 'a number runs out of columns '//to_text(first)//' to ' &
+      call remark(file, 'cut number', 'a number runs out of columns '//to_text(first)//' to ' &
                        //to_text(first + real_width - 1)//' and is read as '//to_text(value, 7)//', as LMGC90 does', &
                        first, diagnostics)
     end if
   end subroutine real_field
+
+  !> Do these columns of the present line hold a number?
+  pure logical function is_real(file, first)
+    type(datbox_file_t), intent(in) :: file !! file being read
+    integer, intent(in) :: first !! first of 14 columns
+
+    is_real = fault_of_real(columns(file, first, first + real_width - 1)) == ''
+  end function is_real
 
   !> Does a number begin before its columns or go on behind them?
   pure logical function is_cut(file, first)
@@ -238,6 +252,8 @@ contains
       if (.not. is_mantissa(word(:mark - 1))) then
         fault = 'this is not a number'
         if (is_integer(word)) fault = 'a number needs its decimal point: LMGC90 scales one without'
+        ! Zero stays zero however it is scaled.
+        if (is_integer(word) .and. verify(word, '+-0 ') == 0) fault = ''
         return
       end if
       if (mark > len_trim(word)) return
@@ -376,17 +392,25 @@ contains
     if (is_news(file, thing)) call complain(file, message, column, diagnostics)
   end subroutine complain_once
 
-  !> Give a warning about one thing, the first time it is met.
-  subroutine remark_once(file, thing, message, column, diagnostics)
+  !> Give a warning about one thing, where it is met first, with the number of times that it is met.
+  subroutine remark(file, thing, message, column, diagnostics)
     type(datbox_file_t), intent(inout) :: file !! file being read
     character(len=*), intent(in) :: thing !! what it is about
     character(len=*), intent(in) :: message !! one sentence
     integer, intent(in) :: column !! where the caret stands; 0 for the line as a whole
     type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
 
-    if (.not. is_news(file, thing)) return
-    call diagnostics%warn(message, file=file%path, line=file%at, column=column, text=line_text(file))
-  end subroutine remark_once
+    call diagnostics%warn(message, file=file%path, line=file%at, column=column, text=line_text(file), kind=thing)
+  end subroutine remark
+
+  !> Pass over the present line, as LMGC90 passes over whatever stands outside the blocks that it looks for.
+  subroutine pass_over(file, place, diagnostics)
+    type(datbox_file_t), intent(inout) :: file !! file being read
+    character(len=*), intent(in) :: place !! where it stands, for the message
+    type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
+
+    call remark(file, 'stray '//place, 'a line '//place//' is passed over, as LMGC90 does', 1, diagnostics)
+  end subroutine pass_over
 
   !> Has this thing not been said yet? From now on it has.
   logical function is_news(file, thing)

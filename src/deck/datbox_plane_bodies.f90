@@ -3,9 +3,9 @@
 !! LMGC90 takes mass and inertia from the radii of the bulk line, mass = density pi avrd^2 and inertia = mass gyrd^2,
 !! not from the shapes; they come from the shapes only where one of the radii is zero.
 module sg_datbox_plane_bodies
-  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall
+  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t, kind_polygon
   use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, triple
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, integer_field, name_field
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, integer_field, name_field, remark
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, pi
   use sg_moments, only: body_moments, polygon_moments
@@ -163,6 +163,9 @@ contains
       do c = block%before + 1, scene%contactors%n
         scene%contactors%shift(:, c) = scene%contactors%shift(:, c) - centre
       end do
+    else if (is_polygon(scene%contactors, block%before)) then
+      call centre_polygon(file, block, centre, place, diagnostics)
+      scene%contactors%shift(:, scene%contactors%n) = 0
     else
       moment = moment + area*sum(centre**2)
     end if
@@ -176,8 +179,11 @@ contains
     else if (area > 0) then
       scene%bodies%mass(b) = scene%materials(block%material)%density*area
       scene%bodies%inertia(b) = scene%materials(block%material)%density*moment
+    else if (block%is_held) then
+      return
     else
-      call complain_block(file, block, 'has neither avrd and gyrd nor an area: its mass is unknown', diagnostics)
+      call complain_block(file, block, 'has neither avrd and gyrd nor an area: its mass is unknown, and only a body whose ' &
+                          //'velocity is imposed in all components needs none', diagnostics)
       return
     end if
     if (.not. min(scene%bodies%mass(b), scene%bodies%inertia(b)) > tiny(1.0_wp)) then
@@ -186,6 +192,41 @@ contains
     end if
     scene%bodies%inverse_mass(:, b) = 1/[scene%bodies%mass(b), scene%bodies%mass(b), scene%bodies%inertia(b)]
   end subroutine complete_planar_body
+
+  !> Is the only contactor of the body being read a polygon?
+  pure logical function is_polygon(contactors, before)
+    type(contactors_t), intent(in) :: contactors
+    integer, intent(in) :: before
+
+    is_polygon = contactors%n == before + 1
+    if (is_polygon) is_polygon = contactors%kind(contactors%n) == kind_polygon
+  end function is_polygon
+
+  !> A polygon alone lies with its centroid at the centre of its body. Where the node is elsewhere, LMGC90 moves the centre to
+  !! the centroid, or the polygon by less than a millimetre to the node.
+  subroutine centre_polygon(file, block, centroid, place, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    type(block_t), intent(in) :: block
+    real(wp), intent(in) :: centroid(2)
+    real(wp), intent(inout) :: place(2)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    real(wp), parameter :: least_move = 1e-3_wp, digits = 1e-6_wp
+    character(len=:), allocatable :: what
+    integer :: at
+
+    what = ' is moved to its node by '
+    if (norm2(centroid) >= least_move) then
+      place = place + turned(centroid, block%node(3))
+      what = ' stays: the centre of its body is moved to its centroid by '
+    else if (norm2(centroid) <= digits*norm2(place)) then
+      return
+    end if
+    at = file%at
+    call go_to(file, block%line)
+    call remark(file, 'centroid'//what, 'the polygon of body '//to_text(block%number)//what//to_text(norm2(centroid), 3) &
+                //' m, as in LMGC90', 0, diagnostics)
+    call go_to(file, at)
+  end subroutine centre_polygon
 
   !> A vector turned by an angle.
   pure function turned(vector, angle)

@@ -6,7 +6,7 @@ module sg_datbox_sees
   use sg_datbox_behaviours, only: other_law, other_law_t, skip_data
   use sg_datbox_bodies, only: body_type
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, first_letter, go_to, keyword, name_field, &
-                             next_data_line, next_line, real_field, remark_once, step_back
+                             next_data_line, next_line, real_field, remark, step_back
   use sg_error, only: diagnostics_t
   use sg_scene, only: colour_index, law_index, scene_t, see_t
   implicit none
@@ -80,7 +80,7 @@ contains
         see_lines = [see_lines, line]
       else
         pair = name_field(file, 9)//' never meets '//name_field(file, 37)
-        call remark_once(file, pair, pair//' in this order: the see table is left out', 9, diagnostics)
+        call remark(file, pair, pair//' in this order: the see table is left out', 9, diagnostics)
       end if
     end if
     call read_halo(file, diagnostics)
@@ -93,7 +93,7 @@ contains
 
     if (.not. next_line(file)) return
     if (first_letter(file) == '+') then
-      call remark_once(file, 'halo', 'the halo of a see table is not used', 1, diagnostics)
+      call remark(file, 'halo', 'the halo of a see table is not used', 1, diagnostics)
     else
       call step_back(file)
     end if
@@ -215,7 +215,7 @@ contains
 
       if (is_there(kind, colour)) return
       what = datbox_kind_names(kind)//' of colour '''//scene%colours(colour)%s//''''
-      call remark_once(file, what, 'there is no '//what//' for this see table', column, diagnostics)
+      call remark(file, what, 'there is no '//what//' for this see table', column, diagnostics)
     end subroutine check_side
   end subroutine check_sees
 end module sg_datbox_sees

@@ -6,7 +6,7 @@ module sg_datbox_space_bodies
   use sg_contactors, only: kind_cylinder, kind_hollow_cylinder, kind_plane
   use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, triple
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, integer_field, name_field, next_data_line, &
-                             next_line, remark_once, step_back
+                             next_line, remark, step_back
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp, i4, pi
   use sg_polyhedron, only: polyhedron_t
@@ -178,7 +178,7 @@ contains
       end associate
       if (volume >= 0) cycle
       triangles(2:3, i) = triangles([3, 2], i)
-      call remark_once(file, 'clockwise', 'triangle '//to_text(i)//' of this polyhedron runs clockwise seen from outside: such ' &
+      call remark(file, 'clockwise', 'triangle '//to_text(i)//' of this polyhedron runs clockwise seen from outside: such ' &
                        //'triangles are turned', 2, diagnostics)
     end do
   end subroutine turn_outwards
@@ -239,19 +239,42 @@ contains
       moments = block%moments
     end if
     volume = solid%volume
-    if (block%mass_radius > 0) volume = 4*pi/3*block%mass_radius**3
+    if (block%mass_radius > 0) call weigh_by_radius(file, block, first == last, volume, diagnostics)
     scene%bodies%position(:, b) = block%node
     call move_body_frame(scene%bodies, scene%contactors, b, first, last, solid%centre, axes)
     scene%bodies%area(b) = filled%volume
     scene%bodies%material(b) = block%material
     associate (density => scene%materials(block%material)%density)
-      if (.not. density*min(volume, minval(moments)) > tiny(1.0_wp)) then
-        call complain_block(file, block, 'has no mass', diagnostics)
-      else
+      if (density*min(volume, minval(moments)) > tiny(1.0_wp)) then
         call set_inertia(scene%bodies, b, density*volume, density*moments)
+      else if (.not. block%is_held) then
+        call complain_block(file, block, 'has no mass', diagnostics)
       end if
     end associate
   end subroutine complete_solid_body
+
+  !> The volume that weighs, from the radius of mass: of a body with one contactor that of the ball of this radius; of others
+  !! LMGC90 does not look at it.
+  subroutine weigh_by_radius(file, block, is_alone, volume, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    type(block_t), intent(in) :: block
+    logical, intent(in) :: is_alone
+    real(wp), intent(inout) :: volume
+    type(diagnostics_t), intent(inout) :: diagnostics
+    real(wp) :: ball
+    integer :: at
+
+    ball = 4*pi/3*block%mass_radius**3
+    if (is_alone) then
+      volume = ball
+    else if (abs(ball - volume) > 1e-3_wp*volume) then
+      at = file%at
+      call go_to(file, block%line)
+      call remark(file, 'avrd', 'body '//to_text(block%number)//' has several contactors: it weighs as much as these, avrd is ' &
+                  //'not looked at, as in LMGC90', 0, diagnostics)
+      call go_to(file, at)
+    end if
+  end subroutine weigh_by_radius
 
   !> Volume, centre and inertia as LMGC90 takes them: a cylinder without its round caps, a hollow one filled.
   function solid_of_datbox(scene, first, last) result(whole)
@@ -348,7 +371,7 @@ contains
     if (min(off_axes(solid%inertia), off_axes(filled%inertia)) <= 1e-4_wp) return
     at = file%at
     call go_to(file, block%line)
-    call remark_once(file, 'given moments', 'body '//to_text(block%number)//' gives its principal moments, but its shapes are ' &
+    call remark(file, 'given moments', 'body '//to_text(block%number)//' gives its principal moments, but its shapes are ' &
                      //'not given along their principal axes', 0, diagnostics)
     call go_to(file, at)
   contains

@@ -4,7 +4,7 @@ module sg_datbox_state
   use sg_datbox_blocks, only: read_point, read_triple, triple
   use sg_datbox_drives, only: read_body_number
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, integer_field, is_block_end, keyword, name_field, &
-                             next_line, open_datbox_file, real_field
+                             next_line, open_datbox_file, pass_over, real_field
   use sg_datbox_space_bodies, only: read_frame
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
@@ -19,7 +19,8 @@ module sg_datbox_state
 
 contains
 
-  !> Read step number, time, displacements and velocities; bodies that are not listed stay at rest.
+  !> Read step number, time, displacements and velocities; bodies that are not listed stay at rest. Of two states of one body the
+  !! last counts, as in LMGC90.
   subroutine read_state(folder, scene, share, diagnostics)
     character(len=*), intent(in) :: folder !! DATBOX folder
     type(scene_t), intent(inout) :: scene !! scene with bodies where BODIES.DAT puts them
@@ -27,6 +28,7 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(datbox_file_t) :: file
     integer(i4), allocatable :: first(:)
+    real(wp), allocatable :: moved(:, :)
     logical :: ok
 
     call open_datbox_file(file, folder, 'DOF.INI', .false., diagnostics)
@@ -35,6 +37,7 @@ contains
       call diagnostics%warn('no state: the file is missing or empty, bodies start at rest', file=file%path)
     end if
     call first_contactors(scene%contactors, scene%bodies%n, first)
+    allocate (moved(3, scene%bodies%n), source=0.0_wp)
     do while (next_line(file))
       select case (keyword(file))
       case ('steps')
@@ -42,37 +45,43 @@ contains
         call integer_field(file, 9, 15, scene%start_step, ok, diagnostics)
         call real_field(file, triple(1), scene%start_time, ok, diagnostics)
       case ('bdyty')
-        call read_body_state(file, first, scene, share%all, diagnostics)
+        call read_body_state(file, first, scene, moved, share%all, diagnostics)
       case default
-        call complain_once(file, 'stray', 'this line belongs to no body', 1, diagnostics)
+        call pass_over(file, 'outside bodies', diagnostics)
       end select
     end do
   end subroutine read_state
 
   !> Read the state of one body, from $bdyty to $$$$$$, and drop it where another rank keeps the body.
-  subroutine read_body_state(file, first, scene, n_bodies, diagnostics)
+  subroutine read_body_state(file, first, scene, moved, n_bodies, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     integer(i4), intent(in) :: first(:)
     type(scene_t), intent(inout) :: scene
+    real(wp), intent(inout) :: moved(:, :)
     integer, intent(in) :: n_bodies
     type(diagnostics_t), intent(inout) :: diagnostics
     integer :: number, body
+    logical :: in_nodes
 
     call read_body_number(file, scene%dimension, n_bodies, number, diagnostics)
     body = local_body(scene%bodies, int(number, i4))
+    in_nodes = .false.
     do
       if (.not. next_line(file)) then
         call complain(file, 'the file ends within a body, before its $$$$$$', 0, diagnostics)
         return
       end if
       if (is_block_end(keyword(file))) return
+      if (keyword(file) == 'nodty') in_nodes = .true.
       if (keyword(file) /= '') cycle
-      if (scene%dimension == 3 .and. name_field(file, 2) == 'NO6xx') then
-        call read_solid_state(file, first, body, scene, diagnostics)
+      if (.not. in_nodes .or. name_field(file, 2) == '') then
+        call pass_over(file, 'without a node within a body', diagnostics)
+      else if (scene%dimension == 3 .and. name_field(file, 2) == 'NO6xx') then
+        call read_solid_state(file, first, body, scene, moved, diagnostics)
       else if (scene%dimension == 3) then
         call complain_once(file, 'node', 'the state of a body in space is that of its node, NO6xx', 2, diagnostics)
       else if (name_field(file, 2) == 'NO3xx') then
-        call read_planar_state(file, body, scene, diagnostics)
+        call read_planar_state(file, body, scene, moved, diagnostics)
       else
         call complain_once(file, 'node', 'the state of a body of the plane is that of its node, NO3xx', 2, diagnostics)
       end if
@@ -80,10 +89,11 @@ contains
   end subroutine read_body_state
 
   !> Read displacement and velocity of a body of the plane.
-  subroutine read_planar_state(file, body, scene, diagnostics)
+  subroutine read_planar_state(file, body, scene, moved, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     integer, intent(in) :: body
     type(scene_t), intent(inout) :: scene
+    real(wp), intent(inout) :: moved(:, :)
     type(diagnostics_t), intent(inout) :: diagnostics
     real(wp) :: displacement(3), velocity(3)
     logical :: ok
@@ -92,17 +102,19 @@ contains
     call read_triple(file, displacement, ok, diagnostics)
     call read_point(file, 'a velocity', velocity, ok, diagnostics)
     if (.not. ok .or. body == 0) return
-    scene%bodies%position(:, body) = scene%bodies%position(:, body) + displacement(1:2)
-    scene%bodies%angle(body) = scene%bodies%angle(body) + displacement(3)
+    scene%bodies%position(:, body) = scene%bodies%position(:, body) + (displacement(1:2) - moved(1:2, body))
+    scene%bodies%angle(body) = scene%bodies%angle(body) + (displacement(3) - moved(3, body))
     scene%bodies%velocity(:, body) = velocity
+    moved(:, body) = displacement
   end subroutine read_planar_state
 
   !> Read displacement, velocity and frame of a body in space: its spin is about the axes of the frame.
-  subroutine read_solid_state(file, first, body, scene, diagnostics)
+  subroutine read_solid_state(file, first, body, scene, moved, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     integer(i4), intent(in) :: first(:)
     integer, intent(in) :: body
     type(scene_t), intent(inout) :: scene
+    real(wp), intent(inout) :: moved(:, :)
     type(diagnostics_t), intent(inout) :: diagnostics
     real(wp) :: displacement(3), rotation(3), velocity(6), frame(3, 3)
     logical :: ok
@@ -115,7 +127,8 @@ contains
     if (ok) call read_point(file, 'a spin', velocity(4:6), ok, diagnostics)
     if (ok) call read_frame(file, frame, ok, diagnostics)
     if (.not. ok .or. body == 0) return
-    scene%bodies%position(:, body) = scene%bodies%position(:, body) + displacement
+    scene%bodies%position(:, body) = scene%bodies%position(:, body) + (displacement - moved(:, body))
+    moved(:, body) = displacement
     call turn_to(scene, body, first(body), first(body + 1) - 1, frame)
     scene%bodies%velocity(:, body) = velocity
   end subroutine read_solid_state

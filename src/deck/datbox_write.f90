@@ -6,7 +6,7 @@ module sg_datbox_write
   use sg_datbox_write_behaviours, only: write_bulk, write_drives, write_laws
   use sg_datbox_write_bodies, only: check_writable, write_bodies, write_state
   use sg_datbox_write_contacts, only: contacts_at_start, datbox_contacts_t, write_contacts
-  use sg_datbox_write_space, only: stand_upright
+  use sg_datbox_write_space, only: fit_densities, stand_upright
   use sg_error, only: error_t, exit_output, fail
   use sg_kinds, only: wp, i4
   use sg_local_numbers, only: contactors_of_bodies
@@ -38,6 +38,7 @@ contains
     if (scene%dimension == 3) call stand_upright(ready, first, list)
     call check_writable(ready, first, list, error)
     if (allocated(error)) return
+    if (scene%dimension == 3) call fit_densities(ready, first, list)
     if (.not. make_folder(folder)) then
       call fail(error, 'cannot make the folder', file=folder, code=exit_output)
       return
@@ -48,9 +49,9 @@ contains
     end do
     call short_names(names, laws)
     deallocate (names)
-    allocate (names(size(scene%materials)))
+    allocate (names(size(ready%materials)))
     do i = 1, size(names)
-      names(i)%s = scene%materials(i)%name
+      names(i)%s = ready%materials(i)%name
     end do
     call short_names(names, materials)
     call short_names(scene%colours, colours)

@@ -232,18 +232,24 @@ contains
     end if
   end subroutine put_drive
 
-  !> Write an evolution file: time and value, all digits.
+  !> Write an evolution file: time and value, all digits. LMGC90 goes on linearly beyond its ends: a table that holds its end
+  !! values gets one more point on each side.
   subroutine write_evolution(folder, name, value, error)
     character(len=*), intent(in) :: folder, name
     type(time_function_t), intent(in) :: value
     type(error_t), allocatable, intent(inout) :: error
     type(output_t) :: output
-    integer :: i
+    real(wp) :: width
+    integer :: i, n
 
+    n = size(value%times)
+    width = value%times(n) - value%times(1)
     call start_file(output, folder, name)
-    do i = 1, size(value%times)
+    if (.not. value%goes_on) call put(output, to_text(value%times(1) - width)//' '//to_text(value%values(1)))
+    do i = 1, n
       call put(output, to_text(value%times(i))//' '//to_text(value%values(i)))
     end do
+    if (.not. value%goes_on) call put(output, to_text(value%times(n) + width)//' '//to_text(value%values(n)))
     call finish_file(output, error)
   end subroutine write_evolution
 end module sg_datbox_write_behaviours

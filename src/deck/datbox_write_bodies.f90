@@ -67,7 +67,7 @@ contains
     type(error_t), allocatable, intent(inout) :: error !! set when the file cannot be written
     type(output_t) :: output
     character(len=27) :: head
-    real(wp) :: mass_radius
+    real(wp) :: radii(2)
     integer :: b, i
 
     call start_file(output, folder, 'BODIES.DAT')
@@ -80,9 +80,10 @@ contains
       if (scene%dimension == 3) then
         call put_solid(output, scene, b, materials(scene%bodies%material(b)))
       else
-        mass_radius = sqrt(scene%bodies%mass(b)/(pi*scene%materials(scene%bodies%material(b))%density))
-        call put(output, labelled('avrd= gyrd= ', [mass_radius, sqrt(scene%bodies%inertia(b)/scene%bodies%mass(b))], &
-                                  ' PLAIN      1  behav  '//materials(scene%bodies%material(b))))
+        radii = 0
+        if (scene%bodies%mass(b) > 0) radii = [sqrt(scene%bodies%mass(b)/(pi*scene%materials(scene%bodies%material(b))%density)), &
+                                               sqrt(scene%bodies%inertia(b)/scene%bodies%mass(b))]
+        call put(output, labelled('avrd= gyrd= ', radii, ' PLAIN      1  behav  '//materials(scene%bodies%material(b))))
         call put(output, '$nodty')
         call put(output, labelled('coo1= coo2= coo3= ', node_of(scene, first, list, b), node_head))
       end if

@@ -11,13 +11,13 @@ module sg_datbox_write_space
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_moments, only: solid_t
   use sg_rotations, only: frame_of
-  use sg_scene, only: scene_t
+  use sg_scene, only: material_t, scene_t
   use sg_solid_bodies, only: move_body_frame
   use sg_text, only: to_text
   use sg_vectors, only: cross
   implicit none
   private
-  public :: stand_upright, check_solid, put_solid, put_solid_contactor, put_solid_state
+  public :: stand_upright, fit_densities, check_solid, put_solid, put_solid_contactor, put_solid_state
 
   !> Share of a size below which a shift or a tilt is none
   real(wp), parameter :: slack = 1e-6_wp
@@ -109,6 +109,30 @@ contains
       end associate
     end do
   end subroutine turn_drives
+
+  !> Give bodies of several shapes, which LMGC90 weighs by their volumes, materials of a density that makes their masses.
+  subroutine fit_densities(scene, first, list)
+    type(scene_t), intent(inout) :: scene !! scene to write, gets more materials
+    integer(i4), intent(in) :: first(:) !! first place of each body in the list
+    integer(i4), intent(in) :: list(:) !! contactors grouped by body
+    type(solid_t) :: solid
+    type(material_t) :: material
+    integer :: b, m
+
+    do b = 1, scene%bodies%n
+      if (first(b + 1) - first(b) < 2) cycle
+      solid = solid_of_datbox(scene, int(list(first(b))), int(list(first(b + 1) - 1)))
+      if (.not. min(solid%volume, scene%bodies%mass(b)) > 0) cycle
+      material = scene%materials(scene%bodies%material(b))
+      if (abs(material%density*solid%volume - scene%bodies%mass(b)) <= slack*scene%bodies%mass(b)) cycle
+      material%density = scene%bodies%mass(b)/solid%volume
+      do m = 1, size(scene%materials)
+        if (abs(scene%materials(m)%density - material%density) <= slack*material%density) exit
+      end do
+      if (m > size(scene%materials)) scene%materials = [scene%materials, material]
+      scene%bodies%material(b) = int(m, i4)
+    end do
+  end subroutine fit_densities
 
   !> Refuse a body that the format cannot hold.
   subroutine check_solid(scene, body, list, error)
