@@ -118,7 +118,7 @@ contains
     call sim%totals%phase(phase_update)%start()
     if (has_failed(sim)) call begin_late_dump(sim)
     status = sim%contacts%status(:sim%contacts%n)
-    call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%contacts)
+    call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%report%violation, sim%contacts)
     call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%step, .true., error)
     sim%all_contacts = sim%contacts%n
     if (sim%decomposition%is_on) call agree(sim%comm, error, is_fast, sim%passing%n, sim%all_contacts)
