@@ -249,7 +249,7 @@ contains
 
     call random%seed(9)
     call make_scene(scene, random, 0.5_wp, 1.0_wp, 20.0_wp)
-    call drop_rotation(scene%bodies)
+    call drop_rotation(scene%bodies, keep_orientation=.false.)
     contacts%n_components = 1
     call detect(scene, pairs, history, contacts)
     call compare(scene, contacts, 'two components')
