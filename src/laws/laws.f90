@@ -11,7 +11,7 @@ module sg_laws
   private
   public :: law_t, local_law_t, local_law
   public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
-  public :: status_new, status_none, status_stick, status_slide, status_bonded, last_status
+  public :: status_new, status_none, status_stick, status_slide, status_bonded
   public :: is_plain, is_frictionless, inverse_of
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
@@ -21,8 +21,6 @@ module sg_laws
 
   !> What happened at a contact in the last step: not known yet, open, sticking, sliding, bonded
   integer(i1), parameter :: status_new = 0, status_none = 1, status_stick = 2, status_slide = 3, status_bonded = 4
-  !> The last of them
-  integer(i1), parameter :: last_status = status_bonded
 
   !> One contact law with its parameters
   type :: law_t
