@@ -50,7 +50,7 @@ module sg_bodies
     real(wp), allocatable :: area(:)
     !> Periods crossed in x since the start, shape (n): position + crossings*period is the unwrapped one; in y, in space
     integer(i4), allocatable :: crossings(:), crossings_y(:)
-    !> Is this body a grain (free in all components), or a wall (driven or pressed)? shape (n)
+    !> Is this body a grain (free in all components, or held in a plane), or a wall (driven or pressed)? shape (n)
     logical, allocatable :: is_grain(:)
     !> Bulk material, index into the scene's materials, shape (n)
     integer(i4), allocatable :: material(:)

@@ -5,7 +5,7 @@ module sg_drives
   use sg_time_functions, only: time_function_t
   implicit none
   private
-  public :: drive_t, pressure_t, fix_driven, drive_forces, drive_velocities
+  public :: drive_t, pressure_t, mark_walls, fix_driven, drive_forces, drive_velocities
 
   !> One imposed component of one body
   type :: drive_t
@@ -33,6 +33,35 @@ module sg_drives
   end type pressure_t
 
 contains
+
+  !> Find the bodies that are no grains: those with an imposed velocity or a pressure. A body in space that is held along one of
+  !! x, y, z, and free along both others and to turn about an axis, moves as in a plane: it stays a grain.
+  pure subroutine mark_walls(drives, pressures, bodies)
+    type(drive_t), intent(in) :: drives(:) !! all drives of the scene
+    type(pressure_t), intent(in) :: pressures(:) !! all pressures of the scene
+    type(bodies_t), intent(inout) :: bodies !! grains, where nothing else is known of them
+    logical, allocatable :: is_held(:, :)
+    integer :: i, n
+
+    n = bodies%dimension
+    allocate (is_held(bodies%n_velocity, bodies%n), source=.false.)
+    do i = 1, size(drives)
+      if (.not. drives(i)%is_velocity) cycle
+      if (drives(i)%value%is_zero()) then
+        is_held(drives(i)%component, drives(i)%body) = .true.
+      else
+        bodies%is_grain(drives(i)%body) = .false.
+      end if
+    end do
+    do i = 1, bodies%n
+      if (.not. any(is_held(:, i))) cycle
+      if (n == 3 .and. count(is_held(:n, i)) == 1 .and. .not. all(is_held(n + 1:, i))) cycle
+      bodies%is_grain(i) = .false.
+    end do
+    do i = 1, size(pressures)
+      bodies%is_grain(pressures(i)%body) = .false.
+    end do
+  end subroutine mark_walls
 
   !> Take away the inverse mass of every component whose velocity is imposed.
   pure subroutine fix_driven(drives, bodies)

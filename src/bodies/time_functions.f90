@@ -23,6 +23,7 @@ module sg_time_functions
   contains
     procedure :: at => value_at
     procedure :: largest => largest_value
+    procedure :: is_zero => value_is_zero
   end type time_function_t
 
 contains
@@ -50,6 +51,17 @@ contains
       value = abs(self%constant) + abs(self%amplitude)
     end if
   end function largest_value
+
+  !> Is the value zero at all times?
+  pure logical function value_is_zero(self)
+    class(time_function_t), intent(in) :: self
+
+    if (allocated(self%times)) then
+      value_is_zero = .not. any(abs(self%values) > 0)
+    else
+      value_is_zero = .not. max(abs(self%constant), abs(self%amplitude)) > 0
+    end if
+  end function value_is_zero
 
   !> Linear interpolation in a table, found by bisection, and extrapolation where it goes on.
   pure real(wp) function interpolated(times, values, goes_on, time) result(value)

@@ -3,7 +3,7 @@ module sg_datbox_drives
   use sg_datbox_bodies, only: body_type
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, go_to, integer_field, is_block_end, keyword, &
                              name_field, next_data_line, next_line, open_datbox_file, pass_over, real_field, remark
-  use sg_drives, only: drive_t
+  use sg_drives, only: drive_t, mark_walls, pressure_t
   use sg_error, only: diagnostics_t
   use sg_evolution_file, only: read_evolution_file
   use sg_kinds, only: wp, i4
@@ -71,13 +71,14 @@ contains
     numbers = pack([(int(b, i4), b=1, n_bodies)], all(is_held(:, 1:), 1))
   end subroutine bodies_held
 
-  !> Read all drives; driven bodies are no grains.
+  !> Read all drives; driven bodies are no grains, but for those that are held in a plane.
   subroutine read_drives(folder, scene, share, diagnostics)
     character(len=*), intent(in) :: folder !! DATBOX folder
     type(scene_t), intent(inout) :: scene !! scene with its bodies, all that are driven; gets the drives
     type(share_t), intent(inout) :: share !! what this rank keeps of them
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(datbox_file_t) :: file
+    ! Row 0: is there a block of this body? Else the components whose velocity it imposes.
     logical, allocatable :: is_driven(:, :)
     integer :: n
 
@@ -90,7 +91,7 @@ contains
     end do
     if (allocated(scene%drives)) deallocate (scene%drives)
     allocate (scene%drives(n))
-    allocate (is_driven(merge(3, 6, scene%dimension == 2), scene%bodies%n), source=.false.)
+    allocate (is_driven(0:merge(3, 6, scene%dimension == 2), scene%bodies%n), source=.false.)
     call go_to(file, 0)
     n = 0
     do while (next_line(file))
@@ -101,6 +102,7 @@ contains
       end if
     end do
     scene%drives = scene%drives(:n)
+    call mark_walls(scene%drives, [pressure_t ::], scene%bodies)
   end subroutine read_drives
 
   !> Read the drives of one body, from $bdyty to $$$$$$.
@@ -110,7 +112,7 @@ contains
     type(scene_t), intent(inout) :: scene
     integer, intent(in) :: n_bodies
     integer, intent(inout) :: n
-    logical, intent(inout) :: is_driven(:, :)
+    logical, intent(inout) :: is_driven(0:, :)
     type(diagnostics_t), intent(inout) :: diagnostics
     type(drive_t) :: drive
     character(len=5) :: section
@@ -140,7 +142,7 @@ contains
         end if
         n = n + 1
         scene%drives(n) = drive
-        scene%bodies%is_grain(drive%body) = .false.
+        if (.not. drive%is_velocity) scene%bodies%is_grain(drive%body) = .false.
       end if
     end do
   end subroutine read_block
@@ -151,11 +153,14 @@ contains
     type(scene_t), intent(inout) :: scene
     integer, intent(in) :: number, body
     integer, intent(inout) :: n
-    logical, intent(inout) :: is_driven(:, :)
+    logical, intent(inout) :: is_driven(0:, :)
     type(diagnostics_t), intent(inout) :: diagnostics
     integer :: i, kept
 
-    if (scene%bodies%is_grain(body)) return
+    if (.not. is_driven(0, body)) then
+      is_driven(0, body) = .true.
+      return
+    end if
     kept = 0
     do i = 1, n
       if (scene%drives(i)%body == body) cycle
@@ -163,7 +168,7 @@ contains
       scene%drives(kept) = scene%drives(i)
     end do
     n = kept
-    is_driven(:, body) = .false.
+    is_driven(1:, body) = .false.
     scene%bodies%is_grain(body) = .true.
     call remark(file, 'second block', 'body '//to_text(number)//' has drives in an earlier block, which this one replaces, as in ' &
                 //'LMGC90', 9, diagnostics)

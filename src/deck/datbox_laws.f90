@@ -36,16 +36,20 @@ module sg_datbox_laws
 
 contains
 
-  !> Form of a law called by name, among several the one with this number of lines; 0 when there is none.
+  !> Form of a law called by name, among several the longest that these lines fill; 0 when there is none.
   pure integer function form_of_name(name, n_lines) result(form)
     character(len=*), intent(in) :: name !! LMGC90's name
     integer, intent(in) :: n_lines !! lines of numbers found
-    integer :: i
+    integer :: i, most, n
 
     form = 0
-    do i = size(law_forms), 1, -1
+    most = 0
+    do i = 1, size(law_forms)
       if (law_forms(i)%name /= name) cycle
-      if (form == 0 .or. max(1, count(law_forms(i)%labels /= '')) == n_lines) form = i
+      n = max(1, count(law_forms(i)%labels /= ''))
+      if (form > 0 .and. (n > n_lines .or. n <= most)) cycle
+      form = i
+      if (n <= n_lines) most = n
     end do
   end function form_of_name
 

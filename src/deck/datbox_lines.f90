@@ -144,7 +144,7 @@ contains
     character(len=5) :: keyword
 
     keyword = columns(file, 2, 6)
-    if (any(keywords == keyword)) return
+    if (any(keywords == keyword) .or. keyword == '$$$$$') return
     if (first_letter(file) == '$') return
     keyword = ''
   end function keyword

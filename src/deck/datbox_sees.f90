@@ -68,7 +68,7 @@ contains
     see%antagonist_kind = contactor_kind(file, 37, scene%dimension, ok, diagnostics)
     call colour_index(scene, name_field(file, 16), see%candidate_colour)
     call colour_index(scene, name_field(file, 44), see%antagonist_colour)
-    see%law = seen_law(file, scene, others, ok, diagnostics)
+    if (ok) see%law = seen_law(file, scene, others, ok, diagnostics)
     call real_field(file, 55, see%alert, ok, diagnostics)
     if (see%alert < 0) then
       call complain(file, 'the alert distance must not be negative', 55, diagnostics)
@@ -99,7 +99,7 @@ contains
     end if
   end subroutine read_halo
 
-  !> See tables may speak of rigid bodies of the scene's dimension alone.
+  !> See tables are for rigid bodies of the scene's dimension alone.
   subroutine check_body_type(file, first, dimension, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     integer, intent(in) :: first, dimension
@@ -110,13 +110,8 @@ contains
     name = name_field(file, first)
     if (name == body_type(dimension)) return
     ok = .false.
-    if (name == 'RBDY2' .or. name == 'RBDY3') then
-      call complain_once(file, name, 'bodies of type '''//name//''' cannot be seen among the '//body_type(dimension) &
-                         //' of this DATBOX', first, diagnostics)
-    else
-      call complain_once(file, name, 'bodies of type '''//name//''' are not done: only '//body_type(dimension)//', rigid', first, &
-                         diagnostics)
-    end if
+    ! Bodies of such a type are refused in BODIES.DAT: none is here.
+    call remark(file, name, 'there is no body of type '''//name//''': the see table is left out', first, diagnostics)
   end subroutine check_body_type
 
   !> Our kind of the contactor named at a column; 0 when it has none.
@@ -125,15 +120,13 @@ contains
     integer, intent(in) :: first, dimension
     logical, intent(inout) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
-    character(len=:), allocatable :: known
 
     kind = datbox_kind(name_field(file, first))
     if (kind > 0 .and. (kind >= kind_sphere .eqv. dimension == 3)) return
     ok = .false.
-    known = 'DISKx (also for DISKb), JONCx, xKSID and POLYG'
-    if (dimension == 3) known = 'SPHER (also for SPHEb), PLANx, CYLND, DNLYC and POLYR'
-    call complain_once(file, name_field(file, first), 'contactors of type '''//name_field(file, first) &
-                       //''' are not done in see tables: only '//known, first, diagnostics)
+    ! Contactors of such a type are refused in BODIES.DAT: none is here.
+    call remark(file, name_field(file, first), 'there is no contactor of type '''//name_field(file, first) &
+                //''': the see table is left out', first, diagnostics)
   end function contactor_kind
 
   !> Our kind of a contactor that see tables know by this name; 0 when there is none.
@@ -177,11 +170,21 @@ contains
     other = other_law(others, name)
     if (other > 0) then
       call complain_once(file, 'law '//name, 'the contact law '''//name//''' is '//others(other)%law &
-                         //', which is not done', 23, diagnostics)
+                         //', which is not done'//reason_of(others(other)%law), 23, diagnostics)
     else
       call complain_once(file, 'law '//name, 'no contact law is called '''//name//'''', 23, diagnostics)
     end if
   end function seen_law
+
+  !> Why a law is not done, where there is more to say.
+  pure function reason_of(law) result(reason)
+    character(len=*), intent(in) :: law
+    character(len=:), allocatable :: reason
+
+    reason = ''
+    if (law == 'MD_JKRs') reason = ': it is for smooth integrators, and the NLGS of LMGC90 itself takes its friction alone and '// &
+      'stops bodies at the alert distance; use IQS_CLB, or ELASTIC_REPELL_CLB with the stiffness'
+  end function reason_of
 
   !> Warn of see tables that name a kind and colour of which there is no contactor.
   subroutine check_sees(scene, others, see_lines, file, diagnostics)

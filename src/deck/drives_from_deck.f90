@@ -5,7 +5,7 @@ module sg_drives_from_deck
   use sg_ascending, only: distinct
   use sg_blocks, only: deck_t
   use sg_contactors, only: kind_wall
-  use sg_drives, only: drive_t, pressure_t
+  use sg_drives, only: drive_t, mark_walls, pressure_t
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
   use sg_local_numbers, only: local_body
@@ -63,7 +63,7 @@ contains
     end do
     scene%drives = scene%drives(:n_drives)
     scene%pressures = scene%pressures(:n_pressures)
-    call mark_walls(scene)
+    call mark_walls(scene%drives, scene%pressures, scene%bodies)
   end subroutine drives_from_deck
 
   !> Numbers of the bodies that a deck calls, by number or by name, ascending, each once.
@@ -344,17 +344,4 @@ contains
       scene%drives(n)%value%constant = scene%bodies%velocity(component, body)
     end do
   end subroutine hold
-
-  !> What is driven by a velocity or pressed is no grain.
-  subroutine mark_walls(scene)
-    type(scene_t), intent(inout) :: scene
-    integer :: i
-
-    do i = 1, size(scene%drives)
-      if (scene%drives(i)%is_velocity) scene%bodies%is_grain(scene%drives(i)%body) = .false.
-    end do
-    do i = 1, size(scene%pressures)
-      scene%bodies%is_grain(scene%pressures(i)%body) = .false.
-    end do
-  end subroutine mark_walls
 end module sg_drives_from_deck

@@ -1,6 +1,6 @@
 !> What the grains of a scene are together: number, mass, area or volume, and mean radius.
 !!
-!! A grain is a body free in all its components; walls, driven or pressed, are left out.
+!! A grain is a body free in all its components, or held in a plane (`mark_walls`); walls, driven or pressed, are left out.
 module sg_grains
   use sg_bodies, only: bodies_t
   use sg_comm, only: comm_t

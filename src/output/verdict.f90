@@ -41,9 +41,13 @@ contains
       end if
       call line('energy', to_text(measures%get('kinetic_energy'), 3)//' J kinetic, balance closed to '// &
                 to_text(measures%get('energy_closure'), 2)//' of its largest term')
-      call line('packing', 'compactness '//fixed(measures%get('compactness'), 3)//', coordination '// &
-                fixed(measures%get('coordination'), 2)//', walls carry '//percent(measures%get('floor_share'))// &
-                ' of the weight')
+      if (summary%grains%n == 0) then
+        call line('packing', 'not measured: there is no grain, all bodies are walls (driven or pressed)')
+      else
+        call line('packing', 'compactness '//fixed(measures%get('compactness'), 3)//', coordination '// &
+                  fixed(measures%get('coordination'), 2)//', walls carry '//percent(measures%get('floor_share'))// &
+                  ' of the weight')
+      end if
       call line('cost', fixed(totals%clock%cpu, 2)//' s CPU ('//phase_words(totals)//'), '//fixed(totals%clock%wall, 2)//' s wall')
       call line('solver', effort_words(totals, summary%method == 'nlgs'))
       if (summary%ranks > 1) then

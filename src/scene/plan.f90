@@ -176,23 +176,12 @@ contains
     do i = 1, size(scene%drives)
       if (scene%drives(i)%is_velocity) is_free(scene%drives(i)%component, scene%drives(i)%body) = .false.
       if (scene%drives(i)%component <= n) cycle
-      if (.not. is_zero(scene%drives(i))) rests(scene%drives(i)%body) = .false.
+      if (.not. scene%drives(i)%value%is_zero()) rests(scene%drives(i)%body) = .false.
     end do
     turns = any(is_free(n + 1:, :), 1)
     ! Records of balls have one inverse mass and one inverse inertia for all directions.
     is_partly_driven = n == 3 .and. turns .and. any(is_free, 1) .and. .not. all(is_free, 1)
   end subroutine find_turning
-
-  !> Is a drive zero at all times?
-  pure logical function is_zero(drive)
-    type(drive_t), intent(in) :: drive
-
-    if (allocated(drive%value%times)) then
-      is_zero = .not. any(abs(drive%value%values) > 0)
-    else
-      is_zero = .not. max(abs(drive%value%constant), abs(drive%value%amplitude)) > 0
-    end if
-  end function is_zero
 
   !> Does every body that turns touch the others with centred disks of one radius only?
   pure logical function all_round(scene, turns)

@@ -129,8 +129,6 @@ contains
                       4, 46)
     call tests%refuse(file, 5, '', 'the rest of the law', 6)
     call tests%refuse(file, 8, ' RBDY2  DISKx  BLEUx  iqscX  RBDY2  POLYG  BLEUx       0.9000000D-02', 'no contact law', 8, 23)
-    call tests%refuse(file, 8, ' RBDY2  DISKx  BLEUx  iqsc0  MAILx  POLYG  BLEUx       0.9000000D-02', 'MAILx', 8, 30)
-    call tests%refuse(file, 8, ' RBDY2  PT2Dx  BLEUx  iqsc0  RBDY2  POLYG  BLEUx       0.9000000D-02', 'PT2Dx', 8, 9)
     call tests%refuse(file, 8, ' RBDY2  DISKx  BLEUx  iqsc0  RBDY2  POLYG  BLEUx      -0.9000000D-02', 'alert', 8)
     call tests%refuse(file, 8, '', 'the file ends where a see table', 8)
   end subroutine test_laws_and_sees

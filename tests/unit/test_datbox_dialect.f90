@@ -131,6 +131,11 @@ contains
     call read_with(file, [character(len=width) :: 'xbehav', tact(2:)], 'any letter before a keyword', 0, scene)
     call read_with(file, [character(len=width) :: tact(:8), tact(9)(:54)], 'no alert distance', 1, scene)
     call tests%near(scene%sees(1)%alert, 0.0_wp, tight, 'an alert distance without a number')
+    ! Nothing here can be seen by these: bodies or contactors of such types are refused in BODIES.DAT.
+    call read_with(file, [character(len=width) :: tact, tact(7:8), &
+                          ' RBDY2  DISKx  BLEUx  iqsc0  MAILx  CLxxx  BLEUx       0.9000000D-02', tact(7:8), &
+                          ' RBDY2  CLxxx  BLEUx  iqsc0  RBDY2  ALpxx  BLEUx       0.9000000D-02'], 'see tables of others', 3, scene)
+    call tests%equal(size(scene%sees), 1, 'see tables that are left')
   end subroutine test_laws
 
   !> Comments in column 1, lines before the first section, lines without a type.

@@ -2,7 +2,8 @@
 program test_motion
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, g, hold, put_disk, run
-  use sg_drives, only: drive_t, pressure_t
+  use sg_bodies, only: bodies_t
+  use sg_drives, only: drive_t, mark_walls, pressure_t
   use sg_kinds, only: wp
   use sg_motion, only: predict, update
   use sg_scene, only: scene_t
@@ -17,6 +18,7 @@ program test_motion
   call test_driven()
   call test_forces()
   call test_time_functions()
+  call test_walls()
   call t%finish()
 
 contains
@@ -143,4 +145,47 @@ contains
     call near([value%at(0.0_wp), value%at(1.5_wp), value%at(2.0_wp), value%at(3.0_wp), value%at(9.0_wp)], &
               [10.0_wp, 15.0_wp, 20.0_wp, 0.0_wp, -20.0_wp], 'a table')
   end subroutine test_time_functions
+
+  !> What is held in a plane is a grain; what is driven, or held otherwise, is none.
+  subroutine test_walls()
+    type(bodies_t) :: bodies
+    type(drive_t), allocatable :: drives(:)
+    integer :: i
+
+    call bodies%allocate(6, 3)
+    allocate (drives(0))
+    ! Held along y; along y and about x and z; along y and about all; along x and y; moved along y; free.
+    call impose(drives, 1, [2], 0.0_wp)
+    call impose(drives, 2, [2, 4, 6], 0.0_wp)
+    call impose(drives, 3, [2, 4, 5, 6], 0.0_wp)
+    call impose(drives, 4, [1, 2], 0.0_wp)
+    call impose(drives, 5, [2], 1.0_wp)
+    call mark_walls(drives, [pressure_t ::], bodies)
+    call t%check(all(bodies%is_grain .eqv. [(any(i == [1, 2, 6]), i=1, 6)]), 'grains in space, held in a plane')
+    bodies%is_grain = .true.
+    call mark_walls(drives, [pressure_t(body=2)], bodies)
+    call t%check(all(bodies%is_grain .eqv. [(any(i == [1, 6]), i=1, 6)]), 'a pressed body is a wall')
+    call bodies_of_the_plane()
+  end subroutine test_walls
+
+  !> Impose one velocity on components of a body.
+  subroutine impose(drives, body, components, value)
+    type(drive_t), allocatable, intent(inout) :: drives(:)
+    integer, intent(in) :: body, components(:)
+    real(wp), intent(in) :: value
+    integer :: k
+
+    do k = 1, size(components)
+      drives = [drives, drive_t(body=body, component=components(k), value=time_function_t(constant=value))]
+    end do
+  end subroutine impose
+
+  !> In the plane a held body is a wall, whatever is held.
+  subroutine bodies_of_the_plane()
+    type(bodies_t) :: bodies
+
+    call bodies%allocate(2)
+    call mark_walls([drive_t(body=1, component=3)], [pressure_t ::], bodies)
+    call t%check(all(bodies%is_grain .eqv. [.false., .true.]), 'held bodies of the plane')
+  end subroutine bodies_of_the_plane
 end program test_motion
