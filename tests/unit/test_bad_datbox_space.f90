@@ -169,8 +169,6 @@ contains
   subroutine test_other_files()
     character(len=*), parameter :: frame = '                             b(1)='
 
-    call tests%refuse('TACT_BEHAV.DAT', 5, ' RBDY2'//tact(5)(7:), 'cannot be seen', 5, 2)
-    call tests%refuse('TACT_BEHAV.DAT', 5, ' RBDY3  DISKx'//tact(5)(14:), 'only SPHER', 5, 9)
     call tests%refuse('DRV_DOF.DAT', 2, ' RBDY3    4', 'no body 4', 2, 9)
     call tests%refuse('DRV_DOF.DAT', 2, ' RBDY2    2', 'RBDY3, rigid', 2, 2)
     call tests%refuse('DRV_DOF.DAT', 6, ' vlocy      7'//drives(6)(14:), 'components 1, 2, 3', 6, 9)
