@@ -5,22 +5,26 @@
 !!     u' = u + bias + compliance r,     r' = r + (cohesion, 0)
 !!     0 <= r'_n  complementary to  u'_n >= 0,   |r'_t| <= friction r'_n  (Coulomb)      unilateral
 !!     u' = 0                                                                            linear
+!!     u'_n = 0,   r_t = 0                                                               linear along the normal
 module sg_laws
   use sg_kinds, only: wp, i1
   implicit none
   private
   public :: law_t, local_law_t, local_law
   public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
-  public :: status_new, status_none, status_stick, status_slide, status_bonded
-  public :: is_plain, is_frictionless, inverse_of
+  public :: law_rod, law_wire, law_rigid_wire, law_bond, is_link_law
+  public :: status_new, status_none, status_stick, status_slide, status_bonded, status_broken
+  public :: is_plain, is_frictionless, inverse_of, kind_of_local_law
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
-  !! wet (cohesion within a thickness), Mohr-Coulomb (cohesion until broken), elastic repulsion, linear
+  !! wet (cohesion within a thickness), Mohr-Coulomb (cohesion until broken), elastic repulsion, linear; and those of links
+  !! (sg_link_laws): rod, wire, wire that does not stretch, bond
   integer, parameter :: law_iqs = 1, law_gap = 2, law_velocity = 3, law_restitution = 4, law_wet = 5, law_mohr = 6, &
-                        law_elastic = 7, law_linear = 8
+                        law_elastic = 7, law_linear = 8, law_rod = 9, law_wire = 10, law_rigid_wire = 11, law_bond = 12
 
-  !> What happened at a contact in the last step: not known yet, open, sticking, sliding, bonded
-  integer(i1), parameter :: status_new = 0, status_none = 1, status_stick = 2, status_slide = 3, status_bonded = 4
+  !> What happened at a contact in the last step: not known yet, open, sticking, sliding, bonded, broken (a link, for good)
+  integer(i1), parameter :: status_new = 0, status_none = 1, status_stick = 2, status_slide = 3, status_bonded = 4, &
+                            status_broken = 5
 
   !> One contact law with its parameters
   type :: law_t
@@ -40,14 +44,20 @@ module sg_laws
     real(wp) :: stiffness = 0
     !> Velocity per impulse of the linear law r = -(1/epsilon) v [1/kg]
     real(wp) :: epsilon = 0
+    !> Links: force per strain of rods and wires [N], and per rate of strain [N s]; strain at rest
+    real(wp) :: axial_stiffness = 0, axial_damping = 0, prestrain = 0
+    !> Tension that breaks a wire [N]; none where it is zero
+    real(wp) :: breaking_force = 0
+    !> Bonds: Young's modulus [Pa], Poisson's ratio, and stresses at which they break, normal and tangential [Pa]
+    real(wp) :: young = 0, poisson = 0, normal_strength = 0, tangential_strength = 0
   end type law_t
 
   !> What a law asks of one contact in one step
   type :: local_law_t
     !> Can the contact carry an impulse in this step at all?
     logical :: is_active = .true.
-    !> Is it linear, with both components free in sign?
-    logical :: is_linear = .false.
+    !> Is it linear, with its components free in sign? And has it none along tangents?
+    logical :: is_linear = .false., is_along_normal = .false.
     !> Added to the relative velocity, normal and tangential (in the plane the third is zero) [m/s]
     real(wp) :: bias(3) = 0
     !> Friction coefficient of this step
@@ -95,6 +105,17 @@ contains
     end select
   end function local_law
 
+  !> Kind of a local law, as records of contacts hold it: 0 where it takes no part, 1 unilateral, 2 linear, 3 linear along the
+  !! normal.
+  pure real(wp) function kind_of_local_law(local) result(kind)
+    type(local_law_t), intent(in) :: local !! what the law asks
+
+    kind = 0
+    if (.not. local%is_active) return
+    kind = 1
+    if (local%is_linear) kind = merge(3.0_wp, 2.0_wp, local%is_along_normal)
+  end function kind_of_local_law
+
   !> Inverse of a diagonal term of W; zero where the contact can change nothing.
   pure real(wp) function inverse_of(w, is_active)
     real(wp), intent(in) :: w !! diagonal term [1/kg]
@@ -111,10 +132,18 @@ contains
     is_plain = law%kind <= law_restitution
   end function is_plain
 
+  !> Does the law hold between the two points of a link, and nowhere else?
+  pure logical function is_link_law(law)
+    type(law_t), intent(in) :: law !! law to look at
+
+    is_link_law = any(law%kind == [law_rod, law_wire, law_rigid_wire, law_bond])
+  end function is_link_law
+
   !> Has the law no tangential impulse at all?
   pure logical function is_frictionless(law)
     type(law_t), intent(in) :: law !! law to look at
 
-    is_frictionless = .not. max(law%static_friction, law%dynamic_friction) > 0 .and. law%kind /= law_linear
+    is_frictionless = .not. max(law%static_friction, law%dynamic_friction) > 0 .and. law%kind /= law_linear .and. &
+                      law%kind /= law_bond
   end function is_frictionless
 end module sg_laws

@@ -3,11 +3,12 @@ module sg_assemble
   use sg_bodies, only: bodies_t
   use sg_assemble_space, only: load_space_bodies, space_record, unload_space_bodies, velocity_before
   use sg_compact, only: compact_velocity
-  use sg_contact_status, only: rest_speed, status_of
   use sg_contacts, only: contacts_t
   use sg_delassus, only: set_block
   use sg_kinds, only: wp, i1, i4
-  use sg_laws, only: law_mohr, local_law, local_law_t, status_bonded, status_stick
+  use sg_laws, only: kind_of_local_law, law_mohr, local_law, local_law_t, status_bonded, status_none, status_slide, status_stick
+  use sg_link_contacts, only: is_link
+  use sg_link_laws, only: link_law
   use sg_mapping, only: arms_of, relative_velocity
   use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, is_compact, is_in_space, problem_t, &
                         reserve_problem, round_frictional, round_frictionless, solid_frictional
@@ -72,6 +73,10 @@ contains
     real(wp) :: before(3)
 
     before = 0
+    if (is_link(scene, contacts, k)) then
+      law = law_of_link(scene, contacts, k, step)
+      return
+    end if
     associate (own => scene%laws(contacts%law(k)))
       if (max(abs(own%normal_restitution), abs(own%tangential_restitution)) > 0) then
         if (scene%dimension == 2) then
@@ -83,6 +88,21 @@ contains
       law = local_law(own, contacts%gap(k), step, before, contacts%status(k))
     end associate
   end function law_of
+
+  !> What the law of a link asks in this step.
+  pure function law_of_link(scene, contacts, k, step) result(law)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    real(wp), intent(in) :: step
+    type(local_law_t) :: law
+    real(wp), parameter :: no_shear(2) = 0
+
+    associate (l => contacts%feature(k), links => scene%links)
+      law = link_law(scene%laws(contacts%law(k)), contacts%gap(k), links%length(l), [links%area(l), links%mass(l)], no_shear, &
+                     step, contacts%status(k))
+    end associate
+  end function law_of_link
 
   !> Free velocities and inverse masses by slot.
   pure subroutine load_bodies(bodies, kind, body_of, radius, body)
@@ -170,25 +190,22 @@ contains
       record = [n, turn_n, law%bias(1), active]
     else
       record = [n, turn_n(1), turn_t(1), turn_n(2), turn_t(2), law%bias(:2), spread(0.0_wp, 1, 3), law%friction, law%cohesion, &
-                law%compliance, active*merge(2.0_wp, 1.0_wp, law%is_linear)]
+                law%compliance, kind_of_local_law(law)]
     end if
   end subroutine arm_record
 
   !> Bring the solution back: impulses and statuses of contacts, velocities of bodies (into `free_velocity`).
-  subroutine disassemble(problem, scene, body_of, radius, violation, contacts)
+  subroutine disassemble(problem, scene, body_of, radius, contacts)
     type(problem_t), intent(in) :: problem !! solved problem
     type(scene_t), intent(inout) :: scene !! scene whose bodies move on
     integer(i4), intent(in) :: body_of(:) !! body of each slot
     real(wp), intent(in) :: radius(:) !! signed radius of round bodies [m]
-    real(wp), intent(in) :: violation !! velocity error of the solution over the velocity scale of the problem
     type(contacts_t), intent(inout) :: contacts !! contacts that carry the impulses to the next step
-    real(wp) :: rest
     integer :: s, b, k
 
-    rest = rest_speed(problem, violation)
     do k = 1, contacts%n
       contacts%impulse(:, k) = problem%impulse(:, k)
-      contacts%status(k) = status_after(scene, problem, contacts, k, rest)
+      contacts%status(k) = status_after(scene, problem, contacts, k)
     end do
     if (is_in_space(problem%kind)) then
       call unload_space_bodies(problem, body_of, radius, scene%bodies)
@@ -207,16 +224,42 @@ contains
   end subroutine disassemble
 
   !> What a contact did in this step. A bond that slips or opens is broken for good.
-  pure integer(i1) function status_after(scene, problem, contacts, k, rest) result(status)
+  pure integer(i1) function status_after(scene, problem, contacts, k) result(status)
     type(scene_t), intent(in) :: scene
     type(problem_t), intent(in) :: problem
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k
-    real(wp), intent(in) :: rest
-    logical :: is_bonded
+    real(wp) :: normal, tangential, friction
 
-    is_bonded = contacts%status(k) == status_bonded .and. scene%laws(contacts%law(k))%kind == law_mohr
-    status = status_of(problem, k, is_bonded, rest)
-    if (status == status_stick .and. is_bonded) status = status_bonded
+    ! Of links `finish_links` says it.
+    status = contacts%status(k)
+    if (is_link(scene, contacts, k)) return
+    normal = problem%impulse(1, k)
+    tangential = 0
+    friction = 0
+    select case (problem%kind)
+    case (round_frictional)
+      friction = problem%record(7, k)
+      tangential = abs(problem%impulse(2, k))
+    case (arm_frictional)
+      friction = problem%record(12, k)
+      tangential = abs(problem%impulse(2, k))
+      normal = normal + problem%record(13, k)
+    case (ball_frictional, solid_frictional)
+      normal = dot_product(problem%record(1:3, k), problem%impulse(:, k))
+      status = status_none
+      if (problem%kind == ball_frictional .and. .not. normal > 0) return
+      tangential = norm2(problem%impulse(:, k) - normal*problem%record(1:3, k))
+      friction = problem%record(merge(9, 21, problem%kind == ball_frictional), k)
+      if (problem%kind == solid_frictional) normal = normal + problem%record(22, k)
+    end select
+    if (.not. normal > 0) then
+      status = status_none
+    else if (tangential < friction*normal) then
+      status = status_stick
+      if (contacts%status(k) == status_bonded .and. scene%laws(contacts%law(k))%kind == law_mohr) status = status_bonded
+    else
+      status = status_slide
+    end if
   end function status_after
 end module sg_assemble

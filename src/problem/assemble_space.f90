@@ -3,7 +3,7 @@ module sg_assemble_space
   use sg_bodies, only: bodies_t
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp, i4
-  use sg_laws, only: local_law_t
+  use sg_laws, only: kind_of_local_law, local_law_t
   use sg_mapping_space, only: space_arms, space_relative_velocity, tangent_of
   use sg_problem, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless, problem_t
   use sg_rotations, only: frame_of, turned_back, turned_by
@@ -118,8 +118,9 @@ contains
       arms = space_arms(scene, contacts, k)
       record = [n, cross(arms(:, 1), n), cross(arms(:, 2), n), law%bias(1), active]
     case (solid_frictional)
+      if (law%is_along_normal) t = 0
       record = [n, t, space_arms(scene, contacts, k), bias, spread(0.0_wp, 1, 5), law%friction, law%cohesion, &
-                law%compliance, active*merge(2.0_wp, 1.0_wp, law%is_linear), 0.0_wp]
+                law%compliance, kind_of_local_law(law), 0.0_wp]
     end select
   end subroutine space_record
 

@@ -60,6 +60,7 @@ contains
         record(9) = w + record(3)**2*c(6) + record(5)**2*a(6) + record(14)
         record(10) = n(1)*n(2)*(mx - my) + record(3)*record(4)*c(6) + record(5)*record(6)*a(6)
         record(11) = n(2)**2*mx + n(1)**2*my + record(4)**2*c(6) + record(6)**2*a(6) + record(15)
+        if (record(16) > 2.5_wp) record(10:11) = 0
         if (.not. record(9) > tiny(1.0_wp)) record(16) = 0
       case (ball_frictionless)
         record(5) = inverse_of(dot_product(c(4:6) + a(4:6), record(1:3)**2), record(5) > 0)

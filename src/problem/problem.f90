@@ -30,6 +30,9 @@ module sg_problem
   !! - solid, frictional: n (3), t (3), arm_c (3), arm_a (3), bias (3), W_nn, W_n1, W_n2, S_1, S_2, friction, cohesion,
   !!   compliance_n, compliance_t, kind of local law, 1/lambda_max(W); t is the first tangent, the second is n x t, and in
   !!   both S, the Schur complement of W_nn in W, is diagonal
+  !!
+  !! The kind of local law is 0 where the contact takes no part, 1 for a unilateral one, 2 for a linear one, 3 for one that is
+  !! linear along the normal and carries nothing along tangents: in space its t is zero, so that kernels find no tangents.
   integer, parameter :: record_length(8) = [4, 7, 6, 16, 5, 9, 11, 26]
   !> Reals of a body's record: velocities, then inverse masses. Round and ball frictional ones carry R spin and R^2/I, solid
   !! ones spin and inverse inertia (xx, yy, zz, xy, xz, yz) in the world's axes.

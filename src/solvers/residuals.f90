@@ -23,7 +23,7 @@ module sg_residuals
     real(wp) :: friction(chunk) = 0
     !> 1/lambda_max(W_aa) [kg]; zero where the contact takes no part
     real(wp) :: rho(chunk) = 0
-    !> 1 where a linear law asks u = 0, else 0
+    !> 1 where a linear law asks u = 0, else 0; of laws that are linear along the normal alone u_t is r_t/rho
     real(wp) :: linear(chunk) = 0
   end type chunk_t
 
@@ -67,7 +67,8 @@ contains
         call add_normal_parts(a%n, a%u_n, a%r_n, a%rho, with_e1, lane, f8)
       end if
       if (present(squares)) squares(first:first + a%n - 1) = f8(:a%n)
-      if (present(closing)) call note_closing(a%n, a%u_n, abs(a%r_n) + abs(a%r_t), a%rho, closing(first:first + a%n - 1))
+      ! Linear laws have no open state: their contacts count as carrying even where they carry nothing.
+      if (present(closing)) call note_closing(a%n, a%u_n, abs(a%r_n) + abs(a%r_t) + a%linear, a%rho, closing(first:first + a%n - 1))
     end do
     do i = 1, n_error_sums
       sums(i) = sum(sum(reshape(lane(:, i), [8, chunk/8]), 2))
@@ -266,6 +267,9 @@ contains
       largest = (record(9, i) + record(11, i))/2 + sqrt((record(9, i) - record(11, i))**2/4 + record(10, i)**2)
       a%rho(i) = merge(1/max(largest, tiny(1.0_wp)), 0.0_wp, record(16, i) > 0.5_wp)
       a%linear(i) = merge(1.0_wp, 0.0_wp, record(16, i) > 1.5_wp)
+    end do
+    do i = 1, n
+      if (record(16, i) > 2.5_wp) a%u_t(i) = a%r_t(i)/a%rho(i)
     end do
   end subroutine gather_arm_frictional
 end module sg_residuals

@@ -21,7 +21,7 @@ module sg_residuals_space
     real(wp) :: u(chunk, 3) = 0, r(chunk, 3) = 0
     !> Coulomb friction, and 1/lambda_max(W_aa) [kg]: zero where the contact takes no part
     real(wp) :: friction(chunk) = 0, rho(chunk) = 0
-    !> 1 where a linear law asks u = 0, else 0
+    !> 1 where a linear law asks u = 0, else 0; of laws that are linear along the normal alone u_t is r_t/rho
     real(wp) :: linear(chunk) = 0
   end type chunk_t
 
@@ -46,7 +46,7 @@ contains
       n = a%n
       if (present(closing)) then
         call note_closing(n, a%normal(:, 1)*a%u(:, 1) + a%normal(:, 2)*a%u(:, 2) + a%normal(:, 3)*a%u(:, 3), &
-                          abs(a%r(:, 1)) + abs(a%r(:, 2)) + abs(a%r(:, 3)), a%rho, closing(first:first + n - 1))
+                          abs(a%r(:, 1)) + abs(a%r(:, 2)) + abs(a%r(:, 3)) + a%linear, a%rho, closing(first:first + n - 1))
       end if
       if (.not. has_tangent) then
         call add_normal_parts(n, a%u(:, 1), a%r(:, 1), a%rho, with_e1, lane, squares)
@@ -273,5 +273,17 @@ contains
       a%rho(i) = record(26, i)
       a%linear(i) = merge(1.0_wp, 0.0_wp, record(25, i) > 1.5_wp)
     end do
+    do i = 1, n
+      if (record(25, i) > 2.5_wp) call take_impulse_across(record(1:3, i), r(:, i), record(26, i), a%u(i, :))
+    end do
   end subroutine gather_solids
+
+  !> Put what an impulse has across the normal, over rho, in place of what the velocity has there.
+  pure subroutine take_impulse_across(normal, impulse, rho, u)
+    real(wp), intent(in) :: normal(3), impulse(3), rho
+    real(wp), intent(inout) :: u(3)
+
+    if (.not. rho > 0) return
+    u = dot_product(u, normal)*normal + (impulse - dot_product(impulse, normal)*normal)/rho
+  end subroutine take_impulse_across
 end module sg_residuals_space

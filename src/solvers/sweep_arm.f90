@@ -66,6 +66,9 @@ contains
             - record(10, k)*old_n - record(11, k)*old_t
       if (record(16, k) < 1.5_wp) then
         call coulomb_step(record(9, k), record(10, k), record(11, k), record(12, k), q_n, q_t, r_n, r_t)
+      else if (record(16, k) > 2.5_wp) then
+        r_n = -q_n/record(9, k)
+        r_t = 0
       else
         determinant = record(9, k)*record(11, k) - record(10, k)**2
         r_n = (record(10, k)*q_t - record(11, k)*q_n)/determinant

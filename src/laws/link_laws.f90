@@ -1,0 +1,140 @@
+!> Local laws of links: rods, wires and bonds between two points (doc/theory/links.md).
+!!
+!! A link has a length L along its normal n, which points from antagonist to candidate; of wires the contact has the normal
+!! turned round, so that their tension is a positive impulse and a slack wire an open contact. All springs and dashpots are
+!! implicit: they take the length at the end of the step, L + h u_n.
+module sg_link_laws
+  use sg_kinds, only: wp, i1
+  use sg_laws, only: law_bond, law_linear, law_rigid_wire, law_rod, law_t, law_wire, local_law_t, status_broken
+  implicit none
+  private
+  public :: link_law, link_energy, pulls_only, holds_across, breaks, stiffness_of_bond, damping_of_bond
+
+contains
+
+  !> What the law of a link asks in one step.
+  pure function link_law(law, length, rest, bond, shear, step, status) result(local)
+    type(law_t), intent(in) :: law !! law of the link
+    real(wp), intent(in) :: length !! at the detection configuration [m]
+    real(wp), intent(in) :: rest !! length at rest [m]
+    real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg] of a bond
+    real(wp), intent(in) :: shear(2) !! tangential displacement of a bond at the beginning of the step [m]
+    real(wp), intent(in) :: step !! time step h [s]
+    integer(i1), intent(in) :: status !! what the link did in the last step
+    type(local_law_t) :: local
+    real(wp) :: stiffness, stretch
+
+    local%is_active = status /= status_broken
+    select case (law%kind)
+    case (law_rod, law_wire)
+      ! Force k (L + h u - l)/l0 + eta u/l0, with l the length without force.
+      stiffness = (law%axial_stiffness*step + law%axial_damping)/rest
+      stretch = law%axial_stiffness/rest*(length - (1 + law%prestrain)*rest)/stiffness
+      local%compliance(1) = 1/(stiffness*step)
+      local%bias(1) = stretch
+      local%is_linear = law%kind == law_rod
+      local%is_along_normal = local%is_linear
+      if (law%kind == law_wire) local%bias(1) = -stretch
+    case (law_rigid_wire)
+      local%bias(1) = (rest - length)/step
+    case (law_bond)
+      local%is_linear = .true.
+      call bond_law(law, length, rest, bond, shear, step, local)
+    case (law_linear)
+      local%is_linear = .true.
+      local%compliance = law%epsilon
+    end select
+  end function link_law
+
+  !> A bond: spring and dashpot along the normal and along the tangents.
+  pure subroutine bond_law(law, length, rest, bond, shear, step, local)
+    type(law_t), intent(in) :: law
+    real(wp), intent(in) :: length, rest, bond(2), shear(2), step
+    type(local_law_t), intent(inout) :: local
+    real(wp) :: stiffness(2), damping(2), both(2)
+
+    stiffness = stiffness_of_bond(law, rest, bond)
+    damping = damping_of_bond(law, rest, bond)
+    both = stiffness*step + damping
+    local%compliance = 1/(both*step)
+    local%bias = [stiffness(1)*(length - rest)/both(1), stiffness(2)*shear/both(2)]
+  end subroutine bond_law
+
+  !> Normal and tangential stiffness of a bond [N/m]: E A/l0, and as much over 2 (1 + nu).
+  pure function stiffness_of_bond(law, rest, bond) result(stiffness)
+    type(law_t), intent(in) :: law !! law of the bond
+    real(wp), intent(in) :: rest !! length at rest [m]
+    real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg]
+    real(wp) :: stiffness(2)
+
+    stiffness(1) = law%young*bond(1)/rest
+    stiffness(2) = stiffness(1)/(2*(1 + law%poisson))
+  end function stiffness_of_bond
+
+  !> Normal and tangential viscosity of a bond [N s/m]: critical damping 2 sqrt(m k).
+  pure function damping_of_bond(law, rest, bond) result(damping)
+    type(law_t), intent(in) :: law !! law of the bond
+    real(wp), intent(in) :: rest !! length at rest [m]
+    real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg]
+    real(wp) :: damping(2)
+
+    damping = 2*sqrt(bond(2)*stiffness_of_bond(law, rest, bond))
+  end function damping_of_bond
+
+  !> Can the law pull only, so that its contact has the normal turned round?
+  pure logical function pulls_only(law)
+    type(law_t), intent(in) :: law !! law of a link
+
+    pulls_only = law%kind == law_wire .or. law%kind == law_rigid_wire
+  end function pulls_only
+
+  !> Does the law carry impulses across the link too?
+  pure logical function holds_across(law)
+    type(law_t), intent(in) :: law !! law of a link
+
+    holds_across = law%kind == law_bond .or. law%kind == law_linear
+  end function holds_across
+
+  !> Is a link broken by what it carried in a step (a wire), or by where its ends are (a bond)?
+  pure logical function breaks(law, length, rest, bond, shear, force)
+    type(law_t), intent(in) :: law !! law of the link
+    real(wp), intent(in) :: length !! at the detection configuration [m]
+    real(wp), intent(in) :: rest !! length at rest [m]
+    real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg] of a bond
+    real(wp), intent(in) :: shear(2) !! tangential displacement of a bond [m]
+    real(wp), intent(in) :: force !! tension of the step [N]
+    real(wp) :: stiffness(2)
+
+    breaks = .false.
+    select case (law%kind)
+    case (law_wire)
+      breaks = law%breaking_force > 0 .and. force > law%breaking_force
+    case (law_bond)
+      stiffness = stiffness_of_bond(law, rest, bond)
+      breaks = stiffness(1)*(length - rest) > bond(1)*law%normal_strength .or. &
+               any(stiffness(2)*abs(shear) > bond(1)*law%tangential_strength)
+    end select
+  end function breaks
+
+  !> Elastic energy of a link that is not broken [J].
+  pure real(wp) function link_energy(law, length, rest, bond, shear) result(energy)
+    type(law_t), intent(in) :: law !! law of the link
+    real(wp), intent(in) :: length !! [m]
+    real(wp), intent(in) :: rest !! length at rest [m]
+    real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg] of a bond
+    real(wp), intent(in) :: shear(2) !! tangential displacement of a bond [m]
+    real(wp) :: stretch, stiffness(2)
+
+    energy = 0
+    stretch = length - (1 + law%prestrain)*rest
+    select case (law%kind)
+    case (law_rod)
+      energy = law%axial_stiffness/rest*stretch**2/2
+    case (law_wire)
+      energy = law%axial_stiffness/rest*max(0.0_wp, stretch)**2/2
+    case (law_bond)
+      stiffness = stiffness_of_bond(law, rest, bond)
+      energy = (stiffness(1)*(length - rest)**2 + stiffness(2)*sum(shear**2))/2
+    end select
+  end function link_energy
+end module sg_link_laws
