@@ -9,17 +9,19 @@ module sg_contactors
                              space_shapes_t
   implicit none
   private
-  public :: contactors_t, kind_disk, kind_wall, kind_hollow, kind_polygon, kind_names, n_kinds
+  public :: contactors_t, kind_disk, kind_wall, kind_hollow, kind_polygon, kind_point, kind_names, n_kinds
   public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
-  public :: add_disk, add_wall, add_hollow, add_polygon, add_contactor, drop_contactors, place_contactors, is_round
+  public :: add_disk, add_wall, add_hollow, add_polygon, add_point, add_contactor, drop_contactors, place_contactors, is_round
 
   !> Kinds of shape: disk, rounded segment (JONCx), hollow disk (xKSID), convex polygon
   integer, parameter :: kind_disk = 1, kind_wall = 2, kind_hollow = 3, kind_polygon = 4
+  !> Point (PT2Dx, PT3Dx), in the plane and in space: an end of links, without extent or table; it touches nothing
+  integer, parameter :: kind_point = 10
   !> Number of kinds
-  integer, parameter :: n_kinds = 9
+  integer, parameter :: n_kinds = 10
   !> Words for the kinds, as decks write them
   character(len=15), parameter :: kind_names(n_kinds) = [character(len=15) :: 'disk', 'segment', 'hollow disk', 'polygon', &
-                                                         'sphere', 'plane', 'cylinder', 'hollow cylinder', 'polyhedron']
+                                                         'sphere', 'plane', 'cylinder', 'hollow cylinder', 'polyhedron', 'point']
 
   !> All contactors of a scene
   type :: contactors_t
@@ -131,6 +133,17 @@ contains
     contactors%polygon_vertex(:, first:first + n - 1) = vertices
   end subroutine add_polygon
 
+  !> Add a point, of the plane or of space.
+  subroutine add_point(contactors, body, colour, shift)
+    type(contactors_t), intent(inout) :: contactors !! list to add to
+    integer, intent(in) :: body !! body that carries it
+    integer, intent(in) :: colour !! index of the colour
+    real(wp), intent(in) :: shift(:) !! the point in the body's frame [m], shape (dimension)
+    integer :: row
+
+    call add_contactor(contactors, kind_point, body, colour, shift, 0.0_wp, row)
+  end subroutine add_point
+
   !> Add a contactor: what all kinds share.
   subroutine add_contactor(contactors, kind, body, colour, shift, reach, row)
     type(contactors_t), intent(inout) :: contactors !! list to add to
@@ -218,7 +231,7 @@ contains
   pure logical function is_round(kind)
     integer, intent(in) :: kind !! kind of shape
 
-    is_round = kind == kind_disk .or. kind == kind_hollow .or. kind == kind_sphere
+    is_round = kind == kind_disk .or. kind == kind_hollow .or. kind == kind_sphere .or. kind == kind_point
   end function is_round
 
   !> Put the vertices of one polygon where its body is.

@@ -5,9 +5,11 @@ module sg_detect
   use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, recall, unwrap_images
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_mohr, status_bonded, status_new
+  use sg_link_laws, only: holds_across, pulls_only
   use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
   use sg_scene, only: scene_t
   use sg_touch, only: touch_t
+  use sg_touch_link, only: touch_link
   use sg_touch_pair, only: touch_pair
   use sg_touch_space, only: touch_space_t
   use sg_touch_space_pair, only: touch_space_pair
@@ -59,16 +61,20 @@ contains
     contacts%n = 0
     allocate (first(pairs%n + 1))
     if (scene%dimension == 2) then
-      do p = 1, pairs%n
+      do p = 1, pairs%n_near
         first(p) = int(contacts%n, i4) + 1
         call touch_in_plane(scene, pairs, history, p, contacts)
       end do
     else
-      do p = 1, pairs%n
+      do p = 1, pairs%n_near
         first(p) = int(contacts%n, i4) + 1
         call touch_in_space(scene, pairs, history, p, contacts)
       end do
     end if
+    do p = pairs%n_near + 1, pairs%n
+      first(p) = int(contacts%n, i4) + 1
+      call follow_link(scene, pairs, history, p, contacts)
+    end do
     first(pairs%n + 1) = int(contacts%n, i4) + 1
     call move_alloc(history%first, history%first_before)
     history%n_before = history%n_pairs
@@ -84,6 +90,7 @@ contains
     integer, intent(in) :: p
     type(contacts_t), intent(inout) :: contacts
     type(touch_t) :: touch
+    integer(i4) :: law
     integer :: i
 
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert)
@@ -91,8 +98,10 @@ contains
       call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), alert, touch, scene%period)
     end associate
     if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
+    law = int(scene%sees(pairs%see(p))%law, i4)
     do i = 1, touch%n
-      call add_contact(scene, pairs, history, p, touch%normal(:, i), touch%point(:, i), touch%gap(i), touch%feature(i), contacts)
+      call add_contact(scene, pairs, history, p, law, touch%normal(:, i), touch%point(:, i), touch%gap(i), touch%feature(i), &
+                       contacts)
     end do
   end subroutine touch_in_plane
 
@@ -105,6 +114,7 @@ contains
     type(contacts_t), intent(inout) :: contacts
     type(touch_space_t) :: touch
     real(wp) :: offset(3)
+    integer(i4) :: law
     integer :: i
 
     offset = [scene%period*real(pairs%image(p), wp), scene%period_y*real(pairs%image_y(p), wp), 0.0_wp]
@@ -119,11 +129,40 @@ contains
       end if
     end associate
     if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
+    law = int(scene%sees(pairs%see(p))%law, i4)
     do i = 1, touch%n
-      call add_contact(scene, pairs, history, p, touch%normal(:, i), touch%point(:, i), touch%gap(i), touch%feature(i), contacts)
+      call add_contact(scene, pairs, history, p, law, touch%normal(:, i), touch%point(:, i), touch%gap(i), touch%feature(i), &
+                       contacts)
       contacts%image_y(contacts%n) = pairs%image_y(p)
     end do
   end subroutine touch_in_space
+
+  !> The contact of a link, which is there at any distance.
+  subroutine follow_link(scene, pairs, history, p, contacts)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: p
+    type(contacts_t), intent(inout) :: contacts
+    real(wp) :: offset(3), normal(scene%dimension), point(scene%dimension), length
+    integer :: l, k
+
+    l = pairs%link(p - pairs%n_near)
+    offset = 0
+    offset(1) = scene%period*real(pairs%image(p), wp)
+    if (scene%dimension == 3) offset(2) = scene%period_y*real(pairs%image_y(p), wp)
+    associate (centre => scene%contactors%centre, law => scene%laws(scene%links%law(l)))
+      call touch_link(centre(:, pairs%contactor(1, p)), centre(:, pairs%contactor(2, p)) + offset(:scene%dimension), &
+                      scene%links%length(l), pulls_only(law), normal, point, length)
+    end associate
+    if (contacts%n + 1 > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + 1)
+    call add_contact(scene, pairs, history, p, scene%links%law(l), normal, point, length, int(l, i4), contacts)
+    k = contacts%n
+    if (scene%dimension == 3) contacts%image_y(k) = pairs%image_y(p)
+    ! The link may have turned since: the guess of one that carries nothing across is the force along it.
+    if (contacts%n_components == 3 .and. .not. holds_across(scene%laws(contacts%law(k)))) &
+      contacts%impulse(:, k) = dot_product(contacts%impulse(:, k), normal)*normal
+  end subroutine follow_link
 
   !> Are the circles about two shapes farther apart than the alert distance? Most neighbours' are; a square tells.
   pure logical function circles_are_apart(scene, c, a, image, alert) result(apart)
@@ -160,11 +199,12 @@ contains
   end function spheres_are_apart
 
   !> Add one point of contact, with the impulse of its past.
-  subroutine add_contact(scene, pairs, history, p, normal, point, gap, feature, contacts)
+  subroutine add_contact(scene, pairs, history, p, law, normal, point, gap, feature, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(in) :: history
     integer, intent(in) :: p
+    integer(i4), intent(in) :: law
     real(wp), intent(in) :: normal(:), point(:), gap
     integer(i4), intent(in) :: feature
     type(contacts_t), intent(inout) :: contacts
@@ -177,7 +217,7 @@ contains
     contacts%body(1, k) = scene%contactors%body(pairs%contactor(1, p))
     contacts%body(2, k) = scene%contactors%body(pairs%contactor(2, p))
     contacts%image(k) = pairs%image(p)
-    contacts%law(k) = int(scene%sees(pairs%see(p))%law, i4)
+    contacts%law(k) = law
     contacts%feature(k) = feature
     contacts%normal(:, k) = normal
     contacts%point(:, k) = point

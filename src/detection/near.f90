@@ -14,7 +14,7 @@ contains
     type(contactors_t), intent(in) :: contactors !! all contactors
     integer, intent(in) :: i !! one contactor
     integer, intent(in) :: j !! the other
-    integer, parameter :: rank(n_kinds) = [1, 3, 4, 2, 1, 5, 3, 4, 2]
+    integer, parameter :: rank(n_kinds) = [1, 3, 4, 2, 1, 5, 3, 4, 2, 6]
 
     candidate_first = i > j
     if (contactors%kind(i) /= contactors%kind(j)) candidate_first = rank(contactors%kind(i)) < rank(contactors%kind(j))

@@ -2,18 +2,19 @@
 !!
 !! Bodies are numbered along Hilbert's curve (their slots), and pairs follow the lower slot: this is the spatial
 !! order of everything after it. The list depends on nothing but the configuration at its making, which is kept: a
-!! restarted run makes the same list again.
+!! restarted run makes the same list again. Links of the scene stand behind all others, whatever their length.
 module sg_neighbours
   use sg_bodies, only: bodies_t
   use sg_cells, only: build_cells, cells_t, level_cell
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_polygon, kind_polyhedron, kind_sphere, n_kinds, &
-                           place_contactors
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_point, kind_polygon, kind_polyhedron, kind_sphere, &
+                           n_kinds, place_contactors
   use sg_kinds, only: wp, i1, i4, i8
+  use sg_links, only: link_image
   use sg_lists, only: reserve
   use sg_homes, only: owner_of
   use sg_near, only: candidate_first, is_near, turning_arm
   use sg_scene, only: scene_t
-  use sg_sees, only: see_between
+  use sg_sees, only: see_between, widest_alert
   use sg_sorting, only: hilbert_order, sort_permutation
   implicit none
   private
@@ -21,15 +22,17 @@ module sg_neighbours
 
   !> All pairs that may touch soon
   type :: neighbours_t
-    !> Number of pairs
-    integer :: n = 0
+    !> Number of pairs; those behind the first `n_near` are links
+    integer :: n = 0, n_near = 0
+    !> Link of each pair that is one: of pair `n_near + i` it is `link(i)`
+    integer(i4), allocatable :: link(:)
     !> Times that the list was made
     integer :: builds = 0
     !> Contactors, candidate and antagonist, shape (2, n)
     integer(i4), allocatable :: contactor(:, :)
     !> Periods by which the antagonist is moved in x, and in space in y, shape (n)
     integer(i1), allocatable :: image(:), image_y(:)
-    !> Line of the scene's see tables, shape (n)
+    !> Line of the scene's see tables, 0 for links, shape (n)
     integer(i4), allocatable :: see(:)
     !> Body of each slot, and slot of each body
     integer(i4), allocatable :: body_of(:), slot_of(:)
@@ -56,10 +59,11 @@ contains
     if (stale) return
     associate (contactors => scene%contactors, middle => scene%bodies%middle)
       do c = 1, contactors%n
+        if (contactors%kind(c) == kind_point) cycle
         b = contactors%body(c)
         moved = (middle(1, b) - pairs%built(1, b))**2 + (middle(2, b) - pairs%built(2, b))**2
         if (contactors%dimension == 3) moved = moved + (middle(3, b) - pairs%built(3, b))**2
-        if (scene%bodies%n_velocity > contactors%dimension) then
+        if (size(middle, 1) > contactors%dimension) then
           arm = turning_arm(contactors, c)
           if (arm > 0) moved = (sqrt(moved) + turned_angle(middle(:, b), pairs%built(:, b))*arm)**2
         end if
@@ -103,6 +107,7 @@ contains
     call tabulate_sees(scene, table)
     pairs%skin = skin
     call find_pairs(pairs, scene, table)
+    call append_links(pairs, scene)
     pairs%builds = pairs%builds + 1
   end subroutine build_neighbours
 
@@ -183,7 +188,7 @@ contains
         if (any(is_common)) then
           reach = exp(sum(log(all_reach), is_common)/real(count(is_common), wp))
         else
-          reach = sum(all_reach)/real(max(1, size(all_reach)), wp)
+          reach = sum(all_reach)/real(max(1, count(kind /= kind_point)), wp)
         end if
       end associate
     end associate
@@ -242,8 +247,7 @@ contains
       end do
       reach(i) = scene%contactors%reach(order(i))
     end do
-    margin = pairs%skin
-    if (size(scene%sees) > 0) margin = margin + maxval(scene%sees%alert)
+    margin = pairs%skin + widest_alert(scene%sees)
     call build_cells(cells, centre, reach, margin, period)
     pairs%n = 0
     do i = 1, size(order)
@@ -253,7 +257,61 @@ contains
     end do
   end subroutine find_pairs
 
-  !> Contactors along the curve of their bodies.
+  !> Add the links whose contacts this rank owns.
+  subroutine append_links(pairs, scene)
+    type(neighbours_t), intent(inout) :: pairs
+    type(scene_t), intent(in) :: scene
+    integer(i4) :: image(2)
+    integer :: l
+
+    pairs%n_near = pairs%n
+    do l = 1, scene%links%n
+      associate (ends => scene%links%contactor(:, l))
+        if (any(ends == 0)) cycle
+        if (allocated(scene%bodies%home)) then
+          if (owner_of(scene%bodies%home(scene%contactors%body(ends))) /= pairs%rank) cycle
+        end if
+        image = image_of_link(scene, l, scene%contactors%body(ends))
+        call add_pair(pairs, scene%dimension, ends, image, 0)
+        call reserve(pairs%link, pairs%n - pairs%n_near)
+        pairs%link(pairs%n - pairs%n_near) = int(l, i4)
+      end associate
+    end do
+  end subroutine append_links
+
+  !> Periods in x and y by which the antagonist of a link is moved.
+  pure function image_of_link(scene, l, body) result(image)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: l
+    integer(i4), intent(in) :: body(2) !! candidate and antagonist
+    integer(i4) :: image(2), crossings(2, 2)
+
+    crossings(1, :) = scene%bodies%crossings(body)
+    crossings(2, :) = 0
+    if (scene%dimension == 3) crossings(2, :) = scene%bodies%crossings_y(body)
+    image = link_image(scene%links, l, crossings)
+  end function image_of_link
+
+  !> Append a pair.
+  subroutine add_pair(pairs, dimension, contactor, image, see)
+    type(neighbours_t), intent(inout) :: pairs
+    integer, intent(in) :: dimension
+    integer(i4), intent(in) :: contactor(2) !! candidate and antagonist
+    integer(i4), intent(in) :: image(2) !! periods in x and y by which the antagonist is moved
+    integer, intent(in) :: see !! line of the see tables, 0 for a link
+
+    pairs%n = pairs%n + 1
+    call reserve(pairs%contactor, 2, pairs%n)
+    call reserve(pairs%image, pairs%n)
+    if (dimension == 3) call reserve(pairs%image_y, pairs%n)
+    call reserve(pairs%see, pairs%n)
+    pairs%contactor(:, pairs%n) = contactor
+    pairs%image(pairs%n) = int(image(1), i1)
+    if (dimension == 3) pairs%image_y(pairs%n) = int(image(2), i1)
+    pairs%see(pairs%n) = int(see, i4)
+  end subroutine add_pair
+
+  !> Contactors along the curve of their bodies; points, which touch nothing, are left out.
   pure function contactor_order(pairs, contactors) result(order)
     type(neighbours_t), intent(in) :: pairs
     type(contactors_t), intent(in) :: contactors
@@ -266,6 +324,7 @@ contains
       keys(c) = int(pairs%slot_of(contactors%body(c)), i8)
     end do
     order = sort_permutation(keys)
+    if (contactors%n_rows(kind_point) > 0) order = pack(order, contactors%kind(order) /= kind_point)
   end function contactor_order
 
   !> Pairs of one contactor with those of one level in the 3 by 3 (by 3) cells about it.
@@ -327,16 +386,8 @@ contains
       end if
       period = [scene%period, scene%period_y, 0.0_wp]
       if (.not. is_near(contactors, i, j, period*real([image, 0], wp), period, scene%sees(see)%alert + pairs%skin)) return
-      pairs%n = pairs%n + 1
-      call reserve(pairs%contactor, 2, pairs%n)
-      call reserve(pairs%image, pairs%n)
-      if (scene%dimension == 3) call reserve(pairs%image_y, pairs%n)
-      call reserve(pairs%see, pairs%n)
-      pairs%see(pairs%n) = see
       side = merge(1, -1, candidate_first(contactors, i, j))
-      pairs%contactor(:, pairs%n) = merge([i, j], [j, i], side == 1)
-      pairs%image(pairs%n) = int(side*image(1), i1)
-      if (scene%dimension == 3) pairs%image_y(pairs%n) = int(side*image(2), i1)
+      call add_pair(pairs, scene%dimension, merge([i, j], [j, i], side == 1), int(side*image, i4), int(see))
     end associate
   end subroutine consider
 end module sg_neighbours

@@ -5,10 +5,11 @@
 !! Orientations stand in it only where something turns. What a step sets anew (forces, free velocities, the configuration of
 !! detection) is no part of it.
 module sg_pack_bodies
-  use sg_bodies, only: bodies_t, drop_rotation_as
+  use sg_bodies, only: bodies_t, drop_rotation
   use sg_contactors, only: contactors_t, n_kinds
   use sg_homes, only: counts_on
   use sg_kinds, only: wp, i4, i8
+  use sg_links, only: locate_links
   use sg_pack_shapes, only: make_room_for_shapes, pack_contactor, unpack_contactor, unpack_size
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
@@ -119,10 +120,11 @@ contains
 
     call copy_frame(template, local)
     call local%bodies%allocate(size(start), template%dimension)
-    call drop_rotation_as(template%bodies, local%bodies)
+    if (template%bodies%n_velocity == template%dimension) call drop_rotation(local%bodies)
     allocate (local%bodies%id(size(start)), local%bodies%home(size(start)), source=0_i4)
     local%bodies%n_home = n_home
     call unpack_bodies(parcel, start, local%bodies, local%contactors)
+    call locate_links(local%links, local%contactors)
   end subroutine build_scene
 
   !> Make a scene anew from records of bodies. What it held is given back before the new bodies ask for room.
@@ -135,7 +137,6 @@ contains
 
     call copy_frame(scene, frame)
     frame%bodies%n_velocity = scene%bodies%n_velocity
-    frame%bodies%has_orientation = scene%bodies%has_orientation
     call build_scene(frame, parcel, start, n_home, scene)
     deallocate (parcel%value)
   end subroutine rebuild_scene
@@ -158,7 +159,6 @@ contains
 
     no_bodies%dimension = scene%bodies%dimension
     no_bodies%n_velocity = scene%bodies%n_velocity
-    no_bodies%has_orientation = scene%bodies%has_orientation
     no_contactors%dimension = scene%contactors%dimension
     scene%bodies = no_bodies
     scene%contactors = no_contactors
@@ -174,6 +174,7 @@ contains
     local%gravity = template%gravity
     local%period = template%period
     local%period_y = template%period_y
+    local%links = template%links
     local%start_time = template%start_time
     local%start_step = template%start_step
     if (allocated(template%materials)) then

@@ -5,6 +5,7 @@ module sg_scene
   use sg_drives, only: drive_t, pressure_t
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_t
+  use sg_links, only: links_t
   use sg_text, only: append_word, text_t
   implicit none
   private
@@ -60,6 +61,8 @@ module sg_scene
     type(text_t), allocatable :: colours(:)
     !> Who sees whom; the first line that fits counts
     type(see_t), allocatable :: sees(:)
+    !> Links between points
+    type(links_t) :: links
     !> Imposed velocities and forces
     type(drive_t), allocatable :: drives(:)
     !> Pressed walls

@@ -1,33 +1,27 @@
 !> Who sees whom: which line of the see tables holds between two contactors.
 module sg_sees
-  use sg_contactors, only: n_kinds
+  use sg_contactors, only: kind_point, n_kinds
+  use sg_kinds, only: wp
   use sg_scene, only: scene_t, see_t
   implicit none
   private
-  public :: see_between, see_of, blind_pairs, can_meet
+  public :: see_between, see_of, blind_pairs, links_points, widest_alert
 
   !> Which kinds of shape can touch each other, shape (kinds, kinds)
   logical, parameter :: can_touch(n_kinds, n_kinds) = reshape([ &
-    ! disk   wall     hollow   polygon  sphere   plane    cylinder hollow c. polyhedron
-    .true., .true., .true., .true., .false., .false., .false., .false., .false., &
-    .true., .false., .false., .true., .false., .false., .false., .false., .false., &
-    .true., .false., .false., .false., .false., .false., .false., .false., .false., &
-    .true., .true., .false., .true., .false., .false., .false., .false., .false., &
-    .false., .false., .false., .false., .true., .true., .true., .true., .true., &
-    .false., .false., .false., .false., .true., .false., .true., .false., .true., &
-    .false., .false., .false., .false., .true., .true., .true., .true., .false., &
-    .false., .false., .false., .false., .true., .false., .true., .false., .false., &
-    .false., .false., .false., .false., .true., .true., .false., .false., .true.], [n_kinds, n_kinds])
+    ! disk   wall     hollow   polygon  sphere   plane    cylinder hollow c. polyhedron point
+    .true., .true., .true., .true., .false., .false., .false., .false., .false., .false., &
+    .true., .false., .false., .true., .false., .false., .false., .false., .false., .false., &
+    .true., .false., .false., .false., .false., .false., .false., .false., .false., .false., &
+    .true., .true., .false., .true., .false., .false., .false., .false., .false., .false., &
+    .false., .false., .false., .false., .true., .true., .true., .true., .true., .false., &
+    .false., .false., .false., .false., .true., .false., .true., .false., .true., .false., &
+    .false., .false., .false., .false., .true., .true., .true., .true., .false., .false., &
+    .false., .false., .false., .false., .true., .false., .true., .false., .false., .false., &
+    .false., .false., .false., .false., .true., .true., .false., .false., .true., .false., &
+    .false., .false., .false., .false., .false., .false., .false., .false., .false., .false.], [n_kinds, n_kinds])
 
 contains
-
-  !> Can shapes of two kinds touch each other?
-  pure logical function can_meet(kind, other)
-    integer, intent(in) :: kind !! one kind
-    integer, intent(in) :: other !! the other
-
-    can_meet = can_touch(kind, other)
-  end function can_meet
 
   !> Line of the see tables that holds between two contactors; 0 when they do not see each other.
   pure integer function see_between(scene, c1, c2) result(see)
@@ -64,6 +58,20 @@ contains
              (s%antagonist_colour == 0 .or. s%antagonist_colour == colour(2))
     end function fits
   end function see_of
+
+  !> Does a line of the see tables link points? Such a line is used at the start alone.
+  pure elemental logical function links_points(see)
+    type(see_t), intent(in) :: see !! the line
+
+    links_points = see%candidate_kind == kind_point .and. see%antagonist_kind == kind_point
+  end function links_points
+
+  !> Largest alert distance at which contacts exist [m].
+  pure real(wp) function widest_alert(sees)
+    type(see_t), intent(in) :: sees(:) !! the see tables
+
+    widest_alert = max(0.0_wp, maxval(sees%alert, .not. links_points(sees)))
+  end function widest_alert
 
   !> Which kinds of shape a line of the see tables brings together in vain, shape (kinds, kinds): they cannot touch each
   !! other, although two bodies have them of which one at least counts.

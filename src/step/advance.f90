@@ -7,6 +7,7 @@ module sg_advance
   use sg_error, only: error_t, fail
   use sg_guard, only: find_broken
   use sg_kinds, only: wp, i1, i8
+  use sg_link_contacts, only: finish_links
   use sg_motion, only: predict, update
   use sg_passing, only: look_for_passing
   use sg_penetration, only: deepest_penetration
@@ -118,7 +119,8 @@ contains
     call sim%totals%phase(phase_update)%start()
     if (has_failed(sim)) call begin_late_dump(sim)
     status = sim%contacts%status(:sim%contacts%n)
-    call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%report%violation, sim%contacts)
+    call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%contacts)
+    call finish_links(sim%scene, sim%contacts, sim%options%step)
     call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%step, .true., error)
     sim%all_contacts = sim%contacts%n
     if (sim%decomposition%is_on) call agree(sim%comm, error, is_fast, sim%passing%n, sim%all_contacts)

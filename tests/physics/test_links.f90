@@ -1,0 +1,244 @@
+!> Links with known answers: a mass on a rod, its damping, a wire that goes slack and taut, a pendulum, a hanging chain, a wire
+!! that breaks; in the plane and in space, across a period too.
+program test_links
+  use harness, only: tests_t
+  use link_scenes, only: begin_links, link, put_mass, tension_of
+  use scenes, only: begin_run, g, run
+  use sg_contactors, only: add_disk
+  use sg_kinds, only: wp, pi
+  use sg_laws, only: law_linear, law_rigid_wire, law_rod, law_t, law_wire, status_broken
+  use sg_simulation, only: simulation_t
+  use sg_space_contactors, only: add_sphere
+  implicit none
+  type(tests_t) :: t
+  integer :: dimension
+
+  do dimension = 2, 3
+    call test_rod(dimension, 0.0_wp)
+    call test_rod(dimension, 30.0_wp)
+    call test_slack_wire(dimension)
+    call test_pendulum(dimension)
+    call test_chain(dimension)
+    call test_break(dimension)
+    call test_glue(dimension)
+    call test_period(dimension)
+  end do
+  call t%finish()
+
+contains
+
+  !> Unit vector along the first axis.
+  pure function along(dimension, axis) result(vector)
+    integer, intent(in) :: dimension, axis
+    real(wp) :: vector(dimension)
+
+    vector = 0
+    vector(axis) = 1
+  end function along
+
+  !> A mass on a rod: each step against the recursion of the scheme, and the period of the oscillation.
+  !!
+  !! The force is that of the length L + h u at the end of a step from the length L in its middle; the mass begins at rest,
+  !! stretched beyond the strain at rest.
+  subroutine test_rod(dimension, damping)
+    integer, intent(in) :: dimension
+    real(wp), intent(in) :: damping
+    real(wp), parameter :: stiffness = 400, mass = 4, rest = 0.5_wp, h = 1e-4_wp, strain = 0.02_wp
+    type(simulation_t) :: sim
+    real(wp) :: x, v, force, expected, miss, turn(2)
+    integer :: step, turns
+
+    call begin_links(sim%scene, 2, dimension, law_t(kind=law_rod, axial_stiffness=stiffness, axial_damping=damping, &
+                                                    prestrain=strain))
+    call put_mass(sim%scene, 1, 0.0_wp, 0*along(dimension, 1))
+    call put_mass(sim%scene, 2, mass, 0.6_wp*along(dimension, 1))
+    call link(sim%scene, 1, 2, rest)
+    call begin_run(sim, h, 1e-13_wp)
+    x = 0.6_wp
+    v = 0
+    miss = 0
+    turns = 0
+    do step = 1, 12000
+      call run(sim, 1)
+      force = -(stiffness*(x + h/2*v - (1 + strain)*rest)/rest + (stiffness*h + damping)/rest*v) &
+              /(1 + h/mass*(stiffness*h + damping)/rest)
+      x = x + h*v/2
+      if (v < 0 .and. v + h/mass*force >= 0 .and. turns < 2) then
+        turns = turns + 1
+        turn(turns) = h*real(step, wp)
+      end if
+      v = v + h/mass*force
+      x = x + h*v/2
+      miss = max(miss, abs(sim%scene%bodies%position(1, 2) - x), abs(tension_of(sim, 1) + force)/stiffness)
+    end do
+    ! Rounding of a few operations, which an oscillator does not amplify, over 12000 steps.
+    call t%near(miss, 0.0_wp, 1e-10_wp, 'rod: place and force as the recursion has them')
+    expected = 2*pi/sqrt(stiffness/(rest*mass) - (damping/(rest*mass)/2)**2)
+    ! The scheme is of first order: its frequency is off by less than omega h of it; a turn is seen a step late at most.
+    if (turns == 2) call t%near(turn(2) - turn(1), expected, (2 + 2*pi)*h, 'rod: period of the oscillation')
+    call t%equal(turns, 2, 'rod: it oscillates')
+    call t%near(maxval(abs(sim%scene%bodies%position(2:, 2))), 0.0_wp, 0.0_wp, 'rod: nothing moves across')
+  end subroutine test_rod
+
+  !> A mass thrown from its anchor flies free while the wire is slack, is stopped where it is taut, and hangs there.
+  subroutine test_slack_wire(dimension)
+    integer, intent(in) :: dimension
+    real(wp), parameter :: h = 1e-3_wp, length = 0.3_wp
+    type(simulation_t) :: sim
+    integer :: step, taut
+
+    call begin_links(sim%scene, 2, dimension, law_t(kind=law_rigid_wire))
+    sim%scene%gravity(dimension) = -g
+    call put_mass(sim%scene, 1, 0.0_wp, 0*along(dimension, 1))
+    call put_mass(sim%scene, 2, 2.0_wp, -0.1_wp*along(dimension, dimension))
+    call link(sim%scene, 1, 2, length)
+    call begin_run(sim, h, 1e-13_wp)
+    taut = 0
+    do step = 1, 400
+      call run(sim, 1)
+      if (taut == 0 .and. tension_of(sim, 1) > 0) taut = step
+      if (taut == 0) call t%near(sim%scene%bodies%velocity(dimension, 2), -g*h*real(step, wp), 1e-12_wp, 'wire: free fall')
+    end do
+    ! It falls 0.2 m in sqrt(2 0.2/g) = 0.202 s; the step in which it comes taut is seen in the middle of it.
+    call t%near(real(taut, wp)*h, sqrt(0.4_wp/g), 2*h, 'wire: when it comes taut')
+    call t%near(-sim%scene%bodies%position(dimension, 2), length, 1e-12_wp + h*h*g, 'wire: as long as it is')
+    call t%near(norm2(sim%scene%bodies%velocity(:, 2)), 0.0_wp, 1e-12_wp, 'wire: it stops the mass')
+    call t%near(tension_of(sim, 1), 2*g, 1e-10_wp, 'wire: it carries the weight')
+  end subroutine test_slack_wire
+
+  !> Period of a pendulum on a wire that does not stretch, for a small swing.
+  subroutine test_pendulum(dimension)
+    integer, intent(in) :: dimension
+    real(wp), parameter :: h = 5e-4_wp, length = 0.5_wp, swing = 0.05_wp
+    type(simulation_t) :: sim
+    real(wp) :: before, crossing(2)
+    integer :: step, crossings
+
+    call begin_links(sim%scene, 2, dimension, law_t(kind=law_rigid_wire))
+    sim%scene%gravity(dimension) = -g
+    call put_mass(sim%scene, 1, 0.0_wp, 0*along(dimension, 1))
+    call put_mass(sim%scene, 2, 3.0_wp, length*(sin(swing)*along(dimension, 1) - cos(swing)*along(dimension, dimension)))
+    call link(sim%scene, 1, 2, length)
+    call begin_run(sim, h, 1e-13_wp)
+    crossings = 0
+    do step = 1, 4000
+      before = sim%scene%bodies%position(1, 2)
+      call run(sim, 1)
+      if (before <= 0 .or. sim%scene%bodies%position(1, 2) > 0) cycle
+      crossings = crossings + 1
+      crossing(min(crossings, 2)) = sim%time() - h*sim%scene%bodies%position(1, 2)/(sim%scene%bodies%position(1, 2) - before)
+      if (crossings == 2) exit
+    end do
+    call t%equal(crossings, 2, 'pendulum: it swings')
+    ! The swing lengthens the period by swing^2/16 = 1.6e-4 of it, the scheme by less than omega h/2 = 1.1e-3.
+    call t%near(crossing(2) - crossing(1), 2*pi*sqrt(length/g), 2e-3_wp*2*pi*sqrt(length/g), 'pendulum: its period')
+  end subroutine test_pendulum
+
+  !> A chain that hangs as its forces ask stays so: the horizontal pull is one all along, the vertical one grows by the weights.
+  subroutine test_chain(dimension)
+    integer, intent(in) :: dimension
+    integer, parameter :: n = 12
+    real(wp), parameter :: pull = 50, weight = 2*g, stiffness = 1e5_wp, rest = 0.1_wp
+    type(simulation_t) :: sim
+    real(wp) :: force(dimension), place(dimension, 0:n), miss, moved
+    integer :: i
+
+    call begin_links(sim%scene, n + 1, dimension, law_t(kind=law_wire, axial_stiffness=stiffness))
+    sim%scene%gravity(dimension) = -g
+    place = 0
+    do i = 1, n
+      force = pull*along(dimension, 1) + weight*(real(i, wp) - 0.5_wp*real(n + 1, wp))*along(dimension, dimension)
+      place(:, i) = place(:, i - 1) + rest*(1 + norm2(force)/stiffness)*force/norm2(force)
+    end do
+    do i = 0, n
+      call put_mass(sim%scene, i + 1, merge(0.0_wp, weight/g, i == 0 .or. i == n), place(:, i))
+    end do
+    do i = 1, n
+      call link(sim%scene, i, i + 1, rest)
+    end do
+    call begin_run(sim, 1e-3_wp, 1e-12_wp)
+    call run(sim, 50)
+    miss = 0
+    moved = 0
+    do i = 1, n
+      miss = max(miss, abs(tension_of(sim, i) - hypot(pull, weight*(real(i, wp) - 0.5_wp*real(n + 1, wp)))))
+      moved = max(moved, norm2(sim%scene%bodies%position(:, i) - place(:, i - 1)))
+    end do
+    ! The guess of the first step is no force at all; e8 <= 1e-12 of some hundred newtons, over 50 steps.
+    call t%near(miss, 0.0_wp, 1e-6_wp, 'chain: tensions of the catenary')
+    call t%near(moved, 0.0_wp, 1e-9_wp, 'chain: it stays where it hangs')
+  end subroutine test_chain
+
+  !> A wire that is pulled ever more breaks where its tension passes the limit, for good.
+  subroutine test_break(dimension)
+    integer, intent(in) :: dimension
+    real(wp), parameter :: limit = 25, stiffness = 1e3_wp, h = 1e-3_wp, speed = 0.05_wp
+    type(simulation_t) :: sim
+    integer :: step, broken, k
+
+    call begin_links(sim%scene, 2, dimension, law_t(kind=law_wire, axial_stiffness=stiffness, breaking_force=limit))
+    call put_mass(sim%scene, 1, 0.0_wp, 0*along(dimension, 1))
+    ! Heavy, so that the wire does not slow it: 25 N for a second on 10^9 kg.
+    call put_mass(sim%scene, 2, 1e9_wp, along(dimension, 1))
+    sim%scene%bodies%velocity(1, 2) = speed
+    call link(sim%scene, 1, 2, 1.0_wp)
+    call begin_run(sim, h, 1e-12_wp)
+    broken = 0
+    do step = 1, 1000
+      call run(sim, 1)
+      k = 1
+      if (sim%contacts%status(k) /= status_broken) then
+        ! From the length in the middle of the step to that h later.
+        call t%near(tension_of(sim, 1), stiffness*speed*h*(real(step, wp) + 0.5_wp), 1e-4_wp, 'break: tension grows')
+      else if (broken == 0) then
+        broken = step
+      else
+        call t%near(tension_of(sim, 1), 0.0_wp, 0.0_wp, 'break: nothing holds any more')
+      end if
+    end do
+    call t%near(stiffness*speed*h*real(broken, wp), limit, stiffness*speed*h, 'break: force at which it breaks')
+  end subroutine test_break
+
+  !> Two masses that a linear law without length holds together move as one.
+  subroutine test_glue(dimension)
+    integer, intent(in) :: dimension
+    type(simulation_t) :: sim
+
+    call begin_links(sim%scene, 2, dimension, law_t(kind=law_linear))
+    sim%scene%gravity(dimension) = -g
+    call put_mass(sim%scene, 1, 1.0_wp, 0*along(dimension, 1))
+    call put_mass(sim%scene, 2, 3.0_wp, 0*along(dimension, 1))
+    sim%scene%bodies%velocity(1, 1) = 4
+    call link(sim%scene, 1, 2, 0.0_wp)
+    call begin_run(sim, 1e-3_wp, 1e-13_wp)
+    call run(sim, 100)
+    call t%near(sim%scene%bodies%velocity(1, 1), 1.0_wp, 1e-12_wp, 'glue: common velocity')
+    call t%near(maxval(abs(sim%scene%bodies%velocity(:dimension, 1) - sim%scene%bodies%velocity(:dimension, 2))), 0.0_wp, &
+                1e-12_wp, 'glue: no relative velocity')
+  end subroutine test_glue
+
+  !> Two masses on a wire that fly through a period together stay linked by the same image.
+  subroutine test_period(dimension)
+    integer, intent(in) :: dimension
+    type(simulation_t) :: sim
+    integer :: i
+
+    call begin_links(sim%scene, 3, dimension, law_t(kind=law_rod, axial_stiffness=1e4_wp))
+    sim%scene%period = 2
+    do i = 1, 3
+      call put_mass(sim%scene, i, real(i, wp), (0.3_wp*real(i, wp) + 1)*along(dimension, 1))
+      sim%scene%bodies%velocity(1, i) = 5
+    end do
+    ! Spheres touch nothing here, but as they move bodies are brought back into the period.
+    do i = 1, 3
+      if (dimension == 2) call add_disk(sim%scene%contactors, i, 1, 0.1_wp, [0.0_wp, 0.0_wp])
+      if (dimension == 3) call add_sphere(sim%scene%contactors, i, 1, 0.1_wp, [0.0_wp, 0.0_wp, 0.0_wp])
+    end do
+    call link(sim%scene, 1, 2, 0.3_wp)
+    call link(sim%scene, 2, 3, 0.3_wp)
+    call begin_run(sim, 1e-3_wp, 1e-13_wp)
+    call run(sim, 2000)
+    call t%check(minval(sim%scene%bodies%crossings) > 3, 'period: it is crossed')
+    call t%near(maxval(abs(sim%scene%bodies%velocity(1, :) - 5)), 0.0_wp, 1e-10_wp, 'period: nothing changes their velocity')
+  end subroutine test_period
+end program test_links
