@@ -1,9 +1,10 @@
 !> The part of a scene that one rank holds: its own bodies, all wide ones, and copies of those that may touch its own
-!! before the next search for neighbours; and who shares which of them (doc/theory/decomposition.md).
+!! before the next search for neighbours, or are linked to them; and who shares which of them (doc/theory/decomposition.md).
 module sg_halo
   use sg_comm, only: comm_t
   use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4, i8
+  use sg_link_copies, only: link_copies_t
   use sg_lists, only: reserve
   use sg_local_numbers, only: contactors_of_bodies, local_body
   use sg_pack_bodies, only: order_records, pack_body, rebuild_scene
@@ -61,11 +62,13 @@ contains
     integer(i4), allocatable :: first(:), list(:)
     integer :: sent(0:comm%size - 1), told(0:comm%size - 1), r, b, i
     type(copies_t) :: copies
+    type(link_copies_t) :: linked
     type(parcel_t) :: records, words
 
     reach = body_reach(scene, scene%bodies%n_home)
     call territory%survey(scene, reach, margin, comm)
-    call find_copies(scene, territory, reach, comm, copies)
+    call linked%find(scene, comm)
+    call find_copies(scene, territory, reach, linked, comm, copies)
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     do r = 0, comm%size - 1
       sent(r) = records%n
@@ -89,24 +92,32 @@ contains
     end do
   end subroutine gather_records
 
-  !> Which ranks hold a copy of which own grains: only ranks whose grains come near are looked at.
-  subroutine find_copies(scene, territory, reach, comm, copies)
+  !> Which ranks hold a copy of which own grains: only ranks whose grains come near, or are linked, are looked at.
+  subroutine find_copies(scene, territory, reach, linked, comm, copies)
     type(scene_t), intent(in) :: scene
     type(territory_t), intent(in) :: territory
     real(wp), intent(in) :: reach(:)
+    type(link_copies_t), intent(in) :: linked
     type(comm_t), intent(in) :: comm
     type(copies_t), intent(out) :: copies
+    logical :: is_linked(scene%bodies%n_home), is_near
     integer :: r, b
 
     allocate (copies%first(0:comm%size), source=1)
     do r = 0, comm%size - 1
       copies%first(r) = copies%n + 1
-      if (r == comm%rank .or. territory%first(r + 1) == territory%first(r)) cycle
+      if (r == comm%rank) cycle
+      is_near = territory%first(r + 1) > territory%first(r)
+      call linked%mark(r, is_linked)
+      if (.not. (is_near .or. any(is_linked))) cycle
       ! All contacts between two ranks belong to one of them: the other needs no copies.
       if (owner_of(int([comm%rank, r], i4)) /= r) cycle
       do b = 1, scene%bodies%n_home
         if (scene%bodies%home(b) < 0) cycle
-        if (.not. territory%is_near(r, scene%bodies%position(:, b), reach(b))) cycle
+        if (.not. is_linked(b)) then
+          if (.not. is_near) cycle
+          if (.not. territory%is_near(r, scene%bodies%position(:, b), reach(b))) cycle
+        end if
         copies%n = copies%n + 1
         call reserve(copies%body, copies%n)
         call reserve(copies%rank, copies%n)

@@ -4,6 +4,7 @@ module sg_halo_margin
   use sg_comm, only: comm_t
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
+  use sg_sees, only: widest_alert
   use sg_tables, only: per_body, tables_t
   implicit none
   private
@@ -89,6 +90,6 @@ contains
     end if
     call comm%maximum(most)
     needed = skin + 2*sum(sqrt(most))
-    if (size(scene%sees) > 0) needed = needed + maxval(scene%sees%alert)
+    needed = needed + widest_alert(scene%sees)
   end function needed
 end module sg_halo_margin
