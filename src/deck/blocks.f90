@@ -7,6 +7,7 @@ module sg_blocks
   use sg_error, only: diagnostics_t
   use sg_key_table, only: key_table_t
   use sg_kinds, only: wp
+  use sg_link_network, only: points_t
   use sg_text, only: nearest_word, text_t
   use sg_toml, only: line_of
   use sg_values, only: from_default, from_setting, value_t
@@ -50,6 +51,9 @@ module sg_blocks
     !> Which of how many ranks reads: of the bodies it keeps a share, and knows of the others what stands in `absent`
     integer :: rank = 0, ranks = 1
     type(census_t) :: absent
+    !> Points of all bodies, and the number of all contactors, whoever keeps them
+    type(points_t) :: points
+    integer :: contactors = 0
   contains
     procedure :: block_of
     procedure :: block_of_body
@@ -321,13 +325,12 @@ contains
   end subroutine complain_at
 
   !> Report something harmless.
-  subroutine deck_warn(self, diagnostics, message, block, name, kind)
+  subroutine deck_warn(self, diagnostics, message, block, name)
     class(deck_t), intent(in) :: self
     type(diagnostics_t), intent(inout) :: diagnostics !! list to add to
     character(len=*), intent(in) :: message !! one sentence
     integer, intent(in) :: block !! block concerned
     character(len=*), intent(in), optional :: name !! key concerned
-    character(len=*), intent(in), optional :: kind !! kind of finding, of which the first stands for all
     integer :: line, column
     logical :: is_setting
 
@@ -336,9 +339,9 @@ contains
     end if
     call place_of(self, block, name, line, column, is_setting)
     if (line > 0) then
-      call diagnostics%warn(message, file=self%file, line=line, column=column, text=line_of(self%content, line), kind=kind)
+      call diagnostics%warn(message, file=self%file, line=line, column=column, text=line_of(self%content, line))
     else
-      call diagnostics%warn(message, file=self%file, kind=kind)
+      call diagnostics%warn(message, file=self%file)
     end if
   end subroutine deck_warn
 

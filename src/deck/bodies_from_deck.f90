@@ -84,6 +84,8 @@ contains
     call share%finish(scene, n)
     call give_names(deck, scene)
     deck%absent = share%census
+    deck%points = share%points
+    deck%contactors = share%contactors + sum(samples%n)
   end subroutine bodies_from_deck
 
   !> Tell the blocks which bodies are theirs, but for samples.

@@ -37,7 +37,8 @@ contains
     real(wp), intent(in) :: reach !! radius of the circle or sphere about it [m]
 
     self%n = self%n + 1
-    self%smallest = min(self%smallest, reach)
+    ! Points have no extent.
+    if (reach > 0) self%smallest = min(self%smallest, reach)
     self%low(:size(centre)) = min(self%low(:size(centre)), centre)
     self%high(:size(centre)) = max(self%high(:size(centre)), centre)
   end subroutine census_note

@@ -15,7 +15,8 @@ module sg_datbox_sees
 
   !> How LMGC90 calls our kinds of shape in see tables; a shifted disk is DISKx there too
   character(len=5), parameter :: datbox_kind_names(n_kinds) = [character(len=5) :: 'DISKx', 'JONCx', 'xKSID', 'POLYG', &
-                                                                                 'SPHER', 'PLANx', 'CYLND', 'DNLYC', 'POLYR']
+                                                                                 'SPHER', 'PLANx', 'CYLND', 'DNLYC', 'POLYR', &
+                                                                                 'PTxDx']
 
 contains
 

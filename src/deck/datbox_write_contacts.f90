@@ -235,7 +235,8 @@ contains
   pure function pair_name(kinds) result(name)
     integer, intent(in) :: kinds(2)
     character(len=5) :: name
-    character(len=2), parameter :: letters(n_kinds) = [character(len=2) :: 'DK', 'JC', 'KD', 'PL', 'SP', 'PL', 'CD', 'DC', 'PR']
+    character(len=2), parameter :: letters(n_kinds) = [character(len=2) :: 'DK', 'JC', 'KD', 'PL', 'SP', 'PL', 'CD', 'DC', 'PR', &
+                                                                   'PT']
 
     name = letters(kinds(1))//letters(kinds(2))//'x'
   end function pair_name

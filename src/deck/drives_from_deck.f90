@@ -17,7 +17,7 @@ module sg_drives_from_deck
   use sg_words, only: choice_index
   implicit none
   private
-  public :: drives_from_deck, numbers_called, bodies_held
+  public :: drives_from_deck, numbers_called, bodies_held, body_of
 
 contains
 
@@ -72,13 +72,14 @@ contains
     integer(i4), allocatable, intent(out) :: called(:) !! numbers, positive
     integer(i4), allocatable :: found(:)
     type(value_t) :: value
-    character(len=*), parameter :: keys(2) = [character(len=7) :: 'body', 'between']
+    character(len=*), parameter :: keys(3) = [character(len=7) :: 'body', 'between', 'bodies']
     integer :: b, k, i, number, status
 
     allocate (found(0))
     do b = 1, deck%n
       do k = 1, size(keys)
-        if (.not. (deck%is_in(b, 'drive') .or. deck%is_in(b, 'pressure') .or. deck%is_in(b, 'wall'))) cycle
+        if (.not. (deck%is_in(b, 'drive') .or. deck%is_in(b, 'pressure') .or. deck%is_in(b, 'wall') .or. &
+                   deck%is_in(b, 'link'))) cycle
         if (.not. deck%is_given(b, trim(keys(k)))) cycle
         value = deck%value(b, trim(keys(k)))
         do i = 1, value%n_words
@@ -178,11 +179,12 @@ contains
 
   !> Body that a deck means by a word: a name, or `#` and a number; 0 after a mistake.
   integer function body_of(deck, b, key, word, scene, diagnostics) result(body)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b
-    character(len=*), intent(in) :: key, word
-    type(scene_t), intent(in) :: scene
-    type(diagnostics_t), intent(inout) :: diagnostics
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block with the word
+    character(len=*), intent(in) :: key !! key of the word
+    character(len=*), intent(in) :: word !! name or number
+    type(scene_t), intent(in) :: scene !! scene with its bodies
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     integer :: status
 
     if (word(1:min(1, len(word))) == '#') then

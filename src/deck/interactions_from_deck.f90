@@ -2,15 +2,15 @@
 module sg_interactions_from_deck
   use sg_blocks, only: deck_t
   use sg_census, only: census_t
-  use sg_contactors, only: kind_names, n_kinds
+  use sg_contactors, only: kind_names, kind_point, n_kinds
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
+  use sg_laws, only: is_link_law
   use sg_laws_from_deck, only: law_of
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t, see_t
   use sg_sees, only: blind_pairs
   use sg_text, only: nearest_word, to_text
-  use sg_unused_laws, only: warn_of_unused_laws
   use sg_words, only: choice_index, choices_of
   implicit none
   private
@@ -26,21 +26,23 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(see_t) :: see
     real(wp) :: alert
+    integer, allocatable :: contact_laws(:)
     integer :: b, n
 
     n = deck%count_of('interaction')
     alert = default_alert(scene, options, deck%absent)
     allocate (scene%sees(0))
-    if (n == 0 .and. size(scene%laws) == 1) then
-      see%law = 1
+    contact_laws = pack([(b, b=1, size(scene%laws))], [(.not. is_link_law(scene%laws(b)), b=1, size(scene%laws))])
+    if (n == 0 .and. size(contact_laws) == 1) then
+      see%law = contact_laws(1)
       see%alert = alert
       scene%sees = [see]
       call warn_of_blind(deck, deck%block_of('law'), scene, diagnostics)
-    else if (n == 0 .and. size(scene%laws) > 1) then
+    else if (n == 0 .and. size(contact_laws) > 1) then
       call deck%complain(diagnostics, 'there are several laws: [[interaction]] must say which pairs they hold between', &
                          deck%block_of('law'))
-    else if (size(scene%laws) == 0 .and. scene%bodies%n + deck%absent%n > 1) then
-      call deck%warn(diagnostics, 'the deck has no [[law]]: bodies pass through each other', deck%block_of('scene'))
+    else if (size(contact_laws) == 0 .and. scene%bodies%n + deck%absent%n > 1) then
+      call deck%warn(diagnostics, 'the deck has no [[law]] of contact: bodies pass through each other', deck%block_of('scene'))
     end if
     do b = 1, deck%n
       if (.not. deck%is_in(b, 'interaction')) cycle
@@ -49,7 +51,6 @@ contains
       scene%sees = [scene%sees, see]
       call warn_of_blind(deck, b, scene, diagnostics)
     end do
-    if (diagnostics%count() == 0) call warn_of_unused_laws(deck, scene, diagnostics)
   end subroutine interactions_from_deck
 
   !> One line of the see tables.
@@ -68,6 +69,10 @@ contains
     see%alert = alert
     if (deck%is_given(b, 'alert')) see%alert = deck%number(b, 'alert')
     see%law = law_of(deck, b, scene, diagnostics)
+    if (see%law == 0) return
+    if (is_link_law(scene%laws(see%law)) .and. .not. all([see%candidate_kind, see%antagonist_kind] == kind_point)) &
+      call deck%complain(diagnostics, 'the law "'//scene%laws(see%law)%name//'" holds between points: candidate_shape and '// &
+                         'antagonist_shape must be "point"', b)
   end subroutine read_interaction
 
   !> Warn of shapes that the last line of the see tables brings together and that cannot touch. A line that names both kinds
@@ -77,7 +82,7 @@ contains
     integer, intent(in) :: b
     type(scene_t), intent(in) :: scene
     type(diagnostics_t), intent(inout) :: diagnostics
-    logical :: blind(n_kinds, n_kinds)
+    logical :: blind(n_kinds, n_kinds), names_one_point
     integer :: i, j, line
 
     line = size(scene%sees)
@@ -86,8 +91,11 @@ contains
     else
       blind = blind_pairs(scene, line, scene%bodies%is_grain, deck%absent%looks)
     end if
+    names_one_point = (scene%sees(line)%candidate_kind == kind_point) .neqv. (scene%sees(line)%antagonist_kind == kind_point)
     do j = 1, n_kinds
       do i = 1, j
+        ! A line that names no point does not mean them, and one that names two links them.
+        if (any([i, j] == kind_point) .and. .not. names_one_point) cycle
         if (blind(i, j)) call deck%warn(diagnostics, trim(kind_names(i))//' and '//trim(kind_names(j))// &
                                         ' cannot touch: bodies of these shapes pass through each other', b)
       end do
@@ -145,7 +153,8 @@ contains
     smallest = absent%smallest
     associate (contactors => scene%contactors, bodies => scene%bodies)
       do c = 1, contactors%n
-        if (bodies%is_grain(contactors%body(c))) smallest = min(smallest, contactors%reach(c))
+        if (bodies%is_grain(contactors%body(c)) .and. contactors%kind(c) /= kind_point) &
+          smallest = min(smallest, contactors%reach(c))
       end do
       if (smallest >= huge(1.0_wp)) smallest = minval(contactors%reach(:contactors%n))
       low = min(minval(bodies%position, 2), absent%low(:scene%dimension))

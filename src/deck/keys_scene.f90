@@ -9,11 +9,11 @@ module sg_keys_scene
   public :: add_scene_keys, add_law_keys, add_drive_keys, law_kinds, plane_shapes, space_shapes
 
   !> Words for the kinds of law, those of LMGC90, in the order of the numbers `law_*`
-  character(len=18), parameter :: law_kinds(8) = [character(len=18) :: 'IQS_CLB', 'GAP_SGR_CLB', 'VEL_SGR_CLB', 'RST_CLB', &
-    'IQS_WET_DS_CLB', 'IQS_MOHR_DS_CLB', 'ELASTIC_REPELL_CLB', 'LINEAR']
+  character(len=18), parameter :: law_kinds(12) = [character(len=18) :: 'IQS_CLB', 'GAP_SGR_CLB', 'VEL_SGR_CLB', 'RST_CLB', &
+    'IQS_WET_DS_CLB', 'IQS_MOHR_DS_CLB', 'ELASTIC_REPELL_CLB', 'LINEAR', 'ROD', 'WIRE', 'RIGID_WIRE', 'NARD_ROD']
   !> Words for the shapes of the plane and of space; those that stand at one place correspond
-  character(len=*), parameter :: plane_shapes = 'disk|segment|hollow disk|polygon'
-  character(len=*), parameter :: space_shapes = 'sphere|cylinder|hollow cylinder|polyhedron|plane'
+  character(len=*), parameter :: plane_shapes = 'disk|segment|hollow disk|polygon|point'
+  character(len=*), parameter :: space_shapes = 'sphere|cylinder|hollow cylinder|polyhedron|point|plane'
 
 contains
 
@@ -49,7 +49,8 @@ contains
     call table%open_section('law', 'A contact law. The only law of a deck without [[interaction]] holds between all pairs.', &
                             is_list=.true.)
     call table%add('name', value_text, 'Name by which interactions call it.', default='"contact"')
-    call table%add('kind', value_choice, 'Kind of law, by LMGC90''s name; LINEAR is r = -(1/epsilon) v.', &
+    call table%add('kind', value_choice, 'Kind of law, by LMGC90''s name; LINEAR is r = -(1/epsilon) v; ROD, WIRE, RIGID_WIRE '// &
+                   'and NARD_ROD hold between points.', &
                    default='"IQS_CLB"', choices=choices_of(law_kinds))
     call table%add('friction', value_real, 'Coulomb friction coefficient.', default='0.0', least=0.0_wp, &
                    only=rubbing//'|ELASTIC_REPELL_CLB')
@@ -72,6 +73,8 @@ contains
     call table%add('epsilon', value_real, 'Velocity per impulse.', unit='1/kg', is_required=.true., &
                    above=0.0_wp, only='kind=LINEAR')
 
+    call add_link_law_keys(table)
+
     call table%open_section('interaction', 'Who may meet whom, under which law; the first that fits a pair counts, in either '// &
                             'order of the two.', is_list=.true.)
     call table%add('candidate', value_text, 'Colour of the one; any for all colours.', default='"any"')
@@ -81,9 +84,49 @@ contains
     call table%add('antagonist_shape', value_choice, 'Shape of the other.', default='"any"', choices='any|'//plane_shapes, &
                    space_choices='any|'//space_shapes)
     call table%add('law', value_text, 'Name of the law; default: the only one.')
-    call table%add('alert', value_real, 'Contacts exist where the gap is below this. Default: a tenth of the radius of the '// &
-                   'smallest grain, or what the fastest grain may travel in a step if that is more.', unit='m', least=0.0_wp)
+    call table%add('alert', value_real, 'Contacts exist where the gap is below this; two points are linked that are no farther '// &
+                   'apart at the start. Default: a tenth of the radius of the smallest grain, or what the fastest grain may '// &
+                   'travel in a step if that is more.', unit='m', least=0.0_wp)
+
+    call add_link_keys(table)
   end subroutine add_law_keys
+
+  !> Keys of laws that hold between points.
+  subroutine add_link_law_keys(table)
+    type(key_table_t), intent(inout) :: table
+    character(len=*), parameter :: elastic = 'kind=ROD|WIRE', bond = 'kind=NARD_ROD'
+
+    call table%add('axial_stiffness', value_real, 'Force per strain, E A.', unit='N', is_required=.true., above=0.0_wp, &
+                   only=elastic)
+    call table%add('axial_damping', value_real, 'Force per rate of strain.', unit='N s', default='0.0', least=0.0_wp, only=elastic)
+    call table%add('prestrain', value_real, 'Strain without force: negative for a link that is stretched at its length.', &
+                   default='0.0', above=-1.0_wp, only=elastic)
+    call table%add('breaking_force', value_real, 'Tension at which the wire breaks for good; 0 for never.', unit='N', &
+                   default='0.0', least=0.0_wp, only='kind=WIRE')
+    call table%add('young', value_real, 'Young''s modulus.', unit='Pa', is_required=.true., above=0.0_wp, only=bond)
+    call table%add('poisson', value_real, 'Poisson''s ratio.', default='0.0', above=-1.0_wp, most=0.5_wp, only=bond)
+    call table%add('normal_strength', value_real, 'Tensile stress that breaks the bond.', unit='Pa', is_required=.true., &
+                   above=0.0_wp, only=bond)
+    call table%add('tangential_strength', value_real, 'Shear stress that breaks the bond.', unit='Pa', is_required=.true., &
+                   above=0.0_wp, only=bond)
+  end subroutine add_link_law_keys
+
+  !> Section link.
+  subroutine add_link_keys(table)
+    type(key_table_t), intent(inout) :: table
+
+    call table%open_section('link', 'A rod, a wire or a bond between two points of two bodies, there at any distance. Points '// &
+                            'that the deck gives as shapes are linked by [[interaction]] instead.', is_list=.true.)
+    call table%add('bodies', value_bodies, 'The two bodies, by name or by number.', is_required=.true.)
+    call table%add('law', value_text, 'Name of the law; default: the only one.')
+    call table%add('first_point', value_vector, 'Where the link holds the first body, at the start, in the world; default: at '// &
+                   'its centre of mass.', unit='m')
+    call table%add('second_point', value_vector, 'Where it holds the second body; default: at its centre of mass.', unit='m')
+    call table%add('length', value_real, 'Length at rest; default: the distance of the two points at the start.', unit='m', &
+                   least=0.0_wp)
+    call table%add('area', value_real, 'Cross section of a NARD_ROD.', unit='m2', above=0.0_wp)
+    call table%add('mass', value_real, 'Mass of a NARD_ROD, from which its damping follows.', unit='kg', least=0.0_wp)
+  end subroutine add_link_keys
 
   !> Sections drive and pressure.
   subroutine add_drive_keys(table)

@@ -3,7 +3,8 @@ module sg_laws_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
   use sg_keys_scene, only: law_kinds
-  use sg_laws, only: law_elastic, law_linear, law_mohr, law_restitution, law_t, law_wet
+  use sg_laws, only: is_link_law, law_bond, law_elastic, law_linear, law_mohr, law_restitution, law_rod, law_t, law_wet, &
+                     law_wire
   use sg_scene, only: law_index, material_index, material_t, scene_t
   use sg_text, only: text_t
   use sg_words, only: choice_index, choices_of
@@ -58,7 +59,10 @@ contains
 
     law%name = deck%word(b, 'name')
     law%kind = choice_index(deck%word(b, 'kind'), choices_of(law_kinds))
-    if (law%kind /= law_linear) then
+    if (is_link_law(law)) then
+      call read_link_law(deck, b, law)
+      return
+    else if (law%kind /= law_linear) then
       law%static_friction = deck%number(b, 'friction')
       law%dynamic_friction = law%static_friction
       if (deck%is_given(b, 'static_friction')) law%static_friction = deck%number(b, 'static_friction')
@@ -80,6 +84,26 @@ contains
       law%tangential_cohesion = deck%number(b, 'tangential_cohesion')
     end if
   end subroutine read_law
+
+  !> What a law of rods, wires or bonds has.
+  subroutine read_link_law(deck, b, law)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(law_t), intent(inout) :: law
+
+    select case (law%kind)
+    case (law_rod, law_wire)
+      law%axial_stiffness = deck%number(b, 'axial_stiffness')
+      law%axial_damping = deck%number(b, 'axial_damping')
+      law%prestrain = deck%number(b, 'prestrain')
+      if (law%kind == law_wire) law%breaking_force = deck%number(b, 'breaking_force')
+    case (law_bond)
+      law%young = deck%number(b, 'young')
+      law%poisson = deck%number(b, 'poisson')
+      law%normal_strength = deck%number(b, 'normal_strength')
+      law%tangential_strength = deck%number(b, 'tangential_strength')
+    end select
+  end subroutine read_link_law
 
   !> Material of a block: the one it names, or the only one; 0 after a mistake.
   integer function material_of(deck, b, scene, diagnostics) result(material)

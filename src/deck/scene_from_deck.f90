@@ -8,6 +8,9 @@ module sg_scene_from_deck
   use sg_interactions_from_deck, only: interactions_from_deck
   use sg_kinds, only: wp, i4
   use sg_laws_from_deck, only: laws_from_deck, materials_from_deck
+  use sg_link_network, only: link_by_distance
+  use sg_links, only: locate_links
+  use sg_links_from_deck, only: links_from_deck
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_share, only: share_t
@@ -21,8 +24,8 @@ module sg_scene_from_deck
   public :: scene_from_deck
 
   !> Sections that a DATBOX replaces
-  character(len=11), parameter :: own_sections(9) = [character(len=11) :: 'material', 'law', 'interaction', 'body', 'wall', &
-                                                     'container', 'brick_wall', 'arch', 'sample']
+  character(len=11), parameter :: own_sections(10) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'body', &
+                                                      'wall', 'container', 'brick_wall', 'arch', 'sample']
 
 contains
 
@@ -50,6 +53,9 @@ contains
     if (diagnostics%count() > 0) return
     call drives_from_deck(deck, scene, diagnostics)
     call interactions_from_deck(deck, options, scene, diagnostics)
+    if (diagnostics%count() == 0) call link_by_distance(scene, deck%points)
+    call links_from_deck(deck, scene, diagnostics)
+    call locate_links(scene%links, scene%contactors)
     ! Where each rank has a part of the scene, all check it together.
     if (deck%ranks > 1) return
     call check_range(deck, scene, diagnostics)

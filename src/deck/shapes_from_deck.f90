@@ -1,7 +1,7 @@
 !> One shape of a body, of the plane or of space, from the keys of [[body]] or [[body.shape]].
 module sg_shapes_from_deck
   use sg_blocks, only: deck_t
-  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall
+  use sg_contactors, only: add_disk, add_hollow, add_point, add_polygon, add_wall
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, pi
   use sg_moments, only: polygon_moments
@@ -51,6 +51,8 @@ contains
     call colour_index(scene, colour_name, colour)
     associate (contactors => scene%contactors)
       select case (kind)
+      case ('point')
+        call add_point(contactors, body, colour, centre(:scene%dimension))
       case ('disk')
         call add_disk(contactors, body, colour, deck%number(b, 'radius'), centre(:2))
       case ('hollow disk')

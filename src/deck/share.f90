@@ -7,8 +7,9 @@ module sg_share
   use sg_ascending, only: first_at_least, place_in
   use sg_bodies, only: clear_body, shorten
   use sg_census, only: census_t
-  use sg_contactors, only: contactors_t, drop_contactors, n_kinds
+  use sg_contactors, only: contactors_t, drop_contactors, kind_point, n_kinds
   use sg_kinds, only: i4, i8
+  use sg_link_network, only: place_of_point, points_t
   use sg_lists, only: reserve
   use sg_pack_shapes, only: make_room_for_shapes
   use sg_scene, only: scene_t
@@ -26,6 +27,8 @@ module sg_share
     integer :: all = 0, made = 0, contactors = 0
     !> What is known of bodies that other ranks keep
     type(census_t) :: census
+    !> Points of all bodies, whoever keeps them
+    type(points_t) :: points
     !> First and last that this rank keeps of the bodies that are not common, counted without those
     integer, private :: piece(2) = 0
     !> Contactors of the scene before those of the body being made
@@ -82,6 +85,7 @@ contains
 
     self%made = self%made + 1
     call note_run(self, scene%contactors%n - self%before)
+    call note_points(self, scene, n + 1)
     if (self%ranks == 1) then
       n = n + 1
     else
@@ -102,6 +106,20 @@ contains
     if (self%ranks > 1) call let_go(self, scene, n)
     self%before = scene%contactors%n
   end subroutine share_settle
+
+  !> Note the points of the body being settled: links join them whoever keeps their bodies.
+  subroutine note_points(self, scene, body)
+    class(share_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: body
+    integer :: c
+
+    do c = self%before + 1, scene%contactors%n
+      if (scene%contactors%kind(c) /= kind_point) cycle
+      call self%points%note(self%contactors + c - self%before, self%made, int(scene%contactors%colour(c)), &
+                            place_of_point(scene, body, scene%contactors%shift(:, c)))
+    end do
+  end subroutine note_points
 
   !> Note the body behind the last one kept, if there is one, and clear its place.
   subroutine let_go(self, scene, n)

@@ -3,7 +3,7 @@
 !! Pairs are found by cells as wide as the larger grains; shapes far larger than those are held against all others.
 module sg_solid_checks
   use sg_ascending, only: first_at_least
-  use sg_contactors, only: place_contactors
+  use sg_contactors, only: kind_point, place_contactors
   use sg_kinds, only: wp, i4, i8
   use sg_scene, only: scene_t
   use sg_sorting, only: sort_permutation
@@ -72,12 +72,17 @@ contains
     type(scene_t), intent(in) :: scene
     logical, intent(out) :: is_large(:)
     integer(i4), allocatable :: order(:)
+    real(wp), allocatable :: extended(:)
     real(wp) :: middle
 
-    associate (reach => scene%contactors%reach(:scene%contactors%n))
-      order = sort_permutation(int(reach/maxval(reach)*2.0_wp**40, i8))
-      middle = reach(order((size(order) + 1)/2))
+    associate (reach => scene%contactors%reach(:scene%contactors%n), kind => scene%contactors%kind(:scene%contactors%n))
+      is_large = .false.
+      if (all(kind == kind_point)) return
+      extended = pack(reach, kind /= kind_point)
+      order = sort_permutation(int(extended/maxval(extended)*2.0_wp**40, i8))
+      middle = extended(order((size(order) + 1)/2))
       is_large = reach > large*middle .or. .not. scene%bodies%is_grain(scene%contactors%body(:scene%contactors%n))
+      where (kind == kind_point) is_large = .false.
       ! Many walls, such as rough floors made of spheres, go into cells too.
       if (count(is_large) > 200) is_large = reach > large*middle
     end associate
@@ -93,7 +98,7 @@ contains
     real(wp) :: high(3), wide
     integer :: i
 
-    small = pack([(int(i, i4), i=1, size(is_large))], .not. is_large)
+    small = pack([(int(i, i4), i=1, size(is_large))], .not. (is_large .or. scene%contactors%kind(:size(is_large)) == kind_point))
     allocate (key(size(small)))
     if (size(small) > 0) then
       associate (contactors => scene%contactors)

@@ -2,6 +2,7 @@
 module sg_weights_from_deck
   use sg_blocks, only: deck_t
   use sg_bodies, only: bodies_t
+  use sg_contactors, only: kind_point
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_moments, only: body_moments
@@ -79,9 +80,24 @@ contains
       call override_in_space(deck, b, scene%bodies, n, diagnostics)
       least = minval(scene%bodies%principal(:, n))
     end if
+    if (is_point_mass(scene, n)) least = scene%bodies%mass(n)
     if (.not. min(scene%bodies%mass(n), least) > 0 .and. .not. deck%flag(b, 'fixed') .and. scene%bodies%material(n) > 0) &
       call deck%complain(diagnostics, 'this body weighs nothing: it needs "mass" and "inertia", or fixed = true', b)
   end subroutine override_mass
+
+  !> Has a body nothing but points at its centre, about which it need not turn?
+  pure logical function is_point_mass(scene, n)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: n
+    integer :: c
+
+    is_point_mass = .true.
+    do c = scene%contactors%n, 1, -1
+      if (scene%contactors%body(c) /= n) return
+      is_point_mass = scene%contactors%kind(c) == kind_point .and. .not. any(abs(scene%contactors%shift(:, c)) > 0)
+      if (.not. is_point_mass) return
+    end do
+  end function is_point_mass
 
   !> The same in the plane, for mass and inertia.
   subroutine override_in_plane(deck, b, bodies, n)
