@@ -1,7 +1,6 @@
 !> Numbers from words, read strictly: the whole word is one number, without blanks, repeat counts or separators that Fortran's
 !! list-directed reading takes for a value.
 module sg_numerals
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_kinds, only: wp
   implicit none
   private
@@ -9,6 +8,8 @@ module sg_numerals
 
   !> Longest number: more than any double needs
   integer, parameter :: longest = 40
+  !> Largest decimal exponent: with forty digits before it a double still holds the number, and no reading overflows
+  integer, parameter :: largest_exponent = 200
   character(len=*), parameter :: digits = '0123456789'
 
 contains
@@ -18,16 +19,18 @@ contains
     character(len=*), intent(in) :: word !! the word
     real(wp), intent(out) :: value !! the number, zero when the word is none
     logical, intent(out) :: is_number !! is the word one finite number?
-    integer :: mark, status
+    integer :: mark, exponent, status
 
     value = 0
     mark = scan(word//'e', 'eEdD')
     is_number = len(word) <= longest .and. is_mantissa(word(:mark - 1))
-    if (is_number .and. mark <= len(word)) is_number = is_integer_word(word(mark + 1:))
+    if (is_number .and. mark <= len(word)) then
+      call read_integer(word(mark + 1:), exponent, is_number)
+      is_number = is_number .and. exponent <= largest_exponent
+    end if
     if (.not. is_number) return
     read (word, *, iostat=status) value
     is_number = status == 0
-    if (is_number) is_number = ieee_is_finite(value)
     if (.not. is_number) value = 0
   end subroutine read_real
 

@@ -190,12 +190,21 @@ contains
     type(text_t), intent(in) :: words(:) !! words to join
     character(len=*), intent(in) :: separator !! put between two words
     character(len=:), allocatable :: text
-    integer :: i
+    integer :: i, length
 
-    text = ''
+    length = len(separator)*max(0, size(words) - 1)
     do i = 1, size(words)
-      if (i > 1) text = text//separator
-      text = text//words(i)%s
+      length = length + len(words(i)%s)
+    end do
+    allocate (character(len=length) :: text)
+    length = 0
+    do i = 1, size(words)
+      if (i > 1) then
+        text(length + 1:length + len(separator)) = separator
+        length = length + len(separator)
+      end if
+      text(length + 1:length + len(words(i)%s)) = words(i)%s
+      length = length + len(words(i)%s)
     end do
   end function joined
 end module sg_text

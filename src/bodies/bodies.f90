@@ -1,13 +1,14 @@
 !> The rigid bodies of a scene as a structure of arrays, one unit an array.
 !!
 !! Components of a planar body: x, y and, where the scene needs it, rotation. A scene in which nothing turns
-!! (frictionless disks) drops the third component and the angles: `n_velocity` is then 2. Components of a body in space:
-!! x, y, z in the world and spin about its principal axes, or x, y, z alone; its orientation is a unit quaternion.
+!! (frictionless disks) drops the third component, and the angles where no body is turned: `n_velocity` is then 2. Components
+!! of a body in space: x, y, z in the world and spin about its principal axes, or x, y, z alone; its orientation is a unit
+!! quaternion.
 module sg_bodies
   use sg_kinds, only: wp, i4
   implicit none
   private
-  public :: bodies_t, clear_body, shorten, drop_rotation, spin_of, angle_of
+  public :: bodies_t, clear_body, shorten, drop_rotation, drop_rotation_as, are_turned, spin_of, angle_of
 
   !> Rigid bodies, in the plane or in space
   type :: bodies_t
@@ -19,17 +20,19 @@ module sg_bodies
     integer :: dimension = 2
     !> Velocity components of a body: 3 (x, y, rotation) or 6 (x, y, z, spin); 2 or 3 where nothing turns
     integer :: n_velocity = 3
+    !> Is there an orientation of each body? Where nothing turns, only if a body is turned at the start
+    logical :: has_orientation = .true.
     !> Centre of mass [m], shape (dimension, n), at the beginning of the step; in a periodic scene within the period
     real(wp), allocatable :: position(:, :)
-    !> Orientation in the plane [rad], shape (n); unallocated in space and where nothing turns
+    !> Orientation in the plane [rad], shape (n); unallocated in space and without `has_orientation`
     real(wp), allocatable :: angle(:)
     !> Orientation in space, shape (4, n): unit quaternion (w, x, y, z) that turns principal axes into the world;
-    !! unallocated in the plane and where nothing turns
+    !! unallocated in the plane and without `has_orientation`
     real(wp), allocatable :: orientation(:, :)
     !> Velocity [m/s, rad/s], shape (n_velocity, n)
     real(wp), allocatable :: velocity(:, :)
-    !> Configuration in which contacts are sought [m, m, rad], shape (n_velocity, n); in space [m] and quaternion, shape
-    !! (7, n), or (3, n) where nothing turns
+    !> Configuration in which contacts are sought: position [m] and orientation, angle [rad] or quaternion, if there is one;
+    !! shape (3 or 2, n), in space (7 or 3, n)
     real(wp), allocatable :: middle(:, :)
     !> Mass [kg], in the plane per metre of depth, shape (n)
     real(wp), allocatable :: mass(:)
@@ -136,20 +139,42 @@ contains
     bodies = kept
   end subroutine shorten
 
-  !> Leave out all that belongs to rotation: for scenes in which nothing turns.
-  subroutine drop_rotation(bodies)
+  !> Leave out all that belongs to rotation, for scenes in which nothing turns: spins always, orientations if none is wanted.
+  subroutine drop_rotation(bodies, keep_orientation)
     type(bodies_t), intent(inout) :: bodies !! bodies that never turn
+    logical, intent(in) :: keep_orientation !! is a body turned, so that shapes and pictures need its orientation?
 
     if (bodies%n_velocity == bodies%dimension) return
     bodies%n_velocity = bodies%dimension
-    if (allocated(bodies%angle)) deallocate (bodies%angle)
-    if (allocated(bodies%orientation)) deallocate (bodies%orientation)
     call cut(bodies%dimension, bodies%velocity)
-    call cut(bodies%dimension, bodies%middle)
     call cut(bodies%dimension, bodies%inverse_mass)
     call cut(bodies%dimension, bodies%force)
     call cut(bodies%dimension, bodies%free_velocity)
+    bodies%has_orientation = keep_orientation
+    if (keep_orientation) return
+    if (allocated(bodies%angle)) deallocate (bodies%angle)
+    if (allocated(bodies%orientation)) deallocate (bodies%orientation)
+    call cut(bodies%dimension, bodies%middle)
   end subroutine drop_rotation
+
+  !> Leave out of bodies what a template has left out.
+  subroutine drop_rotation_as(template, bodies)
+    type(bodies_t), intent(in) :: template !! other bodies of the same scene
+    type(bodies_t), intent(inout) :: bodies !! bodies with all components
+
+    if (template%n_velocity == template%dimension) call drop_rotation(bodies, template%has_orientation)
+  end subroutine drop_rotation_as
+
+  !> Is any body turned away from the axes of the world?
+  pure logical function are_turned(bodies)
+    type(bodies_t), intent(in) :: bodies !! bodies with orientations
+
+    if (bodies%dimension == 2) then
+      are_turned = any(abs(bodies%angle) > 0)
+    else
+      are_turned = any(abs(bodies%orientation(2:4, :)) > 0)
+    end if
+  end function are_turned
 
   !> Keep the first components.
   subroutine cut(n, records)
@@ -171,7 +196,7 @@ contains
     if (bodies%n_velocity == 3) spin_of = bodies%velocity(3, body)
   end function spin_of
 
-  !> Orientation of a planar body [rad]; zero where nothing turns.
+  !> Orientation of a planar body [rad]; zero where none is kept.
   pure real(wp) function angle_of(bodies, body)
     type(bodies_t), intent(in) :: bodies !! the bodies
     integer, intent(in) :: body !! index of the body

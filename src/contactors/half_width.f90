@@ -39,18 +39,31 @@ contains
     end select
   end function half_width
 
-  !> The same of a polygon, from its vertices [m].
+  !> The same of a convex polygon, from its vertices, counter-clockwise [m]. The vertex farthest from an edge goes round with the
+  !! edge: all edges together take two turns.
   pure real(wp) function polygon_half_width(vertex)
     real(wp), intent(in) :: vertex(:, :)
-    real(wp) :: normal(2, size(vertex, 2)), edge(2)
-    integer :: n, v
+    real(wp) :: normal(2), edge(2), flat
+    integer :: n, v, far, next, turns
 
     n = size(vertex, 2)
+    ! Vertices after an edge may stand on its line, up to rounding: what is no lower is not the far side.
+    flat = 1e-12_wp*maxval(abs(vertex))
+    polygon_half_width = huge(1.0_wp)
+    far = 2
+    turns = 0
     do v = 1, n
       edge = vertex(:, 1 + mod(v, n)) - vertex(:, v)
-      normal(:, v) = [edge(2), -edge(1)]/max(norm2(edge), tiny(1.0_wp))
+      normal = [edge(2), -edge(1)]/max(norm2(edge), tiny(1.0_wp))
+      do while (turns < 2*n + v)
+        next = 1 + mod(far, n)
+        if (dot_product(normal, vertex(:, next) - vertex(:, far)) > 0 .and. &
+            dot_product(normal, vertex(:, v) - vertex(:, far)) > flat) exit
+        far = next
+        turns = turns + 1
+      end do
+      polygon_half_width = min(polygon_half_width, dot_product(normal, vertex(:, v) - vertex(:, far))/2)
     end do
-    polygon_half_width = least_half_width(vertex, normal)
   end function polygon_half_width
 
   !> Half of the least distance of the two ends of a set of points along some unit vectors [m].

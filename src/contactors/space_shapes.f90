@@ -7,7 +7,7 @@ module sg_space_shapes
   use sg_rotations, only: frame_of, turned_by
   implicit none
   private
-  public :: space_shapes_t, place_in_space, freeze_in_space
+  public :: space_shapes_t, place_in_space
   public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
 
   !> Kinds of shape in space: sphere, thin box (PLANx), capsule (CYLND), hollow cylinder (DNLYC), convex polyhedron
@@ -65,36 +65,4 @@ contains
       end select
     end do
   end subroutine place_in_space
-
-  !> Give shapes and shifts the orientation of their bodies, whose orientations are about to be dropped.
-  pure subroutine freeze_in_space(n, kind, body, row, orientation, shift, space)
-    integer, intent(in) :: n !! contactors
-    integer(i4), intent(in) :: kind(:) !! kind of shape
-    integer(i4), intent(in) :: body(:) !! body of each
-    integer(i4), intent(in) :: row(:) !! row in the table of its kind
-    real(wp), intent(in) :: orientation(:, :) !! unit quaternions of the bodies, shape (4, bodies)
-    real(wp), intent(inout) :: shift(:, :) !! centre in the body's frame [m], shape (3, contactors)
-    type(space_shapes_t), intent(inout) :: space !! shapes
-    real(wp) :: frame(3, 3), local(3, 3)
-    integer :: c
-
-    do c = 1, n
-      frame = frame_of(orientation(:, body(c)))
-      shift(:, c) = matmul(frame, shift(:, c))
-      select case (kind(c))
-      case (kind_plane)
-        local = reshape(space%plane_frame(:, row(c)), [3, 3])
-        space%plane_frame(:, row(c)) = reshape(matmul(frame, local), [9])
-      case (kind_cylinder)
-        space%cylinder_axis(:, row(c)) = matmul(frame, space%cylinder_axis(:, row(c)))
-      case (kind_hollow_cylinder)
-        space%hollow_axis(:, row(c)) = matmul(frame, space%hollow_axis(:, row(c)))
-      case (kind_polyhedron)
-        associate (shape => space%polyhedra(row(c)))
-          shape%vertex = matmul(frame, shape%vertex)
-          shape%normal = matmul(frame, shape%normal)
-        end associate
-      end select
-    end do
-  end subroutine freeze_in_space
 end module sg_space_shapes

@@ -325,12 +325,13 @@ contains
   end subroutine complain_at
 
   !> Report something harmless.
-  subroutine deck_warn(self, diagnostics, message, block, name)
+  subroutine deck_warn(self, diagnostics, message, block, name, kind)
     class(deck_t), intent(in) :: self
     type(diagnostics_t), intent(inout) :: diagnostics !! list to add to
     character(len=*), intent(in) :: message !! one sentence
     integer, intent(in) :: block !! block concerned
     character(len=*), intent(in), optional :: name !! key concerned
+    character(len=*), intent(in), optional :: kind !! kind of finding, of which the first stands for all
     integer :: line, column
     logical :: is_setting
 
@@ -339,9 +340,9 @@ contains
     end if
     call place_of(self, block, name, line, column, is_setting)
     if (line > 0) then
-      call diagnostics%warn(message, file=self%file, line=line, column=column, text=line_of(self%content, line))
+      call diagnostics%warn(message, file=self%file, line=line, column=column, text=line_of(self%content, line), kind=kind)
     else
-      call diagnostics%warn(message, file=self%file)
+      call diagnostics%warn(message, file=self%file, kind=kind)
     end if
   end subroutine deck_warn
 

@@ -11,6 +11,7 @@ module sg_datbox
   use sg_datbox_lines, only: datbox_file_t, digest_of, open_datbox_file
   use sg_datbox_sees, only: check_sees, read_sees
   use sg_datbox_state, only: read_state
+  use sg_datbox_uses, only: warn_of_unused_sees
   use sg_error, only: diagnostics_t
   use sg_kinds, only: i4
   use sg_scene, only: scene_t
@@ -74,6 +75,7 @@ contains
     ! Contacts and states name bodies: where bodies are wrong, what follows would be noise.
     if (diagnostics%count() > before) return
     call check_sees(scene, share%census, see_lines, tact, diagnostics)
+    call warn_of_unused_sees(scene, share%census, see_lines, tact, diagnostics)
     call read_state(folder, scene, share, diagnostics)
     call read_start_contacts(folder, scene, share, diagnostics)
   end subroutine read_datbox_share

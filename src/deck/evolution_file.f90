@@ -12,6 +12,7 @@ module sg_evolution_file
 contains
 
   !> Read a table of growing times and values; blank lines and lines that begin with # or ! are passed over.
+  !! A file with a mistake gives no table: the function keeps its formula.
   !!
   !! What is wrong inside the file is told at its line. What is wrong with the file as a whole is left to the caller,
   !! who knows where it was named.
@@ -40,11 +41,14 @@ contains
       call add_row(lines(i)%s, value, n, mistake)
       if (mistake == '') cycle
       call diagnostics%add(mistake, file=path, line=i, column=1, text=lines(i)%s)
+      deallocate (value%times, value%values)
       return
     end do
     value%times = value%times(:n)
     value%values = value%values(:n)
-    if (n < 2) fault = 'the file "'//path//'" needs two lines or more'
+    if (n >= 2) return
+    fault = 'the file "'//path//'" needs two lines or more'
+    deallocate (value%times, value%values)
   end subroutine read_evolution_file
 
   !> Add one row to the table, or say what is wrong with it.

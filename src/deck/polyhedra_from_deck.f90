@@ -6,7 +6,7 @@ module sg_polyhedra_from_deck
   use sg_mesh_files, only: mesh_t, read_mesh
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_build, only: polyhedron_from_faces
-  use sg_polyhedron_make, only: box_polyhedron, centre_polyhedron, hull_polyhedron, move_polyhedron
+  use sg_polyhedron_make, only: box_polyhedron, centre_polyhedron, hull_polyhedron, most_vertices, move_polyhedron
   use sg_scene, only: scene_t
   use sg_space_contactors, only: add_polyhedron
   use sg_text, only: to_text
@@ -109,6 +109,9 @@ contains
       call polyhedron_from_faces(vertices, [value%before(:value%n_lists) + 1_i4, int(value%n + 1, i4)], &
                                  nint(value%numbers(:value%n), i4), shape, error)
       if (allocated(error)) call deck%complain(diagnostics, error%message, b, 'faces')
+    else if (size(vertices, 2) > most_vertices) then
+      call deck%complain(diagnostics, 'the polyhedron has '//to_text(size(vertices, 2))//' vertices, more than the '// &
+                         to_text(most_vertices)//' of a contact shape; a mesh "file" with hull = true keeps within', b, 'vertices')
     else
       call hull_polyhedron(vertices, shape, error)
       if (allocated(error)) then

@@ -89,6 +89,48 @@ void flatten(document_t& document, const child_t& child, std::int64_t parent) {
   }
 }
 
+// Dots of one key, and brackets open at one place, beyond which a text is refused: toml++ and what follows here recurse level by
+// level, and no deck nests deeper than four.
+constexpr std::size_t most_dots = 64, most_open = 64;
+
+// Last character of the string that begins at a quote; the end of the text where it does not end.
+std::size_t end_of_string(std::string_view text, std::size_t at) {
+  const char quote = text[at];
+  const bool is_long = text.substr(at, 3) == std::string(3, quote);
+  for (std::size_t i = at + (is_long ? 3 : 1); i < text.size(); ++i) {
+    if (text[i] == '\\' && quote == '"') ++i;
+    else if (!is_long && (text[i] == quote || text[i] == '\n')) return i;
+    else if (is_long && text.substr(i, 3) == std::string(3, quote)) return i + 2;
+  }
+  return text.size();
+}
+
+// Place of the dot or bracket that is one too many; text.size() where there is none.
+std::size_t too_deep(std::string_view text) {
+  std::size_t dots = 0, open = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '#') i = std::min(text.find('\n', i), text.size());
+    if (c == '"' || c == '\'') i = end_of_string(text, i);
+    if (c == '[' || c == '{') ++open;
+    if ((c == ']' || c == '}') && open > 0) --open;
+    if (c == '.') ++dots;
+    else if (std::string_view("#\n=,[]{}").find(c) != std::string_view::npos) dots = 0;
+    if (dots > most_dots || open > most_open) return i;
+  }
+  return text.size();
+}
+
+// Line and column of a character, from 1; bytes that go on with a character of UTF-8 do not count.
+toml::source_position place_of(std::string_view text, std::size_t at) {
+  toml::source_position place{1, 1};
+  for (const char c : text.substr(0, at)) {
+    if (c == '\n') ++place.line, place.column = 1;
+    else if ((static_cast<unsigned char>(c) & 0xC0) != 0x80) ++place.column;
+  }
+  return place;
+}
+
 bool is_bare(std::string_view key) {
   return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -138,8 +180,15 @@ void* sg_toml_parse(const char* text, std::int64_t length) noexcept {
   std::feholdexcept(&environment);
   try {
     try {
-      document->root = toml::parse(std::string_view(text, static_cast<std::size_t>(length)));
-      flatten_table(*document, document->root, -1);
+      const std::string_view all(text, static_cast<std::size_t>(length));
+      const std::size_t deep = too_deep(all);
+      if (deep < all.size()) {
+        document->mistake = "error: keys or values nest deeper than 64 levels";
+        document->mistake_place = place_of(all, deep);
+      } else {
+        document->root = toml::parse(all);
+        flatten_table(*document, document->root, -1);
+      }
     } catch (const toml::parse_error& error) {
       document->mistake = error.description().empty() ? "syntax error" : std::string(error.description());
       document->mistake_place = error.source().begin;

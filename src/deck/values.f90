@@ -6,7 +6,7 @@ module sg_values
                           value_triple, value_turn, value_vector
   use sg_kinds, only: wp, i4, i8
   use sg_lists, only: reserve
-  use sg_text, only: nearest_word, text_t, to_text
+  use sg_text, only: joined, nearest_word, text_t, to_text
   use sg_toml, only: entry_t, toml_array, toml_integer, toml_logical, toml_names, toml_real, toml_string
   use sg_words, only: choice_index, is_choice, list_choices, quoted_string, short_real
   implicit none
@@ -305,7 +305,6 @@ contains
     type(value_t), intent(in) :: value !! value to write
     type(key_t), intent(in) :: key !! its line of the key table
     character(len=:), allocatable :: text
-    integer :: i
 
     select case (key%kind)
     case (value_logical)
@@ -317,22 +316,32 @@ contains
     case (value_bodies)
       text = '['//body_word(value%words(1)%s)//', '//body_word(value%words(2)%s)//']'
     case (value_points, value_faces)
-      text = '['
-      do i = 1, value%n
-        if (i > 1) text = text//', '
-        if (any(value%before(:value%n_lists) == i - 1)) text = text//'['
-        text = text//number_word(value%numbers(i), key)
-        if (i == value%n .or. any(value%before(:value%n_lists) == i)) text = text//']'
-      end do
-      text = text//']'
+      text = '['//joined(list_words(value, key), ', ')//']'
     case default
-      text = number_word(value%numbers(1), key)
-      do i = 2, value%n
-        text = text//', '//number_word(value%numbers(i), key)
-      end do
+      text = joined(list_words(value, key), ', ')
       if (value%is_list) text = '['//text//']'
     end select
   end function value_as_toml
+
+  !> The numbers of a value as TOML text, one a word, with the brackets of the lists that begin or end there.
+  function list_words(value, key) result(words)
+    type(value_t), intent(in) :: value
+    type(key_t), intent(in) :: key
+    type(text_t), allocatable :: words(:)
+    integer :: i, list
+
+    allocate (words(value%n))
+    do i = 1, value%n
+      words(i)%s = number_word(value%numbers(i), key)
+    end do
+    if (key%kind /= value_points .and. key%kind /= value_faces) return
+    do list = 1, value%n_lists
+      i = int(value%before(list)) + 1
+      if (i <= value%n) words(i)%s = '['//words(i)%s
+      if (i > 1) words(i - 1)%s = words(i - 1)%s//']'
+    end do
+    if (value%n > 0) words(value%n)%s = words(value%n)%s//']'
+  end function list_words
 
   !> One number as TOML text.
   function number_word(number, key) result(word)

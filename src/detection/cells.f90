@@ -63,7 +63,8 @@ contains
 
     smallest = max(minval(reach), tiny(1.0_wp))
     allocate (octave(size(reach)), cells%level(size(reach)))
-    octave = min(int(log(max(reach, smallest)/smallest)/log(2.0_wp) + 1e-9_wp), 1000)
+    ! Logarithms are subtracted: a quotient of radii may exceed the largest number.
+    octave = int((log(max(reach, smallest)) - log(smallest))/log(2.0_wp) + 1e-9_wp)
     allocate (new_level(0:maxval(octave)), source=0)
     do i = 1, size(reach)
       new_level(octave(i)) = 1

@@ -63,7 +63,7 @@ contains
         b = contactors%body(c)
         moved = (middle(1, b) - pairs%built(1, b))**2 + (middle(2, b) - pairs%built(2, b))**2
         if (contactors%dimension == 3) moved = moved + (middle(3, b) - pairs%built(3, b))**2
-        if (size(middle, 1) > contactors%dimension) then
+        if (scene%bodies%n_velocity > contactors%dimension) then
           arm = turning_arm(contactors, c)
           if (arm > 0) moved = (sqrt(moved) + turned_angle(middle(:, b), pairs%built(:, b))*arm)**2
         end if

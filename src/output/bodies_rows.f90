@@ -1,6 +1,6 @@
 !> The bodies of a decomposed scene in the order of their numbers: each rank gets the block of rows that it writes to files.
 module sg_bodies_rows
-  use sg_bodies, only: bodies_t, drop_rotation
+  use sg_bodies, only: bodies_t, drop_rotation_as
   use sg_comm, only: comm_t
   use sg_error, only: error_t, exit_failure, fail
   use sg_kinds, only: wp, i4, i8
@@ -37,7 +37,7 @@ contains
     end if
     call rows%order(comm, packed(bodies, n), values)
     call ordered%allocate(rows%n, bodies%dimension)
-    if (bodies%n_velocity == bodies%dimension) call drop_rotation(ordered)
+    call drop_rotation_as(bodies, ordered)
     ordered%id = [(int(rows%first + i, i4), i=1, rows%n)]
     call unpack_bodies(values, ordered)
   end subroutine order_bodies

@@ -104,7 +104,7 @@ contains
     orientation = spread(no_rotation, 2, bodies%n)
     if (allocated(bodies%orientation)) then
       orientation = bodies%orientation
-      do b = 1, bodies%n
+      do b = 1, merge(bodies%n, 0, bodies%n_velocity == 6)
         spin(:, b) = turned_by(orientation(:, b), bodies%velocity(4:6, b))
       end do
     end if

@@ -3,7 +3,7 @@
 !! Points, cells and corners are numbered as one rank would write them, contactor by contactor. Shapes never change, so
 !! they come to those who draw them once; at each picture only the motion of their bodies follows.
 module sg_pictures_pieces
-  use sg_bodies, only: bodies_t, drop_rotation
+  use sg_bodies, only: bodies_t, drop_rotation_as
   use sg_comm, only: comm_t
   use sg_contactors, only: contactors_t
   use sg_kinds, only: wp, i4, i8
@@ -71,7 +71,7 @@ contains
     self%contactors%colour = nint(facts(2, :), i4)
     self%contactors%kind = nint(facts(3, :), i4)
     call self%bodies%allocate(size(self%wanted%number), scene%dimension)
-    if (scene%bodies%n_velocity == scene%dimension) call drop_rotation(self%bodies)
+    call drop_rotation_as(scene%bodies, self%bodies)
     self%bodies%id = self%wanted%number
   end subroutine pieces_plan
 

@@ -3,10 +3,11 @@ module sg_assemble
   use sg_bodies, only: bodies_t
   use sg_assemble_space, only: load_space_bodies, space_record, unload_space_bodies, velocity_before
   use sg_compact, only: compact_velocity
+  use sg_contact_status, only: rest_speed, status_of
   use sg_contacts, only: contacts_t
   use sg_delassus, only: set_block
   use sg_kinds, only: wp, i1, i4
-  use sg_laws, only: kind_of_local_law, law_mohr, local_law, local_law_t, status_bonded, status_none, status_slide, status_stick
+  use sg_laws, only: kind_of_local_law, law_mohr, local_law, local_law_t, status_bonded, status_stick
   use sg_link_contacts, only: is_link
   use sg_link_laws, only: link_law
   use sg_mapping, only: arms_of, relative_velocity
@@ -195,17 +196,20 @@ contains
   end subroutine arm_record
 
   !> Bring the solution back: impulses and statuses of contacts, velocities of bodies (into `free_velocity`).
-  subroutine disassemble(problem, scene, body_of, radius, contacts)
+  subroutine disassemble(problem, scene, body_of, radius, violation, contacts)
     type(problem_t), intent(in) :: problem !! solved problem
     type(scene_t), intent(inout) :: scene !! scene whose bodies move on
     integer(i4), intent(in) :: body_of(:) !! body of each slot
     real(wp), intent(in) :: radius(:) !! signed radius of round bodies [m]
+    real(wp), intent(in) :: violation !! velocity error of the solution over the velocity scale of the problem
     type(contacts_t), intent(inout) :: contacts !! contacts that carry the impulses to the next step
+    real(wp) :: rest
     integer :: s, b, k
 
+    rest = rest_speed(problem, violation)
     do k = 1, contacts%n
       contacts%impulse(:, k) = problem%impulse(:, k)
-      contacts%status(k) = status_after(scene, problem, contacts, k)
+      contacts%status(k) = status_after(scene, problem, contacts, k, rest)
     end do
     if (is_in_space(problem%kind)) then
       call unload_space_bodies(problem, body_of, radius, scene%bodies)
@@ -224,42 +228,19 @@ contains
   end subroutine disassemble
 
   !> What a contact did in this step. A bond that slips or opens is broken for good.
-  pure integer(i1) function status_after(scene, problem, contacts, k) result(status)
+  pure integer(i1) function status_after(scene, problem, contacts, k, rest) result(status)
     type(scene_t), intent(in) :: scene
     type(problem_t), intent(in) :: problem
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k
-    real(wp) :: normal, tangential, friction
+    real(wp), intent(in) :: rest
+    logical :: is_bonded
 
     ! Of links `finish_links` says it.
     status = contacts%status(k)
     if (is_link(scene, contacts, k)) return
-    normal = problem%impulse(1, k)
-    tangential = 0
-    friction = 0
-    select case (problem%kind)
-    case (round_frictional)
-      friction = problem%record(7, k)
-      tangential = abs(problem%impulse(2, k))
-    case (arm_frictional)
-      friction = problem%record(12, k)
-      tangential = abs(problem%impulse(2, k))
-      normal = normal + problem%record(13, k)
-    case (ball_frictional, solid_frictional)
-      normal = dot_product(problem%record(1:3, k), problem%impulse(:, k))
-      status = status_none
-      if (problem%kind == ball_frictional .and. .not. normal > 0) return
-      tangential = norm2(problem%impulse(:, k) - normal*problem%record(1:3, k))
-      friction = problem%record(merge(9, 21, problem%kind == ball_frictional), k)
-      if (problem%kind == solid_frictional) normal = normal + problem%record(22, k)
-    end select
-    if (.not. normal > 0) then
-      status = status_none
-    else if (tangential < friction*normal) then
-      status = status_stick
-      if (contacts%status(k) == status_bonded .and. scene%laws(contacts%law(k))%kind == law_mohr) status = status_bonded
-    else
-      status = status_slide
-    end if
+    is_bonded = contacts%status(k) == status_bonded .and. scene%laws(contacts%law(k))%kind == law_mohr
+    status = status_of(problem, k, is_bonded, rest)
+    if (status == status_stick .and. is_bonded) status = status_bonded
   end function status_after
 end module sg_assemble

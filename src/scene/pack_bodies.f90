@@ -5,7 +5,7 @@
 !! Orientations stand in it only where something turns. What a step sets anew (forces, free velocities, the configuration of
 !! detection) is no part of it.
 module sg_pack_bodies
-  use sg_bodies, only: bodies_t, drop_rotation
+  use sg_bodies, only: bodies_t, drop_rotation_as
   use sg_contactors, only: contactors_t, n_kinds
   use sg_homes, only: counts_on
   use sg_kinds, only: wp, i4, i8
@@ -120,7 +120,7 @@ contains
 
     call copy_frame(template, local)
     call local%bodies%allocate(size(start), template%dimension)
-    if (template%bodies%n_velocity == template%dimension) call drop_rotation(local%bodies)
+    call drop_rotation_as(template%bodies, local%bodies)
     allocate (local%bodies%id(size(start)), local%bodies%home(size(start)), source=0_i4)
     local%bodies%n_home = n_home
     call unpack_bodies(parcel, start, local%bodies, local%contactors)
@@ -137,6 +137,7 @@ contains
 
     call copy_frame(scene, frame)
     frame%bodies%n_velocity = scene%bodies%n_velocity
+    frame%bodies%has_orientation = scene%bodies%has_orientation
     call build_scene(frame, parcel, start, n_home, scene)
     deallocate (parcel%value)
   end subroutine rebuild_scene
@@ -159,6 +160,7 @@ contains
 
     no_bodies%dimension = scene%bodies%dimension
     no_bodies%n_velocity = scene%bodies%n_velocity
+    no_bodies%has_orientation = scene%bodies%has_orientation
     no_contactors%dimension = scene%contactors%dimension
     scene%bodies = no_bodies
     scene%contactors = no_contactors

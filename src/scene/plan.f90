@@ -3,20 +3,19 @@
 !! A scene of frictionless disks among walls that do not turn has no tangent, no spin and no angle; round scenes
 !! carry radius times spin; only the rest pays for lever arms. The plan is printed at the start of a run.
 module sg_plan
-  use sg_bodies, only: bodies_t, drop_rotation
+  use sg_bodies, only: are_turned, drop_rotation
   use sg_comm, only: comm_t
-  use sg_contactors, only: contactors_t, is_round, kind_disk, kind_hollow, kind_names, kind_sphere, kind_wall, n_kinds
+  use sg_contactors, only: is_round, kind_disk, kind_hollow, kind_names, kind_sphere, n_kinds
   use sg_drives, only: drive_t
   use sg_half_width, only: half_width
   use sg_kinds, only: wp
   use sg_laws, only: is_frictionless, is_plain
   use sg_scene, only: scene_t
   use sg_sees, only: see_of
-  use sg_space_shapes, only: freeze_in_space
   use sg_text, only: to_text
   implicit none
   private
-  public :: plan_t, make_plan, set_radii, describe_plan
+  public :: omissions_t, plan_t, make_plan, set_radii, describe_plan
 
   !> What a scene needs
   type :: plan_t
@@ -41,13 +40,21 @@ module sg_plan
     integer :: links = 0
   end type plan_t
 
+  !> What a plan may leave out where a scene does not need it; tests compare runs with and without
+  type :: omissions_t
+    !> Tangential impulses, lever arms, rotation (which only goes together with both)
+    logical :: friction = .true., arms = .true., rotation = .true.
+  end type omissions_t
+
 contains
 
   !> Decide what a scene needs, and drop from it what it does not.
-  subroutine make_plan(scene, plan, comm)
+  subroutine make_plan(scene, plan, comm, omissions)
     type(scene_t), intent(inout) :: scene !! scene; what nothing needs is dropped from it
     type(plan_t), intent(out) :: plan !! the plan
     type(comm_t), intent(in), optional :: comm !! ranks of which each has a part of the scene, all of which call this
+    type(omissions_t), intent(in), optional :: omissions !! what may be left out; all of it unless given
+    type(omissions_t) :: may
     logical, allocatable :: turns(:), rests(:), is_partly_driven(:)
     type(comm_t) :: ranks
     logical :: are_round, all_rest
@@ -55,6 +62,7 @@ contains
 
     ! A scene that is whole on every rank needs no other rank.
     if (present(comm) .and. allocated(scene%bodies%id)) ranks = comm
+    if (present(omissions)) may = omissions
     call count_all(scene, plan, ranks)
     call list_uses(scene, plan, ranks)
     if (scene%links%n > 0) plan%uses_law(scene%links%law(:scene%links%n)) = .true.
@@ -63,26 +71,20 @@ contains
     call find_turning(scene, turns, rests, is_partly_driven)
     are_round = .not. ranks%any(.not. all_round(scene, turns) .or. any(is_partly_driven))
     all_rest = .not. ranks%any(.not. all(rests))
-    plan%has_tangent = .false.
+    plan%has_tangent = .not. may%friction
     do i = 1, size(scene%laws)
       if (plan%uses_law(i)) plan%has_tangent = plan%has_tangent .or. .not. (is_frictionless(scene%laws(i)) .and. &
                                                                            is_plain(scene%laws(i)))
     end do
-    plan%is_round = are_round
+    plan%is_round = are_round .and. may%arms
     do i = 1, size(scene%laws)
       if (plan%uses_law(i)) plan%is_round = plan%is_round .and. is_plain(scene%laws(i))
     end do
-    plan%has_rotation = .not. (plan%is_round .and. .not. plan%has_tangent .and. all_rest)
+    plan%has_rotation = .not. (plan%is_round .and. .not. plan%has_tangent .and. all_rest .and. may%rotation)
     allocate (plan%radius(0))
     if (plan%is_round .and. plan%has_tangent) plan%radius = signed_radii(scene, turns)
     if (plan%has_rotation) return
-    if (scene%dimension == 2) then
-      call freeze_walls(scene%contactors, scene%bodies)
-    else
-      call freeze_in_space(scene%contactors%n, scene%contactors%kind, scene%contactors%body, scene%contactors%row, &
-                           scene%bodies%orientation, scene%contactors%shift, scene%contactors%space)
-    end if
-    call drop_rotation(scene%bodies)
+    call drop_rotation(scene%bodies, keep_orientation=ranks%any(are_turned(scene%bodies)))
   end subroutine make_plan
 
   !> Set the radii of round bodies anew, when a rank's part of the scene is another one.
@@ -227,24 +229,6 @@ contains
       if (scene%contactors%kind(c) == kind_hollow) radius(b) = -scene%contactors%hollow_radius(scene%contactors%row(c))
     end do
   end function signed_radii
-
-  !> Give walls and shifted shapes the orientation of their bodies, whose angles are about to be dropped.
-  pure subroutine freeze_walls(contactors, bodies)
-    type(contactors_t), intent(inout) :: contactors
-    type(bodies_t), intent(in) :: bodies
-    integer :: c
-    real(wp) :: angle, shift(2)
-
-    do c = 1, contactors%n
-      angle = bodies%angle(contactors%body(c))
-      shift = contactors%shift(:, c)
-      contactors%shift(:, c) = [cos(angle)*shift(1) - sin(angle)*shift(2), sin(angle)*shift(1) + cos(angle)*shift(2)]
-      if (contactors%kind(c) /= kind_wall) cycle
-      associate (local_angle => contactors%wall_size(3, contactors%row(c)))
-        local_angle = local_angle + angle
-      end associate
-    end do
-  end subroutine freeze_walls
 
   !> The plan in a few lines: what is used, what is left out.
   function describe_plan(plan, scene, ranks) result(text)

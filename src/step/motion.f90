@@ -63,6 +63,9 @@ contains
       do b = 1, bodies%n
         bodies%middle(4:7, b) = turned_on(bodies%orientation(:, b), duration*bodies%velocity(4:6, b))
       end do
+    case default
+      if (allocated(bodies%angle)) bodies%middle(3, :) = bodies%angle
+      if (allocated(bodies%orientation)) bodies%middle(4:7, :) = bodies%orientation
     end select
   end subroutine set_middle
 

@@ -14,7 +14,7 @@ module sg_simulation
   use sg_kinds, only: wp, i8
   use sg_neighbours, only: neighbours_t
   use sg_passing, only: passing_t
-  use sg_plan, only: make_plan, plan_t
+  use sg_plan, only: make_plan, omissions_t, plan_t
   use sg_problem, only: problem_t
   use sg_report, only: report_t
   use sg_run_options, only: partition_options_t, run_options_t
@@ -32,8 +32,9 @@ module sg_simulation
     !> What exists, and what to do with it
     type(scene_t) :: scene
     type(run_options_t) :: options
-    !> What the scene needs
+    !> What the scene needs, and what may be left out
     type(plan_t) :: plan
+    type(omissions_t) :: omissions
     !> Pairs that may touch, contacts of the step, and those of the last one
     type(neighbours_t) :: pairs
     type(contacts_t) :: contacts
@@ -78,7 +79,7 @@ contains
   subroutine start_simulation(sim)
     type(simulation_t), intent(inout) :: sim !! its scene and options are set
 
-    call make_plan(sim%scene, sim%plan, sim%comm)
+    call make_plan(sim%scene, sim%plan, sim%comm, sim%omissions)
     call fix_driven(sim%scene%drives, sim%scene%bodies)
     sim%contacts%dimension = sim%scene%dimension
     sim%contacts%n_components = merge(sim%scene%dimension, 1, sim%plan%has_tangent)

@@ -68,12 +68,13 @@ SOLID_LANES = "order.solid_last_row order.solid_row_size order.solid_pair order.
 LONG_SOLVES = "clusters.squares clusters.parent clusters.members clusters.excess"
 
 # Scene: deck, tables beside those of all, libraries, and upper bounds of bytes a grain and a contact. A grain and a contact of the
-# plane take least; turning bodies have angles and a third velocity, in space quaternions and spins; polygons and polyhedra
+# plane take least; turning bodies have angles and a third velocity, in space quaternions and spins, and where nothing turns there
+# are orientations if the deck turns a body, as it does sides of a container in the plane; polygons and polyhedra
 # their corners twice (in the body's frame and in the world); a contact with friction has a second impulse, one with arms a longer
 # record; lanes hold a copy of the record beside that of the order. Room is kept for half as many contacts again as there were
 # (a list grows by half), and for the contacts near enough to be watched: the bounds are a quarter above what was measured.
 SCENES = {
-    "disks, no friction": (in_plane("disk", 0.0), f"{PLANE} {ONE_BY_ONE} bodies.inertia contactors.disk_radius", [], 330, 420),
+    "disks, no friction": (in_plane("disk", 0.0), f"{PLANE} {ONE_BY_ONE} bodies.angle bodies.inertia contactors.disk_radius", [], 330, 420),
     "disks": (in_plane("disk", 0.3), f"{PLANE} {ONE_BY_ONE} bodies.angle bodies.inertia plan.radius contactors.disk_radius", [], 430, 530),
     "polygons": (in_plane("polygon", 0.3), f"{PLANE} {ONE_BY_ONE} {POLYGONS} bodies.angle bodies.inertia", [], 730, 730),
     "spheres, no friction": (in_space("sphere", 0.0), f"{SPACE} {ONE_BY_ONE} bodies.principal space.sphere_radius", [], 470, 620),

@@ -45,10 +45,25 @@ def try_case(rng, program, place, material):
     if kind == 0:
         return try_random(rng, program, place, sections)
     if kind == 1:
-        (place / "deck.toml").write_bytes(spoil(rng, rng.choice(decks).split("\n")))
-        ended = run(program, ["run", "deck.toml", "--output", "results", "--quiet"], place)
-        return worst([judge(ended, place), check_verdict(place / "results", ended.code)])
+        return try_spoilt(rng, program, place, rng.choice(decks))
     return try_rewritten(rng, program, place, rng.choice(decks))
+
+
+def try_spoilt(rng, program, place, text):
+    """A spoilt deck, run twice in memory that holds other bytes where nothing was set: what is printed must be the same."""
+    if rng.random() < 0.3:
+        text += '\n[[drive]]\nbody = 1\ncomponent = "x"\nfile = "table.txt"\n'
+        table = [f"{i} {rng.choice([i, 1e-3, -2.5])}" for i in range(rng.choice([0, 1, 2, 9]))]
+        (place / "table.txt").write_bytes(spoil(rng, table) if table else b"")
+        (place / "deck.toml").write_text(text)
+    else:
+        (place / "deck.toml").write_bytes(spoil(rng, text.split("\n")))
+    first, second = (run(program, ["run", "deck.toml", "--output", "results", "--quiet"], place, environment={"MALLOC_PERTURB_": fill})
+                     for fill in ("85", "181"))
+    outcomes = [judge(first, place), judge(second, place), check_verdict(place / "results", first.code)]
+    if (first.code, first.err) != (second.code, second.err):
+        outcomes.append(Outcome("wrong", f"values that were never set: {first.err[:200]!r}, then {second.err[:200]!r}"))
+    return worst(outcomes)
 
 
 def try_random(rng, program, place, sections):

@@ -107,7 +107,7 @@ contains
 
     if (dimension == 2) call plane_scene(whole, n)
     if (dimension == 3) call space_scene(whole, n)
-    if (.not. turns) call drop_rotation(whole%bodies)
+    if (.not. turns) call drop_rotation(whole%bodies, keep_orientation=dimension == 3)
     options%step = 0.01_wp
     options%deck_hash = 'cafe'
     options%output_compressed = is_compressed

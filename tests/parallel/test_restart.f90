@@ -93,7 +93,7 @@ contains
     sim%options%deck_hash = 'cafe'
     sim%options%folder = name
     call start_simulation(sim)
-    if (.not. turns) call drop_rotation(sim%scene%bodies)
+    if (.not. turns) call drop_rotation(sim%scene%bodies, keep_orientation=dimension == 3)
   end subroutine begin
 
   !> Remove what an earlier run of the tests has left: files take turns by it.

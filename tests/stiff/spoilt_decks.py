@@ -4,7 +4,8 @@ import re
 
 VALUES = ["nan", "inf", "-inf", "+nan", "1e999", "-1e300", "1e300", "1e-300", "-1", "0", "-0.0", "1e18", "9223372036854775807",
           "99999999999999999999", "2147483648", '""', '"x"', "[]", "[[]]", "[1, 2]", '["a", 1]', "true", "{}", "{a = 1}", "[nan, 0]",
-          "1979-05-27", "0x1F", "1_000", "'''", '"\\u0000"', '"\\uD800"', "é", "[[1, 2], [3]]", "NaN", "1.", ".5", "1d3"]
+          "1979-05-27", "0x1F", "1_000", "'''", '"\\u0000"', '"\\uD800"', "é", "[[1, 2], [3]]", "NaN", "1.", ".5", "1d3",
+          "[" * 300, "{a." + "a." * 300 + "a = 1}"]
 GROWING = re.compile(r"^(radius|box|count|fill|rows|columns|voussoirs|steps|maximum_sweeps|threads|sides|vertices|spacing|size|"
                      r"position|period_.|trace_steps|half_\w+|from|to|structure_box)\b")
 
@@ -25,7 +26,8 @@ def spoil(rng, lines):
             lines.insert(at, lines[at])
         elif way == 6:
             lines.insert(at, rng.choice(["[[nowhere]]", "[time]", "[[body]]", "[[body.shape]]", "[[drive]]", "[[wall]]", "[body]",
-                                         "colour = 3", "a.b.c = 1", "= 1", "[", "]]", "# \x00\x01", "[[sample]]", "[[pressure]]"]))
+                                         "colour = 3", "a.b.c = 1", "= 1", "[", "]]", "# \x00\x01", "[[sample]]", "[[pressure]]",
+                                         "a" + ".a" * rng.choice([9, 99, 50000]) + " = 1"]))
         elif way == 7 and lines[at]:
             letters = list(lines[at])
             letters[rng.randrange(len(letters))] = rng.choice("abcxyz_=[]\"'#{}.,0 9-")
@@ -78,7 +80,8 @@ def spoil_datbox(rng, folder):
             if way <= 2 and numbers:
                 one = rng.choice(numbers)
                 new = rng.choice(["           NaN", "      Infinity", "-1.0000000D+00", " 0.0000000D+00", " 1.0000000D+60", " 1.0000000D-60",
-                                  " 1.0000000D+99", "              ", " 1.00e00000000", "\t", " 1.0000000E-310"])
+                                  " 1.0000000D+99", "              ", " 1.00e00000000", "\t", " 1.0000000E-310",
+                                  " 1.000000D-308", " 1.000000D+308"])
                 lines[at] = line[: one.start()] + new + line[one.end():]
             elif way == 3:
                 lines[at] = re.sub(r"\d+", lambda _: rng.choice(["0", "-1", "99999999", "7"]), line, count=1)

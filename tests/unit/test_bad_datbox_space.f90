@@ -18,7 +18,10 @@ program test_bad_datbox_space
     ' iqsc0  IQS_CLB                         fric= 0.3000000D+00', &
     '$seety', &
     ' cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert', &
-    ' RBDY3  SPHER  BLEUx  iqsc0  RBDY3  PLANx  WALLx       0.5000000D-03']
+    ' RBDY3  SPHER  BLEUx  iqsc0  RBDY3  PLANx  WALLx       0.5000000D-03', &
+    '$seety', &
+    ' cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert', &
+    ' RBDY3  SPHER  BLEUx  iqsc0  RBDY3  POLYR  BLEUx       0.5000000D-03']
   character(len=width), parameter :: bodies(*) = [character(len=width) :: &
     '$bdyty', &
     ' RBDY3      1', &

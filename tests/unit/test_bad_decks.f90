@@ -108,6 +108,11 @@ contains
     character(len=256) :: garbage
     integer :: i
 
+    call bad('keys nested in keys', head//'a'//repeat('.a', 40000)//' = 1'//nl, 'nest deeper', 8)
+    call bad('a heading of many keys', head//'["é"'//repeat('.b', 65)//']'//nl, 'nest deeper', 8)
+    call bad('lists in lists', head//'a = '//repeat('[', 100000), 'nest deeper', 8)
+    call bad('many dots that nest nothing', head//'# '//repeat('.', 99)//nl//'a = "'//repeat('.', 99)//'"'//nl, 'unknown key', 9)
+
     do i = 1, 256
       garbage(i:i) = achar(modulo(37*i + 200, 256))
     end do
@@ -407,7 +412,25 @@ contains
     call bad('three vertices', solid//'vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]'//nl, '4', 12)
     call bad('a vertex within', solid//'vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.1, 0.1, 0.1]]'//nl, &
              'its hull has 4 of the 5 vertices', 12)
+    call bad('more vertices than a shape has', solid//'vertices = ['//sphere_points(503)//']'//nl, &
+             '503 vertices, more than the 502', 12)
   end subroutine bad_polyhedra
+
+  !> Points of a unit sphere as a list of a deck.
+  function sphere_points(n) result(list)
+    integer, intent(in) :: n
+    character(len=:), allocatable :: list
+    character(len=60) :: point
+    real(wp) :: z
+    integer :: i
+
+    list = ''
+    do i = 1, n
+      z = (2*real(i, wp) - 1)/real(n, wp) - 1
+      write (point, '("[", 2(f15.12, ", "), f15.12, "], ")') sqrt(1 - z**2)*[cos(2.4_wp*real(i, wp)), sin(2.4_wp*real(i, wp))], z
+      list = list//trim(point)//' '
+    end do
+  end function sphere_points
 
   !> Files of meshes: the mistake stands at the key, with the line of the file.
   subroutine bad_meshes()

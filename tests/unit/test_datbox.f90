@@ -181,8 +181,9 @@ contains
     real(wp) :: caps
 
     call read_sample(scene, diagnostics)
-    ! Unknown bulk law, unknown contact law, halo: unused or harmless; a polygon off its node: told once each.
-    call tests%equal(size(diagnostics%warnings), 4, 'warnings of the sample')
+    ! Unknown bulk law, unknown contact law, halo: unused or harmless; a polygon off its node; laws that no see table names: told
+    ! once each.
+    call tests%equal(size(diagnostics%warnings), 5, 'warnings of the sample')
     call tests%equal(scene%bodies%n, 6, 'bodies')
     call tests%equal(scene%contactors%n, 7, 'contactors')
     call tests%check(all(scene%contactors%kind(:7) == [kind_disk, kind_disk, kind_disk, kind_wall, kind_hollow, &

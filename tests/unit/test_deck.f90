@@ -346,7 +346,9 @@ contains
     call t%equal(diagnostics%count(), 0, 'an interaction is read: '//first(diagnostics))
     call t%check(scene%colours(scene%sees(1)%candidate_colour)%s == 'red', 'its colour')
     call t%equal(scene%sees(1)%antagonist_kind, kind_polygon, 'its shape')
-    call t%check(.not. allocated(diagnostics%warnings), 'pairs that do not see each other may overlap')
+    call t%equal(size(diagnostics%warnings), 2, 'pairs that do not see each other may overlap')
+    call t%check(index(diagnostics%warnings(1)%message, 'fits no two shapes') > 0, 'that it fits none is said')
+    call t%check(index(diagnostics%warnings(2)%message, 'touches nothing') > 0, 'and that the disks touch nothing')
     call t%equal(scene%contactors%kind(1), kind_disk, 'disks')
   end subroutine test_interactions
 

@@ -3,6 +3,7 @@ program test_neighbours
   use harness, only: tests_t
   use kept_states, only: check_list_again
   use sg_bodies, only: drop_rotation
+  use sg_cells, only: build_cells, cells_t
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, kind_wall, place_contactors
   use sg_contacts, only: contacts_t
   use sg_detect, only: detect
@@ -30,6 +31,7 @@ program test_neighbours
   call test_colours()
   call test_two_components()
   call test_nobody()
+  call test_all_sizes()
   call t%finish()
 
 contains
@@ -249,7 +251,7 @@ contains
 
     call random%seed(9)
     call make_scene(scene, random, 0.5_wp, 1.0_wp, 20.0_wp)
-    call drop_rotation(scene%bodies)
+    call drop_rotation(scene%bodies, keep_orientation=.false.)
     contacts%n_components = 1
     call detect(scene, pairs, history, contacts)
     call compare(scene, contacts, 'two components')
@@ -276,4 +278,17 @@ contains
     call detect(scene, pairs, history, contacts)
     call t%check(pairs%skin >= 0 .and. pairs%skin <= 1, 'nobody: a skin that is a length')
   end subroutine test_nobody
+
+  !> Radii from the smallest number to the largest: their quotient is no number, and pairs are found all the same.
+  subroutine test_all_sizes()
+    type(cells_t) :: cells
+    real(wp), parameter :: reach(4) = [tiny(1.0_wp), 1e-308_wp, 1.0_wp, 1e307_wp]
+    real(wp) :: centre(3, 4)
+
+    centre = 0
+    call build_cells(cells, centre, reach, 0.0_wp, [0.0_wp, 0.0_wp, 0.0_wp])
+    call t%equal(cells%n_levels, 3, 'levels of circles of all sizes')
+    call t%check(cells%level(1) == cells%level(2) .and. cells%level(2) < cells%level(3) .and. cells%level(3) < cells%level(4), &
+                 'levels grow with the radius')
+  end subroutine test_all_sizes
 end program test_neighbours

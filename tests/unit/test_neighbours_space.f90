@@ -305,7 +305,7 @@ contains
 
     call random%seed(9)
     call make_scene(scene, random, 0.4_wp, 1.0_wp, [10.0_wp, 9.0_wp])
-    call drop_rotation(scene%bodies)
+    call drop_rotation(scene%bodies, keep_orientation=.false.)
     contacts%dimension = 3
     contacts%n_components = 1
     call detect(scene, pairs, history, contacts)

@@ -115,7 +115,7 @@ contains
     end do
     if (dimension == 2) call add_disk(scene%contactors, 1, 2, 0.7_wp, [0.1_wp, 0.2_wp])
     if (dimension == 3) call add_sphere(scene%contactors, 1, 2, 0.7_wp, [0.1_wp, 0.2_wp, 0.3_wp])
-    if (.not. turns) call drop_rotation(scene%bodies)
+    if (.not. turns) call drop_rotation(scene%bodies, keep_orientation=dimension == 2)
     call add_drives(scene)
     allocate (scene%names(n_bodies))
     do b = 1, n_bodies

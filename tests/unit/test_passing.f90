@@ -10,6 +10,7 @@ program test_passing
   use sg_laws, only: law_iqs, law_velocity
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
+  use sg_random, only: random_t
   use sg_simulation, only: simulation_t
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   implicit none
@@ -17,6 +18,7 @@ program test_passing
   real(wp), parameter :: rounding = 1e-14_wp
 
   call test_widths()
+  call test_widths_of_polygons()
   call test_widths_in_space()
   call test_balls()
   call test_wall()
@@ -39,7 +41,42 @@ contains
     call t%check(half_width(shapes, 3) > 1e300_wp, 'of a hollow disk')
     call t%near(half_width(shapes, 4), 0.5_wp, rounding, 'of an oblong')
     call t%near(half_width(shapes, 5), 1.2_wp, rounding, 'of a triangle')
+    call add_polygon(shapes, 6, 1, reshape(0.1_wp*real([0, 0, 1, 1, 2, 2, 3, 3, 2, 4, 1, 3, 0, 2, -1, 1], wp), &
+                                                         [2, 8]), [0.0_wp, 0.0_wp])
+    call t%near(half_width(shapes, 6), 0.1_wp*sqrt(0.5_wp), rounding, 'of an oblong with vertices along its sides')
   end subroutine test_widths
+
+  !> Polygons at random, of points on ellipses at any angle, against the heights of all vertices above all edges.
+  subroutine test_widths_of_polygons()
+    type(contactors_t) :: shapes
+    type(random_t) :: random
+    real(wp), allocatable :: vertex(:, :)
+    real(wp) :: edge(2), axes(2), angle, width
+    integer :: polygon, i, n
+
+    call random%seed(3)
+    do polygon = 1, 40
+      n = 3 + polygon/2
+      allocate (vertex(2, n))
+      axes = [1.0_wp, random%uniform(0.001_wp, 1.0_wp)]
+      angle = random%uniform(0.0_wp, 7.0_wp)
+      do i = 1, n
+        associate (turn => (real(i, wp) + random%uniform(0.0_wp, 0.9_wp))*2*acos(-1.0_wp)/real(n, wp))
+          edge = axes*[cos(turn), sin(turn)]
+        end associate
+        vertex(:, i) = [cos(angle)*edge(1) - sin(angle)*edge(2), sin(angle)*edge(1) + cos(angle)*edge(2)]
+      end do
+      width = huge(width)
+      do i = 1, n
+        edge = vertex(:, 1 + mod(i, n)) - vertex(:, i)
+        edge = [edge(2), -edge(1)]/norm2(edge)
+        width = min(width, maxval(matmul(edge, vertex)) - minval(matmul(edge, vertex)))
+      end do
+      call add_polygon(shapes, polygon, 1, vertex, [0.0_wp, 0.0_wp])
+      call t%near(half_width(shapes, polygon), width/2, rounding, 'half width of a polygon at random')
+      deallocate (vertex)
+    end do
+  end subroutine test_widths_of_polygons
 
   !> In space.
   subroutine test_widths_in_space()

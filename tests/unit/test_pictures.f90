@@ -263,7 +263,7 @@ contains
     real(wp), allocatable :: values(:)
 
     scene = some_scene()
-    call drop_rotation(scene%bodies)
+    call drop_rotation(scene%bodies, keep_orientation=.true.)
     contacts%n_components = 1
     call reserve_contacts(contacts, 1)
     contacts%n = 1
@@ -279,6 +279,12 @@ contains
     call t%near(values(1), 7.0_wp, 1e-14_wp, 'force of one component')
     call file%get('/VTKHDF/CellData/force_tangential', values)
     call t%near(values(1), 0.0_wp, 0.0_wp, 'nothing rubs')
+    call file%close()
+    call file%open('pictures_disks/bodies.vtkhdf', is_read_only=.true.)
+    call file%get('/VTKHDF/PointData/angle', values)
+    call t%near(values(3), -0.5_wp, 0.0_wp, 'bodies that cannot turn keep their angle')
+    call file%get('/VTKHDF/PointData/spin', values)
+    call t%near(maxval(abs(values)), 0.0_wp, 0.0_wp, 'nothing spins')
     call file%close()
   end subroutine test_disks
 

@@ -14,7 +14,6 @@ program test_pictures_space
   use sg_pictures, only: pictures_t
   use sg_rotations, only: normalised
   use sg_scene, only: scene_t
-  use sg_space_shapes, only: freeze_in_space
   use sg_vectors, only: cross
   use written_files, only: options_of
   implicit none
@@ -307,11 +306,7 @@ contains
     real(wp), allocatable :: values(:), vectors(:, :)
 
     scene = some_scene()
-    associate (contactors => scene%contactors)
-      call freeze_in_space(contactors%n, contactors%kind, contactors%body, contactors%row, scene%bodies%orientation, &
-                           contactors%shift, contactors%space)
-    end associate
-    call drop_rotation(scene%bodies)
+    call drop_rotation(scene%bodies, keep_orientation=.true.)
     contacts%dimension = 3
     contacts%n_components = 1
     call reserve_contacts(contacts, 1)
@@ -332,11 +327,13 @@ contains
     call file%close()
     call file%open('pictures_space_balls/shapes.vtkhdf', is_read_only=.true.)
     call file%get('/VTKHDF/Points', vectors)
-    call near(vectors(:, 2), [0.4_wp, 0.1_wp, 1.0_wp], tight, 'a frozen dumbbell lies along y')
+    call near(vectors(:, 2), [0.4_wp, 0.1_wp, 1.0_wp], tight, 'a dumbbell that cannot turn lies along y')
     call file%close()
     call file%open('pictures_space_balls/bodies.vtkhdf', is_read_only=.true.)
     call file%get('/VTKHDF/PointData/spin', vectors)
     call t%near(maxval(abs(vectors)), 0.0_wp, 0.0_wp, 'nothing spins')
+    call file%get('/VTKHDF/PointData/orientation', vectors)
+    call near(vectors(:, 2), quarter, tight, 'bodies that cannot turn keep their orientation')
     call t%check(.not. allocated(file%error), 'the files are read')
     call file%close()
   end subroutine test_nothing_turns

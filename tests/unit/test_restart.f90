@@ -135,7 +135,7 @@ contains
     type(diagnostics_t) :: diagnostics
 
     scene = some_scene(3)
-    call drop_rotation(scene%bodies)
+    call drop_rotation(scene%bodies, keep_orientation=.false.)
     scene%bodies%position(1, 2) = 4
     contacts%n_components = 1
     call keep_state(scene%bodies, contacts, state)
@@ -185,7 +185,7 @@ contains
     call t%equal(diagnostics%count(), 0, 'another deck is no error')
     call t%check(allocated(diagnostics%warnings), 'but a warning')
     call expect(some_scene(n_bodies + 1), newest_restart(folder), 'it holds 50 bodies, the scene 51')
-    call drop_rotation(scene%bodies)
+    call drop_rotation(scene%bodies, keep_orientation=.false.)
     call expect(scene, newest_restart(folder), 'only one of them has bodies that turn')
     scene = some_scene(n_bodies)
     scene%contactors%n = n_bodies - 1

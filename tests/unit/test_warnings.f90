@@ -46,7 +46,7 @@ contains
     call expect('walls that a block names', head//floor//lid//segments, '', 0)
     call expect('a pressed wall that a block names', head//floor//lid//segments//pressure, 'segment and segment cannot touch', 18)
     call expect('a pressed wall that no block names', head//floor//lid//pressure, '', 0)
-    call expect('a block of other shapes', head//square//drum//fixed//of_shape//'"disk"'//nl, '', 0)
+    call expect('a block of other shapes', head//square//drum//fixed//of_shape//'"disk"'//nl, 'fits no two shapes', 17)
     call expect('a block of one of the shapes', head//square//drum//fixed//of_shape//'"polygon"'//nl, said, 17)
   end subroutine test_blind_pairs
 

@@ -1,0 +1,56 @@
+!> Warnings about interactions of a deck that hold between no shapes of its scene, about laws that no interaction
+!! names, and about shapes that touch nothing: one line per kind.
+module sg_unused_laws
+  use sg_blocks, only: deck_t
+  use sg_contactors, only: kind_names
+  use sg_error, only: diagnostics_t
+  use sg_scene, only: scene_t
+  use sg_sees_used, only: find_uses, fits_nothing, see_uses_t
+  use sg_text, only: to_text
+  implicit none
+  private
+  public :: warn_of_unused_laws
+
+contains
+
+  !> Warn of interactions that fit nothing or that earlier ones hide, of laws that none names, of shapes that touch nothing.
+  subroutine warn_of_unused_laws(deck, scene, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(in) :: scene !! scene with bodies, laws and see tables, one line for each [[interaction]]
+    type(diagnostics_t), intent(inout) :: diagnostics !! warnings found
+    type(see_uses_t) :: uses
+    integer, allocatable :: interactions(:), laws(:)
+    integer :: i
+
+    interactions = blocks_of(deck, 'interaction')
+    if (size(interactions) == 0 .or. scene%bodies%n + deck%absent%n < 2) return
+    call find_uses(scene, deck%absent%looks, uses)
+    do i = 1, size(interactions)
+      if (uses%line(i) == fits_nothing) then
+        call deck%warn(diagnostics, 'this interaction fits no two shapes of the scene', interactions(i), kind='fits nothing')
+      else if (uses%line(i) > 0) then
+        call deck%warn(diagnostics, 'an earlier interaction, of line '//to_text(deck%blocks(interactions(uses%line(i)))%line)// &
+                       ', takes all shapes that fit this one: put the special before the general', interactions(i), kind='hidden')
+      end if
+    end do
+    laws = blocks_of(deck, 'law')
+    do i = 1, size(laws)
+      if (any(scene%sees%law == i)) cycle
+      call deck%warn(diagnostics, 'no interaction names this law: it is not used', laws(i), kind='unused law')
+    end do
+    do i = 1, size(uses%alone, 2)
+      call deck%warn(diagnostics, 'no interaction fits this shape, which touches nothing: '//trim(kind_names(uses%alone(1, i)))// &
+                     ' of colour "'//scene%colours(uses%alone(2, i))%s//'"', interactions(1), kind='touches nothing')
+    end do
+  end subroutine warn_of_unused_laws
+
+  !> Blocks of a section, in the order of the deck.
+  pure function blocks_of(deck, section) result(blocks)
+    type(deck_t), intent(in) :: deck
+    character(len=*), intent(in) :: section
+    integer, allocatable :: blocks(:)
+    integer :: b
+
+    blocks = pack([(b, b=1, deck%n)], [(deck%is_in(b, section), b=1, deck%n)])
+  end function blocks_of
+end module sg_unused_laws

@@ -1,0 +1,132 @@
+!> Status of a contact after a solve: open, sticking, sliding or bonded (doc/theory/laws.md, static and dynamic friction).
+!!
+!! A law leaves both sides of a complementarity at zero or not: the slip and the distance of the impulse from Coulomb's cone, the
+!! opening and the normal impulse. A solver fulfils either to its error, so that comparing one of them with zero decides by
+!! rounding. Each pair is compared in one unit instead, velocities: what the velocity is against what the impulse could still bring
+!! about. Below the velocity error of the solution a contact is at rest.
+module sg_contact_status
+  use sg_compact, only: compact_velocity
+  use sg_kinds, only: wp, i1
+  use sg_laws, only: status_none, status_slide, status_stick
+  use sg_problem, only: arm_frictional, ball_frictional, is_in_space, problem_t, round_frictional, solid_frictional
+  implicit none
+  private
+  public :: status_of, rest_speed
+
+  !> Share of the velocity scale that counts as rest: at least, so that rounding sums up over 10^7 steps of rest before it counts,
+  !! and at most, however far a solution is from convergence
+  real(wp), parameter :: least_rest = 1e-9_wp, largest_rest = 1e-3_wp
+
+  !> What the status of a contact follows from
+  type :: state_t
+    !> Normal impulse with cohesion [N s], size of the tangential one [N s], opening velocity with bias and slip [m/s]
+    real(wp) :: normal = 0, tangential = 0, opening = 0, slip = 0
+    !> Coulomb friction
+    real(wp) :: friction = 0
+    !> Velocity per impulse, normal and, with the normal one free to follow, tangential [1/kg]; zero where nothing can move
+    real(wp) :: mobility(2) = 0
+  end type state_t
+
+contains
+
+  !> Relative velocity below which a solution cannot tell motion from rest [m/s].
+  pure real(wp) function rest_speed(problem, violation)
+    type(problem_t), intent(in) :: problem !! solved problem
+    real(wp), intent(in) :: violation !! velocity error of the solution over the velocity scale of the problem
+    integer :: n
+
+    n = merge(3, 2, is_in_space(problem%kind))
+    rest_speed = max(least_rest, min(violation, largest_rest))*problem%velocity_scale
+    if (problem%n_bodies > 0) rest_speed = rest_speed + 16*epsilon(1.0_wp)*maxval(abs(problem%body(:n, :)))
+  end function rest_speed
+
+  !> What a contact did in a step: nothing, stick or slide. Problems without tangents have no sticking contacts.
+  !!
+  !! A bond whose impulse stands at the limit of its cohesion sticks as long as it does not open: where several bonds share a load,
+  !! a solver may bring one of them there.
+  pure integer(i1) function status_of(problem, k, is_bonded, rest) result(status)
+    type(problem_t), intent(in) :: problem !! solved problem
+    integer, intent(in) :: k !! contact
+    logical, intent(in) :: is_bonded !! does a bond hold the contact together?
+    real(wp), intent(in) :: rest !! velocity that counts as none [m/s]
+    type(state_t) :: state
+    real(wp) :: reach(2), slow
+
+    status = status_none
+    select case (problem%kind)
+    case (round_frictional, arm_frictional)
+      state = planar_state(problem, k, is_bonded)
+    case (ball_frictional, solid_frictional)
+      state = spatial_state(problem, k, is_bonded)
+    case default
+      if (problem%impulse(1, k) > 0) status = status_slide
+      return
+    end select
+    if (.not. (state%normal > 0 .or. is_bonded)) return
+    ! What the impulse could bring about.
+    reach = state%mobility*[state%normal, state%friction*state%normal - state%tangential]
+    slow = rest + least_rest*abs(reach(1))
+    if (state%opening > reach(1) + slow) return
+    status = status_slide
+    if (state%slip <= reach(2) + slow) status = status_stick
+  end function status_of
+
+  !> State of a contact of the plane.
+  pure type(state_t) function planar_state(problem, k, is_bonded) result(state)
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: k
+    logical, intent(in) :: is_bonded
+    real(wp) :: u(3)
+
+    associate (record => problem%record(:, k))
+      state%normal = problem%impulse(1, k)
+      if (problem%kind == arm_frictional) state%normal = state%normal + record(13)
+      if (.not. (state%normal > 0 .or. is_bonded)) return
+      u = compact_velocity(problem, k)
+      state%opening = u(1)
+      state%slip = abs(u(2))
+      state%tangential = abs(problem%impulse(2, k))
+      if (problem%kind == round_frictional) then
+        state%friction = record(7)
+        state%mobility = [inverse(record(5)), inverse(record(6))]
+      else
+        state%friction = record(12)
+        state%mobility = [record(9), max(0.0_wp, record(11) - record(10)**2*inverse(record(9)))]
+      end if
+    end associate
+  end function planar_state
+
+  !> State of a contact in space.
+  pure type(state_t) function spatial_state(problem, k, is_bonded) result(state)
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: k
+    logical, intent(in) :: is_bonded
+    real(wp) :: u(3), r_n
+
+    associate (record => problem%record(:, k), n => problem%record(1:3, k), r => problem%impulse(:, k))
+      r_n = dot_product(n, r)
+      state%normal = r_n
+      if (problem%kind == solid_frictional) state%normal = r_n + record(22)
+      if (.not. (state%normal > 0 .or. is_bonded)) return
+      u = compact_velocity(problem, k)
+      state%opening = dot_product(n, u)
+      state%slip = norm2(u - state%opening*n)
+      state%tangential = norm2(r - r_n*n)
+      if (problem%kind == ball_frictional) then
+        state%friction = record(9)
+        state%mobility = [inverse(record(7)), inverse(record(8))]
+      else
+        state%friction = record(21)
+        if (record(25) > 0.5_wp) state%mobility = [record(16), maxval(record(19:20))]
+      end if
+    end associate
+  end function spatial_state
+
+  !> Inverse of a stored inverse, zero where that is none.
+  pure real(wp) function inverse(value)
+    real(wp), intent(in) :: value
+
+    inverse = 0
+    if (value > 0) inverse = 1/value
+  end function inverse
+end module sg_contact_status
