@@ -13,7 +13,7 @@ module sg_laws
   public :: law_t, local_law_t, local_law
   public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
   public :: law_rod, law_wire, law_rigid_wire, law_bond, is_link_law
-  public :: status_new, status_none, status_stick, status_slide, status_bonded, status_broken
+  public :: status_new, status_none, status_stick, status_slide, status_bonded, status_broken, last_status
   public :: is_plain, is_frictionless, inverse_of, kind_of_local_law
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
@@ -25,6 +25,8 @@ module sg_laws
   !> What happened at a contact in the last step: not known yet, open, sticking, sliding, bonded, broken (a link, for good)
   integer(i1), parameter :: status_new = 0, status_none = 1, status_stick = 2, status_slide = 3, status_bonded = 4, &
                             status_broken = 5
+  !> The last of them
+  integer(i1), parameter :: last_status = status_broken
 
   !> One contact law with its parameters
   type :: law_t

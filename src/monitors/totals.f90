@@ -1,6 +1,6 @@
 !> What a whole run cost and how well it was solved: sums and worst values over the steps.
 module sg_totals
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_quiet_nan, ieee_value
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i8
   use sg_report, only: report_t
@@ -51,6 +51,7 @@ module sg_totals
     procedure :: tick => totals_tick
     procedure :: pack => totals_pack
     procedure :: unpack => totals_unpack
+    procedure, nopass :: are_sound
     procedure :: reduce => totals_reduce
     procedure :: leave_to_first => totals_leave_to_first
   end type totals_t
@@ -216,6 +217,17 @@ contains
                        real(self%fast_steps, wp), self%worst_penetration, real(self%passings, wp)]
     values(n_sums + 1:) = [self%phase%cpu, self%phase%wall, self%clock%cpu, self%clock%wall]
   end function totals_pack
+
+  !> Can a list of reals be unpacked? Counts are no less than zero and can be counted, seconds are finite.
+  pure logical function are_sound(values)
+    real(wp), intent(in) :: values(n_totals_values) !! what `pack` may have given
+    integer, parameter :: counts(8) = [1, 2, 3, 10, 11, 12, 14, 16], long_counts(2) = [8, 9]
+
+    are_sound = all(ieee_is_finite(values([counts, long_counts]))) .and. all(ieee_is_finite(values(n_sums + 1:)))
+    if (.not. are_sound) return
+    are_sound = all(values([counts, long_counts]) >= 0) .and. all(values(counts) <= real(huge(1), wp)) .and. &
+                all(values(long_counts) < real(huge(1_i8), wp))
+  end function are_sound
 
   !> The totals back from a list of reals.
   pure subroutine totals_unpack(self, values)

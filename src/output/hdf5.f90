@@ -30,6 +30,8 @@ module sg_hdf5
     type(comm_t) :: ranks
     !> Handle of the library; negative when closed
     integer(i8) :: id = -1
+    !> Does each dataset that is `put` carry check sums, so that no damage to it is read as a number?
+    logical, private :: is_checked = .false.
     !> Of a shared file: bytes that it may have by now, and for which the disk has promised room
     integer(i8), private :: most_bytes = 0, reserved = 0
   contains
@@ -43,6 +45,7 @@ module sg_hdf5
     procedure :: remove => file_remove
     procedure :: declare => file_declare
     procedure :: rows => file_rows
+    procedure :: shape => file_shape
     procedure :: cut => file_cut
     procedure, private :: append_reals, append_real_records, append_integers, append_longs, append_long_records
     procedure, private :: put_reals, put_real_records, put_integers, put_integer_records, put_text
@@ -75,10 +78,11 @@ module sg_hdf5
     end function hdf5_is_parallel
 
     !> Make a file; an old one of the same name is replaced.
-    module subroutine file_create(self, name, comm)
+    module subroutine file_create(self, name, comm, is_checked)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: name !! path
       type(comm_t), intent(in), optional :: comm !! ranks that share the file; absent where it is not shared
+      logical, intent(in), optional :: is_checked !! with check sums over all that it holds, false unless given
     end subroutine file_create
 
     !> Open a file that exists.
@@ -158,6 +162,13 @@ module sg_hdf5
       character(len=*), intent(in) :: path !! path within the file
       integer(i8) :: rows
     end function file_rows
+
+    !> Components and rows of a dataset; zeros after a failure, of which a missing dataset is one.
+    module function file_shape(self, path) result(numbers)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i8) :: numbers(2)
+    end function file_shape
 
     !> Drop the rows of a growing dataset beyond the first `rows`.
     module subroutine file_cut(self, path, rows)

@@ -1,9 +1,11 @@
 !> Attributes of the objects of HDF5 files: long integers and texts.
 submodule(sg_hdf5:hdf5_with_hdf5) hdf5_attributes_with_hdf5
   ! gfortran 12 refuses to use again what the parent uses already: the kinds and some constants come from there.
-  use hdf5, only: h5aclose_f, h5acreate_f, h5aexists_f, h5aget_type_f, h5aopen_f, h5aread_f, h5awrite_f, h5oclose_f, h5oopen_f, &
-                  h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, h5t_c_s1, h5t_std_i64le, h5t_str_nullpad_f, &
-                  h5tclose_f, h5tcopy_f, h5tget_size_f, h5tset_size_f, h5tset_strpad_f, hsize_t, size_t
+  use hdf5, only: h5aclose_f, h5acreate_f, h5aexists_f, h5aget_space_f, h5aget_type_f, h5aopen_f, h5aread_f, h5awrite_f, &
+                  h5oclose_f, h5oopen_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
+                  h5sget_simple_extent_npoints_f, h5t_c_s1, h5t_integer_f, h5t_std_i64le, h5t_str_nullpad_f, h5t_string_f, &
+                  h5tclose_f, h5tcopy_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, h5tset_size_f, h5tset_strpad_f, &
+                  hsize_t, size_t
   implicit none
 
 contains
@@ -86,36 +88,51 @@ contains
     call settle(self)
   end subroutine set_block
 
-  !> Open an attribute.
-  subroutine open_attribute(self, path, name, attribute)
+  !> Open an attribute that must hold one value, a whole number or a text of fixed length: there is room for no other.
+  subroutine open_attribute(self, path, name, class, attribute, stored)
     class(hdf5_file_t), intent(inout) :: self
     character(len=*), intent(in) :: path, name
-    integer(hid_t), intent(out) :: attribute
-    integer :: status
-    integer(hid_t) :: object
+    integer, intent(in) :: class !! class of its type, as the library numbers them
+    integer(hid_t), intent(out) :: attribute, stored
+    integer :: status, found
+    integer(hid_t) :: object, space
+    integer(hsize_t) :: points
+    logical :: has_length
 
     call h5oopen_f(int(self%id, hid_t), path, object, status)
     call check(self, status, 'cannot find '//path)
     call h5aopen_f(object, name, attribute, status)
     call check(self, status, 'cannot find the attribute '//name)
     call h5oclose_f(object, status)
+    if (.not. allocated(self%error)) then
+      call h5aget_space_f(attribute, space, status)
+      call h5sget_simple_extent_npoints_f(space, points, status)
+      call h5sclose_f(space, status)
+      call h5aget_type_f(attribute, stored, status)
+      call h5tget_class_f(stored, found, status)
+      has_length = .false.
+      if (found == h5t_string_f) call h5tis_variable_str_f(stored, has_length, status)
+      if (points /= 1 .or. found /= class .or. has_length) call note(self, 'the attribute '//name//' is not one '// &
+        trim(merge('text of fixed length', 'whole number        ', class == h5t_string_f)))
+    end if
     call settle(self)
   end subroutine open_attribute
 
   module procedure look_long
   integer :: status
-  integer(hid_t) :: attribute
+  integer(hid_t) :: attribute, stored
   integer(i8), target :: number(1)
   type(c_ptr) :: address
 
   value = 0
   if (allocated(self%error)) return
-  call open_attribute(self, path, name, attribute)
+  call open_attribute(self, path, name, h5t_integer_f, attribute, stored)
   if (allocated(self%error)) return
   address = c_loc(number)
   call h5aread_f(attribute, long_type(), address, status)
   call check(self, status, 'cannot read the attribute '//name)
   if (status >= 0) value = number(1)
+  call h5tclose_f(stored, status)
   call h5aclose_f(attribute, status)
   call settle(self)
   end procedure look_long
@@ -129,9 +146,8 @@ contains
 
   value = ''
   if (allocated(self%error)) return
-  call open_attribute(self, path, name, attribute)
+  call open_attribute(self, path, name, h5t_string_f, attribute, text_type)
   if (allocated(self%error)) return
-  call h5aget_type_f(attribute, text_type, status)
   call h5tget_size_f(text_type, length, status)
   allocate (letters(max(1_size_t, length)), source=c_null_char)
   address = c_loc(letters)

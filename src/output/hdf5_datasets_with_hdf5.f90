@@ -4,7 +4,8 @@ submodule(sg_hdf5:hdf5_with_hdf5) hdf5_datasets_with_hdf5
   use, intrinsic :: iso_c_binding, only: c_null_ptr
   use hdf5, only: h5d_alloc_time_early_f, h5dclose_f, h5dcreate_f, h5dget_create_plist_f, h5dget_space_f, h5dopen_f, h5dread_f, &
                   h5dset_extent_f, h5dwrite_f, h5p_dataset_create_f, h5p_dataset_xfer_f, h5pget_nfilters_f, h5pset_alloc_time_f, &
-                  h5pset_chunk_f, h5pset_deflate_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, &
+                  h5pset_chunk_f, h5pset_deflate_f, h5pset_fletcher32_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, &
+                  h5screate_simple_f, &
                   h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
                   h5sselect_hyperslab_f, h5sselect_none_f, h5t_ieee_f32le, h5t_ieee_f64le, h5t_native_integer, h5t_std_i32le, &
                   h5t_std_i64le, h5t_std_u8le, hsize_t
@@ -12,6 +13,8 @@ submodule(sg_hdf5:hdf5_with_hdf5) hdf5_datasets_with_hdf5
 
   !> gzip level: beyond it files hardly shrink, and writing takes longer
   integer, parameter :: gzip_level = 4
+  !> Rows that share a check sum, at most: as many as ranks read at once (sg_picked_rows)
+  integer(hsize_t), parameter :: checked_rows = 16384
 
 contains
 
@@ -110,6 +113,19 @@ contains
   call h5dclose_f(dataset, status)
   call settle(self)
   end procedure file_rows
+
+  module procedure file_shape
+  integer :: status
+  integer(hid_t) :: dataset
+  integer(hsize_t) :: shape(2)
+
+  numbers = 0
+  if (allocated(self%error)) return
+  call open_dataset(self, path, dataset, shape)
+  call h5dclose_f(dataset, status)
+  call settle(self)
+  if (.not. allocated(self%error)) numbers = shape
+  end procedure file_shape
 
   module procedure file_cut
   integer :: status
@@ -281,7 +297,7 @@ contains
     type(c_ptr), intent(in) :: address
     logical, intent(in), optional :: is_common
     integer :: status, rank
-    integer(hid_t) :: dataset, space
+    integer(hid_t) :: dataset, space, list
     integer(hsize_t) :: whole(2)
     integer(i8) :: before, total
 
@@ -289,11 +305,15 @@ contains
     rank = size(shape)
     call count_rows(self, shape(rank), is_common, before, total)
     whole = [merge(int(shape(1), hsize_t), 1_hsize_t, rank == 2), int(total, hsize_t)]
-    call reserve(self, 8*product(whole))
+    ! The last of the chunks that have check sums is stored whole.
+    call reserve(self, 8*(product(whole) + whole(1)*checked_rows))
     if (allocated(self%error)) return
     call h5screate_simple_f(rank, whole(3 - rank:), space, status)
-    call h5dcreate_f(int(self%id, hid_t), path, stored_type, space, dataset, status)
+    call h5pcreate_f(h5p_dataset_create_f, list, status)
+    if (self%is_checked .and. product(whole) > 0) call add_check_sums(self, list, rank, whole)
+    call h5dcreate_f(int(self%id, hid_t), path, stored_type, space, dataset, status, list)
     call check(self, status, 'cannot make '//path)
+    call h5pclose_f(list, status)
     call settle(self)
     if (product(whole) > 0 .and. .not. allocated(self%error)) &
       call write_rows(self, path, dataset, memory_type, whole(1), 0_hsize_t, before, total, product(shape), address)
@@ -302,6 +322,21 @@ contains
     call h5sclose_f(space, status)
     call settle(self)
   end subroutine put_block
+
+  !> Have a dataset stored in chunks, each with a check sum, which is looked at when it is read.
+  subroutine add_check_sums(self, list, rank, whole)
+    class(hdf5_file_t), intent(inout) :: self
+    integer(hid_t), intent(in) :: list
+    integer, intent(in) :: rank
+    integer(hsize_t), intent(in) :: whole(2)
+    integer :: status
+    integer(hsize_t) :: chunk(2)
+
+    chunk = [whole(1), min(whole(2), checked_rows)]
+    call h5pset_chunk_f(list, rank, chunk(3 - rank:), status)
+    if (status >= 0) call h5pset_fletcher32_f(list, status)
+    call check(self, status, 'cannot add check sums')
+  end subroutine add_check_sums
 
   module procedure put_reals
   call put_block(self, path, h5t_ieee_f64le, h5t_native_double, shape(values), address_of_reals(values, size(values)), is_common)

@@ -87,6 +87,9 @@ contains
   integer(hid_t) :: access, id
 
   call start(self, name, access, comm)
+  if (present(is_checked)) self%is_checked = is_checked
+  ! The format of 1.10 has check sums over all that says where and what the datasets are.
+  if (self%is_checked) call h5pset_libver_bounds_f(access, h5f_libver_v110_f, h5f_libver_v110_f, status)
   if (self%ranks%size > 1) call share_access(self, access, .true.)
   if (.not. allocated(self%error)) then
     call h5fcreate_f(name, h5f_acc_trunc_f, id, status, access_prp=access)
@@ -121,6 +124,7 @@ contains
     if (allocated(self%error)) deallocate (self%error)
     self%name = name
     self%id = -1
+    self%is_checked = .false.
     self%most_bytes = 0
     self%reserved = 0
     self%ranks%rank = 0

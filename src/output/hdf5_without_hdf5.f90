@@ -66,6 +66,10 @@ contains
   rows = 0
   end procedure file_rows
 
+  module procedure file_shape
+  numbers = 0
+  end procedure file_shape
+
   module procedure file_cut
   end procedure file_cut
 

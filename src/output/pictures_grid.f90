@@ -168,6 +168,7 @@ contains
     self%stored_real = merge(stored_single, stored_double, real_bytes == 4)
     if (allocated(self%file%error) .or. n_steps == 0) return
     call self%file%get(grid_root//'FieldData/step', step)
+    if (n_steps < 0 .or. n_steps > size(step, kind=i8)) call not_whole(self, 'FieldData/step')
     if (allocated(self%file%error)) return
     self%n_steps = count(step(:n_steps) <= resumed_step, kind=i8)
     if (self%n_steps == 0) return

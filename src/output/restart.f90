@@ -14,7 +14,10 @@ module sg_restart
   use sg_error, only: diagnostics_t, error_t, exit_output, fail
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: wp, i1, i4, i8
+  use sg_laws, only: last_status, status_new
   use sg_picked_rows, only: picked_rows_t
+  use sg_restart_datasets, only: check_shapes, scene_misfit
+  use sg_restart_files, only: find_newest, restart_names
   use sg_scene, only: scene_t
   use sg_system, only: remove_file, rename_file
   use sg_text, only: to_text
@@ -22,13 +25,13 @@ module sg_restart
   use sg_version, only: commit, version
   implicit none
   private
-  public :: restart_t, keep_state, restore_state, write_restart, read_restart, newest_restart
+  public :: restart_t, keep_state, restore_state, write_restart, read_restart
 
   !> What says that a file is one of these, and in which layout
   character(len=*), parameter :: format_name = 'SplitGrain restart'
-  integer(i8), parameter :: format_version = 1
-  !> The two files that take turns
-  character(len=*), parameter :: file_names(2) = [character(len=12) :: 'restart_a.h5', 'restart_b.h5']
+  integer(i8), parameter :: format_version = 2
+  !> Largest error of the length of a unit quaternion
+  real(wp), parameter :: largest_drift = 1e-6_wp
 
   !> The state of a run at the end of a step; where ranks share it, of some bodies and of some contacts
   type :: restart_t
@@ -52,9 +55,6 @@ module sg_restart
     real(wp), allocatable :: built(:, :)
     !> Sums kept over the run, such as works of forces
     real(wp), allocatable :: totals(:)
-    !> Of a state that was read: rows that the datasets of bodies have in the file (position, angle, velocity, crossings,
-    !! orientation, crossings_y), and those of contacts (contactor, feature, image, law, status, impulse, image_y)
-    integer, private :: body_rows(6) = 0, contact_rows(7) = 0
   end type restart_t
 
 contains
@@ -190,7 +190,7 @@ contains
     if (ranks%rank == 0) call find_newest(folder, newest, serial)
     found = [real(newest, wp), real(serial, wp)]
     call ranks%sum(found)
-    name = folder//'/'//file_names(merge(2, 1, nint(found(1)) == 1))
+    name = folder//'/'//restart_names(merge(2, 1, nint(found(1)) == 1))
     call write_file(name//'.unfinished', state, nint(found(2), i8) + 1, ranks, error)
     ! All ranks have written their part: one of them gives the file its name.
     if (ranks%rank == 0) call settle_file(name//'.unfinished', name, error)
@@ -220,7 +220,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(hdf5_file_t) :: file
 
-    call file%create(name, ranks)
+    call file%create(name, ranks, is_checked=.true.)
     call file%set('/', 'format', format_name)
     call file%set('/', 'format_version', format_version)
     call file%set('/', 'program', 'SplitGrain '//version//' ('//commit//')')
@@ -253,41 +253,8 @@ contains
     if (allocated(file%error)) call move_alloc(file%error, error)
   end subroutine write_file
 
-  !> Path of the newest restart file of a folder that can be opened; empty when there is none.
-  function newest_restart(folder) result(name)
-    character(len=*), intent(in) :: folder !! folder of the results
-    character(len=:), allocatable :: name
-    integer :: newest
-    integer(i8) :: serial
-
-    name = ''
-    call find_newest(folder, newest, serial)
-    if (newest > 0) name = folder//'/'//trim(file_names(newest))
-  end function newest_restart
-
-  !> Find the file written last. Steps do not tell: a new run may have begun in the folder of an old one.
-  subroutine find_newest(folder, newest, serial)
-    character(len=*), intent(in) :: folder
-    integer, intent(out) :: newest !! index into `file_names`; 0 when there is none
-    integer(i8), intent(out) :: serial !! its serial number; 0 when there is none
-    type(hdf5_file_t) :: file
-    integer(i8) :: found
-    integer :: i
-
-    newest = 0
-    serial = 0
-    do i = 1, size(file_names)
-      call file%open(folder//'/'//file_names(i), is_read_only=.true.)
-      call file%look('/', 'serial', found)
-      call file%close()
-      if (allocated(file%error) .or. found <= serial) cycle
-      newest = i
-      serial = found
-    end do
-  end subroutine find_newest
-
   !> Read a state and see whether it fits the scene; that another deck wrote it is only a warning.
-  subroutine read_restart(name, scene, deck_hash, state, diagnostics, bodies, contactors, comm)
+  subroutine read_restart(name, scene, deck_hash, state, diagnostics, bodies, contactors, comm, components, is_damaged)
     character(len=*), intent(in) :: name !! path of the file
     type(scene_t), intent(in) :: scene !! scene that it must fit, or the part of a rank
     character(len=*), intent(in) :: deck_hash !! hash of the present deck
@@ -296,45 +263,58 @@ contains
     integer, intent(in), optional :: bodies !! bodies of the whole scene, where ranks share it
     integer, intent(in), optional :: contactors !! contactors of the whole scene
     type(comm_t), intent(in), optional :: comm !! ranks that read the file, each its piece of the contacts; absent where one does
-    type(error_t), allocatable :: error
+    integer, intent(in), optional :: components !! of an impulse, as many as dimensions unless given
+    logical, intent(out), optional :: is_damaged !! is the file itself at fault, and not of another scene?
+    type(hdf5_file_t) :: file
     type(comm_t) :: ranks
     character(len=:), allocatable :: misfit
-    integer :: whole(2)
+    integer :: whole(2), numbers
 
     if (present(comm)) ranks = comm
-    call read_file(name, scene, ranks, state, error)
-    if (allocated(error)) then
-      call diagnostics%add(error%message, file=name)
-      return
-    end if
     whole = [scene%bodies%n, scene%contactors%n]
     if (present(bodies)) whole(1) = bodies
     if (present(contactors)) whole(2) = contactors
-    misfit = misfit_of(state, scene, whole(1), whole(2))
+    numbers = scene%dimension
+    if (present(components)) numbers = components
+    call file%open(name, is_read_only=.true.)
+    call check_format(file)
+    misfit = scene_misfit(file, scene, whole(1))
+    if (len(misfit) == 0) call check_shapes(file, scene, whole(1), numbers)
+    if (len(misfit) == 0 .and. .not. allocated(file%error)) call read_file(file, scene, ranks, state)
+    call file%close()
+    if (present(is_damaged)) is_damaged = allocated(file%error)
+    if (allocated(file%error)) then
+      call diagnostics%add(file%error%message, file=name)
+      return
+    end if
+    if (len(misfit) == 0) misfit = misfit_of(state, whole(2), number_of_laws(scene))
     if (len(misfit) > 0) then
       call diagnostics%add('this restart file does not fit the scene: '//misfit, file=name)
+    else if (len(fault_of(state)) > 0) then
+      if (present(is_damaged)) is_damaged = .true.
+      call diagnostics%add('this restart file is damaged: '//fault_of(state), file=name)
     else if (state%deck_hash /= deck_hash) then
       call diagnostics%warn('this restart file was written with another deck (hash '//state%deck_hash//', now '// &
                             deck_hash//')', file=name)
     end if
   end subroutine read_restart
 
-  !> Read all datasets; of several ranks each its rows.
-  subroutine read_file(name, scene, ranks, state, error)
-    character(len=*), intent(in) :: name
+  !> Read all datasets of an open file; of several ranks each its rows.
+  subroutine read_file(file, scene, ranks, state)
+    type(hdf5_file_t), intent(inout) :: file
     type(scene_t), intent(in) :: scene
     type(comm_t), intent(in) :: ranks
     type(restart_t), intent(out) :: state
-    type(error_t), allocatable, intent(out) :: error
-    type(hdf5_file_t) :: file
     type(picked_rows_t) :: bodies, contacts
     integer(i8) :: number
     real(wp), allocatable :: time(:)
 
-    call file%open(name, is_read_only=.true.)
-    call check_format(file)
     call file%look('/', 'deck_hash', state%deck_hash)
     call file%look('/', 'step', number)
+    if (number < 0 .or. number > int(huge(state%step), i8)) then
+      if (.not. allocated(file%error)) call fail(file%error, 'its step is '//to_text(number), file=file%name)
+      return
+    end if
     state%step = int(number)
     call file%get('/time', time)
     if (size(time) == 1) state%time = time(1)
@@ -345,27 +325,25 @@ contains
     if (allocated(scene%bodies%id)) call bodies%pick(scene%bodies%id)
     if (ranks%size > 1) call contacts%pick_piece(file, '/contacts/feature', ranks%rank, ranks%size)
     call forget_space(state)
-    call read_bodies(file, bodies, state)
+    call read_bodies(file, bodies, allocated(scene%bodies%orientation), state)
     call read_contacts(file, contacts, state)
-    call file%close()
-    if (allocated(file%error)) call move_alloc(file%error, error)
   end subroutine read_file
 
   !> Read the rows of bodies.
-  subroutine read_bodies(file, rows, state)
+  subroutine read_bodies(file, rows, has_orientations, state)
     type(hdf5_file_t), intent(inout) :: file
     type(picked_rows_t), intent(in) :: rows
+    logical, intent(in) :: has_orientations
     type(restart_t), intent(inout) :: state
+    integer :: n
 
-    associate (n => state%body_rows)
-      call rows%get(file, '/bodies/position', state%position, n(1))
-      call rows%get(file, '/bodies/angle', state%angle, n(2))
-      call rows%get(file, '/bodies/velocity', state%velocity, n(3))
-      call rows%get(file, '/bodies/crossings', state%crossings, n(4))
-      if (size(state%position, 1) /= 3) return
-      call rows%get(file, '/bodies/orientation', state%orientation, n(5))
-      call rows%get(file, '/bodies/crossings_y', state%crossings_y, n(6))
-    end associate
+    call rows%get(file, '/bodies/position', state%position, n)
+    call rows%get(file, '/bodies/angle', state%angle, n)
+    call rows%get(file, '/bodies/velocity', state%velocity, n)
+    call rows%get(file, '/bodies/crossings', state%crossings, n)
+    if (size(state%position, 1) /= 3) return
+    if (has_orientations) call rows%get(file, '/bodies/orientation', state%orientation, n)
+    call rows%get(file, '/bodies/crossings_y', state%crossings_y, n)
   end subroutine read_bodies
 
   !> Read the rows of contacts.
@@ -373,16 +351,15 @@ contains
     type(hdf5_file_t), intent(inout) :: file
     type(picked_rows_t), intent(in) :: rows
     type(restart_t), intent(inout) :: state
+    integer :: n
 
-    associate (n => state%contact_rows)
-      call rows%get(file, '/contacts/contactor', state%contactor, n(1))
-      call rows%get(file, '/contacts/feature', state%feature, n(2))
-      call rows%get(file, '/contacts/image', state%image, n(3))
-      call rows%get(file, '/contacts/law', state%law, n(4))
-      call rows%get(file, '/contacts/status', state%status, n(5))
-      call rows%get(file, '/contacts/impulse', state%impulse, n(6))
-      if (size(state%position, 1) == 3) call rows%get(file, '/contacts/image_y', state%image_y, n(7))
-    end associate
+    call rows%get(file, '/contacts/contactor', state%contactor, n)
+    call rows%get(file, '/contacts/feature', state%feature, n)
+    call rows%get(file, '/contacts/image', state%image, n)
+    call rows%get(file, '/contacts/law', state%law, n)
+    call rows%get(file, '/contacts/status', state%status, n)
+    call rows%get(file, '/contacts/impulse', state%impulse, n)
+    if (size(state%position, 1) == 3) call rows%get(file, '/contacts/image_y', state%image_y, n)
   end subroutine read_contacts
 
   !> Is an open file one of ours, in a layout that we know?
@@ -399,42 +376,43 @@ contains
       return
     end if
     call file%look('/', 'format_version', number)
-    if (was_opened .and. number /= format_version) &
+    if (.not. allocated(file%error) .and. number /= format_version) &
       call fail(file%error, 'this restart file has the layout '//to_text(number)//', but this program reads layout '// &
                 to_text(format_version), file=file%name)
   end subroutine check_format
 
   !> Why a state does not fit a scene; empty when it does.
-  function misfit_of(state, scene, bodies, contactors) result(misfit)
+  pure function misfit_of(state, contactors, laws) result(misfit)
     type(restart_t), intent(in) :: state
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: bodies, contactors
+    integer, intent(in) :: contactors, laws
     character(len=:), allocatable :: misfit
-    integer :: n, m
 
-    n = state%body_rows(1)
-    m = state%contact_rows(2)
     misfit = ''
-    if (n /= bodies) then
-      misfit = 'it holds '//to_text(n)//' bodies, the scene '//to_text(bodies)
-    else if (size(state%position, 1) /= scene%dimension) then
-      misfit = 'it holds a scene of dimension '//to_text(size(state%position, 1))
-    else if (size(state%velocity, 1) /= scene%bodies%n_velocity) then
-      misfit = 'only one of them has bodies that turn'
-    else if (any(state%body_rows /= [n, merge(n, 0, allocated(scene%bodies%angle)), n, n, &
-                                     merge(n, 0, allocated(scene%bodies%orientation)), merge(n, 0, scene%dimension == 3)]) .or. &
-             any(state%contact_rows /= [m, m, m, m, m, m, merge(m, 0, scene%dimension == 3)]) .or. &
-             size(state%orientation, 1) /= 4 .or. size(state%contactor, 1) /= 2) then
-      misfit = 'its datasets differ in size'
-    else if (.not. (all(ieee_is_finite(state%position)) .and. all(ieee_is_finite(state%velocity)) .and. &
-                    all(ieee_is_finite(state%impulse)))) then
-      misfit = 'it holds numbers that are not finite'
-    else if (any(state%contactor < 1) .or. any(state%contactor > contactors)) then
+    if (any(state%contactor < 1) .or. any(state%contactor > contactors)) then
       misfit = 'it holds contacts of shapes that the scene does not have'
-    else if (any(state%law < 1) .or. any(state%law > number_of_laws(scene))) then
+    else if (any(state%law < 1) .or. any(state%law > laws)) then
       misfit = 'it holds contacts under laws that the scene does not have'
     end if
   end function misfit_of
+
+  !> What no run can have written; empty when all is well. Of `totals` each part is looked at by those who know it.
+  pure function fault_of(state) result(fault)
+    type(restart_t), intent(in) :: state
+    character(len=:), allocatable :: fault
+
+    fault = ''
+    if (.not. (ieee_is_finite(state%time) .and. all(ieee_is_finite(state%position)) .and. all(ieee_is_finite(state%angle)) .and. &
+               all(ieee_is_finite(state%orientation)) .and. all(ieee_is_finite(state%velocity)) .and. &
+               all(ieee_is_finite(state%built)) .and. all(ieee_is_finite(state%impulse)))) then
+      fault = 'it holds numbers that are not finite'
+    else if (any(abs(norm2(state%orientation, 1) - 1) > largest_drift)) then
+      fault = 'it holds orientations that are no rotations'
+    else if (any(state%status < status_new) .or. any(state%status > last_status)) then
+      fault = 'it holds contacts in a state that there is none'
+    else if (any(abs(state%image) > huge(1_i1)) .or. any(abs(state%image_y) > huge(1_i1))) then
+      fault = 'it holds contacts across more periods than there can be'
+    end if
+  end function fault_of
 
   !> Number of contact laws of a scene.
   pure integer function number_of_laws(scene) result(n)

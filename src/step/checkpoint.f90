@@ -3,6 +3,7 @@
 !! Ranks that share the scene write one file. Another number of ranks may go on from it, from the same bodies, velocities,
 !! impulses and totals; only one rank that goes on from one rank also takes up its list of neighbours, and with it every bit.
 module sg_checkpoint
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_bodies, only: bodies_t
   use sg_bodies_rows, only: order_bodies
   use sg_comm, only: comm_t
@@ -11,10 +12,12 @@ module sg_checkpoint
   use sg_history, only: resume_history
   use sg_kinds, only: wp
   use sg_neighbours, only: build_neighbours
-  use sg_restart, only: keep_state, newest_restart, read_restart, restart_t, restore_state, write_restart
+  use sg_restart, only: keep_state, read_restart, restart_t, restore_state, write_restart
+  use sg_restart_files, only: restarts_of
   use sg_rows, only: rows_t
   use sg_signature, only: n_signature, signature_of
   use sg_simulation, only: simulation_t
+  use sg_text, only: append_word, text_t, to_text
   use sg_totals, only: n_totals_values, totals_t
   implicit none
   private
@@ -86,49 +89,117 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when the file does not serve
     type(comm_t), intent(inout), optional :: comm !! ranks that are to share the scene, all of which call this
     type(comm_t) :: ranks
-    integer :: speaker
+    type(text_t), allocatable :: names(:)
+    type(restart_t) :: state
+    type(error_t), allocatable :: first
+    integer :: i
+    logical :: is_damaged
 
     if (present(comm)) ranks = comm
-    call load_state(sim, name, warnings, ranks, error)
-    call ranks%agree(error, speaker)
+    call find_files(name, names, error)
+    call settle()
     if (allocated(error)) return
-    call sim%energy%leave_to_first(ranks)
-    call sim%totals%leave_to_first(ranks)
+    do i = 1, size(names)
+      call read_state(sim, names(i)%s, state, warnings, ranks, is_damaged, error)
+      is_damaged = ranks%any(is_damaged)
+      call settle()
+      if (.not. allocated(error)) exit
+      if (.not. allocated(first)) first = error
+      if (.not. is_damaged) return
+    end do
+    if (allocated(error)) then
+      ! The newest file is the one that was asked for.
+      call move_alloc(first, error)
+      return
+    end if
+    if (i > 1) call warnings%warn('this checkpoint is left aside, the run goes on from the older '//names(i)%s//' of step '// &
+                                  to_text(state%step)//' ('//first%message//')', file=names(1)%s)
+    call take_state(sim, state, ranks)
+  contains
+    !> A failure of one rank is one of all.
+    subroutine settle()
+      integer :: speaker
+
+      call ranks%agree(error, speaker)
+    end subroutine settle
   end subroutine load_checkpoint
 
-  !> Bring a simulation to the state of a restart file.
-  subroutine load_state(sim, name, warnings, ranks, error)
-    type(simulation_t), intent(inout) :: sim
+  !> The file asked for, or those of a folder, the newest first.
+  subroutine find_files(name, names, error)
     character(len=*), intent(in) :: name
-    type(diagnostics_t), intent(inout) :: warnings
-    type(comm_t), intent(inout) :: ranks !! one rank alone takes up its list of neighbours
+    type(text_t), allocatable, intent(out) :: names(:)
     type(error_t), allocatable, intent(out) :: error
-    type(restart_t) :: state
-    character(len=:), allocatable :: file
     logical :: is_folder
+
+    inquire (file=name//'/.', exist=is_folder)
+    if (.not. is_folder) then
+      call append_word(names, name)
+      return
+    end if
+    names = restarts_of(name)
+    if (size(names) == 0) call fail(error, 'the folder holds no restart file', file=name)
+  end subroutine find_files
+
+  !> Read a restart file; what does not serve is an error, and whether the file itself is at fault is told.
+  subroutine read_state(sim, file, state, warnings, ranks, is_damaged, error)
+    type(simulation_t), intent(in) :: sim
+    character(len=*), intent(in) :: file
+    type(restart_t), intent(out) :: state
+    type(diagnostics_t), intent(inout) :: warnings
+    type(comm_t), intent(inout) :: ranks
+    logical, intent(out) :: is_damaged
+    type(error_t), allocatable, intent(out) :: error
+    type(diagnostics_t) :: found
     real(wp) :: signature(n_signature)
+    integer :: i
 
     signature = signature_of(sim%scene, ranks)
-    file = name
-    inquire (file=name//'/.', exist=is_folder)
-    if (is_folder) file = newest_restart(name)
-    if (len(file) == 0) then
-      call fail(error, 'the folder holds no restart file', file=name)
-      return
-    end if
-    call read_restart(file, sim%scene, sim%options%deck_hash, state, warnings, nint(signature(1)), nint(signature(2)), ranks)
-    if (warnings%count() == 0 .and. size(state%totals) /= n_energy_values + n_totals_values + 1 + n_signature) then
-      call warnings%add('the restart file is of another version of the program', file=file)
-    end if
-    if (warnings%count() == 0) then
-      if (any(abs(state%totals(size(state%totals) - n_signature + 1:) - signature) > 0)) then
-        call warnings%add('the restart file is of another scene: shapes, masses or drives differ', file=file)
+    call read_restart(file, sim%scene, sim%options%deck_hash, state, found, nint(signature(1)), nint(signature(2)), ranks, &
+                      sim%contacts%n_components, is_damaged)
+    if (found%count() == 0) then
+      if (size(state%totals) /= n_energy_values + n_totals_values + 1 + n_signature) then
+        call found%add('the restart file is of another version of the program', file=file)
+      else if (any(abs(state%totals(size(state%totals) - n_signature + 1:) - signature) > 0)) then
+        call found%add('the restart file is of another scene: shapes, masses or drives differ', file=file)
+      else if (len(fault_of(state)) > 0) then
+        is_damaged = .true.
+        call found%add('this restart file is damaged: '//fault_of(state), file=file)
       end if
     end if
-    if (warnings%count() > 0) then
-      error = warnings%errors(1)
-      return
+    if (found%count() > 0) then
+      error = found%errors(1)
+    else if (allocated(found%warnings)) then
+      do i = 1, size(found%warnings)
+        call warnings%warn(found%warnings(i)%message, file=file)
+      end do
     end if
+  end subroutine read_state
+
+  !> What no run can have written into the totals; empty when all is well. Errors of steps may be anything.
+  pure function fault_of(state) result(fault)
+    type(restart_t), intent(in) :: state
+    character(len=:), allocatable :: fault
+    type(totals_t) :: totals
+
+    fault = ''
+    associate (energies => state%totals(:n_energy_values), skin => state%totals(size(state%totals) - n_signature), &
+               counted => state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
+      if (.not. (all(ieee_is_finite(energies)) .and. ieee_is_finite(skin))) then
+        fault = 'it holds sums that are not finite'
+      else if (.not. totals%are_sound(counted)) then
+        fault = 'it holds counts that are none'
+      else if (state%step > nint(counted(1))) then
+        fault = 'it is of step '//to_text(state%step)//', but counts '//to_text(nint(counted(1)))//' steps'
+      end if
+    end associate
+  end function fault_of
+
+  !> Bring a simulation to a state that was read.
+  subroutine take_state(sim, state, ranks)
+    type(simulation_t), intent(inout) :: sim
+    type(restart_t), intent(in) :: state
+    type(comm_t), intent(in) :: ranks !! one rank alone takes up its list of neighbours
+
     call restore_state(state, sim%scene, sim%contacts)
     sim%step = state%step
     call keep_time(sim, state%time)
@@ -139,7 +210,9 @@ contains
     if (ranks%size == 1 .and. size(state%built, 2) > 0) then
       call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals) - n_signature))
     end if
-  end subroutine load_state
+    call sim%energy%leave_to_first(ranks)
+    call sim%totals%leave_to_first(ranks)
+  end subroutine take_state
 
   !> Go on from the time of a restart file, also where the step is another one now: times are the start's and so many steps.
   pure subroutine keep_time(sim, time)

@@ -8,7 +8,7 @@ module sg_run_files
   use sg_pictures, only: pictures_t
   use sg_progress, only: progress_t
   use sg_record, only: record_t
-  use sg_restart, only: newest_restart
+  use sg_restart_files, only: newest_restart
   use sg_run_options, only: criterion_names, run_options_t
   use sg_run_summary, only: run_summary_t, write_run_summary
   use sg_run_trace, only: run_trace_t, steps_file, trace_file, traced_steps

@@ -14,7 +14,7 @@ program test_restart
   use sg_kinds, only: wp, i4, i8
   use sg_parcels, only: parcel_t
   use sg_random, only: random_t
-  use sg_restart, only: newest_restart
+  use sg_restart_files, only: newest_restart
   use sg_rows, only: rows_t, wanted_t
   use sg_scene, only: scene_t
   use sg_signature, only: n_signature, signature_of
@@ -33,6 +33,8 @@ program test_restart
     call test_scene('space', 3, 45, .true., 2)
     call test_scene('few', 2, 2, .true., 1)
     call test_scene('lonely', 3, 9, .false., 0)
+    ! More rows than share a check sum: ranks write pieces of each other's chunks.
+    call test_scene('many', 2, 40001, .true., 5)
     call test_bad_piece()
     call test_no_folder()
   else
@@ -130,6 +132,7 @@ contains
     call shake(whole%scene, random)
     call chain_of_contacts(whole%scene, min(stride, whole%scene%contactors%n - 1), random, whole%contacts)
     whole%step = 1234
+    whole%totals%steps = 1234
     whole%energy%external_work = 5
     whole%totals%contact_updates = 1000
     if (comm%rank == 0) then
@@ -282,6 +285,7 @@ contains
     call take_part(fresh, none, home, comm%rank, comm%size, sim%scene, own)
     call load_checkpoint(sim, folder, warnings, error, comm)
     call t%check(.not. allocated(error), folder//' is read by shares')
+    if (allocated(error)) write (*, '(a)') error%report()
     if (allocated(error)) return
     associate (bodies => sim%scene%bodies, there => whole%scene%bodies)
       do b = 1, bodies%n

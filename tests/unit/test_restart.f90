@@ -1,5 +1,6 @@
 !> Restart files: bit for bit, two in turn, and what is said of files that do not fit.
 program test_restart
+  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use harness, only: tests_t
   use same_bits, only: same
   use sg_bodies, only: drop_rotation
@@ -7,9 +8,10 @@ program test_restart
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: diagnostics_t, error_t
   use sg_hdf5, only: hdf5_file_t, hdf5_is_available
-  use sg_kinds, only: wp, i1, i4
+  use sg_kinds, only: wp, i1, i4, i8
   use sg_random, only: random_t
-  use sg_restart, only: keep_state, newest_restart, read_restart, restart_t, restore_state, write_restart
+  use sg_restart, only: keep_state, read_restart, restart_t, restore_state, write_restart
+  use sg_restart_files, only: newest_restart, restarts_of
   use sg_scene, only: scene_t
   use sg_system, only: file_exists, make_folder, remove_file
   implicit none
@@ -26,6 +28,7 @@ program test_restart
     call test_turns()
     call test_misfits()
     call test_spoilt_files()
+    call test_spoilt_values()
     call test_no_room()
   else
     call test_without_library()
@@ -77,7 +80,7 @@ contains
     state%step = 1234
     state%time = 0.1_wp + 0.2_wp
     state%deck_hash = hash
-    state%built = reshape([(wide(random), i=1, 6)], [3, 2])
+    state%built = reshape([(wide(random), i=1, size(scene%bodies%middle))], shape(scene%bodies%middle))
     state%totals = [(wide(random), i=1, 5)]
   end subroutine some_state
 
@@ -110,7 +113,7 @@ contains
     call t%equal(back%step, 1234, 'step')
     call t%check(same([back%time], [state%time]), 'time')
     call t%check(same(back%totals, state%totals), 'totals')
-    call t%check(all(shape(back%built) == [3, 2]) .and. same(back%built, state%built), 'built')
+    call t%check(all(shape(back%built) == shape(state%built)) .and. same(back%built, state%built), 'built')
     call restore_state(back, other, recovered)
     call t%check(same(other%bodies%position, scene%bodies%position), 'position')
     call t%check(same(other%bodies%velocity, scene%bodies%velocity), 'velocity')
@@ -144,7 +147,7 @@ contains
     allocate (state%built(2, 0), state%totals(0))
     call write_restart(folder, state, error)
     call t%check(.not. allocated(error), 'a state without contacts is written')
-    call read_restart(newest_restart(folder), scene, hash, back, diagnostics)
+    call read_restart(newest_restart(folder), scene, hash, back, diagnostics, components=1)
     call t%equal(diagnostics%count(), 0, 'and read')
     call restore_state(back, scene, contacts)
     call t%equal(contacts%n, 0, 'no contacts')
@@ -172,6 +175,11 @@ contains
     call write_restart(folder, state, error)
     call t%check(newest_restart(folder) == folder//'/restart_a.h5', 'what is written last counts, also at an earlier step')
     call t%check(newest_restart('no/such/folder') == '', 'a missing folder has no restart file')
+    call t%equal(size(restarts_of('no/such/folder')), 0, 'nor are there any to choose from')
+    associate (files => restarts_of(folder))
+      call t%equal(size(files), 2, 'two files to choose from')
+      call t%check(files(1)%s == folder//'/restart_a.h5' .and. files(2)%s == folder//'/restart_b.h5', 'the newest first')
+    end associate
   end subroutine test_turns
 
   !> Files of other scenes and decks.
@@ -235,6 +243,45 @@ contains
     call expect(scene, name, 'this is no restart file of SplitGrain')
     call expect(scene, folder//'/missing.h5', 'No such file or directory')
   end subroutine test_spoilt_files
+
+  !> Files with right check sums that no run writes: values, sizes, and attributes that are lists.
+  subroutine test_spoilt_values()
+    character(len=70), parameter :: said(9) = [character(len=70) :: &
+      'damaged: it holds numbers that are not finite', 'damaged: it holds numbers that are not finite', &
+      'damaged: it holds numbers that are not finite', 'damaged: it holds contacts in a state that there is none', &
+      'damaged: it holds contacts across more periods', 'its step is -1', '/built has 7 rows of 3 numbers, not 50 of 3', &
+      '/contacts/impulse has 120 rows of 1 numbers, not 120 of 2', '/bodies/crossings has 49 rows of 1 numbers, not 50 of 1']
+    type(scene_t) :: scene
+    type(contacts_t) :: contacts
+    type(restart_t) :: state
+    type(hdf5_file_t) :: file
+    type(error_t), allocatable :: error
+    real(wp) :: nan
+    integer :: i
+
+    nan = ieee_value(nan, ieee_quiet_nan)
+    do i = 1, size(said)
+      scene = some_scene(n_bodies)
+      call some_state(scene, contacts, state)
+      if (i == 1) state%angle(7) = nan
+      if (i == 2) state%time = nan
+      if (i == 3) state%built(2, 9) = nan
+      if (i == 4) state%status(3) = 77
+      if (i == 5) state%image(3) = 1000
+      if (i == 6) state%step = -1
+      if (i == 7) state%built = state%built(:, :7)
+      if (i == 8) state%impulse = state%impulse(:1, :)
+      if (i == 9) state%crossings = state%crossings(2:)
+      call write_restart(folder, state, error)
+      call t%check(.not. allocated(error), 'it is written')
+      call expect(scene, newest_restart(folder), trim(said(i)))
+    end do
+    call file%create(folder//'/list.h5')
+    call file%set('/', 'format', 'SplitGrain restart')
+    call file%set('/', 'format_version', [(2_i8, i=1, 100)])
+    call file%close()
+    call expect(scene, folder//'/list.h5', 'the attribute format_version is not one whole number')
+  end subroutine test_spoilt_values
 
   !> Where nothing can be written there is one clear error, and the old file stays.
   subroutine test_no_room()
