@@ -84,6 +84,7 @@ contains
 
     contacts%dimension = whole%dimension
     contacts%n_components = whole%n_components
+    contacts%n_internal = whole%n_internal
     call reserve_contacts(contacts, max(1, size(kept)))
     contacts%n = size(kept)
     do i = 1, size(kept)
@@ -99,6 +100,7 @@ contains
       if (whole%dimension == 3) contacts%image_y(i) = whole%image_y(k)
       contacts%impulse(:, i) = whole%impulse(:, k)
       contacts%status(i) = whole%status(k)
+      contacts%internal(:, i) = whole%internal(:, k)
     end do
   end subroutine keep_contacts
 

@@ -42,6 +42,7 @@ contains
     associate (k => a%contacts%n)
       call t%check(same(a%contacts%impulse(:, :k), b%contacts%impulse(:, :k)), name//': impulses')
       call t%check(all(a%contacts%status(:k) == b%contacts%status(:k)), name//': statuses')
+      call t%check(same(a%contacts%internal(:, :k), b%contacts%internal(:, :k)), name//': internal values')
     end associate
     call t%check(same(a%energy%pack(), b%energy%pack()), name//': energies')
   end subroutine check_same_state
@@ -87,6 +88,7 @@ contains
     do k = 1, contacts%n
       contacts%impulse(:, k) = mark(contacts, k)*factors(:contacts%n_components)
       contacts%status(k) = status_slide
+      contacts%internal(:, k) = -mark(contacts, k)
     end do
   end subroutine mark_all
 
@@ -104,7 +106,8 @@ contains
         new = new + 1
         if (any(abs(contacts%impulse(:, k)) > 0)) wrong = wrong + 1
       else if (contacts%status(k) /= status_slide .or. &
-               any(abs(contacts%impulse(:, k) - mark(contacts, k)*factors(:contacts%n_components)) > 0)) then
+               any(abs(contacts%impulse(:, k) - mark(contacts, k)*factors(:contacts%n_components)) > 0) .or. &
+               any(abs(contacts%internal(:, k) + mark(contacts, k)) > 0)) then
         wrong = wrong + 1
       end if
     end do

@@ -6,6 +6,7 @@ module rank_parts
   use sg_error, only: error_t
   use sg_homes, only: owner_of
   use sg_kinds, only: wp, i1, i4
+  use sg_laws, only: law_iqs_g0
   use sg_local_numbers, only: contactors_of_bodies, local_body, local_contactor
   use sg_pack_bodies, only: build_scene, order_records, pack_body
   use sg_parcels, only: parcel_t
@@ -92,6 +93,8 @@ contains
 
     allocate (scene%laws(1), scene%sees(1), scene%drives(0), scene%pressures(0), scene%materials(3), scene%colours(3))
     scene%laws(1)%name = 'sand'
+    ! A law that keeps an internal value of each contact.
+    scene%laws(1)%kind = law_iqs_g0
     scene%laws(1)%static_friction = 0.5_wp
     scene%laws(1)%dynamic_friction = 0.5_wp
     scene%sees(1) = see_t(law=1, alert=0.01_wp)
@@ -140,6 +143,7 @@ contains
 
     contacts%dimension = scene%dimension
     contacts%n_components = scene%dimension
+    contacts%n_internal = 1
     if (stride == 0) return
     contacts%n = scene%contactors%n - stride
     call reserve_contacts(contacts, contacts%n)
@@ -155,6 +159,7 @@ contains
       contacts%normal(:, k) = [(random%uniform(-1.0_wp, 1.0_wp), c=1, scene%dimension)]
       contacts%point(:, k) = [(random%uniform(0.0_wp, 10.0_wp), c=1, scene%dimension)]
       contacts%impulse(:, k) = [(random%uniform(0.0_wp, 10.0_wp), c=1, scene%dimension)]
+      contacts%internal(:, k) = random%uniform(0.0_wp, 10.0_wp)
     end do
   end subroutine chain_of_contacts
 
@@ -220,6 +225,7 @@ contains
 
     contacts%dimension = whole%dimension
     contacts%n_components = whole%n_components
+    contacts%n_internal = whole%n_internal
     do k = 1, whole%n
       if (owner_of(home(whole%body(:, k))) /= rank) cycle
       n = contacts%n + 1
@@ -238,6 +244,7 @@ contains
       contacts%normal(:, n) = whole%normal(:, k)
       contacts%point(:, n) = whole%point(:, k)
       contacts%impulse(:, n) = whole%impulse(:, k)
+      contacts%internal(:, n) = whole%internal(:, k)
     end do
   end subroutine take_contacts
 end module rank_parts

@@ -5,7 +5,7 @@ module sg_datbox_behaviours
                              next_line, open_datbox_file, pass_over, real_field, remark, step_back
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
-  use sg_laws, only: law_t, law_elastic, law_restitution
+  use sg_laws, only: law_t, law_restitution
   use sg_scene, only: law_index, material_index, material_t, scene_t
   implicit none
   private
@@ -199,8 +199,9 @@ contains
       if (label == '') exit
       call real_field(file, law_columns(i), value, ok, diagnostics)
       if (.not. ok) return
-      if (value < 0) call complain(file, 'the number '''//label//''' must not be negative', law_columns(i), diagnostics)
-      if (law%kind == law_elastic .and. label == 'F/gp' .and. .not. value > 0) then
+      if (value < 0 .and. label /= 'pgap') &
+        call complain(file, 'the number '''//label//''' must not be negative', law_columns(i), diagnostics)
+      if (label == 'F/gp' .and. .not. value > 0) then
         call complain(file, 'the stiffness must be positive', law_columns(i), diagnostics)
       else if (law%kind == law_restitution .and. label(:3) == 'rst' .and. value > 1) then
         call complain(file, 'a restitution must not pass 1', law_columns(i), diagnostics)

@@ -1,12 +1,13 @@
 !> Vloc_Rloc.INI of a DATBOX: the contacts known at the start, with their mean forces.
 module sg_datbox_contacts
   use sg_datbox_blocks, only: read_point
+  use sg_datbox_internal, only: internal_of_numbers, most_numbers, n_numbers_of
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, go_to, keyword, line_text, name_field, &
-                             next_data_line, next_line, open_datbox_file, remark
+                             is_real, next_data_line, next_line, open_datbox_file, real_field, remark, step_back
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i1
-  use sg_laws, only: status_bonded, status_new, status_none, status_slide, status_stick
-  use sg_scene, only: scene_t, start_contact_t
+  use sg_laws, only: law_t, status_bonded, status_new, status_none, status_slide, status_stick
+  use sg_scene, only: law_index, scene_t, start_contact_t
   use sg_share, only: piece_of, share_t
   use sg_text, only: to_text
   implicit none
@@ -51,9 +52,9 @@ contains
       k = k + 1
       ok = .false.
       if (any(name_field(file, 9) == pairs) .and. scene%dimension == 2) then
-        call read_contact(file, scene%dimension, share, contact, ok, diagnostics)
+        call read_contact(file, scene, share, contact, ok, diagnostics)
       else if (any(name_field(file, 9) == pairs_in_space) .and. scene%dimension == 3) then
-        call read_contact(file, scene%dimension, share, contact, ok, diagnostics)
+        call read_contact(file, scene, share, contact, ok, diagnostics)
       else
         call complain_once(file, name_field(file, 9), 'contacts of type '''//name_field(file, 9)//''' are not done', 9, &
                            diagnostics)
@@ -65,28 +66,54 @@ contains
     scene%start_contacts = scene%start_contacts(:n)
   end subroutine read_start_contacts
 
-  !> Read one contact: a title, who touches whom, then forces, velocities, gap, frame, point.
-  subroutine read_contact(file, dimension, share, contact, ok, diagnostics)
+  !> Read one contact: a title, who touches whom, then forces, velocities, gap, frame, point, and internal values of its law.
+  subroutine read_contact(file, scene, share, contact, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
-    integer, intent(in) :: dimension
+    type(scene_t), intent(in) :: scene
     type(share_t), intent(in) :: share
     type(start_contact_t), intent(out) :: contact
     logical, intent(out) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
     character(len=:), allocatable :: pair
+    integer :: law
 
     ok = .false.
     pair = name_field(file, 9)
     if (.not. next_data_line(file, 'the title of a contact', diagnostics)) return
     if (.not. next_data_line(file, 'the bodies of a contact', diagnostics)) return
     ok = .true.
-    call read_identity(file, share, dimension, contact, ok, diagnostics)
-    if (dimension == 2) then
+    call read_identity(file, share, scene, contact, law, ok, diagnostics)
+    if (scene%dimension == 2) then
       call read_planar_force(file, contact, ok, diagnostics)
     else
       call read_solid_force(file, pair, contact, ok, diagnostics)
     end if
+    if (ok .and. law > 0) call read_internal(file, scene%laws(law), contact, ok, diagnostics)
   end subroutine read_contact
+
+  !> Read the numbers that some laws have LMGC90 write behind a contact, where they are there.
+  subroutine read_internal(file, law, contact, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    type(law_t), intent(in) :: law
+    type(start_contact_t), intent(inout) :: contact
+    logical, intent(inout) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+    real(wp) :: numbers(most_numbers)
+    integer :: i
+
+    if (n_numbers_of(law) == 0) return
+    if (.not. next_line(file)) return
+    if (keyword(file) /= '' .or. .not. is_real(file, 2)) then
+      call step_back(file)
+      return
+    end if
+    numbers = 0
+    do i = 1, n_numbers_of(law)
+      call real_field(file, 15*i - 13, numbers(i), ok, diagnostics)
+    end do
+    contact%internal = internal_of_numbers(law, numbers)
+    contact%has_internal = ok
+  end subroutine read_internal
 
   !> Read force and point of a contact in the plane; the tangential component comes first there.
   subroutine read_planar_force(file, contact, ok, diagnostics)
@@ -163,11 +190,12 @@ contains
   !!     RBDY2 body DISKx rank            law RBDY2 body JONCx rank            status
   !!     RBDY2 body POLYG rank CDVER n    law RBDY2 body POLYG rank ANSEG n    status
   !!     RBDY3 body POLYR rank n          law RBDY3 body PLANx rank            status
-  subroutine read_identity(file, share, dimension, contact, ok, diagnostics)
+  subroutine read_identity(file, share, scene, contact, law, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     type(share_t), intent(in) :: share
-    integer, intent(in) :: dimension
+    type(scene_t), intent(in) :: scene
     type(start_contact_t), intent(inout) :: contact
+    integer, intent(out) :: law !! its law; 0 where the scene has none of its name
     logical, intent(inout) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
     integer, parameter :: most_words = 16
@@ -176,10 +204,12 @@ contains
 
     call split(line_text(file), words, at, n)
     next = 1
+    law = 0
     if (n >= 10) then
-      call read_side(file, share, dimension, words, at, next, contact%contactor(1), ok, diagnostics)
+      call read_side(file, share, scene%dimension, words, at, next, contact%contactor(1), ok, diagnostics)
+      law = law_index(scene, trim(words(next)))
       next = next + 1
-      call read_side(file, share, dimension, words, at, next, contact%contactor(2), ok, diagnostics)
+      call read_side(file, share, scene%dimension, words, at, next, contact%contactor(2), ok, diagnostics)
       if (next <= n) then
         contact%status = status_of(file, trim(words(next)), at(next), diagnostics)
         return

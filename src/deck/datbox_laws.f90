@@ -3,7 +3,9 @@
 !! One table serves the reader and the writer of TACT_BEHAV.DAT.
 module sg_datbox_laws
   use sg_kinds, only: wp
-  use sg_laws, only: law_t, law_elastic, law_gap, law_iqs, law_linear, law_mohr, law_restitution, law_velocity, law_wet
+  use sg_laws, only: law_t, law_elastic, law_elastic_g0, law_gap, law_gap_g0, law_gap_shifted, law_iqs, law_iqs_g0, &
+                     law_linear, law_mohr, law_restitution, law_velocity, law_viscoelastic, &
+                     law_wet
   implicit none
   private
   public :: law_forms, form_of_name, form_of_law, set_parameter, get_parameter
@@ -11,7 +13,7 @@ module sg_datbox_laws
   !> How LMGC90 writes one law
   type :: law_form_t
     !> Its name there
-    character(len=20) :: name
+    character(len=24) :: name
     !> Our kind
     integer :: kind
     !> Labels of the numbers, at most two of four letters a line; blank lines are not there
@@ -32,6 +34,11 @@ module sg_datbox_laws
     law_form_t('IQS_WET_DS_CLB', law_wet, ['cohn Wthk', 'dyfr stfr', '         ']), &
     law_form_t('IQS_MOHR_DS_CLB', law_mohr, ['cohn coht', 'dyfr stfr', '         ']), &
     law_form_t('ELASTIC_REPELL_CLB', law_elastic, ['F/gp     ', 'fric     ', '         ']), &
+    law_form_t('IQS_CLB_g0', law_iqs_g0, ['fric     ', '         ', '         ']), &
+    law_form_t('GAP_SGR_CLB_g0', law_gap_g0, ['fric     ', '         ', '         ']), &
+    law_form_t('ELASTIC_REPELL_CLB_g0', law_elastic_g0, ['F/gp     ', 'fric     ', '         ']), &
+    law_form_t('preGAP_SGR_CLB', law_gap_shifted, ['pgap fric', '         ', '         ']), &
+    law_form_t('VISCO_ELASTIC_REPELL_CLB', law_viscoelastic, ['F/gp etan', 'fric     ', '         ']), &
     law_form_t('COUPLED_DOF', law_linear, ['         ', '         ', '         '])]
 
 contains
@@ -63,7 +70,7 @@ contains
       if (law_forms(form)%kind /= law%kind) cycle
       ! COUPLED_DOF is the linear law whose compliance vanishes.
       if (law%kind == law_linear .and. law%epsilon > 0) cycle
-      if (has_one_friction .or. .not. any(law_forms(form)%labels == 'fric')) return
+      if (has_one_friction .or. .not. any(index(law_forms(form)%labels, 'fric') > 0)) return
     end do
     form = 0
   end function form_of_law
@@ -94,6 +101,10 @@ contains
       law%wet_thickness = value
     case ('F/gp')
       law%stiffness = value
+    case ('pgap')
+      law%gap_shift = value
+    case ('etan')
+      law%viscosity = value
     end select
   end subroutine set_parameter
 
@@ -120,6 +131,10 @@ contains
       value = law%wet_thickness
     case ('F/gp')
       value = law%stiffness
+    case ('pgap')
+      value = law%gap_shift
+    case ('etan')
+      value = law%viscosity
     end select
   end function get_parameter
 end module sg_datbox_laws

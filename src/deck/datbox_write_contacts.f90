@@ -2,10 +2,13 @@
 module sg_datbox_write_contacts
   use sg_contactors, only: kind_plane, kind_polygon, kind_polyhedron, n_kinds
   use sg_datbox_contacts, only: components_of
-  use sg_datbox_output, only: finish_file, labelled, output_t, put, put_steps, start_file
+  use sg_datbox_internal, only: most_numbers, n_numbers_of, numbers_of_internal
+  use sg_datbox_output, only: finish_file, labelled, output_t, put, put_steps, real_word, start_file
   use sg_datbox_sees, only: datbox_kind_names
   use sg_error, only: error_t
+  use sg_internal_values, only: most_internal
   use sg_kinds, only: wp, i1, i4
+  use sg_laws, only: law_t
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
   use sg_vectors, only: cross
@@ -31,6 +34,8 @@ module sg_datbox_write_contacts
     real(wp), allocatable :: force(:, :), velocity(:, :)
     !> One of `status_*`, shape (n)
     integer(i1), allocatable :: status(:)
+    !> Internal values, zero beyond those of the law, shape (most_internal, n)
+    real(wp), allocatable :: internal(:, :)
   end type datbox_contacts_t
 
 contains
@@ -47,11 +52,13 @@ contains
     allocate (contacts%point(n, contacts%n), contacts%force(n, contacts%n))
     allocate (contacts%normal(n, contacts%n), contacts%velocity(n, contacts%n), source=0.0_wp)
     allocate (contacts%gap(contacts%n), source=0.0_wp)
+    allocate (contacts%internal(most_internal, contacts%n))
     do i = 1, contacts%n
       contacts%contactor(:, i) = scene%start_contacts(i)%contactor
       contacts%point(:, i) = scene%start_contacts(i)%point(:n)
       contacts%force(:, i) = scene%start_contacts(i)%force(:n)
       contacts%status(i) = scene%start_contacts(i)%status
+      contacts%internal(:, i) = scene%start_contacts(i)%internal
     end do
   end function contacts_at_start
 
@@ -107,6 +114,7 @@ contains
     if (see > 0) law = laws(scene%sees(see)%law)
     if (scene%dimension == 3) then
       call put_solid_contact(output, scene, rank, contacts, contact, law, is_large)
+      if (see > 0) call put_internal(output, scene%laws(scene%sees(see)%law), contacts%internal(:, contact))
       return
     end if
     call put(output, ' cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus')
@@ -117,7 +125,27 @@ contains
     call put(output, labelled('gapTT ', contacts%gap(contact:contact)))
     call put(output, labelled('n(1)= n(2)= n(3)= ', [contacts%normal(:, contact), 0.0_wp]))
     call put(output, labelled('coo1= coo2= coo3= ', [contacts%point(:, contact), 0.0_wp]))
+    if (see > 0) call put_internal(output, scene%laws(scene%sees(see)%law), contacts%internal(:, contact))
   end subroutine put_contact
+
+  !> Write the numbers that stand behind a contact under some laws, after a line that LMGC90 passes over.
+  subroutine put_internal(output, law, internal)
+    type(output_t), intent(inout) :: output
+    type(law_t), intent(in) :: law
+    real(wp), intent(in) :: internal(:)
+    real(wp) :: numbers(most_numbers)
+    character(len=:), allocatable :: line
+    integer :: i
+
+    if (n_numbers_of(law) == 0) return
+    numbers = numbers_of_internal(law, internal)
+    line = ''
+    do i = 1, n_numbers_of(law)
+      line = line//' '//real_word(numbers(i))
+    end do
+    call put(output, '# internal values')
+    call put(output, line)
+  end subroutine put_internal
 
   !> Write who touches whom, force, velocity, gap, frame and point of a contact in space.
   subroutine put_solid_contact(output, scene, rank, contacts, contact, law, is_large)

@@ -54,10 +54,10 @@ module sg_key_table
     real(wp) :: lowest = -huge(1.0_wp), highest = huge(1.0_wp)
     logical :: is_open = .false.
     !> Words to choose from, with a bar between two; where `space_choices` is not empty, `choices` are those of the plane
-    character(len=136) :: choices = '', space_choices = ''
+    character(len=400) :: choices = '', space_choices = ''
     !> When it applies: another key of the section, empty for always, and its words for which it does
     character(len=24) :: selector = ''
-    character(len=120) :: only = ''
+    character(len=400) :: only = ''
     !> What it is, one sentence
     character(len=280) :: sentence = ''
   end type key_t

@@ -9,8 +9,9 @@ module sg_keys_scene
   public :: add_scene_keys, add_law_keys, add_drive_keys, law_kinds, plane_shapes, space_shapes
 
   !> Words for the kinds of law, those of LMGC90, in the order of the numbers `law_*`
-  character(len=18), parameter :: law_kinds(12) = [character(len=18) :: 'IQS_CLB', 'GAP_SGR_CLB', 'VEL_SGR_CLB', 'RST_CLB', &
-    'IQS_WET_DS_CLB', 'IQS_MOHR_DS_CLB', 'ELASTIC_REPELL_CLB', 'LINEAR', 'ROD', 'WIRE', 'RIGID_WIRE', 'NARD_ROD']
+  character(len=24), parameter :: law_kinds(17) = [character(len=24) :: 'IQS_CLB', 'GAP_SGR_CLB', 'VEL_SGR_CLB', 'RST_CLB', &
+    'IQS_WET_DS_CLB', 'IQS_MOHR_DS_CLB', 'ELASTIC_REPELL_CLB', 'LINEAR', 'ROD', 'WIRE', 'RIGID_WIRE', 'NARD_ROD', 'IQS_CLB_g0', &
+    'GAP_SGR_CLB_g0', 'ELASTIC_REPELL_CLB_g0', 'preGAP_SGR_CLB', 'VISCO_ELASTIC_REPELL_CLB']
   !> Words for the shapes of the plane and of space; those that stand at one place correspond
   character(len=*), parameter :: plane_shapes = 'disk|segment|hollow disk|polygon|point'
   character(len=*), parameter :: space_shapes = 'sphere|cylinder|hollow cylinder|polyhedron|point|plane'
@@ -39,7 +40,9 @@ contains
     type(key_table_t), intent(inout) :: table !! table to add to
     character(len=*), parameter :: cohesive = 'kind=IQS_WET_DS_CLB|IQS_MOHR_DS_CLB'
     character(len=*), parameter :: rubbing = &
-      'kind=IQS_CLB|GAP_SGR_CLB|VEL_SGR_CLB|RST_CLB|IQS_WET_DS_CLB|IQS_MOHR_DS_CLB'
+      'kind=IQS_CLB|GAP_SGR_CLB|VEL_SGR_CLB|RST_CLB|IQS_WET_DS_CLB|IQS_MOHR_DS_CLB|IQS_CLB_g0|GAP_SGR_CLB_g0|'// &
+      'preGAP_SGR_CLB'
+    character(len=*), parameter :: elastic = 'ELASTIC_REPELL_CLB|ELASTIC_REPELL_CLB_g0|VISCO_ELASTIC_REPELL_CLB'
 
     call table%open_section('material', 'A bulk material.', is_list=.true.)
     call table%add('name', value_text, 'Name by which bodies call it.', is_required=.true.)
@@ -50,10 +53,11 @@ contains
                             is_list=.true.)
     call table%add('name', value_text, 'Name by which interactions call it.', default='"contact"')
     call table%add('kind', value_choice, 'Kind of law, by LMGC90''s name; LINEAR is r = -(1/epsilon) v; ROD, WIRE, RIGID_WIRE '// &
-                   'and NARD_ROD hold between points.', &
+                   'and NARD_ROD hold between points. In those that end in _g0 gaps count from that of the first step for '// &
+                   'contacts within the alert distance then.', &
                    default='"IQS_CLB"', choices=choices_of(law_kinds))
     call table%add('friction', value_real, 'Coulomb friction coefficient.', default='0.0', least=0.0_wp, &
-                   only=rubbing//'|ELASTIC_REPELL_CLB')
+                   only=rubbing//'|'//elastic)
     call table%add('static_friction', value_real, 'Friction coefficient while sticking; default: friction.', &
                    least=0.0_wp, only=rubbing)
     call table%add('dynamic_friction', value_real, 'Friction coefficient while sliding; default: friction.', &
@@ -69,7 +73,10 @@ contains
     call table%add('wet_thickness', value_real, 'Gap up to which a wet contact pulls.', unit='m', is_required=.true., &
                    least=0.0_wp, only='kind=IQS_WET_DS_CLB')
     call table%add('stiffness', value_real, 'Force per penetration.', unit='N/m', is_required=.true., above=0.0_wp, &
-                   only='kind=ELASTIC_REPELL_CLB')
+                   only='kind='//elastic)
+    call table%add('viscosity', value_real, 'Force per velocity while shapes overlap.', unit='N s/m', default='0.0', &
+                   least=0.0_wp, only='kind=VISCO_ELASTIC_REPELL_CLB')
+    call table%add('gap_shift', value_real, 'Length added to the gap.', unit='m', default='0.0', only='kind=preGAP_SGR_CLB')
     call table%add('epsilon', value_real, 'Velocity per impulse.', unit='1/kg', is_required=.true., &
                    above=0.0_wp, only='kind=LINEAR')
 

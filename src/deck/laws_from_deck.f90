@@ -3,8 +3,8 @@ module sg_laws_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
   use sg_keys_scene, only: law_kinds
-  use sg_laws, only: is_link_law, law_bond, law_elastic, law_linear, law_mohr, law_restitution, law_rod, law_t, law_wet, &
-                     law_wire
+  use sg_laws, only: is_link_law, law_bond, law_elastic, law_elastic_g0, law_gap_shifted, law_linear, law_mohr, &
+                     law_restitution, law_rod, law_t, law_viscoelastic, law_wet, law_wire
   use sg_scene, only: law_index, material_index, material_t, scene_t
   use sg_text, only: text_t
   use sg_words, only: choice_index, choices_of
@@ -74,8 +74,11 @@ contains
       law%tangential_restitution = deck%number(b, 'tangential_restitution')
     case (law_wet)
       law%wet_thickness = deck%number(b, 'wet_thickness')
-    case (law_elastic)
+    case (law_gap_shifted)
+      law%gap_shift = deck%number(b, 'gap_shift')
+    case (law_elastic, law_elastic_g0, law_viscoelastic)
       law%stiffness = deck%number(b, 'stiffness')
+      if (law%kind == law_viscoelastic) law%viscosity = deck%number(b, 'viscosity')
     case (law_linear)
       law%epsilon = deck%number(b, 'epsilon')
     end select

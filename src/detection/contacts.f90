@@ -19,6 +19,8 @@ module sg_contacts
     integer :: dimension = 2
     !> Impulse components: 2 (normal, tangential), in space 3 (x, y, z), or 1 (normal) where nothing rubs
     integer :: n_components = 2
+    !> Internal values that the laws in use keep of a contact (sg_internal_values); 0 where none keeps any
+    integer :: n_internal = 0
     !> Contactors, candidate and antagonist, shape (2, n)
     integer(i4), allocatable :: contactor(:, :)
     !> Bodies, candidate and antagonist, shape (2, n)
@@ -39,6 +41,8 @@ module sg_contacts
     real(wp), allocatable :: impulse(:, :)
     !> What the contact did in the last step, one of `status_*`, shape (n)
     integer(i1), allocatable :: status(:)
+    !> What the law of the contact keeps from step to step, shape (n_internal, n)
+    real(wp), allocatable :: internal(:, :)
   end type contacts_t
 
 contains
@@ -62,6 +66,7 @@ contains
     if (contacts%dimension == 3) call reserve(contacts%image_y, n)
     call reserve(contacts%impulse, contacts%n_components, n)
     call reserve(contacts%status, n)
+    call reserve(contacts%internal, contacts%n_internal, n)
   end subroutine reserve_contacts
 
   !> Normal impulse of a contact [N s].

@@ -3,6 +3,7 @@ module sg_detect
   use sg_contactors, only: contactors_t, kind_hollow, kind_hollow_cylinder, kind_plane, kind_sphere, kind_wall, place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, recall, unwrap_images
+  use sg_internal_values, only: first_internal, not_recorded
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_mohr, status_bonded, status_new
   use sg_link_laws, only: holds_across, pulls_only
@@ -231,7 +232,25 @@ contains
       contacts%status(k) = status_new
     end if
     if (history%is_start) contacts%status(k) = status_at_start(scene, contacts%law(k), contacts%status(k))
+    if (contacts%n_internal > 0) call recall_internal(scene, history, past, k, contacts)
   end subroutine add_contact
+
+  !> Internal values of a contact from its past. In the very first step a contact whose values no file holds takes those that its
+  !! law gives to contacts that are there from the start; later ones begin at zero.
+  subroutine recall_internal(scene, history, past, k, contacts)
+    type(scene_t), intent(in) :: scene
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: past, k
+    type(contacts_t), intent(inout) :: contacts
+    logical :: is_first
+
+    contacts%internal(:, k) = 0
+    if (past > 0) contacts%internal(:, k) = history%internal(:, past)
+    is_first = history%is_start .and. past == 0
+    if (past > 0) is_first = .not. contacts%internal(1, k) > not_recorded
+    if (is_first) contacts%internal(:, k) = first_internal(scene%laws(contacts%law(k)), contacts%gap(k), scene%dimension, &
+                                                           contacts%n_internal)
+  end subroutine recall_internal
 
   !> What a contact of the very first step is taken to have done before: Mohr-Coulomb contacts start bonded.
   pure integer(i1) function status_at_start(scene, law, status)

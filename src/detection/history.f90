@@ -4,6 +4,7 @@
 !! finds its past at p; when the list is made anew, pairs are matched once through the candidate's short list.
 module sg_history
   use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_internal_values, only: not_recorded
   use sg_kinds, only: wp, i1, i4, i8
   use sg_lists, only: reserve
   use sg_near, only: candidate_first
@@ -31,6 +32,8 @@ module sg_history
     integer(i4), allocatable :: feature(:)
     real(wp), allocatable :: impulse(:, :), point(:, :)
     integer(i1), allocatable :: status(:)
+    !> Internal values of each contact, shape (n_internal, contacts)
+    real(wp), allocatable :: internal(:, :)
     !> Past pair of each present one, 0 where there is none; unused while the list of neighbours stays
     integer(i4), allocatable :: past(:)
     !> Must pairs be matched, because the list of neighbours is another one?
@@ -46,11 +49,12 @@ module sg_history
 contains
 
   !> Take the contacts known at the start of a scene for the past.
-  subroutine start_history(history, scene, step, n_components)
+  subroutine start_history(history, scene, step, n_components, n_internal)
     type(history_t), intent(inout) :: history !! past to fill
     type(scene_t), intent(in) :: scene !! scene with its contacts at the start
     real(wp), intent(in) :: step !! time step, turns forces into impulses [s]
     integer, intent(in) :: n_components !! components of an impulse
+    integer, intent(in) :: n_internal !! internal values of a contact
     type(contacts_t) :: contacts
     integer(i4), allocatable :: order(:)
     integer :: k
@@ -60,6 +64,7 @@ contains
     if (contacts%n == 0) return
     contacts%dimension = scene%dimension
     contacts%n_components = n_components
+    contacts%n_internal = n_internal
     call reserve_contacts(contacts, contacts%n)
     order = start_order(scene)
     do k = 1, contacts%n
@@ -68,6 +73,8 @@ contains
         contacts%point(:, k) = known%point(:contacts%dimension)
         contacts%impulse(:, k) = step*force_of(known, contacts%contactor(:, k), n_components)
         contacts%status(k) = known%status
+        contacts%internal(:, k) = known%internal(:n_internal)
+        if (n_internal > 0 .and. .not. known%has_internal) contacts%internal(1, k) = not_recorded
       end associate
     end do
     call load(history, contacts)
@@ -172,10 +179,12 @@ contains
     call reserve(history%feature, n)
     call reserve(history%status, n)
     call reserve(history%impulse, contacts%n_components, n)
+    call reserve(history%internal, contacts%n_internal, n)
     if (n == 0) return
     history%feature(:n) = contacts%feature(:n)
     history%status(:n) = contacts%status(:n)
     history%impulse(:, :n) = contacts%impulse(:, :n)
+    if (contacts%n_internal > 0) history%internal(:, :n) = contacts%internal(:, :n)
   end subroutine keep_contacts
 
   !> Note the pairs of the last detection, before their list is made anew.
@@ -315,6 +324,7 @@ contains
         contacts%feature(k) = history%feature(k)
         contacts%impulse(:, k) = history%impulse(:, k)
         contacts%status(k) = history%status(k)
+        if (contacts%n_internal > 0) contacts%internal(:, k) = history%internal(:, k)
         contacts%image(k) = 0
         if (contacts%dimension == 3) contacts%image_y(k) = 0
         contacts%law(k) = 1

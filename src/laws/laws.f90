@@ -13,14 +13,19 @@ module sg_laws
   public :: law_t, local_law_t, local_law
   public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
   public :: law_rod, law_wire, law_rigid_wire, law_bond, is_link_law
+  public :: law_iqs_g0, law_gap_g0, law_elastic_g0, law_gap_shifted, law_viscoelastic
   public :: status_new, status_none, status_stick, status_slide, status_bonded, status_broken, last_status
   public :: is_plain, is_frictionless, inverse_of, kind_of_local_law
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
-  !! wet (cohesion within a thickness), Mohr-Coulomb (cohesion until broken), elastic repulsion, linear; and those of links
-  !! (sg_link_laws): rod, wire, wire that does not stretch, bond
+  !! wet (cohesion within a thickness), Mohr-Coulomb (cohesion until broken), elastic repulsion, linear; those of links
+  !! (sg_link_laws): rod, wire, wire that does not stretch, bond;
+  !! quasi-shock, Signorini in gaps and elastic repulsion with gaps counted from that of the first detection, Signorini in gaps
+  !! shifted by a given length, viscoelastic repulsion
   integer, parameter :: law_iqs = 1, law_gap = 2, law_velocity = 3, law_restitution = 4, law_wet = 5, law_mohr = 6, &
-                        law_elastic = 7, law_linear = 8, law_rod = 9, law_wire = 10, law_rigid_wire = 11, law_bond = 12
+                        law_elastic = 7, law_linear = 8, law_rod = 9, law_wire = 10, law_rigid_wire = 11, law_bond = 12, &
+                        law_iqs_g0 = 13, law_gap_g0 = 14, law_elastic_g0 = 15, law_gap_shifted = 16, &
+                        law_viscoelastic = 17
 
   !> What happened at a contact in the last step: not known yet, open, sticking, sliding, bonded, broken (a link, for good)
   integer(i1), parameter :: status_new = 0, status_none = 1, status_stick = 2, status_slide = 3, status_bonded = 4, &
@@ -42,8 +47,10 @@ module sg_laws
     real(wp) :: normal_cohesion = 0, tangential_cohesion = 0
     !> Gap up to which a wet contact pulls [m]
     real(wp) :: wet_thickness = 0
-    !> Force per penetration of the elastic law [N/m]
-    real(wp) :: stiffness = 0
+    !> Force per penetration of elastic laws [N/m], and per velocity [N s/m]
+    real(wp) :: stiffness = 0, viscosity = 0
+    !> Length added to the gap by the shifted law [m]
+    real(wp) :: gap_shift = 0
     !> Velocity per impulse of the linear law r = -(1/epsilon) v [1/kg]
     real(wp) :: epsilon = 0
     !> Links: force per strain of rods and wires [N], and per rate of strain [N s]; strain at rest
@@ -73,13 +80,20 @@ module sg_laws
 contains
 
   !> The local problem of one contact in one step.
-  pure function local_law(law, gap, step, before, status) result(local)
+  pure function local_law(law, gap, step, before, status, internal) result(local)
     type(law_t), intent(in) :: law !! law of the contact
     real(wp), intent(in) :: gap !! at the detection configuration [m]
     real(wp), intent(in) :: step !! time step h [s]
     real(wp), intent(in) :: before(3) !! relative velocity at the beginning of the step, normal and tangential [m/s]
     integer(i1), intent(in) :: status !! what the contact did in the last step
+    real(wp), intent(in), optional :: internal(:) !! internal values of the contact, for laws that keep some
     type(local_law_t) :: local
+    real(wp) :: reference
+
+    reference = 0
+    if (present(internal)) then
+      if (size(internal) > 0) reference = internal(1)
+    end if
 
     local%friction = merge(law%static_friction, law%dynamic_friction, status == status_stick .or. status == status_bonded)
     select case (law%kind)
@@ -87,6 +101,12 @@ contains
       local%bias(1) = max(0.0_wp, gap/step)
     case (law_gap)
       local%bias(1) = gap/step
+    case (law_iqs_g0)
+      local%bias(1) = max(0.0_wp, (gap - reference)/step)
+    case (law_gap_g0)
+      local%bias(1) = (gap - reference)/step
+    case (law_gap_shifted)
+      local%bias(1) = (gap + law%gap_shift)/step
     case (law_velocity)
       local%is_active = gap <= 0
     case (law_restitution)
@@ -101,6 +121,13 @@ contains
     case (law_elastic)
       local%bias(1) = gap/step
       local%compliance(1) = 1/(law%stiffness*step**2)
+    case (law_elastic_g0)
+      local%bias(1) = (gap - reference)/step
+      local%compliance(1) = 1/(law%stiffness*step**2)
+    case (law_viscoelastic)
+      local%is_active = gap <= 0
+      local%bias(1) = law%stiffness*gap/(law%stiffness*step + law%viscosity)
+      local%compliance(1) = 1/(law%stiffness*step**2 + law%viscosity*step)
     case (law_linear)
       local%is_linear = .true.
       local%compliance = law%epsilon
@@ -131,7 +158,7 @@ contains
   pure logical function is_plain(law)
     type(law_t), intent(in) :: law !! law to look at
 
-    is_plain = law%kind <= law_restitution
+    is_plain = law%kind <= law_restitution .or. any(law%kind == [law_iqs_g0, law_gap_g0, law_gap_shifted])
   end function is_plain
 
   !> Does the law hold between the two points of a link, and nowhere else?

@@ -51,6 +51,8 @@ module sg_restart
     !> Contacts of the step: contactors, shape (2, contacts); feature, image, law; impulse [N s]; status
     integer(i4), allocatable :: contactor(:, :), feature(:), image(:), law(:), status(:)
     real(wp), allocatable :: impulse(:, :)
+    !> Internal values of contacts, shape (number of them, contacts); not written where there are none
+    real(wp), allocatable :: internal(:, :)
     !> Positions at the last search for neighbours [m], any shape
     real(wp), allocatable :: built(:, :)
     !> Sums kept over the run, such as works of forces
@@ -76,7 +78,7 @@ contains
     if (allocated(bodies%angle)) state%angle = bodies%angle
     call keep_space(bodies, contacts, state)
     if (n == 0) then
-      call forget_contacts(state, contacts%n_components)
+      call forget_contacts(state, contacts%n_components, contacts%n_internal)
       return
     end if
     if (allocated(state%contactor)) deallocate (state%contactor)
@@ -92,6 +94,11 @@ contains
     state%law = contacts%law(:n)
     state%status = int(contacts%status(:n), i4)
     call copy(contacts%impulse(:, :n), state%impulse)
+    if (contacts%n_internal > 0) then
+      call copy(contacts%internal(:, :n), state%internal)
+    else
+      state%internal = reshape([real(wp) ::], [0, n])
+    end if
   end subroutine keep_state
 
   !> Copy what only a scene in space has.
@@ -126,9 +133,9 @@ contains
   end subroutine copy
 
   !> A state without contacts.
-  subroutine forget_contacts(state, components)
+  subroutine forget_contacts(state, components, internal)
     type(restart_t), intent(inout) :: state
-    integer, intent(in) :: components
+    integer, intent(in) :: components, internal
 
     state%contactor = reshape([integer(i4) ::], [2, 0])
     state%feature = [integer(i4) ::]
@@ -136,6 +143,7 @@ contains
     state%law = [integer(i4) ::]
     state%status = [integer(i4) ::]
     state%impulse = reshape([real(wp) ::], [components, 0])
+    state%internal = reshape([real(wp) ::], [internal, 0])
   end subroutine forget_contacts
 
   !> Put bodies and contacts into a state; of contacts only what recovery by pair needs is set. Where ranks share the scene
@@ -158,6 +166,7 @@ contains
     contacts%n = n
     contacts%dimension = scene%dimension
     contacts%n_components = size(state%impulse, 1)
+    contacts%n_internal = size(state%internal, 1)
     call reserve_contacts(contacts, n)
     contacts%contactor(:, :n) = state%contactor
     contacts%feature(:n) = state%feature
@@ -166,6 +175,7 @@ contains
     contacts%law(:n) = state%law
     contacts%status(:n) = int(state%status, i1)
     contacts%impulse(:, :n) = state%impulse
+    if (contacts%n_internal > 0) contacts%internal(:, :n) = state%internal
     if (allocated(scene%contactors%id)) return
     do i = 1, n
       contacts%body(:, i) = scene%contactors%body(state%contactor(:, i))
@@ -247,6 +257,7 @@ contains
     call file%put('/contacts/law', state%law)
     call file%put('/contacts/status', state%status)
     call file%put('/contacts/impulse', state%impulse)
+    if (size(state%internal, 1) > 0) call file%put('/contacts/internal', state%internal)
     ! Other ranks may sit on other machines, whose part is brought to the disk from there.
     if (ranks%size > 1) call file%flush()
     call file%close()
@@ -254,7 +265,8 @@ contains
   end subroutine write_file
 
   !> Read a state and see whether it fits the scene; that another deck wrote it is only a warning.
-  subroutine read_restart(name, scene, deck_hash, state, diagnostics, bodies, contactors, comm, components, is_damaged)
+  subroutine read_restart(name, scene, deck_hash, state, diagnostics, bodies, contactors, comm, components, internal, &
+                          is_damaged)
     character(len=*), intent(in) :: name !! path of the file
     type(scene_t), intent(in) :: scene !! scene that it must fit, or the part of a rank
     character(len=*), intent(in) :: deck_hash !! hash of the present deck
@@ -264,22 +276,24 @@ contains
     integer, intent(in), optional :: contactors !! contactors of the whole scene
     type(comm_t), intent(in), optional :: comm !! ranks that read the file, each its piece of the contacts; absent where one does
     integer, intent(in), optional :: components !! of an impulse, as many as dimensions unless given
+    integer, intent(in), optional :: internal !! internal values of a contact, none unless given
     logical, intent(out), optional :: is_damaged !! is the file itself at fault, and not of another scene?
     type(hdf5_file_t) :: file
     type(comm_t) :: ranks
     character(len=:), allocatable :: misfit
-    integer :: whole(2), numbers
+    integer :: whole(2), numbers(2)
 
     if (present(comm)) ranks = comm
     whole = [scene%bodies%n, scene%contactors%n]
     if (present(bodies)) whole(1) = bodies
     if (present(contactors)) whole(2) = contactors
-    numbers = scene%dimension
-    if (present(components)) numbers = components
+    numbers = [scene%dimension, 0]
+    if (present(components)) numbers(1) = components
+    if (present(internal)) numbers(2) = internal
     call file%open(name, is_read_only=.true.)
     call check_format(file)
-    misfit = scene_misfit(file, scene, whole(1))
-    if (len(misfit) == 0) call check_shapes(file, scene, whole(1), numbers)
+    misfit = scene_misfit(file, scene, whole(1), numbers(2))
+    if (len(misfit) == 0) call check_shapes(file, scene, whole(1), numbers(1), numbers(2))
     if (len(misfit) == 0 .and. .not. allocated(file%error)) call read_file(file, scene, ranks, state)
     call file%close()
     if (present(is_damaged)) is_damaged = allocated(file%error)
@@ -360,6 +374,11 @@ contains
     call rows%get(file, '/contacts/status', state%status, n)
     call rows%get(file, '/contacts/impulse', state%impulse, n)
     if (size(state%position, 1) == 3) call rows%get(file, '/contacts/image_y', state%image_y, n)
+    if (file%has('/contacts/internal')) then
+      call rows%get(file, '/contacts/internal', state%internal, n)
+    else
+      allocate (state%internal(0, size(state%feature)))
+    end if
   end subroutine read_contacts
 
   !> Is an open file one of ours, in a layout that we know?
@@ -403,7 +422,8 @@ contains
     fault = ''
     if (.not. (ieee_is_finite(state%time) .and. all(ieee_is_finite(state%position)) .and. all(ieee_is_finite(state%angle)) .and. &
                all(ieee_is_finite(state%orientation)) .and. all(ieee_is_finite(state%velocity)) .and. &
-               all(ieee_is_finite(state%built)) .and. all(ieee_is_finite(state%impulse)))) then
+               all(ieee_is_finite(state%built)) .and. all(ieee_is_finite(state%impulse)) .and. &
+               all(ieee_is_finite(state%internal)))) then
       fault = 'it holds numbers that are not finite'
     else if (any(abs(norm2(state%orientation, 1) - 1) > largest_drift)) then
       fault = 'it holds orientations that are no rotations'

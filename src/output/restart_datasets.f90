@@ -22,16 +22,19 @@ module sg_restart_datasets
 contains
 
   !> Why a file is of another scene; empty when it is of this one, or cannot be read at all.
-  function scene_misfit(file, scene, bodies) result(misfit)
+  function scene_misfit(file, scene, bodies, internal) result(misfit)
     type(hdf5_file_t), intent(inout) :: file !! open restart file
     type(scene_t), intent(in) :: scene !! scene that it must fit, or the part of a rank
     integer, intent(in) :: bodies !! bodies of the whole scene
+    integer, intent(in) :: internal !! internal values of a contact
     character(len=:), allocatable :: misfit
-    integer(i8) :: position(2), velocity(2)
+    integer(i8) :: position(2), velocity(2), values(2)
 
     misfit = ''
     position = file%shape('/bodies/position')
     velocity = file%shape('/bodies/velocity')
+    values = 0
+    if (file%has('/contacts/internal')) values = file%shape('/contacts/internal')
     if (allocated(file%error)) return
     if (position(2) /= int(bodies, i8)) then
       misfit = 'it holds '//to_text(position(2))//' bodies, the scene '//to_text(bodies)
@@ -39,20 +42,24 @@ contains
       misfit = 'it holds a scene of dimension '//to_text(position(1))
     else if (velocity(1) /= int(scene%bodies%n_velocity, i8)) then
       misfit = 'only one of them has bodies that turn'
+    else if (values(1) /= int(internal, i8)) then
+      misfit = 'laws keep '//to_text(values(1))//' values of its contacts, '//to_text(internal)//' of those of the scene'
     end if
   end function scene_misfit
 
   !> Check that all datasets have the shapes that the scene asks for; the file's error is set where one has not.
-  subroutine check_shapes(file, scene, bodies, components)
+  subroutine check_shapes(file, scene, bodies, components, internal)
     type(hdf5_file_t), intent(inout) :: file !! open restart file of this scene
     type(scene_t), intent(in) :: scene !! the scene, or the part of a rank
     integer, intent(in) :: bodies !! bodies of the whole scene
     integer, intent(in) :: components !! of an impulse
+    integer, intent(in) :: internal !! internal values of a contact
     type(dataset_t), allocatable :: list(:)
     integer(i8) :: found(2), wanted(2), contacts, bytes
     integer :: i
 
     list = datasets(scene, components)
+    if (internal > 0) list = [list, dataset_t('/contacts/internal', internal, per_contact)]
     contacts = file%rows('/contacts/feature')
     ! Of these the scene does not say how many there are; each takes at least four bytes of the file.
     inquire (file=file%name, size=bytes)

@@ -304,7 +304,7 @@ contains
     end do
     scene%start_contacts = pack(self%start_contacts, [(all(self%start_contacts(k)%contactor > 0), k=1, size(self%start_contacts))])
     deallocate (self%start_contacts)
-    call start_history(history, scene, step, contacts%n_components)
+    call start_history(history, scene, step, contacts%n_components, contacts%n_internal)
   end subroutine start_contacts_here
 
   !> Have the list of neighbours made anew, with a given skin.

@@ -32,6 +32,7 @@ contains
       contacts%law(n) = contacts%law(k)
       contacts%status(n) = contacts%status(k)
       contacts%impulse(:, n) = contacts%impulse(:, k)
+      if (contacts%n_internal > 0) contacts%internal(:, n) = contacts%internal(:, k)
     end do
     contacts%n = n
   end subroutine renumber_contacts

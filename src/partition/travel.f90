@@ -1,11 +1,13 @@
 !> Contacts that travel: with the numbers of the whole scene, from the rank that had them to the rank that will.
 !!
-!! A record is candidate, antagonist, feature, image in x and y, law, status and the impulse. Contacts of one pair stay
-!! together. What one rank knows of a contact goes with it, so that impulses are neither lost nor doubled when grains move.
+!! A record is candidate, antagonist, feature, image in x and y, law, status, the impulse and internal values. Contacts of one
+!! pair stay together. What one rank knows of a contact goes with it, so that impulses are neither lost nor doubled when grains
+!! move.
 module sg_travel
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_homes, only: owner_of
+  use sg_internal_values, only: most_internal
   use sg_kinds, only: wp, i1, i4
   use sg_local_numbers, only: local_contactor
   use sg_parcels, only: parcel_t
@@ -37,7 +39,7 @@ contains
     type(scene_t), intent(in) :: scene !! this rank's part, without copies
     integer, intent(in) :: all_contactors !! contactors of the whole scene
     type(comm_t), intent(inout) :: comm !! the ranks
-    integer, parameter :: width = 10
+    integer, parameter :: width = 11 + most_internal
     real(wp), allocatable :: leaving(:), coming(:)
     integer, allocatable :: received(:), first(:), leaver(:)
     integer(i4), allocatable :: owner(:)
@@ -52,7 +54,8 @@ contains
     allocate (contacts(size(coming)/width))
     do k = 1, size(contacts)
       associate (record => coming(width*(k - 1) + 1:width*k))
-        contacts(k) = start_contact_t(nint(record(:2)), record(3:5), record(6:8), nint(record(9), i1), record(10) > 0)
+        contacts(k) = start_contact_t(nint(record(:2)), record(3:5), record(6:8), nint(record(9), i1), record(10) > 0, &
+                                      record(12:), record(11) > 0)
       end associate
     end do
   contains
@@ -62,7 +65,7 @@ contains
       real(wp) :: record(width)
 
       record = [real(contact%contactor, wp), contact%point, contact%force, real(contact%status, wp), &
-                merge(1.0_wp, 0.0_wp, contact%is_vector)]
+                merge(1.0_wp, 0.0_wp, [contact%is_vector, contact%has_internal]), contact%internal]
     end function record_of
   end subroutine deal_start_contacts
 
@@ -106,6 +109,7 @@ contains
     call parcel%put(contacts%law(k))
     call parcel%put(int(contacts%status(k)))
     call parcel%put(contacts%impulse(:, k))
+    if (contacts%n_internal > 0) call parcel%put(contacts%internal(:, k))
   end subroutine pack_contact
 
   !> Send contacts to the ranks that will own them. Collective.
@@ -156,11 +160,11 @@ contains
   subroutine unpack_contacts(parcel, scene, contacts)
     type(parcel_t), intent(inout) :: parcel !! records of contacts
     type(scene_t), intent(in) :: scene !! this rank's part, as it is from now on
-    type(contacts_t), intent(inout) :: contacts !! contacts; dimension and components are set
+    type(contacts_t), intent(inout) :: contacts !! contacts; dimension, components and number of internal values are set
     integer(i4) :: pair(2), words(5)
     integer :: n, width
 
-    width = 6 + merge(1, 0, contacts%dimension == 3) + contacts%n_components
+    width = 6 + merge(1, 0, contacts%dimension == 3) + contacts%n_components + contacts%n_internal
     call reserve_contacts(contacts, parcel%n/width)
     n = 0
     do while (parcel%at < parcel%n)
@@ -171,6 +175,7 @@ contains
       if (contacts%dimension == 3) call parcel%take(words(3))
       call parcel%take(words(4:5))
       call parcel%take(contacts%impulse(:, n + 1))
+      if (contacts%n_internal > 0) call parcel%take(contacts%internal(:, n + 1))
       contacts%contactor(1, n + 1) = int(local_contactor(scene%contactors, pair(1)), i4)
       contacts%contactor(2, n + 1) = int(local_contactor(scene%contactors, pair(2)), i4)
       if (any(contacts%contactor(:, n + 1) == 0)) cycle

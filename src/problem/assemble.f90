@@ -86,7 +86,7 @@ contains
           before = velocity_before(scene, contacts, k)
         end if
       end if
-      law = local_law(own, contacts%gap(k), step, before, contacts%status(k))
+      law = local_law(own, contacts%gap(k), step, before, contacts%status(k), contacts%internal(:, k))
     end associate
   end function law_of
 

@@ -8,6 +8,7 @@ module sg_plan
   use sg_contactors, only: is_round, kind_disk, kind_hollow, kind_names, kind_sphere, n_kinds
   use sg_drives, only: drive_t
   use sg_half_width, only: half_width
+  use sg_internal_values, only: n_internal_of
   use sg_kinds, only: wp
   use sg_laws, only: is_frictionless, is_plain
   use sg_scene, only: scene_t
@@ -25,6 +26,8 @@ module sg_plan
     logical :: has_tangent = .true.
     !> Does anything turn?
     logical :: has_rotation = .true.
+    !> Internal values that laws in use keep of a contact
+    integer :: n_internal = 0
     !> Laws that some pair of contactors uses, and pairs of kinds that see each other
     logical, allocatable :: uses_law(:)
     logical :: sees(n_kinds, n_kinds) = .false.
@@ -78,7 +81,9 @@ contains
     end do
     plan%is_round = are_round .and. may%arms
     do i = 1, size(scene%laws)
-      if (plan%uses_law(i)) plan%is_round = plan%is_round .and. is_plain(scene%laws(i))
+      if (.not. plan%uses_law(i)) cycle
+      plan%is_round = plan%is_round .and. is_plain(scene%laws(i))
+      plan%n_internal = max(plan%n_internal, n_internal_of(scene%laws(i), scene%dimension))
     end do
     plan%has_rotation = .not. (plan%is_round .and. .not. plan%has_tangent .and. all_rest .and. may%rotation)
     allocate (plan%radius(0))

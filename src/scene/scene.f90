@@ -3,6 +3,7 @@ module sg_scene
   use sg_bodies, only: bodies_t
   use sg_contactors, only: contactors_t
   use sg_drives, only: drive_t, pressure_t
+  use sg_internal_values, only: most_internal
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_t
   use sg_links, only: links_t
@@ -43,6 +44,9 @@ module sg_scene
     integer(i1) :: status = 0
     !> Is the force a vector in the world's axes, as in space?
     logical :: is_vector = .false.
+    !> Internal values of its law, and whether they were read
+    real(wp) :: internal(most_internal) = 0
+    logical :: has_internal = .false.
   end type start_contact_t
 
   !> A scene

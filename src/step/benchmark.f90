@@ -70,6 +70,7 @@ contains
     call make_plan(scene, plan)
     contacts%dimension = scene%dimension
     contacts%n_components = merge(scene%dimension, 1, plan%has_tangent)
+    contacts%n_internal = plan%n_internal
     call predict(scene, 0.0_wp, h, 0.5_wp)
     figures%first_detect_seconds = -cpu_now()
     call detect(scene, pairs, history, contacts)

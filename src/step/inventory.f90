@@ -172,6 +172,7 @@ contains
     call tables%note('image_y', contacts%image_y)
     call tables%note('impulse', contacts%impulse)
     call tables%note('status', contacts%status)
+    call tables%note('internal', contacts%internal)
   end subroutine list_contacts
 
   !> Tables of the contacts of the last step.
@@ -187,6 +188,7 @@ contains
     call tables%note('impulse', history%impulse)
     call tables%note('point', history%point)
     call tables%note('status', history%status)
+    call tables%note('internal', history%internal)
     call tables%note('past', history%past)
   end subroutine list_history
 

@@ -6,6 +6,7 @@ module sg_scene_at_restart
   use sg_datbox_write_contacts, only: datbox_contacts_t
   use sg_detect, only: detect
   use sg_error, only: diagnostics_t, error_t
+  use sg_internal_values, only: most_internal
   use sg_kinds, only: wp
   use sg_mapping, only: relative_velocity
   use sg_mapping_space, only: space_relative_velocity
@@ -82,6 +83,8 @@ contains
     contacts%normal = sim%contacts%normal(:, :n)
     contacts%gap = sim%contacts%gap(:n)
     contacts%status = sim%contacts%status(:n)
+    allocate (contacts%internal(most_internal, n), source=0.0_wp)
+    if (n > 0) contacts%internal(:sim%contacts%n_internal, :) = sim%contacts%internal(:, :n)
     allocate (contacts%force(sim%scene%dimension, n), contacts%velocity(sim%scene%dimension, n), source=0.0_wp)
     do k = 1, n
       if (sim%scene%dimension == 3) then

@@ -83,9 +83,10 @@ contains
     call fix_driven(sim%scene%drives, sim%scene%bodies)
     sim%contacts%dimension = sim%scene%dimension
     sim%contacts%n_components = merge(sim%scene%dimension, 1, sim%plan%has_tangent)
+    sim%contacts%n_internal = sim%plan%n_internal
     ! Contacts known to a scene that is held in part travel first, see `decompose`.
     if (.not. allocated(sim%scene%bodies%id)) &
-      call start_history(sim%history, sim%scene, sim%options%step, sim%contacts%n_components)
+      call start_history(sim%history, sim%scene, sim%options%step, sim%contacts%n_components, sim%contacts%n_internal)
     call choose_solver(sim%options%solver, sim%solver)
     call sim%totals%clock%start()
   end subroutine start_simulation

@@ -167,8 +167,8 @@ contains
     integer, intent(in) :: dimension
     character(len=20), parameter :: bodies(8) = [character(len=20) :: 'time', 'totals', 'bodies/position', 'bodies/angle', &
       'bodies/velocity', 'bodies/crossings', 'bodies/orientation', 'bodies/crossings_y']
-    character(len=20), parameter :: contacts(7) = [character(len=20) :: 'contactor', 'feature', 'image', 'law', 'status', &
-      'impulse', 'image_y']
+    character(len=20), parameter :: contacts(8) = [character(len=20) :: 'contactor', 'feature', 'image', 'law', 'status', &
+      'impulse', 'internal', 'image_y']
     type(hdf5_file_t) :: a, b
     integer(i4), allocatable :: order_a(:), order_b(:)
     integer(i4), allocatable :: feature(:)
@@ -185,7 +185,7 @@ contains
     call order_of(feature, order_b)
     call t%equal(size(order_b), size(order_a), 'contacts of '//other)
     if (size(order_a) /= size(order_b)) return
-    do i = 1, merge(6, 7, dimension == 2)
+    do i = 1, merge(7, 8, dimension == 2)
       call compare_numbers(a, b, '/contacts/'//trim(contacts(i)), other, order_a, order_b)
     end do
     call t%check(.not. allocated(a%error) .and. .not. allocated(b%error), other//' is read')
@@ -302,6 +302,7 @@ contains
     call deal_contacts(sim%contacts, sim%scene, fresh%contactors%n, comm, parcel)
     own%dimension = dimension
     own%n_components = sim%contacts%n_components
+    own%n_internal = sim%contacts%n_internal
     call unpack_contacts(parcel, fresh, own)
     total = real(own%n, wp)
     call comm%sum(total)
@@ -312,6 +313,7 @@ contains
         call t%check(all(own%contactor(:, k) == whole%contacts%contactor(:, number)), 'its contactors')
         call t%near(norm2(own%impulse(:, k) - whole%contacts%impulse(:, number)), 0.0_wp, 0.0_wp, 'its impulse')
         call t%equal(int(own%image(k)), int(whole%contacts%image(number)), 'its image')
+        call t%near(abs(own%internal(1, k) - whole%contacts%internal(1, number)), 0.0_wp, 0.0_wp, 'its internal value')
         call t%equal(int(own%status(k)), int(whole%contacts%status(number)), 'its status')
         ! Files of one rank hold contacts in the order of numbers here, and pieces keep it.
         if (k > 1 .and. index(folder, '_one') > 0) call t%check(own%feature(k) > own%feature(k - 1), 'in the order of the file')

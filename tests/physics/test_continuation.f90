@@ -7,7 +7,7 @@ program test_continuation
   use sg_error, only: diagnostics_t, error_t
   use sg_hdf5, only: hdf5_is_available
   use sg_kinds, only: wp
-  use sg_laws, only: law_mohr
+  use sg_laws, only: law_iqs_g0, law_mohr
   use sg_random, only: random_t
   use sg_simulation, only: simulation_t, start_simulation
   use sg_system, only: make_folder, remove_file
@@ -21,7 +21,8 @@ program test_continuation
     call test_scene('disks', with_polygons=.false., period=0.0_wp, friction=0.4_wp)
     call test_scene('disks without friction', with_polygons=.false., period=0.0_wp, friction=0.0_wp)
     call test_scene('periodic polygons', with_polygons=.true., period=9.0_wp, friction=0.4_wp)
-    call test_scene('periodic, bonded', with_polygons=.false., period=9.0_wp, friction=0.3_wp)
+    call test_scene('periodic, bonded', with_polygons=.false., period=9.0_wp, friction=0.3_wp, kind=law_mohr)
+    call test_scene('gaps from the start', with_polygons=.true., period=0.0_wp, friction=0.3_wp, kind=law_iqs_g0)
   else
     write (*, '(a)') 'skipped: this build has no HDF5'
     call t%check(.true., 'skipped')
@@ -31,10 +32,11 @@ program test_continuation
 contains
 
   !> Straight run against runs split in two places.
-  subroutine test_scene(name, with_polygons, period, friction)
+  subroutine test_scene(name, with_polygons, period, friction, kind)
     character(len=*), intent(in) :: name
     logical, intent(in) :: with_polygons
     real(wp), intent(in) :: period, friction
+    integer, intent(in), optional :: kind !! of law; inelastic quasi-shock unless given
     type(simulation_t) :: straight, first, second
     type(error_t), allocatable :: error
     type(diagnostics_t) :: warnings
@@ -42,7 +44,7 @@ contains
     integer :: i, split, builds
 
     call t%check(make_folder(folder), name//': the folder is there')
-    call make(straight, with_polygons, period, friction)
+    call make(straight, with_polygons, period, friction, kind)
     call run(straight, steps)
     builds = straight%pairs%builds
     call t%check(builds > 4, name//': lists were made again')
@@ -51,11 +53,11 @@ contains
       split = merge(1, 237, i == 1)
       call remove_file(folder//'/restart_a.h5')
       call remove_file(folder//'/restart_b.h5')
-      call make(first, with_polygons, period, friction)
+      call make(first, with_polygons, period, friction, kind)
       call run(first, split)
       call save_checkpoint(first, error)
       call t%check(.not. allocated(error), name//': a checkpoint is written')
-      call make(second, with_polygons, period, friction)
+      call make(second, with_polygons, period, friction, kind)
       call load_checkpoint(second, folder, warnings, error)
       call t%check(.not. allocated(error), name//': it is read')
       if (allocated(error)) return
@@ -69,10 +71,11 @@ contains
   end subroutine test_scene
 
   !> Grains of two shapes fall onto a shaken floor, between walls or in a period that a wind carries them through.
-  subroutine make(sim, with_polygons, period, friction)
+  subroutine make(sim, with_polygons, period, friction, kind)
     type(simulation_t), intent(inout) :: sim
     logical, intent(in) :: with_polygons
     real(wp), intent(in) :: period, friction
+    integer, intent(in), optional :: kind
     type(random_t) :: random
     real(wp) :: place(2)
     integer :: b
@@ -94,8 +97,8 @@ contains
     call put_wall(sim%scene, n + 2, merge(0.5_wp, 30.0_wp, period > 0), 0.1_wp, [-0.5_wp, 0.4_wp], 1.5_wp)
     call put_wall(sim%scene, n + 3, merge(0.5_wp, 30.0_wp, period > 0), 0.1_wp, [9.5_wp, 0.4_wp], 1.6_wp)
     call drive(sim%scene, n + 1, 2, time_function_t(amplitude=0.2_wp, omega=30.0_wp))
-    if (period > 0 .and. .not. with_polygons) then
-      sim%scene%laws(1)%kind = law_mohr
+    if (present(kind)) then
+      sim%scene%laws(1)%kind = kind
       sim%scene%laws(1)%normal_cohesion = 1e4_wp
       sim%scene%laws(1)%dynamic_friction = 0.1_wp
     end if

@@ -7,7 +7,7 @@ program test_history
   use sg_detect, only: detect
   use sg_history, only: history_t, resume_history, revive, start_history
   use sg_kinds, only: wp
-  use sg_laws, only: law_mohr, status_bonded, status_new, status_slide, status_stick
+  use sg_laws, only: law_iqs_g0, law_mohr, status_bonded, status_new, status_slide, status_stick
   use sg_neighbours, only: neighbours_t
   use sg_random, only: random_t
   use sg_scene, only: scene_t, start_contact_t
@@ -58,6 +58,7 @@ contains
     integer :: round, wrong, new, b, kept, builds
 
     call random%seed(1)
+    contacts%n_internal = 2
     call make_scene(scene, period)
     call detect(scene, pairs, history, contacts)
     call count_marks(contacts, wrong, new)
@@ -99,12 +100,14 @@ contains
     type(contacts_t) :: contacts, kept, revived
     integer :: wrong, new, i
 
+    contacts%n_internal = 1
+    revived%n_internal = 1
     call make_scene(scene, 0.0_wp)
     call detect(scene, pairs, history, contacts)
     call mark_all(contacts)
     kept = contacts
     do i = 1, 2
-      contacts = contacts_t()
+      contacts = contacts_t(n_internal=1)
       resumed = history_t()
       call resume_history(resumed, kept)
       if (i == 1) call detect(scene, pairs, resumed, contacts)
@@ -123,7 +126,8 @@ contains
     if (revived%n /= kept%n) return
     call t%check(all(revived%contactor(:, :kept%n) == kept%contactor(:, :kept%n)) .and. &
                  all(revived%feature(:kept%n) == kept%feature(:kept%n)) .and. &
-                 .not. any(abs(revived%impulse(:, :kept%n) - kept%impulse(:, :kept%n)) > 0), 'revived: the same contacts')
+                 .not. any(abs(revived%impulse(:, :kept%n) - kept%impulse(:, :kept%n)) > 0) .and. &
+                 .not. any(abs(revived%internal(:, :kept%n) - kept%internal(:, :kept%n)) > 0), 'revived: the same contacts')
   end subroutine test_resume
 
   !> Contacts of a deck: found by their points, either way round, forces turned into impulses.
@@ -144,7 +148,12 @@ contains
     scene%start_contacts(1) = start_contact_t([1, 2], [0.4_wp, 0.45_wp, 0.0_wp], [2.0_wp, 1.0_wp, 0.0_wp], status_stick)
     scene%start_contacts(2) = start_contact_t([2, 3], [0.0_wp, 1.5_wp, 0.0_wp], [6.0_wp, 3.0_wp, 0.0_wp], status_slide)
     scene%start_contacts(3) = start_contact_t([2, 1], [-0.4_wp, 0.55_wp, 0.0_wp], [4.0_wp, 2.0_wp, 0.0_wp], status_slide)
-    call start_history(history, scene, h, 2)
+    scene%laws(1)%kind = law_iqs_g0
+    scene%start_contacts(1)%internal(1) = 0.125_wp
+    scene%start_contacts(1)%has_internal = .true.
+    scene%start_contacts(3)%internal(1) = 0.25_wp
+    contacts%n_internal = 1
+    call start_history(history, scene, h, 2, 1)
     call detect(scene, pairs, history, contacts)
     call t%equal(contacts%n, 3, 'start contacts: as many as in the scene')
     do k = 1, contacts%n
@@ -153,9 +162,11 @@ contains
         call t%check(contacts%status(k) == status_slide, 'start contacts: status of the disk')
       else if (contacts%point(1, k) > 0) then
         call t%near(maxval(abs(contacts%impulse(:, k) - [2*h, h])), 0.0_wp, 1e-15_wp, 'start contacts: right corner')
+        call t%near(contacts%internal(1, k), 0.125_wp, 0.0_wp, 'start contacts: the internal value that was read')
         call t%check(contacts%status(k) == status_stick, 'start contacts: status of the right corner')
       else
         call t%near(maxval(abs(contacts%impulse(:, k) - [4*h, 2*h])), 0.0_wp, 1e-15_wp, 'start contacts: left corner')
+        call t%near(contacts%internal(1, k), max(0.0_wp, contacts%gap(k)), 0.0_wp, 'start contacts: the value of the law')
       end if
     end do
     ! From then on by feature.

@@ -2,8 +2,10 @@
 program test_laws
   use harness, only: tests_t
   use sg_compact, only: compact_velocity
+  use sg_internal_values, only: first_internal, n_internal_of
   use sg_kinds, only: wp, i1
   use sg_laws, only: law_elastic, law_gap, law_iqs, law_linear, law_mohr, law_restitution, law_t, law_velocity, law_wet
+  use sg_laws, only: law_bond, law_elastic_g0, law_gap_g0, law_gap_shifted, law_iqs_g0, law_viscoelastic
   use sg_laws, only: is_frictionless, is_plain, local_law, local_law_t
   use sg_laws, only: status_bonded, status_new, status_none, status_slide, status_stick
   use sg_nlgs, only: nlgs_t
@@ -22,6 +24,7 @@ program test_laws
   call test_cohesion()
   call test_compliant()
   call test_friction()
+  call test_shifted_gaps()
   call test_kinds()
   call test_one_contact()
   call test_one_round_contact()
@@ -116,13 +119,45 @@ contains
     end do
   end subroutine test_friction
 
+  !> Laws whose gaps count from a reference, and the one with a dashpot, as solutions: r = -h (k (gap + h u) + eta u).
+  subroutine test_shifted_gaps()
+    real(wp), parameter :: stiffness = 3e4_wp, viscosity = 70.0_wp, speed = 0.4_wp
+    integer, parameter :: counted(3) = [law_iqs_g0, law_gap_g0, law_elastic_g0], plain(3) = [law_iqs, law_gap, law_elastic]
+    type(local_law_t) :: local, same
+    real(wp) :: impulse
+    integer :: i
+
+    do i = 1, 3
+      local = local_law(law_t(kind=counted(i), stiffness=stiffness), 0.03_wp, h, still, status_new, [0.02_wp])
+      same = local_law(law_t(kind=plain(i), stiffness=stiffness), 0.01_wp, h, still, status_new)
+      ! The gap of 0.01 is a difference of two.
+      call t%near(local%bias(1), same%bias(1), 4*rounding, 'a gap counted from its first value')
+      call t%near(local%compliance(1), same%compliance(1), 0.0_wp, 'compliance does not know of that value')
+      call t%check(local%is_active .and. n_internal_of(law_t(kind=counted(i)), 2) == 1, 'active, with one value to keep')
+      call t%equal(n_internal_of(law_t(kind=plain(i)), 2), 0, 'nothing to keep')
+    end do
+    local = local_law(law_t(kind=law_iqs_g0), 0.01_wp, h, still, status_new, [0.02_wp])
+    call t%near(local%bias(1), 0.0_wp, 0.0_wp, 'quasi-shock: a gap below its first value is kept')
+    local = local_law(law_t(kind=law_gap_shifted, gap_shift=0.005_wp), -0.02_wp, h, still, status_new)
+    call t%near(local%bias(1), -1.5_wp, rounding, 'a shifted gap')
+    local = local_law(law_t(kind=law_viscoelastic, stiffness=stiffness, viscosity=viscosity), 1e-9_wp, h, still, status_new)
+    call t%check(.not. local%is_active, 'viscoelastic: waits for the gap to close')
+    local = local_law(law_t(kind=law_viscoelastic, stiffness=stiffness, viscosity=viscosity), -0.02_wp, h, still, status_new)
+    impulse = -h*(stiffness*(-0.02_wp + h*speed) + viscosity*speed)
+    call t%near(speed + local%bias(1) + local%compliance(1)*impulse, 0.0_wp, 4*rounding, 'viscoelastic: spring and dashpot')
+    call t%near(maxval(abs(first_internal(law_t(kind=law_iqs_g0), -0.1_wp, 2, 2) - 0)), 0.0_wp, 0.0_wp, 'first gap, overlap')
+    call t%near(maxval(abs(first_internal(law_t(kind=law_gap_g0), -0.1_wp, 2, 2) - [-0.1_wp, 0.0_wp])), 0.0_wp, 0.0_wp, &
+                'first gap with its sign')
+  end subroutine test_shifted_gaps
+
   !> Which laws compact kernels serve, and which need no tangent.
   subroutine test_kinds()
     integer :: kind
 
-    do kind = law_iqs, law_linear
-      call t%check(is_plain(law_t(kind=kind)) .eqv. kind <= law_restitution, 'plain laws')
-      call t%check(is_frictionless(law_t(kind=kind)) .eqv. kind /= law_linear, 'laws without a tangent')
+    do kind = law_iqs, law_viscoelastic
+      call t%check(is_plain(law_t(kind=kind)) .eqv. (kind <= law_restitution .or. &
+                   any(kind == [law_iqs_g0, law_gap_g0, law_gap_shifted])), 'plain laws')
+      call t%check(is_frictionless(law_t(kind=kind)) .eqv. all(kind /= [law_linear, law_bond]), 'laws without a tangent')
       call t%check(.not. is_frictionless(law_t(kind=kind, static_friction=0.1_wp)), 'static friction is friction')
       call t%check(.not. is_frictionless(law_t(kind=kind, dynamic_friction=0.1_wp)), 'dynamic friction is friction')
     end do

@@ -1,0 +1,51 @@
+!> What laws keep of a contact from step to step: how many values, their places, and those of a contact that is there from the
+!! start (doc/theory/laws.md).
+module sg_internal_values
+  use sg_kinds, only: wp
+  use sg_laws, only: law_elastic_g0, law_gap_g0, law_iqs_g0, law_t
+  implicit none
+  private
+  public :: most_internal, not_recorded, n_internal_of, first_internal
+
+  !> Values that a law keeps at most
+  integer, parameter :: most_internal = 7
+  !> First value of a contact of which a file holds no internal values
+  real(wp), parameter :: not_recorded = -huge(1.0_wp)
+
+contains
+
+  !> Number of internal values of a law.
+  !!
+  !! - laws whose gap counts from that of the first detection: that gap [m]
+  pure integer function n_internal_of(law, dimension) result(n)
+    type(law_t), intent(in) :: law !! law to look at
+    integer, intent(in) :: dimension !! of space
+
+    n = 0
+    if (dimension < 2) return
+    select case (law%kind)
+    case (law_iqs_g0, law_gap_g0, law_elastic_g0)
+      n = 1
+    end select
+  end function n_internal_of
+
+  !> Internal values of a contact that is there from the start. Signs of reference gaps are those of LMGC90, which differ
+  !! between plane and space.
+  pure function first_internal(law, gap, dimension, n) result(values)
+    type(law_t), intent(in) :: law !! law of the contact
+    real(wp), intent(in) :: gap !! at the detection configuration [m]
+    integer, intent(in) :: dimension !! of space
+    integer, intent(in) :: n !! values kept of each contact of the scene
+    real(wp) :: values(n)
+
+    values = 0
+    select case (law%kind)
+    case (law_iqs_g0)
+      values(1) = max(0.0_wp, gap)
+    case (law_gap_g0)
+      values(1) = merge(gap, max(0.0_wp, gap), dimension == 2)
+    case (law_elastic_g0)
+      values(1) = merge(max(0.0_wp, gap), gap, dimension == 2)
+    end select
+  end function first_internal
+end module sg_internal_values
