@@ -5,8 +5,9 @@ module sg_datbox_behaviours
                              next_line, open_datbox_file, pass_over, real_field, remark, step_back
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
-  use sg_laws, only: law_t, law_restitution
+  use sg_laws, only: law_t, law_restitution, largest_friction, why_largest_friction
   use sg_scene, only: law_index, material_index, material_t, scene_t
+  use sg_text, only: to_text
   implicit none
   private
   public :: read_bulk_behaviours, read_contact_laws, skip_data, other_law_t, other_law, warn_of_unused
@@ -205,6 +206,9 @@ contains
         call complain(file, 'the stiffness must be positive', law_columns(i), diagnostics)
       else if (law%kind == law_restitution .and. label(:3) == 'rst' .and. value > 1) then
         call complain(file, 'a restitution must not pass 1', law_columns(i), diagnostics)
+      else if (any(label == ['fric', 'stfr', 'dyfr']) .and. value > largest_friction) then
+        call complain(file, 'friction must be at most '//to_text(largest_friction, 1)//', '//why_largest_friction, law_columns(i), &
+                      diagnostics)
       end if
       call set_parameter(law, label, value)
     end do

@@ -53,6 +53,8 @@ module sg_key_table
     !> Range of each number; `lowest` itself is out of it when `is_open`
     real(wp) :: lowest = -huge(1.0_wp), highest = huge(1.0_wp)
     logical :: is_open = .false.
+    !> Why numbers above `highest` are refused; empty where that needs no words
+    character(len=72) :: why_highest = ''
     !> Words to choose from, with a bar between two; where `space_choices` is not empty, `choices` are those of the plane
     character(len=400) :: choices = '', space_choices = ''
     !> When it applies: another key of the section, empty for always, and its words for which it does
@@ -112,7 +114,7 @@ contains
 
   !> Add a key to the section opened last.
   subroutine add(self, name, kind, sentence, unit, default, is_required, least, above, most, choices, only, space_default, &
-                 space_choices, dimension, twin)
+                 space_choices, dimension, twin, why_most)
     class(key_table_t), intent(inout) :: self
     character(len=*), intent(in) :: name !! name of the key
     integer, intent(in) :: kind !! kind of value
@@ -129,6 +131,7 @@ contains
     character(len=*), intent(in), optional :: space_choices !! words to choose from in space, where they are others
     integer, intent(in), optional :: dimension !! where it has a meaning, one of `in_*`
     character(len=*), intent(in), optional :: twin !! key to use in its place in the other dimension
+    character(len=*), intent(in), optional :: why_most !! why larger numbers are refused
     type(key_t) :: key
     integer :: cut
 
@@ -146,6 +149,7 @@ contains
     if (present(above)) key%lowest = above
     key%is_open = present(above)
     if (present(most)) key%highest = most
+    if (present(why_most)) call put(key%why_highest, why_most)
     if (present(choices)) call put(key%choices, choices)
     if (present(space_default)) call put(key%space_default, space_default)
     if (present(space_choices)) call put(key%space_choices, space_choices)

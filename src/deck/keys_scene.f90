@@ -3,6 +3,7 @@ module sg_keys_scene
   use sg_key_table, only: in_plane, in_space, key_table_t, value_bodies, value_body, value_choice, value_integer, value_real, &
                           value_text, value_vector
   use sg_kinds, only: wp
+  use sg_laws, only: largest_friction, why_largest_friction
   use sg_words, only: choices_of
   implicit none
   private
@@ -57,11 +58,11 @@ contains
                    'contacts within the alert distance then.', &
                    default='"IQS_CLB"', choices=choices_of(law_kinds))
     call table%add('friction', value_real, 'Coulomb friction coefficient.', default='0.0', least=0.0_wp, &
-                   only=rubbing//'|'//elastic)
+                   most=largest_friction, why_most=why_largest_friction, only=rubbing//'|'//elastic)
     call table%add('static_friction', value_real, 'Friction coefficient while sticking; default: friction.', &
-                   least=0.0_wp, only=rubbing)
+                   least=0.0_wp, most=largest_friction, why_most=why_largest_friction, only=rubbing)
     call table%add('dynamic_friction', value_real, 'Friction coefficient while sliding; default: friction.', &
-                   least=0.0_wp, only=rubbing)
+                   least=0.0_wp, most=largest_friction, why_most=why_largest_friction, only=rubbing)
     call table%add('normal_restitution', value_real, 'Newton restitution along the normal.', default='0.0', &
                    least=0.0_wp, most=1.0_wp, only='kind=RST_CLB')
     call table%add('tangential_restitution', value_real, 'Newton restitution along the tangent.', default='0.0', least=0.0_wp, &

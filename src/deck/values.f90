@@ -153,6 +153,7 @@ contains
       message = 'must be at least '//bound(key, key%lowest)
     else if (entry%real > key%highest) then
       message = 'must be at most '//bound(key, key%highest)
+      if (key%why_highest /= '') message = message//', '//trim(key%why_highest)
     end if
   end subroutine check_number
 

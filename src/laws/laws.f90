@@ -15,7 +15,7 @@ module sg_laws
   public :: law_rod, law_wire, law_rigid_wire, law_bond, is_link_law
   public :: law_iqs_g0, law_gap_g0, law_elastic_g0, law_gap_shifted, law_viscoelastic
   public :: status_new, status_none, status_stick, status_slide, status_bonded, status_broken, last_status
-  public :: is_plain, is_frictionless, inverse_of, kind_of_local_law
+  public :: is_plain, is_frictionless, inverse_of, kind_of_local_law, largest_friction, why_largest_friction
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
   !! wet (cohesion within a thickness), Mohr-Coulomb (cohesion until broken), elastic repulsion, linear; those of links
@@ -26,6 +26,11 @@ module sg_laws
                         law_elastic = 7, law_linear = 8, law_rod = 9, law_wire = 10, law_rigid_wire = 11, law_bond = 12, &
                         law_iqs_g0 = 13, law_gap_g0 = 14, law_elastic_g0 = 15, law_gap_shifted = 16, &
                         law_viscoelastic = 17
+
+  !> Largest Coulomb coefficient that is taken, and why there is one: errors add friction times the slip to the normal velocity,
+  !! of which sixteen digits leave nothing where friction is larger by far
+  real(wp), parameter :: largest_friction = 1e6_wp
+  character(len=*), parameter :: why_largest_friction = 'since rounding of the slip hides normal velocities above'
 
   !> What happened at a contact in the last step: not known yet, open, sticking, sliding, bonded, broken (a link, for good)
   integer(i1), parameter :: status_new = 0, status_none = 1, status_stick = 2, status_slide = 3, status_bonded = 4, &

@@ -6,6 +6,7 @@ module sg_fclib_read
   use sg_fclib_items, only: holds, read_matrix, read_number, read_vector, refuse
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: wp
+  use sg_laws, only: largest_friction, why_largest_friction
   use sg_matrix_problem, only: matrix_problem_t
   use sg_sparse, only: sparse_t
   use sg_sparse_algebra, only: no_columns
@@ -156,6 +157,9 @@ contains
     if (allocated(file%error)) return
     bad = findloc(friction >= 0, .false., 1)
     if (bad > 0) call refuse(file, group//'/vectors/mu is negative at contact '//to_text(bad - 1)//', counted from 0')
+    bad = findloc(friction <= largest_friction, .false., 1)
+    if (bad > 0) call refuse(file, group//'/vectors/mu is above '//to_text(largest_friction, 1)//' at contact '// &
+                             to_text(bad - 1)//', counted from 0: refused, '//why_largest_friction)
   end subroutine read_contacts
 
   !> Read a local problem.

@@ -124,6 +124,7 @@ contains
 
     call tests%refuse(file, 2, ' iqsc0  MAC_CZM                         fric= 0.3000000D+00', 'MAC_CZM, which is not done', 8, 23)
     call tests%refuse(file, 2, ' iqsc0  IQS_CLB                         fric=-0.3000000D+00', 'must not be negative', 2, 46)
+    call tests%refuse(file, 2, ' iqsc0  IQS_CLB                         fric= 0.3000000D+50', 'since rounding of the slip', 2, 46)
     call tests%refuse(file, 2, ' rstc0  IQS_CLB                         fric= 0.3000000D+00', 'listed twice', 4, 2)
     call tests%refuse(file, 4, ' rstc0  RST_CLB                         rstn= 0.9000000D+01  rstt= 0.5000000D+00', 'restitution', &
                       4, 46)

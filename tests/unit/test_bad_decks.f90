@@ -174,6 +174,7 @@ contains
   subroutine bad_laws()
     call bad('unknown law', head//'kind = "IQS_CBL"'//nl, 'did you mean "IQS_CLB"?', 8)
     call bad('negative friction', head//'friction = -0.1'//nl, 'at least 0', 8)
+    call bad('absurd friction', head//'friction = 1e50'//nl, 'at most 1000000, since rounding of the slip', 8)
     call bad('restitution above one', head//'kind = "RST_CLB"'//nl//'normal_restitution = 1.5'//nl, 'at most 1', 9)
     call bad('restitution of another law', head//'normal_restitution = 0.5'//nl, 'has no meaning for kind = "IQS_CLB"', 8)
     call bad('no stiffness', head//'kind = "ELASTIC_REPELL_CLB"'//nl, 'lacks the key "stiffness"', 7)

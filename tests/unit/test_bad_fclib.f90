@@ -210,6 +210,7 @@ contains
       call spoil_reals('/fclib_local/W/x', [1.0_wp, 1.0_wp, bad, 1.0_wp], '/fclib_local/W/x is not finite: its entry 2')
     end do
     call spoil_reals('/fclib_local/vectors/mu', [-0.1_wp], '/fclib_local/vectors/mu is negative at contact 0')
+    call spoil_reals('/fclib_local/vectors/mu', [2e6_wp], 'since rounding of the slip hides normal velocities')
   end subroutine test_numbers
 
   !> Matrices whose lists do not fit together.
