@@ -35,6 +35,9 @@ module sg_interior_point
     real(wp) :: guess_below = 1e-2_wp
     !> Iterations after which the path is blocked, when e1 has not fallen by a tenth along it
     integer :: patience = 12
+    !> Where the path is blocked: factorisations of the first turn of proximal points, each of which has twice those of the last,
+    !! and sweeps between two turns
+    integer :: first_turn = 200, sweeps = 200
   contains
     procedure :: solve => interior_point_solve
   end type interior_point_t
@@ -51,6 +54,7 @@ contains
     type(progress_t) :: progress
     type(anderson_t) :: anderson
     real(wp), allocatable :: scale(:)
+    integer :: most
     logical :: is_possible
 
     call progress%begin(problem, self%options)
@@ -62,8 +66,12 @@ contains
       call system%free()
       if (.not. progress%is_over) then
         call take_best(scaled, scale, progress)
-        call approach(proximal_t(), problem, scaled, scale, huge(1), progress, is_possible)
-        if (.not. is_possible) call sweep_accelerated(anderson, problem, scaled, scale, huge(1), progress)
+        most = self%first_turn
+        do while (.not. progress%is_over)
+          call approach(proximal_t(), problem, scaled, scale, most, progress, is_possible)
+          call sweep_accelerated(anderson, problem, scaled, scale, merge(self%sweeps, huge(1), is_possible), progress)
+          most = 2*min(most, 100000000)
+        end do
       end if
     end if
     call progress%finish(problem, report)
