@@ -4,10 +4,11 @@ module sg_totals
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i8
   use sg_report, only: report_t
+  use sg_text, only: to_text
   use sg_timers, only: timer_t
   implicit none
   private
-  public :: totals_t, reduce_report, n_phases, phase_names, n_totals_values
+  public :: totals_t, reduce_report, worst_contact_words, n_phases, phase_names, n_totals_values
   public :: phase_predict, phase_detect, phase_assemble, phase_solve, phase_update, phase_measure, phase_output
 
   !> Phases of a step
@@ -20,7 +21,7 @@ module sg_totals
     [character(len=8) :: 'predict', 'detect', 'assemble', 'solve', 'update', 'measure', 'output']
 
   !> Sums and worst values that `pack` writes before the timers
-  integer, parameter :: n_sums = 16
+  integer, parameter :: n_sums = 20
   !> Numbers that `pack` writes
   integer, parameter :: n_totals_values = n_sums + 2*(n_phases + 1)
 
@@ -40,6 +41,10 @@ module sg_totals
     integer :: fast_steps = 0
     !> Times that two bodies passed through each other within a step
     integer :: passings = 0
+    !> Worst step of those that did not converge, 0 for none: the two bodies of the contact that breaks its law by the largest
+    !! velocity, and that velocity [m/s]
+    integer :: worst_step = 0, worst_bodies(2) = 0
+    real(wp) :: worst_speed = 0
     !> Bytes that the contact problem of the last step holds per contact
     real(wp) :: bytes_per_contact = 0
     !> Stopwatch of each phase, indexed by `phase_*`
@@ -48,6 +53,7 @@ module sg_totals
     type(timer_t) :: clock
   contains
     procedure :: add => totals_add
+    procedure :: note_unconverged => totals_note_unconverged
     procedure :: tick => totals_tick
     procedure :: pack => totals_pack
     procedure :: unpack => totals_unpack
@@ -88,6 +94,30 @@ contains
     self%bytes_per_contact = report%bytes_per_contact
     if (present(penetration)) self%worst_penetration = worse(self%worst_penetration, penetration)
   end subroutine totals_add
+
+  !> Keep a step that did not converge where it is the worst so far.
+  pure subroutine totals_note_unconverged(self, step, bodies, speed)
+    class(totals_t), intent(inout) :: self
+    integer, intent(in) :: step !! number of the step
+    integer, intent(in) :: bodies(2) !! bodies of its worst contact
+    real(wp), intent(in) :: speed !! velocity by which that breaks its law [m/s]
+
+    if (self%worst_step > 0 .and. .not. speed > self%worst_speed) return
+    self%worst_step = step
+    self%worst_bodies = bodies
+    self%worst_speed = speed
+  end subroutine totals_note_unconverged
+
+  !> The worst contact of the steps that did not converge, in words.
+  pure function worst_contact_words(totals, fall_speed) result(words)
+    type(totals_t), intent(in) :: totals !! totals of a run with such a step
+    real(wp), intent(in) :: fall_speed !! what a step of free fall brings [m/s]; 0 without gravity
+    character(len=:), allocatable :: words
+
+    words = 'the contact of bodies '//to_text(totals%worst_bodies(1))//' and '//to_text(totals%worst_bodies(2))// &
+            ' breaks its law by '//to_text(totals%worst_speed, 2)//' m/s'
+    if (fall_speed > 0) words = words//', '//to_text(totals%worst_speed/fall_speed, 2)//' g h'
+  end function worst_contact_words
 
   !> The larger of two errors; one that is not a number is the worst and stays.
   pure real(wp) function worse(so_far, new)
@@ -214,7 +244,8 @@ contains
                        self%worst_e1, self%worst_e2, self%worst_e8, self%worst_violation, &
                        real(self%sweeps, wp), real(self%contact_updates, wp), real(self%contacts, wp), &
                        real(self%active_contacts, wp), real(self%most_contacts, wp), self%bytes_per_contact, &
-                       real(self%fast_steps, wp), self%worst_penetration, real(self%passings, wp)]
+                       real(self%fast_steps, wp), self%worst_penetration, real(self%passings, wp), &
+                       real(self%worst_step, wp), real(self%worst_bodies, wp), self%worst_speed]
     values(n_sums + 1:) = [self%phase%cpu, self%phase%wall, self%clock%cpu, self%clock%wall]
   end function totals_pack
 
@@ -250,6 +281,9 @@ contains
     self%fast_steps = nint(values(14))
     self%worst_penetration = values(15)
     self%passings = nint(values(16))
+    self%worst_step = nint(values(17))
+    self%worst_bodies = nint(values(18:19))
+    self%worst_speed = values(20)
     self%phase%cpu = values(n_sums + 1:n_sums + n_phases)
     self%phase%wall = values(n_sums + n_phases + 1:n_sums + 2*n_phases)
     self%clock%cpu = values(n_totals_values - 1)

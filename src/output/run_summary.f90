@@ -53,6 +53,8 @@ module sg_run_summary
     character(len=:), allocatable :: status, reason
     !> Path and hash of the deck, folder of the results, solver, name of the stopping criterion
     character(len=:), allocatable :: deck, deck_hash, folder, method, criterion
+    !> What a step of free fall brings [m/s]
+    real(wp) :: fall_speed = 0
     !> Tolerance of the stopping criterion
     real(wp) :: tolerance = 0
     !> Dimension of space, number of ranks, bodies, and steps asked
@@ -94,6 +96,7 @@ contains
     self%criterion = trim(criterion_names(options%solver%criterion))
     self%tolerance = options%solver%tolerance
     self%dimension = scene%dimension
+    self%fall_speed = norm2(scene%gravity)*options%step
     if (present(comm)) self%ranks = comm%size
     if (present(comm) .and. allocated(scene%bodies%id)) ranks = comm
     bodies = real(scene%bodies%n_home, wp)
@@ -240,6 +243,12 @@ contains
     call json%add('worst_e8', totals%worst_e8)
     call json%add('worst_violation', totals%worst_violation)
     call json%add('worst_penetration', totals%worst_penetration)
+    if (totals%worst_step > 0) then
+      call json%add('worst_step', totals%worst_step)
+      call json%add('worst_body_1', totals%worst_bodies(1))
+      call json%add('worst_body_2', totals%worst_bodies(2))
+      call json%add('worst_speed', totals%worst_speed)
+    end if
     call json%add('sweeps', totals%sweeps)
     call json%add('contact_updates', totals%contact_updates)
     call json%add('contacts', totals%contacts)

@@ -5,7 +5,7 @@ module sg_verdict
   use sg_run_summary, only: run_summary_t, shared_cost_t
   use sg_system, only: peak_memory_bytes
   use sg_text, only: joined, text_t, to_text
-  use sg_totals, only: n_phases, phase_names, phase_solve, totals_t
+  use sg_totals, only: n_phases, phase_names, phase_solve, totals_t, worst_contact_words
   implicit none
   private
   public :: print_verdict
@@ -27,6 +27,11 @@ contains
       write (unit, '(a)') headline
       call line('converged', to_text(totals%converged_steps)//' of '//to_text(totals%steps)//' steps to '// &
                 summary%criterion//' <= '//to_text(summary%tolerance, 2))
+      if (totals%unconverged_steps > 0) then
+        if (totals%worst_step > 0) call line('worst step', to_text(totals%worst_step)//': '// &
+                                             worst_contact_words(totals, summary%fall_speed))
+        call line('try', advice(summary))
+      end if
       call line('worst errors', 'e1 '//to_text(totals%worst_e1, 2)//', e2 '//to_text(totals%worst_e2, 2)//', e8 '// &
                 to_text(totals%worst_e8, 2)//', violation '//to_text(totals%worst_violation, 2)//' g h')
       call line('penetration', penetration_words(totals%worst_penetration, summary%grains%mean_radius)// &
@@ -70,6 +75,23 @@ contains
       write (unit, '(a)') '  '//column//text
     end subroutine line
   end subroutine print_verdict
+
+  !> What may help where steps did not converge.
+  pure function advice(summary) result(words)
+    type(run_summary_t), intent(in) :: summary
+    character(len=:), allocatable :: words
+
+    if (summary%ranks > 1 .and. summary%shared%gluing == 'contacts') then
+      words = 'partition.gluing = "dual" or "primal": "contacts" may stall where bodies hold each other in many ways; '// &
+              'or a smaller partition.relaxation'
+    else if (summary%ranks > 1) then
+      words = 'a larger solver.maximum_sweeps or a shorter time step; on one rank solver.method = "auto"'
+    else if (summary%method == 'nlgs') then
+      words = 'solver.method = "auto", which goes on where sweeps stall, or a larger solver.maximum_sweeps'
+    else
+      words = 'a larger solver.maximum_sweeps (iterations), or a shorter time step'
+    end if
+  end function advice
 
   !> How the scene was split, and how evenly.
   pure function split_words(shared) result(words)

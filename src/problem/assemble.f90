@@ -41,6 +41,8 @@ contains
       call load_bodies(scene%bodies, kind, body_of, radius, problem%body)
     end if
     squares = 0
+    problem%closing_speed = 0
+    problem%most_friction = 0
     do k = 1, contacts%n
       problem%pair(:, k) = slot_of(contacts%body(:, k))
       law = law_of(scene, contacts, k, step)
@@ -56,6 +58,8 @@ contains
       if (.not. law%is_active) cycle
       q = compact_velocity(problem, k)
       squares = squares + sum(q**2)
+      problem%most_friction = max(problem%most_friction, law%friction)
+      if (closes(kind, law, problem%record(:, k), q)) problem%closing_speed = max(problem%closing_speed, norm2(q))
       problem%impulse(:, k) = contacts%impulse(:, k)
     end do
     problem%free_norm = sqrt(squares)
@@ -63,6 +67,18 @@ contains
     problem%velocity_scale = problem%fall_speed
     if (.not. problem%velocity_scale > 0) problem%velocity_scale = problem%free_norm/sqrt(real(max(1, contacts%n), wp))
   end subroutine assemble
+
+  !> Does a contact need an impulse to obey its law? One that opens without does not, unless something holds it.
+  pure logical function closes(kind, law, record, q)
+    integer, intent(in) :: kind
+    type(local_law_t), intent(in) :: law
+    real(wp), intent(in) :: record(:), q(3) !! its record, and relative velocity without impulses [m/s]
+    real(wp) :: normal
+
+    normal = q(1)
+    if (kind == ball_frictional .or. kind == solid_frictional) normal = dot_product(record(1:3), q)
+    closes = law%is_linear .or. law%cohesion > 0 .or. normal < 0
+  end function closes
 
   !> What the law of a contact asks in this step.
   pure function law_of(scene, contacts, k, step) result(law)

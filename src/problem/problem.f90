@@ -65,6 +65,10 @@ module sg_problem
     real(wp) :: fall_speed = 0
     !> Velocity scale of the violation [m/s]: that speed; where there is no gravity, the rms of q
     real(wp) :: velocity_scale = 0
+    !> Largest relative velocity without impulses among contacts that close, stick together or are linear [m/s]
+    real(wp) :: closing_speed = 0
+    !> Largest friction of the contacts; unknown unless the problem is assembled
+    real(wp) :: most_friction = huge(1.0_wp)
   end type problem_t
 
 contains

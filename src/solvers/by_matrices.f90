@@ -6,17 +6,17 @@
 !! one whatever they do. Problems that have no matrices, those with linear laws, are solved by sweeps.
 module sg_by_matrices
   use sg_compact, only: add_impulses
-  use sg_convergence, only: criterion_value, rounding_of
+  use sg_convergence, only: convergence_t, scales_of
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_solver_t
   use sg_nlgs, only: nlgs_t
-  use sg_problem, only: bytes_per_contact, is_in_space, problem_t
+  use sg_problem, only: bytes_per_contact, problem_t
   use sg_problem_matrices, only: matrices_map_t, matrices_of
   use sg_problem_records, only: contact_of, contact_record_t
   use sg_report, only: report_t, trace_point_t
-  use sg_residuals, only: measure_errors
+  use sg_residuals, only: find_worst, measure_errors
   use sg_run_options, only: criterion_e1, solver_options_t
   use sg_solver, only: solver_t
   use sg_tables, only: tables_t
@@ -90,10 +90,11 @@ contains
     real(wp), intent(in) :: start !! of the solve, on the CPU clock
     type(report_t), intent(inout) :: report
     type(report_t) :: one
+    type(convergence_t) :: convergence
     real(wp), allocatable :: free(:, :)
-    real(wp) :: before, rounding, mobility
+    real(wp) :: before, mobility
 
-    rounding = rounding_of(maxval(abs(problem%body(1:merge(3, 2, is_in_space(problem%kind)), :))))
+    call convergence%begin(scales_of(problem))
     allocate (free, source=problem%body)
     mobility = 1
     if (self%options%criterion /= criterion_e1) mobility = typical_mobility(matrices)
@@ -113,15 +114,19 @@ contains
       if (self%with_trace) call add_trace(report, one, before)
       call add_effort(report, one, problem%n_contacts)
       report%estimate = e8_to_estimate*report%e8
-      ! There are no sweeps whose increments could be looked at; e1 is that of the matrices.
-      report%criterion = criterion_value(self%options%criterion, report, increments=report%estimate)
-      if (self%options%criterion == criterion_e1) report%criterion = one%e1
-      report%is_converged = report%criterion <= self%options%tolerance .or. report%violation*problem%velocity_scale <= rounding
+      ! There are no sweeps whose increments could be looked at.
+      call convergence%decide(self%options, report, increments=report%estimate)
+      if (convergence%must_look(report)) then
+        call find_worst(problem, report%worst_contact, report%worst_speed)
+        call convergence%confirm(report%worst_speed, report)
+      end if
       if (report%is_converged .or. .not. one%is_converged) exit
       if (self%solver%options%tolerance <= least_e1) exit
       self%solver%options%tolerance = max(least_e1, self%solver%options%tolerance/10)
       self%solver%options%warm_start = .true.
     end do
+    if (.not. report%is_converged) call find_worst(problem, report%worst_contact, report%worst_speed)
+    call convergence%finish(report)
   end subroutine solve_matrices
 
   !> Velocity that an impulse brings to a contact, typically, as a power of two, so that dividing by it rounds nothing; 1 where

@@ -1,24 +1,44 @@
 !> When sweeps have converged, and when to look up again whom they visit: the same judgement for one rank and for many.
 module sg_convergence
   use sg_kinds, only: wp
+  use sg_law_violation, only: most_hidden
   use sg_lists, only: reserve
+  use sg_problem, only: is_in_space, problem_t
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_violation, solver_options_t
   implicit none
   private
-  public :: convergence_t, criterion_value, looks_at_errors, rounding_of
+  public :: convergence_t, scales_t, looks_at_errors, scales_of
 
   !> Who is visited is looked up again when the sweeps have doubled, or when a test finds the criterion above this share
   !! of the last one
   real(wp), parameter :: stalled = 0.95_wp
+  !> Share of the scale of a step that a single contact may break its law by where a solve counts as converged
+  real(wp), parameter :: most_broken = 0.5_wp
+
+  !> Scales of the problem of a step, over all ranks
+  type :: scales_t
+    !> Contacts
+    integer :: contacts = 0
+    !> Largest velocity component of all bodies, velocity scale of the violation, and the largest relative velocity of contacts
+    !! that need an impulse [m/s]
+    real(wp) :: fastest = 0, velocity = 0, closing = 0
+    !> Largest friction
+    real(wp) :: friction = 0
+  end type scales_t
 
   !> The tests of one solve so far
   type :: convergence_t
-    !> Velocity error that rounding leaves [m/s]
-    real(wp) :: rounding = 0
     !> Is it time to look up whom to visit?
     logical :: is_choice_due = .false.
-    !> Sweeps when that was looked up, and the criterion of the last test
+    !> Did a contact break its law by too much where the criterion was reached? Then no cluster counts as solved by the criterion
+    logical :: is_contested = .false.
+    !> Is nothing left but rounding, while the criterion is above its tolerance?
+    logical, private :: is_rounding = .false.
+    !> Scales of the problem, and the velocity error that rounding leaves [m/s]
+    type(scales_t), private :: scales
+    real(wp), private :: rounding = 0
+    !> Sweeps when whom to visit was looked up, and the criterion of the last test
     integer, private :: last_choice = 0
     real(wp), private :: last_criterion = huge(1.0_wp)
     !> e8 at each test so far
@@ -26,6 +46,10 @@ module sg_convergence
   contains
     procedure :: begin => convergence_begin
     procedure :: judge => convergence_judge
+    procedure :: decide => convergence_decide
+    procedure :: must_look => convergence_must_look
+    procedure :: confirm => convergence_confirm
+    procedure :: finish => convergence_finish
   end type convergence_t
 
 contains
@@ -37,29 +61,36 @@ contains
     looks_at_errors = any(criterion == [criterion_e1, criterion_e2, criterion_e8, criterion_violation, criterion_estimate])
   end function looks_at_errors
 
+  !> Scales of a problem, or of a rank's part of it, whose bodies have the velocities to start from.
+  pure type(scales_t) function scales_of(problem) result(scales)
+    type(problem_t), intent(in) :: problem !! problem
+
+    scales%contacts = problem%n_contacts
+    scales%velocity = problem%velocity_scale
+    scales%closing = problem%closing_speed
+    if (problem%n_contacts > 0) scales%friction = problem%most_friction
+    if (problem%n_bodies > 0) scales%fastest = maxval(abs(problem%body(1:merge(3, 2, is_in_space(problem%kind)), :)))
+  end function scales_of
+
   !> Begin a solve.
-  pure subroutine convergence_begin(self, fastest)
+  pure subroutine convergence_begin(self, scales)
     class(convergence_t), intent(inout) :: self
-    real(wp), intent(in) :: fastest !! largest velocity component of all bodies [m/s]
+    type(scales_t), intent(in) :: scales !! of the problem
 
     self%last_choice = 0
     self%last_criterion = huge(1.0_wp)
-    self%rounding = rounding_of(fastest)
+    self%scales = scales
+    self%rounding = 16*epsilon(1.0_wp)*scales%fastest
     self%is_choice_due = .false.
+    self%is_contested = .false.
+    self%is_rounding = .false.
   end subroutine convergence_begin
 
-  !> Velocity error that rounding leaves [m/s].
-  pure real(wp) function rounding_of(fastest)
-    real(wp), intent(in) :: fastest !! largest velocity component of all bodies [m/s]
-
-    rounding_of = 16*epsilon(1.0_wp)*fastest
-  end function rounding_of
-
-  !> Judge a test: sets the estimate, the criterion and whether it is reached.
-  subroutine convergence_judge(self, options, velocity_scale, report, increments)
+  !> Judge a test of sweeps: sets the estimate, the criterion, and whether that is reached. Where `must_look` says so, `confirm`
+  !! has the last word.
+  subroutine convergence_judge(self, options, report, increments)
     class(convergence_t), intent(inout) :: self
     type(solver_options_t), intent(in) :: options !! criterion, tolerance, sweeps between two tests
-    real(wp), intent(in) :: velocity_scale !! of the violation [m/s]
     type(report_t), intent(inout) :: report !! its errors are measured
     real(wp), intent(in) :: increments !! value of a criterion that looks at increments; not used for others
 
@@ -67,14 +98,76 @@ contains
     call reserve(self%past_e8, report%checks)
     self%past_e8(report%checks) = report%e8
     report%estimate = estimated_error(self%past_e8(:report%checks), options%check_every)
-    report%criterion = criterion_value(options%criterion, report, increments)
-    report%is_converged = report%criterion <= options%tolerance .or. report%violation*velocity_scale <= self%rounding
+    call self%decide(options, report, increments)
     self%is_choice_due = .not. report%is_converged .and. &
                          (report%sweeps >= 2*self%last_choice .or. (report%criterion > stalled*self%last_criterion .and. &
                                                                     report%sweeps >= self%last_choice + self%last_choice/4))
     if (self%is_choice_due) self%last_choice = report%sweeps
     self%last_criterion = report%criterion
   end subroutine convergence_judge
+
+  !> Set the criterion of a report whose errors are measured, and whether it is reached, or nothing but rounding is left.
+  pure subroutine convergence_decide(self, options, report, increments)
+    class(convergence_t), intent(inout) :: self
+    type(solver_options_t), intent(in) :: options !! criterion and tolerance
+    type(report_t), intent(inout) :: report !! errors and estimate are set
+    real(wp), intent(in) :: increments !! value of a criterion that looks at increments
+
+    report%criterion = criterion_value(options%criterion, report, increments)
+    report%is_converged = report%criterion <= options%tolerance
+    self%is_rounding = .not. report%is_converged .and. report%violation*self%scales%velocity <= self%rounding
+    report%is_converged = report%is_converged .or. self%is_rounding
+  end subroutine convergence_decide
+
+  !> Must the contacts be looked at one by one before a solve counts as converged? Not where the rms error bounds that of each.
+  pure logical function convergence_must_look(self, report) result(must_look)
+    class(convergence_t), intent(in) :: self
+    type(report_t), intent(in) :: report !! judged
+    real(wp) :: bound
+
+    bound = report%violation*self%scales%velocity*sqrt(real(self%scales%contacts, wp))*most_hidden(self%scales%friction)
+    must_look = report%is_converged .and. .not. bound <= most_allowed(self)
+  end function convergence_must_look
+
+  !> Velocity by which a single contact may break its law [m/s]: half of what a step of free fall brings, or of what contacts close
+  !! with where that is more. Where nothing but rounding may be left, as much as the rms of rounding leaves room for.
+  pure real(wp) function most_allowed(self)
+    type(convergence_t), intent(in) :: self
+
+    if (self%is_rounding) then
+      most_allowed = self%rounding*sqrt(real(self%scales%contacts, wp))*most_hidden(1.0_wp)
+    else
+      most_allowed = most_broken*max(self%scales%velocity, self%scales%closing)
+    end if
+  end function most_allowed
+
+  !> Take back that a solve has converged where a contact breaks its law by too much.
+  pure subroutine convergence_confirm(self, speed, report)
+    class(convergence_t), intent(inout) :: self
+    real(wp), intent(in) :: speed !! largest velocity by which a contact breaks its law [m/s]
+    type(report_t), intent(inout) :: report !! judged
+
+    report%is_converged = speed <= most_allowed(self)
+    self%is_rounding = self%is_rounding .and. report%is_converged
+    if (report%is_converged) return
+    self%is_choice_due = .not. self%is_contested .or. report%sweeps >= 2*self%last_choice
+    self%is_contested = .true.
+    if (self%is_choice_due) self%last_choice = report%sweeps
+  end subroutine convergence_confirm
+
+  !> End a solve: errors that are nothing but rounding are none, since what they are relative to is rounding as well.
+  pure subroutine convergence_finish(self, report)
+    class(convergence_t), intent(in) :: self
+    type(report_t), intent(inout) :: report !! errors of the solution are measured
+
+    if (.not. self%is_rounding) return
+    report%e1 = 0
+    report%e2 = 0
+    report%e8 = 0
+    report%violation = 0
+    report%estimate = 0
+    report%criterion = 0
+  end subroutine convergence_finish
 
   !> Value of a stopping criterion, from a report whose errors are measured.
   pure real(wp) function criterion_value(criterion, report, increments) result(value)

@@ -125,14 +125,20 @@ contains
     call self%open(problem, subdomain, slot_of, comm)
     if (self%trace%is_on) call note(self, problem, comm, report)
     call choose_first(self, problem, comm, report)
-    call self%convergence%begin(self%errors%fastest)
+    call self%convergence%begin(self%errors%scales)
     do
       call rounds(self, problem, comm, report)
       ! What is handed over is judged itself: the round that was cut short has changed it since its last test.
       call self%begin_test(problem, .true., comm)
       call finish_test(self, comm, report)
+      if (self%convergence%must_look(report)) then
+        call self%errors%find_worst(problem, comm, report)
+        call self%convergence%confirm(report%worst_speed, report)
+      end if
       if (report%is_converged .or. report%sweeps >= self%options%maximum_sweeps) exit
     end do
+    if (.not. report%is_converged) call self%errors%find_worst(problem, comm, report)
+    call self%convergence%finish(report)
     problem%body(self%width + 1:, self%divided) = self%whole
     call self%tell_result(problem, subdomain, slot_of, comm)
     report%cpu_seconds = self%trace%seconds()
@@ -188,10 +194,10 @@ contains
     integer :: since_test
 
     is_tested = .false.
+    is_choosing = self%convergence%is_choice_due
     since_test = 0
     do while (report%sweeps < self%options%maximum_sweeps)
       call self%begin_round(problem, report)
-      is_choosing = .false.
       if (is_tested) then
         call finish_test(self, comm, report)
         is_choosing = self%convergence%is_choice_due
@@ -205,11 +211,13 @@ contains
       is_tested = is_choosing .or. since_test >= self%options%check_every
       if (.not. is_tested) cycle
       since_test = 0
-      if (is_choosing) call self%parts%clusters%prepare(problem, self%options, report%sweeps)
+      if (is_choosing .and. .not. self%convergence%is_contested) &
+        call self%parts%clusters%prepare(problem, self%options, report%sweeps)
       call self%begin_test(problem, any(self%options%criterion == [criterion_e1, criterion_e2]), comm)
       ! Errors, criterion and squares are those of the test that asked for the choice, a round ago.
       if (is_choosing) call self%parts%choose(problem, report, &
                                               (self%options%tolerance/report%criterion)**2*self%errors%mean_square)
+      is_choosing = .false.
     end do
     if (is_tested) call finish_test(self, comm, report)
   end subroutine rounds
@@ -221,7 +229,7 @@ contains
     type(report_t), intent(inout) :: report
 
     call self%errors%finish(report, comm)
-    call self%convergence%judge(self%options, self%errors%velocity_scale, report, self%errors%increments)
+    call self%convergence%judge(self%options, report, self%errors%increments)
   end subroutine finish_test
 
   !> Take one of equal parts of the masses of shared bodies until the end of the solve.

@@ -4,12 +4,12 @@
 !! close; who they are is looked up again as the errors fall.
 module sg_nlgs
   use sg_compact, only: add_impulses
-  use sg_convergence, only: convergence_t, looks_at_errors
+  use sg_convergence, only: convergence_t, looks_at_errors, scales_of
   use sg_increments, only: increment_value, increments_t, n_increment_maxima, n_increment_sums
   use sg_kinds, only: wp, i8
-  use sg_problem, only: bytes_per_contact, is_in_space, problem_t
+  use sg_problem, only: bytes_per_contact, problem_t
   use sg_report, only: report_t
-  use sg_residuals, only: measure_errors
+  use sg_residuals, only: find_worst, measure_errors
   use sg_run_options, only: criterion_e1, criterion_e2, solver_options_t
   use sg_solved_clusters, only: solved_clusters_t
   use sg_solver, only: solver_t
@@ -76,6 +76,8 @@ contains
       call measure_errors(problem, report, with_e1=.true.)
       call lap(self, report%cpu_checks, now)
     end if
+    if (.not. report%is_converged) call find_worst(problem, report%worst_contact, report%worst_speed)
+    call self%convergence%finish(report)
     call self%trace%finish(report%sweeps, report)
   end subroutine nlgs_solve
 
@@ -120,7 +122,7 @@ contains
     end if
     call set_order(self%order, problem, self%visits%is_visited, self%options)
     call self%clusters%begin()
-    call self%convergence%begin(maxval(abs(problem%body(1:merge(3, 2, is_in_space(problem%kind)), :))))
+    call self%convergence%begin(scales_of(problem))
   end subroutine start_order
 
   !> Sweep as often as the options say between two tests.
@@ -164,11 +166,15 @@ contains
       call self%increments%measure(problem, self%order, sums, maxima)
       increments = increment_value(self%options%criterion, sums, maxima)
     end if
-    call self%convergence%judge(self%options, problem%velocity_scale, report, increments)
+    call self%convergence%judge(self%options, report, increments)
+    if (self%convergence%must_look(report)) then
+      call find_worst(problem, report%worst_contact, report%worst_speed)
+      call self%convergence%confirm(report%worst_speed, report)
+    end if
     if (is_last .or. .not. self%convergence%is_choice_due) return
     associate (n => problem%n_contacts)
       call self%visits%choose(n, report, problem%velocity_scale)
-      if (self%clusters%are_sought) then
+      if (self%clusters%are_sought .and. .not. self%convergence%is_contested) then
         asked = (self%options%tolerance/report%criterion)**2*sum(self%clusters%squares(:n))/real(n, wp)
         call self%clusters%leave_out(problem, report%sweeps, asked, self%visits%is_wanted(:n))
       end if

@@ -39,6 +39,9 @@ module sg_report
     real(wp) :: e1 = 0, e2 = 0, e8 = 0, violation = 0
     !> Estimated relative error of the impulses, from e8 and the rate at which it fell
     real(wp) :: estimate = 0
+    !> Where not converged: velocity by which the worst contact of all breaks its law [m/s], and its number where this rank has it
+    real(wp) :: worst_speed = 0
+    integer :: worst_contact = 0
     !> Number of contacts that carry an impulse
     integer :: active_contacts = 0
     !> CPU seconds in sweeps and in tests

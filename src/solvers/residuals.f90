@@ -4,12 +4,13 @@
 !! solutions: e1 and e2 with rho = 1, e8 and the violation with rho_a = 1/lambda_max(W_aa), free of units.
 module sg_residuals
   use sg_kinds, only: wp
+  use sg_law_violation, only: law_violation
   use sg_problem, only: arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, round_frictionless
   use sg_report, only: ratio, report_t
-  use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, n_error_sums, note_closing
+  use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, find_worst_in_space, n_error_sums, note_closing
   implicit none
   private
-  public :: measure_errors, sum_errors, set_errors, natural_map, n_error_sums
+  public :: find_worst, measure_errors, sum_errors, set_errors, natural_map, n_error_sums
 
   !> What the natural map needs of a chunk of contacts
   type :: chunk_t
@@ -90,6 +91,32 @@ contains
     report%e8 = ratio(sqrt(sums(2)), sqrt(sums(4)))
     report%violation = ratio(sqrt(sums(3)/real(max(1, contacts), wp)), velocity_scale)
   end subroutine set_errors
+
+  !> The contact that breaks its law by the largest velocity; contact 0 where all obey.
+  pure subroutine find_worst(problem, contact, speed)
+    type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
+    integer, intent(out) :: contact !! number of that contact
+    real(wp), intent(out) :: speed !! its velocity [m/s]
+    type(chunk_t) :: a
+    real(wp) :: broken
+    integer :: first, i
+
+    contact = 0
+    speed = 0
+    if (is_in_space(problem%kind)) then
+      call find_worst_in_space(problem, contact, speed)
+      return
+    end if
+    do first = 1, problem%n_contacts, chunk
+      call gather(problem, first, a)
+      do i = 1, a%n
+        broken = law_violation([a%u_n(i), a%u_t(i)], [a%r_n(i), a%r_t(i)], a%friction(i), a%rho(i), a%linear(i) > 0)
+        if (.not. broken > speed) cycle
+        contact = first + i - 1
+        speed = broken
+      end do
+    end do
+  end subroutine find_worst
 
   !> Add a chunk to sums of which each place has its own, so that no sum waits for the last one: squares of the map with rho = 1
   !! (where wanted), of the map with rho_a, of its velocity error, of r, and of u; and the contacts that carry an impulse.

@@ -1,10 +1,11 @@
 !> What the error measures need of contacts in space: the natural map of vectors in the world's axes (doc/theory/errors.md).
 module sg_residuals_space
   use sg_kinds, only: wp
+  use sg_law_violation, only: law_violation
   use sg_problem, only: ball_frictional, ball_frictionless, problem_t, solid_frictional, solid_frictionless
   implicit none
   private
-  public :: add_normal_parts, add_space_contacts, note_closing, chunk, n_error_sums
+  public :: add_normal_parts, add_space_contacts, find_worst_in_space, note_closing, chunk, n_error_sums
 
   !> Contacts gathered at a time: their data stay in the first cache, and the map runs over them in vector registers
   integer, parameter :: chunk = 128
@@ -70,6 +71,42 @@ contains
       end do
     end do
   end subroutine add_space_contacts
+
+  !> The contact that breaks its law by the largest velocity.
+  pure subroutine find_worst_in_space(problem, contact, speed)
+    type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
+    integer, intent(inout) :: contact !! number of that contact; stays where all obey
+    real(wp), intent(inout) :: speed !! its velocity [m/s]
+    type(chunk_t) :: a
+    real(wp) :: broken
+    integer :: first, i
+    logical :: has_tangent
+
+    has_tangent = any(problem%kind == [ball_frictional, solid_frictional])
+    do first = 1, problem%n_contacts, chunk
+      call gather(problem, first, a)
+      do i = 1, a%n
+        if (has_tangent) then
+          broken = law_violation(split(a%normal(i, :), a%u(i, :)), split(a%normal(i, :), a%r(i, :)), a%friction(i), a%rho(i), &
+                                 a%linear(i) > 0)
+        else
+          broken = law_violation(a%u(i, :1), a%r(i, :1), 0.0_wp, a%rho(i), .false.)
+        end if
+        if (.not. broken > speed) cycle
+        contact = first + i - 1
+        speed = broken
+      end do
+    end do
+  end subroutine find_worst_in_space
+
+  !> Normal component of a vector of the world, and what is across the normal.
+  pure function split(normal, x) result(parts)
+    real(wp), intent(in) :: normal(3), x(3)
+    real(wp) :: parts(4)
+
+    parts(1) = dot_product(normal, x)
+    parts(2:) = x - parts(1)*normal
+  end function split
 
   !> The same for a chunk of contacts that have a normal part alone, in the plane or in space: the map is r - max(0, r - rho u).
   pure subroutine add_normal_parts(n, u, r, rho, with_e1, lane, squares)

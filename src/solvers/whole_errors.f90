@@ -1,12 +1,12 @@
 !> Errors of the whole problem from its parts: sums over ranks, made while sweeps go on.
 module sg_whole_errors
   use sg_comm, only: comm_t
-  use sg_convergence, only: looks_at_errors
+  use sg_convergence, only: looks_at_errors, scales_of, scales_t
   use sg_increments, only: increment_value, increments_t, n_increment_maxima, n_increment_sums
   use sg_kinds, only: wp
-  use sg_problem, only: is_in_space, problem_t
+  use sg_problem, only: problem_t
   use sg_report, only: report_t
-  use sg_residuals, only: n_error_sums, set_errors, sum_errors
+  use sg_residuals, only: find_worst, n_error_sums, set_errors, sum_errors
   use sg_run_options, only: criterion_estimate, criterion_quad, solver_options_t
   use sg_sweep_order, only: list_order, set_order, sweep_order_t
   use sg_tables, only: tables_t
@@ -18,8 +18,10 @@ module sg_whole_errors
   type :: whole_errors_t
     !> Contacts of all ranks
     integer :: contacts = 0
-    !> Norm of q over all of them, velocity scale, largest velocity component [m/s]
-    real(wp) :: free_norm = 0, velocity_scale = 0, fastest = 0
+    !> Norm of q over all of them, and velocity scale [m/s]
+    real(wp) :: free_norm = 0, velocity_scale = 0
+    !> What convergence is judged by
+    type(scales_t) :: scales
     !> Mean over all contacts of the squares that e8 is made of, at the last sum taken [N2 s2]
     real(wp) :: mean_square = 0
     !> Are impulses guessed, on any rank?
@@ -37,6 +39,7 @@ module sg_whole_errors
     procedure :: prepare => errors_prepare
     procedure :: begin => errors_begin
     procedure :: finish => errors_finish
+    procedure :: find_worst => errors_find_worst
     procedure :: list_tables => errors_list_tables
   end type whole_errors_t
 
@@ -47,21 +50,40 @@ contains
     class(whole_errors_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! this rank's part, with free velocities
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: sums(2), largest(2)
+    real(wp) :: sums(2), largest(4)
 
     sums = [real(problem%n_contacts, wp), problem%free_norm**2]
     call comm%sum(sums)
-    largest = 0
-    if (problem%n_bodies > 0) largest(1) = maxval(abs(problem%body(1:merge(3, 2, is_in_space(problem%kind)), :)))
+    self%scales = scales_of(problem)
+    largest = [self%scales%fastest, 0.0_wp, self%scales%closing, self%scales%friction]
     if (problem%n_contacts > 0) largest(2) = maxval(abs(problem%impulse(:, :problem%n_contacts)))
     call comm%maximum(largest)
     self%contacts = nint(sums(1))
     self%free_norm = sqrt(sums(2))
-    self%fastest = largest(1)
     self%is_guessed = largest(2) > 0
     self%velocity_scale = problem%fall_speed
     if (.not. self%velocity_scale > 0) self%velocity_scale = self%free_norm/sqrt(real(max(1, self%contacts), wp))
+    self%scales%contacts = self%contacts
+    self%scales%fastest = largest(1)
+    self%scales%velocity = self%velocity_scale
+    self%scales%closing = largest(3)
+    self%scales%friction = largest(4)
   end subroutine errors_prepare
+
+  !> Find the contact of all ranks that breaks its law by the largest velocity. Collective.
+  subroutine errors_find_worst(self, problem, comm, report)
+    class(whole_errors_t), intent(in) :: self
+    type(problem_t), intent(in) :: problem !! this rank's part, its copies glued
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(report_t), intent(inout) :: report !! the velocity is set, and the contact where this rank has it, else 0
+    real(wp) :: largest(1), own
+
+    call find_worst(problem, report%worst_contact, own)
+    largest = own
+    call comm%maximum(largest)
+    report%worst_speed = largest(1)
+    if (self%contacts == 0 .or. own < report%worst_speed) report%worst_contact = 0
+  end subroutine errors_find_worst
 
   !> Begin to sum the errors of all parts.
   subroutine errors_begin(self, problem, with_e1, comm, closing, squares)

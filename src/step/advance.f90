@@ -5,7 +5,7 @@ module sg_advance
   use sg_detect, only: detect
   use sg_dump, only: begin_dump, is_listed
   use sg_error, only: error_t, fail
-  use sg_guard, only: find_broken
+  use sg_guard, only: find_broken, number_of
   use sg_kinds, only: wp, i1, i8
   use sg_link_contacts, only: finish_links
   use sg_motion, only: predict, update
@@ -137,6 +137,7 @@ contains
       call phase(phase_measure)%start()
       call sim%energy%add_step(sim%scene, sim%contacts, h)
       call sim%totals%add(sim%report, sim%contacts%n, deepest_penetration(sim%contacts), sim%all_contacts)
+      if (.not. sim%report%is_converged) call note_unconverged(sim)
       if (is_fast) sim%totals%fast_steps = sim%totals%fast_steps + 1
       sim%totals%passings = sim%totals%passings + sim%passing%n
       call phase(phase_measure)%stop()
@@ -147,6 +148,29 @@ contains
       call phase(phase_update)%stop()
     end associate
   end subroutine conclude
+
+  !> Keep step and bodies of the worst contact of a step that did not converge. Collective.
+  subroutine note_unconverged(sim)
+    type(simulation_t), intent(inout) :: sim
+    real(wp) :: first(1), second(1)
+    integer :: bodies(2), side
+
+    bodies = 0
+    if (sim%report%worst_contact > 0) then
+      do side = 1, 2
+        bodies(side) = number_of(sim%scene, sim%contacts%body(side, sim%report%worst_contact))
+      end do
+    end if
+    if (sim%decomposition%is_on) then
+      ! Of contacts that are equally bad on several ranks one is named.
+      first = real(bodies(1), wp)
+      call sim%comm%maximum(first)
+      second = merge(real(bodies(2), wp), 0.0_wp, bodies(1) == nint(first(1)))
+      call sim%comm%maximum(second)
+      bodies = nint([first, second])
+    end if
+    call sim%totals%note_unconverged(sim%step + 1, bodies, sim%report%worst_speed)
+  end subroutine note_unconverged
 
   !> Stop before a problem whose data are not finite already: its dump holds no solution. Collective.
   subroutine look_before(sim, error)

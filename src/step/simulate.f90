@@ -23,7 +23,7 @@ module sg_simulate
   use sg_system, only: checkpoint_requested, stop_signal
   use sg_text, only: to_text
   use sg_timers, only: wall_now
-  use sg_totals, only: phase_measure, phase_output, reduce_report, totals_t
+  use sg_totals, only: phase_measure, phase_output, reduce_report, totals_t, worst_contact_words
   use sg_verdict, only: print_verdict
   implicit none
   private
@@ -376,6 +376,7 @@ contains
     else if (code == exit_not_converged) then
       status = run_not_converged
       reason = 'step '//to_text(sim%step)//' did not converge'
+      if (totals%worst_step == sim%step) reason = reason//': '//worst_contact_words(totals, writers%summary%fall_speed)
     end if
     call writers%summary%conclude(status, reason, sim%time(), totals, writers%measures)
   end subroutine conclude

@@ -81,6 +81,23 @@ class Ratios(Stiff):
             dump = self.place / "out" / f"dump-{run['steps']}-local.hdf5"
             self.assertIn("yes", self.run_program("solve", dump, "--solver", "auto").stdout)
 
+    def test_free_fall_is_not_converged(self):
+        """All defaults, mass ratio 1e6: where sweeps leave the heavy block in free fall, the step is named, whatever the criterion."""
+        heavy = {"material_2__density": 1e9, "solver__criterion": '"estimate"', "solver__tolerance": 2e-2, "output__record_every": 1}
+        run = self.run_deck("two_blocks", **heavy)
+        self.assertGreater(run["unconverged_steps"], 50)
+        self.assertEqual({run["worst_body_1"], run["worst_body_2"]}, {1, 2})
+        self.assertGreater(run["worst_speed"], G * 1e-3)
+        with open(self.place / "out" / "record.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        # Half of what contacts close with is allowed; blocks touch at two points, whose rms is less.
+        self.assertLessEqual(max(float(row["violation"]) for row in rows if row["converged"] == "1"), 0.5)
+        run = self.run_deck("two_blocks", code=3, solver__stop_unconverged="true", **heavy)
+        self.assertIn(f"step {run['steps']} did not converge: the contact of bodies", run["reason"])
+        verdict = self.run_program("run", DECKS / "two_blocks.toml", "--output", "said", "--set", "material[2].density=1e9").stdout
+        self.assertRegex(verdict, r"worst step +\d+: the contact of bodies \d and \d breaks its law by .* g h")
+        self.assertIn('solver.method = "auto"', verdict)
+
     def test_size_ratio(self):
         """Radii 1 to 1e4, masses 1 to 1e12 in space. Tolerance as above, for a pile that leans on friction."""
         small = 1e-5
