@@ -92,24 +92,54 @@ contains
     end do
   end subroutine mark_all
 
-  !> Contacts whose impulse is neither their own mark nor zero, and those that are new.
-  subroutine count_marks(contacts, wrong, new)
-    type(contacts_t), intent(in) :: contacts !! once marked, since found anew
+  !> Contacts with an impulse that is not theirs, and those that no contact of their pair and feature was before.
+  !!
+  !! Where the feature is new, the impulse is that of a contact of the same pair whose feature is gone, each handed on once, or zero
+  !! where there is none left.
+  subroutine count_marks(before, contacts, wrong, new)
+    type(contacts_t), intent(in) :: before !! contacts when they were marked
+    type(contacts_t), intent(in) :: contacts !! those found since
     integer, intent(out) :: wrong !! contacts with an impulse that is not theirs
-    integer, intent(out) :: new !! contacts that were not there
-    integer :: k
+    integer, intent(out) :: new !! contacts whose feature was not there
+    logical :: is_left(before%n), is_new(contacts%n), is_of_pair(before%n)
+    integer :: k, j
 
-    wrong = 0
-    new = 0
-    do k = 1, contacts%n
-      if (contacts%status(k) == status_new) then
-        new = new + 1
-        if (any(abs(contacts%impulse(:, k)) > 0)) wrong = wrong + 1
-      else if (contacts%status(k) /= status_slide .or. &
-               any(abs(contacts%impulse(:, k) - mark(contacts, k)*factors(:contacts%n_components)) > 0) .or. &
-               any(abs(contacts%internal(:, k) + mark(contacts, k)) > 0)) then
-        wrong = wrong + 1
-      end if
+    is_left = .true.
+    do j = 1, before%n
+      do k = 1, contacts%n
+        if (.not. abs(mark(contacts, k) - mark(before, j)) > 0) is_left(j) = .false.
+      end do
     end do
+    wrong = 0
+    do k = 1, contacts%n
+      is_new(k) = all([(abs(mark(before, j) - mark(contacts, k)) > 0, j=1, before%n)])
+      if (is_new(k)) cycle
+      if (contacts%status(k) /= status_slide .or. .not. carries(mark(contacts, k))) wrong = wrong + 1
+    end do
+    do k = 1, contacts%n
+      if (.not. is_new(k)) cycle
+      is_of_pair = is_left .and. [(all(before%contactor(:, j) == contacts%contactor(:, k)), j=1, before%n)]
+      if (contacts%status(k) == status_new) then
+        if (.not. carries(0.0_wp)) wrong = wrong + 1
+        cycle
+      end if
+      j = findloc([(is_of_pair(j) .and. carries(mark(before, j)), j=1, before%n)], .true., 1)
+      if (j == 0) wrong = wrong + 1
+      if (j > 0) is_left(j) = .false.
+    end do
+    ! What is left of a pair has no new contact to go to.
+    do k = 1, contacts%n
+      if (.not. is_new(k) .or. contacts%status(k) /= status_new) cycle
+      if (any(is_left .and. [(all(before%contactor(:, j) == contacts%contactor(:, k)), j=1, before%n)])) wrong = wrong + 1
+    end do
+    new = count(is_new)
+  contains
+    !> Has the contact the impulse and the internal values of a mark?
+    pure logical function carries(value)
+      real(wp), intent(in) :: value
+
+      carries = .not. (any(abs(contacts%impulse(:, k) - value*factors(:contacts%n_components)) > 0) .or. &
+                       any(abs(contacts%internal(:, k) + value) > 0))
+    end function carries
   end subroutine count_marks
 end module kept_states

@@ -11,8 +11,9 @@
 !!
 !! It does not matter which of the two is the reference: the shared polygon and the gaps along the axis are the same.
 module sg_clip_faces
+  use sg_crossing_keys, only: crossing_key
   use sg_four_points, only: choose_points
-  use sg_kinds, only: wp, i4, i8
+  use sg_kinds, only: wp, i4
   use sg_polyhedron, only: polyhedron_t
   use sg_separation, only: axis_t
   use sg_touch_space, only: add_space_point, touch_space_t
@@ -217,7 +218,7 @@ contains
     if (key == 0) then
       side_c = merge(maxval(owner), -minval(owner), by_a)
       side_a = merge(-minval(owner), maxval(owner), by_a)
-      key = crossing_key(c, a, side_of(c, axis%face_c, side_c), side_of(a, axis%face_a, side_a))
+      key = crossing_key(c%n_vertices, a%n_vertices, side_of(c, axis%face_c, side_c), side_of(a, axis%face_a, side_a))
     end if
     do while (any(touch%feature(:touch%n) == key))
       key = modulo(key, huge(key)) + 1_i4
@@ -362,22 +363,4 @@ contains
     ends(2) = shape%face_vertex(first + modulo(side, n))
     ends = [minval(ends), maxval(ends)]
   end function side_of
-
-  !> Key of the crossing of two edges given by their ends, greater than those of vertices.
-  pure integer(i4) function crossing_key(c, a, ends_c, ends_a) result(key)
-    type(polyhedron_t), intent(in) :: c !! candidate
-    type(polyhedron_t), intent(in) :: a !! antagonist
-    integer(i4), intent(in) :: ends_c(2), ends_a(2) !! vertices of the edges
-    integer(i8) :: long, last, ends(4)
-    integer :: vertices, k
-
-    vertices = c%n_vertices + a%n_vertices
-    last = int(huge(key) - vertices, i8)
-    ends = int([ends_c, ends_a], i8)
-    long = 0
-    do k = 1, 4
-      long = modulo(long*int(merge(c%n_vertices, a%n_vertices, k <= 2), i8) + ends(k), last)
-    end do
-    key = int(long, i4) + int(vertices, i4) + 1_i4
-  end function crossing_key
 end module sg_clip_faces

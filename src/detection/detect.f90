@@ -2,7 +2,8 @@
 module sg_detect
   use sg_contactors, only: contactors_t, kind_hollow, kind_hollow_cylinder, kind_plane, kind_sphere, kind_wall, place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
-  use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, recall, unwrap_images
+  use sg_hand_over, only: hand_over
+  use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, past_pair, recall, unwrap_images
   use sg_internal_values, only: first_internal, not_recorded
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_mohr, status_bonded, status_new
@@ -12,7 +13,7 @@ module sg_detect
   use sg_touch, only: touch_t
   use sg_touch_link, only: touch_link
   use sg_touch_pair, only: touch_pair
-  use sg_touch_space, only: touch_space_t
+  use sg_touch_space, only: most_points, touch_space_t
   use sg_touch_space_pair, only: touch_space_pair
   use sg_touch_sphere_sphere, only: touch_sphere_sphere
   implicit none
@@ -92,7 +93,7 @@ contains
     type(contacts_t), intent(inout) :: contacts
     type(touch_t) :: touch
     integer(i4) :: law
-    integer :: i
+    integer :: i, past(2)
 
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert)
       if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
@@ -101,8 +102,13 @@ contains
     if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
     law = int(scene%sees(pairs%see(p))%law, i4)
     do i = 1, touch%n
-      call add_contact(scene, pairs, history, p, law, touch%normal(:, i), touch%point(:, i), touch%gap(i), touch%feature(i), &
-                       contacts)
+      past(i) = recall(history, p, touch%feature(i), touch%point(:, i))
+    end do
+    if (any(past(:touch%n) == 0)) call take_over(scene, pairs, history, p, [scene%period*real(pairs%image(p), wp), 0.0_wp], &
+                                                 touch%point(:, :touch%n), past(:touch%n))
+    do i = 1, touch%n
+      call add_contact(scene, pairs, history, p, past(i), law, touch%normal(:, i), touch%point(:, i), touch%gap(i), &
+                       touch%feature(i), contacts)
     end do
   end subroutine touch_in_plane
 
@@ -116,7 +122,7 @@ contains
     type(touch_space_t) :: touch
     real(wp) :: offset(3)
     integer(i4) :: law
-    integer :: i
+    integer :: i, past(most_points)
 
     offset = [scene%period*real(pairs%image(p), wp), scene%period_y*real(pairs%image_y(p), wp), 0.0_wp]
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert, &
@@ -132,8 +138,13 @@ contains
     if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
     law = int(scene%sees(pairs%see(p))%law, i4)
     do i = 1, touch%n
-      call add_contact(scene, pairs, history, p, law, touch%normal(:, i), touch%point(:, i), touch%gap(i), touch%feature(i), &
-                       contacts)
+      past(i) = recall(history, p, touch%feature(i), touch%point(:, i))
+    end do
+    if (any(past(:touch%n) == 0)) call take_over(scene, pairs, history, p, offset, &
+                                                 touch%point(:, :touch%n), past(:touch%n))
+    do i = 1, touch%n
+      call add_contact(scene, pairs, history, p, past(i), law, touch%normal(:, i), touch%point(:, i), touch%gap(i), &
+                       touch%feature(i), contacts)
       contacts%image_y(contacts%n) = pairs%image_y(p)
     end do
   end subroutine touch_in_space
@@ -157,7 +168,8 @@ contains
                       scene%links%length(l), pulls_only(law), normal, point, length)
     end associate
     if (contacts%n + 1 > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + 1)
-    call add_contact(scene, pairs, history, p, scene%links%law(l), normal, point, length, int(l, i4), contacts)
+    k = recall(history, p, int(l, i4), point)
+    call add_contact(scene, pairs, history, p, k, scene%links%law(l), normal, point, length, int(l, i4), contacts)
     k = contacts%n
     if (scene%dimension == 3) contacts%image_y(k) = pairs%image_y(p)
     ! The link may have turned since: the guess of one that carries nothing across is the force along it.
@@ -199,17 +211,36 @@ contains
     apart = between(1)**2 + between(2)**2 + between(3)**2 > limit**2
   end function spheres_are_apart
 
-  !> Add one point of contact, with the impulse of its past.
-  subroutine add_contact(scene, pairs, history, p, law, normal, point, gap, feature, contacts)
+  !> Let points whose features have no past go on from what is left of the pair's.
+  pure subroutine take_over(scene, pairs, history, p, offset, point, past)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(in) :: history
     integer, intent(in) :: p
+    real(wp), intent(in) :: offset(:), point(:, :)
+    integer, intent(inout) :: past(:)
+    integer :: before, first, last
+
+    before = past_pair(history, p)
+    if (before == 0 .or. history%by_point) return
+    first = history%first(before)
+    last = history%first(before + 1) - 1
+    if (last < first) return
+    call hand_over(scene%contactors, pairs%contactor(1, p), pairs%contactor(2, p), offset, history%feature(first:last), point, &
+                   first, past)
+  end subroutine take_over
+
+  !> Add one point of contact, with the impulse of its past.
+  subroutine add_contact(scene, pairs, history, p, past, law, normal, point, gap, feature, contacts)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: p, past
     integer(i4), intent(in) :: law
     real(wp), intent(in) :: normal(:), point(:), gap
     integer(i4), intent(in) :: feature
     type(contacts_t), intent(inout) :: contacts
-    integer :: k, past
+    integer :: k
 
     k = contacts%n + 1
     contacts%n = k
@@ -223,7 +254,6 @@ contains
     contacts%normal(:, k) = normal
     contacts%point(:, k) = point
     contacts%gap(k) = gap
-    past = recall(history, p, feature, point)
     if (past > 0) then
       contacts%impulse(:, k) = history%impulse(:, past)
       contacts%status(k) = history%status(past)

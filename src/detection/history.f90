@@ -13,7 +13,8 @@ module sg_history
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: history_t, start_history, resume_history, keep_contacts, keep_pairs, unwrap_images, match_pairs, recall, revive
+  public :: history_t, start_history, resume_history, keep_contacts, keep_pairs, unwrap_images, match_pairs, revive
+  public :: past_pair, recall
 
   !> Contacts of the last detection, as much as the next one needs
   type :: history_t
@@ -280,6 +281,17 @@ contains
     end do
   end subroutine list_by_candidate
 
+  !> Pair of the last detection that a present pair is; 0 where it is new.
+  pure integer function past_pair(history, pair)
+    type(history_t), intent(in) :: history !! past
+    integer, intent(in) :: pair !! present neighbour pair
+
+    past_pair = 0
+    if (history%n_pairs == 0) return
+    past_pair = pair
+    if (history%is_matched) past_pair = history%past(pair)
+  end function past_pair
+
   !> Contact of the past that a contact of now goes on from; 0 when it is new.
   pure integer function recall(history, pair, feature, point) result(best)
     type(history_t), intent(in) :: history !! past
@@ -290,9 +302,7 @@ contains
     real(wp) :: nearest, distance
 
     best = 0
-    if (history%n_pairs == 0) return
-    past = pair
-    if (history%is_matched) past = history%past(pair)
+    past = past_pair(history, pair)
     if (past == 0) return
     nearest = huge(1.0_wp)
     do k = history%first(past), history%first(past + 1) - 1

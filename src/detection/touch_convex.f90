@@ -12,6 +12,10 @@
 !!
 !! Where the lowest incident vertex hangs beyond the end of the face, that end and the vertex nearest to it are the
 !! contact: a distance true in length and direction.
+!!
+!! A point is named after its vertex, 1 to n_c of the candidate, n_c + 1 to n_c + n_a of the antagonist: whichever face is the
+!! reference and whichever edge the incident one, which a tilt of rounding size may change, the vertex stays. Of two
+!! vertices at one place the candidate's gives the name.
 module sg_touch_convex
   use sg_kinds, only: wp, i4
   use sg_touch, only: touch_t, add_point, same_length
@@ -21,6 +25,8 @@ module sg_touch_convex
 
   !> Points nearer than this fraction of the shorter edge are one: two would only say the same twice
   real(wp), parameter :: same_point = 1e-6_wp
+  !> Vertices nearer than this fraction of the shorter edge are at one place, so that the name outlives small slips
+  real(wp), parameter :: same_corner = 0.01_wp
 
   !> An edge of the reference polygon and what faces it
   type :: face_t
@@ -111,35 +117,38 @@ contains
     real(wp), intent(in) :: radius_a !! thickness of the antagonist's skin [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     type(touch_t), intent(inout) :: touch !! points found
-    real(wp) :: origin(2), tangent(2), place(2, 2), along(2), low, high, same, rounding
-    integer :: edge, pair
+    real(wp) :: origin(2), tangent(2), place(2, 2), along(2), low, high, same, near, rounding
+    integer :: edge, vertex(2)
 
     edge = facing_edge(n_i, incident, face%lowest, face%normal)
-    pair = merge(n_i*face%edge + edge, n_r*edge + face%edge, is_antagonist)
+    vertex = [face%lowest, merge(next(edge, n_i), edge, edge == face%lowest)]
     ! Everything is taken about the start of the face, so that far from the origin gaps keep their digits.
     origin = reference(:, face%edge)
     tangent = [-face%normal(2), face%normal(1)]
     place(:, 1) = incident(:, face%lowest) + (shift - origin)
-    place(:, 2) = incident(:, merge(next(edge, n_i), edge, edge == face%lowest)) + (shift - origin)
+    place(:, 2) = incident(:, vertex(2)) + (shift - origin)
     along = [dot(tangent, place(:, 1)), dot(tangent, place(:, 2))]
     low = max(0.0_wp, min(along(1), along(2)))
     high = min(face%length, max(along(1), along(2)))
     rounding = same_length*face%length
     same = same_point*min(face%length, size_of(place(:, 2) - place(:, 1)))
+    near = same_corner*min(face%length, size_of(place(:, 2) - place(:, 1)))
     if (high - low > same) then
-      call add_end(touch, low, is_start=.true.)
-      call add_end(touch, high, is_start=.false.)
+      call add_end(touch, low, is_start=.true., i=merge(1, 2, along(1) <= along(2)), is_alone=.false.)
+      call add_end(touch, high, is_start=.false., i=merge(2, 1, along(1) <= along(2)), is_alone=.false.)
     else
-      call add_end(touch, min(max(along(1), 0.0_wp), face%length), is_start=2*along(1) < face%length)
+      call add_end(touch, min(max(along(1), 0.0_wp), face%length), is_start=2*along(1) < face%length, i=1, is_alone=.true.)
     end if
 
   contains
 
     !> Add one end of what the edges share.
-    pure subroutine add_end(touch, x, is_start)
+    pure subroutine add_end(touch, x, is_start, i, is_alone)
       type(touch_t), intent(inout) :: touch !! points so far
       real(wp), intent(in) :: x !! place of the end along the face [m]
       logical, intent(in) :: is_start !! is it on the side of the face's start?
+      integer, intent(in) :: i !! which of the incident edge's vertices is on that side
+      logical, intent(in) :: is_alone !! is it the only point?
       real(wp) :: corner, beyond, fraction, facing(2), normal(2), apart(2), gap
       integer(i4) :: key
 
@@ -161,8 +170,8 @@ contains
         gap = size_of(apart)
         normal = apart/gap
       end if
-      ! Seen along either face, the same end has the same key: the two faces run in opposite directions.
-      key = 2*pair - merge(1, 0, is_start .eqv. is_antagonist)
+      key = name_of(vertex(i), merge(face%edge, next(face%edge, n_r), is_start), is_antagonist, merge(n_i, n_r, is_antagonist), &
+                    merge(-along(i), along(i) - face%length, is_start), near, is_alone)
       if (is_antagonist) then
         call add_point(touch, origin - shift + facing, normal, gap - radius_a, alert, key)
       else
@@ -170,6 +179,26 @@ contains
       end if
     end subroutine add_end
   end subroutine add_points
+
+  !> Key of a point: the vertex where it lies, the antagonist's counted after those of the candidate.
+  pure integer(i4) function name_of(incident, reference, is_antagonist, n_c, beyond, near, is_alone) result(key)
+    integer, intent(in) :: incident !! vertex of the incident edge on that side
+    integer, intent(in) :: reference !! vertex of the reference face on that side
+    logical, intent(in) :: is_antagonist !! is the reference polygon the antagonist?
+    integer, intent(in) :: n_c !! vertices of the candidate
+    real(wp), intent(in) :: beyond !! by which the incident vertex is beyond the end of the face [m]
+    real(wp), intent(in) :: near !! distance of vertices that are at one place [m]
+    logical, intent(in) :: is_alone !! is it the pair's only point?
+    logical :: by_incident
+
+    if (abs(beyond) <= near .or. (is_alone .and. beyond > 0)) then
+      by_incident = is_antagonist
+    else
+      by_incident = beyond < 0
+    end if
+    key = int(merge(incident, reference, by_incident), i4)
+    if (by_incident .neqv. is_antagonist) key = key + int(n_c, i4)
+  end function name_of
 
   !> The edge at the lowest vertex that is the flatter one, seen from the face.
   pure integer function facing_edge(n, vertices, lowest, normal) result(edge)

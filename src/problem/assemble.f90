@@ -18,6 +18,9 @@ module sg_assemble
   private
   public :: assemble, disassemble
 
+  !> Gap at which a bond is broken, as a share of the smaller shape: rigid bodies share a load among several bonds only to rounding
+  real(wp), parameter :: largest_stretch = 1e-8_wp
+
 contains
 
   !> Make the contact problem of a step; `bodies%velocity` is the beginning's, `bodies%free_velocity` the free one.
@@ -212,11 +215,12 @@ contains
   end subroutine arm_record
 
   !> Bring the solution back: impulses and statuses of contacts, velocities of bodies (into `free_velocity`).
-  subroutine disassemble(problem, scene, body_of, radius, violation, contacts)
+  subroutine disassemble(problem, scene, body_of, radius, step, violation, contacts)
     type(problem_t), intent(in) :: problem !! solved problem
     type(scene_t), intent(inout) :: scene !! scene whose bodies move on
     integer(i4), intent(in) :: body_of(:) !! body of each slot
     real(wp), intent(in) :: radius(:) !! signed radius of round bodies [m]
+    real(wp), intent(in) :: step !! time step [s]
     real(wp), intent(in) :: violation !! velocity error of the solution over the velocity scale of the problem
     type(contacts_t), intent(inout) :: contacts !! contacts that carry the impulses to the next step
     real(wp) :: rest
@@ -225,7 +229,7 @@ contains
     rest = rest_speed(problem, violation)
     do k = 1, contacts%n
       contacts%impulse(:, k) = problem%impulse(:, k)
-      contacts%status(k) = status_after(scene, problem, contacts, k, rest)
+      contacts%status(k) = status_after(scene, problem, contacts, k, step, rest)
     end do
     if (is_in_space(problem%kind)) then
       call unload_space_bodies(problem, body_of, radius, scene%bodies)
@@ -244,19 +248,22 @@ contains
   end subroutine disassemble
 
   !> What a contact did in this step. A bond that slips or opens is broken for good.
-  pure integer(i1) function status_after(scene, problem, contacts, k, rest) result(status)
+  pure integer(i1) function status_after(scene, problem, contacts, k, step, rest) result(status)
     type(scene_t), intent(in) :: scene
     type(problem_t), intent(in) :: problem
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k
-    real(wp), intent(in) :: rest
+    real(wp), intent(in) :: step, rest
     logical :: is_bonded
+    real(wp) :: stretch
 
     ! Of links `finish_links` says it.
     status = contacts%status(k)
     if (is_link(scene, contacts, k)) return
     is_bonded = contacts%status(k) == status_bonded .and. scene%laws(contacts%law(k))%kind == law_mohr
-    status = status_of(problem, k, is_bonded, rest)
+    stretch = 0
+    if (is_bonded) stretch = (largest_stretch*minval(scene%contactors%reach(contacts%contactor(:, k))) - contacts%gap(k))/step
+    status = status_of(problem, k, is_bonded, stretch, rest)
     if (status == status_stick .and. is_bonded) status = status_bonded
   end function status_after
 end module sg_assemble

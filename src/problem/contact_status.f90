@@ -42,12 +42,13 @@ contains
 
   !> What a contact did in a step: nothing, stick or slide. Problems without tangents have no sticking contacts.
   !!
-  !! A bond whose impulse stands at the limit of its cohesion sticks as long as it does not open: where several bonds share a load,
-  !! a solver may bring one of them there.
-  pure integer(i1) function status_of(problem, k, is_bonded, rest) result(status)
+  !! A bond whose impulse stands at the limit of its cohesion sticks as long as its bodies do not part: where several bonds hold
+  !! a body, rigid as it is, one of them may stand there because of the load or because of a gap that it cannot close.
+  pure integer(i1) function status_of(problem, k, is_bonded, stretch, rest) result(status)
     type(problem_t), intent(in) :: problem !! solved problem
     integer, intent(in) :: k !! contact
     logical, intent(in) :: is_bonded !! does a bond hold the contact together?
+    real(wp), intent(in) :: stretch !! opening velocity by which a bond is not yet broken [m/s]; not used where there is none
     real(wp), intent(in) :: rest !! velocity that counts as none [m/s]
     type(state_t) :: state
     real(wp) :: reach(2), slow
@@ -66,7 +67,7 @@ contains
     ! What the impulse could bring about.
     reach = state%mobility*[state%normal, state%friction*state%normal - state%tangential]
     slow = rest + least_rest*abs(reach(1))
-    if (state%opening > reach(1) + slow) return
+    if (state%opening > reach(1) + max(slow, merge(stretch, 0.0_wp, is_bonded))) return
     status = status_slide
     if (state%slip <= reach(2) + slow) status = status_stick
   end function status_of
@@ -84,6 +85,7 @@ contains
       if (.not. (state%normal > 0 .or. is_bonded)) return
       u = compact_velocity(problem, k)
       state%opening = u(1)
+      if (is_bonded) state%opening = u(1) - record(7)
       state%slip = abs(u(2))
       state%tangential = abs(problem%impulse(2, k))
       if (problem%kind == round_frictional) then
@@ -111,6 +113,7 @@ contains
       u = compact_velocity(problem, k)
       state%opening = dot_product(n, u)
       state%slip = norm2(u - state%opening*n)
+      if (is_bonded) state%opening = state%opening - dot_product(n, record(13:15))
       state%tangential = norm2(r - r_n*n)
       if (problem%kind == ball_frictional) then
         state%friction = record(9)

@@ -119,7 +119,8 @@ contains
     call sim%totals%phase(phase_update)%start()
     if (has_failed(sim)) call begin_late_dump(sim)
     status = sim%contacts%status(:sim%contacts%n)
-    call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%report%violation, sim%contacts)
+    call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%options%step, sim%report%violation, &
+                     sim%contacts)
     call finish_links(sim%scene, sim%contacts, sim%options%step)
     call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%step, .true., error)
     sim%all_contacts = sim%contacts%n

@@ -144,7 +144,7 @@ contains
     call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
                   sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
     call sim%solver%solve(sim%problem, sim%report)
-    call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, 0.0_wp, sim%contacts)
+    call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%options%step, 0.0_wp, sim%contacts)
   end subroutine solve_step
 
   !> Ranks of the bodies: slabs, in turns, or none for the last rank.

@@ -64,7 +64,8 @@ contains
         solver = solver_of(criterion_e8, 1e-13_wp, 100000)
         call solver%solve(problem, report)
         call t%check(report%is_converged, name//': converged')
-        call disassemble(problem, sim%scene, sim%pairs%body_of, sim%plan%radius, 0.0_wp, sim%contacts)
+        call disassemble(problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%options%step, 0.0_wp, &
+                         sim%contacts)
         ! Masses, radii and velocities are of order one.
         call t%near(worst_map(sim), 0.0_wp, 1e-10_wp, name//': impulses and velocities obey the law')
         call test_warm(sim, problem, name)
