@@ -305,8 +305,8 @@ contains
     rank = size(shape)
     call count_rows(self, shape(rank), is_common, before, total)
     whole = [merge(int(shape(1), hsize_t), 1_hsize_t, rank == 2), int(total, hsize_t)]
-    ! The last of the chunks that have check sums is stored whole.
-    call reserve(self, 8*(product(whole) + whole(1)*checked_rows))
+    ! The last of several chunks that have check sums is stored whole.
+    call reserve(self, 8*whole(1)*merge(whole(2) + checked_rows, whole(2), whole(2) > checked_rows))
     if (allocated(self%error)) return
     call h5screate_simple_f(rank, whole(3 - rank:), space, status)
     call h5pcreate_f(h5p_dataset_create_f, list, status)

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <stdint.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Take room for the first `bytes` bytes of a file, which keeps its size; a new one is made, or an old one emptied. When
@@ -28,4 +29,13 @@ int splitgrain_reserve(const char *path, int64_t bytes, int is_new, char *why, i
     why[length - 1] = '\0';
   }
   return status;
+}
+
+/* Give back the room beyond the end of a file, which it would keep otherwise. */
+void splitgrain_release(const char *path)
+{
+  struct stat file;
+
+  if (stat(path, &file) == 0 && truncate(path, file.st_size) != 0)
+    return;
 }

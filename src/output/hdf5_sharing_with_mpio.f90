@@ -22,6 +22,10 @@ submodule(sg_hdf5:hdf5_with_hdf5) hdf5_sharing_with_mpio
       integer(c_int), value :: length
       integer(c_int) :: status
     end function c_reserve
+    subroutine c_release(path) bind(c, name='splitgrain_release')
+      import :: c_char
+      character(kind=c_char), intent(in) :: path(*)
+    end subroutine c_release
   end interface
 
 contains
@@ -66,6 +70,12 @@ contains
   self%reserved = self%most_bytes + least_room
   call take_room(self, self%reserved, is_new=.false.)
   end procedure reserve_room
+
+  module procedure release_room
+  if (self%ranks%rank == 0) call c_release(self%name//c_null_char)
+  self%reserved = 0
+  self%most_bytes = 0
+  end procedure release_room
 
   !> Have rank 0 take room on the disk for so many bytes in all.
   subroutine take_room(self, bytes, is_new)

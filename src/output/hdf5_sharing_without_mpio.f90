@@ -17,4 +17,7 @@ contains
 
   module procedure reserve_room
   end procedure reserve_room
+
+  module procedure release_room
+  end procedure release_room
 end submodule hdf5_sharing_without_mpio

@@ -47,6 +47,10 @@ submodule(sg_hdf5) hdf5_with_hdf5
       class(hdf5_file_t), intent(inout) :: self
       integer(i8), intent(in) :: bytes
     end subroutine reserve_room
+    !> Give back the room of a closed file that it does not fill.
+    module subroutine release_room(self)
+      class(hdf5_file_t), intent(inout) :: self
+    end subroutine release_room
   end interface
 
   ! The Fortran interface of HDF5 1.10 lacks these two.
@@ -194,6 +198,7 @@ contains
   call h5fclose_f(int(self%id, hid_t), status)
   self%id = -1
   call check(self, status, 'cannot write')
+  if (self%ranks%size > 1) call release_room(self)
   call settle(self)
   end procedure file_close
 

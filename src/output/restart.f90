@@ -1,7 +1,7 @@
 !> Restart files: all that a run needs to go on as if it had never stopped, bit for bit.
 !!
-!! Two files take turns, `restart_a.h5` and `restart_b.h5`. Each is written under another name, brought to the disk and
-!! then renamed, so that at any time at least one of them is whole. doc/guide/files.md lists the datasets.
+!! Two files take turns, `restart_a.h5` and `restart_b.h5`. Each is written under another name
+!! (sg_settle_file), so that at any time at least one of them is whole. doc/guide/files.md lists the datasets.
 !!
 !! Ranks that share a scene write one file together, in the same layout: bodies by number, contacts rank by rank. Any
 !! number of ranks can go on from it. Then none reads it whole: each takes the rows of the bodies that it holds, and a piece of the
@@ -16,12 +16,13 @@ module sg_restart
   use sg_kinds, only: wp, i1, i4, i8
   use sg_laws, only: last_status, status_new
   use sg_picked_rows, only: picked_rows_t
-  use sg_restart_datasets, only: check_shapes, scene_misfit
+  use sg_restart_datasets, only: check_shapes, dataset_paths, scene_misfit
   use sg_restart_files, only: find_newest, restart_names
   use sg_scene, only: scene_t
-  use sg_system, only: remove_file, rename_file
+  use sg_sealed_datasets, only: check_seals, put_sealed
+  use sg_settle_file, only: part_of, settle_file
+  use sg_system, only: remove_file
   use sg_text, only: to_text
-  use sg_text_files, only: is_synced
   use sg_version, only: commit, version
   implicit none
   private
@@ -188,7 +189,7 @@ contains
     type(restart_t), intent(in) :: state !! state to write, all components set; totals, step and time are the same on all ranks
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written; older files stay
     type(comm_t), intent(inout), optional :: comm !! ranks that share the scene; absent where it is not shared
-    character(len=:), allocatable :: name
+    character(len=:), allocatable :: name, part
     type(comm_t) :: ranks
     integer :: newest, speaker
     integer(i8) :: serial
@@ -201,25 +202,13 @@ contains
     found = [real(newest, wp), real(serial, wp)]
     call ranks%sum(found)
     name = folder//'/'//restart_names(merge(2, 1, nint(found(1)) == 1))
-    call write_file(name//'.unfinished', state, nint(found(2), i8) + 1, ranks, error)
+    part = part_of(name)
+    if (ranks%rank == 0) call remove_file(part)
+    call write_file(part, state, nint(found(2), i8) + 1, ranks, error)
     ! All ranks have written their part: one of them gives the file its name.
-    if (ranks%rank == 0) call settle_file(name//'.unfinished', name, error)
+    if (ranks%rank == 0) call settle_file(part, name, error)
     call ranks%agree(error, speaker)
   end subroutine write_restart
-
-  !> Give a file that is written its name, or remove it where it could not be written.
-  subroutine settle_file(unfinished, name, error)
-    character(len=*), intent(in) :: unfinished, name
-    type(error_t), allocatable, intent(inout) :: error
-
-    if (allocated(error)) then
-      call remove_file(unfinished)
-    else if (.not. is_synced(unfinished)) then
-      call fail(error, 'cannot bring the file to the disk', file=unfinished, code=exit_output)
-    else if (.not. rename_file(unfinished, name)) then
-      call fail(error, 'cannot rename '//unfinished, file=name, code=exit_output)
-    end if
-  end subroutine settle_file
 
   !> Write all datasets.
   subroutine write_file(name, state, serial, ranks, error)
@@ -237,27 +226,27 @@ contains
     call file%set('/', 'deck_hash', state%deck_hash)
     call file%set('/', 'serial', serial)
     call file%set('/', 'step', int(state%step, i8))
-    call file%put('/time', [state%time], is_common=.true.)
-    call file%put('/totals', state%totals, is_common=.true.)
-    call file%put('/built', state%built)
+    call put_sealed(file, '/time', [state%time], is_common=.true.)
+    call put_sealed(file, '/totals', state%totals, is_common=.true.)
+    call put_sealed(file, '/built', state%built)
     call file%group('/bodies')
-    call file%put('/bodies/position', state%position)
-    call file%put('/bodies/angle', state%angle)
-    call file%put('/bodies/velocity', state%velocity)
-    call file%put('/bodies/crossings', state%crossings)
+    call put_sealed(file, '/bodies/position', state%position)
+    call put_sealed(file, '/bodies/angle', state%angle)
+    call put_sealed(file, '/bodies/velocity', state%velocity)
+    call put_sealed(file, '/bodies/crossings', state%crossings)
     if (size(state%position, 1) == 3) then
-      call file%put('/bodies/orientation', state%orientation)
-      call file%put('/bodies/crossings_y', state%crossings_y)
+      call put_sealed(file, '/bodies/orientation', state%orientation)
+      call put_sealed(file, '/bodies/crossings_y', state%crossings_y)
     end if
     call file%group('/contacts')
-    if (size(state%position, 1) == 3) call file%put('/contacts/image_y', state%image_y)
-    call file%put('/contacts/contactor', state%contactor)
-    call file%put('/contacts/feature', state%feature)
-    call file%put('/contacts/image', state%image)
-    call file%put('/contacts/law', state%law)
-    call file%put('/contacts/status', state%status)
-    call file%put('/contacts/impulse', state%impulse)
-    if (size(state%internal, 1) > 0) call file%put('/contacts/internal', state%internal)
+    if (size(state%position, 1) == 3) call put_sealed(file, '/contacts/image_y', state%image_y)
+    call put_sealed(file, '/contacts/contactor', state%contactor)
+    call put_sealed(file, '/contacts/feature', state%feature)
+    call put_sealed(file, '/contacts/image', state%image)
+    call put_sealed(file, '/contacts/law', state%law)
+    call put_sealed(file, '/contacts/status', state%status)
+    call put_sealed(file, '/contacts/impulse', state%impulse)
+    if (size(state%internal, 1) > 0) call put_sealed(file, '/contacts/internal', state%internal)
     ! Other ranks may sit on other machines, whose part is brought to the disk from there.
     if (ranks%size > 1) call file%flush()
     call file%close()
@@ -294,6 +283,7 @@ contains
     call check_format(file)
     misfit = scene_misfit(file, scene, whole(1), numbers(2))
     if (len(misfit) == 0) call check_shapes(file, scene, whole(1), numbers(1), numbers(2))
+    call check_seals(file, dataset_paths(scene%dimension, numbers(2)), ranks)
     if (len(misfit) == 0 .and. .not. allocated(file%error)) call read_file(file, scene, ranks, state)
     call file%close()
     if (present(is_damaged)) is_damaged = allocated(file%error)

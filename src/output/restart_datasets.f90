@@ -5,10 +5,10 @@ module sg_restart_datasets
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: i8
   use sg_scene, only: scene_t
-  use sg_text, only: to_text
+  use sg_text, only: append_word, text_t, to_text
   implicit none
   private
-  public :: check_shapes, scene_misfit
+  public :: check_shapes, dataset_paths, scene_misfit
 
   !> What a dataset has rows for
   integer, parameter :: per_file = 0, per_body = 1, per_turning_body = 2, per_contact = 3
@@ -58,8 +58,7 @@ contains
     integer(i8) :: found(2), wanted(2), contacts, bytes
     integer :: i
 
-    list = datasets(scene, components)
-    if (internal > 0) list = [list, dataset_t('/contacts/internal', internal, per_contact)]
+    list = datasets(scene%dimension, size(scene%bodies%middle, 1), scene%bodies%n_velocity, components, internal)
     contacts = file%rows('/contacts/feature')
     ! Of these the scene does not say how many there are; each takes at least four bytes of the file.
     inquire (file=file%name, size=bytes)
@@ -102,19 +101,36 @@ contains
     end subroutine misshaped
   end subroutine check_shapes
 
-  !> The datasets of a scene.
-  function datasets(scene, components) result(list)
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: components
+  !> Paths of all datasets of a file.
+  function dataset_paths(dimension, internal) result(paths)
+    integer, intent(in) :: dimension !! of space
+    integer, intent(in) :: internal !! internal values of a contact
+    type(text_t), allocatable :: paths(:)
+    type(dataset_t), allocatable :: list(:)
+    integer :: i
+
+    list = datasets(dimension, 0, 0, 0, internal)
+    allocate (paths(0))
+    do i = 1, size(list)
+      call append_word(paths, trim(list(i)%path))
+    end do
+    call append_word(paths, '/totals')
+  end function dataset_paths
+
+  !> The datasets whose shape follows from the scene: its dimension, and components of configurations, velocities,
+  !! impulses and internal values of contacts.
+  pure function datasets(dimension, n_configuration, n_velocity, n_impulse, n_internal) result(list)
+    integer, intent(in) :: dimension, n_configuration, n_velocity, n_impulse, n_internal
     type(dataset_t), allocatable :: list(:)
 
-    list = [dataset_t('/time'), dataset_t('/built', size(scene%bodies%middle, 1), per_body), &
-            dataset_t('/bodies/position', scene%dimension, per_body), &
-            dataset_t('/bodies/velocity', scene%bodies%n_velocity, per_body), dataset_t('/bodies/crossings', 1, per_body), &
+    list = [dataset_t('/time'), dataset_t('/built', n_configuration, per_body), &
+            dataset_t('/bodies/position', dimension, per_body), &
+            dataset_t('/bodies/velocity', n_velocity, per_body), dataset_t('/bodies/crossings', 1, per_body), &
             dataset_t('/contacts/contactor', 2, per_contact), dataset_t('/contacts/feature', 1, per_contact), &
             dataset_t('/contacts/image', 1, per_contact), dataset_t('/contacts/law', 1, per_contact), &
-            dataset_t('/contacts/status', 1, per_contact), dataset_t('/contacts/impulse', components, per_contact)]
-    if (scene%dimension == 2) then
+            dataset_t('/contacts/status', 1, per_contact), dataset_t('/contacts/impulse', n_impulse, per_contact)]
+    if (n_internal > 0) list = [list, dataset_t('/contacts/internal', n_internal, per_contact)]
+    if (dimension == 2) then
       list = [list, dataset_t('/bodies/angle', 1, per_turning_body)]
     else
       list = [list, dataset_t('/bodies/orientation', 4, per_turning_body), dataset_t('/bodies/crossings_y', 1, per_body), &

@@ -84,6 +84,11 @@ def spoil_content(rng, file):
         for _ in range(rng.choice([1, 1, 1, 3])):
             spoilt[rng.randrange(len(spoilt))] ^= 1 << rng.randrange(8)
         file.write_bytes(spoilt)
+    elif rng.random() < 0.5:
+        # What disks leave behind most often: a block of zeros.
+        size = rng.choice([16, 64, 256, 512, 4096])
+        at = rng.randrange(len(data))
+        file.write_bytes(data[:at] + bytes(len(data[at:at + size])) + data[at + size:])
     else:
         file.write_bytes(spoil_bytes(rng, data))
 
@@ -118,12 +123,22 @@ def spoil_attribute(rng, content):
 
 
 def set_one(rng, content, name, values):
-    """One number of a dataset set to one of some values; every number where there is none."""
+    """One number of a dataset set to one of some values; nothing where it is empty."""
     item = content[name]
     if item.size:
         data = item[()]
         data.flat[rng.randrange(data.size)] = rng.choice(values)
         item[...] = data
+        item.attrs["check_sum"] = check_sum(data)
+
+
+def check_sum(data):
+    """The check sum that sg_sealed_datasets keeps with a dataset."""
+    prime, total = 2**31 - 1, 0
+    for place, bits in enumerate(np.asarray(data, "f8").ravel().view("u8").tolist(), 1):
+        low, middle, high = bits & prime, bits >> 31 & prime, bits >> 62
+        total += place % prime * (((low + 1103515245 * middle) % prime + 12345701 * high + 1) % prime)
+    return np.int64(total % prime)
 
 
 def reshape(rng, content):
@@ -142,6 +157,8 @@ def reshape(rng, content):
         content[name] = data.astype("S8") if data.size else np.zeros(4, "S8")
     elif way == 4:
         content.create_dataset(name, (2**30, *data.shape[1:]), data.dtype, chunks=(4096, *data.shape[1:]))
+    if way < 3:
+        content[name].attrs["check_sum"] = check_sum(content[name][()])
 
 
 if __name__ == "__main__":

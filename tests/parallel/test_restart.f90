@@ -152,7 +152,7 @@ contains
       call t%check(.not. allocated(error), 'all ranks write '//name)
       if (allocated(error)) write (*, '(a)') error%report()
     end do
-    call t%check(.not. file_exists(name//'_all/restart_a.h5.unfinished'), 'nothing unfinished is left')
+    call t%check(.not. file_exists(name//'_all/restart_a.h5.part'), 'nothing unfinished is left')
     call t%check(newest_restart(name//'_all') == name//'_all/restart_a.h5', 'the third file takes the place of the first')
     if (comm%rank == 0) call compare(name//'_one/restart_a.h5', name//'_all/restart_a.h5', dimension)
     call read_again(name//'_all', dimension, n, turns, whole)
@@ -368,8 +368,8 @@ contains
     if (allocated(error)) call t%check(index(error%message, 'No space left on device') > 0, 'and it is said why: '//error%message)
     ! The second or the third one had no room.
     call t%check(newest_restart(trim(folder)) == trim(folder)//'/restart_'//merge('a', 'b', i == 2)//'.h5', 'the older file stays')
-    call t%check(.not. (file_exists(trim(folder)//'/restart_a.h5.unfinished') .or. &
-                        file_exists(trim(folder)//'/restart_b.h5.unfinished')), 'and nothing unfinished')
+    call t%check(.not. (file_exists(trim(folder)//'/restart_a.h5.part') .or. &
+                        file_exists(trim(folder)//'/restart_b.h5.part')), 'and nothing unfinished')
   end subroutine test_no_folder
 
   !> Deal bodies out in turns.

@@ -104,7 +104,7 @@ contains
     call write_restart(folder, state, error)
     call t%check(.not. allocated(error), 'a restart file is written')
     call t%check(newest_restart(folder) == folder//'/restart_a.h5', 'it is the newest')
-    call t%check(.not. file_exists(folder//'/restart_a.h5.unfinished'), 'nothing unfinished is left')
+    call t%check(.not. file_exists(folder//'/restart_a.h5.part'), 'nothing unfinished is left')
     other = some_scene(n_bodies)
     call read_restart(newest_restart(folder), other, hash, back, diagnostics)
     call t%equal(diagnostics%count(), 0, 'it is read')
@@ -296,7 +296,7 @@ contains
     call write_restart('no/such/folder', state, error)
     call t%check(allocated(error), 'a missing folder is noticed')
     ! A folder that bears the name of the file stands in the way, even of a superuser.
-    is_made = make_folder('restart_blocked/restart_a.h5.unfinished/x')
+    is_made = make_folder('restart_blocked/restart_a.h5.part/x')
     call write_restart('restart_blocked', state, error)
     call t%check(is_made .and. allocated(error), 'a blocked name is noticed')
   end subroutine test_no_room
