@@ -197,8 +197,12 @@ contains
 
     do i = 1, size(self%names)
       if (index(' '//known//' ', ' '//self%names(i)%s//' ') > 0) then
-        if (.not. self%is_overfed(i)) cycle
-        call fail(error, 'option --'//self%names(i)%s//' takes no value, not "'//self%values(i)%s//'"')
+        if (self%is_overfed(i)) then
+          call fail(error, 'option --'//self%names(i)%s//' takes no value, not "'//self%values(i)%s//'"')
+        else if (any(valued == self%names(i)%s) .and. len_trim(self%values(i)%s) == 0) then
+          call fail(error, 'option --'//self%names(i)%s//' needs a value that is not empty')
+        end if
+        if (.not. allocated(error)) cycle
         return
       end if
       near = nearest_word(self%names(i)%s, split(known))

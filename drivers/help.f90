@@ -47,11 +47,12 @@ contains
                 '  --output DIR            folder of the results (default: NAME.results in the current folder)', &
                 '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
                 '  --restart FILE|DIR      go on from a restart file, or from the newest one of a folder', &
+                '  --force                 replace results of another run in the folder, or take it over from another host', &
                 '  --walltime SECONDS      stop with a checkpoint after this time (exit code 75)', &
                 '  --dump STEPS            write the contact problems of steps (10 or 10,20,100-110) as FCLIB files', &
                 '  --needs                 at the end, which tables and libraries it needed, and what an update cost', &
                 '  --quiet                 print nothing but errors', &
-                'Signals: INT and TERM finish the step, write a checkpoint and exit with 75; USR1 writes a checkpoint.', &
+                'Signals: INT, TERM, HUP and PIPE finish the step, write a checkpoint and exit with 75; USR1 writes one.', &
                 'Exit codes: 0 done, 1 failed, 2 bad input, 3 not converged (if asked), 4 a value is not finite,', &
                 '            5 a result cannot be written, 6 the energy balance does not close (if asked),', &
                 '            75 stopped early with a checkpoint.'])

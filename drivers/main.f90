@@ -14,7 +14,7 @@ program splitgrain
   use sg_run, only: run_command
   use sg_solve, only: solve_command
   use sg_study, only: study_command
-  use sg_system, only: end_program
+  use sg_system, only: end_program, survive_full_disks
   use sg_text, only: append_word, nearest_word, text_t
   implicit none
   type(arguments_t) :: arguments
@@ -23,6 +23,7 @@ program splitgrain
   integer :: code, speaker
 
   code = exit_done
+  call survive_full_disks()
   call read_arguments(arguments, error)
   ! A study is another program, and starts ranks itself: it begins before there are any.
   if (.not. allocated(error) .and. arguments%command == 'study' .and. .not. asks_for_help()) call study_command(error)

@@ -5,11 +5,14 @@ module sg_run
   use sg_blocks, only: deck_t
   use sg_comm, only: comm_t
   use sg_deck, only: read_share
+  use sg_deck_inputs, only: deck_inputs
   use sg_dump, only: read_steps
   use sg_effective, only: fingerprint
-  use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, exit_output, fail
+  use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, fail
+  use sg_former_results, only: has_results
   use sg_hdf5, only: hdf5_is_available, hdf5_is_parallel
   use sg_kinds, only: wp, i8
+  use sg_run_lock, only: release_lock, take_lock
   use sg_run_summary, only: run_failed, run_summary_t, write_run_summary
   use sg_shared_start, only: check_shared_start
   use sg_signature, only: signature_of
@@ -36,7 +39,7 @@ contains
     logical :: is_bad
 
     code = exit_done
-    call arguments%expect('set output restart walltime dump needs quiet', 1, 1, &
+    call arguments%expect('set output restart force walltime dump needs quiet', 1, 1, &
                           'run DECK [options]; see splitgrain run --help', error)
     if (.not. allocated(error)) call arguments%number('walltime', 0.0_wp, 0.0_wp, walltime, error)
     if (.not. allocated(error) .and. comm%size > 1) call check_for_ranks(error)
@@ -56,11 +59,10 @@ contains
       end if
       if (arguments%has('restart')) sim%options%restart_file = arguments%get('restart', '')
       sim%options%walltime = walltime
+      sim%options%is_forced = arguments%has('force')
       if (allocated(dump_steps)) call move_alloc(dump_steps, sim%options%dump_steps)
       sim%options%is_quiet = arguments%has('quiet')
       sim%options%tells_needs = arguments%has('needs')
-      call make_shared_folder(sim%options%folder, sim%comm, error)
-      if (allocated(error)) return
       call catch_signals()
       call simulate(sim, deck, code, error)
       if (.not. allocated(error)) return
@@ -80,6 +82,7 @@ contains
 
     call read_share(file, arguments%all_of('set'), sim%comm, sim%scene, sim%options, deck, diagnostics)
     sim%options%folder = arguments%get('output', stem(file)//'.results')
+    sim%options%inputs = deck_inputs(deck)
     call judge(diagnostics)
     if (is_bad .or. sim%comm%size == 1) return
     call check_sameness(sim, deck%absent%digest, arguments%get('restart', ''), error)
@@ -94,7 +97,7 @@ contains
       call judge_deck(sim%comm, found, is_bad, is_speaker)
       if (.not. (is_bad .and. is_speaker)) return
       if (arguments%has('output') .or. file_exists(sim%options%folder)) &
-        call tell_failure(file, sim%options%folder, found%errors(1)%sentence())
+        call tell_failure(file, sim%options%folder, arguments%has('force'), found%errors(1)%sentence())
     end subroutine judge
   end subroutine read_scene
 
@@ -150,35 +153,22 @@ contains
               'the same on all of them')
   end subroutine check_sameness
 
-  !> Make the folder of the results, which all ranks must find. Collective.
-  subroutine make_shared_folder(folder, comm, error)
-    character(len=*), intent(in) :: folder
-    type(comm_t), intent(inout) :: comm
-    type(error_t), allocatable, intent(out) :: error
-    integer :: speaker
-
-    if (comm%rank == 0) then
-      if (.not. make_folder(folder)) call fail(error, 'cannot make the folder of the results', file=folder, code=exit_output)
-    end if
-    call comm%agree(error, speaker)
-    if (allocated(error)) return
-    if (.not. file_exists(folder//'/.')) then
-      call fail(error, 'rank '//to_text(comm%rank)//' does not find the folder of the results that rank 0 made', file=folder, &
-                code=exit_output)
-    end if
-    call comm%agree(error, speaker)
-  end subroutine make_shared_folder
-
-  !> Say in run.json that the deck could not be run, so that scripts do not take a former run in the folder for this one.
-  subroutine tell_failure(deck, folder, reason)
+  !> Say in run.json that the deck could not be run, so that scripts find it there. Results of a former run are replaced only where
+  !! the user wants it.
+  subroutine tell_failure(deck, folder, is_forced, reason)
     character(len=*), intent(in) :: deck, folder, reason
+    logical, intent(in) :: is_forced
     type(run_summary_t) :: summary
     type(error_t), allocatable :: error
 
+    if (has_results(folder) .and. .not. is_forced) return
     summary%status = run_failed
     summary%reason = reason
     summary%deck = deck
-    if (make_folder(folder)) call write_run_summary(summary, folder//'/run.json', error)
+    if (.not. make_folder(folder)) return
+    call take_lock(folder, .false., error)
+    if (.not. allocated(error)) call write_run_summary(summary, folder//'/run.json', error)
+    call release_lock(folder)
     if (allocated(error)) write (error_unit, '(a)') error%report()
   end subroutine tell_failure
 

@@ -27,7 +27,7 @@ class Runner:
         results = self.folder / name
         if (results / "run.json").exists() and json.loads((results / "run.json").read_text())["status"] == "done":
             return results
-        words = [self.program, "run", str(DECKS / deck), "--output", str(results), "--quiet"]
+        words = [self.program, "run", str(DECKS / deck), "--output", str(results), "--quiet", "--force"]
         if ranks > 1:
             words = self.launcher + [str(ranks)] + words
         if state:

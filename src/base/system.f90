@@ -1,14 +1,20 @@
 !> What the operating system is asked for: terminals, folders, renaming, memory, signals.
 module sg_system
-  use, intrinsic :: iso_c_binding, only: c_int, c_char, c_null_char, c_null_ptr, c_funptr, c_funloc, c_loc, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_int, c_intptr_t, c_size_t, c_char, c_null_char, c_null_ptr, c_funptr, c_funloc, &
+                                         c_loc, c_ptr, c_associated
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_kinds, only: i8
   implicit none
   private
-  public :: is_terminal, make_folder, rename_file, remove_file, file_exists, peak_memory_bytes
-  public :: become, end_program, catch_signals, stop_signal, checkpoint_requested
+  public :: is_terminal, make_folder, rename_file, remove_file, file_exists, is_link, real_path, peak_memory_bytes
+  public :: become, end_program, survive_full_disks, catch_signals, stop_signal, checkpoint_requested
 
-  integer(c_int), parameter :: sigint = 2, sigusr1 = 10, sigterm = 15
+  integer(c_int), parameter :: sighup = 1, sigint = 2, sigusr1 = 10, sigpipe = 13, sigterm = 15, sigxfsz = 25
+  !> What C calls SIG_IGN
+  integer(c_intptr_t), parameter :: ignored = 1
+
+  !> Longest path that the system takes, with the zero byte at its end
+  integer, parameter :: longest_path = 4097
 
   ! Set by signal handlers, which can reach nothing but module variables.
   integer(c_int), volatile, save :: caught_stop = 0, caught_checkpoint = 0
@@ -35,6 +41,19 @@ module sg_system
       character(kind=c_char), intent(in) :: path(*)
       integer(c_int) :: status
     end function c_unlink
+    function c_readlink(path, target, length) bind(c, name='readlink') result(letters)
+      import :: c_char, c_intptr_t, c_size_t
+      character(kind=c_char), intent(in) :: path(*)
+      character(kind=c_char), intent(inout) :: target(*)
+      integer(c_size_t), value :: length
+      integer(c_intptr_t) :: letters
+    end function c_readlink
+    function c_realpath(path, full) bind(c, name='realpath') result(address)
+      import :: c_char, c_ptr
+      character(kind=c_char), intent(in) :: path(*)
+      character(kind=c_char), intent(inout) :: full(*)
+      type(c_ptr) :: address
+    end function c_realpath
     function c_execv(path, words) bind(c, name='execv') result(status)
       import :: c_int, c_char, c_ptr
       character(kind=c_char), intent(in) :: path(*)
@@ -96,6 +115,30 @@ contains
     inquire (file=trim(path), exist=file_exists)
   end function file_exists
 
+  !> Is a name that of a symbolic link, wherever it leads?
+  logical function is_link(path)
+    character(len=*), intent(in) :: path !! name to look at
+    character(kind=c_char) :: target(1)
+
+    is_link = c_readlink(trim(path)//c_null_char, target, 1_c_size_t) >= 0
+  end function is_link
+
+  !> Absolute path of a file or folder, without symbolic links; empty where there is none.
+  function real_path(path) result(full)
+    character(len=*), intent(in) :: path !! path of a file or folder
+    character(len=:), allocatable :: full
+    character(kind=c_char) :: letters(longest_path)
+    integer :: i
+
+    full = ''
+    letters = c_null_char
+    if (.not. c_associated(c_realpath(path//c_null_char, letters))) return
+    do i = 1, size(letters)
+      if (letters(i) == c_null_char) exit
+      full = full//letters(i)
+    end do
+  end function real_path
+
   !> Largest resident memory of this process so far, in bytes; 0 where the system does not tell.
   integer(i8) function peak_memory_bytes() result(bytes)
     character(len=200) :: line
@@ -143,12 +186,26 @@ contains
     status = c_execv(trim(words(1))//c_null_char, places)
   end subroutine become
 
-  !> From now on SIGINT and SIGTERM ask to stop after the step, SIGUSR1 asks for a checkpoint.
-  subroutine catch_signals()
+  !> A file that grows beyond the limit of the process is an error of the write, as a full disk is, and no end of the program.
+  subroutine survive_full_disks()
     type(c_funptr) :: before
+
+    before = c_signal(sigxfsz, transfer(ignored, before))
+  end subroutine survive_full_disks
+
+  !> From now on SIGINT, SIGTERM, SIGHUP and SIGPIPE ask to stop after the step, SIGUSR1 asks for a checkpoint. The end of a
+  !! terminal, or of the reader of a pipe, stays ignored where the caller had it so (`nohup`).
+  subroutine catch_signals()
+    integer(c_int), parameter :: ends(2) = [sighup, sigpipe]
+    type(c_funptr) :: before
+    integer :: i
 
     before = c_signal(sigint, c_funloc(on_stop))
     before = c_signal(sigterm, c_funloc(on_stop))
+    do i = 1, size(ends)
+      before = c_signal(ends(i), c_funloc(on_stop))
+      if (transfer(before, ignored) == ignored) before = c_signal(ends(i), before)
+    end do
     before = c_signal(sigusr1, c_funloc(on_checkpoint))
   end subroutine catch_signals
 

@@ -116,6 +116,8 @@ contains
     call table%open_section('restart', 'Checkpoints, from which a run can go on bit for bit.')
     call table%add('every', value_integer, 'Steps between two checkpoints; 0 for none.', &
                    default=to_text(default%restart_every), least=0.0_wp)
+    call table%add('at_end', value_logical, 'Write a checkpoint after the last step, where the program has HDF5.', &
+                   default=true_or_false(default%restart_at_end))
     call table%open_section('guard', 'What a run watches itself for; a value that is not finite always ends it.')
     call table%add('energy', value_choice, 'What to do when the energy balance does not close, looked at in each recorded '// &
                    'step: nothing, warn once (where theta is 0.5), or stop with exit code 6.', &

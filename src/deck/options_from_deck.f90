@@ -52,6 +52,7 @@ contains
     options%output_single = deck%word(b, 'precision') == 'single'
     options%output_compressed = deck%flag(b, 'compression')
     options%restart_every = deck%integer(deck%block_of('restart'), 'every')
+    options%restart_at_end = deck%flag(deck%block_of('restart'), 'at_end')
     b = deck%block_of('guard')
     options%guard%energy = deck%word(b, 'energy')
     options%guard%energy_tolerance = deck%number(b, 'energy_tolerance')

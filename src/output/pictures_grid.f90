@@ -13,6 +13,7 @@ module sg_pictures_grid
   use sg_hdf5, only: hdf5_file_t, stored_byte, stored_double, stored_integer, stored_long, stored_single
   use sg_kinds, only: wp, i4, i8
   use sg_run_options, only: run_options_t
+  use sg_system, only: is_link
   use sg_version, only: commit, version
   implicit none
   private
@@ -161,6 +162,8 @@ contains
     character(len=*), parameter :: steps = grid_root//'Steps'
 
     call self%file%open(path, is_read_only=.false., comm=comm)
+    if (is_link(path) .and. .not. allocated(self%file%error)) &
+      call fail(self%file%error, 'cannot go on with this file: it is a symbolic link', file=path, code=exit_output)
     if (allocated(self%file%error)) &
       self%file%error%message = 'cannot go on with this file, move it away: '//self%file%error%message
     call self%file%look(steps, 'NSteps', n_steps)

@@ -1,6 +1,7 @@
 !> What to do with a scene: time, solver, what to write and when. Filled by the deck, changed by no one.
 module sg_run_options
   use sg_kinds, only: wp
+  use sg_text, only: text_t
   implicit none
   private
   public :: run_options_t, solver_options_t, partition_options_t, guard_options_t, split_names, gluing_names, energy_guards
@@ -107,8 +108,14 @@ module sg_run_options
     logical :: has_structure = .false.
     integer :: structure_every = 0
     real(wp), allocatable :: structure_box(:)
+    !> Write a checkpoint at the end of the run
+    logical :: restart_at_end = .true.
     !> Folder of the results, and the file to restart from (empty for none)
     character(len=:), allocatable :: folder, restart_file
+    !> Files that the run reads, and which it must not write over
+    type(text_t), allocatable :: inputs(:)
+    !> Replace other results in the folder
+    logical :: is_forced = .false.
     !> Hash and text of the effective deck
     character(len=:), allocatable :: deck_hash, deck_text
     !> Steps whose contact problem is written as FCLIB files: first and last of each range, shape (2, ranges)

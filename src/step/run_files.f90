@@ -2,6 +2,7 @@
 module sg_run_files
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_error, only: error_t
+  use sg_former_results, only: remove_results
   use sg_hdf5, only: hdf5_is_available
   use sg_kinds, only: wp
   use sg_measures, only: measures_t
@@ -37,8 +38,10 @@ module sg_run_files
     !> Is this the rank that writes texts?
     logical :: is_speaker = .true.
     logical :: has_pictures = .false., has_checkpoints = .false., has_saved = .false.
-    !> Has this run done a step?
-    logical :: has_stepped = .false.
+    !> Has this run claimed its folder, so that it may write there? Has it done a step?
+    logical :: has_folder = .false., has_stepped = .false.
+    !> Step of the last checkpoint written; negative where there is none
+    integer :: saved_step = -1
     !> Was told that the energy balance does not close?
     logical :: has_warned = .false.
     real(wp) :: wall_start = 0
@@ -68,25 +71,22 @@ contains
                                 is_terminal() .and. sim%comm%size == 1, sim%options%is_quiet .or. .not. writers%is_speaker)
   end subroutine open_files
 
-  !> Say what this run writes, and remove what says how a former run in its folder ended, and its pictures where this one draws
-  !! none.
-  subroutine remove_former(options, writers, resumes)
+  !> Say what this run writes, and remove what a former run in its folder has left: where this one goes on with it, only what says
+  !! how that ended.
+  subroutine remove_former(options, writers, goes_on)
     type(run_options_t), intent(in) :: options !! what is asked for, and where
     type(writers_t), intent(inout) :: writers !! knows whether there are pictures and checkpoints
-    logical, intent(in) :: resumes !! does the run go on from a checkpoint?
-    character(len=8), parameter :: names(3) = [character(len=8) :: 'bodies', 'shapes', 'contacts']
-    integer :: i
+    logical, intent(in) :: goes_on !! does the run go on with the files of its folder?
 
     writers%has_pictures = options%output_every > 0
     writers%has_checkpoints = hdf5_is_available()
     if (.not. writers%is_speaker) return
-    call remove_file(options%folder//'/run.json')
-    call remove_file(options%folder//'/numbers.tag')
-    if (resumes .or. writers%has_pictures) return
-    do i = 1, size(names)
-      call remove_file(options%folder//'/'//trim(names(i))//'.vtkhdf')
-      call remove_file(options%folder//'/'//trim(names(i))//'.xmf')
-    end do
+    if (goes_on) then
+      call remove_file(options%folder//'/run.json')
+      call remove_file(options%folder//'/numbers.tag')
+    else
+      call remove_results(options%folder)
+    end if
   end subroutine remove_former
 
   !> Open the pictures, and draw the beginning of a run that begins.

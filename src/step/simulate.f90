@@ -4,6 +4,7 @@ module sg_simulate
   use sg_advance, only: advance
   use sg_broken_trace, only: is_of_the_step, trace_broken
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
+  use sg_claim, only: claim_folder, leave_folder
   use sg_dump, only: finish_dump
   use sg_energy, only: kinetic_energy
   use sg_error, only: diagnostics_t, error_t, exit_done, exit_not_converged, exit_stopped
@@ -31,7 +32,8 @@ module sg_simulate
 
 contains
 
-  !> Run a simulation to its end; run.json is written however it ends.
+  !> Run a simulation to its end; run.json is written however it ends, unless the folder of the results is not for this run or there
+  !! is nothing to do: then all files stay as they are.
   !!
   !! Where there are several ranks, all of them call this, each with the whole scene or its share; the first one alone speaks.
   subroutine simulate(sim, deck, code, error)
@@ -56,6 +58,10 @@ contains
       flush (output_unit)
     end if
     call begin(sim, writers, error)
+    if (.not. writers%has_folder) then
+      if (.not. allocated(error)) call tell_nothing_to_do(sim, writers%is_speaker)
+      return
+    end if
     if (.not. allocated(error)) call loop(sim, writers, code, error)
     call conclude(sim, writers, code, error)
     call close_files(sim, writers, late)
@@ -63,7 +69,17 @@ contains
     if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
     if (.not. sim%options%is_quiet) call tell_end(writers, allocated(error))
     if (sim%options%tells_needs .and. .not. allocated(error)) call tell_needs(sim, error)
+    call leave_folder(sim%options, sim%comm)
   end subroutine simulate
+
+  !> The checkpoint is of the last step, or of a later one.
+  subroutine tell_nothing_to_do(sim, is_speaker)
+    type(simulation_t), intent(in) :: sim
+    logical, intent(in) :: is_speaker
+
+    if (is_speaker .and. .not. sim%options%is_quiet) write (output_unit, '(a)') &
+      'nothing to do: step '//to_text(sim%step)//' of '//to_text(sim%options%steps)//' ('//sim%options%restart_file//')'
+  end subroutine tell_nothing_to_do
 
   !> The verdict, and the table of traces. A run that failed before it moved has nothing but its error and the trace of its step.
   subroutine tell_end(writers, has_failed)
@@ -90,8 +106,8 @@ contains
            //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps) &
            //trim(merge(' sweeps    ', ' iterations', options%solver%method == 'nlgs'))//new_line('a') &
            //'outputs    '//every('record', options%record_every)//', '//every('pictures', options%output_every)//', ' &
-           //every('checkpoints', options%restart_every)//new_line('a')//'time       '//to_text(options%steps)//' steps of ' &
-           //to_text(options%step, 4)//' s; results in '//options%folder
+           //every('checkpoints', options%restart_every)//at_end(options)//new_line('a')//'time       ' &
+           //to_text(options%steps)//' steps of '//to_text(options%step, 4)//' s; results in '//options%folder
   contains
     pure function every(what, steps)
       character(len=*), intent(in) :: what
@@ -102,6 +118,14 @@ contains
       if (steps == 1) every = what//' every step'
       if (steps > 1) every = what//' every '//to_text(steps)//' steps'
     end function every
+
+    pure function at_end(options) result(text)
+      type(run_options_t), intent(in) :: options
+      character(len=:), allocatable :: text
+
+      text = ''
+      if (options%restart_at_end) text = trim(merge(' and at the end    ', ' but one at the end', options%restart_every > 0))
+    end function at_end
   end function describe_run
 
   !> The steps.
@@ -139,7 +163,7 @@ contains
       if (allocated(error)) return
       if (sim%comm%any(must_stop(sim, writers))) code = exit_stopped
       if (code == exit_done) cycle
-      if (code == exit_stopped .and. writers%has_checkpoints) call save(sim, writers, error)
+      if (code == exit_stopped .or. sim%options%restart_at_end) call save(sim, writers, error)
       return
     end do
   end subroutine loop
@@ -209,7 +233,8 @@ contains
       call writers%pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, error)
     end if
     if (.not. allocated(error) .and. writers%has_checkpoints) then
-      if (is_due(sim%options%restart_every) .or. sim%comm%any(checkpoint_requested())) call save(sim, writers, error)
+      if (is_due(sim%options%restart_every) .or. (is_last .and. sim%options%restart_at_end) .or. &
+          sim%comm%any(checkpoint_requested())) call save(sim, writers, error)
     end if
     if (writers%progress%is_due()) then
       call writers%progress%show(sim%step, sim%time(), sim%all_contacts, sim%report, present_energy(sim, writers))
@@ -294,19 +319,22 @@ contains
     call sim%totals%phase(phase_measure)%stop()
   end subroutine measure_now
 
-  !> Write a checkpoint.
+  !> Write a checkpoint, unless that of this step is written, or the program has no HDF5.
   subroutine save(sim, writers, error)
     type(simulation_t), intent(inout) :: sim
     type(writers_t), intent(inout) :: writers
     type(error_t), allocatable, intent(out) :: error
 
+    if (.not. writers%has_checkpoints .or. writers%saved_step == sim%step) return
     call sim%totals%tick()
     if (sim%decomposition%is_on) then
       call save_checkpoint(sim, error, sim%comm, sim%signature)
     else
       call save_checkpoint(sim, error)
     end if
-    if (.not. allocated(error)) writers%has_saved = .true.
+    if (allocated(error)) return
+    writers%has_saved = .true.
+    writers%saved_step = sim%step
   end subroutine save
 
   !> Keep the state at the beginning of a step that broke, so that it can be tried again.
@@ -315,22 +343,27 @@ contains
     type(writers_t), intent(inout) :: writers
     type(error_t), allocatable :: error
 
-    if (.not. writers%has_checkpoints) return
+    if (.not. writers%has_checkpoints .or. writers%saved_step == sim%step) return
     call revive(sim%history, sim%pairs, sim%contacts)
     call save(sim, writers, error)
   end subroutine save_broken
 
-  !> Take up a checkpoint where there is one, split the scene over the ranks, and open all files.
+  !> Take up a checkpoint where there is one, claim the folder of the results unless there is nothing to do, split the scene over
+  !! the ranks, and open all files.
   subroutine begin(sim, writers, error)
     type(simulation_t), intent(inout) :: sim
     type(writers_t), intent(inout) :: writers
     type(error_t), allocatable, intent(out) :: error
-    logical :: resumes
+    logical :: resumes, goes_on
 
     resumes = allocated(sim%options%restart_file)
-    call remove_former(sim%options, writers, resumes)
     if (resumes) call resume(sim, writers, error)
-    if (.not. allocated(error)) call decompose(sim, error)
+    if (allocated(error) .or. (resumes .and. sim%step >= sim%options%steps)) return
+    call claim_folder(sim%options, sim%comm, goes_on, error)
+    if (allocated(error)) return
+    writers%has_folder = .true.
+    call remove_former(sim%options, writers, goes_on)
+    call decompose(sim, error)
     if (.not. allocated(error)) call open_files(sim, writers, resumes, error)
   end subroutine begin
 

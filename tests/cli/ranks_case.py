@@ -135,7 +135,7 @@ class Ranks(ProgramCase):
 
     def run_ranks(self, ranks, deck, *words, code=0, output="out"):
         """Run a deck quietly: a run that goes well says nothing at all."""
-        done = self.launch((ranks, "run", deck, "--quiet", "--output", output, *words), code=code)
+        done = self.launch((ranks, "run", deck, "--quiet", "--force", "--output", output, *words), code=code)
         if code == 0:
             self.assertEqual(done.stdout, "")
             self.assertEqual([line for line in done.stderr.splitlines() if "warning" not in line], [])

@@ -57,7 +57,7 @@ velocity = [{speed}, 0.0]
 class BrokenTrace(Ranks):
     def traced(self, ranks, deck, *words, code, output):
         """Rows of trace_steps.csv and trace.csv, and what was said, of a run that must end with this exit code."""
-        words = ["run", deck, "--output", output, *TRACE, *words]
+        words = ["run", deck, "--force", "--output", output, *TRACE, *words]
         done = self.launch((ranks, *words), code=code) if ranks > 1 else self.run_program(*words, code=code)
         files = [(self.place / output / f"{name}.csv").read_text().splitlines() for name in ("trace_steps", "trace")]
         return *(list(csv.DictReader(lines)) for lines in files), done

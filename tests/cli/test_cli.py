@@ -147,7 +147,7 @@ class Decks(Cli):
                     self.assertIn(f"without {lacks[0]}", checked.stderr)
                     continue
                 self.assertEqual(checked.returncode, 0, checked.stderr)
-                self.run_program("run", deck, "--set", "time.steps=3", *without, "--output", deck.stem, "--quiet")
+                self.run_program("run", deck, "--set", "time.steps=3", *without, "--output", deck.stem, "--quiet", "--force")
                 self.assertEqual(self.run_json(deck.stem)["steps"], 3)
 
 
@@ -285,10 +285,12 @@ class Runs(Cli):
                 if "seconds" not in name and not name.startswith(("cpu_", "wall_")):
                     self.assertEqual(row[name], same[name], name)
 
-    def test_a_bad_deck_does_not_leave_a_former_run_to_speak_for_it(self):
+    def test_a_bad_deck_speaks_for_itself_but_replaces_nothing_unasked(self):
         self.run_program("run", "fall.toml", "--quiet")
         self.assertEqual(self.run_json()["status"], "done")
         self.run_program("run", "fall.toml", "--set", "time.step=0", code=2)
+        self.assertEqual(self.run_json()["status"], "done")
+        self.run_program("run", "fall.toml", "--set", "time.step=0", "--force", code=2)
         self.assertEqual(self.run_json()["status"], "failed")
         self.assertIn("step", self.run_json()["reason"])
 
@@ -299,7 +301,7 @@ class Runs(Cli):
         hard = ["--set", "solver.maximum_sweeps=1", "--set", "solver.tolerance=1e-14", "--set", "solver.check_every=1"]
         self.run_program("run", "fall.toml", *hard)
         self.assertGreater(self.run_json()["unconverged_steps"], 0)
-        self.run_program("run", "fall.toml", *hard, "--set", "solver.stop_unconverged=true", code=3)
+        self.run_program("run", "fall.toml", *hard, "--set", "solver.stop_unconverged=true", "--force", code=3)
         self.assertEqual(self.run_json()["status"], "not converged")
 
     def test_spectrum_is_written_or_refused(self):
@@ -324,7 +326,7 @@ class Runs(Cli):
         words = ["--set", "output.record_every=1", "--set", "solver.tolerance=1e-4"]
         for method in ("nlgs", "auto"):
             with self.subTest(method):
-                more = [*words, "--set", f"solver.method={method}"]
+                more = [*words, "--set", f"solver.method={method}", "--force"]
                 said = self.run_program("run", "fall.toml", *more, "--output", "silent").stdout
                 self.assertNotIn("traced", said)
                 self.assertFalse((self.place / "silent/trace.csv").exists())
@@ -390,7 +392,7 @@ class Runs(Cli):
         (self.place / "taken").write_text("a file, no folder")
         self.assertIn("taken", self.run_program("run", "fall.toml", "--output", "taken", code=5).stderr)
         (self.place / "out" / "record.csv").mkdir(parents=True)
-        self.assertIn("record.csv", self.run_program("run", "fall.toml", "--output", "out", code=5).stderr)
+        self.assertIn("record.csv", self.run_program("run", "fall.toml", "--output", "out", "--force", code=5).stderr)
         run = self.run_json("out")
         self.assertEqual(run["status"], "failed")
         self.assertIn("record.csv", run["reason"])

@@ -97,14 +97,14 @@ class Libraries(ProgramCase):
         for name, deck in (("disks", DISKS), ("polygons", POLYGONS), ("spheres", SPHERES),
                            ("no friction", DISKS.replace("friction = 0.3", "friction = 0.0"))):  # fmt: skip
             with self.subTest(name):
-                self.loads([], "run", "deck.toml", "--quiet", deck=deck)
+                self.loads([], "run", "deck.toml", "--quiet", "--force", deck=deck)
         self.loads([], "check", "deck.toml")
         self.loads([], "bench", "--contacts", "100", "--sweeps", "20")
 
     def test_spectra_load_fftw(self):
         if not self.has_library("FFTW"):
             self.skipTest("built without FFTW")
-        self.loads(["FFTW"], "run", "deck.toml", "--quiet", "--set", "report.spectrum=true", deck=DISKS)
+        self.loads(["FFTW"], "run", "deck.toml", "--quiet", "--force", "--set", "report.spectrum=true", deck=DISKS)
 
     def test_graphs_load_metis(self):
         if not self.has_library("METIS"):
@@ -113,20 +113,20 @@ class Libraries(ProgramCase):
         self.loads(["METIS"], "partition", "deck.toml", "--parts", "2", "--set", 'partition.split="graph"')
 
     def test_factors_load_umfpack(self):
-        self.loads([], "run", "deck.toml", "--quiet", "--set", 'solver.method="accelerated"', deck=DISKS)
-        self.loads(["UMFPACK"], "run", "deck.toml", "--quiet", "--set", 'solver.method="interior"')
+        self.loads([], "run", "deck.toml", "--quiet", "--force", "--set", 'solver.method="accelerated"', deck=DISKS)
+        self.loads(["UMFPACK"], "run", "deck.toml", "--quiet", "--force", "--set", 'solver.method="interior"')
 
     def test_hulls_load_qhull(self):
         if not self.has_library("Qhull"):
             self.skipTest("built without Qhull")
-        self.loads(["Qhull"], "run", "deck.toml", "--quiet", deck=POLYHEDRA)
+        self.loads(["Qhull"], "run", "deck.toml", "--quiet", "--force", deck=POLYHEDRA)
 
     def test_ranks_load_metis_where_they_split_a_graph(self):
         if self.launcher is None:
             self.skipTest("no program that starts ranks")
-        self.loads([], "run", "deck.toml", "--quiet", "--set", 'partition.split="boxes"', deck=DISKS, ranks=2)
+        self.loads([], "run", "deck.toml", "--quiet", "--force", "--set", 'partition.split="boxes"', deck=DISKS, ranks=2)
         if self.has_library("METIS"):
-            self.loads(["METIS"], "run", "deck.toml", "--quiet", "--set", 'partition.split="graph"', ranks=2)
+            self.loads(["METIS"], "run", "deck.toml", "--quiet", "--force", "--set", 'partition.split="graph"', ranks=2)
 
 
 if __name__ == "__main__":

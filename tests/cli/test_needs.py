@@ -102,6 +102,8 @@ gluing.before gluing.change gluing.jump gluing.messages""",
 # Memory that is nobody's table: that of the program itself and its libraries at rest, and what polyhedra lose to being many.
 AT_REST = 500_000
 PER_POLYHEDRON = 8 * 24
+# HDF5 holds memory of its own once it has written a checkpoint.
+NO_CHECKPOINT = ["--set", "restart.at_end=false"]
 
 
 class Needs(ProgramCase):
@@ -109,7 +111,7 @@ class Needs(ProgramCase):
 
     def needs(self, deck, *words):
         (self.place / "deck.toml").write_text(deck)
-        self.run_program("run", "deck.toml", "--quiet", "--needs", "--output", "out", *words)
+        self.run_program("run", "deck.toml", "--quiet", "--force", "--needs", "--output", "out", *NO_CHECKPOINT, *words)
         return json.loads((self.place / "out/needs.json").read_text())
 
     def test_each_scene_holds_what_it_needs_and_nothing_else(self):
@@ -139,8 +141,8 @@ class Needs(ProgramCase):
         (self.place / "deck.toml").write_text(deck)
         environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
         environment.pop("TMPDIR", None)
-        words = [self.launcher, "--oversubscribe", "-n", "2", self.program, "run", "deck.toml", "--quiet", "--needs",
-                 "--output", "two", *words]  # fmt: skip
+        words = [self.launcher, "--oversubscribe", "-n", "2", self.program, "run", "deck.toml", "--quiet", "--force", "--needs",
+                 "--output", "two", *NO_CHECKPOINT, *words]  # fmt: skip
         done = subprocess.run(words, cwd=self.place, env=environment, capture_output=True, text=True, timeout=self.timeout)
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads((self.place / "two/needs.json").read_text())
@@ -180,7 +182,7 @@ class Needs(ProgramCase):
 
     def test_outputs_that_nobody_asked_for_cost_nothing(self):
         """Nothing is opened, written, or asked of the system for them, however many steps there are."""
-        off = ["--set", "output.every=0", "--set", "output.record_every=0", "--set", "restart.every=0"]
+        off = ["--set", "output.every=0", "--set", "output.record_every=0", "--set", "restart.every=0", *NO_CHECKPOINT]
         self.needs(in_plane("disk", 0.3), *off)
         files = sorted(path.name for path in (self.place / "out").iterdir())
         self.assertEqual(files, ["effective.toml", "needs.json", "numbers.tag", "run.json"])
@@ -190,7 +192,7 @@ class Needs(ProgramCase):
         (self.place / "deck.toml").write_text(deck)
         calls = []
         for steps in (200, 400):
-            words = [self.program, "run", "deck.toml", "--quiet", "--output", "out", *off, "--set", f"time.steps={steps}"]
+            words = [self.program, "run", "deck.toml", "--quiet", "--force", "--output", "out", *off, "--set", f"time.steps={steps}"]
             traced = subprocess.run(["strace", "-f", "-c", "-U", "name,calls", "-o", "calls", *words], cwd=self.place,
                                     capture_output=True, text=True, timeout=self.timeout)  # fmt: skip
             if traced.returncode != 0:

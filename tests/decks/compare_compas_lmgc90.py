@@ -91,7 +91,7 @@ def run_here(program, blocks, steps):
     with tempfile.TemporaryDirectory() as place:
         file, results = Path(place) / "wall.toml", Path(place) / "results"
         file.write_text(deck(blocks, steps))
-        subprocess.run([program, "run", file, "--output", results, "--quiet"], check=True)
+        subprocess.run([program, "run", file, "--output", results, "--quiet", "--force"], check=True)
         with h5py.File(results / "contacts.vtkhdf") as pictures:
             first = pictures["VTKHDF/Steps/CellOffsets"][-1, 0]
             names = ("candidate", "antagonist", "point", "force", "gap")

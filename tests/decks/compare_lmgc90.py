@@ -102,7 +102,8 @@ def run(program, case, work, changes=(), options=()):
         sections.setdefault(section, []).append(f"{word} = {json.dumps(value)}")
     deck.write_text("".join(f"[{section}]\n" + "\n".join(lines) + "\n" for section, lines in sections.items()) + case.blocks)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run([program, "run", deck, "--output", results, "--quiet", *options], capture_output=True, text=True)
+    done = subprocess.run([program, "run", deck, "--output", results, "--quiet", "--force", *options],
+                          capture_output=True, text=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode != 0:
         sys.exit(f"{case.name}: {done.stderr}")

@@ -24,7 +24,7 @@ def main():
     always = ["output.every=0", *others]
 
     def run(folder, *words, **settings):
-        words = [*shlex.split(program), "run", deck, "--quiet", "--output", str(folder), *words]
+        words = [*shlex.split(program), "run", deck, "--quiet", "--force", "--output", str(folder), *words]
         for one in [*always, *(f"{name.replace('__', '.')}={value}" for name, value in settings.items())]:
             words += ["--set", one]
         subprocess.run(words, check=True, stderr=subprocess.DEVNULL)

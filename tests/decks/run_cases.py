@@ -60,7 +60,8 @@ def differences(wanted, got, tolerances):
 
 def run_case(program, case, results):
     """Run a case; an error as one sentence, or None."""
-    done = subprocess.run([program, "run", case / "deck.toml", "--output", results, "--quiet"], capture_output=True, text=True)
+    done = subprocess.run([program, "run", case / "deck.toml", "--output", results, "--quiet", "--force"],
+                          capture_output=True, text=True)
     return f"exit code {done.returncode}: {done.stderr.strip()}" if done.returncode else None
 
 

@@ -25,7 +25,7 @@ def launch(ranks, *words):
 def measured(program, deck, ranks, gluing, iterations, place):
     """Run a step with a number of iterations that no tolerance cuts short."""
     folder = place / str(iterations)
-    launch(ranks, program, "run", deck, "--quiet", "--output", folder, "--set", "time.steps=1",
+    launch(ranks, program, "run", deck, "--quiet", "--force", "--output", folder, "--set", "time.steps=1",
            "--set", f"solver.maximum_sweeps={iterations}", "--set", "solver.tolerance=1e-15",
            "--set", f'partition.gluing="{gluing}"', "--set", "output.every=0")
     return json.loads((folder / "run.json").read_text())

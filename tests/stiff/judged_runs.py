@@ -50,7 +50,7 @@ class Runner:
         alone = place / "alone"
         alone.mkdir()
         before = cpu()
-        code = self.call(["run", str((place / "deck.toml").resolve()), "--output", "results", "--quiet"], alone)
+        code = self.call(["run", str((place / "deck.toml").resolve()), "--output", "results", "--quiet", "--force"], alone)
         return code not in TOO_LONG and cpu() - before < CPU_LIMIT / 20
 
     def judge(self, place, code, results="results"):

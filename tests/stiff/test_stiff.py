@@ -28,7 +28,7 @@ class Stiff(ProgramCase):
         words = []
         for name, value in settings.items():
             words += ["--set", f"{self.key(name)}={value}"]
-        self.said = self.run_program("run", DECKS / f"{deck}.toml", "--output", "out", "--quiet", *words, code=code).stderr
+        self.said = self.run_program("run", DECKS / f"{deck}.toml", "--output", "out", "--force", "--quiet", *words, code=code).stderr
         run = json.loads((self.place / "out" / "run.json").read_text())
         # A value that is not finite is null there.
         self.assertEqual([name for name, value in run.items() if value is None], [])
@@ -327,7 +327,7 @@ class Geometry(Stiff):
         self.assert_near(run["worst_penetration"], 0.0099, 1e-6)
         self.assertLess(run["kinetic_energy"], 1e-12)
         for deck, place in (("two_blocks", [0.0, 0.1]), ("two_boxes", [0.0, 0.0, 0.1])):
-            said = self.run_program("run", DECKS / f"{deck}.toml", "--output", "out", "--set", f"body[2].position={place}", code=2)
+            said = self.run_program("run", DECKS / f"{deck}.toml", "--output", "out", "--force", "--set", f"body[2].position={place}", code=2)
             self.assertIn("overlap at the start", said.stderr)
             self.assertNotIn("NaN", said.stderr)
 

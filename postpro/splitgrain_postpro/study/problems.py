@@ -37,7 +37,7 @@ class ProblemRunner:
         if target.exists():
             return target
         with self.store.scratch() as place:
-            words = ["run", case.file.resolve(), "--output", place / "run", "--quiet", "--dump", case.dump, "--set",
+            words = ["run", case.file.resolve(), "--output", place / "run", "--quiet", "--force", "--dump", case.dump, "--set",
                      f"time.steps={case.dump}", "--set", "output.every=0"]  # fmt: skip
             code, _, said = self.program.call(words + settings_words(case.settings), 20 * self.study.seconds)
             made = place / "run" / f"dump-{case.dump}-local.hdf5"

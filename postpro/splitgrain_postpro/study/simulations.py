@@ -22,7 +22,7 @@ def run_simulation(job, store, program):
     settings = {name: value for name, value in job.settings.items() if name not in ("ranks", "measures", "start")}
     ranks = job.settings.get("ranks", 1)
     with store.scratch() as place:
-        words = ["run", job.case.file.resolve(), "--output", place / "run", "--quiet"] + settings_words(settings)
+        words = ["run", job.case.file.resolve(), "--output", place / "run", "--quiet", "--force"] + settings_words(settings)
         before = {}
         if job.case.start:
             state = state_folder(job, store)

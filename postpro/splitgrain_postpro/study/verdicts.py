@@ -58,7 +58,7 @@ def run_verdict(job, store, program):
     if job.bodies:
         settings.setdefault("output.every", 1000000000)
     with store.scratch() as place:
-        words = ["run", job.case.file.resolve(), "--output", place / "run", "--quiet"] + settings_words(settings)
+        words = ["run", job.case.file.resolve(), "--output", place / "run", "--quiet", "--force"] + settings_words(settings)
         code, _, said = program.call(words, job.seconds)
         run = read_run(place / "run")
         if code is None:

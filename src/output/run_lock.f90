@@ -1,0 +1,128 @@
+!> Lock of a folder of results: a file with host and process of the run that writes there, so that no other run joins it.
+!!
+!! A run that was killed leaves its lock. On the same host it is recognised by its process, which has ended; on another host
+!! nothing can be known of that process, and the user decides (`--force`).
+module sg_run_lock
+  use sg_error, only: error_t, exit_bad_input, exit_output, fail
+  use sg_processes, only: host_name, is_alive, own_process, start_of
+  use sg_system, only: file_exists, remove_file, rename_file
+  use sg_text, only: read_lines, text_t, to_text
+  use sg_text_files, only: create_text
+  implicit none
+  private
+  public :: lock_name, release_lock, take_lock
+
+  !> Name of the lock within a folder of results
+  character(len=*), parameter :: lock_name = 'run.lock'
+
+  !> The run that a lock names
+  type :: holder_t
+    character(len=:), allocatable :: host, start
+    integer :: process = 0
+  end type holder_t
+
+contains
+
+  !> Lock a folder for this process.
+  subroutine take_lock(folder, is_forced, error)
+    character(len=*), intent(in) :: folder !! folder of results, which exists
+    logical, intent(in) :: is_forced !! take the folder over from another host?
+    type(error_t), allocatable, intent(out) :: error !! set when another run holds it, or the lock cannot be written
+    character(len=:), allocatable :: name
+    type(error_t), allocatable :: taken
+    integer :: attempt
+
+    name = folder//'/'//lock_name
+    do attempt = 1, 2
+      call create_text(name, lock_text(), taken)
+      if (.not. allocated(taken)) return
+      if (.not. file_exists(name)) exit
+      call judge_holder(name, is_forced, error)
+      if (allocated(error)) return
+      call remove_stale(name)
+    end do
+    call move_alloc(taken, error)
+  end subroutine take_lock
+
+  !> Unlock a folder that this process has locked.
+  subroutine release_lock(folder)
+    character(len=*), intent(in) :: folder !! folder of results
+    type(holder_t) :: holder
+
+    call read_holder(folder//'/'//lock_name, holder)
+    if (is_own(holder)) call remove_file(folder//'/'//lock_name)
+  end subroutine release_lock
+
+  !> Content of the lock of this process.
+  function lock_text() result(text)
+    character(len=:), allocatable :: text
+
+    text = 'host '//host_name()//new_line('a')//'process '//to_text(own_process())//new_line('a')//'started '// &
+           start_of(own_process())//new_line('a')
+  end function lock_text
+
+  !> Read a lock; what cannot be read names process 0.
+  subroutine read_holder(name, holder)
+    character(len=*), intent(in) :: name
+    type(holder_t), intent(out) :: holder
+    type(text_t), allocatable :: lines(:)
+    type(error_t), allocatable :: error
+    integer :: i, blank, status
+
+    holder%host = ''
+    holder%start = '0'
+    call read_lines(name, lines, error)
+    if (allocated(error)) return
+    do i = 1, size(lines)
+      associate (line => lines(i)%s)
+        blank = index(line//' ', ' ')
+        if (line(:blank - 1) == 'host') holder%host = line(blank + 1:)
+        if (line(:blank - 1) == 'started') holder%start = line(blank + 1:)
+        if (line(:blank - 1) == 'process') read (line(blank + 1:), '(i20)', iostat=status) holder%process
+      end associate
+    end do
+  end subroutine read_holder
+
+  !> Is a lock that of this process?
+  logical function is_own(holder)
+    type(holder_t), intent(in) :: holder
+
+    is_own = holder%host == host_name() .and. holder%process == own_process()
+  end function is_own
+
+  !> Set an error where the holder of a lock may still write.
+  subroutine judge_holder(name, is_forced, error)
+    character(len=*), intent(in) :: name
+    logical, intent(in) :: is_forced
+    type(error_t), allocatable, intent(out) :: error
+    type(holder_t) :: holder
+
+    call read_holder(name, holder)
+    if (holder%process == 0) then
+      if (.not. is_forced) call fail(error, 'this lock names no process; if no run writes to the folder, --force takes it over', &
+                                     file=name)
+    else if (holder%host == host_name()) then
+      if (is_alive(holder%process, holder%start)) call fail(error, 'another run writes to this folder, process '// &
+        to_text(holder%process)//' of this host; --output names another folder', file=name)
+    else if (.not. is_forced) then
+      call fail(error, 'another run writes to this folder, process '//to_text(holder%process)//' of host '//holder%host// &
+                '; if it has ended, --force takes the folder over', file=name)
+    end if
+  end subroutine judge_holder
+
+  !> Remove the lock of a run that has ended. Of several processes that come to this at once one alone moves it away; a lock that
+  !! came meanwhile is put back.
+  subroutine remove_stale(name)
+    character(len=*), intent(in) :: name
+    character(len=:), allocatable :: aside
+    type(error_t), allocatable :: error
+
+    aside = name//'.'//to_text(own_process())
+    if (.not. rename_file(name, aside)) return
+    call judge_holder(aside, .true., error)
+    if (allocated(error)) then
+      if (rename_file(aside, name)) return
+    end if
+    call remove_file(aside)
+  end subroutine remove_stale
+end module sg_run_lock

@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+"""Folders of results from outside: what is replaced, what is left alone, locks, links, signals, checkpoints at the end.
+
+usage: test_folders.py PROGRAM [unittest options]
+"""
+
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from program_case import ProgramCase, take_program
+from test_cli import DECK
+
+LONG = ["--set", "time.steps=100000000", "--set", "output.record_every=100"]
+
+
+class Folders(ProgramCase):
+    def setUp(self):
+        super().setUp()
+        (self.place / "fall.toml").write_text(DECK)
+
+    def run_deck(self, *words, code=0, deck="fall.toml", output="out"):
+        return self.run_program("run", deck, "--output", output, *words, code=code)
+
+    def contents(self, folder="out"):
+        """All files of a folder, with their bytes and times."""
+        return {path.name: (path.read_bytes(), path.stat().st_mtime_ns) for path in (self.place / folder).iterdir()}
+
+    def run_json(self, folder="out"):
+        return json.loads((self.place / folder / "run.json").read_text())
+
+    def refused(self, said, *words, code=2, **options):
+        """A run is refused with one sentence, and leaves the folder as it was."""
+        before = self.contents() if (self.place / "out").exists() else None
+        done = self.run_deck(*words, code=code, **options)
+        self.assertRegex(done.stderr, said)
+        self.assertEqual(before, self.contents() if (self.place / "out").exists() else None)
+
+    def start(self, *words, **options):
+        """Start a run that would last for hours, and wait for its first rows."""
+        program = subprocess.Popen([self.program, "run", "fall.toml", "--output", "out", *LONG, *words], cwd=self.place,
+                                   stderr=subprocess.PIPE, text=True, **{"stdout": subprocess.DEVNULL, **options})
+        self.addCleanup(program.stderr.close)
+        self.addCleanup(program.kill)
+        record, end = self.place / "out" / "record.csv", time.monotonic() + 60
+        while not record.exists() or record.read_text().count("\n") < 2:
+            self.assertLess(time.monotonic(), end, "nothing happens")
+            time.sleep(0.02)
+        return program
+
+
+class Ended(Folders):
+    def setUp(self):
+        super().setUp()
+        if not self.has_hdf5():
+            self.skipTest("a build without HDF5 has no checkpoints")
+
+    def test_a_finished_run_leaves_a_checkpoint_and_nothing_to_do(self):
+        self.run_deck("--quiet")
+        before = self.contents()
+        self.assertIn("restart_a.h5", before)
+        self.assertEqual(self.run_json()["file_restart"], "restart_a.h5")
+        for steps in (120, 50):
+            done = self.run_deck("--restart", "out", "--set", f"time.steps={steps}")
+            self.assertIn(f"nothing to do: step 120 of {steps}", done.stdout)
+            self.assertEqual(self.contents(), before)
+        self.run_deck("--restart", "out", output="other")
+        self.assertFalse((self.place / "other").exists())
+        self.run_deck("--restart", "out", "--set", "time.steps=130", "--quiet")
+        self.assertEqual((self.run_json()["status"], self.run_json()["steps"]), ("done", 130))
+
+    def test_no_checkpoint_where_none_is_wanted(self):
+        self.run_deck("--quiet", "--set", "restart.at_end=false")
+        self.assertNotIn("restart_a.h5", self.contents())
+
+    def test_a_step_that_does_not_converge_leaves_a_checkpoint(self):
+        self.run_deck("--quiet", "--set", "solver.maximum_sweeps=1", "--set", "solver.check_every=1", "--set",
+                      "solver.stop_unconverged=true", "--set", "solver.tolerance=1e-14", code=3)
+        self.assertIn("restart_a.h5", self.contents())
+
+    def test_the_newest_checkpoint_is_damaged(self):
+        every = ["--quiet", "--set", "restart.every=50"]
+        self.run_deck(*every)
+        self.run_deck("--quiet", "--set", "time.steps=140", output="straight")
+        newest = self.place / "out" / "restart_a.h5"
+        data = bytearray(newest.read_bytes())
+        data[len(data) // 2:len(data) // 2 + 200] = bytes(200)
+        newest.write_bytes(data)
+        self.refused("restart_a.h5", "--restart", "out/restart_a.h5", "--set", "time.steps=140")
+        done = self.run_deck("--restart", "out", "--set", "time.steps=140", "--quiet")
+        self.assertRegex(done.stderr, "restart_a.h5: warning: .* the run goes on from the older out/restart_b.h5 of step 100")
+        for key in ("steps", "kinetic_energy", "potential_energy"):
+            self.assertEqual(self.run_json()[key], self.run_json("straight")[key], key)
+
+
+class Others(Folders):
+    def test_other_results_are_not_replaced_unasked(self):
+        self.run_deck("--quiet")
+        self.refused("out: error: this folder holds results of another deck.*--force", "--set", "time.steps=60")
+        self.run_deck("--quiet", "--set", "time.steps=60", "--force")
+        self.assertEqual(self.run_json()["steps"], 60)
+        # The same deck gives the same results.
+        self.run_deck("--quiet", "--set", "time.steps=60")
+        self.refused("option --output needs a value", output="")
+
+    def test_a_run_that_has_not_ended_is_not_begun_again_unasked(self):
+        if not self.has_hdf5():
+            self.skipTest("a build without HDF5 has no checkpoints")
+        self.run_deck(*LONG, "--walltime", "0.2", "--quiet", code=75)
+        self.refused("a run that has not ended: --restart out", *LONG, "--walltime", "0.2")
+
+    def test_files_that_are_read_are_not_written_over(self):
+        self.run_deck("--quiet")
+        for deck, output in (("out/effective.toml", "out"), ("effective.toml", ".")):
+            (self.place / deck).write_text((self.place / "out/effective.toml").read_text())
+            before = (self.place / deck).read_bytes()
+            said = self.run_deck("--force", deck=deck, output=output, code=2).stderr
+            self.assertRegex(said, "effective.toml: error: the run reads this file and would write over it")
+            self.assertEqual((self.place / deck).read_bytes(), before)
+        drive = '[[drive]]\nbody = 1\ncomponent = "x"\nfile = "driven/record.csv"\n'
+        (self.place / "driven").mkdir()
+        (self.place / "driven/record.csv").write_text("0 0\n1 0\n")
+        (self.place / "driven.toml").write_text(DECK + drive)
+        said = self.run_deck("--force", deck="driven.toml", output="driven", code=2).stderr
+        self.assertRegex(said, "record.csv: error: the run reads this file")
+        self.assertEqual((self.place / "driven/record.csv").read_text(), "0 0\n1 0\n")
+
+    def test_links_are_not_followed_out_of_the_folder(self):
+        aside = self.place / "aside"
+        aside.write_text("kept")
+        (self.place / "out").mkdir()
+        names = ["record.csv", "run.json", "effective.toml", "numbers.tag", "restart_a.h5", "bodies.vtkhdf", "bodies.xmf"]
+        for name in [*names, *[f"{name}.part" for name in names], "run.lock.part"]:
+            (self.place / "out" / name).symlink_to(aside)
+        pictures = ["--set", "output.every=60"] if self.has_hdf5() else []
+        self.run_deck("--quiet", "--force", *pictures)
+        self.assertEqual(aside.read_text(), "kept")
+        self.assertEqual([name for name in names if (self.place / "out" / name).is_symlink() and name != "bodies.vtkhdf"], [])
+        if not pictures:
+            return
+        bodies = self.place / "out" / "bodies.vtkhdf"
+        bodies.rename(self.place / "moved")
+        bodies.symlink_to(self.place / "moved")
+        self.run_deck("--quiet", *pictures, "--set", "time.steps=130", "--restart", "out", code=5)
+
+
+class Locks(Folders):
+    def lock(self, text):
+        (self.place / "out").mkdir(exist_ok=True)
+        (self.place / "out" / "run.lock").write_text(text)
+
+    def test_two_runs_do_not_share_a_folder(self):
+        program = self.start("--quiet")
+        lock = (self.place / "out" / "run.lock").read_text()
+        self.assertIn(f"process {program.pid}\n", lock)
+        for words in ([], ["--force"]):
+            said = self.run_deck(*words, code=2).stderr
+            self.assertIn(f"another run writes to this folder, process {program.pid} of this host", said)
+        program.kill()
+        program.wait(60)
+        self.assertEqual((self.place / "out" / "run.lock").read_text(), lock)
+        self.run_deck("--force", "--quiet")
+        self.assertFalse((self.place / "out" / "run.lock").exists())
+
+    def test_stale_locks(self):
+        here = socket.gethostname()
+        ended = subprocess.Popen(["true"])
+        ended.wait()
+        for text in (f"host {here}\nprocess {ended.pid}\nstarted 1\n", f"host {here}\nprocess {os.getpid()}\nstarted 1\n"):
+            self.lock(text)
+            self.run_deck("--quiet")
+            self.assertFalse((self.place / "out" / "run.lock").exists())
+        for text, said in (("host elsewhere\nprocess 7\nstarted 1\n", "process 7 of host elsewhere"), ("", "names no process")):
+            self.lock(text)
+            self.refused(said)
+            self.run_deck("--quiet", "--force")
+
+
+class Signals(Folders):
+    def test_the_end_of_a_terminal_or_of_a_reader_ends_the_run(self):
+        for number in (signal.SIGHUP, signal.SIGPIPE):
+            with self.subTest(signal=number.name):
+                shutil.rmtree(self.place / "out", ignore_errors=True)
+                program = self.start("--quiet")
+                program.send_signal(number)
+                self.assertEqual(program.wait(60), 75)
+                self.assertEqual(self.run_json()["reason"][:20], f"stopped by signal {int(number)} "[:20])
+                self.assertEqual((self.place / "out" / "restart_a.h5").exists(), self.has_hdf5())
+
+    def test_a_signal_that_is_ignored_stays_ignored(self):
+        program = self.start("--quiet", preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        program.send_signal(signal.SIGHUP)
+        time.sleep(0.3)
+        self.assertIsNone(program.poll())
+
+
+if __name__ == "__main__":
+    take_program()
+    outcome = unittest.main(exit=False).result
+    failed = len(outcome.failures) + len(outcome.errors)
+    print(f"{outcome.testsRun - failed} passed, {failed} failed")
+    sys.exit(failed > 0 or outcome.testsRun == 0)
