@@ -4,7 +4,7 @@ module sg_solve_rows
   use sg_columns, only: padded, right
   use sg_json, only: json_t
   use sg_kinds, only: wp
-  use sg_matrix_errors, only: errors_of, matrix_errors_t
+  use sg_matrix_errors, only: errors_of, find_worst_contact, matrix_errors_t, most_share
   use sg_matrix_problem, only: matrix_problem_t
   use sg_report, only: report_t
   use sg_text, only: to_text
@@ -30,6 +30,9 @@ module sg_solve_rows
     !> Wanted e1, and whether the answer has it
     real(wp) :: tolerance = 0
     logical :: is_converged = .false.
+    !> Contact that leaves the largest share of what acts on it undone, 0 where there is none, and that share
+    integer :: worst_contact = 0
+    real(wp) :: worst_share = 0
   end type solve_row_t
 
   !> Beyond this impulses are no answer, and their squares could not be counted
@@ -54,12 +57,13 @@ contains
     if (is_finite) is_finite = all(abs(problem%r) < largest_impulse)
     if (is_finite) then
       row%errors = errors_of(problem, problem%r)
+      call find_worst_contact(problem, problem%r, row%worst_contact, row%worst_share)
     else
       row%errors%e1 = ieee_value(1.0_wp, ieee_positive_inf)
       row%errors%e2 = row%errors%e1
       row%errors%e8 = row%errors%e1
     end if
-    row%is_converged = row%errors%e1 <= row%tolerance
+    row%is_converged = row%errors%e1 <= row%tolerance .and. row%worst_share <= most_share
   end subroutine judge
 
   !> Head of the table.
@@ -81,6 +85,8 @@ contains
     write (numbers, '(i11,f13.4,3(1x,a9),2x,a)') row%iterations, row%cpu_seconds, short(row%errors%e1), short(row%errors%e2), &
       short(row%errors%e8), trim(merge('yes', 'no ', row%is_converged))
     text = padded(row%file, width)//right(to_text(row%contacts), 10)//'  '//padded(row%solver, 16)//trim(numbers)
+    if (row%errors%e1 <= row%tolerance .and. .not. row%is_converged) &
+      text = text//': contact '//to_text(row%worst_contact)//' breaks its law'
   end function table_row
 
   !> An error with three digits.
@@ -115,6 +121,8 @@ contains
     call json%add('e2', row%errors%e2)
     call json%add('e8', row%errors%e8)
     call json%add('tolerance', row%tolerance)
+    call json%add('worst_contact', row%worst_contact)
+    call json%add('worst_share', row%worst_share)
     call json%add('converged', row%is_converged)
     text = json%line()
   end function json_row

@@ -27,6 +27,7 @@ contains
       allocate (by_matrices)
       by_matrices%options = options
       matrix_options%maximum_seconds = huge(1.0_wp)
+      matrix_options%with_contacts = .false.
       call choose_matrix_solver(trim(options%method), matrix_options, by_matrices%solver, error)
       ! The deck layer lets no unknown name pass.
       if (.not. allocated(error)) then

@@ -6,7 +6,10 @@ module sg_matrix_errors
   use sg_sparse, only: multiply
   implicit none
   private
-  public :: matrix_errors_t, errors_of, project_on_cone, natural_map_squares
+  public :: matrix_errors_t, errors_of, find_worst_contact, project_on_cone, natural_map_squares, most_share
+
+  !> Share of what acts on a contact that it may leave undone in an answer
+  real(wp), parameter :: most_share = 0.1_wp
 
   !> Errors of one answer
   type :: matrix_errors_t
@@ -35,6 +38,58 @@ contains
     errors%e2 = ratio(sqrt(squares(1)), max(q_norm, norm2(r), norm2(u)))
     errors%e8 = ratio(sqrt(squares(2)), norm2(r))
   end function errors_of
+
+  !> The contact that leaves the largest share of what acts on it undone, normal part and friction apart: e1 compares all contacts
+  !! with the largest, and friction times the slip may swallow a normal velocity. The share is about 1 where an impulse is missing.
+  !!
+  !! What acts along the normal is |q_N| + sum |W_Nb| |r_b|. What acts along the tangents is that, or as much of its counterpart as
+  !! friction can hold.
+  pure subroutine find_worst_contact(problem, r, contact, share)
+    type(matrix_problem_t), intent(in) :: problem !! the problem
+    real(wp), intent(in), contiguous :: r(:, :) !! answer [N s], shape (d, n)
+    integer, intent(out) :: contact !! its number; 0 where all contacts obey
+    real(wp), intent(out) :: share !! what it leaves undone over what acts on it
+    real(wp) :: u(problem%d), acting(problem%d), own
+    integer :: a, e
+
+    contact = 0
+    share = 0
+    do a = 1, problem%n
+      if (problem%w%diagonal(a) == 0) cycle
+      u = problem%q(:, a)
+      acting = abs(u)
+      do e = problem%w%first(a), problem%w%first(a + 1) - 1
+        u = u + matmul(problem%w%block(:, :, e), r(:, problem%w%column(e)))
+        acting = acting + matmul(abs(problem%w%block(:, :, e)), abs(r(:, problem%w%column(e))))
+      end do
+      own = undone(problem%w%block(:, :, problem%w%diagonal(a)), r(:, a), u, acting, problem%friction(a))
+      if (.not. own > share) cycle
+      contact = a
+      share = own
+    end do
+  end subroutine find_worst_contact
+
+  !> Share of what acts on one contact that it leaves undone.
+  pure real(wp) function undone(w, r, u, acting, friction) result(share)
+    real(wp), intent(in) :: w(:, :), r(:), u(:), acting(:), friction
+    real(wp) :: tried(size(r) - 1), mobility, radius, length, held
+    integer :: k
+
+    share = 0
+    if (.not. w(1, 1) > 0) return
+    mobility = 0
+    do k = 2, size(r)
+      mobility = max(mobility, w(k, k))
+    end do
+    share = ratio(abs(min(u(1), w(1, 1)*r(1))), acting(1))
+    radius = friction*max(0.0_wp, r(1))
+    if (.not. mobility > 0) return
+    tried = mobility*r(2:) - u(2:)
+    length = norm2(tried)
+    if (length > mobility*radius) tried = tried*(mobility*radius/length)
+    held = max(acting(1), min(norm2(acting(2:)), mobility*radius))
+    share = max(share, ratio(norm2(mobility*r(2:) - tried), held))
+  end function undone
 
   !> Squares of the natural map over all contacts, with rho = 1 and with rho_a = 1/lambda_max(W_aa).
   pure function natural_map_squares(problem, r, u) result(squares)

@@ -14,6 +14,8 @@ module sg_matrix_solver
     !> Iterations, and CPU seconds, after which it gives up (what an iteration is, the solver says)
     integer :: maximum_iterations = 100000
     real(wp) :: maximum_seconds = 60
+    !> Must every contact obey its law by itself beside e1 (sg_matrix_errors)? A run has a test of its own
+    logical :: with_contacts = .true.
     !> Start from the problem's impulses rather than from zero?
     logical :: warm_start = .false.
     !> Keep the history of errors?
