@@ -5,18 +5,15 @@
 module sg_datbox_space_bodies
   use sg_contactors, only: kind_cylinder, kind_hollow_cylinder, kind_plane
   use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, triple
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, integer_field, name_field, next_data_line, &
-                             next_line, remark, step_back
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, name_field, next_line, remark, step_back
+  use sg_datbox_polyhedra, only: read_polyhedron
   use sg_error, only: diagnostics_t, error_t
-  use sg_kinds, only: wp, i4, pi
-  use sg_polyhedron, only: polyhedron_t
-  use sg_polyhedron_build, only: polyhedron_from_triangles
-  use sg_polyhedron_make, only: centre_polyhedron
+  use sg_kinds, only: wp, pi
   use sg_polyhedron_moments, only: composed_solid, cylinder_solid, moved_solid, solid_t
   use sg_rotations, only: frame_of, nearest_rotation, no_rotation
   use sg_scene, only: colour_index, scene_t
   use sg_solid_bodies, only: move_body_frame, set_inertia, solid_of_shapes
-  use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
+  use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_sphere
   use sg_symmetric, only: principal_axes
   use sg_text, only: to_text
   use sg_vectors, only: cross
@@ -54,11 +51,11 @@ contains
     end do
     if (type == 'SPHEb') call read_point(file, 'the centre of a shifted sphere', shift, ok, diagnostics)
     if (any(type == ['PLANx', 'CYLND'])) call read_local_frame(file, block%frame, shift, ok, diagnostics)
-    if (type == 'POLYR') then
-      call read_polyhedron(file, scene, block%body, colour, ok, diagnostics)
+    if (any(type == ['POLYR', 'POLYF'])) then
+      call read_polyhedron(file, scene%contactors, block%body, colour, type == 'POLYF', ok, diagnostics)
     else if (n_sizes == 0) then
       call complain_once(file, type, 'contactors of type '''//type &
-                         //''' are not done: only SPHER, SPHEb, PLANx, CYLND, DNLYC and POLYR', 2, diagnostics)
+                         //''' are not done: only SPHER, SPHEb, PLANx, CYLND, DNLYC, POLYR and POLYF', 2, diagnostics)
       ok = .false.
     end if
     block%ok = block%ok .and. ok
@@ -121,99 +118,6 @@ contains
     end if
     ok = .false.
   end subroutine read_frame
-
-  !> Read the vertices and triangles of a polyhedron and check that it is closed and convex.
-  subroutine read_polyhedron(file, scene, body, colour, ok, diagnostics)
-    type(datbox_file_t), intent(inout) :: file
-    type(scene_t), intent(inout) :: scene
-    integer, intent(in) :: body, colour
-    logical, intent(inout) :: ok
-    type(diagnostics_t), intent(inout) :: diagnostics
-    type(polyhedron_t) :: shape
-    type(error_t), allocatable :: error
-    real(wp), allocatable :: vertices(:, :)
-    integer(i4), allocatable :: triangles(:, :)
-    real(wp) :: centre(3)
-    integer :: n_vertices, n_faces, line, last
-
-    call integer_field(file, 40, 47, n_vertices, ok, diagnostics, may_go_on=.true.)
-    call integer_field(file, 60, 67, n_faces, ok, diagnostics, may_go_on=.true.)
-    if (.not. ok) return
-    line = file%at
-    if (min(n_vertices, n_faces) < 4 .or. n_vertices > file%n - line .or. n_faces > file%n - line) then
-      call complain(file, 'a polyhedron of '//to_text(n_vertices)//' vertices and '//to_text(n_faces)//' triangles cannot be: ' &
-                    //'it needs four of each, and a line for each', 40, diagnostics)
-      ok = .false.
-      return
-    end if
-    call read_surface(file, n_vertices, n_faces, vertices, triangles, ok, diagnostics)
-    if (.not. ok) return
-    last = file%at
-    call go_to(file, line)
-    call turn_outwards(file, vertices, triangles, diagnostics)
-    call polyhedron_from_triangles(vertices, triangles, shape, error)
-    if (allocated(error)) then
-      call complain(file, error%message, 2, diagnostics)
-      ok = .false.
-    else
-      call centre_polyhedron(shape, centre)
-      call add_polyhedron(scene%contactors, body, colour, shape, centre)
-    end if
-    call go_to(file, max(file%at, last))
-  end subroutine read_polyhedron
-
-  !> Turn the triangles that run clockwise seen from outside, as LMGC90 does: for a convex shape, seen from its middle.
-  subroutine turn_outwards(file, vertices, triangles, diagnostics)
-    type(datbox_file_t), intent(inout) :: file
-    real(wp), intent(in) :: vertices(:, :)
-    integer(i4), intent(inout) :: triangles(:, :)
-    type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp) :: middle(3), volume
-    integer :: i
-
-    middle = sum(vertices, 2)/real(size(vertices, 2), wp)
-    do i = 1, size(triangles, 2)
-      associate (a => vertices(:, triangles(1, i)), b => vertices(:, triangles(2, i)), c => vertices(:, triangles(3, i)))
-        volume = dot_product(a - middle, cross(b - a, c - a))
-      end associate
-      if (volume >= 0) cycle
-      triangles(2:3, i) = triangles([3, 2], i)
-      call remark(file, 'clockwise', 'triangle '//to_text(i)//' of this polyhedron runs clockwise seen from outside: such ' &
-                       //'triangles are turned', 2, diagnostics)
-    end do
-  end subroutine turn_outwards
-
-  !> Read vertices, then triangles.
-  subroutine read_surface(file, n_vertices, n_faces, vertices, triangles, ok, diagnostics)
-    type(datbox_file_t), intent(inout) :: file
-    integer, intent(in) :: n_vertices, n_faces
-    real(wp), allocatable, intent(out) :: vertices(:, :)
-    integer(i4), allocatable, intent(out) :: triangles(:, :)
-    logical, intent(inout) :: ok
-    type(diagnostics_t), intent(inout) :: diagnostics
-    integer :: i, k, corner
-
-    allocate (vertices(3, n_vertices), source=0.0_wp)
-    allocate (triangles(3, n_faces), source=0_i4)
-    do i = 1, n_vertices
-      call read_point(file, 'a vertex', vertices(:, i), ok, diagnostics)
-      if (.not. ok) return
-    end do
-    do i = 1, n_faces
-      ok = next_data_line(file, 'a triangle', diagnostics)
-      do k = 1, 3
-        if (ok) call integer_field(file, triple(k), triple(k) + 12, corner, ok, diagnostics, may_go_on=.true.)
-        if (.not. ok) return
-        if (corner < 1 .or. corner > n_vertices) then
-          call complain(file, 'there is no vertex '//to_text(corner)//': the polyhedron has '//to_text(n_vertices), triple(k), &
-                        diagnostics)
-          ok = .false.
-          return
-        end if
-        triangles(k, i) = int(corner, i4)
-      end do
-    end do
-  end subroutine read_surface
 
   !> Turn a block into a body of the scene: mass, centre, frame.
   subroutine complete_solid_body(file, scene, block, diagnostics)

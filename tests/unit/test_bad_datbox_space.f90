@@ -1,8 +1,10 @@
 !> Bad DATBOX folders of space: each is a good one with one thing wrong, and must be refused where it is wrong.
 program test_bad_datbox_space
   use datbox_tests, only: datbox_tests_t, width
+  use same_bits, only: same_bodies
   use sg_datbox, only: read_datbox
   use sg_error, only: diagnostics_t
+  use sg_kinds, only: wp
   use sg_scene, only: scene_t
   implicit none
   character(len=*), parameter :: folder = 'datbox_bad_solids'
@@ -118,6 +120,7 @@ program test_bad_datbox_space
   call tests%check_good()
   call test_bodies()
   call test_polyhedra()
+  call test_patches()
   call test_other_files()
   call test_every_cut()
   call tests%finish()
@@ -164,6 +167,55 @@ contains
     call tests%refuse(file, 41, '                             coo1= 0.4000000D+00  coo2= 0.4000000D+00  coo3= 0.0000000D+00', &
                       'not convex', 38, 2)
   end subroutine test_polyhedra
+
+  !> A pyramid in two patches, or inside out, is the same pyramid; a hat on it is not convex.
+  subroutine test_patches()
+    character(len=*), parameter :: face = '                             ver1='
+    type(scene_t) :: good, scene
+    character(len=width), allocatable :: lines(:)
+
+    call tests%write_good()
+    call read_good(good, 'the good folder')
+    ! Base, then sides; the second patch has its corners and numbers for itself.
+    lines = [bodies(:37), pad(' POLYF      1  color  BLEUx  nb_patch =      2'), &
+             pad('                             nb_vertex=      4    nb_faces=      2'), bodies(39:42), bodies(44:45), &
+             pad('                             nb_vertex=      5    nb_faces=      4'), bodies(39:43), bodies(46:50)]
+    call tests%put('BODIES.DAT', lines)
+    call read_good(scene, 'a polyhedron in patches')
+    call tests%check(same_bodies(scene%bodies, good%bodies), 'a polyhedron in patches weighs the same')
+    call tests%equal(scene%contactors%space%polyhedra(1)%n_vertices, 5, 'its vertices')
+    lines = bodies
+    lines(44:49) = [pad(face//'      1         ver2=      2         ver3=      3'), &
+                    pad(face//'      1         ver2=      3         ver3=      4'), &
+                    pad(face//'      2         ver2=      1         ver3=      5'), &
+                    pad(face//'      3         ver2=      2         ver3=      5'), &
+                    pad(face//'      4         ver2=      3         ver3=      5'), &
+                    pad(face//'      1         ver2=      4         ver3=      5')]
+    call tests%put('BODIES.DAT', lines)
+    call read_good(scene, 'a polyhedron inside out')
+    call tests%near(scene%bodies%mass(3)/good%bodies%mass(3), 1.0_wp, 1e-12_wp, 'a polyhedron inside out weighs the same')
+    call tests%refuse('BODIES.DAT', 41, &
+                      '                             coo1= 0.4000000D+00  coo2= 0.4000000D+00  coo3= 0.1000000D+00', &
+                      'split it into convex parts', 38, 2)
+  end subroutine test_patches
+
+  !> Read the folder as it stands, in which no mistake is expected.
+  subroutine read_good(scene, what)
+    type(scene_t), intent(out) :: scene
+    character(len=*), intent(in) :: what
+    type(diagnostics_t) :: diagnostics
+
+    call read_datbox(folder, scene, diagnostics)
+    call tests%equal(diagnostics%count(), 0, what)
+  end subroutine read_good
+
+  !> A line of the width of all.
+  pure function pad(text) result(line)
+    character(len=*), intent(in) :: text
+    character(len=width) :: line
+
+    line = text
+  end function pad
 
   !> See tables, drives, states and contacts.
   subroutine test_other_files()
