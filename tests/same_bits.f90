@@ -66,7 +66,8 @@ contains
 
     associate (n => b%n_rows, s => a%space, z => b%space)
       same_spatial = all(n(5:9) > 0) .and. same(s%sphere_radius, z%sphere_radius(:n(5))) .and. &
-                     same(s%plane_half, z%plane_half(:, :n(6))) .and. same(s%plane_frame, z%plane_frame(:, :n(6))) .and. &
+                     same(s%plane_half, z%plane_half(:, :n(6))) .and. same(s%plane_rim, z%plane_rim(:n(6))) .and. &
+                     same(s%plane_frame, z%plane_frame(:, :n(6))) .and. &
                      same(s%cylinder_size, z%cylinder_size(:, :n(7))) .and. same(s%cylinder_axis, z%cylinder_axis(:, :n(7))) .and. &
                      same(s%hollow_size, z%hollow_size(:, :n(8))) .and. same(s%hollow_axis, z%hollow_axis(:, :n(8))) .and. &
                      .not. allocated(a%disk_radius) .and. .not. allocated(a%polygon_vertex)

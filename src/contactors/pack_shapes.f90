@@ -71,6 +71,7 @@ contains
       call parcel%put(space%sphere_radius(row))
     case (kind_plane)
       call parcel%put(space%plane_half(:, row))
+      call parcel%put(space%plane_rim(row))
       call parcel%put(space%plane_frame(:, row))
     case (kind_cylinder)
       call parcel%put(space%cylinder_size(:, row))
@@ -153,6 +154,7 @@ contains
 
     call allocate_list(n_rows(kind_sphere), space%sphere_radius)
     call allocate_table(3, n_rows(kind_plane), space%plane_half)
+    call allocate_list(n_rows(kind_plane), space%plane_rim)
     call allocate_table(9, n_rows(kind_plane), space%plane_frame)
     call allocate_table(9, n_rows(kind_plane), space%plane_world)
     call allocate_table(2, n_rows(kind_cylinder), space%cylinder_size)
@@ -242,6 +244,7 @@ contains
       call parcel%take(space%sphere_radius(row))
     case (kind_plane)
       call parcel%take(space%plane_half(:, row))
+      call parcel%take(space%plane_rim(row))
       call parcel%take(space%plane_frame(:, row))
     case (kind_cylinder)
       call parcel%take(space%cylinder_size(:, row))

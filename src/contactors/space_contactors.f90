@@ -25,17 +25,24 @@ contains
     contactors%space%sphere_radius(row) = radius
   end subroutine add_sphere
 
-  !> Add a plane: a thin box, whose face at +half(3) along its third axis is meant to be touched.
-  subroutine add_plane(contactors, body, colour, half, shift, frame)
+  !> Add a plane: a thin box, or a rectangle with a rounded rim, whose face at +half(3) along its third axis is meant to be
+  !! touched.
+  subroutine add_plane(contactors, body, colour, half, shift, frame, has_rim)
     type(contactors_t), intent(inout) :: contactors !! list to add to, of dimension 3
     integer, intent(in) :: body !! body that carries it
     integer, intent(in) :: colour !! index of the colour
     real(wp), intent(in) :: half(3) !! half axes [m]
     real(wp), intent(in) :: shift(3) !! centre in the body's frame [m]
     real(wp), intent(in) :: frame(3, 3) !! columns: axes of the box in the body's frame
+    logical, intent(in), optional :: has_rim !! is it a rectangle with a rounded rim of radius half(3)? A box unless given
+    real(wp) :: rim
     integer :: row
 
-    call add_contactor(contactors, kind_plane, body, colour, shift, norm2(half), row)
+    rim = 0
+    if (present(has_rim)) rim = merge(half(3), 0.0_wp, has_rim)
+    call add_contactor(contactors, kind_plane, body, colour, shift, max(norm2(half), norm2(half(:2)) + rim), row)
+    call reserve(contactors%space%plane_rim, row)
+    contactors%space%plane_rim(row) = rim
     call reserve(contactors%space%plane_half, 3, row)
     call reserve(contactors%space%plane_frame, 9, row)
     call reserve(contactors%space%plane_world, 9, row)

@@ -19,6 +19,9 @@ module sg_space_shapes
     real(wp), allocatable :: sphere_radius(:)
     !> Planes: half axes of the box [m], shape (3, row); grains are meant to touch the face at +half(3)
     real(wp), allocatable :: plane_half(:, :)
+    !> Planes: zero for a box; else what is touched is a rectangle of half axes half(1:2) with this radius all around it, a plate
+    !! with a rounded rim (LMGC90's PLANx) [m], shape (row)
+    real(wp), allocatable :: plane_rim(:)
     !> Planes: axes of the box as columns in the body's frame, and in the detection configuration, shape (9, row)
     real(wp), allocatable :: plane_frame(:, :), plane_world(:, :)
     !> Cylinders (capsules): half height of the axis, radius [m], shape (2, row)

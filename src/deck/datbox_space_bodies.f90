@@ -64,7 +64,7 @@ contains
     case ('SPHER', 'SPHEb')
       call add_sphere(scene%contactors, block%body, colour, sizes(1), shift)
     case ('PLANx')
-      call add_plane(scene%contactors, block%body, colour, sizes, shift, block%frame)
+      call add_plane(scene%contactors, block%body, colour, sizes, shift, block%frame, has_rim=.true.)
     case ('CYLND')
       call add_cylinder(scene%contactors, block%body, colour, sizes(1), sizes(2), shift, block%frame(:, 3))
     case ('DNLYC')

@@ -111,6 +111,7 @@ contains
 
     frame = reshape(contactors%space%plane_world(:, contactors%row(wall)), [3, 3])
     half = contactors%space%plane_half(:, contactors%row(wall))
+    half(:2) = half(:2) + contactors%space%plane_rim(contactors%row(wall))
     beyond = max(0.0_wp, abs(matmul(apart, frame)) - half)
     near_plane = norm2(beyond) - reach < distance
     do axis = 1, 2

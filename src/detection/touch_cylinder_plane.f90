@@ -20,7 +20,7 @@ contains
   !!
   !! Features: 1 and 2 for the ends on the negative and the positive side of the cylinder's axis, 3 for a nearest
   !! point between them (a cylinder across an edge of the box).
-  pure subroutine touch_cylinder_plane(centre_c, axis_c, half_height_c, radius_c, centre_a, frame, half, alert, touch)
+  pure subroutine touch_cylinder_plane(centre_c, axis_c, half_height_c, radius_c, centre_a, frame, half, alert, touch, rim)
     real(wp), intent(in) :: centre_c(3) !! centre of the cylinder, the candidate [m]
     real(wp), intent(in) :: axis_c(3) !! unit vector of its axis
     real(wp), intent(in) :: half_height_c !! half length of its axis, caps not counted [m]
@@ -30,15 +30,18 @@ contains
     real(wp), intent(in) :: half(3) !! half lengths along these axes [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     type(touch_space_t), intent(out) :: touch !! at most three points
-    real(wp) :: between(3), start(3), slope(3), s(3), place(3), normal(3), distance
+    real(wp), intent(in), optional :: rim !! distance from the box that is touched as if it were its surface [m], zero unless given
+    real(wp) :: between(3), start(3), slope(3), s(3), place(3), normal(3), distance, around
     integer(i4) :: feature(3)
     integer :: i, n, side
 
+    around = 0
+    if (present(rim)) around = rim
     between = centre_c - centre_a
     do i = 3, 1, -1
       start(i) = frame(1, i)*between(1) + frame(2, i)*between(2) + frame(3, i)*between(3)
       slope(i) = frame(1, i)*axis_c(1) + frame(2, i)*axis_c(2) + frame(3, i)*axis_c(3)
-      if (abs(start(i)) - abs(slope(i))*half_height_c - (half(i) + radius_c) >= alert) return
+      if (abs(start(i)) - abs(slope(i))*half_height_c - (half(i) + (around + radius_c)) >= alert) return
     end do
     call choose_places(start, slope, half, half_height_c, radius_c, n, s, feature, side)
     do i = 1, n
@@ -49,7 +52,8 @@ contains
         normal = real(side, wp)*frame(:, 3)
         distance = real(side, wp)*place(3) - half(3)
       end if
-      call add_space_point(touch, centre_c + s(i)*axis_c - radius_c*normal, normal, distance - radius_c, alert, feature(i))
+      call add_space_point(touch, centre_c + s(i)*axis_c - radius_c*normal, normal, (distance - around) - radius_c, alert, &
+                           feature(i))
     end do
   end subroutine touch_cylinder_plane
 

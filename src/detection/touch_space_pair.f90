@@ -62,8 +62,8 @@ contains
       case (kind_sphere)
         call touch_sphere_sphere(own, radius, centre, space%sphere_radius(row), alert, touch)
       case (kind_plane)
-        call touch_sphere_plane(own, radius, centre, plane_axes(contactors, row), facing_half(contactors, row, period), &
-                                alert, touch)
+        call touch_sphere_plane(own, radius, centre, plane_axes(contactors, row), facing_core(contactors, row, period), &
+                                alert, touch, space%plane_rim(row))
       case (kind_cylinder)
         call touch_sphere_cylinder(own, radius, centre, space%cylinder_world(:, row), space%cylinder_size(1, row), &
                                    space%cylinder_size(2, row), alert, touch)
@@ -97,7 +97,7 @@ contains
       else if (contactors%kind(a) == kind_plane) then
         call touch_cylinder_plane(contactors%centre(:, c), space%cylinder_world(:, own), space%cylinder_size(1, own), &
                                   space%cylinder_size(2, own), centre, plane_axes(contactors, row), &
-                                  facing_half(contactors, row, period), alert, touch)
+                                  facing_core(contactors, row, period), alert, touch, space%plane_rim(row))
       end if
     end associate
   end subroutine touch_cylinder
@@ -110,6 +110,17 @@ contains
 
     frame = reshape(contactors%space%plane_world(:, row), [3, 3])
   end function plane_axes
+
+  !> Half axes of the box whose points within its rim spheres and cylinders meet: flat where there is a rim [m].
+  pure function facing_core(contactors, row, period) result(half)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    integer(i4), intent(in) :: row !! row in the table of planes
+    real(wp), intent(in) :: period(2) !! in x and y, zero where not periodic [m]
+    real(wp) :: half(3)
+
+    half = facing_half(contactors, row, period)
+    if (contactors%space%plane_rim(row) > 0) half(3) = 0
+  end function facing_core
 
   !> Half axes of a plane as its antagonists meet it [m].
   !!

@@ -12,7 +12,7 @@ contains
   !!
   !! Above a face the normal is exactly an axis of the box. A centre within the box leaves by the nearer of the two
   !! large faces, by the one of the third axis' positive side when it is in the middle.
-  pure subroutine touch_sphere_plane(centre_c, radius_c, centre_a, frame, half, alert, touch)
+  pure subroutine touch_sphere_plane(centre_c, radius_c, centre_a, frame, half, alert, touch, rim)
     real(wp), intent(in) :: centre_c(3) !! centre of the sphere, the candidate [m]
     real(wp), intent(in) :: radius_c !! radius of the sphere [m]
     real(wp), intent(in) :: centre_a(3) !! centre of the box, the antagonist [m]
@@ -20,16 +20,19 @@ contains
     real(wp), intent(in) :: half(3) !! half lengths along these axes [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     type(touch_space_t), intent(out) :: touch !! at most one point
-    real(wp) :: between(3), local(3), normal(3), distance
+    real(wp), intent(in), optional :: rim !! distance from the box that is touched as if it were its surface [m], zero unless given
+    real(wp) :: between(3), local(3), normal(3), distance, around
     integer :: i
 
+    around = 0
+    if (present(rim)) around = rim
     between = centre_c - centre_a
     do i = 3, 1, -1
       local(i) = frame(1, i)*between(1) + frame(2, i)*between(2) + frame(3, i)*between(3)
-      if (abs(local(i)) - (half(i) + radius_c) >= alert) return
+      if (abs(local(i)) - (half(i) + (around + radius_c)) >= alert) return
     end do
     call normal_from_box(local, frame, half, normal, distance)
-    call add_space_point(touch, centre_c - radius_c*normal, normal, distance - radius_c, alert, 0_i4)
+    call add_space_point(touch, centre_c - radius_c*normal, normal, (distance - around) - radius_c, alert, 0_i4)
   end subroutine touch_sphere_plane
 
   !> Way from a box to a point: its direction and its length, negative within the box.

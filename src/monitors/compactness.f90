@@ -93,7 +93,9 @@ contains
         corner(:, 2) = maxval(space%polyhedra(row)%world_vertex, 2)
         return
       case (kind_plane)
-        reach = matmul(abs(reshape(space%plane_world(:, row), [3, 3])), space%plane_half(:, row))
+        reach = space%plane_half(:, row)
+        if (space%plane_rim(row) > 0) reach(3) = 0
+        reach = matmul(abs(reshape(space%plane_world(:, row), [3, 3])), reach) + space%plane_rim(row)
       case (kind_cylinder)
         reach = space%cylinder_size(1, row)*abs(space%cylinder_world(:, row)) + space%cylinder_size(2, row)
       case (kind_hollow_cylinder)

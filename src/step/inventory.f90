@@ -105,6 +105,7 @@ contains
     call tables%begin('space', per_body)
     call tables%note('sphere_radius', space%sphere_radius)
     call tables%note('plane_half', space%plane_half)
+    call tables%note('plane_rim', space%plane_rim)
     call tables%note('plane_frame', space%plane_frame)
     call tables%note('plane_world', space%plane_world)
     call tables%note('cylinder_size', space%cylinder_size)

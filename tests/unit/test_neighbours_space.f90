@@ -109,7 +109,7 @@ contains
     scene%bodies%orientation(:, 1) = no_rotation
     call add_plane(scene%contactors, 1, colour, [8.0_wp, 8.0_wp, 0.1_wp], [0.0_wp, 0.0_wp, 0.0_wp], frame_of(no_rotation))
     call add_plane(scene%contactors, 2, colour, [1.5_wp, 1.0_wp, 0.3_wp], [0.2_wp, 0.1_wp, 0.0_wp], &
-                   frame_of([0.8_wp, 0.0_wp, 0.6_wp, 0.0_wp]))
+                   frame_of([0.8_wp, 0.0_wp, 0.6_wp, 0.0_wp]), has_rim=.true.)
     call add_plane(scene%contactors, 3, colour, [0.1_wp, 0.2_wp, 0.01_wp], [0.0_wp, 0.0_wp, 0.0_wp], frame_of(no_rotation))
     ! A rough wall: spheres of one body side by side, far beyond the period where there is one.
     do b = -10, 10

@@ -198,7 +198,7 @@ contains
       call add_sphere(scene%contactors, b, 1, r/2, [r/2, 0.0_wp, 0.0_wp])
       call add_sphere(scene%contactors, b, 2, r/3, [-r/2, r/4, 0.0_wp])
     case (1)
-      call add_plane(scene%contactors, b, 1, [r, r, r/5], [0.1_wp*r, 0.0_wp, 0.0_wp], frame)
+      call add_plane(scene%contactors, b, 1, [r, r, r/5], [0.1_wp*r, 0.0_wp, 0.0_wp], frame, has_rim=mod(b, 2) == 0)
     case (2)
       call add_hollow_cylinder(scene%contactors, b, 1, 4*r, 3*r, [0.0_wp, 0.0_wp, 0.0_wp], axis)
     case (3)

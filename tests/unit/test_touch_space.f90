@@ -80,7 +80,31 @@ contains
     call check_point(touch, 1, ez, [2.99_wp, 0.0_wp, -0.2_wp], -0.6_wp, 'centre in the middle of the floor')
     call touch_sphere_plane([3.4_wp, 2.4_wp, 0.4_wp], 0.5_wp, zero, upright, floor_half, 0.05_wp, touch)
     call t%equal(touch%n, 0, 'sphere near three faces but far from the corner')
+    call test_rim()
   end subroutine test_sphere_plane
+
+  !> A rectangle with a rounded rim: its face is that of the box, beyond it everything within the radius of the rim is touched.
+  subroutine test_rim()
+    real(wp), parameter :: flat(3) = [3.0_wp, 2.0_wp, 0.0_wp], rim = 0.1_wp
+    type(touch_space_t) :: touch
+
+    call touch_sphere_plane([1.0_wp, -1.0_wp, 0.5_wp], 0.5_wp, zero, upright, flat, 0.05_wp, touch, rim)
+    call check_point(touch, 1, ez, [1.0_wp, -1.0_wp, 0.05_wp], -0.1_wp, 'sphere on a plate')
+    call touch_sphere_plane([3.3_wp, 0.0_wp, 0.4_wp], 0.3_wp, zero, upright, flat, 0.2_wp, touch, rim)
+    call check_point(touch, 1, [0.6_wp, 0.0_wp, 0.8_wp], [3.09_wp, 0.0_wp, 0.12_wp], 0.1_wp, 'sphere at a rim')
+    call touch_sphere_plane([-3.2_wp, 2.3_wp, -0.6_wp], 0.6_wp, zero, upright, flat, 0.05_wp, touch, rim)
+    call check_point(touch, 1, [-2.0_wp, 3.0_wp, -6.0_wp]/7, [-3.0_wp, 2.0_wp, 0.0_wp] + [-0.2_wp, 0.3_wp, -0.6_wp]/7, 0.0_wp, &
+                     'sphere at the corner of a rim')
+    call touch_sphere_plane([3.7_wp, 0.0_wp, 0.0_wp], 0.5_wp, zero, upright, flat, 0.05_wp, touch, rim)
+    call t%equal(touch%n, 0, 'sphere beside a rim, beyond the alert distance')
+    call touch_cylinder_plane([3.3_wp, 0.0_wp, 0.4_wp], ey, 1.0_wp, 0.3_wp, zero, upright, flat, 0.2_wp, touch, rim)
+    call t%equal(touch%n, 2, 'ends of a cylinder along a rim')
+    call check_point(touch, 1, [0.6_wp, 0.0_wp, 0.8_wp], [3.09_wp, -1.0_wp, 0.12_wp], 0.1_wp, 'first end of a cylinder along a rim')
+    call check_point(touch, 2, [0.6_wp, 0.0_wp, 0.8_wp], [3.09_wp, 1.0_wp, 0.12_wp], 0.1_wp, 'other end of a cylinder along a rim')
+    call touch_cylinder_plane([0.0_wp, 0.0_wp, 0.5_wp], ex, 1.0_wp, 0.45_wp, zero, upright, flat, 0.1_wp, touch, rim)
+    call t%equal(touch%n, 2, 'ends of a cylinder on a plate')
+    call check_point(touch, 1, ez, [-1.0_wp, 0.0_wp, 0.075_wp], -0.05_wp, 'a cylinder on a plate')
+  end subroutine test_rim
 
   subroutine test_sphere_cylinder()
     type(touch_space_t) :: touch
