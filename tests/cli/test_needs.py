@@ -59,7 +59,7 @@ history.contactor history.image history.first history.feature history.impulse hi
 problem.pair problem.record problem.impulse problem.body
 order.contact order.chosen order.groups_of visits.closing visits.is_wanted visits.is_visited"""
 PLANE = "contactors.wall_size contactors.wall_axis"
-SPACE = "bodies.crossings_y space.plane_half space.plane_frame space.plane_world pairs.image_y contacts.image_y"
+SPACE = "bodies.crossings_y space.plane_half space.plane_rim space.plane_frame space.plane_world pairs.image_y contacts.image_y"
 POLYGONS = "contactors.polygon_first contactors.polygon_vertex contactors.polygon_world"
 ONE_BY_ONE = "order.pair order.record order.impulse"
 BALL_LANES = "order.group_size order.lane_pair order.lane_record order.lane_impulse"
