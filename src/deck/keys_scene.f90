@@ -34,6 +34,8 @@ contains
                    unit='m', default='0.0', least=0.0_wp)
     call table%add('period_y', value_real, 'Length of the period in y; 0 for none.', unit='m', default='0.0', least=0.0_wp, &
                    dimension=in_space)
+    call table%add('shrink_faces', value_real, 'Share by which the contact points of a face on a face are moved to '// &
+                   'their middle, between polygons and between polyhedra.', default='0.0', least=0.0_wp, most=1.0_wp)
   end subroutine add_scene_keys
 
   !> Sections material, law and interaction.

@@ -42,6 +42,7 @@ contains
     scene%dimension = deck%dimension
     scene%period = deck%number(b, 'period_x')
     if (scene%dimension == 3) scene%period_y = deck%number(b, 'period_y')
+    scene%shrink = deck%number(b, 'shrink_faces')
     if (deck%is_given(b, 'datbox')) then
       call scene_from_datbox(deck, b, scene, diagnostics)
       return
@@ -94,6 +95,7 @@ contains
     deck%absent = share%census
     scene%period = period(1)
     scene%period_y = period(2)
+    scene%shrink = deck%number(block, 'shrink_faces')
     if (diagnostics%count() > 0) return
     if (scene%bodies%dimension /= deck%dimension) then
       call deck%complain(diagnostics, 'the bodies of the folder have '//to_text(scene%bodies%dimension)//' dimensions, not '// &

@@ -1,6 +1,7 @@
 !> Detection: from the configuration of a step to its contacts, with the impulses of the last step as a guess.
 module sg_detect
-  use sg_contactors, only: contactors_t, kind_hollow, kind_hollow_cylinder, kind_plane, kind_sphere, kind_wall, place_contactors
+  use sg_contactors, only: contactors_t, kind_hollow, kind_hollow_cylinder, kind_plane, kind_polygon, kind_polyhedron, &
+                           kind_sphere, kind_wall, place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_hand_over, only: hand_over
   use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, past_pair, recall, unwrap_images
@@ -10,6 +11,7 @@ module sg_detect
   use sg_link_laws, only: holds_across, pulls_only
   use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
   use sg_scene, only: scene_t
+  use sg_shrink_face, only: shrink_face
   use sg_touch, only: touch_t
   use sg_touch_link, only: touch_link
   use sg_touch_pair, only: touch_pair
@@ -98,6 +100,10 @@ contains
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert)
       if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
       call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), alert, touch, scene%period)
+      if (scene%shrink > 0) then
+        if (all(scene%contactors%kind([c, a]) == kind_polygon)) &
+          call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
+      end if
     end associate
     if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
     law = int(scene%sees(pairs%see(p))%law, i4)
@@ -133,6 +139,10 @@ contains
                                  contactors%reach(a), alert, touch)
       else
         call touch_space_pair(contactors, c, a, offset, alert, [scene%period, scene%period_y], touch)
+        if (scene%shrink > 0) then
+          if (all(contactors%kind([c, a]) == kind_polyhedron)) &
+            call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
+        end if
       end if
     end associate
     if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)

@@ -176,6 +176,7 @@ contains
     local%gravity = template%gravity
     local%period = template%period
     local%period_y = template%period_y
+    local%shrink = template%shrink
     local%links = template%links
     local%start_time = template%start_time
     local%start_step = template%start_step

@@ -79,6 +79,8 @@ module sg_scene
     real(wp) :: gravity(3) = 0
     !> Length of the period in x, and in space in y [m]; zero when not periodic
     real(wp) :: period = 0, period_y = 0
+    !> Share by which contact points of a face are moved to its middle, for two polygons and two polyhedra
+    real(wp) :: shrink = 0
     !> Time [s] and step number at the start
     real(wp) :: start_time = 0
     integer(i4) :: start_step = 0
