@@ -339,7 +339,9 @@ contains
       if (size(diagnostics%warnings) >= most_mistakes) return
     end if
     call place_of(self, block, name, line, column, is_setting)
-    if (line > 0) then
+    if (is_setting) then
+      call diagnostics%warn(message, file='--set', kind=kind)
+    else if (line > 0) then
       call diagnostics%warn(message, file=self%file, line=line, column=column, text=line_of(self%content, line), kind=kind)
     else
       call diagnostics%warn(message, file=self%file, kind=kind)

@@ -116,6 +116,11 @@ contains
     type(key_t), intent(in) :: key !! line of the key table
 
     applies = key%dimension == in_both .or. key%dimension == deck%dimension
-    if (applies .and. key%selector /= '') applies = is_choice(deck%word(block, trim(key%selector)), trim(key%only))
+    if (.not. applies .or. key%selector == '') return
+    if (key%only == '') then
+      applies = deck%is_given(block, trim(key%selector))
+    else
+      applies = is_choice(deck%word(block, trim(key%selector)), trim(key%only))
+    end if
   end function applies
 end module sg_check_blocks

@@ -270,7 +270,7 @@ contains
       return
     end if
     mistakes = diagnostics%count()
-    call read_evolution_file(trim(folder)//'/'//name_field(file, 25, 40), value, fault, diagnostics)
+    call read_evolution_file(trim(folder)//'/'//name_field(file, 25, 40), .false., value, fault, diagnostics)
     if (fault /= '') call complain(file, fault, 25, diagnostics)
     value%goes_on = .true.
     ok = diagnostics%count() == mistakes

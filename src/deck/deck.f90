@@ -12,6 +12,7 @@ module sg_deck
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_scene_from_deck, only: scene_from_deck
+  use sg_sense_checks, only: check_sense
   use sg_settings, only: apply_settings
   use sg_text, only: text_t
   use sg_toml, only: document_t, parse_toml, read_content, toml_table
@@ -81,6 +82,7 @@ contains
     call apply_settings(settings, deck, diagnostics)
     call dimension_from_deck(deck)
     call check_blocks(deck, diagnostics)
+    if (diagnostics%count() == 0) call check_sense(deck, diagnostics)
     if (diagnostics%count() > 1) call sort_by_line(diagnostics%errors)
   end subroutine read_blocks
 

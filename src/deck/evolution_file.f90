@@ -9,6 +9,9 @@ module sg_evolution_file
   private
   public :: read_evolution_file
 
+  !> Longest line shown with a mistake
+  integer, parameter :: longest_shown = 120
+
 contains
 
   !> Read a table of growing times and values; blank lines and lines that begin with # or ! are passed over.
@@ -16,8 +19,9 @@ contains
   !!
   !! What is wrong inside the file is told at its line. What is wrong with the file as a whole is left to the caller,
   !! who knows where it was named.
-  subroutine read_evolution_file(path, value, fault, diagnostics)
+  subroutine read_evolution_file(path, has_two_columns, value, fault, diagnostics)
     character(len=*), intent(in) :: path !! the file
+    logical, intent(in) :: has_two_columns !! is a third number on a line a mistake? LMGC90 passes over it
     type(time_function_t), intent(inout) :: value !! its table is set
     character(len=:), allocatable, intent(out) :: fault !! empty, or what is wrong with the file as a whole
     type(diagnostics_t), intent(inout) :: diagnostics !! takes what is wrong inside
@@ -38,9 +42,9 @@ contains
       first = adjustl(lines(i)%s)
       if (first == '') cycle
       if (index('#!', first(1:1)) > 0) cycle
-      call add_row(lines(i)%s, value, n, mistake)
+      call add_row(lines(i)%s, has_two_columns, value, n, mistake)
       if (mistake == '') cycle
-      call diagnostics%add(mistake, file=path, line=i, column=1, text=lines(i)%s)
+      call complain(path, i, lines(i)%s, mistake, diagnostics)
       deallocate (value%times, value%values)
       return
     end do
@@ -51,16 +55,36 @@ contains
     deallocate (value%times, value%values)
   end subroutine read_evolution_file
 
+  !> Report a mistake in a line, which is shown where it holds numbers alone: a path may lead to a file that is no table, and whose
+  !! content must not get into logs.
+  subroutine complain(path, number, line, mistake, diagnostics)
+    character(len=*), intent(in) :: path, line, mistake
+    integer, intent(in) :: number
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    if (verify(line, '0123456789+-.eEdD, '//achar(9)) == 0 .and. len(line) <= longest_shown) then
+      call diagnostics%add(mistake, file=path, line=number, column=1, text=line)
+    else
+      call diagnostics%add(mistake, file=path, line=number, column=1)
+    end if
+  end subroutine complain
+
   !> Add one row to the table, or say what is wrong with it.
-  subroutine add_row(line, value, n, mistake)
+  subroutine add_row(line, has_two_columns, value, n, mistake)
     character(len=*), intent(in) :: line
+    logical, intent(in) :: has_two_columns
     type(time_function_t), intent(inout) :: value
     integer, intent(inout) :: n
     character(len=:), allocatable, intent(out) :: mistake
-    real(wp) :: row(2)
-    logical :: is_row
+    real(wp) :: row(2), more(3)
+    logical :: is_row, has_more
 
     mistake = ''
+    call free_numbers(line, more, has_more)
+    if (has_more .and. has_two_columns) then
+      mistake = 'a third number stands here: a table has two columns, time and value'
+      return
+    end if
     call free_numbers(line, row, is_row)
     if (.not. is_row) then
       mistake = 'a time and a value should stand here'

@@ -35,6 +35,9 @@ module sg_key_table
   !> Where a key or a section has a meaning: in scenes of both dimensions, of two, of three
   integer, parameter :: in_both = 0, in_plane = 2, in_space = 3
 
+  !> Angles beyond a full turn are hardly meant [rad]; rounded up, for those who write 6.3
+  real(wp), parameter :: full_turn = 6.3_wp
+
   !> One key of the table
   type :: key_t
     !> Section and name
@@ -57,9 +60,17 @@ module sg_key_table
     character(len=72) :: why_highest = ''
     !> Words to choose from, with a bar between two; where `space_choices` is not empty, `choices` are those of the plane
     character(len=400) :: choices = '', space_choices = ''
-    !> When it applies: another key of the section, empty for always, and its words for which it does
+    !> When it applies: another key of the section, empty for always, and its words for which it does; without words the other key
+    !! must be given
     character(len=24) :: selector = ''
     character(len=400) :: only = ''
+    !> When it has an effect: another key of the section, empty for always, and its words for which it has. Else it is ignored,
+    !! with a warning
+    character(len=24) :: switch = ''
+    character(len=48) :: used_for = ''
+    !> Size above which a number is probably a mistake, and a hint at what was meant
+    real(wp) :: usual = huge(1.0_wp)
+    character(len=100) :: hint = ''
     !> What it is, one sentence
     character(len=280) :: sentence = ''
   end type key_t
@@ -114,7 +125,7 @@ contains
 
   !> Add a key to the section opened last.
   subroutine add(self, name, kind, sentence, unit, default, is_required, least, above, most, choices, only, space_default, &
-                 space_choices, dimension, twin, why_most)
+                 space_choices, dimension, twin, why_most, used_for, usual, hint)
     class(key_table_t), intent(inout) :: self
     character(len=*), intent(in) :: name !! name of the key
     integer, intent(in) :: kind !! kind of value
@@ -126,14 +137,16 @@ contains
     real(wp), intent(in), optional :: above !! numbers must be larger than this
     real(wp), intent(in), optional :: most !! largest number allowed
     character(len=*), intent(in), optional :: choices !! words to choose from
-    character(len=*), intent(in), optional :: only !! when it applies, `key=word|word`
+    character(len=*), intent(in), optional :: only !! when it applies, `key=word|word`, or `key` that must be given
     character(len=*), intent(in), optional :: space_default !! default in space, where it is another
     character(len=*), intent(in), optional :: space_choices !! words to choose from in space, where they are others
     integer, intent(in), optional :: dimension !! where it has a meaning, one of `in_*`
     character(len=*), intent(in), optional :: twin !! key to use in its place in the other dimension
     character(len=*), intent(in), optional :: why_most !! why larger numbers are refused
+    character(len=*), intent(in), optional :: used_for !! when it is looked at, `key=word|word`
+    real(wp), intent(in), optional :: usual !! size above which a number is probably a mistake
+    character(len=*), intent(in), optional :: hint !! what was probably meant then
     type(key_t) :: key
-    integer :: cut
 
     associate (section => self%sections(size(self%sections)))
       key%section = section%name
@@ -155,11 +168,14 @@ contains
     if (present(space_choices)) call put(key%space_choices, space_choices)
     if (present(dimension)) key%dimension = dimension
     if (present(twin)) call put(key%twin, twin)
-    if (present(only)) then
-      cut = index(only, '=')
-      call put(key%selector, only(:cut - 1))
-      call put(key%only, only(cut + 1:))
+    if (present(only)) call put_condition(only, key%selector, key%only)
+    if (present(used_for)) call put_condition(used_for, key%switch, key%used_for)
+    if (key%unit == 'rad') then
+      key%usual = full_turn
+      key%hint = 'angles are in radians: 45 degrees are 0.785'
     end if
+    if (present(usual)) key%usual = usual
+    if (present(hint)) call put(key%hint, hint)
     self%keys = [self%keys, key]
   end subroutine add
 
@@ -173,6 +189,17 @@ contains
     if (dimension == 3) words = trim(space_names(kind))
     if (dimension == 0 .and. plane_names(kind) /= space_names(kind)) words = words//', in space '//trim(space_names(kind))
   end function value_name
+
+  !> A condition, `key=word|word` or `key`, as the key and its words.
+  subroutine put_condition(condition, name, words)
+    character(len=*), intent(in) :: condition
+    character(len=*), intent(out) :: name, words
+    integer :: cut
+
+    cut = index(condition//'=', '=')
+    call put(name, condition(:cut - 1))
+    call put(words, condition(min(len(condition), cut) + 1:))
+  end subroutine put_condition
 
   !> Fill a text of the table. One that does not fit is a mistake in keys_*.f90, which the first deck brings to light.
   subroutine put(field, text)

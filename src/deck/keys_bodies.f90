@@ -122,8 +122,9 @@ contains
     call table%add('velocity', value_vector, 'Constant velocity of the wall.', unit='m/s', default='[0.0, 0.0]', &
                    space_default='[0.0, 0.0, 0.0]')
     call table%add('pressure', value_real, 'Pressure on the wall, which then moves along the direction alone.', unit='Pa')
-    call table%add('direction', value_vector, 'Direction of the pressure: along x or along y, in space also along z.')
+    call table%add('direction', value_vector, 'Direction of the pressure: along x or along y, in space also along z.', &
+                   only='pressure')
     call table%add('between', value_bodies, 'Two walls whose free distance is the pressed length; default: the length of '// &
-                   'the axis.', dimension=in_plane)
+                   'the axis.', dimension=in_plane, only='pressure')
   end subroutine add_walls
 end module sg_keys_bodies

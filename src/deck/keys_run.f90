@@ -38,6 +38,7 @@ contains
   subroutine add_solver(table)
     type(key_table_t), intent(inout) :: table
     type(run_options_t) :: run
+    character(len=*), parameter :: sweeps = 'method=nlgs'
 
     associate (default => run%solver)
       call table%open_section('solver', 'How the contact problem of a step is solved, and when it counts as solved.')
@@ -49,23 +50,25 @@ contains
                      'qm16).', &
                      default=quoted(criterion_names(default%criterion)), choices=choices_of(criterion_names))
       call table%add('tolerance', value_real, 'Value of the criterion at which the solver stops.', &
-                     default=short_real(default%tolerance), above=0.0_wp)
+                     default=short_real(default%tolerance), above=0.0_wp, most=1.0_wp)
       call table%add('check_every', value_integer, 'Sweeps between two tests of the criterion.', &
-                     default=to_text(default%check_every), least=1.0_wp)
+                     default=to_text(default%check_every), least=1.0_wp, used_for=sweeps)
       call table%add('maximum_sweeps', value_integer, 'Sweeps after which the solver gives up on a step.', &
                      default=to_text(default%maximum_sweeps), least=1.0_wp)
       call table%add('relaxation', value_real, 'Share of each new impulse that is taken; 1 is plain Gauss-Seidel.', &
-                     default=short_real(default%relaxation), above=0.0_wp, most=2.0_wp)
+                     default=short_real(default%relaxation), above=0.0_wp, most=2.0_wp, used_for=sweeps)
       call table%add('warm_start', value_logical, 'Start from the impulses of the last step.', &
                      default=true_or_false(default%warm_start))
       call table%add('leave_solved', value_logical, 'In long solves, leave out clusters of contacts that are solved and touch '// &
-                     'no other; not on several ranks.', default=true_or_false(default%leave_solved))
+                     'no other; not on several ranks.', default=true_or_false(default%leave_solved), used_for=sweeps)
       call table%add('order', value_choice, 'Order of the sweep: natural (spatial), coloured groups that overlap, '// &
                      'coloured blocks of such groups, which threads can share, or shuffled (random, slower, for studies of '// &
-                     'what order does).', default=quoted(default%order), choices='natural|groups|coloured|shuffled')
-      call table%add('order_seed', value_integer, 'Seed of the shuffled order.', default=to_text(default%order_seed))
+                     'what order does).', default=quoted(default%order), choices='natural|groups|coloured|shuffled', &
+                     used_for=sweeps)
+      call table%add('order_seed', value_integer, 'Seed of the shuffled order.', default=to_text(default%order_seed), &
+                     used_for='order=shuffled')
       call table%add('threads', value_integer, 'Threads that share the sweeps of each rank, in coloured order; any number '// &
-                     'of them gives the same answer.', default=to_text(default%threads), least=1.0_wp)
+                     'of them gives the same answer.', default=to_text(default%threads), least=1.0_wp, used_for=sweeps)
       call table%add('stop_unconverged', value_logical, 'End the run when a step does not converge.', &
                      default=true_or_false(default%stop_unconverged))
     end associate
@@ -82,16 +85,17 @@ contains
       call table%add('split', value_choice, 'How grains are dealt to ranks: boxes of equal load, or METIS on the graph of '// &
                      'contacts.', default=quoted(default%split), choices=choices_of(split_names))
       call table%add('boxes', value_counts, 'Boxes along x, y and z, as many together as ranks; 0, or none given, where the '// &
-                     'program chooses.', least=0.0_wp, most=1e6_wp)
+                     'program chooses.', least=0.0_wp, most=1e6_wp, used_for='split=boxes')
       call table%add('gluing', value_choice, 'How parts are glued: shared grains brought to one velocity (dual), contacts '// &
                      'between parts solved as a part of their own (primal), or contacts dealt to ranks that exchange the '// &
                      'momentum of shared grains (contacts).', default=quoted(default%gluing), choices=choices_of(gluing_names))
       call table%add('sweeps', value_counts, 'Sweeps of a part between two gluings: one number for all parts, or one for each.', &
                      default='1', least=1.0_wp)
       call table%add('interface_sweeps', value_integer, 'Sweeps over the contacts between parts at each gluing; primal alone.', &
-                     default=to_text(default%interface_sweeps), least=1.0_wp)
+                     default=to_text(default%interface_sweeps), least=1.0_wp, used_for='gluing='//trim(gluing_names(2)))
       call table%add('relaxation', value_real, 'Share of each new impulse that contacts of shared grains take; contacts alone.', &
-                     default=short_real(default%relaxation), above=0.0_wp, most=1.0_wp)
+                     default=short_real(default%relaxation), above=0.0_wp, most=1.0_wp, &
+                     used_for='gluing='//trim(gluing_names(3)))
       call table%add('every', value_integer, 'Steps after which grains are dealt anew; 0 for never, unless the imbalance asks '// &
                      'for it.', default=to_text(default%every), least=0.0_wp)
       call table%add('imbalance', value_real, 'Largest load of a rank over the mean one from which grains are dealt anew.', &
@@ -123,20 +127,21 @@ contains
                    'step: nothing, warn once (where theta is 0.5), or stop with exit code 6.', &
                    default=quoted(trim(default%guard%energy)), choices=choices_of(energy_guards))
     call table%add('energy_tolerance', value_real, 'Error of the balance over its largest term above which it counts as open.', &
-                   default=short_real(default%guard%energy_tolerance), above=0.0_wp)
+                   default=short_real(default%guard%energy_tolerance), above=0.0_wp, used_for='energy=warn|stop')
     call table%open_section('report', 'What is worked out of a run beside its record.')
     call table%add('spectrum', value_logical, 'Sample energy and momentum of the grains and wall forces at every step and '// &
                    'write their power spectra, spectrum.csv, at the end; needs FFTW.', default=true_or_false(default%has_spectrum))
     call table%add('structure', value_logical, 'Write the structure of the packing at the end: radial distribution g(r) and '// &
                    'structure factor S(k) of the centres of grains; needs FFTW.', default=true_or_false(default%has_structure))
     call table%add('structure_every', value_integer, 'Steps between two such structures; 0 for the end alone.', &
-                   default=to_text(default%structure_every), least=0.0_wp)
+                   default=to_text(default%structure_every), least=0.0_wp, used_for='structure=true')
     call table%add('structure_box', value_box, 'Count but the grains of this box: [x least, y least, x most, y most], in space '// &
                    '[x least, y least, z least, x most, y most, z most]. Without it all '// &
-                   'of them.', unit='m')
+                   'of them.', unit='m', used_for='structure=true')
     call table%add('trace', value_logical, 'Follow errors against CPU time within some steps, and end with a table of errors '// &
                    'reached and CPU time by phase: trace.csv, trace_steps.csv.', default=true_or_false(default%has_trace))
-    call table%add('trace_steps', value_counts, 'Steps to trace; some spread over the run where none are given.', least=1.0_wp)
+    call table%add('trace_steps', value_counts, 'Steps to trace; some spread over the run where none are given.', least=1.0_wp, &
+                   used_for='trace=true')
   end subroutine add_output
 
   !> A word as TOML string.

@@ -41,6 +41,8 @@ contains
   !> Sections material, law and interaction.
   subroutine add_law_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
+    character(len=*), parameter :: no_angle = 'it is no angle: the coefficient of 30 degrees is 0.577'
+    real(wp), parameter :: usual_friction = 10.0_wp
     character(len=*), parameter :: cohesive = 'kind=IQS_WET_DS_CLB|IQS_MOHR_DS_CLB'
     character(len=*), parameter :: rubbing = &
       'kind=IQS_CLB|GAP_SGR_CLB|VEL_SGR_CLB|RST_CLB|IQS_WET_DS_CLB|IQS_MOHR_DS_CLB|IQS_CLB_g0|GAP_SGR_CLB_g0|'// &
@@ -60,11 +62,14 @@ contains
                    'contacts within the alert distance then.', &
                    default='"IQS_CLB"', choices=choices_of(law_kinds))
     call table%add('friction', value_real, 'Coulomb friction coefficient.', default='0.0', least=0.0_wp, &
-                   most=largest_friction, why_most=why_largest_friction, only=rubbing//'|'//elastic)
+                   only=rubbing//'|'//elastic, usual=usual_friction, hint=no_angle, &
+                   most=largest_friction, why_most=why_largest_friction)
     call table%add('static_friction', value_real, 'Friction coefficient while sticking; default: friction.', &
-                   least=0.0_wp, most=largest_friction, why_most=why_largest_friction, only=rubbing)
+                   least=0.0_wp, only=rubbing, usual=usual_friction, hint=no_angle, &
+                   most=largest_friction, why_most=why_largest_friction)
     call table%add('dynamic_friction', value_real, 'Friction coefficient while sliding; default: friction.', &
-                   least=0.0_wp, most=largest_friction, why_most=why_largest_friction, only=rubbing)
+                   least=0.0_wp, only=rubbing, usual=usual_friction, hint=no_angle, &
+                   most=largest_friction, why_most=why_largest_friction)
     call table%add('normal_restitution', value_real, 'Newton restitution along the normal.', default='0.0', &
                    least=0.0_wp, most=1.0_wp, only='kind=RST_CLB')
     call table%add('tangential_restitution', value_real, 'Newton restitution along the tangent.', default='0.0', least=0.0_wp, &

@@ -79,7 +79,12 @@ contains
     case ('f')
       call read_face(text, state, mesh, at, error)
     case default
-      call fail_at(text, '"'//word//'" is no statement of an OBJ file', error)
+      ! What begins without a vertex is some other file, whose content must not get into logs.
+      if (state%n_vertices == 0) then
+        call fail(error, 'this is no OBJ file: a line before its first vertex is no statement of one', file=text%path)
+      else
+        call fail_at(text, '"'//word//'" is no statement of an OBJ file', error)
+      end if
     end select
   end subroutine read_statement
 

@@ -103,7 +103,13 @@ contains
     character(len=:), allocatable :: words
 
     words = ''
-    if (key%selector /= '') words = ' Only for '//trim(key%selector)//' '//code_words(trim(key%only), ', ')//'.'
+    if (key%only /= '') then
+      words = ' Only for '//trim(key%selector)//' '//code_words(trim(key%only), ', ')//'.'
+    else if (key%selector /= '') then
+      words = ' Only with `'//trim(key%selector)//'`.'
+    end if
+    if (key%switch /= '') words = words//' Ignored unless '//trim(key%switch)//' is '// &
+                                  code_words(trim(key%used_for), ' or ')//'.'
     if (key%dimension == in_plane) words = words//' Only in the plane.'
     if (key%dimension == in_space) words = words//' Only in space.'
   end function when_it_applies

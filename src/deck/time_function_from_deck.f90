@@ -5,6 +5,7 @@ module sg_time_function_from_deck
   use sg_evolution_file, only: read_evolution_file
   use sg_kinds, only: wp, pi
   use sg_time_functions, only: time_function_t
+  use sg_words, only: short_real
   implicit none
   private
   public :: read_time_function, path_in_deck
@@ -50,7 +51,10 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics
     character(len=:), allocatable :: fault
 
-    call read_evolution_file(path_in_deck(deck, deck%word(b, 'file')), value, fault, diagnostics)
+    call read_evolution_file(path_in_deck(deck, deck%word(b, 'file')), .true., value, fault, diagnostics)
     if (fault /= '') call deck%complain(diagnostics, fault, b, 'file')
+    if (.not. allocated(value%times)) return
+    if (value%times(1) > 0) call deck%warn(diagnostics, 'the table begins at '//short_real(value%times(1))// &
+                                           ' s: its first value holds from the start', b, 'file')
   end subroutine read_table
 end module sg_time_function_from_deck

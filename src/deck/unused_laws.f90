@@ -36,6 +36,9 @@ contains
     laws = blocks_of(deck, 'law')
     do i = 1, size(laws)
       if (any(scene%sees%law == i)) cycle
+      if (scene%links%n > 0) then
+        if (any(scene%links%law(:scene%links%n) == i)) cycle
+      end if
       call deck%warn(diagnostics, 'no interaction names this law: it is not used', laws(i), kind='unused law')
     end do
     do i = 1, size(uses%alone, 2)

@@ -15,6 +15,9 @@ class Key:
         """Does it apply in a scene and to a block?"""
         if "Only in space" in self.meaning and dimension == 2 or "Only in the plane" in self.meaning and dimension == 3:
             return False
+        given = re.search(r"Only with `(\w+)`", self.meaning)
+        if given and given[1] not in block:
+            return False
         only = re.search(r"Only for (\w+) ((?:`[^`]*`(?:, )?)+)", self.meaning)
         return not only or block.get(only[1], '""').strip('"') in re.findall(r"`([^`]*)`", only[2])
 
