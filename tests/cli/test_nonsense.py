@@ -161,11 +161,10 @@ class Nonsense(ProgramCase):
     def test_effective_decks_get_no_warning(self):
         for dimension in (2, 3):
             (self.place / "deck.toml").write_text(base(dimension))
-            self.run_program("run", "deck.toml", "--quiet", "--set", "time.steps=0", "--set", "solver.maximum_sweeps=10")
-            self.assertEqual(self.run_program("check", "deck.results/effective.toml").stderr, "")
-            self.run_program("run", "deck.toml", "--quiet", "--set", "time.steps=0", "--set", "solver.method=accelerated",
-                             "--output", "other")
-            self.assertEqual(self.run_program("check", "other/effective.toml").stderr, "")
+            for setting in ("solver.maximum_sweeps=10", "solver.method=accelerated"):
+                output = f"{dimension} {setting}"
+                self.run_program("run", "deck.toml", "--quiet", "--set", "time.steps=0", "--set", setting, "--output", output)
+                self.assertEqual(self.run_program("check", f"{output}/effective.toml").stderr, "")
 
 
 if __name__ == "__main__":
