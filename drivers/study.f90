@@ -18,12 +18,13 @@ module sg_study
     'sys.exit(sys.version_info < (3, 11) or not all(map(find, ("splitgrain_postpro", "h5py", "matplotlib", "numpy"))))'
   character(len=*), parameter :: go_on = 'from splitgrain_postpro.cli import main; sys.exit(main(sys.argv[3:]))'
 
-  !> The shell finds a fit Python and becomes it; $0 is this program.
+  !> The shell finds a fit Python and becomes it; $0 is this program. Python (3.11 or later) must not import what lies in the
+  !! current folder: -P.
   character(len=*), parameter :: script = &
     'source=$1; shift; program=$(command -v -- "$0"); for python in python3 /usr/bin/python3; do '// &
-    '"$python" -c '''//look_for_package//is_fit//''' "$program" "$source" 2>/dev/null || continue; '// &
+    '"$python" -P -c '''//look_for_package//is_fit//''' "$program" "$source" 2>/dev/null || continue; '// &
     'export SPLITGRAIN_PROGRAM="${SPLITGRAIN_PROGRAM:-$program}"; '// &
-    'exec "$python" -c '''//look_for_package//go_on//''' "$program" "$source" study "$@"; done; '// &
+    'exec "$python" -P -c '''//look_for_package//go_on//''' "$program" "$source" study "$@"; done; '// &
     'echo "error: a study needs Python 3.11 or later with h5py, matplotlib, numpy and splitgrain_postpro (the folder postpro '// &
     'of the source), and none was found" >&2; exit 1'
 

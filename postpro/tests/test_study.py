@@ -1,9 +1,11 @@
 """Studies: their files, their numbers by hand, and whole studies through the real program where SPLITGRAIN_PROGRAM names one."""
 
 import csv
+import io
 import json
 import math
 import os
+import random
 import re
 import shutil
 import signal
@@ -16,6 +18,7 @@ import pytest
 
 from splitgrain_postpro.cli import main
 from splitgrain_postpro.errors import StudyError
+from splitgrain_postpro.study.csv_text import csv_text
 from splitgrain_postpro.study.description import read_study
 from splitgrain_postpro.study.expressions import evaluate
 from splitgrain_postpro.study.jobs import jobs_of
@@ -138,10 +141,46 @@ def test_expressions(text, value):
 
 
 @pytest.mark.parametrize("text", ["y", "1 / 0", "sqrt(-1)", "open('x')", "x.real", "__import__('os')", "1 +", "[1]", "'a'", "sqrt(1, 2)",
-                                  "9.0**9999", "1j * x"])  # fmt: skip
+                                  "9.0**9999", "1j * x", "9**9**9**9", "-9**99999", "(-8) ** 0.5", "1" * 3000, "(" * 300, "-" * 1500 + "1",
+                                  "x * (" * 90 + "x" + ")" * 90 + "+", "2**x**x**x**x**x", "\0"])  # fmt: skip
 def test_expressions_that_are_none(text):
     with pytest.raises(ValueError):
         evaluate(text, {"x": 3.0})
+
+
+def test_random_expressions_end_soon():
+    """Any expression has a value or a ValueError, within a time that does not depend on its numbers."""
+    rng = random.Random(14)
+
+    def expression(depth):
+        if depth == 0 or rng.random() < 0.2:
+            return rng.choice(["x", "9", "99999999", "1e300", "0", "-1", "0.5", "pi", "9" * 400])
+        way = rng.randrange(4)
+        if way == 0:
+            return f"({expression(depth - 1)})**({expression(depth - 1)})"
+        if way == 1:
+            return f"{rng.choice(['exp', 'floor', 'sqrt', 'abs', 'log', 'ceil'])}({expression(depth - 1)})"
+        if way == 2:
+            return f"({expression(depth - 1)} if {expression(depth - 1)} < {expression(depth - 1)} else {expression(depth - 1)})"
+        return f"({expression(depth - 1)} {rng.choice(['+', '-', '*', '/', '%', '**'])} {expression(depth - 1)})"
+
+    values = 0
+    began = time.process_time()
+    for _ in range(500):
+        try:
+            values += isinstance(evaluate(expression(5), {"x": 3.0}), float)
+        except ValueError:
+            pass
+    assert values > 50
+    # 500 expressions of some ten operations: well below a second, where a single power of integers may take for ever.
+    assert time.process_time() - began < 5
+
+
+def test_cells_are_no_formulas():
+    rows = [["name", "value"], ["=1+1", -1.5], ["@x", 2], ["-cmd|' /C calc'!A0", None], ["+a", float("nan")], ["plain, text", True], ["\ttab", ""]]
+    cells = list(csv.reader(io.StringIO(csv_text(rows))))
+    assert [row[0] for row in cells] == ["name", "'=1+1", "'@x", "'-cmd|' /C calc'!A0", "'+a", "plain, text", "'\ttab"]
+    assert [row[1] for row in cells] == ["value", "-1.5", "2", "", "nan", "True", ""]
 
 
 @pytest.mark.parametrize("old, new, line, sentence", [

@@ -161,15 +161,16 @@ contains
     end do
   end function trace_rows
 
-  !> A text as a field of a CSV file.
+  !> A text as a field of a CSV file; one that begins like a formula of a spreadsheet gets an apostrophe before it.
   pure function csv_field(text) result(field)
     character(len=*), intent(in) :: text
     character(len=:), allocatable :: field
     integer :: i
 
     field = text
+    if (scan(text(:min(1, len(text))), '=+-@'//achar(9)//achar(13)) > 0) field = "'"//text
     if (scan(text, ',"'//new_line('a')) == 0) return
-    field = '"'
+    field = '"'//field(:len(field) - len(text))
     do i = 1, len(text)
       field = field//text(i:i)
       if (text(i:i) == '"') field = field//'"'

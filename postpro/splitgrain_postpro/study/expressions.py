@@ -1,4 +1,7 @@
-"""Closed forms in study files: arithmetic of numbers, constants and the time t, and nothing else."""
+"""Closed forms in study files: arithmetic of numbers, constants and the time t, and nothing else.
+
+All numbers are floats, so that each operation takes the same short time whatever its operands: 9**9**9**9 overflows at once.
+"""
 
 import ast
 import math
@@ -11,26 +14,30 @@ OPERATORS = {
     ast.Mod: operator.mod, ast.USub: operator.neg, ast.UAdd: operator.pos, ast.Lt: operator.lt, ast.LtE: operator.le,
     ast.Gt: operator.gt, ast.GtE: operator.ge,
 }  # fmt: skip
+LONGEST = 2000
+"""Characters of an expression at most: its parse takes time and memory"""
 
 
 def evaluate(text, names):
     """The value of an expression with these names; ValueError says what is wrong with it."""
+    if len(str(text)) > LONGEST:
+        raise ValueError(f"an expression has {LONGEST} characters at most, not {len(str(text))}")
     try:
         return float(_value(ast.parse(str(text).strip(), mode="eval").body, {"pi": math.pi} | names))
     except SyntaxError as error:
         raise ValueError(f"'{text}' is no expression") from error
-    except (ArithmeticError, TypeError, RecursionError) as error:
+    except (ArithmeticError, TypeError, RecursionError, MemoryError) as error:
         raise ValueError(f"'{text}' has no value: {error}") from error
 
 
 def _value(node, names):
     """The value of a part of an expression."""
     if isinstance(node, ast.Constant) and type(node.value) in (int, float):
-        return node.value
+        return float(node.value)
     if isinstance(node, ast.Name):
         if node.id not in names:
             raise ValueError(f"'{node.id}' is unknown; there are {', '.join(sorted(names))}")
-        return names[node.id]
+        return float(names[node.id])
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
         return OPERATORS[type(node.op)](_value(node.left, names), _value(node.right, names))
     if isinstance(node, ast.UnaryOp) and type(node.op) in OPERATORS:

@@ -1,12 +1,12 @@
 """From results to CSV, figures, tables and the page."""
 
-import csv
 import io
 import math
 
 from ..style import styled
 from . import drawings, page
 from .choice_report import choice_section
+from .csv_text import csv_text
 from .measures import errors_of, order_of
 from .model import AXES
 from .profiles import profile, share, times_of
@@ -72,15 +72,13 @@ class Report:
     def write_csv(self):
         """All results, one row a run."""
         names = list(COLUMNS) + [f"error of {measure.name}" for measure in self.study.measures]
-        text = io.StringIO()
-        writer = csv.writer(text)
-        writer.writerow(names)
+        rows = [names]
         for job, result in zip(self.jobs, self.results, strict=True):
             row = {"case": job.case.name, "variant": job.variant.name, "axis": AXES[self.study.axis], "value": job.value,
                    "repeat": job.repeat or "trace"}  # fmt: skip
             cells = [(result | row).get(name) for name in COLUMNS] + self.errors_at(job.case.name, job.variant.name, job.value)
-            writer.writerow("" if cell is None else cell for cell in cells)
-        self.store.write(self.store.folder / "results.csv", text.getvalue().encode())
+            rows.append(cells)
+        self.store.write(self.store.folder / "results.csv", csv_text(rows).encode())
 
     def errors_at(self, case, variant, value):
         """Errors of all measures of a run."""

@@ -1,10 +1,10 @@
 """From verdicts to CSV, figures, lines and the page."""
 
-import csv
 import io
 
 from ..style import styled
 from . import page, verdict_drawings
+from .csv_text import csv_text
 from .thresholds import changes_of, sentence
 
 COLUMNS = ("case", "variant", "value", "held", "status", "exit", "finite", "unconverged", "energy", "penetration", "right",
@@ -48,11 +48,8 @@ class VerdictReport:
 
     def write_csv(self, rows):
         """All verdicts, one row a run."""
-        text = io.StringIO()
-        writer = csv.writer(text)
-        writer.writerow(COLUMNS)
-        writer.writerows(["" if row[name] is None else row[name] for name in COLUMNS] for row in rows)
-        self.store.write(self.store.folder / "results.csv", text.getvalue().encode())
+        text = csv_text([COLUMNS, *([row[name] for name in COLUMNS] for row in rows)])
+        self.store.write(self.store.folder / "results.csv", text.encode())
 
     def drawn(self):
         """Figures with their names and words."""
