@@ -22,8 +22,8 @@ module sg_datbox
   public :: read_datbox, read_datbox_share
 
   !> Files that LMGC90 knows and that say nothing about the scene of rigid bodies
-  character(len=14), parameter :: files_not_read(7) = [character(len=14) :: 'COMMAND.DAT', 'POSTPRO.DAT', 'PREPRO.DAT', &
-                                                       'SAMPLE.DAT', 'BEHAVIOURS.DAT', 'MODELS.DAT', 'GPV.INI']
+  character(len=14), parameter :: files_not_read(8) = [character(len=14) :: 'COMMAND.DAT', 'POSTPRO.DAT', 'PREPRO.DAT', &
+                                                       'SAMPLE.DAT', 'BEHAVIOURS.DAT', 'MODELS.DAT', 'GPV.INI', 'MP_DEM.DAT']
 
 contains
 

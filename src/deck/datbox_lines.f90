@@ -207,7 +207,7 @@ contains
     if (fault /= '') then
       call complain_field(file, first, real_width, fault, diagnostics)
       ok = .false.
-    else if (is_cut(file, first)) then
+    else if (is_cut(file, first, value)) then
       call remark(file, 'cut number', 'a number runs out of columns '//to_text(first)//' to ' &
                        //to_text(first + real_width - 1)//' and is read as '//to_text(value, 7)//', as LMGC90 does', &
                        first, diagnostics)
@@ -222,15 +222,25 @@ contains
     is_real = fault_of_real(columns(file, first, first + real_width - 1)) == ''
   end function is_real
 
-  !> Does a number begin before its columns or go on behind them?
-  pure logical function is_cut(file, first)
+  !> Does a number begin before its columns or go on behind them, so that it is another than what is read of it?
+  pure logical function is_cut(file, first, value)
     type(datbox_file_t), intent(in) :: file
     integer, intent(in) :: first
-    character(len=real_width + 2) :: field
+    real(wp), intent(in) :: value
+    character(len=*), parameter :: letters = '+-.0123456789dDeE'
+    character(len=3*real_width) :: around
+    real(wp) :: whole
+    integer :: low, high, status
 
-    field = columns(file, first - 1, first + real_width)
-    is_cut = (scan(field(1:1), '+-.0123456789') > 0 .and. field(2:2) /= ' ') &
-             .or. (field(real_width + 1:real_width + 1) /= ' ' .and. scan(field(real_width + 2:), '.0123456789') > 0)
+    around = columns(file, first - real_width, first + 2*real_width - 1)
+    low = real_width + 1
+    high = 2*real_width
+    if (around(low:low) /= ' ') low = verify(around(:low), letters, back=.true.) + 1
+    if (around(high:high) /= ' ') high = high + verify(around(high + 1:)//' ', letters) - 1
+    is_cut = low <= real_width .or. high > 2*real_width
+    if (.not. is_cut) return
+    read (around(low:high), '(d42.0)', iostat=status) whole
+    is_cut = status /= 0 .or. abs(whole - value) > 0
   end function is_cut
 
   !> What is wrong with a real number; empty when nothing is.

@@ -4,7 +4,7 @@ program test_bad_datbox_space
   use same_bits, only: same_bodies
   use sg_datbox, only: read_datbox
   use sg_error, only: diagnostics_t
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, pi
   use sg_scene, only: scene_t
   implicit none
   character(len=*), parameter :: folder = 'datbox_bad_solids'
@@ -121,6 +121,7 @@ program test_bad_datbox_space
   call test_bodies()
   call test_polyhedra()
   call test_patches()
+  call test_cluster()
   call test_other_files()
   call test_every_cut()
   call tests%finish()
@@ -167,6 +168,19 @@ contains
     call tests%refuse(file, 41, '                             coo1= 0.4000000D+00  coo2= 0.4000000D+00  coo3= 0.0000000D+00', &
                       'not convex', 38, 2)
   end subroutine test_polyhedra
+
+  !> A cluster weighs as much as its shapes, whatever its avrd says.
+  subroutine test_cluster()
+    type(scene_t) :: scene
+    character(len=width), allocatable :: lines(:)
+
+    call tests%write_good()
+    lines = bodies
+    lines(4)(35:) = ' 0.2000000D+00'
+    call tests%put('BODIES.DAT', lines)
+    call read_good(scene, 'a cluster with another avrd')
+    call tests%near(scene%bodies%mass(1), 2000*8*pi/3*0.1_wp**3, 1e-11_wp, 'mass of a cluster')
+  end subroutine test_cluster
 
   !> A pyramid in two patches, or inside out, is the same pyramid; a hat on it is not convex.
   subroutine test_patches()

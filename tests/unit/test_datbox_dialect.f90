@@ -114,6 +114,12 @@ contains
     call tests%near(scene%gravity(2), 0.0_wp, tight, 'gravity without a number')
     call read_with(file, [character(len=width) :: bulk(1), '                   grv1=             0  grv2=-0.9810000D+01', &
                           bulk(3:)], 'zero without its point', 0, scene)
+    ! A number that is cut is worth a warning where it is another then.
+    call read_with(file, [character(len=width) :: bulk(1), '                   grv1=  0.0000000D+00 grv2=-0.9810000D+01', &
+                          bulk(3:)], 'a zero that runs out of its columns', 0, scene)
+    call read_with(file, [character(len=width) :: bulk(1), '                   grv1=  0.1000000D+01', bulk(3:)], &
+                   'a number that runs out of its columns, and one that is not there', 2, scene)
+    call tests%near(scene%gravity(1), 0.1_wp, tight, 'a number that is cut')
   end subroutine test_bulk
 
   !> A law takes as many lines as it has; others are passed over.
