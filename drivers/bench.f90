@@ -2,7 +2,7 @@
 module sg_bench
   use sg_arguments, only: arguments_t
   use sg_benchmark, only: benchmark_t, run_benchmark
-  use sg_benchmark_scenes, only: lattice_shapes
+  use sg_benchmark_scenes, only: check_lattice, lattice_shapes
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp
   use sg_run_options, only: solver_options_t
@@ -46,6 +46,7 @@ contains
     else if (options%threads > 1 .and. options%order /= 'coloured') then
       call fail(error, 'threads share sweeps in coloured order alone')
     end if
+    if (.not. allocated(error)) call check_lattice(contacts, error)
     if (allocated(error)) return
     options%check_every = min(options%check_every, options%maximum_sweeps)
     call run_benchmark(shape, contacts, friction, options, figures)

@@ -55,7 +55,7 @@ contains
                 'Signals: INT, TERM, HUP and PIPE finish the step, write a checkpoint and exit with 75; USR1 writes one.', &
                 'Exit codes: 0 done, 1 failed, 2 bad input, 3 not converged (if asked), 4 a value is not finite,', &
                 '            5 a result cannot be written, 6 the energy balance does not close (if asked),', &
-                '            75 stopped early with a checkpoint.'])
+                '            7 memory would run short, 75 stopped early with a checkpoint.'])
   end subroutine help_on_run
 
   !> Help of `check`.

@@ -2,7 +2,7 @@
 module sg_partition
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_arguments, only: arguments_t
-  use sg_benchmark_scenes, only: lattice_shapes, make_lattice
+  use sg_benchmark_scenes, only: check_lattice, lattice_shapes, make_lattice
   use sg_comm, only: comm_t
   use sg_cost_model, only: machine_t, prediction_t
   use sg_cost_text, only: costs_json, print_costs
@@ -85,6 +85,7 @@ contains
     if (.not. allocated(error) .and. all(lattice_shapes /= shape)) then
       call fail(error, 'lattices are of the shapes disk, sphere and polyhedron, not "'//shape//'"')
     end if
+    if (.not. allocated(error)) call check_lattice(contacts, error)
     if (allocated(error)) return
     call make_lattice(sim%scene, shape, contacts, 0.3_wp)
     sim%options%step = 1e-4_wp

@@ -1,6 +1,7 @@
 !> `splitgrain run`: read a deck, say what it needs, simulate it.
 module sg_run
   use, intrinsic :: iso_fortran_env, only: error_unit
+  use sg_alarm, only: end_after
   use sg_arguments, only: arguments_t
   use sg_blocks, only: deck_t
   use sg_comm, only: comm_t
@@ -20,6 +21,7 @@ module sg_run
   use sg_simulation, only: simulation_t
   use sg_system, only: catch_signals, file_exists, make_folder
   use sg_text, only: to_text
+  use sg_timers, only: wall_now
   implicit none
   private
   public :: run_command
@@ -33,7 +35,7 @@ contains
     integer, intent(out) :: code !! exit code when there is no error
     type(error_t), allocatable, intent(out) :: error !! what went wrong
     type(simulation_t) :: sim
-    real(wp) :: walltime
+    real(wp) :: walltime, deadline
     integer, allocatable :: dump_steps(:, :)
     integer :: speaker
     logical :: is_bad
@@ -50,6 +52,11 @@ contains
     sim%comm = comm
     call sim%comm%agree(error, speaker)
     if (allocated(error)) return
+    deadline = 0
+    if (walltime > 0) then
+      deadline = wall_now() + walltime
+      call end_after(walltime)
+    end if
     associate (deck => arguments%words(1)%s)
       call read_scene(arguments, deck, sim, is_bad, error)
       if (allocated(error)) return
@@ -58,8 +65,8 @@ contains
         return
       end if
       if (arguments%has('restart')) sim%options%restart_file = arguments%get('restart', '')
-      sim%options%walltime = walltime
       sim%options%is_forced = arguments%has('force')
+      sim%options%deadline = deadline
       if (allocated(dump_steps)) call move_alloc(dump_steps, sim%options%dump_steps)
       sim%options%is_quiet = arguments%has('quiet')
       sim%options%tells_needs = arguments%has('needs')

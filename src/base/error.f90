@@ -6,7 +6,8 @@ module sg_error
   implicit none
   private
   public :: error_t, diagnostics_t, fail
-  public :: exit_done, exit_failure, exit_bad_input, exit_not_converged, exit_broken, exit_output, exit_unbalanced, exit_stopped
+  public :: exit_done, exit_failure, exit_bad_input, exit_not_converged, exit_broken, exit_output, exit_unbalanced, &
+            exit_memory, exit_stopped
 
   !> The run did all its steps
   integer, parameter :: exit_done = 0
@@ -22,6 +23,8 @@ module sg_error
   integer, parameter :: exit_output = 5
   !> The energy balance did not close and the deck asked to stop there
   integer, parameter :: exit_unbalanced = 6
+  !> Memory was about to run short: the run stopped before
+  integer, parameter :: exit_memory = 7
   !> Stopped early on request (signal, walltime), with a checkpoint
   integer, parameter :: exit_stopped = 75
 

@@ -3,7 +3,7 @@ module sg_lists
   use sg_kinds, only: wp, i1, i4
   implicit none
   private
-  public :: reserve
+  public :: reserve, room_for
 
   !> Make the last dimension at least `n`, keeping what is there; grows by half or more
   interface reserve
@@ -12,12 +12,13 @@ module sg_lists
 
 contains
 
-  !> Room to reserve when `n` items are wanted and `now` are there.
-  pure integer function room(n, now)
-    integer, intent(in) :: n, now
+  !> Items that a list of `now` items grows to when `n` are wanted.
+  pure integer function room_for(n, now)
+    integer, intent(in) :: n !! items wanted, more than there are
+    integer, intent(in) :: now !! items that there is room for
 
-    room = max(n, now + now/2, 16)
-  end function room
+    room_for = max(n, now + min(now/2, huge(now) - now), 16)
+  end function room_for
 
   !> Reserve room in a list of bytes.
   subroutine reserve_bytes(list, n)
@@ -27,7 +28,7 @@ contains
 
     if (.not. allocated(list)) allocate (list(0))
     if (size(list) >= n) return
-    allocate (grown(room(n, size(list))), source=0_i1)
+    allocate (grown(room_for(n, size(list))), source=0_i1)
     grown(:size(list)) = list
     call move_alloc(grown, list)
   end subroutine reserve_bytes
@@ -40,7 +41,7 @@ contains
 
     if (.not. allocated(list)) allocate (list(0))
     if (size(list) >= n) return
-    allocate (grown(room(n, size(list))), source=0_i4)
+    allocate (grown(room_for(n, size(list))), source=0_i4)
     grown(:size(list)) = list
     call move_alloc(grown, list)
   end subroutine reserve_integers
@@ -54,7 +55,7 @@ contains
 
     if (.not. allocated(list)) allocate (list(components, 0))
     if (size(list, 2) >= n) return
-    allocate (grown(components, room(n, size(list, 2))), source=0_i4)
+    allocate (grown(components, room_for(n, size(list, 2))), source=0_i4)
     grown(:, :size(list, 2)) = list
     call move_alloc(grown, list)
   end subroutine reserve_integer_records
@@ -67,7 +68,7 @@ contains
 
     if (.not. allocated(list)) allocate (list(0))
     if (size(list) >= n) return
-    allocate (grown(room(n, size(list))), source=0.0_wp)
+    allocate (grown(room_for(n, size(list))), source=0.0_wp)
     grown(:size(list)) = list
     call move_alloc(grown, list)
   end subroutine reserve_reals
@@ -81,7 +82,7 @@ contains
 
     if (.not. allocated(list)) allocate (list(components, 0))
     if (size(list, 2) >= n) return
-    allocate (grown(components, room(n, size(list, 2))), source=0.0_wp)
+    allocate (grown(components, room_for(n, size(list, 2))), source=0.0_wp)
     grown(:, :size(list, 2)) = list
     call move_alloc(grown, list)
   end subroutine reserve_real_records

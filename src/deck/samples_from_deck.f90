@@ -8,6 +8,7 @@ module sg_samples_from_deck
   use sg_kinds, only: wp, i4, i8, pi
   use sg_lattice, only: lattice_t, open_lattice, place_on_lattice
   use sg_lattice_slice, only: shift_grain, sizes_t, slice_t, take_slice
+  use sg_memory, only: bytes_per_grain, gigabytes, memory_t
   use sg_moments, only: polygon_moments
   use sg_ordering, only: order_of
   use sg_polyhedron, only: polyhedron_t
@@ -111,13 +112,22 @@ contains
     type(lattice_t) :: lattice
     real(wp) :: range(2), pitch, room
     integer :: wanted, i, arrangement
+    logical :: is_refused
 
     associate (block => sample%block)
       range = deck%pair(block, 'radius')
       if (deck%word(block, 'distribution') == 'constant') range(2) = range(1)
       pitch = 2*range(2)*deck%number(block, 'spacing')
       wanted = most
-      if (deck%is_given(block, 'count')) wanted = deck%integer(block, 'count')
+      if (deck%is_given(block, 'count')) then
+        wanted = deck%integer(block, 'count')
+        call check_room(deck, block, real(wanted, wp), 'count', diagnostics, is_refused)
+      else
+        associate (room => box(deck%dimension + 1:) - box(:deck%dimension))
+          call check_room(deck, block, product(max(1.0_wp, aint(room/pitch))), 'radius', diagnostics, is_refused)
+        end associate
+      end if
+      if (is_refused) return
       arrangement = choice_index(deck%word(block, 'arrangement'), trim(merge('square|triangular  ', 'cubic|hexagonal|fcc', &
                                                                              deck%dimension == 2)))
       call open_lattice(lattice, box, pitch, arrangement, is_periodic, wanted)
@@ -177,6 +187,7 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics
     real(wp) :: volume, least
     integer :: n
+    logical :: is_refused
 
     if (deck%is_given(block, 'count') .eqv. deck%is_given(block, 'fill')) then
       call deck%complain(diagnostics, 'a random [[sample]] needs either "count" or "fill"', block)
@@ -191,14 +202,13 @@ contains
                            trim(merge('cover', 'fill ', deck%dimension == 2))//' more than all of it', block, 'box')
         return
       end if
+      call check_room(deck, block, real(n, wp), 'count', diagnostics, is_refused)
     else
       volume = deck%number(block, 'fill')*volume
-      if (volume/least > most) then
-        call deck%complain(diagnostics, 'this box would hold more than '//to_text(most)//' grains', block, 'fill')
-        return
-      end if
-      n = int(volume/least) + 1
+      call check_room(deck, block, volume/least, 'fill', diagnostics, is_refused)
+      if (.not. is_refused) n = int(volume/least) + 1
     end if
+    if (is_refused) return
     call draw_radii(deck, sample, n)
     if (deck%is_given(block, 'fill')) sample%radius = sample%radius(:enough(sample%radius, volume, deck%dimension))
     ! Largest first: late grains are small and still find room.
@@ -212,6 +222,34 @@ contains
     end if
     sample%n = n
   end subroutine fill_random
+
+  !> Refuse more grains than a sample may hold, or than there is memory for, before one of them is made.
+  subroutine check_room(deck, block, grains, key, diagnostics, is_refused)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: block
+    real(wp), intent(in) :: grains
+    character(len=*), intent(in) :: key !! key of the block to blame
+    type(diagnostics_t), intent(inout) :: diagnostics
+    logical, intent(out) :: is_refused
+    type(memory_t) :: memory
+    character(len=:), allocatable :: limit
+    integer(i8) :: left
+    real(wp) :: bytes
+
+    is_refused = .true.
+    if (grains > most) then
+      call deck%complain(diagnostics, 'this sample would hold '//to_text(grains, 2)//' grains, more than '//to_text(most), &
+                         block, key)
+      return
+    end if
+    ! Each rank keeps its share; those of one machine are not known here.
+    bytes = grains*real(bytes_per_grain, wp)/real(deck%ranks, wp)
+    is_refused = .not. memory%fits(int(bytes, i8))
+    if (.not. is_refused) return
+    call memory%left(left, limit)
+    call deck%complain(diagnostics, 'this sample of '//to_text(nint(grains))//' grains needs about '//gigabytes(bytes)//', and '// &
+                       limit//' leaves '//gigabytes(real(left, wp)), block, key)
+  end subroutine check_room
 
   !> Area of a circle, or volume of a sphere.
   pure real(wp) function volume_of(radius, dimension) result(volume)

@@ -5,11 +5,12 @@
 !! tangents are kept: an impulse is the vector that the candidate feels, in the world's axes. Contacts stand in spatial
 !! order. A pair of polygons may have two contacts, one of polyhedra four, told apart by their feature key.
 module sg_contacts
-  use sg_kinds, only: wp, i1, i4
-  use sg_lists, only: reserve
+  use sg_kinds, only: wp, i1, i4, i8
+  use sg_lists, only: reserve, room_for
+  use sg_memory, only: memory_t
   implicit none
   private
-  public :: contacts_t, reserve_contacts, normal_impulse, impulse_vector
+  public :: contacts_t, drop_contacts, grow_contacts, reserve_contacts, normal_impulse, impulse_vector
 
   !> All contacts of one step
   type :: contacts_t
@@ -43,9 +44,45 @@ module sg_contacts
     integer(i1), allocatable :: status(:)
     !> What the law of the contact keeps from step to step, shape (n_internal, n)
     real(wp), allocatable :: internal(:, :)
+    !> Memory that detection may grow in, and did it end early because there was none? Contacts found before
+    type(memory_t) :: memory
+    logical :: is_cut = .false.
+    integer :: n_cut = 0
   end type contacts_t
 
 contains
+
+  !> Make room for `n` contacts where there is memory; else `is_cut` is set.
+  subroutine grow_contacts(contacts, n)
+    type(contacts_t), intent(inout) :: contacts !! contacts to make room in
+    integer, intent(in) :: n !! contacts wanted
+    integer(i8) :: bytes
+    integer :: now
+
+    now = 0
+    if (allocated(contacts%gap)) now = size(contacts%gap)
+    if (n <= now) return
+    bytes = int(35 + 16*contacts%dimension + 8*(contacts%n_components + contacts%n_internal), i8)
+    ! While a table grows there are both the old one and the new one.
+    bytes = bytes*int(room_for(n, now) - now, i8) + 8*int(contacts%dimension, i8)*int(now, i8)
+    contacts%is_cut = .not. contacts%memory%fits(bytes)
+    if (.not. contacts%is_cut) call reserve_contacts(contacts, n)
+  end subroutine grow_contacts
+
+  !> Drop contacts that were not found to the end, with their memory, which what follows and a checkpoint need.
+  subroutine drop_contacts(contacts)
+    type(contacts_t), intent(inout) :: contacts !! none are left
+    type(contacts_t) :: none
+
+    none%dimension = contacts%dimension
+    none%n_components = contacts%n_components
+    none%n_internal = contacts%n_internal
+    none%memory = contacts%memory
+    none%is_cut = contacts%is_cut
+    none%n_cut = contacts%n
+    call reserve_contacts(none, 1)
+    contacts = none
+  end subroutine drop_contacts
 
   !> Make room for `n` contacts.
   subroutine reserve_contacts(contacts, n)

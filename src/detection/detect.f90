@@ -2,7 +2,7 @@
 module sg_detect
   use sg_contactors, only: contactors_t, kind_hollow, kind_hollow_cylinder, kind_plane, kind_polygon, kind_polyhedron, &
                            kind_sphere, kind_wall, place_contactors
-  use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_hand_over, only: hand_over
   use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, past_pair, recall, unwrap_images
   use sg_internal_values, only: first_internal, not_recorded
@@ -12,6 +12,7 @@ module sg_detect
   use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
   use sg_scene, only: scene_t
   use sg_shrink_face, only: shrink_face
+  use sg_timers, only: wall_now
   use sg_touch, only: touch_t
   use sg_touch_link, only: touch_link
   use sg_touch_pair, only: touch_pair
@@ -29,7 +30,8 @@ contains
     type(scene_t), intent(inout) :: scene !! scene; bodies that left the period come back into it
     type(neighbours_t), intent(inout) :: pairs !! pairs that may touch, made anew when stale
     type(history_t), intent(inout) :: history !! contacts of the last detection
-    type(contacts_t), intent(inout) :: contacts !! contacts of the last step, replaced by those of this one
+    type(contacts_t), intent(inout) :: contacts !! contacts of the last step, replaced by those of this one; none where memory or
+    !! time ran short, which `pairs` and `contacts` tell
     real(wp) :: skin
 
     if (.not. history%is_loaded) call keep_contacts(history, contacts)
@@ -54,37 +56,57 @@ contains
   !> Narrow phase over all pairs.
   subroutine touch_all(scene, pairs, history, contacts)
     type(scene_t), intent(in) :: scene
-    type(neighbours_t), intent(in) :: pairs
+    type(neighbours_t), intent(inout) :: pairs
     type(history_t), intent(inout) :: history
     type(contacts_t), intent(inout) :: contacts
     integer(i4), allocatable :: first(:)
     integer :: p
 
     ! About half of the neighbours touch; more room is made when it is wanted.
-    call reserve_contacts(contacts, max(contacts%n, pairs%n/2))
+    contacts%is_cut = .false.
+    call grow_contacts(contacts, max(contacts%n, pairs%n/2, 1))
+    if (contacts%is_cut) call grow_contacts(contacts, max(contacts%n, 1))
     contacts%n = 0
     allocate (first(pairs%n + 1))
     if (scene%dimension == 2) then
       do p = 1, pairs%n_near
+        if (ends_early(pairs, contacts, p)) exit
         first(p) = int(contacts%n, i4) + 1
         call touch_in_plane(scene, pairs, history, p, contacts)
       end do
     else
       do p = 1, pairs%n_near
+        if (ends_early(pairs, contacts, p)) exit
         first(p) = int(contacts%n, i4) + 1
         call touch_in_space(scene, pairs, history, p, contacts)
       end do
     end if
     do p = pairs%n_near + 1, pairs%n
+      if (ends_early(pairs, contacts, p)) exit
       first(p) = int(contacts%n, i4) + 1
       call follow_link(scene, pairs, history, p, contacts)
     end do
+    if (contacts%is_cut .or. pairs%is_late) then
+      call drop_contacts(contacts)
+      first = 1
+    end if
     first(pairs%n + 1) = int(contacts%n, i4) + 1
     call move_alloc(history%first, history%first_before)
     history%n_before = history%n_pairs
     call move_alloc(first, history%first)
     history%n_pairs = pairs%n
   end subroutine touch_all
+
+  !> Is there no memory for more contacts, or no time for more pairs?
+  logical function ends_early(pairs, contacts, p)
+    type(neighbours_t), intent(inout) :: pairs
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: p
+    integer, parameter :: pairs_per_look = 1024
+
+    if (pairs%deadline > 0 .and. modulo(p, pairs_per_look) == 0) pairs%is_late = wall_now() > pairs%deadline
+    ends_early = contacts%is_cut .or. pairs%is_late
+  end function ends_early
 
   !> Narrow phase of one pair in the plane.
   subroutine touch_in_plane(scene, pairs, history, p, contacts)
@@ -105,7 +127,10 @@ contains
           call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
       end if
     end associate
-    if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
+    if (contacts%n + touch%n > size(contacts%gap)) then
+      call grow_contacts(contacts, contacts%n + touch%n)
+      if (contacts%is_cut) return
+    end if
     law = int(scene%sees(pairs%see(p))%law, i4)
     do i = 1, touch%n
       past(i) = recall(history, p, touch%feature(i), touch%point(:, i))
@@ -145,7 +170,10 @@ contains
         end if
       end if
     end associate
-    if (contacts%n + touch%n > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + touch%n)
+    if (contacts%n + touch%n > size(contacts%gap)) then
+      call grow_contacts(contacts, contacts%n + touch%n)
+      if (contacts%is_cut) return
+    end if
     law = int(scene%sees(pairs%see(p))%law, i4)
     do i = 1, touch%n
       past(i) = recall(history, p, touch%feature(i), touch%point(:, i))
@@ -177,7 +205,10 @@ contains
       call touch_link(centre(:, pairs%contactor(1, p)), centre(:, pairs%contactor(2, p)) + offset(:scene%dimension), &
                       scene%links%length(l), pulls_only(law), normal, point, length)
     end associate
-    if (contacts%n + 1 > size(contacts%gap)) call reserve_contacts(contacts, contacts%n + 1)
+    if (contacts%n + 1 > size(contacts%gap)) then
+      call grow_contacts(contacts, contacts%n + 1)
+      if (contacts%is_cut) return
+    end if
     k = recall(history, p, int(l, i4), point)
     call add_contact(scene, pairs, history, p, k, scene%links%law(l), normal, point, length, int(l, i4), contacts)
     k = contacts%n

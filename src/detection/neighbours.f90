@@ -10,12 +10,14 @@ module sg_neighbours
                            n_kinds, place_contactors
   use sg_kinds, only: wp, i1, i4, i8
   use sg_links, only: link_image
-  use sg_lists, only: reserve
+  use sg_lists, only: reserve, room_for
+  use sg_memory, only: memory_t
   use sg_homes, only: owner_of
   use sg_near, only: candidate_first, is_near, turning_arm
   use sg_scene, only: scene_t
   use sg_sees, only: see_between, widest_alert
   use sg_sorting, only: hilbert_order, sort_permutation
+  use sg_timers, only: wall_now
   implicit none
   private
   public :: neighbours_t, build_neighbours, neighbours_are_stale, fitting_skin
@@ -44,6 +46,12 @@ module sg_neighbours
     real(wp) :: asked_skin = 0
     !> Rank whose contacts are sought, in a decomposed scene: each contact belongs to one rank
     integer :: rank = 0
+    !> Memory that the list may grow in, and wall time at which its making ends; 0 for none [s]
+    type(memory_t) :: memory
+    real(wp) :: deadline = 0
+    !> Did its making end early, by one of the two? The list is empty then; pairs found before
+    logical :: is_cut = .false., is_late = .false.
+    integer :: n_cut = 0
   end type neighbours_t
 
 contains
@@ -108,6 +116,7 @@ contains
     pairs%skin = skin
     call find_pairs(pairs, scene, table)
     call append_links(pairs, scene)
+    if (pairs%is_cut .or. pairs%is_late) call give_back(pairs)
     pairs%builds = pairs%builds + 1
   end subroutine build_neighbours
 
@@ -250,10 +259,14 @@ contains
     margin = pairs%skin + widest_alert(scene%sees)
     call build_cells(cells, centre, reach, margin, period)
     pairs%n = 0
+    pairs%is_cut = .false.
+    pairs%is_late = .false.
     do i = 1, size(order)
       do level = cells%level(i), cells%n_levels
         call look_around(pairs, scene, table, cells, order, crossed, centre, i, level)
       end do
+      if (pairs%deadline > 0) pairs%is_late = wall_now() > pairs%deadline
+      if (pairs%is_cut .or. pairs%is_late) exit
     end do
   end subroutine find_pairs
 
@@ -273,6 +286,7 @@ contains
         end if
         image = image_of_link(scene, l, scene%contactors%body(ends))
         call add_pair(pairs, scene%dimension, ends, image, 0)
+        if (pairs%is_cut) return
         call reserve(pairs%link, pairs%n - pairs%n_near)
         pairs%link(pairs%n - pairs%n_near) = int(l, i4)
       end associate
@@ -300,16 +314,26 @@ contains
     integer(i4), intent(in) :: image(2) !! periods in x and y by which the antagonist is moved
     integer, intent(in) :: see !! line of the see tables, 0 for a link
 
+    call make_room(pairs, dimension)
+    if (pairs%is_cut) return
     pairs%n = pairs%n + 1
-    call reserve(pairs%contactor, 2, pairs%n)
-    call reserve(pairs%image, pairs%n)
-    if (dimension == 3) call reserve(pairs%image_y, pairs%n)
-    call reserve(pairs%see, pairs%n)
     pairs%contactor(:, pairs%n) = contactor
     pairs%image(pairs%n) = int(image(1), i1)
     if (dimension == 3) pairs%image_y(pairs%n) = int(image(2), i1)
     pairs%see(pairs%n) = int(see, i4)
   end subroutine add_pair
+
+  !> Empty a list that was not made to its end: what follows, and a checkpoint, need the memory.
+  subroutine give_back(pairs)
+    type(neighbours_t), intent(inout) :: pairs
+
+    pairs%n_cut = pairs%n
+    pairs%n = 0
+    pairs%n_near = 0
+    if (allocated(pairs%contactor)) deallocate (pairs%contactor, pairs%image, pairs%see)
+    if (allocated(pairs%image_y)) deallocate (pairs%image_y)
+    allocate (pairs%contactor(2, 0), pairs%image(0), pairs%see(0))
+  end subroutine give_back
 
   !> Contactors along the curve of their bodies; points, which touch nothing, are left out.
   pure function contactor_order(pairs, contactors) result(order)
@@ -366,6 +390,26 @@ contains
       end do
     end do
   end subroutine look_around
+
+  !> Make room for one more pair, unless memory is short.
+  subroutine make_room(pairs, dimension)
+    type(neighbours_t), intent(inout) :: pairs
+    integer, intent(in) :: dimension
+    integer :: now
+
+    now = 0
+    if (allocated(pairs%see)) now = size(pairs%see)
+    if (pairs%n < now .or. pairs%is_cut) return
+    ! While a table grows there are both the old one and the new one.
+    associate (bytes => 12 + dimension - 1, more => room_for(pairs%n + 1, now) - now)
+      pairs%is_cut = pairs%n == huge(pairs%n) - 1 .or. .not. pairs%memory%fits(int(bytes, i8)*int(more, i8) + 8_i8*int(now, i8))
+    end associate
+    if (pairs%is_cut) return
+    call reserve(pairs%contactor, 2, pairs%n + 1)
+    call reserve(pairs%image, pairs%n + 1)
+    if (dimension == 3) call reserve(pairs%image_y, pairs%n + 1)
+    call reserve(pairs%see, pairs%n + 1)
+  end subroutine make_room
 
   !> Keep a pair when the two see each other and are near.
   subroutine consider(pairs, scene, table, i, j, image)

@@ -36,6 +36,7 @@ module sg_comm
     procedure, nopass :: library => comm_library
     procedure, nopass :: handle => comm_handle
     procedure, nopass :: no_hints => comm_no_hints
+    procedure :: ranks_here => comm_ranks_here
     procedure :: sum => comm_sum
     procedure :: maximum => comm_maximum
     procedure :: minimum => comm_minimum
@@ -74,6 +75,11 @@ module sg_comm
     module function comm_no_hints() result(handle)
       integer :: handle
     end function comm_no_hints
+
+    !> Number of ranks on this machine, this one included.
+    module integer function comm_ranks_here(self)
+      class(comm_t), intent(in) :: self
+    end function comm_ranks_here
 
     !> Replace each value by its sum over the ranks, the same on all.
     module subroutine comm_sum(self, values)

@@ -1,7 +1,8 @@
 !> Communication by MPI; with `exchange_with_mpi` the only file that names it.
 submodule(sg_comm) comm_with_mpi
   use mpi_f08, only: mpi_abort, mpi_allgather, mpi_allreduce, mpi_alltoall, mpi_alltoallv, mpi_bcast, mpi_character, &
-                     mpi_comm, mpi_comm_rank, mpi_comm_size, mpi_comm_world, mpi_double_precision, mpi_exscan, mpi_finalize, &
+                     mpi_comm, mpi_comm_free, mpi_comm_rank, mpi_comm_size, mpi_comm_split_type, mpi_comm_type_shared, &
+                     mpi_comm_world, mpi_double_precision, mpi_exscan, mpi_finalize, &
                      mpi_get_library_version, mpi_iallreduce, mpi_in_place, mpi_info_null, mpi_init_thread, mpi_initialized, &
                      mpi_integer, mpi_integer8, mpi_logical, mpi_lor, mpi_max, mpi_max_library_version_string, mpi_min, mpi_op, &
                      mpi_request, mpi_status_ignore, mpi_sum, mpi_thread_funneled, mpi_wait
@@ -70,6 +71,16 @@ contains
   module procedure comm_no_hints
   handle = mpi_info_null%mpi_val
   end procedure comm_no_hints
+
+  module procedure comm_ranks_here
+  type(mpi_comm) :: here
+
+  comm_ranks_here = 1
+  if (self%size == 1) return
+  call mpi_comm_split_type(mpi_comm_world, mpi_comm_type_shared, 0, mpi_info_null, here)
+  call mpi_comm_size(here, comm_ranks_here)
+  call mpi_comm_free(here)
+  end procedure comm_ranks_here
 
   module procedure comm_sum
   call reduce(self, values, mpi_sum)

@@ -40,6 +40,10 @@ contains
   module procedure comm_minimum
   end procedure comm_minimum
 
+  module procedure comm_ranks_here
+  comm_ranks_here = 1
+  end procedure comm_ranks_here
+
   module procedure comm_any
   comm_any = is_so
   end procedure comm_any

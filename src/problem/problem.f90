@@ -5,10 +5,10 @@
 !! drops out. *Arm* problems are general. Frictionless problems have one impulse component and no tangent at all.
 !! *Ball* and *solid* problems are the same two in space; their frictional impulses are vectors in the world's axes.
 module sg_problem
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp, i4, i8
   implicit none
   private
-  public :: problem_t, reserve_problem, bytes_per_contact, problem_kind
+  public :: problem_t, reserve_problem, bytes_per_contact, growth_of_problem, problem_kind
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional
   public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional
   public :: first_inverse, free_axes, is_compact, is_in_space
@@ -129,13 +129,27 @@ contains
     allocate (problem%record(record_length(kind), room(n_contacts)), source=0.0_wp)
     allocate (problem%impulse(impulse_length(kind), room(n_contacts)), source=0.0_wp)
     allocate (problem%body(body_length(kind), n_bodies), source=0.0_wp)
-  contains
-    pure integer function room(n)
-      integer, intent(in) :: n
-
-      room = n + n/8 + 16
-    end function room
   end subroutine reserve_problem
+
+  !> Contacts that a problem has room for when it is made for `n`.
+  pure integer function room(n)
+    integer, intent(in) :: n
+
+    room = n + n/8 + 16
+  end function room
+
+  !> What making room for contacts takes [bytes].
+  pure integer(i8) function growth_of_problem(problem, kind, n_contacts) result(bytes)
+    type(problem_t), intent(in) :: problem !! problem to make room in
+    integer, intent(in) :: kind !! kind of problem
+    integer, intent(in) :: n_contacts !! contacts
+    integer :: now
+
+    now = 0
+    if (allocated(problem%record)) now = size(problem%record, 2)
+    bytes = 0
+    if (now < n_contacts) bytes = int(8 + 8*(record_length(kind) + impulse_length(kind)), i8)*int(room(n_contacts) - now, i8)
+  end function growth_of_problem
 
   !> Bytes that a sweep needs to hold per contact, bodies included.
   pure real(wp) function bytes_per_contact(problem) result(bytes)

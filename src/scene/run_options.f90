@@ -120,8 +120,8 @@ module sg_run_options
     character(len=:), allocatable :: deck_hash, deck_text
     !> Steps whose contact problem is written as FCLIB files: first and last of each range, shape (2, ranges)
     integer, allocatable :: dump_steps(:, :)
-    !> Stop with a checkpoint after this many wall seconds; 0 for never
-    real(wp) :: walltime = 0
+    !> Wall time, as `wall_now` counts it, at which the run stops with a checkpoint [s]; 0 for never
+    real(wp) :: deadline = 0
     !> Say less; no progress
     logical :: is_quiet = .false.
     !> Tell at the end what the run has held in memory, and write needs.json

@@ -4,9 +4,10 @@ module sg_advance
   use sg_comm, only: comm_t, traffic_t
   use sg_detect, only: detect
   use sg_dump, only: begin_dump, is_listed
-  use sg_error, only: error_t, fail
+  use sg_error, only: error_t, exit_broken, fail
   use sg_guard, only: find_broken, number_of
   use sg_kinds, only: wp, i1, i8
+  use sg_limits, only: check_limits
   use sg_link_contacts, only: finish_links
   use sg_motion, only: predict, update
   use sg_passing, only: look_for_passing
@@ -77,15 +78,18 @@ contains
   subroutine find_contacts(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
+    integer :: kind
 
+    kind = problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent)
     associate (phase => sim%totals%phase)
       call phase(phase_detect)%start()
       call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
       call phase(phase_detect)%stop()
 
       call phase(phase_assemble)%start()
-      call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
-                    sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
+      call check_limits(sim%scene, sim%pairs, sim%contacts, sim%problem, kind, sim%step + 1, error)
+      call assemble(sim%scene, sim%contacts, kind, sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, &
+                    sim%problem)
       if (is_dumped(sim)) call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
       call look_before(sim, error)
       call phase(phase_assemble)%stop()
@@ -176,12 +180,13 @@ contains
   !> Stop before a problem whose data are not finite already: its dump holds no solution. Collective.
   subroutine look_before(sim, error)
     type(simulation_t), intent(inout) :: sim
-    type(error_t), allocatable, intent(out) :: error !! set on all ranks when a value of one is not finite
+    type(error_t), allocatable, intent(inout) :: error !! set where memory or time ran short; afterwards on all ranks, also when
+    !! a value of one is not finite
     logical :: has_contacts
     real(wp) :: contacts(1)
     integer :: speaker
 
-    call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%step, .false., error)
+    if (.not. allocated(error)) call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%step, .false., error)
     has_contacts = sim%problem%n_contacts > 0
     if (sim%decomposition%is_on) then
       if (.not. sim%comm%any(allocated(error))) return
@@ -194,6 +199,7 @@ contains
     contacts = real(sim%contacts%n, wp)
     call sim%comm%sum(contacts)
     sim%all_contacts = nint(contacts(1))
+    if (error%code /= exit_broken) return
     if (.not. sim%dump%is_begun .and. has_contacts) then
       call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
     end if

@@ -1,25 +1,43 @@
 !> Lattices of grains that flow towards their centre, to measure sweeps on: nearly all contacts carry impulses.
 module sg_benchmark_scenes
   use sg_contactors, only: add_disk
-  use sg_error, only: error_t
-  use sg_kinds, only: wp, pi
+  use sg_error, only: error_t, exit_memory, fail
+  use sg_kinds, only: wp, i8, pi
   use sg_laws, only: law_t
+  use sg_memory, only: gigabytes, memory_t
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
   use sg_scene, only: colour_index, material_t, scene_t, see_t
   use sg_solid_bodies, only: make_solid_body
   use sg_space_contactors, only: add_polyhedron, add_sphere
+  use sg_text, only: to_text
   implicit none
   private
-  public :: make_lattice, lattice_shapes
+  public :: make_lattice, lattice_shapes, check_lattice
 
   !> Shapes of grains that lattices are made of
   character(len=10), parameter :: lattice_shapes(3) = [character(len=10) :: 'disk', 'sphere', 'polyhedron']
+  !> Memory of a contact of a lattice with its share of everything, rounded up [bytes]
+  integer(i8), parameter :: bytes_per_contact = 1000
   !> Distance of neighbours [m], and density [kg/m3]
   real(wp), parameter :: spacing = 0.02_wp, density = 2600
 
 contains
+
+  !> Is there memory for a lattice of about so many contacts?
+  subroutine check_lattice(contacts, error)
+    integer, intent(in) :: contacts !! contacts wanted
+    type(error_t), allocatable, intent(out) :: error !! set when there is not
+    type(memory_t) :: memory
+    character(len=:), allocatable :: limit
+    integer(i8) :: left
+
+    if (memory%fits(bytes_per_contact*int(contacts, i8))) return
+    call memory%left(left, limit)
+    call fail(error, to_text(contacts)//' contacts need about '//gigabytes(real(bytes_per_contact, wp)*real(contacts, wp))// &
+              ', and '//limit//' leaves '//gigabytes(real(left, wp)), code=exit_memory)
+  end subroutine check_lattice
 
   !> A lattice of about so many contacts.
   subroutine make_lattice(scene, shape, contacts, friction)

@@ -7,18 +7,32 @@ module sg_inventory
   use sg_contactors, only: contactors_t
   use sg_contacts, only: contacts_t
   use sg_history, only: history_t
-  use sg_kinds, only: i8
+  use sg_kinds, only: wp, i8
   use sg_neighbours, only: neighbours_t
   use sg_polyhedron, only: polyhedron_t
-  use sg_problem, only: problem_t
+  use sg_problem, only: growth_of_problem, problem_kind, problem_t
   use sg_simulation, only: simulation_t
   use sg_space_shapes, only: space_shapes_t
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none
   private
-  public :: list_tables
+  public :: expected_memory, list_tables
 
 contains
+
+  !> Memory that a run will take at its largest [bytes], told from its first detection: its tables with the contact problem and the
+  !! contacts of a step before, its list of neighbours once more while a new one grows, and the program itself.
+  real(wp) function expected_memory(sim) result(bytes)
+    type(simulation_t), intent(in) :: sim !! its contacts are found, and nothing is assembled
+    real(wp), parameter :: program_bytes = 28e6_wp
+    type(tables_t) :: tables, pairs
+
+    call list_tables(sim, tables)
+    call list_pairs(sim%pairs, pairs)
+    bytes = program_bytes + real(tables%bytes_per(per_body) + tables%bytes_per(per_contact) + pairs%bytes_per(per_contact) + &
+                                 growth_of_problem(sim%problem, problem_kind(sim%scene%dimension, sim%plan%is_round, &
+                                                                             sim%plan%has_tangent), sim%contacts%n), wp)
+  end function expected_memory
 
   !> List the tables of a simulation.
   subroutine list_tables(sim, tables)

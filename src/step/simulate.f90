@@ -2,6 +2,7 @@
 module sg_simulate
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_advance, only: advance
+  use sg_alarm, only: end_after
   use sg_broken_trace, only: is_of_the_step, trace_broken
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
   use sg_claim, only: claim_folder, leave_folder
@@ -58,6 +59,8 @@ contains
       flush (output_unit)
     end if
     call begin(sim, writers, error)
+    ! From now on steps and searches look at the time themselves, and a checkpoint can be written.
+    call end_after(0.0_wp)
     if (.not. writers%has_folder) then
       if (.not. allocated(error)) call tell_nothing_to_do(sim, writers%is_speaker)
       return
@@ -161,7 +164,7 @@ contains
         call trace_last(sim, writers, sim%step)
       end if
       if (allocated(error)) return
-      if (sim%comm%any(must_stop(sim, writers))) code = exit_stopped
+      if (sim%comm%any(must_stop(sim))) code = exit_stopped
       if (code == exit_done) cycle
       if (code == exit_stopped .or. sim%options%restart_at_end) call save(sim, writers, error)
       return
@@ -196,12 +199,11 @@ contains
   end subroutine save_dump
 
   !> Has a signal or the walltime asked for an end before the last step?
-  logical function must_stop(sim, writers)
+  logical function must_stop(sim)
     type(simulation_t), intent(in) :: sim
-    type(writers_t), intent(in) :: writers
 
     must_stop = stop_signal() /= 0
-    if (sim%options%walltime > 0) must_stop = must_stop .or. wall_now() - writers%wall_start > sim%options%walltime
+    if (sim%options%deadline > 0) must_stop = must_stop .or. wall_now() > sim%options%deadline
     must_stop = must_stop .and. sim%step < sim%options%steps
   end function must_stop
 
@@ -401,6 +403,7 @@ contains
     reason = ''
     if (allocated(error)) then
       status = run_failed
+      if (error%code == exit_stopped) status = run_stopped
       reason = error%sentence()
     else if (code == exit_stopped) then
       status = run_stopped

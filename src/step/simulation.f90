@@ -81,6 +81,9 @@ contains
 
     call make_plan(sim%scene, sim%plan, sim%comm, sim%omissions)
     call fix_driven(sim%scene%drives, sim%scene%bodies)
+    sim%pairs%memory%sharers = sim%comm%ranks_here()
+    sim%pairs%deadline = sim%options%deadline
+    sim%contacts%memory = sim%pairs%memory
     sim%contacts%dimension = sim%scene%dimension
     sim%contacts%n_components = merge(sim%scene%dimension, 1, sim%plan%has_tangent)
     sim%contacts%n_internal = sim%plan%n_internal

@@ -12,6 +12,7 @@ module sg_start_split
   use sg_graph_split, only: split_graph
   use sg_interface_blocks, only: block_structure, block_structure_t
   use sg_kinds, only: wp, i4
+  use sg_limits, only: check_limits
   use sg_load, only: measured_weights
   use sg_motion, only: predict
   use sg_pictures, only: pictures_t
@@ -56,7 +57,7 @@ contains
   !> Bring a simulation to its start, or to the state of a restart file where its options name one, and seek contacts.
   subroutine find_contacts(sim, error)
     type(simulation_t), intent(inout) :: sim !! its scene and options are set
-    type(error_t), allocatable, intent(out) :: error !! set when a restart file cannot be read
+    type(error_t), allocatable, intent(out) :: error !! set when a restart file cannot be read, or memory is short
     type(diagnostics_t) :: warnings
 
     call start_simulation(sim)
@@ -65,6 +66,8 @@ contains
     call warnings%print(error_unit)
     call predict(sim%scene, sim%time(), 0.0_wp, sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+    call check_limits(sim%scene, sim%pairs, sim%contacts, sim%problem, &
+                      problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), sim%step + 1, error)
   end subroutine find_contacts
 
   !> Split bodies as the options say.

@@ -96,12 +96,12 @@ def judge(ended, place=None, results="results", codes=CODES):
         return Outcome("crashed", ended.err[alarm.start():alarm.start() + 200].splitlines()[0])
     if ended.code not in codes:
         return Outcome("crashed", f"exit code {ended.code}")
-    if ended.code in (2, 4, 5) and not SENTENCE.search(ended.err):
+    if ended.code in (2, 4, 5, 7) and not SENTENCE.search(ended.err):
         return Outcome("wrong", f"exit code {ended.code} without a sentence that gives the reason")
     fault = Runner.judge_results(place / results, None) if place else None
     if fault:
         return Outcome("wrong", fault)
-    return Outcome("refused" if ended.code in (2, 5) else "clean")
+    return Outcome("refused" if ended.code in (2, 5, 7) else "clean")
 
 
 def worst(outcomes):

@@ -6,7 +6,7 @@ import resource
 import signal
 import subprocess
 
-CODES = {0: "ran", 2: "refused", 3: "not converged", 4: "stopped for a value that is not finite", 5: "could not write", 6: "unbalanced", 75: "stopped early"}
+CODES = {0: "ran", 2: "refused", 3: "not converged", 4: "stopped for a value that is not finite", 5: "could not write", 6: "unbalanced", 7: "out of memory", 75: "stopped early"}
 ALARMS = re.compile(r"(?i:Sanitizer|runtime error:|Fortran runtime|Backtrace for|internal error|forrtl)|SIG[A-Z]{3,}")
 # A launcher that gets no time for some seconds takes ranks that end meanwhile for lost; those in order end well the next time.
 LOST = "exiting improperly"

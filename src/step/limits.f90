@@ -1,0 +1,73 @@
+!> Limits of a run within a step: memory and time that end it before a list, a problem or a search takes more than there is.
+module sg_limits
+  use sg_contacts, only: contacts_t, drop_contacts
+  use sg_error, only: error_t, exit_memory, exit_stopped, fail
+  use sg_kinds, only: wp, i8
+  use sg_memory, only: gigabytes, memory_t
+  use sg_neighbours, only: neighbours_t
+  use sg_problem, only: growth_of_problem, problem_t
+  use sg_scene, only: scene_t
+  use sg_text, only: to_text
+  implicit none
+  private
+  public :: check_limits
+
+contains
+
+  !> Did detection end early, or is there no room for the problem of its contacts? Then no contact is left.
+  subroutine check_limits(scene, pairs, contacts, problem, kind, step, error)
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(neighbours_t), intent(in) :: pairs !! its neighbours
+    type(contacts_t), intent(inout) :: contacts !! its contacts
+    type(problem_t), intent(in) :: problem !! problem of the last step
+    integer, intent(in) :: kind !! kind of problem
+    integer, intent(in) :: step !! number of the step
+    type(error_t), allocatable, intent(out) :: error !! set when the run must end
+    integer(i8) :: growth
+
+    ! What the next step keeps of the contacts is an eighth of their problem.
+    growth = growth_of_problem(problem, kind, contacts%n)
+    growth = growth + growth/8
+    if (pairs%is_late) then
+      call fail(error, 'stopped by the walltime after step '//to_text(step - 1), code=exit_stopped)
+    else if (pairs%is_cut) then
+      call fail(error, sentence(pairs%memory, step, pairs%n_cut, 'pairs of neighbours', scene)//long_alert(scene), &
+                code=exit_memory)
+    else if (contacts%is_cut) then
+      call fail(error, sentence(contacts%memory, step, contacts%n_cut, 'contacts', scene)//long_alert(scene), code=exit_memory)
+    else if (.not. contacts%memory%fits(growth)) then
+      call drop_contacts(contacts)
+      call fail(error, sentence(contacts%memory, step, contacts%n_cut, 'contacts with their contact problem', scene)// &
+                long_alert(scene), code=exit_memory)
+    end if
+  end subroutine check_limits
+
+  !> That memory is short, and what for.
+  function sentence(memory, step, n, what, scene)
+    type(memory_t), intent(in) :: memory
+    integer, intent(in) :: step, n
+    character(len=*), intent(in) :: what
+    type(scene_t), intent(in) :: scene
+    character(len=:), allocatable :: sentence, limit
+    integer(i8) :: left
+
+    call memory%left(left, limit)
+    sentence = 'step '//to_text(step)//': memory is short: '//to_text(n)//' '//what//' and more, '// &
+               to_text(n/max(1, scene%bodies%n))//' per body, do not fit into the '//gigabytes(real(left, wp))//' that '//limit// &
+               ' leaves'
+  end function sentence
+
+  !> A hint where the alert distance is longer than most shapes.
+  function long_alert(scene) result(hint)
+    type(scene_t), intent(in) :: scene
+    character(len=:), allocatable :: hint
+    real(wp) :: alert, reach
+
+    hint = ''
+    if (size(scene%sees) == 0 .or. scene%contactors%n == 0) return
+    alert = maxval(scene%sees%alert)
+    reach = sum(scene%contactors%reach(:scene%contactors%n))/real(scene%contactors%n, wp)
+    if (alert > reach) hint = '; shapes are neighbours up to the alert distance of '//to_text(alert, 3)//' m, which is '// &
+                              to_text(alert/reach, 2)//' times their mean radius: make it shorter'
+  end function long_alert
+end module sg_limits

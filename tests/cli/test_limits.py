@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""Limits of memory and time: a run ends before it takes more than there is, with one sentence and a checkpoint."""
+
+import json
+import resource
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from program_case import ProgramCase, take_program  # noqa: E402
+
+MEGABYTE = 2**20
+HEAD = '[time]\nstep = 1e-3\nsteps = 3\n[[material]]\nname = "stone"\ndensity = 2000.0\n[[law]]\n'
+LATTICE = '[[sample]]\nbox = [0.0, 0.0, 5.0, 5.0]\nkind = "lattice"\n'
+# All of 12,000 disks are neighbours of all others: 72 million pairs, about a gigabyte.
+CROWD = HEAD + "[[interaction]]\nalert = {alert}\n" + LATTICE + "radius = 0.01\ncount = 12000\n"
+
+
+def cpu():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+class Limits(ProgramCase):
+    def write(self, text):
+        (self.place / "deck.toml").write_text(text)
+
+    def run_within(self, megabytes, *words, code):
+        """Run the program with that many megabytes of addresses."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_AS, (megabytes * MEGABYTE, megabytes * MEGABYTE))
+        done = subprocess.run([self.program, *words], cwd=self.place, capture_output=True, text=True, timeout=self.timeout,
+                              preexec_fn=limit)
+        self.assertEqual(done.returncode, code, f"{words}\n{done.stdout}\n{done.stderr}")
+        self.assertNotIn("Backtrace", done.stderr)
+        return done
+
+    def test_pairs_end_the_run_with_a_checkpoint(self):
+        self.write(CROWD.format(alert=10.0))
+        done = self.run_within(800, "run", "deck.toml", "--output", "out", "--quiet", code=7)
+        self.assertRegex(done.stderr, r'^error: step 1: memory is short: \d+ pairs of neighbours .* do not fit into the .*"ulimit -v" '
+                                      r"leaves; .*alert distance of 1.00E\+01 m.*shorter\n$")
+        run = json.loads((self.place / "out/run.json").read_text())
+        self.assertEqual((run["status"], run["steps"]), ("failed", 0))
+        self.assertIn("memory is short", run["reason"])
+        if self.has_hdf5():
+            self.write(CROWD.format(alert=0.001))
+            self.run_within(800, "run", "deck.toml", "--output", "out", "--restart", "out", "--quiet", code=0)
+
+    def test_check_finds_it_as_well(self):
+        self.write(CROWD.format(alert=10.0))
+        self.assertIn("pairs of neighbours", self.run_within(800, "check", "deck.toml", code=7).stderr)
+        self.write(CROWD.format(alert=0.001))
+        self.assertRegex(self.run_within(800, "check", "deck.toml", code=0).stdout, r"memory     about \d+ MB, of \d+ pairs")
+
+    def test_samples_beyond_all_bounds_are_refused_at_once(self):
+        before = cpu()
+        self.write(HEAD + LATTICE.replace("5.0, 5.0", "1.0, 1.0") + "radius = 1e-9\n")
+        self.assertIn("this sample would hold 2.3E+17 grains", self.run_program("run", "deck.toml", code=2).stderr)
+        self.write(HEAD + LATTICE + "radius = 0.0005\ncount = 5000000\n")
+        self.assertIn("needs about 10.0 GB, and \"ulimit -v\" leaves", self.run_within(800, "check", "deck.toml", code=2).stderr)
+        self.assertLess(cpu() - before, 1)
+
+    def test_benchmarks_beyond_all_memory_are_refused_at_once(self):
+        before = cpu()
+        for words in (["bench", "--contacts", "2000000000"], ["partition", "--lattice", "2000000000", "--parts", "4"]):
+            self.assertIn("2000000000 contacts need about 2000.0 GB", self.run_within(800, *words, code=7).stderr)
+        self.assertLess(cpu() - before, 1)
+
+    def test_walltime_holds_while_the_deck_is_read(self):
+        # Random insertion into a box that is all but full: half a minute.
+        self.write(HEAD + "[[sample]]\nbox = [0.0, 0.0, 5.0, 5.0]\nradius = 0.005\nfill = 0.545\n")
+        start = time.monotonic()
+        done = self.run_program("run", "deck.toml", "--output", "out", "--walltime", "0.5", "--quiet", code=75)
+        self.assertLess(time.monotonic() - start, 10)
+        self.assertEqual(done.stderr, "error: stopped by the walltime before the first step; there is no checkpoint\n")
+
+    def test_walltime_holds_in_the_detection(self):
+        self.write(CROWD.format(alert=10.0).replace("count = 12000", "count = 20000"))
+        start = time.monotonic()
+        self.run_program("run", "deck.toml", "--output", "out", "--walltime", "1", "--quiet", code=75)
+        self.assertLess(time.monotonic() - start, 10)
+        run = json.loads((self.place / "out/run.json").read_text())
+        self.assertEqual((run["status"], run["reason"], run["steps"]), ("stopped", "stopped by the walltime after step 0", 0))
+        if self.has_hdf5():
+            self.assertTrue((self.place / "out/restart_a.h5").exists())
+
+
+if __name__ == "__main__":
+    take_program()
+    unittest.main()
