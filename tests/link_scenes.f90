@@ -48,15 +48,19 @@ contains
     end if
   end subroutine put_mass
 
-  !> Link two contactors; the length at rest is their distance unless given.
-  subroutine link(scene, first, second, length)
+  !> Link two contactors.
+  subroutine link(scene, first, second, length, bond)
     type(scene_t), intent(inout) :: scene !! scene with both
     integer, intent(in) :: first !! one contactor
     integer, intent(in) :: second !! the other
     real(wp), intent(in) :: length !! at rest [m]
+    real(wp), intent(in), optional :: bond(2) !! cross section [m2] and mass [kg] of a bond
     integer, parameter :: none(2) = 0
+    real(wp) :: section(2)
 
-    call add_link(scene%links, [first, second], none, 1, length, 0.0_wp, 0.0_wp)
+    section = 0
+    if (present(bond)) section = bond
+    call add_link(scene%links, [first, second], none, 1, length, section(1), section(2))
     call locate_links(scene%links, scene%contactors)
   end subroutine link
 

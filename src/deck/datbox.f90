@@ -8,6 +8,7 @@ module sg_datbox
   use sg_datbox_bodies, only: count_bodies, find_dimension, read_bodies
   use sg_datbox_contacts, only: read_start_contacts
   use sg_datbox_drives, only: bodies_driven, bodies_held, read_drives
+  use sg_datbox_links, only: read_links
   use sg_datbox_lines, only: datbox_file_t, digest_of, open_datbox_file
   use sg_datbox_sees, only: check_sees, read_sees
   use sg_datbox_state, only: read_state
@@ -73,6 +74,8 @@ contains
     call warn_of_files(folder, diagnostics)
     if (.not. allocated(scene%pressures)) allocate (scene%pressures(0))
     ! Contacts and states name bodies: where bodies are wrong, what follows would be noise.
+    if (diagnostics%count() > before) return
+    call read_links(folder, scene, share%points, tact, see_lines, diagnostics)
     if (diagnostics%count() > before) return
     call check_sees(scene, share%census, see_lines, tact, diagnostics)
     call warn_of_unused_sees(scene, share%census, see_lines, tact, diagnostics)

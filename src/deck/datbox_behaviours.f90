@@ -200,9 +200,9 @@ contains
       if (label == '') exit
       call real_field(file, law_columns(i), value, ok, diagnostics)
       if (.not. ok) return
-      if (value < 0 .and. label /= 'pgap') &
+      if (value < 0 .and. label /= 'pgap' .and. label /= 'prst') &
         call complain(file, 'the number '''//label//''' must not be negative', law_columns(i), diagnostics)
-      if (label == 'F/gp' .and. .not. value > 0) then
+      if (any(label == ['F/gp', 'F/st']) .and. .not. value > 0) then
         call complain(file, 'the stiffness must be positive', law_columns(i), diagnostics)
       else if (law%kind == law_restitution .and. label(:3) == 'rst' .and. value > 1) then
         call complain(file, 'a restitution must not pass 1', law_columns(i), diagnostics)

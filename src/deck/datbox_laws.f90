@@ -4,8 +4,8 @@
 module sg_datbox_laws
   use sg_kinds, only: wp
   use sg_laws, only: law_t, law_elastic, law_elastic_g0, law_gap, law_gap_g0, law_gap_shifted, law_iqs, law_iqs_g0, &
-                     law_linear, law_mohr, law_restitution, law_velocity, law_viscoelastic, &
-                     law_wet
+                     law_bond, law_linear, law_mohr, law_restitution, law_rigid_wire, law_rod, law_velocity, &
+                     law_viscoelastic, law_wet, law_wire
   implicit none
   private
   public :: law_forms, form_of_name, form_of_law, set_parameter, get_parameter
@@ -39,6 +39,13 @@ module sg_datbox_laws
     law_form_t('ELASTIC_REPELL_CLB_g0', law_elastic_g0, ['F/gp     ', 'fric     ', '         ']), &
     law_form_t('preGAP_SGR_CLB', law_gap_shifted, ['pgap fric', '         ', '         ']), &
     law_form_t('VISCO_ELASTIC_REPELL_CLB', law_viscoelastic, ['F/gp etan', 'fric     ', '         ']), &
+    law_form_t('ELASTIC_ROD', law_rod, ['F/st prst', '         ', '         ']), &
+    law_form_t('VOIGT_ROD', law_rod, ['F/st prst', 'F/sr     ', '         ']), &
+    law_form_t('ELASTIC_WIRE', law_wire, ['F/st prst', '         ', '         ']), &
+    law_form_t('VOIGT_WIRE', law_wire, ['F/st prst', 'F/sr     ', '         ']), &
+    law_form_t('BRITTLE_ELASTIC_WIRE', law_wire, ['F/st prst', 'Snmx     ', '         ']), &
+    law_form_t('RIGID_WIRE', law_rigid_wire, ['         ', '         ', '         ']), &
+    law_form_t('NARD_ROD', law_bond, ['E    nu  ', 's1   s2  ', '         ']), &
     law_form_t('COUPLED_DOF', law_linear, ['         ', '         ', '         '])]
 
 contains
@@ -70,6 +77,8 @@ contains
       if (law_forms(form)%kind /= law%kind) cycle
       ! COUPLED_DOF is the linear law whose compliance vanishes.
       if (law%kind == law_linear .and. law%epsilon > 0) cycle
+      if (law%axial_damping > 0 .and. .not. any(law_forms(form)%labels == 'F/sr')) cycle
+      if (law%breaking_force > 0 .and. .not. any(law_forms(form)%labels == 'Snmx')) cycle
       if (has_one_friction .or. .not. any(index(law_forms(form)%labels, 'fric') > 0)) return
     end do
     form = 0
@@ -105,6 +114,22 @@ contains
       law%gap_shift = value
     case ('etan')
       law%viscosity = value
+    case ('F/st')
+      law%axial_stiffness = value
+    case ('prst')
+      law%prestrain = value
+    case ('F/sr')
+      law%axial_damping = value
+    case ('Snmx')
+      law%breaking_force = value
+    case ('E')
+      law%young = value
+    case ('nu')
+      law%poisson = value
+    case ('s1')
+      law%normal_strength = value
+    case ('s2')
+      law%tangential_strength = value
     end select
   end subroutine set_parameter
 
@@ -135,6 +160,22 @@ contains
       value = law%gap_shift
     case ('etan')
       value = law%viscosity
+    case ('F/st')
+      value = law%axial_stiffness
+    case ('prst')
+      value = law%prestrain
+    case ('F/sr')
+      value = law%axial_damping
+    case ('Snmx')
+      value = law%breaking_force
+    case ('E')
+      value = law%young
+    case ('nu')
+      value = law%poisson
+    case ('s1')
+      value = law%normal_strength
+    case ('s2')
+      value = law%tangential_strength
     end select
   end function get_parameter
 end module sg_datbox_laws

@@ -3,8 +3,8 @@
 !! LMGC90 takes mass and inertia from the radii of the bulk line, mass = density pi avrd^2 and inertia = mass gyrd^2,
 !! not from the shapes; they come from the shapes only where one of the radii is zero.
 module sg_datbox_plane_bodies
-  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t, kind_polygon
-  use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, triple
+  use sg_contactors, only: add_disk, add_hollow, add_point, add_polygon, add_wall, contactors_t, kind_polygon
+  use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, read_triple, triple
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, integer_field, name_field, remark
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, pi
@@ -44,9 +44,12 @@ contains
       if (ok) call add_wall(scene%contactors, block%body, colour, size_of(1), size_of(2), shift, 0.0_wp)
     case ('POLYG')
       call read_polygon(file, scene, block%body, colour, ok, diagnostics)
+    case ('PT2Dx')
+      call read_triple(file, shift, ok, diagnostics)
+      if (ok) call add_point(scene%contactors, block%body, colour, shift)
     case default
       call complain_once(file, name_field(file, 2), 'contactors of type '''//name_field(file, 2) &
-                         //''' are not done: only DISKx, DISKb, xKSID, JONCx and POLYG', 2, diagnostics)
+                         //''' are not done: only DISKx, DISKb, xKSID, JONCx, POLYG and PT2Dx', 2, diagnostics)
       ok = .false.
     end select
     block%ok = block%ok .and. ok

@@ -1,24 +1,37 @@
 !> The see tables of TACT_BEHAV.DAT: which contactors may meet, under which law, from which distance on.
 module sg_datbox_sees
   use sg_census, only: census_t
-  use sg_contactors, only: kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, kind_polygon, &
+  use sg_contactors, only: kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, kind_point, kind_polygon, &
                            kind_polyhedron, kind_sphere, kind_wall, n_kinds
   use sg_datbox_behaviours, only: other_law, other_law_t, skip_data
   use sg_datbox_bodies, only: body_type
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, first_letter, go_to, keyword, name_field, &
                              next_data_line, next_line, real_field, remark, step_back
   use sg_error, only: diagnostics_t
+  use sg_laws, only: is_link_law, law_linear
   use sg_scene, only: colour_index, law_index, scene_t, see_t
+  use sg_sees, only: links_points
   implicit none
   private
-  public :: read_sees, check_sees, datbox_kind_names, pair_is_known
+  public :: read_sees, check_sees, datbox_kind_name, pair_is_known
 
-  !> How LMGC90 calls our kinds of shape in see tables; a shifted disk is DISKx there too
+  !> How LMGC90 calls our kinds of shape in see tables; a shifted disk is DISKx there too, and of points the third letter is the
+  !> dimension of space
   character(len=5), parameter :: datbox_kind_names(n_kinds) = [character(len=5) :: 'DISKx', 'JONCx', 'xKSID', 'POLYG', &
                                                                                  'SPHER', 'PLANx', 'CYLND', 'DNLYC', 'POLYR', &
                                                                                  'PTxDx']
 
 contains
+
+  !> How LMGC90 calls a kind of shape in see tables.
+  pure function datbox_kind_name(kind, dimension) result(name)
+    integer, intent(in) :: kind !! kind of shape
+    integer, intent(in) :: dimension !! of space
+    character(len=5) :: name
+
+    name = datbox_kind_names(kind)
+    if (kind == kind_point) name = merge('PT2Dx', 'PT3Dx', dimension == 2)
+  end function datbox_kind_name
 
   !> Read all see tables.
   subroutine read_sees(file, scene, others, see_lines, diagnostics)
@@ -75,6 +88,7 @@ contains
       call complain(file, 'the alert distance must not be negative', 55, diagnostics)
       ok = .false.
     end if
+    if (ok) call check_points(file, scene, see, ok, diagnostics)
     if (ok) then
       if (pair_is_known(see%candidate_kind, see%antagonist_kind)) then
         scene%sees = [scene%sees, see]
@@ -86,6 +100,28 @@ contains
     end if
     call read_halo(file, diagnostics)
   end subroutine read_see
+
+  !> Laws of links hold between points, and between points nothing else does.
+  subroutine check_points(file, scene, see, ok, diagnostics)
+    type(datbox_file_t), intent(inout) :: file
+    type(scene_t), intent(in) :: scene
+    type(see_t), intent(in) :: see
+    logical, intent(inout) :: ok
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    associate (law => scene%laws(see%law))
+      if (links_points(see) .and. .not. (is_link_law(law) .or. law%kind == law_linear)) then
+        call complain_once(file, 'points', 'between points only rods, wires, NARD_ROD and COUPLED_DOF are done, which '''// &
+                           law%name//''' is not', 23, diagnostics)
+      else if (is_link_law(law) .and. .not. links_points(see)) then
+        call complain_once(file, 'no points', 'the contact law '''//law%name//''' is for points alone: LMGC90 stops here too', 23, &
+                           diagnostics)
+      else
+        return
+      end if
+    end associate
+    ok = .false.
+  end subroutine check_points
 
   !> Pass over the optional line of a see table that begins with `+`.
   subroutine read_halo(file, diagnostics)
@@ -122,8 +158,8 @@ contains
     logical, intent(inout) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
 
-    kind = datbox_kind(name_field(file, first))
-    if (kind > 0 .and. (kind >= kind_sphere .eqv. dimension == 3)) return
+    kind = datbox_kind(name_field(file, first), dimension)
+    if (kind == kind_point .or. (kind > 0 .and. (kind >= kind_sphere .eqv. dimension == 3))) return
     ok = .false.
     ! Contactors of such a type are refused in BODIES.DAT: none is here.
     call remark(file, name_field(file, first), 'there is no contactor of type '''//name_field(file, first) &
@@ -131,11 +167,12 @@ contains
   end function contactor_kind
 
   !> Our kind of a contactor that see tables know by this name; 0 when there is none.
-  pure integer function datbox_kind(name) result(kind)
+  pure integer function datbox_kind(name, dimension) result(kind)
     character(len=*), intent(in) :: name !! LMGC90's name
+    integer, intent(in) :: dimension !! of space
 
     do kind = 1, n_kinds
-      if (datbox_kind_names(kind) == name) return
+      if (datbox_kind_name(kind, dimension) == name) return
     end do
     kind = 0
   end function datbox_kind
@@ -151,7 +188,8 @@ contains
             .or. candidate == kind_sphere .and. any(antagonist == [kind_sphere, kind_plane, kind_cylinder, &
                                                                    kind_hollow_cylinder, kind_polyhedron]) &
             .or. candidate == kind_cylinder .and. any(antagonist == [kind_cylinder, kind_plane, kind_hollow_cylinder]) &
-            .or. candidate == kind_polyhedron .and. any(antagonist == [kind_polyhedron, kind_plane])
+            .or. candidate == kind_polyhedron .and. any(antagonist == [kind_polyhedron, kind_plane]) &
+            .or. candidate == kind_point .and. antagonist == kind_point
   end function pair_is_known
 
   !> The law that a see table names; 0 and a mistake when it is not listed or not done.
@@ -218,7 +256,7 @@ contains
       character(len=:), allocatable :: what
 
       if (is_there(kind, colour)) return
-      what = datbox_kind_names(kind)//' of colour '''//scene%colours(colour)%s//''''
+      what = datbox_kind_name(kind, scene%dimension)//' of colour '''//scene%colours(colour)%s//''''
       call remark(file, what, 'there is no '//what//' for this see table', column, diagnostics)
     end subroutine check_side
   end subroutine check_sees

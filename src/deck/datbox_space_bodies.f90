@@ -3,13 +3,13 @@
 !! LMGC90 puts a body's centre at that of its volume, wherever the node is, and its axes along the principal ones of its
 !! inertia: those of DOF.INI are these. So must ours be, and in the same order (`inertia_frame`).
 module sg_datbox_space_bodies
-  use sg_contactors, only: kind_cylinder, kind_hollow_cylinder, kind_plane
-  use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, triple
+  use sg_contactors, only: add_point, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_point
+  use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, read_triple, triple
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, name_field, next_line, remark, step_back
   use sg_datbox_polyhedra, only: read_polyhedron
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp, pi
-  use sg_polyhedron_moments, only: composed_solid, cylinder_solid, moved_solid, solid_t
+  use sg_polyhedron_moments, only: composed_solid, cylinder_solid, moved_solid, solid_t, sphere_solid
   use sg_rotations, only: frame_of, nearest_rotation, no_rotation
   use sg_scene, only: colour_index, scene_t
   use sg_solid_bodies, only: move_body_frame, set_inertia, solid_of_shapes
@@ -53,14 +53,18 @@ contains
     if (any(type == ['PLANx', 'CYLND'])) call read_local_frame(file, block%frame, shift, ok, diagnostics)
     if (any(type == ['POLYR', 'POLYF'])) then
       call read_polyhedron(file, scene%contactors, block%body, colour, type == 'POLYF', ok, diagnostics)
+    else if (type == 'PT3Dx') then
+      call read_triple(file, shift, ok, diagnostics)
     else if (n_sizes == 0) then
       call complain_once(file, type, 'contactors of type '''//type &
-                         //''' are not done: only SPHER, SPHEb, PLANx, CYLND, DNLYC, POLYR and POLYF', 2, diagnostics)
+                         //''' are not done: only SPHER, SPHEb, PLANx, CYLND, DNLYC, POLYR, POLYF and PT3Dx', 2, diagnostics)
       ok = .false.
     end if
     block%ok = block%ok .and. ok
     if (.not. ok) return
     select case (type)
+    case ('PT3Dx')
+      call add_point(scene%contactors, block%body, colour, shift)
     case ('SPHER', 'SPHEb')
       call add_sphere(scene%contactors, block%body, colour, sizes(1), shift)
     case ('PLANx')
@@ -133,6 +137,7 @@ contains
     first = block%before + 1
     last = scene%contactors%n
     solid = solid_of_datbox(scene, first, last)
+    if (is_point(scene, first, last)) solid = ball_about(scene%contactors%shift(:, first), block%mass_radius)
     filled = solid_of_shapes(scene%contactors, first, last)
     call inertia_frame(scene, block, solid, axes)
     do k = 1, 3
@@ -156,6 +161,22 @@ contains
       end if
     end associate
   end subroutine complete_solid_body
+
+  !> Is a point all that a body has?
+  pure logical function is_point(scene, first, last)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: first, last
+
+    is_point = first == last
+    if (is_point) is_point = scene%contactors%kind(first) == kind_point
+  end function is_point
+
+  !> The ball as which LMGC90 takes a body that is a point: of the radius of mass, of one metre where that is zero.
+  pure type(solid_t) function ball_about(centre, radius) result(solid)
+    real(wp), intent(in) :: centre(3), radius
+
+    solid = moved_solid(sphere_solid(merge(radius, 1.0_wp, radius > 0)), centre, frame_of(no_rotation))
+  end function ball_about
 
   !> The volume that weighs, from the radius of mass: of a body with one contactor that of the ball of this radius; of others
   !! LMGC90 does not look at it.

@@ -3,7 +3,7 @@
 module sg_datbox_uses
   use sg_census, only: census_t
   use sg_datbox_lines, only: datbox_file_t, go_to, remark
-  use sg_datbox_sees, only: datbox_kind_names
+  use sg_datbox_sees, only: datbox_kind_name
   use sg_error, only: diagnostics_t
   use sg_scene, only: scene_t
   use sg_sees_used, only: find_uses, see_uses_t
@@ -36,7 +36,7 @@ contains
       call diagnostics%warn('no see table names the contact law '''//scene%laws(i)%name//'''', file=file%path, kind='unused law')
     end do
     do i = 1, size(uses%alone, 2)
-      call diagnostics%warn('no see table fits '//datbox_kind_names(uses%alone(1, i))//' of colour '''// &
+      call diagnostics%warn('no see table fits '//datbox_kind_name(uses%alone(1, i), scene%dimension)//' of colour '''// &
                             scene%colours(uses%alone(2, i))%s//''', which touches nothing', file=file%path, kind='touches nothing')
     end do
   end subroutine warn_of_unused_sees

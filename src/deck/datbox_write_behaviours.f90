@@ -4,7 +4,7 @@ module sg_datbox_write_behaviours
   use sg_datbox_bodies, only: body_type
   use sg_datbox_laws, only: form_of_law, get_parameter, law_forms
   use sg_datbox_output, only: finish_file, node_head, output_t, put, real_word, solid_node_head, start_file
-  use sg_datbox_sees, only: datbox_kind_names, pair_is_known
+  use sg_datbox_sees, only: datbox_kind_name, pair_is_known
   use sg_drives, only: drive_t
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i4
@@ -113,14 +113,22 @@ contains
             is_written(j, i) = .true.
             call put(output, '$seety')
             call put(output, ' cdbdy  cdtac  cdcol  behav  anbdy  antac  ancol       alert')
-            call put(output, ' '//body_type(scene%dimension)//'  '//datbox_kind_names(kind_of(i))//'  '//colours(colour_of(i)) &
-                     //'  '//laws(scene%sees(s)%law)//'  '//body_type(scene%dimension)//'  '//datbox_kind_names(kind_of(j)) &
+            call put(output, ' '//body_type(scene%dimension)//'  '//kind_name(i)//'  '//colours(colour_of(i)) &
+                     //'  '//laws(scene%sees(s)%law)//'  '//body_type(scene%dimension)//'  '//kind_name(j) &
                      //'  '//colours(colour_of(j))//'      '//real_word(scene%sees(s)%alert))
           end do
         end do
       end do
     end do
   contains
+    !> Name of the kind of a class.
+    pure function kind_name(class)
+      integer, intent(in) :: class
+      character(len=5) :: kind_name
+
+      kind_name = datbox_kind_name(kind_of(class), scene%dimension)
+    end function kind_name
+
     !> Kind of a class.
     pure integer function kind_of(class)
       integer, intent(in) :: class

@@ -4,7 +4,7 @@ module sg_datbox_write_contacts
   use sg_datbox_contacts, only: components_of
   use sg_datbox_internal, only: most_numbers, n_numbers_of, numbers_of_internal
   use sg_datbox_output, only: finish_file, labelled, output_t, put, put_steps, real_word, start_file
-  use sg_datbox_sees, only: datbox_kind_names
+  use sg_datbox_sees, only: datbox_kind_name
   use sg_error, only: error_t
   use sg_internal_values, only: most_internal
   use sg_kinds, only: wp, i1, i4
@@ -229,7 +229,7 @@ contains
     character(len=60) :: buffer
 
     write (buffer, merge('(a,i7,2x,a,2x,i7)', '(a,i5,2x,a,2x,i5)', is_large)) 'RBDY3  ', scene%contactors%body(contactor), &
-      datbox_kind_names(scene%contactors%kind(contactor)), rank(contactor)
+      datbox_kind_name(int(scene%contactors%kind(contactor)), 3), rank(contactor)
     text = trim(buffer)
   end function solid_side
 
@@ -244,10 +244,10 @@ contains
 
     if (is_large) then
       write (buffer, '(a,i10,2x,a,2x,i5)') 'RBDY2  ', scene%contactors%body(contactor), &
-        datbox_kind_names(scene%contactors%kind(contactor)), rank(contactor)
+        datbox_kind_name(int(scene%contactors%kind(contactor)), 2), rank(contactor)
     else
       write (buffer, '(a,i5,2x,a,2x,i5)') 'RBDY2  ', scene%contactors%body(contactor), &
-        datbox_kind_names(scene%contactors%kind(contactor)), rank(contactor)
+        datbox_kind_name(int(scene%contactors%kind(contactor)), 2), rank(contactor)
     end if
     text = trim(buffer)
     if (.not. has_feature) return

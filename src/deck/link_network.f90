@@ -12,7 +12,7 @@ module sg_link_network
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: points_t, link_by_distance, place_of_point, nearest_image
+  public :: points_t, link_by_distance, line_between, distance_of, place_of_point, nearest_image
 
   !> All points of a scene where they are at the start
   type :: points_t
@@ -101,11 +101,13 @@ contains
   end function longest_axis
 
   !> Line of the see tables that links two points; 0 where none does.
-  pure integer function line_between(scene, points, pair) result(line)
-    type(scene_t), intent(in) :: scene
-    type(points_t), intent(in) :: points
-    integer, intent(in) :: pair(2)
+  pure integer function line_between(scene, points, pair, anywhere) result(line)
+    type(scene_t), intent(in) :: scene !! scene with its see tables
+    type(points_t), intent(in) :: points !! its points
+    integer, intent(in) :: pair(2) !! two of them
+    logical, intent(in), optional :: anywhere !! at any distance?
     integer :: colour(2)
+    logical :: is_near
 
     colour = points%tag(3, pair)
     if (points%tag(2, pair(1)) /= points%tag(2, pair(2))) then
@@ -113,7 +115,9 @@ contains
         associate (see => scene%sees(line))
           if (.not. links_points(see)) cycle
           if (.not. (fits(see, colour) .or. fits(see, colour([2, 1])))) cycle
-          if (distance_of(scene, points, pair) <= see%alert) return
+          is_near = present(anywhere)
+          if (.not. is_near) is_near = distance_of(scene, points, pair) <= see%alert
+          if (is_near) return
         end associate
       end do
     end if
@@ -129,9 +133,9 @@ contains
 
   !> Distance of two points, the second in its nearest image [m].
   pure real(wp) function distance_of(scene, points, pair) result(distance)
-    type(scene_t), intent(in) :: scene
-    type(points_t), intent(in) :: points
-    integer, intent(in) :: pair(2)
+    type(scene_t), intent(in) :: scene !! scene with its periods
+    type(points_t), intent(in) :: points !! its points
+    integer, intent(in) :: pair(2) !! two of them
     integer :: image(2)
     real(wp) :: between(3)
 

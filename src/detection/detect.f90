@@ -5,10 +5,10 @@ module sg_detect
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_hand_over, only: hand_over
   use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, past_pair, recall, unwrap_images
-  use sg_internal_values, only: first_internal, not_recorded
+  use sg_internal_values, only: first_internal, n_internal_of, not_recorded
   use sg_kinds, only: wp, i1, i4
-  use sg_laws, only: law_mohr, status_bonded, status_new
-  use sg_link_laws, only: holds_across, pulls_only
+  use sg_laws, only: law_bond, law_mohr, status_bonded, status_broken, status_new
+  use sg_link_laws, only: holds_across, is_torn, pulls_only
   use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
   use sg_scene, only: scene_t
   use sg_shrink_face, only: shrink_face
@@ -216,7 +216,27 @@ contains
     ! The link may have turned since: the guess of one that carries nothing across is the force along it.
     if (contacts%n_components == 3 .and. .not. holds_across(scene%laws(contacts%law(k)))) &
       contacts%impulse(:, k) = dot_product(contacts%impulse(:, k), normal)*normal
+    if (is_broken(scene, contacts, k, l)) contacts%status(k) = status_broken
   end subroutine follow_link
+
+  !> Is a bond broken by where its ends are?
+  pure logical function is_broken(scene, contacts, k, l)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k, l !! contact and link
+    real(wp) :: across(4)
+    integer :: n
+
+    is_broken = .false.
+    if (scene%laws(contacts%law(k))%kind /= law_bond) return
+    n = n_internal_of(scene%laws(contacts%law(k)), scene%dimension)
+    across(:n) = contacts%internal(:n, k)
+    ! In space the displacement counts across the bond as it lies now.
+    if (n == 4) across(2:4) = across(2:4) - dot_product(across(2:4), contacts%normal(:, k))*contacts%normal(:, k)
+    associate (links => scene%links)
+      is_broken = is_torn(scene%laws(contacts%law(k)), contacts%gap(k), links%length(l), [links%area(l), links%mass(l)], across(:n))
+    end associate
+  end function is_broken
 
   !> Are the circles about two shapes farther apart than the alert distance? Most neighbours' are; a square tells.
   pure logical function circles_are_apart(scene, c, a, image, alert) result(apart)

@@ -2,7 +2,7 @@
 !! start (doc/theory/laws.md).
 module sg_internal_values
   use sg_kinds, only: wp
-  use sg_laws, only: law_elastic_g0, law_gap_g0, law_iqs_g0, law_t
+  use sg_laws, only: law_bond, law_elastic_g0, law_gap_g0, law_iqs_g0, law_t
   implicit none
   private
   public :: most_internal, not_recorded, n_internal_of, first_internal
@@ -17,6 +17,8 @@ contains
   !> Number of internal values of a law.
   !!
   !! - laws whose gap counts from that of the first detection: that gap [m]
+  !! - bonds between points: length at the first detection, then the displacement across the bond since then [m], along the
+  !!   tangent or in the world's axes
   pure integer function n_internal_of(law, dimension) result(n)
     type(law_t), intent(in) :: law !! law to look at
     integer, intent(in) :: dimension !! of space
@@ -26,6 +28,8 @@ contains
     select case (law%kind)
     case (law_iqs_g0, law_gap_g0, law_elastic_g0)
       n = 1
+    case (law_bond)
+      n = merge(2, 4, dimension == 2)
     end select
   end function n_internal_of
 
@@ -46,6 +50,8 @@ contains
       values(1) = merge(gap, max(0.0_wp, gap), dimension == 2)
     case (law_elastic_g0)
       values(1) = merge(max(0.0_wp, gap), gap, dimension == 2)
+    case (law_bond)
+      values(1) = gap
     end select
   end function first_internal
 end module sg_internal_values

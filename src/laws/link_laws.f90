@@ -8,17 +8,17 @@ module sg_link_laws
   use sg_laws, only: law_bond, law_linear, law_rigid_wire, law_rod, law_t, law_wire, local_law_t, status_broken
   implicit none
   private
-  public :: link_law, link_energy, pulls_only, holds_across, breaks, stiffness_of_bond, damping_of_bond
+  public :: link_law, link_energy, pulls_only, holds_across, tears, is_torn
 
 contains
 
   !> What the law of a link asks in one step.
-  pure function link_law(law, length, rest, bond, shear, step, status) result(local)
+  pure function link_law(law, length, rest, bond, state, step, status) result(local)
     type(law_t), intent(in) :: law !! law of the link
     real(wp), intent(in) :: length !! at the detection configuration [m]
     real(wp), intent(in) :: rest !! length at rest [m]
     real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg] of a bond
-    real(wp), intent(in) :: shear(2) !! tangential displacement of a bond at the beginning of the step [m]
+    real(wp), intent(in) :: state(3) !! of a bond: first length, displacement along both tangents at the beginning of the step [m]
     real(wp), intent(in) :: step !! time step h [s]
     integer(i1), intent(in) :: status !! what the link did in the last step
     type(local_law_t) :: local
@@ -39,7 +39,7 @@ contains
       local%bias(1) = (rest - length)/step
     case (law_bond)
       local%is_linear = .true.
-      call bond_law(law, length, rest, bond, shear, step, local)
+      call bond_law(law, length, rest, bond, state, step, local)
     case (law_linear)
       local%is_linear = .true.
       local%compliance = law%epsilon
@@ -47,9 +47,9 @@ contains
   end function link_law
 
   !> A bond: spring and dashpot along the normal and along the tangents.
-  pure subroutine bond_law(law, length, rest, bond, shear, step, local)
+  pure subroutine bond_law(law, length, rest, bond, state, step, local)
     type(law_t), intent(in) :: law
-    real(wp), intent(in) :: length, rest, bond(2), shear(2), step
+    real(wp), intent(in) :: length, rest, bond(2), state(3), step
     type(local_law_t), intent(inout) :: local
     real(wp) :: stiffness(2), damping(2), both(2)
 
@@ -57,14 +57,13 @@ contains
     damping = damping_of_bond(law, rest, bond)
     both = stiffness*step + damping
     local%compliance = 1/(both*step)
-    local%bias = [stiffness(1)*(length - rest)/both(1), stiffness(2)*shear/both(2)]
+    local%bias = [stiffness(1)*(length - state(1))/both(1), stiffness(2)*state(2:)/both(2)]
   end subroutine bond_law
 
   !> Normal and tangential stiffness of a bond [N/m]: E A/l0, and as much over 2 (1 + nu).
   pure function stiffness_of_bond(law, rest, bond) result(stiffness)
-    type(law_t), intent(in) :: law !! law of the bond
-    real(wp), intent(in) :: rest !! length at rest [m]
-    real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg]
+    type(law_t), intent(in) :: law
+    real(wp), intent(in) :: rest, bond(2)
     real(wp) :: stiffness(2)
 
     stiffness(1) = law%young*bond(1)/rest
@@ -73,9 +72,8 @@ contains
 
   !> Normal and tangential viscosity of a bond [N s/m]: critical damping 2 sqrt(m k).
   pure function damping_of_bond(law, rest, bond) result(damping)
-    type(law_t), intent(in) :: law !! law of the bond
-    real(wp), intent(in) :: rest !! length at rest [m]
-    real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg]
+    type(law_t), intent(in) :: law
+    real(wp), intent(in) :: rest, bond(2)
     real(wp) :: damping(2)
 
     damping = 2*sqrt(bond(2)*stiffness_of_bond(law, rest, bond))
@@ -95,34 +93,37 @@ contains
     holds_across = law%kind == law_bond .or. law%kind == law_linear
   end function holds_across
 
-  !> Is a link broken by what it carried in a step (a wire), or by where its ends are (a bond)?
-  pure logical function breaks(law, length, rest, bond, shear, force)
+  !> Does a wire break under what it carried in a step?
+  pure logical function tears(law, force)
+    type(law_t), intent(in) :: law !! law of the link
+    real(wp), intent(in) :: force !! its tension [N]
+
+    tears = law%kind == law_wire .and. law%breaking_force > 0 .and. force > law%breaking_force
+  end function tears
+
+  !> Are the ends of a bond so far from where they were at first that it is broken?
+  pure logical function is_torn(law, length, rest, bond, state)
     type(law_t), intent(in) :: law !! law of the link
     real(wp), intent(in) :: length !! at the detection configuration [m]
     real(wp), intent(in) :: rest !! length at rest [m]
-    real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg] of a bond
-    real(wp), intent(in) :: shear(2) !! tangential displacement of a bond [m]
-    real(wp), intent(in) :: force !! tension of the step [N]
+    real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg]
+    real(wp), intent(in) :: state(:) !! first length, then the displacement across [m]
     real(wp) :: stiffness(2)
 
-    breaks = .false.
-    select case (law%kind)
-    case (law_wire)
-      breaks = law%breaking_force > 0 .and. force > law%breaking_force
-    case (law_bond)
-      stiffness = stiffness_of_bond(law, rest, bond)
-      breaks = stiffness(1)*(length - rest) > bond(1)*law%normal_strength .or. &
-               any(stiffness(2)*abs(shear) > bond(1)*law%tangential_strength)
-    end select
-  end function breaks
+    is_torn = .false.
+    if (law%kind /= law_bond) return
+    stiffness = stiffness_of_bond(law, rest, bond)
+    is_torn = stiffness(1)*(length - state(1)) > bond(1)*law%normal_strength .or. &
+              stiffness(2)*norm2(state(2:)) > bond(1)*law%tangential_strength
+  end function is_torn
 
   !> Elastic energy of a link that is not broken [J].
-  pure real(wp) function link_energy(law, length, rest, bond, shear) result(energy)
+  pure real(wp) function link_energy(law, length, rest, bond, state) result(energy)
     type(law_t), intent(in) :: law !! law of the link
     real(wp), intent(in) :: length !! [m]
     real(wp), intent(in) :: rest !! length at rest [m]
     real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg] of a bond
-    real(wp), intent(in) :: shear(2) !! tangential displacement of a bond [m]
+    real(wp), intent(in) :: state(:) !! of a bond: first length, then the displacement across [m]
     real(wp) :: stretch, stiffness(2)
 
     energy = 0
@@ -134,7 +135,7 @@ contains
       energy = law%axial_stiffness/rest*max(0.0_wp, stretch)**2/2
     case (law_bond)
       stiffness = stiffness_of_bond(law, rest, bond)
-      energy = (stiffness(1)*(length - rest)**2 + stiffness(2)*sum(shear**2))/2
+      energy = (stiffness(1)*(length - state(1))**2 + stiffness(2)*sum(state(2:)**2))/2
     end select
   end function link_energy
 end module sg_link_laws

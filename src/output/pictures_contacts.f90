@@ -1,13 +1,15 @@
 !> Picture of the contacts: one line a contact from body to body, which carries the forces of the step.
 !!
 !! A line goes from the candidate's centre to the antagonist's, in the periodic image of the candidate; at a wall,
-!! whose centre means nothing, it ends at the point of contact instead. Where ranks share a scene each draws its own
+!! whose centre means nothing, it ends at the point of contact instead. The line of a link goes from point to point. Where ranks share a scene each draws its own
 !! contacts; those of lower ranks come first.
 module sg_pictures_contacts
   use sg_bodies, only: bodies_t
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
   use sg_kinds, only: wp, i4, i8
+  use sg_link_contacts, only: is_link, tension
+  use sg_link_laws, only: pulls_only
   use sg_pictures_grid, only: grid_file_t, on_cells, on_field, vtk_empty, vtk_line
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
@@ -66,13 +68,13 @@ contains
       end do
       call self%grid%place(points)
       if (n > 0) call write_arrays(self, scene, contacts)
-      if (n == 0) call write_zeros(self, scene%dimension, 0)
+      if (n == 0) call write_zeros(self, scene, 0)
     else
       ! VTK 9.5 and 9.6 misread a step without cells: one cell of type "empty" draws nothing.
       i = merge(1, 0, self%grid%file%ranks%rank == 0)
       call self%grid%part(0, no_ids, spread(0_i4, 1, i), spread(vtk_empty, 1, i))
       call self%grid%place(points)
-      call write_zeros(self, scene%dimension, i)
+      call write_zeros(self, scene, i)
     end if
     call self%grid%finish(time, step)
     call self%xdmf%add(self%grid, time)
@@ -89,6 +91,7 @@ contains
     n = contacts%n
     d = scene%dimension
     call write_forces(self, contacts, d)
+    if (scene%links%n > 0) call self%grid%put(on_cells, 'tension', tensions(scene, contacts, self%time_step))
     call self%grid%put(on_cells, 'gap', contacts%gap(:n))
     vectors = 0
     vectors(1:d, :) = contacts%normal(:, :n)
@@ -125,10 +128,25 @@ contains
     if (dimension == 3) call self%grid%put(on_cells, 'force', vectors)
   end subroutine write_forces
 
+  !> Tensions of all links [N], zero for contacts between shapes.
+  pure function tensions(scene, contacts, time_step)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in) :: time_step
+    real(wp) :: tensions(contacts%n)
+    integer :: k
+
+    tensions = 0
+    do k = 1, contacts%n
+      if (is_link(scene, contacts, k)) tensions(k) = tension(scene, contacts, k)/time_step
+    end do
+  end function tensions
+
   !> Numbers of the cell that stands for no contact, or nothing of a rank without contacts where others have some.
-  subroutine write_zeros(self, dimension, rows)
+  subroutine write_zeros(self, scene, rows)
     type(contacts_picture_t), intent(inout) :: self
-    integer, intent(in) :: dimension, rows
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: rows
     real(wp) :: vector(3, rows)
     integer(i4) :: zero(rows)
 
@@ -136,7 +154,8 @@ contains
     zero = 0
     call self%grid%put(on_cells, 'force_normal', vector(1, :))
     call self%grid%put(on_cells, 'force_tangential', vector(1, :))
-    if (dimension == 3) call self%grid%put(on_cells, 'force', vector)
+    if (scene%dimension == 3) call self%grid%put(on_cells, 'force', vector)
+    if (scene%links%n > 0) call self%grid%put(on_cells, 'tension', vector(1, :))
     call self%grid%put(on_cells, 'gap', vector(1, :))
     call self%grid%put(on_cells, 'normal', vector)
     call self%grid%put(on_cells, 'point', vector)
@@ -161,7 +180,7 @@ contains
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: i
-    real(wp) :: ends(scene%dimension, 2), here(scene%dimension), image(scene%dimension)
+    real(wp) :: ends(scene%dimension, 2), here(scene%dimension), image(scene%dimension), half(scene%dimension)
     integer :: candidate, antagonist
 
     candidate = contacts%body(1, i)
@@ -172,7 +191,12 @@ contains
     if (scene%dimension == 3) image(2) = real(contacts%image_y(i), wp)*scene%period_y
     ends(:, 1) = scene%bodies%position(:, candidate)
     ends(:, 2) = scene%bodies%position(:, antagonist) + (image + here - jump(scene, antagonist))
-    if (.not. scene%bodies%is_grain(antagonist)) then
+    if (is_link(scene, contacts, i)) then
+      half = contacts%gap(i)/2*contacts%normal(:, i)
+      if (pulls_only(scene%laws(contacts%law(i)))) half = -half
+      ends(:, 1) = contacts%point(:, i) + here + half
+      ends(:, 2) = contacts%point(:, i) + here - half
+    else if (.not. scene%bodies%is_grain(antagonist)) then
       ends(:, 2) = contacts%point(:, i) + here
     else if (.not. scene%bodies%is_grain(candidate)) then
       ends(:, 1) = contacts%point(:, i) + here

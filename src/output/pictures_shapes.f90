@@ -5,7 +5,7 @@
 module sg_pictures_shapes
   use sg_bodies, only: angle_of, bodies_t
   use sg_comm, only: comm_t
-  use sg_contactors, only: contactors_t, n_kinds
+  use sg_contactors, only: contactors_t, kind_point, n_kinds
   use sg_error, only: exit_output, fail
   use sg_kinds, only: wp, i4, i8
   use sg_pictures_grid, only: grid_file_t, on_cells, on_points
@@ -50,7 +50,9 @@ contains
     logical :: is_mine(scene%contactors%n)
     integer(i8) :: before, total
 
-    is_mine = scene%contactors%body(:scene%contactors%n) <= scene%bodies%n_home
+    ! Points have nothing to draw: links are drawn as contacts.
+    is_mine = scene%contactors%body(:scene%contactors%n) <= scene%bodies%n_home .and. &
+              scene%contactors%kind(:scene%contactors%n) /= kind_point
     call trace(scene, is_mine, comm, self%mesh)
     if (comm%size > 1) call self%pieces%plan(scene, is_mine, rows, self%mesh, comm)
     call self%grid%open(options%folder//'/shapes.vtkhdf', options, resumed_step, comm)

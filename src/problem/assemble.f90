@@ -8,8 +8,7 @@ module sg_assemble
   use sg_delassus, only: set_block
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: kind_of_local_law, law_mohr, local_law, local_law_t, status_bonded, status_stick
-  use sg_link_contacts, only: is_link
-  use sg_link_laws, only: link_law
+  use sg_link_contacts, only: is_link, law_of_link
   use sg_mapping, only: arms_of, relative_velocity
   use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, is_compact, is_in_space, problem_t, &
                         reserve_problem, round_frictional, round_frictionless, solid_frictional
@@ -108,21 +107,6 @@ contains
       law = local_law(own, contacts%gap(k), step, before, contacts%status(k), contacts%internal(:, k))
     end associate
   end function law_of
-
-  !> What the law of a link asks in this step.
-  pure function law_of_link(scene, contacts, k, step) result(law)
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(in) :: k
-    real(wp), intent(in) :: step
-    type(local_law_t) :: law
-    real(wp), parameter :: no_shear(2) = 0
-
-    associate (l => contacts%feature(k), links => scene%links)
-      law = link_law(scene%laws(contacts%law(k)), contacts%gap(k), links%length(l), [links%area(l), links%mass(l)], no_shear, &
-                     step, contacts%status(k))
-    end associate
-  end function law_of_link
 
   !> Free velocities and inverse masses by slot.
   pure subroutine load_bodies(bodies, kind, body_of, radius, body)

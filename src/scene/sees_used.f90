@@ -3,7 +3,7 @@
 module sg_sees_used
   use sg_contactors, only: n_kinds
   use sg_scene, only: scene_t, see_t
-  use sg_sees, only: can_meet
+  use sg_sees, only: can_meet, links_points
   implicit none
   private
   public :: see_uses_t, find_uses, is_used, fits_nothing, fits_blind, is_spare
@@ -61,7 +61,9 @@ contains
       do j = 1, size(antagonists)
         associate (one => candidates(i), other => antagonists(j))
           if (are_of_one_body(looks(:, one), looks(:, other))) cycle
-          if (.not. can_meet(looks(1, one), looks(1, other))) then
+          if (links_points(sees(line))) then
+            use = is_used
+          else if (.not. can_meet(looks(1, one), looks(1, other))) then
             if (use == fits_nothing) use = fits_blind
           else if (holder(one, other) == 0) then
             holder(one, other) = line

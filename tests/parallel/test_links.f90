@@ -8,7 +8,7 @@ program test_links
   use sg_contactors, only: add_disk
   use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_laws, only: law_linear, law_rod, law_t, law_wire
+  use sg_laws, only: law_bond, law_linear, law_rod, law_t, law_wire, status_broken
   use sg_links, only: add_link, locate_links
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: decompose, simulation_t, start_simulation
@@ -23,7 +23,7 @@ program test_links
 
   call comm%start()
   do dimension = 2, 3
-    do kind = 1, 3
+    do kind = 1, 4
       do g = 1, size(gluings)
         call test_net(dimension, kind, trim(gluings(g)))
       end do
@@ -48,6 +48,8 @@ contains
     call advance_pack(t, name, whole, steps)
     call t%check(maxval(norm2(whole%scene%bodies%velocity(:dimension, :), 1)) > 0.1_wp, name//': it moves')
     call t%equal(whole%contacts%n, whole%scene%links%n, name//': every link is a contact')
+    if (kind == 4) call t%check(count(whole%contacts%status(:whole%contacts%n) == status_broken) > 0 .and. &
+                                count(whole%contacts%status(:whole%contacts%n) /= status_broken) > 50, name//': some bonds break')
     if (comm%size == 1) return
     call begin(dimension, kind, gluing, part)
     part%comm = comm
@@ -77,6 +79,8 @@ contains
     law = law_t(kind=law_rod, axial_stiffness=2e3_wp, axial_damping=5.0_wp)
     if (kind == 2) law = law_t(kind=law_wire, axial_stiffness=2e3_wp, axial_damping=5.0_wp)
     if (kind == 3) law = law_t(kind=law_linear, epsilon=5.0_wp)
+    if (kind == 4) law = law_t(kind=law_bond, young=1e6_wp, poisson=0.2_wp, tangential_strength=1e9_wp, &
+                               normal_strength=merge(1e4_wp, 5e3_wp, dimension == 2))
     call begin_links(sim%scene, 60, dimension, law)
     sim%scene%gravity(dimension) = -9.81_wp
     if (kind == 1) sim%scene%period = 6
@@ -115,12 +119,12 @@ contains
     do column = 1, columns
       do row = 1, rows
         b = rows*(column - 1) + row
-        if (row < rows) call link(sim%scene, b, b + 1, 0.38_wp)
-        if (column < columns) call link(sim%scene, b, b + rows, 0.49_wp)
+        if (row < rows) call link(sim%scene, b, b + 1, 0.38_wp, [2e-3_wp, 0.01_wp])
+        if (column < columns) call link(sim%scene, b, b + rows, 0.49_wp, [2e-3_wp, 0.01_wp])
         ! Across the whole scene, or across the period.
         if (column > 1 .or. row == 3) cycle
         call add_link(sim%scene%links, [b, b + rows*(columns - 1)], [merge(-1, 0, kind == 1), 0], 1, &
-                      merge(0.45_wp, 5.4_wp, kind == 1), 0.0_wp, 0.0_wp)
+                      merge(0.45_wp, 5.4_wp, kind == 1), 2e-3_wp, 0.01_wp)
       end do
     end do
     call locate_links(sim%scene%links, sim%scene%contactors)

@@ -6,7 +6,7 @@ program test_links
   use scenes, only: begin_run, g, run
   use sg_contactors, only: add_disk
   use sg_kinds, only: wp, pi
-  use sg_laws, only: law_linear, law_rigid_wire, law_rod, law_t, law_wire, status_broken
+  use sg_laws, only: law_bond, law_linear, law_rigid_wire, law_rod, law_t, law_wire, status_broken
   use sg_simulation, only: simulation_t
   use sg_space_contactors, only: add_sphere
   implicit none
@@ -22,6 +22,8 @@ program test_links
     call test_break(dimension)
     call test_glue(dimension)
     call test_period(dimension)
+    call test_bond(dimension, axis=1)
+    call test_bond(dimension, axis=dimension)
   end do
   call t%finish()
 
@@ -241,4 +243,43 @@ contains
     call t%check(minval(sim%scene%bodies%crossings) > 3, 'period: it is crossed')
     call t%near(maxval(abs(sim%scene%bodies%velocity(1, :) - 5)), 0.0_wp, 1e-10_wp, 'period: nothing changes their velocity')
   end subroutine test_period
+
+  !> A bond whose ends are drawn apart slowly, along it or across it: force by displacement and by speed, and where it breaks.
+  subroutine test_bond(dimension, axis)
+    integer, intent(in) :: dimension, axis
+    real(wp), parameter :: h = 1e-3_wp, rest = 2, area = 0.03_wp, mass = 0.5_wp, young = 1e7_wp, poisson = 0.25_wp
+    real(wp), parameter :: strength(2) = [2000.0_wp, 600.0_wp], speed = 1e-3_wp
+    type(simulation_t) :: sim
+    real(wp) :: stiffness, damping, expected, limit, force
+    integer :: step, broken, mode
+
+    mode = merge(1, 2, axis == 1)
+    call begin_links(sim%scene, 2, dimension, law_t(kind=law_bond, young=young, poisson=poisson, normal_strength=strength(1), &
+                                                    tangential_strength=strength(2)))
+    call put_mass(sim%scene, 1, 0.0_wp, 0*along(dimension, 1))
+    ! Heavy, so that the bond does not slow it: 60 N for a second on 10^9 kg.
+    call put_mass(sim%scene, 2, 1e9_wp, rest*along(dimension, 1))
+    sim%scene%bodies%velocity(axis, 2) = speed
+    call link(sim%scene, 1, 2, rest, [area, mass])
+    call begin_run(sim, h, 1e-12_wp)
+    stiffness = young*area/rest/merge(1.0_wp, 2*(1 + poisson), mode == 1)
+    damping = 2*sqrt(mass*stiffness)
+    limit = area*strength(mode)/stiffness
+    broken = 0
+    do step = 1, 800
+      call run(sim, 1)
+      force = abs(sim%contacts%impulse(mode, 1))/h
+      if (dimension == 3) force = norm2(sim%contacts%impulse(:, 1))/h
+      if (sim%contacts%status(1) == status_broken) then
+        if (broken == 0) broken = step
+        call t%near(force, 0.0_wp, 0.0_wp, 'bond: nothing holds once it is broken')
+      else
+        ! Displacements count from the first detection along the bond, from the beginning of the step across it: both end with it.
+        expected = stiffness*speed*h*real(step, wp) + damping*speed
+        ! Slow ends: what a turned bond does in the other direction is x/rest = 4e-4 of the force, and grows it by its square.
+        call t%near(force, expected, 1e-3_wp*expected, 'bond: force')
+      end if
+    end do
+    call t%near(speed*h*real(broken, wp), limit, 2*speed*h, 'bond: displacement at which it breaks')
+  end subroutine test_bond
 end program test_links

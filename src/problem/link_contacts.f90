@@ -1,0 +1,98 @@
+!> Contacts that are links: what they carry, how long they are, and what a step leaves of them (doc/theory/links.md).
+module sg_link_contacts
+  use sg_contactors, only: kind_point
+  use sg_contacts, only: contacts_t, normal_impulse
+  use sg_kinds, only: wp
+  use sg_laws, only: law_bond, local_law_t, status_broken, status_none, status_stick
+  use sg_link_laws, only: link_law, pulls_only, tears
+  use sg_mapping, only: relative_velocity
+  use sg_mapping_space, only: space_relative_velocity, tangent_of
+  use sg_scene, only: scene_t
+  use sg_vectors, only: cross
+  implicit none
+  private
+  public :: is_link, law_of_link, tension, finish_links
+
+contains
+
+  !> Is a contact a link?
+  pure logical function is_link(scene, contacts, k)
+    type(scene_t), intent(in) :: scene !! scene with its links
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
+
+    is_link = scene%links%n > 0
+    if (is_link) is_link = scene%contactors%kind(contacts%contactor(1, k)) == kind_point
+  end function is_link
+
+  !> Impulse by which a link pulls its ends together [N s]; negative where it pushes them apart.
+  pure real(wp) function tension(scene, contacts, k)
+    type(scene_t), intent(in) :: scene !! scene with its links
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact, a link
+
+    tension = normal_impulse(contacts, k)
+    if (.not. pulls_only(scene%laws(contacts%law(k)))) tension = -tension
+  end function tension
+
+  !> What the law of a link asks in this step.
+  pure function law_of_link(scene, contacts, k, step) result(law)
+    type(scene_t), intent(in) :: scene !! scene with its links
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact, a link
+    real(wp), intent(in) :: step !! time step [s]
+    type(local_law_t) :: law
+    real(wp) :: state(3), t(3)
+
+    state = 0
+    associate (l => contacts%feature(k), links => scene%links, own => scene%laws(contacts%law(k)))
+      if (own%kind == law_bond .and. scene%dimension == 2) then
+        state(:2) = contacts%internal(:2, k)
+      else if (own%kind == law_bond) then
+        t = tangent_of(contacts%normal(:, k))
+        state(1) = contacts%internal(1, k)
+        state(2:) = [dot_product(t, contacts%internal(2:4, k)), &
+                     dot_product(cross(contacts%normal(:, k), t), contacts%internal(2:4, k))]
+      end if
+      law = link_law(own, contacts%gap(k), links%length(l), [links%area(l), links%mass(l)], state, step, contacts%status(k))
+    end associate
+  end function law_of_link
+
+  !> Set what the links did in a step that is solved: nothing (a slack wire), something, or that they broke; and how far the ends of
+  !! bonds moved across them.
+  pure subroutine finish_links(scene, contacts, step)
+    type(scene_t), intent(in) :: scene !! scene with its links, `free_velocity` that of the end of the step
+    type(contacts_t), intent(inout) :: contacts !! contacts of the step, solved
+    real(wp), intent(in) :: step !! time step [s]
+    integer :: k
+
+    if (scene%links%n == 0) return
+    do k = 1, contacts%n
+      if (.not. is_link(scene, contacts, k)) cycle
+      if (contacts%status(k) == status_broken) cycle
+      contacts%status(k) = status_none
+      if (any(abs(contacts%impulse(:, k)) > 0)) contacts%status(k) = status_stick
+      if (tears(scene%laws(contacts%law(k)), tension(scene, contacts, k)/step)) contacts%status(k) = status_broken
+      if (scene%laws(contacts%law(k))%kind == law_bond) call move_across(scene, contacts, k, step)
+    end do
+  end subroutine finish_links
+
+  !> Add to the displacement across a bond what its ends moved in the step.
+  pure subroutine move_across(scene, contacts, k, step)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(inout) :: contacts
+    integer, intent(in) :: k
+    real(wp), intent(in) :: step
+    real(wp) :: u(3)
+
+    if (scene%dimension == 2) then
+      u(:2) = relative_velocity(contacts, k, scene%bodies%middle, scene%period, scene%bodies%free_velocity)
+      contacts%internal(2, k) = contacts%internal(2, k) + step*u(2)
+    else
+      u = space_relative_velocity(scene, contacts, k, scene%bodies%free_velocity)
+      associate (n => contacts%normal(:, k))
+        contacts%internal(2:4, k) = contacts%internal(2:4, k) + step*(u - dot_product(u, n)*n)
+      end associate
+    end if
+  end subroutine move_across
+end module sg_link_contacts
