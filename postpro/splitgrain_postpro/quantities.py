@@ -160,6 +160,13 @@ def between_ranks(scene):
     return cells[grains & (ranks[:, 0] != ranks[:, 1])], int(grains.sum())
 
 
+def links(contacts):
+    """Cells that are links, and their tensions; none where the scene has no links."""
+    number = np.asarray(contacts.cell_data.get("link", np.zeros(len(contacts.types))))
+    cells = np.flatnonzero((contacts.types == VTK_LINE) & (number > 0))
+    return cells, np.asarray(contacts.cell_data["tension"], dtype=float)[cells] if len(cells) else np.zeros(0)
+
+
 def carrying(contacts):
     """Which cells are contacts that carry a normal force worth drawing."""
     force = np.abs(contacts.cell_data["force_normal"])

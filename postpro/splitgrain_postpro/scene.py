@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 
 from . import space
-from .quantities import QUANTITIES, between_ranks, carrying, colouring, is_in_space, of_bodies, of_shapes
+from .quantities import QUANTITIES, between_ranks, carrying, colouring, is_in_space, links, of_bodies, of_shapes
 from .style import BLACK, BLUE, GRAIN, VERMILION, WALL, number
 from .vtkhdf import VTK_POLY_LINE, VTK_POLYGON
 
@@ -162,13 +162,22 @@ def _repeat(outlines, period, view):
 
 
 def _draw_forces(ax, scene, period, view):
-    """Force chains: pushing contacts red, pulling ones blue, the width in proportion to the normal force."""
+    """Force chains: pushing contacts red, pulling ones blue, the width in proportion to the normal force; slack links thin."""
     contacts = scene.contacts
     cells = np.flatnonzero(carrying(contacts))
+    linked, tension = links(contacts)
+    if len(linked):
+        lines = contacts.outlines(linked)
+        if period > 0:
+            lines = [_nearest_image(line, period) for line in lines]
+        lines, _ = _repeat(lines, period, view)
+        ax.add_collection(LineCollection(lines, linewidths=0.7, colors=BLACK), autolim=False)
     if not len(cells):
         ax.text(0.01, 0.99, "no contact carries force", transform=ax.transAxes, va="top", fontsize=8)
         return
-    force = contacts.cell_data["force_normal"][cells]
+    force = np.array(contacts.cell_data["force_normal"], dtype=float)
+    force[linked] = -tension
+    force = force[cells]
     lines = contacts.outlines(cells)
     if period > 0:
         lines = [_nearest_image(line, period) for line in lines]

@@ -13,9 +13,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
 
 from .errors import ResultsError
-from .quantities import carrying, colouring, of_bodies, of_shapes, rows_of
+from .quantities import carrying, colouring, links, of_bodies, of_shapes, rows_of
 from .raster import Canvas, normal_of
-from .style import number
+from .style import BLACK, BLUE, VERMILION, number
 from .vtkhdf import VTK_POLYGON, VTK_VERTEX
 
 KIND_PLANE, KIND_CYLINDER, KIND_HOLLOW = 6, 7, 8
@@ -84,6 +84,8 @@ def draw_space(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None):
         picture[..., :3] = 0.25 * picture[..., :3] + 0.75
     ax.imshow(picture, extent=frame, origin="lower", zorder=2, interpolation="antialiased")
     ax.add_collection(LineCollection(outlines, colors="#6A6A6A", linewidths=0.7, alpha=0.6, zorder=3), autolim=False)
+    if scene.contacts is not None:
+        _draw_links(ax, scene, axes)
     if view.forces and scene.contacts is not None:
         scale = _draw_forces(ax, scene, axes, frame, radius, view)
     if scale is not None and scale.map is not None:
@@ -327,6 +329,18 @@ def _colours(scene, quantity, is_grain, view):
 def _middling_radius(scene, is_grain):
     radii = scene.bodies.point_data["radius"]
     return float(np.median(radii[is_grain] if is_grain.any() else radii))
+
+
+def _draw_links(ax, scene, axes):
+    """Links as lines over all else: pulling ones blue, pushing ones red, as wide as their force; slack ones thin."""
+    cells, tension = links(scene.contacts)
+    if not len(cells):
+        return
+    ends = scene.contacts.points[scene.contacts.connectivity].reshape(-1, 2, 3)[cells] @ axes.T
+    widest = np.abs(tension).max(initial=0.0)
+    widths = 0.6 + 2.4 * (np.abs(tension) / widest if widest > 0 else 0 * tension)
+    colours = np.where(tension > 0, BLUE, np.where(tension < 0, VERMILION, BLACK))
+    ax.add_collection(LineCollection(ends[:, :, :2], linewidths=widths, colors=colours, zorder=5), autolim=False)
 
 
 def _draw_forces(ax, scene, axes, frame, radius, view):

@@ -1,7 +1,8 @@
 !> Picture of the contacts: one line a contact from body to body, which carries the forces of the step.
 !!
 !! A line goes from the candidate's centre to the antagonist's, in the periodic image of the candidate; at a wall,
-!! whose centre means nothing, it ends at the point of contact instead. The line of a link goes from point to point. Where ranks share a scene each draws its own
+!! whose centre means nothing, it ends at the point of contact instead. The line of a link goes from point to point.
+!! Where ranks share a scene each draws its own
 !! contacts; those of lower ranks come first.
 module sg_pictures_contacts
   use sg_bodies, only: bodies_t
@@ -91,7 +92,10 @@ contains
     n = contacts%n
     d = scene%dimension
     call write_forces(self, contacts, d)
-    if (scene%links%n > 0) call self%grid%put(on_cells, 'tension', tensions(scene, contacts, self%time_step))
+    if (scene%links%n > 0) then
+      call self%grid%put(on_cells, 'tension', tensions(scene, contacts, self%time_step))
+      call self%grid%put(on_cells, 'link', links_of(scene, contacts))
+    end if
     call self%grid%put(on_cells, 'gap', contacts%gap(:n))
     vectors = 0
     vectors(1:d, :) = contacts%normal(:, :n)
@@ -128,6 +132,19 @@ contains
     if (dimension == 3) call self%grid%put(on_cells, 'force', vectors)
   end subroutine write_forces
 
+  !> Number of the link that each contact is, 0 for contacts between shapes.
+  pure function links_of(scene, contacts) result(link)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer(i4) :: link(contacts%n)
+    integer :: k
+
+    link = 0
+    do k = 1, contacts%n
+      if (is_link(scene, contacts, k)) link(k) = contacts%feature(k)
+    end do
+  end function links_of
+
   !> Tensions of all links [N], zero for contacts between shapes.
   pure function tensions(scene, contacts, time_step)
     type(scene_t), intent(in) :: scene
@@ -155,7 +172,10 @@ contains
     call self%grid%put(on_cells, 'force_normal', vector(1, :))
     call self%grid%put(on_cells, 'force_tangential', vector(1, :))
     if (scene%dimension == 3) call self%grid%put(on_cells, 'force', vector)
-    if (scene%links%n > 0) call self%grid%put(on_cells, 'tension', vector(1, :))
+    if (scene%links%n > 0) then
+      call self%grid%put(on_cells, 'tension', vector(1, :))
+      call self%grid%put(on_cells, 'link', zero)
+    end if
     call self%grid%put(on_cells, 'gap', vector(1, :))
     call self%grid%put(on_cells, 'normal', vector)
     call self%grid%put(on_cells, 'point', vector)

@@ -156,7 +156,7 @@ contains
     call tests%refuse(file, 8, ' DISKx      1  color  BLEUx  byrd=-0.2000000D+00', 'positive', 8, 35)
     call tests%refuse(file, 8, ' DISKx      1  color  BLEUx  byrd= 0.0000000D+00', 'positive', 8, 35)
     call tests%refuse(file, 8, ' DISKb      1  color  BLEUx  byrd= 0.2000000D+00', 'the centre of a shifted disk', 9)
-    call tests%refuse(file, 8, ' PT2Dx      1  color  BLEUx  coo1= 0.2000000D+00  coo2= 0.2000000D+00', 'PT2Dx', 8, 2)
+    call tests%refuse(file, 8, ' DISPx      1  color  BLEUx  coo1= 0.2000000D+00  coo2= 0.2000000D+00', 'DISPx', 8, 2)
     call tests%refuse(file, 9, '', 'has not been ended', 10)
     call tests%refuse(file, 13, ' PLAIN      1  behav  PLEXx  avrd= 0.1000000-200  gyrd= 0.7000000D-01', 'no mass', 10)
     call tests%refuse(file, 22, '', 'the file ends within body 2', 22)

@@ -142,7 +142,7 @@ contains
     call tests%refuse(file, 10, ' SPHEb      1  color  BLEUx  byrd=-0.1000000D+00', 'positive', 10, 35)
     call tests%refuse(file, 11, '                             coo1= 0.10x0000D+00  coo2= 0.0000000D+00  coo3= 0.0000000D+00', &
                       'not a number', 11, 36)
-    call tests%refuse(file, 12, ' PT3Dx      2  color  BLEUx  coo1= 0.1000000D+00', 'PT3Dx', 12, 2)
+    call tests%refuse(file, 12, ' DISPx      2  color  BLEUx  coo1= 0.1000000D+00', 'DISPx', 12, 2)
     call tests%refuse(file, 23, bodies(23)(:76)//' 0.0000000D+00', 'positive', 23, 77)
     call tests%refuse(file, 27, '                             gam1= 0.1100000D+01  gam2= 0.0000000D+00  gam3= 0.0000000D+00', &
                       'not orthonormal', 27, 35)

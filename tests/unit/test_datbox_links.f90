@@ -28,7 +28,8 @@ program test_datbox_links
 
 contains
 
-  !> Three bodies on a line, 1 m apart, each with a point of colour REDxx at its centre; the second one has another at 0.2 m along y.
+  !> Three bodies on a line, 1 m apart, each with a point of colour REDxx at its centre; the second one has another at 0.2 m
+  !! along y.
   subroutine write_folder(dimension, law, more, network)
     integer, intent(in) :: dimension
     character(len=*), intent(in) :: law !! name and numbers, from column 9 on
