@@ -47,6 +47,7 @@ contains
 
     associate (scene => sim%scene, options => sim%options)
       write (*, '(a)') file//': no mistakes'
+      if (options%title /= '') write (*, '(a)') 'title      '//options%title
       write (*, '(a)') 'deck       '//options%deck_hash
       write (*, '(a)') 'time       '//to_text(options%steps)//' steps of '//to_text(options%step, 4)//' s'
       write (*, '(a)') 'sees       '//to_text(size(scene%laws))//' laws in '//to_text(size(scene%sees))//' lines'

@@ -19,10 +19,12 @@ import pytest
 from splitgrain_postpro.cli import main
 from splitgrain_postpro.errors import StudyError
 from splitgrain_postpro.study.csv_text import csv_text
+from splitgrain_postpro.study.deck_titles import deck_section
 from splitgrain_postpro.study.description import read_study
 from splitgrain_postpro.study.expressions import evaluate
 from splitgrain_postpro.study.jobs import jobs_of
 from splitgrain_postpro.study.measures import order_of
+from splitgrain_postpro.study.model import Case
 from splitgrain_postpro.study.problems import distance
 from splitgrain_postpro.study.profiles import profile, share, times_of
 from splitgrain_postpro.study.toml_lines import line_of
@@ -174,6 +176,16 @@ def test_random_expressions_end_soon():
     assert values > 50
     # 500 expressions of some ten operations: well below a second, where a single power of integers may take for ever.
     assert time.process_time() - began < 5
+
+
+def test_titles_of_decks_are_on_the_page(tmp_path):
+    decks = {"a.toml": "title = 'A <b>'\nabout = 'why & how'\n[time]\n", "b.toml": "[time]\n", "c.toml": "title = ", "d.toml": "title = 3\n"}
+    for name, text in decks.items():
+        (tmp_path / name).write_text(text)
+    cases = [Case(str(number), tmp_path / name) for number, name in enumerate([*decks, "a.toml", "nowhere.toml", "p.hdf5"])]
+    (heading, _, html), = deck_section(cases)
+    assert heading == "Decks" and html == "<ul><li>a.toml: <b>A &lt;b&gt;</b>: why &amp; how</li></ul>"
+    assert deck_section(cases[1:4]) == []
 
 
 def test_cells_are_no_formulas():

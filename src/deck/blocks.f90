@@ -268,6 +268,8 @@ contains
     integer, intent(in) :: section !! section of the key table
     character(len=:), allocatable :: heading
 
+    heading = 'the top of the deck'
+    if (self%table%sections(section)%name == '') return
     heading = '['//trim(self%table%sections(section)%name)//']'
     if (self%table%sections(section)%is_list) heading = '['//heading//']'
   end function heading

@@ -33,7 +33,7 @@ contains
     deck%table = table
     allocate (deck%blocks(n + size(table%sections)))
     do i = 1, size(table%sections)
-      if (.not. table%sections(i)%is_list) call add_block(deck, i, 0, 0)
+      if (.not. table%sections(i)%is_list) call add_block(deck, i, 0, max(0, table%sections(i)%last - table%sections(i)%first + 1))
     end do
     allocate (deck%defaults(size(table%keys)))
     do i = 1, size(table%keys)
@@ -179,15 +179,20 @@ contains
     type(role_t), intent(inout) :: role
     integer, intent(in) :: n_children
     type(diagnostics_t), intent(inout) :: diagnostics
-    integer :: section
+    integer :: section, top, key
 
+    top = deck%table%find_section('')
+    key = deck%table%find_key(top, entry%path)
     section = deck%table%find_section(entry%path)
-    if (section == 0) then
+    if (key > 0 .and. entry%kind /= toml_table) then
+      call take_value(entry, deck, key, deck%block_of(''), role, diagnostics)
+    else if (section == 0) then
       if (entry%kind == toml_table .or. entry%kind == toml_array) then
         call at_key(deck, entry, 'unknown section ['//entry%path//']'// &
                     deck%table%nearest_section(entry%path), diagnostics)
       else
-        call at_key(deck, entry, 'the key "'//entry%path//'" stands outside of any section', diagnostics)
+        call at_key(deck, entry, 'the key "'//entry%path//'" stands outside of any section'// &
+                    deck%table%nearest_key(top, entry%path), diagnostics)
       end if
     else if (deck%table%sections(section)%is_list) then
       if (entry%kind == toml_array) then
@@ -254,16 +259,29 @@ contains
         call at_key(deck, entry, 'unknown key "'//name//'" in '//deck%heading(block%section)// &
                     deck%table%nearest_key(block%section, name), diagnostics)
       else
-        block%n = block%n + 1
-        block%values(block%n)%key = key
-        block%values(block%n)%origin = from_deck
-        role%role = is_value
-        role%block = parent%block
-        role%value = block%n
-        call take(entry, deck, role, diagnostics)
+        call take_value(entry, deck, key, parent%block, role, diagnostics)
       end if
     end associate
   end subroutine take_key
+
+  !> A value of a key.
+  subroutine take_value(entry, deck, key, block, role, diagnostics)
+    type(entry_t), intent(in) :: entry
+    type(deck_t), intent(inout) :: deck
+    integer, intent(in) :: key, block
+    type(role_t), intent(inout) :: role
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    associate (here => deck%blocks(block))
+      here%n = here%n + 1
+      here%values(here%n)%key = key
+      here%values(here%n)%origin = from_deck
+      role%role = is_value
+      role%block = block
+      role%value = here%n
+    end associate
+    call take(entry, deck, role, diagnostics)
+  end subroutine take_value
 
   !> An element of a value.
   subroutine take_element(entry, parent, deck, role, diagnostics)

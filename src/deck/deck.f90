@@ -5,7 +5,7 @@ module sg_deck
   use sg_collect, only: collect, open_deck
   use sg_comm, only: comm_t
   use sg_dimension_from_deck, only: dimension_from_deck
-  use sg_effective, only: effective_deck, fingerprint
+  use sg_effective, only: effective_deck
   use sg_error, only: diagnostics_t, error_t, fail
   use sg_keys, only: all_keys
   use sg_options_from_deck, only: options_from_deck
@@ -56,8 +56,7 @@ contains
     call options_from_deck(deck, options, diagnostics)
     call scene_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() > 0) return
-    call effective_deck(deck, options%deck_text)
-    options%deck_hash = fingerprint(options%deck_text)
+    call effective_deck(deck, options%deck_text, options%deck_hash)
   end subroutine read_share
 
   !> Read a deck as blocks of checked values.

@@ -11,21 +11,26 @@ module sg_effective
 contains
 
   !> Text of the effective deck, one key a line.
-  subroutine effective_deck(deck, text)
+  subroutine effective_deck(deck, text, hash)
     type(deck_t), intent(in) :: deck !! checked deck
     character(len=:), allocatable, intent(out) :: text !! its text
+    character(len=:), allocatable, intent(out) :: hash !! fingerprint of the text behind its title
     character(len=:), allocatable :: room
-    integer :: length, s, b
+    integer :: length, top, s, b
 
     allocate (character(len=4096) :: room)
     length = 0
+    top = 0
     do s = 1, size(deck%table%sections)
       if (index(deck%table%sections(s)%name, '.') > 0) cycle
       do b = 1, deck%n
         if (deck%blocks(b)%section == s) call write_block(deck, b, room, length)
       end do
+      if (deck%table%sections(s)%name == '') top = length
     end do
     text = room(:length)
+    ! A blank line follows the title.
+    hash = fingerprint(text(top + merge(2, 1, top > 0):))
   end subroutine effective_deck
 
   !> Write one block and the blocks within.
@@ -39,7 +44,7 @@ contains
 
     associate (section => deck%table%sections(deck%blocks(b)%section))
       if (length > 0) call write_line('', room, length)
-      call write_line(deck%heading(deck%blocks(b)%section), room, length)
+      if (section%name /= '') call write_line(deck%heading(deck%blocks(b)%section), room, length)
       do k = section%first, section%last
         associate (key => deck%table%keys(k))
           value = deck%value(b, trim(key%name))

@@ -1,6 +1,6 @@
 !> THE key table: all that a deck may hold, in the order in which the effective deck is written.
 module sg_keys
-  use sg_key_table, only: key_table_t
+  use sg_key_table, only: key_table_t, value_text
   use sg_keys_bodies, only: add_body_keys
   use sg_keys_generators, only: add_generator_keys
   use sg_keys_run, only: add_run_keys
@@ -15,6 +15,10 @@ contains
   function all_keys() result(table)
     type(key_table_t) :: table
 
+    call table%open_section('', 'Keys that stand before all sections. They change no answer and are no part of the hash of the '// &
+                            'deck.')
+    call table%add('title', value_text, 'Title, shown in the log, in run.json and on pages of studies.')
+    call table%add('about', value_text, 'What the deck is for, in sentences; shown in run.json and on pages of studies.')
     call add_scene_keys(table)
     call add_run_keys(table)
     call add_law_keys(table)

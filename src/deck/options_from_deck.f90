@@ -24,6 +24,9 @@ contains
     type(value_t) :: value
     integer :: b
 
+    b = deck%block_of('')
+    options%title = on_one_line(deck%word(b, 'title'))
+    options%about = deck%word(b, 'about')
     b = deck%block_of('time')
     options%step = deck%number(b, 'step')
     options%steps = deck%integer(b, 'steps')
@@ -65,6 +68,18 @@ contains
     if (value%n > 0) options%trace_steps = nint(value%numbers(:value%n))
     call structure_from_deck(deck, b, options, diagnostics)
   end subroutine options_from_deck
+
+  !> A text without line ends and other control characters, fit for a log.
+  pure function on_one_line(text) result(line)
+    character(len=*), intent(in) :: text
+    character(len=len(text)) :: line
+    integer :: i
+
+    line = text
+    do i = 1, len(text)
+      if (iachar(text(i:i)) < 32 .or. iachar(text(i:i)) == 127) line(i:i) = ' '
+    end do
+  end function on_one_line
 
   !> What is asked of the structure of the packing.
   subroutine structure_from_deck(deck, block, options, diagnostics)

@@ -46,6 +46,7 @@ contains
     text = trim(section%name)
     if (section%is_list) text = '['//text//']'
     text = nl//'## `['//text//']`'//nl//nl//trim(section%sentence)
+    if (section%name == '') text = nl//'## Top of the deck'//nl//nl//trim(section%sentence)
     if (section%dimension /= in_both) text = text//' Only in space.'
     text = text//nl//nl// &
            '| key | value | unit | default | meaning |'//nl//'| --- | --- | --- | --- | --- |'//nl

@@ -85,6 +85,11 @@ contains
     end if
     if (allocated(message)) return
     if (dot > 1) section = deck%table%find_section(name)
+    if (dot == 0) then
+      section = deck%table%find_section('')
+      key = deck%table%find_key(section, path)
+      if (key > 0) return
+    end if
     if (dot < 2) then
       message = '"'//path//'" is not of the form section.key'
     else if (section == 0) then

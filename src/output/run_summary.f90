@@ -51,8 +51,8 @@ module sg_run_summary
     type(shared_cost_t) :: shared
     !> How the run ended, one of `run_*`, and one sentence that says why (empty when done)
     character(len=:), allocatable :: status, reason
-    !> Path and hash of the deck, folder of the results, solver, name of the stopping criterion
-    character(len=:), allocatable :: deck, deck_hash, folder, method, criterion
+    !> Path, title, purpose and hash of the deck, folder of the results, solver, name of the stopping criterion
+    character(len=:), allocatable :: deck, title, about, deck_hash, folder, method, criterion
     !> What a step of free fall brings [m/s]
     real(wp) :: fall_speed = 0
     !> Tolerance of the stopping criterion
@@ -90,6 +90,8 @@ contains
     self%status = run_failed
     self%reason = 'the run did not come to its end'
     self%deck = deck
+    if (allocated(options%title)) self%title = options%title
+    if (allocated(options%about)) self%about = options%about
     if (allocated(options%deck_hash)) self%deck_hash = options%deck_hash
     if (allocated(options%folder)) self%folder = options%folder
     self%method = trim(options%solver%method)
@@ -214,6 +216,8 @@ contains
     call json%add('version', version)
     call json%add('commit', commit)
     call json%add('deck', known(summary%deck, ''))
+    call json%add('title', known(summary%title, ''))
+    call json%add('about', known(summary%about, ''))
     call json%add('deck_hash', known(summary%deck_hash, ''))
     call json%add('solver', known(summary%method, ''))
     call json%add('criterion', known(summary%criterion, ''))

@@ -116,6 +116,8 @@ module sg_run_options
     type(text_t), allocatable :: inputs(:)
     !> Replace other results in the folder
     logical :: is_forced = .false.
+    !> Title of the deck, and what it is for; empty where it does not say
+    character(len=:), allocatable :: title, about
     !> Hash and text of the effective deck
     character(len=:), allocatable :: deck_hash, deck_text
     !> Steps whose contact problem is written as FCLIB files: first and last of each range, shape (2, ranges)

@@ -55,6 +55,9 @@ contains
     call writers%summary%describe(sim%scene, sim%options, deck, sim%comm)
     call start_simulation(sim)
     if (writers%is_speaker .and. .not. sim%options%is_quiet) then
+      if (allocated(sim%options%title)) then
+        if (sim%options%title /= '') write (output_unit, '(a)') 'title      '//sim%options%title
+      end if
       write (output_unit, '(a)') describe_plan(sim%plan, sim%scene, sim%comm%size), describe_run(sim%options, sim%comm%size)
       flush (output_unit)
     end if

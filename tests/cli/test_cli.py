@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 import unittest
 from pathlib import Path
 
@@ -125,6 +126,24 @@ class Decks(Cli):
         said = self.run_program("check", "fall.toml", code=2).stderr
         self.assertIn("fall.toml:2:", said)
         self.assertIn("fall.toml:8:", said)
+
+    def test_title_and_purpose_are_kept(self):
+        """In the log, in run.json and in the effective deck; the hash is that of the deck without them."""
+        plain = re.search(r"^deck +(\w+)", self.run_program("check", "fall.toml").stdout, re.M)[1]
+        self.deck.write_text('title = "Twelve\\tdisks"\nabout = """\nFor "tests".\nTwo lines."""\n' + DECK)
+        said = self.run_program("run", "fall.toml", "--set", "time.steps=1").stdout
+        self.assertIn("title      Twelve disks\n", said)
+        found = self.run_json()
+        self.assertEqual((found["title"], found["about"]), ("Twelve disks", 'For "tests".\nTwo lines.'))
+        effective = self.place / "fall.results" / "effective.toml"
+        self.assertEqual(tomllib.loads(effective.read_text())["about"], 'For "tests".\nTwo lines.')
+        said = self.run_program("check", "fall.toml", "--set", "title=Other words").stdout
+        self.assertRegex(said, rf"title      Other words\ndeck +{plain}\n")
+        self.deck.write_text("titel = 'x'\n" + DECK)
+        self.assertIn('did you mean "title"?', self.run_program("check", "fall.toml", code=2).stderr)
+        for wrong in ("title = 3", "about = ['x']", "[title]", "title.x = 1", "title = ''"):
+            self.deck.write_text(f"{wrong}\n{DECK}")
+            self.assertIn("fall.toml:1:", self.run_program("check", "fall.toml", code=2).stderr)
 
     def test_check_counts_without_running(self):
         printed = self.run_program("check", "fall.toml").stdout

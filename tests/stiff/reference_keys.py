@@ -74,7 +74,9 @@ def read_reference(program):
     sections = {}
     text = subprocess.run([program, "reference"], capture_output=True, text=True, check=True).stdout
     for block in re.split(r"^## ", text, flags=re.M)[1:]:
-        heading = re.match(r"`(\[+[\w.]+\]+)`", block)[1]
+        heading = re.match(r"`(\[+[\w.]+\]+)`", block)
+        if not heading:
+            continue
         rows = re.findall(r"^\| `(\w+)` \| (.*?) \| .*? \| (.*?) \| (.*?) \|$", block, re.M)
-        sections[heading] = [Key(*row) for row in rows]
+        sections[heading[1]] = [Key(*row) for row in rows]
     return sections

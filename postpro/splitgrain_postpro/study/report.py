@@ -7,6 +7,7 @@ from ..style import styled
 from . import drawings, page
 from .choice_report import choice_section
 from .csv_text import csv_text
+from .deck_titles import deck_section
 from .measures import errors_of, order_of
 from .model import AXES
 from .profiles import profile, share, times_of
@@ -45,7 +46,7 @@ class Report:
         sections.insert(len(sections) - len(self.study.cases), ("Error against work", None, self.legend()))
         names, rows = self.rows()
         sections.append(("All runs", None, page.table(names, rows) + '<p class="quiet">The same stands in results.csv.</p>'))
-        text = page.page(self.study.title, self.study.about, self.facts(), sections)
+        text = page.page(self.study.title, self.study.about, self.facts(), deck_section(self.study.cases) + sections)
         self.store.write(self.store.folder / "study.html", text.encode())
         return self.lines
 

@@ -5,6 +5,7 @@ import io
 from ..style import styled
 from . import page, verdict_drawings
 from .csv_text import csv_text
+from .deck_titles import deck_section
 from .thresholds import changes_of, sentence
 
 COLUMNS = ("case", "variant", "value", "held", "status", "exit", "finite", "unconverged", "energy", "penetration", "right",
@@ -35,7 +36,7 @@ class VerdictReport:
             sections.append((f"Where verdicts change with {self.study.parameter}", None, self.thresholds()))
         sections.append(("All runs", None, page.table([name.replace("_", " ") for name in COLUMNS],
                                                       [[cell(row[name]) for name in COLUMNS] for row in rows])))  # fmt: skip
-        text = page.page(self.study.title, self.study.about, self.facts(len(rows)), sections)
+        text = page.page(self.study.title, self.study.about, self.facts(len(rows)), deck_section(self.study.cases) + sections)
         self.store.write(self.store.folder / "study.html", text.encode())
         return lines
 
