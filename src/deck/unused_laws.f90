@@ -35,17 +35,28 @@ contains
     end do
     laws = blocks_of(deck, 'law')
     do i = 1, size(laws)
-      if (any(scene%sees%law == i)) cycle
-      if (scene%links%n > 0) then
-        if (any(scene%links%law(:scene%links%n) == i)) cycle
-      end if
-      call deck%warn(diagnostics, 'no interaction names this law: it is not used', laws(i), kind='unused law')
+      if (any(scene%sees%law == i) .or. has_link(deck, scene%laws(i)%name)) cycle
+      call deck%warn(diagnostics, 'no interaction and no link names this law: it is not used', laws(i), kind='unused law')
     end do
     do i = 1, size(uses%alone, 2)
       call deck%warn(diagnostics, 'no interaction fits this shape, which touches nothing: '//trim(kind_names(uses%alone(1, i)))// &
                      ' of colour "'//scene%colours(uses%alone(2, i))%s//'"', interactions(1), kind='touches nothing')
     end do
   end subroutine warn_of_unused_laws
+
+  !> Does a link of the deck name a law? Links are made after interactions are checked.
+  logical function has_link(deck, law)
+    type(deck_t), intent(in) :: deck
+    character(len=*), intent(in) :: law
+    integer, allocatable :: links(:)
+    integer :: i
+
+    links = blocks_of(deck, 'link')
+    has_link = .false.
+    do i = 1, size(links)
+      has_link = has_link .or. deck%word(links(i), 'law') == law
+    end do
+  end function has_link
 
   !> Blocks of a section, in the order of the deck.
   pure function blocks_of(deck, section) result(blocks)
