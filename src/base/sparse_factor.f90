@@ -20,6 +20,10 @@ module sg_sparse_factor
     integer :: n = 0
     !> Analyses of places of entries and factorisations so far
     integer :: analyses = 0, factorisations = 0
+    !> Operations of the last factorisation, or an estimate of those of one that was refused; and the most that one may take
+    real(wp) :: operations = 0, most_operations = huge(1.0_wp)
+    !> Was the last one refused because it takes more?
+    logical :: is_too_dear = .false.
     !> The library's analysis and factors
     type(c_ptr), private :: symbolic = c_null_ptr, numeric = c_null_ptr
     !> The library's procedures
@@ -47,7 +51,7 @@ module sg_sparse_factor
       type(error_t), allocatable, intent(out) :: error !! set when it is not
     end subroutine find_sparse_library
 
-    !> Factorise a square matrix, symmetric or not; fails where it is singular or too large for this build.
+    !> Factorise a square matrix, symmetric or not; fails where it is singular, too large for this build, or too dear.
     module subroutine sparse_factor_factorise(self, matrix, error)
       class(sparse_factor_t), intent(inout) :: self
       type(sparse_t), intent(in) :: matrix !! the matrix

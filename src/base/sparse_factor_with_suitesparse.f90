@@ -13,6 +13,8 @@ submodule(sg_sparse_factor) sparse_factor_with_suitesparse
   integer(c_int), parameter :: umfpack_ok = 0, umfpack_singular = 1, umfpack_out_of_memory = -1, umfpack_at = 1
   !> Lengths of UMFPACK's settings and of what it tells
   integer, parameter :: n_control = 20, n_info = 90
+  !> Where it tells operations: estimated by the analysis, and of the factors made
+  integer, parameter :: estimated_operations = 23, made_operations = 43
 
   !> What people call it
   character(len=*), parameter :: library = 'UMFPACK, which factorises large systems,'
@@ -92,11 +94,18 @@ contains
     status = analyse(int(self%n, c_int), int(self%n, c_int), self%first, self%column, matrix%value, &
                      self%symbolic, control, info)
     self%analyses = self%analyses + 1
+    if (status == umfpack_ok) self%operations = info(estimated_operations)
+  end if
+  self%is_too_dear = status == umfpack_ok .and. self%operations > self%most_operations
+  if (self%is_too_dear) then
+    call fail(error, 'a factorisation takes more operations than it may', code=exit_failure)
+    return
   end if
   self%value = matrix%value
   if (status == umfpack_ok) then
     status = make_factors(self%first, self%column, self%value, self%symbolic, self%numeric, control, info)
     self%factorisations = self%factorisations + 1
+    if (status == umfpack_ok) self%operations = info(made_operations)
   end if
   select case (status)
   case (umfpack_ok)

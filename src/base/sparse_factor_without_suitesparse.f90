@@ -23,6 +23,12 @@ contains
               'without it at most '//to_text(largest_full)//' unknowns can be solved for', code=exit_failure)
     return
   end if
+  self%operations = 2*real(matrix%n_rows, wp)**3/3
+  self%is_too_dear = self%operations > self%most_operations
+  if (self%is_too_dear) then
+    call fail(error, 'a factorisation takes more operations than it may', code=exit_failure)
+    return
+  end if
   if (self%n /= matrix%n_rows) then
     call self%free()
     self%n = matrix%n_rows

@@ -81,11 +81,10 @@ contains
       has_last = .false.
       least = huge(least)
       do i = 1, most
-        if (progress%is_over) exit
+        if (progress%must_yield()) exit
         swept = r
         call sweep(scaled, swept)
-        progress%sweeps = progress%sweeps + 1
-        progress%iterations = progress%iterations + 1
+        call progress%count_sweeps(1, others=real(6*memory%used + 8, wp)*real(d*n, wp))
         change = swept - r
         norm = sqrt(sum(change**2))
         if (memory%used > 0 .and. .not. norm/settings%most_growth <= least) then

@@ -32,8 +32,7 @@ contains
     do while (.not. progress%is_over)
       do i = 1, min(max(1, progress%sweeps/10), self%options%maximum_iterations - progress%iterations)
         call sweep(problem, r)
-        progress%sweeps = progress%sweeps + 1
-        progress%iterations = progress%iterations + 1
+        call progress%count_sweeps(1)
       end do
       call progress%look(problem, r)
     end do

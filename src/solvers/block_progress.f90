@@ -18,8 +18,10 @@ module sg_block_progress
     type(matrix_options_t) :: options
     !> Effort so far; sweeps and Newton steps both count as iterations
     integer :: sweeps = 0, iterations = 0, factorisations = 0, checks = 0
-    !> e1 of the answer looked at last, and of the best
-    real(wp) :: e1 = huge(1.0_wp), best = huge(1.0_wp)
+    !> Floating-point operations so far, about; those of a sweep; and those at which the turn of a method ends
+    real(wp) :: operations = 0, sweep_operations = 0, turn_end = huge(1.0_wp)
+    !> e1 of the answer looked at last, of the best, and of the best since the turn began
+    real(wp) :: e1 = huge(1.0_wp), best = huge(1.0_wp), turn_e1 = huge(1.0_wp)
     !> Is the best answer good enough; and is that, or the time or effort allowed, a reason to stop?
     logical :: is_converged = .false., is_over = .false.
     !> The best answer [N s], shape (d, n)
@@ -31,6 +33,10 @@ module sg_block_progress
     procedure :: begin => progress_begin
     procedure :: look => progress_look
     procedure :: is_late => progress_is_late
+    procedure :: count_sweeps => progress_count_sweeps
+    procedure :: count_factorisation => progress_count_factorisation
+    procedure :: begin_turn => progress_begin_turn
+    procedure :: must_yield => progress_must_yield
     procedure :: finish => progress_finish
   end type progress_t
 
@@ -46,6 +52,8 @@ contains
     self%options = options
     self%q_norm = sqrt(sum(problem%q**2))
     allocate (self%r(problem%d, problem%n), self%u(problem%d, problem%n), self%f(problem%d, problem%n))
+    ! A local problem takes about a hundred operations beside its row of W.
+    self%sweep_operations = 2*real(problem%d**2, wp)*real(size(problem%w%column), wp) + 100*real(problem%n, wp)
     if (.not. options%warm_start .or. .not. self%q_norm > 0) problem%r = 0
     allocate (self%answer, source=problem%r)
     call self%look(problem, problem%r)
@@ -71,10 +79,12 @@ contains
     call natural_map(problem%friction, 1.0_wp, self%r, self%u, self%f)
     norm = sqrt(sum(self%f**2))
     self%checks = self%checks + 1
+    self%operations = self%operations + self%sweep_operations
     self%e1 = huge(norm)
     if (ieee_is_finite(norm)) then
       if (self%q_norm > 0) norm = norm/self%q_norm
       self%e1 = norm
+      self%turn_e1 = min(self%turn_e1, norm)
       if (norm < self%best) then
         self%best = norm
         self%answer = self%r
@@ -92,6 +102,45 @@ contains
     if (.not. self%is_over) self%is_over = self%is_late()
     if (self%trace%is_on) call add_to_trace(self, problem)
   end subroutine progress_look
+
+  !> Count sweeps, and what is done beside them.
+  pure subroutine progress_count_sweeps(self, sweeps, others)
+    class(progress_t), intent(inout) :: self
+    integer, intent(in) :: sweeps !! sweeps made
+    real(wp), intent(in), optional :: others !! operations beside them
+
+    self%sweeps = self%sweeps + sweeps
+    self%iterations = self%iterations + sweeps
+    self%operations = self%operations + real(sweeps, wp)*self%sweep_operations
+    if (present(others)) self%operations = self%operations + others
+  end subroutine progress_count_sweeps
+
+  !> Count an iteration with factorisations.
+  pure subroutine progress_count_factorisation(self, factorisations, operations)
+    class(progress_t), intent(inout) :: self
+    integer, intent(in) :: factorisations !! made in it
+    real(wp), intent(in) :: operations !! of one of them
+
+    self%factorisations = self%factorisations + factorisations
+    self%iterations = self%iterations + max(factorisations, 1)
+    self%operations = self%operations + real(factorisations, wp)*operations
+  end subroutine progress_count_factorisation
+
+  !> Begin the turn of a method.
+  pure subroutine progress_begin_turn(self, operations)
+    class(progress_t), intent(inout) :: self
+    real(wp), intent(in) :: operations !! after which it ends
+
+    self%turn_end = self%operations + operations
+    self%turn_e1 = huge(self%turn_e1)
+  end subroutine progress_begin_turn
+
+  !> Is the solve over, or the turn?
+  pure logical function progress_must_yield(self) result(must_yield)
+    class(progress_t), intent(in) :: self
+
+    must_yield = self%is_over .or. self%operations >= self%turn_end
+  end function progress_must_yield
 
   !> Does every contact do what acts on it, by itself?
   pure logical function obey_all(problem, r)

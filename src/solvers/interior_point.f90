@@ -15,13 +15,13 @@ module sg_interior_point
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_solver_t
   use sg_newton_map, only: newton_step
-  use sg_proximal_newton, only: approach, proximal_t
+  use sg_proximal_newton, only: approach, approach_t, proximal_t
   use sg_report, only: report_t
   use sg_sparse, only: multiply
   use sg_sparse_factor, only: has_sparse_library, largest_full, sparse_factor_t
   implicit none
   private
-  public :: interior_point_t, follow_path, take_best
+  public :: interior_point_t, path_t, follow_path, take_best
 
   !> The solver; an iteration is one factorisation, of the interior point method or of Newton's
   type, extends(matrix_solver_t) :: interior_point_t
@@ -35,12 +35,24 @@ module sg_interior_point
     real(wp) :: guess_below = 1e-2_wp
     !> Iterations after which the path is blocked, when e1 has not fallen by a tenth along it
     integer :: patience = 12
-    !> Where the path is blocked: factorisations of the first turn of proximal points, each of which has twice those of the last,
-    !! and sweeps between two turns
-    integer :: first_turn = 200, sweeps = 200
+    !> Where the path is blocked proximal points and sweeps take turns, each of so many sweeps at least, or of this share of all
+    !! that was done
+    integer :: turn_sweeps = 200
+    real(wp) :: turn_share = 0.25_wp
   contains
     procedure :: solve => interior_point_solve
   end type interior_point_t
+
+  !> Where the path stands between two turns
+  type :: path_t
+    !> Is there a point on it; and is it blocked, so that there is no way on?
+    logical :: has_begun = .false., is_blocked = .false.
+    type(point_t), private :: point
+    type(sparse_factor_t), private :: newton_factors
+    !> e1 below which Newton's method tries to finish, least e1 of note along the path, and iterations since
+    real(wp), private :: finish_at = 0, mark = huge(1.0_wp)
+    integer, private :: idle = 0
+  end type path_t
 
 contains
 
@@ -52,75 +64,121 @@ contains
     type(contact_system_t) :: system
     type(matrix_problem_t) :: scaled
     type(progress_t) :: progress
-    type(anderson_t) :: anderson
+    type(path_t) :: path
     real(wp), allocatable :: scale(:)
-    integer :: most
-    logical :: is_possible
 
     call progress%begin(problem, self%options)
     if (.not. progress%is_over) then
       allocate (scale(problem%n))
       call scale_problem(problem, scaled, scale)
       call system%prepare(problem, scaled)
-      if (system%is_possible(has_sparse_library())) call follow_path(self, problem, scaled, scale, system, progress)
+      if (system%is_possible(has_sparse_library())) call follow_path(self, problem, scaled, scale, system, path, progress)
       call system%free()
-      if (.not. progress%is_over) then
-        call take_best(scaled, scale, progress)
-        most = self%first_turn
-        do while (.not. progress%is_over)
-          call approach(proximal_t(), problem, scaled, scale, most, progress, is_possible)
-          call sweep_accelerated(anderson, problem, scaled, scale, merge(self%sweeps, huge(1), is_possible), progress)
-          most = 2*min(most, 100000000)
-        end do
-      end if
+      call take_best(scaled, scale, progress)
+      call go_on(self, problem, scaled, scale, progress)
     end if
     call progress%finish(problem, report)
   end subroutine interior_point_solve
 
-  !> Interior points until the solve is over or the path blocked.
-  subroutine follow_path(self, problem, scaled, scale, system, progress)
+  !> Go on where the path is blocked: proximal points and sweeps in turns.
+  subroutine go_on(self, problem, scaled, scale, progress)
+    class(interior_point_t), intent(in) :: self
+    type(matrix_problem_t), intent(in) :: problem
+    type(matrix_problem_t), intent(inout) :: scaled
+    real(wp), intent(in), contiguous :: scale(:)
+    type(progress_t), intent(inout) :: progress
+    type(approach_t) :: state
+    type(anderson_t) :: anderson
+    logical :: is_possible
+
+    do while (.not. progress%is_over)
+      call begin_turn()
+      call approach(proximal_t(), problem, scaled, scale, state, progress, is_possible)
+      call begin_turn()
+      call sweep_accelerated(anderson, problem, scaled, scale, huge(1), progress)
+    end do
+  contains
+    subroutine begin_turn()
+      call progress%begin_turn(max(real(self%turn_sweeps, wp)*progress%sweep_operations, self%turn_share*progress%operations))
+    end subroutine begin_turn
+  end subroutine go_on
+
+  !> Interior points until the solve or the turn is over, the path blocked, or a factorisation too dear.
+  subroutine follow_path(self, problem, scaled, scale, system, path, progress)
     class(interior_point_t), intent(in) :: self !! settings
     type(matrix_problem_t), intent(in) :: problem !! problem to solve
-    type(matrix_problem_t), intent(inout) :: scaled !! the same without units; holds the guess
+    type(matrix_problem_t), intent(inout) :: scaled !! the same without units; holds the guess where the path has not begun
     real(wp), intent(in), contiguous :: scale(:) !! impulse [N s] that 1 stands for
     type(contact_system_t), intent(inout) :: system !! linear system of these contacts, prepared; freed by the caller
+    type(path_t), intent(inout) :: path !! where the path stands
     type(progress_t), intent(inout) :: progress !! how far the solve has come
-    type(sparse_factor_t) :: newton_factors
-    type(point_t) :: point
-    real(wp) :: length, finish_at, mark, scale_e1
-    integer :: idle
+
+    if (.not. path%has_begun) call begin_path(self, problem, scaled, scale, system, path, progress)
+    do while (path%has_begun .and. .not. (path%is_blocked .or. progress%must_yield()))
+      call walk_on(self, problem, scaled, scale, system, path, progress)
+      if (system%factor%is_too_dear) exit
+    end do
+    call path%newton_factors%free()
+  end subroutine follow_path
+
+  !> Try to finish from the guess, or else take the first point.
+  subroutine begin_path(self, problem, scaled, scale, system, path, progress)
+    class(interior_point_t), intent(in) :: self
+    type(matrix_problem_t), intent(in) :: problem
+    type(matrix_problem_t), intent(inout) :: scaled
+    real(wp), intent(in), contiguous :: scale(:)
+    type(contact_system_t), intent(inout) :: system
+    type(path_t), intent(inout) :: path
+    type(progress_t), intent(inout) :: progress
+    real(wp) :: scale_e1
     logical :: is_done
 
     scale_e1 = e1_of_nothing(problem)
-    if (progress%e1 < self%guess_below*scale_e1) call finish(self, problem, scaled, scale, scaled%r, newton_factors, progress)
-    is_done = .false.
-    if (.not. progress%is_over) then
-      call start_point(scaled, system, point, is_done)
-      call count_one(progress)
+    path%newton_factors%most_operations = system%factor%most_operations
+    if (progress%best < self%guess_below*scale_e1) &
+      call finish(self, problem, scaled, scale, scaled%r, path%newton_factors, progress)
+    if (progress%is_over) return
+    call start_point(scaled, system, path%point, is_done)
+    if (system%factor%is_too_dear) return
+    call progress%count_factorisation(1, system%factor%operations)
+    path%has_begun = .true.
+    path%is_blocked = .not. is_done
+    path%finish_at = self%finish_below*scale_e1
+  end subroutine begin_path
+
+  !> Look at the present point, try to finish from it, and take a step.
+  subroutine walk_on(self, problem, scaled, scale, system, path, progress)
+    class(interior_point_t), intent(in) :: self
+    type(matrix_problem_t), intent(in) :: problem
+    type(matrix_problem_t), intent(inout) :: scaled
+    real(wp), intent(in), contiguous :: scale(:)
+    type(contact_system_t), intent(inout) :: system
+    type(path_t), intent(inout) :: path
+    type(progress_t), intent(inout) :: progress
+    real(wp) :: length
+    logical :: is_done
+
+    call progress%look(problem, path%point%r, scale)
+    if (progress%is_over) return
+    path%idle = path%idle + 1
+    if (progress%e1 < 0.9_wp*path%mark) then
+      path%mark = progress%e1
+      path%idle = 0
     end if
-    finish_at = self%finish_below*scale_e1
-    mark = huge(mark)
-    idle = 0
-    do while (is_done)
-      call progress%look(problem, point%r, scale)
-      if (progress%is_over) exit
-      idle = idle + 1
-      if (progress%e1 < 0.9_wp*mark) then
-        mark = progress%e1
-        idle = 0
-      end if
-      if (idle > self%patience) exit
-      if (progress%e1 < finish_at) then
-        finish_at = self%finish_again*progress%e1
-        call finish(self, problem, scaled, scale, point%r, newton_factors, progress)
-        if (progress%is_over) exit
-      end if
-      if (.not. point%has_shift) point%has_shift = is_convex_solved(self%convex_part, scaled, point)
-      call take_step(scaled, system, point, length, is_done)
-      call count_one(progress)
-    end do
-    call newton_factors%free()
-  end subroutine follow_path
+    path%is_blocked = path%idle > self%patience
+    if (path%is_blocked) return
+    if (progress%e1 < path%finish_at) then
+      path%finish_at = self%finish_again*progress%e1
+      path%newton_factors%most_operations = system%factor%most_operations
+      call finish(self, problem, scaled, scale, path%point%r, path%newton_factors, progress)
+      if (progress%is_over) return
+    end if
+    if (.not. path%point%has_shift) path%point%has_shift = is_convex_solved(self%convex_part, scaled, path%point)
+    call take_step(scaled, system, path%point, length, is_done)
+    if (system%factor%is_too_dear) return
+    path%is_blocked = .not. is_done
+    call progress%count_factorisation(1, system%factor%operations)
+  end subroutine walk_on
 
   !> e1 of zero impulses: where far contacts make q large, it is small.
   pure real(wp) function e1_of_nothing(problem) result(e1)
@@ -130,14 +188,6 @@ contains
     call natural_map(problem%friction, 1.0_wp, 0*problem%q, problem%q, f)
     e1 = norm2(f)/max(norm2(problem%q), tiny(e1))
   end function e1_of_nothing
-
-  !> One more factorisation.
-  pure subroutine count_one(progress)
-    type(progress_t), intent(inout) :: progress
-
-    progress%iterations = progress%iterations + 1
-    progress%factorisations = progress%factorisations + 1
-  end subroutine count_one
 
   !> Is the problem without the shift solved as far as is of use?
   pure logical function is_convex_solved(part, scaled, point) result(is_solved)
@@ -180,7 +230,8 @@ contains
     alpha = 1e-6_wp
     do i = 1, self%finish_steps
       call newton_step(scaled, alpha, rho, r, u, f, factors, step, error)
-      call count_one(progress)
+      if (factors%is_too_dear) exit
+      call progress%count_factorisation(1, factors%operations)
       length = 0
       if (.not. allocated(error)) then
         if (all(ieee_is_finite(step))) length = 1

@@ -22,7 +22,7 @@ module sg_interior_point_system
     integer :: n = 0
     !> The matrix and its factors
     type(sparse_t), private :: matrix
-    type(sparse_factor_t), private :: factor
+    type(sparse_factor_t) :: factor
     !> Local form: blocks of each block row with the diagonal one, and where in W each is (0: nowhere)
     integer, allocatable, private :: first(:), column(:), source(:)
     !> Global form: degrees of freedom of contact a are dof(first(a)) to dof(first(a + 1) - 1), with their columns of H^T

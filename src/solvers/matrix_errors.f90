@@ -10,6 +10,8 @@ module sg_matrix_errors
 
   !> Share of what acts on a contact that it may leave undone in an answer
   real(wp), parameter :: most_share = 0.1_wp
+  !> What acts below this part of the largest velocity is rounding, whatever contact it acts on
+  real(wp), parameter :: rounding = 1e-13_wp
 
   !> Errors of one answer
   type :: matrix_errors_t
@@ -49,15 +51,17 @@ contains
     real(wp), intent(in), contiguous :: r(:, :) !! answer [N s], shape (d, n)
     integer, intent(out) :: contact !! its number; 0 where all contacts obey
     real(wp), intent(out) :: share !! what it leaves undone over what acts on it
-    real(wp) :: u(problem%d), acting(problem%d), own
+    real(wp) :: u(problem%d), acting(problem%d), own, least
     integer :: a, e
 
     contact = 0
     share = 0
+    least = 0
+    if (problem%n > 0) least = rounding*maxval(abs(problem%q))
     do a = 1, problem%n
       if (problem%w%diagonal(a) == 0) cycle
       u = problem%q(:, a)
-      acting = abs(u)
+      acting = abs(u) + least
       do e = problem%w%first(a), problem%w%first(a + 1) - 1
         u = u + matmul(problem%w%block(:, :, e), r(:, problem%w%column(e)))
         acting = acting + matmul(abs(problem%w%block(:, :, e)), abs(r(:, problem%w%column(e))))

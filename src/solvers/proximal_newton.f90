@@ -20,7 +20,7 @@ module sg_proximal_newton
   use sg_sparse_factor, only: has_sparse_library, largest_full, sparse_factor_t
   implicit none
   private
-  public :: proximal_newton_t, proximal_t, approach
+  public :: approach_t, proximal_newton_t, proximal_t, approach
 
   !> Settings, for a problem without units
   type :: proximal_t
@@ -39,6 +39,14 @@ module sg_proximal_newton
     !> Sweeps after an inner solve that failed
     integer :: sweeps = 20
   end type proximal_t
+
+  !> Where proximal points stand between two turns: weight of the proximal term (none before the first), place in the scales of
+  !! the map, inner solves that failed in a row, factors
+  type :: approach_t
+    real(wp), private :: alpha = -1
+    integer, private :: scale = 1, failures = 0
+    type(sparse_factor_t) :: factors
+  end type approach_t
 
   !> The solver; an iteration is a Newton step, with one factorisation, or a sweep
   type, extends(matrix_solver_t) :: proximal_newton_t
@@ -59,6 +67,7 @@ contains
     type(matrix_problem_t) :: scaled
     type(progress_t) :: progress
     type(anderson_t) :: anderson
+    type(approach_t) :: state
     real(wp), allocatable :: scale(:)
     logical :: is_possible
 
@@ -67,58 +76,56 @@ contains
       allocate (scale(problem%n))
       call scale_problem(problem, scaled, scale)
       call sweep_and_look(self%first_sweeps, problem, scaled, scale, scaled%r, progress)
-      call approach(self%proximal, problem, scaled, scale, huge(1), progress, is_possible)
+      call approach(self%proximal, problem, scaled, scale, state, progress, is_possible)
       if (.not. is_possible) call sweep_accelerated(anderson, problem, scaled, scale, huge(1), progress)
     end if
     call progress%finish(problem, report)
   end subroutine proximal_newton_solve
 
-  !> Proximal points until the solve is over or so many factorisations are made; `scaled` holds the impulses.
-  subroutine approach(settings, problem, scaled, scale, most, progress, is_possible)
+  !> Proximal points until the solve or the turn is over, or a factorisation is too dear; `scaled` holds the impulses.
+  subroutine approach(settings, problem, scaled, scale, state, progress, is_possible)
     type(proximal_t), intent(in) :: settings !! settings
     type(matrix_problem_t), intent(in) :: problem !! problem to solve
     type(matrix_problem_t), intent(inout) :: scaled !! the same without units; gets the impulses
     real(wp), intent(in), contiguous :: scale(:) !! impulse [N s] that 1 stands for
-    integer, intent(in) :: most !! factorisations
+    type(approach_t), intent(inout) :: state !! where the points stand; its factors are freed
     type(progress_t), intent(inout) :: progress !! how far the solve has come
     logical, intent(out) :: is_possible !! can this build factorise systems of this size?
-    type(sparse_factor_t) :: factors
     real(wp), allocatable :: next(:, :)
-    real(wp) :: alpha, e1
-    integer :: i, failures, steps, before
+    real(wp) :: e1
+    integer :: steps
     logical :: has_solved
 
     is_possible = has_sparse_library() .or. scaled%d*scaled%n <= largest_full
     if (.not. is_possible) return
-    alpha = settings%first_alpha
-    i = 1
-    failures = 0
-    before = progress%factorisations
-    do while (.not. progress%is_over .and. progress%factorisations - before < most)
-      next = scaled%r
-      call solve_inner(settings, scaled, alpha, settings%rho(i), progress, factors, next, steps, has_solved)
-      progress%factorisations = progress%factorisations + steps
-      progress%iterations = progress%iterations + max(steps, 1)
-      if (has_solved) then
-        failures = 0
-        scaled%r = next
-        call project_all(scaled%friction, next)
-        call progress%look(problem, next, scale)
-        if (steps <= settings%easy) alpha = max(settings%fall*alpha, settings%least_alpha)
-        if (steps > settings%hard) alpha = settings%rise*alpha
-      else
-        failures = failures + 1
-        alpha = min(settings%jump*alpha, 1/settings%first_alpha)
-        i = modulo(i, size(settings%rho)) + 1
-        e1 = progress%e1
-        if (failures > 2) next = scaled%r
-        call project_all(scaled%friction, next)
-        call sweep_and_look(settings%sweeps, problem, scaled, scale, next, progress)
-        if (progress%e1 < e1 .or. failures > 2) scaled%r = next
-      end if
-    end do
-    call project_all(scaled%friction, scaled%r)
-    call factors%free()
+    if (state%alpha < 0) state%alpha = settings%first_alpha
+    associate (alpha => state%alpha, i => state%scale, failures => state%failures, factors => state%factors)
+      do while (.not. progress%must_yield())
+        next = scaled%r
+        call solve_inner(settings, scaled, alpha, settings%rho(i), progress, factors, next, steps, has_solved)
+        call progress%count_factorisation(merge(steps - 1, steps, factors%is_too_dear), factors%operations)
+        if (factors%is_too_dear) exit
+        if (has_solved) then
+          failures = 0
+          scaled%r = next
+          call project_all(scaled%friction, next)
+          call progress%look(problem, next, scale)
+          if (steps <= settings%easy) alpha = max(settings%fall*alpha, settings%least_alpha)
+          if (steps > settings%hard) alpha = settings%rise*alpha
+        else
+          failures = failures + 1
+          alpha = min(settings%jump*alpha, 1/settings%first_alpha)
+          i = modulo(i, size(settings%rho)) + 1
+          e1 = progress%e1
+          if (failures > 2) next = scaled%r
+          call project_all(scaled%friction, next)
+          call sweep_and_look(settings%sweeps, problem, scaled, scale, next, progress)
+          if (progress%e1 < e1 .or. failures > 2) scaled%r = next
+        end if
+      end do
+      call project_all(scaled%friction, scaled%r)
+      call factors%free()
+    end associate
   end subroutine approach
 
   !> Some sweeps, and a look at what they gave.
@@ -133,8 +140,7 @@ contains
     do i = 1, sweeps
       call sweep(scaled, r)
     end do
-    progress%sweeps = progress%sweeps + sweeps
-    progress%iterations = progress%iterations + sweeps
+    call progress%count_sweeps(sweeps)
     call progress%look(problem, r, scale)
   end subroutine sweep_and_look
 
