@@ -6,11 +6,12 @@ module sg_datbox_drives
   use sg_drives, only: drive_t, mark_walls, pressure_t
   use sg_error, only: diagnostics_t
   use sg_evolution_file, only: read_evolution_file
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp, i4, i8
   use sg_lists, only: reserve
   use sg_local_numbers, only: local_body
   use sg_scene, only: scene_t
   use sg_share, only: share_t
+  use sg_sorting, only: sort_permutation
   use sg_text, only: to_text
   use sg_time_functions, only: time_function_t
   implicit none
@@ -43,7 +44,8 @@ contains
     numbers = numbers(:n)
   end subroutine bodies_driven
 
-  !> Numbers of the bodies whose velocity is imposed in all components; what is wrong is told when drives are read.
+  !> Numbers of the bodies whose velocity is imposed in all components, by the last block of each; what is wrong is told when
+  !! drives are read.
   subroutine bodies_held(folder, dimension, n_bodies, numbers)
     character(len=*), intent(in) :: folder !! DATBOX folder
     integer, intent(in) :: dimension !! 2 or 3
@@ -51,24 +53,40 @@ contains
     integer(i4), allocatable, intent(out) :: numbers(:) !! ascending
     type(datbox_file_t) :: file
     type(diagnostics_t) :: unheard
-    logical, allocatable :: is_held(:, :)
-    integer :: b, component, number
-    logical :: ok
+    logical :: is_held(merge(3, 6, dimension == 2)), ok
+    integer(i8), allocatable :: keys(:)
+    integer(i4), allocatable :: order(:)
+    logical, allocatable :: is_whole(:)
+    integer :: component, number, n, i
 
     call open_datbox_file(file, folder, 'DRV_DOF.DAT', .false., unheard)
-    allocate (is_held(merge(3, 6, dimension == 2), 0:n_bodies), source=.false.)
-    number = 0
+    n = 0
+    do while (next_line(file))
+      if (keyword(file) == 'bdyty') n = n + 1
+    end do
+    allocate (keys(n), is_whole(n))
+    call go_to(file, 0)
+    n = 0
     do while (next_line(file))
       if (keyword(file) == 'bdyty') then
         call read_body_number(file, dimension, n_bodies, number, unheard)
-        is_held(:, number) = .false.
-      else if (name_field(file, 2) == 'vlocy') then
+        is_held = .false.
+        n = n + 1
+        keys(n) = int(number, i8)
+        is_whole(n) = .false.
+      else if (n > 0 .and. name_field(file, 2) == 'vlocy') then
         ok = .true.
         call integer_field(file, 9, 13, component, ok, unheard)
-        if (component >= 1 .and. component <= size(is_held, 1)) is_held(component, number) = .true.
+        if (component >= 1 .and. component <= size(is_held)) is_held(component) = .true.
+        is_whole(n) = all(is_held) .and. keys(n) > 0
       end if
     end do
-    numbers = pack([(int(b, i4), b=1, n_bodies)], all(is_held(:, 1:), 1))
+    ! Of blocks of one body, which stand in the order of the file, the last counts.
+    order = sort_permutation(keys(:n))
+    do i = 1, n - 1
+      if (keys(order(i)) == keys(order(i + 1))) is_whole(order(i)) = .false.
+    end do
+    numbers = int(keys(pack(order, is_whole(order))), i4)
   end subroutine bodies_held
 
   !> Read all drives; driven bodies are no grains, but for those that are held in a plane.
