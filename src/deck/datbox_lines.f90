@@ -156,15 +156,15 @@ contains
     is_block_end = word(1:1) == '$'
   end function is_block_end
 
-  !> Columns of the present line, blanks beyond its end.
+  !> Columns of the present line, blanks beyond its ends.
   pure function columns(file, first, last)
     type(datbox_file_t), intent(in) :: file
     integer, intent(in) :: first, last
     character(len=last - first + 1) :: columns
 
     columns = ''
-    associate (line => file%line)
-      if (len(line) >= first) columns = line(first:min(last, len(line)))
+    associate (line => file%line, low => max(1, first))
+      if (len(line) >= low) columns(low - first + 1:) = line(low:min(last, len(line)))
     end associate
   end function columns
 
