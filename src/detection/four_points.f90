@@ -10,7 +10,8 @@ contains
 
   !> Choose the deepest point, the farthest from it, the farthest from their line, and the one that adds most area to these.
   !!
-  !! Points that add less than `same` in length say nothing new: a line has two points, a spot one.
+  !! Points that add less than `same` in length say nothing new: a line has two points, a spot one. Of points that add as much the
+  !! deeper is chosen, so that the choice does not hang on the order of the corners.
   pure subroutine choose_points(n, point, normal, rounding, same, n_chosen, chosen)
     integer, intent(in) :: n !! number of points, one at least
     real(wp), intent(in) :: point(4, n) !! corners of a convex polygon, seen along the normal, and their gaps [m]
@@ -32,7 +33,7 @@ contains
     best = same
     do i = 1, n
       value = sqrt(dot_product(flat(i, 1), flat(i, 1)))
-      if (value <= best + rounding) cycle
+      if (.not. is_better(i, chosen(2), rounding)) cycle
       best = value
       chosen(2) = i
     end do
@@ -44,7 +45,7 @@ contains
     best = same
     do i = 1, n
       value = abs(dot_product(across, flat(i, 1)))
-      if (value <= best + rounding) cycle
+      if (.not. is_better(i, chosen(3), rounding)) cycle
       best = value
       chosen(3) = i
     end do
@@ -56,13 +57,23 @@ contains
     best = same*sqrt(dot_product(line, line))
     do i = 1, n
       value = max(area(1, 2, i), area(2, 3, i), area(3, 1, i))
-      if (value <= best + rounding*sqrt(dot_product(line, line))) cycle
+      if (.not. is_better(i, chosen(4), rounding*sqrt(dot_product(line, line)))) cycle
       best = value
       chosen(4) = i
     end do
     if (chosen(4) > 0) n_chosen = 4
 
   contains
+
+    !> Does a point add more than the best one so far, or as much and is deeper?
+    pure logical function is_better(i, now, tie)
+      integer, intent(in) :: i, now
+      real(wp), intent(in) :: tie
+
+      is_better = value > best + tie
+      if (is_better .or. now == 0 .or. value < best - tie) return
+      is_better = point(4, i) < point(4, now) - rounding
+    end function is_better
 
     !> From a chosen point to a point, within the plane of contact.
     pure function flat(i, k) result(way)
