@@ -10,7 +10,7 @@ module sg_advance
   use sg_limits, only: check_limits
   use sg_link_contacts, only: finish_links
   use sg_motion, only: predict, update
-  use sg_passing, only: look_for_passing
+  use sg_passing, only: look_for_passing, look_through_walls
   use sg_penetration, only: deepest_penetration
   use sg_plan, only: set_radii
   use sg_problem, only: problem_kind, problem_t
@@ -64,8 +64,9 @@ contains
       way = h*largest_speed(sim%scene%bodies%velocity(:sim%scene%dimension, :))
       is_fast = way > sim%plan%alert
       sim%passing%n = 0
+      sim%passing%is_due = way > sim%plan%thinnest
       ! What a checkpoint or a deck knows of contacts has no gaps.
-      if (way > sim%plan%thinnest .and. .not. sim%history%is_loaded) &
+      if (way + sim%passing%deepest > sim%plan%thinnest .and. .not. sim%history%is_loaded) &
         call look_for_passing(sim%passing, sim%scene, sim%contacts, sim%step + 1, h)
       call predict(sim%scene, sim%time(), h, sim%options%theta)
       if (sim%decomposition%is_on) call renew(sim, error)
@@ -84,6 +85,9 @@ contains
     associate (phase => sim%totals%phase)
       call phase(phase_detect)%start()
       call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+      ! Before the first detection bodies are where they start.
+      if (sim%passing%is_due) call look_through_walls(sim%passing, sim%scene, sim%step + 1, sim%options%step, &
+                                                      merge(1 - sim%options%theta, 1.0_wp, sim%step == 0), sim%plan%thinnest)
       call phase(phase_detect)%stop()
 
       call phase(phase_assemble)%start()
@@ -141,7 +145,8 @@ contains
     associate (h => sim%options%step, phase => sim%totals%phase)
       call phase(phase_measure)%start()
       call sim%energy%add_step(sim%scene, sim%contacts, h)
-      call sim%totals%add(sim%report, sim%contacts%n, deepest_penetration(sim%contacts), sim%all_contacts)
+      sim%passing%deepest = deepest_penetration(sim%contacts)
+      call sim%totals%add(sim%report, sim%contacts%n, sim%passing%deepest, sim%all_contacts)
       if (.not. sim%report%is_converged) call note_unconverged(sim)
       if (is_fast) sim%totals%fast_steps = sim%totals%fast_steps + 1
       sim%totals%passings = sim%totals%passings + sim%passing%n

@@ -1,27 +1,38 @@
-!> Bodies that pass through each other within a step.
+!> Bodies that pass through each other: within a step, or squeezed.
 !!
 !! Contacts are found once a step. From one detection to the next a body moves by exactly h V, whatever theta, so a contact that
 !! was seen at a gap g is g + h u_n wide at the next one, u_n being the velocity that the step ended with. Laws that act at a
-!! distance (IQS, GAP_SGR) leave no g + h u_n below zero. Those that wait until shapes touch (RST, VEL_SGR) may: and where it is
-!! deeper than both shapes are thick to their middles, what is found next lies beyond, and is pushed out on the wrong side, or not
-!! at all.
+!! distance (IQS, GAP_SGR) leave no g + h u_n below zero. Those that wait until shapes touch (RST, VEL_SGR) may, and so does a body
+!! between a floor and a lid that come together: where the overlap exceeds what both shapes measure to their middles, what is found next
+!! lies beyond, and is pushed out on the wrong side, or not at all.
+!!
+!! A body may also meet a wall without a contact before: in the first step, where a restart file knows no gaps, or from beyond the
+!! alert distance at a velocity that it has just been given. Then the path of its centre since the last detection tells.
 module sg_passing
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t
   use sg_error, only: error_t, fail
   use sg_guard, only: number_of
   use sg_half_width, only: half_width
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
+  use sg_lists, only: reserve
   use sg_scene, only: scene_t
+  use sg_swept_walls, only: goes_through
   use sg_text, only: to_text
   implicit none
   private
-  public :: passing_t, look_for_passing, tell_passing
+  public :: passing_t, look_for_passing, look_through_walls, tell_passing
 
   !> What is known of bodies that passed
   type :: passing_t
     !> Pairs of bodies that passed in the present step, of this rank and then of all
     integer :: n = 0
+    !> Numbers of the bodies of those of this rank, shape (2, n)
+    integer(i4), allocatable :: pair(:, :)
+    !> Deepest overlap of the last step [m]
+    real(wp) :: deepest = 0
+    !> Is the path of fast bodies to be looked at in the present step?
+    logical :: is_due = .false.
     !> The first of them, in words, and whether it has been told
     type(error_t), allocatable :: first
     logical :: is_told = .false.
@@ -29,7 +40,7 @@ module sg_passing
 
 contains
 
-  !> Count the pairs of bodies that the motion since the last detection has brought through each other.
+  !> Count the pairs of bodies in contact that the motion since the last detection has brought through each other.
   subroutine look_for_passing(passing, scene, contacts, step, h)
     type(passing_t), intent(inout) :: passing !! its count is set
     type(scene_t), intent(in) :: scene !! velocities are those with which the last step ended
@@ -37,29 +48,78 @@ contains
     integer, intent(in) :: step !! number of the step that begins
     real(wp), intent(in) :: h !! time step [s]
     real(wp) :: way, thickness
-    integer :: k, last(2), numbers(2)
+    integer :: k
 
-    passing%n = 0
-    last = 0
     do k = 1, contacts%n
-      associate (b => contacts%body(:, k), n => scene%dimension)
-        ! Points of contact of one pair follow each other.
-        if (all(b == last)) cycle
+      associate (b => contacts%body(:, k), gap => contacts%gap(k), n => scene%dimension)
         way = -h*dot_product(contacts%normal(:, k), scene%bodies%velocity(:n, b(1)) - scene%bodies%velocity(:n, b(2)))
-        if (way <= max(0.0_wp, contacts%gap(k))) cycle
+        if (way <= max(0.0_wp, gap)) cycle
         thickness = half_width(scene%contactors, int(contacts%contactor(1, k))) + &
                     half_width(scene%contactors, int(contacts%contactor(2, k)))
-        if (way <= thickness .or. way - contacts%gap(k) <= thickness) cycle
-        last = b
-        passing%n = passing%n + 1
-        if (passing%is_told .or. allocated(passing%first)) cycle
-        numbers = [number_of(scene, last(1)), number_of(scene, last(2))]
-        call fail(passing%first, 'step '//to_text(step)//': bodies '//to_text(minval(numbers))//' and '// &
-                  to_text(maxval(numbers))//' pass through each other, at '//to_text(way/h, 3)//' m/s, '// &
-                  'since contacts are found once a step; a time step below '//to_text(thickness/way*h, 2)//' s finds them')
+        ! Beyond the middles after the step, and not before.
+        if (way - gap <= thickness .or. -gap > thickness) cycle
+        call count_pair(passing, scene, int(b), step, h, way, thickness)
       end associate
     end do
   end subroutine look_for_passing
+
+  !> Count the grains whose centres have gone through a wall since the last detection. Only those that moved by more than the
+  !! thinnest shape is looked at.
+  subroutine look_through_walls(passing, scene, step, h, share, thinnest)
+    type(passing_t), intent(inout) :: passing !! its count grows
+    type(scene_t), intent(in) :: scene !! contactors are placed for the step, velocities are those with which the last one ended
+    integer, intent(in) :: step !! number of the step
+    real(wp), intent(in) :: h !! time step [s]
+    real(wp), intent(in) :: share !! share of the step since the last detection, or since the start
+    real(wp), intent(in) :: thinnest !! half width of the thinnest shape [m]
+    integer, allocatable :: walls(:)
+    real(wp) :: way(scene%dimension)
+    integer :: c, i, n
+
+    n = scene%dimension
+    associate (bodies => scene%bodies, contactors => scene%contactors)
+      walls = pack([(c, c=1, contactors%n)], .not. bodies%is_grain(contactors%body(:contactors%n)))
+      do c = 1, contactors%n
+        ! Copies of other ranks' grains are looked at there.
+        if (.not. bodies%is_grain(contactors%body(c)) .or. contactors%body(c) > bodies%n_home) cycle
+        do i = 1, size(walls)
+          associate (b => [int(contactors%body(c)), int(contactors%body(walls(i)))])
+            way = share*h*(bodies%velocity(:n, b(1)) - bodies%velocity(:n, b(2)))
+            if (sum(way**2) <= thinnest**2) cycle
+            if (.not. goes_through(contactors, walls(i), contactors%centre(:, c) - way, contactors%centre(:, c))) cycle
+            call count_pair(passing, scene, b, step, share*h, norm2(way), half_width(contactors, c) + &
+                                                                          half_width(contactors, walls(i)))
+          end associate
+        end do
+      end do
+    end associate
+  end subroutine look_through_walls
+
+  !> Count a pair once a step, and keep a sentence about the first of all.
+  subroutine count_pair(passing, scene, body, step, h, way, thickness)
+    type(passing_t), intent(inout) :: passing
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: body(2), step
+    real(wp), intent(in) :: h, way, thickness
+    character(len=:), allocatable :: who
+    integer :: numbers(2), i
+
+    numbers = [number_of(scene, minval(body)), number_of(scene, maxval(body))]
+    do i = 1, passing%n
+      if (all(passing%pair(:, i) == numbers)) return
+    end do
+    passing%n = passing%n + 1
+    call reserve(passing%pair, 2, passing%n)
+    passing%pair(:, passing%n) = int(numbers, i4)
+    if (passing%is_told .or. allocated(passing%first)) return
+    who = 'step '//to_text(step)//': bodies '//to_text(minval(numbers))//' and '//to_text(maxval(numbers))
+    if (way > thickness) then
+      call fail(passing%first, who//' pass through each other, at '//to_text(way/h, 3)//' m/s, '// &
+                'since contacts are found once a step; a time step below '//to_text(thickness/way*h, 2)//' s finds them')
+    else
+      call fail(passing%first, who//' are pressed through each other: they overlap by more than half of what both are thick')
+    end if
+  end subroutine count_pair
 
   !> Warn of the first bodies that passed. Collective where ranks share the scene; all have the same count.
   subroutine tell_passing(passing, comm, unit)

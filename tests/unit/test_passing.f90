@@ -1,18 +1,22 @@
 !> Bodies that pass through each other within a step: how thin shapes are, who passed, who only came deep, and in whose words.
 program test_passing
   use harness, only: tests_t
-  use scenes, only: begin_run, begin_scene, put_disk, put_wall
+  use scenes, only: begin_run, begin_scene, drive, hold, put_disk, put_polygon, put_wall, run
+  use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
   use sg_advance, only: advance
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t
   use sg_error, only: error_t
   use sg_half_width, only: half_width
+  use sg_history, only: resume_history
   use sg_kinds, only: wp
   use sg_laws, only: law_iqs, law_velocity
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
   use sg_simulation, only: simulation_t
+  use sg_rotations, only: rotation_by, turned_by
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
+  use sg_time_functions, only: time_function_t
   implicit none
   type(tests_t) :: t
   real(wp), parameter :: rounding = 1e-14_wp
@@ -22,6 +26,10 @@ program test_passing
   call test_widths_in_space()
   call test_balls()
   call test_wall()
+  call test_first_detection()
+  call test_walls_in_space()
+  call test_no_false_alarm()
+  call test_squeezed()
   call t%finish()
 
 contains
@@ -163,4 +171,122 @@ contains
     end do
     call t%check(.not. allocated(error), 'all steps are made')
   end subroutine fly
+  !> Beyond a wall at its first detection: in the first step, from beyond the alert distance, after a restart, and through a
+  !! polygon; in any direction. Detections are at 0.25, 0.75, 1.25 m.
+  subroutine test_first_detection()
+    real(wp), parameter :: places(3) = [0.12_wp, 0.5_wp, 1.0_wp]
+    type(simulation_t) :: sim
+    integer :: i, j
+    real(wp) :: angle, along(2)
+
+    do i = 1, size(places)
+      do j = 0, 3
+        angle = real(j, wp)
+        along = [cos(angle), sin(angle)]
+        sim = simulation_t()
+        call begin_scene(sim%scene, 2, 0.0_wp, 1e-3_wp)
+        sim%scene%gravity = 0
+        call put_disk(sim%scene, 1, 0.01_wp, [3.0_wp, -2.0_wp])
+        if (j < 2) call put_wall(sim%scene, 2, 5.0_wp, 0.01_wp, [3.0_wp, -2.0_wp] + places(i)*along, angle + 2*atan(1.0_wp))
+        if (j >= 2) call put_slab(sim, [3.0_wp, -2.0_wp] + places(i)*along, along)
+        sim%scene%bodies%velocity(1:2, 1) = 500*along
+        call begin_run(sim, 1e-3_wp, 1e-12_wp)
+        call run(sim, i - 1)
+        ! What a restart file knows of contacts has no gaps.
+        if (j == 1 .and. i > 1) call resume_history(sim%history, sim%contacts)
+        call t%equal(sim%totals%passings, 0, 'not yet')
+        call run(sim, 4 - i)
+        call t%equal(sim%totals%passings, 1, 'beyond a wall at its first detection')
+        call t%check(allocated(sim%passing%first), 'which is told')
+        if (.not. allocated(sim%passing%first)) cycle
+        call t%check(index(sim%passing%first%message, 'step '//achar(48 + i)//': bodies 1 and 2') == 1, sim%passing%first%message)
+      end do
+    end do
+  end subroutine test_first_detection
+
+  !> A fixed polygon, 2 cm thick across a direction.
+  subroutine put_slab(sim, place, along)
+    type(simulation_t), intent(inout) :: sim
+    real(wp), intent(in) :: place(2), along(2)
+    real(wp) :: across(2)
+
+    across = [-along(2), along(1)]
+    call put_polygon(sim%scene, 2, reshape([place - 0.01_wp*along - across, place + 0.01_wp*along - across, &
+                                            place + 0.01_wp*along + across, place - 0.01_wp*along + across], [2, 4]))
+    call hold(sim%scene, 2)
+  end subroutine put_slab
+
+  !> The same in space, through planes and boxes; a wall may be what moves.
+  subroutine test_walls_in_space()
+    real(wp), parameter :: up(3) = [0.0_wp, 0.0_wp, 1.0_wp], start(3) = [1.0_wp, 2.0_wp, 3.0_wp]
+    type(simulation_t) :: sim
+    real(wp) :: q(4), along(3)
+    integer :: i, c
+
+    do i = 1, 4
+      q = rotation_by(0.4_wp*[real(i, wp), -1.0_wp, 0.5_wp])
+      along = turned_by(q, up)
+      sim = simulation_t()
+      call begin_space_scene(sim%scene, 2, 0.3_wp, 1e-3_wp)
+      sim%scene%gravity = 0
+      call put_sphere(sim%scene, 1, 0.01_wp, start)
+      if (modulo(i, 2) == 0) call put_plane(sim%scene, 2, [1.0_wp, 1.0_wp, 0.02_wp], start - 0.5_wp*along, q)
+      if (modulo(i, 2) == 1) call put_box(sim%scene, 2, [1.0_wp, 1.0_wp, 0.02_wp], start - 0.5_wp*along, q)
+      if (i < 3) then
+        sim%scene%bodies%velocity(1:3, 1) = -500*along
+        if (i == 1) call hold(sim%scene, 2)
+      else
+        if (i == 4) sim%scene%drives = sim%scene%drives(:0)
+        do c = 1, 3
+          call drive(sim%scene, 2, c, time_function_t(constant=500*along(c)))
+          call drive(sim%scene, 2, c + 3, time_function_t())
+        end do
+      end if
+      call begin_run(sim, 1e-3_wp, 1e-12_wp)
+      call run(sim, 4)
+      call t%equal(sim%totals%passings, 1, 'through a wall in space')
+    end do
+  end subroutine test_walls_in_space
+
+  !> Fast along a wall, fast past its end, or stopped by it: nothing passes.
+  subroutine test_no_false_alarm()
+    type(simulation_t) :: sim
+    integer :: i
+
+    do i = 1, 3
+      sim = simulation_t()
+      call begin_scene(sim%scene, 2, 0.0_wp, 1.0_wp)
+      call put_disk(sim%scene, 1, 0.1_wp, [0.0_wp, 0.1_wp])
+      call put_wall(sim%scene, 2, 5.0_wp, 0.05_wp, merge([0.0_wp, -0.05_wp], [0.0_wp, 6.0_wp], i == 1), &
+                    merge(0.0_wp, 2*atan(1.0_wp), i == 1))
+      if (i == 1) sim%scene%bodies%velocity(1, 1) = 500
+      if (i == 2) sim%scene%bodies%velocity(2, 1) = -100
+      if (i == 3) then
+        sim%scene%bodies%position(:, 1) = [-1.0_wp, 3.0_wp]
+        sim%scene%bodies%velocity(1, 1) = 500
+      end if
+      call begin_run(sim, 1e-3_wp, 1e-12_wp)
+      call run(sim, 5)
+      call t%equal(sim%totals%passings, 0, 'nothing has passed')
+    end do
+    call t%check(sim%scene%bodies%position(1, 1) < 0, 'the last one was stopped')
+  end subroutine test_no_false_alarm
+
+  !> A lid comes down on a disk that lies on a floor: it can go nowhere, and comes out through one of them.
+  subroutine test_squeezed()
+    type(simulation_t) :: sim
+
+    call begin_scene(sim%scene, 3, 0.3_wp, 0.05_wp)
+    call put_disk(sim%scene, 1, 0.1_wp, [0.0_wp, 0.1_wp])
+    call put_wall(sim%scene, 2, 5.0_wp, 0.02_wp, [0.0_wp, -0.02_wp], 0.0_wp)
+    call put_wall(sim%scene, 3, 5.0_wp, 0.02_wp, [0.0_wp, 0.22_wp], 0.0_wp)
+    sim%scene%drives(5)%value = time_function_t(constant=-40.0_wp)
+    call begin_run(sim, 2e-4_wp, 1e-12_wp)
+    call run(sim, 10)
+    call t%equal(sim%totals%passings, 0, 'squeezed, not yet beyond the middle')
+    call run(sim, 20)
+    call t%check(sim%totals%passings > 0, 'squeezed out')
+    if (allocated(sim%passing%first)) call t%check(index(sim%passing%first%message, 'are pressed through each other') > 0, &
+                                                   sim%passing%first%message)
+  end subroutine test_squeezed
 end program test_passing
