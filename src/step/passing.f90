@@ -2,9 +2,9 @@
 !!
 !! Contacts are found once a step. From one detection to the next a body moves by exactly h V, whatever theta, so a contact that
 !! was seen at a gap g is g + h u_n wide at the next one, u_n being the velocity that the step ended with. Laws that act at a
-!! distance (IQS, GAP_SGR) leave no g + h u_n below zero. Those that wait until shapes touch (RST, VEL_SGR) may, and so does a body
-!! between a floor and a lid that come together: where the overlap exceeds what both shapes measure to their middles, what is found next
-!! lies beyond, and is pushed out on the wrong side, or not at all.
+!! distance (IQS, GAP_SGR) leave no g + h u_n below zero. Those that wait until shapes touch (RST, VEL_SGR) may, and so does a
+!! body between a floor and a lid that come together: where the overlap exceeds what both shapes measure to their middles, what
+!! is found next lies beyond, and is pushed out on the wrong side, or not at all.
 !!
 !! A body may also meet a wall without a contact before: in the first step, where a restart file knows no gaps, or from beyond the
 !! alert distance at a velocity that it has just been given. Then the path of its centre since the last detection tells.
