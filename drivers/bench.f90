@@ -3,8 +3,10 @@ module sg_bench
   use sg_arguments, only: arguments_t
   use sg_benchmark, only: benchmark_t, run_benchmark
   use sg_benchmark_scenes, only: check_lattice, lattice_shapes
+  use sg_columns, only: right
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp
+  use sg_print, only: print_line
   use sg_run_options, only: solver_options_t
   use sg_text, only: to_text
   use sg_threads, only: threads_are_available
@@ -60,7 +62,7 @@ contains
     type(solver_options_t), intent(in) :: options
     logical, intent(in) :: as_json
 
-    if (as_json) write (*, '(a)', advance='no') '{"shape": "'//shape//'", "order": "'//trim(options%order)//'"'
+    if (as_json) call print_line('{"shape": "'//shape//'", "order": "'//trim(options%order)//'"', is_open=.true.)
     call put('contacts', real(figures%contacts, wp))
     call put('active_contacts', real(figures%active_contacts, wp))
     call put('sweeps', real(figures%sweeps, wp))
@@ -79,16 +81,16 @@ contains
     call put('bytes_per_update', figures%bytes_per_update)
     call put('fraction_of_stream', figures%updates_per_second*figures%bytes_per_update/figures%triad)
     call put('e8', figures%e8)
-    if (as_json) write (*, '(a)') '}'
+    if (as_json) call print_line('}')
   contains
     subroutine put(name, value)
       character(len=*), intent(in) :: name
       real(wp), intent(in) :: value
 
       if (as_json) then
-        write (*, '(a)', advance='no') ', "'//name//'": '//to_text(value, 6)
+        call print_line(', "'//name//'": '//to_text(value, 6), is_open=.true.)
       else
-        write (*, '(a32,1x,a)') name, to_text(value, 4)
+        call print_line(right(name, 32)//' '//to_text(value, 4))
       end if
     end subroutine put
   end subroutine print_figures

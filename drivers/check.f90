@@ -6,6 +6,7 @@ module sg_check
   use sg_inventory, only: expected_memory
   use sg_memory, only: gigabytes
   use sg_plan, only: describe_plan
+  use sg_print, only: print_line
   use sg_simulation, only: simulation_t
   use sg_start_split, only: find_contacts
   use sg_text, only: text_t, to_text
@@ -37,7 +38,7 @@ contains
     end if
     code = exit_done
     call print_counts(file, sim)
-    write (*, '(a)') describe_plan(sim%plan, sim%scene, ranks=1)
+    call print_line(describe_plan(sim%plan, sim%scene, ranks=1))
   end subroutine check_command
 
   !> Print what the plan does not say: time, laws, drives, memory.
@@ -46,14 +47,14 @@ contains
     type(simulation_t), intent(in) :: sim
 
     associate (scene => sim%scene, options => sim%options)
-      write (*, '(a)') file//': no mistakes'
-      if (options%title /= '') write (*, '(a)') 'title      '//options%title
-      write (*, '(a)') 'deck       '//options%deck_hash
-      write (*, '(a)') 'time       '//to_text(options%steps)//' steps of '//to_text(options%step, 4)//' s'
-      write (*, '(a)') 'sees       '//to_text(size(scene%laws))//' laws in '//to_text(size(scene%sees))//' lines'
-      write (*, '(a)') 'imposed    '//to_text(size(scene%drives))//' components, '//to_text(size(scene%pressures))//' pressures'
-      write (*, '(a)') 'memory     about '//gigabytes(expected_memory(sim))//', of '//to_text(sim%pairs%n)// &
-        ' pairs of neighbours and '//to_text(sim%contacts%n)//' contacts at the start'
+      call print_line(file//': no mistakes')
+      if (options%title /= '') call print_line('title      '//options%title)
+      call print_line('deck       '//options%deck_hash)
+      call print_line('time       '//to_text(options%steps)//' steps of '//to_text(options%step, 4)//' s')
+      call print_line('sees       '//to_text(size(scene%laws))//' laws in '//to_text(size(scene%sees))//' lines')
+      call print_line('imposed    '//to_text(size(scene%drives))//' components, '//to_text(size(scene%pressures))//' pressures')
+      call print_line('memory     about '//gigabytes(expected_memory(sim))//', of '//to_text(sim%pairs%n)// &
+        ' pairs of neighbours and '//to_text(sim%contacts%n)//' contacts at the start')
     end associate
   end subroutine print_counts
 end module sg_check

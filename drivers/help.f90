@@ -6,6 +6,7 @@ module sg_help
   use sg_fourier, only: fourier_is_available
   use sg_graph_split, only: graph_splits
   use sg_hdf5, only: hdf5_is_available
+  use sg_print, only: print_line
   use sg_sparse_factor, only: has_sparse_library
   use sg_version, only: commit, compiler_flags, version
   implicit none
@@ -162,21 +163,22 @@ contains
     integer :: i
 
     do i = 1, size(text)
-      write (*, '(a)') trim(text(i))
+      call print_line(trim(text(i)))
     end do
   end subroutine lines
 
   !> Print version, commit, compiler, flags and libraries.
   subroutine print_version()
+    character(len=*), parameter :: nl = new_line('a')
     type(comm_t) :: comm
     character(len=:), allocatable :: library
 
     library = comm%library()
     if (len(library) == 0) library = 'off'
-    write (*, '(a)') 'splitgrain '//version, 'commit    '//commit, 'compiler  '//compiler_version(), &
-      'flags     '//compiler_flags, 'MPI       '//library, 'HDF5      '//on_or_off(hdf5_is_available()), &
-      'METIS     '//on_or_off(graph_splits()), 'FFTW      '//on_or_off(fourier_is_available()), &
-      'UMFPACK   '//on_or_off(has_sparse_library()), 'Qhull     '//on_or_off(hull_is_available())
+    call print_line('splitgrain '//version//nl//'commit    '//commit//nl//'compiler  '//compiler_version()//nl// &
+      'flags     '//compiler_flags//nl//'MPI       '//library//nl//'HDF5      '//on_or_off(hdf5_is_available())//nl// &
+      'METIS     '//on_or_off(graph_splits())//nl//'FFTW      '//on_or_off(fourier_is_available())//nl// &
+      'UMFPACK   '//on_or_off(has_sparse_library())//nl//'Qhull     '//on_or_off(hull_is_available()))
   end subroutine print_version
 
   !> Is a library in?

@@ -6,10 +6,11 @@ program splitgrain
   use sg_check, only: check_command
   use sg_comm, only: comm_t
   use sg_convert, only: convert_command
-  use sg_error, only: error_t, exit_bad_input, exit_done, fail
+  use sg_error, only: error_t, exit_bad_input, exit_done, exit_output, fail
   use sg_help, only: print_help, print_version
   use sg_kinds, only: wp
   use sg_partition, only: partition_command
+  use sg_print, only: has_print_failed, print_line
   use sg_reference_text, only: reference_text
   use sg_run, only: run_command
   use sg_solve, only: solve_command
@@ -35,6 +36,10 @@ program splitgrain
     ! Ranks agree on errors: one of them tells.
     if (comm%rank == 0) write (error_unit, '(a)') error%report()
     code = error%code
+  end if
+  if (comm%any(has_print_failed())) then
+    if (comm%rank == 0) write (error_unit, '(a)') 'error: standard output cannot be written: is the disk full, or its reader gone?'
+    if (code == exit_done) code = exit_output
   end if
   call comm%finish()
   call end_program(code)
@@ -106,7 +111,7 @@ contains
       if (.not. allocated(error)) call check_command(arguments%words(1)%s, arguments%all_of('set'), code)
     case ('reference')
       call arguments%expect('', 0, 0, 'reference', error)
-      if (.not. allocated(error)) write (*, '(a)', advance='no') reference_text()
+      if (.not. allocated(error)) call print_line(reference_text(), is_open=.true.)
     case ('convert')
       call arguments%expect('restart', 2, 2, 'convert SOURCE TARGET [--restart FILE]', error)
       if (.not. allocated(error)) then

@@ -13,6 +13,7 @@ module sg_partition
   use sg_message_costs, only: given_messages, measure_messages
   use sg_numerals, only: read_integer
   use sg_predict_cost, only: predict_cost
+  use sg_print, only: print_line
   use sg_run_options, only: partition_options_t, split_names
   use sg_simulation, only: simulation_t
   use sg_split_report, only: split_report_t
@@ -66,7 +67,7 @@ contains
     if (.not. allocated(error) .and. arguments%has('picture')) call draw(sim, part, arguments%get('picture', ''), error)
     if (allocated(error)) return
     if (arguments%has('json')) then
-      write (output_unit, '(a)') split_json(report, blocks)
+      call print_line(split_json(report, blocks))
     else
       call print_split(output_unit, report, blocks)
     end if
@@ -116,7 +117,7 @@ contains
     call predict_cost(sim, most, comm, machine, predictions, error)
     if (allocated(error) .or. comm%rank > 0) return
     if (arguments%has('json')) then
-      write (output_unit, '(a)') costs_json(machine, are_measured, predictions)
+      call print_line(costs_json(machine, are_measured, predictions))
     else
       call print_costs(output_unit, machine, are_measured, predictions)
     end if

@@ -1,16 +1,18 @@
 !> `splitgrain solve`: contact problems in FCLIB files, solved and judged by errors measured anew.
 module sg_solve
-  use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_arguments, only: arguments_t
   use sg_choose_matrix_solver, only: choose_matrix_solver, matrix_solver_names
-  use sg_error, only: error_t, exit_bad_input, exit_done, exit_not_converged
+  use sg_error, only: error_t, exit_bad_input, exit_done, exit_not_converged, fail
   use sg_fclib_read, only: read_fclib
   use sg_fclib_write, only: write_solution
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
+  use sg_print, only: print_line
   use sg_report, only: report_t
   use sg_solve_rows, only: json_of_error, json_row, judge, solve_row_t, table_head, table_row, trace_head, trace_rows
+  use sg_system, only: real_path
   use sg_text, only: append_word, text_t, to_text
   use sg_text_files, only: append_text, replace_file
   use sg_timers, only: cpu_now
@@ -45,23 +47,37 @@ contains
 
     code = exit_done
     call read_request(arguments, request, error)
+    if (.not. allocated(error) .and. len(request%trace) > 0) call check_trace(request%trace, arguments%words, error)
     if (.not. allocated(error) .and. len(request%trace) > 0) call replace_file(request%trace, trace_head(), error)
     if (allocated(error)) return
-    if (.not. request%as_json) write (output_unit, '(a)') table_head(request%width)
+    if (.not. request%as_json) call print_line(table_head(request%width))
     solved = 0
     allocate (codes(size(arguments%words)), source=exit_done)
     do i = 1, size(arguments%words)
       call solve_file(arguments%words(i)%s, request, is_solved, codes(i))
       if (is_solved) solved = solved + 1
     end do
-    if (.not. request%as_json) write (output_unit, '(a)') to_text(solved)//' of '//to_text(size(codes))// &
-      ' problems solved to e1 <= '//to_text(request%options%tolerance, 3)
+    if (.not. request%as_json) call print_line(to_text(solved)//' of '//to_text(size(codes))// &
+      ' problems solved to e1 <= '//to_text(request%options%tolerance, 3))
     if (any(codes == exit_bad_input)) then
       code = exit_bad_input
     else if (any(codes /= exit_done)) then
       code = maxval(codes)
     end if
   end subroutine solve_command
+
+  !> Refuse a trace that would take the place of a problem.
+  subroutine check_trace(trace, files, error)
+    character(len=*), intent(in) :: trace
+    type(text_t), intent(in) :: files(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    do i = 1, size(files)
+      if (len(real_path(trace)) > 0 .and. real_path(trace) == real_path(files(i)%s)) &
+        call fail(error, 'this file is read, --trace must name another one', file=trace)
+    end do
+  end subroutine check_trace
 
   !> Take the request from the command line.
   subroutine read_request(arguments, request, error)
@@ -134,7 +150,7 @@ contains
     is_solved = .false.
     call read_fclib(file, request%with_guess, problem, has_guess, error)
     if (allocated(error)) then
-      if (request%as_json) write (output_unit, '(a)') json_of_error(file, error%message)
+      if (request%as_json) call print_line(json_of_error(file, error%message))
       call tell(error, code)
       return
     end if
@@ -149,11 +165,10 @@ contains
       if (e1 < best_e1) best = answer%r
       best_e1 = min(best_e1, e1)
       if (request%as_json) then
-        write (output_unit, '(a)') json_row(row)
+        call print_line(json_row(row))
       else
-        write (output_unit, '(a)') table_row(row, request%width)
+        call print_line(table_row(row, request%width))
       end if
-      flush (output_unit)
     end do
     code = merge(exit_done, exit_not_converged, is_solved)
     if (request%with_write .and. .not. allocated(error)) call write_solution(file, best, request%is_forced, error)

@@ -1,9 +1,10 @@
 !> Writes a short deck that uses an LMGC90 DATBOX folder.
 module sg_datbox_deck
-  use sg_error, only: error_t, exit_output, fail
+  use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
   use sg_text, only: to_text
+  use sg_text_files, only: replace_file
   use sg_words, only: quoted_string, short_real
   implicit none
   private
@@ -17,21 +18,17 @@ contains
     character(len=*), intent(in) :: deck !! deck to write, not there yet
     type(scene_t), intent(in) :: scene !! scene read from the folder
     type(error_t), allocatable, intent(out) :: error !! set when the deck cannot be written
+    character(len=*), parameter :: nl = new_line('a')
     character(len=:), allocatable :: step
-    character(len=200) :: message
-    integer :: unit, status
 
     step = '1.0e-3'
     if (scene%start_step > 0 .and. scene%start_time > 0) &
       step = short_real(scene%start_time/real(scene%start_step, wp))
-    open (newunit=unit, file=deck, status='new', action='write', iostat=status, iomsg=message)
-    if (status == 0) write (unit, '(a)', iostat=status, iomsg=message) &
-      '# A DATBOX holds neither time step, theta, period, pressures nor the solver: check what stands here.', &
-      '[scene]', 'dimension = '//to_text(scene%dimension), 'datbox = '//quoted_string(path_from(deck, folder)), &
-      '# period_x = 1.0', '', '[time]', 'step = '//step, 'steps = 1000', 'theta = 0.5', '', &
-      '# [solver]', '# criterion = "quad"', '# tolerance = 1.0e-4'
-    if (status == 0) close (unit, iostat=status, iomsg=message)
-    if (status /= 0) call fail(error, 'cannot write the deck: '//trim(message), file=deck, code=exit_output)
+    call replace_file(deck, '# A DATBOX holds neither time step, theta, period, pressures nor the solver: check what stands '// &
+                      'here.'//nl//'[scene]'//nl//'dimension = '//to_text(scene%dimension)//nl//'datbox = '// &
+                      quoted_string(path_from(deck, folder))//nl//'# period_x = 1.0'//nl//nl//'[time]'//nl//'step = '//step//nl// &
+                      'steps = 1000'//nl//'theta = 0.5'//nl//nl//'# [solver]'//nl//'# criterion = "quad"'//nl// &
+                      '# tolerance = 1.0e-4'//nl, error)
   end subroutine write_datbox_deck
 
   !> A path as a deck must say it: relative to the deck's own folder.

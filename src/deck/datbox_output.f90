@@ -1,47 +1,57 @@
 !> Lines of fixed columns for the files of an LMGC90 DATBOX, written whole or not at all.
 module sg_datbox_output
-  use sg_error, only: error_t, exit_output, fail
-  use sg_kinds, only: wp
-  use sg_system, only: remove_file, rename_file
+  use sg_error, only: error_t
+  use sg_kinds, only: wp, i8
   use sg_text, only: text_t
+  use sg_text_files, only: replace_file
   implicit none
   private
   public :: output_t, start_file, put, put_steps, finish_file, real_word, as_written, labelled, short_names
   public :: node_head, solid_node_head
 
+  !> Letters that a file has room for at first
+  integer, parameter :: least_room = 4096
   !> Blank head, to column 27, of a line whose numbers have labels
   character(len=27), parameter :: blank_head = ''
   !> Head of the line of a node, of the plane and of space
   character(len=27), parameter :: node_head = ' NO3xx      1', solid_node_head = ' NO6xx      1'
 
-  !> A file being written; the first fault stops all further writing
+  !> A file that is gathered as text and written when it is finished
   type :: output_t
     !> Path of the finished file
     character(len=:), allocatable :: path
-    integer :: unit = -1, status = 0
-    character(len=200) :: message = ''
+    !> Its text so far, with room for more, and how long it is
+    character(len=:), allocatable :: text
+    integer(i8) :: n = 0
   end type output_t
 
 contains
 
-  !> Start a file beside its final place.
+  !> Start a file.
   subroutine start_file(output, folder, name)
     type(output_t), intent(out) :: output !! the file
     character(len=*), intent(in) :: folder !! DATBOX folder
     character(len=*), intent(in) :: name !! name within the folder
 
     output%path = trim(folder)//'/'//name
-    open (newunit=output%unit, file=output%path//'.part', status='replace', action='write', iostat=output%status, &
-          iomsg=output%message)
+    allocate (character(len=least_room) :: output%text)
   end subroutine start_file
 
   !> Write one line.
   subroutine put(output, line)
     type(output_t), intent(inout) :: output !! file to write to
     character(len=*), intent(in) :: line !! the line
+    character(len=:), allocatable :: grown
+    integer(i8) :: n
 
-    if (output%status /= 0) return
-    write (output%unit, '(a)', iostat=output%status, iomsg=output%message) trim(line)
+    n = len_trim(line, i8)
+    if (output%n + n + 1 > len(output%text, i8)) then
+      allocate (character(len=2*(output%n + n + 1)) :: grown)
+      grown(:output%n) = output%text(:output%n)
+      call move_alloc(grown, output%text)
+    end if
+    output%text(output%n + 1:output%n + n + 1) = line(:n)//new_line('a')
+    output%n = output%n + n + 1
   end subroutine put
 
   !> Write the line of step number and time that heads a state.
@@ -55,23 +65,13 @@ contains
     call put(output, labelled('time= ', [time], head))
   end subroutine put_steps
 
-  !> Put the finished file in its place; what is not whole is removed.
+  !> Put the finished file in its place.
   subroutine finish_file(output, error)
     type(output_t), intent(inout) :: output !! file to finish
-    type(error_t), allocatable, intent(inout) :: error !! set when the file could not be written
-    integer :: status
+    type(error_t), allocatable, intent(inout) :: error !! set when the file could not be written; after an earlier failure none is
 
-    if (output%status == 0) then
-      close (output%unit, iostat=output%status, iomsg=output%message)
-    else
-      close (output%unit, iostat=status)
-    end if
-    if (output%status == 0) then
-      if (rename_file(output%path//'.part', output%path)) return
-      output%message = 'it cannot be renamed into place'
-    end if
-    call remove_file(output%path//'.part')
-    if (.not. allocated(error)) call fail(error, 'cannot write the file: '//trim(output%message), output%path, code=exit_output)
+    if (.not. allocated(error)) call replace_file(output%path, output%text(:output%n), error)
+    deallocate (output%text)
   end subroutine finish_file
 
   !> A real number in 14 columns, eight digits.

@@ -3,6 +3,7 @@ module sg_cost_text
   use sg_cost_model, only: iteration_t, machine_t, prediction_t
   use sg_json, only: json_t
   use sg_kinds, only: wp
+  use sg_print, only: print_line
   use sg_text, only: to_text
   implicit none
   private
@@ -16,25 +17,28 @@ contains
     type(machine_t), intent(in) :: machine !! what the pieces cost
     logical, intent(in) :: are_messages_measured !! by this run, or given?
     type(prediction_t), intent(in) :: predictions(:) !! one for each number of ranks
+    character(len=*), parameter :: nl = new_line('a')
     character(len=:), allocatable :: text
+    character(len=200) :: row
     integer :: i
 
     text = trim(merge('measured', 'assumed ', are_messages_measured))
-    write (unit, '(a)') &
-      'contacts     '//to_text(predictions(1)%contacts), &
-      'gluing       '//to_text(1e9_wp*machine%glue, 3)//' ns a shared grain', &
+    call print_line( &
+      'contacts     '//to_text(predictions(1)%contacts)//nl// &
+      'gluing       '//to_text(1e9_wp*machine%glue, 3)//' ns a shared grain'//nl// &
       'messages     '//to_text(1e6_wp*machine%messages%latency(), 3)//' us, '// &
         to_text(1e-9_wp*machine%messages%bandwidth(), 3)//' GB/s ('//text//'), '//to_text(nint(machine%item_bytes))// &
-        ' bytes a grain; a test every '//to_text(machine%check_every)//' iterations', &
-      '                contacts              shared  neigh-                      ns an      dual                primal', &
+        ' bytes a grain; a test every '//to_text(machine%check_every)//' iterations'//nl// &
+      '                contacts              shared  neigh-                      ns an      dual                primal'//nl// &
       '   ranks   a rank  largest  imbal.    grains  bours  messages       bytes  update        ms  efficiency        ms  '// &
-        'efficiency  turns'
+        'efficiency  turns', unit)
     do i = 1, size(predictions)
       associate (p => predictions(i))
-        write (unit, '(i8,1x,i8,1x,i8,1x,f7.3,1x,i9,1x,i6,1x,i9,1x,i11,1x,f7.2,2(1x,f9.4,1x,f11.3),1x,i6)') &
+        write (row, '(i8,1x,i8,1x,i8,1x,f7.3,1x,i9,1x,i6,1x,i9,1x,i11,1x,f7.2,2(1x,f9.4,1x,f11.3),1x,i6)') &
           p%ranks, p%contacts/p%ranks, p%largest, imbalance(p), p%shared_grains, p%dual%most_neighbours, p%dual%messages, &
           nint(p%dual%bytes), 1e9_wp*p%update, 1e3_wp*p%dual%seconds, p%dual_efficiency, 1e3_wp*p%primal%seconds, &
           p%primal_efficiency, p%primal%colours
+        call print_line(trim(row), unit)
       end associate
     end do
   end subroutine print_costs

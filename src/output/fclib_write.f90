@@ -2,15 +2,18 @@
 module sg_fclib_write
   use sg_comm, only: comm_t
   use sg_condense, only: multipliers_of, sparse_from_blocks, velocity_of
-  use sg_error, only: error_t, exit_bad_input, fail
+  use sg_error, only: error_t, exit_output, fail
   use sg_fclib_items, only: holds, refuse, write_matrix, write_number
   use sg_fclib_read, only: fclib_constraints_t, open_fclib, read_problem, usable_impulses
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: wp
   use sg_matrix_pieces, only: matrix_pieces_t, matrix_state_t, triplets_of
   use sg_matrix_problem, only: matrix_problem_t
+  use sg_settle_file, only: begin_file, part_of, settle_file
   use sg_sparse, only: multiply
   use sg_sparse_algebra, only: no_columns
+  use sg_system, only: real_path, remove_file
+  use sg_text_files, only: copy_file
   implicit none
   private
   public :: write_fclib, write_pieces, write_solution
@@ -67,20 +70,34 @@ contains
     character(len=*), intent(in) :: description !! where it comes from; the units are said beside
     type(comm_t), intent(in) :: comm !! the ranks
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when a file cannot be written
-    type(hdf5_file_t) :: file
+    type(comm_t) :: ranks
 
-    call create(file, stem//'-local.hdf5', comm)
-    call write_local(file, pieces, title, description)
-    call write_states(file, pieces, .false.)
-    call file%close()
-    if (.not. allocated(file%error) .and. pieces%has_global) then
-      call create(file, stem//'-global.hdf5', comm)
-      call write_global(file, pieces, title, description)
-      call write_states(file, pieces, .true.)
-      call file%close()
-    end if
-    if (allocated(file%error)) call move_alloc(file%error, error)
+    ranks = comm
+    call write_form(stem//'-local.hdf5', .false., pieces, title, description, ranks, error)
+    if (.not. allocated(error) .and. pieces%has_global) &
+      call write_form(stem//'-global.hdf5', .true., pieces, title, description, ranks, error)
   end subroutine write_pieces
+
+  !> Write one form of a problem; one rank gives the file its name when all have written it.
+  subroutine write_form(name, is_global, pieces, title, description, ranks, error)
+    character(len=*), intent(in) :: name, title, description
+    logical, intent(in) :: is_global
+    type(matrix_pieces_t), intent(in) :: pieces
+    type(comm_t), intent(inout) :: ranks
+    type(error_t), allocatable, intent(out) :: error
+    type(hdf5_file_t) :: file
+    integer :: speaker
+
+    if (ranks%rank == 0) call remove_file(part_of(name))
+    call create(file, part_of(name), ranks)
+    if (is_global) call write_global(file, pieces, title, description)
+    if (.not. is_global) call write_local(file, pieces, title, description)
+    call write_states(file, pieces, is_global)
+    call file%close()
+    if (allocated(file%error)) call move_alloc(file%error, error)
+    if (ranks%rank == 0) call settle_file(part_of(name), name, error)
+    call ranks%agree(error, speaker)
+  end subroutine write_form
 
   !> Make a file, which several ranks share.
   subroutine create(file, name, comm)
@@ -193,7 +210,7 @@ contains
     end if
   end subroutine find_state
 
-  !> Add a solution to the file of a problem.
+  !> Add a solution to the file of a problem: to a copy, which takes its place when it is whole.
   subroutine write_solution(name, r, is_forced, error)
     character(len=*), intent(in) :: name !! path of the file
     real(wp), intent(in) :: r(:, :) !! impulses [N s], shape (d, n)
@@ -203,23 +220,22 @@ contains
     type(matrix_problem_t) :: problem
     type(fclib_constraints_t) :: constraints
     type(matrix_state_t) :: state
-    real(wp), allocatable :: old(:)
-    logical :: is_usable
+    character(len=:), allocatable :: place, part
+    character(len=3) :: is_writable
 
-    call open_fclib(file, name, .false.)
+    ! What a link leads to is replaced, not the link.
+    place = real_path(name)
+    if (len(place) == 0) place = name
+    inquire (file=place, write=is_writable)
+    if (is_writable == 'NO') call fail(error, 'this file is not for writing', file=name, code=exit_output)
+    if (.not. allocated(error)) call check_solution(name, size(r), is_forced, error)
+    if (allocated(error)) return
+    part = begin_file(place)
+    call copy_file(place, part, error)
+    if (allocated(error)) return
+    call open_fclib(file, part, .false.)
     call read_problem(file, problem, constraints)
-    if (holds(file, '/solution')) then
-      is_usable = .false.
-      if (holds(file, '/solution/r') .and. .not. is_forced) then
-        call usable_impulses(file, '/solution/r', size(r), old, is_usable)
-        if (allocated(file%error)) deallocate (file%error)
-      end if
-      if (is_usable) then
-        call refuse(file, 'the file holds a solution already; --force replaces it')
-      else
-        call file%remove('/solution')
-      end if
-    end if
+    if (holds(file, '/solution')) call file%remove('/solution')
     if (.not. allocated(file%error)) then
       problem%r = r
       call find_state(problem, constraints, state, error)
@@ -228,7 +244,32 @@ contains
     end if
     call file%close()
     if (allocated(file%error)) call move_alloc(file%error, error)
+    call settle_file(part, place, error)
+    if (allocated(error)) error%file = name
   end subroutine write_solution
+
+  !> Refuse to replace a solution that is of use.
+  subroutine check_solution(name, n, is_forced, error)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: n
+    logical, intent(in) :: is_forced
+    type(error_t), allocatable, intent(out) :: error
+    type(hdf5_file_t) :: file
+    real(wp), allocatable :: old(:)
+    logical :: is_usable
+
+    call open_fclib(file, name, .true.)
+    if (holds(file, '/solution')) then
+      is_usable = .false.
+      if (holds(file, '/solution/r') .and. .not. is_forced) then
+        call usable_impulses(file, '/solution/r', n, old, is_usable)
+        if (allocated(file%error)) deallocate (file%error)
+      end if
+      if (is_usable) call refuse(file, 'the file holds a solution already; --force replaces it')
+    end if
+    call file%close()
+    if (allocated(file%error)) call move_alloc(file%error, error)
+  end subroutine check_solution
 
   !> The components of all contacts one after the other.
   pure function flat(values) result(list)

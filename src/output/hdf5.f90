@@ -38,6 +38,7 @@ module sg_hdf5
     procedure :: create => file_create
     procedure :: open => file_open
     procedure :: flush => file_flush
+    procedure :: rename => file_rename
     procedure :: close => file_close
     procedure :: group => file_group
     procedure :: has => file_has
@@ -97,6 +98,12 @@ module sg_hdf5
     module subroutine file_flush(self)
       class(hdf5_file_t), intent(inout) :: self
     end subroutine file_flush
+
+    !> Give an open file its name, when all that it is to hold by now was handed to the operating system.
+    module subroutine file_rename(self, name)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: name !! path in the same folder; what stands there is replaced
+    end subroutine file_rename
 
     !> Close the file, also after a failure.
     module subroutine file_close(self)

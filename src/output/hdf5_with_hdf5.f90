@@ -11,6 +11,7 @@ submodule(sg_hdf5) hdf5_with_hdf5
                   h5p_file_access_f, h5pclose_f, h5pcreate_f, h5pset_fclose_degree_f, h5pset_libver_bounds_f, h5t_native_double, &
                   hid_t
   use sg_error, only: exit_output, fail
+  use sg_settle_file, only: settle_file
   implicit none
 
   !> What the library's stack of errors tells of one failure
@@ -190,6 +191,13 @@ contains
   self%reserved = 0
   call settle(self)
   end procedure file_flush
+
+  module procedure file_rename
+  if (allocated(self%error)) return
+  if (self%ranks%rank == 0) call settle_file(self%name, name, self%error)
+  self%name = name
+  call settle(self)
+  end procedure file_rename
 
   module procedure file_close
   integer :: status

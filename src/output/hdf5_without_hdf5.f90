@@ -34,6 +34,9 @@ contains
   module procedure file_flush
   end procedure file_flush
 
+  module procedure file_rename
+  end procedure file_rename
+
   module procedure file_close
   end procedure file_close
 

@@ -13,7 +13,8 @@ module sg_pictures_grid
   use sg_hdf5, only: hdf5_file_t, stored_byte, stored_double, stored_integer, stored_long, stored_single
   use sg_kinds, only: wp, i4, i8
   use sg_run_options, only: run_options_t
-  use sg_system, only: is_link
+  use sg_settle_file, only: part_of
+  use sg_system, only: is_link, remove_file
   use sg_version, only: commit, version
   implicit none
   private
@@ -60,6 +61,8 @@ module sg_pictures_grid
     integer(i8) :: n_points = 0, n_cells = 0, n_ids = 0
     !> In a file to go on with: points, cells and fields of the last step that stayed
     integer(i8) :: kept(3) = 0
+    !> Path of the file; it has this name when it holds a step
+    character(len=:), allocatable :: path
     !> How reals are stored, and are chunks compressed?
     integer :: stored_real = stored_double
     logical :: is_compressed = .false.
@@ -90,12 +93,14 @@ contains
     self%stored_real = merge(stored_single, stored_double, options%output_single)
     self%is_compressed = options%output_compressed
     allocate (self%arrays(0))
+    self%path = path
     inquire (file=path, exist=exists)
     exists = comm%any(exists .and. comm%rank == 0)
     if (exists .and. resumed_step >= 0) call resume(self, path, resumed_step, comm)
     if (allocated(self%file%error) .or. self%n_steps > 0) return
     call self%file%close()
-    call self%file%create(path, comm)
+    if (comm%rank == 0) call remove_file(part_of(path))
+    call self%file%create(part_of(path), comm)
     call make_header(self, options)
   end subroutine grid_open
 
@@ -456,6 +461,7 @@ contains
     self%n_steps = self%n_steps + 1
     call self%file%set(grid_root//'Steps', 'NSteps', self%n_steps)
     call self%file%flush()
+    if (.not. allocated(self%file%error) .and. self%file%name /= self%path) call self%file%rename(self%path)
   end subroutine grid_finish
 
   !> Close the file.
@@ -463,6 +469,7 @@ contains
     class(grid_file_t), intent(inout) :: self
 
     call self%file%close()
+    if (allocated(self%path) .and. self%file%ranks%rank == 0) call remove_file(part_of(self%path))
     if (allocated(self%arrays)) deallocate (self%arrays)
   end subroutine grid_close
 end module sg_pictures_grid

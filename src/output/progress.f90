@@ -1,6 +1,7 @@
 !> How far a run is: on a terminal one bar that is redrawn, elsewhere one line every few seconds.
 module sg_progress
   use sg_kinds, only: wp
+  use sg_print, only: print_line
   use sg_report, only: report_t
   use sg_text, only: to_text
   use sg_timers, only: wall_now
@@ -84,20 +85,19 @@ contains
       text = bar(real(step - self%first_step, wp)/real(max(1, self%last_step - self%first_step), wp))//' step '// &
              to_text(step)//'/'//to_text(self%last_step)//', '//text//' '//left//' left'
       line = text
-      write (self%unit, '(a)', advance='no') achar(13)//line
+      call print_line(achar(13)//line, self%unit, is_open=.true.)
       self%is_drawn = .true.
     else
-      write (self%unit, '(a)') 'step '//to_text(step)//' of '//to_text(self%last_step)//', time '//to_text(time, 4)// &
-        ' s, '//text//', kinetic energy '//to_text(kinetic_energy, 3)//' J, '//left//' left'
+      call print_line('step '//to_text(step)//' of '//to_text(self%last_step)//', time '//to_text(time, 4)// &
+        ' s, '//text//', kinetic energy '//to_text(kinetic_energy, 3)//' J, '//left//' left', self%unit)
     end if
-    flush (self%unit)
   end subroutine progress_show
 
   !> End: the bar's line is closed.
   subroutine progress_finish(self)
     class(progress_t), intent(inout) :: self
 
-    if (self%is_drawn) write (self%unit, '(a)') ''
+    if (self%is_drawn) call print_line('', self%unit)
     self%is_drawn = .false.
   end subroutine progress_finish
 

@@ -4,6 +4,7 @@ module sg_split_text
   use sg_interface_blocks, only: block_structure_t
   use sg_json, only: json_t
   use sg_kinds, only: wp
+  use sg_print, only: print_line
   use sg_split_report, only: split_report_t
   use sg_text, only: to_text
   implicit none
@@ -17,7 +18,9 @@ contains
     integer, intent(in) :: unit !! open unit
     type(split_report_t), intent(in) :: report !! figures of the split
     type(block_structure_t), intent(in) :: blocks !! the matrix of the primal interface
+    character(len=*), parameter :: nl = new_line('a')
     character(len=:), allocatable :: text
+    character(len=75) :: row
     integer :: i
 
     text = 'split        '//to_text(report%grains)//' grains into '//to_text(size(report%part_grains))//' parts by '// &
@@ -26,27 +29,28 @@ contains
       text = text//', '//to_text(report%boxes(1))//' along x, '//to_text(report%boxes(2))//' along y'
       if (report%boxes(3) > 1) text = text//', '//to_text(report%boxes(3))//' along z'
     end if
-    write (unit, '(a)') text, &
-      'contacts     '//to_text(report%contacts)//' between grains, '//to_text(report%wall_contacts)//' with walls', &
+    call print_line(text//nl// &
+      'contacts     '//to_text(report%contacts)//' between grains, '//to_text(report%wall_contacts)//' with walls'//nl// &
       'imbalance    '//fixed(report%imbalance, 3)//' largest over mean load, '//fixed(report%contact_imbalance, 3)// &
-        ' of contacts owned', &
+        ' of contacts owned'//nl// &
       'primal       '//to_text(report%cut_contacts)//' of '//to_text(report%contacts)//' contacts between parts ('// &
-        percent(report%cut_contacts, report%contacts)//'), of '//to_text(report%interface_grains)//' grains'
+        percent(report%cut_contacts, report%contacts)//'), of '//to_text(report%interface_grains)//' grains', unit)
     if (blocks%contacts > 0) then
-      write (unit, '(a)') &
+      call print_line( &
         'W_gamma      '//percent(blocks%alone, blocks%contacts)//' of rows have no block off the diagonal, '// &
-          fixed(blocks%mean_couplings, 3)//' in the mean, '//to_text(blocks%most_couplings)//' at most', &
+          fixed(blocks%mean_couplings, 3)//' in the mean, '//to_text(blocks%most_couplings)//' at most'//nl// &
         '             '//to_text(blocks%groups)//' independent groups of contacts, the largest of '// &
-          to_text(blocks%largest_group)//'; norm off the diagonal '//fixed(blocks%off_diagonal, 3)//' of that on it'
+          to_text(blocks%largest_group)//'; norm off the diagonal '//fixed(blocks%off_diagonal, 3)//' of that on it', unit)
     end if
     text = 'dual         '//to_text(report%multiplicity(1))//' grains in 1 part'
     do i = 2, size(report%multiplicity)
       text = text//', '//to_text(report%multiplicity(i))//' in '//to_text(i)
     end do
-    write (unit, '(a)') text, '     part     grains       load      inner      owned       held neighbours'
+    call print_line(text//nl//'     part     grains       load      inner      owned       held neighbours', unit)
     do i = 1, size(report%part_grains)
-      write (unit, '(i9,6(2x,i9))') i, report%part_grains(i), nint(report%part_load(i)), report%part_inner(i), &
+      write (row, '(i9,6(2x,i9))') i, report%part_grains(i), nint(report%part_load(i)), report%part_inner(i), &
         report%part_owned(i), report%part_held(i), report%part_neighbours(i)
+      call print_line(row, unit)
     end do
   end subroutine print_split
 

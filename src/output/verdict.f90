@@ -2,6 +2,7 @@
 module sg_verdict
   use sg_columns, only: fixed
   use sg_kinds, only: wp, i8
+  use sg_print, only: print_line
   use sg_run_summary, only: run_summary_t, shared_cost_t
   use sg_system, only: peak_memory_bytes
   use sg_text, only: joined, text_t, to_text
@@ -24,7 +25,7 @@ contains
                  to_text(summary%time, 4)//' s, '//to_text(summary%grains%n)//' grains, '// &
                  to_text(totals%contacts)//' contacts'
       if (len(summary%reason) > 0) headline = headline//' ('//summary%reason//')'
-      write (unit, '(a)') headline
+      call print_line(headline, unit)
       call line('converged', to_text(totals%converged_steps)//' of '//to_text(totals%steps)//' steps to '// &
                 summary%criterion//' <= '//to_text(summary%tolerance, 2))
       if (totals%unconverged_steps > 0) then
@@ -72,7 +73,7 @@ contains
       character(len=14) :: column
 
       column = title
-      write (unit, '(a)') '  '//column//text
+      call print_line('  '//column//text, unit)
     end subroutine line
   end subroutine print_verdict
 

@@ -3,11 +3,12 @@
 !! The list of steps is kept closed: each step overwrites the closing tags and writes them again behind itself, so
 !! that the file is whole at any time and a step costs the same at the end of a run as at its beginning.
 module sg_xdmf
-  use sg_error, only: error_t, exit_output, fail
+  use sg_error, only: error_t
   use sg_hdf5, only: stored_double, stored_integer, stored_long, stored_single
   use sg_kinds, only: wp, i8
   use sg_pictures_grid, only: grid_array_t, grid_file_t, grid_root, group_names, on_field, on_points
   use sg_text, only: joined, read_lines, text_t, to_text
+  use sg_text_files, only: overwrite_text, replace_file
   implicit none
   private
   public :: xdmf_t
@@ -27,8 +28,8 @@ module sg_xdmf
     character(len=:), allocatable :: name, target
     !> Kind of cells in XDMF's words: 'Polyvertex', 'Polyline', or 'Mixed' with the dataset /XDMF/topology
     character(len=:), allocatable :: cells
-    !> Place of the closing tags: bytes, from 1
-    integer(i8) :: end = 1
+    !> Place of the closing tags: bytes, from 1; 0 where there is no file yet, which is made with its first step
+    integer(i8) :: end = 0
     !> Does this rank write it?
     logical :: is_speaker = .true.
     !> First failure; unallocated while all is well
@@ -55,10 +56,10 @@ contains
     self%cells = cells
     self%is_speaker = is_speaker
     if (.not. is_speaker) return
-    kept = head
-    if (n_steps > 0) kept = kept//first_steps(name, n_steps)
+    if (n_steps == 0) return
+    kept = head//first_steps(name, n_steps)
     self%end = len(kept, kind=i8) + 1
-    call write_at(self, kept//tail, 1_i8, is_new=.true.)
+    call replace_file(name, kept//tail, self%error)
   end subroutine xdmf_open
 
   !> Text of the first steps of a sidecar; fewer where it has not as many.
@@ -106,7 +107,13 @@ contains
       text = text//attribute(self, grid, grid%arrays(a))
     end do
     text = text//step_end//nl
-    call write_at(self, text//tail, self%end, is_new=.false.)
+    if (self%end == 0) then
+      text = head//text
+      call replace_file(self%name, text//tail, self%error)
+      self%end = 1
+    else
+      call overwrite_text(self%name, self%end, text//tail, self%error)
+    end if
     self%end = self%end + len(text, kind=i8)
   end subroutine xdmf_add
 
@@ -202,21 +209,4 @@ contains
       text = 'NumberType="Int" Precision="4"'
     end select
   end function number_type
-
-  !> Write text at a place of the sidecar; a new one replaces the old file.
-  subroutine write_at(self, text, place, is_new)
-    type(xdmf_t), intent(inout) :: self
-    character(len=*), intent(in) :: text
-    integer(i8), intent(in) :: place
-    logical, intent(in) :: is_new
-    integer :: unit, status
-    character(len=200) :: message
-
-    if (allocated(self%error)) return
-    open (newunit=unit, file=self%name, access='stream', form='unformatted', action='write', &
-          status=merge('replace', 'old    ', is_new), iostat=status, iomsg=message)
-    if (status == 0) write (unit, pos=place, iostat=status, iomsg=message) text
-    if (status == 0) close (unit, iostat=status, iomsg=message)
-    if (status /= 0) call fail(self%error, 'cannot write: '//trim(message), file=self%name, code=exit_output)
-  end subroutine write_at
 end module sg_xdmf

@@ -3,9 +3,8 @@
 !! The plan that a run prints at its start is a promise; this is what has become of it, told at the end of `run --needs` and
 !! written to needs.json.
 module sg_needs
-  use, intrinsic :: iso_fortran_env, only: output_unit
   use sg_assemble, only: assemble
-  use sg_columns, only: fixed
+  use sg_columns, only: fixed, padded
   use sg_detect, only: detect
   use sg_error, only: error_t
   use sg_inventory, only: list_tables
@@ -15,6 +14,7 @@ module sg_needs
   use sg_library, only: heap_bytes, is_open
   use sg_library_files, only: library_file, on_demand
   use sg_motion, only: predict
+  use sg_print, only: print_line
   use sg_problem, only: problem_kind
   use sg_simulation, only: simulation_t
   use sg_tables, only: per_body, per_contact, tables_t
@@ -115,7 +115,7 @@ contains
     integer(i8) :: bytes
     integer :: i, n
 
-    write (output_unit, '(a)') 'needs      '//to_text(needs%grains)//' grains, '//to_text(needs%contacts)//' contacts'
+    call print_line('needs      '//to_text(needs%grains)//' grains, '//to_text(needs%contacts)//' contacts')
     absent = ''
     names = ''
     bytes = 0
@@ -128,26 +128,26 @@ contains
         if (i < n) then
           if (needs%tables%list(i + 1)%owner == table%owner .and. needs%tables%list(i + 1)%per == table%per) cycle
         end if
-        if (bytes > 0) write (output_unit, '(a11,a)') table%owner, share(needs, bytes, table%per)// &
-          trim(merge(' B a grain:  ', ' B a contact:', table%per == per_body))//names
+        if (bytes > 0) call print_line(padded(trim(table%owner), 11)//share(needs, bytes, table%per)// &
+                                       trim(merge(' B a grain:  ', ' B a contact:', table%per == per_body))//names)
       end associate
       names = ''
       bytes = 0
     end do
-    write (output_unit, '(a)') 'left out  '//absent
-    write (output_unit, '(a)') 'bytes      '//share(needs, needs%tables%bytes_per(per_body), per_body)//' a grain, '// &
+    call print_line('left out  '//absent)
+    call print_line('bytes      '//share(needs, needs%tables%bytes_per(per_body), per_body)//' a grain, '// &
       share(needs, needs%tables%bytes_per(per_contact), per_contact)//' a contact; tables '// &
-      fixed(real(table_bytes(needs), wp)/1e6_wp, 2)//' MB, all memory in use '//fixed(real(needs%heap, wp)/1e6_wp, 2)//' MB'
+      fixed(real(table_bytes(needs), wp)/1e6_wp, 2)//' MB, all memory in use '//fixed(real(needs%heap, wp)/1e6_wp, 2)//' MB')
     if (len(needs%libraries) == 0) then
-      write (output_unit, '(a)') 'libraries  none of those that are opened on demand'
+      call print_line('libraries  none of those that are opened on demand')
     else
-      write (output_unit, '(a)') 'libraries  '//needs%libraries
+      call print_line('libraries  '//needs%libraries)
     end if
-    write (output_unit, '(a)') 'messages   '//to_text(nint(needs%messages, i8))
-    if (needs%cost%visited > 0) write (output_unit, '(a)') 'update     bare kernel '// &
+    call print_line('messages   '//to_text(nint(needs%messages, i8)))
+    if (needs%cost%visited > 0) call print_line('update     bare kernel '// &
       fixed(1e9_wp*needs%cost%kernel, 2)//' ns, sweeps '//fixed(needs%cost%sweeps/needs%cost%kernel, 2)//' and solver '// &
       fixed(needs%cost%solver/needs%cost%kernel, 2)//' times that ('//to_text(needs%cost%n_sweeps)//' sweeps over '// &
-      to_text(needs%cost%visited)//' contacts)'
+      to_text(needs%cost%visited)//' contacts)')
   end subroutine print_needs
 
   !> Bytes of an item, as text.

@@ -16,6 +16,7 @@ module sg_simulate
   use sg_needs, only: tell_needs
   use sg_passing, only: tell_passing
   use sg_plan, only: describe_plan
+  use sg_print, only: print_line
   use sg_report, only: report_t
   use sg_run_files, only: close_files, open_files, remove_former, writers_t
   use sg_run_options, only: criterion_names, run_options_t
@@ -56,10 +57,10 @@ contains
     call start_simulation(sim)
     if (writers%is_speaker .and. .not. sim%options%is_quiet) then
       if (allocated(sim%options%title)) then
-        if (sim%options%title /= '') write (output_unit, '(a)') 'title      '//sim%options%title
+        if (sim%options%title /= '') call print_line('title      '//sim%options%title)
       end if
-      write (output_unit, '(a)') describe_plan(sim%plan, sim%scene, sim%comm%size), describe_run(sim%options, sim%comm%size)
-      flush (output_unit)
+      call print_line(describe_plan(sim%plan, sim%scene, sim%comm%size))
+      call print_line(describe_run(sim%options, sim%comm%size))
     end if
     call begin(sim, writers, error)
     ! From now on steps and searches look at the time themselves, and a checkpoint can be written.
@@ -83,8 +84,8 @@ contains
     type(simulation_t), intent(in) :: sim
     logical, intent(in) :: is_speaker
 
-    if (is_speaker .and. .not. sim%options%is_quiet) write (output_unit, '(a)') &
-      'nothing to do: step '//to_text(sim%step)//' of '//to_text(sim%options%steps)//' ('//sim%options%restart_file//')'
+    if (is_speaker .and. .not. sim%options%is_quiet) call print_line(&
+      'nothing to do: step '//to_text(sim%step)//' of '//to_text(sim%options%steps)//' ('//sim%options%restart_file//')')
   end subroutine tell_nothing_to_do
 
   !> The verdict, and the table of traces. A run that failed before it moved has nothing but its error and the trace of its step.
@@ -96,7 +97,7 @@ contains
     has_moved = writers%has_stepped .or. .not. has_failed
     if (has_moved) call print_verdict(output_unit, writers%summary)
     if (.not. (writers%trace%is_on .and. writers%is_speaker)) return
-    if (has_moved .or. writers%trace%has_rows()) write (output_unit, '(a)') writers%trace%table(writers%summary%totals)
+    if (has_moved .or. writers%trace%has_rows()) call print_line(writers%trace%table(writers%summary%totals))
   end subroutine tell_end
 
   !> What is done with the scene, in a few lines.

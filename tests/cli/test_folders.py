@@ -6,6 +6,7 @@ usage: test_folders.py PROGRAM [unittest options]
 
 import json
 import os
+import resource
 import shutil
 import signal
 import socket
@@ -200,6 +201,76 @@ class Signals(Folders):
         program.send_signal(signal.SIGHUP)
         time.sleep(0.3)
         self.assertIsNone(program.poll())
+        program.kill()
+        program.wait(60)
+
+
+class Faults(Folders):
+    def limited(self, limit, *words):
+        """Run the program with files limited to so many bytes, as on a full disk."""
+        def limit_files():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+        return subprocess.run([self.program, *words], cwd=self.place, capture_output=True, text=True, timeout=60, preexec_fn=limit_files)
+
+    def test_standard_output_that_takes_nothing(self):
+        words = (["--help"], ["--version"], ["reference"], ["check", "fall.toml"], ["partition", "fall.toml", "--parts", "2"],
+                 ["run", "fall.toml"])
+        for command in words:
+            with self.subTest(command=command), open("/dev/full", "w") as full:
+                done = subprocess.run([self.program, *command], cwd=self.place, stdout=full, stderr=subprocess.PIPE, text=True)
+                self.assertEqual(done.returncode, 5)
+                self.assertIn("error: standard output cannot be written", done.stderr)
+        self.assertEqual(self.run_json("fall.results")["status"], "done")
+
+    def test_a_reader_that_goes_away_ends_the_run(self):
+        program = self.start(stdout=subprocess.PIPE)
+        program.stdout.close()
+        # The next line of progress comes within five seconds.
+        self.assertEqual(program.wait(60), 75)
+        self.assertEqual(self.run_json()["reason"][:20], "stopped by signal 13")
+
+    def test_conversions_are_whole_or_not_there(self):
+        self.run_program("convert", "fall.toml", "whole")
+        sizes = {path.name: path.stat().st_size for path in (self.place / "whole").iterdir()}
+        for limit in (0, 100, max(sizes.values()) - 1):
+            target = f"made{limit}"
+            done = self.limited(limit, "convert", "fall.toml", target)
+            self.assertEqual(done.returncode, 5)
+            self.assertRegex(done.stderr, "error: cannot write the file")
+            for path in (self.place / target).iterdir():
+                self.assertEqual(path.stat().st_size, sizes[path.name])
+        self.assertEqual(self.limited(100, "convert", "whole", "again.toml").returncode, 5)
+        self.assertFalse((self.place / "again.toml").exists())
+
+    def test_results_are_whole_or_not_there(self):
+        pictures = ["--set", "output.every=10", "--dump", "120"] if self.has_hdf5() else []
+        for limit in (0, 1000, 4000, 20000):
+            shutil.rmtree(self.place / "fall.results", ignore_errors=True)
+            done = self.limited(limit, "run", "fall.toml", "--quiet", *pictures)
+            self.assertEqual(done.returncode, 5, done.stderr)
+            for path in (self.place / "fall.results").iterdir():
+                self.assertGreater(path.stat().st_size, 0, path)
+                self.assertNotEqual(path.suffix, ".part", path)
+
+    def test_an_answer_that_cannot_be_written_leaves_the_problem(self):
+        if not self.has_hdf5():
+            self.skipTest("built without HDF5")
+        self.run_deck("--quiet", "--dump", "120")
+        problem = self.place / "out" / "dump-120-local.hdf5"
+        before = problem.read_bytes()
+        for limit in (1000, len(before) - 1):
+            done = self.limited(limit, "solve", "out/dump-120-local.hdf5", "--write", "--force")
+            self.assertEqual(done.returncode, 5, done.stderr)
+            self.assertEqual(problem.read_bytes(), before)
+        said = self.run_program("solve", "out/dump-120-local.hdf5", "--trace", "out/dump-120-local.hdf5", code=2).stderr
+        self.assertIn("dump-120-local.hdf5: error: this file is read", said)
+        self.assertEqual(problem.read_bytes(), before)
+        (self.place / "link.hdf5").symlink_to(problem)
+        self.run_program("solve", "link.hdf5", "--write", "--force")
+        self.assertTrue((self.place / "link.hdf5").is_symlink())
+        self.assertNotEqual(problem.read_bytes(), before)
+        self.assertEqual([path.name for path in (self.place / "out").glob("*.part")], [])
 
 
 if __name__ == "__main__":

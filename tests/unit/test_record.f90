@@ -4,7 +4,7 @@ program test_record
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
   use sg_error, only: error_t, exit_output
   use sg_json, only: json_t
-  use sg_kinds, only: wp, pi
+  use sg_kinds, only: wp, i8, pi
   use sg_measures, only: measures_t, n_measures
   use sg_numbers, only: write_numbers
   use sg_progress, only: duration_text, progress_t
@@ -13,9 +13,9 @@ program test_record
   use sg_run_options, only: run_options_t
   use sg_run_summary, only: run_done, run_summary_t, write_run_summary
   use sg_scene, only: scene_t
-  use sg_system, only: file_exists, remove_file
+  use sg_system, only: file_exists, is_link, remove_file
   use sg_text, only: read_lines, text_t
-  use sg_text_files, only: append_text, replace_file
+  use sg_text_files, only: append_text, copy_file, create_text, overwrite_text, replace_file
   use sg_totals, only: totals_t
   use sg_verdict, only: print_verdict
   implicit none
@@ -112,11 +112,26 @@ contains
     call t%equal(size(lines), 1, 'a file is replaced')
     call t%check(.not. file_exists('lines.txt.part'), 'no part stays')
     if (file_exists('/dev/full')) then
-      call execute_command_line('ln -sf /dev/full full.txt.part')
-      call replace_file('full.txt', 'x', error)
+      call append_text('/dev/full', 'x', error)
       call t%check(allocated(error), 'a full disk is an error')
-      call t%check(.not. file_exists('full.txt'), 'a full disk leaves no file')
+      call t%equal(error%code, exit_output, 'with its exit code')
     end if
+    call remove_file('copy.txt')
+    call copy_file('lines.txt', 'copy.txt', error)
+    call t%check(.not. allocated(error), 'a file is copied')
+    call overwrite_text('copy.txt', 4_i8, 'ead'//nl//'four'//nl, error)
+    call read_lines('copy.txt', lines, error)
+    call t%check(lines(1)%s == 'thread' .and. lines(2)%s == 'four', 'and written over from a place on')
+    call create_text('copy.txt', 'x', error)
+    call t%check(allocated(error), 'a file that exists is not created')
+    call copy_file('lines.txt', 'copy.txt', error)
+    call t%check(allocated(error), 'nor copied over')
+    call remove_file('copy.txt')
+    ! A link under the name that a file has while it is written is not followed.
+    call execute_command_line('ln -sf lines.txt linked.txt.part')
+    call replace_file('linked.txt', 'x', error)
+    call read_lines('lines.txt', lines, error)
+    call t%check(lines(1)%s == 'three' .and. .not. is_link('linked.txt'), 'a link is replaced')
     call replace_file('no_such_folder/lines.txt', 'x', error)
     call t%check(allocated(error), 'a missing folder is an error')
   end subroutine test_text_files
