@@ -120,7 +120,9 @@ contains
     end if
     if (start > 0) then
       path%starts_outside = .true.
-      path%enters = max(path%enters, merge(start/max(start - finish, tiny(1.0_wp)), 2.0_wp, finish < start))
+      ! A path that ends outside of the same face does not enter at all.
+      if (finish >= 0) path%enters = 2
+      if (finish < 0) path%enters = max(path%enters, start/(start - finish))
     else if (finish > 0) then
       path%leaves = min(path%leaves, start/(start - finish))
     end if
