@@ -1,11 +1,12 @@
 !> BULK_BEHAV.DAT (gravity, densities) and the contact laws of TACT_BEHAV.DAT of a DATBOX.
 module sg_datbox_behaviours
-  use sg_datbox_laws, only: form_of_name, law_forms, set_parameter
+  use sg_cohesive_zones, only: zone_fault
+  use sg_datbox_laws, only: form_of_name, labels_of, law_forms, set_parameter
   use sg_datbox_lines, only: complain, datbox_file_t, first_letter, go_to, is_real, keyword, name_field, next_data_line, &
                              next_line, open_datbox_file, pass_over, real_field, remark, step_back
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
-  use sg_laws, only: law_t, law_restitution, largest_friction, why_largest_friction
+  use sg_laws, only: is_cohesive_zone, largest_friction, law_t, law_restitution, why_largest_friction
   use sg_scene, only: law_index, material_index, material_t, scene_t
   use sg_text, only: to_text
   implicit none
@@ -14,6 +15,10 @@ module sg_datbox_behaviours
 
   !> Columns of the two numbers of a law's line
   integer, parameter :: law_columns(2) = [46, 67]
+
+  !> Numbers of cohesive zones that must be positive, and those that are shares
+  character(len=4), parameter :: must_be_positive(11) = [character(len=4) :: 'cn', 'ct', 's1', 's2', 'G1', 'G2', 'dp1', 'dp2', &
+                                                        'du1', 'du2', 'eta'], shares(2) = [character(len=4) :: 'phi', 'eta']
 
   !> A law that the folder lists and that is not done here: harmless as long as nothing uses it
   type :: other_law_t
@@ -157,6 +162,7 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics
     type(law_t) :: law
     character(len=:), allocatable :: name
+    character(len=9) :: labels(6)
     integer :: form, line, first
     logical :: ok
 
@@ -174,13 +180,18 @@ contains
     end if
     law%kind = law_forms(form)%kind
     ok = .true.
-    do line = 1, size(law_forms(form)%labels)
-      if (law_forms(form)%labels(line) == '') exit
+    labels = labels_of(form)
+    do line = 1, size(labels)
+      if (labels(line) == '') exit
       if (line > 1) then
         if (.not. next_data_line(file, 'the rest of the law '''//law%name//'''', diagnostics)) exit
       end if
-      call read_parameters(file, law_forms(form)%labels(line), law, ok, diagnostics)
+      call read_parameters(file, labels(line), law, ok, diagnostics)
     end do
+    if (ok .and. is_cohesive_zone(law)) then
+      if (len(zone_fault(law)) > 0) &
+        call complain(file, 'the law '''//law%name//''' fits no bond: '//zone_fault(law), 2, diagnostics)
+    end if
     scene%laws = [scene%laws, law]
   end subroutine read_law
 
@@ -202,7 +213,11 @@ contains
       if (.not. ok) return
       if (value < 0 .and. label /= 'pgap' .and. label /= 'prst') &
         call complain(file, 'the number '''//label//''' must not be negative', law_columns(i), diagnostics)
-      if (any(label == ['F/gp', 'F/st']) .and. .not. value > 0) then
+      if (any(label == must_be_positive) .and. .not. value > 0) then
+        call complain(file, 'the number '''//trim(label)//''' must be positive', law_columns(i), diagnostics)
+      else if (any(label == shares) .and. .not. value < 1) then
+        call complain(file, 'the number '''//trim(label)//''' must be below 1', law_columns(i), diagnostics)
+      else if (any(label == ['F/gp', 'F/st']) .and. .not. value > 0) then
         call complain(file, 'the stiffness must be positive', law_columns(i), diagnostics)
       else if (law%kind == law_restitution .and. label(:3) == 'rst' .and. value > 1) then
         call complain(file, 'a restitution must not pass 1', law_columns(i), diagnostics)

@@ -4,11 +4,11 @@
 module sg_datbox_laws
   use sg_kinds, only: wp
   use sg_laws, only: law_t, law_elastic, law_elastic_g0, law_gap, law_gap_g0, law_gap_shifted, law_iqs, law_iqs_g0, &
-                     law_bond, law_linear, law_mohr, law_restitution, law_rigid_wire, law_rod, law_velocity, &
-                     law_viscoelastic, law_wet, law_wire
+                     law_abp, law_bond, law_expo, law_linear, law_mac, law_mal, law_mohr, law_restitution, &
+                     law_rigid_wire, law_rod, law_th, law_velocity, law_viscoelastic, law_wet, law_wire
   implicit none
   private
-  public :: law_forms, form_of_name, form_of_law, set_parameter, get_parameter
+  public :: law_forms, labels_of, form_of_name, form_of_law, set_parameter, get_parameter
 
   !> How LMGC90 writes one law
   type :: law_form_t
@@ -18,6 +18,8 @@ module sg_datbox_laws
     integer :: kind
     !> Labels of the numbers, at most two of four letters a line; blank lines are not there
     character(len=9) :: labels(3)
+    !> Labels of further lines, of laws that take more
+    character(len=9) :: more(3) = ''
   end type law_form_t
 
   !> All laws that can be read; of two forms of one kind the first is written where it can hold the law
@@ -46,9 +48,22 @@ module sg_datbox_laws
     law_form_t('BRITTLE_ELASTIC_WIRE', law_wire, ['F/st prst', 'Snmx     ', '         ']), &
     law_form_t('RIGID_WIRE', law_rigid_wire, ['         ', '         ', '         ']), &
     law_form_t('NARD_ROD', law_bond, ['E    nu  ', 's1   s2  ', '         ']), &
+    law_form_t('IQS_MAC_CZM', law_mac, ['dyfr stfr', 'cn   ct  ', 'visc dupr']), &
+    law_form_t('IQS_MAL_CZM', law_mal, ['dyfr stfr', 'cn   ct  ', 's1   s2  '], ['G1   G2  ', '         ', '         ']), &
+    law_form_t('IQS_TH_CZM', law_th, ['dyfr stfr', 'cn   ct  ', 's1   s2  '], ['G1   G2  ', 'dp1  dp2 ', '         ']), &
+    law_form_t('IQS_ABP_CZM', law_abp, ['dyfr stfr', 'cn   ct  ', 's1   s2  '], ['G1   G2  ', 'du1  du2 ', 'phi      ']), &
+    law_form_t('IQS_EXPO_CZM', law_expo, ['dyfr stfr', 'cn   ct  ', 's1   s2  '], ['G1   G2  ', 'eta      ', '         ']), &
     law_form_t('COUPLED_DOF', law_linear, ['         ', '         ', '         '])]
 
 contains
+
+  !> Labels of the numbers of a law, line by line; blank lines at the end are not there.
+  pure function labels_of(form) result(labels)
+    integer, intent(in) :: form !! index into `law_forms`
+    character(len=9) :: labels(6)
+
+    labels = [law_forms(form)%labels, law_forms(form)%more]
+  end function labels_of
 
   !> Form of a law called by name, among several the longest that these lines fill; 0 when there is none.
   pure integer function form_of_name(name, n_lines) result(form)
@@ -60,7 +75,7 @@ contains
     most = 0
     do i = 1, size(law_forms)
       if (law_forms(i)%name /= name) cycle
-      n = max(1, count(law_forms(i)%labels /= ''))
+      n = max(1, count(labels_of(i) /= ''))
       if (form > 0 .and. (n > n_lines .or. n <= most)) cycle
       form = i
       if (n <= n_lines) most = n
@@ -79,6 +94,8 @@ contains
       if (law%kind == law_linear .and. law%epsilon > 0) cycle
       if (law%axial_damping > 0 .and. .not. any(law_forms(form)%labels == 'F/sr')) cycle
       if (law%breaking_force > 0 .and. .not. any(law_forms(form)%labels == 'Snmx')) cycle
+      ! There the cohesions of a bond are stresses.
+      if (law%kind == law_mohr .and. max(law%normal_cohesion, law%tangential_cohesion) > 0) cycle
       if (has_one_friction .or. .not. any(index(law_forms(form)%labels, 'fric') > 0)) return
     end do
     form = 0
@@ -103,9 +120,33 @@ contains
     case ('rstt')
       law%tangential_restitution = value
     case ('cohn')
-      law%normal_cohesion = value
+      if (law%kind == law_mohr) law%normal_strength = value
+      if (law%kind /= law_mohr) law%normal_cohesion = value
     case ('coht')
-      law%tangential_cohesion = value
+      if (law%kind == law_mohr) law%tangential_strength = value
+      if (law%kind /= law_mohr) law%tangential_cohesion = value
+    case ('cn')
+      law%zone_stiffness(1) = value
+    case ('ct')
+      law%zone_stiffness(2) = value
+    case ('G1', 'dupr')
+      law%zone_energy(1) = value
+    case ('G2')
+      law%zone_energy(2) = value
+    case ('dp1')
+      law%zone_plateau(1) = value
+    case ('dp2')
+      law%zone_plateau(2) = value
+    case ('du1')
+      law%zone_opening(1) = value
+    case ('du2')
+      law%zone_opening(2) = value
+    case ('visc')
+      law%zone_viscosity = value
+    case ('phi')
+      law%zone_share = value
+    case ('eta')
+      law%zone_residual = value
     case ('Wthk')
       law%wet_thickness = value
     case ('F/gp')
@@ -149,9 +190,31 @@ contains
     case ('rstt')
       value = law%tangential_restitution
     case ('cohn')
-      value = law%normal_cohesion
+      value = merge(law%normal_strength, law%normal_cohesion, law%kind == law_mohr)
     case ('coht')
-      value = law%tangential_cohesion
+      value = merge(law%tangential_strength, law%tangential_cohesion, law%kind == law_mohr)
+    case ('cn')
+      value = law%zone_stiffness(1)
+    case ('ct')
+      value = law%zone_stiffness(2)
+    case ('G1', 'dupr')
+      value = law%zone_energy(1)
+    case ('G2')
+      value = law%zone_energy(2)
+    case ('dp1')
+      value = law%zone_plateau(1)
+    case ('dp2')
+      value = law%zone_plateau(2)
+    case ('du1')
+      value = law%zone_opening(1)
+    case ('du2')
+      value = law%zone_opening(2)
+    case ('visc')
+      value = law%zone_viscosity
+    case ('phi')
+      value = law%zone_share
+    case ('eta')
+      value = law%zone_residual
     case ('Wthk')
       value = law%wet_thickness
     case ('F/gp')

@@ -2,7 +2,7 @@
 module sg_datbox_write_behaviours
   use sg_contactors, only: n_kinds
   use sg_datbox_bodies, only: body_type
-  use sg_datbox_laws, only: form_of_law, get_parameter, law_forms
+  use sg_datbox_laws, only: form_of_law, get_parameter, labels_of, law_forms
   use sg_datbox_output, only: finish_file, node_head, output_t, put, real_word, solid_node_head, start_file
   use sg_datbox_sees, only: datbox_kind_name, pair_is_known
   use sg_drives, only: drive_t
@@ -70,15 +70,17 @@ contains
     character(len=5), intent(in) :: name
     character(len=40) :: head
     character(len=:), allocatable :: text
+    character(len=9) :: labels(6)
     integer :: line, i
 
+    labels = labels_of(form_of_law(law))
     associate (form => law_forms(form_of_law(law)))
       head = ' '//name//'  '//form%name
-      do line = 1, max(1, count(form%labels /= ''))
+      do line = 1, max(1, count(labels /= ''))
         text = head
         do i = 1, 6, 5
-          if (form%labels(line) (i:i) == ' ') exit
-          text = text//form%labels(line) (i:i + 3)//'='//real_word(get_parameter(law, form%labels(line) (i:i + 3)))//'  '
+          if (labels(line) (i:i) == ' ') exit
+          text = text//labels(line) (i:i + 3)//'='//real_word(get_parameter(law, labels(line) (i:i + 3)))//'  '
         end do
         call put(output, text)
         head = ''

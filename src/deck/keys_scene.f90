@@ -10,9 +10,10 @@ module sg_keys_scene
   public :: add_scene_keys, add_law_keys, add_drive_keys, law_kinds, plane_shapes, space_shapes
 
   !> Words for the kinds of law, those of LMGC90, in the order of the numbers `law_*`
-  character(len=24), parameter :: law_kinds(17) = [character(len=24) :: 'IQS_CLB', 'GAP_SGR_CLB', 'VEL_SGR_CLB', 'RST_CLB', &
+  character(len=24), parameter :: law_kinds(22) = [character(len=24) :: 'IQS_CLB', 'GAP_SGR_CLB', 'VEL_SGR_CLB', 'RST_CLB', &
     'IQS_WET_DS_CLB', 'IQS_MOHR_DS_CLB', 'ELASTIC_REPELL_CLB', 'LINEAR', 'ROD', 'WIRE', 'RIGID_WIRE', 'NARD_ROD', 'IQS_CLB_g0', &
-    'GAP_SGR_CLB_g0', 'ELASTIC_REPELL_CLB_g0', 'preGAP_SGR_CLB', 'VISCO_ELASTIC_REPELL_CLB']
+    'GAP_SGR_CLB_g0', 'ELASTIC_REPELL_CLB_g0', 'preGAP_SGR_CLB', 'VISCO_ELASTIC_REPELL_CLB', &
+    'IQS_MAC_CZM', 'IQS_MAL_CZM', 'IQS_TH_CZM', 'IQS_ABP_CZM', 'IQS_EXPO_CZM']
   !> Words for the shapes of the plane and of space; those that stand at one place correspond
   character(len=*), parameter :: plane_shapes = 'disk|segment|hollow disk|polygon|point'
   character(len=*), parameter :: space_shapes = 'sphere|cylinder|hollow cylinder|polyhedron|point|plane'
@@ -44,9 +45,10 @@ contains
     character(len=*), parameter :: no_angle = 'it is no angle: the coefficient of 30 degrees is 0.577'
     real(wp), parameter :: usual_friction = 10.0_wp
     character(len=*), parameter :: cohesive = 'kind=IQS_WET_DS_CLB|IQS_MOHR_DS_CLB'
+    character(len=*), parameter :: softening = 'IQS_MAL_CZM|IQS_TH_CZM|IQS_ABP_CZM|IQS_EXPO_CZM', zones = 'IQS_MAC_CZM|'//softening
     character(len=*), parameter :: rubbing = &
       'kind=IQS_CLB|GAP_SGR_CLB|VEL_SGR_CLB|RST_CLB|IQS_WET_DS_CLB|IQS_MOHR_DS_CLB|IQS_CLB_g0|GAP_SGR_CLB_g0|'// &
-      'preGAP_SGR_CLB'
+      'preGAP_SGR_CLB|'//zones
     character(len=*), parameter :: elastic = 'ELASTIC_REPELL_CLB|ELASTIC_REPELL_CLB_g0|VISCO_ELASTIC_REPELL_CLB'
 
     call table%open_section('material', 'A bulk material.', is_list=.true.)
@@ -78,6 +80,10 @@ contains
                    least=0.0_wp, only=cohesive)
     call table%add('tangential_cohesion', value_real, 'Cohesion along the tangent.', unit='N', default='0.0', &
                    least=0.0_wp, only=cohesive)
+    call table%add('normal_bond_stress', value_real, 'Largest pull per contact surface, in place of normal_cohesion.', &
+                   unit='Pa', least=0.0_wp, only='kind=IQS_MOHR_DS_CLB')
+    call table%add('tangential_bond_stress', value_real, 'Largest shear without normal force per contact surface, in place '// &
+                   'of tangential_cohesion.', unit='Pa', least=0.0_wp, only='kind=IQS_MOHR_DS_CLB')
     call table%add('wet_thickness', value_real, 'Gap up to which a wet contact pulls.', unit='m', is_required=.true., &
                    least=0.0_wp, only='kind=IQS_WET_DS_CLB')
     call table%add('stiffness', value_real, 'Force per penetration.', unit='N/m', is_required=.true., above=0.0_wp, &
@@ -88,7 +94,8 @@ contains
     call table%add('epsilon', value_real, 'Velocity per impulse.', unit='1/kg', is_required=.true., &
                    above=0.0_wp, only='kind=LINEAR')
 
-    call add_link_law_keys(table)
+    call add_link_law_keys(table, softening)
+    call add_zone_keys(table, zones, softening)
 
     call table%open_section('interaction', 'Who may meet whom, under which law; the first that fits a pair counts, in either '// &
                             'order of the two.', is_list=.true.)
@@ -107,8 +114,9 @@ contains
   end subroutine add_law_keys
 
   !> Keys of laws that hold between points.
-  subroutine add_link_law_keys(table)
+  subroutine add_link_law_keys(table, softening)
     type(key_table_t), intent(inout) :: table
+    character(len=*), intent(in) :: softening !! kinds of law that have strengths too
     character(len=*), parameter :: elastic = 'kind=ROD|WIRE', bond = 'kind=NARD_ROD'
 
     call table%add('axial_stiffness', value_real, 'Force per strain, E A.', unit='N', is_required=.true., above=0.0_wp, &
@@ -120,11 +128,43 @@ contains
                    default='0.0', least=0.0_wp, only='kind=WIRE')
     call table%add('young', value_real, 'Young''s modulus.', unit='Pa', is_required=.true., above=0.0_wp, only=bond)
     call table%add('poisson', value_real, 'Poisson''s ratio.', default='0.0', above=-1.0_wp, most=0.5_wp, only=bond)
-    call table%add('normal_strength', value_real, 'Tensile stress that breaks the bond.', unit='Pa', is_required=.true., &
-                   above=0.0_wp, only=bond)
-    call table%add('tangential_strength', value_real, 'Shear stress that breaks the bond.', unit='Pa', is_required=.true., &
-                   above=0.0_wp, only=bond)
+    call table%add('normal_strength', value_real, 'Tensile stress that breaks the bond, or from which on a cohesive zone is '// &
+                   'damaged.', unit='Pa', is_required=.true., above=0.0_wp, only=bond//'|'//softening)
+    call table%add('tangential_strength', value_real, 'Shear stress that does.', unit='Pa', is_required=.true., &
+                   above=0.0_wp, only=bond//'|'//softening)
   end subroutine add_link_law_keys
+
+  !> Keys of cohesive zones.
+  subroutine add_zone_keys(table, zones, softening)
+    type(key_table_t), intent(inout) :: table
+    character(len=*), intent(in) :: zones, softening !! kinds of law, without and with a strength
+    character(len=*), parameter :: mac = 'kind=IQS_MAC_CZM', th = 'kind=IQS_TH_CZM', abp = 'kind=IQS_ABP_CZM'
+
+    call table%add('normal_stiffness', value_real, 'Stress of a whole bond per opening.', unit='Pa/m', is_required=.true., &
+                   above=0.0_wp, only='kind='//zones)
+    call table%add('tangential_stiffness', value_real, 'Stress of a whole bond per slip.', unit='Pa/m', is_required=.true., &
+                   above=0.0_wp, only='kind='//zones)
+    call table%add('adhesion_energy', value_real, 'Energy per surface above which a bond is damaged (Dupre).', unit='J/m2', &
+                   is_required=.true., above=0.0_wp, only=mac)
+    call table%add('damage_viscosity', value_real, 'Energy per surface and rate of damage.', unit='J s/m2', default='0.0', &
+                   least=0.0_wp, only=mac)
+    call table%add('normal_energy', value_real, 'Energy per surface that opening a bond takes.', unit='J/m2', is_required=.true., &
+                   above=0.0_wp, only='kind='//softening)
+    call table%add('tangential_energy', value_real, 'Energy per surface that shearing a bond takes.', unit='J/m2', &
+                   is_required=.true., above=0.0_wp, only='kind='//softening)
+    call table%add('normal_plateau', value_real, 'Opening to which the strength is kept.', unit='m', is_required=.true., &
+                   above=0.0_wp, only=th)
+    call table%add('tangential_plateau', value_real, 'Slip to which the strength is kept.', unit='m', is_required=.true., &
+                   above=0.0_wp, only=th)
+    call table%add('normal_opening', value_real, 'Opening at which a bond is broken.', unit='m', is_required=.true., &
+                   above=0.0_wp, only=abp)
+    call table%add('tangential_opening', value_real, 'Slip at which a bond is broken.', unit='m', is_required=.true., &
+                   above=0.0_wp, only=abp)
+    call table%add('knee_share', value_real, 'Share of the energy taken before the steeper of two falls ends.', &
+                   is_required=.true., above=0.0_wp, most=0.999_wp, only=abp)
+    call table%add('cut_off', value_real, 'Share of the strength at which a bond is cut.', default='0.001', above=0.0_wp, &
+                   most=0.5_wp, only='kind=IQS_EXPO_CZM')
+  end subroutine add_zone_keys
 
   !> Section link.
   subroutine add_link_keys(table)

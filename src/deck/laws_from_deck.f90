@@ -1,10 +1,14 @@
 !> Materials and contact laws from the blocks of a deck.
 module sg_laws_from_deck
   use sg_blocks, only: deck_t
+  use sg_cohesive_zones, only: zone_fault
   use sg_error, only: diagnostics_t
   use sg_keys_scene, only: law_kinds
-  use sg_laws, only: is_link_law, law_bond, law_elastic, law_elastic_g0, law_gap_shifted, law_linear, law_mohr, &
-                     law_restitution, law_rod, law_t, law_viscoelastic, law_wet, law_wire
+  use sg_kinds, only: wp
+  use sg_laws, only: is_cohesive_zone, is_link_law, law_abp, law_bond, law_elastic, law_elastic_g0, law_expo, &
+                     law_gap_shifted, law_linear, law_mac, law_mohr, law_restitution, law_rod, law_t, law_th, &
+                     law_viscoelastic, law_wet, law_wire, &
+                     needs_surface
   use sg_scene, only: law_index, material_index, material_t, scene_t
   use sg_text, only: text_t
   use sg_words, only: choice_index, choices_of
@@ -45,6 +49,11 @@ contains
     do b = 1, deck%n
       if (.not. deck%is_in(b, 'law')) cycle
       call read_law(deck, b, law)
+      if (is_cohesive_zone(law)) then
+        if (len(zone_fault(law)) > 0) call deck%complain(diagnostics, zone_fault(law), b, 'normal_stiffness')
+      else if (max(law%normal_cohesion, law%tangential_cohesion) > 0 .and. needs_surface(law)) then
+        call deck%complain(diagnostics, 'the cohesion is given both as a force and as a stress', b, 'normal_bond_stress')
+      end if
       if (law_index(scene, law%name) > 0) &
         call deck%complain(diagnostics, 'there are two laws named "'//law%name//'"', b, 'name')
       scene%laws = [scene%laws, law]
@@ -86,7 +95,41 @@ contains
       law%normal_cohesion = deck%number(b, 'normal_cohesion')
       law%tangential_cohesion = deck%number(b, 'tangential_cohesion')
     end if
+    if (law%kind == law_mohr) then
+      if (deck%is_given(b, 'normal_bond_stress')) law%normal_strength = deck%number(b, 'normal_bond_stress')
+      if (deck%is_given(b, 'tangential_bond_stress')) law%tangential_strength = deck%number(b, 'tangential_bond_stress')
+    end if
+    if (is_cohesive_zone(law)) call read_zone(deck, b, law)
   end subroutine read_law
+
+  !> What a cohesive zone has.
+  subroutine read_zone(deck, b, law)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    type(law_t), intent(inout) :: law
+
+    law%zone_stiffness = pair_of('stiffness')
+    if (law%kind == law_mac) then
+      law%zone_energy(1) = deck%number(b, 'adhesion_energy')
+      law%zone_viscosity = deck%number(b, 'damage_viscosity')
+      return
+    end if
+    law%normal_strength = deck%number(b, 'normal_strength')
+    law%tangential_strength = deck%number(b, 'tangential_strength')
+    law%zone_energy = pair_of('energy')
+    if (law%kind == law_th) law%zone_plateau = pair_of('plateau')
+    if (law%kind == law_abp) law%zone_opening = pair_of('opening')
+    if (law%kind == law_abp) law%zone_share = deck%number(b, 'knee_share')
+    if (law%kind == law_expo) law%zone_residual = deck%number(b, 'cut_off')
+  contains
+    !> Numbers of the normal and of tangents.
+    function pair_of(what) result(pair)
+      character(len=*), intent(in) :: what
+      real(wp) :: pair(2)
+
+      pair = [deck%number(b, 'normal_'//what), deck%number(b, 'tangential_'//what)]
+    end function pair_of
+  end subroutine read_zone
 
   !> What a law of rods, wires or bonds has.
   subroutine read_link_law(deck, b, law)

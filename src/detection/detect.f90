@@ -7,7 +7,7 @@ module sg_detect
   use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, past_pair, recall, unwrap_images
   use sg_internal_values, only: first_internal, n_internal_of, not_recorded
   use sg_kinds, only: wp, i1, i4
-  use sg_laws, only: law_bond, law_mohr, status_bonded, status_broken, status_new
+  use sg_laws, only: is_cohesive_zone, law_bond, law_mohr, status_bonded, status_broken, status_new
   use sg_link_laws, only: holds_across, is_torn, pulls_only
   use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
   use sg_scene, only: scene_t
@@ -343,13 +343,14 @@ contains
                                                            contacts%n_internal)
   end subroutine recall_internal
 
-  !> What a contact of the very first step is taken to have done before: Mohr-Coulomb contacts start bonded.
+  !> What a contact of the very first step is taken to have done before: Mohr-Coulomb contacts and cohesive zones start bonded.
   pure integer(i1) function status_at_start(scene, law, status)
     type(scene_t), intent(in) :: scene
     integer(i4), intent(in) :: law
     integer(i1), intent(in) :: status
 
     status_at_start = status
-    if (status == status_new .and. scene%laws(law)%kind == law_mohr) status_at_start = status_bonded
+    if (status /= status_new) return
+    if (scene%laws(law)%kind == law_mohr .or. is_cohesive_zone(scene%laws(law))) status_at_start = status_bonded
   end function status_at_start
 end module sg_detect

@@ -2,13 +2,19 @@
 !! start (doc/theory/laws.md).
 module sg_internal_values
   use sg_kinds, only: wp
-  use sg_laws, only: law_bond, law_elastic_g0, law_gap_g0, law_iqs_g0, law_t
+  use sg_laws, only: is_cohesive_zone, law_bond, law_elastic_g0, law_gap_g0, law_iqs_g0, law_t
   implicit none
   private
   public :: most_internal, not_recorded, n_internal_of, first_internal
+  public :: bond_surface, bond_opening, bond_integrity, bond_onset, bond_slip, never
 
   !> Values that a law keeps at most
   integer, parameter :: most_internal = 7
+  !> Places of the values of a cohesive zone: surface [m2; m in the plane], opening [m], integrity (1 whole, 0 broken), time at
+  !! which it first fell [s], slip [m]; the slip is the last of them, in space a vector of three components in the world's axes
+  integer, parameter :: bond_surface = 1, bond_opening = 2, bond_integrity = 3, bond_onset = 4, bond_slip = 5
+  !> Time of what has not happened [s]
+  real(wp), parameter :: never = -99
   !> First value of a contact of which a file holds no internal values
   real(wp), parameter :: not_recorded = -huge(1.0_wp)
 
@@ -19,18 +25,15 @@ contains
   !! - laws whose gap counts from that of the first detection: that gap [m]
   !! - bonds between points: length at the first detection, then the displacement across the bond since then [m], along the
   !!   tangent or in the world's axes
+  !! - cohesive zones: see `bond_surface` and the next ones
   pure integer function n_internal_of(law, dimension) result(n)
     type(law_t), intent(in) :: law !! law to look at
     integer, intent(in) :: dimension !! of space
 
     n = 0
-    if (dimension < 2) return
-    select case (law%kind)
-    case (law_iqs_g0, law_gap_g0, law_elastic_g0)
-      n = 1
-    case (law_bond)
-      n = merge(2, 4, dimension == 2)
-    end select
+    if (any(law%kind == [law_iqs_g0, law_gap_g0, law_elastic_g0])) n = 1
+    if (law%kind == law_bond) n = merge(2, 4, dimension == 2)
+    if (is_cohesive_zone(law)) n = bond_slip - 1 + merge(1, 3, dimension == 2)
   end function n_internal_of
 
   !> Internal values of a contact that is there from the start. Signs of reference gaps are those of LMGC90, which differ
@@ -43,6 +46,7 @@ contains
     real(wp) :: values(n)
 
     values = 0
+    if (is_cohesive_zone(law)) values([bond_integrity, bond_onset]) = [1.0_wp, never]
     select case (law%kind)
     case (law_iqs_g0)
       values(1) = max(0.0_wp, gap)

@@ -14,6 +14,7 @@ module sg_laws
   public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
   public :: law_rod, law_wire, law_rigid_wire, law_bond, is_link_law
   public :: law_iqs_g0, law_gap_g0, law_elastic_g0, law_gap_shifted, law_viscoelastic
+  public :: law_mac, law_mal, law_th, law_abp, law_expo, is_cohesive_zone, needs_surface
   public :: status_new, status_none, status_stick, status_slide, status_bonded, status_broken, last_status
   public :: is_plain, is_frictionless, inverse_of, kind_of_local_law, largest_friction, why_largest_friction
 
@@ -21,11 +22,12 @@ module sg_laws
   !! wet (cohesion within a thickness), Mohr-Coulomb (cohesion until broken), elastic repulsion, linear; those of links
   !! (sg_link_laws): rod, wire, wire that does not stretch, bond;
   !! quasi-shock, Signorini in gaps and elastic repulsion with gaps counted from that of the first detection, Signorini in gaps
-  !! shifted by a given length, viscoelastic repulsion
+  !! shifted by a given length, viscoelastic repulsion; cohesive zones (sg_cohesive_zones): with adhesion energy, and with
+  !! stresses that fall along a parabola, a trapeze, two lines, an exponential
   integer, parameter :: law_iqs = 1, law_gap = 2, law_velocity = 3, law_restitution = 4, law_wet = 5, law_mohr = 6, &
                         law_elastic = 7, law_linear = 8, law_rod = 9, law_wire = 10, law_rigid_wire = 11, law_bond = 12, &
                         law_iqs_g0 = 13, law_gap_g0 = 14, law_elastic_g0 = 15, law_gap_shifted = 16, &
-                        law_viscoelastic = 17
+                        law_viscoelastic = 17, law_mac = 18, law_mal = 19, law_th = 20, law_abp = 21, law_expo = 22
 
   !> Largest Coulomb coefficient that is taken, and why there is one: errors add friction times the slip to the normal velocity,
   !! of which sixteen digits leave nothing where friction is larger by far
@@ -62,8 +64,14 @@ module sg_laws
     real(wp) :: axial_stiffness = 0, axial_damping = 0, prestrain = 0
     !> Tension that breaks a wire [N]; none where it is zero
     real(wp) :: breaking_force = 0
-    !> Bonds: Young's modulus [Pa], Poisson's ratio, and stresses at which they break, normal and tangential [Pa]
+    !> Bonds: Young's modulus [Pa], Poisson's ratio; of these, of Mohr-Coulomb bonds and of cohesive zones the strength, normal
+    !! and tangential [Pa]
     real(wp) :: young = 0, poisson = 0, normal_strength = 0, tangential_strength = 0
+    !> Cohesive zones, each normal and tangential: stress per opening [Pa/m], fracture energy [J/m2] (of the first
+    !! one the adhesion energy), end of the plateau, largest opening [m]
+    real(wp) :: zone_stiffness(2) = 0, zone_energy(2) = 0, zone_plateau(2) = 0, zone_opening(2) = 0
+    !> Viscosity of damage [J s/m2], share of the energy before the knee, share of the strength at which bonds are cut
+    real(wp) :: zone_viscosity = 0, zone_share = 0, zone_residual = 0
   end type law_t
 
   !> What a law asks of one contact in one step
@@ -80,18 +88,21 @@ module sg_laws
     real(wp) :: cohesion = 0
     !> Velocity per impulse, normal and tangential [1/kg]
     real(wp) :: compliance(2) = 0
+    !> Stiffness of a bond times the square of the step, normal and tangential [kg], and its slip over the step [m/s]
+    real(wp) :: stiffness(2) = 0, slip(3) = 0
   end type local_law_t
 
 contains
 
   !> The local problem of one contact in one step.
-  pure function local_law(law, gap, step, before, status, internal) result(local)
+  pure function local_law(law, gap, step, before, status, internal, surface) result(local)
     type(law_t), intent(in) :: law !! law of the contact
     real(wp), intent(in) :: gap !! at the detection configuration [m]
     real(wp), intent(in) :: step !! time step h [s]
     real(wp), intent(in) :: before(3) !! relative velocity at the beginning of the step, normal and tangential [m/s]
     integer(i1), intent(in) :: status !! what the contact did in the last step
     real(wp), intent(in), optional :: internal(:) !! internal values of the contact, for laws that keep some
+    real(wp), intent(in), optional :: surface !! of the contact, for laws that need it [m2; m in the plane]
     type(local_law_t) :: local
     real(wp) :: reference
 
@@ -122,7 +133,12 @@ contains
       if (gap <= law%wet_thickness) local%cohesion = law%normal_cohesion*step
     case (law_mohr)
       local%bias(1) = max(0.0_wp, gap/step)
-      if (status == status_bonded) local%cohesion = law%normal_cohesion*step
+      if (status /= status_bonded) return
+      local%cohesion = law%normal_cohesion*step
+      if (.not. present(surface) .or. .not. needs_surface(law)) return
+      ! A bond of stresses slides where its tangential one is passed.
+      local%cohesion = surface*law%normal_strength*step
+      if (law%normal_strength > 0) local%friction = law%tangential_strength/law%normal_strength
     case (law_elastic)
       local%bias(1) = gap/step
       local%compliance(1) = 1/(law%stiffness*step**2)
@@ -173,11 +189,25 @@ contains
     is_link_law = any(law%kind == [law_rod, law_wire, law_rigid_wire, law_bond])
   end function is_link_law
 
+  !> Is the law a cohesive zone?
+  pure logical function is_cohesive_zone(law)
+    type(law_t), intent(in) :: law !! law to look at
+
+    is_cohesive_zone = law%kind >= law_mac .and. law%kind <= law_expo
+  end function is_cohesive_zone
+
+  !> Does the law take the surface of a contact?
+  pure logical function needs_surface(law)
+    type(law_t), intent(in) :: law !! law to look at
+
+    needs_surface = is_cohesive_zone(law) .or. (law%kind == law_mohr .and. max(law%normal_strength, law%tangential_strength) > 0)
+  end function needs_surface
+
   !> Has the law no tangential impulse at all?
   pure logical function is_frictionless(law)
     type(law_t), intent(in) :: law !! law to look at
 
     is_frictionless = .not. max(law%static_friction, law%dynamic_friction) > 0 .and. law%kind /= law_linear .and. &
-                      law%kind /= law_bond
+                      law%kind /= law_bond .and. .not. is_cohesive_zone(law)
   end function is_frictionless
 end module sg_laws

@@ -7,9 +7,12 @@
 !! impacts they do some, of the order of the step, which the balance then shows. Drives work against them.
 module sg_energy
   use sg_bodies, only: bodies_t
+  use sg_bonds, only: bond_impulse
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
+  use sg_internal_values, only: bond_slip
   use sg_kinds, only: wp
+  use sg_laws, only: is_cohesive_zone
   use sg_mapping, only: relative_velocity
   use sg_mapping_space, only: space_arms
   use sg_rotations, only: no_rotation, turned_back, turned_by, turned_on
@@ -19,9 +22,9 @@ module sg_energy
   public :: energy_t, kinetic_energy, potential_energy, energy_closure, energy_sums, closure_of, n_energy_values, n_energy_sums
 
   !> Numbers that `pack` writes
-  integer, parameter :: n_energy_values = 7
+  integer, parameter :: n_energy_values = 8
   !> Numbers of `energy_sums`
-  integer, parameter :: n_energy_sums = 9
+  integer, parameter :: n_energy_sums = 10
 
   !> Works summed since the start of the run [J per metre of depth]; in a decomposed scene the shares of this rank
   type :: energy_t
@@ -35,6 +38,8 @@ module sg_energy
     real(wp) :: drive_work = 0
     !> Energy taken by contacts along tangents and along normals
     real(wp) :: friction_loss = 0, impact_loss = 0
+    !> Energy taken by the bonds of cohesive zones, stored or lost
+    real(wp) :: bond_work = 0
   contains
     procedure :: add_step => energy_add_step
     procedure :: pack => energy_pack
@@ -51,7 +56,7 @@ contains
     type(scene_t), intent(in) :: scene !! scene after the solve, before the update
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
-    real(wp) :: mean(scene%bodies%n_velocity, scene%bodies%n), work(2)
+    real(wp) :: mean(scene%bodies%n_velocity, scene%bodies%n), work(3)
 
     if (.not. self%is_started) then
       self%is_started = .true.
@@ -59,38 +64,52 @@ contains
       self%potential_start = potential_energy(scene)
     end if
     mean = (scene%bodies%velocity + scene%bodies%free_velocity)/2
-    work = contact_work(scene, contacts, mean)
+    work = contact_work(scene, contacts, h, mean)
     self%impact_loss = self%impact_loss - work(1)
     self%friction_loss = self%friction_loss - work(2)
+    self%bond_work = self%bond_work - work(3)
     self%external_work = self%external_work + imposed_work(scene, h, mean)
     where (scene%bodies%inverse_mass > 0) mean = 0
     if (.not. any(abs(mean) > 0)) return
     self%drive_work = self%drive_work + held_work(scene%bodies, h, mean) &
-                      - sum(contact_work(scene, contacts, mean))
+                      - sum(contact_work(scene, contacts, h, mean))
   end subroutine energy_add_step
 
-  !> Work of the contact impulses along normals and along tangents [J]: r . H^T v.
-  pure function contact_work(scene, contacts, velocity) result(work)
+  !> Work of the contact impulses along normals and along tangents, and of bonds [J]: r . H^T v.
+  pure function contact_work(scene, contacts, h, velocity) result(work)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in) :: h
     real(wp), intent(in), contiguous :: velocity(:, :)
-    real(wp) :: work(2), u(2), jump(3), normal_work
+    real(wp) :: work(3), u(2), jump(3), normal_work, bond(contacts%n_components), of_bond
     real(wp), allocatable :: spin(:, :)
     integer :: k, n
+    logical :: has_bonds
 
     work = 0
     n = contacts%n_components
+    has_bonds = contacts%n_internal >= bond_slip
     if (scene%dimension == 3) spin = spins_in_world(scene%bodies, velocity)
     do k = 1, contacts%n
       if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
       if (scene%dimension == 3) then
         jump = jump_at(scene, contacts, k, velocity, spin)
         normal_work = normal_impulse(contacts, k)*dot_product(contacts%normal(:, k), jump)
-        work = work + [normal_work, dot_product(impulse_vector(contacts, k), jump) - normal_work]
+        work = work + [normal_work, dot_product(impulse_vector(contacts, k), jump) - normal_work, 0.0_wp]
+        if (.not. has_bonds) cycle
+        if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
+        bond = bond_impulse(scene%laws(contacts%law(k)), contacts, k, h)
+        of_bond = dot_product(bond, jump)
+        normal_work = dot_product(bond, contacts%normal(:, k))*dot_product(contacts%normal(:, k), jump)
+        work = work + [-normal_work, normal_work - of_bond, of_bond]
         cycle
       end if
       u = relative_velocity(contacts, k, scene%bodies%middle, scene%period, velocity)
       work(:n) = work(:n) + contacts%impulse(:, k)*u(:n)
+      if (.not. has_bonds) cycle
+      if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
+      bond = bond_impulse(scene%laws(contacts%law(k)), contacts, k, h)
+      work = work + [-bond*u, dot_product(bond, u)]
     end do
   end function contact_work
 
@@ -233,7 +252,7 @@ contains
   end function energy_closure
 
   !> What the balance is made of, of this rank [J]: kinetic and potential energy, sum of the absolute potential energies of
-  !! the bodies, both energies at the start, and works of forces, drives, friction and impacts.
+  !! the bodies, both energies at the start, and works of forces, drives, friction, impacts and bonds.
   pure function energy_sums(energy, scene) result(sums)
     type(energy_t), intent(in) :: energy !! works since the start
     type(scene_t), intent(in) :: scene !! scene after the update
@@ -246,7 +265,7 @@ contains
       sums(3) = sums(3) + abs(potential_drop(scene, i))
     end do
     sums(4:) = [energy%kinetic_start, energy%potential_start, energy%external_work, energy%drive_work, &
-                energy%friction_loss, energy%impact_loss]
+                energy%friction_loss, energy%impact_loss, energy%bond_work]
   end function energy_sums
 
   !> How far the balance is from closing, from the sums over all ranks.
@@ -258,12 +277,13 @@ contains
     closure = 0
     if (.not. is_started) return
     associate (kinetic => sums(1), kinetic_start => sums(4), external_work => sums(6), drive_work => sums(7), &
-               friction_loss => sums(8), impact_loss => sums(9))
+               friction_loss => sums(8), impact_loss => sums(9), bond_work => sums(10))
       gain = sums(2) - sums(5)
       scale = max(sums(3)*sqrt(epsilon(scale)), kinetic, kinetic_start, abs(gain), abs(external_work), abs(drive_work), &
-                  abs(friction_loss), abs(impact_loss))
+                  abs(friction_loss), abs(impact_loss), abs(bond_work))
       if (.not. scale > 0) return
-      closure = abs(kinetic - kinetic_start + gain - external_work - drive_work + friction_loss + impact_loss)/scale
+      closure = abs(kinetic - kinetic_start + gain - external_work - drive_work + friction_loss + impact_loss &
+                    + bond_work)/scale
     end associate
   end function closure_of
 
@@ -297,7 +317,7 @@ contains
     real(wp) :: values(n_energy_values)
 
     values = [merge(1.0_wp, 0.0_wp, self%is_started), self%kinetic_start, self%potential_start, self%external_work, &
-              self%drive_work, self%friction_loss, self%impact_loss]
+              self%drive_work, self%friction_loss, self%impact_loss, self%bond_work]
   end function energy_pack
 
   !> The sums back from a list of reals.
@@ -312,5 +332,6 @@ contains
     self%drive_work = values(5)
     self%friction_loss = values(6)
     self%impact_loss = values(7)
+    self%bond_work = values(8)
   end subroutine energy_unpack
 end module sg_energy

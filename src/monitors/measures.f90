@@ -6,6 +6,7 @@
 !! Each indicator is made of what every rank says of its own bodies and contacts. Two exchanges with neighbours (how many
 !! touch a grain), one largest value and one sum over the ranks make them those of the whole scene, on all ranks.
 module sg_measures
+  use sg_bonds, only: bond_sums
   use sg_balance, only: carried_share, force_on_walls, momentum
   use sg_comm, only: comm_t
   use sg_compactness, only: area_of_box, box_of_grains
@@ -31,11 +32,12 @@ module sg_measures
   !> Longest name
   integer, parameter :: name_length = 29
   !> Measures that scenes in the plane and in space share (doc/guide/results.md says what each one is)
-  character(len=name_length), parameter :: shared_names(22) = [character(len=name_length) :: &
+  character(len=name_length), parameter :: shared_names(26) = [character(len=name_length) :: &
     'kinetic_energy', 'potential_energy', 'external_work', 'drive_work', 'friction_loss', 'impact_loss', 'energy_closure', &
     'mean_penetration', 'max_penetration', 'volume_error', 'compactness', &
     'coordination', 'coordination_without_rattlers', 'single_contacts', 'double_contacts', 'triple_contacts', &
-    'mean_velocity', 'max_velocity', 'inertia_number', 'pressure', 'floor_share', 'rattlers']
+    'mean_velocity', 'max_velocity', 'inertia_number', 'pressure', 'floor_share', &
+    'bond_energy', 'bond_loss', 'bonds', 'damaged_bonds', 'rattlers']
   !> What follows in the plane
   character(len=name_length), parameter :: plane_names(7) = [character(len=name_length) :: &
     'stress_xx', 'stress_xy', 'stress_yx', 'stress_yy', 'shear_rate', 'momentum_x', 'momentum_y']
@@ -48,6 +50,8 @@ module sg_measures
   type :: sums_t
     real(wp) :: energy(n_energy_sums) = 0, gaps(2) = 0, overlap(1) = 0, grains(n_grain_sums) = 0
     real(wp) :: touch(n_coordination_sums) = 0, speed(1) = 0
+    !> Energy in bonds [J], bonds that hold, and those of them that are damaged
+    real(wp) :: bonds(3) = 0
     !> Stress, force on the walls, momentum, and velocity field, by dimension of space
     real(wp), allocatable :: stress(:), force(:), momentum(:), field(:)
   end type sums_t
@@ -95,7 +99,7 @@ contains
     character(len=*), intent(in) :: name !! one of `measure_names`
 
     select case (name)
-    case ('single_contacts', 'double_contacts', 'triple_contacts', 'quadruple_contacts', 'rattlers')
+    case ('single_contacts', 'double_contacts', 'triple_contacts', 'quadruple_contacts', 'rattlers', 'bonds', 'damaged_bonds')
       is_count = .true.
     case default
       is_count = .false.
@@ -148,6 +152,7 @@ contains
 
     sums%energy = energy_sums(energy, scene)
     sums%gaps = penetration_sums(contacts)
+    sums%bonds = bond_sums(scene, contacts)
     sums%overlap = shared_by_shapes(scene, contacts)
     sums%grains = grain_sums(scene%bodies)
     sums%touch = coordination_sums(touching, scene%bodies%is_grain, scene%bodies%n_home, neighbours)
@@ -179,8 +184,8 @@ contains
     real(wp), allocatable :: all(:)
     integer :: at
 
-    all = [sums%energy, sums%gaps, sums%overlap, sums%grains, sums%touch, sums%speed, sums%stress, sums%force, &
-           sums%momentum, sums%field]
+    all = [sums%energy, sums%gaps, sums%overlap, sums%grains, sums%touch, sums%speed, sums%bonds, sums%stress, &
+           sums%force, sums%momentum, sums%field]
     call comm%sum(all)
     at = 0
     call take(sums%energy)
@@ -189,6 +194,7 @@ contains
     call take(sums%grains)
     call take(sums%touch)
     call take(sums%speed)
+    call take(sums%bonds)
     call take(sums%stress)
     call take(sums%force)
     call take(sums%momentum)
@@ -237,7 +243,8 @@ contains
        ratio(sums%gaps(2), sums%gaps(1)), extremes%penetration, ratio(sums%overlap(1), grains%area), ratio(grains%area, box), &
        touch%mean, touch%without_rattlers, real([touch%single, touch%double, touch%triple], wp), &
        ratio(sums%speed(1), n), extremes%speed, inertia_number(rate, mass_by_length(grains, scene%dimension), pressure), &
-       pressure, carried_share(sums%force, scene%gravity, grains%mass), real(touch%rattlers, wp)]
+       pressure, carried_share(sums%force, scene%gravity, grains%mass), &
+       sums%bonds(1), sums%energy(10) - sums%bonds(1), sums%bonds(2:3), real(touch%rattlers, wp)]
     associate (rest => measures%value(size(shared_names) + 1:))
       if (scene%dimension == 2) then
         measures%value(16) = real(touch%triple + touch%quadruple, wp)

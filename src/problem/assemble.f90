@@ -1,17 +1,19 @@
 !> From contacts to a contact problem: local frames, lever arms, Delassus blocks, biases, the guess; and back.
 module sg_assemble
   use sg_bodies, only: bodies_t
-  use sg_assemble_space, only: load_space_bodies, space_record, unload_space_bodies, velocity_before
+  use sg_assemble_space, only: load_space_bodies, space_record, unload_space_bodies
   use sg_compact, only: compact_velocity
+  use sg_contact_laws, only: law_of_contact
   use sg_contact_status, only: rest_speed, status_of
   use sg_contacts, only: contacts_t
   use sg_delassus, only: set_block
   use sg_kinds, only: wp, i1, i4
-  use sg_laws, only: kind_of_local_law, law_mohr, local_law, local_law_t, status_bonded, status_stick
-  use sg_link_contacts, only: is_link, law_of_link
-  use sg_mapping, only: arms_of, relative_velocity
-  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, is_compact, is_in_space, problem_t, &
-                        reserve_problem, round_frictional, round_frictionless, solid_frictional
+  use sg_internal_values, only: bond_integrity
+  use sg_laws, only: is_cohesive_zone, kind_of_local_law, law_mohr, local_law_t, status_bonded, status_slide, status_stick
+  use sg_link_contacts, only: is_link
+  use sg_mapping, only: arms_of
+  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, is_compact, is_in_space, problem_t, &
+                        plain_kind, reserve_problem, round_frictional, round_frictionless, solid_frictional
   use sg_scene, only: scene_t
   implicit none
   private
@@ -47,7 +49,7 @@ contains
     problem%most_friction = 0
     do k = 1, contacts%n
       problem%pair(:, k) = slot_of(contacts%body(:, k))
-      law = law_of(scene, contacts, k, step)
+      law = law_of_contact(scene, contacts, k, step)
       if (is_in_space(kind)) then
         call space_record(scene, contacts, k, kind, law, problem%record(:, k))
       else if (is_compact(kind)) then
@@ -78,35 +80,9 @@ contains
     real(wp) :: normal
 
     normal = q(1)
-    if (kind == ball_frictional .or. kind == solid_frictional) normal = dot_product(record(1:3), q)
-    closes = law%is_linear .or. law%cohesion > 0 .or. normal < 0
+    if (kind == ball_frictional .or. plain_kind(kind) == solid_frictional) normal = dot_product(record(1:3), q)
+    closes = law%is_linear .or. law%cohesion > 0 .or. maxval(law%stiffness) > 0 .or. normal < 0
   end function closes
-
-  !> What the law of a contact asks in this step.
-  pure function law_of(scene, contacts, k, step) result(law)
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(in) :: k
-    real(wp), intent(in) :: step
-    type(local_law_t) :: law
-    real(wp) :: before(3)
-
-    before = 0
-    if (is_link(scene, contacts, k)) then
-      law = law_of_link(scene, contacts, k, step)
-      return
-    end if
-    associate (own => scene%laws(contacts%law(k)))
-      if (max(abs(own%normal_restitution), abs(own%tangential_restitution)) > 0) then
-        if (scene%dimension == 2) then
-          before(:2) = relative_velocity(contacts, k, scene%bodies%middle, scene%period, scene%bodies%velocity)
-        else
-          before = velocity_before(scene, contacts, k)
-        end if
-      end if
-      law = local_law(own, contacts%gap(k), step, before, contacts%status(k), contacts%internal(:, k))
-    end associate
-  end function law_of
 
   !> Free velocities and inverse masses by slot.
   pure subroutine load_bodies(bodies, kind, body_of, radius, body)
@@ -193,8 +169,9 @@ contains
     if (kind == arm_frictionless) then
       record = [n, turn_n, law%bias(1), active]
     else
-      record = [n, turn_n(1), turn_t(1), turn_n(2), turn_t(2), law%bias(:2), spread(0.0_wp, 1, 3), law%friction, law%cohesion, &
-                law%compliance, kind_of_local_law(law)]
+      record(:16) = [n, turn_n(1), turn_t(1), turn_n(2), turn_t(2), law%bias(:2), spread(0.0_wp, 1, 3), law%friction, &
+                     law%cohesion, law%compliance, kind_of_local_law(law)]
+      if (kind == arm_bonded) record(17:19) = [law%stiffness, law%slip(1)]
     end if
   end subroutine arm_record
 
@@ -225,7 +202,7 @@ contains
       select case (problem%kind)
       case (round_frictional)
         if (scene%bodies%inverse_mass(3, b) > 0) scene%bodies%free_velocity(3, b) = problem%body(3, s)/radius(b)
-      case (arm_frictional, arm_frictionless)
+      case (arm_frictional, arm_frictionless, arm_bonded)
         scene%bodies%free_velocity(3, b) = problem%body(3, s)
       end select
     end do
@@ -244,6 +221,11 @@ contains
     ! Of links `finish_links` says it.
     status = contacts%status(k)
     if (is_link(scene, contacts, k)) return
+    if (is_cohesive_zone(scene%laws(contacts%law(k)))) then
+      status = status_of(problem, k, .false., 0.0_wp, rest)
+      if (status /= status_slide .and. contacts%internal(bond_integrity, k) > 0) status = status_bonded
+      return
+    end if
     is_bonded = contacts%status(k) == status_bonded .and. scene%laws(contacts%law(k))%kind == law_mohr
     stretch = 0
     if (is_bonded) stretch = (largest_stretch*minval(scene%contactors%reach(contacts%contactor(:, k))) - contacts%gap(k))/step

@@ -1,11 +1,13 @@
 !> Contact records and body records of problems in space (doc/theory/contact_problem.md).
 module sg_assemble_space
   use sg_bodies, only: bodies_t
+  use sg_cohesive_zones, only: slip_across
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp, i4
   use sg_laws, only: kind_of_local_law, local_law_t
   use sg_mapping_space, only: space_arms, space_relative_velocity, tangent_of
-  use sg_problem, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless, problem_t
+  use sg_problem, only: ball_frictional, ball_frictionless, plain_kind, problem_t, solid_bonded, solid_frictional, &
+                        solid_frictionless
   use sg_rotations, only: frame_of, turned_back, turned_by
   use sg_scene, only: scene_t
   use sg_vectors, only: cross
@@ -66,7 +68,7 @@ contains
       select case (problem%kind)
       case (ball_frictional)
         if (radius(b) > 0) bodies%free_velocity(4:6, b) = turned_back(bodies%middle(4:7, b), problem%body(4:6, s))/radius(b)
-      case (solid_frictionless, solid_frictional)
+      case (solid_frictionless, solid_frictional, solid_bonded)
         ! Driven components stay as they were given, to the last digit.
         bodies%free_velocity(4:6, b) = merge(turned_back(bodies%middle(4:7, b), problem%body(4:6, s)), &
                                              bodies%free_velocity(4:6, b), bodies%inverse_mass(4:6, b) > 0)
@@ -101,7 +103,7 @@ contains
     active = merge(1.0_wp, 0.0_wp, law%is_active)
     bias = law%bias(1)*n
     t = 0
-    if (kind == solid_frictional .or. any(abs(law%bias(2:)) > 0)) then
+    if (plain_kind(kind) == solid_frictional .or. any(abs(law%bias(2:)) > 0)) then
       t = tangent_of(n)
       bias = bias + law%bias(2)*t + law%bias(3)*cross(n, t)
     end if
@@ -117,10 +119,11 @@ contains
     case (solid_frictionless)
       arms = space_arms(scene, contacts, k)
       record = [n, cross(arms(:, 1), n), cross(arms(:, 2), n), law%bias(1), active]
-    case (solid_frictional)
+    case (solid_frictional, solid_bonded)
       if (law%is_along_normal) t = 0
-      record = [n, t, space_arms(scene, contacts, k), bias, spread(0.0_wp, 1, 5), law%friction, law%cohesion, &
-                law%compliance, kind_of_local_law(law), 0.0_wp]
+      record(:26) = [n, t, space_arms(scene, contacts, k), bias, spread(0.0_wp, 1, 5), law%friction, law%cohesion, &
+                     law%compliance, kind_of_local_law(law), 0.0_wp]
+      if (kind == solid_bonded) record(27:31) = [law%stiffness, slip_across(law%slip, n)]
     end select
   end subroutine space_record
 

@@ -2,8 +2,8 @@
 module sg_compact
   use sg_compact_space, only: add_space_impulses, space_velocity
   use sg_kinds, only: wp
-  use sg_problem, only: arm_frictional, arm_frictionless, first_inverse, is_in_space, problem_t, round_frictional, &
-                        round_frictionless
+  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, first_inverse, is_in_space, problem_t, &
+                        round_frictional, round_frictionless
   implicit none
   private
   public :: compact_velocity, add_impulses
@@ -36,7 +36,7 @@ contains
         u(:2) = u(:2) + [record(3, k), record(4, k) + body(3, c) + body(3, a)]
       case (arm_frictionless)
         u = [u(1) + record(3, k)*body(3, c) - record(4, k)*body(3, a) + record(5, k), 0.0_wp, 0.0_wp]
-      case (arm_frictional)
+      case (arm_frictional, arm_bonded)
         u(:2) = u(:2) + record(3:4, k)*body(3, c) - record(5:6, k)*body(3, a) + record(7:8, k) + record(14:15, k)*r(:, k)
       end select
     end associate
@@ -68,7 +68,7 @@ contains
         case (arm_frictionless)
           body(3, c) = body(3, c) + body(6, c)*record(3, k)*r(1, k)
           body(3, a) = body(3, a) - body(6, a)*record(4, k)*r(1, k)
-        case (arm_frictional)
+        case (arm_frictional, arm_bonded)
           body(3, c) = body(3, c) + body(6, c)*(record(3, k)*r(1, k) + record(4, k)*r(2, k))
           body(3, a) = body(3, a) - body(6, a)*(record(5, k)*r(1, k) + record(6, k)*r(2, k))
         end select

@@ -1,7 +1,7 @@
 !> The mapping H on compact records in space: relative velocities at contacts, and impulses made felt by bodies.
 module sg_compact_space
   use sg_kinds, only: wp
-  use sg_problem, only: ball_frictional, ball_frictionless, free_axes, problem_t, solid_frictional, solid_frictionless
+  use sg_problem, only: ball_frictional, ball_frictionless, free_axes, problem_t, solid_bonded, solid_frictional, solid_frictionless
   use sg_vectors, only: cross
   implicit none
   private
@@ -34,7 +34,7 @@ contains
       case (solid_frictionless)
         u = [dot_product(n, u) + dot_product(record(4:6), body(4:6, c)) - dot_product(record(7:9), body(4:6, a)) + record(10), &
              0.0_wp, 0.0_wp]
-      case (solid_frictional)
+      case (solid_frictional, solid_bonded)
         u = u + cross(body(4:6, c), record(7:9)) - cross(body(4:6, a), record(10:12)) + record(13:15) &
             + record(24)*r + (record(23) - record(24))*dot_product(n, r)*n
       end select

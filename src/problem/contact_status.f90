@@ -8,7 +8,8 @@ module sg_contact_status
   use sg_compact, only: compact_velocity
   use sg_kinds, only: wp, i1
   use sg_laws, only: status_none, status_slide, status_stick
-  use sg_problem, only: arm_frictional, ball_frictional, is_in_space, problem_t, round_frictional, solid_frictional
+  use sg_problem, only: arm_bonded, arm_frictional, ball_frictional, is_in_space, problem_t, round_frictional, solid_bonded, &
+                        solid_frictional
   implicit none
   private
   public :: status_of, rest_speed
@@ -55,9 +56,9 @@ contains
 
     status = status_none
     select case (problem%kind)
-    case (round_frictional, arm_frictional)
+    case (round_frictional, arm_frictional, arm_bonded)
       state = planar_state(problem, k, is_bonded)
-    case (ball_frictional, solid_frictional)
+    case (ball_frictional, solid_frictional, solid_bonded)
       state = spatial_state(problem, k, is_bonded)
     case default
       if (problem%impulse(1, k) > 0) status = status_slide
@@ -81,13 +82,18 @@ contains
 
     associate (record => problem%record(:, k))
       state%normal = problem%impulse(1, k)
-      if (problem%kind == arm_frictional) state%normal = state%normal + record(13)
-      if (.not. (state%normal > 0 .or. is_bonded)) return
+      if (problem%kind /= round_frictional) state%normal = state%normal + record(13)
+      if (.not. (state%normal > 0 .or. is_bonded .or. problem%kind == arm_bonded)) return
       u = compact_velocity(problem, k)
       state%opening = u(1)
       if (is_bonded) state%opening = u(1) - record(7)
       state%slip = abs(u(2))
       state%tangential = abs(problem%impulse(2, k))
+      if (problem%kind == arm_bonded) then
+        ! Without what a bond adds.
+        state%normal = state%normal + record(17)*u(1)
+        state%tangential = abs(problem%impulse(2, k) + record(18)*(u(2) + record(19)))
+      end if
       if (problem%kind == round_frictional) then
         state%friction = record(7)
         state%mobility = [inverse(record(5)), inverse(record(6))]
@@ -108,13 +114,18 @@ contains
     associate (record => problem%record(:, k), n => problem%record(1:3, k), r => problem%impulse(:, k))
       r_n = dot_product(n, r)
       state%normal = r_n
-      if (problem%kind == solid_frictional) state%normal = r_n + record(22)
-      if (.not. (state%normal > 0 .or. is_bonded)) return
+      if (problem%kind /= ball_frictional) state%normal = r_n + record(22)
+      if (.not. (state%normal > 0 .or. is_bonded .or. problem%kind == solid_bonded)) return
       u = compact_velocity(problem, k)
       state%opening = dot_product(n, u)
       state%slip = norm2(u - state%opening*n)
       if (is_bonded) state%opening = state%opening - dot_product(n, record(13:15))
       state%tangential = norm2(r - r_n*n)
+      if (problem%kind == solid_bonded) then
+        ! Without what a bond adds.
+        state%normal = state%normal + record(27)*state%opening
+        state%tangential = norm2(r - r_n*n + record(28)*(u - state%opening*n + record(29:31)))
+      end if
       if (problem%kind == ball_frictional) then
         state%friction = record(9)
         state%mobility = [inverse(record(7)), inverse(record(8))]

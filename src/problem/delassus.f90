@@ -4,8 +4,8 @@
 module sg_delassus
   use sg_kinds, only: wp
   use sg_laws, only: inverse_of
-  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
-                        round_frictional, round_frictionless, solid_frictional, solid_frictionless
+  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
+                        round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless
   use sg_vectors, only: cross, determinant
   implicit none
   private
@@ -42,7 +42,7 @@ contains
 
     associate (c => candidate, a => antagonist, n => record(1:2))
       select case (kind)
-      case (round_frictionless, round_frictional, arm_frictionless, arm_frictional)
+      case (round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded)
         mx = c(first_inverse(kind)) + a(first_inverse(kind))
         my = c(first_inverse(kind) + 1) + a(first_inverse(kind) + 1)
         w = n(1)**2*mx + n(2)**2*my
@@ -56,12 +56,13 @@ contains
         record(5:6) = [inverse_of(w + w_nt, record(5) > 0), inverse_of(w_t + w_nt, record(6) > 0)]
       case (arm_frictionless)
         record(6) = inverse_of(w + record(3)**2*c(6) + record(4)**2*a(6), record(6) > 0)
-      case (arm_frictional)
+      case (arm_frictional, arm_bonded)
         record(9) = w + record(3)**2*c(6) + record(5)**2*a(6) + record(14)
         record(10) = n(1)*n(2)*(mx - my) + record(3)*record(4)*c(6) + record(5)*record(6)*a(6)
         record(11) = n(2)**2*mx + n(1)**2*my + record(4)**2*c(6) + record(6)**2*a(6) + record(15)
         if (record(16) > 2.5_wp) record(10:11) = 0
         if (.not. record(9) > tiny(1.0_wp)) record(16) = 0
+        if (kind == arm_bonded) call stiffen_plane_block(record)
       case (ball_frictionless)
         record(5) = inverse_of(dot_product(c(4:6) + a(4:6), record(1:3)**2), record(5) > 0)
       case (ball_frictional)
@@ -71,7 +72,9 @@ contains
         w = dot_product(c(7:9) + a(7:9), record(1:3)**2) + turned(c, record(4:6)) + turned(a, record(7:9))
         record(11) = inverse_of(w, record(11) > 0)
       case (solid_frictional)
-        call set_solid_block(c, a, record)
+        call set_solid_block(c, a, [0.0_wp, 0.0_wp], record)
+      case (solid_bonded)
+        call set_solid_block(c, a, record(27:28), record(:26))
       end select
     end associate
   contains
@@ -85,8 +88,9 @@ contains
   end subroutine set_block
 
   !> Set the block of a solid contact with friction for the masses of its bodies, on the tangents in which S is diagonal.
-  pure subroutine set_solid_block(candidate, antagonist, record)
+  pure subroutine set_solid_block(candidate, antagonist, stiffness, record)
     real(wp), intent(in) :: candidate(:), antagonist(:) !! records of the two bodies
+    real(wp), intent(in) :: stiffness(2) !! of a bond times the square of the step [kg]
     real(wp), intent(inout) :: record(:) !! record of the contact, complete but for its block; its tangent may turn
     real(wp) :: frame(3, 3), w(3, 3), s(2, 2), angle, c, d
 
@@ -97,6 +101,7 @@ contains
     w(1, 1) = w(1, 1) + record(23)
     w(2, 2) = w(2, 2) + record(24)
     w(3, 3) = w(3, 3) + record(24)
+    if (maxval(stiffness) > 0) call stiffen(stiffness([1, 2, 2]), w)
     s = 1
     c = 1
     d = 0
@@ -117,6 +122,36 @@ contains
     end associate
     if (record(25) > 0.5_wp) record(26) = 1/largest_eigenvalue(w)
   end subroutine set_solid_block
+
+  !> Turn the block of W of a bonded contact of the plane into that which its unilateral impulse sees.
+  pure subroutine stiffen_plane_block(record)
+    real(wp), intent(inout) :: record(:) !! record of the contact, its block that of the bodies
+    real(wp) :: w(2, 2)
+
+    if (.not. maxval(record(17:18)) > 0) return
+    w = reshape(record([9, 10, 10, 11]), [2, 2])
+    call stiffen(record(17:18), w)
+    record(9:11) = [w(1, 1), w(1, 2), w(2, 2)]
+  end subroutine stiffen_plane_block
+
+  !> (W^-1 + K)^-1 for a diagonal K, one direction after the other; W may be singular.
+  pure subroutine stiffen(stiffness, w)
+    real(wp), intent(in) :: stiffness(:) !! diagonal of K [kg]
+    real(wp), intent(inout) :: w(:, :) !! W, symmetric [1/kg]
+    real(wp) :: row(size(w, 1)), softened
+    integer :: i, j
+
+    do i = 1, size(stiffness)
+      row = w(:, i)
+      softened = 1 + stiffness(i)*row(i)
+      do j = 1, size(w, 1)
+        w(:, j) = w(:, j) - (stiffness(i)/softened*row(j))*row
+      end do
+      ! What is left of this direction, without the difference of two large numbers.
+      w(:, i) = row/softened
+      w(i, :) = row/softened
+    end do
+  end subroutine stiffen
 
   !> What one body adds to the block of W of a contact in the world's axes [1/kg].
   pure function block_of(body, arm) result(w)

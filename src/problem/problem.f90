@@ -12,10 +12,14 @@ module sg_problem
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional
   public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional
   public :: first_inverse, free_axes, is_compact, is_in_space
+  public :: arm_bonded, solid_bonded, plain_kind
 
   !> Kinds of problem
   integer, parameter :: round_frictionless = 1, round_frictional = 2, arm_frictionless = 3, arm_frictional = 4, &
                         ball_frictionless = 5, ball_frictional = 6, solid_frictionless = 7, solid_frictional = 8
+
+  !> Kinds of problem with cohesive zones: records of the frictional kind, followed by what bonds add
+  integer, parameter :: arm_bonded = 9, solid_bonded = 10
 
   !> Reals of a contact's record, by kind.
   !!
@@ -33,17 +37,19 @@ module sg_problem
   !!
   !! The kind of local law is 0 where the contact takes no part, 1 for a unilateral one, 2 for a linear one, 3 for one that is
   !! linear along the normal and carries nothing along tangents: in space its t is zero, so that kernels find no tangents.
-  integer, parameter :: record_length(8) = [4, 7, 6, 16, 5, 9, 11, 26]
+  !! - bonded: the frictional record of the same dimension, then stiffness_n and stiffness_t of the bond times the square of the
+  !!   step, and its slip over the step, in space a vector; its block is (W^-1 + K)^-1, with K those stiffnesses
+  integer, parameter :: record_length(10) = [4, 7, 6, 16, 5, 9, 11, 26, 19, 31]
   !> Reals of a body's record: velocities, then inverse masses. Round and ball frictional ones carry R spin and R^2/I, solid
   !! ones spin and inverse inertia (xx, yy, zz, xy, xz, yz) in the world's axes.
   !!
   !! A ball frictional one has one inverse mass for all directions, so that it fills a cache line. Of a body that does not
   !! turn and is driven in some directions only, -1, -2 and -4 in place of R^2/I mark x, y and z as free.
-  integer, parameter :: body_length(8) = [4, 6, 6, 6, 6, 8, 16, 16]
+  integer, parameter :: body_length(10) = [4, 6, 6, 6, 6, 8, 16, 16, 6, 16]
   !> Impulse components
-  integer, parameter :: impulse_length(8) = [1, 2, 1, 2, 1, 3, 1, 3]
+  integer, parameter :: impulse_length(10) = [1, 2, 1, 2, 1, 3, 1, 3, 2, 3]
   !> Where the inverse masses begin in a body's record
-  integer, parameter :: first_inverse(8) = [3, 4, 4, 4, 4, 7, 7, 7]
+  integer, parameter :: first_inverse(10) = [3, 4, 4, 4, 4, 7, 7, 7, 4, 7]
 
   !> One contact problem
   type :: problem_t
@@ -74,14 +80,17 @@ module sg_problem
 contains
 
   !> Kind of problem for a scene whose arms all lie along normals or not, with or without a tangent.
-  pure integer function problem_kind(dimension, is_round, has_tangent)
+  pure integer function problem_kind(dimension, is_round, has_tangent, has_bonds)
     integer, intent(in) :: dimension !! of space
     logical, intent(in) :: is_round !! all arms of bodies that turn lie along normals
     logical, intent(in) :: has_tangent !! there is a tangential impulse
+    logical, intent(in), optional :: has_bonds !! there are cohesive zones
 
     problem_kind = merge(merge(round_frictional, round_frictionless, has_tangent), &
                          merge(arm_frictional, arm_frictionless, has_tangent), is_round)
     if (dimension == 3) problem_kind = problem_kind + ball_frictionless - round_frictionless
+    if (.not. present(has_bonds)) return
+    if (has_bonds) problem_kind = merge(arm_bonded, solid_bonded, dimension == 2)
   end function problem_kind
 
   !> Does a kind of problem carry no lever arms?
@@ -107,8 +116,17 @@ contains
   pure logical function is_in_space(kind)
     integer, intent(in) :: kind !! kind of problem
 
-    is_in_space = kind >= ball_frictionless
+    is_in_space = kind >= ball_frictionless .and. kind /= arm_bonded
   end function is_in_space
+
+  !> The kind without bonds whose record a kind of problem begins with.
+  pure integer function plain_kind(kind)
+    integer, intent(in) :: kind !! kind of problem
+
+    plain_kind = kind
+    if (kind == arm_bonded) plain_kind = arm_frictional
+    if (kind == solid_bonded) plain_kind = solid_frictional
+  end function plain_kind
 
   !> Make room for a problem.
   subroutine reserve_problem(problem, kind, n_bodies, n_contacts)

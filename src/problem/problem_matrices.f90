@@ -87,6 +87,10 @@ contains
         call fail(error, 'contact '//to_text(k)//' has a linear law, which is no cone: there is no such problem in matrices')
         return
       end if
+      if (contact%is_bonded) then
+        call fail(error, 'contact '//to_text(k)//' is held by a cohesive zone: matrices of contact problems have no place for it')
+        return
+      end if
       n = n + 1
       contacts(n) = contact
       map%contact(n) = int(k, i4)

@@ -2,8 +2,9 @@
 module sg_problem_records
   use sg_kinds, only: wp
   use sg_mapping_space, only: tangent_of
-  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, free_axes, &
-                        is_in_space, problem_t, round_frictional, round_frictionless, solid_frictional, solid_frictionless
+  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
+                        free_axes, is_in_space, plain_kind, problem_t, round_frictional, round_frictionless, solid_bonded, &
+                        solid_frictional, solid_frictionless
   use sg_symmetric, only: principal_axes
   use sg_vectors, only: cross
   implicit none
@@ -14,6 +15,8 @@ module sg_problem_records
   type :: contact_record_t
     !> Can it carry an impulse, is it linear, has it a tangent?
     logical :: is_active = .false., is_linear = .false., has_tangent = .true.
+    !> Does a cohesive zone act beside the impulse?
+    logical :: is_bonded = .false.
     !> Relative velocity that a unit of a body's velocity makes, shape (direction, component, body)
     real(wp) :: h(3, 6, 2) = 0
     !> Bias [m/s], impulse [N s] and compliance [1/kg], by direction
@@ -75,7 +78,7 @@ contains
         contact%bias(1) = record(5)
         contact%is_active = record(6) > 0
         contact%has_tangent = .false.
-      case (arm_frictional)
+      case (arm_frictional, arm_bonded)
         h(1:2, 3, 1) = record(3:4)
         h(1:2, 3, 2) = -record(5:6)
         contact%bias(1:2) = record(7:8)
@@ -84,6 +87,7 @@ contains
         contact%compliance(1:2) = record(14:15)
         contact%is_active = record(16) > 0.5_wp
         contact%is_linear = record(16) > 1.5_wp
+        if (kind == arm_bonded) contact%is_bonded = any(record(17:18) > 0)
       end select
     end associate
   end function plane_contact
@@ -97,7 +101,7 @@ contains
     integer :: i
 
     frame(:, 1) = record(1:3)
-    if (kind == solid_frictional) then
+    if (plain_kind(kind) == solid_frictional) then
       frame(:, 2) = record(4:6)
     else
       frame(:, 2) = tangent_of(record(1:3))
@@ -126,7 +130,7 @@ contains
       contact%bias(1) = record(10)
       contact%is_active = record(11) > 0
       contact%has_tangent = .false.
-    case (solid_frictional)
+    case (solid_frictional, solid_bonded)
       do i = 1, 3
         contact%h(i, 4:6, 1) = cross(record(7:9), frame(:, i))
         contact%h(i, 4:6, 2) = -cross(record(10:12), frame(:, i))
@@ -137,6 +141,7 @@ contains
       contact%compliance = record([23, 24, 24])
       contact%is_active = record(25) > 0.5_wp
       contact%is_linear = record(25) > 1.5_wp
+      if (kind == solid_bonded) contact%is_bonded = any(record(27:28) > 0)
     end select
   end function space_contact
 
@@ -161,7 +166,7 @@ contains
         body%inverse_mass(:min(3, body%n)) = inverse(:min(3, body%n))
       end select
       select case (problem%kind)
-      case (solid_frictionless, solid_frictional)
+      case (solid_frictionless, solid_frictional, solid_bonded)
         call principal_axes(reshape(inverse([4, 7, 8, 7, 5, 9, 8, 9, 6]), [3, 3]), body%inverse_mass(4:6), body%axes)
         where (body%inverse_mass(4:6) <= driven_below*maxval(body%inverse_mass(4:6))) body%inverse_mass(4:6) = 0
         body%velocity(4:6) = matmul(body%velocity(4:6), body%axes)

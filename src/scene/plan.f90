@@ -10,7 +10,7 @@ module sg_plan
   use sg_half_width, only: half_width
   use sg_internal_values, only: n_internal_of
   use sg_kinds, only: wp
-  use sg_laws, only: is_frictionless, is_plain
+  use sg_laws, only: is_cohesive_zone, is_frictionless, is_plain
   use sg_scene, only: scene_t
   use sg_sees, only: see_of
   use sg_text, only: to_text
@@ -26,6 +26,8 @@ module sg_plan
     logical :: has_tangent = .true.
     !> Does anything turn?
     logical :: has_rotation = .true.
+    !> Are there cohesive zones?
+    logical :: has_bonds = .false.
     !> Internal values that laws in use keep of a contact
     integer :: n_internal = 0
     !> Laws that some pair of contactors uses, and pairs of kinds that see each other
@@ -83,6 +85,7 @@ contains
     do i = 1, size(scene%laws)
       if (.not. plan%uses_law(i)) cycle
       plan%is_round = plan%is_round .and. is_plain(scene%laws(i))
+      plan%has_bonds = plan%has_bonds .or. is_cohesive_zone(scene%laws(i))
       plan%n_internal = max(plan%n_internal, n_internal_of(scene%laws(i), scene%dimension))
     end do
     plan%has_rotation = .not. (plan%is_round .and. .not. plan%has_tangent .and. all_rest .and. may%rotation)

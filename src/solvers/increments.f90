@@ -3,8 +3,8 @@
 !! They measure increments, not errors: a slow sweep passes them far from the solution (doc/theory/errors.md).
 module sg_increments
   use sg_kinds, only: wp
-  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, problem_t, &
-                        round_frictional, round_frictionless, solid_frictional, solid_frictionless
+  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
+                        problem_t, round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless
   use sg_run_options, only: criterion_maxm, criterion_qm16
   use sg_sweep_order, only: sweep_order_t
   use sg_sweeps, only: sweep_impulses
@@ -112,7 +112,7 @@ contains
       v(:2) = [over(r(1), record(5)), over(r(2), record(6))]
     case (arm_frictionless)
       v(1) = over(r(1), record(6))
-    case (arm_frictional)
+    case (arm_frictional, arm_bonded)
       v(:2) = [record(9)*r(1) + record(10)*r(2), record(10)*r(1) + record(11)*r(2)]
     case (ball_frictionless)
       v(1) = over(r(1), record(5))
@@ -123,7 +123,7 @@ contains
            over(n(3), record(7)) + over(r(3) - n(3), record(8))]
     case (solid_frictionless)
       v(1) = over(r(1), record(11))
-    case (solid_frictional)
+    case (solid_frictional, solid_bonded)
       ! In the frame of normal and tangents W is S + w w^T/W_nn.
       n = record(1:3)
       t = cross(n, record(4:6))

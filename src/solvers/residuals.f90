@@ -5,7 +5,8 @@
 module sg_residuals
   use sg_kinds, only: wp
   use sg_law_violation, only: law_violation
-  use sg_problem, only: arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, round_frictionless
+  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, &
+                        round_frictionless
   use sg_report, only: ratio, report_t
   use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, find_worst_in_space, n_error_sums, note_closing
   implicit none
@@ -59,7 +60,7 @@ contains
 
     lane = 0
     if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, lane, squares, closing)
-    has_tangent = any(problem%kind == [round_frictional, arm_frictional])
+    has_tangent = any(problem%kind == [round_frictional, arm_frictional, arm_bonded])
     do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
       call gather(problem, first, a)
       if (has_tangent) then
@@ -206,6 +207,10 @@ contains
         call gather_arm_frictionless(n, pair, record, r, problem%n_bodies, problem%body, a)
       case (arm_frictional)
         call gather_arm_frictional(n, pair, record, r, problem%n_bodies, problem%body, a)
+      case (arm_bonded)
+        call gather_arm_frictional(n, pair, record(:16, :), r, problem%n_bodies, problem%body, a)
+        a%r_n(:n) = a%r_n(:n) + record(17, :)*a%u_n(:n)
+        a%r_t(:n) = a%r_t(:n) + record(18, :)*(a%u_t(:n) + record(19, :))
       end select
     end associate
   end subroutine gather

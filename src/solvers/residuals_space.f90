@@ -2,7 +2,7 @@
 module sg_residuals_space
   use sg_kinds, only: wp
   use sg_law_violation, only: law_violation
-  use sg_problem, only: ball_frictional, ball_frictionless, problem_t, solid_frictional, solid_frictionless
+  use sg_problem, only: ball_frictional, ball_frictionless, problem_t, solid_bonded, solid_frictional, solid_frictionless
   implicit none
   private
   public :: add_normal_parts, add_space_contacts, find_worst_in_space, note_closing, chunk, n_error_sums
@@ -41,7 +41,7 @@ contains
     integer :: first, n, i
     logical :: has_tangent
 
-    has_tangent = any(problem%kind == [ball_frictional, solid_frictional])
+    has_tangent = any(problem%kind == [ball_frictional, solid_frictional, solid_bonded])
     do first = 1, problem%n_contacts, chunk
       call gather(problem, first, a)
       n = a%n
@@ -207,6 +207,9 @@ contains
         call gather_slippery_solids(n, pair, record, r, problem%n_bodies, problem%body, a)
       case (solid_frictional)
         call gather_solids(n, pair, record, r, problem%n_bodies, problem%body, a)
+      case (solid_bonded)
+        call gather_solids(n, pair, record(:26, :), r, problem%n_bodies, problem%body, a)
+        call add_bonds(n, record, a)
       end select
     end associate
   end subroutine gather
@@ -280,6 +283,21 @@ contains
       a%normal(i, 1) = 1
     end do
   end subroutine gather_slippery_solids
+
+  !> Take the impulses of cohesive zones out of those of contacts.
+  pure subroutine add_bonds(n, record, a)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: record(31, n)
+    type(chunk_t), intent(inout) :: a
+    real(wp) :: u_n
+    integer :: i
+
+    do i = 1, n
+      if (.not. max(record(27, i), record(28, i)) > 0) cycle
+      u_n = dot_product(a%normal(i, :), a%u(i, :))
+      a%r(i, :) = a%r(i, :) + record(27, i)*u_n*a%normal(i, :) + record(28, i)*(a%u(i, :) - u_n*a%normal(i, :) + record(29:31, i))
+    end do
+  end subroutine add_bonds
 
   !> Data of solids with friction and any law.
   pure subroutine gather_solids(n, pair, record, r, n_bodies, body, a)

@@ -3,7 +3,7 @@ module sg_sweep_arm
   use sg_kinds, only: wp, i4
   implicit none
   private
-  public :: sweep_arm_frictionless, sweep_arm_frictional
+  public :: sweep_arm_frictionless, sweep_arm_frictional, sweep_arm_bonded
 
 contains
 
@@ -88,6 +88,54 @@ contains
       body(3, a) = body(3, a) - body(6, a)*(record(5, k)*r_n + record(6, k)*r_t)
     end do
   end subroutine sweep_arm_frictional
+
+  !> One sweep over contacts of which some are held by cohesive zones: r = r' - K (u + slip), and r' is unilateral with Coulomb
+  !! friction.
+  pure subroutine sweep_arm_bonded(n, n_bodies, pair, record, relaxation, impulse, body)
+    integer, intent(in) :: n !! contacts
+    integer, intent(in) :: n_bodies !! slots
+    integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
+    real(wp), intent(in) :: record(19, n) !! see `record_length` of sg_problem
+    real(wp), intent(in) :: relaxation !! share of each change taken
+    real(wp), intent(inout) :: impulse(2, n) !! impulses, those of bonds included [N s]
+    real(wp), intent(inout) :: body(6, n_bodies) !! v_x, v_y, spin, inverse masses
+    integer :: k
+    integer(i4) :: c, a
+    real(wp) :: dx, dy, u_n, u_t, q_n, q_t, old_n, old_t, r_n, r_t, p_x, p_y
+
+    do k = 1, n
+      if (.not. max(record(17, k), record(18, k)) > 0) then
+        call sweep_arm_frictional(1, n_bodies, pair(:, k), record(:16, k), relaxation, impulse(:, k), body)
+        cycle
+      end if
+      c = pair(1, k)
+      a = pair(2, k)
+      dx = body(1, c) - body(1, a)
+      dy = body(2, c) - body(2, a)
+      u_n = record(1, k)*dx + record(2, k)*dy + record(3, k)*body(3, c) - record(5, k)*body(3, a) + record(7, k)
+      u_t = record(2, k)*dx - record(1, k)*dy + record(4, k)*body(3, c) - record(6, k)*body(3, a)
+      ! The unilateral impulse, and the velocity without it but with the bond.
+      old_n = impulse(1, k) + record(17, k)*u_n
+      old_t = impulse(2, k) + record(18, k)*(u_t + record(19, k))
+      q_n = u_n - record(9, k)*old_n - record(10, k)*old_t
+      q_t = u_t - record(10, k)*old_n - record(11, k)*old_t
+      call coulomb_step(record(9, k), record(10, k), record(11, k), record(12, k), q_n, q_t, r_n, r_t)
+      u_n = q_n + record(9, k)*r_n + record(10, k)*r_t
+      u_t = q_t + record(10, k)*r_n + record(11, k)*r_t
+      r_n = relaxation*(r_n - record(17, k)*u_n - impulse(1, k))
+      r_t = relaxation*(r_t - record(18, k)*(u_t + record(19, k)) - impulse(2, k))
+      impulse(1, k) = impulse(1, k) + r_n
+      impulse(2, k) = impulse(2, k) + r_t
+      p_x = record(1, k)*r_n + record(2, k)*r_t
+      p_y = record(2, k)*r_n - record(1, k)*r_t
+      body(1, c) = body(1, c) + body(4, c)*p_x
+      body(2, c) = body(2, c) + body(5, c)*p_y
+      body(3, c) = body(3, c) + body(6, c)*(record(3, k)*r_n + record(4, k)*r_t)
+      body(1, a) = body(1, a) - body(4, a)*p_x
+      body(2, a) = body(2, a) - body(5, a)*p_y
+      body(3, a) = body(3, a) - body(6, a)*(record(5, k)*r_n + record(6, k)*r_t)
+    end do
+  end subroutine sweep_arm_bonded
 
   !> The local problem, solved exactly: impulse of one contact whose other impulses are fixed,
   !! 0 <= r_n complementary to u_n >= 0 and Coulomb friction,

@@ -1,9 +1,10 @@
 !> Gauss-Seidel sweeps over solid problems (bodies of any shape in space), see doc/theory/nlgs.md.
 module sg_sweep_solid
   use sg_kinds, only: wp, i4
+  use sg_vectors, only: cross
   implicit none
   private
-  public :: sweep_solid_frictionless, sweep_solid_frictional, slide
+  public :: sweep_solid_frictionless, sweep_solid_frictional, sweep_solid_bonded, slide
 
 contains
 
@@ -109,6 +110,56 @@ contains
                 record(11, k)*px - record(10, k)*py)
     end do
   end subroutine sweep_solid_frictional
+
+  !> One sweep over contacts of which some are held by cohesive zones: r = r' - K (u + slip), and r' is unilateral with Coulomb
+  !! friction.
+  pure subroutine sweep_solid_bonded(n, n_bodies, pair, record, relaxation, impulse, body)
+    integer, intent(in) :: n !! contacts
+    integer, intent(in) :: n_bodies !! slots
+    integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
+    real(wp), intent(in) :: record(31, n) !! see `record_length` of sg_problem
+    real(wp), intent(in) :: relaxation !! share of each change taken
+    real(wp), intent(inout) :: impulse(3, n) !! impulses, those of bonds included [N s]
+    real(wp), intent(inout) :: body(16, n_bodies) !! velocity, spin, inverse masses, inverse inertia
+    integer :: k
+    integer(i4) :: c, a
+    real(wp) :: frame(3, 3), w(3), u(3), old(3), new(3), slip(3), q(3), change(3), lead, inverse
+
+    do k = 1, n
+      if (.not. max(record(27, k), record(28, k)) > 0) then
+        call sweep_solid_frictional(1, n_bodies, pair(:, k), record(:26, k), relaxation, impulse(:, k), body)
+        cycle
+      end if
+      if (record(25, k) < 0.5_wp) cycle
+      c = pair(1, k)
+      a = pair(2, k)
+      frame(:, 1) = record(1:3, k)
+      frame(:, 2) = record(4:6, k)
+      frame(:, 3) = cross(frame(:, 1), frame(:, 2))
+      u = matmul(body(1:3, c) - body(1:3, a) + cross(body(4:6, c), record(7:9, k)) - cross(body(4:6, a), record(10:12, k)) &
+                 + record(13:15, k), frame)
+      slip = matmul(record(29:31, k), frame)
+      slip(1) = 0
+      ! The unilateral impulse, and the velocity without it but with the bond: W r is W_nn lead, w lead + S r_t.
+      old = matmul(impulse(:, k), frame)
+      new = old + record([27, 28, 28], k)*(u + slip)
+      inverse = 1/record(16, k)
+      w = record(16:18, k)
+      lead = dot_product(w, new)*inverse
+      q = u - w*lead - [0.0_wp, record(19, k), record(20, k)]*new
+      call local_step(inverse, w(2)*inverse, w(3)*inverse, record(19, k), record(20, k), record(21, k), .false., q(1), q(2), q(3), &
+                      u(2)**2 + u(3)**2, new(2)**2 + new(3)**2, change(1), change(2), change(3))
+      new = change
+      lead = dot_product(w, new)*inverse
+      u = q + w*lead + [0.0_wp, record(19, k), record(20, k)]*new
+      change = matmul(frame, relaxation*(new - record([27, 28, 28], k)*(u + slip) - old))
+      impulse(:, k) = impulse(:, k) + change
+      old = cross(record(7:9, k), change)
+      call push(body(:, c), change(1), change(2), change(3), old(1), old(2), old(3))
+      old = cross(record(10:12, k), change)
+      call push(body(:, a), -change(1), -change(2), -change(3), -old(1), -old(2), -old(3))
+    end do
+  end subroutine sweep_solid_bonded
 
   !> Give a body an impulse (x, y, z) and an angular one (a, b, c) about its centre.
   pure subroutine push(body, x, y, z, a, b, c)

@@ -1,14 +1,14 @@
 !> One sweep over contacts in a chosen order, by the kernel of the problem's kind.
 module sg_sweeps
   use sg_kinds, only: wp, i4
-  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
-                        round_frictionless, solid_frictional, solid_frictionless
-  use sg_sweep_arm, only: sweep_arm_frictional, sweep_arm_frictionless
+  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
+                        round_frictionless, solid_bonded, solid_frictional, solid_frictionless
+  use sg_sweep_arm, only: sweep_arm_bonded, sweep_arm_frictional, sweep_arm_frictionless
   use sg_sweep_ball, only: sweep_ball_frictional, sweep_ball_frictionless
   use sg_sweep_ball_lanes, only: sweep_ball_lanes
   use sg_sweep_order, only: sweep_order_t
   use sg_sweep_round, only: sweep_round_frictional, sweep_round_frictionless
-  use sg_sweep_solid, only: sweep_solid_frictional, sweep_solid_frictionless
+  use sg_sweep_solid, only: sweep_solid_bonded, sweep_solid_frictional, sweep_solid_frictionless
   use sg_sweep_solid_lanes, only: sweep_solid_lanes
   implicit none
   private
@@ -127,6 +127,10 @@ contains
       call sweep_solid_frictionless(n, n_bodies, pair, record, relaxation, impulse, body)
     case (solid_frictional)
       call sweep_solid_frictional(n, n_bodies, pair, record, relaxation, impulse, body)
+    case (arm_bonded)
+      call sweep_arm_bonded(n, n_bodies, pair, record, relaxation, impulse, body)
+    case (solid_bonded)
+      call sweep_solid_bonded(n, n_bodies, pair, record, relaxation, impulse, body)
     end select
   end subroutine sweep_run
 end module sg_sweeps

@@ -1,12 +1,13 @@
 !> One time step of a simulation: predict, detect, assemble, solve, update.
 module sg_advance
   use sg_assemble, only: assemble, disassemble
-  use sg_comm, only: comm_t, traffic_t
+  use sg_bonds, only: finish_bonds
+  use sg_comm, only: comm_t
   use sg_detect, only: detect
   use sg_dump, only: begin_dump, is_listed
   use sg_error, only: error_t, exit_broken, fail
   use sg_guard, only: find_broken, number_of
-  use sg_kinds, only: wp, i1, i8
+  use sg_kinds, only: wp, i1
   use sg_limits, only: check_limits
   use sg_link_contacts, only: finish_links
   use sg_motion, only: predict, update
@@ -16,6 +17,7 @@ module sg_advance
   use sg_problem, only: problem_kind, problem_t
   use sg_report, only: unsolved
   use sg_simulation, only: simulation_t
+  use sg_solve_step, only: solve_step
   use sg_totals, only: phase_assemble, phase_detect, phase_measure, phase_predict, phase_solve, phase_update
   implicit none
   private
@@ -81,7 +83,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: kind
 
-    kind = problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent)
+    kind = problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent, sim%plan%has_bonds)
     associate (phase => sim%totals%phase)
       call phase(phase_detect)%start()
       call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
@@ -106,12 +108,7 @@ contains
 
     associate (phase => sim%totals%phase)
       call phase(phase_solve)%start()
-      if (sim%decomposition%is_on) then
-        call solve_glued(sim)
-      else
-        sim%solver%with_trace = sim%is_traced
-        call sim%solver%solve(sim%problem, sim%report)
-      end if
+      call solve_step(sim)
       call phase(phase_solve)%stop()
       if (sim%is_traced) call phase(phase_solve)%hand_over(sim%report%apart, phase(phase_measure))
     end associate
@@ -130,6 +127,8 @@ contains
     call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%options%step, sim%report%violation, &
                      sim%contacts)
     call finish_links(sim%scene, sim%contacts, sim%options%step)
+    if (sim%plan%has_bonds) &
+      call finish_bonds(sim%scene, sim%options%step, sim%time(sim%step + 1), sim%problem, sim%contacts)
     call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%step, .true., error)
     sim%all_contacts = sim%contacts%n
     if (sim%decomposition%is_on) call agree(sim%comm, error, is_fast, sim%passing%n, sim%all_contacts)
@@ -230,20 +229,6 @@ contains
       kept = values
     end subroutine keep
   end subroutine keep_guess
-
-  !> Solve this rank's part of the problem, and count what is sent.
-  subroutine solve_glued(sim)
-    type(simulation_t), intent(inout) :: sim
-    type(traffic_t) :: before
-
-    before = sim%comm%traffic
-    sim%glued_solver%with_trace = sim%is_traced
-    call sim%glued_solver%solve(sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, sim%report)
-    sim%gluings = sim%gluings + int(sim%report%gluings, i8)
-    sim%own_updates = sim%own_updates + sim%report%contact_updates
-    sim%gluing_traffic%messages = sim%gluing_traffic%messages + sim%comm%traffic%messages - before%messages
-    sim%gluing_traffic%bytes = sim%gluing_traffic%bytes + sim%comm%traffic%bytes - before%bytes
-  end subroutine solve_glued
 
   !> What all ranks must know of a step: whether one of them found a value that is not finite, or a body that moves too fast,
   !! how many passed through each other, and how many contacts there are. Collective.

@@ -235,7 +235,11 @@ contains
     call check_numbers(scene, 'rstds', [0.5_wp, 0.3_wp, 0.8_wp, 0.1_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp])
     call check_numbers(scene, 'wet02', [0.55_wp, 0.25_wp, 0.0_wp, 0.0_wp, 2.234379_wp, 0.0_wp, 0.001_wp, 0.0_wp])
     call check_numbers(scene, 'wet03', [0.55_wp, 0.25_wp, 0.0_wp, 0.0_wp, 3.0_wp, 4.0_wp, 0.005_wp, 0.0_wp])
-    call check_numbers(scene, 'mohr1', [0.56_wp, 0.26_wp, 0.0_wp, 0.0_wp, 9.0_wp, 0.5_wp, 0.0_wp, 0.0_wp])
+    call check_numbers(scene, 'mohr1', [0.56_wp, 0.26_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp])
+    associate (mohr => scene%laws(law_index(scene, 'mohr1')))
+      call tests%near(mohr%normal_strength, 9.0_wp, 1e-14_wp, 'a cohesion that is a stress')
+      call tests%near(mohr%tangential_strength, 0.5_wp, 1e-15_wp, 'and that of shear')
+    end associate
     call check_numbers(scene, 'elasE', [0.8391_wp, 0.8391_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1e6_wp])
     call tests%equal(size(scene%sees), 4, 'see tables')
     associate (see => scene%sees(3))

@@ -1,0 +1,150 @@
+!> Bonds of cohesive zones in the contact problem of a step: solved at a given integrity, weakened by what the solution does, and
+!! noted at the end of the step (doc/theory/cohesive_zones.md).
+module sg_bonds
+  use sg_cohesive_zones, only: integrity_after, slip_across, stiffness_share
+  use sg_compact, only: compact_velocity
+  use sg_contact_laws, only: law_of_contact
+  use sg_contact_surface, only: contact_surface
+  use sg_contacts, only: contacts_t
+  use sg_delassus, only: set_block
+  use sg_internal_values, only: bond_integrity, bond_onset, bond_opening, bond_slip, bond_surface
+  use sg_kinds, only: wp
+  use sg_laws, only: is_cohesive_zone, law_t, local_law_t
+  use sg_problem, only: arm_bonded, problem_t
+  use sg_scene, only: scene_t
+  implicit none
+  private
+  public :: refresh_bonds, damage_bonds, finish_bonds, bond_impulse, bond_sums
+
+contains
+
+  !> Put the present integrity of all bonds into the records of their contacts.
+  subroutine refresh_bonds(scene, contacts, step, problem)
+    type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    real(wp), intent(in) :: step !! time step [s]
+    type(problem_t), intent(inout) :: problem !! problem of the step; its bodies have whole masses
+    type(local_law_t) :: law
+    integer :: k
+
+    do k = 1, contacts%n
+      if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
+      law = law_of_contact(scene, contacts, k, step)
+      problem%most_friction = max(problem%most_friction, law%friction)
+      if (problem%kind == arm_bonded) then
+        problem%record(12, k) = law%friction
+        problem%record(17:18, k) = law%stiffness
+      else
+        problem%record(21, k) = law%friction
+        problem%record(27:28, k) = law%stiffness
+      end if
+      call set_block(problem%kind, problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), problem%record(:, k))
+    end do
+  end subroutine refresh_bonds
+
+  !> Weaken the bonds by the opening and slip at the end of the step, as its solution has them now.
+  subroutine damage_bonds(scene, before, step, problem, contacts, change)
+    type(scene_t), intent(in) :: scene !! scene
+    real(wp), intent(in) :: before(:) !! integrity at the beginning of the step, shape (contacts)
+    real(wp), intent(in) :: step !! time step [s]
+    type(problem_t), intent(in) :: problem !! solved problem
+    type(contacts_t), intent(inout) :: contacts !! contacts whose integrity is set
+    real(wp), intent(out) :: change !! largest change of an integrity
+    real(wp) :: jump(4), now
+    integer :: k
+
+    change = 0
+    do k = 1, contacts%n
+      if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
+      if (.not. before(k) > 0) cycle
+      jump = jump_after(problem, contacts, k, step)
+      now = integrity_after(scene%laws(contacts%law(k)), jump(1), norm2(jump(2:)), before(k), step)
+      change = max(change, abs(now - contacts%internal(bond_integrity, k)))
+      contacts%internal(bond_integrity, k) = now
+    end do
+  end subroutine damage_bonds
+
+  !> Opening, and slip, at the end of a step [m]; in the plane the slip has one component.
+  pure function jump_after(problem, contacts, k, step) result(jump)
+    type(problem_t), intent(in) :: problem
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    real(wp), intent(in) :: step
+    real(wp) :: jump(4), u(3)
+
+    jump = 0
+    ! The velocity holds the gap as a bias: what opens is the gap at the end of the step.
+    u = compact_velocity(problem, k)
+    if (contacts%dimension == 2) then
+      jump(1:2) = [step*u(1), contacts%internal(bond_slip, k) + step*u(2)]
+    else
+      associate (n => contacts%normal(:, k))
+        jump(1) = step*dot_product(n, u)
+        jump(2:) = slip_across(contacts%internal(bond_slip:bond_slip + 2, k), n) + step*(u - dot_product(n, u)*n)
+      end associate
+    end if
+    jump(1) = max(0.0_wp, jump(1))
+  end function jump_after
+
+  !> Note opening, slip and surface of all bonds at the end of a step, and when they began to fail.
+  subroutine finish_bonds(scene, step, time, problem, contacts)
+    type(scene_t), intent(in) :: scene !! scene
+    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time !! at the end of the step [s]
+    type(problem_t), intent(in) :: problem !! solved problem
+    type(contacts_t), intent(inout) :: contacts !! contacts whose internal values are set
+    real(wp) :: jump(4)
+    integer :: k, last
+
+    last = contacts%n_internal
+    do k = 1, contacts%n
+      if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
+      jump = jump_after(problem, contacts, k, step)
+      associate (values => contacts%internal(:, k))
+        values(bond_surface) = contact_surface(scene%contactors, contacts, k)
+        values(bond_opening) = jump(1)
+        values(bond_slip:last) = jump(2:2 + last - bond_slip)
+        if (values(bond_integrity) < 1 .and. values(bond_onset) < 0) values(bond_onset) = time
+      end associate
+    end do
+  end subroutine finish_bonds
+
+  !> Impulse of a bond on the candidate over a step whose end is noted [N s], components as impulses of contacts have them.
+  pure function bond_impulse(law, contacts, k, step) result(impulse)
+    type(law_t), intent(in) :: law !! law of the contact, a cohesive zone
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
+    real(wp), intent(in) :: step !! time step [s]
+    real(wp) :: impulse(contacts%n_components)
+    real(wp) :: share
+
+    associate (values => contacts%internal(:, k), c => law%zone_stiffness)
+      share = -step*values(bond_surface)*stiffness_share(law, values(bond_integrity))
+      if (contacts%dimension == 2) then
+        impulse = share*c*values([bond_opening, bond_slip])
+      else
+        impulse = share*(c(1)*values(bond_opening)*contacts%normal(:, k) + c(2)*values(bond_slip:bond_slip + 2))
+      end if
+    end associate
+  end function bond_impulse
+
+  !> Sums over the bonds of all contacts: the energy that they store [J], how many hold, and how many of those are damaged.
+  pure function bond_sums(scene, contacts) result(sums)
+    type(scene_t), intent(in) :: scene !! scene
+    type(contacts_t), intent(in) :: contacts !! contacts after a step
+    real(wp) :: sums(3)
+    integer :: k
+
+    sums = 0
+    if (contacts%n_internal < bond_slip) return
+    do k = 1, contacts%n
+      associate (law => scene%laws(contacts%law(k)), values => contacts%internal(:, k))
+        if (.not. is_cohesive_zone(law)) cycle
+        if (.not. values(bond_integrity) > 0) cycle
+        sums(1) = sums(1) + values(bond_surface)*stiffness_share(law, values(bond_integrity))/2 &
+                  *(law%zone_stiffness(1)*values(bond_opening)**2 + law%zone_stiffness(2)*sum(values(bond_slip:)**2))
+        sums(2:3) = sums(2:3) + [1.0_wp, merge(1.0_wp, 0.0_wp, values(bond_integrity) < 1)]
+      end associate
+    end do
+  end function bond_sums
+end module sg_bonds

@@ -1,0 +1,49 @@
+!> What the law of a contact asks in a step: the local law of a pair of shapes, of a link, or of a cohesive zone.
+module sg_contact_laws
+  use sg_assemble_space, only: velocity_before
+  use sg_cohesive_zones, only: zone_law
+  use sg_contact_surface, only: contact_surface
+  use sg_contacts, only: contacts_t
+  use sg_kinds, only: wp
+  use sg_laws, only: is_cohesive_zone, local_law, local_law_t, needs_surface
+  use sg_link_contacts, only: is_link, law_of_link
+  use sg_mapping, only: relative_velocity
+  use sg_scene, only: scene_t
+  implicit none
+  private
+  public :: law_of_contact
+
+contains
+
+  !> What the law of a contact asks in this step.
+  pure function law_of_contact(scene, contacts, k, step) result(law)
+    type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
+    real(wp), intent(in) :: step !! time step [s]
+    type(local_law_t) :: law
+    real(wp) :: before(3), surface
+
+    if (is_link(scene, contacts, k)) then
+      law = law_of_link(scene, contacts, k, step)
+      return
+    end if
+    before = 0
+    surface = 0
+    associate (own => scene%laws(contacts%law(k)))
+      if (needs_surface(own)) surface = contact_surface(scene%contactors, contacts, k)
+      if (is_cohesive_zone(own)) then
+        law = zone_law(own, contacts%gap(k), step, contacts%status(k), surface, contacts%internal(:, k))
+        return
+      end if
+      if (max(abs(own%normal_restitution), abs(own%tangential_restitution)) > 0) then
+        if (scene%dimension == 2) then
+          before(:2) = relative_velocity(contacts, k, scene%bodies%middle, scene%period, scene%bodies%velocity)
+        else
+          before = velocity_before(scene, contacts, k)
+        end if
+      end if
+      law = local_law(own, contacts%gap(k), step, before, contacts%status(k), contacts%internal(:, k), surface)
+    end associate
+  end function law_of_contact
+end module sg_contact_laws

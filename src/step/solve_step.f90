@@ -1,0 +1,105 @@
+!> The solve of a step: once, or, where cohesive zones hold contacts together, in rounds until their damage agrees with what it
+!! leads to (doc/theory/cohesive_zones.md).
+module sg_solve_step
+  use sg_bonds, only: damage_bonds, refresh_bonds
+  use sg_comm, only: traffic_t
+  use sg_internal_values, only: bond_integrity
+  use sg_kinds, only: wp, i8
+  use sg_report, only: report_t
+  use sg_simulation, only: simulation_t
+  implicit none
+  private
+  public :: solve_step
+
+  !> Change of an integrity from round to round below which damage is taken for settled
+  real(wp), parameter :: least_settled = 1e-8_wp
+  !> That change over the tolerance of the solver, where that is more
+  real(wp), parameter :: settled_share = 1e-3_wp
+  !> Rounds of a step at most: a step in which damage has not settled by then has not converged
+  integer, parameter :: most_rounds = 200
+  !> Solves of a step that may fail to converge before its rounds end
+  integer, parameter :: most_unsolved = 3
+
+contains
+
+  !> Solve the problem of a step. Collective.
+  subroutine solve_step(sim)
+    type(simulation_t), intent(inout) :: sim !! its problem is assembled
+
+    if (.not. sim%plan%has_bonds) then
+      call solve_once(sim)
+    else
+      call solve_in_rounds(sim)
+    end if
+  end subroutine solve_step
+
+  !> Solve with the integrity that bonds have, weaken them by the solution, and solve again from there. Bonds only ever get weaker
+  !! than at the beginning of the step; the effort of all rounds is that of the step.
+  subroutine solve_in_rounds(sim)
+    type(simulation_t), intent(inout) :: sim
+    type(report_t) :: before
+    real(wp), allocatable :: free(:, :), integrity(:)
+    real(wp) :: change(1), settled
+    integer :: round, unsolved
+
+    allocate (free, source=sim%problem%body)
+    integrity = sim%contacts%internal(bond_integrity, :sim%contacts%n)
+    unsolved = 0
+    settled = max(least_settled, settled_share*sim%options%solver%tolerance)
+    do round = 1, most_rounds
+      call solve_once(sim)
+      if (.not. sim%report%is_converged) unsolved = unsolved + 1
+      if (round > 1) call add_effort(before, sim%report)
+      call damage_bonds(sim%scene, integrity, sim%options%step, sim%problem, sim%contacts, change(1))
+      if (sim%decomposition%is_on) call sim%comm%maximum(change)
+      if (.not. change(1) > settled) return
+      if (round == most_rounds .or. unsolved == most_unsolved) exit
+      before = sim%report
+      sim%problem%body = free
+      call refresh_bonds(sim%scene, sim%contacts, sim%options%step, sim%problem)
+    end do
+    sim%report%is_converged = .false.
+  end subroutine solve_in_rounds
+
+  !> Add the effort of earlier rounds to the report of the last one.
+  pure subroutine add_effort(before, report)
+    type(report_t), intent(in) :: before
+    type(report_t), intent(inout) :: report
+
+    report%sweeps = report%sweeps + before%sweeps
+    report%contact_updates = report%contact_updates + before%contact_updates
+    report%gluings = report%gluings + before%gluings
+    report%iterations = report%iterations + before%iterations
+    report%factorisations = report%factorisations + before%factorisations
+    report%checks = report%checks + before%checks
+    report%cpu_sweeps = report%cpu_sweeps + before%cpu_sweeps
+    report%cpu_checks = report%cpu_checks + before%cpu_checks
+    report%cpu_seconds = report%cpu_seconds + before%cpu_seconds
+  end subroutine add_effort
+
+  !> Solve once, on one rank or on several.
+  subroutine solve_once(sim)
+    type(simulation_t), intent(inout) :: sim
+
+    if (sim%decomposition%is_on) then
+      call solve_glued(sim)
+    else
+      sim%solver%with_trace = sim%is_traced
+      call sim%solver%solve(sim%problem, sim%report)
+    end if
+  end subroutine solve_once
+
+  !> Solve this rank's part of the problem, and count what is sent.
+  subroutine solve_glued(sim)
+    type(simulation_t), intent(inout) :: sim
+    type(traffic_t) :: before
+
+    before = sim%comm%traffic
+    sim%glued_solver%with_trace = sim%is_traced
+    call sim%glued_solver%solve(sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, sim%report)
+    sim%gluings = sim%gluings + int(sim%report%gluings, i8)
+    sim%own_updates = sim%own_updates + sim%report%contact_updates
+    sim%gluing_traffic%messages = sim%gluing_traffic%messages + sim%comm%traffic%messages - before%messages
+    sim%gluing_traffic%bytes = sim%gluing_traffic%bytes + sim%comm%traffic%bytes - before%bytes
+  end subroutine solve_glued
+end module sg_solve_step

@@ -1,0 +1,124 @@
+!> Blocks held together by cohesive zones, which crack, on several ranks beside the same run on one: the damage of every bond goes
+!! with its contact when grains are dealt anew, and the rounds of a step are those of all ranks.
+program test_bonds
+  use harness, only: tests_t
+  use packs, only: advance_pack, start_pack
+  use sg_comm, only: comm_t
+  use sg_error, only: error_t
+  use sg_kinds, only: wp
+  use sg_measures, only: measure, measures_t
+  use sg_simulation, only: decompose, simulation_t
+  use sg_text, only: to_text
+  implicit none
+  character(len=*), parameter :: nl = new_line('a')
+  character(len=8), parameter :: gluings(2) = [character(len=8) :: 'primal', 'contacts']
+  character(len=14), parameter :: names(5) = [character(len=14) :: 'bonds', 'damaged_bonds', 'bond_energy', 'bond_loss', &
+                                              'kinetic_energy']
+  ! Gluing by masses (dual) needs many thousands of sweeps for stiff bonds between blocks, and is tried on spheres
+  integer, parameter :: steps = 30
+  type(tests_t) :: t
+  type(comm_t) :: comm
+  integer :: g
+
+  call comm%start()
+  do g = 1, size(gluings)
+    call compare(trim(gluings(g))//', in the plane', plane_deck(), trim(gluings(g)))
+  end do
+  call compare('dual, in space', space_deck(), 'dual')
+  call t%finish(comm)
+
+contains
+
+  !> Time, material and a weak bond.
+  function common_part() result(deck)
+    character(len=:), allocatable :: deck
+
+    deck = '[time]'//nl//'step = 1e-3'//nl//'steps = 100'//nl//'[[material]]'//nl//'name = "stone"'//nl//'density = 2000.0'//nl// &
+           '[[law]]'//nl//'kind = "IQS_MAL_CZM"'//nl//'friction = 0.5'//nl//'normal_stiffness = 1e8'//nl// &
+           'tangential_stiffness = 1e8'//nl//'normal_strength = 4e3'//nl//'tangential_strength = 4e3'//nl// &
+           'normal_energy = 1.0'//nl//'tangential_energy = 1.0'//nl//'[[interaction]]'//nl//'alert = 0.02'//nl
+  end function common_part
+
+  !> Squares side by side in three rows, the lowest of which is held; gravity pushes them along and down.
+  function plane_deck() result(deck)
+    character(len=:), allocatable :: deck
+    real(wp) :: x, y
+    integer :: i, j
+
+    deck = '[scene]'//nl//'gravity = [12.0, -5.0]'//nl//common_part()
+    do j = 0, 2
+      do i = 0, 6
+        x = 0.2_wp*real(i, wp)
+        y = 0.2_wp*real(j, wp)
+        deck = deck//'[[body]]'//nl//'shape = "polygon"'//nl//'vertices = [['//corner(x, y)//'], ['//corner(x + 0.2_wp, y)// &
+               '], ['//corner(x + 0.2_wp, y + 0.2_wp)//'], ['//corner(x, y + 0.2_wp)//']]'//nl
+        if (j == 0) deck = deck//'fixed = true'//nl
+      end do
+    end do
+  end function plane_deck
+
+  !> Spheres that touch, on a layer that is held.
+  function space_deck() result(deck)
+    character(len=:), allocatable :: deck
+    integer :: i, j, k
+
+    deck = '[scene]'//nl//'dimension = 3'//nl//'gravity = [12.0, 3.0, -5.0]'//nl//common_part()
+    do k = 0, 2
+      do j = 0, 2
+        do i = 0, 3
+          deck = deck//'[[body]]'//nl//'shape = "sphere"'//nl//'radius = 0.1'//nl//'position = ['// &
+                 corner(0.2_wp*real(i, wp), 0.2_wp*real(j, wp))//', '//to_text(0.2_wp*real(k, wp))//']'//nl
+          if (k == 0) deck = deck//'fixed = true'//nl
+        end do
+      end do
+    end do
+  end function space_deck
+
+  !> Two coordinates of a list.
+  function corner(x, y) result(text)
+    real(wp), intent(in) :: x, y
+    character(len=:), allocatable :: text
+
+    text = to_text(x)//', '//to_text(y)
+  end function corner
+
+  !> Run a deck on all ranks, dealt anew every four steps, and on one.
+  subroutine compare(name, deck, gluing)
+    character(len=*), intent(in) :: name, deck, gluing
+    type(simulation_t) :: whole, part
+    type(measures_t) :: of_whole, of_parts
+    type(error_t), allocatable :: error
+    real(wp) :: worst
+    integer :: i, b
+
+    call start_pack(t, comm, name, deck, 1e-10_wp, whole)
+    part = whole
+    call advance_pack(t, name, whole, steps)
+    call measure(whole%scene, whole%contacts, whole%options%step, whole%energy, of_whole)
+    call t%check(of_whole%get('damaged_bonds') > 0 .and. of_whole%get('bonds') > 0, name//': some bonds are damaged, some hold')
+    call t%near(of_whole%get('energy_closure'), 0.0_wp, 1e-8_wp, name//': the balance closes')
+    if (comm%size == 1) return
+    part%options%partition%gluing = gluing
+    part%options%partition%every = 4
+    part%comm = comm
+    call decompose(part, error)
+    call t%check(.not. allocated(error), name//' is split')
+    if (allocated(error)) return
+    call advance_pack(t, name, part, steps)
+    call measure(part%scene, part%contacts, part%options%step, part%energy, of_parts, part%decomposition%subdomain, part%comm)
+    do i = 1, size(names)
+      ! Impulses to 1e-10, and damage to 1e-8 in each of 30 steps.
+      call t%near(of_parts%get(trim(names(i))), of_whole%get(trim(names(i))), 1e-4_wp*abs(of_whole%get(trim(names(i)))), &
+                  name//': '//trim(names(i)))
+    end do
+    worst = 0
+    do b = 1, part%scene%bodies%n_home
+      associate (own => part%scene%bodies%position(:, b), there => whole%scene%bodies%position(:, part%scene%bodies%id(b)))
+        worst = max(worst, maxval(abs(own - there)))
+      end associate
+    end do
+    ! Ways of some millimetres.
+    call t%near(worst, 0.0_wp, 1e-8_wp, name//': places')
+    call t%near(of_parts%get('energy_closure'), 0.0_wp, 1e-8_wp, name//': the balance closes on ranks')
+  end subroutine compare
+end program test_bonds
