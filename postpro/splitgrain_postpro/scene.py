@@ -40,6 +40,8 @@ def draw_scene(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None, draw_
         missing.append("no contacts.vtkhdf")
     elif view is not None:
         (draw_contacts or _draw_forces)(ax, scene, period, view)
+        if draw_contacts is None:
+            _draw_bonds(ax, scene, period, view)
     if scene.bodies is None:
         missing.append("no bodies.vtkhdf")
     elif scene.shapes is None:
@@ -189,6 +191,26 @@ def _draw_forces(ax, scene, period, view):
     colours = np.where(force[copied] >= 0, VERMILION, BLUE)
     ax.add_collection(LineCollection(lines, linewidths=widths, colors=colours, capstyle="round"), autolim=False)
     ax.set_xlabel(f"x [m]      thickest line: normal force {number(thick)} N and above")
+
+
+def _draw_bonds(ax, scene, period, view):
+    """Bonds of cohesive zones as dots at their contact points, pale where whole and red where broken."""
+    data = scene.contacts.cell_data
+    if "damage" not in data:
+        return
+    bonds = np.flatnonzero(np.asarray(data["damage"]) >= 0)
+    if not len(bonds):
+        return
+    points = np.asarray(data["point"], dtype=float)[bonds, :2]
+    damage = np.asarray(data["damage"], dtype=float)[bonds]
+    if period > 0:
+        points = points - [[period, 0.0]] * np.floor(points[:, :1] / period)
+    # The most damaged ones lie on top.
+    order = np.argsort(damage)
+    size = np.clip(0.12 * _grain_diameter(ax, scene, view), 2.0, 7.0)
+    ax.scatter(*points[order].T, s=size**2, c=damage[order], cmap="YlOrRd", vmin=0, vmax=1, edgecolors=BLACK, linewidths=0.4,
+               zorder=5)
+    ax.text(0.01, 0.99, "dots: bonds, from whole (pale) to broken (red)", transform=ax.transAxes, va="top", fontsize=8)
 
 
 def _draw_interface(ax, scene, period, view):

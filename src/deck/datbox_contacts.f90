@@ -75,6 +75,7 @@ contains
     logical, intent(out) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
     character(len=:), allocatable :: pair
+    real(wp) :: tangents(3, 2)
     integer :: law
 
     ok = .false.
@@ -83,35 +84,38 @@ contains
     if (.not. next_data_line(file, 'the bodies of a contact', diagnostics)) return
     ok = .true.
     call read_identity(file, share, scene, contact, law, ok, diagnostics)
+    tangents = 0
     if (scene%dimension == 2) then
       call read_planar_force(file, contact, ok, diagnostics)
     else
-      call read_solid_force(file, pair, contact, ok, diagnostics)
+      call read_solid_force(file, pair, contact, tangents, ok, diagnostics)
     end if
-    if (ok .and. law > 0) call read_internal(file, scene%laws(law), contact, ok, diagnostics)
+    if (ok .and. law > 0) call read_internal(file, scene%laws(law), scene%dimension, tangents, contact, ok, diagnostics)
   end subroutine read_contact
 
   !> Read the numbers that some laws have LMGC90 write behind a contact, where they are there.
-  subroutine read_internal(file, law, contact, ok, diagnostics)
+  subroutine read_internal(file, law, dimension, tangents, contact, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     type(law_t), intent(in) :: law
+    integer, intent(in) :: dimension
+    real(wp), intent(in) :: tangents(3, 2)
     type(start_contact_t), intent(inout) :: contact
     logical, intent(inout) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
     real(wp) :: numbers(most_numbers)
     integer :: i
 
-    if (n_numbers_of(law) == 0) return
+    if (n_numbers_of(law, dimension) == 0) return
     if (.not. next_line(file)) return
     if (keyword(file) /= '' .or. .not. is_real(file, 2)) then
       call step_back(file)
       return
     end if
     numbers = 0
-    do i = 1, n_numbers_of(law)
+    do i = 1, n_numbers_of(law, dimension)
       call real_field(file, 15*i - 13, numbers(i), ok, diagnostics)
     end do
-    contact%internal = internal_of_numbers(law, numbers)
+    contact%internal = internal_of_numbers(law, dimension, numbers, tangents)
     contact%has_internal = ok
   end subroutine read_internal
 
@@ -135,10 +139,11 @@ contains
   !> Read force, frame and point of a contact in space; the force becomes a vector of the world.
   !!
   !! The order of the components depends on the pair; the lines behind the gap are told apart by their first letter.
-  subroutine read_solid_force(file, pair, contact, ok, diagnostics)
+  subroutine read_solid_force(file, pair, contact, tangents, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     character(len=*), intent(in) :: pair
     type(start_contact_t), intent(inout) :: contact
+    real(wp), intent(out) :: tangents(3, 2) !! axes t and s
     logical, intent(inout) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
     real(wp) :: force(3), axes(3, 3), values(3)
@@ -147,6 +152,7 @@ contains
     integer :: i, axis
     logical :: seen(4)
 
+    tangents = 0
     letters = components_of(pair)
     call read_point(file, 'the forces of a contact', force, ok, diagnostics)
     do i = 1, 2
@@ -174,6 +180,7 @@ contains
     end if
     contact%is_vector = .true.
     contact%force = matmul(axes, force)
+    tangents = axes(:, [index(letters, 't'), index(letters, 's')])
   end subroutine read_solid_force
 
   !> Order in which LMGC90 writes the components of a pair of space.

@@ -8,7 +8,7 @@ module sg_datbox_write_contacts
   use sg_error, only: error_t
   use sg_internal_values, only: most_internal
   use sg_kinds, only: wp, i1, i4
-  use sg_laws, only: law_t
+  use sg_laws, only: is_cohesive_zone, law_t
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
   use sg_vectors, only: cross
@@ -16,8 +16,9 @@ module sg_datbox_write_contacts
   private
   public :: datbox_contacts_t, contacts_at_start, write_contacts
 
-  !> Words for our statuses, indexed from 0
-  character(len=5), parameter :: status_words(0:4) = [character(len=5) :: 'nknow', 'noctc', 'stick', 'slide', 'Mstck']
+  !> Words for our statuses, indexed from 0, and those of cohesive zones
+  character(len=5), parameter :: status_words(0:5) = [character(len=5) :: 'nknow', 'noctc', 'stick', 'slide', 'Mstck', 'vnish'], &
+    bonded_words(0:5) = [character(len=5) :: 'Cnnow', 'Cnctc', 'Cstck', 'Cslfw', 'Cstck', 'Cnctc']
 
   !> Contacts and what they carry at one instant
   type :: datbox_contacts_t
@@ -101,7 +102,7 @@ contains
     character(len=5), intent(in) :: laws(:)
     logical, intent(in) :: is_large
     character(len=32) :: line
-    character(len=5) :: law
+    character(len=5) :: law, status
     integer :: c(2), kinds(2), see
 
     c = contacts%contactor(:, contact)
@@ -111,36 +112,44 @@ contains
     if (.not. is_large) write (line, '(a,a,2x,i7)') '$icdan  ', pair_name(kinds), contact
     call put(output, line)
     law = 'nolaw'
-    if (see > 0) law = laws(scene%sees(see)%law)
+    status = status_words(contacts%status(contact))
+    if (see > 0) then
+      law = laws(scene%sees(see)%law)
+      if (is_cohesive_zone(scene%laws(scene%sees(see)%law))) status = bonded_words(contacts%status(contact))
+    end if
     if (scene%dimension == 3) then
-      call put_solid_contact(output, scene, rank, contacts, contact, law, is_large)
-      if (see > 0) call put_internal(output, scene%laws(scene%sees(see)%law), contacts%internal(:, contact))
+      call put_solid_contact(output, scene, rank, contacts, contact, law, status, is_large)
+      if (see > 0) call put_internal(output, scene%laws(scene%sees(see)%law), contacts, contact)
       return
     end if
     call put(output, ' cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus')
     call put(output, ' '//side(scene, rank, c(1), 'CDVER', kinds(1) == kind_polygon, is_large)//'  '//law//'  ' &
-             //side(scene, rank, c(2), 'ANSEG', kinds(1) == kind_polygon, is_large)//'  '//status_words(contacts%status(contact)))
+             //side(scene, rank, c(2), 'ANSEG', kinds(1) == kind_polygon, is_large)//'  '//status)
     call put(output, labelled('rlt/H rln/H rls/H ', [contacts%force(2, contact), contacts%force(1, contact), 0.0_wp]))
     call put(output, labelled('vlt = vln = vls = ', [contacts%velocity(2, contact), contacts%velocity(1, contact), 0.0_wp]))
     call put(output, labelled('gapTT ', contacts%gap(contact:contact)))
     call put(output, labelled('n(1)= n(2)= n(3)= ', [contacts%normal(:, contact), 0.0_wp]))
     call put(output, labelled('coo1= coo2= coo3= ', [contacts%point(:, contact), 0.0_wp]))
-    if (see > 0) call put_internal(output, scene%laws(scene%sees(see)%law), contacts%internal(:, contact))
+    if (see > 0) call put_internal(output, scene%laws(scene%sees(see)%law), contacts, contact)
   end subroutine put_contact
 
   !> Write the numbers that stand behind a contact under some laws, after a line that LMGC90 passes over.
-  subroutine put_internal(output, law, internal)
+  subroutine put_internal(output, law, contacts, contact)
     type(output_t), intent(inout) :: output
     type(law_t), intent(in) :: law
-    real(wp), intent(in) :: internal(:)
-    real(wp) :: numbers(most_numbers)
+    type(datbox_contacts_t), intent(in) :: contacts
+    integer, intent(in) :: contact
+    real(wp) :: numbers(most_numbers), frame(3, 3)
     character(len=:), allocatable :: line
-    integer :: i
+    integer :: i, d
 
-    if (n_numbers_of(law) == 0) return
-    numbers = numbers_of_internal(law, internal)
+    d = size(contacts%normal, 1)
+    if (n_numbers_of(law, d) == 0) return
+    frame = 0
+    if (d == 3) frame = contact_frame(contacts%normal(:, contact), contacts%force(:, contact), 'tsn')
+    numbers = numbers_of_internal(law, d, contacts%internal(:, contact), frame(:, 1:2))
     line = ''
-    do i = 1, n_numbers_of(law)
+    do i = 1, n_numbers_of(law, d)
       line = line//' '//real_word(numbers(i))
     end do
     call put(output, '# internal values')
@@ -148,12 +157,12 @@ contains
   end subroutine put_internal
 
   !> Write who touches whom, force, velocity, gap, frame and point of a contact in space.
-  subroutine put_solid_contact(output, scene, rank, contacts, contact, law, is_large)
+  subroutine put_solid_contact(output, scene, rank, contacts, contact, law, status, is_large)
     type(output_t), intent(inout) :: output
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: rank(:), contact
     type(datbox_contacts_t), intent(in) :: contacts
-    character(len=5), intent(in) :: law
+    character(len=5), intent(in) :: law, status
     logical, intent(in) :: is_large
     character(len=3) :: letters
     character(len=7) :: vertex
@@ -166,7 +175,7 @@ contains
     if (all(scene%contactors%kind(c) == [kind_polyhedron, kind_plane])) vertex(7:7) = '1'
     call put(output, ' cdbdy  numbr  cdtac  numbr  CDVER  behav  anbdy  numbr  antac  numbr  sttus')
     call put(output, ' '//solid_side(scene, rank, c(1), is_large)//vertex//'  '//law//'  ' &
-             //solid_side(scene, rank, c(2), is_large)//'  '//status_words(contacts%status(contact)))
+             //solid_side(scene, rank, c(2), is_large)//'  '//status)
     frame = contact_frame(contacts%normal(:, contact), contacts%force(:, contact), letters)
     call put(output, labelled(named('rl', '/H '), matmul(contacts%force(:, contact), frame)))
     call put(output, labelled(named('vl', ' = '), matmul(contacts%velocity(:, contact), frame)))

@@ -8,7 +8,9 @@ module sg_pictures_contacts
   use sg_bodies, only: bodies_t
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
+  use sg_internal_values, only: bond_integrity, bond_slip
   use sg_kinds, only: wp, i4, i8
+  use sg_laws, only: is_cohesive_zone
   use sg_link_contacts, only: is_link, tension
   use sg_link_laws, only: pulls_only
   use sg_pictures_grid, only: grid_file_t, on_cells, on_field, vtk_empty, vtk_line
@@ -69,13 +71,13 @@ contains
       end do
       call self%grid%place(points)
       if (n > 0) call write_arrays(self, scene, contacts)
-      if (n == 0) call write_zeros(self, scene, 0)
+      if (n == 0) call write_zeros(self, scene, 0, has_bonds(contacts))
     else
       ! VTK 9.5 and 9.6 misread a step without cells: one cell of type "empty" draws nothing.
       i = merge(1, 0, self%grid%file%ranks%rank == 0)
       call self%grid%part(0, no_ids, spread(0_i4, 1, i), spread(vtk_empty, 1, i))
       call self%grid%place(points)
-      call write_zeros(self, scene, i)
+      call write_zeros(self, scene, i, has_bonds(contacts))
     end if
     call self%grid%finish(time, step)
     call self%xdmf%add(self%grid, time)
@@ -106,9 +108,31 @@ contains
     call self%grid%put(on_cells, 'point', vectors)
     call self%grid%put(on_cells, 'status', int(contacts%status(:n), i4))
     call self%grid%put(on_cells, 'law', contacts%law(:n))
+    if (has_bonds(contacts)) call self%grid%put(on_cells, 'damage', damage_of(scene, contacts))
     call self%grid%put(on_cells, 'candidate', numbers_of(scene%bodies, contacts%body(1, :n)))
     call self%grid%put(on_cells, 'antagonist', numbers_of(scene%bodies, contacts%body(2, :n)))
   end subroutine write_arrays
+
+  !> Has the scene cohesive zones?
+  pure logical function has_bonds(contacts)
+    type(contacts_t), intent(in) :: contacts
+
+    has_bonds = contacts%n_internal >= bond_slip
+  end function has_bonds
+
+  !> Damage of all contacts: 0 where the bond of a cohesive zone is whole, 1 where it is broken or was never there, -1 under other
+  !! laws.
+  pure function damage_of(scene, contacts) result(damage)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    real(wp) :: damage(contacts%n)
+    integer :: k
+
+    damage = -1
+    do k = 1, contacts%n
+      if (is_cohesive_zone(scene%laws(contacts%law(k)))) damage(k) = 1 - contacts%internal(bond_integrity, k)
+    end do
+  end function damage_of
 
   !> Forces of all contacts; in space the tangential one has no sign, but there is the whole vector.
   subroutine write_forces(self, contacts, dimension)
@@ -160,10 +184,11 @@ contains
   end function tensions
 
   !> Numbers of the cell that stands for no contact, or nothing of a rank without contacts where others have some.
-  subroutine write_zeros(self, scene, rows)
+  subroutine write_zeros(self, scene, rows, with_damage)
     type(contacts_picture_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: rows
+    logical, intent(in) :: with_damage !! are there cohesive zones?
     real(wp) :: vector(3, rows)
     integer(i4) :: zero(rows)
 
@@ -181,6 +206,7 @@ contains
     call self%grid%put(on_cells, 'point', vector)
     call self%grid%put(on_cells, 'status', zero)
     call self%grid%put(on_cells, 'law', zero)
+    if (with_damage) call self%grid%put(on_cells, 'damage', vector(1, :))
     call self%grid%put(on_cells, 'candidate', zero)
     call self%grid%put(on_cells, 'antagonist', zero)
   end subroutine write_zeros
