@@ -41,6 +41,8 @@ module sg_convergence
     !> Sweeps when whom to visit was looked up, and the criterion of the last test
     integer, private :: last_choice = 0
     real(wp), private :: last_criterion = huge(1.0_wp)
+    !> Test at which e8 was last found not to fall
+    integer, private :: last_stuck = 0
     !> e8 at each test so far
     real(wp), allocatable, private :: past_e8(:)
   contains
@@ -50,6 +52,7 @@ module sg_convergence
     procedure :: must_look => convergence_must_look
     procedure :: confirm => convergence_confirm
     procedure :: finish => convergence_finish
+    procedure :: find_stuck => convergence_find_stuck
   end type convergence_t
 
 contains
@@ -83,6 +86,7 @@ contains
     self%rounding = 16*epsilon(1.0_wp)*scales%fastest
     self%is_choice_due = .false.
     self%is_contested = .false.
+    self%last_stuck = 0
     self%is_rounding = .false.
   end subroutine convergence_begin
 
@@ -154,6 +158,17 @@ contains
     self%is_contested = .true.
     if (self%is_choice_due) self%last_choice = report%sweeps
   end subroutine convergence_confirm
+
+  !> Is e8 no less than two tests before, and was that not so in the last two?
+  pure subroutine convergence_find_stuck(self, report, is_stuck)
+    class(convergence_t), intent(inout) :: self
+    type(report_t), intent(in) :: report !! judged
+    logical, intent(out) :: is_stuck !! does the error not fall?
+
+    is_stuck = report%checks > self%last_stuck + 2
+    if (is_stuck) is_stuck = .not. self%past_e8(report%checks) < self%past_e8(report%checks - 2)
+    if (is_stuck) self%last_stuck = report%checks
+  end subroutine convergence_find_stuck
 
   !> End a solve: errors that are nothing but rounding are none, since what they are relative to is rounding as well.
   pure subroutine convergence_finish(self, report)

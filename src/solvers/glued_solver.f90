@@ -19,6 +19,9 @@ module sg_glued_solver
   private
   public :: glued_solver_t
 
+  !> Least share of its relaxation that a method is damped to
+  real(wp), parameter :: least_damping = 1.0_wp/16
+
   !> A solver of decomposed problems, chosen once a run
   type, abstract :: glued_solver_t
     !> Options of the deck
@@ -28,6 +31,8 @@ module sg_glued_solver
     logical :: with_trace = .false.
     !> This rank's contacts, part by part
     type(parts_t) :: parts
+    !> Share of its relaxation that a method takes which may diverge: halved where the error does not fall
+    real(wp) :: damping = 1
     !> Components of a velocity
     integer :: width = 0
     !> Errors of the whole problem
@@ -122,6 +127,7 @@ contains
     self%width = first_inverse(problem%kind) - 1
     if (.not. self%options%warm_start) problem%impulse = 0
     report%is_converged = .false.
+    self%damping = 1
     call self%open(problem, subdomain, slot_of, comm)
     if (self%trace%is_on) call note(self, problem, comm, report)
     call choose_first(self, problem, comm, report)
@@ -190,7 +196,7 @@ contains
     type(problem_t), intent(inout) :: problem
     type(comm_t), intent(inout) :: comm
     type(report_t), intent(inout) :: report
-    logical :: is_tested, is_choosing
+    logical :: is_tested, is_choosing, is_stuck
     integer :: since_test
 
     is_tested = .false.
@@ -201,6 +207,8 @@ contains
       if (is_tested) then
         call finish_test(self, comm, report)
         is_choosing = self%convergence%is_choice_due
+        call self%convergence%find_stuck(report, is_stuck)
+        if (is_stuck) self%damping = max(least_damping, self%damping/2)
       end if
       call self%finish_round(problem, report%is_converged, comm, report)
       if (report%is_converged) return

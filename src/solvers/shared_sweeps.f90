@@ -19,8 +19,9 @@ module sg_shared_sweeps
   type, abstract, extends(glued_solver_t) :: shared_sweeps_t
     !> Gluing of the last solve
     type(gluing_t) :: gluing
-    !> Share of each change that contacts of shared bodies take
+    !> Share of each change that contacts of shared bodies take; and may a large one have the rounds diverge?
     real(wp), private :: relaxation = 1
+    logical, private :: may_diverge = .false.
   contains
     procedure :: open => shared_open
     procedure :: begin_round => shared_begin_round
@@ -53,6 +54,7 @@ contains
     logical :: is_mean
 
     call self%rule(is_mean, self%relaxation)
+    self%may_diverge = .not. is_mean
     call self%gluing%prepare(problem, subdomain, slot_of, is_mean, comm)
     associate (sharing => self%gluing%sharing)
       associate (slot => [sharing%slot, sharing%wide%slot], copies => [sharing%parts, sharing%wide%parts])
@@ -87,7 +89,7 @@ contains
     type(problem_t), intent(inout) :: problem !! this rank's part
     type(report_t), intent(inout) :: report !! contact updates are counted
 
-    call self%parts%sweep(part_shared, problem, self%relaxation, report)
+    call self%parts%sweep(part_shared, problem, self%relaxation*merge(self%damping, 1.0_wp, self%may_diverge), report)
   end subroutine shared_begin_round
 
   !> Sweep the others, go on with all as often as the deck says, and glue.
@@ -117,7 +119,7 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
 
     call self%parts%give_impulses(problem)
-    if (self%relaxation < 1) call drop_traces(problem%n_contacts, problem%impulse)
+    if (self%may_diverge .or. self%relaxation < 1) call drop_traces(problem%n_contacts, problem%impulse)
     if (self%parts%clusters%are_sought) then
       call self%errors%begin(problem, with_e1, comm, self%parts%visits%closing, self%parts%clusters%squares)
     else

@@ -12,6 +12,7 @@ from ranks_case import Ranks, take_launcher
 from ranks_ends import Breaks, Stops  # noqa: F401
 from ranks_restarts import Restarts  # noqa: F401
 from ranks_said import Log, Once, Refusals  # noqa: F401
+from ranks_verdicts import Verdicts  # noqa: F401
 
 if __name__ == "__main__":
     take_launcher()
