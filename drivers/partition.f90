@@ -8,6 +8,7 @@ module sg_partition
   use sg_cost_text, only: costs_json, print_costs
   use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, exit_output, fail
+  use sg_former_results, only: has_results
   use sg_interface_blocks, only: block_structure_t
   use sg_kinds, only: wp, i4
   use sg_message_costs, only: given_messages, measure_messages
@@ -183,7 +184,9 @@ contains
     character(len=*), intent(in) :: folder
     type(error_t), allocatable, intent(out) :: error
 
-    if (make_folder(folder)) then
+    if (has_results(folder)) then
+      call fail(error, 'this folder holds results of a run: --picture must name another one', file=folder)
+    else if (make_folder(folder)) then
       call draw_split(sim, part, folder, error)
     else
       call fail(error, 'cannot make the folder of the pictures', file=folder, code=exit_output)

@@ -419,10 +419,17 @@ contains
       fault = 'it holds orientations that are no rotations'
     else if (any(state%status < status_new) .or. any(state%status > last_status)) then
       fault = 'it holds contacts in a state that there is none'
-    else if (any(abs(state%image) > huge(1_i1)) .or. any(abs(state%image_y) > huge(1_i1))) then
+    else if (is_beyond(state%image) .or. is_beyond(state%image_y)) then
       fault = 'it holds contacts across more periods than there can be'
     end if
   end function fault_of
+
+  !> Are any of the periods by which contacts are moved more than can be kept?
+  pure logical function is_beyond(image)
+    integer(i4), intent(in) :: image(:)
+
+    is_beyond = any(image > huge(1_i1)) .or. any(image < -huge(1_i1))
+  end function is_beyond
 
   !> Number of contact laws of a scene.
   pure integer function number_of_laws(scene) result(n)

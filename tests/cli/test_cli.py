@@ -224,6 +224,8 @@ class Partition(Cli):
             self.skipTest("built without HDF5")
         self.run_program("run", "fall.toml", "--quiet", "--set", "restart.every=120")
         split = self.partition("--parts", "3", "--restart", "fall.results", "--picture", "split")
+        said = self.run_program("partition", "fall.toml", "--parts", "3", "--picture", "fall.results", code=2).stderr
+        self.assertIn("fall.results: error: this folder holds results of a run", said)
         # All twelve have fallen on the floor.
         self.assertGreater(split["wall_contacts"], 0)
         for name in ("bodies", "shapes", "contacts"):

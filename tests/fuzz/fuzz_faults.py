@@ -73,7 +73,9 @@ def try_case(rng, program, place, material):
     words = rng.choice([["run", "deck.toml", "--output", "results", "--quiet", *PICTURES], ["convert", "deck.toml", "made"],
                         ["convert", "DATBOX", "made.toml"], ["solve", "problem.hdf5", "--write", "--solver", "nlgs", "--trace", "trace.csv"]])
     if not (disk.is_mounted and rng.random() < 0.5):
-        return judge_files(run(program, words, place, file_bytes=rng.randrange(rng.choice([4000, 40000, 400000]))), place, folder, words)
+        # What is printed on errors goes to a file too, which must have room for a sentence.
+        limit = rng.randrange(500, rng.choice([4000, 40000, 400000]))
+        return judge_files(run(program, words, place, file_bytes=limit), place, folder, words)
     disk.mount(rng.choice([16, 32, 64, 128, 256, 512]))
     for name in ("deck.toml", "problem.hdf5", "DATBOX"):
         subprocess.run(["cp", "-r", place / name, disk.place], capture_output=True)
