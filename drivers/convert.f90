@@ -72,6 +72,8 @@ contains
     end if
     call write_datbox(target, scene, contacts, time, step, error)
     if (scene%period > 0) write (error_unit, '(a)') 'note: a DATBOX does not hold the period in x'
+    if (scene%links%n > 0) write (error_unit, '(a)') 'note: the script of LMGC90 must call '// &
+      merge('PTPT2', 'PTPT3', scene%dimension == 2)//'_LoadNetwork, and LoadParams where there are NARD rods'
     if (size(scene%pressures) > 0) write (error_unit, '(a)') 'note: a DATBOX does not hold pressures'
   end subroutine write_state
 

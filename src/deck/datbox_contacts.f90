@@ -6,7 +6,9 @@ module sg_datbox_contacts
                              is_real, next_data_line, next_line, open_datbox_file, real_field, remark, step_back
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i1
-  use sg_laws, only: law_t, status_bonded, status_new, status_none, status_slide, status_stick
+  use sg_laws, only: law_bond, law_linear, law_t, status_bonded, status_broken, status_new, status_none, status_slide, status_stick
+  use sg_link_laws, only: pulls_only
+  use sg_links, only: link_between
   use sg_scene, only: law_index, scene_t, start_contact_t
   use sg_share, only: piece_of, share_t
   use sg_text, only: to_text
@@ -15,9 +17,9 @@ module sg_datbox_contacts
   public :: read_start_contacts, components_of
 
   !> Pairs of contactors whose contacts can be taken over, of the plane and of space
-  character(len=5), parameter :: pairs(6) = [character(len=5) :: 'DKDKx', 'DKJCx', 'DKKDx', 'DKPLx', 'PLPLx', 'PLJCx']
-  character(len=5), parameter :: pairs_in_space(10) = [character(len=5) :: 'SPSPx', 'SPPLx', 'SPCDx', 'SPDCx', 'SPPRx', 'CDCDx', &
-                                                      'CDPLx', 'CDDCx', 'PRPRx', 'PRPLx']
+  character(len=5), parameter :: pairs(7) = [character(len=5) :: 'DKDKx', 'DKJCx', 'DKKDx', 'DKPLx', 'PLPLx', 'PLJCx', 'PTPT2']
+  character(len=5), parameter :: pairs_in_space(11) = [character(len=5) :: 'SPSPx', 'SPPLx', 'SPCDx', 'SPDCx', 'SPPRx', 'CDCDx', &
+                                                      'CDPLx', 'CDDCx', 'PRPRx', 'PRPLx', 'PTPT3']
 
 contains
 
@@ -59,6 +61,7 @@ contains
         call complain_once(file, name_field(file, 9), 'contacts of type '''//name_field(file, 9)//''' are not done', 9, &
                            diagnostics)
       end if
+      if (ok) call take_length(scene, contact)
       if (.not. ok .or. k < piece(1) .or. k > piece(2)) cycle
       n = n + 1
       scene%start_contacts(n) = contact
@@ -91,7 +94,35 @@ contains
       call read_solid_force(file, pair, contact, tangents, ok, diagnostics)
     end if
     if (ok .and. law > 0) call read_internal(file, scene%laws(law), scene%dimension, tangents, contact, ok, diagnostics)
+    if (ok .and. law > 0 .and. pair(:4) == 'PTPT') call make_link(scene%laws(law), contact)
   end subroutine read_contact
+
+  !> The length at rest of a rod or wire is that which stands behind its contact, as in LMGC90, if one does.
+  subroutine take_length(scene, contact)
+    type(scene_t), intent(inout) :: scene
+    type(start_contact_t), intent(inout) :: contact
+    integer :: l
+
+    if (scene%links%n == 0 .or. .not. contact%has_internal) return
+    l = link_between(scene%links, contact%contactor)
+    if (l == 0) return
+    if (any(scene%laws(scene%links%law(l))%kind == [law_linear, law_bond])) return
+    if (contact%internal(1) > 0) scene%links%length(l) = contact%internal(1)
+    contact%internal = 0
+    contact%has_internal = .false.
+  end subroutine take_length
+
+  !> A contact of two points as ours: the normal of a wire is turned round, and what has broken stays so.
+  pure subroutine make_link(law, contact)
+    type(law_t), intent(in) :: law
+    type(start_contact_t), intent(inout) :: contact
+
+    if (pulls_only(law) .and. .not. contact%is_vector) contact%force = -contact%force
+    if (law%kind == law_bond .and. contact%status == status_none) contact%status = status_broken
+    if (law%breaking_force > 0 .and. contact%status == status_none) contact%status = status_broken
+    ! In space the file does not say along which tangents the bond was sheared.
+    if (law%kind == law_bond .and. contact%is_vector) contact%internal(2:) = 0
+  end subroutine make_link
 
   !> Read the numbers that some laws have LMGC90 write behind a contact, where they are there.
   subroutine read_internal(file, law, dimension, tangents, contact, ok, diagnostics)
@@ -160,7 +191,9 @@ contains
     end do
     axes = 0
     seen = .false.
-    do i = 1, 4
+    ! Between points there are no lines of tangents.
+    if (pair == 'PTPT3') seen([1, 3]) = .true.
+    do i = 1, count(.not. seen)
       if (ok) call read_point(file, 'the frame and point of a contact', values, ok, diagnostics)
       if (.not. ok) return
       letter = name_field(file, 30)
@@ -189,7 +222,7 @@ contains
     character(len=3) :: letters
 
     letters = 'stn'
-    if (pair == 'PRPRx') letters = 'tns'
+    if (any(pair == [character(len=5) :: 'PRPRx', 'PTPT3'])) letters = 'tns'
   end function components_of
 
   !> Read who touches whom. Words are counted, not columns: these differ by pair and by size of the numbers.

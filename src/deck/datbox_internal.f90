@@ -6,8 +6,8 @@
 module sg_datbox_internal
   use sg_internal_values, only: bond_integrity, bond_onset, bond_opening, bond_slip, bond_surface, most_internal, never
   use sg_kinds, only: wp
-  use sg_laws, only: is_cohesive_zone, law_elastic_g0, law_expo, law_gap, law_gap_g0, law_gap_shifted, law_iqs_g0, law_mal, law_t, &
-                     law_velocity
+  use sg_laws, only: is_cohesive_zone, law_bond, law_elastic_g0, law_expo, law_gap, law_gap_g0, law_gap_shifted, law_iqs_g0, &
+                     law_mal, law_rigid_wire, law_rod, law_t, law_velocity, law_wire
   implicit none
   private
   public :: most_numbers, n_numbers_of, internal_of_numbers, numbers_of_internal
@@ -34,6 +34,10 @@ contains
       n = 1
     case (law_gap_g0)
       n = 2
+    case (law_rod, law_wire, law_rigid_wire)
+      n = 1
+    case (law_bond)
+      n = 6
     end select
   end function n_numbers_of
 
@@ -60,6 +64,10 @@ contains
       values(1) = numbers(1)
     case (law_gap_g0)
       values(1) = numbers(2)
+    case (law_rod, law_wire, law_rigid_wire)
+      values(1) = numbers(1)
+    case (law_bond)
+      values(:2) = numbers(:2)
     end select
   end function internal_of_numbers
 
@@ -86,6 +94,9 @@ contains
       numbers(1) = values(1)
     case (law_gap_g0)
       numbers(2) = values(1)
+    case (law_bond)
+      numbers(:2) = values(:2)
+      if (dimension == 3) numbers(2:3) = matmul(values(2:4), tangents)
     end select
   end function numbers_of_internal
 end module sg_datbox_internal

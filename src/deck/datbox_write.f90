@@ -5,6 +5,7 @@ module sg_datbox_write
   use sg_datbox_output, only: short_names
   use sg_datbox_write_behaviours, only: write_bulk, write_drives, write_laws
   use sg_datbox_write_bodies, only: check_writable, write_bodies, write_state
+  use sg_datbox_write_links, only: stand_together, write_network
   use sg_datbox_write_contacts, only: contacts_at_start, datbox_contacts_t, write_contacts
   use sg_datbox_write_space, only: fit_densities, stand_upright
   use sg_error, only: error_t, exit_output, fail
@@ -30,10 +31,13 @@ contains
     character(len=5), allocatable :: colours(:), laws(:), materials(:)
     type(text_t), allocatable :: names(:)
     type(scene_t), allocatable :: ready
+    type(datbox_contacts_t) :: known
     integer(i4), allocatable :: first(:), list(:)
     integer :: i
 
     allocate (ready, source=scene)
+    known = contacts
+    call stand_together(ready, known)
     call contactors_of_bodies(ready%contactors, ready%bodies%n, first, list)
     if (scene%dimension == 3) call stand_upright(ready, first, list)
     call check_writable(ready, first, list, error)
@@ -61,6 +65,7 @@ contains
     call write_bodies(folder, ready, first, list, materials, colours, error)
     call write_drives(folder, ready, error)
     call write_state(folder, ready, first, list, time, step_number, error)
-    call write_contacts(folder, ready, first, list, contacts, laws, time, step_number, error)
+    call write_contacts(folder, ready, first, list, known, laws, time, step_number, error)
+    call write_network(folder, ready, error)
   end subroutine write_datbox
 end module sg_datbox_write

@@ -5,6 +5,7 @@ module sg_datbox_write_behaviours
   use sg_datbox_laws, only: form_of_law, get_parameter, labels_of, law_forms
   use sg_datbox_output, only: finish_file, node_head, output_t, put, real_word, solid_node_head, start_file
   use sg_datbox_sees, only: datbox_kind_name, pair_is_known
+  use sg_datbox_write_links, only: put_link_sees
   use sg_drives, only: drive_t
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i4
@@ -59,6 +60,8 @@ contains
       call put(output, '$behav  lawty')
       call put_law(output, scene%laws(i), laws(i))
     end do
+    ! Links come first: the network file names their see tables by rank.
+    call put_link_sees(output, scene, laws, colours)
     call put_sees(output, scene, laws, colours)
     call finish_file(output, error)
   end subroutine write_laws

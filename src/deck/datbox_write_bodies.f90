@@ -5,7 +5,7 @@
 !! displacement moves it back.
 module sg_datbox_write_bodies
   use sg_bodies, only: angle_of, spin_of
-  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_wall
+  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_point, kind_polygon, kind_wall
   use sg_datbox_bodies, only: body_type
   use sg_datbox_output, only: as_written, finish_file, labelled, node_head, output_t, put, put_steps, real_word, &
                               start_file
@@ -83,6 +83,8 @@ contains
         radii = 0
         if (scene%bodies%mass(b) > 0) radii = [sqrt(scene%bodies%mass(b)/(pi*scene%materials(scene%bodies%material(b))%density)), &
                                                sqrt(scene%bodies%inertia(b)/scene%bodies%mass(b))]
+        ! A mass without extent, which nothing turns, needs a radius of gyration all the same.
+        if (.not. radii(2) > 0) radii(2) = radii(1)
         call put(output, labelled('avrd= gyrd= ', radii, ' PLAIN      1  behav  '//materials(scene%bodies%material(b))))
         call put(output, '$nodty')
         call put(output, labelled('coo1= coo2= coo3= ', node_of(scene, first, list, b), node_head))
@@ -153,6 +155,9 @@ contains
     case (kind_wall)
       head(2:6) = 'JONCx'
       call put(output, labelled(' ax1=  ax2= ', contactors%wall_size(1:2, row), head))
+    case (kind_point)
+      head(2:6) = 'PT2Dx'
+      call put(output, labelled('coo1= coo2= ', shift, head))
     case (kind_polygon)
       head(2:6) = 'POLYG'
       associate (from => contactors%polygon_first(row), to => contactors%polygon_first(row + 1) - 1)

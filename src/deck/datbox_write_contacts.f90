@@ -1,6 +1,6 @@
 !> Writes Vloc_Rloc.INI: contacts with their mean forces, velocities, gaps and frames.
 module sg_datbox_write_contacts
-  use sg_contactors, only: kind_plane, kind_polygon, kind_polyhedron, n_kinds
+  use sg_contactors, only: kind_plane, kind_point, kind_polygon, kind_polyhedron, n_kinds
   use sg_datbox_contacts, only: components_of
   use sg_datbox_internal, only: most_numbers, n_numbers_of, numbers_of_internal
   use sg_datbox_output, only: finish_file, labelled, output_t, put, put_steps, real_word, start_file
@@ -8,7 +8,9 @@ module sg_datbox_write_contacts
   use sg_error, only: error_t
   use sg_internal_values, only: most_internal
   use sg_kinds, only: wp, i1, i4
-  use sg_laws, only: is_cohesive_zone, law_t
+  use sg_laws, only: is_cohesive_zone, law_bond, law_t, status_new
+  use sg_link_laws, only: pulls_only
+  use sg_links, only: link_between
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
   use sg_vectors, only: cross
@@ -41,25 +43,37 @@ module sg_datbox_write_contacts
 
 contains
 
-  !> The contacts that a scene knows at its start; their normals, gaps and velocities are not known and zero.
+  !> The contacts that a scene knows at its start, and all its links, of which the file is to hold the lengths; normals, gaps and
+  !! velocities are not known and zero.
   function contacts_at_start(scene) result(contacts)
     type(scene_t), intent(in) :: scene !! scene that may know contacts
     type(datbox_contacts_t) :: contacts
-    integer :: i, n
+    integer :: i, l, n, known
 
-    if (allocated(scene%start_contacts)) contacts%n = size(scene%start_contacts)
+    known = 0
+    if (allocated(scene%start_contacts)) known = size(scene%start_contacts)
+    contacts%n = known + scene%links%n
     n = scene%dimension
     allocate (contacts%contactor(2, contacts%n), contacts%status(contacts%n))
-    allocate (contacts%point(n, contacts%n), contacts%force(n, contacts%n))
+    allocate (contacts%point(n, contacts%n), contacts%force(n, contacts%n), source=0.0_wp)
     allocate (contacts%normal(n, contacts%n), contacts%velocity(n, contacts%n), source=0.0_wp)
     allocate (contacts%gap(contacts%n), source=0.0_wp)
-    allocate (contacts%internal(most_internal, contacts%n))
-    do i = 1, contacts%n
+    allocate (contacts%internal(most_internal, contacts%n), source=0.0_wp)
+    do i = 1, known
       contacts%contactor(:, i) = scene%start_contacts(i)%contactor
       contacts%point(:, i) = scene%start_contacts(i)%point(:n)
       contacts%force(:, i) = scene%start_contacts(i)%force(:n)
       contacts%status(i) = scene%start_contacts(i)%status
       contacts%internal(:, i) = scene%start_contacts(i)%internal
+    end do
+    contacts%n = known
+    do l = 1, scene%links%n
+      if (any([(all(contacts%contactor(:, i) == scene%links%number(:, l)), i=1, known)])) cycle
+      contacts%n = contacts%n + 1
+      contacts%contactor(:, contacts%n) = scene%links%number(:, l)
+      contacts%status(contacts%n) = status_new
+      ! A bond begins at its length.
+      contacts%internal(1, contacts%n) = scene%links%length(l)
     end do
   end function contacts_at_start
 
@@ -75,6 +89,7 @@ contains
     integer, intent(in) :: step_number !! number of steps made
     type(error_t), allocatable, intent(inout) :: error !! set when the file cannot be written
     type(output_t) :: output
+    type(datbox_contacts_t) :: turned
     integer, allocatable :: rank(:)
     integer :: b, i
     logical :: is_large
@@ -83,15 +98,35 @@ contains
     do b = 1, scene%bodies%n
       rank(list(first(b):first(b + 1) - 1)) = [(i, i=1, first(b + 1) - first(b))]
     end do
+    turned = contacts
+    if (scene%links%n > 0) call turn_wires(scene, turned)
     is_large = max(contacts%n, scene%bodies%n) > 99999
     call start_file(output, folder, 'Vloc_Rloc.INI')
     call put(output, '! Vloc_Rloc')
     call put_steps(output, time, step_number)
     do i = 1, contacts%n
-      call put_contact(output, scene, rank, contacts, i, laws, is_large)
+      call put_contact(output, scene, rank, turned, i, laws, is_large)
     end do
     call finish_file(output, error)
   end subroutine write_contacts
+
+  !> Turn the normals of wires to where LMGC90 has them: from the antagonist to the candidate, so that they pull by negative forces.
+  subroutine turn_wires(scene, contacts)
+    type(scene_t), intent(in) :: scene
+    type(datbox_contacts_t), intent(inout) :: contacts
+    integer :: k, l
+
+    do k = 1, contacts%n
+      if (scene%contactors%kind(contacts%contactor(1, k)) /= kind_point) cycle
+      l = link_between(scene%links, int(contacts%contactor(:, k)))
+      if (l == 0) cycle
+      if (.not. pulls_only(scene%laws(scene%links%law(l)))) cycle
+      contacts%normal(:, k) = -contacts%normal(:, k)
+      if (scene%dimension == 3) cycle
+      contacts%force(:, k) = -contacts%force(:, k)
+      contacts%velocity(:, k) = -contacts%velocity(:, k)
+    end do
+  end subroutine turn_wires
 
   !> Write one contact.
   subroutine put_contact(output, scene, rank, contacts, contact, laws, is_large)
@@ -103,23 +138,28 @@ contains
     logical, intent(in) :: is_large
     character(len=32) :: line
     character(len=5) :: law, status
-    integer :: c(2), kinds(2), see
+    integer :: c(2), kinds(2), see, own
 
     c = contacts%contactor(:, contact)
     kinds = scene%contactors%kind(c)
+    own = 0
     see = see_between(scene, c(1), c(2))
-    write (line, '(a,a,2x,i10)') '$icdan  ', pair_name(kinds), contact
-    if (.not. is_large) write (line, '(a,a,2x,i7)') '$icdan  ', pair_name(kinds), contact
+    if (see > 0) own = scene%sees(see)%law
+    see = 0
+    if (all(kinds == kind_point)) see = link_between(scene%links, c)
+    if (see > 0) own = scene%links%law(see)
+    write (line, '(a,a,2x,i10)') '$icdan  ', pair_name(kinds, scene%dimension), contact
+    if (.not. is_large) write (line, '(a,a,2x,i7)') '$icdan  ', pair_name(kinds, scene%dimension), contact
     call put(output, line)
     law = 'nolaw'
     status = status_words(contacts%status(contact))
-    if (see > 0) then
-      law = laws(scene%sees(see)%law)
-      if (is_cohesive_zone(scene%laws(scene%sees(see)%law))) status = bonded_words(contacts%status(contact))
+    if (own > 0) then
+      law = laws(own)
+      if (is_cohesive_zone(scene%laws(own))) status = bonded_words(contacts%status(contact))
     end if
     if (scene%dimension == 3) then
       call put_solid_contact(output, scene, rank, contacts, contact, law, status, is_large)
-      if (see > 0) call put_internal(output, scene%laws(scene%sees(see)%law), contacts, contact)
+      if (own > 0) call put_internal(output, scene, scene%laws(own), see, contacts, contact)
       return
     end if
     call put(output, ' cdbdy  numbr  cdtac  numbr  behav  anbdy  numbr  antac  numbr  sttus')
@@ -130,13 +170,15 @@ contains
     call put(output, labelled('gapTT ', contacts%gap(contact:contact)))
     call put(output, labelled('n(1)= n(2)= n(3)= ', [contacts%normal(:, contact), 0.0_wp]))
     call put(output, labelled('coo1= coo2= coo3= ', [contacts%point(:, contact), 0.0_wp]))
-    if (see > 0) call put_internal(output, scene%laws(scene%sees(see)%law), contacts, contact)
+    if (own > 0) call put_internal(output, scene, scene%laws(own), see, contacts, contact)
   end subroutine put_contact
 
   !> Write the numbers that stand behind a contact under some laws, after a line that LMGC90 passes over.
-  subroutine put_internal(output, law, contacts, contact)
+  subroutine put_internal(output, scene, law, link, contacts, contact)
     type(output_t), intent(inout) :: output
+    type(scene_t), intent(in) :: scene
     type(law_t), intent(in) :: law
+    integer, intent(in) :: link !! link of the contact, 0 where it is none
     type(datbox_contacts_t), intent(in) :: contacts
     integer, intent(in) :: contact
     real(wp) :: numbers(most_numbers), frame(3, 3)
@@ -148,6 +190,10 @@ contains
     frame = 0
     if (d == 3) frame = contact_frame(contacts%normal(:, contact), contacts%force(:, contact), 'tsn')
     numbers = numbers_of_internal(law, d, contacts%internal(:, contact), frame(:, 1:2))
+    if (link > 0) then
+      if (law%kind == law_bond) numbers(4:6) = [scene%links%area(link), scene%links%length(link), scene%links%mass(link)]
+      if (law%kind /= law_bond) numbers(1) = scene%links%length(link)
+    end if
     line = ''
     do i = 1, n_numbers_of(law, d)
       line = line//' '//real_word(numbers(i))
@@ -170,7 +216,7 @@ contains
     integer :: c(2), k
 
     c = contacts%contactor(:, contact)
-    letters = components_of(pair_name(scene%contactors%kind(c)))
+    letters = components_of(pair_name(int(scene%contactors%kind(c)), 3))
     vertex = ''
     if (all(scene%contactors%kind(c) == [kind_polyhedron, kind_plane])) vertex(7:7) = '1'
     call put(output, ' cdbdy  numbr  cdtac  numbr  CDVER  behav  anbdy  numbr  antac  numbr  sttus')
@@ -180,6 +226,11 @@ contains
     call put(output, labelled(named('rl', '/H '), matmul(contacts%force(:, contact), frame)))
     call put(output, labelled(named('vl', ' = '), matmul(contacts%velocity(:, contact), frame)))
     call put(output, labelled('gapTT ', contacts%gap(contact:contact)))
+    if (scene%contactors%kind(c(1)) == kind_point) then
+      call put(output, labelled('n(1)= n(2)= n(3)= ', frame(:, 2)))
+      call put_point()
+      return
+    end if
     if (any(scene%contactors%kind(c(1)) == [kind_polyhedron])) call put_point()
     ! Polyhedra have t, n, s, the others s, t, n.
     letters = 'stn'
@@ -269,12 +320,13 @@ contains
   end function side
 
   !> LMGC90's name of a pair of kinds.
-  pure function pair_name(kinds) result(name)
-    integer, intent(in) :: kinds(2)
+  pure function pair_name(kinds, dimension) result(name)
+    integer, intent(in) :: kinds(2), dimension
     character(len=5) :: name
     character(len=2), parameter :: letters(n_kinds) = [character(len=2) :: 'DK', 'JC', 'KD', 'PL', 'SP', 'PL', 'CD', 'DC', 'PR', &
                                                                    'PT']
 
     name = letters(kinds(1))//letters(kinds(2))//'x'
+    if (all(kinds == kind_point)) name(5:5) = merge('2', '3', dimension == 2)
   end function pair_name
 end module sg_datbox_write_contacts

@@ -3,7 +3,7 @@
 !! Shapes are written in the frame of the principal axes, which DOF.INI turns into the world; the principal moments stand
 !! beside them and say so. A plane, cylinder or hollow cylinder that is alone is written upright, as LMGC90 wants it.
 module sg_datbox_write_space
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, kind_sphere
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_point, kind_polyhedron, kind_sphere
   use sg_datbox_output, only: as_written, labelled, output_t, put, solid_node_head
   use sg_datbox_space_bodies, only: solid_of_datbox
   use sg_error, only: error_t, fail
@@ -214,6 +214,9 @@ contains
       case (kind_hollow_cylinder)
         head(2:6) = 'DNLYC'
         call put(output, labelled('High= byrd= ', space%hollow_size(:, row), head))
+      case (kind_point)
+        head(2:6) = 'PT3Dx'
+        call put(output, labelled('coo1= coo2= coo3= ', shift, head))
       case (kind_polyhedron)
         head(2:6) = 'POLYR'
         call put_polyhedron(output, space%polyhedra(row), shift, head)

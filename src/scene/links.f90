@@ -9,7 +9,7 @@ module sg_links
   use sg_local_numbers, only: local_contactor
   implicit none
   private
-  public :: links_t, add_link, locate_links, link_image
+  public :: links_t, add_link, locate_links, link_image, link_between
 
   !> All links of a scene
   type :: links_t
@@ -82,4 +82,15 @@ contains
 
     image = links%image(:, l) + crossings(:, 2) - crossings(:, 1)
   end function link_image
+
+  !> The link between two contactors, by their numbers in the whole scene; 0 where there is none.
+  pure integer function link_between(links, pair) result(l)
+    type(links_t), intent(in) :: links !! all links
+    integer, intent(in) :: pair(2) !! two contactors, in any order
+
+    do l = 1, links%n
+      if (all(links%number(:, l) == pair) .or. all(links%number(:, l) == pair([2, 1]))) return
+    end do
+    l = 0
+  end function link_between
 end module sg_links

@@ -235,7 +235,7 @@ contains
   subroutine test_contacts()
     character(len=*), parameter :: file = 'Vloc_Rloc.INI'
 
-    call tests%refuse(file, 2, '$icdan  PTPT2        1', 'PTPT2', 2, 9)
+    call tests%refuse(file, 2, '$icdan  CLJCx        1', 'CLJCx', 2, 9)
     call tests%refuse(file, 4, ' RBDY2      9  DISKx      1  iqsc0  RBDY2      2  POLYG      1  stick', 'no body 9', 4, 13)
     call tests%refuse(file, 4, ' RBDY2  *****  DISKx      1  iqsc0  RBDY2      2  POLYG      1  stick', 'no readable number', 4, 9)
     call tests%refuse(file, 4, ' RBDY2      1  DISKx      2  iqsc0  RBDY2      2  POLYG      1  stick', 'no contactor 2', 4, 27)
