@@ -117,25 +117,25 @@ contains
               stiffness(2)*norm2(state(2:)) > bond(1)*law%tangential_strength
   end function is_torn
 
-  !> Elastic energy of a link that is not broken [J].
-  pure real(wp) function link_energy(law, length, rest, bond, state) result(energy)
+  !> Elastic energy of a link that is not broken, along it and across it [J].
+  pure function link_energy(law, length, rest, bond, state) result(energy)
     type(law_t), intent(in) :: law !! law of the link
     real(wp), intent(in) :: length !! [m]
     real(wp), intent(in) :: rest !! length at rest [m]
     real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg] of a bond
     real(wp), intent(in) :: state(:) !! of a bond: first length, then the displacement across [m]
-    real(wp) :: stretch, stiffness(2)
+    real(wp) :: energy(2), stretch, stiffness(2)
 
     energy = 0
     stretch = length - (1 + law%prestrain)*rest
     select case (law%kind)
     case (law_rod)
-      energy = law%axial_stiffness/rest*stretch**2/2
+      energy(1) = law%axial_stiffness/rest*stretch**2/2
     case (law_wire)
-      energy = law%axial_stiffness/rest*max(0.0_wp, stretch)**2/2
+      energy(1) = law%axial_stiffness/rest*max(0.0_wp, stretch)**2/2
     case (law_bond)
       stiffness = stiffness_of_bond(law, rest, bond)
-      energy = (stiffness(1)*(length - state(1))**2 + stiffness(2)*sum(state(2:)**2))/2
+      energy = stiffness*[(length - state(1))**2, sum(state(2:)**2)]/2
     end select
   end function link_energy
 end module sg_link_laws

@@ -13,6 +13,7 @@ module sg_energy
   use sg_internal_values, only: bond_slip
   use sg_kinds, only: wp
   use sg_laws, only: is_cohesive_zone
+  use sg_link_contacts, only: energy_of_links
   use sg_mapping, only: relative_velocity
   use sg_mapping_space, only: space_arms
   use sg_rotations, only: no_rotation, turned_back, turned_by, turned_on
@@ -56,12 +57,16 @@ contains
     type(scene_t), intent(in) :: scene !! scene after the solve, before the update
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
-    real(wp) :: mean(scene%bodies%n_velocity, scene%bodies%n), work(3)
+    real(wp) :: mean(scene%bodies%n_velocity, scene%bodies%n), work(3), elastic(2)
 
     if (.not. self%is_started) then
       self%is_started = .true.
       self%kinetic_start = kinetic_energy(scene%bodies)
-      self%potential_start = potential_energy(scene)
+      ! What links hold at the start is taken from them as they give it back.
+      elastic = energy_of_links(scene, contacts)
+      self%potential_start = potential_energy(scene) + sum(elastic)
+      self%impact_loss = elastic(1)
+      self%friction_loss = elastic(2)
     end if
     mean = (scene%bodies%velocity + scene%bodies%free_velocity)/2
     work = contact_work(scene, contacts, h, mean)
@@ -253,19 +258,22 @@ contains
 
   !> What the balance is made of, of this rank [J]: kinetic and potential energy, sum of the absolute potential energies of
   !! the bodies, both energies at the start, and works of forces, drives, friction, impacts and bonds.
-  pure function energy_sums(energy, scene) result(sums)
+  pure function energy_sums(energy, scene, contacts) result(sums)
     type(energy_t), intent(in) :: energy !! works since the start
     type(scene_t), intent(in) :: scene !! scene after the update
-    real(wp) :: sums(n_energy_sums)
+    type(contacts_t), intent(in), optional :: contacts !! contacts of the step, for the energy of links
+    real(wp) :: sums(n_energy_sums), elastic(2)
     integer :: i
 
-    sums(1:2) = [kinetic_energy(scene%bodies), potential_energy(scene)]
+    elastic = 0
+    if (present(contacts)) elastic = energy_of_links(scene, contacts)
+    sums(1:2) = [kinetic_energy(scene%bodies), potential_energy(scene) + sum(elastic)]
     sums(3) = 0
     do i = 1, scene%bodies%n_home
       sums(3) = sums(3) + abs(potential_drop(scene, i))
     end do
     sums(4:) = [energy%kinetic_start, energy%potential_start, energy%external_work, energy%drive_work, &
-                energy%friction_loss, energy%impact_loss, energy%bond_work]
+                energy%friction_loss - elastic(2), energy%impact_loss - elastic(1), energy%bond_work]
   end function energy_sums
 
   !> How far the balance is from closing, from the sums over all ranks.

@@ -150,7 +150,7 @@ contains
     type(touching_t), intent(in) :: touching
     type(sums_t), intent(inout) :: sums
 
-    sums%energy = energy_sums(energy, scene)
+    sums%energy = energy_sums(energy, scene, contacts)
     sums%gaps = penetration_sums(contacts)
     sums%bonds = bond_sums(scene, contacts)
     sums%overlap = shared_by_shapes(scene, contacts)

@@ -2,16 +2,18 @@
 module sg_link_contacts
   use sg_contactors, only: kind_point
   use sg_contacts, only: contacts_t, normal_impulse
+  use sg_internal_values, only: n_internal_of
   use sg_kinds, only: wp
   use sg_laws, only: law_bond, local_law_t, status_broken, status_none, status_stick
-  use sg_link_laws, only: link_law, pulls_only, tears
+  use sg_link_laws, only: link_energy, link_law, pulls_only, tears
   use sg_mapping, only: relative_velocity
   use sg_mapping_space, only: space_relative_velocity, tangent_of
+  use sg_rotations, only: turned_by
   use sg_scene, only: scene_t
   use sg_vectors, only: cross
   implicit none
   private
-  public :: is_link, law_of_link, tension, finish_links
+  public :: is_link, law_of_link, tension, finish_links, energy_of_links
 
 contains
 
@@ -95,4 +97,50 @@ contains
       end associate
     end if
   end subroutine move_across
+
+  !> Elastic energy of all links that hold, along them and across them [J], from where their bodies are at the end of the step.
+  pure function energy_of_links(scene, contacts) result(energy)
+    type(scene_t), intent(in) :: scene !! scene with its links
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    real(wp) :: energy(2), state(4)
+    integer :: k, n
+
+    energy = 0
+    if (scene%links%n == 0) return
+    do k = 1, contacts%n
+      if (.not. is_link(scene, contacts, k)) cycle
+      if (contacts%status(k) == status_broken) cycle
+      associate (l => contacts%feature(k), links => scene%links, own => scene%laws(contacts%law(k)))
+        state = 0
+        n = merge(n_internal_of(own, scene%dimension), 0, own%kind == law_bond)
+        state(:n) = contacts%internal(:n, k)
+        energy = energy + link_energy(own, length_now(scene, contacts, k), links%length(l), [links%area(l), links%mass(l)], state)
+      end associate
+    end do
+  end function energy_of_links
+
+  !> Length of a link where its bodies are now, not where contacts were sought [m].
+  pure real(wp) function length_now(scene, contacts, k) result(length)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    real(wp) :: ends(scene%dimension, 2), angle
+    integer :: side, b
+
+    do side = 1, 2
+      b = contacts%body(side, k)
+      associate (shift => scene%contactors%shift(:, contacts%contactor(side, k)))
+        ends(:, side) = scene%bodies%position(:, b)
+        if (scene%dimension == 3) then
+          ends(:, side) = ends(:, side) + turned_by(scene%bodies%orientation(:, b), shift)
+        else
+          angle = scene%bodies%angle(b)
+          ends(:, side) = ends(:, side) + [cos(angle)*shift(1) - sin(angle)*shift(2), sin(angle)*shift(1) + cos(angle)*shift(2)]
+        end if
+      end associate
+    end do
+    ends(1, 2) = ends(1, 2) + scene%period*real(contacts%image(k), wp)
+    if (scene%dimension == 3) ends(2, 2) = ends(2, 2) + scene%period_y*real(contacts%image_y(k), wp)
+    length = norm2(ends(:, 1) - ends(:, 2))
+  end function length_now
 end module sg_link_contacts

@@ -6,6 +6,7 @@ program test_links
   use scenes, only: begin_run, g, run
   use sg_contactors, only: add_disk
   use sg_kinds, only: wp, pi
+  use sg_measures, only: measure, measures_t
   use sg_laws, only: law_bond, law_linear, law_rigid_wire, law_rod, law_t, law_wire, status_broken
   use sg_simulation, only: simulation_t
   use sg_space_contactors, only: add_sphere
@@ -22,6 +23,7 @@ program test_links
     call test_break(dimension)
     call test_glue(dimension)
     call test_period(dimension)
+    call test_energy(dimension)
     call test_bond(dimension, axis=1)
     call test_bond(dimension, axis=dimension)
   end do
@@ -282,4 +284,37 @@ contains
     end do
     call t%near(speed*h*real(broken, wp), limit, 2*speed*h, 'bond: displacement at which it breaks')
   end subroutine test_bond
+
+  !> A mass on a damped rod under its weight: potential and elastic energy, what the dashpot takes, and the balance that closes.
+  subroutine test_energy(dimension)
+    integer, intent(in) :: dimension
+    real(wp), parameter :: stiffness = 2e3_wp, damping = 40, mass = 4, rest = 0.5_wp, h = 1e-4_wp
+    type(simulation_t) :: sim
+    type(measures_t) :: measures
+    real(wp) :: sag, scale
+    integer :: step
+
+    call begin_links(sim%scene, 2, dimension, law_t(kind=law_rod, axial_stiffness=stiffness, axial_damping=damping))
+    sim%scene%gravity(dimension) = -g
+    call put_mass(sim%scene, 1, 0.0_wp, 0*along(dimension, 1))
+    call put_mass(sim%scene, 2, mass, -0.55_wp*along(dimension, dimension))
+    call link(sim%scene, 1, 2, rest)
+    call begin_run(sim, h, 1e-13_wp)
+    scale = mass*g*0.1_wp
+    do step = 1, 30000
+      call run(sim, 1)
+      if (mod(step, 3000) /= 1) cycle
+      call measure(sim%scene, sim%contacts, h, sim%energy, measures)
+      ! Rounding of 30000 steps, each of a few times 1e-16 of the energies.
+      call t%near(measures%get('energy_closure'), 0.0_wp, 1e-10_wp, 'energy: the balance closes')
+      call t%check(measures%get('impact_loss') >= -1e-12_wp*scale, 'energy: the dashpot gives nothing back')
+    end do
+    ! At rest after 3 s, which are 20 times 2 mass rest/damping = 0.1 s of decay; the sag is weight over stiffness.
+    sag = mass*g*rest/stiffness
+    call t%near(measures%get('kinetic_energy'), 0.0_wp, 1e-12_wp*scale, 'energy: at rest')
+    call t%near(measures%get('potential_energy'), -mass*g*(rest + sag) + stiffness/rest*sag**2/2, 1e-9_wp*scale, &
+                'energy: of weight and of the rod')
+    call t%near(measures%get('impact_loss'), stiffness/rest*(0.05_wp**2 - sag**2)/2 - mass*g*(0.05_wp - sag), 1e-9_wp*scale, &
+                'energy: all that the dashpot took')
+  end subroutine test_energy
 end program test_links
