@@ -5,11 +5,15 @@ program test_links
   use link_scenes, only: begin_links, link, put_mass, tension_of
   use scenes, only: begin_run, g, run
   use sg_contactors, only: add_disk
+  use sg_checkpoint, only: load_checkpoint, save_checkpoint
+  use sg_error, only: diagnostics_t, error_t
+  use sg_hdf5, only: hdf5_is_available
   use sg_kinds, only: wp, pi
   use sg_measures, only: measure, measures_t
   use sg_laws, only: law_bond, law_linear, law_rigid_wire, law_rod, law_t, law_wire, status_broken
   use sg_simulation, only: simulation_t
   use sg_space_contactors, only: add_sphere
+  use sg_system, only: make_folder
   implicit none
   type(tests_t) :: t
   integer :: dimension
@@ -24,6 +28,11 @@ program test_links
     call test_glue(dimension)
     call test_period(dimension)
     call test_energy(dimension)
+    if (hdf5_is_available()) then
+      call test_restart(dimension, law_t(kind=law_wire, axial_stiffness=500.0_wp, axial_damping=3.0_wp, breaking_force=30.0_wp))
+      call test_restart(dimension, law_t(kind=law_bond, young=1e6_wp, poisson=0.2_wp, normal_strength=5e2_wp, &
+                                         tangential_strength=1e6_wp))
+    end if
     call test_bond(dimension, axis=1)
     call test_bond(dimension, axis=dimension)
   end do
@@ -317,4 +326,54 @@ contains
     call t%near(measures%get('impact_loss'), stiffness/rest*(0.05_wp**2 - sag**2)/2 - mass*g*(0.05_wp - sag), 1e-9_wp*scale, &
                 'energy: all that the dashpot took')
   end subroutine test_energy
+
+  !> A run that goes on from a checkpoint is the straight run, bit by bit, with links that have broken and others that hold.
+  subroutine test_restart(dimension, law)
+    integer, intent(in) :: dimension
+    type(law_t), intent(in) :: law
+    character(len=*), parameter :: folder = 'links_restart'
+    type(simulation_t) :: straight, first, second
+    type(error_t), allocatable :: error
+    type(diagnostics_t) :: warnings
+
+    call t%check(make_folder(folder), 'restart: the folder is there')
+    call make_row(dimension, law, folder, straight)
+    call run(straight, 300)
+    associate (status => straight%contacts%status(:straight%contacts%n))
+      call t%check(any(status == status_broken) .and. any(status /= status_broken), 'restart: some links are broken')
+    end associate
+    call make_row(dimension, law, folder, first)
+    call run(first, 170)
+    call save_checkpoint(first, error)
+    call t%check(.not. allocated(error), 'restart: a checkpoint is written')
+    call make_row(dimension, law, folder, second)
+    call load_checkpoint(second, folder, warnings, error)
+    call t%check(.not. allocated(error), 'restart: it is read')
+    if (allocated(error)) return
+    call run(second, 130)
+    call t%check(all(second%contacts%status(:second%contacts%n) == straight%contacts%status(:straight%contacts%n)), &
+                 'restart: what the links did')
+    call t%near(maxval(abs(second%scene%bodies%position - straight%scene%bodies%position)), 0.0_wp, 0.0_wp, 'restart: places')
+    call t%near(maxval(abs(second%scene%bodies%velocity - straight%scene%bodies%velocity)), 0.0_wp, 0.0_wp, 'restart: velocities')
+  end subroutine test_restart
+
+  !> Masses in a row between two that are held, the heaviest in the middle.
+  subroutine make_row(dimension, law, folder, sim)
+    integer, intent(in) :: dimension
+    type(law_t), intent(in) :: law
+    character(len=*), intent(in) :: folder
+    type(simulation_t), intent(inout) :: sim
+    integer, parameter :: n = 9
+    integer :: i
+
+    call begin_links(sim%scene, n, dimension, law)
+    sim%scene%gravity(dimension) = -g
+    do i = 1, n
+      call put_mass(sim%scene, i, merge(0.0_wp, 0.5_wp + 0.1_wp*real(i*(n - i), wp), i == 1 .or. i == n), &
+                    0.2_wp*real(i, wp)*along(dimension, 1))
+      if (i > 1) call link(sim%scene, i - 1, i, 0.2_wp + 0.005_wp*real(i, wp), [1e-2_wp, 0.01_wp])
+    end do
+    sim%options%folder = folder
+    call begin_run(sim, 1e-3_wp, 1e-12_wp)
+  end subroutine make_row
 end program test_links
