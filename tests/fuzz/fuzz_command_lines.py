@@ -66,6 +66,9 @@ def try_case(rng, program, place, options):
     if ended.code == 2 and ended.out.startswith(HELP) and not ended.err:
         return Outcome("refused")
     outcome = judge(ended)
+    # Messages repeat words of the command line, which may end a line or a sentence.
+    if outcome.word == "wrong" and ended.err.startswith("error: "):
+        return Outcome("refused")
     # Measurements take as long as the command line wants.
     if outcome.word == "hung" and ("bench" in words or "--predict" in words):
         return Outcome("clean", "long by wish")
