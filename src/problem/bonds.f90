@@ -43,22 +43,25 @@ contains
   end subroutine refresh_bonds
 
   !> Weaken the bonds by the opening and slip at the end of the step, as its solution has them now.
-  subroutine damage_bonds(scene, before, step, problem, contacts, change)
+  subroutine damage_bonds(scene, before, step, problem, contacts, change, worst)
     type(scene_t), intent(in) :: scene !! scene
     real(wp), intent(in) :: before(:) !! integrity at the beginning of the step, shape (contacts)
     real(wp), intent(in) :: step !! time step [s]
     type(problem_t), intent(in) :: problem !! solved problem
     type(contacts_t), intent(inout) :: contacts !! contacts whose integrity is set
     real(wp), intent(out) :: change !! largest change of an integrity
+    integer, intent(out) :: worst !! contact that has it; 0 where nothing changes
     real(wp) :: jump(4), now
     integer :: k
 
     change = 0
+    worst = 0
     do k = 1, contacts%n
       if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
       if (.not. before(k) > 0) cycle
       jump = jump_after(problem, contacts, k, step)
       now = integrity_after(scene%laws(contacts%law(k)), jump(1), norm2(jump(2:)), before(k), step)
+      if (abs(now - contacts%internal(bond_integrity, k)) > change) worst = k
       change = max(change, abs(now - contacts%internal(bond_integrity, k)))
       contacts%internal(bond_integrity, k) = now
     end do

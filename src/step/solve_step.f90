@@ -39,8 +39,8 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(report_t) :: before
     real(wp), allocatable :: free(:, :), integrity(:)
-    real(wp) :: change(1), settled
-    integer :: round, unsolved
+    real(wp) :: change(1), own, settled
+    integer :: round, unsolved, worst
 
     allocate (free, source=sim%problem%body)
     integrity = sim%contacts%internal(bond_integrity, :sim%contacts%n)
@@ -50,7 +50,8 @@ contains
       call solve_once(sim)
       if (.not. sim%report%is_converged) unsolved = unsolved + 1
       if (round > 1) call add_effort(before, sim%report)
-      call damage_bonds(sim%scene, integrity, sim%options%step, sim%problem, sim%contacts, change(1))
+      call damage_bonds(sim%scene, integrity, sim%options%step, sim%problem, sim%contacts, change(1), worst)
+      own = change(1)
       if (sim%decomposition%is_on) call sim%comm%maximum(change)
       if (.not. change(1) > settled) return
       if (round == most_rounds .or. unsolved == most_unsolved) exit
@@ -58,6 +59,11 @@ contains
       sim%problem%body = free
       call refresh_bonds(sim%scene, sim%contacts, sim%options%step, sim%problem)
     end do
+    if (sim%report%is_converged) then
+      ! The bond that changed most stands for the contact that obeys its law least.
+      sim%report%worst_speed = change(1)*sim%problem%velocity_scale
+      if (own >= change(1)) sim%report%worst_contact = worst
+    end if
     sim%report%is_converged = .false.
   end subroutine solve_in_rounds
 
