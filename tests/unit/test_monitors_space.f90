@@ -57,10 +57,10 @@ contains
     end associate
     call t%check(index(all_names, ',rattlers,quadruple_contacts,stress_xx,stress_xy,stress_xz,stress_yx,stress_yy,stress_yz,'// &
                        'stress_zx,stress_zy,stress_zz,shear_rate,momentum_x,momentum_y,momentum_z') > 0, 'names in space')
-    call t%equal(n_measures(3), 36, 'measures in space')
-    call t%equal(n_measures(2), 29, 'measures in the plane')
-    call t%equal(count(is_count_of(3)), 5, 'counts in space')
-    call t%equal(count(is_count_of(2)), 4, 'counts in the plane')
+    call t%equal(n_measures(3), 40, 'measures in space')
+    call t%equal(n_measures(2), 33, 'measures in the plane')
+    call t%equal(count(is_count_of(3)), 7, 'counts in space')
+    call t%equal(count(is_count_of(2)), 6, 'counts in the plane')
   end subroutine test_names
 
   !> Which measures are counts?
