@@ -1,5 +1,6 @@
 !> From contacts to a contact problem: local frames, lever arms, Delassus blocks, biases, the guess; and back.
 module sg_assemble
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_bodies, only: bodies_t
   use sg_assemble_space, only: load_space_bodies, space_record, unload_space_bodies
   use sg_compact, only: compact_velocity
@@ -187,11 +188,16 @@ contains
     real(wp) :: rest
     integer :: s, b, k
 
-    rest = rest_speed(problem, violation)
     do k = 1, contacts%n
       contacts%impulse(:, k) = problem%impulse(:, k)
-      contacts%status(k) = status_after(scene, problem, contacts, k, step, rest)
     end do
+    ! A step that broke ends the run: its statuses stay those of the step before.
+    if (is_finite(problem, violation)) then
+      rest = rest_speed(problem, violation)
+      do k = 1, contacts%n
+        contacts%status(k) = status_after(scene, problem, contacts, k, step, rest)
+      end do
+    end if
     if (is_in_space(problem%kind)) then
       call unload_space_bodies(problem, body_of, radius, scene%bodies)
       return
@@ -207,6 +213,16 @@ contains
       end select
     end do
   end subroutine disassemble
+
+  !> Are all values of a solution finite?
+  pure logical function is_finite(problem, violation)
+    type(problem_t), intent(in) :: problem
+    real(wp), intent(in) :: violation
+
+    is_finite = ieee_is_finite(violation)
+    if (is_finite) is_finite = all(ieee_is_finite(problem%body))
+    if (is_finite) is_finite = all(ieee_is_finite(problem%impulse(:, :problem%n_contacts)))
+  end function is_finite
 
   !> What a contact did in this step. A bond that slips or opens is broken for good.
   pure integer(i1) function status_after(scene, problem, contacts, k, step, rest) result(status)

@@ -374,6 +374,7 @@ contains
       if (i > 1) call link(sim%scene, i - 1, i, 0.2_wp + 0.005_wp*real(i, wp), [1e-2_wp, 0.01_wp])
     end do
     sim%options%folder = folder
+    sim%options%deck_hash = 'cafe'
     call begin_run(sim, 1e-3_wp, 1e-12_wp)
   end subroutine make_row
 end program test_links
