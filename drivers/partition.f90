@@ -107,8 +107,11 @@ contains
 
     call arguments%number('latency', 2.0_wp, 0.0_wp, microseconds, error)
     if (.not. allocated(error)) call arguments%number('bandwidth', 10.0_wp, 0.0_wp, gigabytes, error)
-    if (.not. allocated(error) .and. .not. gigabytes > 0) call fail(error, 'option --bandwidth needs a number above zero')
     if (allocated(error)) return
+    if (.not. gigabytes > 0) then
+      call fail(error, 'option --bandwidth needs a number above zero')
+      return
+    end if
     are_measured = comm%size > 1 .and. .not. (arguments%has('latency') .or. arguments%has('bandwidth'))
     if (are_measured) then
       call measure_messages(comm, machine%messages)

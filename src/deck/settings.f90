@@ -78,7 +78,7 @@ contains
     dot = index(path, '.', back=.true.)
     name = path(:dot - 1)
     bracket = index(name, '[')
-    if (bracket > 1 .and. name(len(name):) == ']') then
+    if (bracket > 1 .and. index(name//' ', '] ') == len(name)) then
       call read_integer(name(bracket + 1:len(name) - 1), number, is_number)
       if (.not. is_number .or. number < 1) message = '"'//path//'": blocks are counted from 1'
       name = name(:bracket - 1)
