@@ -20,6 +20,9 @@ module sg_assemble
   private
   public :: assemble, disassemble
 
+  !> Velocity that counts as rest of a contact held by cohesion, over the velocity that the cohesion gives its bodies
+  real(wp), parameter :: held_share = 1e-8_wp
+
   !> Gap at which a bond is broken, as a share of the smaller shape: rigid bodies share a load among several bonds only to rounding
   real(wp), parameter :: largest_stretch = 1e-8_wp
 
@@ -35,7 +38,7 @@ contains
     real(wp), intent(in) :: radius(:) !! signed radius of round bodies [m], shape (bodies); empty for arm problems
     real(wp), intent(in) :: step !! time step [s]
     type(problem_t), intent(inout) :: problem !! the problem made
-    real(wp) :: q(3), squares
+    real(wp) :: q(3), squares, held
     type(local_law_t) :: law
     integer :: k
 
@@ -47,6 +50,7 @@ contains
     end if
     squares = 0
     problem%closing_speed = 0
+    held = 0
     problem%most_friction = 0
     do k = 1, contacts%n
       problem%pair(:, k) = slot_of(contacts%body(:, k))
@@ -65,10 +69,13 @@ contains
       squares = squares + sum(q**2)
       problem%most_friction = max(problem%most_friction, law%friction)
       if (closes(kind, law, problem%record(:, k), q)) problem%closing_speed = max(problem%closing_speed, norm2(q))
+      held = max(held, held_speed(kind, law, problem%record(:, k)))
       problem%impulse(:, k) = contacts%impulse(:, k)
     end do
     problem%free_norm = sqrt(squares)
     problem%fall_speed = norm2(scene%gravity)*step
+    ! Without gravity, bodies that cohesion holds and nothing moves have no velocity but what the tolerance leaves.
+    if (.not. problem%fall_speed > 0) problem%closing_speed = max(problem%closing_speed, held_share*held)
     problem%velocity_scale = problem%fall_speed
     if (.not. problem%velocity_scale > 0) problem%velocity_scale = problem%free_norm/sqrt(real(max(1, contacts%n), wp))
   end subroutine assemble
@@ -84,6 +91,16 @@ contains
     if (kind == ball_frictional .or. plain_kind(kind) == solid_frictional) normal = dot_product(record(1:3), q)
     closes = law%is_linear .or. law%cohesion > 0 .or. maxval(law%stiffness) > 0 .or. normal < 0
   end function closes
+
+  !> Velocity that cohesion gives the bodies of a contact [m/s].
+  pure real(wp) function held_speed(kind, law, record) result(speed)
+    integer, intent(in) :: kind
+    type(local_law_t), intent(in) :: law
+    real(wp), intent(in) :: record(:)
+
+    speed = 0
+    if (law%cohesion > 0) speed = law%cohesion*record(merge(16, 9, is_in_space(kind)))
+  end function held_speed
 
   !> Free velocities and inverse masses by slot.
   pure subroutine load_bodies(bodies, kind, body_of, radius, body)
