@@ -60,8 +60,9 @@ contains
       call predict_split(sim, load, ranks(i), check, comm, machine, predictions(i), error)
       if (allocated(error)) return
       associate (one => predictions(1)%dual%seconds, of => predictions(i))
-        of%dual_efficiency = one/(real(ranks(i), wp)*of%dual%seconds)
-        of%primal_efficiency = one/(real(ranks(i), wp)*of%primal%seconds)
+        ! Without contacts an iteration costs nothing on any number of ranks.
+        if (of%dual%seconds > 0) of%dual_efficiency = one/(real(ranks(i), wp)*of%dual%seconds)
+        if (of%primal%seconds > 0) of%primal_efficiency = one/(real(ranks(i), wp)*of%primal%seconds)
       end associate
     end do
   end subroutine predict_cost
