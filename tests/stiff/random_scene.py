@@ -79,13 +79,16 @@ class Scene:
 
     def make_laws(self):
         kinds = re.findall(r"`([^`]*)`", next(key for key in self.sections["[[law]]"] if key.name == "kind").value)
+        # Laws of links join points, which these scenes have none of.
+        kinds = [kind for kind in kinds if kind not in ("ROD", "WIRE", "RIGID_WIRE", "NARD_ROD")]
         n = self.rng.choice([0, 1, 1, 1, 2])
         for i in range(n):
             kind = self.rng.choice(kinds) if self.chance(0.5) else "IQS_CLB"
-            needs = {"IQS_WET_DS_CLB": {"wet_thickness": 0.01 * self.cell}, "LINEAR": {"epsilon": 10 ** self.rng.uniform(-6, 2)},
-                     "ELASTIC_REPELL_CLB": {"stiffness": 10 ** self.rng.uniform(2, 8)}}
-            more = dict(needs.get(kind, {}))
-            if kind != "LINEAR" and self.chance(0.8):
+            more = {"wet_thickness": 0.01 * self.cell, "epsilon": 10 ** self.rng.uniform(-6, 2), "stiffness": 10 ** self.rng.uniform(2, 8)}
+            fitting = [key for key in self.sections["[[law]]"] if key.fits(self.dimension, {"kind": self.quote(kind)})]
+            needed = [key for key in fitting if key.default == "required"]
+            more = {key.name: more.get(key.name) or key.text(self.rng, self.dimension, self.spread) for key in needed}
+            if any(key.name == "friction" for key in fitting) and self.chance(0.8):
                 more["friction"] = self.rng.choice([0.0, 0.3, 1.0, 10.0, 100.0, 1e-8])
             self.add("[[law]]", name=self.quote(f"law{i}"), kind=self.quote(kind), **more)
         for i in range(n if n > 1 or n and self.chance(0.3) else 0):
