@@ -10,7 +10,7 @@ program test_datbox_internal
   use sg_kinds, only: wp
   use sg_laws, only: is_cohesive_zone, law_abp, law_elastic_g0, law_expo, law_gap_g0, law_gap_shifted, law_iqs_g0, law_mac, &
                      law_mal, law_th, law_viscoelastic, status_stick
-  use sg_scene, only: material_t, scene_t, start_contact_t
+  use sg_scene, only: scene_t, start_contact_t
   implicit none
   integer, parameter :: kinds(10) = [law_iqs_g0, law_gap_g0, law_elastic_g0, law_gap_shifted, law_viscoelastic, &
                                   law_mac, law_mal, law_th, law_abp, law_expo]
@@ -32,7 +32,9 @@ contains
     type(scene_t), intent(out) :: scene
 
     call begin_scene(scene, 3, 0.3_wp, 0.05_wp)
-    scene%materials = [material_t('stone', 1000.0_wp)]
+    allocate (scene%materials(1))
+    scene%materials(1)%name = 'stone'
+    scene%materials(1)%density = 1000
     scene%bodies%material = 1
     call put_disk(scene, 1, 0.1_wp, [0.0_wp, 0.1_wp])
     call put_disk(scene, 2, 0.1_wp, [0.2_wp, 0.1_wp])

@@ -10,7 +10,7 @@ program test_datbox_links_written
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
   use sg_laws, only: law_bond, law_rigid_wire, law_rod, law_t, law_wire, status_broken, status_stick
-  use sg_scene, only: material_t, scene_t, start_contact_t
+  use sg_scene, only: scene_t, start_contact_t
   use sg_space_contactors, only: add_sphere
   implicit none
   ! The format holds eight digits of numbers of order one.
@@ -41,7 +41,9 @@ contains
     integer :: b
 
     call begin_links(scene, 3, dimension, law)
-    scene%materials = [material_t('stone', 1000.0_wp)]
+    allocate (scene%materials(1))
+    scene%materials(1)%name = 'stone'
+    scene%materials(1)%density = 1000
     scene%bodies%material = 1
     do b = 1, 3
       place = [real(b, wp), 0.5_wp*real(b, wp), 0.25_wp]

@@ -14,6 +14,7 @@ program test_restart
   use sg_restart_files, only: newest_restart, restarts_of
   use sg_scene, only: scene_t
   use sg_system, only: file_exists, make_folder, remove_file
+  use sg_text, only: text_t
   implicit none
   integer, parameter :: n_bodies = 50, n_contacts = 120
   character(len=*), parameter :: folder = 'restart', hash = 'cafe'
@@ -161,6 +162,7 @@ contains
     type(contacts_t) :: contacts
     type(restart_t) :: state
     type(error_t), allocatable :: error
+    type(text_t), allocatable :: files(:)
     integer :: i
 
     scene = some_scene(n_bodies)
@@ -175,11 +177,11 @@ contains
     call write_restart(folder, state, error)
     call t%check(newest_restart(folder) == folder//'/restart_a.h5', 'what is written last counts, also at an earlier step')
     call t%check(newest_restart('no/such/folder') == '', 'a missing folder has no restart file')
-    call t%equal(size(restarts_of('no/such/folder')), 0, 'nor are there any to choose from')
-    associate (files => restarts_of(folder))
-      call t%equal(size(files), 2, 'two files to choose from')
-      call t%check(files(1)%s == folder//'/restart_a.h5' .and. files(2)%s == folder//'/restart_b.h5', 'the newest first')
-    end associate
+    files = restarts_of('no/such/folder')
+    call t%equal(size(files), 0, 'nor are there any to choose from')
+    files = restarts_of(folder)
+    call t%equal(size(files), 2, 'two files to choose from')
+    call t%check(files(1)%s == folder//'/restart_a.h5' .and. files(2)%s == folder//'/restart_b.h5', 'the newest first')
   end subroutine test_turns
 
   !> Files of other scenes and decks.
