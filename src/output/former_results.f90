@@ -50,10 +50,12 @@ contains
     character(len=*), intent(in) :: deck_text !! effective deck of the run that is to write there
     type(error_t), allocatable, intent(out) :: error !! set when the folder holds other results
     character(len=:), allocatable :: on
+    type(text_t), allocatable :: checkpoints(:)
     logical :: has_checkpoint
 
     if (.not. has_results(folder)) return
-    has_checkpoint = size(restarts_of(folder)) > 0
+    checkpoints = restarts_of(folder)
+    has_checkpoint = size(checkpoints) > 0
     on = ''
     if (has_checkpoint) on = ', --restart '//folder//' goes on from its checkpoint'
     if (content_of(folder//'/effective.toml') /= deck_text) then

@@ -96,7 +96,9 @@ contains
       own%column = own%column + int(d*before, i4)
       h%row = unknowns%number(own%row)
       h%column = own%column
-      h%value = own%value
+      ! Copied by its bounds: of a whole list gfortran would first look at those of the one that is not there yet.
+      allocate (h%value(own%n))
+      h%value(:) = own%value(:own%n)
     end associate
     allocate (shared%pieces%friction(size(contacts)))
     shared%pieces%friction = contacts%friction
@@ -289,7 +291,8 @@ contains
           v(i) = body%velocity(unknowns%component(i))
         end if
       end do
-      state%v = v(:unknowns%n_own)
+      if (.not. allocated(state%v)) allocate (state%v(unknowns%n_own))
+      state%v(:) = v(:unknowns%n_own)
       call finish_state(shared, v, state)
     end associate
     shared%pieces%has_solution = .true.
