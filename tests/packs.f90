@@ -21,8 +21,8 @@ module packs
   public :: pack_names, pack_deck, can_be_made, start_pack, advance_pack, next_problem
 
   !> Kinds of packs
-  character(len=14), parameter :: pack_names(7) = [character(len=14) :: 'disks', 'polygons', 'periodic disks', 'clusters', &
-                                                   'pressed disks', 'spheres', 'polyhedra']
+  character(len=20), parameter :: pack_names(8) = [character(len=20) :: 'disks', 'polygons', 'periodic disks', 'clusters', &
+                                                   'pressed disks', 'spheres', 'frictionless spheres', 'polyhedra']
   character(len=*), parameter :: nl = new_line('a')
   character(len=*), parameter :: walls = '[[wall]]'//nl//'from = [-0.1, -0.01]'//nl//'to = [0.7, -0.01]'//nl// &
     'thickness = 0.02'//nl//'[[wall]]'//nl//'from = [-0.01, 0.0]'//nl//'to = [-0.01, 0.6]'//nl//'thickness = 0.02'//nl// &
@@ -67,6 +67,8 @@ contains
       deck = common//walls//lid//in_plane
     case ('spheres')
       deck = '[scene]'//nl//'dimension = 3'//nl//common//container//in_space//'radius = [0.018, 0.02]'//nl
+    case ('frictionless spheres')
+      deck = '[scene]'//nl//'dimension = 3'//nl//bare//'0.0'//nl//container//in_space//'radius = [0.018, 0.02]'//nl
     case ('polyhedra')
       deck = '[scene]'//nl//'dimension = 3'//nl//common//container//in_space//'shape = "polyhedron"'//nl// &
              'vertices = [8, 12]'//nl//'radius = [0.023, 0.025]'//nl

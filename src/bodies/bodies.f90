@@ -8,7 +8,7 @@ module sg_bodies
   use sg_kinds, only: wp, i4
   implicit none
   private
-  public :: bodies_t, clear_body, shorten, drop_rotation, drop_rotation_as, are_turned, spin_of, angle_of
+  public :: bodies_t, clear_body, shorten, drop_rotation, drop_rotation_as, are_turned, spin_of, angle_of, no_bodies_like
 
   !> Rigid bodies, in the plane or in space
   type :: bodies_t
@@ -164,6 +164,16 @@ contains
 
     if (template%n_velocity == template%dimension) call drop_rotation(bodies, template%has_orientation)
   end subroutine drop_rotation_as
+
+  !> No bodies, of the dimension and the components of others.
+  pure function no_bodies_like(template) result(bodies)
+    type(bodies_t), intent(in) :: template !! bodies of the same scene
+    type(bodies_t) :: bodies
+
+    bodies%dimension = template%dimension
+    bodies%n_velocity = template%n_velocity
+    bodies%has_orientation = template%has_orientation
+  end function no_bodies_like
 
   !> Is any body turned away from the axes of the world?
   pure logical function are_turned(bodies)

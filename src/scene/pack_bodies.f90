@@ -5,7 +5,7 @@
 !! Orientations stand in it only where something turns. What a step sets anew (forces, free velocities, the configuration of
 !! detection) is no part of it.
 module sg_pack_bodies
-  use sg_bodies, only: bodies_t, drop_rotation_as
+  use sg_bodies, only: bodies_t, drop_rotation_as, no_bodies_like
   use sg_contactors, only: contactors_t, n_kinds
   use sg_homes, only: counts_on
   use sg_kinds, only: wp, i4, i8
@@ -136,8 +136,7 @@ contains
     type(scene_t) :: frame
 
     call copy_frame(scene, frame)
-    frame%bodies%n_velocity = scene%bodies%n_velocity
-    frame%bodies%has_orientation = scene%bodies%has_orientation
+    frame%bodies = no_bodies_like(scene%bodies)
     call build_scene(frame, parcel, start, n_home, scene)
     deallocate (parcel%value)
   end subroutine rebuild_scene
@@ -155,14 +154,10 @@ contains
   !> Give back the bodies and contactors of a scene whose records are all in parcels, before it is made anew from others.
   subroutine drop_bodies(scene)
     type(scene_t), intent(inout) :: scene !! scene without bodies afterwards
-    type(bodies_t) :: no_bodies
     type(contactors_t) :: no_contactors
 
-    no_bodies%dimension = scene%bodies%dimension
-    no_bodies%n_velocity = scene%bodies%n_velocity
-    no_bodies%has_orientation = scene%bodies%has_orientation
     no_contactors%dimension = scene%contactors%dimension
-    scene%bodies = no_bodies
+    scene%bodies = no_bodies_like(scene%bodies)
     scene%contactors = no_contactors
   end subroutine drop_bodies
 
