@@ -127,7 +127,7 @@ contains
       if (j == 0) wrong = wrong + 1
       if (j > 0) is_left(j) = .false.
     end do
-    ! What is left of a pair has no new contact to go to.
+    ! Where a past contact of a pair has no successor, no new contact of that pair may lack a past.
     do k = 1, contacts%n
       if (.not. is_new(k) .or. contacts%status(k) /= status_new) cycle
       if (any(is_left .and. [(all(before%contactor(:, j) == contacts%contactor(:, k)), j=1, before%n)])) wrong = wrong + 1

@@ -12,7 +12,7 @@ module sg_memory
 
   !> Memory of a grain with its shape, its share of neighbours and contacts, and of the contact problem, rounded up [bytes]
   integer(i8), parameter :: bytes_per_grain = 2000
-  !> What may be taken without a look [bytes]: looks read files of the system, which takes a tenth of a millisecond
+  !> What may be taken without a look [bytes]: looks read files of the system, which takes 0.1 ms
   integer(i8), parameter :: small = 8_i8*2_i8**20
   !> What is left to a checkpoint, to messages, and to tables that grow with the bodies alone [bytes], and as a share of the rest
   integer(i8), parameter :: reserve = 32_i8*2_i8**20
@@ -29,7 +29,7 @@ module sg_memory
     procedure :: left => memory_left
   end type memory_t
 
-  !> Limits as the system tells them; negative for none
+  !> Limits as the system reports them; negative for none
   type, bind(c) :: limit_t
     integer(c_long) :: now, most
   end type limit_t
@@ -57,7 +57,7 @@ contains
     fits = bytes <= room - reserve - int(reserved_share*real(room, wp), i8)
   end function memory_fits
 
-  !> What is left, and which limit is the nearest. Where the system does not tell, there is no limit.
+  !> Free memory, and the limit that is the nearest. Where the system reports none, there is no limit.
   subroutine memory_left(self, bytes, limit)
     class(memory_t), intent(in) :: self
     integer(i8), intent(out) :: bytes !! [bytes]; the largest number where there is no limit

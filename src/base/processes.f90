@@ -1,4 +1,4 @@
-!> Processes: who this one is, and whether another one still lives.
+!> Processes: number, host and start of this one, and whether another one is alive.
 module sg_processes
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char, c_size_t
   use sg_system, only: file_exists
@@ -48,7 +48,8 @@ contains
   end function host_name
 
   !> When a process of this machine began, in ticks since the machine did; 0 where the system does not report it, empty where the
-  !! process has ended and nobody has asked how. Numbers of processes are used again: number and start together are not.
+  !! process has ended and its parent has not fetched its status. Numbers of processes are used again; a number with its start is
+  !! not.
   function start_of(process) result(ticks)
     integer, intent(in) :: process !! number of the process
     character(len=:), allocatable :: ticks

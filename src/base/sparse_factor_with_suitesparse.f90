@@ -11,9 +11,9 @@ submodule(sg_sparse_factor) sparse_factor_with_suitesparse
 
   !> Answers and systems of umfpack.h
   integer(c_int), parameter :: umfpack_ok = 0, umfpack_singular = 1, umfpack_out_of_memory = -1, umfpack_at = 1
-  !> Lengths of UMFPACK's settings and of what it tells
+  !> Lengths of UMFPACK's settings and of its report
   integer, parameter :: n_control = 20, n_info = 90
-  !> Where it tells operations: estimated by the analysis, and of the factors made
+  !> Entries of the report that count operations: estimated by the analysis, and of the factors made
   integer, parameter :: estimated_operations = 23, made_operations = 43
 
   !> What people call it

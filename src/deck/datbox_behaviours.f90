@@ -293,7 +293,7 @@ contains
     other = 0
   end function other_law
 
-  !> Warn of laws that are not done, all at once; those that something uses are mistakes told already.
+  !> Warn of laws that are not done, all at once; those in use are reported as mistakes before.
   subroutine warn_of_unused(others, file, diagnostics)
     type(other_law_t), intent(in) :: others(:) !! laws that are not done
     type(datbox_file_t), intent(in) :: file !! file that lists them

@@ -69,7 +69,7 @@ contains
     scene%start_contacts = scene%start_contacts(:n)
   end subroutine read_start_contacts
 
-  !> Read one contact: a title, who touches whom, then forces, velocities, gap, frame, point, and internal values of its law.
+  !> Read one contact: a title, the pair of contactors, then forces, velocities, gap, frame, point, and internal values of its law.
   subroutine read_contact(file, scene, share, contact, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     type(scene_t), intent(in) :: scene
@@ -120,7 +120,7 @@ contains
     if (pulls_only(law) .and. .not. contact%is_vector) contact%force = -contact%force
     if (law%kind == law_bond .and. contact%status == status_none) contact%status = status_broken
     if (law%breaking_force > 0 .and. contact%status == status_none) contact%status = status_broken
-    ! In space the file does not say along which tangents the bond was sheared.
+    ! In space the file does not hold the tangents along which the bond was sheared.
     if (law%kind == law_bond .and. contact%is_vector) contact%internal(2:) = 0
   end subroutine make_link
 
@@ -169,7 +169,7 @@ contains
 
   !> Read force, frame and point of a contact in space; the force becomes a vector of the world.
   !!
-  !! The order of the components depends on the pair; the lines behind the gap are told apart by their first letter.
+  !! The order of the components depends on the pair; the lines behind the gap differ by their first letter.
   subroutine read_solid_force(file, pair, contact, tangents, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     character(len=*), intent(in) :: pair
@@ -225,7 +225,7 @@ contains
     if (any(pair == [character(len=5) :: 'PRPRx', 'PTPT3'])) letters = 'tns'
   end function components_of
 
-  !> Read who touches whom. Words are counted, not columns: these differ by pair and by size of the numbers.
+  !> Read the two contactors. Words are counted, not columns: these differ by pair and by size of the numbers.
   !!
   !!     RBDY2 body DISKx rank            law RBDY2 body JONCx rank            status
   !!     RBDY2 body POLYG rank CDVER n    law RBDY2 body POLYG rank ANSEG n    status
@@ -255,7 +255,7 @@ contains
         return
       end if
     end if
-    if (ok) call complain(file, 'this line does not say who touches whom', 2, diagnostics)
+    if (ok) call complain(file, 'this line does not name the two contactors', 2, diagnostics)
     ok = .false.
   end subroutine read_identity
 

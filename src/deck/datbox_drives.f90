@@ -20,7 +20,7 @@ module sg_datbox_drives
 
 contains
 
-  !> Numbers of the bodies that have drives; what is wrong is told when these are read.
+  !> Numbers of the bodies that have drives; mistakes are reported when these are read.
   subroutine bodies_driven(folder, dimension, n_bodies, numbers)
     character(len=*), intent(in) :: folder !! DATBOX folder
     integer, intent(in) :: dimension !! 2 or 3
@@ -44,7 +44,7 @@ contains
     numbers = numbers(:n)
   end subroutine bodies_driven
 
-  !> Numbers of the bodies whose velocity is imposed in all components, by the last block of each; what is wrong is told when
+  !> Numbers of the bodies whose velocity is imposed in all components, by the last block of each; mistakes are reported when
   !! drives are read.
   subroutine bodies_held(folder, dimension, n_bodies, numbers)
     character(len=*), intent(in) :: folder !! DATBOX folder
@@ -89,7 +89,7 @@ contains
     numbers = int(keys(pack(order, is_whole(order))), i4)
   end subroutine bodies_held
 
-  !> Read all drives; driven bodies are no grains, but for those that are held in a plane.
+  !> Read all drives; driven bodies are no grains, except those that are held in a plane.
   subroutine read_drives(folder, scene, share, diagnostics)
     character(len=*), intent(in) :: folder !! DATBOX folder
     type(scene_t), intent(inout) :: scene !! scene with its bodies, all that are driven; gets the drives

@@ -1,7 +1,7 @@
 !> Links between the points of a DATBOX: those that see tables bring together, or those that a network file lists.
 !!
-!! A network file (PTPT2_NETWORK.DAT, PTPT3_NETWORK.DAT) has one link a line: in the plane see table, candidate, antagonist, and in
-!! space candidate, antagonist, periods in x and y, and a mark; then perhaps section, length and mass, and the reference
+!! A network file (PTPT2_NETWORK.DAT, PTPT3_NETWORK.DAT) has one link per line: in the plane see table, candidate, antagonist, and
+!! in space candidate, antagonist, periods in x and y, and a mark; then perhaps section, length and mass, and the reference
 !! distance, which is taken from the points instead. Points are numbered by rank through all bodies.
 module sg_datbox_links
   use sg_datbox_lines, only: complain, datbox_file_t, free_numbers, go_to, keyword, line_text, next_line, open_datbox_file, remark

@@ -21,7 +21,7 @@ module sg_datbox_write_links
 
 contains
 
-  !> Number contactors anew so that those of each body stand together, as the format has them; contacts and links follow.
+  !> Renumber contactors so that those of each body stand together, as the format has them; contacts and links follow.
   subroutine stand_together(scene, contacts)
     type(scene_t), intent(inout) :: scene !! scene to write
     type(datbox_contacts_t), intent(inout) :: contacts !! its contacts

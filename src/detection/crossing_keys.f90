@@ -28,7 +28,7 @@ contains
     key = int(long, i4) + int(n_c + n_a, i4) + 1_i4
   end function crossing_key
 
-  !> The ends of two edges whose crossing has a key; zeros where the key does not tell.
+  !> The ends of two edges whose crossing has a key; zeros where the key does not encode them.
   pure function crossing_ends(n_c, n_a, key) result(ends)
     integer, intent(in) :: n_c !! vertices of the candidate
     integer, intent(in) :: n_a !! vertices of the antagonist

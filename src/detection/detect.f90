@@ -28,10 +28,10 @@ contains
   !> Find the contacts of a step in the configuration `bodies%middle`.
   subroutine detect(scene, pairs, history, contacts)
     type(scene_t), intent(inout) :: scene !! scene; bodies that left the period come back into it
-    type(neighbours_t), intent(inout) :: pairs !! pairs that may touch, made anew when stale
+    type(neighbours_t), intent(inout) :: pairs !! pairs that may touch, rebuilt when stale
     type(history_t), intent(inout) :: history !! contacts of the last detection
     type(contacts_t), intent(inout) :: contacts !! contacts of the last step, replaced by those of this one; none where memory or
-    !! time ran short, which `pairs` and `contacts` tell
+    !! time ran short, as `pairs` and `contacts` report
     real(wp) :: skin
 
     if (.not. history%is_loaded) call keep_contacts(history, contacts)
@@ -272,7 +272,7 @@ contains
     apart = between(1)**2 + between(2)**2 + between(3)**2 > limit**2
   end function spheres_are_apart
 
-  !> Let points whose features have no past go on from what is left of the pair's.
+  !> Let points whose features have no past take over the remaining history of the pair.
   pure subroutine take_over(scene, pairs, history, p, offset, point, past)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs

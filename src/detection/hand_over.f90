@@ -52,7 +52,7 @@ contains
     real(wp), intent(in) :: offset(:) !! shift of the antagonist [m]
     integer(i4), intent(in) :: feature !! key of the point
     real(wp), intent(out) :: place(:) !! where it is [m]
-    logical, intent(out) :: is_known !! does the key tell?
+    logical, intent(out) :: is_known !! does the key encode it?
     integer :: n_c
 
     n_c = n_vertices(contactors, c)

@@ -25,12 +25,12 @@ contains
     text = trim(merge('measured', 'assumed ', are_messages_measured))
     call print_line( &
       'contacts     '//to_text(predictions(1)%contacts)//nl// &
-      'gluing       '//to_text(1e9_wp*machine%glue, 3)//' ns a shared grain'//nl// &
+      'gluing       '//to_text(1e9_wp*machine%glue, 3)//' ns per shared grain'//nl// &
       'messages     '//to_text(1e6_wp*machine%messages%latency(), 3)//' us, '// &
         to_text(1e-9_wp*machine%messages%bandwidth(), 3)//' GB/s ('//text//'), '//to_text(nint(machine%item_bytes))// &
-        ' bytes a grain; a test every '//to_text(machine%check_every)//' iterations'//nl// &
-      '                contacts              shared  neigh-                      ns an      dual                primal'//nl// &
-      '   ranks   a rank  largest  imbal.    grains  bours  messages       bytes  update        ms  efficiency        ms  '// &
+        ' bytes per grain; a test every '//to_text(machine%check_every)//' iterations'//nl// &
+      '                contacts              shared  neigh-                     ns per      dual                primal'//nl// &
+      '   ranks per rank  largest  imbal.    grains  bours  messages       bytes  update        ms  efficiency        ms  '// &
         'efficiency  turns', unit)
     do i = 1, size(predictions)
       associate (p => predictions(i))

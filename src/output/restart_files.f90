@@ -25,7 +25,7 @@ contains
     if (newest > 0) name = folder//'/'//trim(restart_names(newest))
   end function newest_restart
 
-  !> Find the file written last. Steps do not tell: a new run may have begun in the folder of an old one.
+  !> Find the file written last, by serial number, not by step: a new run may have begun in the folder of an old one.
   subroutine find_newest(folder, newest, serial)
     character(len=*), intent(in) :: folder !! folder of the results
     integer, intent(out) :: newest !! index into `restart_names`; 0 when there is none

@@ -1,7 +1,7 @@
 !> Lock of a folder of results: a file with host and process of the run that writes there, so that no other run joins it.
 !!
 !! A run that was killed leaves its lock. On the same host it is recognised by its process, which has ended; on another host
-!! nothing can be known of that process, and the user decides (`--force`).
+!! its process cannot be examined, and the user decides (`--force`).
 module sg_run_lock
   use sg_error, only: error_t, exit_bad_input, exit_output, fail
   use sg_processes, only: host_name, is_alive, own_process, start_of

@@ -1,7 +1,7 @@
 !> Bodies that links ask to be copied: at the far end of a link, however far it is (doc/theory/decomposition.md).
 !!
-!! All ranks keep all links, but none knows where a body far away is at home. So homes of the ends of all links are gathered
-!! whenever copies are made: two reals a link.
+!! All ranks keep all links, but no rank holds the homes of all bodies. So homes of the ends of all links are gathered
+!! whenever copies are made: two reals per link.
 module sg_link_copies
   use sg_comm, only: comm_t
   use sg_homes, only: owner_of
@@ -40,7 +40,7 @@ contains
     allocate (own(2*scene%links%n))
     do e = 1, size(own)
       own(e) = own_body(scene, scene%links%number(1 + modulo(e - 1, 2), (e + 1)/2), comm%rank)
-      ! Ranks count from 1 here; nobody speaks for bodies that all ranks hold.
+      ! Ranks count from 1 here; bodies that all ranks hold have zero.
       if (own(e) > 0) home(e) = real(comm%rank + 1, wp)
     end do
     if (size(own) > 0) call comm%maximum(home)

@@ -30,7 +30,7 @@ module sg_contact_status
 
 contains
 
-  !> Relative velocity below which a solution cannot tell motion from rest [m/s].
+  !> Relative velocity below which a solution cannot distinguish motion from rest [m/s].
   pure real(wp) function rest_speed(problem, violation)
     type(problem_t), intent(in) :: problem !! solved problem
     real(wp), intent(in) :: violation !! velocity error of the solution over the velocity scale of the problem

@@ -147,7 +147,7 @@ contains
       do j = 1, size(w, 1)
         w(:, j) = w(:, j) - (stiffness(i)/softened*row(j))*row
       end do
-      ! What is left of this direction, without the difference of two large numbers.
+      ! The remaining mobility of this direction, without the difference of two large numbers.
       w(:, i) = row/softened
       w(i, :) = row/softened
     end do

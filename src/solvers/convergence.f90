@@ -38,7 +38,7 @@ module sg_convergence
     !> Scales of the problem, and the velocity error that rounding leaves [m/s]
     type(scales_t), private :: scales
     real(wp), private :: rounding = 0
-    !> Sweeps when whom to visit was looked up, and the criterion of the last test
+    !> Sweeps at which the active set was last chosen, and the criterion of the last test
     integer, private :: last_choice = 0
     real(wp), private :: last_criterion = huge(1.0_wp)
     !> Test at which e8 was last found not to fall

@@ -140,7 +140,7 @@ contains
     if (size(names) == 0) call fail(error, 'the folder holds no restart file', file=name)
   end subroutine find_files
 
-  !> Read a restart file; what does not serve is an error, and whether the file itself is at fault is told.
+  !> Read a restart file; an unfit one is an error, and `is_damaged` where the file itself is at fault.
   subroutine read_state(sim, file, state, warnings, ranks, is_damaged, error)
     type(simulation_t), intent(in) :: sim
     character(len=*), intent(in) :: file

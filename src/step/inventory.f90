@@ -20,8 +20,8 @@ module sg_inventory
 
 contains
 
-  !> Memory that a run will take at its largest [bytes], told from its first detection: its tables with the contact problem and the
-  !! contacts of a step before, its list of neighbours once more while a new one grows, and the program itself.
+  !> Memory that a run will take at its largest [bytes], estimated from its first detection: its tables with the contact problem and
+  !! the contacts of a step before, its list of neighbours once more while a new one grows, and the program itself.
   real(wp) function expected_memory(sim) result(bytes)
     type(simulation_t), intent(in) :: sim !! its contacts are found, and nothing is assembled
     real(wp), parameter :: program_bytes = 28e6_wp

@@ -1,13 +1,13 @@
 !> Bodies that pass through each other: within a step, or squeezed.
 !!
-!! Contacts are found once a step. From one detection to the next a body moves by exactly h V, whatever theta, so a contact that
+!! Contacts are found once per step. From one detection to the next a body moves by exactly h V, whatever theta, so a contact that
 !! was seen at a gap g is g + h u_n wide at the next one, u_n being the velocity that the step ended with. Laws that act at a
 !! distance (IQS, GAP_SGR) leave no g + h u_n below zero. Those that wait until shapes touch (RST, VEL_SGR) may, and so does a
 !! body between a floor and a lid that come together: where the overlap exceeds what both shapes measure to their middles, what
 !! is found next lies beyond, and is pushed out on the wrong side, or not at all.
 !!
 !! A body may also meet a wall without a contact before: in the first step, where a restart file knows no gaps, or from beyond the
-!! alert distance at a velocity that it has just been given. Then the path of its centre since the last detection tells.
+!! alert distance at a velocity that it has just been given. Then the path of its centre since the last detection decides.
 module sg_passing
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t
@@ -95,7 +95,7 @@ contains
     end associate
   end subroutine look_through_walls
 
-  !> Count a pair once a step, and keep a sentence about the first of all.
+  !> Count a pair once per step, and keep a sentence about the first of all.
   subroutine count_pair(passing, scene, body, step, h, way, thickness)
     type(passing_t), intent(inout) :: passing
     type(scene_t), intent(in) :: scene
@@ -115,7 +115,7 @@ contains
     who = 'step '//to_text(step)//': bodies '//to_text(minval(numbers))//' and '//to_text(maxval(numbers))
     if (way > thickness) then
       call fail(passing%first, who//' pass through each other, at '//to_text(way/h, 3)//' m/s, '// &
-                'since contacts are found once a step; a time step below '//to_text(thickness/way*h, 2)//' s finds them')
+                'since contacts are found once per step; a time step below '//to_text(thickness/way*h, 2)//' s finds them')
     else
       call fail(passing%first, who//' are pressed through each other: they overlap by more than half of what both are thick')
     end if

@@ -238,7 +238,7 @@ def spelt(rng, name, line, share):
     if rng.random() < share and "evolution" not in line:
         line = re.sub(r"(?<=\d)D(?=[+-]\d)", rng.choice("dEe"), line)
     if rng.random() < share and line[29:30] in "cgkXVIab" and not line.startswith("$"):
-        # Labels: all but the one letter or word by which LMGC90 tells lines apart.
+        # Labels: all but the one letter or word by which LMGC90 distinguishes lines.
         line = re.sub(r"(coo|avrd|gyrd|byrd|nb_)(?=\S*=)", lambda found: "x" * len(found[0]), line) if line[29:30] == "c" else line
     if rng.random() < share:
         line = re.sub(r" 0\.0000000[DdEe]\+00(?=\s*$)", "", line)

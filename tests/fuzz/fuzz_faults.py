@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Faults: disks and files that may not grow (a small disk where one can be mounted, else `ulimit -f`), standard output that takes
 nothing, signals at any time. What bears its final name must be whole, what was there before must be there still or be replaced by
-the whole new file, the exit code must tell, and a run that was ended must go on to the answer of the run that was not."""
+the whole new file, the exit code must be that of the fault, and a run that was ended must go on to the answer of the run that was not."""
 
 import atexit
 import json
@@ -85,7 +85,7 @@ def try_case(rng, program, place, material):
 
 
 def judge_files(ended, place, folder, words):
-    """Wrong where a file is neither as it was nor as it must be, or the exit code does not tell that one is missing."""
+    """Wrong where a file is neither as it was nor as it must be, or the exit code does not report that one is missing."""
     outcome = judge(ended, place)
     if outcome.word in ("crashed", "hung", "wrong"):
         return outcome

@@ -1,5 +1,5 @@
-!> Grains held together by cohesive zones, which crack, on several ranks beside the same run on one: the damage of every bond goes
-!! with its contact when grains are dealt anew, and the rounds of a step are those of all ranks.
+!> Grains held together by cohesive zones, which crack, on several ranks compared with the same run on one: the damage of every
+!! bond goes with its contact when grains are repartitioned, and the rounds of a step are those of all ranks.
 program test_bonds
   use harness, only: tests_t
   use packs, only: advance_pack, start_pack
@@ -79,7 +79,7 @@ contains
     text = to_text(x)//', '//to_text(y)
   end function corner
 
-  !> Run a deck on all ranks, dealt anew every four steps, and on one.
+  !> Run a deck on all ranks, repartitioned every four steps, and on one.
   subroutine compare(name, deck, gluing)
     character(len=*), intent(in) :: name, deck, gluing
     type(simulation_t) :: whole, part

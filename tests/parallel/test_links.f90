@@ -1,5 +1,5 @@
 !> Links on several ranks: a net with a stone in it, masses on wires across the whole scene, and a ring of rods about a period move
-!! as on one rank, whichever way they are glued and however often they are split anew.
+!! as on one rank, whichever way they are glued and however often they are repartitioned.
 program test_links
   use harness, only: tests_t
   use link_scenes, only: begin_links, link, put_mass
@@ -14,7 +14,7 @@ program test_links
   use sg_simulation, only: decompose, simulation_t, start_simulation
   use sg_space_contactors, only: add_sphere
   implicit none
-  !> Steps on all ranks, after how many they are split anew, and how many splits that makes
+  !> Steps on all ranks, steps per repartition, and number of partitions
   integer, parameter :: steps = 60, every = 25, splits = 3
   character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'contacts']
   type(tests_t) :: t
@@ -111,7 +111,7 @@ contains
         call put_mass(sim%scene, b, merge(0.0_wp, 1 + 0.1_wp*real(row, wp), mod(column, 6) == 0 .and. row == rows), place)
       end do
     end do
-    ! Balls that touch nothing: as they move lists are made anew, and bodies come back into the period.
+    ! Balls that touch nothing: as they move lists are rebuilt, and bodies come back into the period.
     do b = 1, columns*rows
       if (dimension == 2) call add_disk(sim%scene%contactors, b, 1, 0.05_wp, [0.0_wp, 0.0_wp])
       if (dimension == 3) call add_sphere(sim%scene%contactors, b, 1, 0.05_wp, [0.0_wp, 0.0_wp, 0.0_wp])

@@ -24,7 +24,7 @@ program test_omissions
   integer, parameter :: n_grains = 12, n_obstacles = 4, n_steps = 250
   !> Time step [s], radius of obstacles that hold the grains inside [m]
   real(wp), parameter :: h = 2e-3_wp, hollow_radius = 7
-  !> Of positions [m] and velocities [m/s]: the solver stops at 1e-13 of the impulses, and impacts multiply what is left of it
+  !> Of positions [m] and velocities [m/s]: the solver stops at 1e-13 of the impulses, and impacts amplify that error
   real(wp), parameter :: same = 1e-7_wp
   type(tests_t) :: t
   integer :: kind, n_hits

@@ -239,7 +239,7 @@ contains
     call tests%refuse(file, 4, ' RBDY2      9  DISKx      1  iqsc0  RBDY2      2  POLYG      1  stick', 'no body 9', 4, 13)
     call tests%refuse(file, 4, ' RBDY2  *****  DISKx      1  iqsc0  RBDY2      2  POLYG      1  stick', 'no readable number', 4, 9)
     call tests%refuse(file, 4, ' RBDY2      1  DISKx      2  iqsc0  RBDY2      2  POLYG      1  stick', 'no contactor 2', 4, 27)
-    call tests%refuse(file, 4, ' RBDY2      1  DISKx      1', 'who touches whom', 4)
+    call tests%refuse(file, 4, ' RBDY2      1  DISKx      1', 'name the two contactors', 4)
     call tests%refuse(file, 5, '                             rlt/H 0.1000000D+01  rln/H     Infinity', 'not a number', 5, 61)
     call tests%refuse(file, 9, '', 'the point of a contact', 9)
   end subroutine test_contacts

@@ -244,7 +244,7 @@ contains
     call tests%refuse('DOF.INI', 11, '', 'where an axis of a frame', 12, 1)
     call tests%refuse('Vloc_Rloc.INI', 2, '$icdan  DKDKx        1', 'DKDKx', 2, 9)
     call tests%refuse('Vloc_Rloc.INI', 4, contacts(4)(:21)//'      3'//contacts(4)(29:), 'no contactor 3', 4, 28)
-    call tests%refuse('Vloc_Rloc.INI', 4, ' RBDY3      1  SPHER      2  iqsc0', 'who touches whom', 4, 2)
+    call tests%refuse('Vloc_Rloc.INI', 4, ' RBDY3      1  SPHER      2  iqsc0', 'name the two contactors', 4, 2)
     call tests%refuse('Vloc_Rloc.INI', 9, ' '//repeat(' ', 28)//'q'//contacts(9)(31:), 'should stand here', 9, 30)
     call tests%refuse('Vloc_Rloc.INI', 9, ' '//repeat(' ', 28)//'s'//contacts(9)(31:), 'not complete', 11, 30)
     call tests%refuse('Vloc_Rloc.INI', 10, '', 'the file ends where the frame and point', 11, 0)

@@ -181,8 +181,8 @@ contains
     real(wp) :: caps
 
     call read_sample(scene, diagnostics)
-    ! Unknown bulk law, unknown contact law, halo: unused or harmless; a polygon off its node; laws that no see table names: told
-    ! once each.
+    ! Unknown bulk law, unknown contact law, halo: unused or harmless; a polygon off its node; laws that no see table names: one
+    ! warning each.
     call tests%equal(size(diagnostics%warnings), 5, 'warnings of the sample')
     call tests%equal(scene%bodies%n, 6, 'bodies')
     call tests%equal(scene%contactors%n, 7, 'contactors')

@@ -22,7 +22,7 @@ program test_hand_over
 
 contains
 
-  !> Keys of crossings tell their edges, unless polyhedra have too many vertices.
+  !> Keys of crossings encode their edges, unless polyhedra have too many vertices.
   subroutine test_keys()
     integer :: i, n(2), ends(4), k
     integer(i4) :: key
@@ -33,10 +33,10 @@ contains
       key = crossing_key(n(1), n(2), int(ends(1:2), i4), int(ends(3:4), i4))
       call t%check(key > sum(n), 'keys of crossings are above those of vertices')
       if (product(real(n + 1, wp)**2) < real(huge(key), wp)/2) then
-        call t%check(all(crossing_ends(n(1), n(2), key) == ends), 'a key tells its edges')
+        call t%check(all(crossing_ends(n(1), n(2), key) == ends), 'a key encodes its edges')
       end if
     end do
-    call t%check(all(crossing_ends(300, 300, 90000_i4) == 0), 'a key of large polyhedra does not tell')
+    call t%check(all(crossing_ends(300, 300, 90000_i4) == 0), 'a key of large polyhedra encodes none')
     call t%check(all(crossing_ends(8, 8, 12_i4) == 0), 'a key of a vertex is none of a crossing')
   end subroutine test_keys
 
@@ -131,7 +131,7 @@ contains
     past = 0
     call hand_over(scene%contactors, 1, 2, [0.0_wp, 0.0_wp, 0.0_wp], features, point, 1, past)
     call t%check(all(past == [2, 1]), 'crossings of edges')
-    ! What no key tells comes last.
+    ! Points whose key encodes no place come last.
     past = 0
     call hand_over(scene%contactors, 1, 2, [0.0_wp, 0.0_wp, 0.0_wp], [huge(1_i4), features(1)], point, 1, past)
     call t%check(all(past == [1, 2]), 'unknown places come last')

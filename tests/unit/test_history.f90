@@ -46,8 +46,8 @@ contains
     call place_bodies(scene)
   end subroutine make_scene
 
-  !> Bodies move a little and far; contacts that were there keep their impulses, new ones take over what is left of their
-  !! pair or start at zero.
+  !> Bodies move a little and far; contacts that were there keep their impulses, new ones take over the remaining ones of
+  !! their pair or start at zero.
   subroutine test_recovery(period, name)
     real(wp), intent(in) :: period
     character(len=*), intent(in) :: name

@@ -159,7 +159,7 @@ contains
     allocate (problem%r(2, 2), source=0.0_wp)
     call find_worst_contact(problem, problem%r, contact, share)
     call tests%equal(contact, 2, 'zero impulses: the contact that closes')
-    call tests%near(share, 1.0_wp, 2e-3_wp, 'zero impulses: all is undone but for rounding')
+    call tests%near(share, 1.0_wp, 2e-3_wp, 'zero impulses: undone up to rounding')
     call tests%check(share > most_share, 'zero impulses: no answer')
   end subroutine zero_is_refused
 end program test_matrix_verdicts

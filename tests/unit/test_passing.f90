@@ -116,7 +116,7 @@ contains
 
     call fly(sim, law_velocity, 0.72_wp, 1)
     call t%equal(sim%totals%passings, 1, 'a ball has passed another one')
-    call t%check(allocated(sim%passing%first), 'which is told')
+    call t%check(allocated(sim%passing%first), 'with a message')
     if (allocated(sim%passing%first)) then
       call t%check(index(sim%passing%first%message, 'step 2: bodies 1 and 2 pass through each other, at 5.00E+02 m/s') == 1, &
                    'step, bodies, speed: '//sim%passing%first%message)
@@ -192,12 +192,12 @@ contains
         sim%scene%bodies%velocity(1:2, 1) = 500*along
         call begin_run(sim, 1e-3_wp, 1e-12_wp)
         call run(sim, i - 1)
-        ! What a restart file knows of contacts has no gaps.
+        ! A restart file holds no gaps of contacts.
         if (j == 1 .and. i > 1) call resume_history(sim%history, sim%contacts)
         call t%equal(sim%totals%passings, 0, 'not yet')
         call run(sim, 4 - i)
         call t%equal(sim%totals%passings, 1, 'beyond a wall at its first detection')
-        call t%check(allocated(sim%passing%first), 'which is told')
+        call t%check(allocated(sim%passing%first), 'with a message')
         if (.not. allocated(sim%passing%first)) cycle
         call t%check(index(sim%passing%first%message, 'step '//achar(48 + i)//': bodies 1 and 2') == 1, sim%passing%first%message)
       end do

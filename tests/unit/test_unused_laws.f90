@@ -33,7 +33,8 @@ program test_unused_laws
 
 contains
 
-  !> What lines do in random scenes, of one rank and of one that knows of others' bodies: as the pairs of contactors tell.
+  !> What lines do in random scenes, of one rank and of one that holds counts of others' bodies: as found by a search over
+  !! all pairs of contactors.
   subroutine test_random_scenes()
     type(random_t) :: random
     type(scene_t) :: scene
