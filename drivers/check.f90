@@ -9,7 +9,7 @@ module sg_check
   use sg_print, only: print_line
   use sg_simulation, only: simulation_t
   use sg_start_split, only: find_contacts
-  use sg_text, only: text_t, to_text
+  use sg_text, only: counted, text_t, to_text
   implicit none
   private
   public :: check_command
@@ -51,10 +51,11 @@ contains
       if (options%title /= '') call print_line('title      '//options%title)
       call print_line('deck       '//options%deck_hash)
       call print_line('time       '//to_text(options%steps)//' steps of '//to_text(options%step, 4)//' s')
-      call print_line('sees       '//to_text(size(scene%laws))//' laws in '//to_text(size(scene%sees))//' lines')
-      call print_line('imposed    '//to_text(size(scene%drives))//' components, '//to_text(size(scene%pressures))//' pressures')
-      call print_line('memory     about '//gigabytes(expected_memory(sim))//', of '//to_text(sim%pairs%n)// &
-        ' pairs of neighbours and '//to_text(sim%contacts%n)//' contacts at the start')
+      call print_line('rules      '//counted(size(scene%laws), 'contact law')//', '// &
+        counted(size(scene%sees), 'interaction rule'))
+      call print_line('imposed    '//counted(size(scene%drives), 'component')//', '//counted(size(scene%pressures), 'pressure'))
+      call print_line('memory     about '//gigabytes(expected_memory(sim))//', with '// &
+        counted(sim%contacts%n, 'contact')//' and '//counted(sim%pairs%n, 'pair')//' of neighbours at the start')
     end associate
   end subroutine print_counts
 end module sg_check

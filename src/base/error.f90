@@ -15,7 +15,7 @@ module sg_error
   integer, parameter :: exit_failure = 1
   !> The command line, the deck or a file it names is wrong
   integer, parameter :: exit_bad_input = 2
-  !> The solver did not converge and the deck asked to be told so
+  !> The solver did not converge and the deck asked to stop then
   integer, parameter :: exit_not_converged = 3
   !> A value that is not finite appeared: the run stopped within its step
   integer, parameter :: exit_broken = 4

@@ -4,7 +4,7 @@ module sg_text
   use sg_kinds, only: wp, i8
   implicit none
   private
-  public :: text_t, read_lines, split_lines, to_text, lower, nearest_word, joined, append_word
+  public :: text_t, read_lines, split_lines, to_text, counted, lower, nearest_word, joined, append_word
 
   !> One string of any length, so that lists of strings exist
   type :: text_t
@@ -17,6 +17,16 @@ module sg_text
   end interface to_text
 
 contains
+
+  !> A number of things, with the noun in the singular or in the plural.
+  pure function counted(n, noun) result(words)
+    integer, intent(in) :: n !! how many
+    character(len=*), intent(in) :: noun !! noun whose plural ends with -s
+    character(len=:), allocatable :: words
+
+    words = to_text(n)//' '//noun
+    if (n /= 1) words = words//'s'
+  end function counted
 
   !> Read a whole text file as lines; carriage returns at line ends are dropped.
   subroutine read_lines(file, lines, error)

@@ -5,7 +5,7 @@ module sg_verdict
   use sg_print, only: print_line
   use sg_run_summary, only: run_summary_t, shared_cost_t
   use sg_system, only: peak_memory_bytes
-  use sg_text, only: joined, text_t, to_text
+  use sg_text, only: counted, joined, text_t, to_text
   use sg_totals, only: n_phases, phase_names, phase_solve, totals_t, worst_contact_words
   implicit none
   private
@@ -22,8 +22,8 @@ contains
     if (.not. summary%is_speaker) return
     associate (totals => summary%totals, measures => summary%measures)
       headline = summary%status//': '//to_text(totals%steps)//' of '//to_text(summary%steps_asked)//' steps, time '// &
-                 to_text(summary%time, 4)//' s, '//to_text(summary%grains%n)//' grains, '// &
-                 to_text(totals%contacts)//' contacts'
+                 to_text(summary%time, 4)//' s, '//counted(summary%grains%n, 'grain')//', '// &
+                 counted(totals%contacts, 'contact')
       if (len(summary%reason) > 0) headline = headline//' ('//summary%reason//')'
       call print_line(headline, unit)
       call line('converged', to_text(totals%converged_steps)//' of '//to_text(totals%steps)//' steps to '// &
@@ -61,7 +61,7 @@ contains
         call line('gluing', gluing_words(summary%shared))
       end if
       call line('memory', memory_words(summary)//', '//to_text(nint(totals%bytes_per_contact))// &
-                ' bytes a contact in the contact problem')
+                ' bytes per contact in the contact problem')
       if (allocated(summary%files)) call line('files', file_words(summary%files)//' in '//summary%folder)
     end associate
 
@@ -102,7 +102,7 @@ contains
     words = ''
     if (allocated(shared%split)) words = shared%split
     words = words//', '//to_text(shared%splits)//' splits, '//to_text(nint(shared%moved, i8))//' bodies moved; contact updates '// &
-            to_text(nint(shared%least_updates, i8))//' to '//to_text(nint(shared%most_updates, i8))//' a rank, imbalance '// &
+            to_text(nint(shared%least_updates, i8))//' to '//to_text(nint(shared%most_updates, i8))//' per rank, imbalance '// &
             fixed(shared%imbalance, 2)
   end function split_words
 
@@ -173,13 +173,13 @@ contains
     character(len=:), allocatable :: words
 
     words = fixed(real(totals%sweeps, wp)/real(max(1, totals%steps), wp), 1)//merge(' sweeps    ', ' iterations', sweeps)
-    words = trim(words)//' a step'
+    words = trim(words)//' per step'
     if (.not. sweeps) return
     words = words//', '// &
             to_text(totals%contact_updates)//' contact updates'
     if (.not. totals%phase(phase_solve)%cpu > 0) return
     words = words//', '//fixed(real(totals%contact_updates, wp)/totals%phase(phase_solve)%cpu/1e6_wp, 1)// &
-            ' million a CPU second'
+            ' million per CPU second'
   end function effort_words
 
   !> A share as a percentage.

@@ -13,7 +13,7 @@ module sg_plan
   use sg_laws, only: is_cohesive_zone, is_frictionless, is_plain
   use sg_scene, only: scene_t
   use sg_sees, only: see_of
-  use sg_text, only: to_text
+  use sg_text, only: counted, to_text
   implicit none
   private
   public :: omissions_t, plan_t, make_plan, set_radii, describe_plan
@@ -247,8 +247,8 @@ contains
     character(len=*), parameter :: nl = new_line('a')
     integer :: i, j
 
-    text = 'scene      '//to_text(plan%bodies)//' bodies ('//to_text(plan%grains)//' grains), ' &
-           //to_text(plan%contactors)//' contactors'//nl//'shapes    '
+    text = 'scene      '//to_text(plan%bodies)//' bodies ('//counted(plan%grains, 'grain')//'), ' &
+           //counted(plan%contactors, 'contactor')//nl//'shapes    '
     do i = 1, n_kinds
       if (plan%shapes(i) > 0) text = text//' '//to_text(plan%shapes(i))//' '//trim(kind_names(i))
     end do
@@ -258,7 +258,7 @@ contains
         if (plan%sees(i, j)) text = text//' '//trim(kind_names(i))//'-'//trim(kind_names(j))
       end do
     end do
-    if (plan%links > 0) text = text//' '//to_text(plan%links)//' links'
+    if (plan%links > 0) text = text//' '//counted(plan%links, 'link')
     text = text//nl//'laws      '
     do i = 1, size(scene%laws)
       if (plan%uses_law(i)) text = text//' '//scene%laws(i)%name

@@ -131,7 +131,7 @@ contains
       character(len=:), allocatable :: text
 
       text = ''
-      if (options%restart_at_end) text = trim(merge(' and at the end    ', ' but one at the end', options%restart_every > 0))
+      if (options%restart_at_end) text = trim(merge(' and at the end       ', ' except one at the end', options%restart_every > 0))
     end function at_end
   end function describe_run
 
