@@ -83,7 +83,7 @@ contains
     self%last_choice = 0
     self%last_criterion = huge(1.0_wp)
     self%scales = scales
-    self%rounding = 16*epsilon(1.0_wp)*scales%fastest
+    self%rounding = 16*epsilon(1.0_wp)*max(scales%fastest, scales%velocity)
     self%is_choice_due = .false.
     self%is_contested = .false.
     self%last_stuck = 0

@@ -33,6 +33,9 @@ program test_verdicts
   do pile = 1, n_piles
     call test_pile(pile)
   end do
+  do pile = 1, n_piles
+    call test_spinning()
+  end do
   ! A test in which nothing converges would find nothing.
   call tests%check(2*converged > solved, 'most solves converge: '//to_text(converged)//' of '//to_text(solved))
   call tests%finish()
@@ -149,6 +152,40 @@ contains
     end do
     if (modulo(number, 6) == 5) sim%scene%bodies%velocity(1, :n_bodies - 1) = sim%scene%bodies%velocity(1, :n_bodies - 1) + 100
   end subroutine load_pile
+
+  !> Disks that close with velocities of rounding size, while one of them spins in place: without load only rounding is left to
+  !! solve, and the velocity of the spin decides what that is.
+  subroutine test_spinning()
+    type(simulation_t) :: sim
+    type(problem_t) :: problem
+    class(solver_t), allocatable :: solver
+    type(solver_options_t) :: options
+    type(report_t) :: report
+    real(wp), parameter :: h = 1e-3_wp
+    integer :: b, row
+
+    call begin_scene(sim%scene, 2*n_bodies, 0.3_wp, 0.05_wp)
+    do b = 1, 2*n_bodies
+      row = (b - 1)/4
+      call put_disk(sim%scene, b, 0.5_wp, [real(modulo(b - 1, 4), wp) + 0.5_wp*real(modulo(row, 2), wp), &
+                                           0.5_wp*sqrt(3.0_wp)*real(row, wp)])
+      sim%scene%bodies%velocity(:2, b) = 1e-18_wp*[random%uniform(-1.0_wp, 1.0_wp), random%uniform(-1.0_wp, 1.0_wp)]
+    end do
+    sim%scene%bodies%velocity(3, n_bodies) = 0.1_wp
+    sim%scene%gravity = 0
+    sim%options%step = h
+    call start_simulation(sim)
+    call predict(sim%scene, 0.0_wp, h, 0.5_wp)
+    call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+    call assemble(sim%scene, sim%contacts, problem_kind(2, sim%plan%is_round, sim%plan%has_tangent), sim%pairs%body_of, &
+                  sim%pairs%slot_of, sim%plan%radius, h, problem)
+    options%criterion = criterion_estimate
+    options%tolerance = 1e-2_wp
+    options%maximum_sweeps = 100
+    call choose_solver(options, solver)
+    call solver%solve(problem, report)
+    call tests%check(problem%n_contacts > 2*n_bodies .and. report%is_converged, 'a disk that spins among others without load')
+  end subroutine test_spinning
 
   !> The criterion is its own error, and below the tolerance where that is said.
   subroutine check_report(name, options, report)
