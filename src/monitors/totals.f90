@@ -114,6 +114,10 @@ contains
     real(wp), intent(in) :: fall_speed !! what a step of free fall brings [m/s]; 0 without gravity
     character(len=:), allocatable :: words
 
+    if (.not. totals%worst_speed > 0) then
+      words = 'every contact obeys its law by itself, and only the criterion is above the tolerance'
+      return
+    end if
     words = 'the contact of bodies '//to_text(totals%worst_bodies(1))//' and '//to_text(totals%worst_bodies(2))// &
             ' breaks its law by '//to_text(totals%worst_speed, 2)//' m/s'
     if (fall_speed > 0) words = words//', '//to_text(totals%worst_speed/fall_speed, 2)//' g h'

@@ -71,7 +71,8 @@ contains
           converged = converged + 1
           call check_contacts(name, start, problem)
         else
-          call tests%check(report%worst_contact >= 1 .and. report%worst_contact <= problem%n_contacts, name//': a contact is named')
+          call tests%check(report%worst_contact <= problem%n_contacts, name//': a contact of the problem is named')
+          call tests%check(report%worst_contact >= 1 .or. report%worst_speed <= 0, name//': a contact that breaks its law is named')
         end if
         deallocate (solver)
       end do
