@@ -1,6 +1,7 @@
 !> A timer of the system that ends the program while there is nothing to save: before the first step of a run.
 module sg_alarm
-  use, intrinsic :: iso_c_binding, only: c_int, c_long, c_size_t, c_char, c_new_line, c_funptr, c_funloc
+  use, intrinsic :: iso_c_binding, only: c_int, c_intptr_t, c_long, c_size_t, c_char, c_new_line, c_funptr, c_funloc
+  use sg_c_library, only: c_signal, c_write
   use sg_error, only: exit_stopped
   use sg_kinds, only: wp
   implicit none
@@ -15,12 +16,6 @@ module sg_alarm
   end type itimer_t
 
   interface
-    function c_signal(number, handler) bind(c, name='signal') result(before)
-      import :: c_int, c_funptr
-      integer(c_int), value :: number
-      type(c_funptr), value :: handler
-      type(c_funptr) :: before
-    end function c_signal
     function c_setitimer(which, timer, before) bind(c, name='setitimer') result(status)
       import :: c_int, itimer_t
       integer(c_int), value :: which
@@ -28,13 +23,6 @@ module sg_alarm
       type(itimer_t), intent(out) :: before
       integer(c_int) :: status
     end function c_setitimer
-    function c_write(descriptor, text, length) bind(c, name='write') result(written)
-      import :: c_int, c_char, c_size_t
-      integer(c_int), value :: descriptor
-      character(kind=c_char), intent(in) :: text(*)
-      integer(c_size_t), value :: length
-      integer(c_size_t) :: written
-    end function c_write
     subroutine c_exit_now(code) bind(c, name='_exit')
       import :: c_int
       integer(c_int), value :: code
@@ -64,7 +52,7 @@ contains
     integer(c_int), value :: number
     character(kind=c_char, len=*), parameter :: &
       text = 'error: stopped by the walltime before the first step; there is no checkpoint'
-    integer(c_size_t) :: written
+    integer(c_intptr_t) :: written
 
     if (number == sigalrm) written = c_write(2_c_int, text//c_new_line, len(text, c_size_t) + 1_c_size_t)
     call c_exit_now(int(exit_stopped, c_int))

@@ -5,6 +5,7 @@
 module sg_library
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_f_procpointer, c_funptr, c_int, c_null_char, &
                                          c_null_funptr, c_null_ptr, c_ptr, c_size_t
+  use sg_c_library, only: c_strlen
   use sg_error, only: error_t, exit_failure, fail
   use sg_kinds, only: i8
   implicit none
@@ -52,11 +53,6 @@ module sg_library
       import :: c_ptr
       type(c_ptr) :: text
     end function c_dlerror
-    pure function c_strlen(text) bind(c, name='strlen') result(length)
-      import :: c_ptr, c_size_t
-      type(c_ptr), value :: text
-      integer(c_size_t) :: length
-    end function c_strlen
   end interface
 
 contains

@@ -3,8 +3,9 @@
 !! They go to the system at once: gfortran's gives no status for a write that fails when its buffer is emptied, and keeps what it
 !! could not write until the buffer overflows, which ends the program.
 module sg_print
-  use, intrinsic :: iso_c_binding, only: c_char, c_int, c_intptr_t, c_size_t
+  use, intrinsic :: iso_c_binding, only: c_int, c_intptr_t, c_size_t
   use, intrinsic :: iso_fortran_env, only: output_unit
+  use sg_c_library, only: c_write
   implicit none
   private
   public :: has_print_failed, print_line
@@ -14,16 +15,6 @@ module sg_print
 
   ! Standard output is one for the whole program, and so is its state.
   logical, save :: has_failed = .false.
-
-  interface
-    function c_write(file, text, n) bind(c, name='write') result(written)
-      import :: c_char, c_int, c_intptr_t, c_size_t
-      integer(c_int), value :: file
-      character(kind=c_char), intent(in) :: text(*)
-      integer(c_size_t), value :: n
-      integer(c_intptr_t) :: written
-    end function c_write
-  end interface
 
 contains
 

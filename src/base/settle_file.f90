@@ -2,6 +2,7 @@
 !! before or the whole new one, also on a full disk and after a kill. All files that the program makes come about this way.
 module sg_settle_file
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_null_char, c_ptr
+  use sg_c_library, only: c_fclose, c_fileno, c_fopen, c_fsync
   use sg_error, only: error_t, exit_output, fail
   use sg_system, only: remove_file, rename_file
   implicit none
@@ -9,38 +10,14 @@ module sg_settle_file
   public :: begin_file, part_of, settle_file
 
   interface
-    function c_fopen(path, mode) bind(c, name='fopen') result(stream)
-      import :: c_char, c_ptr
-      character(kind=c_char), intent(in) :: path(*), mode(*)
-      type(c_ptr) :: stream
-    end function c_fopen
-    function c_fileno(stream) bind(c, name='fileno') result(descriptor)
-      import :: c_int, c_ptr
-      type(c_ptr), value :: stream
-      integer(c_int) :: descriptor
-    end function c_fileno
-    function c_fsync(descriptor) bind(c, name='fsync') result(status)
-      import :: c_int
-      integer(c_int), value :: descriptor
+    function c_take_mode(from, to) bind(c, name='splitgrain_take_mode') result(status)
+      import :: c_char, c_int
+      character(kind=c_char), intent(in) :: from(*), to(*)
       integer(c_int) :: status
-    end function c_fsync
-    function c_fclose(stream) bind(c, name='fclose') result(status)
-      import :: c_int, c_ptr
-      type(c_ptr), value :: stream
-      integer(c_int) :: status
-    end function c_fclose
+    end function c_take_mode
   end interface
 
 contains
-
-  !> The same, where it can be written at once: what stood there is removed: a symbolic link would lead elsewhere.
-  function begin_file(file) result(part)
-    character(len=*), intent(in) :: file !! path of the file to make
-    character(len=:), allocatable :: part
-
-    part = part_of(file)
-    call remove_file(part)
-  end function begin_file
 
   !> Name under which a file is to be written.
   pure function part_of(file) result(part)
@@ -50,14 +27,26 @@ contains
     part = file//'.part'
   end function part_of
 
-  !> Give a file that was written its own name, or remove it where that, or the writing, failed.
+  !> The same, where it can be written at once: what stood there is removed, since a symbolic link would lead elsewhere.
+  function begin_file(file) result(part)
+    character(len=*), intent(in) :: file !! path of the file to make
+    character(len=:), allocatable :: part
+
+    part = part_of(file)
+    call remove_file(part)
+  end function begin_file
+
+  !> Give a file that was written its own name, and the permissions of the file that it replaces; remove it where that, or the
+  !! writing, failed.
   subroutine settle_file(part, file, error)
     character(len=*), intent(in) :: part !! name under which it was written
     character(len=*), intent(in) :: file !! its own name; what stands there is replaced
     type(error_t), allocatable, intent(inout) :: error !! why it could not be written; set when it cannot be settled
 
     if (.not. allocated(error)) then
-      if (.not. is_synced(part)) then
+      if (c_take_mode(file//c_null_char, part//c_null_char) /= 0) then
+        call fail(error, 'cannot give the file the permissions of the one that it replaces', file=file, code=exit_output)
+      else if (.not. is_synced(part)) then
         call fail(error, 'cannot bring the file to the disk', file=part, code=exit_output)
       else if (.not. rename_file(part, file)) then
         call fail(error, 'cannot give the file its name', file=file, code=exit_output)

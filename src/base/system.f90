@@ -3,6 +3,7 @@ module sg_system
   use, intrinsic :: iso_c_binding, only: c_int, c_intptr_t, c_size_t, c_char, c_null_char, c_null_ptr, c_funptr, c_funloc, &
                                          c_loc, c_ptr, c_associated
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  use sg_c_library, only: c_signal
   use sg_kinds, only: i8
   implicit none
   private
@@ -64,12 +65,6 @@ module sg_system
       import :: c_int
       integer(c_int), value :: code
     end subroutine c_exit
-    function c_signal(number, handler) bind(c, name='signal') result(before)
-      import :: c_int, c_funptr
-      integer(c_int), value :: number
-      type(c_funptr), value :: handler
-      type(c_funptr) :: before
-    end function c_signal
   end interface
 
 contains

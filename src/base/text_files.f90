@@ -1,60 +1,17 @@
-!> Text files that are replaced wholly or not at all, and appended to so that a full disk is noticed; copies of files.
+!> Text files that are replaced wholly or not at all, and appended to so that a full disk is noticed.
 !!
 !! Files are written through the C library: gfortran's gives no status for a write that fails when its buffer is
 !! emptied, neither in `flush` nor in `close`.
 module sg_text_files
-  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_long, c_null_char, c_ptr, c_size_t
+  use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_long, c_null_char, c_ptr, c_size_t
+  use sg_c_library, only: c_fclose, c_fopen, c_fseek, c_fwrite, from_start
   use sg_error, only: error_t, exit_output, fail
   use sg_kinds, only: i8
   use sg_settle_file, only: begin_file, settle_file
   use sg_system, only: remove_file
   implicit none
   private
-  public :: append_text, copy_file, create_text, overwrite_text, replace_file
-
-  !> Bytes that are copied at once
-  integer, parameter :: piece = 2**16
-  !> What C calls SEEK_SET
-  integer(c_int), parameter :: from_start = 0
-
-  interface
-    function c_fopen(path, mode) bind(c, name='fopen') result(stream)
-      import :: c_char, c_ptr
-      character(kind=c_char), intent(in) :: path(*), mode(*)
-      type(c_ptr) :: stream
-    end function c_fopen
-    function c_fread(text, size, n, stream) bind(c, name='fread') result(done)
-      import :: c_char, c_ptr, c_size_t
-      character(kind=c_char), intent(inout) :: text(*)
-      integer(c_size_t), value :: size, n
-      type(c_ptr), value :: stream
-      integer(c_size_t) :: done
-    end function c_fread
-    function c_fwrite(text, size, n, stream) bind(c, name='fwrite') result(written)
-      import :: c_char, c_ptr, c_size_t
-      character(kind=c_char), intent(in) :: text(*)
-      integer(c_size_t), value :: size, n
-      type(c_ptr), value :: stream
-      integer(c_size_t) :: written
-    end function c_fwrite
-    function c_ferror(stream) bind(c, name='ferror') result(status)
-      import :: c_int, c_ptr
-      type(c_ptr), value :: stream
-      integer(c_int) :: status
-    end function c_ferror
-    function c_fseek(stream, place, whence) bind(c, name='fseek') result(status)
-      import :: c_int, c_long, c_ptr
-      type(c_ptr), value :: stream
-      integer(c_long), value :: place
-      integer(c_int), value :: whence
-      integer(c_int) :: status
-    end function c_fseek
-    function c_fclose(stream) bind(c, name='fclose') result(status)
-      import :: c_int, c_ptr
-      type(c_ptr), value :: stream
-      integer(c_int) :: status
-    end function c_fclose
-  end interface
+  public :: append_text, create_text, overwrite_text, replace_file
 
 contains
 
@@ -112,39 +69,6 @@ contains
     call create_text(part, text, error)
     call settle_file(part, file, error)
   end subroutine replace_file
-
-  !> Copy a file to a name that is free.
-  subroutine copy_file(from, to, error)
-    character(len=*), intent(in) :: from !! path of the file
-    character(len=*), intent(in) :: to !! path of the copy
-    type(error_t), allocatable, intent(out) :: error !! set when it cannot be read or written
-    character(kind=c_char) :: bytes(piece)
-    type(c_ptr) :: source, target
-    integer(c_size_t) :: n
-    integer(c_int) :: status
-    logical :: is_copied
-
-    source = c_fopen(from//c_null_char, 'r'//c_null_char)
-    if (.not. c_associated(source)) then
-      call fail(error, 'cannot open the file', file=from)
-      return
-    end if
-    call open_file(to, 'wx', target, error)
-    if (.not. allocated(error)) then
-      is_copied = .true.
-      do while (is_copied)
-        n = c_fread(bytes, 1_c_size_t, size(bytes, kind=c_size_t), source)
-        if (n == 0) exit
-        is_copied = c_fwrite(bytes, 1_c_size_t, n, target) == n
-      end do
-      is_copied = is_copied .and. c_ferror(source) == 0
-      if (c_fclose(target) /= 0 .or. .not. is_copied) then
-        call fail(error, 'cannot write the file: is the disk full?', file=to, code=exit_output)
-        call remove_file(to)
-      end if
-    end if
-    status = c_fclose(source)
-  end subroutine copy_file
 
   !> Open a file to write it, in a mode of `fopen`.
   subroutine open_file(file, mode, stream, error)

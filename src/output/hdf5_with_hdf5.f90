@@ -8,11 +8,15 @@ submodule(sg_hdf5) hdf5_with_hdf5
   use hdf5, only: h5_integer_kind, h5dont_atexit_f, h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_rdwr_f, h5f_acc_trunc_f, &
                   h5f_close_strong_f, h5f_libver_earliest_f, h5f_libver_v110_f, h5f_scope_global_f, h5fclose_f, h5fcreate_f, &
                   h5fflush_f, h5fopen_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, h5kind_to_type, h5lexists_f, h5open_f, &
-                  h5p_file_access_f, h5pclose_f, h5pcreate_f, h5pset_fclose_degree_f, h5pset_libver_bounds_f, h5t_native_double, &
-                  hid_t
+                  h5p_file_access_f, h5pclose_f, h5pcreate_f, h5pset_fapl_core_f, h5pset_fclose_degree_f, h5pset_libver_bounds_f, &
+                  h5t_native_double, hid_t
+  use sg_c_library, only: c_strlen
   use sg_error, only: exit_output, fail
   use sg_settle_file, only: settle_file
   implicit none
+
+  !> By how much files in memory grow [byte]
+  integer(c_size_t), parameter :: piece_of_memory = 2_c_size_t**16
 
   !> What the library's stack of errors tells of one failure
   type, bind(c) :: stacked_error_t
@@ -70,11 +74,6 @@ submodule(sg_hdf5) hdf5_with_hdf5
       type(c_ptr), value :: data
       integer(c_int) :: status
     end function c_walk_errors
-    pure function c_length(text) bind(c, name='strlen') result(length)
-      import :: c_ptr, c_size_t
-      type(c_ptr), value :: text
-      integer(c_size_t) :: length
-    end function c_length
   end interface
 
 contains
@@ -96,6 +95,9 @@ contains
   ! The format of 1.10 has check sums over all that says where and what the datasets are.
   if (self%is_checked) call h5pset_libver_bounds_f(access, h5f_libver_v110_f, h5f_libver_v110_f, status)
   if (self%ranks%size > 1) call share_access(self, access, .true.)
+  if (present(is_in_memory)) then
+    if (is_in_memory) call h5pset_fapl_core_f(access, piece_of_memory, .true., status)
+  end if
   if (.not. allocated(self%error)) then
     call h5fcreate_f(name, h5f_acc_trunc_f, id, status, access_prp=access)
     call check(self, status, 'cannot create the file')
@@ -260,7 +262,8 @@ contains
   end subroutine note
 
   !> Innermost reason of the last failure; where the operating system gave one, its words alone.
-  function reason()
+  function reason(is_of_system)
+    logical, intent(out), optional :: is_of_system !! did the operating system give one?
     character(len=:), allocatable :: reason
     character(len=*), parameter :: mark = 'error message = '''
     type(reason_t), target :: found
@@ -273,6 +276,7 @@ contains
       reason = reason//found%text(i)
     end do
     i = index(reason, mark)
+    if (present(is_of_system)) is_of_system = i > 0
     if (i == 0) return
     reason = reason(i + len(mark):)
     reason = reason(:index(reason, '''') - 1)
@@ -291,7 +295,7 @@ contains
     status = 0
     if (number > 0) return
     call c_f_pointer(data, found)
-    call c_f_pointer(error%description, text, [c_length(error%description)])
+    call c_f_pointer(error%description, text, [c_strlen(error%description)])
     n = min(size(text), size(found%text) - 1)
     found%text(:n) = text(:n)
   end function keep_reason
