@@ -13,7 +13,6 @@ module sg_fclib_write
   use sg_sparse, only: multiply
   use sg_sparse_algebra, only: no_columns
   use sg_system, only: real_path, remove_file
-  use sg_text_files, only: copy_file
   implicit none
   private
   public :: write_fclib, write_pieces, write_solution
@@ -210,13 +209,13 @@ contains
     end if
   end subroutine find_state
 
-  !> Add a solution to the file of a problem: to a copy, which takes its place when it is whole.
+  !> Add a solution to the file of a problem: to a copy of all but its old solution, which takes its place when it is whole.
   subroutine write_solution(name, r, is_forced, error)
     character(len=*), intent(in) :: name !! path of the file
     real(wp), intent(in) :: r(:, :) !! impulses [N s], shape (d, n)
     logical, intent(in) :: is_forced !! replace a solution that the file holds, even if it is of use?
     type(error_t), allocatable, intent(out) :: error !! set when the file holds one, or cannot be written
-    type(hdf5_file_t) :: file
+    type(hdf5_file_t) :: source, file
     type(matrix_problem_t) :: problem
     type(fclib_constraints_t) :: constraints
     type(matrix_state_t) :: state
@@ -231,11 +230,11 @@ contains
     if (.not. allocated(error)) call check_solution(name, size(r), is_forced, error)
     if (allocated(error)) return
     part = begin_file(place)
-    call copy_file(place, part, error)
-    if (allocated(error)) return
-    call open_fclib(file, part, .false.)
-    call read_problem(file, problem, constraints)
-    if (holds(file, '/solution')) call file%remove('/solution')
+    call open_fclib(source, place, .true.)
+    call read_problem(source, problem, constraints)
+    call file%create(part, is_in_memory=.true.)
+    call file%take(source, except='solution')
+    call source%close()
     if (.not. allocated(file%error)) then
       problem%r = r
       call find_state(problem, constraints, state, error)

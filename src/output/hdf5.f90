@@ -44,6 +44,7 @@ module sg_hdf5
     procedure :: has => file_has
     procedure :: names => file_names
     procedure :: remove => file_remove
+    procedure :: take => file_take
     procedure :: declare => file_declare
     procedure :: rows => file_rows
     procedure :: shape => file_shape
@@ -79,11 +80,12 @@ module sg_hdf5
     end function hdf5_is_parallel
 
     !> Make a file; an old one of the same name is replaced.
-    module subroutine file_create(self, name, comm, is_checked)
+    module subroutine file_create(self, name, comm, is_checked, is_in_memory)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: name !! path
       type(comm_t), intent(in), optional :: comm !! ranks that share the file; absent where it is not shared
       logical, intent(in), optional :: is_checked !! with check sums over all that it holds, false unless given
+      logical, intent(in), optional :: is_in_memory !! not shared, held in memory and written when it is closed? False unless given
     end subroutine file_create
 
     !> Open a file that exists.
@@ -135,6 +137,13 @@ module sg_hdf5
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: path !! path within the file
     end subroutine file_remove
+
+    !> Copy all that another file holds, except one object of its root, into a new file; neither is shared by ranks.
+    module subroutine file_take(self, source, except)
+      class(hdf5_file_t), intent(inout) :: self
+      class(hdf5_file_t), intent(inout) :: source !! open file
+      character(len=*), intent(in) :: except !! name that is left out, without a slash; it need not be there
+    end subroutine file_take
 
     !> Make a growing dataset without rows.
     module subroutine file_declare(self, path, storage, components, chunk, is_compressed)

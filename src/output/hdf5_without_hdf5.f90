@@ -54,6 +54,9 @@ contains
   module procedure file_remove
   end procedure file_remove
 
+  module procedure file_take
+  end procedure file_take
+
   module procedure file_declare
   end procedure file_declare
 

@@ -19,6 +19,8 @@ NUMBERS = [0.0, -0.0, -1.0, 1e300, -1e300, 1e-300, 5e-324, 1e10, 1e-10, math.nan
 WHOLE = [0, 1, -1, 2, 3, 4, 7, 2**31 - 1, -2**31, 1000]
 SOLVERS = ["nlgs", "auto", "accelerated", "proximal", "interior"]
 TOLERANCE = 1e-6
+HEADER_BYTES = 64
+"""Bytes at the beginning of an object's header of HDF5, which say what it is made of"""
 
 
 def prepare(program, folder):
@@ -31,16 +33,25 @@ def prepare(program, folder):
         files += sorted((folder / name).glob("dump-*.hdf5"))
     if not files:
         raise SystemExit("fuzz_fclib: no problem could be dumped")
-    return [(path, path.read_bytes()) for path in files]
+    return [(path, path.read_bytes(), headers(path)) for path in files]
+
+
+def headers(path):
+    """Where the headers of all objects of a file begin, of the solution's twice: `solve --write --force` does without them, and once
+    crashed where the library removed them."""
+    with h5py.File(path) as file:
+        names = []
+        file.visit(names.append)
+        return [h5py.h5o.get_info(file[name].id).addr for name in names + [name for name in names if name.startswith("solution")]]
 
 
 def try_case(rng, program, place, material):
     """One file, changed, solved by one solver."""
-    path, data = rng.choice(material)
+    _, data, places = rng.choice(material)
     file = place / "problem.hdf5"
     way = rng.randrange(3)
     if way == 0:
-        file.write_bytes(spoil_bytes(rng, data))
+        file.write_bytes(spoil_bytes(rng, data, places))
     else:
         file.write_bytes(data)
         with h5py.File(file, "r+") as content:
@@ -58,11 +69,13 @@ def try_case(rng, program, place, material):
     return outcome
 
 
-def spoil_bytes(rng, data):
-    """Bytes flipped, cut off, or filled."""
+def spoil_bytes(rng, data, places):
+    """Bytes flipped, anywhere or in the headers of objects, cut off, or filled."""
     data = bytearray(data)
+    is_header = rng.random() < 0.5
     for _ in range(rng.choice([1, 1, 3, 20])):
-        data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
+        at = rng.choice(places) + rng.randrange(HEADER_BYTES) if is_header else rng.randrange(len(data))
+        data[at] ^= 1 << rng.randrange(8)
     way = rng.randrange(6)
     if way == 0:
         return bytes(data[: rng.randrange(len(data))])
