@@ -116,8 +116,6 @@ contains
     integer, intent(in) :: p
     type(contacts_t), intent(inout) :: contacts
     type(touch_t) :: touch
-    integer(i4) :: law
-    integer :: i, past(2)
 
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert)
       if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
@@ -127,20 +125,8 @@ contains
           call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
       end if
     end associate
-    if (contacts%n + touch%n > size(contacts%gap)) then
-      call grow_contacts(contacts, contacts%n + touch%n)
-      if (contacts%is_cut) return
-    end if
-    law = int(scene%sees(pairs%see(p))%law, i4)
-    do i = 1, touch%n
-      past(i) = recall(history, p, touch%feature(i), touch%point(:, i))
-    end do
-    if (any(past(:touch%n) == 0)) call take_over(scene, pairs, history, p, [scene%period*real(pairs%image(p), wp), 0.0_wp], &
-                                                 touch%point(:, :touch%n), past(:touch%n))
-    do i = 1, touch%n
-      call add_contact(scene, pairs, history, p, past(i), law, touch%normal(:, i), touch%point(:, i), touch%gap(i), &
-                       touch%feature(i), contacts)
-    end do
+    if (touch%n > 0) call add_contacts(scene, pairs, history, p, law_of(scene, pairs, p), touch%n, touch%normal, touch%point, &
+                                       touch%gap, touch%feature, contacts)
   end subroutine touch_in_plane
 
   !> Narrow phase of one pair in space.
@@ -152,9 +138,8 @@ contains
     type(contacts_t), intent(inout) :: contacts
     type(touch_space_t) :: touch
     real(wp) :: offset(3)
-    integer(i4) :: law
-    integer :: i, past(most_points)
 
+    ! Most pairs end right below: a function for these numbers costs a twentieth of the detection of spheres.
     offset = [scene%period*real(pairs%image(p), wp), scene%period_y*real(pairs%image_y(p), wp), 0.0_wp]
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert, &
                contactors => scene%contactors)
@@ -170,21 +155,8 @@ contains
         end if
       end if
     end associate
-    if (contacts%n + touch%n > size(contacts%gap)) then
-      call grow_contacts(contacts, contacts%n + touch%n)
-      if (contacts%is_cut) return
-    end if
-    law = int(scene%sees(pairs%see(p))%law, i4)
-    do i = 1, touch%n
-      past(i) = recall(history, p, touch%feature(i), touch%point(:, i))
-    end do
-    if (any(past(:touch%n) == 0)) call take_over(scene, pairs, history, p, offset, &
-                                                 touch%point(:, :touch%n), past(:touch%n))
-    do i = 1, touch%n
-      call add_contact(scene, pairs, history, p, past(i), law, touch%normal(:, i), touch%point(:, i), touch%gap(i), &
-                       touch%feature(i), contacts)
-      contacts%image_y(contacts%n) = pairs%image_y(p)
-    end do
+    if (touch%n > 0) call add_contacts(scene, pairs, history, p, law_of(scene, pairs, p), touch%n, touch%normal, touch%point, &
+                                       touch%gap, touch%feature, contacts)
   end subroutine touch_in_space
 
   !> The contact of a link, which is there at any distance.
@@ -198,21 +170,14 @@ contains
     integer :: l, k
 
     l = pairs%link(p - pairs%n_near)
-    offset = 0
-    offset(1) = scene%period*real(pairs%image(p), wp)
-    if (scene%dimension == 3) offset(2) = scene%period_y*real(pairs%image_y(p), wp)
+    offset = offset_of(scene, pairs, p)
     associate (centre => scene%contactors%centre, law => scene%laws(scene%links%law(l)))
       call touch_link(centre(:, pairs%contactor(1, p)), centre(:, pairs%contactor(2, p)) + offset(:scene%dimension), &
                       scene%links%length(l), pulls_only(law), normal, point, length)
     end associate
-    if (contacts%n + 1 > size(contacts%gap)) then
-      call grow_contacts(contacts, contacts%n + 1)
-      if (contacts%is_cut) return
-    end if
-    k = recall(history, p, int(l, i4), point)
-    call add_contact(scene, pairs, history, p, k, scene%links%law(l), normal, point, length, int(l, i4), contacts)
+    call add_contacts(scene, pairs, history, p, scene%links%law(l), 1, normal, point, [length], [int(l, i4)], contacts)
+    if (contacts%is_cut) return
     k = contacts%n
-    if (scene%dimension == 3) contacts%image_y(k) = pairs%image_y(p)
     ! The link may have turned since: the guess of one that carries nothing across is the force along it.
     if (contacts%n_components == 3 .and. .not. holds_across(scene%laws(contacts%law(k)))) &
       contacts%impulse(:, k) = dot_product(contacts%impulse(:, k), normal)*normal
@@ -272,14 +237,61 @@ contains
     apart = between(1)**2 + between(2)**2 + between(3)**2 > limit**2
   end function spheres_are_apart
 
-  !> Let points whose features have no past take over the remaining history of the pair.
-  pure subroutine take_over(scene, pairs, history, p, offset, point, past)
+  !> Shift of the antagonist of a pair [m].
+  pure function offset_of(scene, pairs, p) result(offset)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    integer, intent(in) :: p
+    real(wp) :: offset(3)
+
+    offset = [scene%period*real(pairs%image(p), wp), 0.0_wp, 0.0_wp]
+    if (scene%dimension == 3) offset(2) = scene%period_y*real(pairs%image_y(p), wp)
+  end function offset_of
+
+  !> Law of a pair that is no link.
+  pure integer(i4) function law_of(scene, pairs, p)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    integer, intent(in) :: p
+
+    law_of = int(scene%sees(pairs%see(p))%law, i4)
+  end function law_of
+
+  !> Add the points of contact of a pair, each with what its past carries.
+  subroutine add_contacts(scene, pairs, history, p, law, n, normal, point, gap, feature, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(in) :: history
     integer, intent(in) :: p
-    real(wp), intent(in) :: offset(:), point(:, :)
+    integer(i4), intent(in) :: law
+    integer, intent(in) :: n !! points
+    real(wp), intent(in) :: normal(scene%dimension, n), point(scene%dimension, n), gap(n)
+    integer(i4), intent(in) :: feature(n)
+    type(contacts_t), intent(inout) :: contacts
+    integer :: i, past(most_points)
+
+    if (contacts%n + n > size(contacts%gap)) then
+      call grow_contacts(contacts, contacts%n + n)
+      if (contacts%is_cut) return
+    end if
+    do i = 1, n
+      past(i) = recall(history, p, feature(i), point(:, i))
+    end do
+    if (any(past(:n) == 0)) call take_over(scene, pairs, history, p, point, past(:n))
+    do i = 1, n
+      call add_contact(scene, pairs, history, p, past(i), law, normal(:, i), point(:, i), gap(i), feature(i), contacts)
+    end do
+  end subroutine add_contacts
+
+  !> Let points whose features have no past take over the remaining history of the pair.
+  pure subroutine take_over(scene, pairs, history, p, point, past)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: p
+    real(wp), intent(in) :: point(:, :)
     integer, intent(inout) :: past(:)
+    real(wp) :: offset(3)
     integer :: before, first, last
 
     before = past_pair(history, p)
@@ -287,8 +299,9 @@ contains
     first = history%first(before)
     last = history%first(before + 1) - 1
     if (last < first) return
-    call hand_over(scene%contactors, pairs%contactor(1, p), pairs%contactor(2, p), offset, history%feature(first:last), point, &
-                   first, past)
+    offset = offset_of(scene, pairs, p)
+    call hand_over(scene%contactors, pairs%contactor(1, p), pairs%contactor(2, p), offset(:scene%dimension), &
+                   history%feature(first:last), point, first, past)
   end subroutine take_over
 
   !> Add one point of contact, with the impulse of its past.
@@ -298,7 +311,7 @@ contains
     type(history_t), intent(in) :: history
     integer, intent(in) :: p, past
     integer(i4), intent(in) :: law
-    real(wp), intent(in) :: normal(:), point(:), gap
+    real(wp), intent(in) :: normal(scene%dimension), point(scene%dimension), gap
     integer(i4), intent(in) :: feature
     type(contacts_t), intent(inout) :: contacts
     integer :: k
@@ -310,6 +323,7 @@ contains
     contacts%body(1, k) = scene%contactors%body(pairs%contactor(1, p))
     contacts%body(2, k) = scene%contactors%body(pairs%contactor(2, p))
     contacts%image(k) = pairs%image(p)
+    if (scene%dimension == 3) contacts%image_y(k) = pairs%image_y(p)
     contacts%law(k) = law
     contacts%feature(k) = feature
     contacts%normal(:, k) = normal
