@@ -7,7 +7,7 @@ module sg_history
   use sg_internal_values, only: not_recorded
   use sg_kinds, only: wp, i1, i4, i8
   use sg_lists, only: reserve
-  use sg_near, only: candidate_first
+  use sg_near, only: candidate_first, spans
   use sg_neighbours, only: neighbours_t
   use sg_scene, only: scene_t, start_contact_t
   use sg_sorting, only: sort_permutation
@@ -213,27 +213,32 @@ contains
     end do
   end subroutine unwrap_images
 
-  !> Periods that the antagonist has crossed more than the candidate.
+  !> Periods that the candidate has crossed more than the antagonist: what a pair's image counts from.
+  !!
+  !! Let x be a place within the period and X = x + crossings L the unwrapped one. An antagonist that is moved by `image` periods is
+  !! x_a + image L - x_c = X_a - X_c + (image + crossings_c - crossings_a) L away from its candidate. Wrapping changes none of X, so
+  !! it does not change the sum in brackets.
   pure function crossed_between(scene, contactor) result(crossed)
     type(scene_t), intent(in) :: scene
     integer(i4), intent(in) :: contactor(2)
     integer(i4) :: crossed(2)
 
     associate (c => scene%contactors%body(contactor(1)), a => scene%contactors%body(contactor(2)))
-      crossed = scene%bodies%crossings(a) - scene%bodies%crossings(c)
+      crossed = scene%bodies%crossings(c) - scene%bodies%crossings(a)
       crossed(2) = 0
-      if (scene%dimension == 3) crossed(2) = scene%bodies%crossings_y(a) - scene%bodies%crossings_y(c)
+      if (scene%dimension == 3) crossed(2) = scene%bodies%crossings_y(c) - scene%bodies%crossings_y(a)
     end associate
   end function crossed_between
 
-  !> Find the past of every pair of a new list of neighbours: of one image if there is one, or else of any, since that of a wall
-  !! that spans the period is but the nearest.
+  !> Find the past of every pair of a new list of neighbours, image by image. All images of a wall that spans a period are one
+  !! wall, of which pairs name the nearest; contacts of a deck name no image.
   subroutine match_pairs(history, scene, pairs)
     type(history_t), intent(inout) :: history !! past, its images unwrapped; `past` is set
     type(scene_t), intent(in) :: scene !! scene after the new list
     type(neighbours_t), intent(in) :: pairs !! the new list
     integer(i4), allocatable :: first(:), member(:)
     integer(i4) :: image(2)
+    logical :: is_endless(2)
     integer :: p, m
 
     call list_by_candidate(history, scene%contactors%n, first, member)
@@ -246,8 +251,12 @@ contains
       image = image + crossed_between(scene, pairs%contactor(:, p))
       do m = first(pairs%contactor(1, p)), first(pairs%contactor(1, p) + 1) - 1
         if (history%contactor(2, member(m)) /= pairs%contactor(2, p)) cycle
+        if (any(history%image(:, member(m)) /= image)) then
+          is_endless = history%by_point .or. spans(scene%contactors, pairs%contactor(2, p), [scene%period, scene%period_y])
+          if (.not. all(is_endless .or. history%image(:, member(m)) == image)) cycle
+        end if
         history%past(p) = member(m)
-        if (all(history%image(:, member(m)) == image)) exit
+        exit
       end do
     end do
     history%is_matched = .true.

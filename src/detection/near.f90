@@ -4,7 +4,7 @@ module sg_near
   use sg_kinds, only: wp, i4
   implicit none
   private
-  public :: is_near, candidate_first, turning_arm
+  public :: is_near, candidate_first, turning_arm, spans
 
 contains
 
@@ -95,10 +95,8 @@ contains
       along = max(0.0_wp, abs(dot_product(apart(:2), axis)) - half_length)
       across = apart(1)*axis(2) - apart(2)*axis(1)
       near_segment = hypot(along, across) - contactors%wall_size(2, row) - reach < distance
-      if (period(1) > 0 .and. 2*half_length*abs(axis(1)) >= period(1)) then
-        near_segment = near_segment .and. is_nearest(apart(1)/period(1))
-      end if
     end associate
+    if (near_segment) near_segment = is_the_one(contactors, wall, apart, period)
   end function near_segment
 
   !> Against a plane: distance to its box. Of a plane that spans a period only the nearest image is seen.
@@ -107,20 +105,56 @@ contains
     integer(i4), intent(in) :: wall
     real(wp), intent(in) :: apart(3), reach, period(3), distance
     real(wp) :: frame(3, 3), half(3), beyond(3)
-    integer :: axis
 
     frame = reshape(contactors%space%plane_world(:, contactors%row(wall)), [3, 3])
     half = contactors%space%plane_half(:, contactors%row(wall))
     half(:2) = half(:2) + contactors%space%plane_rim(contactors%row(wall))
     beyond = max(0.0_wp, abs(matmul(apart, frame)) - half)
     near_plane = norm2(beyond) - reach < distance
-    do axis = 1, 2
-      if (.not. period(axis) > 0) cycle
-      if (2*dot_product(half, abs(frame(axis, :))) >= period(axis)) then
-        near_plane = near_plane .and. is_nearest(apart(axis)/period(axis))
-      end if
-    end do
+    if (near_plane) near_plane = is_the_one(contactors, wall, apart, period)
   end function near_plane
+
+  !> Of the images of a wall that spans a period, is this the one that is seen?
+  pure logical function is_the_one(contactors, wall, apart, period)
+    type(contactors_t), intent(in) :: contactors
+    integer(i4), intent(in) :: wall
+    real(wp), intent(in) :: apart(3), period(3)
+    logical :: is_endless(2)
+    integer :: axis
+
+    is_the_one = .true.
+    is_endless = spans(contactors, wall, period(:2))
+    do axis = 1, 2
+      if (is_endless(axis)) is_the_one = is_the_one .and. is_nearest(apart(axis)/period(axis))
+    end do
+  end function is_the_one
+
+  !> Is a contactor a segment or a plane as long as a period, in x and in y? All its images are one wall.
+  pure function spans(contactors, c, period)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    integer(i4), intent(in) :: c !! the one to look at
+    real(wp), intent(in) :: period(2) !! in x and y, zero where not periodic [m]
+    logical :: spans(2)
+    real(wp) :: frame(3, 3), half(3)
+    integer :: axis
+
+    spans = .false.
+    if (.not. any(period > 0)) return
+    associate (row => contactors%row(c))
+      select case (contactors%kind(c))
+      case (kind_wall)
+        spans(1) = 2*contactors%wall_size(1, row)*abs(contactors%wall_axis(1, row)) >= period(1)
+      case (kind_plane)
+        frame = reshape(contactors%space%plane_world(:, row), [3, 3])
+        half = contactors%space%plane_half(:, row)
+        half(:2) = half(:2) + contactors%space%plane_rim(row)
+        do axis = 1, 2
+          spans(axis) = 2*dot_product(half, abs(frame(axis, :))) >= period(axis)
+        end do
+      end select
+    end associate
+    spans = spans .and. period > 0
+  end function spans
 
   !> Against a hollow cylinder: between its ends, and not far inside its wall.
   pure logical function near_hollow_cylinder(contactors, wall, apart, reach, distance) result(is_near)

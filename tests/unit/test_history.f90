@@ -21,6 +21,8 @@ program test_history
   call test_resume()
   call test_points()
   call test_bonds()
+  call test_images()
+  call test_one_side()
   call t%finish()
 
 contains
@@ -201,4 +203,81 @@ contains
     call detect(scene, pairs, history, contacts)
     call t%check(contacts%status(1) == status_new, 'bonds: none where grains meet later')
   end subroutine test_bonds
+
+  !> Two disks in a narrow period touch on both sides: each image keeps its own impulse when one or both cross the border.
+  subroutine test_images()
+    type(scene_t) :: scene
+    type(neighbours_t) :: pairs
+    type(history_t) :: history
+    type(contacts_t) :: contacts
+    type(random_t) :: random
+    integer :: round, n_apart
+
+    call random%seed(7)
+    call begin_scene(scene, 2, 0.3_wp, 0.05_wp)
+    scene%period = 2
+    call put_disk(scene, 1, 0.5_wp, [0.4_wp, 0.0_wp])
+    call put_disk(scene, 2, 0.5_wp, [1.4_wp, 0.0_wp])
+    call place_bodies(scene)
+    n_apart = 0
+    call detect(scene, pairs, history, contacts)
+    do round = 1, 40
+      call t%equal(contacts%n, 2, 'images: both sides touch')
+      contacts%impulse(:, :2) = contacts%normal(:, :2)
+      contacts%status(:2) = status_slide
+      if (modulo(round, 3) == 0) then
+        history = history_t()
+        call resume_history(history, contacts)
+        pairs = neighbours_t()
+      end if
+      scene%bodies%position = scene%bodies%position + spread(random%uniform(0.5_wp, 5.0_wp)*[random%uniform(-1.0_wp, 1.0_wp), &
+                                                                                            1.0_wp], 2, 2)
+      call place_bodies(scene)
+      call detect(scene, pairs, history, contacts)
+      call t%near(maxval(abs(contacts%impulse(:, :2) - contacts%normal(:, :2))), 0.0_wp, 1e-12_wp, &
+                  'images: each side keeps its own impulse')
+      if (scene%bodies%crossings(1) /= scene%bodies%crossings(2)) n_apart = n_apart + 1
+    end do
+    call t%check(n_apart > 5, 'images: one of the two was beyond the border')
+  end subroutine test_images
+
+  !> Of two disks that touch on both sides one side alone has a past: across the border too, the other side takes nothing of it.
+  subroutine test_one_side()
+    type(scene_t) :: scene
+    type(neighbours_t) :: pairs
+    type(history_t) :: history
+    type(contacts_t) :: contacts, right
+    integer :: i, k
+
+    do i = -1, 2
+      call begin_scene(scene, 2, 0.3_wp, 0.05_wp)
+      scene%period = 2
+      call put_disk(scene, 1, 0.5_wp, [0.4_wp, 0.0_wp])
+      call put_disk(scene, 2, 0.5_wp, [1.4_wp, 0.0_wp])
+      call place_bodies(scene)
+      contacts = contacts_t()
+      pairs = neighbours_t()
+      history = history_t()
+      call detect(scene, pairs, history, contacts)
+      k = maxloc(contacts%normal(1, :2), 1)
+      right = contacts
+      right%n = 1
+      right%contactor(:, 1) = contacts%contactor(:, k)
+      right%image(1) = contacts%image(k)
+      right%feature(1) = contacts%feature(k)
+      right%impulse(:, 1) = 1
+      right%status(1) = status_bonded
+      history = history_t()
+      pairs = neighbours_t()
+      call resume_history(history, right)
+      scene%bodies%position(1, :) = scene%bodies%position(1, :) + real(i, wp)
+      call place_bodies(scene)
+      call detect(scene, pairs, history, contacts)
+      call t%equal(contacts%n, 2, 'one side: both touch')
+      do k = 1, contacts%n
+        call t%check(contacts%status(k) == merge(status_bonded, status_new, contacts%normal(1, k) > 0), &
+                     'one side: only the one that has a past is bonded')
+      end do
+    end do
+  end subroutine test_one_side
 end program test_history
