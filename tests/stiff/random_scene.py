@@ -6,7 +6,8 @@ import re
 from reference_keys import draw, number
 
 # Keys whose values are chosen here, or that only a person knows.
-PICKED = {"steps", "step", "maximum_sweeps", "threads", "dimension", "datbox", "file", "faces", "scale", "hull", "every", "seed"}
+PICKED = {"steps", "step", "maximum_sweeps", "threads", "dimension", "datbox", "file", "faces", "scale", "hull", "every", "seed",
+          "period_x", "period_y", "shape", "inertia"}
 
 
 class Scene:
@@ -37,7 +38,44 @@ class Scene:
                 text = key.text(self.rng, self.dimension, self.spread)
                 if text:
                     block[key.name] = text
+        self.make_sense(heading, block)
         self.blocks.append((heading, block))
+
+    def make_sense(self, heading, block):
+        """Mend values that contradict each other."""
+        if heading == "[[body]]" and block.get("fixed") == "true":
+            block.pop("velocity", None)
+            block.pop("spin", None)
+        if "omega" in block:
+            block.pop("frequency", None)
+        if heading == "[[law]]":
+            rest = float(block.get("friction", 0))
+            if float(block.get("static_friction", rest)) < float(block.get("dynamic_friction", rest)):
+                block["static_friction"] = block.get("dynamic_friction", block.get("friction"))
+            if "normal_bond_stress" in block or "tangential_bond_stress" in block:
+                block.pop("normal_cohesion", None)
+                block.pop("tangential_cohesion", None)
+            if block["kind"].endswith('_CZM"'):
+                self.make_zone(block)
+
+    def make_zone(self, block):
+        """Numbers of a cohesive zone that fit each other: openings in the order in which a bond passes them."""
+        for mode in ("normal", "tangential"):
+            if f"{mode}_strength" not in block:
+                continue
+            strength = float(block[f"{mode}_strength"])
+            first = strength / float(block[f"{mode}_stiffness"])
+            plateau = first * (1 + 10 ** self.rng.uniform(-self.spread, self.spread))
+            energy = strength * (plateau - first / 2) * (1 + 10 ** self.rng.uniform(-self.spread, self.spread))
+            if f"{mode}_plateau" in block:
+                block[f"{mode}_plateau"] = self.say(plateau)
+            if f"{mode}_opening" in block:
+                # Two lines meet, where a share of the energy is gone, after the peak and before the end.
+                share = float(block["knee_share"])
+                energy += strength * first / (2 * share)
+                least = max(4 * energy * share / strength, 2 * math.sqrt(energy * first / strength))
+                block[f"{mode}_opening"] = self.say(least * (1 + 10 ** self.rng.uniform(-self.spread, self.spread)))
+            block[f"{mode}_energy"] = self.say(energy)
 
     def say(self, value):
         if isinstance(value, bool):
@@ -57,6 +95,9 @@ class Scene:
         self.period = (self.columns + 1) * self.cell if self.chance(0.25) else 0.0
         if self.period:
             scene["period_x"] = self.period
+        self.period_y = 1.2 * self.cell if d == 3 and self.chance(0.15) else 0.0
+        if self.period_y:
+            scene["period_y"] = self.period_y
         if self.chance(0.3):
             scene["gravity"] = [draw(rng, -math.inf, math.inf, self.spread) * self.length for _ in range(d)]
         if scene or self.chance(0.5):
@@ -117,7 +158,7 @@ class Scene:
 
     def make_bodies(self):
         rng, d = self.rng, self.dimension
-        for i in range(rng.randint(0, 10)):
+        for i in range(rng.randint(1, 10)):
             place = [(i % self.columns + 0.55) * self.cell, (i // self.columns + 0.55) * self.cell]
             if d == 3:
                 place.insert(1, 0.55 * self.cell)
@@ -132,6 +173,8 @@ class Scene:
                 more["spin"] = draw(rng, -math.inf, math.inf, self.spread) if d == 2 else [rng.uniform(-9, 9) for _ in range(3)]
             if self.chance(0.1):
                 more["fixed"] = True
+            if self.chance(0.06):
+                more["inertia"] = self.inertia()
             if self.wild and self.chance(0.3):
                 more["mass"] = 10 ** rng.uniform(-9, 9)
             if self.chance(0.2):
@@ -142,6 +185,16 @@ class Scene:
             else:
                 kind, sizes = self.shape(size)
                 self.add("[[body]]", position=place, shape=self.quote(kind), **sizes, **more)
+
+    def inertia(self):
+        """Moments of inertia that a body may have: in space none is larger than the sum of the others."""
+        size = 10 ** self.rng.uniform(-self.spread, self.spread)
+        if self.dimension == 2:
+            return size
+        two = [size * self.rng.uniform(0.1, 1.0), size]
+        moments = two + [self.rng.uniform(two[1] - two[0], two[0] + two[1])]
+        self.rng.shuffle(moments)
+        return moments
 
     def make_walls(self):
         if self.chance(0.2):
@@ -156,7 +209,7 @@ class Scene:
                 top = 20 * self.cell
                 self.add("[[wall]]", name='"lid"', **{"from": [0.0, top], "to": [self.cell * 4, top]}, thickness=0.4 * self.cell,
                          pressure=10 ** self.rng.uniform(0, 5), direction=[0, -1], **self.material)
-        elif self.period or self.chance(0.5):
+        elif self.chance(0.5):
             self.add("[[wall]]", name='"floor"', centre=[0.0, 0.0, 0.0], size=[width, width], thickness=self.cell, **self.material)
         else:
             self.names.append("box.floor")
@@ -176,10 +229,9 @@ class Scene:
 
     def make_drives(self):
         axes = ["x", "y", "rotation"] if self.dimension == 2 else ["x", "y", "z", "rotation_x", "rotation_y", "rotation_z"]
-        for _ in range(self.rng.choice([0, 0, 1, 2])):
-            if self.names:
-                self.add("[[drive]]", body=self.quote(self.rng.choice(self.names)), component=self.quote(self.rng.choice(axes)),
-                         value=draw(self.rng, -math.inf, math.inf, self.spread))
+        pairs = [(name, axis) for name in self.names for axis in axes]
+        for name, axis in self.rng.sample(pairs, min(len(pairs), self.rng.choice([0, 0, 1, 2]))):
+            self.add("[[drive]]", body=self.quote(name), component=self.quote(axis), value=draw(self.rng, -math.inf, math.inf, self.spread))
 
     def lines(self):
         """The deck as lines."""

@@ -28,7 +28,8 @@ class Key:
             halves = re.split(r"[,;] in space ", kind)
             bounds = re.search(r", (?:at|above).*", halves[1])
             kind = halves[1] if dimension == 3 else halves[0] + (bounds[0] if bounds else "")
-        low, high = self.bound(kind, r"(?:at least|above)"), self.bound(kind, "at most")
+        low, high = self.bound(kind, "at least"), self.bound(kind, "at most")
+        above = self.bound(kind, "above")
         if kind.startswith("`"):
             return f'"{rng.choice(re.findall(r"`([^`]*)`", kind))}"'
         if kind == "true or false":
@@ -36,10 +37,10 @@ class Key:
         if kind.startswith("an integer"):
             return str(rng.randint(int(max(low, -5)), int(min(high, max(low, 0) + 6))))
         if kind.startswith("a number") and "list" not in kind:
-            return number(draw(rng, low, high, spread))
+            return number(draw(rng, low, high, spread, above))
         count = re.match(r"a list of (\d) numbers", kind)
         if count:
-            return "[" + ", ".join(number(draw(rng, low, high, spread)) for _ in range(int(count[1]))) + "]"
+            return "[" + ", ".join(number(draw(rng, low, high, spread, above)) for _ in range(int(count[1]))) + "]"
         return None
 
     @staticmethod
@@ -57,13 +58,15 @@ def number(value):
     return text if re.search(r"[.e]", text) else text + ".0"
 
 
-def draw(rng, low, high, spread):
-    """A number of any size within a range, its ends at times."""
+def draw(rng, low, high, spread, above=-math.inf):
+    """A number of any size within a range, its ends at times where they belong to it."""
     if math.isfinite(low) and rng.random() < 0.1:
         return low
     if math.isfinite(high) and rng.random() < 0.1:
         return high
     value = 10 ** rng.uniform(-spread, spread)
+    if math.isfinite(above):
+        return min(above + value, high)
     if low >= 0:
         return min(max(value, low * (1 + 1e-9)), high)
     return max(low, min(high, rng.choice([-1, 1]) * value))
