@@ -25,6 +25,7 @@ module datbox_tests
     integer :: n_lines(most_files) = 0
     character(len=width) :: lines(most_lines, most_files) = ''
   contains
+    procedure :: begin => datbox_tests_begin
     procedure :: keep => datbox_tests_keep
     procedure :: take => datbox_tests_take
     procedure :: put => datbox_tests_put
@@ -35,6 +36,20 @@ module datbox_tests
   end type datbox_tests_t
 
 contains
+
+  !> Name the folder, and keep the lines of the files that every good one has.
+  subroutine datbox_tests_begin(self, folder, bulk, tact, bodies, drives, state)
+    class(datbox_tests_t), intent(inout) :: self
+    character(len=*), intent(in) :: folder !! folder to write
+    character(len=*), intent(in) :: bulk(:), tact(:), bodies(:), drives(:), state(:) !! lines of its files
+
+    self%folder = folder
+    call self%keep('BULK_BEHAV.DAT', bulk)
+    call self%keep('TACT_BEHAV.DAT', tact)
+    call self%keep('BODIES.DAT', bodies)
+    call self%keep('DRV_DOF.DAT', drives)
+    call self%keep('DOF.INI', state)
+  end subroutine datbox_tests_begin
 
   !> Keep the lines of a file of the good folder.
   subroutine datbox_tests_keep(self, name, lines)

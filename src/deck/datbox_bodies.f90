@@ -6,7 +6,7 @@ module sg_datbox_bodies
   use sg_ascending, only: place_in
   use sg_datbox_behaviours, only: other_law, other_law_t
   use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, read_triple, triple
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, is_block_end, keyword, name_field, &
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, end_with_file, go_to, is_block_end, keyword, name_field, &
                              next_data_line, next_line, pass_over, remark, step_back
   use sg_datbox_plane_bodies, only: complete_planar_body, read_planar_contactor
   use sg_datbox_space_bodies, only: complete_solid_body, read_solid_contactor
@@ -119,8 +119,8 @@ contains
     section = ''
     do
       if (.not. next_line(file)) then
-        call complain(file, 'the file ends within body '//to_text(number)//', before its $$$$$$', 0, diagnostics)
-        return
+        call end_with_file(file, diagnostics)
+        exit
       end if
       word = keyword(file)
       if (word /= '') then

@@ -1,8 +1,8 @@
 !> DRV_DOF.DAT of a DATBOX: imposed velocities and forces, by formula or by an evolution file.
 module sg_datbox_drives
   use sg_datbox_bodies, only: body_type
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, go_to, integer_field, is_block_end, keyword, &
-                             name_field, next_data_line, next_line, open_datbox_file, pass_over, real_field, remark
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, go_to, integer_field, keyword, name_field, &
+                             next_data_line, next_in_block, next_line, open_datbox_file, pass_over, real_field, remark
   use sg_drives, only: drive_t, mark_walls, pressure_t
   use sg_error, only: diagnostics_t
   use sg_evolution_file, only: read_evolution_file
@@ -141,14 +141,9 @@ contains
     drive%body = local_body(scene%bodies, int(number, i4))
     if (drive%body > 0) call drop_earlier(file, scene, number, drive%body, n, is_driven, diagnostics)
     section = ''
-    do
-      if (.not. next_line(file)) then
-        call complain(file, 'the file ends within a body, before its $$$$$$', 0, diagnostics)
-        return
-      end if
+    do while (next_in_block(file, diagnostics))
       if (keyword(file) /= '') then
         section = keyword(file)
-        if (is_block_end(section)) return
       else if (section == 'dofty') then
         call read_drive(file, folder, scene%dimension, drive, ok, diagnostics)
         if (.not. ok .or. drive%body == 0) cycle

@@ -12,7 +12,7 @@ module sg_datbox_lines
   private
   public :: datbox_file_t, open_datbox_file, next_line, next_data_line, step_back, go_to, keyword, line_text, first_letter
   public :: name_field, real_field, is_real, integer_field, free_numbers, complain, complain_once, remark, pass_over
-  public :: is_block_end, digest_of
+  public :: is_block_end, end_with_file, next_in_block, digest_of
 
   !> Errors after which the rest of a file is not read: what follows is noise
   integer, parameter :: most_errors = 20
@@ -421,6 +421,35 @@ contains
 
     call remark(file, 'stray '//place, 'a line '//place//' is passed over, as LMGC90 does', 1, diagnostics)
   end subroutine pass_over
+
+  !> Go to the next line of a body's block; false at its end, which is also where the next body or the end of the file is met first.
+  logical function next_in_block(file, diagnostics) result(found)
+    type(datbox_file_t), intent(inout) :: file !! file within a block, left at the last line that belongs to it
+    type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
+
+    found = next_line(file)
+    if (.not. found) then
+      call end_with_file(file, diagnostics)
+    else if (is_block_end(keyword(file))) then
+      found = .false.
+    else if (keyword(file) == 'bdyty') then
+      call remark(file, 'open block', 'a body begins here, before the $$$$$$ of the one before, which ends here, as in LMGC90', 1, &
+                  diagnostics)
+      call step_back(file)
+      found = .false.
+    end if
+  end function next_in_block
+
+  !> End a block where the file ends, before the line that should end the block.
+  subroutine end_with_file(file, diagnostics)
+    type(datbox_file_t), intent(inout) :: file !! file at its last line
+    type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
+
+    ! After too many mistakes the end of the file has not been read.
+    if (file%n_errors < most_errors) &
+      call remark(file, 'end of file', 'the file ends here, before the $$$$$$ of a body, which ends with it, as in LMGC90', 0, &
+                  diagnostics)
+  end subroutine end_with_file
 
   !> Has this thing not been said yet? From now on it has.
   logical function is_news(file, thing)

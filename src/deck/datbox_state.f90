@@ -3,8 +3,8 @@ module sg_datbox_state
   use sg_contactors, only: contactors_t, kind_cylinder, kind_plane
   use sg_datbox_blocks, only: read_point, read_triple, triple
   use sg_datbox_drives, only: read_body_number
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, integer_field, is_block_end, keyword, name_field, &
-                             next_line, open_datbox_file, pass_over, real_field
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, integer_field, keyword, name_field, &
+                             next_in_block, next_line, open_datbox_file, pass_over, real_field
   use sg_datbox_space_bodies, only: read_frame
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
@@ -66,12 +66,7 @@ contains
     call read_body_number(file, scene%dimension, n_bodies, number, diagnostics)
     body = local_body(scene%bodies, int(number, i4))
     in_nodes = .false.
-    do
-      if (.not. next_line(file)) then
-        call complain(file, 'the file ends within a body, before its $$$$$$', 0, diagnostics)
-        return
-      end if
-      if (is_block_end(keyword(file))) return
+    do while (next_in_block(file, diagnostics))
       if (keyword(file) == 'nodty') in_nodes = .true.
       if (keyword(file) /= '') cycle
       if (.not. in_nodes .or. name_field(file, 2) == '') then

@@ -2,8 +2,8 @@
 """DATBOX folders at random: right ones, the same in another dialect, and spoilt ones.
 
 A right folder must be read. Its twin in another dialect has everything that LMGC90's readers pass over (stray lines, comments,
-letters before keywords, labels, letters of exponents, blank zeros, earlier blocks that later ones replace) and must give the
-same scene and the same steps, digit by digit. A spoilt one must be read or refused with a sentence.
+letters before keywords, labels, letters of exponents, blank zeros, earlier blocks that later ones replace, blocks that nothing
+ends) and must give the same scene and the same steps, digit by digit. A spoilt one must be read or refused with a sentence.
 """
 
 import math
@@ -217,12 +217,28 @@ def in_dialect(rng, folder):
         if name == "push.dat":
             written[name] = ("\n".join("   " + line.replace(" ", "   ") for line in lines) + "\n").encode()
             continue
-        lines = [line for old in lines for line in spelt(rng, name, old, share)]
-        if rng.random() < share:
+        open_lines = without_ends(rng, name, lines, share)
+        is_open = open_lines[-1] != lines[-1]
+        lines = [line for old in open_lines for line in spelt(rng, name, old, share)]
+        if rng.random() < share and not is_open:
             lines += [rng.choice(STRAY)]
         end = rng.choice(["\n", "\n", "\r\n"])
         written[name] = (end.join(lines) + end).encode()
     return written
+
+
+def without_ends(rng, name, lines, share):
+    """The lines of a file without some of those that end a body's block: the next body or the end of the file does that as well;
+    in BODIES.DAT the end of the file alone."""
+    lines = list(lines)
+    for i in reversed([i for i, line in enumerate(lines) if line == "$$$$$$"]):
+        is_last = i == len(lines) - 1
+        if rng.random() < share and (is_last or name != "BODIES.DAT"):
+            del lines[i]
+            if not is_last:
+                # A stray line would now stand within the block before.
+                lines[i] = lines[i].removeprefix("@")
+    return lines
 
 
 def spelt(rng, name, line, share):

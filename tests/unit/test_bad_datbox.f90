@@ -77,13 +77,8 @@ program test_bad_datbox
     '                             coo1= 0.3000000D+00  coo2= 0.4000000D+00  coo3= 0.0000000D+00']
   type(datbox_tests_t) :: tests
 
-  tests%folder = folder
-  call tests%keep('BULK_BEHAV.DAT', bulk)
-  call tests%keep('TACT_BEHAV.DAT', tact)
-  call tests%keep('BODIES.DAT', bodies)
-  call tests%keep('DRV_DOF.DAT', drives)
+  call tests%begin(folder, bulk, tact, bodies, drives, state)
   call tests%keep('push.dat', push)
-  call tests%keep('DOF.INI', state)
   call tests%keep('Vloc_Rloc.INI', contacts)
   call tests%check_good(spare_laws=1)
   call test_bulk()
@@ -159,7 +154,6 @@ contains
     call tests%refuse(file, 8, ' DISPx      1  color  BLEUx  coo1= 0.2000000D+00  coo2= 0.2000000D+00', 'DISPx', 8, 2)
     call tests%refuse(file, 9, '', 'has not been ended', 10)
     call tests%refuse(file, 13, ' PLAIN      1  behav  PLEXx  avrd= 0.1000000-200  gyrd= 0.7000000D-01', 'no mass', 10)
-    call tests%refuse(file, 22, '', 'the file ends within body 2', 22)
   end subroutine test_bodies
 
   !> Polygons.
@@ -207,7 +201,6 @@ contains
     call tests%refuse(file, 7, ' force      2 evolution nothing.dat', 'cannot read the file', 7, 25)
     call tests%refuse(file, 7, ' force      2 evolution', 'name of the evolution file', 7)
     call tests%refuse(file, 7, ' vlocy      1'//rest//'  0.0000000D+00', 'imposed before', 7)
-    call tests%refuse(file, 8, '', 'the file ends within a body', 8)
     call tests%refuse('push.dat', 2, '', 'needs two lines', 7, 25, 'DRV_DOF.DAT')
   end subroutine test_drives
 
@@ -228,7 +221,6 @@ contains
     call tests%refuse(file, 5, ' NO3xx      1                X(1)= 0.1000000D-01  X(2)=-0.2000000D-01  X(3)= ************', &
                       'not a number', 5, 78)
     call tests%refuse(file, 6, '', 'a velocity', 7)
-    call tests%refuse(file, 7, '', 'the file ends within a body', 7)
   end subroutine test_state
 
   !> Contacts known at the start.
@@ -303,8 +295,9 @@ contains
   subroutine test_every_cut()
     character(len=*), parameter :: names(6) = [character(len=14) :: 'BODIES.DAT', 'BULK_BEHAV.DAT', 'TACT_BEHAV.DAT', &
                                                'DRV_DOF.DAT', 'DOF.INI', 'Vloc_Rloc.INI']
-    ! Cuts after which a whole, smaller file is left (an unused law or an optional file may go).
-    integer, parameter :: whole(6) = [0, 0, 2, 1, 2, 2]
+    ! Cuts after which a smaller file is left that is read: an unused law or an optional file may go, and the end of a file ends
+    ! its last body, if the body has what it needs.
+    integer, parameter :: whole(6) = [1, 0, 2, 7, 5, 2]
     character(len=width), allocatable :: lines(:)
     integer :: f, n, accepted
 

@@ -58,12 +58,7 @@ program test_datbox_dialect
     '$steps        0              time= 0.0000000D+00']
   type(datbox_tests_t) :: tests
 
-  tests%folder = folder
-  call tests%keep('BULK_BEHAV.DAT', bulk)
-  call tests%keep('TACT_BEHAV.DAT', tact)
-  call tests%keep('BODIES.DAT', bodies)
-  call tests%keep('DRV_DOF.DAT', drives)
-  call tests%keep('DOF.INI', state)
+  call tests%begin(folder, bulk, tact, bodies, drives, state)
   call tests%check_good(spare_laws=1)
   call test_bulk()
   call test_laws()
@@ -157,6 +152,12 @@ contains
                           '                       some text', bodies(9:)], 'lines without a type', 1, scene)
     call read_with(file, [character(len=width) :: bodies(:3), bodies(4)(:30), bodies(5:)], 'no radii of mass', 1, scene)
     call tests%near(scene%bodies%mass(1), 2000*pi*0.04_wp, 1e-11_wp, 'mass from the shape')
+    call read_with(file, bodies(:size(bodies) - 1), 'a last body without its end', 1, scene)
+    call tests%equal(scene%bodies%n, 2, 'bodies up to the end of the file')
+    call tests%put(file, [bodies(:8), bodies(10:)])
+    call tests%expect(file, 'has not been ended', 9)
+    call tests%put(file, bodies(:16))
+    call tests%expect(file, 'has no contactor', 10)
   end subroutine test_lines_in_bodies
 
   !> A hollow disk without radii needs no mass where all its components are driven, by the last block that names it.
@@ -220,6 +221,12 @@ contains
     call read_with(file, [character(len=width) :: ' ! title', drives(:5), drives(6)(:88), drives(7:)], &
                    'no rate of the ramp', 2, scene)
     call tests%near(scene%drives(1)%value%at(0.0_wp), 1.0_wp, tight, 'a drive without rate of its ramp')
+    call read_with(file, drives(:8), 'a last block without its end', 1, scene)
+    call tests%equal(size(scene%drives), 3, 'drives up to the end of the file')
+    call read_with(file, [character(len=width) :: drives(:6), '$bdyty', ' RBDY2      1', drives(3:5), drives(7), drives], &
+                   'blocks that the next one ends', 2, scene)
+    call tests%equal(count(scene%drives%body == 1), 1, 'drives of a block that the next one ends')
+    call tests%equal(count(scene%drives%body == 2), 3, 'drives of the block after it')
   end subroutine test_drives
 
   !> The last state of a body counts.
@@ -233,5 +240,9 @@ contains
                    'two states of a body', 1, scene)
     call tests%near(scene%bodies%position(1, 1), 2.0_wp, tight, 'place by the last state')
     call tests%near(scene%bodies%angle(1), 0.5_wp, tight, 'angle by the last state')
+    call read_with('DOF.INI', [character(len=width) :: state, moved(:5), '$bdyty', ' RBDY2      2', moved(3:5)], &
+                   'states without an end', 2, scene)
+    call tests%near(scene%bodies%position(1, 1), 2.0_wp, tight, 'place by a state that the next one ends')
+    call tests%near(scene%bodies%position(1, 2), 2.0_wp, tight, 'place by a state that the end of the file ends')
   end subroutine test_states
 end program test_datbox_dialect
