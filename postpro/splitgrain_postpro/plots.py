@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.ticker import StrMethodFormatter
 
 from .style import (
-    BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, draw_series, say_nothing_there,
+    BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, WALL, draw_series, say_nothing_there,
 )  # fmt: skip
 
 TIME = "time [s]"
@@ -62,12 +62,14 @@ def draw_energies(ax, record, is_in_space=False):
         ("work of drives", _column(record, "drive_work"), PURPLE),
         ("lost in friction", _column(record, "friction_loss"), VERMILION),
         ("lost in impacts", _column(record, "impact_loss"), SKY),
+        ("stored in bonds", _column(record, "bond_energy"), BLACK),
+        ("lost in bonds", _column(record, "bond_loss"), WALL),
     ]
     drawn = False
     largest = max(np.nanmax(np.abs(values), initial=0.0) for _, values, _ in curves)
     for label, values, colour in curves:
-        # Works that a scene does not know stay zero to rounding: they would only fill the legend.
-        if label.startswith("work") and not np.any(np.abs(values) > ROUNDING * largest):
+        # Works and bonds that a scene does not have stay zero to rounding: they would only fill the legend.
+        if ("work" in label or "bonds" in label) and not np.any(np.abs(values) > ROUNDING * largest):
             continue
         drawn = draw_series(ax, time, values, colour, label) or drawn
     _finish(ax, drawn, TIME, "energy [J]" if is_in_space else "energy [J per m of depth]", "Energies", loc="best")
@@ -104,7 +106,7 @@ def draw_sweeps(ax, record):
     if failed.any():
         ax.plot(time[failed], sweeps[failed], "x", color=VERMILION, markersize=4, label="not converged")
     ax.set_ylim(bottom=0)
-    _finish(ax, drawn, TIME, "sweeps a step [-]", "Solver effort", **ABOVE)
+    _finish(ax, drawn, TIME, "sweeps per step [-]", "Solver effort", **ABOVE)
 
 
 def draw_effort(ax, record):
@@ -119,7 +121,7 @@ def draw_effort(ax, record):
     other.set_ylim(bottom=0)
     other.yaxis.set_major_formatter(COUNT)
     other.set_ylabel("contacts [-]", color="#9A6A00")
-    ax.set_ylabel("sweeps a step [-]", color=BLUE)
+    ax.set_ylabel("sweeps per step [-]", color=BLUE)
     handles = [axes.get_legend_handles_labels() for axes in (ax, other)]
     if ax.get_legend():
         ax.get_legend().remove()

@@ -167,6 +167,14 @@ def links(contacts):
     return cells, np.asarray(contacts.cell_data["tension"], dtype=float)[cells] if len(cells) else np.zeros(0)
 
 
+def bonds(contacts):
+    """Cells that hold bonds of cohesive zones, the most damaged ones last, and their damages; none where there are no such laws."""
+    damage = np.asarray(contacts.cell_data.get("damage", np.full(len(contacts.types), -1.0)), dtype=float)
+    cells = np.flatnonzero((contacts.types == VTK_LINE) & (damage >= 0))
+    cells = cells[np.argsort(damage[cells], kind="stable")]
+    return cells, damage[cells]
+
+
 def carrying(contacts):
     """Which cells are contacts that carry a normal force worth drawing."""
     force = np.abs(contacts.cell_data["force_normal"])

@@ -103,6 +103,14 @@ class Canvas:
                 hidden += np.count_nonzero((self.item[window] != NOTHING) & (depth > self.depth[window]))
         return hidden
 
+    def sees(self, points, slack):
+        """Which points nothing hides that is nearer by more than `slack` [m]; points outside of the picture are not seen."""
+        columns, rows = ((points[:, k] - self.box[2 * k]) * self.scale for k in (0, 1))
+        columns, rows = columns.astype(int), rows.astype(int)
+        inside = (columns >= 0) & (columns < self.width) & (rows >= 0) & (rows < self.height)
+        inside[inside] = self.depth[rows[inside], columns[inside]] <= points[inside, 2] + slack
+        return inside
+
     def add_tubes(self, starts, ends, radii, items):
         """Round bars with round ends."""
         for start, end, radius, item in zip(starts, ends, radii, items, strict=True):

@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 
 from . import space
-from .quantities import QUANTITIES, between_ranks, carrying, colouring, is_in_space, links, of_bodies, of_shapes
-from .style import BLACK, BLUE, GRAIN, VERMILION, WALL, number
+from .quantities import QUANTITIES, between_ranks, bonds, carrying, colouring, is_in_space, links, of_bodies, of_shapes
+from .style import BLACK, BLUE, GRAIN, VERMILION, WALL, draw_bonds, number
 from .vtkhdf import VTK_POLY_LINE, VTK_POLYGON
 
 __all__ = ["QUANTITIES", "draw_scene", "draw_split", "proportions"]
@@ -194,23 +194,14 @@ def _draw_forces(ax, scene, period, view):
 
 
 def _draw_bonds(ax, scene, period, view):
-    """Bonds of cohesive zones as dots at their contact points, pale where whole and red where broken."""
-    data = scene.contacts.cell_data
-    if "damage" not in data:
+    """Bonds of cohesive zones at their contact points."""
+    cells, damage = bonds(scene.contacts)
+    if not len(cells):
         return
-    bonds = np.flatnonzero(np.asarray(data["damage"]) >= 0)
-    if not len(bonds):
-        return
-    points = np.asarray(data["point"], dtype=float)[bonds, :2]
-    damage = np.asarray(data["damage"], dtype=float)[bonds]
+    points = np.asarray(scene.contacts.cell_data["point"], dtype=float)[cells, :2]
     if period > 0:
         points = points - [[period, 0.0]] * np.floor(points[:, :1] / period)
-    # The most damaged ones lie on top.
-    order = np.argsort(damage)
-    size = np.clip(0.12 * _grain_diameter(ax, scene, view), 2.0, 7.0)
-    ax.scatter(*points[order].T, s=size**2, c=damage[order], cmap="YlOrRd", vmin=0, vmax=1, edgecolors=BLACK, linewidths=0.4,
-               zorder=5)
-    ax.text(0.01, 0.99, "dots: bonds, from whole (pale) to broken (red)", transform=ax.transAxes, va="top", fontsize=8)
+    draw_bonds(ax, points, damage, np.clip(0.12 * _grain_diameter(ax, scene, view), 2.0, 7.0))
 
 
 def _draw_interface(ax, scene, period, view):

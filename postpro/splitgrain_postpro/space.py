@@ -13,9 +13,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
 
 from .errors import ResultsError
-from .quantities import carrying, colouring, links, of_bodies, of_shapes, rows_of
+from .quantities import bonds, carrying, colouring, links, of_bodies, of_shapes, rows_of
 from .raster import Canvas, normal_of
-from .style import BLACK, BLUE, VERMILION, number
+from .style import BLACK, BLUE, VERMILION, draw_bonds, number
 from .vtkhdf import VTK_POLYGON, VTK_VERTEX
 
 KIND_PLANE, KIND_CYLINDER, KIND_HOLLOW = 6, 7, 8
@@ -26,6 +26,8 @@ FILL = LinearSegmentedColormap.from_list("solid", ["#6C8FD0", "#5BB8CE", "#93D3A
 FORCES = LinearSegmentedColormap.from_list("forces", ["#F2C14E", "#E8743B", "#C02942", "#53113B"])
 # Part of the grains that a wall may hide; one that hides more is drawn as its outline.
 HIDES = 0.08
+# Part of a radius by which a contact point may lie behind what is drawn: between round grains it lies in a crevice.
+CREVICE = 0.3
 
 
 @dataclass
@@ -86,6 +88,7 @@ def draw_space(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None):
     ax.add_collection(LineCollection(outlines, colors="#6A6A6A", linewidths=0.7, alpha=0.6, zorder=3), autolim=False)
     if scene.contacts is not None:
         _draw_links(ax, scene, axes)
+        _draw_bonds(ax, scene, axes, canvas, radius, view)
     if view.forces and scene.contacts is not None:
         scale = _draw_forces(ax, scene, axes, frame, radius, view)
     if scale is not None and scale.map is not None:
@@ -341,6 +344,19 @@ def _draw_links(ax, scene, axes):
     widths = 0.6 + 2.4 * (np.abs(tension) / widest if widest > 0 else 0 * tension)
     colours = np.where(tension > 0, BLUE, np.where(tension < 0, VERMILION, BLACK))
     ax.add_collection(LineCollection(ends[:, :, :2], linewidths=widths, colors=colours, zorder=5), autolim=False)
+
+
+def _draw_bonds(ax, scene, axes, canvas, radius, view):
+    """Bonds of cohesive zones at their contact points, those that nothing hides."""
+    cells, damage = bonds(scene.contacts)
+    if not len(cells):
+        return
+    points = np.asarray(scene.contacts.cell_data["point"], dtype=float)[cells] @ axes.T
+    data = scene.contacts.cell_data
+    rows = rows_of(scene.bodies.point_data["id"], np.column_stack([data["candidate"], data["antagonist"]])[cells].ravel())
+    seen = _kept(scene.bodies, view)[rows].reshape(-1, 2).all(axis=1) & canvas.sees(points, CREVICE * radius)
+    diameter = 2 * radius * ax.get_window_extent().width * 72 / ax.figure.dpi / (canvas.box[1] - canvas.box[0])  # as drawn [pt]
+    draw_bonds(ax, points[seen, :2], damage[seen], np.clip(0.12 * diameter, 2.0, 5.0))
 
 
 def _draw_forces(ax, scene, axes, frame, radius, view):

@@ -61,6 +61,12 @@ def draw_series(ax, x, y, colour, label=None, log=False, dashed=False):
     return True
 
 
+def draw_bonds(ax, points, damage, size):
+    """Bonds of cohesive zones as dots of a size [pt], pale where whole and red where broken, and what they mean."""
+    ax.scatter(*points.T, s=size**2, c=damage, cmap="YlOrRd", vmin=0, vmax=1, edgecolors=BLACK, linewidths=0.4, zorder=5)
+    ax.text(0.01, 0.99, "dots: bonds, from whole (pale) to broken (red)", transform=ax.transAxes, va="top", fontsize=8)
+
+
 def say_nothing_there(ax, sentence):
     """An empty panel that says what is not there."""
     ax.set_axis_off()

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.collections import PathCollection
 from sample_space import FACES, SIGNS, write_space_results
 
 from splitgrain_postpro import Results
@@ -141,6 +142,25 @@ def test_forces_are_drawn_over_pale_grains(tmp_path):
     pale = ax.images[0].get_array()
     assert pale[..., :3][pale[..., 3] > 0.99].min() > 0.7
     assert np.count_nonzero(ax.images[1].get_array()[..., 3]) > 100
+
+
+@pytest.mark.parametrize(("options", "dots"), [({"azimuth": -95.0, "elevation": 0.0}, 3), ({"azimuth": -85.0, "elevation": 0.0}, 1),
+                                               ({"azimuth": -90.0, "elevation": 0.0, "cut": (1, 1.0)}, 0)])
+def test_bonds_are_dots_where_nothing_hides_them(tmp_path, options, dots):
+    # Points between the grains in a row along x: from one side of y all are seen, from the other the cube hides its two.
+    scene = Results(write_space_results(tmp_path / "run")).scene()
+    scene.contacts.cell_data["damage"] = np.array([1.0, 0.0, 0.5])
+    ax = new_figure(4, 3).subplots()
+    draw_scene(ax, scene, view=View(**options))
+    drawn_damage = [list(c.get_array()) for c in ax.collections if isinstance(c, PathCollection)]
+    assert drawn_damage == [[[0.0, 0.5, 1.0], [1.0]][dots == 1] if dots else []]
+
+
+def test_points_behind_a_sphere_are_not_seen():
+    c = canvas()
+    c.add_spheres(np.zeros((1, 3)), [1.0], [1])
+    points = np.array([[0, 0, 1.0], [0, 0, -1.0], [0, 0, 0.95], [1.5, 0, -5.0], [5.0, 0, 9.0], [0, -5.0, 9.0]])
+    assert list(c.sees(points, 0.1)) == [True, False, True, True, False, False]
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
