@@ -7,6 +7,7 @@ module sg_datbox_sees
   use sg_datbox_bodies, only: body_type
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, first_letter, go_to, keyword, name_field, &
                              next_data_line, next_line, real_field, remark, step_back
+  use sg_datbox_refused, only: reason_of
   use sg_error, only: diagnostics_t
   use sg_laws, only: is_link_law, law_linear
   use sg_scene, only: colour_index, law_index, scene_t, see_t
@@ -214,16 +215,6 @@ contains
       call complain_once(file, 'law '//name, 'no contact law is called '''//name//'''', 23, diagnostics)
     end if
   end function seen_law
-
-  !> Why a law is not done, where there is more to say.
-  pure function reason_of(law) result(reason)
-    character(len=*), intent(in) :: law
-    character(len=:), allocatable :: reason
-
-    reason = ''
-    if (law == 'MD_JKRs') reason = ': it is for smooth integrators, and the NLGS of LMGC90 itself takes its friction alone and '// &
-      'stops bodies at the alert distance; use IQS_CLB, or ELASTIC_REPELL_CLB with the stiffness'
-  end function reason_of
 
   !> Warn of see tables that name a kind and colour of which there is no contactor.
   subroutine check_sees(scene, others, see_lines, file, diagnostics)

@@ -116,8 +116,18 @@ contains
   !> Contact laws and see tables.
   subroutine test_laws_and_sees()
     character(len=*), parameter :: file = 'TACT_BEHAV.DAT'
+    ! Laws that are refused, and what to use in their place.
+    character(len=*), parameter :: refused(2, 9) = reshape([character(len=32) :: &
+      'IQS_BW_CLB', 'which is not done', 'MD_JKRs', 'use IQS_CLB', &
+      'MAC_CZM', 'deformable bodies, and', 'EXPO_CZM', 'use IQS_EXPO_CZM', 'MP3_CZM', 'rigid bodies meet by one', &
+      'IQS_EXPO_CZM_SPRING', 'springs in series', 'ELASTIC_REPELL_CLB_adapt', 'a folder holds no script', &
+      'ELASTIC_REPELL_WET_CLB', 'use ELASTIC_REPELL_CLB without', &
+      'VISCO_ELASTIC_REPELL_WET', 'use VISCO_ELASTIC_REPELL_CLB'], [2, 9])
+    integer :: i
 
-    call tests%refuse(file, 2, ' iqsc0  MAC_CZM                         fric= 0.3000000D+00', 'MAC_CZM, which is not done', 8, 23)
+    do i = 1, size(refused, 2)
+      call tests%refuse(file, 2, ' iqsc0  '//refused(1, i)//'fric= 0.3000000D+00', trim(refused(2, i)), 8, 23)
+    end do
     call tests%refuse(file, 2, ' iqsc0  IQS_CLB                         fric=-0.3000000D+00', 'must not be negative', 2, 46)
     call tests%refuse(file, 2, ' iqsc0  IQS_CLB                         fric= 0.3000000D+50', 'since rounding of the slip', 2, 46)
     call tests%refuse(file, 2, ' rstc0  IQS_CLB                         fric= 0.3000000D+00', 'listed twice', 4, 2)
