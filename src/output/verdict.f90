@@ -101,9 +101,9 @@ contains
 
     words = ''
     if (allocated(shared%split)) words = shared%split
-    words = words//', '//to_text(shared%splits)//' splits, '//to_text(nint(shared%moved, i8))//' bodies moved; contact updates '// &
-            to_text(nint(shared%least_updates, i8))//' to '//to_text(nint(shared%most_updates, i8))//' per rank, imbalance '// &
-            fixed(shared%imbalance, 2)
+    words = words//', '//counted(shared%splits, 'split')//', '//to_text(nint(shared%moved, i8))//' bodies moved; '// &
+            'contact updates '//to_text(nint(shared%least_updates, i8))//' to '//to_text(nint(shared%most_updates, i8))// &
+            ' per rank, imbalance '//fixed(shared%imbalance, 2)
   end function split_words
 
   !> What gluing cost.
