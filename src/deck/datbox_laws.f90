@@ -8,7 +8,7 @@ module sg_datbox_laws
                      law_rigid_wire, law_rod, law_th, law_velocity, law_viscoelastic, law_wet, law_wire
   implicit none
   private
-  public :: law_forms, labels_of, form_of_name, form_of_law, set_parameter, get_parameter
+  public :: law_forms, labels_of, form_of_name, form_of_law, why_no_form, set_parameter, get_parameter
 
   !> How LMGC90 writes one law
   type :: law_form_t
@@ -100,6 +100,23 @@ contains
     end do
     form = 0
   end function form_of_law
+
+  !> Why a law has no form, as the end of a sentence; empty where LMGC90 has no such kind.
+  pure function why_no_form(law) result(reason)
+    type(law_t), intent(in) :: law !! law without a form
+    character(len=:), allocatable :: reason
+
+    reason = ''
+    if (law%kind == law_linear) then
+      reason = ': of linear laws only those with epsilon = 0 have one, COUPLED_DOF'
+    else if (law%kind == law_mohr .and. max(law%normal_cohesion, law%tangential_cohesion) > 0) then
+      reason = ': there its cohesions are stresses, here normal_bond_stress and tangential_bond_stress'
+    else if (law%axial_damping > 0 .and. law%breaking_force > 0) then
+      reason = ': no wire has both damping and a breaking force there'
+    else if (abs(law%static_friction - law%dynamic_friction) > 0) then
+      reason = ': it has one coefficient of friction there'
+    end if
+  end function why_no_form
 
   !> Set the parameter of a law that LMGC90 calls by this label.
   pure subroutine set_parameter(law, label, value)

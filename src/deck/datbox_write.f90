@@ -3,7 +3,7 @@
 !! The period, pressures and all parameters of a run are no part of a DATBOX: they live in LMGC90's script.
 module sg_datbox_write
   use sg_datbox_output, only: short_names
-  use sg_datbox_write_behaviours, only: write_bulk, write_drives, write_laws
+  use sg_datbox_write_behaviours, only: check_laws, write_bulk, write_drives, write_laws
   use sg_datbox_write_bodies, only: check_writable, write_bodies, write_state
   use sg_datbox_write_links, only: stand_together, write_network
   use sg_datbox_write_contacts, only: contacts_at_start, datbox_contacts_t, write_contacts
@@ -41,6 +41,7 @@ contains
     call contactors_of_bodies(ready%contactors, ready%bodies%n, first, list)
     if (scene%dimension == 3) call stand_upright(ready, first, list)
     call check_writable(ready, first, list, error)
+    call check_laws(scene%laws, error)
     if (allocated(error)) return
     if (scene%dimension == 3) call fit_densities(ready, first, list)
     if (.not. make_folder(folder)) then

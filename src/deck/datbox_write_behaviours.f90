@@ -2,7 +2,7 @@
 module sg_datbox_write_behaviours
   use sg_contactors, only: n_kinds
   use sg_datbox_bodies, only: body_type
-  use sg_datbox_laws, only: form_of_law, get_parameter, labels_of, law_forms
+  use sg_datbox_laws, only: form_of_law, get_parameter, labels_of, law_forms, why_no_form
   use sg_datbox_output, only: finish_file, node_head, output_t, put, real_word, solid_node_head, start_file
   use sg_datbox_sees, only: datbox_kind_name, pair_is_known
   use sg_datbox_write_links, only: put_link_sees
@@ -16,7 +16,7 @@ module sg_datbox_write_behaviours
   use sg_time_functions, only: time_function_t
   implicit none
   private
-  public :: write_bulk, write_laws, write_drives
+  public :: check_laws, write_bulk, write_laws, write_drives
 
 contains
 
@@ -40,21 +40,28 @@ contains
     call finish_file(output, error)
   end subroutine write_bulk
 
-  !> Write TACT_BEHAV.DAT.
+  !> Refuse laws that have no form.
+  subroutine check_laws(laws, error)
+    type(law_t), intent(in) :: laws(:) !! laws to write
+    type(error_t), allocatable, intent(inout) :: error !! set when one has no form
+    integer :: i
+
+    do i = 1, size(laws)
+      if (form_of_law(laws(i)) > 0 .or. allocated(error)) cycle
+      call fail(error, 'the law '''//laws(i)%name//''' has no form that a DATBOX can hold'//why_no_form(laws(i)))
+    end do
+  end subroutine check_laws
+
+  !> Write TACT_BEHAV.DAT, of laws that have forms.
   subroutine write_laws(folder, scene, laws, colours, error)
     character(len=*), intent(in) :: folder !! DATBOX folder
     type(scene_t), intent(in) :: scene !! scene to write
     character(len=5), intent(in) :: laws(:) !! names of the laws
     character(len=5), intent(in) :: colours(:) !! names of the colours
-    type(error_t), allocatable, intent(inout) :: error !! set when a law has no form, or the file cannot be written
+    type(error_t), allocatable, intent(inout) :: error !! set when the file cannot be written
     type(output_t) :: output
     integer :: i
 
-    do i = 1, size(laws)
-      if (form_of_law(scene%laws(i)) > 0 .or. allocated(error)) cycle
-      call fail(error, 'the law '''//scene%laws(i)%name//''' has no form that a DATBOX can hold')
-    end do
-    if (allocated(error)) return
     call start_file(output, folder, 'TACT_BEHAV.DAT')
     do i = 1, size(laws)
       call put(output, '$behav  lawty')

@@ -419,8 +419,10 @@ contains
     call tests%check(.not. file_exists('datbox_refused'), 'and nothing is written')
     call read_sample(scene, diagnostics)
     scene%laws(13)%epsilon = 0.1_wp
-    call write_datbox('datbox_written', scene, contacts_at_start(scene), 0.0_wp, 0, error)
+    call write_datbox('datbox_refused', scene, contacts_at_start(scene), 0.0_wp, 0, error)
     call tests%check(allocated(error), 'the linear law is refused')
+    if (allocated(error)) call tests%check(index(error%message, 'epsilon = 0') > 0, 'with the reason: '//error%message)
+    call tests%check(.not. file_exists('datbox_refused'), 'and nothing is written')
     scene%laws(13)%epsilon = 0
     call write_datbox('/dev/null/datbox', scene, contacts_at_start(scene), 0.0_wp, 0, error)
     call tests%check(allocated(error), 'a folder that cannot be made')
