@@ -82,7 +82,7 @@ contains
     integer :: first, i
     logical :: has_tangent
 
-    has_tangent = any(problem%kind == [ball_frictional, solid_frictional])
+    has_tangent = any(problem%kind == [ball_frictional, solid_frictional, solid_bonded])
     do first = 1, problem%n_contacts, chunk
       call gather(problem, first, a)
       do i = 1, a%n
