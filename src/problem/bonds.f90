@@ -14,9 +14,88 @@ module sg_bonds
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: refresh_bonds, damage_bonds, finish_bonds, bond_impulse, bond_sums
+  public :: damage_t, refresh_bonds, finish_bonds, bond_impulse, bond_sums
+
+  !> By how much the share of a change grows from round to round until it is whole again
+  real(wp), parameter :: growth = 1.2_wp
+
+  !> Damage of the bonds of a step over the rounds in which it settles
+  type :: damage_t
+    !> Integrity at the beginning of the step, and that which the last solution leads to, shape (contacts)
+    real(wp), allocatable :: before(:), wanted(:)
+    !> Change that the last round asked for, and share of it that the next round takes, shape (contacts)
+    real(wp), allocatable, private :: change(:), share(:)
+  contains
+    procedure :: begin => damage_begin
+    procedure :: find => damage_find
+    procedure :: approach => damage_approach
+    procedure :: accept => damage_accept
+  end type damage_t
 
 contains
+
+  !> Begin a step.
+  pure subroutine damage_begin(self, contacts)
+    class(damage_t), intent(inout) :: self
+    type(contacts_t), intent(in) :: contacts !! contacts of the step, with the integrity of its beginning
+
+    self%before = contacts%internal(bond_integrity, :contacts%n)
+    self%wanted = self%before
+    self%change = 0*self%before
+    self%share = self%change + 1
+  end subroutine damage_begin
+
+  !> Find the integrity of all bonds from the opening and slip at the end of the step, as its solution has them now.
+  pure subroutine damage_find(self, scene, step, problem, contacts, change)
+    class(damage_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene !! scene
+    real(wp), intent(in) :: step !! time step [s]
+    type(problem_t), intent(in) :: problem !! solved problem
+    type(contacts_t), intent(in) :: contacts !! contacts with the integrity that it was solved for
+    real(wp), intent(out) :: change !! largest change of an integrity
+    real(wp) :: jump(4)
+    integer :: k
+
+    do k = 1, contacts%n
+      if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
+      if (.not. self%before(k) > 0) cycle
+      jump = jump_after(problem, contacts, k, step)
+      self%wanted(k) = integrity_after(scene%laws(contacts%law(k)), jump(1), norm2(jump(2:)), self%before(k), step)
+    end do
+    change = 0
+    if (contacts%n > 0) change = maxval(abs(self%wanted - contacts%internal(bond_integrity, :contacts%n)))
+  end subroutine damage_find
+
+  !> Bring the bonds nearer to the integrity found, for the next round. A bond whose change has turned back, as where bonds that
+  !! hold the same body take its load from each other in turns, takes half the share of it.
+  pure subroutine damage_approach(self, settled, contacts)
+    class(damage_t), intent(inout) :: self
+    real(wp), intent(in) :: settled !! changes that do not count
+    type(contacts_t), intent(inout) :: contacts !! contacts whose integrity is set
+    real(wp) :: change
+    integer :: k
+
+    do k = 1, contacts%n
+      change = self%wanted(k) - contacts%internal(bond_integrity, k)
+      if (abs(change) > settled) then
+        self%share(k) = merge(self%share(k)/2, min(1.0_wp, growth*self%share(k)), change*self%change(k) < 0)
+        self%change(k) = change
+      end if
+      if (self%share(k) < 1) then
+        contacts%internal(bond_integrity, k) = contacts%internal(bond_integrity, k) + self%share(k)*change
+      else
+        contacts%internal(bond_integrity, k) = self%wanted(k)
+      end if
+    end do
+  end subroutine damage_approach
+
+  !> Give all bonds the integrity found.
+  pure subroutine damage_accept(self, contacts)
+    class(damage_t), intent(in) :: self
+    type(contacts_t), intent(inout) :: contacts !! contacts whose integrity is set
+
+    contacts%internal(bond_integrity, :contacts%n) = self%wanted
+  end subroutine damage_accept
 
   !> Put the present integrity of all bonds into the records of their contacts.
   subroutine refresh_bonds(scene, contacts, step, problem)
@@ -41,31 +120,6 @@ contains
       call set_block(problem%kind, problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), problem%record(:, k))
     end do
   end subroutine refresh_bonds
-
-  !> Weaken the bonds by the opening and slip at the end of the step, as its solution has them now.
-  subroutine damage_bonds(scene, before, step, problem, contacts, change, worst)
-    type(scene_t), intent(in) :: scene !! scene
-    real(wp), intent(in) :: before(:) !! integrity at the beginning of the step, shape (contacts)
-    real(wp), intent(in) :: step !! time step [s]
-    type(problem_t), intent(in) :: problem !! solved problem
-    type(contacts_t), intent(inout) :: contacts !! contacts whose integrity is set
-    real(wp), intent(out) :: change !! largest change of an integrity
-    integer, intent(out) :: worst !! contact that has it; 0 where nothing changes
-    real(wp) :: jump(4), now
-    integer :: k
-
-    change = 0
-    worst = 0
-    do k = 1, contacts%n
-      if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
-      if (.not. before(k) > 0) cycle
-      jump = jump_after(problem, contacts, k, step)
-      now = integrity_after(scene%laws(contacts%law(k)), jump(1), norm2(jump(2:)), before(k), step)
-      if (abs(now - contacts%internal(bond_integrity, k)) > change) worst = k
-      change = max(change, abs(now - contacts%internal(bond_integrity, k)))
-      contacts%internal(bond_integrity, k) = now
-    end do
-  end subroutine damage_bonds
 
   !> Opening, and slip, at the end of a step [m]; in the plane the slip has one component.
   pure function jump_after(problem, contacts, k, step) result(jump)

@@ -1,11 +1,11 @@
 !> The solve of a step: once, or, where cohesive zones hold contacts together, in rounds until their damage agrees with what it
 !! leads to (doc/theory/cohesive_zones.md).
 module sg_solve_step
-  use sg_bonds, only: damage_bonds, refresh_bonds
+  use sg_bonds, only: damage_t, refresh_bonds
   use sg_comm, only: traffic_t
-  use sg_internal_values, only: bond_integrity
   use sg_kinds, only: wp, i8
   use sg_report, only: report_t
+  use sg_residuals, only: find_worst
   use sg_simulation, only: simulation_t
   implicit none
   private
@@ -15,7 +15,7 @@ module sg_solve_step
   real(wp), parameter :: least_settled = 1e-8_wp
   !> That change over the tolerance of the solver, where that is more
   real(wp), parameter :: settled_share = 1e-3_wp
-  !> Rounds of a step at most: a step in which damage has not settled by then has not converged
+  !> Rounds of a step at most
   integer, parameter :: most_rounds = 200
   !> Solves of a step that may fail to converge before its rounds end
   integer, parameter :: most_unsolved = 3
@@ -38,34 +38,52 @@ contains
   subroutine solve_in_rounds(sim)
     type(simulation_t), intent(inout) :: sim
     type(report_t) :: before
-    real(wp), allocatable :: free(:, :), integrity(:)
-    real(wp) :: change(1), own, settled
-    integer :: round, unsolved, worst
+    type(damage_t) :: damage
+    real(wp), allocatable :: free(:, :)
+    real(wp) :: change(1), settled
+    integer :: round, unsolved
 
     allocate (free, source=sim%problem%body)
-    integrity = sim%contacts%internal(bond_integrity, :sim%contacts%n)
+    call damage%begin(sim%contacts)
     unsolved = 0
     settled = max(least_settled, settled_share*sim%options%solver%tolerance)
     do round = 1, most_rounds
       call solve_once(sim)
       if (.not. sim%report%is_converged) unsolved = unsolved + 1
       if (round > 1) call add_effort(before, sim%report)
-      call damage_bonds(sim%scene, integrity, sim%options%step, sim%problem, sim%contacts, change(1), worst)
-      own = change(1)
+      call damage%find(sim%scene, sim%options%step, sim%problem, sim%contacts, change(1))
       if (sim%decomposition%is_on) call sim%comm%maximum(change)
-      if (.not. change(1) > settled) return
-      if (round == most_rounds .or. unsolved == most_unsolved) exit
+      if (.not. change(1) > settled .or. round == most_rounds .or. unsolved == most_unsolved) exit
       before = sim%report
       sim%problem%body = free
+      call damage%approach(settled, sim%contacts)
       call refresh_bonds(sim%scene, sim%contacts, sim%options%step, sim%problem)
     end do
-    if (sim%report%is_converged) then
-      ! The bond that changed most stands for the contact that obeys its law least.
-      sim%report%worst_speed = change(1)*sim%problem%velocity_scale
-      if (own >= change(1)) sim%report%worst_contact = worst
-    end if
-    sim%report%is_converged = .false.
+    call damage%accept(sim%contacts)
+    if (change(1) > settled) call judge_unsettled(sim)
   end subroutine solve_in_rounds
+
+  !> Find by how much the solution of the last round breaks the laws at the damage that it leads to, and where most. Within the
+  !! tolerance, what sweeps leave open keeps damage from settling, and the step has converged. Collective.
+  subroutine judge_unsettled(sim)
+    type(simulation_t), intent(inout) :: sim !! its report is set; its problem stays as it was solved
+    real(wp), allocatable :: solved(:, :)
+    real(wp) :: own, largest(1), scale
+
+    allocate (solved, source=sim%problem%record)
+    call refresh_bonds(sim%scene, sim%contacts, sim%options%step, sim%problem)
+    call find_worst(sim%problem, sim%report%worst_contact, own)
+    call move_alloc(solved, sim%problem%record)
+    largest = own
+    scale = sim%problem%velocity_scale
+    if (sim%decomposition%is_on) then
+      call sim%comm%maximum(largest)
+      scale = sim%glued_solver%errors%velocity_scale
+    end if
+    sim%report%worst_speed = largest(1)
+    if (own < largest(1)) sim%report%worst_contact = 0
+    sim%report%is_converged = sim%report%is_converged .and. largest(1) <= sim%options%solver%tolerance*scale
+  end subroutine judge_unsettled
 
   !> Add the effort of earlier rounds to the report of the last one.
   pure subroutine add_effort(before, report)
