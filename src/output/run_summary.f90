@@ -59,6 +59,8 @@ module sg_run_summary
     real(wp) :: tolerance = 0
     !> Dimension of space, number of ranks, bodies, and steps asked
     integer :: dimension = 2, ranks = 1, bodies = 0, steps_asked = 0
+    !> Are there cohesive zones?
+    logical :: has_bonds = .false.
     !> The grains
     type(grains_t) :: grains
     !> Time reached [s]

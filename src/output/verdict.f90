@@ -86,12 +86,18 @@ contains
       words = 'partition.gluing = "dual" or "primal": "contacts" may stall where bodies hold each other in many ways; '// &
               'or a smaller partition.relaxation'
     else if (summary%ranks > 1) then
-      words = 'a larger solver.maximum_sweeps or a shorter time step; on one rank solver.method = "auto"'
+      words = 'a larger solver.maximum_sweeps or a shorter time step'
+      if (.not. summary%has_bonds) words = words//'; on one rank solver.method = "auto"'
+    else if (summary%has_bonds) then
+      ! Their scenes are swept, whatever the method.
+      words = 'a larger solver.maximum_sweeps'
     else if (summary%method == 'nlgs') then
       words = 'solver.method = "auto", which goes on where sweeps stall, or a larger solver.maximum_sweeps'
     else
       words = 'a larger solver.maximum_sweeps (iterations), or a shorter time step'
     end if
+    if (summary%has_bonds) words = words//'; a shorter time.step where the damage of bonds does not settle, or, of '// &
+                                   '"IQS_MAC_CZM", a larger damage_viscosity'
   end function advice
 
   !> How the scene was split, and how evenly.

@@ -55,6 +55,7 @@ contains
     writers%trace%is_speaker = writers%is_speaker
     call writers%summary%describe(sim%scene, sim%options, deck, sim%comm)
     call start_simulation(sim)
+    writers%summary%has_bonds = sim%plan%has_bonds
     if (writers%is_speaker .and. .not. sim%options%is_quiet) then
       if (allocated(sim%options%title)) then
         if (sim%options%title /= '') call print_line('title      '//sim%options%title)

@@ -343,7 +343,39 @@ contains
     call t%equal(size(lines), 10, 'a verdict of ten lines')
     call t%check(index(lines(1)%s, 'done: 1 of 1 steps') == 1, 'how it ended: '//lines(1)%s)
     call t%check(index(lines(10)%s, 'record.csv in results') > 0, 'what to open: '//lines(10)%s)
+    call test_advice()
   end subroutine test_verdict
+
+  !> What is advised where steps did not converge: nothing that scenes with cohesive zones do not obey.
+  subroutine test_advice()
+    type(run_summary_t) :: summary
+    type(report_t) :: report
+    type(error_t), allocatable :: error
+    type(text_t), allocatable :: lines(:)
+    integer :: unit, i, j
+    logical :: has_auto, has_step
+
+    summary = concluded()
+    report%is_converged = .false.
+    call summary%totals%add(report, 7)
+    call summary%totals%note_unconverged(2, [3, 4], 0.5_wp)
+    do i = 0, 1
+      summary%has_bonds = i == 1
+      open (newunit=unit, file='advice.txt', status='replace', action='write')
+      call print_verdict(unit, summary)
+      close (unit)
+      call read_lines('advice.txt', lines, error)
+      has_auto = .false.
+      has_step = .false.
+      do j = 1, size(lines)
+        if (index(lines(j)%s, '  try ') /= 1) cycle
+        has_auto = index(lines(j)%s, 'solver.method') > 0
+        has_step = index(lines(j)%s, 'a shorter time.step where the damage of bonds does not settle') > 0
+      end do
+      call t%check(has_auto .neqv. summary%has_bonds, 'another method is advised where there is one')
+      call t%check(has_step .eqv. summary%has_bonds, 'a shorter step is advised where bonds may snap')
+    end do
+  end subroutine test_advice
 
   subroutine test_progress()
     type(progress_t) :: progress
