@@ -7,7 +7,7 @@ module sg_solid_checks
   use sg_kinds, only: wp, i4, i8
   use sg_scene, only: scene_t
   use sg_sorting, only: sort_permutation
-  use sg_start_checks, only: check_pair, find_planar_overlaps, overlaps_t
+  use sg_start_checks, only: check_hollows, check_pair, find_planar_overlaps, overlaps_t
   implicit none
   private
   public :: find_overlaps
@@ -37,6 +37,7 @@ contains
     else
       call find_solid_overlaps(scene, found)
     end if
+    if (size(scene%sees) > 0) call check_hollows(scene, found)
   end subroutine find_overlaps
 
   !> Look for shapes of space that overlap.

@@ -252,8 +252,6 @@ contains
         arm = core%point(:, i) - contactors%centre(:, c) - shift
         along = dot_product(arm, axis)
         if (abs(along) > size_of(1)) cycle
-        ! What is outside as a whole does not touch the inside.
-        if (norm2(arm - along*axis) - core%radius > size_of(2)) cycle
         depth = max(depth, norm2(arm - along*axis) + core%radius - size_of(2))
       end do
     end associate

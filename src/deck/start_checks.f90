@@ -1,7 +1,7 @@
 !> Checks of the state at the start: grains within the period, shapes that do not overlap.
 module sg_start_checks
   use sg_blocks, only: deck_t
-  use sg_contactors, only: is_round, place_contactors
+  use sg_contactors, only: is_round, kind_hollow, kind_hollow_cylinder, place_contactors
   use sg_error, only: diagnostics_t
   use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4
@@ -14,7 +14,7 @@ module sg_start_checks
   use sg_text, only: to_text
   implicit none
   private
-  public :: overlaps_t, most_pairs, check_range, find_planar_overlaps, check_pair, report_overlaps
+  public :: overlaps_t, most_pairs, check_range, find_planar_overlaps, check_pair, check_hollows, report_overlaps
   public :: first_wide, lies_outside, complain_of_wide, complain_of_outside
 
   !> Share of the smaller radius by which two bodies may overlap at the start
@@ -145,8 +145,41 @@ contains
     end associate
   end subroutine find_planar_overlaps
 
-  !> Note a pair that overlaps, if at least one of the two is a grain and they see each other.
+  !> Note two shapes near each other that overlap; hollow shapes are held against all others by `check_hollows`.
   subroutine check_pair(scene, c1, c2, found)
+    type(scene_t), intent(in) :: scene !! the scene, its contactors placed
+    integer, intent(in) :: c1 !! one contactor
+    integer, intent(in) :: c2 !! the other
+    type(overlaps_t), intent(inout) :: found !! list to add to
+
+    if (.not. is_hollow(scene, c1) .and. .not. is_hollow(scene, c2)) call weigh_pair(scene, c1, c2, found)
+  end subroutine check_pair
+
+  !> Note grains that are not within the hollow shapes that see them, however far: all outside of a hollow shape is its wall, and
+  !! detection would draw them in.
+  subroutine check_hollows(scene, found)
+    type(scene_t), intent(in) :: scene !! the scene, its contactors placed
+    type(overlaps_t), intent(inout) :: found !! list to add to
+    integer :: hollow, c
+
+    do hollow = 1, scene%contactors%n
+      if (.not. is_hollow(scene, hollow)) cycle
+      do c = 1, scene%contactors%n
+        if (.not. is_hollow(scene, c)) call weigh_pair(scene, hollow, c, found)
+      end do
+    end do
+  end subroutine check_hollows
+
+  !> Is a contactor a hollow disk or a hollow cylinder?
+  pure logical function is_hollow(scene, c)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: c
+
+    is_hollow = any(scene%contactors%kind(c) == [kind_hollow, kind_hollow_cylinder])
+  end function is_hollow
+
+  !> Note a pair that overlaps, if at least one of the two is a grain and they see each other.
+  subroutine weigh_pair(scene, c1, c2, found)
     type(scene_t), intent(in) :: scene !! the scene, its contactors placed
     integer, intent(in) :: c1 !! one contactor
     integer, intent(in) :: c2 !! the other
@@ -169,8 +202,10 @@ contains
       if (scene%period > 0) shift(1) = -scene%period*anint(distance(1)/scene%period)
       if (scene%period_y > 0) shift(2) = -scene%period_y*anint(distance(2)/scene%period_y)
       distance = distance + shift
-      if (any(abs(distance) > contactors%reach(c1) + contactors%reach(c2))) return
-      if (scene%dimension == 3 .and. sum(distance**2) > (contactors%reach(c1) + contactors%reach(c2))**2) return
+      if (.not. is_hollow(scene, c1) .and. .not. is_hollow(scene, c2)) then
+        if (any(abs(distance) > contactors%reach(c1) + contactors%reach(c2))) return
+        if (scene%dimension == 3 .and. sum(distance**2) > (contactors%reach(c1) + contactors%reach(c2))**2) return
+      end if
       if (see_between(scene, c1, c2) == 0) return
       radius = min(merge(contactors%reach(c1), huge(1.0_wp), scene%bodies%is_grain(b1)), &
                    merge(contactors%reach(c2), huge(1.0_wp), scene%bodies%is_grain(b2)))
@@ -181,7 +216,7 @@ contains
       end if
       call note_pair(scene, b1, b2, depth, depth/radius, found)
     end associate
-  end subroutine check_pair
+  end subroutine weigh_pair
 
   !> Note two bodies whose shapes overlap, if by more than rounding.
   pure subroutine note_pair(scene, b1, b2, depth, share, found)
