@@ -86,7 +86,7 @@ contains
           associate (b => [int(contactors%body(c)), int(contactors%body(walls(i)))])
             way = share*h*(bodies%velocity(:n, b(1)) - bodies%velocity(:n, b(2)))
             if (sum(way**2) <= thinnest**2) cycle
-            if (.not. goes_through(contactors, walls(i), contactors%centre(:, c) - way, contactors%centre(:, c))) cycle
+            if (.not. meets_wall(scene, walls(i), contactors%centre(:, c) - way, contactors%centre(:, c))) cycle
             call count_pair(passing, scene, b, step, share*h, norm2(way), half_width(contactors, c) + &
                                                                           half_width(contactors, walls(i)))
           end associate
@@ -94,6 +94,38 @@ contains
       end do
     end associate
   end subroutine look_through_walls
+
+  !> Does the path of a point lead through a wall or one of its periodic images?
+  pure logical function meets_wall(scene, wall, from, to) result(meets)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: wall
+    real(wp), intent(in) :: from(scene%dimension), to(scene%dimension)
+    ! A path over more periods is cut: what flies so fast is warned of anyway.
+    real(wp), parameter :: most = 100
+    real(wp) :: period(2), offset(scene%dimension)
+    integer :: first(2), last(2), axis, i, j
+
+    period = [scene%period, scene%period_y]
+    first = 0
+    last = 0
+    do axis = 1, 2
+      if (.not. period(axis) > 0) cycle
+      associate (centre => scene%contactors%centre(axis, wall), reach => scene%contactors%reach(wall))
+        first(axis) = ceiling(max(-most, (min(from(axis), to(axis)) - centre - reach)/period(axis)))
+        last(axis) = floor(min(most, (max(from(axis), to(axis)) - centre + reach)/period(axis)))
+      end associate
+    end do
+    meets = .false.
+    offset = 0
+    do j = first(2), last(2)
+      do i = first(1), last(1)
+        offset(1) = real(i, wp)*period(1)
+        if (scene%dimension == 3) offset(2) = real(j, wp)*period(2)
+        meets = goes_through(scene%contactors, wall, from - offset, to - offset)
+        if (meets) return
+      end do
+    end do
+  end function meets_wall
 
   !> Count a pair once per step, and keep a sentence about the first of all.
   subroutine count_pair(passing, scene, body, step, h, way, thickness)

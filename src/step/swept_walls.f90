@@ -1,9 +1,11 @@
 !> Paths through walls: does a point that moves from one place to another go through a convex shape, or end beyond its middle?
 !!
-!! The path is cut by the planes of the shape's faces (Cyrus and Beck). A path that ends inside goes through where the nearest face
-!! lies ahead: a contact there pushes on, not back.
+!! The path is cut by the planes of the shape's faces (Cyrus and Beck), or by the balls and the tube of a round shape. A path that
+!! ends inside goes through where the nearest surface lies ahead: a contact there pushes on, not back. A hollow shape pushes back
+!! all that detection finds outside of it: a path goes through its wall where it ends out of the range of detection.
 module sg_swept_walls
-  use sg_contactors, only: contactors_t, kind_plane, kind_polygon, kind_polyhedron, kind_wall
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, &
+                           kind_polygon, kind_polyhedron, kind_sphere, kind_wall
   use sg_kinds, only: wp
   implicit none
   private
@@ -20,56 +22,162 @@ module sg_swept_walls
 
 contains
 
-  !> Does the path of a point lead through a shape? Shapes without flat faces are not looked at.
+  !> Does the path of a point lead through a shape?
   pure logical function goes_through(contactors, wall, from, to)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer, intent(in) :: wall !! the shape
     real(wp), intent(in) :: from(:), to(:) !! ends of the path [m], shape (dimension)
     type(path_t) :: path
-    integer :: n
+    real(wp) :: centre(3)
+    integer :: n, row
 
     n = size(from)
     path%from(:n) = from
     path%to(:n) = to
+    centre = 0
+    centre(:n) = contactors%centre(:, wall)
+    row = contactors%row(wall)
     select case (contactors%kind(wall))
     case (kind_wall)
-      call cut_by_box(path, contactors%centre(:, wall), segment_frame(contactors, wall), &
-                      [contactors%wall_size(1:2, contactors%row(wall)), huge(1.0_wp)])
+      call cut_by_capsule(path, centre, [contactors%wall_axis(:, row), 0.0_wp], contactors%wall_size(1, row), &
+                          contactors%wall_size(2, row))
     case (kind_polygon)
       call cut_by_polygon(path, contactors, wall)
     case (kind_plane)
-      call cut_by_box(path, contactors%centre(:, wall), reshape(contactors%space%plane_world(:, contactors%row(wall)), [3, 3]), &
-                      contactors%space%plane_half(:, contactors%row(wall)))
+      call cut_by_box(path, centre, reshape(contactors%space%plane_world(:, row), [3, 3]), contactors%space%plane_half(:, row))
     case (kind_polyhedron)
       call cut_by_polyhedron(path, contactors, wall)
+    case (kind_disk, kind_sphere)
+      call cut_by_capsule(path, centre, [1.0_wp, 0.0_wp, 0.0_wp], 0.0_wp, contactors%reach(wall))
+    case (kind_cylinder)
+      call cut_by_capsule(path, centre, contactors%space%cylinder_world(:, row), contactors%space%cylinder_size(1, row), &
+                          contactors%space%cylinder_size(2, row))
+    case (kind_hollow)
+      call cut_by_hollow(path, centre, [0.0_wp, 0.0_wp, 1.0_wp], huge(1.0_wp), contactors%reach(wall), contactors%reach(wall))
+    case (kind_hollow_cylinder)
+      call cut_by_hollow(path, centre, contactors%space%hollow_world(:, row), contactors%space%hollow_size(1, row), &
+                         contactors%space%hollow_size(2, row), contactors%reach(wall))
     end select
     goes_through = path%starts_outside .and. path%enters < path%leaves .and. (path%height > 0 .or. path%looks_ahead)
   end function goes_through
 
-  !> Axes of a rounded segment: along it, across, and out of the plane.
-  pure function segment_frame(contactors, wall) result(frame)
-    type(contactors_t), intent(in) :: contactors
-    integer, intent(in) :: wall
-    real(wp) :: frame(3, 3)
+  !> Cut a path by the balls and the tube about a segment.
+  pure subroutine cut_by_capsule(path, centre, axis, half_length, radius)
+    type(path_t), intent(inout) :: path
+    real(wp), intent(in) :: centre(3), axis(3), half_length, radius
+    real(wp) :: way(3), start(3), finish(3), share(2)
+    integer :: side
 
-    associate (axis => contactors%wall_axis(:, contactors%row(wall)))
-      frame = reshape([axis(1), axis(2), 0.0_wp, -axis(2), axis(1), 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
-    end associate
-  end function segment_frame
+    way = path%to - path%from
+    start = path%from - centre
+    finish = path%to - centre
+    path%starts_outside = norm2(from_segment(start)) > radius
+    finish = from_segment(finish)
+    path%height = norm2(finish) - radius
+    path%looks_ahead = dot_product(finish, way) > 0
+    path%enters = 2
+    path%leaves = 0
+    do side = -1, 1, 2
+      share = within_ball(start - real(side, wp)*half_length*axis, way, radius)
+      call widen(path, share)
+    end do
+    share = within_ball(across(start), across(way), radius)
+    call clip_slab(share, dot_product(start, axis), dot_product(way, axis), half_length)
+    call widen(path, share)
+  contains
+    !> Part of a vector across the axis.
+    pure function across(v)
+      real(wp), intent(in) :: v(3)
+      real(wp) :: across(3)
 
-  !> Cut a path by the sides of a box; those at no finite distance have no part.
+      across = v - dot_product(v, axis)*axis
+    end function across
+
+    !> Way from the segment to a point given from its centre.
+    pure function from_segment(v) result(apart)
+      real(wp), intent(in) :: v(3)
+      real(wp) :: apart(3)
+
+      apart = v - max(-half_length, min(half_length, dot_product(v, axis)))*axis
+    end function from_segment
+  end subroutine cut_by_capsule
+
+  !> Let the path's part within the shape hold one more part.
+  pure subroutine widen(path, share)
+    type(path_t), intent(inout) :: path
+    real(wp), intent(in) :: share(2)
+
+    if (share(1) >= share(2)) return
+    path%enters = min(path%enters, share(1))
+    path%leaves = max(path%leaves, share(2))
+  end subroutine widen
+
+  !> Cut a path that leads out of a hollow shape through its wall: it goes through where no contact is found at its end.
+  pure subroutine cut_by_hollow(path, centre, axis, half_height, radius, reach)
+    type(path_t), intent(inout) :: path
+    real(wp), intent(in) :: centre(3), axis(3), half_height, radius, reach
+    real(wp) :: way(3), start(3), finish(3), share(2), along, end_along
+
+    start = path%from - centre
+    finish = path%to - centre
+    way = finish - start
+    along = dot_product(start, axis)
+    end_along = dot_product(finish, axis)
+    share = within_ball(start - along*axis, way - dot_product(way, axis)*axis, radius)
+    path%starts_outside = .false.
+    if (abs(along) > half_height .or. norm2(start - along*axis) >= radius .or. share(2) >= 1) return
+    if (abs(along + share(2)*(end_along - along)) > half_height) return
+    ! Cells are at least twice the reach wide, and detection looks in the next ones.
+    path%starts_outside = abs(end_along) > half_height .or. maxval(abs(finish)) > 2*reach
+    path%height = 1
+  end subroutine cut_by_hollow
+
+  !> Shares between which a path is within a ball about the origin, or a tube where both vectors lie across its axis; none where the
+  !! first is not below the second.
+  pure function within_ball(start, way, radius) result(share)
+    real(wp), intent(in) :: start(3), way(3), radius
+    real(wp) :: share(2)
+    real(wp) :: length, nearest, apart(3), half
+
+    length = norm2(way)
+    share = [1.0_wp, 0.0_wp]
+    if (.not. length > 0) then
+      if (norm2(start) < radius) share = [0.0_wp, 1.0_wp]
+      return
+    end if
+    nearest = -dot_product(start, way/length)
+    apart = start + nearest*(way/length)
+    if (norm2(apart) >= radius) return
+    half = sqrt((radius - norm2(apart))*(radius + norm2(apart)))
+    share = [max(0.0_wp, (nearest - half)/length), min(1.0_wp, (nearest + half)/length)]
+  end function within_ball
+
+  !> Keep of a part of a path what lies within a distance of a plane.
+  pure subroutine clip_slab(share, start, way, half)
+    real(wp), intent(inout) :: share(2)
+    real(wp), intent(in) :: start, way, half
+    real(wp) :: ends(2)
+
+    if (abs(way) > 0) then
+      ! Far beyond both ends of the path all is one; so nothing overflows.
+      ends = [-half - start, half - start]
+      if (way < 0) ends = -ends([2, 1])
+      ends = max(-abs(way), min(2*abs(way), ends))/abs(way)
+      share = [max(share(1), ends(1)), min(share(2), ends(2))]
+    else if (abs(start) > half) then
+      share = [1.0_wp, 0.0_wp]
+    end if
+  end subroutine clip_slab
+
+  !> Cut a path by the sides of a box.
   pure subroutine cut_by_box(path, centre, frame, half)
     type(path_t), intent(inout) :: path
-    real(wp), intent(in) :: centre(:), frame(3, 3), half(3)
-    real(wp) :: middle(3)
+    real(wp), intent(in) :: centre(3), frame(3, 3), half(3)
     integer :: i
 
-    middle = 0
-    middle(:size(centre)) = centre
     do i = 1, 3
-      if (half(i) > sqrt(huge(1.0_wp))) cycle
-      call cut_path(path, frame(:, i), middle + half(i)*frame(:, i))
-      call cut_path(path, -frame(:, i), middle - half(i)*frame(:, i))
+      call cut_path(path, frame(:, i), centre + half(i)*frame(:, i))
+      call cut_path(path, -frame(:, i), centre - half(i)*frame(:, i))
     end do
   end subroutine cut_by_box
 

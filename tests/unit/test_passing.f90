@@ -2,7 +2,7 @@
 program test_passing
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, hold, put_disk, put_polygon, put_wall, run
-  use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
+  use scenes_space, only: begin_space_scene, put_box, put_capsule, put_plane, put_sphere
   use sg_advance, only: advance
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t
   use sg_error, only: error_t
@@ -14,6 +14,7 @@ program test_passing
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
   use sg_simulation, only: simulation_t
+  use sg_swept_walls, only: goes_through
   use sg_rotations, only: rotation_by, turned_by
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_time_functions, only: time_function_t
@@ -28,6 +29,9 @@ program test_passing
   call test_wall()
   call test_first_detection()
   call test_walls_in_space()
+  call test_round_walls()
+  call test_images()
+  call test_random_paths()
   call test_no_false_alarm()
   call test_squeezed()
   call t%finish()
@@ -247,6 +251,148 @@ contains
       call t%equal(sim%totals%passings, 1, 'through a wall in space')
     end do
   end subroutine test_walls_in_space
+
+  !> Through walls that are round: a fixed disk, a sphere, a capsule at its side and at its end; a hollow cylinder, out of which a
+  !! sphere flies through the wall or through an open end.
+  subroutine test_round_walls()
+    real(wp), parameter :: upright(4) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
+    type(simulation_t) :: sim
+    integer :: i
+
+    call begin_scene(sim%scene, 2, 0.0_wp, 1e-3_wp)
+    sim%scene%gravity = 0
+    call put_disk(sim%scene, 1, 0.01_wp, [0.0_wp, 0.0_wp])
+    call put_disk(sim%scene, 2, 0.05_wp, [0.5_wp, 0.04_wp])
+    call hold(sim%scene, 2)
+    call fly_on(sim, [500.0_wp, 0.0_wp], 'a fixed disk', 1)
+    do i = 1, 6
+      sim = simulation_t()
+      call begin_space_scene(sim%scene, 2, 0.0_wp, 1e-3_wp)
+      sim%scene%gravity = 0
+      call put_sphere(sim%scene, 1, 0.01_wp, [0.0_wp, 0.0_wp, 0.0_wp])
+      if (i == 1) call put_sphere(sim%scene, 2, 0.05_wp, [0.5_wp, 0.03_wp, 0.0_wp])
+      if (i == 2) call put_capsule(sim%scene, 2, 0.2_wp, 0.05_wp, [0.5_wp, 0.03_wp, 0.1_wp])
+      if (i == 3) call put_capsule(sim%scene, 2, 0.2_wp, 0.05_wp, [0.5_wp, 0.0_wp, 0.23_wp])
+      if (i == 4) call put_capsule(sim%scene, 2, 0.2_wp, 0.05_wp, [0.5_wp, 0.04_wp, 0.24_wp])
+      if (i > 4) then
+        call add_hollow_cylinder(sim%scene%contactors, 2, 1, 0.3_wp, 0.2_wp, [0.0_wp, 0.0_wp, 0.0_wp], [0.0_wp, 0.0_wp, 1.0_wp])
+        sim%scene%bodies%position(:, 2) = 0
+        sim%scene%bodies%orientation(:, 2) = upright
+      end if
+      call hold_in_space(sim)
+      if (i < 5) call fly_on(sim, [500.0_wp, 0.0_wp, 0.0_wp], 'round walls in space', merge(0, 1, i == 4))
+      if (i == 5) call fly_on(sim, [500.0_wp, 0.0_wp, 700.0_wp], 'out of a drum through its wall', 1)
+      if (i == 6) call fly_on(sim, [200.0_wp, 0.0_wp, 700.0_wp], 'out of a drum through its end', 0)
+    end do
+  end subroutine test_round_walls
+
+  !> Make the first body fly, and count what it passes.
+  subroutine fly_on(sim, velocity, name, passings)
+    type(simulation_t), intent(inout) :: sim
+    real(wp), intent(in) :: velocity(:)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: passings
+
+    sim%scene%bodies%velocity(:size(velocity), 1) = velocity
+    call begin_run(sim, 1e-3_wp, 1e-12_wp)
+    call run(sim, 4)
+    call t%equal(sim%totals%passings, passings, name)
+  end subroutine fly_on
+
+  !> Hold the second body in space.
+  subroutine hold_in_space(sim)
+    type(simulation_t), intent(inout) :: sim
+    integer :: c
+
+    do c = 1, 6
+      call drive(sim%scene, 2, c, time_function_t())
+    end do
+  end subroutine hold_in_space
+
+  !> Over the border of a period and through the image of a wall beyond it, in the plane along x and in space along x and y, in
+  !! both directions; a wall beside the path stays whole.
+  subroutine test_images()
+    type(simulation_t) :: sim
+    real(wp) :: along(3)
+    integer :: axis, side, beside
+
+    do axis = 1, 3
+      do side = -1, 1, 2
+        do beside = 0, 1
+          sim = simulation_t()
+          along = 0
+          along(min(axis, 2)) = real(side, wp)
+          if (axis == 3) along = [real(side, wp), 0.0_wp, 0.0_wp]
+          if (axis == 1) then
+            call begin_scene(sim%scene, 2, 0.0_wp, 1e-3_wp)
+            along = [real(side, wp), 0.0_wp, 0.0_wp]
+            call put_disk(sim%scene, 1, 0.01_wp, [1.0_wp, 0.0_wp] + 0.9_wp*along(:2))
+            call put_wall(sim%scene, 2, 0.3_wp, 0.01_wp, [1.0_wp, real(beside, wp)] - 0.7_wp*along(:2), 2*atan(1.0_wp))
+          else
+            call begin_space_scene(sim%scene, 2, 0.0_wp, 1e-3_wp)
+            sim%scene%period_y = 2
+            call put_sphere(sim%scene, 1, 0.01_wp, [1.0_wp, 1.0_wp, 0.0_wp] + 0.9_wp*along)
+            call put_box(sim%scene, 2, merge(0.01_wp, 0.3_wp, abs(along) > 0), [1.0_wp, 1.0_wp, real(beside, wp)] - 0.7_wp*along)
+            call hold_in_space(sim)
+          end if
+          sim%scene%period = 2
+          sim%scene%gravity = 0
+          sim%scene%bodies%velocity(:sim%scene%dimension, 1) = 500*along(:sim%scene%dimension)
+          call begin_run(sim, 1e-3_wp, 1e-12_wp)
+          call run(sim, 3)
+          call t%equal(sim%totals%passings, 1 - beside, 'through the image of a wall')
+        end do
+      end do
+    end do
+  end subroutine test_images
+
+  !> Paths at random against capsules at random, with many points of each path looked at one by one.
+  subroutine test_random_paths()
+    integer, parameter :: points = 400
+    type(contactors_t) :: shapes
+    type(random_t) :: random
+    real(wp) :: from(3), to(3), place(3), middle(3), axis(3), least, half, distance
+    integer :: i, k, hits, wrong
+
+    call random%seed(31)
+    hits = 0
+    wrong = 0
+    do i = 1, 400
+      shapes = contactors_t(dimension=3)
+      axis = around(random)
+      axis = axis/norm2(axis)
+      middle = 0.3_wp*around(random)
+      half = random%uniform(0.1_wp, 1.0_wp)
+      call add_cylinder(shapes, 1, 1, half, 0.3_wp, middle, axis)
+      shapes%centre = reshape(middle, [3, 1])
+      shapes%space%cylinder_world = reshape(axis, [3, 1])
+      from = 3*around(random)
+      to = -from + around(random)
+      ! Beginning and end lie outside: what counts is whether a point between lies inside.
+      least = huge(least)
+      do k = 0, points
+        place = from + real(k, wp)/real(points, wp)*(to - from) - middle
+        distance = norm2(place - max(-half, min(half, dot_product(place, axis)))*axis) - 0.3_wp
+        if ((k == 0 .or. k == points) .and. distance < 0) least = 0
+        least = min(least, distance)
+        if (abs(least) <= 0) exit
+      end do
+      ! Those that graze, or begin or end inside, are left out.
+      if (abs(least) < 0.01_wp) cycle
+      if (least < 0) hits = hits + 1
+      if (goes_through(shapes, 1, from, to) .neqv. least < 0) wrong = wrong + 1
+    end do
+    call t%equal(wrong, 0, 'paths through capsules')
+    call t%check(hits > 40 .and. hits < 360, 'some go through, some past')
+  end subroutine test_random_paths
+
+  !> A vector in a box.
+  function around(random) result(v)
+    type(random_t), intent(inout) :: random
+    real(wp) :: v(3)
+
+    v = [random%uniform(-1.0_wp, 1.0_wp), random%uniform(-1.0_wp, 1.0_wp), random%uniform(-1.0_wp, 1.0_wp)]
+  end function around
 
   !> Fast along a wall, fast past its end, or stopped by it: nothing passes.
   subroutine test_no_false_alarm()
