@@ -141,7 +141,7 @@ contains
   end subroutine test_turning
 
   !> Two spheres in a narrow period touch each other on both sides, in x or in y, or on all four sides at once: each image keeps
-  !! its own impulse when the list is made anew, when contacts are loaded from a restart, and when one or both cross borders.
+  !! its own impulse when the list is rebuilt, when contacts are loaded from a restart, and when one or both cross borders.
   subroutine test_images()
     type(scene_t) :: scene
     type(neighbours_t) :: pairs
