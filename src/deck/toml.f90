@@ -12,6 +12,7 @@ module sg_toml
   use, intrinsic :: iso_c_binding, only: c_associated, c_bool, c_char, c_double, c_int32_t, c_int64_t, c_ptr
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i8
+  use sg_system, only: file_exists
   use sg_text, only: lower
   implicit none
   private
@@ -174,6 +175,11 @@ contains
     integer(i8) :: length
     character(len=200) :: message
 
+    if (file_exists(file//'/BODIES.DAT')) then
+      call fail(error, 'this is a folder of LMGC90: "splitgrain convert FOLDER DECK.toml" makes a deck of it, and '// &
+                '[scene] datbox = "FOLDER" in a deck reads it', file=file)
+      return
+    end if
     open (newunit=unit, file=file, access='stream', form='unformatted', status='old', action='read', &
           iostat=status, iomsg=message)
     if (status /= 0) then

@@ -2,9 +2,12 @@
 program test_bad_datbox
   use datbox_tests, only: any_place, datbox_tests_t, width
   use sg_datbox, only: read_datbox
+  use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t
+  use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_system, only: remove_file
+  use sg_text, only: text_t
   implicit none
   character(len=*), parameter :: folder = 'datbox_bad'
   character(len=*), parameter :: tab = achar(9)
@@ -250,7 +253,8 @@ contains
   subroutine test_whole_files()
     character(len=*), parameter :: needed(3) = [character(len=14) :: 'BODIES.DAT', 'BULK_BEHAV.DAT', 'TACT_BEHAV.DAT']
     type(scene_t) :: scene
-    type(diagnostics_t) :: diagnostics
+    type(diagnostics_t) :: diagnostics, taken
+    type(run_options_t) :: options
     character(len=width), allocatable :: lines(:)
     integer :: i
 
@@ -273,6 +277,9 @@ contains
     call read_datbox('datbox_nowhere', scene, diagnostics)
     call tests%check(index(diagnostics%errors(1)%message, 'no such DATBOX') > 0, 'a missing folder')
     call tests%write_good()
+    call read_deck(folder, [text_t ::], scene, options, taken)
+    call tests%equal(taken%count(), 1, 'a folder given as a deck')
+    if (taken%count() > 0) call tests%check(index(taken%errors(1)%message, 'folder of LMGC90') > 0, 'and what to do with it')
     allocate (lines(300))
     lines = bodies(8)
     lines(:7) = bodies(:7)
