@@ -42,7 +42,7 @@ def _finish(ax, drawn, x_label, y_label, title, **legend):
     """Labels and legend; a panel without any curve says so."""
     ax.set_title(title)
     if not drawn:
-        say_nothing_there(ax, "no values in record.csv")
+        say_nothing_there(ax, "all zero or not recorded")
         return
     ax.set(xlabel=x_label, ylabel=y_label)
     if len(ax.get_legend_handles_labels()[0]) > 1:
