@@ -60,8 +60,8 @@ contains
                             is_list=.true.)
     call table%add('name', value_text, 'Name by which interactions call it.', default='"contact"')
     call table%add('kind', value_choice, 'Kind of law, by LMGC90''s name; LINEAR is r = -(1/epsilon) v; ROD, WIRE, RIGID_WIRE '// &
-                   'and NARD_ROD hold between points. In those that end in _g0 gaps count from that of the first step for '// &
-                   'contacts within the alert distance then.', &
+                   'and NARD_ROD hold between points. In those that end in _g0 gaps count from that of the first step '// &
+                   'with contacts for contacts within the alert distance then.', &
                    default='"IQS_CLB"', choices=choices_of(law_kinds))
     call table%add('friction', value_real, 'Coulomb friction coefficient.', default='0.0', least=0.0_wp, &
                    only=rubbing//'|'//elastic, usual=usual_friction, hint=no_angle, &

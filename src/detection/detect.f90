@@ -5,7 +5,7 @@ module sg_detect
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_hand_over, only: hand_over
   use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, past_pair, recall, unwrap_images
-  use sg_internal_values, only: first_internal, n_internal_of, not_recorded
+  use sg_internal_values, only: first_internal, keeps_gap, n_internal_of, not_recorded
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, law_bond, law_mohr, status_bonded, status_broken, status_new
   use sg_link_laws, only: holds_across, is_torn, pulls_only
@@ -51,6 +51,7 @@ contains
     call touch_all(scene, pairs, history, contacts)
     history%is_loaded = .false.
     history%is_start = .false.
+    history%is_untouched = history%is_untouched .and. contacts%n == 0
   end subroutine detect
 
   !> Narrow phase over all pairs.
@@ -340,8 +341,9 @@ contains
     if (contacts%n_internal > 0) call recall_internal(scene, history, past, k, contacts)
   end subroutine add_contact
 
-  !> Internal values of a contact from its past. In the very first step a contact whose values no file holds takes those that its
-  !! law gives to contacts that are there from the start; later ones begin at zero.
+  !> Internal values of a contact from its past. A contact whose values no file holds takes those that its law gives to contacts
+  !! that are there from the start: in the very first step, or, where a gap is what it keeps, in the first step that has contacts.
+  !! Later ones begin at zero.
   subroutine recall_internal(scene, history, past, k, contacts)
     type(scene_t), intent(in) :: scene
     type(history_t), intent(in) :: history
@@ -351,7 +353,7 @@ contains
 
     contacts%internal(:, k) = 0
     if (past > 0) contacts%internal(:, k) = history%internal(:, past)
-    is_first = history%is_start .and. past == 0
+    is_first = past == 0 .and. merge(history%is_untouched, history%is_start, keeps_gap(scene%laws(contacts%law(k))))
     if (past > 0) is_first = .not. contacts%internal(1, k) > not_recorded
     if (is_first) contacts%internal(:, k) = first_internal(scene%laws(contacts%law(k)), contacts%gap(k), scene%dimension, &
                                                            contacts%n_internal)

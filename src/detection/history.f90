@@ -45,6 +45,8 @@ module sg_history
     logical :: by_point = .false.
     !> Has nothing been detected yet, not even before a restart?
     logical :: is_start = .true.
+    !> Has no step had a contact yet, on any rank, not even before a restart?
+    logical :: is_untouched = .true.
   end type history_t
 
 contains

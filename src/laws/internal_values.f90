@@ -5,7 +5,7 @@ module sg_internal_values
   use sg_laws, only: is_cohesive_zone, law_bond, law_elastic_g0, law_gap_g0, law_iqs_g0, law_t
   implicit none
   private
-  public :: most_internal, not_recorded, n_internal_of, first_internal
+  public :: most_internal, not_recorded, n_internal_of, keeps_gap, first_internal
   public :: bond_surface, bond_opening, bond_integrity, bond_onset, bond_slip, never
 
   !> Values that a law keeps at most
@@ -31,10 +31,17 @@ contains
     integer, intent(in) :: dimension !! of space
 
     n = 0
-    if (any(law%kind == [law_iqs_g0, law_gap_g0, law_elastic_g0])) n = 1
+    if (keeps_gap(law)) n = 1
     if (law%kind == law_bond) n = merge(2, 4, dimension == 2)
     if (is_cohesive_zone(law)) n = bond_slip - 1 + merge(1, 3, dimension == 2)
   end function n_internal_of
+
+  !> Does a law keep the gap of the first detection?
+  pure logical function keeps_gap(law)
+    type(law_t), intent(in) :: law !! law to look at
+
+    keeps_gap = any(law%kind == [law_iqs_g0, law_gap_g0, law_elastic_g0])
+  end function keeps_gap
 
   !> Internal values of a contact that is there from the start. Signs of reference gaps are those of LMGC90, which differ
   !! between plane and space.

@@ -132,6 +132,7 @@ contains
     call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%step, .true., error)
     sim%all_contacts = sim%contacts%n
     if (sim%decomposition%is_on) call agree(sim%comm, error, is_fast, sim%passing%n, sim%all_contacts)
+    if (sim%all_contacts > 0) sim%history%is_untouched = .false.
     call sim%totals%phase(phase_update)%stop()
     if (allocated(error) .and. .not. sim%dump%is_begun .and. sim%all_contacts > 0) call begin_last_dump(sim, status)
   end subroutine take_velocities

@@ -205,6 +205,7 @@ contains
     call keep_time(sim, state%time)
     call sim%energy%unpack(state%totals(:n_energy_values))
     call sim%totals%unpack(state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
+    sim%history%is_untouched = sim%totals%most_contacts == 0
     ! Several ranks take up their contacts when they have split the scene.
     if (ranks%size == 1) call resume_history(sim%history, sim%contacts)
     if (ranks%size == 1 .and. size(state%built, 2) > 0) then

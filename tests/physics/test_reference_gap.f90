@@ -1,5 +1,5 @@
-!> Laws whose gaps count from that of the first step: grains that are there from the start stop where they were detected, later
-!! ones at contact, in the plane and in space; a restart in between changes nothing; and a shifted gap.
+!> Laws whose gaps count from that of the first step with contacts: grains that are in reach then stop where they were detected,
+!! later ones at contact, in the plane and in space; a restart in between changes nothing; and a shifted gap.
 program test_reference_gap
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, put_disk, put_wall, run
@@ -24,8 +24,11 @@ program test_reference_gap
     call test_law(dimension, law_gap_g0, 0.0_wp, 0.0095_wp, 0.0_wp)
     call test_law(dimension, law_gap_shifted, -0.02_wp, 0.02_wp, 0.02_wp, places=[0.04_wp, 0.1_wp])
     call test_spring(dimension)
+    ! Nothing is in reach for 55 steps: the first contact is that of the nearer grain, at the edge of the alert distance.
+    call test_law(dimension, law_iqs_g0, 0.0_wp, 0.0495_wp, 0.0_wp, places=[0.1_wp, 0.15_wp])
   end do
   if (hdf5_is_available()) call test_restart()
+  if (hdf5_is_available()) call test_late_restart()
   call t%finish()
 
 contains
@@ -132,4 +135,26 @@ contains
     call load_checkpoint(other, folder, warnings, error)
     call t%check(allocated(error), 'a scene whose laws keep nothing does not go on from it')
   end subroutine test_restart
+
+  !> A run continued from a checkpoint of before the first contact has the same first contact; one of after it has no second one.
+  subroutine test_late_restart()
+    type(simulation_t) :: sim
+    type(error_t), allocatable :: error
+    type(diagnostics_t) :: warnings
+    integer :: i, before
+
+    do i = 1, 2
+      before = merge(30, 80, i == 1)
+      call make(2, law_iqs_g0, 0.0_wp, [0.1_wp, 0.15_wp], sim)
+      call run(sim, before)
+      call save_checkpoint(sim, error)
+      call t%check(.not. allocated(error), 'a checkpoint is written')
+      call make(2, law_iqs_g0, 0.0_wp, [0.1_wp, 0.15_wp], sim)
+      call load_checkpoint(sim, folder, warnings, error)
+      call t%check(.not. allocated(error), 'it is read')
+      if (allocated(error)) return
+      call run(sim, 200 - before)
+      call t%near(maxval(abs(gaps(sim) - [0.0495_wp, 0.0_wp])), 0.0_wp, rounding, 'restarted: where grains stop')
+    end do
+  end subroutine test_late_restart
 end program test_reference_gap
