@@ -7,7 +7,7 @@ module sg_history
   use sg_internal_values, only: not_recorded
   use sg_kinds, only: wp, i1, i4, i8
   use sg_lists, only: reserve
-  use sg_near, only: candidate_first, spans
+  use sg_near, only: candidate_first, has_one_image
   use sg_neighbours, only: neighbours_t
   use sg_scene, only: scene_t, start_contact_t
   use sg_sorting, only: sort_permutation
@@ -232,15 +232,15 @@ contains
     end associate
   end function crossed_between
 
-  !> Find the past of every pair of a new list of neighbours, image by image. All images of a wall that spans a period are one
-  !! wall, of which pairs name the nearest; contacts of a deck name no image.
+  !> Find the past of every pair of a new list of neighbours, image by image. Where one image of a wall alone is seen, the
+  !! nearest, it may be another one now; contacts of a deck name no image.
   subroutine match_pairs(history, scene, pairs)
     type(history_t), intent(inout) :: history !! past, its images unwrapped; `past` is set
     type(scene_t), intent(in) :: scene !! scene after the new list
     type(neighbours_t), intent(in) :: pairs !! the new list
     integer(i4), allocatable :: first(:), member(:)
     integer(i4) :: image(2)
-    logical :: is_endless(2)
+    logical :: is_single(2)
     integer :: p, m
 
     call list_by_candidate(history, scene%contactors%n, first, member)
@@ -254,8 +254,9 @@ contains
       do m = first(pairs%contactor(1, p)), first(pairs%contactor(1, p) + 1) - 1
         if (history%contactor(2, member(m)) /= pairs%contactor(2, p)) cycle
         if (any(history%image(:, member(m)) /= image)) then
-          is_endless = history%by_point .or. spans(scene%contactors, pairs%contactor(2, p), [scene%period, scene%period_y])
-          if (.not. all(is_endless .or. history%image(:, member(m)) == image)) cycle
+          is_single = history%by_point .or. has_one_image(scene%contactors, pairs%contactor(2, p), &
+                                                                 [scene%period, scene%period_y])
+          if (.not. all(is_single .or. history%image(:, member(m)) == image)) cycle
         end if
         history%past(p) = member(m)
         exit

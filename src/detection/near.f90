@@ -4,7 +4,7 @@ module sg_near
   use sg_kinds, only: wp, i4
   implicit none
   private
-  public :: is_near, candidate_first, turning_arm, spans
+  public :: is_near, candidate_first, turning_arm, has_one_image
 
 contains
 
@@ -73,20 +73,20 @@ contains
     case (kind_hollow)
       near_wall = contactors%reach(wall) - norm2(apart) - reach < distance
     case (kind_plane)
-      near_wall = near_plane(contactors, wall, apart, reach, period, distance)
+      near_wall = near_plane(contactors, wall, apart, reach, distance)
     case (kind_hollow_cylinder)
       near_wall = near_hollow_cylinder(contactors, wall, apart, reach, distance)
     case default
-      near_wall = near_segment(contactors, wall, apart, reach, period, distance)
+      near_wall = near_segment(contactors, wall, apart, reach, distance)
     end select
+    if (near_wall) near_wall = is_the_one(contactors, wall, apart, period)
   end function near_wall
 
-  !> Against a rounded segment: distance to its axis. The images of a wall that spans the period are itself: what sees it
-  !! sees the one whose centre is nearest.
-  pure logical function near_segment(contactors, wall, apart, reach, period, distance)
+  !> Against a rounded segment: distance to its axis.
+  pure logical function near_segment(contactors, wall, apart, reach, distance)
     type(contactors_t), intent(in) :: contactors
     integer(i4), intent(in) :: wall
-    real(wp), intent(in) :: apart(3), reach, period(3), distance
+    real(wp), intent(in) :: apart(3), reach, distance
     real(wp) :: axis(2), along, across, half_length
 
     associate (row => contactors%row(wall))
@@ -96,14 +96,13 @@ contains
       across = apart(1)*axis(2) - apart(2)*axis(1)
       near_segment = hypot(along, across) - contactors%wall_size(2, row) - reach < distance
     end associate
-    if (near_segment) near_segment = is_the_one(contactors, wall, apart, period)
   end function near_segment
 
-  !> Against a plane: distance to its box. Of a plane that spans a period only the nearest image is seen.
-  pure logical function near_plane(contactors, wall, apart, reach, period, distance)
+  !> Against a plane: distance to its box.
+  pure logical function near_plane(contactors, wall, apart, reach, distance)
     type(contactors_t), intent(in) :: contactors
     integer(i4), intent(in) :: wall
-    real(wp), intent(in) :: apart(3), reach, period(3), distance
+    real(wp), intent(in) :: apart(3), reach, distance
     real(wp) :: frame(3, 3), half(3), beyond(3)
 
     frame = reshape(contactors%space%plane_world(:, contactors%row(wall)), [3, 3])
@@ -111,50 +110,52 @@ contains
     half(:2) = half(:2) + contactors%space%plane_rim(contactors%row(wall))
     beyond = max(0.0_wp, abs(matmul(apart, frame)) - half)
     near_plane = norm2(beyond) - reach < distance
-    if (near_plane) near_plane = is_the_one(contactors, wall, apart, period)
   end function near_plane
 
-  !> Of the images of a wall that spans a period, is this the one that is seen?
+  !> Of the images of a contactor of which one alone is seen, is this the one?
   pure logical function is_the_one(contactors, wall, apart, period)
     type(contactors_t), intent(in) :: contactors
     integer(i4), intent(in) :: wall
     real(wp), intent(in) :: apart(3), period(3)
-    logical :: is_endless(2)
+    logical :: is_single(2)
     integer :: axis
 
     is_the_one = .true.
-    is_endless = spans(contactors, wall, period(:2))
+    is_single = has_one_image(contactors, wall, period(:2))
     do axis = 1, 2
-      if (is_endless(axis)) is_the_one = is_the_one .and. is_nearest(apart(axis)/period(axis))
+      if (is_single(axis)) is_the_one = is_the_one .and. is_nearest(apart(axis)/period(axis))
     end do
   end function is_the_one
 
-  !> Is a contactor a segment or a plane as long as a period, in x and in y? All its images are one wall.
-  pure function spans(contactors, c, period)
+  !> Is a contactor seen in one image alone, the nearest, in x and in y? The images of a segment or a plane as long as a period
+  !! are one wall; of a hollow shape the nearest image holds what is within, and all others would draw it in.
+  pure function has_one_image(contactors, c, period) result(is_single)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer(i4), intent(in) :: c !! the one to look at
     real(wp), intent(in) :: period(2) !! in x and y, zero where not periodic [m]
-    logical :: spans(2)
+    logical :: is_single(2)
     real(wp) :: frame(3, 3), half(3)
     integer :: axis
 
-    spans = .false.
+    is_single = .false.
     if (.not. any(period > 0)) return
     associate (row => contactors%row(c))
       select case (contactors%kind(c))
+      case (kind_hollow, kind_hollow_cylinder)
+        is_single = .true.
       case (kind_wall)
-        spans(1) = 2*contactors%wall_size(1, row)*abs(contactors%wall_axis(1, row)) >= period(1)
+        is_single(1) = 2*contactors%wall_size(1, row)*abs(contactors%wall_axis(1, row)) >= period(1)
       case (kind_plane)
         frame = reshape(contactors%space%plane_world(:, row), [3, 3])
         half = contactors%space%plane_half(:, row)
         half(:2) = half(:2) + contactors%space%plane_rim(row)
         do axis = 1, 2
-          spans(axis) = 2*dot_product(half, abs(frame(axis, :))) >= period(axis)
+          is_single(axis) = 2*dot_product(half, abs(frame(axis, :))) >= period(axis)
         end do
       end select
     end associate
-    spans = spans .and. period > 0
-  end function spans
+    is_single = is_single .and. period > 0
+  end function has_one_image
 
   !> Against a hollow cylinder: between its ends, and not far inside its wall.
   pure logical function near_hollow_cylinder(contactors, wall, apart, reach, distance) result(is_near)

@@ -2,7 +2,7 @@
 program test_periodic
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, g, hold, put_disk, put_polygon, put_wall, run
-  use sg_contactors, only: add_disk
+  use sg_contactors, only: add_disk, add_hollow
   use sg_kinds, only: wp
   use sg_laws, only: status_stick
   use sg_random, only: random_t
@@ -17,6 +17,7 @@ program test_periodic
   call test_cloud(with_polygons=.true.)
   call test_rough_wall()
   call test_smooth_wall()
+  call test_drum()
   call t%finish()
 
 contains
@@ -189,4 +190,25 @@ contains
                   'smooth wall: grains stay where they are')
     end do
   end subroutine test_smooth_wall
+
+  !> A disk falls in a drum whose images nearly touch it: it moves as in a single one.
+  subroutine test_drum()
+    type(simulation_t) :: sim(2)
+    integer :: i
+
+    do i = 1, 2
+      call begin_scene(sim(i)%scene, 2, 0.3_wp, 0.05_wp)
+      if (i == 2) sim(i)%scene%period = 2.1_wp
+      call put_disk(sim(i)%scene, 1, 0.1_wp, [1.8_wp, 1.0_wp])
+      call add_hollow(sim(i)%scene%contactors, 2, 1, 1.0_wp, [0.0_wp, 0.0_wp])
+      sim(i)%scene%bodies%position(:, 2) = [1.05_wp, 1.0_wp]
+      call hold(sim(i)%scene, 2)
+      call begin_run(sim(i), 1e-3_wp, 1e-12_wp)
+      call run(sim(i), 1000)
+      call t%equal(sim(i)%contacts%n, 1, 'drum: one contact')
+    end do
+    call t%near(maxval(abs(sim(1)%scene%bodies%position(:, 1) - sim(2)%scene%bodies%position(:, 1))), 0.0_wp, 1e-9_wp, &
+                'drum: the same place')
+    call t%check(sim(1)%scene%bodies%position(2, 1) < 0.9_wp, 'drum: it has fallen')
+  end subroutine test_drum
 end program test_periodic
