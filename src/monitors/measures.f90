@@ -17,6 +17,7 @@ module sg_measures
   use sg_grains, only: grain_sums, grains_of, grains_t, n_grain_sums
   use sg_home_sum, only: add_grains_at_home, copy_from_home
   use sg_inertia_number, only: field_sums, gradient_of, inertia_number, shear_rate
+  use sg_internal_values, only: bond_slip
   use sg_kinds, only: wp
   use sg_penetration, only: deepest_penetration, penetration_sums
   use sg_scene, only: scene_t
@@ -32,12 +33,12 @@ module sg_measures
   !> Longest name
   integer, parameter :: name_length = 29
   !> Measures that scenes in the plane and in space share (doc/guide/results.md says what each one is)
-  character(len=name_length), parameter :: shared_names(26) = [character(len=name_length) :: &
+  character(len=name_length), parameter :: shared_names(22) = [character(len=name_length) :: &
     'kinetic_energy', 'potential_energy', 'external_work', 'drive_work', 'friction_loss', 'impact_loss', 'energy_closure', &
     'mean_penetration', 'max_penetration', 'volume_error', 'compactness', &
     'coordination', 'coordination_without_rattlers', 'single_contacts', 'double_contacts', 'triple_contacts', &
     'mean_velocity', 'max_velocity', 'inertia_number', 'pressure', 'floor_share', &
-    'bond_energy', 'bond_loss', 'bonds', 'damaged_bonds', 'rattlers']
+    'rattlers']
   !> What follows in the plane
   character(len=name_length), parameter :: plane_names(7) = [character(len=name_length) :: &
     'stress_xx', 'stress_xy', 'stress_yx', 'stress_yy', 'shear_rate', 'momentum_x', 'momentum_y']
@@ -45,6 +46,10 @@ module sg_measures
   character(len=name_length), parameter :: space_names(14) = [character(len=name_length) :: 'quadruple_contacts', &
     'stress_xx', 'stress_xy', 'stress_xz', 'stress_yx', 'stress_yy', 'stress_yz', 'stress_zx', 'stress_zy', 'stress_zz', &
     'shear_rate', 'momentum_x', 'momentum_y', 'momentum_z']
+
+  !> What follows both where there are cohesive zones
+  character(len=name_length), parameter :: bond_names(4) = [character(len=name_length) :: &
+    'bond_energy', 'bond_loss', 'bonds', 'damaged_bonds']
 
   !> What the measures are made of: sums over bodies and contacts, of one rank or of all
   type :: sums_t
@@ -75,23 +80,29 @@ module sg_measures
 contains
 
   !> Number of measures of a scene.
-  pure integer function n_measures(dimension)
+  pure integer function n_measures(dimension, has_bonds)
     integer, intent(in) :: dimension !! of space
+    logical, intent(in) :: has_bonds !! are there cohesive zones?
 
     n_measures = size(shared_names) + merge(size(plane_names), size(space_names), dimension == 2)
+    if (has_bonds) n_measures = n_measures + size(bond_names)
   end function n_measures
 
   !> Their names, in the order of their values.
-  pure function measure_names(dimension) result(names)
+  pure function measure_names(dimension, has_bonds) result(names)
     integer, intent(in) :: dimension !! of space
-    character(len=name_length) :: names(n_measures(dimension))
+    logical, intent(in) :: has_bonds !! are there cohesive zones?
+    character(len=name_length) :: names(n_measures(dimension, has_bonds))
+    integer :: n
 
+    n = n_measures(dimension, .false.)
     names(:size(shared_names)) = shared_names
     if (dimension == 2) then
-      names(size(shared_names) + 1:) = plane_names
+      names(size(shared_names) + 1:n) = plane_names
     else
-      names(size(shared_names) + 1:) = space_names
+      names(size(shared_names) + 1:n) = space_names
     end if
+    if (has_bonds) names(n + 1:) = bond_names
   end function measure_names
 
   !> Is a measure a whole number?
@@ -138,7 +149,7 @@ contains
     end if
     call sum_up(scene, contacts, h, energy, touching, neighbours(1, :), sums)
     if (is_shared) call share_sums(comm, sums)
-    call conclude(scene, h, energy%is_started, sums, extremes, measures)
+    call conclude(scene, h, energy%is_started, contacts%n_internal >= bond_slip, sums, extremes, measures)
   end subroutine measure
 
   !> Sums over this rank's bodies and contacts, beside those of speeds and of the velocity field.
@@ -218,16 +229,17 @@ contains
   end function middle_of
 
   !> The indicators from sums and largest values of the whole scene.
-  pure subroutine conclude(scene, h, has_energy, sums, extremes, measures)
+  pure subroutine conclude(scene, h, has_energy, has_bonds, sums, extremes, measures)
     type(scene_t), intent(in) :: scene
     real(wp), intent(in) :: h
-    logical, intent(in) :: has_energy
+    logical, intent(in) :: has_energy, has_bonds
     type(sums_t), intent(in) :: sums
     type(extremes_t), intent(in) :: extremes
     type(measures_t), intent(inout) :: measures
     type(grains_t) :: grains
     type(coordination_t) :: touch
     real(wp) :: stress(scene%dimension, scene%dimension), pressure, box, rate, n
+    integer :: last
 
     grains = grains_of(sums%grains)
     n = sums%grains(1)
@@ -237,15 +249,16 @@ contains
     if (box*h > 0) stress = reshape(sums%stress, shape(stress))/(box*h)
     pressure = mean_pressure(stress)
     rate = shear_rate(gradient_of(sums%field, scene%dimension))
-    allocate (measures%value(n_measures(scene%dimension)))
+    allocate (measures%value(n_measures(scene%dimension, has_bonds)))
+    last = n_measures(scene%dimension, .false.)
+    if (has_bonds) measures%value(last + 1:) = [sums%bonds(1), sums%energy(10) - sums%bonds(1), sums%bonds(2:3)]
     measures%value(:size(shared_names)) = &
       [sums%energy(1:2), sums%energy(6:9), closure_of(sums%energy, has_energy), &
        ratio(sums%gaps(2), sums%gaps(1)), extremes%penetration, ratio(sums%overlap(1), grains%area), ratio(grains%area, box), &
        touch%mean, touch%without_rattlers, real([touch%single, touch%double, touch%triple], wp), &
        ratio(sums%speed(1), n), extremes%speed, inertia_number(rate, mass_by_length(grains, scene%dimension), pressure), &
-       pressure, carried_share(sums%force, scene%gravity, grains%mass), &
-       sums%bonds(1), sums%energy(10) - sums%bonds(1), sums%bonds(2:3), real(touch%rattlers, wp)]
-    associate (rest => measures%value(size(shared_names) + 1:))
+       pressure, carried_share(sums%force, scene%gravity, grains%mass), real(touch%rattlers, wp)]
+    associate (rest => measures%value(size(shared_names) + 1:last))
       if (scene%dimension == 2) then
         measures%value(16) = real(touch%triple + touch%quadruple, wp)
         rest = [stress(1, :), stress(2, :), rate, sums%momentum]
@@ -312,12 +325,15 @@ contains
   pure real(wp) function measures_get(self, name) result(value)
     class(measures_t), intent(in) :: self
     character(len=*), intent(in) :: name !! one of `measure_names`
-    integer :: i, dimension
+    integer :: i, dimension, n
+    logical :: has_bonds
 
     value = 0
     if (.not. allocated(self%value)) return
-    dimension = merge(2, 3, size(self%value) == n_measures(2))
-    associate (names => measure_names(dimension))
+    n = size(self%value)
+    has_bonds = any(n == [n_measures(2, .true.), n_measures(3, .true.)])
+    dimension = merge(2, 3, n == n_measures(2, has_bonds))
+    associate (names => measure_names(dimension, has_bonds))
       do i = 1, size(names)
         if (names(i) == name) value = self%value(i)
       end do

@@ -25,7 +25,7 @@ contains
            tagged_text('contacts', 'count', [real(summary%totals%contacts, wp)])// &
            tagged_text('active_contacts', 'count', [real(summary%totals%active_contacts, wp)])// &
            tagged_text('sweeps', 'effort', [real(summary%totals%sweeps, wp)])
-    associate (names => measure_names(summary%dimension))
+    associate (names => measure_names(summary%dimension, summary%has_bonds))
       do i = 1, size(names)
         text = text//tagged_text(trim(names(i)), trim(merge('count  ', 'measure', is_count(names(i)))), [summary%measures%at(i)])
       end do

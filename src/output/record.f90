@@ -16,8 +16,9 @@ module sg_record
   type :: record_t
     !> Path of the file
     character(len=:), allocatable :: file
-    !> Dimension of space, which decides on the columns
+    !> Dimension of space, and whether there are cohesive zones, which decide on the columns
     integer :: dimension = 2
+    logical :: has_bonds = .false.
     !> Does this rank write it? Of ranks that share a run one alone does
     logical :: is_speaker = .true.
   contains
@@ -29,35 +30,40 @@ module sg_record
 contains
 
   !> Begin a new record; an older one is replaced.
-  subroutine record_start(self, file, dimension, error)
+  subroutine record_start(self, file, dimension, has_bonds, error)
     class(record_t), intent(inout) :: self
     character(len=*), intent(in) :: file !! path of the record
     integer, intent(in) :: dimension !! of space
+    logical, intent(in) :: has_bonds !! are there cohesive zones?
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
 
     self%file = file
     self%dimension = dimension
+    self%has_bonds = has_bonds
     if (.not. self%is_speaker) return
-    call replace_file(file, header(dimension)//new_line('a'), error)
+    call replace_file(file, header(dimension, has_bonds)//new_line('a'), error)
   end subroutine record_start
 
   !> Go on with the record of a run that restarts after a step: rows of later steps, and a torn last row, are cut.
-  subroutine record_resume(self, file, dimension, step, error)
+  subroutine record_resume(self, file, dimension, has_bonds, step, error)
     class(record_t), intent(inout) :: self
     character(len=*), intent(in) :: file !! path of the record
     integer, intent(in) :: dimension !! of space
+    logical, intent(in) :: has_bonds !! are there cohesive zones?
     integer, intent(in) :: step !! step of the checkpoint
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be read or written, or has other columns
 
     self%file = file
     self%dimension = dimension
+    self%has_bonds = has_bonds
     if (.not. self%is_speaker) return
-    call resume_rows(file, header(dimension), step, error)
+    call resume_rows(file, header(dimension, has_bonds), step, error)
   end subroutine record_resume
 
   !> The names of the columns.
-  pure function header(dimension) result(names)
+  pure function header(dimension, has_bonds) result(names)
     integer, intent(in) :: dimension
+    logical, intent(in) :: has_bonds
     character(len=:), allocatable :: names
     integer :: i
 
@@ -66,7 +72,7 @@ contains
     do i = 1, n_phases
       names = names//',cpu_'//trim(phase_names(i))
     end do
-    associate (measure => measure_names(dimension))
+    associate (measure => measure_names(dimension, has_bonds))
       do i = 1, size(measure)
         names = names//','//trim(measure(i))
       end do
@@ -97,7 +103,7 @@ contains
     do i = 1, n_phases
       row = row//','//cell(totals%phase(i)%cpu)
     end do
-    associate (names => measure_names(self%dimension))
+    associate (names => measure_names(self%dimension, self%has_bonds))
       do i = 1, size(names)
         if (is_count(names(i))) then
           row = row//','//to_text(nint(measures%at(i)))

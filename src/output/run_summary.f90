@@ -191,7 +191,7 @@ contains
     call add_identity(json, summary)
     call add_totals(json, summary%totals)
     if (summary%ranks > 1) call add_shared(json, summary%shared)
-    associate (names => measure_names(summary%dimension))
+    associate (names => measure_names(summary%dimension, summary%has_bonds))
       do i = 1, size(names)
         if (is_count(names(i))) then
           call json%add(trim(names(i)), nint(summary%measures%at(i)))

@@ -120,9 +120,9 @@ contains
     file = sim%options%folder//'/record.csv'
     call writers%summary%add_file('record', 'record.csv')
     if (resumes) then
-      call writers%record%resume(file, sim%scene%dimension, sim%step, error)
+      call writers%record%resume(file, sim%scene%dimension, sim%plan%has_bonds, sim%step, error)
     else
-      call writers%record%start(file, sim%scene%dimension, error)
+      call writers%record%start(file, sim%scene%dimension, sim%plan%has_bonds, error)
     end if
   end subroutine open_record
 

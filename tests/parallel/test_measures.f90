@@ -172,7 +172,7 @@ contains
     character(len=*), intent(in) :: what
     integer :: m
 
-    associate (names => measure_names(dimension))
+    associate (names => measure_names(dimension, .false.))
       do m = 1, size(names)
         call t%near(got%at(m), wanted%at(m), rounding*max(1.0_wp, abs(wanted%at(m))), what//': '//trim(names(m)))
       end do

@@ -50,15 +50,18 @@ contains
     integer :: i
 
     all_names = ''
-    associate (names => measure_names(3))
+    associate (names => measure_names(3, .true.))
       do i = 1, size(names)
         all_names = all_names//','//trim(names(i))
       end do
     end associate
     call t%check(index(all_names, ',rattlers,quadruple_contacts,stress_xx,stress_xy,stress_xz,stress_yx,stress_yy,stress_yz,'// &
-                       'stress_zx,stress_zy,stress_zz,shear_rate,momentum_x,momentum_y,momentum_z') > 0, 'names in space')
-    call t%equal(n_measures(3), 40, 'measures in space')
-    call t%equal(n_measures(2), 33, 'measures in the plane')
+                       'stress_zx,stress_zy,stress_zz,shear_rate,momentum_x,momentum_y,momentum_z,'// &
+                       'bond_energy,bond_loss,bonds,damaged_bonds') > 0, 'names in space')
+    call t%equal(n_measures(3, .true.), 40, 'measures in space')
+    call t%equal(n_measures(2, .true.), 33, 'measures in the plane')
+    call t%equal(n_measures(3, .false.), 36, 'measures in space without cohesive zones')
+    call t%equal(n_measures(2, .false.), 29, 'measures in the plane without cohesive zones')
     call t%equal(count(is_count_of(3)), 7, 'counts in space')
     call t%equal(count(is_count_of(2)), 6, 'counts in the plane')
   end subroutine test_names
@@ -66,10 +69,10 @@ contains
   !> Which measures are counts?
   function is_count_of(dimension) result(are)
     integer, intent(in) :: dimension
-    logical :: are(n_measures(dimension))
+    logical :: are(n_measures(dimension, .true.))
     integer :: i
 
-    associate (names => measure_names(dimension))
+    associate (names => measure_names(dimension, .true.))
       are = [(is_count(names(i)), i=1, size(names))]
     end associate
   end function is_count_of

@@ -48,14 +48,6 @@ pressure measure 1
 1.9039851187207223E+01
 floor_share measure 1
 5.7744611986072125E-01
-bond_energy measure 1
-0.0000000000000000E+00
-bond_loss measure 1
-0.0000000000000000E+00
-bonds count 1
-0.0000000000000000E+00
-damaged_bonds count 1
-0.0000000000000000E+00
 rattlers count 1
 2.0000000000000000E+00
 quadruple_contacts count 1

@@ -48,14 +48,6 @@ pressure measure 1
 2.3094142018286615E+01
 floor_share measure 1
 1.9526938696555865E-01
-bond_energy measure 1
-0.0000000000000000E+00
-bond_loss measure 1
-0.0000000000000000E+00
-bonds count 1
-0.0000000000000000E+00
-damaged_bonds count 1
-0.0000000000000000E+00
 rattlers count 1
 5.0000000000000000E+00
 stress_xx measure 1

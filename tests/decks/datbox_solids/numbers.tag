@@ -48,14 +48,6 @@ pressure measure 1
 9.0289166350932291E+01
 floor_share measure 1
 8.6797936228271755E-01
-bond_energy measure 1
-0.0000000000000000E+00
-bond_loss measure 1
-0.0000000000000000E+00
-bonds count 1
-0.0000000000000000E+00
-damaged_bonds count 1
-0.0000000000000000E+00
 rattlers count 1
 5.0000000000000000E+00
 quadruple_contacts count 1

@@ -48,14 +48,6 @@ pressure measure 1
 8.1674869935996485E+03
 floor_share measure 1
 8.9114219408094808E-01
-bond_energy measure 1
-0.0000000000000000E+00
-bond_loss measure 1
-0.0000000000000000E+00
-bonds count 1
-0.0000000000000000E+00
-damaged_bonds count 1
-0.0000000000000000E+00
 rattlers count 1
 6.0000000000000000E+00
 stress_xx measure 1

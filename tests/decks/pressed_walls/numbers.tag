@@ -48,14 +48,6 @@ pressure measure 1
 1.5437788503330081E+04
 floor_share measure 1
 0.0000000000000000E+00
-bond_energy measure 1
-0.0000000000000000E+00
-bond_loss measure 1
-0.0000000000000000E+00
-bonds count 1
-0.0000000000000000E+00
-damaged_bonds count 1
-0.0000000000000000E+00
 rattlers count 1
 3.1000000000000000E+01
 stress_xx measure 1

@@ -48,14 +48,6 @@ pressure measure 1
 4.7342208466413949E+03
 floor_share measure 1
 8.7648145246320630E-01
-bond_energy measure 1
-0.0000000000000000E+00
-bond_loss measure 1
-0.0000000000000000E+00
-bonds count 1
-0.0000000000000000E+00
-damaged_bonds count 1
-0.0000000000000000E+00
 rattlers count 1
 2.4000000000000000E+01
 quadruple_contacts count 1

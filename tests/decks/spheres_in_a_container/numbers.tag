@@ -48,14 +48,6 @@ pressure measure 1
 2.9095965099047442E+02
 floor_share measure 1
 8.7917818097785039E-01
-bond_energy measure 1
-0.0000000000000000E+00
-bond_loss measure 1
-0.0000000000000000E+00
-bonds count 1
-0.0000000000000000E+00
-damaged_bonds count 1
-0.0000000000000000E+00
 rattlers count 1
 8.0000000000000000E+01
 quadruple_contacts count 1

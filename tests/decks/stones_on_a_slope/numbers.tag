@@ -48,14 +48,6 @@ pressure measure 1
 2.2961018652815614E+01
 floor_share measure 1
 4.6596403805427949E-01
-bond_energy measure 1
-0.0000000000000000E+00
-bond_loss measure 1
-0.0000000000000000E+00
-bonds count 1
-0.0000000000000000E+00
-damaged_bonds count 1
-0.0000000000000000E+00
 rattlers count 1
 3.0000000000000000E+00
 quadruple_contacts count 1
