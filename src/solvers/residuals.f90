@@ -27,6 +27,8 @@ module sg_residuals
     real(wp) :: rho(chunk) = 0
     !> 1 where a linear law asks u = 0, else 0; of laws that are linear along the normal alone u_t is r_t/rho
     real(wp) :: linear(chunk) = 0
+    !> Impulse that a bond adds [N s]
+    real(wp) :: bond_n(chunk) = 0, bond_t(chunk) = 0
   end type chunk_t
 
 contains
@@ -46,7 +48,7 @@ contains
   end subroutine measure_errors
 
   !> Sums over the contacts of a problem that make its errors: squares of the map with rho = 1 (where wanted), of the map
-  !! with rho_a, of its velocity error, of r, and of u; and the number of contacts that carry an impulse.
+  !! with rho_a, of its velocity error, of r with what bonds add, and of u; and the number of contacts that carry an impulse.
   pure subroutine sum_errors(problem, with_e1, sums, squares, closing)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     logical, intent(in) :: with_e1 !! sum the first one too, which takes a map of its own
@@ -68,6 +70,7 @@ contains
       else
         call add_normal_parts(a%n, a%u_n, a%r_n, a%rho, with_e1, lane, f8)
       end if
+      if (problem%kind == arm_bonded) lane(:a%n, 4) = lane(:a%n, 4) + a%bond_n(:a%n)**2 + a%bond_t(:a%n)**2
       if (present(squares)) squares(first:first + a%n - 1) = f8(:a%n)
       ! Linear laws have no open state: their contacts count as carrying even where they carry nothing.
       if (present(closing)) call note_closing(a%n, a%u_n, abs(a%r_n) + abs(a%r_t) + a%linear, a%rho, closing(first:first + a%n - 1))
@@ -209,8 +212,11 @@ contains
         call gather_arm_frictional(n, pair, record, r, problem%n_bodies, problem%body, a)
       case (arm_bonded)
         call gather_arm_frictional(n, pair, record(:16, :), r, problem%n_bodies, problem%body, a)
-        a%r_n(:n) = a%r_n(:n) + record(17, :)*a%u_n(:n)
-        a%r_t(:n) = a%r_t(:n) + record(18, :)*(a%u_t(:n) + record(19, :))
+        ! A bond between bodies that nothing moves takes no part.
+        a%bond_n(:n) = merge(record(17, :)*a%u_n(:n), 0.0_wp, record(16, :) > 0.5_wp)
+        a%bond_t(:n) = merge(record(18, :)*(a%u_t(:n) + record(19, :)), 0.0_wp, record(16, :) > 0.5_wp)
+        a%r_n(:n) = a%r_n(:n) + a%bond_n(:n)
+        a%r_t(:n) = a%r_t(:n) + a%bond_t(:n)
       end select
     end associate
   end subroutine gather

@@ -24,6 +24,8 @@ module sg_residuals_space
     real(wp) :: friction(chunk) = 0, rho(chunk) = 0
     !> 1 where a linear law asks u = 0, else 0; of laws that are linear along the normal alone u_t is r_t/rho
     real(wp) :: linear(chunk) = 0
+    !> Square of the impulse that a bond adds [N2 s2]
+    real(wp) :: bond(chunk) = 0
   end type chunk_t
 
 contains
@@ -69,6 +71,7 @@ contains
         lane(i, 5) = lane(i, 5) + a%u(i, 1)**2 + a%u(i, 2)**2 + a%u(i, 3)**2
         lane(i, 6) = lane(i, 6) + merge(1.0_wp, 0.0_wp, abs(a%r(i, 1)) + abs(a%r(i, 2)) + abs(a%r(i, 3)) > 0)
       end do
+      if (problem%kind == solid_bonded) lane(:n, 4) = lane(:n, 4) + a%bond(:n)
     end do
   end subroutine add_space_contacts
 
@@ -289,13 +292,17 @@ contains
     integer, intent(in) :: n
     real(wp), intent(in) :: record(31, n)
     type(chunk_t), intent(inout) :: a
-    real(wp) :: u_n
+    real(wp) :: u_n, bond(3)
     integer :: i
 
     do i = 1, n
-      if (.not. max(record(27, i), record(28, i)) > 0) cycle
+      a%bond(i) = 0
+      ! A bond between bodies that nothing moves takes no part.
+      if (.not. (max(record(27, i), record(28, i)) > 0 .and. record(25, i) > 0.5_wp)) cycle
       u_n = dot_product(a%normal(i, :), a%u(i, :))
-      a%r(i, :) = a%r(i, :) + record(27, i)*u_n*a%normal(i, :) + record(28, i)*(a%u(i, :) - u_n*a%normal(i, :) + record(29:31, i))
+      bond = record(27, i)*u_n*a%normal(i, :) + record(28, i)*(a%u(i, :) - u_n*a%normal(i, :) + record(29:31, i))
+      a%r(i, :) = a%r(i, :) + bond
+      a%bond(i) = sum(bond**2)
     end do
   end subroutine add_bonds
 
