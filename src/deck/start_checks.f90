@@ -155,8 +155,8 @@ contains
     if (.not. is_hollow(scene, c1) .and. .not. is_hollow(scene, c2)) call weigh_pair(scene, c1, c2, found)
   end subroutine check_pair
 
-  !> Note grains that are not within the hollow shapes that see them, however far: all outside of a hollow shape is its wall, and
-  !! detection would draw them in.
+  !> Note grains that are not within the hollow shapes that see them, as far as detection would draw them in: all outside of a
+  !! hollow shape is its wall.
   subroutine check_hollows(scene, found)
     type(scene_t), intent(in) :: scene !! the scene, its contactors placed
     type(overlaps_t), intent(inout) :: found !! list to add to
@@ -202,7 +202,10 @@ contains
       if (scene%period > 0) shift(1) = -scene%period*anint(distance(1)/scene%period)
       if (scene%period_y > 0) shift(2) = -scene%period_y*anint(distance(2)/scene%period_y)
       distance = distance + shift
-      if (.not. is_hollow(scene, c1) .and. .not. is_hollow(scene, c2)) then
+      if (is_hollow(scene, c1) .or. is_hollow(scene, c2)) then
+        ! Two cells of the detection: what lies farther away is not drawn in.
+        if (any(abs(distance) > 4*max(contactors%reach(c1), contactors%reach(c2)))) return
+      else
         if (any(abs(distance) > contactors%reach(c1) + contactors%reach(c2))) return
         if (scene%dimension == 3 .and. sum(distance**2) > (contactors%reach(c1) + contactors%reach(c2))**2) return
       end if

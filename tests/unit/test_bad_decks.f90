@@ -211,8 +211,8 @@ contains
              'overlap', 11)
     call bad('through a hollow disk', head//disk//'position = [1.8, 0]'//nl//'[[body]]'//nl//'shape = "hollow disk"'//nl// &
              'radius = 2'//nl//'fixed = true'//nl, 'overlap', 12)
-    call bad('a disk far outside of a hollow one', head//disk//'position = [9, 3]'//nl//'[[body]]'//nl//'shape = "hollow disk"'// &
-             nl//'radius = 2'//nl//'fixed = true'//nl, 'body 1 and body 2 overlap at the start by 7.99', 12)
+    call bad('a disk far outside of a hollow one', head//disk//'position = [7, 3]'//nl//'[[body]]'//nl//'shape = "hollow disk"'// &
+             nl//'radius = 2'//nl//'fixed = true'//nl, 'body 1 and body 2 overlap at the start by 6.12', 12)
   end subroutine bad_bodies
 
   subroutine bad_polygons()
