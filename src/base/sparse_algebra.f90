@@ -1,12 +1,16 @@
 !> Sparse matrices made from others: products, sums, columns.
 module sg_sparse_algebra
-  use sg_error, only: error_t, fail
+  use sg_error, only: error_t, exit_memory, fail
   use sg_kinds, only: wp, i4, i8
+  use sg_memory, only: memory_t
   use sg_sparse, only: sparse_from_triplets, sparse_t
   use sg_text, only: to_text
   implicit none
   private
   public :: multiply_matrices, sum_of, columns_of, beside, with_column, dense_column, no_columns, diagonal_matrix, rows_of
+
+  !> Memory of an entry of a product while it is made: as a triplet, sorted, and in the matrix [bytes]
+  integer(i8), parameter :: bytes_per_entry = 48
 
 contains
 
@@ -27,15 +31,20 @@ contains
     type(sparse_t), intent(in) :: a !! left matrix
     type(sparse_t), intent(in) :: b !! right matrix
     type(sparse_t), intent(out) :: c !! product
-    type(error_t), allocatable, intent(out) :: error !! set when the product has too many entries
+    type(error_t), allocatable, intent(out) :: error !! set when the product has too many entries, also for the memory
     integer(i4), allocatable :: row(:), column(:), place(:)
     real(wp), allocatable :: value(:)
+    type(memory_t) :: memory
     integer(i8) :: entries
     integer :: i, e, f, n, before
 
     entries = product_entries(a, b)
     if (entries > huge(n)) then
       call fail(error, 'a product of matrices would have '//to_text(entries)//' entries, more than can be counted')
+      return
+    end if
+    if (.not. memory%fits(bytes_per_entry*entries)) then
+      call fail(error, 'memory is short: a product of matrices would have '//to_text(entries)//' entries', code=exit_memory)
       return
     end if
     allocate (row(entries), column(entries), value(entries))

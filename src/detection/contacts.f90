@@ -10,7 +10,7 @@ module sg_contacts
   use sg_memory, only: memory_t
   implicit none
   private
-  public :: contacts_t, drop_contacts, grow_contacts, reserve_contacts, normal_impulse, impulse_vector
+  public :: bytes_per_contact, contacts_t, drop_contacts, grow_contacts, reserve_contacts, normal_impulse, impulse_vector
 
   !> All contacts of one step
   type :: contacts_t
@@ -62,12 +62,18 @@ contains
     now = 0
     if (allocated(contacts%gap)) now = size(contacts%gap)
     if (n <= now) return
-    bytes = int(35 + 16*contacts%dimension + 8*(contacts%n_components + contacts%n_internal), i8)
     ! While a table grows there are both the old one and the new one.
-    bytes = bytes*int(room_for(n, now) - now, i8) + 8*int(contacts%dimension, i8)*int(now, i8)
+    bytes = bytes_per_contact(contacts)*int(room_for(n, now) - now, i8) + 8*int(contacts%dimension, i8)*int(now, i8)
     contacts%is_cut = .not. contacts%memory%fits(bytes)
     if (.not. contacts%is_cut) call reserve_contacts(contacts, n)
   end subroutine grow_contacts
+
+  !> Memory of a contact [bytes].
+  pure integer(i8) function bytes_per_contact(contacts) result(bytes)
+    type(contacts_t), intent(in) :: contacts !! contacts with their numbers of components
+
+    bytes = int(35 + 16*contacts%dimension + 8*(contacts%n_components + contacts%n_internal), i8)
+  end function bytes_per_contact
 
   !> Drop contacts that were not found to the end, with their memory, which what follows and a checkpoint need.
   subroutine drop_contacts(contacts)

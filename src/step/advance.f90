@@ -96,8 +96,9 @@ contains
       call check_limits(sim%scene, sim%pairs, sim%contacts, sim%problem, kind, sim%step + 1, error)
       call assemble(sim%scene, sim%contacts, kind, sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, &
                     sim%problem)
-      if (is_dumped(sim)) call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
       call look_before(sim, error)
+      if (is_dumped(sim) .and. .not. allocated(error)) &
+        call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
       call phase(phase_assemble)%stop()
     end associate
   end subroutine find_contacts

@@ -4,9 +4,10 @@
 !! not finite, the file holds the guess alone.
 module sg_dump
   use sg_comm, only: comm_t
-  use sg_error, only: error_t, fail
+  use sg_error, only: error_t, exit_memory, fail
   use sg_fclib_write, only: write_pieces
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp, i4, i8
+  use sg_memory, only: memory_t
   use sg_numerals, only: read_integer
   use sg_problem, only: problem_t
   use sg_shared_matrices, only: share_matrices, shared_matrices_t, take_solution
@@ -15,6 +16,9 @@ module sg_dump
   implicit none
   private
   public :: dump_t, begin_dump, finish_dump, read_steps, is_listed
+
+  !> Memory that matrices take while they are made, of a contact with few others on its bodies [bytes]
+  integer(i8), parameter :: bytes_per_contact = 2000
 
   !> A dump under way
   type :: dump_t
@@ -37,8 +41,13 @@ contains
     type(subdomain_t), intent(in) :: subdomain !! who shares which body
     integer(i4), intent(in) :: slot_of(:) !! slot of each local body
     type(comm_t), intent(inout) :: comm !! the ranks
+    type(memory_t) :: memory
 
     dump%is_begun = .true.
+    if (comm%any(.not. memory%fits(bytes_per_contact*int(problem%n_contacts, i8)))) then
+      call fail(dump%error, 'memory is short: the matrices of the contact problem are not written', code=exit_memory)
+      return
+    end if
     call share_matrices(problem, subdomain, slot_of, comm, dump%matrices, dump%error)
   end subroutine begin_dump
 

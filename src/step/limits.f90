@@ -1,6 +1,6 @@
 !> Limits of a run within a step: memory and time that end it before a list, a problem or a search takes more than there is.
 module sg_limits
-  use sg_contacts, only: contacts_t, drop_contacts
+  use sg_contacts, only: bytes_per_contact, contacts_t, drop_contacts
   use sg_error, only: error_t, exit_memory, exit_stopped, fail
   use sg_kinds, only: wp, i8
   use sg_memory, only: gigabytes, memory_t
@@ -25,9 +25,9 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when the run must end
     integer(i8) :: growth
 
-    ! What the next step keeps of the contacts is an eighth of their problem.
+    ! What the next step keeps of the contacts is an eighth of their problem; a checkpoint copies them.
     growth = growth_of_problem(problem, kind, contacts%n)
-    growth = growth + growth/8
+    growth = growth + growth/8 + bytes_per_contact(contacts)*int(contacts%n, i8)
     if (pairs%is_late) then
       call fail(error, 'stopped by the walltime after step '//to_text(step - 1), code=exit_stopped)
     else if (pairs%is_cut) then

@@ -19,6 +19,13 @@ LATTICE = '[[sample]]\nbox = [0.0, 0.0, 5.0, 5.0]\nkind = "lattice"\n'
 CROWD = HEAD + "[[interaction]]\nalert = {alert}\n" + LATTICE + "radius = 0.01\ncount = 12000\n"
 
 
+def gathering(clump):
+    """Nine clumps of disks that fly together: a ninth of all pairs are neighbours at first, all are after a few steps."""
+    return HEAD + "[[interaction]]\nalert = 10.0\n" + "".join(
+        f'[[sample]]\nkind = "lattice"\nradius = 0.01\ncount = {clump}\nbox = [{20 * i}, {20 * j}, {20 * i + 1.2}, {20 * j + 1.2}]\n'
+        f"velocity = [{-5000.0 * i}, {-5000.0 * j}]\n" for i in (-1, 0, 1) for j in (-1, 0, 1))
+
+
 def cpu():
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
@@ -49,6 +56,21 @@ class Limits(ProgramCase):
         if self.has_hdf5():
             self.write(CROWD.format(alert=0.001))
             self.run_within(800, "run", "deck.toml", "--output", "out", "--restart", "out", "--quiet", code=0)
+
+    def test_growth_in_mid_run_ends_it_with_a_checkpoint(self):
+        self.write(gathering(400).replace("steps = 3", "steps = 10"))
+        words = ["--dump", "1-10"] if self.has_hdf5() else []
+        done = self.run_within(800, "run", "deck.toml", "--output", "out", "--quiet", *words, code=7)
+        self.assertEqual(len([line for line in done.stderr.splitlines() if "error:" in line]), 1, done.stderr)
+        run = json.loads((self.place / "out/run.json").read_text())
+        self.assertRegex(run["reason"], rf"^step {run['steps'] + 1}: memory is short: \d+ (pairs|contacts)")
+        self.assertGreater(run["steps"], 0)
+        if self.has_hdf5():
+            # The step without a problem leaves no dump, and the state before it a checkpoint.
+            self.assertFalse((self.place / f"out/dump-{run['steps'] + 1}-local.hdf5").exists())
+            self.assertFalse(list((self.place / "out").glob("*.part")))
+            self.run_program("run", "deck.toml", "--output", "out", "--restart", "out", "--quiet", "--set",
+                             f"time.steps={run['steps'] + 1}", "--set", "interaction.alert=0.001", code=0)
 
     def test_check_finds_it_as_well(self):
         self.write(CROWD.format(alert=10.0))
