@@ -69,10 +69,10 @@ def try_case(rng, program, place, material):
     return outcome
 
 
-def spoil_bytes(rng, data, places):
+def spoil_bytes(rng, data, places=()):
     """Bytes flipped, anywhere or in the headers of objects, cut off, or filled."""
     data = bytearray(data)
-    is_header = rng.random() < 0.5
+    is_header = len(places) > 0 and rng.random() < 0.5
     for _ in range(rng.choice([1, 1, 3, 20])):
         at = rng.choice(places) + rng.randrange(HEADER_BYTES) if is_header else rng.randrange(len(data))
         data[at] ^= 1 << rng.randrange(8)
