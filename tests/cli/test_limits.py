@@ -76,7 +76,7 @@ class Limits(ProgramCase):
         self.write(CROWD.format(alert=10.0))
         self.assertIn("pairs of neighbours", self.run_within(800, "check", "deck.toml", code=7).stderr)
         self.write(CROWD.format(alert=0.001))
-        self.assertRegex(self.run_within(800, "check", "deck.toml", code=0).stdout, r"memory     about \d+ MB, of \d+ pairs")
+        self.assertRegex(self.run_within(800, "check", "deck.toml", code=0).stdout, r"memory     about \d+ MB, with \d+ contacts and \d+ pairs")
 
     def test_samples_beyond_all_bounds_are_refused_at_once(self):
         before = cpu()
