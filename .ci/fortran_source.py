@@ -3,12 +3,9 @@
 import re
 from pathlib import Path
 
-# The only direction in which `use` may point: a file may use its own folder and those before it.
-LAYERS = [
-    "base", "parallel", "bodies", "contactors", "laws", "scene", "deck", "detection", "partition", "problem",
-    "solvers", "monitors", "output", "step", "drivers",
-]  # fmt: skip
-
+MODULE = re.compile(r"^\s*module\s+(?!procedure\b)(\w+)\s*$")
+USE = re.compile(r"^\s*use\b\s*(?:,\s*\w+\s*)?(?:::)?\s*(\w+)")
+PARENT = re.compile(r"^\s*submodule\s*\(\s*(\w+)")
 STRING = re.compile(r"'[^'\n]*'|\"[^\"\n]*\"")
 
 
@@ -24,12 +21,22 @@ def code_lines(text):
         yield number, code.split("!", 1)[0].lower()
 
 
-def layer(top, path):
-    """The folder of a source that the order of layers speaks of; None for the tests, which may use all."""
-    parts = path.relative_to(top).parts
-    if parts[0] == "src":
-        return parts[1]
-    return "drivers" if parts[0] == "drivers" else None
+def room(top, path):
+    """The room of a source; None for the tests, which may use all."""
+    folder = path.relative_to(top).parent
+    return folder.as_posix().removeprefix("src/") if folder.parts[0] in ("src", "drivers") else None
+
+
+def uses(top, texts):
+    """(file, line, module used, room of the file, room of the module) of every use of a module of the
+    project, from the code lines of its files."""
+    homes = {match[1]: room(top, path) for path, lines in texts.items() for _, line in lines
+             if (match := MODULE.match(line))}
+    for path, lines in texts.items():
+        for number, line in lines:
+            used = USE.match(line) or PARENT.match(line)
+            if used and used[1] in homes:
+                yield path, number, used[1], room(top, path), homes[used[1]]
 
 
 def report(name, findings, n_files):

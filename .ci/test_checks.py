@@ -1,10 +1,12 @@
 """The source checks can fail: each rule is broken once in a small project."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from rooms import MOST_NAMES
 
 HERE = Path(__file__).parent
 GOOD = """!> Why this module exists.
@@ -24,8 +26,8 @@ end module sg_{name}
 """
 
 
-def run(check, top):
-    result = subprocess.run([sys.executable, HERE / check, top], capture_output=True, text=True)
+def run(check, *arguments):
+    result = subprocess.run([sys.executable, HERE / check, *arguments], capture_output=True, text=True)
     return result.returncode, result.stdout
 
 
@@ -40,6 +42,7 @@ def write(top, place, use="", code="", text=GOOD):
 @pytest.fixture
 def project(tmp_path):
     write(tmp_path, "src/base/text.f90", code="print *, 'mpi_init h5open_f' ! hid_t")
+    write(tmp_path, "src/base/system/alarm.f90", use="use sg_text, only: work")
     write(tmp_path, "src/scene/scene.f90", use="use sg_text, only: work", code="call mapping('use mpi')")
     write(tmp_path, "src/parallel/comm.f90", use="use mpi_f08, only: mpi_init", code="call mpi_init()")
     write(tmp_path, "src/output/files.f90", use="use sg_scene, only: work")
@@ -58,8 +61,8 @@ def test_empty_project_fails(tmp_path, check):
 
 
 @pytest.mark.parametrize("place, use, code, finding", [
-    ("src/base/lists.f90", "use sg_scene, only: work", "", "base uses sg_scene of the later folder scene"),
-    ("src/scene/plan.f90", "use, non_intrinsic :: sg_files, only: work", "", "scene uses sg_files of the later folder"),
+    ("src/base/lists.f90", "use sg_scene, only: work", "", "base uses sg_scene of the later room scene"),
+    ("src/scene/plan.f90", "use, non_intrinsic :: sg_files, only: work", "", "scene uses sg_files of the later room output"),
     ("src/scene/plan.f90", "use mpi_f08, only: mpi_send", "", "mpi_f08 outside src/parallel"),
     ("src/scene/plan.f90", "", "call MPI_Send()", "mpi_send outside src/parallel"),
     ("src/output/files.f90", "use hdf5, only: hid_t", "", "outside a file *_with_hdf5.f90"),
@@ -68,11 +71,33 @@ def test_empty_project_fails(tmp_path, check):
     ("src/base/sparse_factor.f90", "", "call umfpack_di_free_numeric(numeric)", "outside a file *_with_suitesparse.f90"),
     ("src/base/convex_hull.f90", "", "code = splitgrain_hull(n, points)", "outside a file *_with_qhull.f90"),
     ("src/unheard/plan.f90", "", "", "'unheard' is not in the order"),
+    ("src/input/kitchen/plan.f90", "", "", "'input/kitchen' is not in the order"),
+    ("src/base/system.f90", "use sg_alarm, only: work", "", "base uses sg_alarm of the later room base/system"),
 ])  # fmt: skip
 def test_layers(project, place, use, code, finding):
     write(project, place, use, code)
     status, printed = run("check_layers", project)
     assert status == 1 and finding in printed
+
+
+def test_rooms_stay_small(project):
+    for number in range(MOST_NAMES):
+        write(project, f"src/base/more_{number}.f90")
+    status, printed = run("check_layers", project)
+    assert status == 1 and f"{MOST_NAMES + 1} files" in printed
+
+
+def test_tables_of_rooms(project):
+    page = project / "doc/guide/architecture.md"
+    page.parent.mkdir(parents=True)
+    page.write_text("head\n<!-- rooms -->\nstale words\n<!-- end -->\n<!-- uses -->\n\n<!-- end -->\ntail\n")
+    assert run("draw_rooms", "--check", project)[0] == 1
+    assert run("draw_rooms", project)[0] == 0 and run("draw_rooms", "--check", project)[0] == 0
+    drawn = page.read_text()
+    assert drawn.startswith("head\n") and drawn.endswith("<!-- end -->\ntail\n") and "stale" not in drawn
+    assert "| `src/base/system` | 1 |" in drawn
+    # One module of scene and the one of base/system use one of base.
+    assert re.search(r"^base +1( +\.)*$", drawn, re.M) and re.search(r"^scene +1( +\.)*$", drawn, re.M)
 
 
 @pytest.mark.parametrize("old, new, finding", [

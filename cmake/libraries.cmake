@@ -18,7 +18,7 @@ function(choose library is_on)
   set(sources ${sources} ${chosen} PARENT_SCOPE)
 endfunction()
 
-# on_demand(<name> <library>): write down where a library is that the program opens when it needs it (src/base/library.f90). The
+# on_demand(<name> <library>): write down where a library is that the program opens when it needs it (src/base/system/library.f90). The
 # name of what runs is the library's own (its soname), not that of the link which compilers follow. A static library
 # becomes a part of the program, as a whole, and its procedures are found there.
 function(on_demand name library)
@@ -117,7 +117,7 @@ if(SPLITGRAIN_OPENMP)
   # Files with directives of OpenMP: all others are compiled as without it.
   find_package(OpenMP REQUIRED COMPONENTS Fortran)
   separate_arguments(openmp_flags UNIX_COMMAND "${OpenMP_Fortran_FLAGS}")
-  set_source_files_properties(${PROJECT_SOURCE_DIR}/src/base/threads.f90 ${PROJECT_SOURCE_DIR}/src/solvers/sweeps.f90
+  set_source_files_properties(${PROJECT_SOURCE_DIR}/src/base/system/threads.f90 ${PROJECT_SOURCE_DIR}/src/solvers/sweeps/sweeps.f90
                               PROPERTIES COMPILE_OPTIONS "${openmp_flags}")
   list(APPEND splitgrain_libraries ${OpenMP_Fortran_LIBRARIES})
 endif()
