@@ -11,7 +11,7 @@ import sys
 import unittest
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1] / folder) for folder in ("", "fuzz")]
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / folder) for folder in ("support", "fuzz")]
 from nonsense import base, read_reference, spoilt
 from program_case import ProgramCase, take_program
 

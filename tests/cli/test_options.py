@@ -10,7 +10,7 @@ import sys
 import unittest
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1] / folder) for folder in ("", "fuzz")]
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / folder) for folder in ("support", "fuzz")]
 from option_words import CALLS, MALFORMED, TINY, call_with, fault_of_number, list_options, word
 from program_case import ProgramCase, take_program
 

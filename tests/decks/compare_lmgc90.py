@@ -22,7 +22,7 @@ from pathlib import Path
 
 from lmgc90_reference import Reference, read_references, read_steps
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from manual_pages import put, table
 
 SOURCE = Path(__file__).resolve().parents[2]

@@ -21,7 +21,7 @@ from pathlib import Path
 from compare_lmgc90 import shared_decks
 from lmgc90_reference import CRITERIA
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from manual_pages import put, table
 
 TIGHT = {"solver.criterion": "qm16", "solver.tolerance": 1e-9, "solver.check_every": 50, "solver.maximum_sweeps": 200000}

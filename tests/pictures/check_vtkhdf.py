@@ -1,4 +1,4 @@
-"""Read the pictures written by tests/unit/test_pictures with VTK (>= 9.3) and h5py, and check what they hold.
+"""Read the pictures written by tests/unit/output/test_pictures with VTK (>= 9.3) and h5py, and check what they hold.
 
 usage: check_vtkhdf.py FOLDER [TOLERANCE]
        FOLDER holds bodies, shapes and contacts (.vtkhdf, .xmf), as test_pictures writes them; TOLERANCE is relative

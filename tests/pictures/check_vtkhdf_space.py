@@ -1,4 +1,4 @@
-"""Read pictures of a scene in space with VTK (>= 9.3): those of tests/unit/test_pictures_space, or those of a run.
+"""Read pictures of a scene in space with VTK (>= 9.3): those of tests/unit/output/test_pictures_space, or those of a run.
 
 usage: check_vtkhdf_space.py FOLDER [DENSITY]
        FOLDER holds bodies, shapes and contacts (.vtkhdf, .xmf). With DENSITY [kg/m3], that of all grains, VTK's volumes

@@ -30,7 +30,7 @@ from pathlib import Path
 
 from own_problems import LARGE, SMALL, SOURCE, dump
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from manual_pages import put, table
 
 WORKER = Path(__file__).with_name("siconos_worker.py")

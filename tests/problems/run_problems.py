@@ -18,7 +18,7 @@ from pathlib import Path
 
 from own_problems import SMALL, SOURCE, dump
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program_case import ProgramCase, take_program
 
 PROBLEMS = Path(os.environ.get("SPLITGRAIN_SHARED") or SOURCE.parent / "shared") / "problems"
