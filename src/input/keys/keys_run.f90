@@ -60,7 +60,7 @@ contains
       call table%add('warm_start', value_logical, 'Start from the impulses of the last step.', &
                      default=true_or_false(default%warm_start))
       call table%add('leave_solved', value_logical, 'In long solves, leave out clusters of contacts that are solved and touch '// &
-                     'no other; not on several ranks.', default=true_or_false(default%leave_solved), used_for=sweeps)
+                     'no other.', default=true_or_false(default%leave_solved), used_for=sweeps)
       call table%add('order', value_choice, 'Order of the sweep: natural (spatial), coloured groups that overlap, '// &
                      'coloured blocks of such groups, which threads can share, or shuffled (random, slower, for studies of '// &
                      'what order does).', default=quoted(default%order), choices='natural|groups|coloured|shuffled', &
