@@ -1,6 +1,6 @@
 """Two figures of Alart's talk of 2010 as measurements: what splitting grains over ranks does to the answer, and to its price.
 
-    python postpro/studies/decomposition.py PROGRAM FOLDER [STUDY ...]
+    python postpro/experiments/decomposition.py PROGRAM FOLDER [STUDY ...]
 
 runs PROGRAM (a build of splitgrain with MPI and HDF5) through mpiexec, all studies (STUDIES below) unless some are named,
 and writes CSV files, Markdown tables and PNG figures to FOLDER. A state or a run that is in FOLDER already is not made again.
