@@ -50,7 +50,7 @@ module sg_laws
     real(wp) :: static_friction = 0, dynamic_friction = 0
     !> Newton restitution, normal and tangential
     real(wp) :: normal_restitution = 0, tangential_restitution = 0
-    !> Cohesion force, normal and tangential [N]
+    !> Cohesion force, normal and tangential [N]; a tangential one of zero is friction times the normal one
     real(wp) :: normal_cohesion = 0, tangential_cohesion = 0
     !> Gap up to which a wet contact pulls [m]
     real(wp) :: wet_thickness = 0
@@ -135,8 +135,9 @@ contains
       local%bias(1) = max(0.0_wp, gap/step)
       if (status /= status_bonded) return
       local%cohesion = law%normal_cohesion*step
+      ! A bond slides where its tangential cohesion is passed.
+      if (law%tangential_cohesion > 0) local%friction = law%tangential_cohesion/law%normal_cohesion
       if (.not. present(surface) .or. .not. needs_surface(law)) return
-      ! A bond of stresses slides where its tangential one is passed.
       local%cohesion = surface*law%normal_strength*step
       if (law%normal_strength > 0) local%friction = law%tangential_strength/law%normal_strength
     case (law_elastic)

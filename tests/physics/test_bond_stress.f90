@@ -1,5 +1,5 @@
 !> Mohr-Coulomb bonds whose cohesions are stresses: what they hold is the stress times the surface of the contact, for every pair of
-!! shapes whose surface follows from their sizes; shear holds up to the tangential stress.
+!! shapes whose surface follows from their sizes; shear holds up to the tangential stress. The same with cohesions that are forces.
 program test_bond_stress
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, hold, put_disk, put_polygon, put_wall, run
@@ -19,14 +19,17 @@ program test_bond_stress
   call test_pair('spheres', 3, pi*(0.5_wp*0.3_wp/0.8_wp)**2)
   call test_pair('sphere and plane', 3, pi*0.5_wp**2)
   call test_pair('boxes', 3, 4*half**2)
+  call test_pair('disk and wall', 2)
+  call test_pair('sphere and plane', 3)
   call t%finish()
 
 contains
 
   !> A body of 1 kg on another one that is held.
-  subroutine make(name, dimension, sim)
+  subroutine make(name, dimension, is_stress, sim)
     character(len=*), intent(in) :: name
     integer, intent(in) :: dimension
+    logical, intent(in) :: is_stress !! else the same numbers are forces
     type(simulation_t), intent(out) :: sim
     real(wp), parameter :: square(2, 4) = half*reshape([-1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp], [2, 4])
 
@@ -60,24 +63,31 @@ contains
     sim%scene%bodies%mass(1) = 1
     sim%scene%bodies%inverse_mass(:, 1) = [spread(1.0_wp, 1, dimension), spread(1e-9_wp, 1, 2*dimension - 3)]
     sim%scene%laws(1)%kind = law_mohr
-    sim%scene%laws(1)%normal_strength = stress
-    sim%scene%laws(1)%tangential_strength = shear
+    if (is_stress) then
+      sim%scene%laws(1)%normal_strength = stress
+      sim%scene%laws(1)%tangential_strength = shear
+    else
+      sim%scene%laws(1)%normal_cohesion = stress
+      sim%scene%laws(1)%tangential_cohesion = shear
+    end if
     call begin_run(sim, 1e-3_wp, 1e-10_wp)
   end subroutine make
 
-  !> Pulls and shears one percent below and above what the surface holds.
+  !> Pulls and shears one percent below and above what the bond holds.
   subroutine test_pair(name, dimension, surface)
     character(len=*), intent(in) :: name
     integer, intent(in) :: dimension
-    real(wp), intent(in) :: surface
+    real(wp), intent(in), optional :: surface !! of the contact; absent where cohesions are forces
     type(simulation_t) :: sim
-    real(wp) :: load
+    real(wp) :: load, factor
     integer :: i, component
 
+    factor = 1
+    if (present(surface)) factor = surface
     do i = 1, 4
-      call make(name, dimension, sim)
+      call make(name, dimension, present(surface), sim)
       component = merge(dimension, 1, i <= 2)
-      load = surface*merge(stress, shear, i <= 2)*merge(0.99_wp, 1.01_wp, modulo(i, 2) == 1)
+      load = factor*merge(stress, shear, i <= 2)*merge(0.99_wp, 1.01_wp, modulo(i, 2) == 1)
       sim%scene%gravity = 0
       sim%scene%gravity(component) = load
       call run(sim, 20)

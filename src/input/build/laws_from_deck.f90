@@ -53,6 +53,10 @@ contains
         if (len(zone_fault(law)) > 0) call deck%complain(diagnostics, zone_fault(law), b, 'normal_stiffness')
       else if (max(law%normal_cohesion, law%tangential_cohesion) > 0 .and. needs_surface(law)) then
         call deck%complain(diagnostics, 'the cohesion is given both as a force and as a stress', b, 'normal_bond_stress')
+      else if (law%tangential_cohesion > 0 .and. .not. law%normal_cohesion > 0) then
+        call deck%complain(diagnostics, 'a tangential cohesion needs a normal_cohesion', b, 'tangential_cohesion')
+      else if (law%kind == law_mohr .and. law%tangential_strength > 0 .and. .not. law%normal_strength > 0) then
+        call deck%complain(diagnostics, 'a tangential bond stress needs a normal_bond_stress', b, 'tangential_bond_stress')
       end if
       if (law_index(scene, law%name) > 0) &
         call deck%complain(diagnostics, 'there are two laws named "'//law%name//'"', b, 'name')
@@ -93,9 +97,9 @@ contains
     end select
     if (law%kind == law_wet .or. law%kind == law_mohr) then
       law%normal_cohesion = deck%number(b, 'normal_cohesion')
-      law%tangential_cohesion = deck%number(b, 'tangential_cohesion')
     end if
     if (law%kind == law_mohr) then
+      if (deck%is_given(b, 'tangential_cohesion')) law%tangential_cohesion = deck%number(b, 'tangential_cohesion')
       if (deck%is_given(b, 'normal_bond_stress')) law%normal_strength = deck%number(b, 'normal_bond_stress')
       if (deck%is_given(b, 'tangential_bond_stress')) law%tangential_strength = deck%number(b, 'tangential_bond_stress')
     end if

@@ -78,8 +78,8 @@ contains
                    most=1.0_wp, only='kind=RST_CLB')
     call table%add('normal_cohesion', value_real, 'Largest pull along the normal.', unit='N', default='0.0', &
                    least=0.0_wp, only=cohesive)
-    call table%add('tangential_cohesion', value_real, 'Cohesion along the tangent.', unit='N', default='0.0', &
-                   least=0.0_wp, only=cohesive)
+    call table%add('tangential_cohesion', value_real, 'Largest shear without normal force; default: static friction times '// &
+                   'normal_cohesion.', unit='N', above=0.0_wp, only='kind=IQS_MOHR_DS_CLB')
     call table%add('normal_bond_stress', value_real, 'Largest pull per contact surface, in place of normal_cohesion.', &
                    unit='Pa', least=0.0_wp, only='kind=IQS_MOHR_DS_CLB')
     call table%add('tangential_bond_stress', value_real, 'Largest shear without normal force per contact surface, in place '// &

@@ -178,6 +178,11 @@ contains
     call bad('restitution above one', head//'kind = "RST_CLB"'//nl//'normal_restitution = 1.5'//nl, 'at most 1', 9)
     call bad('restitution of another law', head//'normal_restitution = 0.5'//nl, 'has no meaning for kind = "IQS_CLB"', 8)
     call bad('no stiffness', head//'kind = "ELASTIC_REPELL_CLB"'//nl, 'lacks the key "stiffness"', 7)
+    call bad('shear alone', head//'kind = "IQS_MOHR_DS_CLB"'//nl//'tangential_cohesion = 5'//nl, 'needs a normal_cohesion', 9)
+    call bad('shear stress alone', head//'kind = "IQS_MOHR_DS_CLB"'//nl//'tangential_bond_stress = 5'//nl, &
+             'needs a normal_bond_stress', 9)
+    call bad('shear of a wet contact', head//'kind = "IQS_WET_DS_CLB"'//nl//'tangential_cohesion = 5'//nl, &
+             'has no meaning for kind = "IQS_WET_DS_CLB"', 9)
     call bad('laws of one name', head//disk//'[[law]]'//nl//'name = "contact"'//nl, 'two laws named "contact"', 12)
     call bad('several laws', head//disk//'[[law]]'//nl//'name = "b"'//nl, 'there are several laws', 7)
     call bad('unknown law name', head//disk//'[[interaction]]'//nl//'law = "contakt"'//nl, 'did you mean "contact"?', 12)
