@@ -122,12 +122,15 @@ class Ranks(ProgramCase):
         (self.place / name).write_text(text)
         return name
 
-    def launch(self, *parts, code=0, environment=None):
-        """Run `(ranks, words...)` side by side as one parallel run, whose exit code must be this one; one that hangs fails."""
+    def launch(self, *parts, code=0, environment=None, starter=()):
+        """Run `(ranks, words...)` side by side as one parallel run, whose exit code must be this one; one that hangs fails.
+
+        The words of `starter` start the program of the first part."""
         words = [self.launcher, "--oversubscribe"]
         for ranks, *part in parts:
             words += [] if words[-1] == "--oversubscribe" else [":"]
-            words += ["-n", str(ranks), self.program, *map(str, part)]
+            words += ["-n", str(ranks), *starter, self.program, *map(str, part)]
+            starter = ()
         done = subprocess.run(words, cwd=self.place, env=dict(self.environment, **(environment or {})), capture_output=True,
                               text=True, timeout=self.timeout)  # fmt: skip
         self.assertEqual(done.returncode, code, f"{words}\n{done.stdout}\n{done.stderr}")
