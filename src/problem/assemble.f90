@@ -13,8 +13,9 @@ module sg_assemble
   use sg_laws, only: is_cohesive_zone, kind_of_local_law, law_mohr, local_law_t, status_bonded, status_slide, status_stick
   use sg_link_contacts, only: is_link
   use sg_mapping, only: arms_of
-  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, is_compact, is_in_space, problem_t, &
-                        plain_kind, reserve_problem, round_frictional, round_frictionless, solid_frictional
+  use sg_problem, only: problem_t, reserve_problem
+  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, is_compact, is_in_space, plain_kind, &
+                        round_frictional, round_frictionless, solid_frictional
   use sg_scene, only: scene_t
   implicit none
   private

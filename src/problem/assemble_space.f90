@@ -6,8 +6,8 @@ module sg_assemble_space
   use sg_kinds, only: wp, i4
   use sg_laws, only: kind_of_local_law, local_law_t
   use sg_mapping_space, only: space_arms, space_relative_velocity, tangent_of
-  use sg_problem, only: ball_frictional, ball_frictionless, plain_kind, problem_t, solid_bonded, solid_frictional, &
-                        solid_frictionless
+  use sg_problem, only: problem_t
+  use sg_records, only: ball_frictional, ball_frictionless, plain_kind, solid_bonded, solid_frictional, solid_frictionless
   use sg_rotations, only: frame_of, turned_back, turned_by
   use sg_scene, only: scene_t
   use sg_vectors, only: cross

@@ -10,7 +10,8 @@ module sg_bonds
   use sg_internal_values, only: bond_integrity, bond_onset, bond_opening, bond_slip, bond_surface
   use sg_kinds, only: wp
   use sg_laws, only: is_cohesive_zone, law_t, local_law_t
-  use sg_problem, only: arm_bonded, problem_t
+  use sg_problem, only: problem_t
+  use sg_records, only: arm_bonded
   use sg_scene, only: scene_t
   implicit none
   private

@@ -2,8 +2,9 @@
 module sg_compact
   use sg_compact_space, only: add_space_impulses, space_velocity
   use sg_kinds, only: wp
-  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, first_inverse, is_in_space, problem_t, &
-                        round_frictional, round_frictionless
+  use sg_problem, only: problem_t
+  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, first_inverse, is_in_space, round_frictional, &
+                        round_frictionless
   implicit none
   private
   public :: compact_velocity, add_impulses

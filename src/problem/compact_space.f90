@@ -1,7 +1,8 @@
 !> The mapping H on compact records in space: relative velocities at contacts, and impulses made felt by bodies.
 module sg_compact_space
   use sg_kinds, only: wp
-  use sg_problem, only: ball_frictional, ball_frictionless, free_axes, problem_t, solid_bonded, solid_frictional, solid_frictionless
+  use sg_problem, only: problem_t
+  use sg_records, only: ball_frictional, ball_frictionless, free_axes, solid_bonded, solid_frictional, solid_frictionless
   use sg_vectors, only: cross
   implicit none
   private

@@ -8,7 +8,8 @@ module sg_contact_status
   use sg_compact, only: compact_velocity
   use sg_kinds, only: wp, i1
   use sg_laws, only: status_none, status_slide, status_stick
-  use sg_problem, only: arm_bonded, arm_frictional, ball_frictional, is_in_space, problem_t, round_frictional, solid_bonded, &
+  use sg_problem, only: problem_t
+  use sg_records, only: arm_bonded, arm_frictional, ball_frictional, is_in_space, round_frictional, solid_bonded, &
                         solid_frictional
   implicit none
   private

@@ -4,7 +4,7 @@
 module sg_delassus
   use sg_kinds, only: wp
   use sg_laws, only: inverse_of
-  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
+  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
                         round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless
   use sg_vectors, only: cross, determinant
   implicit none

@@ -2,9 +2,10 @@
 module sg_problem_records
   use sg_kinds, only: wp
   use sg_mapping_space, only: tangent_of
-  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
-                        free_axes, is_in_space, plain_kind, problem_t, round_frictional, round_frictionless, solid_bonded, &
-                        solid_frictional, solid_frictionless
+  use sg_problem, only: problem_t
+  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
+                        free_axes, is_in_space, plain_kind, round_frictional, round_frictionless, solid_bonded, solid_frictional, &
+                        solid_frictionless
   use sg_symmetric, only: principal_axes
   use sg_vectors, only: cross
   implicit none

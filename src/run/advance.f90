@@ -14,7 +14,8 @@ module sg_advance
   use sg_passing, only: look_for_passing, look_through_walls
   use sg_penetration, only: deepest_penetration
   use sg_plan, only: set_radii
-  use sg_problem, only: problem_kind, problem_t
+  use sg_problem, only: problem_t
+  use sg_records, only: problem_kind
   use sg_report, only: unsolved
   use sg_simulation, only: simulation_t
   use sg_solve_step, only: solve_step

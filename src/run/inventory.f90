@@ -10,7 +10,8 @@ module sg_inventory
   use sg_kinds, only: wp, i8
   use sg_neighbours, only: neighbours_t
   use sg_polyhedron, only: polyhedron_t
-  use sg_problem, only: growth_of_problem, problem_kind, problem_t
+  use sg_problem, only: growth_of_problem, problem_t
+  use sg_records, only: problem_kind
   use sg_simulation, only: simulation_t
   use sg_space_shapes, only: space_shapes_t
   use sg_tables, only: per_body, per_contact, tables_t

@@ -15,7 +15,7 @@ module sg_needs
   use sg_library_files, only: library_file, on_demand
   use sg_motion, only: predict
   use sg_print, only: print_line
-  use sg_problem, only: problem_kind
+  use sg_records, only: problem_kind
   use sg_simulation, only: simulation_t
   use sg_tables, only: per_body, per_contact, tables_t
   use sg_text, only: to_text

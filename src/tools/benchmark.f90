@@ -13,7 +13,8 @@ module sg_benchmark
   use sg_neighbours, only: neighbours_t
   use sg_nlgs, only: nlgs_t
   use sg_plan, only: make_plan, plan_t
-  use sg_problem, only: first_inverse, problem_kind, problem_t
+  use sg_problem, only: problem_t
+  use sg_records, only: first_inverse, problem_kind
   use sg_report, only: report_t
   use sg_run_options, only: solver_options_t
   use sg_scene, only: scene_t

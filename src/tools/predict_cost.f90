@@ -9,7 +9,8 @@ module sg_predict_cost
   use sg_interfaces, only: find_interfaces, interfaces_t
   use sg_kinds, only: wp, i4
   use sg_load, only: measured_weights
-  use sg_problem, only: first_inverse, problem_kind, problem_t
+  use sg_problem, only: problem_t
+  use sg_records, only: first_inverse, problem_kind
   use sg_residuals, only: n_error_sums, sum_errors
   use sg_run_options, only: solver_options_t
   use sg_simulation, only: simulation_t

@@ -16,8 +16,8 @@ module sg_start_split
   use sg_load, only: measured_weights
   use sg_motion, only: predict
   use sg_pictures, only: pictures_t
-  use sg_problem, only: problem_kind
   use sg_problem_records, only: contact_of, contact_record_t
+  use sg_records, only: problem_kind
   use sg_simulation, only: simulation_t, start_simulation
   use sg_split_report, only: report_split, split_report_t
   use sg_text, only: to_text

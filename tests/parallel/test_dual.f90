@@ -14,8 +14,8 @@ program test_dual
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_parts, only: part_own, part_shared, parts_t
-  use sg_problem, only: arm_frictional, ball_frictional, first_inverse, problem_t, round_frictional, &
-                        solid_frictional
+  use sg_problem, only: problem_t
+  use sg_records, only: arm_frictional, ball_frictional, first_inverse, round_frictional, solid_frictional
   use sg_report, only: report_t
   use sg_run_options, only: criterion_quad
   use sg_simulation, only: decompose, simulation_t

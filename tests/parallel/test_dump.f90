@@ -56,7 +56,8 @@ program test_dump_ranks
   use sg_hdf5, only: hdf5_file_t, hdf5_is_available, hdf5_is_parallel
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
-  use sg_problem, only: arm_frictional, problem_t
+  use sg_problem, only: problem_t
+  use sg_records, only: arm_frictional
   use sg_report, only: report_t
   use sg_simulation, only: decompose, simulation_t
   use sg_sparse, only: multiply

@@ -18,8 +18,8 @@ program test_measures
   use sg_measures, only: measure, measure_names, measures_t
   use sg_motion, only: predict, update
   use sg_penetration, only: deepest_penetration
-  use sg_problem, only: problem_kind, solid_frictional
   use sg_random, only: random_t
+  use sg_records, only: problem_kind, solid_frictional
   use sg_report, only: report_t
   use sg_samples, only: samples_t
   use sg_scene, only: scene_t

@@ -7,8 +7,8 @@ program test_static_in_space
   use sg_drives, only: drive_t
   use sg_kinds, only: wp, pi
   use sg_laws, only: law_elastic
-  use sg_problem, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless
   use sg_random, only: random_t
+  use sg_records, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless
   use sg_rotations, only: frame_of, rotation_by
   use sg_simulation, only: simulation_t
   use sg_time_functions, only: time_function_t

@@ -7,8 +7,8 @@ program test_status
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
   use sg_kinds, only: wp, i1, pi
   use sg_laws, only: law_mohr, status_bonded, status_stick
-  use sg_problem, only: arm_frictional, ball_frictional, round_frictional, solid_frictional
   use sg_random, only: random_t
+  use sg_records, only: arm_frictional, ball_frictional, round_frictional, solid_frictional
   use sg_rotations, only: normalised, turned_by
   use sg_run_options, only: criterion_estimate, method_names
   use sg_simulation, only: simulation_t

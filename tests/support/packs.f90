@@ -11,7 +11,8 @@ module packs
   use sg_kinds, only: wp
   use sg_motion, only: predict
   use sg_plan, only: set_radii
-  use sg_problem, only: problem_kind, problem_t
+  use sg_problem, only: problem_t
+  use sg_records, only: problem_kind
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: simulation_t, start_simulation
   use sg_text, only: text_t, to_text

@@ -6,8 +6,8 @@ module scenes_space
   use sg_error, only: error_t
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
-  use sg_problem, only: ball_frictional, ball_frictionless, solid_frictional
   use sg_random, only: random_t
+  use sg_records, only: ball_frictional, ball_frictionless, solid_frictional
   use sg_rotations, only: frame_of, no_rotation, normalised
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t

@@ -7,8 +7,8 @@ module solver_cases
   use sg_kinds, only: wp
   use sg_motion, only: predict
   use sg_nlgs, only: nlgs_t
-  use sg_problem, only: arm_frictional, arm_frictionless, problem_kind, problem_t, reserve_problem, round_frictional, &
-                        round_frictionless
+  use sg_problem, only: problem_t, reserve_problem
+  use sg_records, only: arm_frictional, problem_kind, round_frictional, round_frictionless
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: simulation_t

@@ -2,7 +2,8 @@
 !! n - k + 1 N s. A tall tower takes thousands of sweeps, short ones a few.
 module towers
   use sg_kinds, only: wp
-  use sg_problem, only: problem_t, reserve_problem, round_frictionless
+  use sg_problem, only: problem_t, reserve_problem
+  use sg_records, only: round_frictionless
   implicit none
   private
   public :: make_towers

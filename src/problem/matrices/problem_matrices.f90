@@ -10,8 +10,9 @@ module sg_problem_matrices
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i4
   use sg_matrix_problem, only: matrix_problem_t
-  use sg_problem, only: is_in_space, problem_t
+  use sg_problem, only: problem_t
   use sg_problem_records, only: body_record_t, body_of, contact_of, contact_record_t
+  use sg_records, only: is_in_space
   use sg_sparse, only: multiply, sparse_from_triplets
   use sg_sparse_algebra, only: diagonal_matrix, sum_of
   use sg_text, only: to_text

@@ -8,9 +8,10 @@ module sg_shared_matrices
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i4, i8
   use sg_matrix_pieces, only: matrix_pieces_t, matrix_state_t, triplets_t
-  use sg_problem, only: is_in_space, problem_t
+  use sg_problem, only: problem_t
   use sg_problem_matrices, only: find_pushed, finish_velocities, mapping_entries, matrices_map_t, take_contacts
   use sg_problem_records, only: body_of, body_record_t, contact_of, contact_record_t
+  use sg_records, only: is_in_space
   use sg_shared_entries, only: entries_t, exchange_entries
   use sg_shared_unknowns, only: number_unknowns, shared_unknowns_t
   use sg_sorting, only: sort_permutation

@@ -8,7 +8,8 @@ module sg_glued_solver
   use sg_delassus, only: share_mass
   use sg_kinds, only: wp, i4
   use sg_parts, only: parts_t
-  use sg_problem, only: bytes_per_contact, first_inverse, problem_t
+  use sg_problem, only: bytes_per_contact, problem_t
+  use sg_records, only: first_inverse
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, partition_options_t, solver_options_t
   use sg_subdomain, only: subdomain_t

@@ -6,7 +6,8 @@ module sg_sharing
   use sg_comm, only: comm_t
   use sg_exchange, only: exchange_t
   use sg_kinds, only: wp, i4
-  use sg_problem, only: first_inverse, problem_t
+  use sg_problem, only: problem_t
+  use sg_records, only: first_inverse
   use sg_subdomain, only: subdomain_t
   use sg_tables, only: per_body, tables_t
   use sg_wide_bodies, only: wide_bodies_t

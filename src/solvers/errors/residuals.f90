@@ -5,8 +5,8 @@
 module sg_residuals
   use sg_kinds, only: wp
   use sg_law_violation, only: law_violation
-  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, is_in_space, problem_t, round_frictional, &
-                        round_frictionless
+  use sg_problem, only: problem_t
+  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, is_in_space, round_frictional, round_frictionless
   use sg_report, only: ratio, report_t
   use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, find_worst_in_space, n_error_sums, note_closing
   implicit none

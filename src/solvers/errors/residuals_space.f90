@@ -2,7 +2,8 @@
 module sg_residuals_space
   use sg_kinds, only: wp
   use sg_law_violation, only: law_violation
-  use sg_problem, only: ball_frictional, ball_frictionless, problem_t, solid_bonded, solid_frictional, solid_frictionless
+  use sg_problem, only: problem_t
+  use sg_records, only: ball_frictional, ball_frictionless, solid_bonded, solid_frictional, solid_frictionless
   implicit none
   private
   public :: add_normal_parts, add_space_contacts, find_worst_in_space, note_closing, chunk, n_error_sums

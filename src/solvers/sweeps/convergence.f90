@@ -3,7 +3,8 @@ module sg_convergence
   use sg_kinds, only: wp
   use sg_law_violation, only: most_hidden
   use sg_lists, only: reserve
-  use sg_problem, only: is_in_space, problem_t
+  use sg_problem, only: problem_t
+  use sg_records, only: is_in_space
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_violation, solver_options_t
   implicit none

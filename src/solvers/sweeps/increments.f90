@@ -3,8 +3,9 @@
 !! They measure increments, not errors: a slow sweep passes them far from the solution (doc/theory/errors.md).
 module sg_increments
   use sg_kinds, only: wp
-  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
-                        problem_t, round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless
+  use sg_problem, only: problem_t
+  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
+                        round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless
   use sg_run_options, only: criterion_maxm, criterion_qm16
   use sg_sweep_order, only: sweep_order_t
   use sg_sweeps, only: sweep_impulses

@@ -5,7 +5,8 @@
 !! clusters that lie within one of them.
 module sg_solved_clusters
   use sg_kinds, only: wp, i4
-  use sg_problem, only: first_inverse, problem_t
+  use sg_problem, only: problem_t
+  use sg_records, only: first_inverse
   use sg_run_options, only: criterion_e8, criterion_estimate, solver_options_t
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none

@@ -1,7 +1,7 @@
 !> Gauss-Seidel sweeps over ball problems (spheres among bodies that do not turn), see doc/theory/nlgs.md.
 module sg_sweep_ball
   use sg_kinds, only: wp, i4
-  use sg_problem, only: free_axes
+  use sg_records, only: free_axes
   implicit none
   private
   public :: sweep_ball_frictionless, sweep_ball_frictional, push_partly_driven

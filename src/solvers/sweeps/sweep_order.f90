@@ -10,8 +10,9 @@
 module sg_sweep_order
   use sg_convergence, only: looks_at_errors
   use sg_kinds, only: wp, i4, i8
-  use sg_problem, only: ball_frictional, first_inverse, is_compact, problem_t, solid_frictional
+  use sg_problem, only: problem_t
   use sg_random, only: random_t
+  use sg_records, only: ball_frictional, first_inverse, is_compact, solid_frictional
   use sg_run_options, only: solver_options_t
   use sg_sweep_blocks, only: colour_blocks, sweep_blocks_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, solid_lanes_t

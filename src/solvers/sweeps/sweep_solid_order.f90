@@ -4,7 +4,8 @@
 !! which no movable body appears twice; its rows are their first, second, ... contacts (doc/theory/nlgs.md).
 module sg_sweep_solid_order
   use sg_kinds, only: wp, i4, i8
-  use sg_problem, only: first_inverse, problem_t, solid_frictional
+  use sg_problem, only: problem_t
+  use sg_records, only: first_inverse, solid_frictional
   use sg_vectors, only: cross
   implicit none
   private

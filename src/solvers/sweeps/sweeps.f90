@@ -1,7 +1,7 @@
 !> One sweep over contacts in a chosen order, by the kernel of the problem's kind.
 module sg_sweeps
   use sg_kinds, only: wp, i4
-  use sg_problem, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
+  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
                         round_frictionless, solid_bonded, solid_frictional, solid_frictionless
   use sg_sweep_arm, only: sweep_arm_bonded, sweep_arm_frictional, sweep_arm_frictionless
   use sg_sweep_ball, only: sweep_ball_frictional, sweep_ball_frictionless

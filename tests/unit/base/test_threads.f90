@@ -9,9 +9,10 @@ program test_threads
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4, i8
   use sg_nlgs, only: nlgs_t
-  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, problem_t, round_frictional, &
-                        round_frictionless, solid_frictional
+  use sg_problem, only: problem_t
   use sg_random, only: random_t
+  use sg_records, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
+                        round_frictionless, solid_frictional
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e8, criterion_quad, run_options_t, solver_options_t
   use sg_scene, only: scene_t

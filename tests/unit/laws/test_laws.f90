@@ -9,8 +9,9 @@ program test_laws
   use sg_laws, only: is_frictionless, is_plain, local_law, local_law_t
   use sg_laws, only: status_bonded, status_new, status_none, status_slide, status_stick
   use sg_nlgs, only: nlgs_t
-  use sg_problem, only: arm_frictional, problem_t, reserve_problem, round_frictional
+  use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
+  use sg_records, only: arm_frictional, round_frictional
   use sg_report, only: report_t
   use sg_residuals, only: natural_map
   implicit none

@@ -9,10 +9,11 @@ program test_condense
   use sg_matrix_errors, only: errors_of, matrix_errors_t
   use sg_matrix_problem, only: matrix_problem_t
   use sg_mapping_space, only: tangent_of
-  use sg_problem, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, problem_t, &
-                        reserve_problem, round_frictional, round_frictionless, solid_frictional, solid_frictionless
+  use sg_problem, only: problem_t, reserve_problem
   use sg_problem_matrices, only: matrices_map_t, matrices_of, take_impulses
   use sg_random, only: random_t
+  use sg_records, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, round_frictional, &
+                        round_frictionless, solid_frictional, solid_frictionless
   use sg_report, only: report_t
   use sg_residuals, only: measure_errors
   use sg_sparse, only: blocks_t, multiply, sparse_t

@@ -3,7 +3,8 @@ program test_interface_blocks
   use harness, only: tests_t
   use sg_interface_blocks, only: block_structure, block_structure_t
   use sg_kinds, only: wp, i4
-  use sg_problem, only: arm_frictionless, ball_frictional, problem_t, reserve_problem, round_frictionless
+  use sg_problem, only: problem_t, reserve_problem
+  use sg_records, only: arm_frictionless, ball_frictional, round_frictionless
   use sg_vectors, only: cross
   implicit none
   type(tests_t) :: t

@@ -9,8 +9,8 @@ program test_mapping
   use sg_laws, only: law_iqs, law_elastic, law_restitution, local_law, local_law_t, status_new
   use sg_mapping, only: add_resultants, relative_velocity
   use sg_motion, only: predict
-  use sg_problem, only: arm_frictional, arm_frictionless, round_frictional, round_frictionless
   use sg_random, only: random_t
+  use sg_records, only: arm_frictional, arm_frictionless, round_frictional, round_frictionless
   use sg_simulation, only: simulation_t
   use sg_time_functions, only: time_function_t
   use solver_cases, only: begin_step, h, reassemble

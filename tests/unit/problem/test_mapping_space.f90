@@ -8,8 +8,8 @@ program test_mapping_space
   use sg_kinds, only: wp
   use sg_laws, only: law_elastic, law_linear, law_restitution, local_law, local_law_t, status_new
   use sg_mapping_space, only: add_space_resultants, space_arms, space_relative_velocity, tangent_of
-  use sg_problem, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless
   use sg_random, only: random_t
+  use sg_records, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless
   use sg_rotations, only: turned_by
   use sg_simulation, only: simulation_t
   use sg_symmetric, only: principal_axes

@@ -4,8 +4,9 @@ program test_solid_lanes
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use harness, only: tests_t
   use sg_kinds, only: wp, i4
-  use sg_problem, only: problem_t, reserve_problem, solid_frictional
+  use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
+  use sg_records, only: solid_frictional
   use sg_run_options, only: criterion_quad, solver_options_t
   use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
   use sg_sweep_solid, only: sweep_solid_frictional

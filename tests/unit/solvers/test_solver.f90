@@ -5,9 +5,9 @@ program test_solver
   use sg_compact, only: compact_velocity
   use sg_kinds, only: wp
   use sg_nlgs, only: nlgs_t
-  use sg_problem, only: arm_frictional, arm_frictionless, problem_t, reserve_problem, round_frictional, &
-                        round_frictionless
+  use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
+  use sg_records, only: arm_frictional, arm_frictionless, round_frictional, round_frictionless
   use sg_report, only: report_t
   use sg_residuals, only: natural_map
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_maxm, criterion_names, &

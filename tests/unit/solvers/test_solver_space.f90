@@ -12,9 +12,9 @@ program test_solver_space
   use sg_mapping_space, only: add_space_resultants, space_relative_velocity, tangent_of
   use sg_motion, only: predict
   use sg_nlgs, only: nlgs_t
-  use sg_problem, only: ball_frictional, ball_frictionless, problem_t, reserve_problem, solid_frictional, &
-                        solid_frictionless
+  use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
+  use sg_records, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_maxm, criterion_names, criterion_quad, &
                             criterion_violation

@@ -10,9 +10,10 @@ program test_verdicts
   use sg_kinds, only: wp
   use sg_laws, only: law_wet
   use sg_motion, only: predict
-  use sg_problem, only: first_inverse, problem_kind, problem_t
+  use sg_problem, only: problem_t
   use sg_problem_records, only: body_of, body_record_t, contact_of, contact_record_t
   use sg_random, only: random_t
+  use sg_records, only: first_inverse, problem_kind
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_names, criterion_violation, &
                             method_names, solver_options_t

@@ -1,0 +1,207 @@
+!> Layout of the compact records of contacts and bodies, by kind of problem (doc/theory/contact_problem.md).
+!!
+!! The kind of problem decides how long a record is and what stands where. *Round* problems have lever arms along the normals of
+!! all bodies that turn (disks): the spin is carried as radius times spin, so that the radius drops out. *Arm* problems are
+!! general. Frictionless problems have one impulse component and no tangent at all. *Ball* and *solid* problems are the same two
+!! in space; their frictional impulses are vectors in the world's axes.
+!!
+!! The names below are positions, constants that the compiler folds: `record(arm_bias_n, k)` costs what `record(7, k)` does. Names
+!! of frictionless kinds say so; those without the word belong to the frictional kind. Positions of vectors are consecutive.
+module sg_records
+  use sg_kinds, only: wp
+  implicit none
+  private
+  public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded
+  public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, solid_bonded
+  public :: problem_kind, plain_kind, is_compact, is_in_space, free_axes
+  public :: record_length, body_length, impulse_length, first_inverse, active_place, friction_place
+  public :: normal_x, normal_y, normal_z, velocity_x, velocity_y, velocity_z
+  public :: round_frictionless_bias, round_frictionless_inverse_wnn
+  public :: round_bias_n, round_bias_t, round_inverse_wnn, round_inverse_wtt, round_friction
+  public :: arm_frictionless_moment_c, arm_frictionless_moment_a, arm_frictionless_bias, arm_frictionless_inverse_wnn
+  public :: arm_moment_nc, arm_moment_tc, arm_moment_na, arm_moment_ta, arm_bias_n, arm_bias_t, arm_wnn, arm_wnt, arm_wtt
+  public :: arm_friction, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_law
+  public :: arm_stiffness_n, arm_stiffness_t, arm_slip
+  public :: ball_frictionless_bias, ball_frictionless_inverse_wnn
+  public :: ball_bias_x, ball_bias_y, ball_bias_z, ball_inverse_wnn, ball_inverse_wtt, ball_friction
+  public :: solid_frictionless_moment_cx, solid_frictionless_moment_cy, solid_frictionless_moment_cz
+  public :: solid_frictionless_moment_ax, solid_frictionless_moment_ay, solid_frictionless_moment_az
+  public :: solid_frictionless_bias, solid_frictionless_inverse_wnn
+  public :: solid_tangent_x, solid_tangent_y, solid_tangent_z, solid_arm_cx, solid_arm_cy, solid_arm_cz
+  public :: solid_arm_ax, solid_arm_ay, solid_arm_az, solid_bias_x, solid_bias_y, solid_bias_z
+  public :: solid_wnn, solid_wn1, solid_wn2, solid_s1, solid_s2, solid_friction, solid_cohesion
+  public :: solid_compliance_n, solid_compliance_t, solid_law, solid_inverse_lambda
+  public :: solid_stiffness_n, solid_stiffness_t, solid_slip_x, solid_slip_y, solid_slip_z
+  public :: round_frictionless_inverse_mx, round_frictionless_inverse_my
+  public :: round_spin, round_inverse_mx, round_inverse_my, round_inverse_i
+  public :: arm_spin, arm_inverse_mx, arm_inverse_my, arm_inverse_i
+  public :: ball_frictionless_inverse_mx, ball_frictionless_inverse_my, ball_frictionless_inverse_mz
+  public :: ball_spin_x, ball_spin_y, ball_spin_z, ball_inverse_m, ball_inverse_i
+  public :: solid_spin_x, solid_spin_y, solid_spin_z, solid_inverse_mx, solid_inverse_my, solid_inverse_mz
+  public :: solid_inverse_xx, solid_inverse_yy, solid_inverse_zz, solid_inverse_xy, solid_inverse_xz, solid_inverse_yz
+
+  !> Kinds of problem
+  integer, parameter :: round_frictionless = 1, round_frictional = 2, arm_frictionless = 3, arm_frictional = 4, &
+                        ball_frictionless = 5, ball_frictional = 6, solid_frictionless = 7, solid_frictional = 8
+
+  !> Kinds of problem with cohesive zones: records of the frictional kind, followed by what bonds add
+  integer, parameter :: arm_bonded = 9, solid_bonded = 10
+
+  !> Contacts of all kinds: unit normal, from antagonist to candidate; in the plane x and y alone
+  integer, parameter :: normal_x = 1, normal_y = 2, normal_z = 3
+
+  !> Contact, round without friction: bias [m/s], 1/W_nn [kg], zero where the contact takes no part
+  integer, parameter :: round_frictionless_bias = 3, round_frictionless_inverse_wnn = 4
+
+  !> Contact, round with friction: bias on n and t [m/s], 1/W_nn and 1/W_tt [kg], zero where the contact takes no part, and
+  !! Coulomb's coefficient
+  integer, parameter :: round_bias_n = 3, round_bias_t = 4, round_inverse_wnn = 5, round_inverse_wtt = 6, round_friction = 7
+
+  !> Contact with any arms, without friction: moments of the unit normal about the centres of candidate and antagonist,
+  !! arm x n [m]; bias, 1/W_nn as above
+  integer, parameter :: arm_frictionless_moment_c = 3, arm_frictionless_moment_a = 4, arm_frictionless_bias = 5, &
+                        arm_frictionless_inverse_wnn = 6
+
+  !> Contact with any arms and any law: moments of n and t about both centres [m], bias [m/s], block of W [1/kg]
+  integer, parameter :: arm_moment_nc = 3, arm_moment_tc = 4, arm_moment_na = 5, arm_moment_ta = 6, arm_bias_n = 7, &
+                        arm_bias_t = 8, arm_wnn = 9, arm_wnt = 10, arm_wtt = 11
+
+  !> The same contact: Coulomb's coefficient, cohesion [N s], compliance [1/kg] and kind of local law. That kind is 0 where the
+  !! contact takes no part, 1 for a unilateral law, 2 for a linear one, 3 for one that is linear along the normal and carries
+  !! nothing along tangents
+  integer, parameter :: arm_friction = 12, arm_cohesion = 13, arm_compliance_n = 14, arm_compliance_t = 15, arm_law = 16
+
+  !> The same contact with bonds: stiffness of the bond times the square of the step [kg], and its slip over the step [m/s]; the
+  !! block is (W^-1 + K)^-1, with K those stiffnesses
+  integer, parameter :: arm_stiffness_n = 17, arm_stiffness_t = 18, arm_slip = 19
+
+  !> Contact of balls without friction: as round
+  integer, parameter :: ball_frictionless_bias = 4, ball_frictionless_inverse_wnn = 5
+
+  !> Contact of balls with friction: as round, the bias in the world's axes
+  integer, parameter :: ball_bias_x = 4, ball_bias_y = 5, ball_bias_z = 6, ball_inverse_wnn = 7, ball_inverse_wtt = 8, &
+                        ball_friction = 9
+
+  !> Contact of solids without friction: moments of the unit normal about both centres, arm x n [m]; bias, 1/W_nn
+  integer, parameter :: solid_frictionless_moment_cx = 4, solid_frictionless_moment_cy = 5, solid_frictionless_moment_cz = 6, &
+                        solid_frictionless_moment_ax = 7, solid_frictionless_moment_ay = 8, solid_frictionless_moment_az = 9, &
+                        solid_frictionless_bias = 10, solid_frictionless_inverse_wnn = 11
+
+  !> Contact of solids with any law: first tangent t (the second is n x t; zero for a law along the normal, so that kernels find
+  !! no tangents), arms to candidate and antagonist [m], bias in the world's axes [m/s]
+  integer, parameter :: solid_tangent_x = 4, solid_tangent_y = 5, solid_tangent_z = 6, solid_arm_cx = 7, solid_arm_cy = 8, &
+                        solid_arm_cz = 9, solid_arm_ax = 10, solid_arm_ay = 11, solid_arm_az = 12, solid_bias_x = 13, &
+                        solid_bias_y = 14, solid_bias_z = 15
+
+  !> The same contact: W_nn, W_n1, W_n2, and the Schur complement of W_nn in W, diagonal on these tangents [1/kg]; friction,
+  !! cohesion, compliance and kind of local law as above; 1/lambda_max(W) [kg]
+  integer, parameter :: solid_wnn = 16, solid_wn1 = 17, solid_wn2 = 18, solid_s1 = 19, solid_s2 = 20, solid_friction = 21, &
+                        solid_cohesion = 22, solid_compliance_n = 23, solid_compliance_t = 24, solid_law = 25, &
+                        solid_inverse_lambda = 26
+
+  !> The same contact with bonds: as in the plane, the slip a vector in the world's axes
+  integer, parameter :: solid_stiffness_n = 27, solid_stiffness_t = 28, solid_slip_x = 29, solid_slip_y = 30, solid_slip_z = 31
+
+  !> Bodies of all kinds: velocity of the centre [m/s]; in the plane x and y alone
+  integer, parameter :: velocity_x = 1, velocity_y = 2, velocity_z = 3
+
+  !> Body, round without friction: inverse masses along x and y [1/kg], zero where driven
+  integer, parameter :: round_frictionless_inverse_mx = 3, round_frictionless_inverse_my = 4
+
+  !> Body, round with friction: R spin [m/s], inverse masses, R^2/I [1/kg]
+  integer, parameter :: round_spin = 3, round_inverse_mx = 4, round_inverse_my = 5, round_inverse_i = 6
+
+  !> Body with any arms: spin [rad/s], inverse masses, 1/I [1/(kg m^2)]
+  integer, parameter :: arm_spin = 3, arm_inverse_mx = 4, arm_inverse_my = 5, arm_inverse_i = 6
+
+  !> Ball without friction: inverse masses along x, y and z
+  integer, parameter :: ball_frictionless_inverse_mx = 4, ball_frictionless_inverse_my = 5, ball_frictionless_inverse_mz = 6
+
+  !> Ball with friction: R spin in the world's axes, one inverse mass for all directions, so that the record fills a cache line,
+  !! and R^2/I. Of a body that does not turn and is driven in some directions only, -1, -2 and -4 in place of R^2/I mark x, y and
+  !! z as free
+  integer, parameter :: ball_spin_x = 4, ball_spin_y = 5, ball_spin_z = 6, ball_inverse_m = 7, ball_inverse_i = 8
+
+  !> Solid: spin in the world's axes, inverse masses, inverse inertia in the world's axes; one real more fills two cache lines
+  integer, parameter :: solid_spin_x = 4, solid_spin_y = 5, solid_spin_z = 6, solid_inverse_mx = 7, solid_inverse_my = 8, &
+                        solid_inverse_mz = 9, solid_inverse_xx = 10, solid_inverse_yy = 11, solid_inverse_zz = 12, &
+                        solid_inverse_xy = 13, solid_inverse_xz = 14, solid_inverse_yz = 15
+
+  !> Reals of a contact's record, by kind
+  integer, parameter :: record_length(10) = [round_frictionless_inverse_wnn, round_friction, arm_frictionless_inverse_wnn, &
+                                             arm_law, ball_frictionless_inverse_wnn, ball_friction, &
+                                             solid_frictionless_inverse_wnn, solid_inverse_lambda, arm_slip, solid_slip_z]
+
+  !> Reals of a body's record, by kind: velocities, then inverse masses
+  integer, parameter :: body_length(10) = [round_frictionless_inverse_my, round_inverse_i, arm_inverse_i, arm_inverse_i, &
+                                           ball_frictionless_inverse_mz, ball_inverse_i, solid_inverse_yz + 1, &
+                                           solid_inverse_yz + 1, arm_inverse_i, solid_inverse_yz + 1]
+
+  !> Impulse components, by kind
+  integer, parameter :: impulse_length(10) = [1, 2, 1, 2, 1, 3, 1, 3, 2, 3]
+
+  !> Where the inverse masses begin in a body's record, by kind
+  integer, parameter :: first_inverse(10) = [round_frictionless_inverse_mx, round_inverse_mx, arm_inverse_mx, arm_inverse_mx, &
+                                             ball_frictionless_inverse_mx, ball_inverse_m, solid_inverse_mx, solid_inverse_mx, &
+                                             arm_inverse_mx, solid_inverse_mx]
+
+  !> Where a value stands that is positive if and only if the contact takes part, by kind
+  integer, parameter :: active_place(10) = [round_frictionless_inverse_wnn, round_inverse_wnn, arm_frictionless_inverse_wnn, &
+                                            arm_law, ball_frictionless_inverse_wnn, ball_inverse_wnn, &
+                                            solid_frictionless_inverse_wnn, solid_law, arm_law, solid_law]
+
+  !> Where Coulomb's coefficient stands, by kind; 0 where there is none
+  integer, parameter :: friction_place(10) = [0, round_friction, 0, arm_friction, 0, ball_friction, 0, solid_friction, &
+                                              arm_friction, solid_friction]
+
+contains
+
+  !> Kind of problem for a scene whose arms all lie along normals or not, with or without a tangent.
+  pure integer function problem_kind(dimension, is_round, has_tangent, has_bonds)
+    integer, intent(in) :: dimension !! of space
+    logical, intent(in) :: is_round !! all arms of bodies that turn lie along normals
+    logical, intent(in) :: has_tangent !! there is a tangential impulse
+    logical, intent(in), optional :: has_bonds !! there are cohesive zones
+
+    problem_kind = merge(merge(round_frictional, round_frictionless, has_tangent), &
+                         merge(arm_frictional, arm_frictionless, has_tangent), is_round)
+    if (dimension == 3) problem_kind = problem_kind + ball_frictionless - round_frictionless
+    if (.not. present(has_bonds)) return
+    if (has_bonds) problem_kind = merge(arm_bonded, solid_bonded, dimension == 2)
+  end function problem_kind
+
+  !> The kind without bonds whose record a kind of problem begins with.
+  pure integer function plain_kind(kind)
+    integer, intent(in) :: kind !! kind of problem
+
+    plain_kind = kind
+    if (kind == arm_bonded) plain_kind = arm_frictional
+    if (kind == solid_bonded) plain_kind = solid_frictional
+  end function plain_kind
+
+  !> Does a kind of problem carry no lever arms?
+  pure logical function is_compact(kind)
+    integer, intent(in) :: kind !! kind of problem
+
+    is_compact = any(kind == [round_frictionless, round_frictional, ball_frictionless, ball_frictional])
+  end function is_compact
+
+  !> Is a kind of problem one in space?
+  pure logical function is_in_space(kind)
+    integer, intent(in) :: kind !! kind of problem
+
+    is_in_space = kind >= ball_frictionless .and. kind /= arm_bonded
+  end function is_in_space
+
+  !> Directions in which impulses can move a body of a ball problem: 1 for free, 0 for driven.
+  pure function free_axes(mark) result(axes)
+    real(wp), intent(in) :: mark !! last real of its record: R^2/I, or marks of free directions
+    real(wp) :: axes(3)
+    integer :: bits
+
+    axes = 1
+    if (mark >= 0) return
+    bits = -nint(mark)
+    axes = real(ibits(bits, [0, 1, 2], 1), wp)
+  end function free_axes
+end module sg_records
