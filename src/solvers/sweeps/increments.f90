@@ -4,8 +4,12 @@
 module sg_increments
   use sg_kinds, only: wp
   use sg_problem, only: problem_t
-  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
-                        round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless
+  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, arm_frictionless_inverse_wnn, arm_wnn, arm_wnt, arm_wtt, &
+                        ball_frictional, ball_frictionless, ball_frictionless_inverse_wnn, ball_inverse_wnn, ball_inverse_wtt, &
+                        first_inverse, normal_x, normal_z, round_frictional, round_frictionless, round_frictionless_inverse_wnn, &
+                        round_inverse_wnn, round_inverse_wtt, solid_bonded, solid_frictional, solid_frictionless, &
+                        solid_frictionless_inverse_wnn, solid_s1, solid_s2, solid_tangent_x, solid_tangent_z, solid_wn1, &
+                        solid_wn2, solid_wnn
   use sg_run_options, only: criterion_maxm, criterion_qm16
   use sg_sweep_order, only: sweep_order_t
   use sg_sweeps, only: sweep_impulses
@@ -108,30 +112,33 @@ contains
     v = 0
     select case (kind)
     case (round_frictionless)
-      v(1) = over(r(1), record(4))
+      v(1) = over(r(1), record(round_frictionless_inverse_wnn))
     case (round_frictional)
-      v(:2) = [over(r(1), record(5)), over(r(2), record(6))]
+      v(:2) = [over(r(1), record(round_inverse_wnn)), over(r(2), record(round_inverse_wtt))]
     case (arm_frictionless)
-      v(1) = over(r(1), record(6))
+      v(1) = over(r(1), record(arm_frictionless_inverse_wnn))
     case (arm_frictional, arm_bonded)
-      v(:2) = [record(9)*r(1) + record(10)*r(2), record(10)*r(1) + record(11)*r(2)]
+      v(:2) = [record(arm_wnn)*r(1) + record(arm_wnt)*r(2), record(arm_wnt)*r(1) + record(arm_wtt)*r(2)]
     case (ball_frictionless)
-      v(1) = over(r(1), record(5))
+      v(1) = over(r(1), record(ball_frictionless_inverse_wnn))
     case (ball_frictional)
-      r_n = dot_product(record(1:3), r)
-      n = r_n*record(1:3)
-      v = [over(n(1), record(7)) + over(r(1) - n(1), record(8)), over(n(2), record(7)) + over(r(2) - n(2), record(8)), &
-           over(n(3), record(7)) + over(r(3) - n(3), record(8))]
+      r_n = dot_product(record(normal_x:normal_z), r)
+      n = r_n*record(normal_x:normal_z)
+      v = [over(n(1), record(ball_inverse_wnn)) + over(r(1) - n(1), record(ball_inverse_wtt)), &
+           over(n(2), record(ball_inverse_wnn)) + over(r(2) - n(2), record(ball_inverse_wtt)), &
+           over(n(3), record(ball_inverse_wnn)) + over(r(3) - n(3), record(ball_inverse_wtt))]
     case (solid_frictionless)
-      v(1) = over(r(1), record(11))
+      v(1) = over(r(1), record(solid_frictionless_inverse_wnn))
     case (solid_frictional, solid_bonded)
       ! In the frame of normal and tangents W is S + w w^T/W_nn.
-      n = record(1:3)
-      t = cross(n, record(4:6))
+      n = record(normal_x:normal_z)
+      t = cross(n, record(solid_tangent_x:solid_tangent_z))
       r_n = dot_product(n, r)
-      if (record(16) > 0) r_n = r_n + (record(17)*dot_product(record(4:6), r) + record(18)*dot_product(t, r))/record(16)
-      v = r_n*(record(16)*n + record(17)*record(4:6) + record(18)*t) + record(19)*dot_product(record(4:6), r)*record(4:6) &
-          + record(20)*dot_product(t, r)*t
+      if (record(solid_wnn) > 0) r_n = r_n + (record(solid_wn1)*dot_product(record(solid_tangent_x:solid_tangent_z), r) &
+                                       + record(solid_wn2)*dot_product(t, r))/record(solid_wnn)
+      v = r_n*(record(solid_wnn)*n + record(solid_wn1)*record(solid_tangent_x:solid_tangent_z) + record(solid_wn2)*t) &
+          + record(solid_s1)*dot_product(record(solid_tangent_x:solid_tangent_z), r)*record(solid_tangent_x:solid_tangent_z) &
+          + record(solid_s2)*dot_product(t, r)*t
     end select
   end function block_times
 

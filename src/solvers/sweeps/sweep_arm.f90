@@ -1,6 +1,12 @@
 !> Gauss-Seidel sweeps over problems with any lever arms and any law (doc/theory/nlgs.md).
 module sg_sweep_arm
   use sg_kinds, only: wp, i4
+  use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, &
+                        arm_frictional, arm_frictionless, arm_frictionless_bias, arm_frictionless_inverse_wnn, &
+                        arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, arm_inverse_mx, arm_inverse_my, &
+                        arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_slip, arm_spin, arm_stiffness_n, &
+                        arm_stiffness_t, arm_wnn, arm_wnt, arm_wtt, body_length, normal_x, normal_y, record_length, velocity_x, &
+                        velocity_y
   implicit none
   private
   public :: sweep_arm_frictionless, sweep_arm_frictional, sweep_arm_bonded
@@ -12,10 +18,10 @@ contains
     integer, intent(in) :: n !! contacts
     integer, intent(in) :: n_bodies !! slots
     integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
-    real(wp), intent(in) :: record(6, n) !! n_x, n_y, turn_c, turn_a, bias, 1/W_nn
+    real(wp), intent(in) :: record(record_length(arm_frictionless), n) !! records of contacts
     real(wp), intent(in) :: relaxation !! share of each change taken
     real(wp), intent(inout) :: impulse(1, n) !! normal impulses [N s]
-    real(wp), intent(inout) :: body(6, n_bodies) !! v_x, v_y, spin, inverse masses
+    real(wp), intent(inout) :: body(body_length(arm_frictionless), n_bodies) !! records of bodies; their velocities change
     integer :: k
     integer(i4) :: c, a
     real(wp) :: u, change
@@ -23,16 +29,18 @@ contains
     do k = 1, n
       c = pair(1, k)
       a = pair(2, k)
-      u = record(1, k)*(body(1, c) - body(1, a)) + record(2, k)*(body(2, c) - body(2, a)) &
-          + record(3, k)*body(3, c) - record(4, k)*body(3, a) + record(5, k)
-      change = relaxation*(max(0.0_wp, impulse(1, k) - u*record(6, k)) - impulse(1, k))
+      u = record(normal_x, k)*(body(velocity_x, c) - body(velocity_x, a)) &
+          + record(normal_y, k)*(body(velocity_y, c) - body(velocity_y, a)) &
+          + record(arm_frictionless_moment_c, k)*body(arm_spin, c) - record(arm_frictionless_moment_a, k)*body(arm_spin, a) &
+          + record(arm_frictionless_bias, k)
+      change = relaxation*(max(0.0_wp, impulse(1, k) - u*record(arm_frictionless_inverse_wnn, k)) - impulse(1, k))
       impulse(1, k) = impulse(1, k) + change
-      body(1, c) = body(1, c) + body(4, c)*record(1, k)*change
-      body(2, c) = body(2, c) + body(5, c)*record(2, k)*change
-      body(3, c) = body(3, c) + body(6, c)*record(3, k)*change
-      body(1, a) = body(1, a) - body(4, a)*record(1, k)*change
-      body(2, a) = body(2, a) - body(5, a)*record(2, k)*change
-      body(3, a) = body(3, a) - body(6, a)*record(4, k)*change
+      body(velocity_x, c) = body(velocity_x, c) + body(arm_inverse_mx, c)*record(normal_x, k)*change
+      body(velocity_y, c) = body(velocity_y, c) + body(arm_inverse_my, c)*record(normal_y, k)*change
+      body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*record(arm_frictionless_moment_c, k)*change
+      body(velocity_x, a) = body(velocity_x, a) - body(arm_inverse_mx, a)*record(normal_x, k)*change
+      body(velocity_y, a) = body(velocity_y, a) - body(arm_inverse_my, a)*record(normal_y, k)*change
+      body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*record(arm_frictionless_moment_a, k)*change
     end do
   end subroutine sweep_arm_frictionless
 
@@ -41,38 +49,39 @@ contains
     integer, intent(in) :: n !! contacts
     integer, intent(in) :: n_bodies !! slots
     integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
-    real(wp), intent(in) :: record(16, n) !! see `record_length` of sg_problem
+    real(wp), intent(in) :: record(record_length(arm_frictional), n) !! records of contacts
     real(wp), intent(in) :: relaxation !! share of each change taken
     real(wp), intent(inout) :: impulse(2, n) !! impulses [N s]
-    real(wp), intent(inout) :: body(6, n_bodies) !! v_x, v_y, spin, inverse masses
+    real(wp), intent(inout) :: body(body_length(arm_frictional), n_bodies) !! records of bodies; their velocities change
     integer :: k
     integer(i4) :: c, a
     real(wp) :: x, y, dx, dy, q_n, q_t, r_n, r_t, old_n, old_t, p_x, p_y, determinant
 
     do k = 1, n
-      if (record(16, k) < 0.5_wp) cycle
+      if (record(arm_law, k) < 0.5_wp) cycle
       c = pair(1, k)
       a = pair(2, k)
-      x = record(1, k)
-      y = record(2, k)
-      old_n = impulse(1, k) + record(13, k)
+      x = record(normal_x, k)
+      y = record(normal_y, k)
+      old_n = impulse(1, k) + record(arm_cohesion, k)
       old_t = impulse(2, k)
-      dx = body(1, c) - body(1, a)
-      dy = body(2, c) - body(2, a)
+      dx = body(velocity_x, c) - body(velocity_x, a)
+      dy = body(velocity_y, c) - body(velocity_y, a)
       ! Velocity without this contact: what it does itself, cohesion included, is taken out again.
-      q_n = x*dx + y*dy + record(3, k)*body(3, c) - record(5, k)*body(3, a) + record(7, k) + record(14, k)*impulse(1, k) &
-            - record(9, k)*old_n - record(10, k)*old_t
-      q_t = y*dx - x*dy + record(4, k)*body(3, c) - record(6, k)*body(3, a) + record(8, k) + record(15, k)*old_t &
-            - record(10, k)*old_n - record(11, k)*old_t
-      if (record(16, k) < 1.5_wp) then
-        call coulomb_step(record(9, k), record(10, k), record(11, k), record(12, k), q_n, q_t, r_n, r_t)
-      else if (record(16, k) > 2.5_wp) then
-        r_n = -q_n/record(9, k)
+      q_n = x*dx + y*dy + record(arm_moment_nc, k)*body(arm_spin, c) - record(arm_moment_na, k)*body(arm_spin, a) &
+            + record(arm_bias_n, k) + record(arm_compliance_n, k)*impulse(1, k) - record(arm_wnn, k)*old_n &
+            - record(arm_wnt, k)*old_t
+      q_t = y*dx - x*dy + record(arm_moment_tc, k)*body(arm_spin, c) - record(arm_moment_ta, k)*body(arm_spin, a) &
+            + record(arm_bias_t, k) + record(arm_compliance_t, k)*old_t - record(arm_wnt, k)*old_n - record(arm_wtt, k)*old_t
+      if (record(arm_law, k) < 1.5_wp) then
+        call coulomb_step(record(arm_wnn, k), record(arm_wnt, k), record(arm_wtt, k), record(arm_friction, k), q_n, q_t, r_n, r_t)
+      else if (record(arm_law, k) > 2.5_wp) then
+        r_n = -q_n/record(arm_wnn, k)
         r_t = 0
       else
-        determinant = record(9, k)*record(11, k) - record(10, k)**2
-        r_n = (record(10, k)*q_t - record(11, k)*q_n)/determinant
-        r_t = (record(10, k)*q_n - record(9, k)*q_t)/determinant
+        determinant = record(arm_wnn, k)*record(arm_wtt, k) - record(arm_wnt, k)**2
+        r_n = (record(arm_wnt, k)*q_t - record(arm_wtt, k)*q_n)/determinant
+        r_t = (record(arm_wnt, k)*q_n - record(arm_wnn, k)*q_t)/determinant
       end if
       r_n = relaxation*(r_n - old_n)
       r_t = relaxation*(r_t - old_t)
@@ -80,12 +89,12 @@ contains
       impulse(2, k) = impulse(2, k) + r_t
       p_x = x*r_n + y*r_t
       p_y = y*r_n - x*r_t
-      body(1, c) = body(1, c) + body(4, c)*p_x
-      body(2, c) = body(2, c) + body(5, c)*p_y
-      body(3, c) = body(3, c) + body(6, c)*(record(3, k)*r_n + record(4, k)*r_t)
-      body(1, a) = body(1, a) - body(4, a)*p_x
-      body(2, a) = body(2, a) - body(5, a)*p_y
-      body(3, a) = body(3, a) - body(6, a)*(record(5, k)*r_n + record(6, k)*r_t)
+      body(velocity_x, c) = body(velocity_x, c) + body(arm_inverse_mx, c)*p_x
+      body(velocity_y, c) = body(velocity_y, c) + body(arm_inverse_my, c)*p_y
+      body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*(record(arm_moment_nc, k)*r_n + record(arm_moment_tc, k)*r_t)
+      body(velocity_x, a) = body(velocity_x, a) - body(arm_inverse_mx, a)*p_x
+      body(velocity_y, a) = body(velocity_y, a) - body(arm_inverse_my, a)*p_y
+      body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*(record(arm_moment_na, k)*r_n + record(arm_moment_ta, k)*r_t)
     end do
   end subroutine sweep_arm_frictional
 
@@ -95,45 +104,48 @@ contains
     integer, intent(in) :: n !! contacts
     integer, intent(in) :: n_bodies !! slots
     integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
-    real(wp), intent(in) :: record(19, n) !! see `record_length` of sg_problem
+    real(wp), intent(in) :: record(record_length(arm_bonded), n) !! records of contacts
     real(wp), intent(in) :: relaxation !! share of each change taken
     real(wp), intent(inout) :: impulse(2, n) !! impulses, those of bonds included [N s]
-    real(wp), intent(inout) :: body(6, n_bodies) !! v_x, v_y, spin, inverse masses
+    real(wp), intent(inout) :: body(body_length(arm_frictional), n_bodies) !! records of bodies; their velocities change
     integer :: k
     integer(i4) :: c, a
     real(wp) :: dx, dy, u_n, u_t, q_n, q_t, old_n, old_t, r_n, r_t, p_x, p_y
 
     do k = 1, n
-      if (.not. max(record(17, k), record(18, k)) > 0) then
-        call sweep_arm_frictional(1, n_bodies, pair(:, k), record(:16, k), relaxation, impulse(:, k), body)
+      if (.not. max(record(arm_stiffness_n, k), record(arm_stiffness_t, k)) > 0) then
+        call sweep_arm_frictional(1, n_bodies, pair(:, k), record(:record_length(arm_frictional), k), relaxation, &
+                                  impulse(:, k), body)
         cycle
       end if
       c = pair(1, k)
       a = pair(2, k)
-      dx = body(1, c) - body(1, a)
-      dy = body(2, c) - body(2, a)
-      u_n = record(1, k)*dx + record(2, k)*dy + record(3, k)*body(3, c) - record(5, k)*body(3, a) + record(7, k)
-      u_t = record(2, k)*dx - record(1, k)*dy + record(4, k)*body(3, c) - record(6, k)*body(3, a)
+      dx = body(velocity_x, c) - body(velocity_x, a)
+      dy = body(velocity_y, c) - body(velocity_y, a)
+      u_n = record(normal_x, k)*dx + record(normal_y, k)*dy + record(arm_moment_nc, k)*body(arm_spin, c) &
+            - record(arm_moment_na, k)*body(arm_spin, a) + record(arm_bias_n, k)
+      u_t = record(normal_y, k)*dx - record(normal_x, k)*dy + record(arm_moment_tc, k)*body(arm_spin, c) &
+            - record(arm_moment_ta, k)*body(arm_spin, a)
       ! The unilateral impulse, and the velocity without it but with the bond.
-      old_n = impulse(1, k) + record(17, k)*u_n
-      old_t = impulse(2, k) + record(18, k)*(u_t + record(19, k))
-      q_n = u_n - record(9, k)*old_n - record(10, k)*old_t
-      q_t = u_t - record(10, k)*old_n - record(11, k)*old_t
-      call coulomb_step(record(9, k), record(10, k), record(11, k), record(12, k), q_n, q_t, r_n, r_t)
-      u_n = q_n + record(9, k)*r_n + record(10, k)*r_t
-      u_t = q_t + record(10, k)*r_n + record(11, k)*r_t
-      r_n = relaxation*(r_n - record(17, k)*u_n - impulse(1, k))
-      r_t = relaxation*(r_t - record(18, k)*(u_t + record(19, k)) - impulse(2, k))
+      old_n = impulse(1, k) + record(arm_stiffness_n, k)*u_n
+      old_t = impulse(2, k) + record(arm_stiffness_t, k)*(u_t + record(arm_slip, k))
+      q_n = u_n - record(arm_wnn, k)*old_n - record(arm_wnt, k)*old_t
+      q_t = u_t - record(arm_wnt, k)*old_n - record(arm_wtt, k)*old_t
+      call coulomb_step(record(arm_wnn, k), record(arm_wnt, k), record(arm_wtt, k), record(arm_friction, k), q_n, q_t, r_n, r_t)
+      u_n = q_n + record(arm_wnn, k)*r_n + record(arm_wnt, k)*r_t
+      u_t = q_t + record(arm_wnt, k)*r_n + record(arm_wtt, k)*r_t
+      r_n = relaxation*(r_n - record(arm_stiffness_n, k)*u_n - impulse(1, k))
+      r_t = relaxation*(r_t - record(arm_stiffness_t, k)*(u_t + record(arm_slip, k)) - impulse(2, k))
       impulse(1, k) = impulse(1, k) + r_n
       impulse(2, k) = impulse(2, k) + r_t
-      p_x = record(1, k)*r_n + record(2, k)*r_t
-      p_y = record(2, k)*r_n - record(1, k)*r_t
-      body(1, c) = body(1, c) + body(4, c)*p_x
-      body(2, c) = body(2, c) + body(5, c)*p_y
-      body(3, c) = body(3, c) + body(6, c)*(record(3, k)*r_n + record(4, k)*r_t)
-      body(1, a) = body(1, a) - body(4, a)*p_x
-      body(2, a) = body(2, a) - body(5, a)*p_y
-      body(3, a) = body(3, a) - body(6, a)*(record(5, k)*r_n + record(6, k)*r_t)
+      p_x = record(normal_x, k)*r_n + record(normal_y, k)*r_t
+      p_y = record(normal_y, k)*r_n - record(normal_x, k)*r_t
+      body(velocity_x, c) = body(velocity_x, c) + body(arm_inverse_mx, c)*p_x
+      body(velocity_y, c) = body(velocity_y, c) + body(arm_inverse_my, c)*p_y
+      body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*(record(arm_moment_nc, k)*r_n + record(arm_moment_tc, k)*r_t)
+      body(velocity_x, a) = body(velocity_x, a) - body(arm_inverse_mx, a)*p_x
+      body(velocity_y, a) = body(velocity_y, a) - body(arm_inverse_my, a)*p_y
+      body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*(record(arm_moment_na, k)*r_n + record(arm_moment_ta, k)*r_t)
     end do
   end subroutine sweep_arm_bonded
 

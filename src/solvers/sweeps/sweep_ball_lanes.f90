@@ -5,6 +5,9 @@
 module sg_sweep_ball_lanes
   use, intrinsic :: iso_c_binding, only: c_double, c_int
   use sg_kinds, only: wp, i4
+  use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_friction, ball_frictional, ball_inverse_i, ball_inverse_m, &
+                        ball_inverse_wnn, ball_inverse_wtt, ball_spin_x, ball_spin_y, ball_spin_z, body_length, normal_x, &
+                        normal_y, normal_z, velocity_x, velocity_y, velocity_z
   use sg_sweep_ball, only: push_partly_driven
   use sg_sweep_order, only: lanes
   implicit none
@@ -37,10 +40,10 @@ contains
     integer, intent(in) :: n_groups !! groups
     integer, intent(in) :: n_bodies !! slots
     integer(i4), intent(in) :: pair(lanes, 2, n_groups) !! slots of candidate and antagonist
-    real(wp), intent(in) :: record(lanes, 9, n_groups) !! n, bias, 1/W_nn, 1/W_tt, friction; zero in lanes to spare
+    real(wp), intent(in) :: record(lanes, ball_friction, n_groups) !! records of contacts; zero in lanes to spare
     real(wp), intent(in) :: relaxation !! share of each change taken
     real(wp), intent(inout) :: impulse(lanes, 3, n_groups) !! impulses [N s]
-    real(wp), intent(inout) :: body(8, n_bodies) !! velocity, R spin, inverse mass, R^2/I or marks of free directions
+    real(wp), intent(inout) :: body(body_length(ball_frictional), n_bodies) !! records of bodies; their velocities change
     real(wp), dimension(lanes) :: vx, vy, vz, sx, sy, sz, px, py, pz
     real(wp) :: lowest
     integer :: g, i, next
@@ -54,44 +57,44 @@ contains
       do i = 1, lanes
         c = pair(i, 1, g)
         a = pair(i, 2, g)
-        vx(i) = body(1, c) - body(1, a)
-        vy(i) = body(2, c) - body(2, a)
-        vz(i) = body(3, c) - body(3, a)
-        sx(i) = body(4, c) + body(4, a)
-        sy(i) = body(5, c) + body(5, a)
-        sz(i) = body(6, c) + body(6, a)
-        lowest = min(lowest, body(8, c), body(8, a))
+        vx(i) = body(velocity_x, c) - body(velocity_x, a)
+        vy(i) = body(velocity_y, c) - body(velocity_y, a)
+        vz(i) = body(velocity_z, c) - body(velocity_z, a)
+        sx(i) = body(ball_spin_x, c) + body(ball_spin_x, a)
+        sy(i) = body(ball_spin_y, c) + body(ball_spin_y, a)
+        sz(i) = body(ball_spin_z, c) + body(ball_spin_z, a)
+        lowest = min(lowest, body(ball_inverse_i, c), body(ball_inverse_i, a))
       end do
       call update_group(record(:, :, g), relaxation, vx, vy, vz, sx, sy, sz, impulse(:, :, g), px, py, pz)
       if (lowest < 0) then
         do i = 1, lanes
-          call push_partly_driven(body(:, pair(i, 1, g)), [px(i), py(i), pz(i)], record(i, 1:3, g))
-          call push_partly_driven(body(:, pair(i, 2, g)), -[px(i), py(i), pz(i)], -record(i, 1:3, g))
+          call push_partly_driven(body(:, pair(i, 1, g)), [px(i), py(i), pz(i)], record(i, normal_x:normal_z, g))
+          call push_partly_driven(body(:, pair(i, 2, g)), -[px(i), py(i), pz(i)], -record(i, normal_x:normal_z, g))
         end do
         cycle
       end if
       do i = 1, lanes
         c = pair(i, 1, g)
         a = pair(i, 2, g)
-        body(1, c) = body(1, c) + body(7, c)*px(i)
-        body(2, c) = body(2, c) + body(7, c)*py(i)
-        body(3, c) = body(3, c) + body(7, c)*pz(i)
-        body(4, c) = body(4, c) + body(8, c)*sx(i)
-        body(5, c) = body(5, c) + body(8, c)*sy(i)
-        body(6, c) = body(6, c) + body(8, c)*sz(i)
-        body(1, a) = body(1, a) - body(7, a)*px(i)
-        body(2, a) = body(2, a) - body(7, a)*py(i)
-        body(3, a) = body(3, a) - body(7, a)*pz(i)
-        body(4, a) = body(4, a) + body(8, a)*sx(i)
-        body(5, a) = body(5, a) + body(8, a)*sy(i)
-        body(6, a) = body(6, a) + body(8, a)*sz(i)
+        body(velocity_x, c) = body(velocity_x, c) + body(ball_inverse_m, c)*px(i)
+        body(velocity_y, c) = body(velocity_y, c) + body(ball_inverse_m, c)*py(i)
+        body(velocity_z, c) = body(velocity_z, c) + body(ball_inverse_m, c)*pz(i)
+        body(ball_spin_x, c) = body(ball_spin_x, c) + body(ball_inverse_i, c)*sx(i)
+        body(ball_spin_y, c) = body(ball_spin_y, c) + body(ball_inverse_i, c)*sy(i)
+        body(ball_spin_z, c) = body(ball_spin_z, c) + body(ball_inverse_i, c)*sz(i)
+        body(velocity_x, a) = body(velocity_x, a) - body(ball_inverse_m, a)*px(i)
+        body(velocity_y, a) = body(velocity_y, a) - body(ball_inverse_m, a)*py(i)
+        body(velocity_z, a) = body(velocity_z, a) - body(ball_inverse_m, a)*pz(i)
+        body(ball_spin_x, a) = body(ball_spin_x, a) + body(ball_inverse_i, a)*sx(i)
+        body(ball_spin_y, a) = body(ball_spin_y, a) + body(ball_inverse_i, a)*sy(i)
+        body(ball_spin_z, a) = body(ball_spin_z, a) + body(ball_inverse_i, a)*sz(i)
       end do
     end do
   end subroutine sweep_ball_lanes
 
   !> New impulses of a group from the relative velocities of its contacts.
   pure subroutine update_group(record, relaxation, vx, vy, vz, sx, sy, sz, impulse, px, py, pz)
-    real(wp), intent(in) :: record(lanes, 9), relaxation
+    real(wp), intent(in) :: record(lanes, ball_friction), relaxation
     real(wp), intent(in) :: vx(lanes), vy(lanes), vz(lanes) !! difference of the centres' velocities [m/s]
     real(wp), intent(inout) :: sx(lanes), sy(lanes), sz(lanes) !! sum of R spin [m/s]; then p x n, what changes the spins
     real(wp), intent(inout) :: impulse(lanes, 3)
@@ -100,20 +103,20 @@ contains
     integer :: i
 
     do i = 1, lanes
-      x = record(i, 1)
-      y = record(i, 2)
-      z = record(i, 3)
-      ux = vx(i) + record(i, 4) - sy(i)*z + sz(i)*y
-      uy = vy(i) + record(i, 5) - sz(i)*x + sx(i)*z
-      uz = vz(i) + record(i, 6) - sx(i)*y + sy(i)*x
+      x = record(i, normal_x)
+      y = record(i, normal_y)
+      z = record(i, normal_z)
+      ux = vx(i) + record(i, ball_bias_x) - sy(i)*z + sz(i)*y
+      uy = vy(i) + record(i, ball_bias_y) - sz(i)*x + sx(i)*z
+      uz = vz(i) + record(i, ball_bias_z) - sx(i)*y + sy(i)*x
       u_n = x*ux + y*uy + z*uz
       p_n = x*impulse(i, 1) + y*impulse(i, 2) + z*impulse(i, 3)
-      r_n = max(0.0_wp, p_n - u_n*record(i, 7))
-      share = p_n - u_n*record(i, 8)
-      tx = impulse(i, 1) - ux*record(i, 8) - share*x
-      ty = impulse(i, 2) - uy*record(i, 8) - share*y
-      tz = impulse(i, 3) - uz*record(i, 8) - share*z
-      share = min(1.0_wp, record(i, 9)*r_n/sqrt(max(tx*tx + ty*ty + tz*tz, tiny(1.0_wp))))
+      r_n = max(0.0_wp, p_n - u_n*record(i, ball_inverse_wnn))
+      share = p_n - u_n*record(i, ball_inverse_wtt)
+      tx = impulse(i, 1) - ux*record(i, ball_inverse_wtt) - share*x
+      ty = impulse(i, 2) - uy*record(i, ball_inverse_wtt) - share*y
+      tz = impulse(i, 3) - uz*record(i, ball_inverse_wtt) - share*z
+      share = min(1.0_wp, record(i, ball_friction)*r_n/sqrt(max(tx*tx + ty*ty + tz*tz, tiny(1.0_wp))))
       px(i) = relaxation*(r_n*x + share*tx - impulse(i, 1))
       py(i) = relaxation*(r_n*y + share*ty - impulse(i, 2))
       pz(i) = relaxation*(r_n*z + share*tz - impulse(i, 3))

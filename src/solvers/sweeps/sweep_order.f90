@@ -12,7 +12,7 @@ module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_random, only: random_t
-  use sg_records, only: ball_frictional, first_inverse, is_compact, solid_frictional
+  use sg_records, only: ball_friction, ball_frictional, first_inverse, is_compact, normal_x, record_length, solid_frictional
   use sg_run_options, only: solver_options_t
   use sg_sweep_blocks, only: colour_blocks, sweep_blocks_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, solid_lanes_t
@@ -45,7 +45,7 @@ module sg_sweep_order
     integer(i4), allocatable :: pair(:, :)
     real(wp), allocatable :: record(:, :), impulse(:, :)
     !> Groups of balls with friction, side by side: number of groups and size of each; slots, shape (lanes, 2, groups),
-    !! records, shape (lanes, 9, groups), and impulses, shape (lanes, 3, groups). Lanes to spare change nothing
+    !! records, shape (lanes, record_length, groups), and impulses, shape (lanes, 3, groups). Lanes to spare change nothing
     integer :: n_groups = 0
     integer(i4), allocatable :: group_size(:), lane_pair(:, :, :)
     real(wp), allocatable :: lane_record(:, :, :), lane_impulse(:, :, :)
@@ -362,7 +362,7 @@ contains
     end if
     if (.not. allocated(order%lane_pair)) then
       allocate (order%lane_pair(lanes, 2, order%n_groups + order%n_groups/8), &
-                order%lane_record(lanes, 9, order%n_groups + order%n_groups/8), &
+                order%lane_record(lanes, record_length(ball_frictional), order%n_groups + order%n_groups/8), &
                 order%lane_impulse(lanes, 3, order%n_groups + order%n_groups/8))
     end if
     e = first - 1
@@ -371,7 +371,7 @@ contains
         e = e + 1
         k = order%contact(e)
         order%lane_pair(i, :, g) = problem%pair(:, k)
-        order%lane_record(i, :, g) = problem%record(1:9, k)
+        order%lane_record(i, :, g) = problem%record(normal_x:ball_friction, k)
         order%lane_impulse(i, :, g) = problem%impulse(1:3, k)
       end do
       do i = order%group_size(g) + 1, lanes

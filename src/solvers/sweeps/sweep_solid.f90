@@ -1,6 +1,17 @@
 !> Gauss-Seidel sweeps over solid problems (bodies of any shape in space), see doc/theory/nlgs.md.
 module sg_sweep_solid
   use sg_kinds, only: wp, i4
+  use sg_records, only: body_length, normal_x, normal_y, normal_z, record_length, solid_arm_ax, solid_arm_ay, solid_arm_az, &
+                        solid_arm_cx, solid_arm_cy, solid_arm_cz, solid_bias_x, solid_bias_y, solid_bias_z, solid_bonded, &
+                        solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, solid_frictional, &
+                        solid_frictionless, solid_frictionless_bias, solid_frictionless_inverse_wnn, &
+                        solid_frictionless_moment_ax, solid_frictionless_moment_ay, solid_frictionless_moment_az, &
+                        solid_frictionless_moment_cx, solid_frictionless_moment_cy, solid_frictionless_moment_cz, &
+                        solid_inverse_mx, solid_inverse_my, solid_inverse_mz, solid_inverse_xx, solid_inverse_xy, &
+                        solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, solid_inverse_zz, solid_law, solid_s1, solid_s2, &
+                        solid_slip_x, solid_slip_z, solid_spin_x, solid_spin_y, solid_spin_z, solid_stiffness_n, &
+                        solid_stiffness_t, solid_tangent_x, solid_tangent_y, solid_tangent_z, solid_wn1, solid_wn2, solid_wnn, &
+                        velocity_x, velocity_y, velocity_z
   use sg_vectors, only: cross
   implicit none
   private
@@ -13,10 +24,10 @@ contains
     integer, intent(in) :: n !! contacts
     integer, intent(in) :: n_bodies !! slots
     integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
-    real(wp), intent(in) :: record(11, n) !! n, arm_c x n, arm_a x n, bias, 1/W_nn
+    real(wp), intent(in) :: record(record_length(solid_frictionless), n) !! records of contacts
     real(wp), intent(in) :: relaxation !! share of each change taken
     real(wp), intent(inout) :: impulse(1, n) !! normal impulses [N s]
-    real(wp), intent(inout) :: body(16, n_bodies) !! velocity, spin, inverse masses, inverse inertia
+    real(wp), intent(inout) :: body(body_length(solid_frictionless), n_bodies) !! records of bodies; their velocities change
     integer :: k
     integer(i4) :: c, a
     real(wp) :: u, change
@@ -24,16 +35,23 @@ contains
     do k = 1, n
       c = pair(1, k)
       a = pair(2, k)
-      u = record(1, k)*(body(1, c) - body(1, a)) + record(2, k)*(body(2, c) - body(2, a)) &
-          + record(3, k)*(body(3, c) - body(3, a)) + record(10, k) &
-          + record(4, k)*body(4, c) + record(5, k)*body(5, c) + record(6, k)*body(6, c) &
-          - record(7, k)*body(4, a) - record(8, k)*body(5, a) - record(9, k)*body(6, a)
-      change = relaxation*(max(0.0_wp, impulse(1, k) - u*record(11, k)) - impulse(1, k))
+      u = record(normal_x, k)*(body(velocity_x, c) - body(velocity_x, a)) &
+          + record(normal_y, k)*(body(velocity_y, c) - body(velocity_y, a)) &
+          + record(normal_z, k)*(body(velocity_z, c) - body(velocity_z, a)) + record(solid_frictionless_bias, k) &
+          + record(solid_frictionless_moment_cx, k)*body(solid_spin_x, c) &
+          + record(solid_frictionless_moment_cy, k)*body(solid_spin_y, c) &
+          + record(solid_frictionless_moment_cz, k)*body(solid_spin_z, c) &
+          - record(solid_frictionless_moment_ax, k)*body(solid_spin_x, a) &
+          - record(solid_frictionless_moment_ay, k)*body(solid_spin_y, a) &
+          - record(solid_frictionless_moment_az, k)*body(solid_spin_z, a)
+      change = relaxation*(max(0.0_wp, impulse(1, k) - u*record(solid_frictionless_inverse_wnn, k)) - impulse(1, k))
       impulse(1, k) = impulse(1, k) + change
-      call push(body(:, c), change*record(1, k), change*record(2, k), change*record(3, k), &
-                change*record(4, k), change*record(5, k), change*record(6, k))
-      call push(body(:, a), -change*record(1, k), -change*record(2, k), -change*record(3, k), &
-                -change*record(7, k), -change*record(8, k), -change*record(9, k))
+      call push(body(:, c), change*record(normal_x, k), change*record(normal_y, k), change*record(normal_z, k), &
+                change*record(solid_frictionless_moment_cx, k), change*record(solid_frictionless_moment_cy, k), &
+                change*record(solid_frictionless_moment_cz, k))
+      call push(body(:, a), -change*record(normal_x, k), -change*record(normal_y, k), -change*record(normal_z, k), &
+                -change*record(solid_frictionless_moment_ax, k), -change*record(solid_frictionless_moment_ay, k), &
+                -change*record(solid_frictionless_moment_az, k))
     end do
   end subroutine sweep_solid_frictionless
 
@@ -42,34 +60,37 @@ contains
     integer, intent(in) :: n !! contacts
     integer, intent(in) :: n_bodies !! slots
     integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
-    real(wp), intent(in) :: record(26, n) !! see `record_length` of sg_problem
+    real(wp), intent(in) :: record(record_length(solid_frictional), n) !! records of contacts
     real(wp), intent(in) :: relaxation !! share of each change taken
     real(wp), intent(inout) :: impulse(3, n) !! impulses [N s]
-    real(wp), intent(inout) :: body(16, n_bodies) !! velocity, spin, inverse masses, inverse inertia
+    real(wp), intent(inout) :: body(body_length(solid_frictional), n_bodies) !! records of bodies; their velocities change
     integer :: k
     integer(i4) :: c, a
     real(wp) :: x, y, z, tx, ty, tz, bx, by, bz, ux, uy, uz, px, py, pz
     real(wp) :: q_n, q_1, q_2, r_n, r_1, r_2, old_n, old_1, old_2, lead, slip, square, inverse, g_1, g_2
 
     do k = 1, n
-      if (record(25, k) < 0.5_wp) cycle
+      if (record(solid_law, k) < 0.5_wp) cycle
       c = pair(1, k)
       a = pair(2, k)
-      x = record(1, k)
-      y = record(2, k)
-      z = record(3, k)
-      tx = record(4, k)
-      ty = record(5, k)
-      tz = record(6, k)
+      x = record(normal_x, k)
+      y = record(normal_y, k)
+      z = record(normal_z, k)
+      tx = record(solid_tangent_x, k)
+      ty = record(solid_tangent_y, k)
+      tz = record(solid_tangent_z, k)
       bx = y*tz - z*ty
       by = z*tx - x*tz
       bz = x*ty - y*tx
-      ux = body(1, c) - body(1, a) + record(13, k) + body(5, c)*record(9, k) - body(6, c)*record(8, k) &
-           - body(5, a)*record(12, k) + body(6, a)*record(11, k)
-      uy = body(2, c) - body(2, a) + record(14, k) + body(6, c)*record(7, k) - body(4, c)*record(9, k) &
-           - body(6, a)*record(10, k) + body(4, a)*record(12, k)
-      uz = body(3, c) - body(3, a) + record(15, k) + body(4, c)*record(8, k) - body(5, c)*record(7, k) &
-           - body(4, a)*record(11, k) + body(5, a)*record(10, k)
+      ux = body(velocity_x, c) - body(velocity_x, a) + record(solid_bias_x, k) + body(solid_spin_y, c)*record(solid_arm_cz, k) &
+           - body(solid_spin_z, c)*record(solid_arm_cy, k) - body(solid_spin_y, a)*record(solid_arm_az, k) &
+           + body(solid_spin_z, a)*record(solid_arm_ay, k)
+      uy = body(velocity_y, c) - body(velocity_y, a) + record(solid_bias_y, k) + body(solid_spin_z, c)*record(solid_arm_cx, k) &
+           - body(solid_spin_x, c)*record(solid_arm_cz, k) - body(solid_spin_z, a)*record(solid_arm_ax, k) &
+           + body(solid_spin_x, a)*record(solid_arm_az, k)
+      uz = body(velocity_z, c) - body(velocity_z, a) + record(solid_bias_z, k) + body(solid_spin_x, c)*record(solid_arm_cy, k) &
+           - body(solid_spin_y, c)*record(solid_arm_cx, k) - body(solid_spin_x, a)*record(solid_arm_ay, k) &
+           + body(solid_spin_y, a)*record(solid_arm_ax, k)
       px = impulse(1, k)
       py = impulse(2, k)
       pz = impulse(3, k)
@@ -78,23 +99,23 @@ contains
       old_2 = bx*px + by*py + bz*pz
       ! Velocity without this contact: what it does itself, cohesion included, is taken out again. With W = S + w w^T/W_nn
       ! on the tangents, W r is W_nn lead, w lead + S r_t.
-      q_n = x*ux + y*uy + z*uz + record(23, k)*old_n
+      q_n = x*ux + y*uy + z*uz + record(solid_compliance_n, k)*old_n
       q_1 = tx*ux + ty*uy + tz*uz
       q_2 = bx*ux + by*uy + bz*uz
       slip = q_1**2 + q_2**2
       square = old_1**2 + old_2**2
-      q_1 = q_1 + (record(24, k) - record(19, k))*old_1
-      q_2 = q_2 + (record(24, k) - record(20, k))*old_2
-      old_n = old_n + record(22, k)
-      inverse = 1/record(16, k)
-      g_1 = record(17, k)*inverse
-      g_2 = record(18, k)*inverse
+      q_1 = q_1 + (record(solid_compliance_t, k) - record(solid_s1, k))*old_1
+      q_2 = q_2 + (record(solid_compliance_t, k) - record(solid_s2, k))*old_2
+      old_n = old_n + record(solid_cohesion, k)
+      inverse = 1/record(solid_wnn, k)
+      g_1 = record(solid_wn1, k)*inverse
+      g_2 = record(solid_wn2, k)*inverse
       lead = old_n + g_1*old_1 + g_2*old_2
-      q_n = q_n - record(16, k)*lead
-      q_1 = q_1 - record(17, k)*lead
-      q_2 = q_2 - record(18, k)*lead
-      call local_step(inverse, g_1, g_2, record(19, k), record(20, k), record(21, k), &
-                      record(25, k) > 1.5_wp, q_n, q_1, q_2, slip, square, r_n, r_1, r_2)
+      q_n = q_n - record(solid_wnn, k)*lead
+      q_1 = q_1 - record(solid_wn1, k)*lead
+      q_2 = q_2 - record(solid_wn2, k)*lead
+      call local_step(inverse, g_1, g_2, record(solid_s1, k), record(solid_s2, k), record(solid_friction, k), &
+                      record(solid_law, k) > 1.5_wp, q_n, q_1, q_2, slip, square, r_n, r_1, r_2)
       r_n = relaxation*(r_n - old_n)
       r_1 = relaxation*(r_1 - old_1)
       r_2 = relaxation*(r_2 - old_2)
@@ -104,10 +125,10 @@ contains
       impulse(1, k) = impulse(1, k) + px
       impulse(2, k) = impulse(2, k) + py
       impulse(3, k) = impulse(3, k) + pz
-      call push(body(:, c), px, py, pz, record(8, k)*pz - record(9, k)*py, record(9, k)*px - record(7, k)*pz, &
-                record(7, k)*py - record(8, k)*px)
-      call push(body(:, a), -px, -py, -pz, record(12, k)*py - record(11, k)*pz, record(10, k)*pz - record(12, k)*px, &
-                record(11, k)*px - record(10, k)*py)
+      call push(body(:, c), px, py, pz, record(solid_arm_cy, k)*pz - record(solid_arm_cz, k)*py, record(solid_arm_cz, k)*px &
+                - record(solid_arm_cx, k)*pz, record(solid_arm_cx, k)*py - record(solid_arm_cy, k)*px)
+      call push(body(:, a), -px, -py, -pz, record(solid_arm_az, k)*py - record(solid_arm_ay, k)*pz, record(solid_arm_ax, k)*pz &
+                - record(solid_arm_az, k)*px, record(solid_arm_ay, k)*px - record(solid_arm_ax, k)*py)
     end do
   end subroutine sweep_solid_frictional
 
@@ -117,61 +138,65 @@ contains
     integer, intent(in) :: n !! contacts
     integer, intent(in) :: n_bodies !! slots
     integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
-    real(wp), intent(in) :: record(31, n) !! see `record_length` of sg_problem
+    real(wp), intent(in) :: record(record_length(solid_bonded), n) !! records of contacts
     real(wp), intent(in) :: relaxation !! share of each change taken
     real(wp), intent(inout) :: impulse(3, n) !! impulses, those of bonds included [N s]
-    real(wp), intent(inout) :: body(16, n_bodies) !! velocity, spin, inverse masses, inverse inertia
+    real(wp), intent(inout) :: body(body_length(solid_frictional), n_bodies) !! records of bodies; their velocities change
     integer :: k
     integer(i4) :: c, a
     real(wp) :: frame(3, 3), w(3), u(3), old(3), new(3), slip(3), q(3), change(3), lead, inverse
 
     do k = 1, n
-      if (.not. max(record(27, k), record(28, k)) > 0) then
-        call sweep_solid_frictional(1, n_bodies, pair(:, k), record(:26, k), relaxation, impulse(:, k), body)
+      if (.not. max(record(solid_stiffness_n, k), record(solid_stiffness_t, k)) > 0) then
+        call sweep_solid_frictional(1, n_bodies, pair(:, k), record(:record_length(solid_frictional), k), relaxation, &
+                                    impulse(:, k), body)
         cycle
       end if
-      if (record(25, k) < 0.5_wp) cycle
+      if (record(solid_law, k) < 0.5_wp) cycle
       c = pair(1, k)
       a = pair(2, k)
-      frame(:, 1) = record(1:3, k)
-      frame(:, 2) = record(4:6, k)
+      frame(:, 1) = record(normal_x:normal_z, k)
+      frame(:, 2) = record(solid_tangent_x:solid_tangent_z, k)
       frame(:, 3) = cross(frame(:, 1), frame(:, 2))
-      u = matmul(body(1:3, c) - body(1:3, a) + cross(body(4:6, c), record(7:9, k)) - cross(body(4:6, a), record(10:12, k)) &
-                 + record(13:15, k), frame)
-      slip = matmul(record(29:31, k), frame)
+      u = matmul(body(velocity_x:velocity_z, c) - body(velocity_x:velocity_z, a) &
+          + cross(body(solid_spin_x:solid_spin_z, c), record(solid_arm_cx:solid_arm_cz, k)) &
+          - cross(body(solid_spin_x:solid_spin_z, a), record(solid_arm_ax:solid_arm_az, k)) &
+          + record(solid_bias_x:solid_bias_z, k), frame)
+      slip = matmul(record(solid_slip_x:solid_slip_z, k), frame)
       slip(1) = 0
       ! The unilateral impulse, and the velocity without it but with the bond: W r is W_nn lead, w lead + S r_t.
       old = matmul(impulse(:, k), frame)
-      new = old + record([27, 28, 28], k)*(u + slip)
-      inverse = 1/record(16, k)
-      w = record(16:18, k)
+      new = old + record([solid_stiffness_n, solid_stiffness_t, solid_stiffness_t], k)*(u + slip)
+      inverse = 1/record(solid_wnn, k)
+      w = record(solid_wnn:solid_wn2, k)
       lead = dot_product(w, new)*inverse
-      q = u - w*lead - [0.0_wp, record(19, k), record(20, k)]*new
-      call local_step(inverse, w(2)*inverse, w(3)*inverse, record(19, k), record(20, k), record(21, k), .false., q(1), q(2), q(3), &
-                      u(2)**2 + u(3)**2, new(2)**2 + new(3)**2, change(1), change(2), change(3))
+      q = u - w*lead - [0.0_wp, record(solid_s1, k), record(solid_s2, k)]*new
+      call local_step(inverse, w(2)*inverse, w(3)*inverse, record(solid_s1, k), record(solid_s2, k), record(solid_friction, k), &
+                      .false., q(1), q(2), q(3), u(2)**2 + u(3)**2, new(2)**2 + new(3)**2, change(1), change(2), change(3))
       new = change
       lead = dot_product(w, new)*inverse
-      u = q + w*lead + [0.0_wp, record(19, k), record(20, k)]*new
-      change = matmul(frame, relaxation*(new - record([27, 28, 28], k)*(u + slip) - old))
+      u = q + w*lead + [0.0_wp, record(solid_s1, k), record(solid_s2, k)]*new
+      change = matmul(frame, relaxation*(new - record([solid_stiffness_n, solid_stiffness_t, solid_stiffness_t], k)*(u + slip) &
+               - old))
       impulse(:, k) = impulse(:, k) + change
-      old = cross(record(7:9, k), change)
+      old = cross(record(solid_arm_cx:solid_arm_cz, k), change)
       call push(body(:, c), change(1), change(2), change(3), old(1), old(2), old(3))
-      old = cross(record(10:12, k), change)
+      old = cross(record(solid_arm_ax:solid_arm_az, k), change)
       call push(body(:, a), -change(1), -change(2), -change(3), -old(1), -old(2), -old(3))
     end do
   end subroutine sweep_solid_bonded
 
   !> Give a body an impulse (x, y, z) and an angular one (a, b, c) about its centre.
   pure subroutine push(body, x, y, z, a, b, c)
-    real(wp), intent(inout) :: body(16)
+    real(wp), intent(inout) :: body(body_length(solid_frictional))
     real(wp), intent(in) :: x, y, z, a, b, c
 
-    body(1) = body(1) + body(7)*x
-    body(2) = body(2) + body(8)*y
-    body(3) = body(3) + body(9)*z
-    body(4) = body(4) + body(10)*a + body(13)*b + body(14)*c
-    body(5) = body(5) + body(13)*a + body(11)*b + body(15)*c
-    body(6) = body(6) + body(14)*a + body(15)*b + body(12)*c
+    body(velocity_x) = body(velocity_x) + body(solid_inverse_mx)*x
+    body(velocity_y) = body(velocity_y) + body(solid_inverse_my)*y
+    body(velocity_z) = body(velocity_z) + body(solid_inverse_mz)*z
+    body(solid_spin_x) = body(solid_spin_x) + body(solid_inverse_xx)*a + body(solid_inverse_xy)*b + body(solid_inverse_xz)*c
+    body(solid_spin_y) = body(solid_spin_y) + body(solid_inverse_xy)*a + body(solid_inverse_yy)*b + body(solid_inverse_yz)*c
+    body(solid_spin_z) = body(solid_spin_z) + body(solid_inverse_xz)*a + body(solid_inverse_yz)*b + body(solid_inverse_zz)*c
   end subroutine push
 
   !> The local problem, solved to rounding: impulse of one contact whose other impulses are fixed (doc/theory/laws.md).

@@ -5,7 +5,9 @@
 module sg_sweep_solid_order
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
-  use sg_records, only: first_inverse, solid_frictional
+  use sg_records, only: first_inverse, normal_x, normal_z, record_length, solid_arm_az, solid_bias_x, solid_bias_y, solid_bias_z, &
+                        solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, solid_frictional, solid_law, &
+                        solid_s1, solid_tangent_x, solid_tangent_z, solid_wn1, solid_wn2, solid_wnn
   use sg_vectors, only: cross
   implicit none
   private
@@ -206,7 +208,8 @@ contains
     any_special = .false.
     do i = 1, size(contact)
       associate (record => problem%record(:, contact(i)))
-        any_special = max(abs(record(23)), abs(record(24))) > 0 .or. is_oblique(record(1:3), record(13:15))
+        any_special = max(abs(record(solid_compliance_n)), abs(record(solid_compliance_t))) > 0 &
+                      .or. is_oblique(record(normal_x:normal_z), record(solid_bias_x:solid_bias_z))
       end associate
       if (any_special) return
     end do
@@ -242,29 +245,30 @@ contains
 
   !> Write a contact's lane of a row.
   pure subroutine fill_lane(record, impulse, i, row)
-    real(wp), intent(in) :: record(26), impulse(3)
+    real(wp), intent(in) :: record(record_length(solid_frictional)), impulse(3)
     integer, intent(in) :: i
     real(wp), intent(inout) :: row(lanes, row_length)
     real(wp) :: inverse
 
-    if (record(25) < 0.5_wp) then
+    if (record(solid_law) < 0.5_wp) then
       call clear_lane(i, row)
       return
     end if
-    inverse = 1/record(16)
-    associate (n => record(1:3), t => record(4:6))
-      row(i, 1) = n(1)*impulse(1) + n(2)*impulse(2) + n(3)*impulse(3) + record(22)
+    inverse = 1/record(solid_wnn)
+    associate (n => record(normal_x:normal_z), t => record(solid_tangent_x:solid_tangent_z))
+      row(i, 1) = n(1)*impulse(1) + n(2)*impulse(2) + n(3)*impulse(3) + record(solid_cohesion)
       row(i, 2) = t(1)*impulse(1) + t(2)*impulse(2) + t(3)*impulse(3)
       row(i, 3) = (n(2)*t(3) - n(3)*t(2))*impulse(1) + (n(3)*t(1) - n(1)*t(3))*impulse(2) + (n(1)*t(2) - n(2)*t(1))*impulse(3)
-      row(i, 4:15) = record(1:12)
+      row(i, 4:15) = record(normal_x:solid_arm_az)
       ! Cohesion is in the impulse, but what yields to a law with compliance is the impulse without it.
-      row(i, 16) = n(1)*record(13) + n(2)*record(14) + n(3)*record(15) - record(23)*record(22)
+      row(i, 16) = n(1)*record(solid_bias_x) + n(2)*record(solid_bias_y) + n(3)*record(solid_bias_z) &
+                   - record(solid_compliance_n)*record(solid_cohesion)
     end associate
     row(i, 17) = inverse
-    row(i, 18) = record(17)*inverse
-    row(i, 19) = record(18)*inverse
-    row(i, 20:22) = record(19:21)
-    if (record(25) > 1.5_wp) row(i, 22) = -1
+    row(i, 18) = record(solid_wn1)*inverse
+    row(i, 19) = record(solid_wn2)*inverse
+    row(i, 20:22) = record(solid_s1:solid_friction)
+    if (record(solid_law) > 1.5_wp) row(i, 22) = -1
   end subroutine fill_lane
 
   !> Write a lane to spare: no direction, so that nothing changes.
@@ -281,8 +285,9 @@ contains
     real(wp), intent(in) :: record(:)
     real(wp) :: special(special_length)
 
-    special = [dot_product(record(4:6), record(13:15)), dot_product(cross(record(1:3), record(4:6)), record(13:15)), &
-               record(23), record(24)]
+    special = [dot_product(record(solid_tangent_x:solid_tangent_z), record(solid_bias_x:solid_bias_z)), &
+               dot_product(cross(record(normal_x:normal_z), record(solid_tangent_x:solid_tangent_z)), &
+               record(solid_bias_x:solid_bias_z)), record(solid_compliance_n), record(solid_compliance_t)]
   end function special_of
 
   !> Give the problem the impulses of rows, as vectors in the world's axes [N s].
@@ -303,13 +308,13 @@ contains
 
   !> Impulse of a lane, by the axes of the lane: those of the record may have been others when it was filled (divided masses).
   pure subroutine give_lane(record, i, row, impulse)
-    real(wp), intent(in) :: record(26), row(lanes, row_length)
+    real(wp), intent(in) :: record(record_length(solid_frictional)), row(lanes, row_length)
     integer, intent(in) :: i
     real(wp), intent(inout) :: impulse(3)
     real(wp) :: n(3), t(3), normal
 
-    if (record(25) < 0.5_wp) return
-    normal = row(i, 1) - record(22)
+    if (record(solid_law) < 0.5_wp) return
+    normal = row(i, 1) - record(solid_cohesion)
     n = row(i, 4:6)
     t = row(i, 7:9)
     impulse(1) = normal*n(1) + row(i, 2)*t(1) + row(i, 3)*(n(2)*t(3) - n(3)*t(2))
