@@ -14,8 +14,14 @@ module sg_assemble
   use sg_link_contacts, only: is_link
   use sg_mapping, only: arms_of
   use sg_problem, only: problem_t, reserve_problem
-  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, is_compact, is_in_space, plain_kind, &
-                        round_frictional, round_frictionless, solid_frictional
+  use sg_records, only: arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, arm_frictional, &
+                        arm_frictionless, arm_frictionless_bias, arm_frictionless_inverse_wnn, arm_frictionless_moment_a, &
+                        arm_frictionless_moment_c, arm_inverse_i, arm_inverse_mx, arm_law, arm_slip, arm_spin, arm_stiffness_n, &
+                        arm_wnn, arm_wtt, ball_frictional, is_compact, is_in_space, normal_x, normal_y, normal_z, plain_kind, &
+                        round_bias_n, round_bias_t, round_friction, round_frictional, round_frictionless, &
+                        round_frictionless_bias, round_frictionless_inverse_mx, round_frictionless_inverse_my, &
+                        round_frictionless_inverse_wnn, round_inverse_i, round_inverse_mx, round_inverse_my, round_inverse_wnn, &
+                        round_inverse_wtt, round_spin, solid_frictional, solid_wnn, velocity_x, velocity_y
   use sg_scene, only: scene_t
   implicit none
   private
@@ -89,7 +95,7 @@ contains
     real(wp) :: normal
 
     normal = q(1)
-    if (kind == ball_frictional .or. plain_kind(kind) == solid_frictional) normal = dot_product(record(1:3), q)
+    if (kind == ball_frictional .or. plain_kind(kind) == solid_frictional) normal = dot_product(record(normal_x:normal_z), q)
     closes = law%is_linear .or. law%cohesion > 0 .or. maxval(law%stiffness) > 0 .or. normal < 0
   end function closes
 
@@ -100,7 +106,7 @@ contains
     real(wp), intent(in) :: record(:)
 
     speed = 0
-    if (law%cohesion > 0) speed = law%cohesion*record(merge(16, 9, is_in_space(kind)))
+    if (law%cohesion > 0) speed = law%cohesion*record(merge(solid_wnn, arm_wnn, is_in_space(kind)))
   end function held_speed
 
   !> Free velocities and inverse masses by slot.
@@ -114,14 +120,17 @@ contains
 
     do s = 1, size(body_of)
       b = body_of(s)
+      body(velocity_x:velocity_y, s) = bodies%free_velocity(1:2, b)
       select case (kind)
       case (round_frictionless)
-        body(:, s) = [bodies%free_velocity(1:2, b), bodies%inverse_mass(1:2, b)]
+        body(round_frictionless_inverse_mx:round_frictionless_inverse_my, s) = bodies%inverse_mass(1:2, b)
       case (round_frictional)
-        body(:, s) = [bodies%free_velocity(1:2, b), radius(b)*bodies%free_velocity(3, b), &
-                      bodies%inverse_mass(1:2, b), radius(b)**2*bodies%inverse_mass(3, b)]
+        body(round_spin, s) = radius(b)*bodies%free_velocity(3, b)
+        body(round_inverse_mx:round_inverse_my, s) = bodies%inverse_mass(1:2, b)
+        body(round_inverse_i, s) = radius(b)**2*bodies%inverse_mass(3, b)
       case default
-        body(:, s) = [bodies%free_velocity(:, b), bodies%inverse_mass(:, b)]
+        body(arm_spin, s) = bodies%free_velocity(3, b)
+        body(arm_inverse_mx:arm_inverse_i, s) = bodies%inverse_mass(1:3, b)
       end select
     end do
   end subroutine load_bodies
@@ -138,10 +147,14 @@ contains
 
     bias = law%bias(:2) + driven_spin(scene, contacts, k)
     active = merge(1.0_wp, 0.0_wp, law%is_active)
+    record(normal_x:normal_y) = contacts%normal(:, k)
     if (kind == round_frictionless) then
-      record = [contacts%normal(:, k), bias(1), active]
+      record(round_frictionless_bias) = bias(1)
+      record(round_frictionless_inverse_wnn) = active
     else
-      record = [contacts%normal(:, k), bias, active, active, law%friction]
+      record(round_bias_n:round_bias_t) = bias
+      record(round_inverse_wnn:round_inverse_wtt) = active
+      record(round_friction) = law%friction
     end if
   end subroutine round_record
 
@@ -178,19 +191,26 @@ contains
     integer, intent(in) :: k, kind
     type(local_law_t), intent(in) :: law
     real(wp), intent(inout) :: record(:)
-    real(wp) :: n(2), arms(2, 2), turn_n(2), turn_t(2), active
+    real(wp) :: n(2), arms(2, 2), moment_n(2), moment_t(2)
 
     n = contacts%normal(:, k)
     arms = arms_of(contacts, k, scene%bodies%middle, scene%period)
-    turn_n = arms(1, :)*n(2) - arms(2, :)*n(1)
-    turn_t = -arms(1, :)*n(1) - arms(2, :)*n(2)
-    active = merge(1.0_wp, 0.0_wp, law%is_active)
+    moment_n = arms(1, :)*n(2) - arms(2, :)*n(1)
+    moment_t = -arms(1, :)*n(1) - arms(2, :)*n(2)
     if (kind == arm_frictionless) then
-      record = [n, turn_n, law%bias(1), active]
+      record(normal_x:normal_y) = n
+      record(arm_frictionless_moment_c:arm_frictionless_moment_a) = moment_n
+      record(arm_frictionless_bias) = law%bias(1)
+      record(arm_frictionless_inverse_wnn) = merge(1.0_wp, 0.0_wp, law%is_active)
     else
-      record(:16) = [n, turn_n(1), turn_t(1), turn_n(2), turn_t(2), law%bias(:2), spread(0.0_wp, 1, 3), law%friction, &
-                     law%cohesion, law%compliance, kind_of_local_law(law)]
-      if (kind == arm_bonded) record(17:19) = [law%stiffness, law%slip(1)]
+      ! At once: one by one, the compiler rounds other products of the moments, and answers change in the last digit.
+      record(normal_x:arm_bias_t) = [n, moment_n(1), moment_t(1), moment_n(2), moment_t(2), law%bias(:2)]
+      record(arm_wnn:arm_wtt) = 0
+      record(arm_friction) = law%friction
+      record(arm_cohesion) = law%cohesion
+      record(arm_compliance_n:arm_compliance_t) = law%compliance
+      record(arm_law) = kind_of_local_law(law)
+      if (kind == arm_bonded) record(arm_stiffness_n:arm_slip) = [law%stiffness, law%slip(1)]
     end if
   end subroutine arm_record
 
@@ -222,12 +242,12 @@ contains
     end if
     do s = 1, problem%n_bodies
       b = body_of(s)
-      scene%bodies%free_velocity(1:2, b) = problem%body(1:2, s)
+      scene%bodies%free_velocity(1:2, b) = problem%body(velocity_x:velocity_y, s)
       select case (problem%kind)
       case (round_frictional)
-        if (scene%bodies%inverse_mass(3, b) > 0) scene%bodies%free_velocity(3, b) = problem%body(3, s)/radius(b)
+        if (scene%bodies%inverse_mass(3, b) > 0) scene%bodies%free_velocity(3, b) = problem%body(round_spin, s)/radius(b)
       case (arm_frictional, arm_frictionless, arm_bonded)
-        scene%bodies%free_velocity(3, b) = problem%body(3, s)
+        scene%bodies%free_velocity(3, b) = problem%body(arm_spin, s)
       end select
     end do
   end subroutine disassemble

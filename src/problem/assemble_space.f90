@@ -7,7 +7,16 @@ module sg_assemble_space
   use sg_laws, only: kind_of_local_law, local_law_t
   use sg_mapping_space, only: space_arms, space_relative_velocity, tangent_of
   use sg_problem, only: problem_t
-  use sg_records, only: ball_frictional, ball_frictionless, plain_kind, solid_bonded, solid_frictional, solid_frictionless
+  use sg_records, only: ball_bias_x, ball_bias_z, ball_friction, ball_frictional, ball_frictionless, ball_frictionless_bias, &
+                        ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, &
+                        ball_inverse_i, ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, ball_spin_x, ball_spin_z, normal_x, &
+                        normal_z, plain_kind, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bias_x, solid_bias_z, &
+                        solid_bonded, solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, solid_frictional, &
+                        solid_frictionless, solid_frictionless_bias, solid_frictionless_inverse_wnn, &
+                        solid_frictionless_moment_ax, solid_frictionless_moment_az, solid_frictionless_moment_cx, &
+                        solid_frictionless_moment_cz, solid_inverse_lambda, solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, &
+                        solid_inverse_yz, solid_law, solid_s2, solid_slip_x, solid_slip_z, solid_spin_x, solid_spin_z, &
+                        solid_stiffness_n, solid_stiffness_t, solid_tangent_x, solid_tangent_z, solid_wnn, velocity_x, velocity_z
   use sg_rotations, only: frame_of, turned_back, turned_by
   use sg_scene, only: scene_t
   use sg_vectors, only: cross
@@ -29,27 +38,31 @@ contains
 
     do s = 1, size(body_of)
       b = body_of(s)
-      body(1:3, s) = bodies%free_velocity(1:3, b)
+      body(velocity_x:velocity_z, s) = bodies%free_velocity(1:3, b)
       select case (kind)
       case (ball_frictionless)
-        body(4:6, s) = bodies%inverse_mass(1:3, b)
+        body(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz, s) = bodies%inverse_mass(1:3, b)
       case (ball_frictional)
-        body(4:6, s) = 0
-        if (radius(b) > 0) body(4:6, s) = radius(b)*turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
-        body(7, s) = maxval(bodies%inverse_mass(1:3, b))
-        body(8, s) = radius(b)**2*bodies%inverse_mass(4, b)
-        if (body(7, s) > 0 .and. .not. minval(bodies%inverse_mass(1:3, b)) > 0) then
-          body(8, s) = sum(merge([-1.0_wp, -2.0_wp, -4.0_wp], [0.0_wp, 0.0_wp, 0.0_wp], bodies%inverse_mass(1:3, b) > 0))
+        body(ball_spin_x:ball_spin_z, s) = 0
+        if (radius(b) > 0) then
+          body(ball_spin_x:ball_spin_z, s) = radius(b)*turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
+        end if
+        body(ball_inverse_m, s) = maxval(bodies%inverse_mass(1:3, b))
+        body(ball_inverse_i, s) = radius(b)**2*bodies%inverse_mass(4, b)
+        if (body(ball_inverse_m, s) > 0 .and. .not. minval(bodies%inverse_mass(1:3, b)) > 0) then
+          body(ball_inverse_i, s) = sum(merge([-1.0_wp, -2.0_wp, -4.0_wp], [0.0_wp, 0.0_wp, 0.0_wp], &
+                                              bodies%inverse_mass(1:3, b) > 0))
         end if
       case default
-        body(7:9, s) = bodies%inverse_mass(1:3, b)
-        body(4:6, s) = turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
+        body(solid_inverse_mx:solid_inverse_mz, s) = bodies%inverse_mass(1:3, b)
+        body(solid_spin_x:solid_spin_z, s) = turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
         frame = frame_of(bodies%middle(4:7, b))
         do i = 1, 3
           inverse(:, i) = matmul(frame, bodies%inverse_mass(4:6, b)*frame(i, :))
         end do
-        body(10:15, s) = [inverse(1, 1), inverse(2, 2), inverse(3, 3), inverse(1, 2), inverse(1, 3), inverse(2, 3)]
-        body(16, s) = 0
+        body(solid_inverse_xx:solid_inverse_yz, s) = [inverse(1, 1), inverse(2, 2), inverse(3, 3), inverse(1, 2), inverse(1, 3), &
+                                                      inverse(2, 3)]
+        body(solid_inverse_yz + 1:, s) = 0
       end select
     end do
   end subroutine load_space_bodies
@@ -64,13 +77,14 @@ contains
 
     do s = 1, problem%n_bodies
       b = body_of(s)
-      bodies%free_velocity(1:3, b) = problem%body(1:3, s)
+      bodies%free_velocity(1:3, b) = problem%body(velocity_x:velocity_z, s)
       select case (problem%kind)
       case (ball_frictional)
-        if (radius(b) > 0) bodies%free_velocity(4:6, b) = turned_back(bodies%middle(4:7, b), problem%body(4:6, s))/radius(b)
+        if (.not. radius(b) > 0) cycle
+        bodies%free_velocity(4:6, b) = turned_back(bodies%middle(4:7, b), problem%body(ball_spin_x:ball_spin_z, s))/radius(b)
       case (solid_frictionless, solid_frictional, solid_bonded)
         ! Driven components stay as they were given, to the last digit.
-        bodies%free_velocity(4:6, b) = merge(turned_back(bodies%middle(4:7, b), problem%body(4:6, s)), &
+        bodies%free_velocity(4:6, b) = merge(turned_back(bodies%middle(4:7, b), problem%body(solid_spin_x:solid_spin_z, s)), &
                                              bodies%free_velocity(4:6, b), bodies%inverse_mass(4:6, b) > 0)
       end select
     end do
@@ -107,23 +121,38 @@ contains
       t = tangent_of(n)
       bias = bias + law%bias(2)*t + law%bias(3)*cross(n, t)
     end if
+    ! Part by part: an array constructor would be made aside and copied.
+    record(normal_x:normal_z) = n
     select case (kind)
     case (ball_frictionless)
-      record = [n, law%bias(1) + dot_product(n, driven_spin(scene, contacts, k)), active]
+      record(ball_frictionless_bias) = law%bias(1) + dot_product(n, driven_spin(scene, contacts, k))
+      record(ball_frictionless_inverse_wnn) = active
     case (ball_frictional)
-      ! Part by part: an array constructor would be made aside and copied.
-      record(1:3) = n
-      record(4:6) = bias + driven_spin(scene, contacts, k)
-      record(7:8) = active
-      record(9) = law%friction
+      record(ball_bias_x:ball_bias_z) = bias + driven_spin(scene, contacts, k)
+      record(ball_inverse_wnn:ball_inverse_wtt) = active
+      record(ball_friction) = law%friction
     case (solid_frictionless)
       arms = space_arms(scene, contacts, k)
-      record = [n, cross(arms(:, 1), n), cross(arms(:, 2), n), law%bias(1), active]
+      record(solid_frictionless_moment_cx:solid_frictionless_moment_cz) = cross(arms(:, 1), n)
+      record(solid_frictionless_moment_ax:solid_frictionless_moment_az) = cross(arms(:, 2), n)
+      record(solid_frictionless_bias) = law%bias(1)
+      record(solid_frictionless_inverse_wnn) = active
     case (solid_frictional, solid_bonded)
       if (law%is_along_normal) t = 0
-      record(:26) = [n, t, space_arms(scene, contacts, k), bias, spread(0.0_wp, 1, 5), law%friction, law%cohesion, &
-                     law%compliance, kind_of_local_law(law), 0.0_wp]
-      if (kind == solid_bonded) record(27:31) = [law%stiffness, slip_across(law%slip, n)]
+      arms = space_arms(scene, contacts, k)
+      record(solid_tangent_x:solid_tangent_z) = t
+      record(solid_arm_cx:solid_arm_cz) = arms(:, 1)
+      record(solid_arm_ax:solid_arm_az) = arms(:, 2)
+      record(solid_bias_x:solid_bias_z) = bias
+      record(solid_wnn:solid_s2) = 0
+      record(solid_friction) = law%friction
+      record(solid_cohesion) = law%cohesion
+      record(solid_compliance_n:solid_compliance_t) = law%compliance
+      record(solid_law) = kind_of_local_law(law)
+      record(solid_inverse_lambda) = 0
+      if (kind /= solid_bonded) return
+      record(solid_stiffness_n:solid_stiffness_t) = law%stiffness
+      record(solid_slip_x:solid_slip_z) = slip_across(law%slip, n)
     end select
   end subroutine space_record
 

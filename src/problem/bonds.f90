@@ -11,7 +11,7 @@ module sg_bonds
   use sg_kinds, only: wp
   use sg_laws, only: is_cohesive_zone, law_t, local_law_t
   use sg_problem, only: problem_t
-  use sg_records, only: arm_bonded
+  use sg_records, only: arm_bonded, arm_stiffness_n, arm_stiffness_t, friction_place, solid_stiffness_n, solid_stiffness_t
   use sg_scene, only: scene_t
   implicit none
   private
@@ -111,12 +111,11 @@ contains
       if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
       law = law_of_contact(scene, contacts, k, step)
       problem%most_friction = max(problem%most_friction, law%friction)
+      problem%record(friction_place(problem%kind), k) = law%friction
       if (problem%kind == arm_bonded) then
-        problem%record(12, k) = law%friction
-        problem%record(17:18, k) = law%stiffness
+        problem%record(arm_stiffness_n:arm_stiffness_t, k) = law%stiffness
       else
-        problem%record(21, k) = law%friction
-        problem%record(27:28, k) = law%stiffness
+        problem%record(solid_stiffness_n:solid_stiffness_t, k) = law%stiffness
       end if
       call set_block(problem%kind, problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), problem%record(:, k))
     end do

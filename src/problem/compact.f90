@@ -3,8 +3,11 @@ module sg_compact
   use sg_compact_space, only: add_space_impulses, space_velocity
   use sg_kinds, only: wp
   use sg_problem, only: problem_t
-  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, first_inverse, is_in_space, round_frictional, &
-                        round_frictionless
+  use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_compliance_n, arm_compliance_t, arm_frictional, arm_frictionless, &
+                        arm_frictionless_bias, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, &
+                        arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_spin, first_inverse, is_in_space, &
+                        normal_x, normal_y, round_bias_n, round_bias_t, round_frictional, round_frictionless, &
+                        round_frictionless_bias, round_inverse_i, round_spin, velocity_x, velocity_y
   implicit none
   private
   public :: compact_velocity, add_impulses
@@ -27,18 +30,21 @@ contains
     c = problem%pair(1, k)
     a = problem%pair(2, k)
     associate (body => problem%body, record => problem%record, r => problem%impulse)
-      x = body(1, c) - body(1, a)
-      y = body(2, c) - body(2, a)
-      u = [record(1, k)*x + record(2, k)*y, record(2, k)*x - record(1, k)*y, 0.0_wp]
+      x = body(velocity_x, c) - body(velocity_x, a)
+      y = body(velocity_y, c) - body(velocity_y, a)
+      u = [record(normal_x, k)*x + record(normal_y, k)*y, record(normal_y, k)*x - record(normal_x, k)*y, 0.0_wp]
       select case (problem%kind)
       case (round_frictionless)
-        u = [u(1) + record(3, k), 0.0_wp, 0.0_wp]
+        u = [u(1) + record(round_frictionless_bias, k), 0.0_wp, 0.0_wp]
       case (round_frictional)
-        u(:2) = u(:2) + [record(3, k), record(4, k) + body(3, c) + body(3, a)]
+        u(:2) = u(:2) + [record(round_bias_n, k), record(round_bias_t, k) + body(round_spin, c) + body(round_spin, a)]
       case (arm_frictionless)
-        u = [u(1) + record(3, k)*body(3, c) - record(4, k)*body(3, a) + record(5, k), 0.0_wp, 0.0_wp]
+        u = [u(1) + record(arm_frictionless_moment_c, k)*body(arm_spin, c) &
+             - record(arm_frictionless_moment_a, k)*body(arm_spin, a) + record(arm_frictionless_bias, k), 0.0_wp, 0.0_wp]
       case (arm_frictional, arm_bonded)
-        u(:2) = u(:2) + record(3:4, k)*body(3, c) - record(5:6, k)*body(3, a) + record(7:8, k) + record(14:15, k)*r(:, k)
+        u(:2) = u(:2) + record(arm_moment_nc:arm_moment_tc, k)*body(arm_spin, c) &
+                - record(arm_moment_na:arm_moment_ta, k)*body(arm_spin, a) + record(arm_bias_n:arm_bias_t, k) &
+                + record(arm_compliance_n:arm_compliance_t, k)*r(:, k)
       end select
     end associate
   end function compact_velocity
@@ -58,20 +64,22 @@ contains
       do k = 1, problem%n_contacts
         c = problem%pair(1, k)
         a = problem%pair(2, k)
-        p = r(1, k)*record(1:2, k)
-        if (size(r, 1) == 2) p = p + r(2, k)*[record(2, k), -record(1, k)]
-        body(1:2, c) = body(1:2, c) + body(inverse:inverse + 1, c)*p
-        body(1:2, a) = body(1:2, a) - body(inverse:inverse + 1, a)*p
+        p = r(1, k)*record(normal_x:normal_y, k)
+        if (size(r, 1) == 2) p = p + r(2, k)*[record(normal_y, k), -record(normal_x, k)]
+        body(velocity_x:velocity_y, c) = body(velocity_x:velocity_y, c) + body(inverse:inverse + 1, c)*p
+        body(velocity_x:velocity_y, a) = body(velocity_x:velocity_y, a) - body(inverse:inverse + 1, a)*p
         select case (problem%kind)
         case (round_frictional)
-          body(3, c) = body(3, c) + body(6, c)*r(2, k)
-          body(3, a) = body(3, a) + body(6, a)*r(2, k)
+          body(round_spin, c) = body(round_spin, c) + body(round_inverse_i, c)*r(2, k)
+          body(round_spin, a) = body(round_spin, a) + body(round_inverse_i, a)*r(2, k)
         case (arm_frictionless)
-          body(3, c) = body(3, c) + body(6, c)*record(3, k)*r(1, k)
-          body(3, a) = body(3, a) - body(6, a)*record(4, k)*r(1, k)
+          body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*record(arm_frictionless_moment_c, k)*r(1, k)
+          body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*record(arm_frictionless_moment_a, k)*r(1, k)
         case (arm_frictional, arm_bonded)
-          body(3, c) = body(3, c) + body(6, c)*(record(3, k)*r(1, k) + record(4, k)*r(2, k))
-          body(3, a) = body(3, a) - body(6, a)*(record(5, k)*r(1, k) + record(6, k)*r(2, k))
+          body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*(record(arm_moment_nc, k)*r(1, k) &
+                              + record(arm_moment_tc, k)*r(2, k))
+          body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*(record(arm_moment_na, k)*r(1, k) &
+                              + record(arm_moment_ta, k)*r(2, k))
         end select
       end do
     end associate

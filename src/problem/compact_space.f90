@@ -2,7 +2,13 @@
 module sg_compact_space
   use sg_kinds, only: wp
   use sg_problem, only: problem_t
-  use sg_records, only: ball_frictional, ball_frictionless, free_axes, solid_bonded, solid_frictional, solid_frictionless
+  use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_frictional, ball_frictionless, ball_frictionless_bias, &
+                        ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_inverse_i, ball_inverse_m, ball_spin_x, &
+                        ball_spin_z, free_axes, normal_x, normal_z, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, &
+                        solid_bias_x, solid_bias_z, solid_bonded, solid_compliance_n, solid_compliance_t, solid_frictional, &
+                        solid_frictionless, solid_frictionless_bias, solid_frictionless_moment_ax, solid_frictionless_moment_az, &
+                        solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_inverse_mx, solid_inverse_mz, &
+                        solid_inverse_xx, solid_inverse_yz, solid_spin_x, solid_spin_z, velocity_x, velocity_z
   use sg_vectors, only: cross
   implicit none
   private
@@ -21,23 +27,26 @@ contains
     c = problem%pair(1, k)
     a = problem%pair(2, k)
     associate (body => problem%body, record => problem%record(:, k), r => problem%impulse(:, k))
-      n = record(1:3)
-      u = body(1:3, c) - body(1:3, a)
+      n = record(normal_x:normal_z)
+      u = body(velocity_x:velocity_z, c) - body(velocity_x:velocity_z, a)
       select case (problem%kind)
       case (ball_frictionless)
-        u = [dot_product(n, u) + record(4), 0.0_wp, 0.0_wp]
+        u = [dot_product(n, u) + record(ball_frictionless_bias), 0.0_wp, 0.0_wp]
       case (ball_frictional)
         ! Written out, as what `push_balls` does: the compiler calls a procedure of another file, and this is most of the work.
-        s = body(4:6, c) + body(4:6, a)
-        u(1) = u(1) - s(2)*n(3) + s(3)*n(2) + record(4)
-        u(2) = u(2) - s(3)*n(1) + s(1)*n(3) + record(5)
-        u(3) = u(3) - s(1)*n(2) + s(2)*n(1) + record(6)
+        s = body(ball_spin_x:ball_spin_z, c) + body(ball_spin_x:ball_spin_z, a)
+        u(1) = u(1) - s(2)*n(3) + s(3)*n(2) + record(ball_bias_x)
+        u(2) = u(2) - s(3)*n(1) + s(1)*n(3) + record(ball_bias_y)
+        u(3) = u(3) - s(1)*n(2) + s(2)*n(1) + record(ball_bias_z)
       case (solid_frictionless)
-        u = [dot_product(n, u) + dot_product(record(4:6), body(4:6, c)) - dot_product(record(7:9), body(4:6, a)) + record(10), &
-             0.0_wp, 0.0_wp]
+        u = [dot_product(n, u) &
+             + dot_product(record(solid_frictionless_moment_cx:solid_frictionless_moment_cz), body(solid_spin_x:solid_spin_z, c)) &
+             - dot_product(record(solid_frictionless_moment_ax:solid_frictionless_moment_az), body(solid_spin_x:solid_spin_z, a)) &
+             + record(solid_frictionless_bias), 0.0_wp, 0.0_wp]
       case (solid_frictional, solid_bonded)
-        u = u + cross(body(4:6, c), record(7:9)) - cross(body(4:6, a), record(10:12)) + record(13:15) &
-            + record(24)*r + (record(23) - record(24))*dot_product(n, r)*n
+        u = u + cross(body(solid_spin_x:solid_spin_z, c), record(solid_arm_cx:solid_arm_cz)) &
+            - cross(body(solid_spin_x:solid_spin_z, a), record(solid_arm_ax:solid_arm_az)) + record(solid_bias_x:solid_bias_z) &
+            + record(solid_compliance_t)*r + (record(solid_compliance_n) - record(solid_compliance_t))*dot_product(n, r)*n
       end select
     end associate
   end function space_velocity
@@ -51,7 +60,7 @@ contains
       if (.not. any(abs(problem%impulse(:, k)) > 0)) cycle
       if (problem%kind == ball_frictional) then
         associate (c => problem%pair(1, k), a => problem%pair(2, k))
-          if (min(problem%body(8, c), problem%body(8, a)) >= 0) then
+          if (min(problem%body(ball_inverse_i, c), problem%body(ball_inverse_i, a)) >= 0) then
             call push_balls(problem%body(:, c), problem%body(:, a), problem%impulse(:, k), problem%record(:, k))
             cycle
           end if
@@ -88,28 +97,42 @@ contains
     a = problem%pair(2, k)
     associate (body => problem%body, record => problem%record(:, k))
       if (size(r) == 1) then
-        p = r(1)*record(1:3)
+        p = r(1)*record(normal_x:normal_z)
       else
         p = r
       end if
       select case (problem%kind)
       case (ball_frictionless)
-        body(1:3, c) = body(1:3, c) + body(4:6, c)*p
-        body(1:3, a) = body(1:3, a) - body(4:6, a)*p
+        body(velocity_x:velocity_z, c) = body(velocity_x:velocity_z, c) &
+                                         + body(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz, c)*p
+        body(velocity_x:velocity_z, a) = body(velocity_x:velocity_z, a) &
+                                         - body(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz, a)*p
       case (ball_frictional)
-        body(1:3, c) = body(1:3, c) + body(7, c)*free_axes(body(8, c))*p
-        body(1:3, a) = body(1:3, a) - body(7, a)*free_axes(body(8, a))*p
-        body(4:6, c) = body(4:6, c) + max(0.0_wp, body(8, c))*cross(p, record(1:3))
-        body(4:6, a) = body(4:6, a) + max(0.0_wp, body(8, a))*cross(p, record(1:3))
+        body(velocity_x:velocity_z, c) = body(velocity_x:velocity_z, c) &
+                                         + body(ball_inverse_m, c)*free_axes(body(ball_inverse_i, c))*p
+        body(velocity_x:velocity_z, a) = body(velocity_x:velocity_z, a) &
+                                         - body(ball_inverse_m, a)*free_axes(body(ball_inverse_i, a))*p
+        body(ball_spin_x:ball_spin_z, c) = body(ball_spin_x:ball_spin_z, c) &
+                                           + max(0.0_wp, body(ball_inverse_i, c))*cross(p, record(normal_x:normal_z))
+        body(ball_spin_x:ball_spin_z, a) = body(ball_spin_x:ball_spin_z, a) &
+                                           + max(0.0_wp, body(ball_inverse_i, a))*cross(p, record(normal_x:normal_z))
       case default
-        body(1:3, c) = body(1:3, c) + body(7:9, c)*p
-        body(1:3, a) = body(1:3, a) - body(7:9, a)*p
+        body(velocity_x:velocity_z, c) = body(velocity_x:velocity_z, c) + body(solid_inverse_mx:solid_inverse_mz, c)*p
+        body(velocity_x:velocity_z, a) = body(velocity_x:velocity_z, a) - body(solid_inverse_mx:solid_inverse_mz, a)*p
         if (problem%kind == solid_frictionless) then
-          body(4:6, c) = body(4:6, c) + turned_spin(body(10:15, c), r(1)*record(4:6))
-          body(4:6, a) = body(4:6, a) - turned_spin(body(10:15, a), r(1)*record(7:9))
+          body(solid_spin_x:solid_spin_z, c) = body(solid_spin_x:solid_spin_z, c) &
+                                               + turned_spin(body(solid_inverse_xx:solid_inverse_yz, c), &
+                                                             r(1)*record(solid_frictionless_moment_cx:solid_frictionless_moment_cz))
+          body(solid_spin_x:solid_spin_z, a) = body(solid_spin_x:solid_spin_z, a) &
+                                               - turned_spin(body(solid_inverse_xx:solid_inverse_yz, a), &
+                                                             r(1)*record(solid_frictionless_moment_ax:solid_frictionless_moment_az))
         else
-          body(4:6, c) = body(4:6, c) + turned_spin(body(10:15, c), cross(record(7:9), p))
-          body(4:6, a) = body(4:6, a) - turned_spin(body(10:15, a), cross(record(10:12), p))
+          body(solid_spin_x:solid_spin_z, c) = body(solid_spin_x:solid_spin_z, c) &
+                                               + turned_spin(body(solid_inverse_xx:solid_inverse_yz, c), &
+                                                             cross(record(solid_arm_cx:solid_arm_cz), p))
+          body(solid_spin_x:solid_spin_z, a) = body(solid_spin_x:solid_spin_z, a) &
+                                               - turned_spin(body(solid_inverse_xx:solid_inverse_yz, a), &
+                                                             cross(record(solid_arm_ax:solid_arm_az), p))
         end if
       end select
     end associate

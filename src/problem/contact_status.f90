@@ -8,9 +8,12 @@ module sg_contact_status
   use sg_compact, only: compact_velocity
   use sg_kinds, only: wp, i1
   use sg_laws, only: status_none, status_slide, status_stick
-  use sg_problem, only: problem_t
-  use sg_records, only: arm_bonded, arm_frictional, ball_frictional, is_in_space, round_frictional, solid_bonded, &
-                        solid_frictional
+  use sg_problem, only: friction_of, is_active, problem_t
+  use sg_records, only: arm_bias_n, arm_bonded, arm_cohesion, arm_frictional, arm_slip, arm_stiffness_n, arm_stiffness_t, &
+                        arm_wnn, arm_wnt, arm_wtt, ball_frictional, ball_inverse_wnn, ball_inverse_wtt, is_in_space, normal_x, &
+                        normal_z, round_frictional, round_inverse_wnn, round_inverse_wtt, solid_bias_x, solid_bias_z, &
+                        solid_bonded, solid_cohesion, solid_frictional, solid_s1, solid_s2, solid_slip_x, solid_slip_z, &
+                        solid_stiffness_n, solid_stiffness_t, solid_wnn, velocity_y, velocity_z
   implicit none
   private
   public :: status_of, rest_speed
@@ -37,7 +40,7 @@ contains
     real(wp), intent(in) :: violation !! velocity error of the solution over the velocity scale of the problem
     integer :: n
 
-    n = merge(3, 2, is_in_space(problem%kind))
+    n = merge(velocity_z, velocity_y, is_in_space(problem%kind))
     rest_speed = max(least_rest, min(violation, largest_rest))*problem%velocity_scale
     if (problem%n_bodies > 0) rest_speed = rest_speed + 16*epsilon(1.0_wp)*maxval(abs(problem%body(:n, :)))
   end function rest_speed
@@ -83,24 +86,23 @@ contains
 
     associate (record => problem%record(:, k))
       state%normal = problem%impulse(1, k)
-      if (problem%kind /= round_frictional) state%normal = state%normal + record(13)
+      if (problem%kind /= round_frictional) state%normal = state%normal + record(arm_cohesion)
       if (.not. (state%normal > 0 .or. is_bonded .or. problem%kind == arm_bonded)) return
       u = compact_velocity(problem, k)
       state%opening = u(1)
-      if (is_bonded) state%opening = u(1) - record(7)
+      if (is_bonded) state%opening = u(1) - record(arm_bias_n)
       state%slip = abs(u(2))
       state%tangential = abs(problem%impulse(2, k))
       if (problem%kind == arm_bonded) then
         ! Without what a bond adds.
-        state%normal = state%normal + record(17)*u(1)
-        state%tangential = abs(problem%impulse(2, k) + record(18)*(u(2) + record(19)))
+        state%normal = state%normal + record(arm_stiffness_n)*u(1)
+        state%tangential = abs(problem%impulse(2, k) + record(arm_stiffness_t)*(u(2) + record(arm_slip)))
       end if
+      state%friction = friction_of(problem, k)
       if (problem%kind == round_frictional) then
-        state%friction = record(7)
-        state%mobility = [inverse(record(5)), inverse(record(6))]
+        state%mobility = [inverse(record(round_inverse_wnn)), inverse(record(round_inverse_wtt))]
       else
-        state%friction = record(12)
-        state%mobility = [record(9), max(0.0_wp, record(11) - record(10)**2*inverse(record(9)))]
+        state%mobility = [record(arm_wnn), max(0.0_wp, record(arm_wtt) - record(arm_wnt)**2*inverse(record(arm_wnn)))]
       end if
     end associate
   end function planar_state
@@ -112,27 +114,26 @@ contains
     logical, intent(in) :: is_bonded
     real(wp) :: u(3), r_n
 
-    associate (record => problem%record(:, k), n => problem%record(1:3, k), r => problem%impulse(:, k))
+    associate (record => problem%record(:, k), n => problem%record(normal_x:normal_z, k), r => problem%impulse(:, k))
       r_n = dot_product(n, r)
       state%normal = r_n
-      if (problem%kind /= ball_frictional) state%normal = r_n + record(22)
+      if (problem%kind /= ball_frictional) state%normal = r_n + record(solid_cohesion)
       if (.not. (state%normal > 0 .or. is_bonded .or. problem%kind == solid_bonded)) return
       u = compact_velocity(problem, k)
       state%opening = dot_product(n, u)
       state%slip = norm2(u - state%opening*n)
-      if (is_bonded) state%opening = state%opening - dot_product(n, record(13:15))
+      if (is_bonded) state%opening = state%opening - dot_product(n, record(solid_bias_x:solid_bias_z))
       state%tangential = norm2(r - r_n*n)
       if (problem%kind == solid_bonded) then
         ! Without what a bond adds.
-        state%normal = state%normal + record(27)*state%opening
-        state%tangential = norm2(r - r_n*n + record(28)*(u - state%opening*n + record(29:31)))
+        state%normal = state%normal + record(solid_stiffness_n)*state%opening
+        state%tangential = norm2(r - r_n*n + record(solid_stiffness_t)*(u - state%opening*n + record(solid_slip_x:solid_slip_z)))
       end if
+      state%friction = friction_of(problem, k)
       if (problem%kind == ball_frictional) then
-        state%friction = record(9)
-        state%mobility = [inverse(record(7)), inverse(record(8))]
-      else
-        state%friction = record(21)
-        if (record(25) > 0.5_wp) state%mobility = [record(16), maxval(record(19:20))]
+        state%mobility = [inverse(record(ball_inverse_wnn)), inverse(record(ball_inverse_wtt))]
+      else if (is_active(problem, k)) then
+        state%mobility = [record(solid_wnn), maxval(record(solid_s1:solid_s2))]
       end if
     end associate
   end function spatial_state

@@ -4,8 +4,20 @@
 module sg_delassus
   use sg_kinds, only: wp
   use sg_laws, only: inverse_of
-  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
-                        round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless
+  use sg_records, only: arm_bonded, arm_compliance_n, arm_compliance_t, arm_frictional, arm_frictionless, &
+                        arm_frictionless_inverse_wnn, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, &
+                        arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_stiffness_n, arm_stiffness_t, &
+                        arm_wnn, arm_wnt, arm_wtt, ball_frictional, ball_frictionless, ball_frictionless_inverse_mx, &
+                        ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, ball_inverse_i, ball_inverse_m, &
+                        ball_inverse_wnn, ball_inverse_wtt, first_inverse, normal_x, normal_y, normal_z, record_length, &
+                        round_frictional, round_frictionless, round_frictionless_inverse_wnn, round_inverse_i, round_inverse_wnn, &
+                        round_inverse_wtt, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bonded, &
+                        solid_compliance_n, solid_compliance_t, solid_frictional, solid_frictionless, &
+                        solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, solid_frictionless_moment_az, &
+                        solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_inverse_lambda, solid_inverse_mx, &
+                        solid_inverse_mz, solid_inverse_xx, solid_inverse_xy, solid_inverse_xz, solid_inverse_yy, &
+                        solid_inverse_yz, solid_inverse_zz, solid_law, solid_s2, solid_stiffness_n, solid_stiffness_t, &
+                        solid_tangent_x, solid_tangent_z, solid_wnn
   use sg_vectors, only: cross, determinant
   implicit none
   private
@@ -25,7 +37,7 @@ contains
       inverse = inverse*real(parts, wp)
     end associate
     ! Marks of free directions are no inverse inertia.
-    if (kind == ball_frictional .and. mark < 0) body(8) = mark
+    if (kind == ball_frictional .and. mark < 0) body(ball_inverse_i) = mark
   end subroutine share_mass
 
   !> Set the block of a record that is complete but for it. Contacts that take no part, by a 0 in place of an inverse or as
@@ -40,7 +52,7 @@ contains
     real(wp), intent(inout) :: record(:) !! record of the contact
     real(wp) :: mx, my, w, w_t, w_nt
 
-    associate (c => candidate, a => antagonist, n => record(1:2))
+    associate (c => candidate, a => antagonist, n => record(normal_x:normal_y))
       select case (kind)
       case (round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded)
         mx = c(first_inverse(kind)) + a(first_inverse(kind))
@@ -49,32 +61,45 @@ contains
       end select
       select case (kind)
       case (round_frictionless)
-        record(4) = inverse_of(w, record(4) > 0)
+        record(round_frictionless_inverse_wnn) = inverse_of(w, record(round_frictionless_inverse_wnn) > 0)
       case (round_frictional)
         w_nt = abs(n(1)*n(2)*(mx - my))
-        w_t = n(2)**2*mx + n(1)**2*my + c(6) + a(6)
-        record(5:6) = [inverse_of(w + w_nt, record(5) > 0), inverse_of(w_t + w_nt, record(6) > 0)]
+        w_t = n(2)**2*mx + n(1)**2*my + c(round_inverse_i) + a(round_inverse_i)
+        record(round_inverse_wnn:round_inverse_wtt) = [inverse_of(w + w_nt, record(round_inverse_wnn) > 0), &
+                                                       inverse_of(w_t + w_nt, record(round_inverse_wtt) > 0)]
       case (arm_frictionless)
-        record(6) = inverse_of(w + record(3)**2*c(6) + record(4)**2*a(6), record(6) > 0)
+        record(arm_frictionless_inverse_wnn) = &
+          inverse_of(w + record(arm_frictionless_moment_c)**2*c(arm_inverse_i) &
+                       + record(arm_frictionless_moment_a)**2*a(arm_inverse_i), record(arm_frictionless_inverse_wnn) > 0)
       case (arm_frictional, arm_bonded)
-        record(9) = w + record(3)**2*c(6) + record(5)**2*a(6) + record(14)
-        record(10) = n(1)*n(2)*(mx - my) + record(3)*record(4)*c(6) + record(5)*record(6)*a(6)
-        record(11) = n(2)**2*mx + n(1)**2*my + record(4)**2*c(6) + record(6)**2*a(6) + record(15)
-        if (record(16) > 2.5_wp) record(10:11) = 0
-        if (.not. record(9) > tiny(1.0_wp)) record(16) = 0
+        record(arm_wnn) = w + record(arm_moment_nc)**2*c(arm_inverse_i) + record(arm_moment_na)**2*a(arm_inverse_i) &
+                          + record(arm_compliance_n)
+        record(arm_wnt) = n(1)*n(2)*(mx - my) + record(arm_moment_nc)*record(arm_moment_tc)*c(arm_inverse_i) &
+                          + record(arm_moment_na)*record(arm_moment_ta)*a(arm_inverse_i)
+        record(arm_wtt) = n(2)**2*mx + n(1)**2*my + record(arm_moment_tc)**2*c(arm_inverse_i) &
+                          + record(arm_moment_ta)**2*a(arm_inverse_i) + record(arm_compliance_t)
+        if (record(arm_law) > 2.5_wp) record(arm_wnt:arm_wtt) = 0
+        if (.not. record(arm_wnn) > tiny(1.0_wp)) record(arm_law) = 0
         if (kind == arm_bonded) call stiffen_plane_block(record)
       case (ball_frictionless)
-        record(5) = inverse_of(dot_product(c(4:6) + a(4:6), record(1:3)**2), record(5) > 0)
+        record(ball_frictionless_inverse_wnn) = &
+          inverse_of(dot_product(c(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz) &
+                                 + a(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz), record(normal_x:normal_z)**2), &
+                     record(ball_frictionless_inverse_wnn) > 0)
       case (ball_frictional)
-        w = c(7) + a(7)
-        record(7:8) = [inverse_of(w, record(7) > 0), inverse_of(w + max(0.0_wp, c(8)) + max(0.0_wp, a(8)), record(8) > 0)]
+        w = c(ball_inverse_m) + a(ball_inverse_m)
+        record(ball_inverse_wnn:ball_inverse_wtt) = &
+          [inverse_of(w, record(ball_inverse_wnn) > 0), &
+           inverse_of(w + max(0.0_wp, c(ball_inverse_i)) + max(0.0_wp, a(ball_inverse_i)), record(ball_inverse_wtt) > 0)]
       case (solid_frictionless)
-        w = dot_product(c(7:9) + a(7:9), record(1:3)**2) + turned(c, record(4:6)) + turned(a, record(7:9))
-        record(11) = inverse_of(w, record(11) > 0)
+        w = dot_product(c(solid_inverse_mx:solid_inverse_mz) + a(solid_inverse_mx:solid_inverse_mz), record(normal_x:normal_z)**2) &
+            + turned(c, record(solid_frictionless_moment_cx:solid_frictionless_moment_cz)) &
+            + turned(a, record(solid_frictionless_moment_ax:solid_frictionless_moment_az))
+        record(solid_frictionless_inverse_wnn) = inverse_of(w, record(solid_frictionless_inverse_wnn) > 0)
       case (solid_frictional)
         call set_solid_block(c, a, [0.0_wp, 0.0_wp], record)
       case (solid_bonded)
-        call set_solid_block(c, a, record(27:28), record(:26))
+        call set_solid_block(c, a, record(solid_stiffness_n:solid_stiffness_t), record(:record_length(solid_frictional)))
       end select
     end associate
   contains
@@ -82,8 +107,8 @@ contains
     pure real(wp) function turned(body, x)
       real(wp), intent(in) :: body(:), x(3)
 
-      turned = body(10)*x(1)**2 + body(11)*x(2)**2 + body(12)*x(3)**2 &
-               + 2*(body(13)*x(1)*x(2) + body(14)*x(1)*x(3) + body(15)*x(2)*x(3))
+      turned = body(solid_inverse_xx)*x(1)**2 + body(solid_inverse_yy)*x(2)**2 + body(solid_inverse_zz)*x(3)**2 &
+               + 2*(body(solid_inverse_xy)*x(1)*x(2) + body(solid_inverse_xz)*x(1)*x(3) + body(solid_inverse_yz)*x(2)*x(3))
     end function turned
   end subroutine set_block
 
@@ -94,33 +119,34 @@ contains
     real(wp), intent(inout) :: record(:) !! record of the contact, complete but for its block; its tangent may turn
     real(wp) :: frame(3, 3), w(3, 3), s(2, 2), angle, c, d
 
-    frame(:, 1) = record(1:3)
-    frame(:, 2) = record(4:6)
+    frame(:, 1) = record(normal_x:normal_z)
+    frame(:, 2) = record(solid_tangent_x:solid_tangent_z)
     frame(:, 3) = cross(frame(:, 1), frame(:, 2))
-    w = matmul(transpose(frame), matmul(block_of(candidate, record(7:9)) + block_of(antagonist, record(10:12)), frame))
-    w(1, 1) = w(1, 1) + record(23)
-    w(2, 2) = w(2, 2) + record(24)
-    w(3, 3) = w(3, 3) + record(24)
+    w = matmul(transpose(frame), matmul(block_of(candidate, record(solid_arm_cx:solid_arm_cz)) &
+        + block_of(antagonist, record(solid_arm_ax:solid_arm_az)), frame))
+    w(1, 1) = w(1, 1) + record(solid_compliance_n)
+    w(2, 2) = w(2, 2) + record(solid_compliance_t)
+    w(3, 3) = w(3, 3) + record(solid_compliance_t)
     if (maxval(stiffness) > 0) call stiffen(stiffness([1, 2, 2]), w)
     s = 1
     c = 1
     d = 0
-    if (record(25) > 0.5_wp .and. w(1, 1) > tiny(1.0_wp)) then
+    if (record(solid_law) > 0.5_wp .and. w(1, 1) > tiny(1.0_wp)) then
       s = w(2:3, 2:3) - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
       angle = 0.5_wp*atan2(2*s(1, 2), s(1, 1) - s(2, 2))
       c = cos(angle)
       d = sin(angle)
     else
-      record(25) = 0
+      record(solid_law) = 0
     end if
     ! S is positive for bodies that can move; where rounding or a driven body takes that away, a trace of W_nn keeps it so.
     associate (least => 16*epsilon(1.0_wp)*max(w(1, 1), w(2, 2), w(3, 3), tiny(1.0_wp)))
-      record(4:6) = c*frame(:, 2) + d*frame(:, 3)
-      record(16:20) = [w(1, 1), c*w(1, 2) + d*w(1, 3), c*w(1, 3) - d*w(1, 2), &
+      record(solid_tangent_x:solid_tangent_z) = c*frame(:, 2) + d*frame(:, 3)
+      record(solid_wnn:solid_s2) = [w(1, 1), c*w(1, 2) + d*w(1, 3), c*w(1, 3) - d*w(1, 2), &
                        max(least, c**2*s(1, 1) + 2*c*d*s(1, 2) + d**2*s(2, 2)), &
                        max(least, d**2*s(1, 1) - 2*c*d*s(1, 2) + c**2*s(2, 2))]
     end associate
-    if (record(25) > 0.5_wp) record(26) = 1/largest_eigenvalue(w)
+    if (record(solid_law) > 0.5_wp) record(solid_inverse_lambda) = 1/largest_eigenvalue(w)
   end subroutine set_solid_block
 
   !> Turn the block of W of a bonded contact of the plane into that which its unilateral impulse sees.
@@ -128,10 +154,10 @@ contains
     real(wp), intent(inout) :: record(:) !! record of the contact, its block that of the bodies
     real(wp) :: w(2, 2)
 
-    if (.not. maxval(record(17:18)) > 0) return
-    w = reshape(record([9, 10, 10, 11]), [2, 2])
-    call stiffen(record(17:18), w)
-    record(9:11) = [w(1, 1), w(1, 2), w(2, 2)]
+    if (.not. maxval(record(arm_stiffness_n:arm_stiffness_t)) > 0) return
+    w = reshape(record([arm_wnn, arm_wnt, arm_wnt, arm_wtt]), [2, 2])
+    call stiffen(record(arm_stiffness_n:arm_stiffness_t), w)
+    record(arm_wnn:arm_wtt) = [w(1, 1), w(1, 2), w(2, 2)]
   end subroutine stiffen_plane_block
 
   !> (W^-1 + K)^-1 for a diagonal K, one direction after the other; W may be singular.
@@ -159,12 +185,13 @@ contains
     real(wp) :: w(3, 3), lever(3, 3), inverse(3, 3)
     integer :: i
 
-    inverse = reshape(body([10, 13, 14, 13, 11, 15, 14, 15, 12]), [3, 3])
+    inverse = reshape(body([solid_inverse_xx, solid_inverse_xy, solid_inverse_xz, solid_inverse_xy, solid_inverse_yy, &
+                            solid_inverse_yz, solid_inverse_xz, solid_inverse_yz, solid_inverse_zz]), [3, 3])
     ! Columns: arm x unit vectors, so that lever^T I^-1 lever is the rotational part.
     lever = reshape([0.0_wp, arm(3), -arm(2), -arm(3), 0.0_wp, arm(1), arm(2), -arm(1), 0.0_wp], [3, 3])
     w = matmul(transpose(lever), matmul(inverse, lever))
     do i = 1, 3
-      w(i, i) = w(i, i) + body(6 + i)
+      w(i, i) = w(i, i) + body(solid_inverse_mx + i - 1)
     end do
   end function block_of
 

@@ -2,10 +2,18 @@
 module sg_problem_records
   use sg_kinds, only: wp
   use sg_mapping_space, only: tangent_of
-  use sg_problem, only: problem_t
-  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, &
-                        free_axes, is_in_space, plain_kind, round_frictional, round_frictionless, solid_bonded, solid_frictional, &
-                        solid_frictionless
+  use sg_problem, only: friction_of, is_active, problem_t
+  use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_frictional, &
+                        arm_frictionless, arm_frictionless_bias, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_law, &
+                        arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_stiffness_n, arm_stiffness_t, &
+                        ball_bias_x, ball_bias_z, ball_frictional, ball_frictionless, ball_frictionless_bias, first_inverse, &
+                        free_axes, is_in_space, normal_x, normal_y, normal_z, plain_kind, round_bias_n, round_bias_t, &
+                        round_frictional, round_frictionless, round_frictionless_bias, solid_arm_ax, solid_arm_az, solid_arm_cx, &
+                        solid_arm_cz, solid_bias_x, solid_bias_z, solid_bonded, solid_cohesion, solid_compliance_n, &
+                        solid_compliance_t, solid_frictional, solid_frictionless, solid_frictionless_bias, &
+                        solid_frictionless_moment_ax, solid_frictionless_moment_az, solid_frictionless_moment_cx, &
+                        solid_frictionless_moment_cz, solid_law, solid_stiffness_n, solid_stiffness_t, solid_tangent_x, &
+                        solid_tangent_z
   use sg_symmetric, only: principal_axes
   use sg_vectors, only: cross
   implicit none
@@ -52,43 +60,39 @@ contains
     else
       contact = plane_contact(problem%kind, problem%record(:, k), problem%impulse(:, k))
     end if
+    contact%is_active = is_active(problem, k)
+    contact%friction = friction_of(problem, k)
   end function contact_of
 
-  !> A contact in the plane: directions n and (n_y, -n_x).
+  !> A contact in the plane, but for what `contact_of` adds: directions n and (n_y, -n_x).
   pure function plane_contact(kind, record, impulse) result(contact)
     integer, intent(in) :: kind
     real(wp), intent(in) :: record(:), impulse(:)
     type(contact_record_t) :: contact
 
     associate (h => contact%h)
-      h(1:2, 1:2, 1) = reshape([record(1), record(2), record(2), -record(1)], [2, 2])
+      h(1:2, 1:2, 1) = reshape([record(normal_x), record(normal_y), record(normal_y), -record(normal_x)], [2, 2])
       h(1:2, 1:2, 2) = -h(1:2, 1:2, 1)
       contact%impulse(:size(impulse)) = impulse
       select case (kind)
       case (round_frictionless)
-        contact%bias(1) = record(3)
-        contact%is_active = record(4) > 0
+        contact%bias(1) = record(round_frictionless_bias)
         contact%has_tangent = .false.
       case (round_frictional)
         h(2, 3, :) = 1
-        contact%bias(1:2) = record(3:4)
-        contact%is_active = record(5) > 0
-        contact%friction = record(7)
+        contact%bias(1:2) = record(round_bias_n:round_bias_t)
       case (arm_frictionless)
-        h(1, 3, :) = [record(3), -record(4)]
-        contact%bias(1) = record(5)
-        contact%is_active = record(6) > 0
+        h(1, 3, :) = [record(arm_frictionless_moment_c), -record(arm_frictionless_moment_a)]
+        contact%bias(1) = record(arm_frictionless_bias)
         contact%has_tangent = .false.
       case (arm_frictional, arm_bonded)
-        h(1:2, 3, 1) = record(3:4)
-        h(1:2, 3, 2) = -record(5:6)
-        contact%bias(1:2) = record(7:8)
-        contact%friction = record(12)
-        contact%cohesion = record(13)
-        contact%compliance(1:2) = record(14:15)
-        contact%is_active = record(16) > 0.5_wp
-        contact%is_linear = record(16) > 1.5_wp
-        if (kind == arm_bonded) contact%is_bonded = any(record(17:18) > 0)
+        h(1:2, 3, 1) = record(arm_moment_nc:arm_moment_tc)
+        h(1:2, 3, 2) = -record(arm_moment_na:arm_moment_ta)
+        contact%bias(1:2) = record(arm_bias_n:arm_bias_t)
+        contact%cohesion = record(arm_cohesion)
+        contact%compliance(1:2) = record(arm_compliance_n:arm_compliance_t)
+        contact%is_linear = record(arm_law) > 1.5_wp
+        if (kind == arm_bonded) contact%is_bonded = any(record(arm_stiffness_n:arm_stiffness_t) > 0)
       end select
     end associate
   end function plane_contact
@@ -101,11 +105,11 @@ contains
     real(wp) :: frame(3, 3)
     integer :: i
 
-    frame(:, 1) = record(1:3)
+    frame(:, 1) = record(normal_x:normal_z)
     if (plain_kind(kind) == solid_frictional) then
-      frame(:, 2) = record(4:6)
+      frame(:, 2) = record(solid_tangent_x:solid_tangent_z)
     else
-      frame(:, 2) = tangent_of(record(1:3))
+      frame(:, 2) = tangent_of(record(normal_x:normal_z))
     end if
     frame(:, 3) = cross(frame(:, 1), frame(:, 2))
     contact%h(:, 1:3, 1) = transpose(frame)
@@ -114,35 +118,29 @@ contains
     if (size(impulse) == 3) contact%impulse = matmul(impulse, frame)
     select case (kind)
     case (ball_frictionless)
-      contact%bias(1) = record(4)
-      contact%is_active = record(5) > 0
+      contact%bias(1) = record(ball_frictionless_bias)
       contact%has_tangent = .false.
     case (ball_frictional)
       do i = 2, 3
         contact%h(i, 4:6, 1) = cross(frame(:, i), frame(:, 1))
         contact%h(i, 4:6, 2) = contact%h(i, 4:6, 1)
       end do
-      contact%bias = matmul(record(4:6), frame)
-      contact%is_active = record(7) > 0
-      contact%friction = record(9)
+      contact%bias = matmul(record(ball_bias_x:ball_bias_z), frame)
     case (solid_frictionless)
-      contact%h(1, 4:6, 1) = record(4:6)
-      contact%h(1, 4:6, 2) = -record(7:9)
-      contact%bias(1) = record(10)
-      contact%is_active = record(11) > 0
+      contact%h(1, 4:6, 1) = record(solid_frictionless_moment_cx:solid_frictionless_moment_cz)
+      contact%h(1, 4:6, 2) = -record(solid_frictionless_moment_ax:solid_frictionless_moment_az)
+      contact%bias(1) = record(solid_frictionless_bias)
       contact%has_tangent = .false.
     case (solid_frictional, solid_bonded)
       do i = 1, 3
-        contact%h(i, 4:6, 1) = cross(record(7:9), frame(:, i))
-        contact%h(i, 4:6, 2) = -cross(record(10:12), frame(:, i))
+        contact%h(i, 4:6, 1) = cross(record(solid_arm_cx:solid_arm_cz), frame(:, i))
+        contact%h(i, 4:6, 2) = -cross(record(solid_arm_ax:solid_arm_az), frame(:, i))
       end do
-      contact%bias = matmul(record(13:15), frame)
-      contact%friction = record(21)
-      contact%cohesion = record(22)
-      contact%compliance = record([23, 24, 24])
-      contact%is_active = record(25) > 0.5_wp
-      contact%is_linear = record(25) > 1.5_wp
-      if (kind == solid_bonded) contact%is_bonded = any(record(27:28) > 0)
+      contact%bias = matmul(record(solid_bias_x:solid_bias_z), frame)
+      contact%cohesion = record(solid_cohesion)
+      contact%compliance = record([solid_compliance_n, solid_compliance_t, solid_compliance_t])
+      contact%is_linear = record(solid_law) > 1.5_wp
+      if (kind == solid_bonded) contact%is_bonded = any(record(solid_stiffness_n:solid_stiffness_t) > 0)
     end select
   end function space_contact
 

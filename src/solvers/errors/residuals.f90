@@ -6,7 +6,13 @@ module sg_residuals
   use sg_kinds, only: wp
   use sg_law_violation, only: law_violation
   use sg_problem, only: problem_t
-  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, is_in_space, round_frictional, round_frictionless
+  use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, &
+                        arm_frictional, arm_frictionless, arm_frictionless_bias, arm_frictionless_inverse_wnn, &
+                        arm_frictionless_moment_a, arm_frictionless_moment_c, arm_law, arm_moment_na, arm_moment_nc, &
+                        arm_moment_ta, arm_moment_tc, arm_slip, arm_spin, arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, &
+                        arm_wtt, body_length, is_in_space, normal_x, normal_y, record_length, round_bias_n, round_bias_t, &
+                        round_friction, round_frictional, round_frictionless, round_frictionless_bias, &
+                        round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt, round_spin, velocity_x, velocity_y
   use sg_report, only: ratio, report_t
   use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, find_worst_in_space, n_error_sums, note_closing
   implicit none
@@ -211,10 +217,10 @@ contains
       case (arm_frictional)
         call gather_arm_frictional(n, pair, record, r, problem%n_bodies, problem%body, a)
       case (arm_bonded)
-        call gather_arm_frictional(n, pair, record(:16, :), r, problem%n_bodies, problem%body, a)
+        call gather_arm_frictional(n, pair, record(:record_length(arm_frictional), :), r, problem%n_bodies, problem%body, a)
         ! A bond between bodies that nothing moves takes no part.
-        a%bond_n(:n) = merge(record(17, :)*a%u_n(:n), 0.0_wp, record(16, :) > 0.5_wp)
-        a%bond_t(:n) = merge(record(18, :)*(a%u_t(:n) + record(19, :)), 0.0_wp, record(16, :) > 0.5_wp)
+        a%bond_n(:n) = merge(record(arm_stiffness_n, :)*a%u_n(:n), 0.0_wp, record(arm_law, :) > 0.5_wp)
+        a%bond_t(:n) = merge(record(arm_stiffness_t, :)*(a%u_t(:n) + record(arm_slip, :)), 0.0_wp, record(arm_law, :) > 0.5_wp)
         a%r_n(:n) = a%r_n(:n) + a%bond_n(:n)
         a%r_t(:n) = a%r_t(:n) + a%bond_t(:n)
       end select
@@ -224,7 +230,7 @@ contains
   !> Data of round contacts without friction.
   pure subroutine gather_round_frictionless(n, pair, record, r, n_bodies, body, a)
     integer, intent(in) :: n, pair(2, n), n_bodies
-    real(wp), intent(in) :: record(4, n), r(1, n), body(4, n_bodies)
+    real(wp), intent(in) :: record(record_length(round_frictionless), n), r(1, n), body(body_length(round_frictionless), n_bodies)
     type(chunk_t), intent(inout) :: a
     integer :: i
 
@@ -232,39 +238,42 @@ contains
     !GCC$ novector
     do i = 1, n
       associate (c => pair(1, i), d => pair(2, i))
-        a%u_n(i) = record(1, i)*(body(1, c) - body(1, d)) + record(2, i)*(body(2, c) - body(2, d)) + record(3, i)
+        a%u_n(i) = record(normal_x, i)*(body(velocity_x, c) - body(velocity_x, d)) &
+                   + record(normal_y, i)*(body(velocity_y, c) - body(velocity_y, d)) + record(round_frictionless_bias, i)
       end associate
       a%r_n(i) = r(1, i)
-      a%rho(i) = record(4, i)
+      a%rho(i) = record(round_frictionless_inverse_wnn, i)
     end do
   end subroutine gather_round_frictionless
 
   !> Data of round contacts with friction.
   pure subroutine gather_round_frictional(n, pair, record, r, n_bodies, body, a)
     integer, intent(in) :: n, pair(2, n), n_bodies
-    real(wp), intent(in) :: record(7, n), r(2, n), body(6, n_bodies)
+    real(wp), intent(in) :: record(record_length(round_frictional), n), r(2, n), body(body_length(round_frictional), n_bodies)
     type(chunk_t), intent(inout) :: a
     real(wp) :: x, y
     integer :: i
 
     do i = 1, n
       associate (c => pair(1, i), d => pair(2, i))
-        x = body(1, c) - body(1, d)
-        y = body(2, c) - body(2, d)
-        a%u_n(i) = record(1, i)*x + record(2, i)*y + record(3, i)
-        a%u_t(i) = record(2, i)*x - record(1, i)*y + body(3, c) + body(3, d) + record(4, i)
+        x = body(velocity_x, c) - body(velocity_x, d)
+        y = body(velocity_y, c) - body(velocity_y, d)
+        a%u_n(i) = record(normal_x, i)*x + record(normal_y, i)*y + record(round_bias_n, i)
+        a%u_t(i) = record(normal_y, i)*x - record(normal_x, i)*y + body(round_spin, c) + body(round_spin, d) &
+                   + record(round_bias_t, i)
       end associate
       a%r_n(i) = r(1, i)
       a%r_t(i) = r(2, i)
-      a%friction(i) = record(7, i)
-      a%rho(i) = merge(min(record(5, i), record(6, i)), record(5, i), record(7, i) > 0)
+      a%friction(i) = record(round_friction, i)
+      a%rho(i) = merge(min(record(round_inverse_wnn, i), record(round_inverse_wtt, i)), record(round_inverse_wnn, i), &
+                 record(round_friction, i) > 0)
     end do
   end subroutine gather_round_frictional
 
   !> Data of contacts with any arms, without friction.
   pure subroutine gather_arm_frictionless(n, pair, record, r, n_bodies, body, a)
     integer, intent(in) :: n, pair(2, n), n_bodies
-    real(wp), intent(in) :: record(6, n), r(1, n), body(6, n_bodies)
+    real(wp), intent(in) :: record(record_length(arm_frictionless), n), r(1, n), body(body_length(arm_frictionless), n_bodies)
     type(chunk_t), intent(inout) :: a
     integer :: i
 
@@ -272,42 +281,45 @@ contains
     !GCC$ novector
     do i = 1, n
       associate (c => pair(1, i), d => pair(2, i))
-        a%u_n(i) = record(1, i)*(body(1, c) - body(1, d)) + record(2, i)*(body(2, c) - body(2, d)) &
-                   + record(3, i)*body(3, c) - record(4, i)*body(3, d) + record(5, i)
+        a%u_n(i) = record(normal_x, i)*(body(velocity_x, c) - body(velocity_x, d)) &
+                   + record(normal_y, i)*(body(velocity_y, c) - body(velocity_y, d)) &
+                   + record(arm_frictionless_moment_c, i)*body(arm_spin, c) &
+                   - record(arm_frictionless_moment_a, i)*body(arm_spin, d) + record(arm_frictionless_bias, i)
       end associate
       a%r_n(i) = r(1, i)
-      a%rho(i) = record(6, i)
+      a%rho(i) = record(arm_frictionless_inverse_wnn, i)
     end do
   end subroutine gather_arm_frictionless
 
   !> Data of contacts with any arms and any law.
   pure subroutine gather_arm_frictional(n, pair, record, r, n_bodies, body, a)
     integer, intent(in) :: n, pair(2, n), n_bodies
-    real(wp), intent(in) :: record(16, n), r(2, n), body(6, n_bodies)
+    real(wp), intent(in) :: record(record_length(arm_frictional), n), r(2, n), body(body_length(arm_frictional), n_bodies)
     type(chunk_t), intent(inout) :: a
     real(wp) :: x, y, largest
     integer :: i
 
     do i = 1, n
       associate (c => pair(1, i), d => pair(2, i))
-        x = body(1, c) - body(1, d)
-        y = body(2, c) - body(2, d)
-        a%u_n(i) = record(1, i)*x + record(2, i)*y + record(3, i)*body(3, c) - record(5, i)*body(3, d) &
-                   + record(7, i) + record(14, i)*r(1, i)
-        a%u_t(i) = record(2, i)*x - record(1, i)*y + record(4, i)*body(3, c) - record(6, i)*body(3, d) &
-                   + record(8, i) + record(15, i)*r(2, i)
+        x = body(velocity_x, c) - body(velocity_x, d)
+        y = body(velocity_y, c) - body(velocity_y, d)
+        a%u_n(i) = record(normal_x, i)*x + record(normal_y, i)*y + record(arm_moment_nc, i)*body(arm_spin, c) &
+                   - record(arm_moment_na, i)*body(arm_spin, d) + record(arm_bias_n, i) + record(arm_compliance_n, i)*r(1, i)
+        a%u_t(i) = record(normal_y, i)*x - record(normal_x, i)*y + record(arm_moment_tc, i)*body(arm_spin, c) &
+                   - record(arm_moment_ta, i)*body(arm_spin, d) + record(arm_bias_t, i) + record(arm_compliance_t, i)*r(2, i)
       end associate
-      a%r_n(i) = r(1, i) + merge(record(13, i), 0.0_wp, record(16, i) > 0.5_wp)
+      a%r_n(i) = r(1, i) + merge(record(arm_cohesion, i), 0.0_wp, record(arm_law, i) > 0.5_wp)
       a%r_t(i) = r(2, i)
-      a%friction(i) = record(12, i)
+      a%friction(i) = record(arm_friction, i)
     end do
     do i = 1, n
-      largest = (record(9, i) + record(11, i))/2 + sqrt((record(9, i) - record(11, i))**2/4 + record(10, i)**2)
-      a%rho(i) = merge(1/max(largest, tiny(1.0_wp)), 0.0_wp, record(16, i) > 0.5_wp)
-      a%linear(i) = merge(1.0_wp, 0.0_wp, record(16, i) > 1.5_wp)
+      largest = (record(arm_wnn, i) + record(arm_wtt, i))/2 + sqrt((record(arm_wnn, i) - record(arm_wtt, i))**2/4 &
+                + record(arm_wnt, i)**2)
+      a%rho(i) = merge(1/max(largest, tiny(1.0_wp)), 0.0_wp, record(arm_law, i) > 0.5_wp)
+      a%linear(i) = merge(1.0_wp, 0.0_wp, record(arm_law, i) > 1.5_wp)
     end do
     do i = 1, n
-      if (record(16, i) > 2.5_wp) a%u_t(i) = a%r_t(i)/a%rho(i)
+      if (record(arm_law, i) > 2.5_wp) a%u_t(i) = a%r_t(i)/a%rho(i)
     end do
   end subroutine gather_arm_frictional
 end module sg_residuals

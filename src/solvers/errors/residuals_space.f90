@@ -3,7 +3,16 @@ module sg_residuals_space
   use sg_kinds, only: wp
   use sg_law_violation, only: law_violation
   use sg_problem, only: problem_t
-  use sg_records, only: ball_frictional, ball_frictionless, solid_bonded, solid_frictional, solid_frictionless
+  use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_friction, ball_frictional, ball_frictionless, &
+                        ball_frictionless_bias, ball_frictionless_inverse_wnn, ball_inverse_wnn, ball_inverse_wtt, ball_spin_x, &
+                        ball_spin_y, ball_spin_z, body_length, normal_x, normal_y, normal_z, record_length, solid_arm_ax, &
+                        solid_arm_ay, solid_arm_az, solid_arm_cx, solid_arm_cy, solid_arm_cz, solid_bias_x, solid_bias_y, &
+                        solid_bias_z, solid_bonded, solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, &
+                        solid_frictional, solid_frictionless, solid_frictionless_bias, solid_frictionless_inverse_wnn, &
+                        solid_frictionless_moment_ax, solid_frictionless_moment_ay, solid_frictionless_moment_az, &
+                        solid_frictionless_moment_cx, solid_frictionless_moment_cy, solid_frictionless_moment_cz, &
+                        solid_inverse_lambda, solid_law, solid_slip_x, solid_slip_z, solid_spin_x, solid_spin_y, solid_spin_z, &
+                        solid_stiffness_n, solid_stiffness_t, velocity_x, velocity_y, velocity_z
   implicit none
   private
   public :: add_normal_parts, add_space_contacts, find_worst_in_space, note_closing, chunk, n_error_sums
@@ -212,7 +221,7 @@ contains
       case (solid_frictional)
         call gather_solids(n, pair, record, r, problem%n_bodies, problem%body, a)
       case (solid_bonded)
-        call gather_solids(n, pair, record(:26, :), r, problem%n_bodies, problem%body, a)
+        call gather_solids(n, pair, record(:record_length(solid_frictional), :), r, problem%n_bodies, problem%body, a)
         call add_bonds(n, record, a)
       end select
     end associate
@@ -221,7 +230,7 @@ contains
   !> Data of balls without friction.
   pure subroutine gather_slippery_balls(n, pair, record, r, n_bodies, body, a)
     integer, intent(in) :: n, pair(2, n), n_bodies
-    real(wp), intent(in) :: record(5, n), r(1, n), body(6, n_bodies)
+    real(wp), intent(in) :: record(record_length(ball_frictionless), n), r(1, n), body(body_length(ball_frictionless), n_bodies)
     type(chunk_t), intent(inout) :: a
     integer :: i
 
@@ -229,11 +238,12 @@ contains
     !GCC$ novector
     do i = 1, n
       associate (c => pair(1, i), d => pair(2, i))
-        a%u(i, 1) = record(1, i)*(body(1, c) - body(1, d)) + record(2, i)*(body(2, c) - body(2, d)) &
-                    + record(3, i)*(body(3, c) - body(3, d)) + record(4, i)
+        a%u(i, 1) = record(normal_x, i)*(body(velocity_x, c) - body(velocity_x, d)) &
+                    + record(normal_y, i)*(body(velocity_y, c) - body(velocity_y, d)) &
+                    + record(normal_z, i)*(body(velocity_z, c) - body(velocity_z, d)) + record(ball_frictionless_bias, i)
       end associate
       a%r(i, 1) = r(1, i)
-      a%rho(i) = record(5, i)
+      a%rho(i) = record(ball_frictionless_inverse_wnn, i)
       a%normal(i, 1) = 1
     end do
   end subroutine gather_slippery_balls
@@ -241,35 +251,39 @@ contains
   !> Data of balls with friction.
   pure subroutine gather_balls(n, pair, record, r, n_bodies, body, a)
     integer, intent(in) :: n, pair(2, n), n_bodies
-    real(wp), intent(in) :: record(9, n), r(3, n), body(8, n_bodies)
+    real(wp), intent(in) :: record(record_length(ball_frictional), n), r(3, n), body(body_length(ball_frictional), n_bodies)
     type(chunk_t), intent(inout) :: a
     real(wp) :: sx, sy, sz
     integer :: i
 
     do i = 1, n
       associate (c => pair(1, i), d => pair(2, i))
-        sx = body(4, c) + body(4, d)
-        sy = body(5, c) + body(5, d)
-        sz = body(6, c) + body(6, d)
-        a%u(i, 1) = body(1, c) - body(1, d) + record(4, i) - sy*record(3, i) + sz*record(2, i)
-        a%u(i, 2) = body(2, c) - body(2, d) + record(5, i) - sz*record(1, i) + sx*record(3, i)
-        a%u(i, 3) = body(3, c) - body(3, d) + record(6, i) - sx*record(2, i) + sy*record(1, i)
+        sx = body(ball_spin_x, c) + body(ball_spin_x, d)
+        sy = body(ball_spin_y, c) + body(ball_spin_y, d)
+        sz = body(ball_spin_z, c) + body(ball_spin_z, d)
+        a%u(i, 1) = body(velocity_x, c) - body(velocity_x, d) + record(ball_bias_x, i) - sy*record(normal_z, i) &
+                    + sz*record(normal_y, i)
+        a%u(i, 2) = body(velocity_y, c) - body(velocity_y, d) + record(ball_bias_y, i) - sz*record(normal_x, i) &
+                    + sx*record(normal_z, i)
+        a%u(i, 3) = body(velocity_z, c) - body(velocity_z, d) + record(ball_bias_z, i) - sx*record(normal_y, i) &
+                    + sy*record(normal_x, i)
       end associate
-      a%normal(i, 1) = record(1, i)
-      a%normal(i, 2) = record(2, i)
-      a%normal(i, 3) = record(3, i)
+      a%normal(i, 1) = record(normal_x, i)
+      a%normal(i, 2) = record(normal_y, i)
+      a%normal(i, 3) = record(normal_z, i)
       a%r(i, 1) = r(1, i)
       a%r(i, 2) = r(2, i)
       a%r(i, 3) = r(3, i)
-      a%friction(i) = record(9, i)
-      a%rho(i) = merge(min(record(7, i), record(8, i)), record(7, i), record(9, i) > 0)
+      a%friction(i) = record(ball_friction, i)
+      a%rho(i) = merge(min(record(ball_inverse_wnn, i), record(ball_inverse_wtt, i)), record(ball_inverse_wnn, i), &
+                 record(ball_friction, i) > 0)
     end do
   end subroutine gather_balls
 
   !> Data of solids without friction.
   pure subroutine gather_slippery_solids(n, pair, record, r, n_bodies, body, a)
     integer, intent(in) :: n, pair(2, n), n_bodies
-    real(wp), intent(in) :: record(11, n), r(1, n), body(16, n_bodies)
+    real(wp), intent(in) :: record(record_length(solid_frictionless), n), r(1, n), body(body_length(solid_frictionless), n_bodies)
     type(chunk_t), intent(inout) :: a
     integer :: i
 
@@ -277,13 +291,18 @@ contains
     !GCC$ novector
     do i = 1, n
       associate (c => pair(1, i), d => pair(2, i))
-        a%u(i, 1) = record(1, i)*(body(1, c) - body(1, d)) + record(2, i)*(body(2, c) - body(2, d)) &
-                    + record(3, i)*(body(3, c) - body(3, d)) + record(4, i)*body(4, c) + record(5, i)*body(5, c) &
-                    + record(6, i)*body(6, c) - record(7, i)*body(4, d) - record(8, i)*body(5, d) - record(9, i)*body(6, d) &
-                    + record(10, i)
+        a%u(i, 1) = record(normal_x, i)*(body(velocity_x, c) - body(velocity_x, d)) &
+                    + record(normal_y, i)*(body(velocity_y, c) - body(velocity_y, d)) &
+                    + record(normal_z, i)*(body(velocity_z, c) - body(velocity_z, d)) &
+                    + record(solid_frictionless_moment_cx, i)*body(solid_spin_x, c) &
+                    + record(solid_frictionless_moment_cy, i)*body(solid_spin_y, c) &
+                    + record(solid_frictionless_moment_cz, i)*body(solid_spin_z, c) &
+                    - record(solid_frictionless_moment_ax, i)*body(solid_spin_x, d) &
+                    - record(solid_frictionless_moment_ay, i)*body(solid_spin_y, d) &
+                    - record(solid_frictionless_moment_az, i)*body(solid_spin_z, d) + record(solid_frictionless_bias, i)
       end associate
       a%r(i, 1) = r(1, i)
-      a%rho(i) = record(11, i)
+      a%rho(i) = record(solid_frictionless_inverse_wnn, i)
       a%normal(i, 1) = 1
     end do
   end subroutine gather_slippery_solids
@@ -291,7 +310,7 @@ contains
   !> Take the impulses of cohesive zones out of those of contacts.
   pure subroutine add_bonds(n, record, a)
     integer, intent(in) :: n
-    real(wp), intent(in) :: record(31, n)
+    real(wp), intent(in) :: record(record_length(solid_bonded), n)
     type(chunk_t), intent(inout) :: a
     real(wp) :: u_n, bond(3)
     integer :: i
@@ -299,9 +318,10 @@ contains
     do i = 1, n
       a%bond(i) = 0
       ! A bond between bodies that nothing moves takes no part.
-      if (.not. (max(record(27, i), record(28, i)) > 0 .and. record(25, i) > 0.5_wp)) cycle
+      if (.not. (max(record(solid_stiffness_n, i), record(solid_stiffness_t, i)) > 0 .and. record(solid_law, i) > 0.5_wp)) cycle
       u_n = dot_product(a%normal(i, :), a%u(i, :))
-      bond = record(27, i)*u_n*a%normal(i, :) + record(28, i)*(a%u(i, :) - u_n*a%normal(i, :) + record(29:31, i))
+      bond = record(solid_stiffness_n, i)*u_n*a%normal(i, :) &
+             + record(solid_stiffness_t, i)*(a%u(i, :) - u_n*a%normal(i, :) + record(solid_slip_x:solid_slip_z, i))
       a%r(i, :) = a%r(i, :) + bond
       a%bond(i) = sum(bond**2)
     end do
@@ -310,34 +330,42 @@ contains
   !> Data of solids with friction and any law.
   pure subroutine gather_solids(n, pair, record, r, n_bodies, body, a)
     integer, intent(in) :: n, pair(2, n), n_bodies
-    real(wp), intent(in) :: record(26, n), r(3, n), body(16, n_bodies)
+    real(wp), intent(in) :: record(record_length(solid_frictional), n), r(3, n), body(body_length(solid_frictional), n_bodies)
     type(chunk_t), intent(inout) :: a
     real(wp) :: yielding, cohesion
     integer :: i
 
     do i = 1, n
       associate (c => pair(1, i), d => pair(2, i))
-        yielding = (record(23, i) - record(24, i))*(record(1, i)*r(1, i) + record(2, i)*r(2, i) + record(3, i)*r(3, i))
-        a%u(i, 1) = body(1, c) - body(1, d) + body(5, c)*record(9, i) - body(6, c)*record(8, i) - body(5, d)*record(12, i) &
-                    + body(6, d)*record(11, i) + record(13, i) + record(24, i)*r(1, i) + yielding*record(1, i)
-        a%u(i, 2) = body(2, c) - body(2, d) + body(6, c)*record(7, i) - body(4, c)*record(9, i) - body(6, d)*record(10, i) &
-                    + body(4, d)*record(12, i) + record(14, i) + record(24, i)*r(2, i) + yielding*record(2, i)
-        a%u(i, 3) = body(3, c) - body(3, d) + body(4, c)*record(8, i) - body(5, c)*record(7, i) - body(4, d)*record(11, i) &
-                    + body(5, d)*record(10, i) + record(15, i) + record(24, i)*r(3, i) + yielding*record(3, i)
+        yielding = (record(solid_compliance_n, i) - record(solid_compliance_t, i))*(record(normal_x, i)*r(1, i) &
+                   + record(normal_y, i)*r(2, i) + record(normal_z, i)*r(3, i))
+        a%u(i, 1) = body(velocity_x, c) - body(velocity_x, d) + body(solid_spin_y, c)*record(solid_arm_cz, i) &
+                    - body(solid_spin_z, c)*record(solid_arm_cy, i) - body(solid_spin_y, d)*record(solid_arm_az, i) &
+                    + body(solid_spin_z, d)*record(solid_arm_ay, i) + record(solid_bias_x, i) &
+                    + record(solid_compliance_t, i)*r(1, i) + yielding*record(normal_x, i)
+        a%u(i, 2) = body(velocity_y, c) - body(velocity_y, d) + body(solid_spin_z, c)*record(solid_arm_cx, i) &
+                    - body(solid_spin_x, c)*record(solid_arm_cz, i) - body(solid_spin_z, d)*record(solid_arm_ax, i) &
+                    + body(solid_spin_x, d)*record(solid_arm_az, i) + record(solid_bias_y, i) &
+                    + record(solid_compliance_t, i)*r(2, i) + yielding*record(normal_y, i)
+        a%u(i, 3) = body(velocity_z, c) - body(velocity_z, d) + body(solid_spin_x, c)*record(solid_arm_cy, i) &
+                    - body(solid_spin_y, c)*record(solid_arm_cx, i) - body(solid_spin_x, d)*record(solid_arm_ay, i) &
+                    + body(solid_spin_y, d)*record(solid_arm_ax, i) + record(solid_bias_z, i) &
+                    + record(solid_compliance_t, i)*r(3, i) + yielding*record(normal_z, i)
       end associate
-      cohesion = merge(record(22, i), 0.0_wp, record(25, i) > 0.5_wp)
-      a%normal(i, 1) = record(1, i)
-      a%normal(i, 2) = record(2, i)
-      a%normal(i, 3) = record(3, i)
-      a%r(i, 1) = r(1, i) + cohesion*record(1, i)
-      a%r(i, 2) = r(2, i) + cohesion*record(2, i)
-      a%r(i, 3) = r(3, i) + cohesion*record(3, i)
-      a%friction(i) = record(21, i)
-      a%rho(i) = record(26, i)
-      a%linear(i) = merge(1.0_wp, 0.0_wp, record(25, i) > 1.5_wp)
+      cohesion = merge(record(solid_cohesion, i), 0.0_wp, record(solid_law, i) > 0.5_wp)
+      a%normal(i, 1) = record(normal_x, i)
+      a%normal(i, 2) = record(normal_y, i)
+      a%normal(i, 3) = record(normal_z, i)
+      a%r(i, 1) = r(1, i) + cohesion*record(normal_x, i)
+      a%r(i, 2) = r(2, i) + cohesion*record(normal_y, i)
+      a%r(i, 3) = r(3, i) + cohesion*record(normal_z, i)
+      a%friction(i) = record(solid_friction, i)
+      a%rho(i) = record(solid_inverse_lambda, i)
+      a%linear(i) = merge(1.0_wp, 0.0_wp, record(solid_law, i) > 1.5_wp)
     end do
     do i = 1, n
-      if (record(25, i) > 2.5_wp) call take_impulse_across(record(1:3, i), r(:, i), record(26, i), a%u(i, :))
+      if (.not. record(solid_law, i) > 2.5_wp) cycle
+      call take_impulse_across(record(normal_x:normal_z, i), r(:, i), record(solid_inverse_lambda, i), a%u(i, :))
     end do
   end subroutine gather_solids
 

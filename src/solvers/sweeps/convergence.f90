@@ -4,7 +4,7 @@ module sg_convergence
   use sg_law_violation, only: most_hidden
   use sg_lists, only: reserve
   use sg_problem, only: problem_t
-  use sg_records, only: is_in_space
+  use sg_records, only: is_in_space, velocity_y, velocity_z
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_violation, solver_options_t
   implicit none
@@ -68,12 +68,14 @@ contains
   !> Scales of a problem, or of a rank's part of it, whose bodies have the velocities to start from.
   pure type(scales_t) function scales_of(problem) result(scales)
     type(problem_t), intent(in) :: problem !! problem
+    integer :: last
 
     scales%contacts = problem%n_contacts
     scales%velocity = problem%velocity_scale
     scales%closing = problem%closing_speed
     if (problem%n_contacts > 0) scales%friction = problem%most_friction
-    if (problem%n_bodies > 0) scales%fastest = maxval(abs(problem%body(1:merge(3, 2, is_in_space(problem%kind)), :)))
+    last = merge(velocity_z, velocity_y, is_in_space(problem%kind))
+    if (problem%n_bodies > 0) scales%fastest = maxval(abs(problem%body(:last, :)))
   end function scales_of
 
   !> Begin a solve.
