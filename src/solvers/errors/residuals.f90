@@ -3,6 +3,7 @@
 !! All rest on the natural map F_a = r_a - P_K(r_a - rho (u_a + g(u_a))) of De Saxce's form, which vanishes exactly at
 !! solutions: e1 and e2 with rho = 1, e8 and the violation with rho_a = 1/lambda_max(W_aa), free of units.
 module sg_residuals
+  use sg_coulomb_cone, only: project, project_all
   use sg_kinds, only: wp
   use sg_law_violation, only: law_violation
   use sg_problem, only: problem_t
@@ -157,12 +158,16 @@ contains
     integer, intent(in) :: n
     real(wp), intent(in) :: u_n(chunk), u_t(chunk), r_n(chunk), r_t(chunk), friction(chunk), rho(chunk), linear(chunk)
     real(wp), intent(out) :: squares(chunk)
-    real(wp) :: f_n, f_t
+    real(wp), dimension(chunk) :: x, t, normal, tangential
     integer :: i
 
     do i = 1, n
-      call project(r_n(i) - rho(i)*(u_n(i) + friction(i)*abs(u_t(i))), r_t(i) - rho(i)*u_t(i), friction(i), f_n, f_t)
-      squares(i) = (r_n(i) - f_n)**2 + (r_t(i) - f_t)**2
+      x(i) = r_n(i) - rho(i)*(u_n(i) + friction(i)*abs(u_t(i)))
+      t(i) = r_t(i) - rho(i)*u_t(i)
+    end do
+    call project_all(n, x, t, friction, normal, tangential)
+    do i = 1, n
+      squares(i) = (r_n(i) - normal(i))**2 + (r_t(i) - tangential(i))**2
     end do
     if (any(linear(:n) > 0)) then
       where (linear(:n) > 0) squares(:n) = rho(:n)**2*(u_n(:n)**2 + u_t(:n)**2)
@@ -181,20 +186,6 @@ contains
     call project(r(1) - rho*(u(1) + friction*abs(u(2))), r(2) - rho*u(2), friction, projected(1), projected(2))
     f = merge(rho*u, r - projected, linear > 0)
   end function natural_map
-
-  !> Projection on Coulomb's cone: on its surface (or the tip), unless the point lies inside. Without friction the cone is a ray,
-  !! and behind its tip the point is not inside. No branch, so that a loop goes through vector registers.
-  pure elemental subroutine project(x, t, friction, normal, tangential)
-    real(wp), intent(in) :: x, t, friction
-    real(wp), intent(out) :: normal, tangential
-    real(wp) :: height, inside
-
-    inside = merge(1.0_wp, 0.0_wp, x > 0 .and. abs(t) <= friction*x)
-    height = max(0.0_wp, (x + friction*abs(t))/(1 + friction*friction))
-    normal = height + inside*(x - height)
-    ! Inside the cone this is t.
-    tangential = sign(min(friction*height, abs(t)), t)
-  end subroutine project
 
   !> Gather a chunk of contacts, by the kernel of the problem's kind.
   pure subroutine gather(problem, first, a)

@@ -1,5 +1,6 @@
 !> What the error measures need of contacts in space: the natural map of vectors in the world's axes (doc/theory/errors.md).
 module sg_residuals_space
+  use sg_coulomb_cone, only: project_all
   use sg_kinds, only: wp
   use sg_law_violation, only: law_violation
   use sg_problem, only: problem_t
@@ -152,33 +153,33 @@ contains
     integer, intent(in) :: n
     real(wp), intent(in) :: normal(chunk, 3), u(chunk, 3), r(chunk, 3), friction(chunk), rho(chunk), linear(chunk)
     real(wp), intent(out) :: squares(chunk)
-    real(wp) :: u_n, r_n, x, tx, ty, tz, sx, sy, sz, slip, length, height, share, inside
+    real(wp), dimension(chunk) :: r_n, x, sx, sy, sz, length, height, tangential
+    real(wp) :: u_n, tx, ty, tz, slip, share
     integer :: i
 
     do i = 1, n
       u_n = normal(i, 1)*u(i, 1) + normal(i, 2)*u(i, 2) + normal(i, 3)*u(i, 3)
-      r_n = normal(i, 1)*r(i, 1) + normal(i, 2)*r(i, 2) + normal(i, 3)*r(i, 3)
+      r_n(i) = normal(i, 1)*r(i, 1) + normal(i, 2)*r(i, 2) + normal(i, 3)*r(i, 3)
       tx = u(i, 1) - u_n*normal(i, 1)
       ty = u(i, 2) - u_n*normal(i, 2)
       tz = u(i, 3) - u_n*normal(i, 3)
       slip = sqrt(tx*tx + ty*ty + tz*tz)
       ! The point r - rho (u + g(u)): x along the normal, (sx, sy, sz) across.
-      x = r_n - rho(i)*(u_n + friction(i)*slip)
-      sx = r(i, 1) - r_n*normal(i, 1) - rho(i)*tx
-      sy = r(i, 2) - r_n*normal(i, 2) - rho(i)*ty
-      sz = r(i, 3) - r_n*normal(i, 3) - rho(i)*tz
-      length = sqrt(sx*sx + sy*sy + sz*sz)
-      ! Its projection on Coulomb's cone: height along the normal, share of what is across.
-      inside = merge(1.0_wp, 0.0_wp, x > 0 .and. length <= friction(i)*x)
-      height = max(0.0_wp, (x + friction(i)*length)/(1 + friction(i)*friction(i)))
-      ! Inside the cone this is 1, outside less.
-      share = min(friction(i)*height, length)/max(length, tiny(1.0_wp))
-      height = height + inside*(x - height)
-      tx = r_n - height
-      sx = r(i, 1) - r_n*normal(i, 1) - share*sx
-      sy = r(i, 2) - r_n*normal(i, 2) - share*sy
-      sz = r(i, 3) - r_n*normal(i, 3) - share*sz
-      squares(i) = tx*tx + sx*sx + sy*sy + sz*sz
+      x(i) = r_n(i) - rho(i)*(u_n + friction(i)*slip)
+      sx(i) = r(i, 1) - r_n(i)*normal(i, 1) - rho(i)*tx
+      sy(i) = r(i, 2) - r_n(i)*normal(i, 2) - rho(i)*ty
+      sz(i) = r(i, 3) - r_n(i)*normal(i, 3) - rho(i)*tz
+      length(i) = sqrt(sx(i)*sx(i) + sy(i)*sy(i) + sz(i)*sz(i))
+    end do
+    call project_all(n, x, length, friction, height, tangential)
+    do i = 1, n
+      ! Inside the cone the share of what is across is 1, outside less.
+      share = tangential(i)/max(length(i), tiny(1.0_wp))
+      u_n = r_n(i) - height(i)
+      tx = r(i, 1) - r_n(i)*normal(i, 1) - share*sx(i)
+      ty = r(i, 2) - r_n(i)*normal(i, 2) - share*sy(i)
+      tz = r(i, 3) - r_n(i)*normal(i, 3) - share*sz(i)
+      squares(i) = u_n*u_n + tx*tx + ty*ty + tz*tz
     end do
     if (any(linear(:n) > 0)) then
       where (linear(:n) > 0) squares(:n) = rho(:n)**2*(u(:n, 1)**2 + u(:n, 2)**2 + u(:n, 3)**2)

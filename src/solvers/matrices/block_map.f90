@@ -1,5 +1,6 @@
 !> The natural map of Coulomb's law, contact by contact: r - P_K(r - rho (u + (friction |u_T|, 0))), zero at a solution.
 module sg_block_map
+  use sg_coulomb_cone, only: project_point => project
   use sg_kinds, only: wp
   implicit none
   private
@@ -40,14 +41,13 @@ contains
   pure subroutine project(friction, x)
     real(wp), intent(in) :: friction !! Coulomb coefficient
     real(wp), intent(inout) :: x(:) !! normal first, shape (d)
-    real(wp) :: tangential
+    real(wp) :: length, normal, tangential
 
-    tangential = sqrt(sum(x(2:)**2))
-    if (friction*tangential <= -x(1)) then
-      x = 0
-    else if (tangential > friction*x(1)) then
-      x(1) = (x(1) + friction*tangential)/(1 + friction**2)
-      x(2:) = x(2:)*(friction*x(1)/tangential)
-    end if
+    length = sqrt(sum(x(2:)**2))
+    ! A point of the cone stays to the last digit.
+    if (x(1) > 0 .and. length <= friction*x(1)) return
+    call project_point(x(1), length, friction, normal, tangential)
+    x(1) = normal
+    x(2:) = x(2:)*(tangential/max(length, tiny(1.0_wp)))
   end subroutine project
 end module sg_block_map
