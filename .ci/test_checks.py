@@ -101,6 +101,26 @@ def test_tables_of_rooms(project):
 
 
 @pytest.mark.parametrize("old, new, finding", [
+    ("", "", ""),
+    ("arm_law = 16", "arm_law = 17", "record of arm_frictional is not filled"),
+    ("arm_bias_t = 8", "arm_bias_t = 7", "record of arm_frictional is not filled"),
+    ("ball_spin_z = 6", "ball_spin_z = 9", "body of ball_frictional is not filled"),
+    ("arm_law, ball_frictionless_inverse_wnn", "arm_wtt, ball_frictionless_inverse_wnn", "record of arm_frictional is not"),
+    ("arm_cohesion = 13", "arm_rolling = 13", "no symbol for 'rolling'"),
+    ("round_bias_n = 3, round_bias_t = 4", "round_bias_n = 4, round_bias_t = 3", "out of date"),
+])  # fmt: skip
+def test_tables_of_records(tmp_path, old, new, finding):
+    for place in ("src/problem/records.f90", "doc/theory/contact_problem.md"):
+        (tmp_path / place).parent.mkdir(parents=True)
+        (tmp_path / place).write_text((HERE.parent / place).read_text())
+    layout = tmp_path / "src/problem/records.f90"
+    assert old in layout.read_text()
+    layout.write_text(layout.read_text().replace(old, new))
+    status, printed = run("draw_records", "--check", tmp_path)
+    assert (status, finding in printed) == (int(bool(finding)), True)
+
+
+@pytest.mark.parametrize("old, new, finding", [
     ("module sg_{name}", "module {name}", "should hold one module sg_plan"),
     ("  implicit none", "", "no 'implicit none'"),
     ("  private\n", "", "no 'private'"),
