@@ -243,10 +243,10 @@ contains
     do s = 1, problem%n_bodies
       b = body_of(s)
       scene%bodies%free_velocity(1:2, b) = problem%body(velocity_x:velocity_y, s)
-      select case (problem%kind)
+      select case (plain_kind(problem%kind))
       case (round_frictional)
         if (scene%bodies%inverse_mass(3, b) > 0) scene%bodies%free_velocity(3, b) = problem%body(round_spin, s)/radius(b)
-      case (arm_frictional, arm_frictionless, arm_bonded)
+      case (arm_frictional, arm_frictionless)
         scene%bodies%free_velocity(3, b) = problem%body(arm_spin, s)
       end select
     end do

@@ -78,11 +78,11 @@ contains
     do s = 1, problem%n_bodies
       b = body_of(s)
       bodies%free_velocity(1:3, b) = problem%body(velocity_x:velocity_z, s)
-      select case (problem%kind)
+      select case (plain_kind(problem%kind))
       case (ball_frictional)
         if (.not. radius(b) > 0) cycle
         bodies%free_velocity(4:6, b) = turned_back(bodies%middle(4:7, b), problem%body(ball_spin_x:ball_spin_z, s))/radius(b)
-      case (solid_frictionless, solid_frictional, solid_bonded)
+      case (solid_frictionless, solid_frictional)
         ! Driven components stay as they were given, to the last digit.
         bodies%free_velocity(4:6, b) = merge(turned_back(bodies%middle(4:7, b), problem%body(solid_spin_x:solid_spin_z, s)), &
                                              bodies%free_velocity(4:6, b), bodies%inverse_mass(4:6, b) > 0)
@@ -123,7 +123,7 @@ contains
     end if
     ! Part by part: an array constructor would be made aside and copied.
     record(normal_x:normal_z) = n
-    select case (kind)
+    select case (plain_kind(kind))
     case (ball_frictionless)
       record(ball_frictionless_bias) = law%bias(1) + dot_product(n, driven_spin(scene, contacts, k))
       record(ball_frictionless_inverse_wnn) = active
@@ -137,7 +137,7 @@ contains
       record(solid_frictionless_moment_ax:solid_frictionless_moment_az) = cross(arms(:, 2), n)
       record(solid_frictionless_bias) = law%bias(1)
       record(solid_frictionless_inverse_wnn) = active
-    case (solid_frictional, solid_bonded)
+    case (solid_frictional)
       if (law%is_along_normal) t = 0
       arms = space_arms(scene, contacts, k)
       record(solid_tangent_x:solid_tangent_z) = t

@@ -3,10 +3,10 @@ module sg_compact
   use sg_compact_space, only: add_space_impulses, space_velocity
   use sg_kinds, only: wp
   use sg_problem, only: problem_t
-  use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_compliance_n, arm_compliance_t, arm_frictional, arm_frictionless, &
+  use sg_records, only: arm_bias_n, arm_bias_t, arm_compliance_n, arm_compliance_t, arm_frictional, arm_frictionless, &
                         arm_frictionless_bias, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, &
                         arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_spin, first_inverse, is_in_space, &
-                        normal_x, normal_y, round_bias_n, round_bias_t, round_frictional, round_frictionless, &
+                        normal_x, normal_y, plain_kind, round_bias_n, round_bias_t, round_frictional, round_frictionless, &
                         round_frictionless_bias, round_inverse_i, round_spin, velocity_x, velocity_y
   implicit none
   private
@@ -33,7 +33,7 @@ contains
       x = body(velocity_x, c) - body(velocity_x, a)
       y = body(velocity_y, c) - body(velocity_y, a)
       u = [record(normal_x, k)*x + record(normal_y, k)*y, record(normal_y, k)*x - record(normal_x, k)*y, 0.0_wp]
-      select case (problem%kind)
+      select case (plain_kind(problem%kind))
       case (round_frictionless)
         u = [u(1) + record(round_frictionless_bias, k), 0.0_wp, 0.0_wp]
       case (round_frictional)
@@ -41,7 +41,7 @@ contains
       case (arm_frictionless)
         u = [u(1) + record(arm_frictionless_moment_c, k)*body(arm_spin, c) &
              - record(arm_frictionless_moment_a, k)*body(arm_spin, a) + record(arm_frictionless_bias, k), 0.0_wp, 0.0_wp]
-      case (arm_frictional, arm_bonded)
+      case (arm_frictional)
         u(:2) = u(:2) + record(arm_moment_nc:arm_moment_tc, k)*body(arm_spin, c) &
                 - record(arm_moment_na:arm_moment_ta, k)*body(arm_spin, a) + record(arm_bias_n:arm_bias_t, k) &
                 + record(arm_compliance_n:arm_compliance_t, k)*r(:, k)
@@ -68,14 +68,14 @@ contains
         if (size(r, 1) == 2) p = p + r(2, k)*[record(normal_y, k), -record(normal_x, k)]
         body(velocity_x:velocity_y, c) = body(velocity_x:velocity_y, c) + body(inverse:inverse + 1, c)*p
         body(velocity_x:velocity_y, a) = body(velocity_x:velocity_y, a) - body(inverse:inverse + 1, a)*p
-        select case (problem%kind)
+        select case (plain_kind(problem%kind))
         case (round_frictional)
           body(round_spin, c) = body(round_spin, c) + body(round_inverse_i, c)*r(2, k)
           body(round_spin, a) = body(round_spin, a) + body(round_inverse_i, a)*r(2, k)
         case (arm_frictionless)
           body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*record(arm_frictionless_moment_c, k)*r(1, k)
           body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*record(arm_frictionless_moment_a, k)*r(1, k)
-        case (arm_frictional, arm_bonded)
+        case (arm_frictional)
           body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*(record(arm_moment_nc, k)*r(1, k) &
                               + record(arm_moment_tc, k)*r(2, k))
           body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*(record(arm_moment_na, k)*r(1, k) &

@@ -4,8 +4,8 @@ module sg_compact_space
   use sg_problem, only: problem_t
   use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_frictional, ball_frictionless, ball_frictionless_bias, &
                         ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_inverse_i, ball_inverse_m, ball_spin_x, &
-                        ball_spin_z, free_axes, normal_x, normal_z, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, &
-                        solid_bias_x, solid_bias_z, solid_bonded, solid_compliance_n, solid_compliance_t, solid_frictional, &
+                        ball_spin_z, free_axes, normal_x, normal_z, plain_kind, solid_arm_ax, solid_arm_az, solid_arm_cx, &
+                        solid_arm_cz, solid_bias_x, solid_bias_z, solid_compliance_n, solid_compliance_t, solid_frictional, &
                         solid_frictionless, solid_frictionless_bias, solid_frictionless_moment_ax, solid_frictionless_moment_az, &
                         solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_inverse_mx, solid_inverse_mz, &
                         solid_inverse_xx, solid_inverse_yz, solid_spin_x, solid_spin_z, velocity_x, velocity_z
@@ -29,7 +29,7 @@ contains
     associate (body => problem%body, record => problem%record(:, k), r => problem%impulse(:, k))
       n = record(normal_x:normal_z)
       u = body(velocity_x:velocity_z, c) - body(velocity_x:velocity_z, a)
-      select case (problem%kind)
+      select case (plain_kind(problem%kind))
       case (ball_frictionless)
         u = [dot_product(n, u) + record(ball_frictionless_bias), 0.0_wp, 0.0_wp]
       case (ball_frictional)
@@ -43,7 +43,7 @@ contains
              + dot_product(record(solid_frictionless_moment_cx:solid_frictionless_moment_cz), body(solid_spin_x:solid_spin_z, c)) &
              - dot_product(record(solid_frictionless_moment_ax:solid_frictionless_moment_az), body(solid_spin_x:solid_spin_z, a)) &
              + record(solid_frictionless_bias), 0.0_wp, 0.0_wp]
-      case (solid_frictional, solid_bonded)
+      case (solid_frictional)
         u = u + cross(body(solid_spin_x:solid_spin_z, c), record(solid_arm_cx:solid_arm_cz)) &
             - cross(body(solid_spin_x:solid_spin_z, a), record(solid_arm_ax:solid_arm_az)) + record(solid_bias_x:solid_bias_z) &
             + record(solid_compliance_t)*r + (record(solid_compliance_n) - record(solid_compliance_t))*dot_product(n, r)*n
@@ -101,7 +101,7 @@ contains
       else
         p = r
       end if
-      select case (problem%kind)
+      select case (plain_kind(problem%kind))
       case (ball_frictionless)
         body(velocity_x:velocity_z, c) = body(velocity_x:velocity_z, c) &
                                          + body(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz, c)*p

@@ -9,11 +9,11 @@ module sg_contact_status
   use sg_kinds, only: wp, i1
   use sg_laws, only: status_none, status_slide, status_stick
   use sg_problem, only: friction_of, is_active, problem_t
-  use sg_records, only: arm_bias_n, arm_bonded, arm_cohesion, arm_frictional, arm_slip, arm_stiffness_n, arm_stiffness_t, &
-                        arm_wnn, arm_wnt, arm_wtt, ball_frictional, ball_inverse_wnn, ball_inverse_wtt, is_in_space, normal_x, &
+  use sg_records, only: arm_bias_n, arm_bonded, arm_cohesion, arm_slip, arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, &
+                        arm_wtt, ball_frictional, ball_inverse_wnn, ball_inverse_wtt, friction_place, is_in_space, normal_x, &
                         normal_z, round_frictional, round_inverse_wnn, round_inverse_wtt, solid_bias_x, solid_bias_z, &
-                        solid_bonded, solid_cohesion, solid_frictional, solid_s1, solid_s2, solid_slip_x, solid_slip_z, &
-                        solid_stiffness_n, solid_stiffness_t, solid_wnn, velocity_y, velocity_z
+                        solid_bonded, solid_cohesion, solid_s1, solid_s2, solid_slip_x, solid_slip_z, solid_stiffness_n, &
+                        solid_stiffness_t, solid_wnn, velocity_y, velocity_z
   implicit none
   private
   public :: status_of, rest_speed
@@ -59,15 +59,14 @@ contains
     real(wp) :: reach(2), slow
 
     status = status_none
-    select case (problem%kind)
-    case (round_frictional, arm_frictional, arm_bonded)
-      state = planar_state(problem, k, is_bonded)
-    case (ball_frictional, solid_frictional, solid_bonded)
-      state = spatial_state(problem, k, is_bonded)
-    case default
+    if (friction_place(problem%kind) == 0) then
       if (problem%impulse(1, k) > 0) status = status_slide
       return
-    end select
+    else if (is_in_space(problem%kind)) then
+      state = spatial_state(problem, k, is_bonded)
+    else
+      state = planar_state(problem, k, is_bonded)
+    end if
     if (.not. (state%normal > 0 .or. is_bonded)) return
     ! What the impulse could bring about.
     reach = state%mobility*[state%normal, state%friction*state%normal - state%tangential]

@@ -9,19 +9,19 @@ module sg_delassus
                         arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_stiffness_n, arm_stiffness_t, &
                         arm_wnn, arm_wnt, arm_wtt, ball_frictional, ball_frictionless, ball_frictionless_inverse_mx, &
                         ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, ball_inverse_i, ball_inverse_m, &
-                        ball_inverse_wnn, ball_inverse_wtt, first_inverse, normal_x, normal_y, normal_z, record_length, &
-                        round_frictional, round_frictionless, round_frictionless_inverse_wnn, round_inverse_i, round_inverse_wnn, &
-                        round_inverse_wtt, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bonded, &
-                        solid_compliance_n, solid_compliance_t, solid_frictional, solid_frictionless, &
+                        ball_inverse_wnn, ball_inverse_wtt, first_inverse, normal_x, normal_y, normal_z, plain_kind, &
+                        record_length, round_frictional, round_frictionless, round_frictionless_inverse_wnn, round_inverse_i, &
+                        round_inverse_wnn, round_inverse_wtt, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, &
+                        solid_bonded, solid_compliance_n, solid_compliance_t, solid_frictional, solid_frictionless, &
                         solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, solid_frictionless_moment_az, &
                         solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_inverse_lambda, solid_inverse_mx, &
                         solid_inverse_mz, solid_inverse_xx, solid_inverse_xy, solid_inverse_xz, solid_inverse_yy, &
-                        solid_inverse_yz, solid_inverse_zz, solid_law, solid_s2, solid_stiffness_n, solid_stiffness_t, &
-                        solid_tangent_x, solid_tangent_z, solid_wnn
+                        solid_inverse_yz, solid_inverse_zz, solid_law, solid_s1, solid_s2, solid_stiffness_n, solid_stiffness_t, &
+                        solid_tangent_x, solid_tangent_z, solid_wn1, solid_wn2, solid_wnn
   use sg_vectors, only: cross, determinant
   implicit none
   private
-  public :: set_block, share_mass
+  public :: set_block, block_times, share_mass
 
 contains
 
@@ -213,4 +213,52 @@ contains
     half_determinant = determinant(spread_of)/2
     largest = mean + 2*p*cos(acos(max(-1.0_wp, min(1.0_wp, half_determinant)))/3)
   end function largest_eigenvalue
+
+  !> Block of W of a contact times an impulse [m/s], components as impulses have them.
+  pure function block_times(kind, record, r) result(v)
+    integer, intent(in) :: kind !! kind of problem
+    real(wp), intent(in) :: record(:) !! record of the contact
+    real(wp), intent(in) :: r(3) !! impulse [N s]
+    real(wp) :: v(3), n(3), t(3), r_n
+
+    v = 0
+    select case (plain_kind(kind))
+    case (round_frictionless)
+      v(1) = over(r(1), record(round_frictionless_inverse_wnn))
+    case (round_frictional)
+      v(:2) = [over(r(1), record(round_inverse_wnn)), over(r(2), record(round_inverse_wtt))]
+    case (arm_frictionless)
+      v(1) = over(r(1), record(arm_frictionless_inverse_wnn))
+    case (arm_frictional)
+      v(:2) = [record(arm_wnn)*r(1) + record(arm_wnt)*r(2), record(arm_wnt)*r(1) + record(arm_wtt)*r(2)]
+    case (ball_frictionless)
+      v(1) = over(r(1), record(ball_frictionless_inverse_wnn))
+    case (ball_frictional)
+      r_n = dot_product(record(normal_x:normal_z), r)
+      n = r_n*record(normal_x:normal_z)
+      v = [over(n(1), record(ball_inverse_wnn)) + over(r(1) - n(1), record(ball_inverse_wtt)), &
+           over(n(2), record(ball_inverse_wnn)) + over(r(2) - n(2), record(ball_inverse_wtt)), &
+           over(n(3), record(ball_inverse_wnn)) + over(r(3) - n(3), record(ball_inverse_wtt))]
+    case (solid_frictionless)
+      v(1) = over(r(1), record(solid_frictionless_inverse_wnn))
+    case (solid_frictional)
+      ! In the frame of normal and tangents W is S + w w^T/W_nn.
+      n = record(normal_x:normal_z)
+      t = cross(n, record(solid_tangent_x:solid_tangent_z))
+      r_n = dot_product(n, r)
+      if (record(solid_wnn) > 0) r_n = r_n + (record(solid_wn1)*dot_product(record(solid_tangent_x:solid_tangent_z), r) &
+                                       + record(solid_wn2)*dot_product(t, r))/record(solid_wnn)
+      v = r_n*(record(solid_wnn)*n + record(solid_wn1)*record(solid_tangent_x:solid_tangent_z) + record(solid_wn2)*t) &
+          + record(solid_s1)*dot_product(record(solid_tangent_x:solid_tangent_z), r)*record(solid_tangent_x:solid_tangent_z) &
+          + record(solid_s2)*dot_product(t, r)*t
+    end select
+  end function block_times
+
+  !> A component over the inverse of a diagonal term of W; zero where the contact takes no part.
+  pure real(wp) function over(r, inverse)
+    real(wp), intent(in) :: r, inverse
+
+    over = 0
+    if (inverse > 0) over = r/inverse
+  end function over
 end module sg_delassus

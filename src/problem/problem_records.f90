@@ -74,7 +74,7 @@ contains
       h(1:2, 1:2, 1) = reshape([record(normal_x), record(normal_y), record(normal_y), -record(normal_x)], [2, 2])
       h(1:2, 1:2, 2) = -h(1:2, 1:2, 1)
       contact%impulse(:size(impulse)) = impulse
-      select case (kind)
+      select case (plain_kind(kind))
       case (round_frictionless)
         contact%bias(1) = record(round_frictionless_bias)
         contact%has_tangent = .false.
@@ -85,7 +85,7 @@ contains
         h(1, 3, :) = [record(arm_frictionless_moment_c), -record(arm_frictionless_moment_a)]
         contact%bias(1) = record(arm_frictionless_bias)
         contact%has_tangent = .false.
-      case (arm_frictional, arm_bonded)
+      case (arm_frictional)
         h(1:2, 3, 1) = record(arm_moment_nc:arm_moment_tc)
         h(1:2, 3, 2) = -record(arm_moment_na:arm_moment_ta)
         contact%bias(1:2) = record(arm_bias_n:arm_bias_t)
@@ -116,7 +116,7 @@ contains
     contact%h(:, 1:3, 2) = -transpose(frame)
     contact%impulse(1) = impulse(1)
     if (size(impulse) == 3) contact%impulse = matmul(impulse, frame)
-    select case (kind)
+    select case (plain_kind(kind))
     case (ball_frictionless)
       contact%bias(1) = record(ball_frictionless_bias)
       contact%has_tangent = .false.
@@ -131,7 +131,7 @@ contains
       contact%h(1, 4:6, 2) = -record(solid_frictionless_moment_ax:solid_frictionless_moment_az)
       contact%bias(1) = record(solid_frictionless_bias)
       contact%has_tangent = .false.
-    case (solid_frictional, solid_bonded)
+    case (solid_frictional)
       do i = 1, 3
         contact%h(i, 4:6, 1) = cross(record(solid_arm_cx:solid_arm_cz), frame(:, i))
         contact%h(i, 4:6, 2) = -cross(record(solid_arm_ax:solid_arm_az), frame(:, i))
@@ -164,8 +164,8 @@ contains
       case default
         body%inverse_mass(:min(3, body%n)) = inverse(:min(3, body%n))
       end select
-      select case (problem%kind)
-      case (solid_frictionless, solid_frictional, solid_bonded)
+      select case (plain_kind(problem%kind))
+      case (solid_frictionless, solid_frictional)
         call principal_axes(reshape(inverse([4, 7, 8, 7, 5, 9, 8, 9, 6]), [3, 3]), body%inverse_mass(4:6), body%axes)
         where (body%inverse_mass(4:6) <= driven_below*maxval(body%inverse_mass(4:6))) body%inverse_mass(4:6) = 0
         body%velocity(4:6) = matmul(body%velocity(4:6), body%axes)

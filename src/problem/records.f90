@@ -9,6 +9,7 @@
 !! of frictionless kinds say so; those without the word belong to the frictional kind. Positions of vectors are consecutive.
 module sg_records
   use sg_kinds, only: wp
+  use sg_plan, only: plan_t
   implicit none
   private
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded
@@ -46,6 +47,11 @@ module sg_records
 
   !> Kinds of problem with cohesive zones: records of the frictional kind, followed by what bonds add
   integer, parameter :: arm_bonded = 9, solid_bonded = 10
+
+  !> The kind without bonds whose records those of a kind begin with, so that what both have is written once
+  integer, parameter :: plain_kind(10) = [round_frictionless, round_frictional, arm_frictionless, arm_frictional, &
+                                          ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, &
+                                          arm_frictional, solid_frictional]
 
   !> Contacts of all kinds: unit normal, from antagonist to candidate; in the plane x and y alone
   integer, parameter :: normal_x = 1, normal_y = 2, normal_z = 3
@@ -156,28 +162,16 @@ module sg_records
 
 contains
 
-  !> Kind of problem for a scene whose arms all lie along normals or not, with or without a tangent.
-  pure integer function problem_kind(dimension, is_round, has_tangent, has_bonds)
+  !> Kind of problem of a scene.
+  pure integer function problem_kind(dimension, plan)
     integer, intent(in) :: dimension !! of space
-    logical, intent(in) :: is_round !! all arms of bodies that turn lie along normals
-    logical, intent(in) :: has_tangent !! there is a tangential impulse
-    logical, intent(in), optional :: has_bonds !! there are cohesive zones
+    type(plan_t), intent(in) :: plan !! what the scene needs
 
-    problem_kind = merge(merge(round_frictional, round_frictionless, has_tangent), &
-                         merge(arm_frictional, arm_frictionless, has_tangent), is_round)
+    problem_kind = merge(merge(round_frictional, round_frictionless, plan%has_tangent), &
+                         merge(arm_frictional, arm_frictionless, plan%has_tangent), plan%is_round)
     if (dimension == 3) problem_kind = problem_kind + ball_frictionless - round_frictionless
-    if (.not. present(has_bonds)) return
-    if (has_bonds) problem_kind = merge(arm_bonded, solid_bonded, dimension == 2)
+    if (plan%has_bonds) problem_kind = merge(arm_bonded, solid_bonded, dimension == 2)
   end function problem_kind
-
-  !> The kind without bonds whose record a kind of problem begins with.
-  pure integer function plain_kind(kind)
-    integer, intent(in) :: kind !! kind of problem
-
-    plain_kind = kind
-    if (kind == arm_bonded) plain_kind = arm_frictional
-    if (kind == solid_bonded) plain_kind = solid_frictional
-  end function plain_kind
 
   !> Does a kind of problem carry no lever arms?
   pure logical function is_compact(kind)

@@ -84,7 +84,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: kind
 
-    kind = problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent, sim%plan%has_bonds)
+    kind = problem_kind(sim%scene%dimension, sim%plan)
     associate (phase => sim%totals%phase)
       call phase(phase_detect)%start()
       call detect(sim%scene, sim%pairs, sim%history, sim%contacts)

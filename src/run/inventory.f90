@@ -31,9 +31,7 @@ contains
     call list_tables(sim, tables)
     call list_pairs(sim%pairs, pairs)
     bytes = program_bytes + real(tables%bytes_per(per_body) + tables%bytes_per(per_contact) + pairs%bytes_per(per_contact) + &
-                                 growth_of_problem(sim%problem, problem_kind(sim%scene%dimension, sim%plan%is_round, &
-                                                                             sim%plan%has_tangent, sim%plan%has_bonds), &
-                                                   sim%contacts%n), wp)
+                                 growth_of_problem(sim%problem, problem_kind(sim%scene%dimension, sim%plan), sim%contacts%n), wp)
   end function expected_memory
 
   !> List the tables of a simulation.

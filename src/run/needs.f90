@@ -101,8 +101,7 @@ contains
 
     call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, &
-                  sim%plan%has_tangent, sim%plan%has_bonds), &
+    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
                   sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
     batch = sim%options%solver%check_every
     n_sweeps = nint(real(sim%totals%sweeps, wp)/real(max(1, sim%totals%steps)*batch, wp))*batch

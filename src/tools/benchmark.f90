@@ -84,9 +84,7 @@ contains
       call detect(scene, pairs, history, contacts)
       figures%detect_seconds = min(figures%detect_seconds, cpu_now() - start)
       start = cpu_now()
-      call assemble(scene, contacts, problem_kind(scene%dimension, plan%is_round, &
-                    plan%has_tangent, plan%has_bonds), pairs%body_of, &
-                    pairs%slot_of, plan%radius, h, problem)
+      call assemble(scene, contacts, problem_kind(scene%dimension, plan), pairs%body_of, pairs%slot_of, plan%radius, h, problem)
       figures%assemble_seconds = min(figures%assemble_seconds, cpu_now() - start)
     end do
     solver%options = options

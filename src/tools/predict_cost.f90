@@ -45,8 +45,7 @@ contains
 
     call find_contacts(sim, error)
     if (allocated(error)) return
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, &
-                  sim%plan%has_tangent, sim%plan%has_bonds), &
+    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
                   sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
     load = measured_weights(sim%contacts, sim%scene%bodies%is_grain, sim%scene%bodies%n_home)
     machine%check_every = sim%options%solver%check_every

@@ -67,7 +67,7 @@ contains
     call predict(sim%scene, sim%time(), 0.0_wp, sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
     call check_limits(sim%scene, sim%pairs, sim%contacts, sim%problem, &
-                      problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent, sim%plan%has_bonds), &
+                      problem_kind(sim%scene%dimension, sim%plan), &
                       sim%step + 1, error)
   end subroutine find_contacts
 
@@ -145,8 +145,7 @@ contains
     type(contact_record_t) :: contact
     integer :: chosen(sim%contacts%n), k, n
 
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, &
-                  sim%plan%has_tangent, sim%plan%has_bonds), &
+    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
                   sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
     n = 0
     do k = 1, sim%contacts%n

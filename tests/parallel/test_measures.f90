@@ -141,7 +141,7 @@ contains
 
     call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
+    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
                   sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
     call sim%solver%solve(sim%problem, sim%report)
     call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%options%step, 0.0_wp, sim%contacts)

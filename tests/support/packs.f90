@@ -152,7 +152,7 @@ contains
         call predict(sim%scene, sim%time(), h, sim%options%theta)
       end if
       call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-      call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
+      call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
                     sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, problem)
     end associate
   end subroutine next_problem

@@ -37,7 +37,7 @@ contains
   subroutine reassemble(sim)
     type(simulation_t), intent(inout) :: sim !! its contacts are found
 
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
+    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
                   sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
   end subroutine reassemble
 

@@ -11,8 +11,8 @@ module sg_residuals
                         arm_frictional, arm_frictionless, arm_frictionless_bias, arm_frictionless_inverse_wnn, &
                         arm_frictionless_moment_a, arm_frictionless_moment_c, arm_law, arm_moment_na, arm_moment_nc, &
                         arm_moment_ta, arm_moment_tc, arm_slip, arm_spin, arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, &
-                        arm_wtt, body_length, is_in_space, normal_x, normal_y, record_length, round_bias_n, round_bias_t, &
-                        round_friction, round_frictional, round_frictionless, round_frictionless_bias, &
+                        arm_wtt, body_length, friction_place, is_in_space, normal_x, normal_y, record_length, round_bias_n, &
+                        round_bias_t, round_friction, round_frictional, round_frictionless, round_frictionless_bias, &
                         round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt, round_spin, velocity_x, velocity_y
   use sg_report, only: ratio, report_t
   use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, find_worst_in_space, n_error_sums, note_closing
@@ -69,7 +69,7 @@ contains
 
     lane = 0
     if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, lane, squares, closing)
-    has_tangent = any(problem%kind == [round_frictional, arm_frictional, arm_bonded])
+    has_tangent = friction_place(problem%kind) > 0
     do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
       call gather(problem, first, a)
       if (has_tangent) then

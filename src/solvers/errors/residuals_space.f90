@@ -6,14 +6,14 @@ module sg_residuals_space
   use sg_problem, only: problem_t
   use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_friction, ball_frictional, ball_frictionless, &
                         ball_frictionless_bias, ball_frictionless_inverse_wnn, ball_inverse_wnn, ball_inverse_wtt, ball_spin_x, &
-                        ball_spin_y, ball_spin_z, body_length, normal_x, normal_y, normal_z, record_length, solid_arm_ax, &
-                        solid_arm_ay, solid_arm_az, solid_arm_cx, solid_arm_cy, solid_arm_cz, solid_bias_x, solid_bias_y, &
-                        solid_bias_z, solid_bonded, solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, &
-                        solid_frictional, solid_frictionless, solid_frictionless_bias, solid_frictionless_inverse_wnn, &
-                        solid_frictionless_moment_ax, solid_frictionless_moment_ay, solid_frictionless_moment_az, &
-                        solid_frictionless_moment_cx, solid_frictionless_moment_cy, solid_frictionless_moment_cz, &
-                        solid_inverse_lambda, solid_law, solid_slip_x, solid_slip_z, solid_spin_x, solid_spin_y, solid_spin_z, &
-                        solid_stiffness_n, solid_stiffness_t, velocity_x, velocity_y, velocity_z
+                        ball_spin_y, ball_spin_z, body_length, friction_place, normal_x, normal_y, normal_z, record_length, &
+                        solid_arm_ax, solid_arm_ay, solid_arm_az, solid_arm_cx, solid_arm_cy, solid_arm_cz, solid_bias_x, &
+                        solid_bias_y, solid_bias_z, solid_bonded, solid_cohesion, solid_compliance_n, solid_compliance_t, &
+                        solid_friction, solid_frictional, solid_frictionless, solid_frictionless_bias, &
+                        solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, solid_frictionless_moment_ay, &
+                        solid_frictionless_moment_az, solid_frictionless_moment_cx, solid_frictionless_moment_cy, &
+                        solid_frictionless_moment_cz, solid_inverse_lambda, solid_law, solid_slip_x, solid_slip_z, solid_spin_x, &
+                        solid_spin_y, solid_spin_z, solid_stiffness_n, solid_stiffness_t, velocity_x, velocity_y, velocity_z
   implicit none
   private
   public :: add_normal_parts, add_space_contacts, find_worst_in_space, note_closing, chunk, n_error_sums
@@ -54,7 +54,7 @@ contains
     integer :: first, n, i
     logical :: has_tangent
 
-    has_tangent = any(problem%kind == [ball_frictional, solid_frictional, solid_bonded])
+    has_tangent = friction_place(problem%kind) > 0
     do first = 1, problem%n_contacts, chunk
       call gather(problem, first, a)
       n = a%n
@@ -96,7 +96,7 @@ contains
     integer :: first, i
     logical :: has_tangent
 
-    has_tangent = any(problem%kind == [ball_frictional, solid_frictional, solid_bonded])
+    has_tangent = friction_place(problem%kind) > 0
     do first = 1, problem%n_contacts, chunk
       call gather(problem, first, a)
       do i = 1, a%n

@@ -2,19 +2,14 @@
 !!
 !! They measure increments, not errors: a slow sweep passes them far from the solution (doc/theory/errors.md).
 module sg_increments
+  use sg_delassus, only: block_times
   use sg_kinds, only: wp
   use sg_problem, only: problem_t
-  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, arm_frictionless_inverse_wnn, arm_wnn, arm_wnt, arm_wtt, &
-                        ball_frictional, ball_frictionless, ball_frictionless_inverse_wnn, ball_inverse_wnn, ball_inverse_wtt, &
-                        first_inverse, normal_x, normal_z, round_frictional, round_frictionless, round_frictionless_inverse_wnn, &
-                        round_inverse_wnn, round_inverse_wtt, solid_bonded, solid_frictional, solid_frictionless, &
-                        solid_frictionless_inverse_wnn, solid_s1, solid_s2, solid_tangent_x, solid_tangent_z, solid_wn1, &
-                        solid_wn2, solid_wnn
+  use sg_records, only: first_inverse
   use sg_run_options, only: criterion_maxm, criterion_qm16
   use sg_sweep_order, only: sweep_order_t
   use sg_sweeps, only: sweep_impulses
   use sg_tables, only: per_body, per_contact, tables_t
-  use sg_vectors, only: cross
   implicit none
   private
   public :: increments_t, increment_value, n_increment_sums, n_increment_maxima
@@ -102,51 +97,4 @@ contains
       value = max(mean_dvr, quad_dv, quad_dvr)
     end select
   end function increment_value
-
-  !> Block of W of a contact times an impulse [m/s], components as impulses have them.
-  pure function block_times(kind, record, r) result(v)
-    integer, intent(in) :: kind
-    real(wp), intent(in) :: record(:), r(3)
-    real(wp) :: v(3), n(3), t(3), r_n
-
-    v = 0
-    select case (kind)
-    case (round_frictionless)
-      v(1) = over(r(1), record(round_frictionless_inverse_wnn))
-    case (round_frictional)
-      v(:2) = [over(r(1), record(round_inverse_wnn)), over(r(2), record(round_inverse_wtt))]
-    case (arm_frictionless)
-      v(1) = over(r(1), record(arm_frictionless_inverse_wnn))
-    case (arm_frictional, arm_bonded)
-      v(:2) = [record(arm_wnn)*r(1) + record(arm_wnt)*r(2), record(arm_wnt)*r(1) + record(arm_wtt)*r(2)]
-    case (ball_frictionless)
-      v(1) = over(r(1), record(ball_frictionless_inverse_wnn))
-    case (ball_frictional)
-      r_n = dot_product(record(normal_x:normal_z), r)
-      n = r_n*record(normal_x:normal_z)
-      v = [over(n(1), record(ball_inverse_wnn)) + over(r(1) - n(1), record(ball_inverse_wtt)), &
-           over(n(2), record(ball_inverse_wnn)) + over(r(2) - n(2), record(ball_inverse_wtt)), &
-           over(n(3), record(ball_inverse_wnn)) + over(r(3) - n(3), record(ball_inverse_wtt))]
-    case (solid_frictionless)
-      v(1) = over(r(1), record(solid_frictionless_inverse_wnn))
-    case (solid_frictional, solid_bonded)
-      ! In the frame of normal and tangents W is S + w w^T/W_nn.
-      n = record(normal_x:normal_z)
-      t = cross(n, record(solid_tangent_x:solid_tangent_z))
-      r_n = dot_product(n, r)
-      if (record(solid_wnn) > 0) r_n = r_n + (record(solid_wn1)*dot_product(record(solid_tangent_x:solid_tangent_z), r) &
-                                       + record(solid_wn2)*dot_product(t, r))/record(solid_wnn)
-      v = r_n*(record(solid_wnn)*n + record(solid_wn1)*record(solid_tangent_x:solid_tangent_z) + record(solid_wn2)*t) &
-          + record(solid_s1)*dot_product(record(solid_tangent_x:solid_tangent_z), r)*record(solid_tangent_x:solid_tangent_z) &
-          + record(solid_s2)*dot_product(t, r)*t
-    end select
-  end function block_times
-
-  !> A component over the inverse of a diagonal term of W; zero where the contact takes no part.
-  pure real(wp) function over(r, inverse)
-    real(wp), intent(in) :: r, inverse
-
-    over = 0
-    if (inverse > 0) over = r/inverse
-  end function over
 end module sg_increments

@@ -133,7 +133,7 @@ contains
     call start_simulation(sim)
     call predict(sim%scene, 0.0_wp, h, 0.5_wp)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan%is_round, sim%plan%has_tangent), &
+    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
                   sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, problem)
   end subroutine draw_pile
 
