@@ -8,6 +8,7 @@ module breaking_glued_solver
   use sg_dual, only: dual_t
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t
+  use sg_records, only: velocity_x
   use sg_report, only: report_t
   use sg_subdomain, only: subdomain_t
   use sg_whole_errors, only: whole_errors_t
@@ -34,7 +35,7 @@ contains
     type(whole_errors_t) :: errors
 
     call self%dual_t%solve(problem, subdomain, slot_of, comm, report)
-    if (comm%rank == comm%size - 1) problem%body(1, 1) = ieee_value(1.0_wp, ieee_positive_inf)
+    if (comm%rank == comm%size - 1) problem%body(velocity_x, 1) = ieee_value(1.0_wp, ieee_positive_inf)
     call errors%prepare(problem, comm)
     call errors%begin(problem, .true., comm)
     call errors%finish(report, comm)
@@ -57,7 +58,7 @@ program test_dump_ranks
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_problem, only: problem_t
-  use sg_records, only: arm_frictional
+  use sg_records, only: arm_cohesion, arm_compliance_n, arm_compliance_t, arm_frictional
   use sg_report, only: report_t
   use sg_simulation, only: decompose, simulation_t
   use sg_sparse, only: multiply
@@ -170,8 +171,8 @@ contains
 
     call next_problem(sim, problem)
     if (problem%kind == arm_frictional) then
-      problem%record(13, :) = cohesion
-      problem%record(14:15, :) = compliance
+      problem%record(arm_cohesion, :) = cohesion
+      problem%record(arm_compliance_n:arm_compliance_t, :) = compliance
     end if
     call begin_dump(dump, problem, sim%decomposition%subdomain, sim%pairs%slot_of, ranks)
     if (sim%decomposition%is_on) then

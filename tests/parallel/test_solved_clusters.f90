@@ -10,6 +10,7 @@ program test_solved_clusters
   use sg_glued_solver, only: glued_solver_t
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
+  use sg_records, only: round_frictionless_inverse_wnn
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e8, partition_options_t, solver_options_t
   use sg_subdomain, only: subdomain_t
@@ -96,7 +97,7 @@ contains
     subdomain%wide = [integer ::]
     if (comm%rank == 0) return
     problem%pair(2, 1) = int(problem%n_bodies, i4)
-    problem%record(4, 1) = 0.5_wp
+    problem%record(round_frictionless_inverse_wnn, 1) = 0.5_wp
     problem%free_norm = sqrt(real(n_short, wp))
   end subroutine make_storey
 end program test_solved_clusters

@@ -3,7 +3,7 @@
 module towers
   use sg_kinds, only: wp
   use sg_problem, only: problem_t, reserve_problem
-  use sg_records, only: round_frictionless
+  use sg_records, only: round_frictionless, round_frictionless_inverse_wnn, velocity_x, velocity_y
   implicit none
   private
   public :: make_towers
@@ -22,8 +22,8 @@ contains
     problem%free_norm = sqrt(real(size(heights), wp))
     problem%impulse = 0
     problem%body = 1
-    problem%body(1, :) = 0
-    problem%body(2, :) = -1
+    problem%body(velocity_x, :) = 0
+    problem%body(velocity_y, :) = -1
     problem%body(:, 1) = 0
     k = 0
     do tower = 1, size(heights)
@@ -33,7 +33,7 @@ contains
         problem%record(:, k) = [0.0_wp, 1.0_wp, 0.0_wp, 0.5_wp]
         if (floor > 1) cycle
         problem%pair(2, k) = 1
-        problem%record(4, k) = 1
+        problem%record(round_frictionless_inverse_wnn, k) = 1
       end do
     end do
   end subroutine make_towers

@@ -2,16 +2,19 @@
 program test_laws
   use harness, only: tests_t
   use sg_compact, only: compact_velocity
+  use sg_coulomb_cone, only: project, project_all
   use sg_internal_values, only: first_internal, n_internal_of
   use sg_kinds, only: wp, i1
   use sg_laws, only: law_elastic, law_gap, law_iqs, law_linear, law_mohr, law_restitution, law_t, law_velocity, law_wet
   use sg_laws, only: law_bond, law_elastic_g0, law_gap_g0, law_gap_shifted, law_iqs_g0, law_viscoelastic
   use sg_laws, only: is_frictionless, is_plain, local_law, local_law_t
   use sg_laws, only: status_bonded, status_new, status_none, status_slide, status_stick
+  use sg_matrix_errors, only: project_on_cone
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
-  use sg_records, only: arm_frictional, round_frictional
+  use sg_records, only: arm_bias_n, arm_bias_t, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, arm_frictional, &
+                        arm_law, arm_moment_tc, arm_wnn, arm_wtt, normal_x, record_length, round_frictional
   use sg_report, only: report_t
   use sg_residuals, only: natural_map
   implicit none
@@ -30,6 +33,7 @@ program test_laws
   call test_one_contact()
   call test_one_round_contact()
   call test_natural_map()
+  call test_cone()
   call t%finish()
 
 contains
@@ -199,7 +203,7 @@ contains
 
   !> Record of a contact with a fixed body, seen from the free body's centre at an arm.
   pure subroutine set_record(record, inverse_mass, angle, arm, friction, law_kind)
-    real(wp), intent(out) :: record(16)
+    real(wp), intent(out) :: record(record_length(arm_frictional))
     real(wp), intent(in) :: inverse_mass(3), angle, arm(2), friction, law_kind
     real(wp) :: n(2), turn_n, turn_t
 
@@ -207,14 +211,14 @@ contains
     turn_n = arm(1)*n(2) - arm(2)*n(1)
     turn_t = -arm(1)*n(1) - arm(2)*n(2)
     record = 0
-    record(1:4) = [n, turn_n, turn_t]
-    record(7:8) = [0.1_wp, -0.2_wp]
-    record(9:11) = [inverse_mass(1) + turn_n**2*inverse_mass(3), turn_n*turn_t*inverse_mass(3), &
+    record(normal_x:arm_moment_tc) = [n, turn_n, turn_t]
+    record(arm_bias_n:arm_bias_t) = [0.1_wp, -0.2_wp]
+    record(arm_wnn:arm_wtt) = [inverse_mass(1) + turn_n**2*inverse_mass(3), turn_n*turn_t*inverse_mass(3), &
                     inverse_mass(1) + turn_t**2*inverse_mass(3)]
-    record(12) = friction
-    record(13:15) = [0.05_wp, 0.3_wp, 0.4_wp]
-    record([9, 11]) = record([9, 11]) + record(14:15)
-    record(16) = law_kind
+    record(arm_friction) = friction
+    record(arm_cohesion:arm_compliance_t) = [0.05_wp, 0.3_wp, 0.4_wp]
+    record([arm_wnn, arm_wtt]) = record([arm_wnn, arm_wtt]) + record(arm_compliance_n:arm_compliance_t)
+    record(arm_law) = law_kind
   end subroutine set_record
 
   !> Solve by one sweep; note the natural map and what the contact does.
@@ -232,7 +236,7 @@ contains
     solver%options%check_every = 1
     call solver%solve(problem, report)
     r = problem%impulse(:, 1)
-    if (problem%kind == arm_frictional) r(1) = r(1) + problem%record(13, 1)
+    if (problem%kind == arm_frictional) r(1) = r(1) + problem%record(arm_cohesion, 1)
     worst = max(worst, maxval(abs(natural_map(r, compact_velocity(problem, 1), friction, 1.0_wp, linear)))/(1 + friction))
     state = 1
     if (r(1) > 0) state = merge(2, 3, abs(r(2)) < friction*r(1))
@@ -287,4 +291,45 @@ contains
     f = natural_map([-3.0_wp, 7.0_wp], [0.25_wp, -0.5_wp], 0.0_wp, 2.0_wp, 1.0_wp)
     call t%near(maxval(abs(f - [0.5_wp, -1.0_wp])), 0.0_wp, rounding, 'natural map: linear laws ask u = 0')
   end subroutine test_natural_map
+
+  !> The projection on Coulomb's cone against the one of the errors of matrices, which is written apart; many points and one.
+  subroutine test_cone()
+    integer, parameter :: n = 3000
+    type(random_t) :: random
+    real(wp), dimension(n) :: x, s, friction, normal, tangential
+    real(wp) :: one(2), other(3), t_normal, t_tangential, direction(2)
+    real(wp) :: worst
+    integer :: i, places(3)
+
+    call random%seed(7)
+    worst = 0
+    places = 0
+    do i = 1, n
+      x(i) = random%normal()
+      s(i) = random%normal()
+      friction(i) = merge(0.0_wp, 3*random%uniform()**2, modulo(i, 10) == 0)
+      if (modulo(i, 11) == 0) s(i) = 0
+      if (modulo(i, 13) == 0) x(i) = 0
+    end do
+    call project_all(n, x, s, friction, normal, tangential)
+    do i = 1, n
+      call project(x(i), s(i), friction(i), t_normal, t_tangential)
+      worst = max(worst, abs(t_normal - normal(i)), abs(t_tangential - tangential(i)))
+      one = project_on_cone([x(i), s(i)], friction(i))
+      worst = max(worst, maxval(abs(one - [normal(i), tangential(i)])))
+      call project(x(i), abs(s(i)), friction(i), t_normal, t_tangential)
+      direction = [cos(real(i, wp)), sin(real(i, wp))]
+      other = project_on_cone([x(i), s(i)*direction], friction(i))
+      worst = max(worst, maxval(abs(other - [t_normal, sign(t_tangential, s(i))*direction])))
+      if (maxval(abs(one)) <= 0) then
+        places(1) = places(1) + 1
+      else if (abs(s(i)) <= friction(i)*x(i)) then
+        places(2) = places(2) + 1
+      else
+        places(3) = places(3) + 1
+      end if
+    end do
+    call t%near(worst, 0.0_wp, 4*rounding, 'projection on the cone: two ways')
+    call t%check(all(places > 300), 'projection on the cone: tip, inside and surface were all tried')
+  end subroutine test_cone
 end program test_laws

@@ -12,8 +12,14 @@ program test_condense
   use sg_problem, only: problem_t, reserve_problem
   use sg_problem_matrices, only: matrices_map_t, matrices_of, take_impulses
   use sg_random, only: random_t
-  use sg_records, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, first_inverse, round_frictional, &
-                        round_frictionless, solid_frictional, solid_frictionless
+  use sg_records, only: arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, arm_frictional, arm_frictionless, &
+                        arm_frictionless_inverse_wnn, arm_inverse_i, arm_law, arm_wnn, ball_friction, ball_frictional, &
+                        ball_frictionless, ball_frictionless_inverse_wnn, ball_inverse_i, ball_inverse_m, ball_inverse_wnn, &
+                        ball_inverse_wtt, first_inverse, normal_x, normal_y, normal_z, round_friction, round_frictional, &
+                        round_frictionless, round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt, solid_cohesion, &
+                        solid_compliance_n, solid_compliance_t, solid_friction, solid_frictional, solid_frictionless, &
+                        solid_frictionless_inverse_wnn, solid_inverse_lambda, solid_inverse_xx, solid_inverse_yz, solid_law, &
+                        solid_tangent_x, solid_tangent_z
   use sg_report, only: report_t
   use sg_residuals, only: measure_errors
   use sg_sparse, only: blocks_t, multiply, sparse_t
@@ -169,9 +175,9 @@ contains
       n = some_list(random, 3)
       if (kind <= arm_frictional) n(3) = 0
       n = n/norm2(n)
-      problem%record(1:2, k) = n(1:2)
-      if (kind > arm_frictional) problem%record(3, k) = n(3)
-      if (kind == solid_frictional) problem%record(4:6, k) = tangent_of(n)
+      problem%record(normal_x:normal_y, k) = n(1:2)
+      if (kind > arm_frictional) problem%record(normal_z, k) = n(3)
+      if (kind == solid_frictional) problem%record(solid_tangent_x:solid_tangent_z, k) = tangent_of(n)
       if (law_at(kind) > 0) problem%record(law_at(kind):law_at(kind) + 2, k) = &
         [merge(random%uniform(), 0.0_wp, with_cohesion), merge([0.7_wp, 0.2_wp], [0.0_wp, 0.0_wp], with_compliance .and. k < 3)]
     end do
@@ -184,8 +190,8 @@ contains
     integer, intent(in) :: kind
 
     law_at = 0
-    if (kind == arm_frictional) law_at = 13
-    if (kind == solid_frictional) law_at = 22
+    if (kind == arm_frictional) law_at = arm_cohesion
+    if (kind == solid_frictional) law_at = solid_cohesion
   end function law_at
 
   !> Give a body random inverse masses; spins of the last but one are partly driven where there are arms.
@@ -197,10 +203,10 @@ contains
 
     first = nv*(s - 1)
     body(nv + 1:) = random%uniform(0.5_wp, 2.0_wp)
-    if (kind == arm_frictional .and. s == n_bodies - 1) body(6) = 0
+    if (kind == arm_frictional .and. s == n_bodies - 1) body(arm_inverse_i) = 0
     do i = 1, nv
       if (kind == ball_frictional) then
-        inverse(first + i, first + i) = body(merge(7, 8, i <= 3))
+        inverse(first + i, first + i) = body(merge(ball_inverse_m, ball_inverse_i, i <= 3))
       else if (kind < ball_frictional .or. i <= 3) then
         inverse(first + i, first + i) = body(nv + i)
       end if
@@ -210,7 +216,7 @@ contains
     if (s == n_bodies - 1) turn(:, 2:) = 0
     turn = matmul(turn, transpose(turn))
     inverse(first + 4:first + 6, first + 4:first + 6) = turn(:, :)
-    body(10:15) = [turn(1, 1), turn(2, 2), turn(3, 3), turn(1, 2), turn(1, 3), turn(2, 3)]
+    body(solid_inverse_xx:solid_inverse_yz) = [turn(1, 1), turn(2, 2), turn(3, 3), turn(1, 2), turn(1, 3), turn(2, 3)]
   end subroutine give_mass
 
   !> H from the relative velocities that unit velocities of bodies make.
@@ -252,40 +258,43 @@ contains
       associate (record => problem%record(:, k))
         select case (problem%kind)
         case (round_frictionless)
-          record(4) = 1/own(1, 1)
+          record(round_frictionless_inverse_wnn) = 1/own(1, 1)
         case (round_frictional)
-          record(5:7) = [1/own(1, 1), 1/own(2, 2), random%uniform()]
+          record(round_inverse_wnn:round_friction) = [1/own(1, 1), 1/own(2, 2), random%uniform()]
         case (arm_frictionless)
-          record(6) = 1/own(1, 1)
+          record(arm_frictionless_inverse_wnn) = 1/own(1, 1)
         case (arm_frictional)
-          record(9:12) = [own(1, 1) + record(14), own(1, 2), own(2, 2) + record(15), random%uniform()]
-          record(16) = 1
+          record(arm_wnn:arm_friction) = [own(1, 1) + record(arm_compliance_n), own(1, 2), own(2, 2) + record(arm_compliance_t), &
+                                          random%uniform()]
+          record(arm_law) = 1
         case (ball_frictionless)
-          record(5) = 1/own(1, 1)
+          record(ball_frictionless_inverse_wnn) = 1/own(1, 1)
         case (ball_frictional)
-          record(7:9) = [1/normal_part(own, record(1:3)), 1/normal_part(own, tangent_of(record(1:3))), random%uniform()]
+          record(ball_inverse_wnn:ball_friction) = [1/normal_part(own, record(normal_x:normal_z)), &
+                                                    1/normal_part(own, tangent_of(record(normal_x:normal_z))), random%uniform()]
         case (solid_frictionless)
-          record(11) = 1/own(1, 1)
+          record(solid_frictionless_inverse_wnn) = 1/own(1, 1)
         case (solid_frictional)
-          record(21) = random%uniform()
-          own = own + (record(23) - record(24))*spread(record(1:3), 2, 3)*spread(record(1:3), 1, 3)
+          record(solid_friction) = random%uniform()
+          own = own + (record(solid_compliance_n) - record(solid_compliance_t)) &
+                *spread(record(normal_x:normal_z), 2, 3)*spread(record(normal_x:normal_z), 1, 3)
           do i = 1, 3
-            own(i, i) = own(i, i) + record(24)
+            own(i, i) = own(i, i) + record(solid_compliance_t)
           end do
           call principal_axes(own, values, axes)
-          record(25:26) = [1.0_wp, 1/maxval(values)]
+          record(solid_law:solid_inverse_lambda) = [1.0_wp, 1/maxval(values)]
         end select
         if (k /= inactive) cycle
         problem%impulse(:, k) = 0
         select case (problem%kind)
         case (arm_frictional)
-          record([13, 16]) = 0
+          record([arm_cohesion, arm_law]) = 0
         case (solid_frictional)
-          record([22, 25, 26]) = 0
+          record([solid_cohesion, solid_law, solid_inverse_lambda]) = 0
         case (round_frictional)
-          record(5:6) = 0
+          record(round_inverse_wnn:round_inverse_wtt) = 0
         case (ball_frictional)
-          record(7:8) = 0
+          record(ball_inverse_wnn:ball_inverse_wtt) = 0
         case default
           record(size(record)) = 0
         end select
@@ -362,7 +371,7 @@ contains
       other = compact_velocity(problem, int(map%contact(k)))
       normal = other(1)
       if (any(problem%kind == [ball_frictional, solid_frictional])) then
-        normal = dot_product(problem%record(1:3, map%contact(k)), other)
+        normal = dot_product(problem%record(normal_x:normal_z, map%contact(k)), other)
       end if
       largest = max(largest, abs(u(1, k) - normal))
       if (size(problem%impulse, 1) > 1) largest = max(largest, abs(norm2(u(:, k)) - norm2(other)))
@@ -388,7 +397,7 @@ contains
     do i = 1, made%n
       do k = 1, d
         if (kind == arm_frictional) dense(2*i - 2 + k, 2*i - 2 + k) = dense(2*i - 2 + k, 2*i - 2 + k) &
-                                                                      - problem%record(13 + k, map%contact(i))
+                                                                      - problem%record(arm_compliance_n + k - 1, map%contact(i))
         do j = 1, made%n
           do l = 1, d
             if (j == i .and. l > k) cycle
@@ -409,7 +418,7 @@ contains
     real(wp), allocatable :: h(:, :), inverse(:, :)
 
     call make_records(ball_frictional, .false., .false., problem, h, inverse)
-    problem%body(8, 2) = -1.0_wp - 4.0_wp
+    problem%body(ball_inverse_i, 2) = -1.0_wp - 4.0_wp
     call matrices_of(problem, .false., made, map, error)
     call t%check(.not. allocated(error), 'partly driven: no error')
     call t%check(all(pack(map%component, map%slot == 2) == [1, 3]), 'partly driven: two unknowns')
@@ -426,7 +435,7 @@ contains
     real(wp), allocatable :: h(:, :), inverse(:, :)
 
     call make_records(arm_frictional, .false., .false., problem, h, inverse)
-    problem%record(16, 3) = 2
+    problem%record(arm_law, 3) = 2
     call matrices_of(problem, .false., made, map, error)
     call t%check(allocated(error), 'linear: error')
     if (allocated(error)) call t%check(index(error%message, 'contact 3 has a linear law') == 1, 'linear: which contact')

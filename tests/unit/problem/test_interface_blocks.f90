@@ -4,7 +4,7 @@ program test_interface_blocks
   use sg_interface_blocks, only: block_structure, block_structure_t
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t, reserve_problem
-  use sg_records, only: arm_frictionless, ball_frictional, round_frictionless
+  use sg_records, only: arm_frictionless, ball_frictional, ball_inverse_wnn, normal_x, normal_z, round_frictionless
   use sg_vectors, only: cross
   implicit none
   type(tests_t) :: t
@@ -82,9 +82,9 @@ contains
     problem%pair(:, 1) = [1_i4, 2_i4]
     problem%pair(:, 2) = [3_i4, 2_i4]
     problem%record(:, :2) = 0
-    problem%record(1:3, 1) = [1.0_wp, 0.0_wp, 0.0_wp]
-    problem%record(1:3, 2) = [0.0_wp, 1.0_wp, 0.0_wp]
-    problem%record(7, :2) = 1
+    problem%record(normal_x:normal_z, 1) = [1.0_wp, 0.0_wp, 0.0_wp]
+    problem%record(normal_x:normal_z, 2) = [0.0_wp, 1.0_wp, 0.0_wp]
+    problem%record(ball_inverse_wnn, :2) = 1
     blocks = block_structure(problem, [1, 2])
     ! Diagonal: 2 along the normal, 2 + 2 (5/2) = 7 along each tangent.
     call t%near(blocks%off_diagonal, sqrt(2*off_squares()/(2*(4 + 2*49.0_wp))), 1e-14_wp, 'W of two balls on a third')

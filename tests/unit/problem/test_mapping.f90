@@ -10,7 +10,8 @@ program test_mapping
   use sg_mapping, only: add_resultants, relative_velocity
   use sg_motion, only: predict
   use sg_random, only: random_t
-  use sg_records, only: arm_frictional, arm_frictionless, round_frictional, round_frictionless
+  use sg_records, only: arm_frictional, arm_frictionless, arm_frictionless_inverse_wnn, arm_wnn, arm_wtt, round_frictional, &
+                        round_frictionless, round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt
   use sg_simulation, only: simulation_t
   use sg_time_functions, only: time_function_t
   use solver_cases, only: begin_step, h, reassemble
@@ -256,13 +257,15 @@ contains
     associate (record => sim%problem%record(:, k))
       select case (sim%problem%kind)
       case (round_frictionless)
-        if (record(4) > 0) misfit = abs(1/record(4) - w(1, 1))
+        if (record(round_frictionless_inverse_wnn) > 0) misfit = abs(1/record(round_frictionless_inverse_wnn) - w(1, 1))
       case (round_frictional)
-        if (record(5) > 0) misfit = max(abs(1/record(5) - w(1, 1) - abs(w(1, 2))), abs(1/record(6) - w(2, 2) - abs(w(1, 2))))
+        if (.not. record(round_inverse_wnn) > 0) return
+        misfit = max(abs(1/record(round_inverse_wnn) - w(1, 1) - abs(w(1, 2))), &
+                     abs(1/record(round_inverse_wtt) - w(2, 2) - abs(w(1, 2))))
       case (arm_frictionless)
-        if (record(6) > 0) misfit = abs(1/record(6) - w(1, 1))
+        if (record(arm_frictionless_inverse_wnn) > 0) misfit = abs(1/record(arm_frictionless_inverse_wnn) - w(1, 1))
       case (arm_frictional)
-        misfit = maxval(abs(record(9:11) - [w(1, 1) + compliance(1), w(1, 2), w(2, 2) + compliance(2)]))
+        misfit = maxval(abs(record(arm_wnn:arm_wtt) - [w(1, 1) + compliance(1), w(1, 2), w(2, 2) + compliance(2)]))
       end select
     end associate
   end function block_misfit

@@ -9,7 +9,10 @@ program test_mapping_space
   use sg_laws, only: law_elastic, law_linear, law_restitution, local_law, local_law_t, status_new
   use sg_mapping_space, only: add_space_resultants, space_arms, space_relative_velocity, tangent_of
   use sg_random, only: random_t
-  use sg_records, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless
+  use sg_records, only: ball_frictional, ball_frictionless, ball_frictionless_inverse_wnn, ball_inverse_i, ball_inverse_wnn, &
+                        ball_inverse_wtt, normal_x, normal_z, solid_frictional, solid_frictionless, &
+                        solid_frictionless_inverse_wnn, solid_inverse_lambda, solid_law, solid_s1, solid_s2, solid_spin_x, &
+                        solid_spin_z, solid_tangent_x, solid_tangent_z, solid_wn2, solid_wnn, velocity_x, velocity_z
   use sg_rotations, only: turned_by
   use sg_simulation, only: simulation_t
   use sg_symmetric, only: principal_axes
@@ -168,14 +171,14 @@ contains
     call add_space_impulses(sim%problem)
     velocity = sim%scene%bodies%free_velocity + effect_of(sim, sim%contacts)
     call t%near(misfit(sim, velocity), 0.0_wp, 1000*rounding, name//': relative velocities with impulses')
-    worst = maxval(abs(sim%problem%body(1:3, sim%pairs%slot_of) - velocity(1:3, :)))
+    worst = maxval(abs(sim%problem%body(velocity_x:velocity_z, sim%pairs%slot_of) - velocity(1:3, :)))
     call t%near(worst, 0.0_wp, 1000*rounding, name//': velocities of bodies')
     if (sim%problem%kind == ball_frictionless) return
     worst = 0
     do b = 1, n_bodies
       spin = turned_by(sim%scene%bodies%middle(4:7, b), velocity(4:6, b))
       if (sim%problem%kind == ball_frictional) spin = sim%plan%radius(b)*spin
-      worst = max(worst, maxval(abs(sim%problem%body(4:6, sim%pairs%slot_of(b)) - spin)))
+      worst = max(worst, maxval(abs(sim%problem%body(solid_spin_x:solid_spin_z, sim%pairs%slot_of(b)) - spin)))
     end do
     call t%near(worst, 0.0_wp, 1000*rounding, name//': spins of bodies')
   end subroutine test_compact
@@ -278,42 +281,45 @@ contains
     type(simulation_t), intent(in) :: sim
     integer, intent(in) :: k
     real(wp), intent(in) :: w(:, :), compliance(2)
-    real(wp) :: n(3), values(3), axes(3, 3), schur(2, 2)
+    real(wp) :: n(3), values(3), axes(3, 3), schur(2, 2), wrong
 
     misfit = 0
     n = sim%contacts%normal(:, k)
     associate (record => sim%problem%record(:, k), pair => sim%problem%pair(:, k), body => sim%problem%body)
       select case (sim%problem%kind)
       case (ball_frictionless)
-        if (record(5) > 0) misfit = abs(1/record(5) - w(1, 1))
+        if (record(ball_frictionless_inverse_wnn) > 0) misfit = abs(1/record(ball_frictionless_inverse_wnn) - w(1, 1))
       case (ball_frictional)
-        if (.not. record(7) > 0) return
+        if (.not. record(ball_inverse_wnn) > 0) return
         call principal_axes(w, values, axes)
-        if (min(body(8, pair(1)), body(8, pair(2))) < 0) then
-          misfit = max(0.0_wp, dot_product(n, matmul(w, n)) - 1/record(7), maxval(values) - 1/min(record(7), record(8)))
+        if (min(body(ball_inverse_i, pair(1)), body(ball_inverse_i, pair(2))) < 0) then
+          misfit = max(0.0_wp, dot_product(n, matmul(w, n)) - 1/record(ball_inverse_wnn), &
+                       maxval(values) - 1/min(record(ball_inverse_wnn), record(ball_inverse_wtt)))
         else
-          misfit = abs(1/record(7) - dot_product(n, matmul(w, n)))
-          axes = w - 1/record(8)*identity() - (1/record(7) - 1/record(8))*outer(n, n)
+          misfit = abs(1/record(ball_inverse_wnn) - dot_product(n, matmul(w, n)))
+          axes = w - 1/record(ball_inverse_wtt)*identity() - (1/record(ball_inverse_wnn) - 1/record(ball_inverse_wtt))*outer(n, n)
           misfit = max(misfit, maxval(abs(axes)))
         end if
       case (solid_frictionless)
-        if (record(11) > 0) misfit = abs(1/record(11) - w(1, 1) - compliance(1))
+        if (.not. record(solid_frictionless_inverse_wnn) > 0) return
+        misfit = abs(1/record(solid_frictionless_inverse_wnn) - w(1, 1) - compliance(1))
       case (solid_frictional)
-        if (record(25) < 0.5_wp) return
-        axes(:, 1) = record(1:3)
-        axes(:, 2) = record(4:6)
-        axes(:, 3) = cross(record(1:3), record(4:6))
+        if (record(solid_law) < 0.5_wp) return
+        axes(:, 1) = record(normal_x:normal_z)
+        axes(:, 2) = record(solid_tangent_x:solid_tangent_z)
+        axes(:, 3) = cross(record(normal_x:normal_z), record(solid_tangent_x:solid_tangent_z))
         misfit = maxval(abs(matmul(transpose(axes), axes) - identity()))
         axes = matmul(transpose(axes), matmul(w, axes))
         axes(1, 1) = axes(1, 1) + compliance(1)
         axes(2, 2) = axes(2, 2) + compliance(2)
         axes(3, 3) = axes(3, 3) + compliance(2)
         schur = axes(2:3, 2:3) - spread(axes(2:3, 1), 2, 2)*spread(axes(1, 2:3), 1, 2)/axes(1, 1)
-        misfit = max(misfit, maxval(abs(record(16:18) - axes(:, 1))), maxval(abs(record(19:20) - [schur(1, 1), schur(2, 2)])), &
-                     abs(schur(1, 2)))
+        misfit = max(misfit, maxval(abs(record(solid_wnn:solid_wn2) - axes(:, 1))), &
+                     maxval(abs(record(solid_s1:solid_s2) - [schur(1, 1), schur(2, 2)])), abs(schur(1, 2)))
         call principal_axes(w_of(axes), values, axes)
         ! The root of the characteristic polynomial has half the digits where two of them meet: a scale needs no more.
-        if (abs(1/record(26) - maxval(values)) > 1e-7_wp*maxval(values)) misfit = max(misfit, abs(1/record(26) - maxval(values)))
+        wrong = abs(1/record(solid_inverse_lambda) - maxval(values))
+        if (wrong > 1e-7_wp*maxval(values)) misfit = max(misfit, wrong)
       end select
     end associate
   end function block_misfit

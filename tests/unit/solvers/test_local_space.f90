@@ -5,6 +5,8 @@ program test_local_space
   use harness, only: tests_t
   use sg_kinds, only: wp, pi
   use sg_random, only: random_t
+  use sg_records, only: body_length, normal_x, normal_z, record_length, solid_bias_x, solid_bias_z, solid_friction, &
+                        solid_frictional, solid_law, solid_s1, solid_s2, solid_tangent_x, solid_tangent_z, solid_wn2, solid_wnn
   use sg_sweep_solid, only: sweep_solid_frictional
   use sg_symmetric, only: principal_axes
   use solver_cases, only: map_in_space
@@ -20,7 +22,8 @@ contains
   !> Impulse of one contact whose block is W (axes n, t, n x t) and whose velocity without it is q: one sweep.
   function local_answer(w, q, friction) result(r)
     real(wp), intent(in) :: w(3, 3), q(3), friction
-    real(wp) :: r(3), record(26, 1), impulse(3, 1), body(16, 2), s(2, 2), angle, c, d, turned(3, 3)
+    real(wp) :: record(record_length(solid_frictional), 1), impulse(3, 1), body(body_length(solid_frictional), 2)
+    real(wp) :: r(3), s(2, 2), angle, c, d, turned(3, 3)
 
     s = w(2:3, 2:3) - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
     angle = 0.5_wp*atan2(2*s(1, 2), s(1, 1) - s(2, 2))
@@ -28,14 +31,14 @@ contains
     d = sin(angle)
     turned = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, c, d, 0.0_wp, -d, c], [3, 3])
     record = 0
-    record(1:3, 1) = [1.0_wp, 0.0_wp, 0.0_wp]
-    record(4:6, 1) = [0.0_wp, c, d]
-    record(13:15, 1) = q
-    record(16:18, 1) = matmul(w(1, :), turned)
-    record(19, 1) = max(16*epsilon(1.0_wp)*maxval(w), c**2*s(1, 1) + 2*c*d*s(1, 2) + d**2*s(2, 2))
-    record(20, 1) = max(16*epsilon(1.0_wp)*maxval(w), d**2*s(1, 1) - 2*c*d*s(1, 2) + c**2*s(2, 2))
-    record(21, 1) = friction
-    record(25, 1) = 1
+    record(normal_x:normal_z, 1) = [1.0_wp, 0.0_wp, 0.0_wp]
+    record(solid_tangent_x:solid_tangent_z, 1) = [0.0_wp, c, d]
+    record(solid_bias_x:solid_bias_z, 1) = q
+    record(solid_wnn:solid_wn2, 1) = matmul(w(1, :), turned)
+    record(solid_s1, 1) = max(16*epsilon(1.0_wp)*maxval(w), c**2*s(1, 1) + 2*c*d*s(1, 2) + d**2*s(2, 2))
+    record(solid_s2, 1) = max(16*epsilon(1.0_wp)*maxval(w), d**2*s(1, 1) - 2*c*d*s(1, 2) + c**2*s(2, 2))
+    record(solid_friction, 1) = friction
+    record(solid_law, 1) = 1
     impulse = 0
     body = 0
     call sweep_solid_frictional(1, 2, reshape([1, 2], [2, 1]), record, 1.0_wp, impulse, body)

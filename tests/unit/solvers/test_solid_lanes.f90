@@ -6,7 +6,11 @@ program test_solid_lanes
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
-  use sg_records, only: solid_frictional
+  use sg_records, only: body_length, normal_x, normal_z, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bias_x, &
+                        solid_bias_y, solid_bias_z, solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, &
+                        solid_frictional, solid_inverse_mx, solid_inverse_my, solid_inverse_mz, solid_inverse_xx, &
+                        solid_inverse_xy, solid_inverse_xz, solid_inverse_yz, solid_law, solid_s1, solid_s2, solid_spin_z, &
+                        solid_tangent_x, solid_tangent_y, solid_tangent_z, solid_wn1, solid_wn2, solid_wnn, velocity_x
   use sg_run_options, only: criterion_quad, solver_options_t
   use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
   use sg_sweep_solid, only: sweep_solid_frictional
@@ -54,15 +58,15 @@ contains
       do c = 1, 6
         problem%body(c, b) = random%normal()
       end do
-      problem%body(7:9, b) = random%uniform(0.5_wp, 2.0_wp)
+      problem%body(solid_inverse_mx:solid_inverse_mz, b) = random%uniform(0.5_wp, 2.0_wp)
       do c = 10, 12
         problem%body(c, b) = random%uniform(1.0_wp, 4.0_wp)
       end do
       do c = 13, 15
         problem%body(c, b) = random%uniform(-0.3_wp, 0.3_wp)
       end do
-      if (modulo(b, 10) == 3) problem%body(7:15, b) = 0
-      if (modulo(b, 10) == 4) problem%body([8, 10, 13, 14], b) = 0
+      if (modulo(b, 10) == 3) problem%body(solid_inverse_mx:solid_inverse_yz, b) = 0
+      if (modulo(b, 10) == 4) problem%body([solid_inverse_my, solid_inverse_xx, solid_inverse_xy, solid_inverse_xz], b) = 0
     end do
     points = 0
     do k = 1, n
@@ -92,28 +96,28 @@ contains
     tangent = tangent/norm2(tangent)
     associate (record => problem%record(:, k))
       record = 0
-      record(1:3) = n
-      record(4:6) = tangent
-      record(7:9) = 0.5_wp*direction(random)
-      record(10:12) = 0.5_wp*direction(random)
-      record(13:15) = 0.1_wp*random%uniform()*n
-      record(16) = random%uniform(3.0_wp, 6.0_wp)
-      record(17) = random%uniform(-1.0_wp, 1.0_wp)
-      record(18) = random%uniform(-1.0_wp, 1.0_wp)
-      record(19) = random%uniform(1.0_wp, 5.0_wp)
-      record(20) = random%uniform(1.0_wp, 5.0_wp)
-      record(21) = 100.0_wp*random%uniform()**6
-      if (modulo(k, 9) == 0) record(21) = 0
-      if (modulo(k, 5) == 0) record(22) = random%uniform()
-      record(25) = merge(0.0_wp, 1.0_wp, modulo(k, 17) == 0)
+      record(normal_x:normal_z) = n
+      record(solid_tangent_x:solid_tangent_z) = tangent
+      record(solid_arm_cx:solid_arm_cz) = 0.5_wp*direction(random)
+      record(solid_arm_ax:solid_arm_az) = 0.5_wp*direction(random)
+      record(solid_bias_x:solid_bias_z) = 0.1_wp*random%uniform()*n
+      record(solid_wnn) = random%uniform(3.0_wp, 6.0_wp)
+      record(solid_wn1) = random%uniform(-1.0_wp, 1.0_wp)
+      record(solid_wn2) = random%uniform(-1.0_wp, 1.0_wp)
+      record(solid_s1) = random%uniform(1.0_wp, 5.0_wp)
+      record(solid_s2) = random%uniform(1.0_wp, 5.0_wp)
+      record(solid_friction) = 100.0_wp*random%uniform()**6
+      if (modulo(k, 9) == 0) record(solid_friction) = 0
+      if (modulo(k, 5) == 0) record(solid_cohesion) = random%uniform()
+      record(solid_law) = merge(0.0_wp, 1.0_wp, modulo(k, 17) == 0)
       if (with_special .and. modulo(k, 3) == 0) then
-        record(13:15) = 0.1_wp*direction(random)
-        record(23) = random%uniform()
-        record(24) = random%uniform()
-        if (modulo(k, 6) == 0) record(25) = 2
+        record(solid_bias_x:solid_bias_z) = 0.1_wp*direction(random)
+        record(solid_compliance_n) = random%uniform()
+        record(solid_compliance_t) = random%uniform()
+        if (modulo(k, 6) == 0) record(solid_law) = 2
       end if
       r_n = max(0.0_wp, random%normal())
-      if (record(25) > 0.5_wp) problem%impulse(:, k) = r_n*n + 0.2_wp*r_n*direction(random)
+      if (record(solid_law) > 0.5_wp) problem%impulse(:, k) = r_n*n + 0.2_wp*r_n*direction(random)
     end associate
   end subroutine random_contact
 
@@ -141,15 +145,15 @@ contains
     call t%check(all(seen == merge(1, 0, is_wanted)), 'each wanted contact is dealt once, no other')
     call check_groups(order, problem)
     allocate (impulse(3, order%n), source=order%impulse(:, :order%n))
-    allocate (body(16, n_bodies), source=problem%body)
+    allocate (body(body_length(solid_frictional), n_bodies), source=problem%body)
     call sweep_solid_frictional(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
     call sweep_lanes(order, relaxation, problem)
     ! Sums in another order: rounding, carried from contact to contact through the sweep.
-    call t%near(maxval(abs(problem%body(1:6, :) - body(1:6, :))), 0.0_wp, 1e-10_wp*maxval(abs(body(1:6, :))), &
-                'side by side as one by one: bodies')
+    call t%near(maxval(abs(problem%body(velocity_x:solid_spin_z, :) - body(velocity_x:solid_spin_z, :))), 0.0_wp, &
+                1e-10_wp*maxval(abs(body(velocity_x:solid_spin_z, :))), 'side by side as one by one: bodies')
     call t%near(maxval(abs(problem%impulse(:, order%contact(:order%n)) - impulse)), 0.0_wp, 1e-10_wp*maxval(abs(impulse)), &
                 'side by side as one by one: impulses')
-    call t%check(maxval(abs(impulse - order%record(1:3, :order%n))) > 0.1_wp, 'the sweep changed something')
+    call t%check(maxval(abs(impulse - order%record(normal_x:normal_z, :order%n))) > 0.1_wp, 'the sweep changed something')
   end subroutine test_same
 
   !> No movable body is twice in a group, and a row holds the lanes of its group or the first of them.
@@ -166,7 +170,7 @@ contains
       n = order%solids%row_size(first)
       slots(:2*n) = reshape(order%pair(:, e + 1:e + n), [2*n])
       do i = 1, 2*n
-        moves(i) = any(problem%body(7:15, slots(i)) > 0)
+        moves(i) = any(problem%body(solid_inverse_mx:solid_inverse_yz, slots(i)) > 0)
       end do
       do i = 1, 2*n
         if (moves(i) .and. count(slots(:2*n) == slots(i)) > 1) bad = bad + 1
@@ -204,7 +208,7 @@ contains
     type(random_t) :: random
     type(problem_t) :: problem
     type(sweep_order_t) :: order
-    real(wp) :: body(16, 2), scale, thin(2), couple, r_n, r_t, worst
+    real(wp) :: body(body_length(solid_frictional), 2), scale, thin(2), couple, r_n, r_t, worst
     real(wp), allocatable :: impulse(:, :)
     logical, allocatable :: is_wanted(:)
     integer :: k, c, bad, compared
@@ -218,18 +222,18 @@ contains
       couple = 10**random%uniform(-3.0_wp, 3.0_wp)
       associate (record => problem%record(:, k))
         record = 0
-        record(1) = 1
-        record(5) = 1
+        record(normal_x) = 1
+        record(solid_tangent_y) = 1
         do c = 13, 15
           record(c) = random%normal()*10**random%uniform(-15.0_wp, 6.0_wp)
         end do
-        if (modulo(k, 7) == 0) record(14:15) = 0
-        if (modulo(k, 11) == 0) record(13) = 0
-        record(16) = scale
-        record(17:18) = scale*couple*[random%normal(), random%normal()]
-        record(19:20) = scale*thin
-        record(21) = merge(0.0_wp, 100.0_wp*random%uniform()**4, modulo(k, 5) == 0)
-        record(25) = 1
+        if (modulo(k, 7) == 0) record(solid_bias_y:solid_bias_z) = 0
+        if (modulo(k, 11) == 0) record(solid_bias_x) = 0
+        record(solid_wnn) = scale
+        record(solid_wn1:solid_wn2) = scale*couple*[random%normal(), random%normal()]
+        record(solid_s1:solid_s2) = scale*thin
+        record(solid_friction) = merge(0.0_wp, 100.0_wp*random%uniform()**4, modulo(k, 5) == 0)
+        record(solid_law) = 1
       end associate
     end do
     problem%impulse = 0
@@ -247,12 +251,13 @@ contains
       r_t = hypot(problem%impulse(2, k), problem%impulse(3, k))
       if (.not. all(ieee_is_finite(problem%impulse(:, k)))) then
         bad = bad + 1
-      else if (r_n < 0 .or. r_t > problem%record(21, k)*r_n*(1 + 1e-9_wp) + tiny(1.0_wp)) then
+      else if (r_n < 0 .or. r_t > problem%record(solid_friction, k)*r_n*(1 + 1e-9_wp) + tiny(1.0_wp)) then
         bad = bad + 1
       end if
       ! Where friction times coupling is weak there is one answer. Its length is right to 1e-13; where one component alone nearly
       ! fills the disk of friction, the other is right to the root of that, 3e-7 of the length.
-      if (max(1.0_wp, problem%record(21, k))*norm2(problem%record(17:18, k)) < 0.5_wp*problem%record(16, k)) then
+      couple = max(1.0_wp, problem%record(solid_friction, k))*norm2(problem%record(solid_wn1:solid_wn2, k))
+      if (couple < 0.5_wp*problem%record(solid_wnn, k)) then
         compared = compared + 1
         worst = max(worst, norm2(problem%impulse(:, k) - impulse(:, k))/max(norm2(impulse(:, k)), tiny(1.0_wp)))
       end if

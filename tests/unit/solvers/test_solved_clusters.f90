@@ -5,6 +5,7 @@ program test_solved_clusters
   use sg_kinds, only: wp
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t
+  use sg_records, only: round_frictionless_inverse_wnn, velocity_y
   use sg_report, only: report_t
   use sg_residuals, only: measure_errors
   use sg_run_options, only: criterion_e1, criterion_e8
@@ -65,8 +66,8 @@ contains
     ! The last of the short towers has its lowest grain on the tall tower, not on the floor.
     n = start%n_contacts - short + 1
     start%pair(2, n) = tall + 1
-    start%record(4, n) = 0.5_wp
-    start%body(2, start%pair(1, n:start%n_contacts)) = -0.5_wp
+    start%record(round_frictionless_inverse_wnn, n) = 0.5_wp
+    start%body(velocity_y, start%pair(1, n:start%n_contacts)) = -0.5_wp
     call solve(start, .true., criterion_e8, with, report)
     call t%check(report%is_converged, 'joined late: converged')
     call t%near(with%impulse(1, 1), tall + 0.5_wp*short, impulses_near, 'joined late: the floor carries both')

@@ -7,7 +7,9 @@ program test_solver
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
-  use sg_records, only: arm_frictional, arm_frictionless, round_frictional, round_frictionless
+  use sg_records, only: arm_friction, arm_frictional, arm_frictionless, arm_frictionless_inverse_wnn, arm_wnn, arm_wnt, arm_wtt, &
+                        round_friction, round_frictional, round_frictionless, round_frictionless_bias, &
+                        round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt
   use sg_report, only: report_t
   use sg_residuals, only: natural_map
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_maxm, criterion_names, &
@@ -151,15 +153,15 @@ contains
     associate (record => problem%record(:, k))
       select case (problem%kind)
       case (round_frictionless)
-        largest = 1/record(4)
+        largest = 1/record(round_frictionless_inverse_wnn)
       case (round_frictional)
-        largest = 1/min(record(5), record(6))
-        friction = record(7)
+        largest = 1/min(record(round_inverse_wnn), record(round_inverse_wtt))
+        friction = record(round_friction)
       case (arm_frictionless)
-        largest = 1/record(6)
+        largest = 1/record(arm_frictionless_inverse_wnn)
       case default
-        largest = (record(9) + record(11))/2 + hypot((record(9) - record(11))/2, record(10))
-        friction = record(12)
+        largest = (record(arm_wnn) + record(arm_wtt))/2 + hypot((record(arm_wnn) - record(arm_wtt))/2, record(arm_wnt))
+        friction = record(arm_friction)
       end select
     end associate
   end subroutine local_block
@@ -174,13 +176,13 @@ contains
     associate (record => problem%record(:, k))
       select case (problem%kind)
       case (round_frictionless)
-        wr = r/record(4)
+        wr = r/record(round_frictionless_inverse_wnn)
       case (round_frictional)
-        wr = r/record(5:6)
+        wr = r/record(round_inverse_wnn:round_inverse_wtt)
       case (arm_frictionless)
-        wr = r/record(6)
+        wr = r/record(arm_frictionless_inverse_wnn)
       case default
-        wr = [record(9)*r(1) + record(10)*r(2), record(10)*r(1) + record(11)*r(2)]
+        wr = [record(arm_wnn)*r(1) + record(arm_wnt)*r(2), record(arm_wnt)*r(1) + record(arm_wtt)*r(2)]
       end select
     end associate
   end function block_times
@@ -440,7 +442,7 @@ contains
     problem%pair(:, 1) = [4, 3]
     problem%pair(:, 2) = [3, 2]
     problem%pair(:, 3) = [2, 1]
-    problem%record(3, 1) = 30
+    problem%record(round_frictionless_bias, 1) = 30
   end subroutine make_late
 
   !> Contacts that part when no contact acts.

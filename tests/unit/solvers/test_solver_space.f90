@@ -14,7 +14,11 @@ program test_solver_space
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
-  use sg_records, only: ball_frictional, ball_frictionless, solid_frictional, solid_frictionless
+  use sg_records, only: ball_frictional, ball_frictionless, ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, &
+                        ball_inverse_i, ball_inverse_m, ball_spin_x, ball_spin_z, normal_x, normal_z, solid_frictional, &
+                        solid_frictionless, solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, solid_inverse_xy, &
+                        solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, solid_inverse_zz, solid_spin_x, solid_spin_z, &
+                        velocity_x, velocity_z
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_maxm, criterion_names, criterion_quad, &
                             criterion_violation
@@ -150,7 +154,7 @@ contains
         if (i == 2) solver%options%relaxation = 0.8_wp
         call solver%solve(other, report)
         call t%check(report%e8 < 1e-12_wp, name//': groups converged')
-        worst = maxval(abs(other%body(1:3, :) - reference%body(1:3, :)))
+        worst = maxval(abs(other%body(velocity_x:velocity_z, :) - reference%body(velocity_x:velocity_z, :)))
         call t%near(worst, 0.0_wp, 1e-9_wp, name//': the same velocities by another order')
       end do
     end do
@@ -178,10 +182,10 @@ contains
       normal = normal/norm2(normal)
       start%pair(:, k) = [k + 1, 1]
       start%record(:, k) = [normal, 0.0_wp, 0.0_wp, 0.0_wp, 0.5_wp, 1/7.0_wp, 0.3_wp]
-      start%body(1:3, k + 1) = -random%uniform()*normal
+      start%body(velocity_x:velocity_z, k + 1) = -random%uniform()*normal
     end do
-    start%body(7, :) = 1
-    start%body(8, :) = 2.5_wp
+    start%body(ball_inverse_m, :) = 1
+    start%body(ball_inverse_i, :) = 2.5_wp
     natural = start
     groups = start
     solver = solver_of(criterion_e8, 1e-13_wp, 2000)
@@ -191,7 +195,8 @@ contains
     solver = solver_of(criterion_e8, 1e-13_wp, 2000)
     call solver%solve(groups, report)
     call t%check(report%is_converged, 'crowd: groups converged')
-    call t%near(maxval(abs(natural%body(1:6, :) - groups%body(1:6, :))), 0.0_wp, 1e-10_wp, 'crowd: the same velocities')
+    call t%near(maxval(abs(natural%body(:ball_spin_z, :) - groups%body(:ball_spin_z, :))), 0.0_wp, 1e-10_wp, &
+                'crowd: the same velocities')
   end subroutine test_crowd
 
   !> A column of spheres or of boxes on a floor.
@@ -238,7 +243,7 @@ contains
         if (size(problem%impulse, 1) == 1) then
           carried(lower + 1) = carried(lower + 1) + problem%impulse(1, k)
         else
-          carried(lower + 1) = carried(lower + 1) + dot_product(problem%impulse(:, k), problem%record(1:3, k))
+          carried(lower + 1) = carried(lower + 1) + dot_product(problem%impulse(:, k), problem%record(normal_x:normal_z, k))
         end if
       end do
       ! An error of 10^-13 of a contact's natural map is carried through W's condition, some 10^2.
@@ -381,21 +386,22 @@ contains
 
     select case (start%kind)
     case (ball_frictionless)
-      body(1:3) = body(1:3) + body(4:6)*p
+      body(velocity_x:velocity_z) = body(velocity_x:velocity_z) + body(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz)*p
     case (ball_frictional)
       ! Solid spheres: R^2/I = 5/2 of 1/m; the arm is minus or plus the normal.
-      body(1:3) = body(1:3) + body(7)*p
+      body(velocity_x:velocity_z) = body(velocity_x:velocity_z) + body(ball_inverse_m)*p
       turn = real(2*side - 3, wp)*cross(normal, p)
-      body(4:6) = body(4:6) + 2.5_wp*body(7)*turn
+      body(ball_spin_x:ball_spin_z) = body(ball_spin_x:ball_spin_z) + 2.5_wp*body(ball_inverse_m)*turn
     case (solid_frictionless)
-      body(1:3) = body(1:3) + body(7:9)*p
+      body(velocity_x:velocity_z) = body(velocity_x:velocity_z) + body(solid_inverse_mx:solid_inverse_mz)*p
       turn = real(3 - 2*side, wp)*start%record(merge(4, 7, side == 1):merge(6, 9, side == 1), k)
-      body(4:6) = body(4:6) + body(10:12)*turn
+      body(solid_spin_x:solid_spin_z) = body(solid_spin_x:solid_spin_z) + body(solid_inverse_xx:solid_inverse_zz)*turn
     case default
-      body(1:3) = body(1:3) + body(7:9)*p
+      body(velocity_x:velocity_z) = body(velocity_x:velocity_z) + body(solid_inverse_mx:solid_inverse_mz)*p
       arm = start%record(merge(7, 10, side == 1):merge(9, 12, side == 1), k)
-      inverse = reshape(body([10, 13, 14, 13, 11, 15, 14, 15, 12]), [3, 3])
-      body(4:6) = body(4:6) + matmul(inverse, cross(arm, p))
+      inverse = reshape(body([solid_inverse_xx, solid_inverse_xy, solid_inverse_xz, solid_inverse_xy, solid_inverse_yy, &
+                              solid_inverse_yz, solid_inverse_xz, solid_inverse_yz, solid_inverse_zz]), [3, 3])
+      body(solid_spin_x:solid_spin_z) = body(solid_spin_x:solid_spin_z) + matmul(inverse, cross(arm, p))
     end select
   end subroutine push
 
