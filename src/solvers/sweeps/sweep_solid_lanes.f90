@@ -6,8 +6,15 @@
 module sg_sweep_solid_lanes
   use, intrinsic :: iso_c_binding, only: c_double
   use sg_kinds, only: wp, i4, i8
+  use sg_records, only: body_length, first_inverse, solid_frictional, solid_inverse_mx, solid_inverse_my, solid_inverse_mz, &
+                        solid_inverse_xx, solid_inverse_xy, solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, &
+                        solid_inverse_zz, solid_spin_x, solid_spin_y, solid_spin_z, velocity_x, velocity_y, velocity_z
   use sg_sweep_solid, only: slide
-  use sg_sweep_solid_order, only: lanes, row_length, special_length
+  use sg_sweep_solid_order, only: lanes, row_arm_ax, row_arm_ay, row_arm_az, row_arm_cx, row_arm_cy, row_arm_cz, row_bias, &
+                                  row_friction, row_g1, row_g2, row_impulse_1, row_impulse_2, row_impulse_n, row_inverse_wnn, &
+                                  row_length, row_normal_x, row_normal_y, row_normal_z, row_s1, row_s2, row_tangent_x, &
+                                  row_tangent_y, row_tangent_z, special_bias_1, special_bias_2, special_compliance_n, &
+                                  special_compliance_t, special_length
   implicit none
   private
   public :: sweep_solid_lanes
@@ -38,8 +45,8 @@ contains
     real(wp), intent(in), contiguous :: special(:, :, :) !! shape (lanes, special_length, rows), or no rows
     real(wp), intent(in) :: relaxation !! share of each change taken
     real(wp), intent(inout) :: row(lanes, row_length, n_rows) !! impulses [N s] and records
-    real(wp), intent(inout) :: body(16, n_bodies) !! velocity, spin, inverse masses, inverse inertia
-    real(wp) :: one(lanes, 15), other(lanes, 15), extra(lanes, 3)
+    real(wp), intent(inout) :: body(body_length(solid_frictional), n_bodies) !! records of bodies; their velocities change
+    real(wp) :: one(lanes, solid_inverse_yz), other(lanes, solid_inverse_yz), extra(lanes, 3)
     integer :: g, i, first
 
     extra = 0
@@ -49,7 +56,7 @@ contains
       call fetch(n_bodies, pair(:, 2, g), body, other)
       do i = first, last_row(g)
         call prefetch_row(row(:, :, min(i + ahead, n_rows)))
-        if (size(special, 3) > 0) call add_special(special(:, :, i), row(:, 1:3, i), extra)
+        if (size(special, 3) > 0) call add_special(special(:, :, i), row(:, row_impulse_n:row_impulse_2, i), extra)
         call update_row(relaxation, extra, row(:, :, i), one, other)
       end do
       call put_back(n_bodies, row_size(first), pair(:, 1, g), one, body)
@@ -62,12 +69,12 @@ contains
   pure subroutine fetch(n_bodies, slot, body, own)
     integer, intent(in) :: n_bodies
     integer(i4), intent(in) :: slot(lanes)
-    real(wp), intent(in) :: body(16, n_bodies)
-    real(wp), intent(out) :: own(lanes, 15)
+    real(wp), intent(in) :: body(body_length(solid_frictional), n_bodies)
+    real(wp), intent(out) :: own(lanes, solid_inverse_yz)
     integer :: i, j
 
     do i = 1, lanes
-      do j = 1, 15
+      do j = 1, solid_inverse_yz
         own(i, j) = body(j, slot(i))
       end do
     end do
@@ -77,12 +84,12 @@ contains
   pure subroutine put_back(n_bodies, n, slot, own, body)
     integer, intent(in) :: n_bodies, n
     integer(i4), intent(in) :: slot(lanes)
-    real(wp), intent(in) :: own(lanes, 15)
-    real(wp), intent(inout) :: body(16, n_bodies)
+    real(wp), intent(in) :: own(lanes, solid_inverse_yz)
+    real(wp), intent(inout) :: body(body_length(solid_frictional), n_bodies)
     integer :: i, j
 
     do i = 1, n
-      do j = 1, 6
+      do j = 1, first_inverse(solid_frictional) - 1
         body(j, slot(i)) = own(i, j)
       end do
     end do
@@ -93,15 +100,15 @@ contains
     real(wp), intent(in) :: special(lanes, special_length), impulse(lanes, 3)
     real(wp), intent(out) :: extra(lanes, 3)
 
-    extra(:, 1) = special(:, 3)*impulse(:, 1)
-    extra(:, 2) = special(:, 1) + special(:, 4)*impulse(:, 2)
-    extra(:, 3) = special(:, 2) + special(:, 4)*impulse(:, 3)
+    extra(:, 1) = special(:, special_compliance_n)*impulse(:, 1)
+    extra(:, 2) = special(:, special_bias_1) + special(:, special_compliance_t)*impulse(:, 2)
+    extra(:, 3) = special(:, special_bias_2) + special(:, special_compliance_t)*impulse(:, 3)
   end subroutine add_special
 
   !> New impulses of a row, and new velocities of its bodies.
   pure subroutine update_row(relaxation, extra, row, one, other)
     real(wp), intent(in) :: relaxation, extra(lanes, 3)
-    real(wp), intent(inout) :: row(lanes, row_length), one(lanes, 15), other(lanes, 15)
+    real(wp), intent(inout) :: row(lanes, row_length), one(lanes, solid_inverse_yz), other(lanes, solid_inverse_yz)
     real(wp), dimension(lanes) :: h, t_1, t_2, alpha, slides
     real(wp) :: r(lanes, 3)
     logical :: is_sliding
@@ -115,7 +122,7 @@ contains
   !!
   !! The velocity that a contact would have without its own impulse is never formed: what that impulse does cancels.
   pure subroutine open_or_stick(extra, row, one, other, h, t_1, t_2, alpha, r, slides, is_sliding)
-    real(wp), intent(in) :: extra(lanes, 3), row(lanes, row_length), one(lanes, 15), other(lanes, 15)
+    real(wp), intent(in) :: extra(lanes, 3), row(lanes, row_length), one(lanes, solid_inverse_yz), other(lanes, solid_inverse_yz)
     real(wp), intent(out), dimension(lanes) :: h, t_1, t_2 !! normal impulse [N s] and minus velocity [m/s] without friction
     real(wp), intent(out) :: alpha(lanes) !! guess of slip over impulse [1/kg]
     real(wp), intent(out) :: r(lanes, 3) !! impulses [N s]
@@ -127,32 +134,41 @@ contains
 
     sliding = 0
     do i = 1, lanes
-      ux = one(i, 1) - other(i, 1) + one(i, 5)*row(i, 12) - one(i, 6)*row(i, 11) - other(i, 5)*row(i, 15) + other(i, 6)*row(i, 14)
-      uy = one(i, 2) - other(i, 2) + one(i, 6)*row(i, 10) - one(i, 4)*row(i, 12) - other(i, 6)*row(i, 13) + other(i, 4)*row(i, 15)
-      uz = one(i, 3) - other(i, 3) + one(i, 4)*row(i, 11) - one(i, 5)*row(i, 10) - other(i, 4)*row(i, 14) + other(i, 5)*row(i, 13)
-      u_n = row(i, 4)*ux + row(i, 5)*uy + row(i, 6)*uz + row(i, 16) + extra(i, 1)
-      u_1 = row(i, 7)*ux + row(i, 8)*uy + row(i, 9)*uz + extra(i, 2)
-      u_2 = (row(i, 5)*row(i, 9) - row(i, 6)*row(i, 8))*ux + (row(i, 6)*row(i, 7) - row(i, 4)*row(i, 9))*uy &
-            + (row(i, 4)*row(i, 8) - row(i, 5)*row(i, 7))*uz + extra(i, 3)
-      h(i) = row(i, 1) + row(i, 18)*row(i, 2) + row(i, 19)*row(i, 3) - u_n*row(i, 17)
-      t_1(i) = row(i, 20)*row(i, 2) + row(i, 18)*u_n - u_1
-      t_2(i) = row(i, 21)*row(i, 3) + row(i, 19)*u_n - u_2
-      inverse = 1/(row(i, 20)*row(i, 21))
-      r_1 = t_1(i)*(row(i, 21)*inverse)
-      r_2 = t_2(i)*(row(i, 20)*inverse)
-      r_n = h(i) - row(i, 18)*r_1 - row(i, 19)*r_2
-      limit = row(i, 22)*max(0.0_wp, r_n)
+      ux = one(i, velocity_x) - other(i, velocity_x) + one(i, solid_spin_y)*row(i, row_arm_cz) &
+           - one(i, solid_spin_z)*row(i, row_arm_cy) - other(i, solid_spin_y)*row(i, row_arm_az) &
+           + other(i, solid_spin_z)*row(i, row_arm_ay)
+      uy = one(i, velocity_y) - other(i, velocity_y) + one(i, solid_spin_z)*row(i, row_arm_cx) &
+           - one(i, solid_spin_x)*row(i, row_arm_cz) - other(i, solid_spin_z)*row(i, row_arm_ax) &
+           + other(i, solid_spin_x)*row(i, row_arm_az)
+      uz = one(i, velocity_z) - other(i, velocity_z) + one(i, solid_spin_x)*row(i, row_arm_cy) &
+           - one(i, solid_spin_y)*row(i, row_arm_cx) - other(i, solid_spin_x)*row(i, row_arm_ay) &
+           + other(i, solid_spin_y)*row(i, row_arm_ax)
+      u_n = row(i, row_normal_x)*ux + row(i, row_normal_y)*uy + row(i, row_normal_z)*uz + row(i, row_bias) + extra(i, 1)
+      u_1 = row(i, row_tangent_x)*ux + row(i, row_tangent_y)*uy + row(i, row_tangent_z)*uz + extra(i, 2)
+      u_2 = (row(i, row_normal_y)*row(i, row_tangent_z) - row(i, row_normal_z)*row(i, row_tangent_y))*ux &
+            + (row(i, row_normal_z)*row(i, row_tangent_x) - row(i, row_normal_x)*row(i, row_tangent_z))*uy &
+            + (row(i, row_normal_x)*row(i, row_tangent_y) - row(i, row_normal_y)*row(i, row_tangent_x))*uz + extra(i, 3)
+      h(i) = row(i, row_impulse_n) + row(i, row_g1)*row(i, row_impulse_1) + row(i, row_g2)*row(i, row_impulse_2) &
+             - u_n*row(i, row_inverse_wnn)
+      t_1(i) = row(i, row_s1)*row(i, row_impulse_1) + row(i, row_g1)*u_n - u_1
+      t_2(i) = row(i, row_s2)*row(i, row_impulse_2) + row(i, row_g2)*u_n - u_2
+      inverse = 1/(row(i, row_s1)*row(i, row_s2))
+      r_1 = t_1(i)*(row(i, row_s2)*inverse)
+      r_2 = t_2(i)*(row(i, row_s1)*inverse)
+      r_n = h(i) - row(i, row_g1)*r_1 - row(i, row_g2)*r_2
+      limit = row(i, row_friction)*max(0.0_wp, r_n)
       excess = r_1*r_1 + r_2*r_2 - limit*limit
       pushes = merge(1.0_wp, 0.0_wp, h(i) > 0)
-      linear = merge(1.0_wp, 0.0_wp, row(i, 22) < 0)
+      linear = merge(1.0_wp, 0.0_wp, row(i, row_friction) < 0)
       slides(i) = merge(1.0_wp, 0.0_wp, excess > 0)*pushes*(1 - linear)
       sliding = sliding + merge(1_i8, 0_i8, slides(i) > 0)
       pushes = max(pushes, linear)
       r(i, 1) = r_n*pushes
       r(i, 2) = r_1*pushes
       r(i, 3) = r_2*pushes
-      against = max(0.0_wp, -(u_1*row(i, 2) + u_2*row(i, 3)))
-      alpha(i) = row(i, 20)*against/max(row(i, 20)*(row(i, 2)*row(i, 2) + row(i, 3)*row(i, 3)), 1e-9_wp*against, tiny(1.0_wp))
+      against = max(0.0_wp, -(u_1*row(i, row_impulse_1) + u_2*row(i, row_impulse_2)))
+      alpha(i) = row(i, row_s1)*against/max(row(i, row_s1)*(row(i, row_impulse_1)*row(i, row_impulse_1) &
+                 + row(i, row_impulse_2)*row(i, row_impulse_2)), 1e-9_wp*against, tiny(1.0_wp))
     end do
     is_sliding = sliding > 0
   end subroutine open_or_stick
@@ -173,8 +189,8 @@ contains
       call improve(row, h, t_1, t_2, alpha)
     end do
     do i = 1, lanes
-      if (wrong(i) > 0) call slide(row(i, 18), row(i, 19), row(i, 20), row(i, 21), row(i, 22), h(i), t_1(i), t_2(i), &
-                                   0.0_wp, 0.0_wp, r(i, 1), r(i, 2), r(i, 3))
+      if (wrong(i) > 0) call slide(row(i, row_g1), row(i, row_g2), row(i, row_s1), row(i, row_s2), row(i, row_friction), h(i), &
+                                   t_1(i), t_2(i), 0.0_wp, 0.0_wp, r(i, 1), r(i, 2), r(i, 3))
     end do
   end subroutine slide_row
 
@@ -188,22 +204,22 @@ contains
     integer :: i
 
     do i = 1, lanes
-      a_1 = row(i, 20) + alpha(i)
-      a_2 = row(i, 21) + alpha(i)
-      s_1 = row(i, 18)*t_1(i)
-      s_2 = row(i, 19)*t_2(i)
+      a_1 = row(i, row_s1) + alpha(i)
+      a_2 = row(i, row_s2) + alpha(i)
+      s_1 = row(i, row_g1)*t_1(i)
+      s_2 = row(i, row_g2)*t_2(i)
       normal = h(i)*(a_1*a_2) - s_1*a_2 - s_2*a_1
       change = h(i)*(a_1 + a_2) - (s_1 + s_2)
       s_1 = t_1(i)*t_1(i)
       s_2 = t_2(i)*t_2(i)
       half_change = s_1*a_2 + s_2*a_1
       square = s_1*a_2*a_2 + s_2*a_1*a_1
-      excess = sqrt(square) - row(i, 22)*normal
+      excess = sqrt(square) - row(i, row_friction)*normal
       ! Slope and bend of normal/length, times length^3 and length^5.
       slope = change*square - normal*half_change
       bend = (2*h(i)*square + change*half_change - normal*(s_1 + s_2))*square - 3*slope*half_change
       top = 2*excess*slope*square
-      bottom = (2*row(i, 22)*slope*slope + excess*bend)*a_1
+      bottom = (2*row(i, row_friction)*slope*slope + excess*bend)*a_1
       alpha(i) = max(0.0_wp, alpha(i) + top*a_1/max(bottom, abs(top)/longest, tiny(1.0_wp)))
     end do
   end subroutine improve
@@ -220,14 +236,14 @@ contains
 
     missed = 0
     do i = 1, lanes
-      a_1 = row(i, 20) + alpha(i)
-      a_2 = row(i, 21) + alpha(i)
+      a_1 = row(i, row_s1) + alpha(i)
+      a_2 = row(i, row_s2) + alpha(i)
       inverse = 1/(a_1*a_2)
       r_1 = t_1(i)*(a_2*inverse)
       r_2 = t_2(i)*(a_1*inverse)
-      r_n = h(i) - row(i, 18)*r_1 - row(i, 19)*r_2
+      r_n = h(i) - row(i, row_g1)*r_1 - row(i, row_g2)*r_2
       length = sqrt(r_1*r_1 + r_2*r_2)
-      miss = abs(row(i, 22)*r_n - length) - enough*length
+      miss = abs(row(i, row_friction)*r_n - length) - enough*length
       wrong(i) = slides(i)*(1 - merge(1.0_wp, 0.0_wp, miss <= 0))
       missed = missed + merge(1_i8, 0_i8, wrong(i) > 0)
       r(i, 1) = r(i, 1)*(1 - slides(i)) + r_n*slides(i)
@@ -240,44 +256,50 @@ contains
   !> Give the changes of impulse to contacts and bodies.
   pure subroutine push_row(relaxation, r, row, one, other)
     real(wp), intent(in) :: relaxation, r(lanes, 3)
-    real(wp), intent(inout) :: row(lanes, row_length), one(lanes, 15), other(lanes, 15)
+    real(wp), intent(inout) :: row(lanes, row_length), one(lanes, solid_inverse_yz), other(lanes, solid_inverse_yz)
     real(wp) :: x, y, z, tx, ty, tz, r_n, r_1, r_2, px, py, pz, ax, ay, az
     integer :: i
 
     do i = 1, lanes
-      r_n = relaxation*(r(i, 1) - row(i, 1))
-      r_1 = relaxation*(r(i, 2) - row(i, 2))
-      r_2 = relaxation*(r(i, 3) - row(i, 3))
-      row(i, 1) = row(i, 1) + r_n
-      row(i, 2) = row(i, 2) + r_1
-      row(i, 3) = row(i, 3) + r_2
-      x = row(i, 4)
-      y = row(i, 5)
-      z = row(i, 6)
-      tx = row(i, 7)
-      ty = row(i, 8)
-      tz = row(i, 9)
+      r_n = relaxation*(r(i, 1) - row(i, row_impulse_n))
+      r_1 = relaxation*(r(i, 2) - row(i, row_impulse_1))
+      r_2 = relaxation*(r(i, 3) - row(i, row_impulse_2))
+      row(i, row_impulse_n) = row(i, row_impulse_n) + r_n
+      row(i, row_impulse_1) = row(i, row_impulse_1) + r_1
+      row(i, row_impulse_2) = row(i, row_impulse_2) + r_2
+      x = row(i, row_normal_x)
+      y = row(i, row_normal_y)
+      z = row(i, row_normal_z)
+      tx = row(i, row_tangent_x)
+      ty = row(i, row_tangent_y)
+      tz = row(i, row_tangent_z)
       px = x*r_n + tx*r_1 + (y*tz - z*ty)*r_2
       py = y*r_n + ty*r_1 + (z*tx - x*tz)*r_2
       pz = z*r_n + tz*r_1 + (x*ty - y*tx)*r_2
-      one(i, 1) = one(i, 1) + one(i, 7)*px
-      one(i, 2) = one(i, 2) + one(i, 8)*py
-      one(i, 3) = one(i, 3) + one(i, 9)*pz
-      other(i, 1) = other(i, 1) - other(i, 7)*px
-      other(i, 2) = other(i, 2) - other(i, 8)*py
-      other(i, 3) = other(i, 3) - other(i, 9)*pz
-      ax = row(i, 11)*pz - row(i, 12)*py
-      ay = row(i, 12)*px - row(i, 10)*pz
-      az = row(i, 10)*py - row(i, 11)*px
-      one(i, 4) = one(i, 4) + one(i, 10)*ax + one(i, 13)*ay + one(i, 14)*az
-      one(i, 5) = one(i, 5) + one(i, 13)*ax + one(i, 11)*ay + one(i, 15)*az
-      one(i, 6) = one(i, 6) + one(i, 14)*ax + one(i, 15)*ay + one(i, 12)*az
-      ax = row(i, 14)*pz - row(i, 15)*py
-      ay = row(i, 15)*px - row(i, 13)*pz
-      az = row(i, 13)*py - row(i, 14)*px
-      other(i, 4) = other(i, 4) - other(i, 10)*ax - other(i, 13)*ay - other(i, 14)*az
-      other(i, 5) = other(i, 5) - other(i, 13)*ax - other(i, 11)*ay - other(i, 15)*az
-      other(i, 6) = other(i, 6) - other(i, 14)*ax - other(i, 15)*ay - other(i, 12)*az
+      one(i, velocity_x) = one(i, velocity_x) + one(i, solid_inverse_mx)*px
+      one(i, velocity_y) = one(i, velocity_y) + one(i, solid_inverse_my)*py
+      one(i, velocity_z) = one(i, velocity_z) + one(i, solid_inverse_mz)*pz
+      other(i, velocity_x) = other(i, velocity_x) - other(i, solid_inverse_mx)*px
+      other(i, velocity_y) = other(i, velocity_y) - other(i, solid_inverse_my)*py
+      other(i, velocity_z) = other(i, velocity_z) - other(i, solid_inverse_mz)*pz
+      ax = row(i, row_arm_cy)*pz - row(i, row_arm_cz)*py
+      ay = row(i, row_arm_cz)*px - row(i, row_arm_cx)*pz
+      az = row(i, row_arm_cx)*py - row(i, row_arm_cy)*px
+      one(i, solid_spin_x) = one(i, solid_spin_x) + one(i, solid_inverse_xx)*ax + one(i, solid_inverse_xy)*ay &
+                             + one(i, solid_inverse_xz)*az
+      one(i, solid_spin_y) = one(i, solid_spin_y) + one(i, solid_inverse_xy)*ax + one(i, solid_inverse_yy)*ay &
+                             + one(i, solid_inverse_yz)*az
+      one(i, solid_spin_z) = one(i, solid_spin_z) + one(i, solid_inverse_xz)*ax + one(i, solid_inverse_yz)*ay &
+                             + one(i, solid_inverse_zz)*az
+      ax = row(i, row_arm_ay)*pz - row(i, row_arm_az)*py
+      ay = row(i, row_arm_az)*px - row(i, row_arm_ax)*pz
+      az = row(i, row_arm_ax)*py - row(i, row_arm_ay)*px
+      other(i, solid_spin_x) = other(i, solid_spin_x) - other(i, solid_inverse_xx)*ax - other(i, solid_inverse_xy)*ay &
+                               - other(i, solid_inverse_xz)*az
+      other(i, solid_spin_y) = other(i, solid_spin_y) - other(i, solid_inverse_xy)*ax - other(i, solid_inverse_yy)*ay &
+                               - other(i, solid_inverse_yz)*az
+      other(i, solid_spin_z) = other(i, solid_spin_z) - other(i, solid_inverse_xz)*ax - other(i, solid_inverse_yz)*ay &
+                               - other(i, solid_inverse_zz)*az
     end do
   end subroutine push_row
 end module sg_sweep_solid_lanes

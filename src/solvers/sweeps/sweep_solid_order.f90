@@ -12,14 +12,23 @@ module sg_sweep_solid_order
   implicit none
   private
   public :: solid_lanes_t, begin_rows, deal_chains, fill_rows, give_rows, lanes, row_length, special_length
+  public :: row_impulse_n, row_impulse_1, row_impulse_2, row_normal_x, row_normal_y, row_normal_z, row_tangent_x, row_tangent_y
+  public :: row_tangent_z, row_arm_cx, row_arm_cy, row_arm_cz, row_arm_ax, row_arm_ay, row_arm_az, row_bias, row_inverse_wnn
+  public :: row_g1, row_g2, row_s1, row_s2, row_friction, special_bias_1, special_bias_2, special_compliance_n, special_compliance_t
 
   !> Contacts side by side
   integer, parameter :: lanes = 8
-  !> Reals of a contact in a row: impulse on n, t and n x t (cohesion added to the first), n (3), t (3), arm_c (3), arm_a (3),
-  !! bias_n, 1/W_nn, W_n1/W_nn, W_n2/W_nn, S_1, S_2, friction or -1 for a linear law; lanes to spare have no direction and S = 1
-  integer, parameter :: row_length = 22
-  !> Reals of a contact whose law is out of the ordinary: bias on t and n x t, compliance_n, compliance_t
-  integer, parameter :: special_length = 4
+  !> Places of a contact in a row: impulse on n, t and n x t (cohesion added to the first), directions and arms as in the record
+  integer, parameter :: row_impulse_n = 1, row_impulse_1 = 2, row_impulse_2 = 3, row_normal_x = 4, row_normal_y = 5, &
+                        row_normal_z = 6, row_tangent_x = 7, row_tangent_y = 8, row_tangent_z = 9, row_arm_cx = 10, &
+                        row_arm_cy = 11, row_arm_cz = 12, row_arm_ax = 13, row_arm_ay = 14, row_arm_az = 15
+  !> The same: bias on n, 1/W_nn, W_n1/W_nn, W_n2/W_nn, S_1, S_2, friction or -1 for a linear law. Lanes to spare have no direction
+  !! and S = 1
+  integer, parameter :: row_bias = 16, row_inverse_wnn = 17, row_g1 = 18, row_g2 = 19, row_s1 = 20, row_s2 = 21, row_friction = 22
+  !> Places of a contact whose law is out of the ordinary: bias on t and n x t, compliance
+  integer, parameter :: special_bias_1 = 1, special_bias_2 = 2, special_compliance_n = 3, special_compliance_t = 4
+  !> Reals of a contact in a row, and of one whose law is out of the ordinary
+  integer, parameter :: row_length = row_friction, special_length = special_compliance_t
   !> Contacts of a chain and chains of a block, at most
   integer, parameter :: most_points = 4, block_chains = 256
   !> Groups that a block may open (bits of an integer)
@@ -256,19 +265,20 @@ contains
     end if
     inverse = 1/record(solid_wnn)
     associate (n => record(normal_x:normal_z), t => record(solid_tangent_x:solid_tangent_z))
-      row(i, 1) = n(1)*impulse(1) + n(2)*impulse(2) + n(3)*impulse(3) + record(solid_cohesion)
-      row(i, 2) = t(1)*impulse(1) + t(2)*impulse(2) + t(3)*impulse(3)
-      row(i, 3) = (n(2)*t(3) - n(3)*t(2))*impulse(1) + (n(3)*t(1) - n(1)*t(3))*impulse(2) + (n(1)*t(2) - n(2)*t(1))*impulse(3)
-      row(i, 4:15) = record(normal_x:solid_arm_az)
+      row(i, row_impulse_n) = n(1)*impulse(1) + n(2)*impulse(2) + n(3)*impulse(3) + record(solid_cohesion)
+      row(i, row_impulse_1) = t(1)*impulse(1) + t(2)*impulse(2) + t(3)*impulse(3)
+      row(i, row_impulse_2) = (n(2)*t(3) - n(3)*t(2))*impulse(1) + (n(3)*t(1) - n(1)*t(3))*impulse(2) &
+                              + (n(1)*t(2) - n(2)*t(1))*impulse(3)
+      row(i, row_normal_x:row_arm_az) = record(normal_x:solid_arm_az)
       ! Cohesion is in the impulse, but what yields to a law with compliance is the impulse without it.
-      row(i, 16) = n(1)*record(solid_bias_x) + n(2)*record(solid_bias_y) + n(3)*record(solid_bias_z) &
+      row(i, row_bias) = n(1)*record(solid_bias_x) + n(2)*record(solid_bias_y) + n(3)*record(solid_bias_z) &
                    - record(solid_compliance_n)*record(solid_cohesion)
     end associate
-    row(i, 17) = inverse
-    row(i, 18) = record(solid_wn1)*inverse
-    row(i, 19) = record(solid_wn2)*inverse
-    row(i, 20:22) = record(solid_s1:solid_friction)
-    if (record(solid_law) > 1.5_wp) row(i, 22) = -1
+    row(i, row_inverse_wnn) = inverse
+    row(i, row_g1) = record(solid_wn1)*inverse
+    row(i, row_g2) = record(solid_wn2)*inverse
+    row(i, row_s1:row_friction) = record(solid_s1:solid_friction)
+    if (record(solid_law) > 1.5_wp) row(i, row_friction) = -1
   end subroutine fill_lane
 
   !> Write a lane to spare: no direction, so that nothing changes.
@@ -277,7 +287,7 @@ contains
     real(wp), intent(inout) :: row(lanes, row_length)
 
     row(i, :) = 0
-    row(i, 20:21) = 1
+    row(i, row_s1:row_s2) = 1
   end subroutine clear_lane
 
   !> Bias on the tangents, and compliance.
@@ -314,11 +324,11 @@ contains
     real(wp) :: n(3), t(3), normal
 
     if (record(solid_law) < 0.5_wp) return
-    normal = row(i, 1) - record(solid_cohesion)
-    n = row(i, 4:6)
-    t = row(i, 7:9)
-    impulse(1) = normal*n(1) + row(i, 2)*t(1) + row(i, 3)*(n(2)*t(3) - n(3)*t(2))
-    impulse(2) = normal*n(2) + row(i, 2)*t(2) + row(i, 3)*(n(3)*t(1) - n(1)*t(3))
-    impulse(3) = normal*n(3) + row(i, 2)*t(3) + row(i, 3)*(n(1)*t(2) - n(2)*t(1))
+    normal = row(i, row_impulse_n) - record(solid_cohesion)
+    n = row(i, row_normal_x:row_normal_z)
+    t = row(i, row_tangent_x:row_tangent_z)
+    impulse(1) = normal*n(1) + row(i, row_impulse_1)*t(1) + row(i, row_impulse_2)*(n(2)*t(3) - n(3)*t(2))
+    impulse(2) = normal*n(2) + row(i, row_impulse_1)*t(2) + row(i, row_impulse_2)*(n(3)*t(1) - n(1)*t(3))
+    impulse(3) = normal*n(3) + row(i, row_impulse_1)*t(3) + row(i, row_impulse_2)*(n(1)*t(2) - n(2)*t(1))
   end subroutine give_lane
 end module sg_sweep_solid_order
