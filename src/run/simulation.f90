@@ -16,6 +16,7 @@ module sg_simulation
   use sg_passing, only: passing_t
   use sg_plan, only: make_plan, omissions_t, plan_t
   use sg_problem, only: problem_t
+  use sg_records, only: impulse_length, problem_kind
   use sg_report, only: report_t
   use sg_run_options, only: partition_options_t, run_options_t
   use sg_scene, only: scene_t
@@ -85,7 +86,7 @@ contains
     sim%pairs%deadline = sim%options%deadline
     sim%contacts%memory = sim%pairs%memory
     sim%contacts%dimension = sim%scene%dimension
-    sim%contacts%n_components = merge(sim%scene%dimension, 1, sim%plan%has_tangent)
+    sim%contacts%n_components = impulse_length(problem_kind(sim%scene%dimension, sim%plan))
     sim%contacts%n_internal = sim%plan%n_internal
     ! Contacts known to a scene that is held in part travel first, see `decompose`.
     if (.not. allocated(sim%scene%bodies%id)) &
