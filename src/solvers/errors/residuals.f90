@@ -3,9 +3,9 @@
 !! All rest on the natural map F_a = r_a - P_K(r_a - rho (u_a + g(u_a))) of De Saxce's form, which vanishes exactly at
 !! solutions: e1 and e2 with rho = 1, e8 and the violation with rho_a = 1/lambda_max(W_aa), free of units.
 module sg_residuals
-  use sg_coulomb_cone, only: project, project_all
   use sg_kinds, only: wp
   use sg_law_violation, only: law_violation
+  use sg_natural_map, only: chunk, plane_squares
   use sg_problem, only: problem_t
   use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, &
                         arm_frictional, arm_frictionless, arm_frictionless_bias, arm_frictionless_inverse_wnn, &
@@ -15,10 +15,10 @@ module sg_residuals
                         round_bias_t, round_friction, round_frictional, round_frictionless, round_frictionless_bias, &
                         round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt, round_spin, velocity_x, velocity_y
   use sg_report, only: ratio, report_t
-  use sg_residuals_space, only: add_normal_parts, add_space_contacts, chunk, find_worst_in_space, n_error_sums, note_closing
+  use sg_residuals_space, only: add_normal_parts, add_space_contacts, find_worst_in_space, n_error_sums, note_closing
   implicit none
   private
-  public :: find_worst, measure_errors, sum_errors, set_errors, natural_map, n_error_sums
+  public :: find_worst, measure_errors, sum_errors, set_errors, n_error_sums
 
   !> What the natural map needs of a chunk of contacts
   type :: chunk_t
@@ -140,10 +140,10 @@ contains
     integer :: i
 
     if (with_e1) then
-      call map(n, r_n, r_t, u_n, u_t, friction, merge(1.0_wp, 0.0_wp, rho > 0), linear, f8)
+      call plane_squares(n, r_n, r_t, u_n, u_t, friction, merge(1.0_wp, 0.0_wp, rho > 0), linear, f8)
       lane(:n, 1) = lane(:n, 1) + f8(:n)
     end if
-    call map(n, r_n, r_t, u_n, u_t, friction, rho, linear, f8)
+    call plane_squares(n, r_n, r_t, u_n, u_t, friction, rho, linear, f8)
     do i = 1, n
       lane(i, 2) = lane(i, 2) + f8(i)
       lane(i, 3) = lane(i, 3) + merge(f8(i), 0.0_wp, rho(i) > 0)/merge(rho(i), 1.0_wp, rho(i) > 0)**2
@@ -152,40 +152,6 @@ contains
       lane(i, 6) = lane(i, 6) + merge(1.0_wp, 0.0_wp, abs(r_n(i)) + abs(r_t(i)) > 0)
     end do
   end subroutine add_chunk
-
-  !> Squares of the natural map of a chunk.
-  pure subroutine map(n, r_n, r_t, u_n, u_t, friction, rho, linear, squares)
-    integer, intent(in) :: n
-    real(wp), intent(in) :: u_n(chunk), u_t(chunk), r_n(chunk), r_t(chunk), friction(chunk), rho(chunk), linear(chunk)
-    real(wp), intent(out) :: squares(chunk)
-    real(wp), dimension(chunk) :: x, t, normal, tangential
-    integer :: i
-
-    do i = 1, n
-      x(i) = r_n(i) - rho(i)*(u_n(i) + friction(i)*abs(u_t(i)))
-      t(i) = r_t(i) - rho(i)*u_t(i)
-    end do
-    call project_all(n, x, t, friction, normal, tangential)
-    do i = 1, n
-      squares(i) = (r_n(i) - normal(i))**2 + (r_t(i) - tangential(i))**2
-    end do
-    if (any(linear(:n) > 0)) then
-      where (linear(:n) > 0) squares(:n) = rho(:n)**2*(u_n(:n)**2 + u_t(:n)**2)
-    end if
-  end subroutine map
-
-  !> Natural map of one contact: zero where impulse and velocity obey the law.
-  pure function natural_map(r, u, friction, rho, linear) result(f)
-    real(wp), intent(in) :: r(2) !! impulse, normal and tangential, cohesion added [N s]
-    real(wp), intent(in) :: u(2) !! relative velocity with bias and compliance [m/s]
-    real(wp), intent(in) :: friction !! Coulomb coefficient
-    real(wp), intent(in) :: rho !! scale of velocities [kg]
-    real(wp), intent(in) :: linear !! 1 where no inequality but u = 0 is asked, else 0
-    real(wp) :: f(2), projected(2)
-
-    call project(r(1) - rho*(u(1) + friction*abs(u(2))), r(2) - rho*u(2), friction, projected(1), projected(2))
-    f = merge(rho*u, r - projected, linear > 0)
-  end function natural_map
 
   !> Gather a chunk of contacts, by the kernel of the problem's kind.
   pure subroutine gather(problem, first, a)

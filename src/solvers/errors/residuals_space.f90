@@ -1,8 +1,8 @@
 !> What the error measures need of contacts in space: the natural map of vectors in the world's axes (doc/theory/errors.md).
 module sg_residuals_space
-  use sg_coulomb_cone, only: project_all
   use sg_kinds, only: wp
   use sg_law_violation, only: law_violation
+  use sg_natural_map, only: chunk, space_squares
   use sg_problem, only: problem_t
   use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_friction, ball_frictional, ball_frictionless, &
                         ball_frictionless_bias, ball_frictionless_inverse_wnn, ball_inverse_wnn, ball_inverse_wtt, ball_spin_x, &
@@ -16,10 +16,8 @@ module sg_residuals_space
                         solid_spin_y, solid_spin_z, solid_stiffness_n, solid_stiffness_t, velocity_x, velocity_y, velocity_z
   implicit none
   private
-  public :: add_normal_parts, add_space_contacts, find_worst_in_space, note_closing, chunk, n_error_sums
+  public :: add_normal_parts, add_space_contacts, find_worst_in_space, note_closing, n_error_sums
 
-  !> Contacts gathered at a time: their data stay in the first cache, and the map runs over them in vector registers
-  integer, parameter :: chunk = 128
   !> Sums that the errors of a problem are made of
   integer, parameter :: n_error_sums = 6
 
@@ -69,10 +67,10 @@ contains
       end if
       if (with_e1) then
         inverse = merge(1.0_wp, 0.0_wp, a%rho > 0)
-        call map_squares(n, a%normal, a%u, a%r, a%friction, inverse, a%linear, squares)
+        call space_squares(n, a%normal, a%u, a%r, a%friction, inverse, a%linear, squares)
         lane(:n, 1) = lane(:n, 1) + squares(:n)
       end if
-      call map_squares(n, a%normal, a%u, a%r, a%friction, a%rho, a%linear, squares)
+      call space_squares(n, a%normal, a%u, a%r, a%friction, a%rho, a%linear, squares)
       if (present(all_squares)) all_squares(first:first + n - 1) = squares(:n)
       inverse = merge(1.0_wp, 0.0_wp, a%rho > 0)/max(a%rho, tiny(1.0_wp)**0.25_wp)
       do i = 1, n
@@ -147,44 +145,6 @@ contains
       lane(i, 6) = lane(i, 6) + merge(1.0_wp, 0.0_wp, abs(r(i)) > 0)
     end do
   end subroutine add_normal_parts
-
-  !> Squares of the natural map of a chunk: zero where impulse and velocity obey the law.
-  pure subroutine map_squares(n, normal, u, r, friction, rho, linear, squares)
-    integer, intent(in) :: n
-    real(wp), intent(in) :: normal(chunk, 3), u(chunk, 3), r(chunk, 3), friction(chunk), rho(chunk), linear(chunk)
-    real(wp), intent(out) :: squares(chunk)
-    real(wp), dimension(chunk) :: r_n, x, sx, sy, sz, length, height, tangential
-    real(wp) :: u_n, tx, ty, tz, slip, share
-    integer :: i
-
-    do i = 1, n
-      u_n = normal(i, 1)*u(i, 1) + normal(i, 2)*u(i, 2) + normal(i, 3)*u(i, 3)
-      r_n(i) = normal(i, 1)*r(i, 1) + normal(i, 2)*r(i, 2) + normal(i, 3)*r(i, 3)
-      tx = u(i, 1) - u_n*normal(i, 1)
-      ty = u(i, 2) - u_n*normal(i, 2)
-      tz = u(i, 3) - u_n*normal(i, 3)
-      slip = sqrt(tx*tx + ty*ty + tz*tz)
-      ! The point r - rho (u + g(u)): x along the normal, (sx, sy, sz) across.
-      x(i) = r_n(i) - rho(i)*(u_n + friction(i)*slip)
-      sx(i) = r(i, 1) - r_n(i)*normal(i, 1) - rho(i)*tx
-      sy(i) = r(i, 2) - r_n(i)*normal(i, 2) - rho(i)*ty
-      sz(i) = r(i, 3) - r_n(i)*normal(i, 3) - rho(i)*tz
-      length(i) = sqrt(sx(i)*sx(i) + sy(i)*sy(i) + sz(i)*sz(i))
-    end do
-    call project_all(n, x, length, friction, height, tangential)
-    do i = 1, n
-      ! Inside the cone the share of what is across is 1, outside less.
-      share = tangential(i)/max(length(i), tiny(1.0_wp))
-      u_n = r_n(i) - height(i)
-      tx = r(i, 1) - r_n(i)*normal(i, 1) - share*sx(i)
-      ty = r(i, 2) - r_n(i)*normal(i, 2) - share*sy(i)
-      tz = r(i, 3) - r_n(i)*normal(i, 3) - share*sz(i)
-      squares(i) = u_n*u_n + tx*tx + ty*ty + tz*tz
-    end do
-    if (any(linear(:n) > 0)) then
-      where (linear(:n) > 0) squares(:n) = rho(:n)**2*(u(:n, 1)**2 + u(:n, 2)**2 + u(:n, 3)**2)
-    end if
-  end subroutine map_squares
 
   !> Note what tells whether to visit the contacts of a chunk: how fast each parts, the lowest number where it carries an impulse,
   !! the highest where it takes no part.

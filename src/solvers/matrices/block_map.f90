@@ -1,7 +1,7 @@
 !> The natural map of Coulomb's law, contact by contact: r - P_K(r - rho (u + (friction |u_T|, 0))), zero at a solution.
 module sg_block_map
-  use sg_coulomb_cone, only: project_point => project
   use sg_kinds, only: wp
+  use sg_natural_map, only: project_point => project
   implicit none
   private
   public :: natural_map, project_all, project

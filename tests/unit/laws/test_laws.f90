@@ -2,7 +2,6 @@
 program test_laws
   use harness, only: tests_t
   use sg_compact, only: compact_velocity
-  use sg_coulomb_cone, only: project, project_all
   use sg_internal_values, only: first_internal, n_internal_of
   use sg_kinds, only: wp, i1
   use sg_laws, only: law_elastic, law_gap, law_iqs, law_linear, law_mohr, law_restitution, law_t, law_velocity, law_wet
@@ -10,13 +9,13 @@ program test_laws
   use sg_laws, only: is_frictionless, is_plain, local_law, local_law_t
   use sg_laws, only: status_bonded, status_new, status_none, status_slide, status_stick
   use sg_matrix_errors, only: project_on_cone
+  use sg_natural_map, only: natural_map, project
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
   use sg_records, only: arm_bias_n, arm_bias_t, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, arm_frictional, &
                         arm_law, arm_moment_tc, arm_wnn, arm_wtt, normal_x, record_length, round_frictional
   use sg_report, only: report_t
-  use sg_residuals, only: natural_map
   implicit none
   real(wp), parameter :: h = 0.01_wp, still(3) = 0
   ! Numbers of order one through fewer than ten operations.
@@ -292,38 +291,28 @@ contains
     call t%near(maxval(abs(f - [0.5_wp, -1.0_wp])), 0.0_wp, rounding, 'natural map: linear laws ask u = 0')
   end subroutine test_natural_map
 
-  !> The projection on Coulomb's cone against the one of the errors of matrices, which is written apart; many points and one.
+  !> The projection on Coulomb's cone against the one of the errors of matrices, which is written apart.
   subroutine test_cone()
-    integer, parameter :: n = 3000
     type(random_t) :: random
-    real(wp), dimension(n) :: x, s, friction, normal, tangential
-    real(wp) :: one(2), other(3), t_normal, t_tangential, direction(2)
-    real(wp) :: worst
+    real(wp) :: x, s, friction, normal, tangential, direction(2), nearest(2), worst
     integer :: i, places(3)
 
     call random%seed(7)
     worst = 0
     places = 0
-    do i = 1, n
-      x(i) = random%normal()
-      s(i) = random%normal()
-      friction(i) = merge(0.0_wp, 3*random%uniform()**2, modulo(i, 10) == 0)
-      if (modulo(i, 11) == 0) s(i) = 0
-      if (modulo(i, 13) == 0) x(i) = 0
-    end do
-    call project_all(n, x, s, friction, normal, tangential)
-    do i = 1, n
-      call project(x(i), s(i), friction(i), t_normal, t_tangential)
-      worst = max(worst, abs(t_normal - normal(i)), abs(t_tangential - tangential(i)))
-      one = project_on_cone([x(i), s(i)], friction(i))
-      worst = max(worst, maxval(abs(one - [normal(i), tangential(i)])))
-      call project(x(i), abs(s(i)), friction(i), t_normal, t_tangential)
+    do i = 1, 3000
+      x = merge(0.0_wp, random%normal(), modulo(i, 13) == 0)
+      s = merge(0.0_wp, random%normal(), modulo(i, 11) == 0)
+      friction = merge(0.0_wp, 3*random%uniform()**2, modulo(i, 10) == 0)
       direction = [cos(real(i, wp)), sin(real(i, wp))]
-      other = project_on_cone([x(i), s(i)*direction], friction(i))
-      worst = max(worst, maxval(abs(other - [t_normal, sign(t_tangential, s(i))*direction])))
-      if (maxval(abs(one)) <= 0) then
+      nearest = project_on_cone([x, s], friction)
+      call project(x, s, friction, normal, tangential)
+      worst = max(worst, maxval(abs(nearest - [normal, tangential])))
+      call project(x, abs(s), friction, normal, tangential)
+      worst = max(worst, maxval(abs(project_on_cone([x, s*direction], friction) - [normal, sign(tangential, s)*direction])))
+      if (maxval(abs(nearest)) <= 0) then
         places(1) = places(1) + 1
-      else if (abs(s(i)) <= friction(i)*x(i)) then
+      else if (abs(s) <= friction*x) then
         places(2) = places(2) + 1
       else
         places(3) = places(3) + 1

@@ -4,6 +4,7 @@ program test_solver
   use scenes, only: begin_scene, g, put_disk, put_polygon, put_wall
   use sg_compact, only: compact_velocity
   use sg_kinds, only: wp
+  use sg_natural_map, only: natural_map
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
@@ -11,7 +12,6 @@ program test_solver
                         round_friction, round_frictional, round_frictionless, round_frictionless_bias, &
                         round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt
   use sg_report, only: report_t
-  use sg_residuals, only: natural_map
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_maxm, criterion_names, &
                             criterion_quad, criterion_violation
   use sg_simulation, only: simulation_t
