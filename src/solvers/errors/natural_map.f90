@@ -89,8 +89,9 @@ contains
     f = merge(rho*u, r - projected, linear > 0)
   end function natural_map
 
-  !> Nearest point of Coulomb's cone |x_T| <= friction x_N: on its surface (or the tip), unless the point lies inside. Without friction the cone is a ray, and
-  !! behind its tip the point is not inside. No branch, so that a loop goes through vector registers.
+  !> Nearest point of Coulomb's cone |x_T| <= friction x_N: on its surface (or the tip), unless the point lies inside. Without
+  !! friction the cone is a ray, and behind its tip the point is not inside. No branch, so that a loop goes through vector
+  !! registers.
   pure elemental subroutine project(x, t, friction, normal, tangential)
     real(wp), intent(in) :: x !! normal part of the point
     real(wp), intent(in) :: t !! its tangential part in the plane; in space the length of that

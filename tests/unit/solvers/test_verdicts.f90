@@ -179,7 +179,7 @@ contains
     call start_simulation(sim)
     call predict(sim%scene, 0.0_wp, h, 0.5_wp)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%contacts, problem_kind(2, sim%plan%is_round, sim%plan%has_tangent), sim%pairs%body_of, &
+    call assemble(sim%scene, sim%contacts, problem_kind(2, sim%plan), sim%pairs%body_of, &
                   sim%pairs%slot_of, sim%plan%radius, h, problem)
     options%criterion = criterion_estimate
     options%tolerance = 1e-2_wp
