@@ -212,8 +212,7 @@ contains
              'from = [-1, 0]'//nl//'to = [1, 0]'//nl//'thickness = 0.1'//nl, '"floor" overlap', 12)
     call bad('outside of the period', head//disk//'position = [-1, 0]'//nl//'[scene]'//nl//'period_x = 3'//nl, &
              'outside of the period', 8)
-    call bad('overlap through the period', head//disk//disk//'position = [2.5, 0]'//nl//'[scene]'//nl//'period_x = 3'//nl, &
-             'overlap', 11)
+    call bad('overlap over a period', head//disk//disk//'position = [2.5, 0]'//nl//'[scene]'//nl//'period_x = 3'//nl, 'overlap', 11)
     call bad('through a hollow disk', head//disk//'position = [1.8, 0]'//nl//'[[body]]'//nl//'shape = "hollow disk"'//nl// &
              'radius = 2'//nl//'fixed = true'//nl, 'overlap', 12)
     call bad('a disk far outside of a hollow one', head//disk//'position = [7, 3]'//nl//'[[body]]'//nl//'shape = "hollow disk"'// &
@@ -262,8 +261,7 @@ contains
     call bad('box of three', sample//'box = [1, 0, 0]'//nl//'count = 5'//nl, 'a list of 4 numbers', 10)
     call bad('too full', sample//'box = [0, 0, 1, 1]'//nl//'count = 100'//nl, 'too full', 10)
     call bad('too small', sample//'box = [0, 0, 0.1, 0.1]'//nl//'count = 1'//nl, 'too full', 10)
-    call bad('too full a lattice', sample//'box = [0, 0, 1, 1]'//nl//'kind = "lattice"'//nl//'count = 17'//nl, &
-             'holds 16 of 17', 12)
+    call bad('too full a lattice', sample//'box = [0, 0, 1, 1]'//nl//'kind = "lattice"'//nl//'count = 17'//nl, 'holds 16 of 17', 12)
     call bad('neither count nor fill', sample//'box = [0, 0, 1, 1]'//nl, 'either "count" or "fill"', 8)
     call bad('count and fill', sample//'box = [0, 0, 1, 1]'//nl//'count = 1'//nl//'fill = 0.1'//nl, 'either "count" or "fill"', 8)
     call bad('too many', sample//'box = [0, 0, 1e9, 1e9]'//nl//'fill = 0.5'//nl, 'more than', 11)
@@ -273,8 +271,7 @@ contains
              'count = 1'//nl, 'smaller number first', 9)
     call bad('two sides', sample//'box = [0, 0, 1, 1]'//nl//'count = 1'//nl//'shape = "polygon"'//nl//'sides = 2'//nl, &
              'at least 3', 13)
-    call bad('sides of disks', sample//'box = [0, 0, 1, 1]'//nl//'count = 1'//nl//'sides = 5'//nl, &
-             'no meaning for shape = "disk"', 12)
+    call bad('sided disks', sample//'box = [0, 0, 1, 1]'//nl//'count = 1'//nl//'sides = 5'//nl, 'no meaning for shape = "disk"', 12)
     call bad('sample over a body', head//disk//'[[sample]]'//nl//'radius = 0.1'//nl//'box = [0, 0, 0.25, 0.25]'//nl// &
              'count = 1'//nl, 'body 1 and body 2 overlap', 11)
   end subroutine bad_samples
@@ -345,10 +342,8 @@ contains
     call bad('gravity of the plane', '[scene]'//nl//'dimension = 3'//nl//'gravity = [0, -9.81]'//nl, 'a list of 3 numbers', 3)
     call bad('a period across the plane', '[scene]'//nl//'period_y = 1.0'//nl, 'has no meaning where scene.dimension = 2', 2)
     call bad('a container in the plane', head//'[[container]]'//nl//'size = [1, 1, 1]'//nl, 'needs scene.dimension = 3', 8)
-    call bad('a sample of the plane', space//'[[sample]]'//nl//'radius = 0.1'//nl//'box = [0, 0, 1, 1]'//nl, &
-             'a list of 6 numbers', 12)
-    call bad('sides of polyhedra', space//'[[sample]]'//nl//'shape = "polyhedron"'//nl//'sides = 5'//nl, &
-             'did you mean "vertices"?', 12)
+    call bad('a plane sample', space//'[[sample]]'//nl//'radius = 0.1'//nl//'box = [0, 0, 1, 1]'//nl, 'a list of 6 numbers', 12)
+    call bad('sided solids', space//'[[sample]]'//nl//'shape = "polyhedron"'//nl//'sides = 5'//nl, 'did you mean "vertices"?', 12)
     call bad('a lattice of the plane', space//'[[sample]]'//nl//'kind = "lattice"'//nl//'arrangement = "square"'//nl, &
              'did you mean "cubic"?', 12)
     call bad('a rotation of the plane', space//ball//'[[drive]]'//nl//'body = 1'//nl//'component = "rotation"'//nl, &
@@ -356,8 +351,7 @@ contains
     call bad('a spin in the plane', head//disk//'[[drive]]'//nl//'body = 1'//nl//'component = "z"'//nl, 'must be one of x', 13)
     call bad('a pressed length', space//ball//'[[pressure]]'//nl//'body = 1'//nl//'length = 1.0'//nl, 'did you mean "area"?', 15)
     call bad('no area', space//ball//'[[pressure]]'//nl//'body = 1'//nl//'direction = [1, 0, 0]'//nl, 'lacks the key "area"', 13)
-    call bad('shapes of the plane', space//ball//'[[interaction]]'//nl//'candidate_shape = "disk"'//nl, &
-             'did you mean "sphere"?', 14)
+    call bad('plane shapes', space//ball//'[[interaction]]'//nl//'candidate_shape = "disk"'//nl, 'did you mean "sphere"?', 14)
   end subroutine bad_dimensions
 
   subroutine bad_shapes_in_space()
