@@ -131,13 +131,13 @@ contains
     s = 1
     c = 1
     d = 0
-    if (record(solid_law) > 0.5_wp .and. w(1, 1) > tiny(1.0_wp)) then
-      s = w(2:3, 2:3) - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
+    if (.not. w(1, 1) > tiny(1.0_wp)) record(solid_law) = 0
+    if (record(solid_law) > 0.5_wp .or. maxval(stiffness) > 0) then
+      s = w(2:3, 2:3)
+      if (record(solid_law) > 0.5_wp) s = s - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
       angle = 0.5_wp*atan2(2*s(1, 2), s(1, 1) - s(2, 2))
       c = cos(angle)
       d = sin(angle)
-    else
-      record(solid_law) = 0
     end if
     ! S is positive for bodies that can move; where rounding or a driven body takes that away, a trace of W_nn keeps it so.
     associate (least => 16*epsilon(1.0_wp)*max(w(1, 1), w(2, 2), w(3, 3), tiny(1.0_wp)))

@@ -30,6 +30,9 @@ program test_cohesive_zones
       call test_pull(dimension, kinds(i), [0.0_wp, 1.0_wp])
       call test_pull(dimension, kinds(i), [1.0_wp, 1.0_wp])
     end do
+    do i = 1, 3
+      call test_driven(dimension, i)
+    end do
     call test_sheared_under_load(dimension)
     call test_hung(dimension)
     call test_energy(dimension)
@@ -218,6 +221,50 @@ contains
       call t%near(energy(1)/10/surface(dimension) + energy(2)/12/surface(dimension), 1.0_wp, 2e-3_wp, name//': energy of fracture')
     call t%check(.not. before > 0, name//': the bond is broken')
   end subroutine test_pull
+
+  !> A bond between bodies that nothing moves, or that nothing moves along the normal: it pulls by its law, does not push where they
+  !! come closer, and leaves nothing when it is broken; all the while steps converge.
+  subroutine test_driven(dimension, case)
+    integer, intent(in) :: dimension
+    integer, intent(in) :: case !! 1: parted and sheared, 2: the same, free along the wall, 3: sheared and pressed into the wall
+    real(wp), parameter :: speed = 0.05_wp
+    character(len=*), parameter :: names(3) = ['driven               ', 'driven off the wall  ', 'driven into the wall ']
+    type(simulation_t) :: sim
+    character(len=:), allocatable :: name
+    real(wp) :: direction(2), opening, before, worst, rest
+    integer :: step, unconverged, broken
+
+    direction = merge([-0.01_wp, 1.0_wp], [1.0_wp, 1.0_wp], case == 3)
+    call make(dimension, law_mal, 1e12_wp, speed*direction, 0.0_wp, sim)
+    if (case == 2) then
+      sim%scene%bodies%inverse_mass(dimension, 1) = 0
+    else
+      sim%scene%bodies%inverse_mass(:, 1) = 0
+    end if
+    before = 1
+    worst = 0
+    rest = 0
+    unconverged = 0
+    broken = 0
+    do step = 1, 1300
+      call run(sim, 1)
+      if (sim%contacts%n == 0) exit
+      if (.not. sim%report%is_converged) unconverged = unconverged + 1
+      opening = max(0.0_wp, speed*direction(1)*h*(real(step, wp) + 0.5_wp))
+      before = integrity_of(law_mal, opening, speed*h*real(step, wp), before)
+      worst = max(worst, maxval(abs(tractions(sim, dimension) - &
+                                    surface(dimension)*before*[1e6_wp*opening, 2e6_wp*speed*h*real(step, wp)])))
+      if (before > 0) cycle
+      broken = broken + 1
+      rest = max(rest, maxval(abs(impulse_vector(sim%contacts, 1))))
+    end do
+    name = trim(names(case))
+    call t%equal(unconverged, 0, name//': steps that have not converged')
+    call t%check(broken > 10, name//': the bond breaks')
+    ! As in `test_pull`.
+    call t%near(worst, 0.0_wp, 2e-5_wp, name//': traction against the formula')
+    call t%near(rest, 0.0_wp, 0.0_wp, name//': a broken bond carries nothing')
+  end subroutine test_driven
 
   !> Pressed on the wall by 100 N and drawn along: the bond, and friction on (1 - beta) of the load.
   subroutine test_sheared_under_load(dimension)

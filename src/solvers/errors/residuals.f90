@@ -15,7 +15,7 @@ module sg_residuals
                         round_bias_t, round_friction, round_frictional, round_frictionless, round_frictionless_bias, &
                         round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt, round_spin, velocity_x, velocity_y
   use sg_report, only: ratio, report_t
-  use sg_residuals_space, only: add_normal_parts, add_space_contacts, find_worst_in_space, n_error_sums, note_closing
+  use sg_residuals_space, only: add_normal_parts, add_space_contacts, find_worst_in_space, keep_bonds, n_error_sums, note_closing
   implicit none
   private
   public :: find_worst, measure_errors, sum_errors, set_errors, n_error_sums
@@ -63,7 +63,7 @@ contains
     real(wp), allocatable, intent(inout), optional :: squares(:) !! squares of the map with rho_a one by one, shape (contacts)
     real(wp), allocatable, intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts)
     type(chunk_t) :: a
-    real(wp) :: lane(chunk, n_error_sums), f8(chunk)
+    real(wp) :: lane(chunk, n_error_sums), f8(chunk), carried(chunk)
     integer :: first, i
     logical :: has_tangent
 
@@ -77,10 +77,17 @@ contains
       else
         call add_normal_parts(a%n, a%u_n, a%r_n, a%rho, with_e1, lane, f8)
       end if
-      if (problem%kind == arm_bonded) lane(:a%n, 4) = lane(:a%n, 4) + a%bond_n(:a%n)**2 + a%bond_t(:a%n)**2
+      ! What a bond between bodies that nothing moves carries, however much, is no measure of the others.
+      if (problem%kind == arm_bonded) &
+        lane(:a%n, 4) = lane(:a%n, 4) + merge(a%bond_n(:a%n)**2 + a%bond_t(:a%n)**2, 0.0_wp, a%rho(:a%n) > 0)
       if (present(squares)) squares(first:first + a%n - 1) = f8(:a%n)
       ! Linear laws have no open state: their contacts count as carrying even where they carry nothing.
-      if (present(closing)) call note_closing(a%n, a%u_n, abs(a%r_n) + abs(a%r_t) + a%linear, a%rho, closing(first:first + a%n - 1))
+      if (.not. present(closing)) cycle
+      carried = abs(a%r_n) + abs(a%r_t) + a%linear
+      call note_closing(a%n, a%u_n, carried, a%rho, closing(first:first + a%n - 1))
+      if (problem%kind == arm_bonded) &
+        call keep_bonds(a%n, problem%record(arm_stiffness_n:arm_stiffness_t, first:first + a%n - 1), carried, &
+                        closing(first:first + a%n - 1))
     end do
     do i = 1, n_error_sums
       sums(i) = sum(sum(reshape(lane(:, i), [8, chunk/8]), 2))
@@ -175,9 +182,9 @@ contains
         call gather_arm_frictional(n, pair, record, r, problem%n_bodies, problem%body, a)
       case (arm_bonded)
         call gather_arm_frictional(n, pair, record(:record_length(arm_frictional), :), r, problem%n_bodies, problem%body, a)
-        ! A bond between bodies that nothing moves takes no part.
-        a%bond_n(:n) = merge(record(arm_stiffness_n, :)*a%u_n(:n), 0.0_wp, record(arm_law, :) > 0.5_wp)
-        a%bond_t(:n) = merge(record(arm_stiffness_t, :)*(a%u_t(:n) + record(arm_slip, :)), 0.0_wp, record(arm_law, :) > 0.5_wp)
+        ! Bodies that nothing moves may come closer: their bond does not push.
+        a%bond_n(:n) = record(arm_stiffness_n, :)*merge(a%u_n(:n), max(0.0_wp, a%u_n(:n)), a%rho(:n) > 0)
+        a%bond_t(:n) = record(arm_stiffness_t, :)*(a%u_t(:n) + record(arm_slip, :))
         a%r_n(:n) = a%r_n(:n) + a%bond_n(:n)
         a%r_t(:n) = a%r_t(:n) + a%bond_t(:n)
       end select

@@ -16,7 +16,7 @@ module sg_residuals_space
                         solid_spin_y, solid_spin_z, solid_stiffness_n, solid_stiffness_t, velocity_x, velocity_y, velocity_z
   implicit none
   private
-  public :: add_normal_parts, add_space_contacts, find_worst_in_space, note_closing, n_error_sums
+  public :: add_normal_parts, add_space_contacts, find_worst_in_space, keep_bonds, note_closing, n_error_sums
 
   !> Sums that the errors of a problem are made of
   integer, parameter :: n_error_sums = 6
@@ -48,7 +48,7 @@ contains
     real(wp), allocatable, intent(inout), optional :: all_squares(:) !! squares of the map with rho_a, shape (contacts)
     real(wp), allocatable, intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts)
     type(chunk_t) :: a
-    real(wp) :: squares(chunk), inverse(chunk)
+    real(wp) :: squares(chunk), inverse(chunk), carried(chunk)
     integer :: first, n, i
     logical :: has_tangent
 
@@ -57,8 +57,12 @@ contains
       call gather(problem, first, a)
       n = a%n
       if (present(closing)) then
-        call note_closing(n, a%normal(:, 1)*a%u(:, 1) + a%normal(:, 2)*a%u(:, 2) + a%normal(:, 3)*a%u(:, 3), &
-                          abs(a%r(:, 1)) + abs(a%r(:, 2)) + abs(a%r(:, 3)) + a%linear, a%rho, closing(first:first + n - 1))
+        carried = abs(a%r(:, 1)) + abs(a%r(:, 2)) + abs(a%r(:, 3)) + a%linear
+        call note_closing(n, a%normal(:, 1)*a%u(:, 1) + a%normal(:, 2)*a%u(:, 2) + a%normal(:, 3)*a%u(:, 3), carried, a%rho, &
+                          closing(first:first + n - 1))
+        if (problem%kind == solid_bonded) &
+          call keep_bonds(n, problem%record(solid_stiffness_n:solid_stiffness_t, first:first + n - 1), carried, &
+                          closing(first:first + n - 1))
       end if
       if (.not. has_tangent) then
         call add_normal_parts(n, a%u(:, 1), a%r(:, 1), a%rho, with_e1, lane, squares)
@@ -160,6 +164,17 @@ contains
       closing(i) = merge(merge(-huge(1.0_wp), u_n(i), carried(i) > 0), huge(1.0_wp), rho(i) > 0)
     end do
   end subroutine note_closing
+
+  !> Note that sweeps are to visit all contacts with a bond, which pulls on open ones too and between bodies that nothing moves;
+  !! there also those that carry what a bond left that has broken since.
+  pure subroutine keep_bonds(n, stiffness, carried, closing)
+    integer, intent(in) :: n !! contacts of the chunk
+    real(wp), intent(in) :: stiffness(2, n) !! of the bonds [kg]
+    real(wp), intent(in) :: carried(chunk) !! size of the impulse without that of the bond [N s]
+    real(wp), intent(inout) :: closing(n) !! what `note_closing` noted
+
+    where (maxval(stiffness, 1) > 0 .or. carried(:n) > 0) closing = -huge(1.0_wp)
+  end subroutine keep_bonds
 
   !> Gather a chunk of contacts, by the kernel of the problem's kind.
   pure subroutine gather(problem, first, a)
@@ -278,13 +293,15 @@ contains
 
     do i = 1, n
       a%bond(i) = 0
-      ! A bond between bodies that nothing moves takes no part.
-      if (.not. (max(record(solid_stiffness_n, i), record(solid_stiffness_t, i)) > 0 .and. record(solid_law, i) > 0.5_wp)) cycle
+      if (.not. max(record(solid_stiffness_n, i), record(solid_stiffness_t, i)) > 0) cycle
       u_n = dot_product(a%normal(i, :), a%u(i, :))
-      bond = record(solid_stiffness_n, i)*u_n*a%normal(i, :) &
-             + record(solid_stiffness_t, i)*(a%u(i, :) - u_n*a%normal(i, :) + record(solid_slip_x:solid_slip_z, i))
+      bond = record(solid_stiffness_t, i)*(a%u(i, :) - u_n*a%normal(i, :) + record(solid_slip_x:solid_slip_z, i))
+      ! Bodies that nothing moves may come closer: their bond does not push.
+      if (.not. a%rho(i) > 0) u_n = max(0.0_wp, u_n)
+      bond = bond + record(solid_stiffness_n, i)*u_n*a%normal(i, :)
       a%r(i, :) = a%r(i, :) + bond
-      a%bond(i) = sum(bond**2)
+      ! What a bond between bodies that nothing moves carries, however much, is no measure of the others.
+      if (a%rho(i) > 0) a%bond(i) = sum(bond**2)
     end do
   end subroutine add_bonds
 

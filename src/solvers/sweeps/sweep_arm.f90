@@ -113,7 +113,7 @@ contains
     real(wp) :: dx, dy, u_n, u_t, q_n, q_t, old_n, old_t, r_n, r_t, p_x, p_y
 
     do k = 1, n
-      if (.not. max(record(arm_stiffness_n, k), record(arm_stiffness_t, k)) > 0) then
+      if (.not. max(record(arm_stiffness_n, k), record(arm_stiffness_t, k)) > 0 .and. record(arm_law, k) > 0.5_wp) then
         call sweep_arm_frictional(1, n_bodies, pair(:, k), record(:record_length(arm_frictional), k), relaxation, &
                                   impulse(:, k), body)
         cycle
@@ -131,7 +131,13 @@ contains
       old_t = impulse(2, k) + record(arm_stiffness_t, k)*(u_t + record(arm_slip, k))
       q_n = u_n - record(arm_wnn, k)*old_n - record(arm_wnt, k)*old_t
       q_t = u_t - record(arm_wnt, k)*old_n - record(arm_wtt, k)*old_t
-      call coulomb_step(record(arm_wnn, k), record(arm_wnt, k), record(arm_wtt, k), record(arm_friction, k), q_n, q_t, r_n, r_t)
+      if (record(arm_law, k) > 0.5_wp) then
+        call coulomb_step(record(arm_wnn, k), record(arm_wnt, k), record(arm_wtt, k), record(arm_friction, k), q_n, q_t, r_n, r_t)
+      else
+        ! Nothing moves along the normal: the bond acts alone, does not push, and carries nothing once it is broken.
+        r_n = min(0.0_wp, record(arm_stiffness_n, k)*u_n)
+        r_t = 0
+      end if
       u_n = q_n + record(arm_wnn, k)*r_n + record(arm_wnt, k)*r_t
       u_t = q_t + record(arm_wnt, k)*r_n + record(arm_wtt, k)*r_t
       r_n = relaxation*(r_n - record(arm_stiffness_n, k)*u_n - impulse(1, k))

@@ -145,14 +145,14 @@ contains
     integer :: k
     integer(i4) :: c, a
     real(wp) :: frame(3, 3), w(3), u(3), old(3), new(3), slip(3), q(3), change(3), lead, inverse
+    logical :: is_active
 
     do k = 1, n
-      if (.not. max(record(solid_stiffness_n, k), record(solid_stiffness_t, k)) > 0) then
+      if (.not. max(record(solid_stiffness_n, k), record(solid_stiffness_t, k)) > 0 .and. record(solid_law, k) > 0.5_wp) then
         call sweep_solid_frictional(1, n_bodies, pair(:, k), record(:record_length(solid_frictional), k), relaxation, &
                                     impulse(:, k), body)
         cycle
       end if
-      if (record(solid_law, k) < 0.5_wp) cycle
       c = pair(1, k)
       a = pair(2, k)
       frame(:, 1) = record(normal_x:normal_z, k)
@@ -167,12 +167,19 @@ contains
       ! The unilateral impulse, and the velocity without it but with the bond: W r is W_nn lead, w lead + S r_t.
       old = matmul(impulse(:, k), frame)
       new = old + record([solid_stiffness_n, solid_stiffness_t, solid_stiffness_t], k)*(u + slip)
-      inverse = 1/record(solid_wnn, k)
+      is_active = record(solid_law, k) > 0.5_wp
+      inverse = 0
+      if (is_active) inverse = 1/record(solid_wnn, k)
       w = record(solid_wnn:solid_wn2, k)
       lead = dot_product(w, new)*inverse
       q = u - w*lead - [0.0_wp, record(solid_s1, k), record(solid_s2, k)]*new
-      call local_step(inverse, w(2)*inverse, w(3)*inverse, record(solid_s1, k), record(solid_s2, k), record(solid_friction, k), &
-                      .false., q(1), q(2), q(3), u(2)**2 + u(3)**2, new(2)**2 + new(3)**2, change(1), change(2), change(3))
+      if (is_active) then
+        call local_step(inverse, w(2)*inverse, w(3)*inverse, record(solid_s1, k), record(solid_s2, k), record(solid_friction, k), &
+                        .false., q(1), q(2), q(3), u(2)**2 + u(3)**2, new(2)**2 + new(3)**2, change(1), change(2), change(3))
+      else
+        ! Nothing moves along the normal: the bond acts alone, does not push, and carries nothing once it is broken.
+        change = [min(0.0_wp, record(solid_stiffness_n, k)*u(1)), 0.0_wp, 0.0_wp]
+      end if
       new = change
       lead = dot_product(w, new)*inverse
       u = q + w*lead + [0.0_wp, record(solid_s1, k), record(solid_s2, k)]*new
