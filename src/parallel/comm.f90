@@ -1,144 +1,355 @@
-!> Communication between ranks: the few operations that the program needs, without naming a library.
+!> Communication between ranks: reductions, broadcasts and gathers of integers, long integers, reals, flags and texts.
 !!
-!! Messages are reals: whole numbers up to 2^53 travel in them exactly. The bodies live in one of two submodules, chosen
-!! by CMake: `comm_with_mpi` and `comm_without_mpi`; with `exchange_with_mpi` they are all that names MPI. All operations
-!! but those said otherwise are collective: every rank calls them, in the same order.
+!! All operations are collective: every rank calls them, in the same order. What needs a library is in `ranks_t`; broadcasts and
+!! gathers travel as bytes, exact to the last bit.
 module sg_comm
   use sg_error, only: error_t
-  use sg_kinds, only: wp, i8
+  use sg_kinds, only: i1, i4, i8, wp
+  use sg_ranks, only: by_maximum, by_minimum, by_sum, ranks_t, traffic_t
   implicit none
   private
   public :: comm_t, traffic_t
 
-  !> What a rank has sent and how long it has waited since its start
-  type :: traffic_t
-    !> Messages to single ranks, and their bytes
-    integer(i8) :: messages = 0, bytes = 0
-    !> Collective operations
-    integer(i8) :: collectives = 0
-    !> Wall seconds spent in waiting for others
-    real(wp) :: wait_seconds = 0
-  end type traffic_t
+  !> What values are transferred to, and its size for each kind
+  integer(i1), parameter :: bytes(1) = 0
+  integer, parameter :: bytes_of_i4 = storage_size(0_i4)/8, bytes_of_i8 = storage_size(0_i8)/8, bytes_of_wp = storage_size(0.0_wp)/8
 
   !> A group of ranks that work on one scene
-  type :: comm_t
-    !> This rank, from 0, and the number of ranks
-    integer :: rank = 0, size = 1
-    !> Messages, bytes and waiting so far
-    type(traffic_t) :: traffic
-    !> Handle of a reduction that is under way, and what it works on
-    integer, private :: request = 0
-    real(wp), allocatable, private :: sending(:), receiving(:)
+  type, extends(ranks_t) :: comm_t
   contains
-    procedure :: start => comm_start
-    procedure :: finish => comm_finish
-    procedure :: abort => comm_abort
-    procedure, nopass :: library => comm_library
-    procedure, nopass :: handle => comm_handle
-    procedure, nopass :: no_hints => comm_no_hints
-    procedure :: ranks_here => comm_ranks_here
-    procedure :: sum => comm_sum
-    procedure :: maximum => comm_maximum
-    procedure :: minimum => comm_minimum
-    procedure :: any => comm_any
+    procedure, private :: sum_integer, sum_long, sum_real, sum_integers, sum_longs, sum_reals
+    procedure, private :: maximum_integer, maximum_long, maximum_real, maximum_integers, maximum_longs, maximum_reals
+    procedure, private :: minimum_integer, minimum_long, minimum_real, minimum_integers, minimum_longs, minimum_reals
+    procedure, private :: any_flag, any_flags
+    procedure, private :: broadcast_integer, broadcast_long, broadcast_real, broadcast_flag
+    procedure, private :: broadcast_integers, broadcast_longs, broadcast_reals, broadcast_text
+    procedure, private :: gather_integer, gather_long, gather_reals, gather_lists
+    !> Replace each value by its sum over the ranks, the same on all
+    generic :: sum => sum_integer, sum_long, sum_real, sum_integers, sum_longs, sum_reals
+    !> Replace each value by the largest of the ranks
+    generic :: maximum => maximum_integer, maximum_long, maximum_real, maximum_integers, maximum_longs, maximum_reals
+    !> Replace each value by the smallest of the ranks
+    generic :: minimum => minimum_integer, minimum_long, minimum_real, minimum_integers, minimum_longs, minimum_reals
+    !> Is a flag, or which of several flags, true on any rank?
+    generic :: any => any_flag, any_flags
+    !> Is a flag true on all ranks?
+    procedure :: all => all_flag
+    !> Replace a value, values, a flag or a text by those of the root rank
+    generic :: broadcast => broadcast_integer, broadcast_long, broadcast_real, broadcast_flag, &
+      broadcast_integers, broadcast_longs, broadcast_reals, broadcast_text
+    !> Values of all ranks side by side: of one value per rank a list, of lists of one size the columns of a table, of lists of
+    !! any sizes one list and where that of each rank begins
+    generic :: gather => gather_integer, gather_long, gather_reals, gather_lists
     procedure :: agree => comm_agree
-    procedure :: begin_sum => comm_begin_sum
-    procedure :: finish_sum => comm_finish_sum
-    procedure :: gather => comm_gather
     procedure :: before => comm_before
-    procedure :: swap => comm_swap
   end type comm_t
 
-  interface
-    !> Join the ranks; without a launcher, or alone under one, this is one rank and no library is started.
-    module subroutine comm_start(self)
-      class(comm_t), intent(inout) :: self
-    end subroutine comm_start
-    !> Leave the ranks in good order.
-    module subroutine comm_finish(self)
-      class(comm_t), intent(inout) :: self
-    end subroutine comm_finish
-    !> End all ranks at once with an exit code; not collective.
-    module subroutine comm_abort(self, code)
-      class(comm_t), intent(inout) :: self
-      integer, intent(in) :: code !! exit code
-    end subroutine comm_abort
-    !> Name and version of the library, empty without one.
-    module function comm_library() result(name)
-      character(len=:), allocatable :: name
-    end function comm_library
-    !> Handle of the group of ranks, for libraries that communicate themselves (parallel HDF5).
-    module function comm_handle() result(handle)
-      integer :: handle
-    end function comm_handle
-    !> Handle of no hints, which such libraries also ask for.
-    module function comm_no_hints() result(handle)
-      integer :: handle
-    end function comm_no_hints
+contains
 
-    !> Number of ranks on this machine, this one included.
-    module integer function comm_ranks_here(self)
-      class(comm_t), intent(in) :: self
-    end function comm_ranks_here
+  !> Sum of the ranks' integers.
+  subroutine sum_integer(self, value)
+    class(comm_t), intent(inout) :: self
+    integer(i4), intent(inout) :: value
+    value = transfer(self%reduced([value], by_sum), value)
+  end subroutine sum_integer
 
-    !> Replace each value by its sum over the ranks, the same on all.
-    module subroutine comm_sum(self, values)
-      class(comm_t), intent(inout) :: self
-      real(wp), intent(inout) :: values(:) !! summands of this rank, then sums
-    end subroutine comm_sum
-    !> Replace each value by the largest of the ranks.
-    module subroutine comm_maximum(self, values)
-      class(comm_t), intent(inout) :: self
-      real(wp), intent(inout) :: values(:) !! values of this rank, then the largest
-    end subroutine comm_maximum
-    !> Replace each value by the smallest of the ranks.
-    module subroutine comm_minimum(self, values)
-      class(comm_t), intent(inout) :: self
-      real(wp), intent(inout) :: values(:) !! values of this rank, then the smallest
-    end subroutine comm_minimum
-    !> Does any rank say yes?
-    module logical function comm_any(self, is_so)
-      class(comm_t), intent(inout) :: self
-      logical, intent(in) :: is_so !! what this rank says
-    end function comm_any
-    !> Share an error: afterwards all ranks have one if any had, and the lowest rank that had one is `speaker`.
-    module subroutine comm_agree(self, error, speaker)
-      class(comm_t), intent(inout) :: self
-      type(error_t), allocatable, intent(inout) :: error !! of this rank; of the speaker afterwards
-      integer, intent(out) :: speaker !! rank that had the error first, -1 where all is well
-    end subroutine comm_agree
+  !> Sum of the ranks' long integers.
+  subroutine sum_long(self, value)
+    class(comm_t), intent(inout) :: self
+    integer(i8), intent(inout) :: value
+    value = transfer(self%reduced([value], by_sum), value)
+  end subroutine sum_long
 
-    !> Begin to sum over the ranks; nothing else may be begun before it is finished, but other operations may go on.
-    module subroutine comm_begin_sum(self, values)
-      class(comm_t), intent(inout) :: self
-      real(wp), intent(in) :: values(:) !! summands of this rank
-    end subroutine comm_begin_sum
-    !> Finish the sum that was begun.
-    module subroutine comm_finish_sum(self, values)
-      class(comm_t), intent(inout) :: self
-      real(wp), intent(out) :: values(:) !! sums, of the size that was begun
-    end subroutine comm_finish_sum
+  !> Sum of the ranks' reals.
+  subroutine sum_real(self, value)
+    class(comm_t), intent(inout) :: self
+    real(wp), intent(inout) :: value
+    value = transfer(self%reduced([value], by_sum), value)
+  end subroutine sum_real
 
-    !> What every rank has to say, side by side: shape (size(own), ranks).
-    module subroutine comm_gather(self, own, all)
-      class(comm_t), intent(inout) :: self
-      real(wp), intent(in) :: own(:) !! of this rank, of one size on all
-      real(wp), allocatable, intent(out) :: all(:, :) !! of all ranks, column r + 1 for rank r
-    end subroutine comm_gather
-    !> Sum over the ranks below this one, and over all.
-    module subroutine comm_before(self, own, before, total)
-      class(comm_t), intent(inout) :: self
-      integer(i8), intent(in) :: own !! of this rank
-      integer(i8), intent(out) :: before !! sum over lower ranks
-      integer(i8), intent(out) :: total !! sum over all ranks
-    end subroutine comm_before
-    !> Send to every rank its part of a list, and receive from every rank: parts stand in the order of ranks.
-    module subroutine comm_swap(self, send, send_count, receive, receive_count)
-      class(comm_t), intent(inout) :: self
-      real(wp), intent(in) :: send(:) !! parts one after the other
-      integer, intent(in) :: send_count(0:) !! reals for each rank, shape (0:size-1)
-      real(wp), allocatable, intent(out) :: receive(:) !! parts one after the other
-      integer, allocatable, intent(out) :: receive_count(:) !! reals from each rank, shape (0:size-1)
-    end subroutine comm_swap
-  end interface
+  !> Sums of the ranks' integers, place by place.
+  subroutine sum_integers(self, values)
+    class(comm_t), intent(inout) :: self
+    integer(i4), intent(inout) :: values(:)
+    values = self%reduced(values, by_sum)
+  end subroutine sum_integers
+
+  !> Sums of the ranks' long integers, place by place.
+  subroutine sum_longs(self, values)
+    class(comm_t), intent(inout) :: self
+    integer(i8), intent(inout) :: values(:)
+    values = self%reduced(values, by_sum)
+  end subroutine sum_longs
+
+  !> Sums of the ranks' reals, place by place.
+  subroutine sum_reals(self, values)
+    class(comm_t), intent(inout) :: self
+    real(wp), intent(inout) :: values(:)
+    values = self%reduced(values, by_sum)
+  end subroutine sum_reals
+
+  !> Largest of the ranks' integers.
+  subroutine maximum_integer(self, value)
+    class(comm_t), intent(inout) :: self
+    integer(i4), intent(inout) :: value
+    value = transfer(self%reduced([value], by_maximum), value)
+  end subroutine maximum_integer
+
+  !> Largest of the ranks' long integers.
+  subroutine maximum_long(self, value)
+    class(comm_t), intent(inout) :: self
+    integer(i8), intent(inout) :: value
+    value = transfer(self%reduced([value], by_maximum), value)
+  end subroutine maximum_long
+
+  !> Largest of the ranks' reals.
+  subroutine maximum_real(self, value)
+    class(comm_t), intent(inout) :: self
+    real(wp), intent(inout) :: value
+    value = transfer(self%reduced([value], by_maximum), value)
+  end subroutine maximum_real
+
+  !> Largest of the ranks' integers, place by place.
+  subroutine maximum_integers(self, values)
+    class(comm_t), intent(inout) :: self
+    integer(i4), intent(inout) :: values(:)
+    values = self%reduced(values, by_maximum)
+  end subroutine maximum_integers
+
+  !> Largest of the ranks' long integers, place by place.
+  subroutine maximum_longs(self, values)
+    class(comm_t), intent(inout) :: self
+    integer(i8), intent(inout) :: values(:)
+    values = self%reduced(values, by_maximum)
+  end subroutine maximum_longs
+
+  !> Largest of the ranks' reals, place by place.
+  subroutine maximum_reals(self, values)
+    class(comm_t), intent(inout) :: self
+    real(wp), intent(inout) :: values(:)
+    values = self%reduced(values, by_maximum)
+  end subroutine maximum_reals
+
+  !> Smallest of the ranks' integers.
+  subroutine minimum_integer(self, value)
+    class(comm_t), intent(inout) :: self
+    integer(i4), intent(inout) :: value
+    value = transfer(self%reduced([value], by_minimum), value)
+  end subroutine minimum_integer
+
+  !> Smallest of the ranks' long integers.
+  subroutine minimum_long(self, value)
+    class(comm_t), intent(inout) :: self
+    integer(i8), intent(inout) :: value
+    value = transfer(self%reduced([value], by_minimum), value)
+  end subroutine minimum_long
+
+  !> Smallest of the ranks' reals.
+  subroutine minimum_real(self, value)
+    class(comm_t), intent(inout) :: self
+    real(wp), intent(inout) :: value
+    value = transfer(self%reduced([value], by_minimum), value)
+  end subroutine minimum_real
+
+  !> Smallest of the ranks' integers, place by place.
+  subroutine minimum_integers(self, values)
+    class(comm_t), intent(inout) :: self
+    integer(i4), intent(inout) :: values(:)
+    values = self%reduced(values, by_minimum)
+  end subroutine minimum_integers
+
+  !> Smallest of the ranks' long integers, place by place.
+  subroutine minimum_longs(self, values)
+    class(comm_t), intent(inout) :: self
+    integer(i8), intent(inout) :: values(:)
+    values = self%reduced(values, by_minimum)
+  end subroutine minimum_longs
+
+  !> Smallest of the ranks' reals, place by place.
+  subroutine minimum_reals(self, values)
+    class(comm_t), intent(inout) :: self
+    real(wp), intent(inout) :: values(:)
+    values = self%reduced(values, by_minimum)
+  end subroutine minimum_reals
+
+  !> Is a flag true on any rank?
+  logical function any_flag(self, is_so)
+    class(comm_t), intent(inout) :: self
+    logical, intent(in) :: is_so
+
+    any_flag = any(self%any([is_so]))
+  end function any_flag
+
+  !> Which flags are true on any rank?
+  function any_flags(self, is_so)
+    class(comm_t), intent(inout) :: self
+    logical, intent(in) :: is_so(:)
+    logical :: any_flags(size(is_so))
+    integer(i4) :: numbers(size(is_so))
+
+    numbers = merge(1_i4, 0_i4, is_so)
+    call self%maximum(numbers)
+    any_flags = numbers > 0
+  end function any_flags
+
+  !> Is a flag true on all ranks?
+  logical function all_flag(self, is_so)
+    class(comm_t), intent(inout) :: self
+    logical, intent(in) :: is_so !! flag of this rank
+
+    all_flag = .not. self%any(.not. is_so)
+  end function all_flag
+
+  !> The root's integer.
+  subroutine broadcast_integer(self, value, root)
+    class(comm_t), intent(inout) :: self
+    integer(i4), intent(inout) :: value
+    integer, intent(in) :: root
+    value = transfer(self%of_root(transfer(value, bytes), root), value)
+  end subroutine broadcast_integer
+
+  !> The root's long integer.
+  subroutine broadcast_long(self, value, root)
+    class(comm_t), intent(inout) :: self
+    integer(i8), intent(inout) :: value
+    integer, intent(in) :: root
+    value = transfer(self%of_root(transfer(value, bytes), root), value)
+  end subroutine broadcast_long
+
+  !> The root's real.
+  subroutine broadcast_real(self, value, root)
+    class(comm_t), intent(inout) :: self
+    real(wp), intent(inout) :: value
+    integer, intent(in) :: root
+    value = transfer(self%of_root(transfer(value, bytes), root), value)
+  end subroutine broadcast_real
+
+  !> The root's flag.
+  subroutine broadcast_flag(self, value, root)
+    class(comm_t), intent(inout) :: self
+    logical, intent(inout) :: value
+    integer, intent(in) :: root
+    value = transfer(self%of_root(transfer(value, bytes), root), value)
+  end subroutine broadcast_flag
+
+  !> The root's integers.
+  subroutine broadcast_integers(self, values, root)
+    class(comm_t), intent(inout) :: self
+    integer(i4), intent(inout) :: values(:)
+    integer, intent(in) :: root
+    values = transfer(self%of_root(transfer(values, bytes), root), values)
+  end subroutine broadcast_integers
+
+  !> The root's long integers.
+  subroutine broadcast_longs(self, values, root)
+    class(comm_t), intent(inout) :: self
+    integer(i8), intent(inout) :: values(:)
+    integer, intent(in) :: root
+    values = transfer(self%of_root(transfer(values, bytes), root), values)
+  end subroutine broadcast_longs
+
+  !> The root's reals.
+  subroutine broadcast_reals(self, values, root)
+    class(comm_t), intent(inout) :: self
+    real(wp), intent(inout) :: values(:)
+    integer, intent(in) :: root
+    values = transfer(self%of_root(transfer(values, bytes), root), values)
+  end subroutine broadcast_reals
+
+  !> The root's text, unallocated where it has none.
+  subroutine broadcast_text(self, text, root)
+    class(comm_t), intent(inout) :: self
+    character(len=:), allocatable, intent(inout) :: text
+    integer, intent(in) :: root
+    integer :: length
+
+    length = -1
+    if (allocated(text)) length = len(text)
+    call self%broadcast(length, root)
+    if (self%rank /= root .and. allocated(text)) deallocate (text)
+    if (length < 0) return
+    if (self%rank /= root) allocate (character(len=length) :: text)
+    text(:) = transfer(self%of_root(transfer(text, bytes), root), text)
+  end subroutine broadcast_text
+
+  !> Integers of all ranks, in their order.
+  subroutine gather_integer(self, own, all)
+    class(comm_t), intent(inout) :: self
+    integer(i4), intent(in) :: own
+    integer(i4), allocatable, intent(out) :: all(:)
+
+    all = transfer(self%side_by_side(transfer(own, bytes), spread(bytes_of_i4, 1, self%size)), [own])
+  end subroutine gather_integer
+
+  !> Long integers of all ranks, in their order.
+  subroutine gather_long(self, own, all)
+    class(comm_t), intent(inout) :: self
+    integer(i8), intent(in) :: own
+    integer(i8), allocatable, intent(out) :: all(:)
+
+    all = transfer(self%side_by_side(transfer(own, bytes), spread(bytes_of_i8, 1, self%size)), [own])
+  end subroutine gather_long
+
+  !> Lists of reals, all of one size: column r + 1 is that of rank r.
+  subroutine gather_reals(self, own, all)
+    class(comm_t), intent(inout) :: self
+    real(wp), intent(in) :: own(:)
+    real(wp), allocatable, intent(out) :: all(:, :)
+
+    all = reshape(transfer(self%side_by_side(transfer(own, bytes), spread(bytes_of_wp*size(own), 1, self%size)), own), &
+                  [size(own), self%size])
+  end subroutine gather_reals
+
+  !> Lists of integers of any sizes, one after the other: that of rank r begins at `first(r)`, the last one ends before
+  !! `first(ranks)`.
+  subroutine gather_lists(self, own, all, first)
+    class(comm_t), intent(inout) :: self
+    integer(i4), intent(in) :: own(:)
+    integer(i4), allocatable, intent(out) :: all(:)
+    integer, allocatable, intent(out) :: first(:)
+    integer, allocatable :: length(:)
+    integer :: r
+
+    call self%gather(size(own), length)
+    all = transfer(self%side_by_side(transfer(own, bytes), bytes_of_i4*length), own)
+    allocate (first(0:self%size), source=[(1 + sum(length(:r)), r=0, self%size)])
+  end subroutine gather_lists
+
+  !> Share an error: afterwards all ranks have one if any had, that of the lowest rank that had one.
+  subroutine comm_agree(self, error, root)
+    class(comm_t), intent(inout) :: self
+    type(error_t), allocatable, intent(inout) :: error !! of this rank; of the root afterwards
+    integer, intent(out), optional :: root !! lowest rank that had an error, -1 where all is well
+    integer :: first, numbers(3)
+
+    first = merge(self%rank, self%size, allocated(error))
+    call self%minimum(first)
+    if (present(root)) root = merge(first, -1, first < self%size)
+    if (first == self%size) return
+    if (self%rank /= first) then
+      if (allocated(error)) deallocate (error)
+      allocate (error)
+    end if
+    numbers = [error%line, error%column, error%code]
+    call self%broadcast(numbers, first)
+    error%line = numbers(1)
+    error%column = numbers(2)
+    error%code = numbers(3)
+    call self%broadcast(error%message, first)
+    call self%broadcast(error%file, first)
+    call self%broadcast(error%text, first)
+  end subroutine comm_agree
+
+  !> Sum over the ranks below this one, and over all.
+  subroutine comm_before(self, own, before, total)
+    class(comm_t), intent(inout) :: self
+    integer(i8), intent(in) :: own !! of this rank
+    integer(i8), intent(out) :: before !! sum over lower ranks
+    integer(i8), intent(out) :: total !! sum over all ranks
+    integer(i8), allocatable :: all(:)
+
+    call self%gather(own, all)
+    before = sum(all(:self%rank))
+    total = sum(all)
+  end subroutine comm_before
 end module sg_comm

@@ -88,7 +88,7 @@ contains
     self%row = nint(came) - self%first
     allocate (has_come(self%n), source=.false.)
     has_come(self%row) = .true.
-    self%is_complete = .not. comm%any(.not. (all(is_known) .and. all(has_come) .and. size(self%row) == self%n))
+    self%is_complete = comm%all(all(is_known) .and. all(has_come) .and. size(self%row) == self%n)
   end subroutine rows_plan
 
   !> How many things go to each rank.

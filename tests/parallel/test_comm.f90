@@ -1,11 +1,10 @@
-!> What ranks say to one another, on any number of them: every expected value is a formula of the ranks.
+!> Messages between ranks, on any number of them: every expected value is a formula of the ranks.
 program test_comm
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use harness, only: tests_t
   use sg_comm, only: comm_t
   use sg_error, only: error_t, exit_broken, fail
-  use sg_exchange, only: exchange_t
-  use sg_kinds, only: wp, i8
-  use sg_message_costs, only: measure_messages, message_costs_t
+  use sg_kinds, only: i4, i8, wp
   use sg_text, only: to_text
   implicit none
   type(tests_t) :: t
@@ -14,35 +13,24 @@ program test_comm
   call comm%start()
   call t%check(comm%rank >= 0 .and. comm%rank < comm%size, 'a rank among the ranks')
   call test_reductions()
+  call test_integers()
+  call test_longs()
+  call test_scalars()
   call test_any()
+  call test_broadcast()
+  call test_broadcast_text()
   call test_agree()
   call test_sum_meanwhile()
   call test_gather()
+  call test_gather_scalars()
+  call test_gather_lists()
+  call test_traffic()
   call test_before()
   call test_swap()
   call test_empty_swap()
-  call test_exchange()
-  call test_one_way()
-  call test_message_costs()
   call t%finish(comm)
 
 contains
-
-  !> What messages cost is positive, grows with their length, and is the same on all ranks.
-  subroutine test_message_costs()
-    type(message_costs_t) :: costs
-    real(wp), allocatable :: all_seconds(:, :)
-    integer :: r
-
-    if (comm%size == 1) return
-    call measure_messages(comm, costs)
-    call t%check(all(costs%seconds > 0), 'messages take time')
-    call t%check(all(costs%seconds(2:) >= costs%seconds(:size(costs%seconds) - 1)), 'longer ones no less')
-    call comm%gather(costs%seconds, all_seconds)
-    do r = 1, comm%size
-      call t%check(all(abs(all_seconds(:, r) - costs%seconds) <= 0), 'all ranks know the same')
-    end do
-  end subroutine test_message_costs
 
   !> Sums, largest and smallest values of 1, r, -r and r**2.
   subroutine test_reductions()
@@ -62,35 +50,181 @@ contains
     call comm%sum(empty)
   end subroutine test_reductions
 
+  !> The same for integers, of an array with gaps too.
+  subroutine test_integers()
+    integer(i4) :: r, n, values(4), spaced(7), empty(0)
+
+    r = comm%rank
+    n = comm%size
+    values = [1, r, -r, r**2]
+    call comm%sum(values)
+    call t%check(all(values == [n, n*(n - 1)/2, -n*(n - 1)/2, (n - 1)*n*(2*n - 1)/6]), 'sums of integers')
+    spaced = 7
+    spaced(::2) = [1, r, -r, r**2]
+    call comm%maximum(spaced(::2))
+    call t%check(all(spaced == [1, 7, n - 1, 7, 0, 7, (n - 1)**2]), 'largest integers, in an array with gaps')
+    values = [1, r, -r, r**2]
+    call comm%minimum(values)
+    call t%check(all(values == [1, 0, 1 - n, 0]), 'smallest integers')
+    call comm%sum(empty)
+    call comm%maximum(empty)
+  end subroutine test_integers
+
+  !> The same for long integers beyond 2^53, where reals would round them.
+  subroutine test_longs()
+    integer(i8), parameter :: many = 2_i8**53 + 1
+    integer(i8) :: r, n, values(2), empty(0)
+
+    r = int(comm%rank, i8)
+    n = int(comm%size, i8)
+    values = [many, -r*many]
+    call comm%sum(values)
+    call t%check(all(values == [n*many, -n*(n - 1)/2*many]), 'sums of long integers')
+    values = [many + r, -r*many]
+    call comm%maximum(values)
+    call t%check(all(values == [many + n - 1, 0_i8]), 'largest long integers')
+    values = [many + r, -r*many]
+    call comm%minimum(values)
+    call t%check(all(values == [many, (1 - n)*many]), 'smallest long integers')
+    call comm%minimum(empty)
+  end subroutine test_longs
+
+  !> One value of each kind: sum, largest and smallest one of 3 r + 1 and, for long integers, of that times 2^40.
+  subroutine test_scalars()
+    integer(i8), parameter :: many = 2_i8**40
+    integer(i4) :: short(3), own, n
+    integer(i8) :: long(3)
+    real(wp) :: part(3), zero
+
+    n = comm%size
+    own = 3*comm%rank + 1
+    short = own
+    long = many*int(own, i8)
+    part = real(own, wp)/4
+    call comm%sum(short(1))
+    call comm%maximum(short(2))
+    call comm%minimum(short(3))
+    call comm%sum(long(1))
+    call comm%maximum(long(2))
+    call comm%minimum(long(3))
+    call comm%sum(part(1))
+    call comm%maximum(part(2))
+    call comm%minimum(part(3))
+    associate (expected => [n + 3*n*(n - 1)/2, 3*n - 2, 1])
+      call t%check(all(short == expected), 'an integer summed, the largest, the smallest')
+      call t%check(all(long == many*int(expected, i8)), 'a long integer summed, the largest, the smallest')
+      call t%check(all(abs(part - real(expected, wp)/4) <= 0), 'a real summed, the largest, the smallest')
+    end associate
+    zero = -0.0_wp
+    call comm%maximum(zero)
+    call t%check(sign(1.0_wp, zero) < 0, 'the sign of a zero is kept')
+  end subroutine test_scalars
+
   subroutine test_any()
-    call t%check(.not. comm%any(.false.), 'nobody says yes')
-    call t%check(comm%any(.true.), 'all say yes')
-    call t%check(comm%any(comm%rank == comm%size - 1), 'the last one says yes')
+    logical :: is_last
+    integer :: r
+
+    is_last = comm%rank == comm%size - 1
+    call t%check(.not. comm%any(.false.), 'false on all ranks: not any')
+    call t%check(comm%any(.true.), 'true on all ranks: any')
+    call t%check(comm%any(is_last), 'true on the last rank: any')
+    call t%check(.not. comm%all(.false.), 'false on all ranks: not all')
+    call t%check(comm%all(.true.), 'true on all ranks: all')
+    call t%check(comm%all(is_last) .eqv. comm%size == 1, 'true on the last rank alone: all only where it is the only one')
+    call t%check(all(comm%any([.false., is_last, .true., comm%rank == 0]) .eqv. [.false., .true., .true., .true.]), &
+                 'each flag by itself')
+    call t%check(all(comm%any([(comm%rank == r, r=0, comm%size)]) .eqv. [(r < comm%size, r=0, comm%size)]), 'a flag per rank')
+    call t%check(size(comm%any([logical ::])) == 0, 'no flags')
   end subroutine test_any
+
+  !> Each rank is the root once; all others hold something else before. Bits arrive as they are: not a number too.
+  subroutine test_broadcast()
+    integer(i4) :: short, shorts(3), no_shorts(0)
+    integer(i8) :: long, longs(2)
+    real(wp) :: part, parts(3), nan
+    logical :: is_so
+    integer :: root
+
+    nan = ieee_value(nan, ieee_quiet_nan)
+    do root = 0, comm%size - 1
+      associate (own => merge(root + 5, -comm%rank, comm%rank == root))
+        short = own
+        shorts = [own, -own, 2*own]
+        long = int(own, i8)*2_i8**40
+        longs = [long, -long]
+        part = real(own, wp)/8
+        parts = [part, -0.0_wp, nan]
+        is_so = comm%rank == root
+        if (comm%rank /= root) parts(2:3) = 1
+      end associate
+      call comm%broadcast(short, root)
+      call comm%broadcast(shorts, root)
+      call comm%broadcast(no_shorts, root)
+      call comm%broadcast(long, root)
+      call comm%broadcast(longs, root)
+      call comm%broadcast(part, root)
+      call comm%broadcast(parts, root)
+      call comm%broadcast(is_so, root)
+      call t%check(short == root + 5 .and. all(shorts == (root + 5)*[1, -1, 2]), 'integers of the root')
+      call t%check(all([long, longs] == (int(root, i8) + 5)*2_i8**40*[1_i8, 1_i8, -1_i8]), 'long integers of the root')
+      call t%check(all(abs([part, parts(1)] - real(root + 5, wp)/8) <= 0), 'reals of the root')
+      call t%check(sign(1.0_wp, parts(2)) < 0 .and. ieee_is_nan(parts(3)), 'a negative zero and what is not a number')
+      call t%check(is_so, 'the flag of the root')
+      is_so = comm%rank /= root
+      call comm%broadcast(is_so, root)
+      call t%check(.not. is_so, 'and that it is false')
+    end do
+  end subroutine test_broadcast
+
+  !> Texts of any length arrive, and that there is none.
+  subroutine test_broadcast_text()
+    character(len=:), allocatable :: text
+    integer :: root
+
+    do root = 0, comm%size - 1
+      text = 'rank '//repeat('*', int(3*comm%rank, i8))
+      call comm%broadcast(text, root)
+      call t%check(len(text) == 5 + 3*root .and. text == 'rank '//repeat('*', int(3*root, i8)), 'the text of the root')
+      if (comm%rank == root) text = ''
+      call comm%broadcast(text, root)
+      call t%check(allocated(text), 'an empty text is a text')
+      if (allocated(text)) call t%equal(len(text), 0, 'of no length')
+      text = 'x'
+      if (comm%rank == root) deallocate (text)
+      call comm%broadcast(text, root)
+      call t%check(.not. allocated(text), 'no text where the root has none')
+      if (comm%rank == root) text = 'from nothing'
+      call comm%broadcast(text, root)
+      call t%check(allocated(text), 'a text where ranks had none')
+      if (allocated(text)) call t%check(text == 'from nothing', 'which is that of the root')
+    end do
+  end subroutine test_broadcast_text
 
   !> An error of one rank becomes one of all, with all that it says; of several, that of the lowest rank counts.
   subroutine test_agree()
     type(error_t), allocatable :: error
-    integer :: speaker, last
+    integer :: root, last
 
-    call comm%agree(error, speaker)
-    call t%check(speaker == -1 .and. .not. allocated(error), 'all is well')
+    call comm%agree(error, root)
+    call t%check(root == -1 .and. .not. allocated(error), 'all is well')
 
     last = comm%size - 1
     if (comm%rank == last) call fail(error, 'a sentence', file='deck.toml', line=7, column=3, text='gap = -1', code=exit_broken)
-    call comm%agree(error, speaker)
-    call t%equal(speaker, last, 'who had the error')
+    call comm%agree(error, root)
+    call t%equal(root, last, 'the rank that had the error')
     call expect(error, 'a sentence', 'deck.toml', 'gap = -1', [7, 3, exit_broken])
 
     if (allocated(error)) deallocate (error)
     if (comm%rank >= last/2) call fail(error, 'rank '//to_text(comm%rank))
-    call comm%agree(error, speaker)
-    call t%equal(speaker, last/2, 'the lowest rank speaks')
+    call comm%agree(error, root)
+    call t%equal(root, last/2, 'the lowest rank that had one')
     if (allocated(error)) then
-      call t%check(error%message == 'rank '//to_text(last/2), 'its message, whatever the others said')
+      call t%check(error%message == 'rank '//to_text(last/2), 'its message, whatever those of others')
       call t%check(.not. allocated(error%file), 'no file where it named none')
     end if
     call t%check(allocated(error), 'all ranks have it')
+    call comm%agree(error)
+    if (allocated(error)) call t%check(error%message == 'rank '//to_text(last/2), 'shared once more, it stays')
   end subroutine test_agree
 
   !> Check all that an error says.
@@ -135,10 +269,67 @@ contains
     integer :: r
 
     call comm%gather([real(comm%rank, wp), 10*real(comm%rank, wp)], all)
-    call t%check(size(all, 1) == 2 .and. size(all, 2) == comm%size, 'a column a rank')
+    call t%check(size(all, 1) == 2 .and. size(all, 2) == comm%size, 'a column per rank')
     call t%check(maxval(abs(all(1, :) - [(real(r, wp), r=0, comm%size - 1)])) <= 0, 'in the order of the ranks')
     call t%check(maxval(abs(all(2, :) - 10*all(1, :))) <= 0, 'with all values')
+    call comm%gather([real(wp) ::], all)
+    call t%check(size(all, 1) == 0 .and. size(all, 2) == comm%size, 'columns without rows')
   end subroutine test_gather
+
+  !> One value per rank, beyond what reals hold exactly where it is long.
+  subroutine test_gather_scalars()
+    integer(i4), allocatable :: short(:)
+    integer(i8), allocatable :: long(:)
+    integer :: r
+
+    call comm%gather(comm%rank**2 + 1, short)
+    call t%equal(size(short), comm%size, 'an integer per rank')
+    call t%check(all(short == [(r**2 + 1, r=0, comm%size - 1)]), 'in the order of the ranks')
+    call comm%gather(2_i8**60 + int(comm%rank, i8), long)
+    call t%equal(size(long), comm%size, 'a long integer per rank')
+    call t%check(all(long == [(2_i8**60 + int(r, i8), r=0, comm%size - 1)]), 'in the order of the ranks, to the last bit')
+  end subroutine test_gather_scalars
+
+  !> Lists of any sizes, empty ones among them.
+  subroutine test_gather_lists()
+    integer, allocatable :: all(:), first(:)
+    integer :: i, r, longest
+
+    do longest = 0, 4
+      call comm%gather([(100*comm%rank + i, i=1, length(comm%rank, longest))], all, first)
+      call t%check(lbound(first, 1) == 0 .and. size(first) == comm%size + 1, 'a beginning per rank, and the end')
+      call t%equal(size(all), sum([(length(r, longest), r=0, comm%size - 1)]), 'items of all ranks')
+      do r = 0, comm%size - 1
+        call t%equal(first(r + 1) - first(r), length(r, longest), 'items of a rank')
+        call t%equal(count(all(first(r):first(r + 1) - 1) /= [(100*r + i, i=1, length(r, longest))]), 0, 'its own, in order')
+      end do
+    end do
+  end subroutine test_gather_lists
+
+  !> Length of the list of a rank.
+  pure integer function length(rank, longest)
+    integer, intent(in) :: rank, longest
+
+    length = modulo(longest - rank, longest + 1)
+  end function length
+
+  !> Each operation of several ranks is counted once; one rank alone has none.
+  subroutine test_traffic()
+    integer(i8) :: collectives, before, total
+    integer :: number
+    integer, allocatable :: all(:), first(:)
+
+    collectives = comm%traffic%collectives
+    number = 1
+    call comm%sum(number)
+    call comm%broadcast(number, 0)
+    call comm%gather(number, all)
+    call comm%gather([number], all, first)
+    call comm%before(1_i8, before, total)
+    if (comm%any(.true.)) collectives = comm%traffic%collectives - collectives
+    ! Lists of any sizes need their sizes first.
+    call t%check(collectives == merge(7_i8, 0_i8, comm%size > 1), 'collective operations counted')
+  end subroutine test_traffic
 
   !> Counts beyond 2^31; one rank has nothing.
   subroutine test_before()
@@ -179,7 +370,7 @@ contains
     messages = comm%traffic%messages
     bytes = comm%traffic%bytes
     call comm%swap(send, count, receive, got)
-    call t%check(lbound(got, 1) == 0 .and. size(got) == comm%size, 'a count a rank')
+    call t%check(lbound(got, 1) == 0 .and. size(got) == comm%size, 'a count per rank')
     call t%check(all(got == [(part(r, comm%rank), r=0, comm%size - 1)]), 'counts received')
     call t%equal(size(receive), sum(got), 'reals received')
     at = 0
@@ -207,102 +398,4 @@ contains
     call comm%swap(nothing, count, receive, got)
     call t%check(size(receive) == 0 .and. all(got == 0), 'nothing swapped')
   end subroutine test_empty_swap
-
-  !> All others are neighbours; to the last rank go no items from the first one; the plan serves three times.
-  subroutine test_exchange()
-    type(exchange_t), target :: plan
-    integer, allocatable :: neighbour(:)
-    integer(i8) :: messages, bytes
-    integer :: r, round, sent
-
-    neighbour = pack([(r, r=0, comm%size - 1)], [(r /= comm%rank, r=0, comm%size - 1)])
-    call plan%prepare(comm, 2, neighbour, items(comm%rank, neighbour), items(neighbour, comm%rank))
-    call t%equal(size(plan%send, 2), sum(items(comm%rank, neighbour)), 'room for what is sent')
-    call t%equal(size(plan%receive, 2), sum(items(neighbour, comm%rank)), 'room for what comes')
-    call t%equal(plan%messages, count(items(comm%rank, neighbour) > 0), 'messages to those who get something')
-    call t%equal(plan%bytes, 16*size(plan%send, 2), 'bytes of an exchange')
-    messages = comm%traffic%messages
-    bytes = comm%traffic%bytes
-    do round = 1, 3
-      call fill(plan, round)
-      call plan%begin(comm)
-      sent = 0
-      do r = 1, 1000
-        sent = sent + r
-      end do
-      call plan%finish(comm)
-      call look(plan, round)
-    end do
-    call t%equal(sent, 500500, 'work between begin and finish')
-    call t%check(comm%traffic%messages - messages == 3*int(plan%messages, i8), 'messages of three exchanges')
-    call t%check(comm%traffic%bytes - bytes == 3*int(plan%bytes, i8), 'bytes of three exchanges')
-    call plan%prepare(comm, 1, neighbour, 0*neighbour, 0*neighbour)
-    call plan%begin(comm)
-    call plan%finish(comm)
-    call t%equal(plan%messages + size(plan%receive), 0, 'a new plan without items')
-    call plan%release()
-    call t%check(.not. allocated(plan%send), 'a plan that is given back')
-    call plan%release()
-  end subroutine test_exchange
-
-  !> Items that one rank sends to another.
-  elemental integer function items(from, to)
-    integer, intent(in) :: from, to
-
-    items = from + 2*to + 1
-    if (from == 0 .and. to == comm%size - 1) items = 0
-  end function items
-
-  !> Items that say where they come from, where they go, and when.
-  subroutine fill(plan, round)
-    type(exchange_t), intent(inout) :: plan
-    integer, intent(in) :: round
-    integer :: i, k
-
-    do i = 1, size(plan%rank)
-      do k = plan%send_first(i), plan%send_first(i + 1) - 1
-        plan%send(:, k) = real([1000*comm%rank + 10*plan%rank(i) + round, k - plan%send_first(i)], wp)
-      end do
-    end do
-  end subroutine fill
-
-  !> Are they what was sent?
-  subroutine look(plan, round)
-    type(exchange_t), intent(in) :: plan
-    integer, intent(in) :: round
-    logical :: is_right
-    integer :: i, k
-
-    is_right = .true.
-    do i = 1, size(plan%rank)
-      do k = plan%receive_first(i), plan%receive_first(i + 1) - 1
-        is_right = is_right .and. &
-                   all(nint(plan%receive(:, k)) == [1000*plan%rank(i) + 10*comm%rank + round, k - plan%receive_first(i)])
-      end do
-    end do
-    call t%check(is_right, 'items arrive in their order')
-  end subroutine look
-
-  !> Two plans at a time between the same ranks: up the ranks, and down.
-  subroutine test_one_way()
-    type(exchange_t), target :: up, down
-    integer, allocatable :: higher(:), lower(:)
-    integer :: r
-
-    lower = [(r, r=max(0, comm%rank - 1), comm%rank - 1)]
-    higher = [(r, r=comm%rank + 1, min(comm%rank + 1, comm%size - 1))]
-    call up%prepare(comm, 1, [lower, higher], [0*lower, 0*higher + 1], [0*lower + 1, 0*higher])
-    call down%prepare(comm, 1, [lower, higher], [0*lower + 1, 0*higher], [0*lower, 0*higher + 1])
-    up%send = real(comm%rank, wp)
-    down%send = -real(comm%rank, wp)
-    call up%begin(comm)
-    call down%begin(comm)
-    call down%finish(comm)
-    call up%finish(comm)
-    if (size(lower) == 1) call t%near(up%receive(1, 1), real(comm%rank - 1, wp), 0.0_wp, 'from below')
-    if (size(higher) == 1) call t%near(down%receive(1, 1), -real(comm%rank + 1, wp), 0.0_wp, 'from above')
-    call t%equal(size(up%receive), size(lower), 'the first one hears nothing from below')
-    call up%release()
-    call down%release()
-  end subroutine test_one_way
 end program test_comm
