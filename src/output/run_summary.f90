@@ -85,9 +85,7 @@ contains
     type(scene_t), intent(in) :: scene !! what exists, or the part of this rank
     type(run_options_t), intent(in) :: options !! what is done with it
     character(len=*), intent(in) :: deck !! path of the deck
-    type(comm_t), intent(in), optional :: comm !! the ranks, all of which call this
-    type(comm_t) :: ranks
-    real(wp) :: bodies(1)
+    type(comm_t), intent(inout), optional :: comm !! the ranks, all of which call this
 
     self%status = run_failed
     self%reason = 'the run did not come to its end'
@@ -101,15 +99,15 @@ contains
     self%tolerance = options%solver%tolerance
     self%dimension = scene%dimension
     self%fall_speed = norm2(scene%gravity)*options%step
-    if (present(comm)) self%ranks = comm%size
-    if (present(comm) .and. allocated(scene%bodies%id)) ranks = comm
-    bodies = real(scene%bodies%n_home, wp)
-    call ranks%sum(bodies)
-    self%bodies = nint(bodies(1))
     self%steps_asked = options%steps
-    self%grains = count_grains(scene%bodies)
-    call reduce_grains(self%grains, ranks)
     self%time = scene%start_time
+    self%bodies = scene%bodies%n_home
+    self%grains = count_grains(scene%bodies)
+    if (.not. present(comm)) return
+    self%ranks = comm%size
+    if (.not. allocated(scene%bodies%id)) return
+    call comm%sum(self%bodies)
+    call reduce_grains(self%grains, comm)
   end subroutine summary_describe
 
   !> Learn from all ranks what sharing cost; every rank calls this.

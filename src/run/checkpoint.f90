@@ -6,7 +6,6 @@ module sg_checkpoint
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_bodies, only: bodies_t
   use sg_bodies_rows, only: order_bodies
-  use sg_comm, only: comm_t
   use sg_energy, only: energy_t, n_energy_values
   use sg_error, only: diagnostics_t, error_t, fail
   use sg_history, only: resume_history
@@ -26,52 +25,42 @@ module sg_checkpoint
 contains
 
   !> Write the state of a simulation to the older of the two restart files of its folder.
-  subroutine save_checkpoint(sim, error, comm, signature)
-    type(simulation_t), intent(in) :: sim !! simulation between two steps
+  subroutine save_checkpoint(sim, error)
+    type(simulation_t), intent(inout) :: sim !! simulation between two steps; its messages are counted
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written; the older file stays
-    type(comm_t), intent(inout), optional :: comm !! ranks that share the scene, all of which call this
-    real(wp), intent(in), optional :: signature(n_signature) !! of the whole scene, where ranks share it
     type(restart_t) :: state
     type(energy_t) :: energy
     type(totals_t) :: totals
-    type(comm_t) :: ranks
-    real(wp) :: whole(n_signature)
 
-    if (present(comm)) ranks = comm
     energy = sim%energy
     totals = sim%totals
-    call energy%reduce(ranks)
-    call totals%reduce(ranks)
-    if (present(signature)) then
-      whole = signature
-    else
-      whole = signature_of(sim%scene)
-    end if
-    call keep_shared(sim, ranks, state, error)
+    call energy%reduce(sim%comm)
+    call totals%reduce(sim%comm)
+    if (sim%comm%size == 1) sim%signature = signature_of(sim%scene)
+    call keep_shared(sim, state, error)
     if (allocated(error)) return
     state%step = sim%step
     state%time = sim%time()
     state%deck_hash = sim%options%deck_hash
-    state%totals = [energy%pack(), totals%pack(), sim%pairs%skin, whole]
+    state%totals = [energy%pack(), totals%pack(), sim%pairs%skin, sim%signature]
     allocate (state%built(size(sim%scene%bodies%middle, 1), 0))
-    if (ranks%size == 1 .and. allocated(sim%pairs%built)) state%built = sim%pairs%built
-    call write_restart(sim%options%folder, state, error, ranks)
+    if (sim%comm%size == 1 .and. allocated(sim%pairs%built)) state%built = sim%pairs%built
+    call write_restart(sim%options%folder, state, sim%comm, error)
   end subroutine save_checkpoint
 
   !> Copy the state of bodies and contacts, of bodies those that this rank writes.
-  subroutine keep_shared(sim, ranks, state, error)
-    type(simulation_t), intent(in) :: sim
-    type(comm_t), intent(inout) :: ranks
+  subroutine keep_shared(sim, state, error)
+    type(simulation_t), intent(inout) :: sim
     type(restart_t), intent(inout) :: state
     type(error_t), allocatable, intent(out) :: error
     type(bodies_t) :: block
     type(rows_t) :: rows
 
-    if (ranks%size == 1) then
+    if (sim%comm%size == 1) then
       call keep_state(sim%scene%bodies, sim%contacts, state)
       return
     end if
-    call order_bodies(sim%scene%bodies, ranks, rows, block, error)
+    call order_bodies(sim%scene%bodies, sim%comm, rows, block, error)
     if (allocated(error)) return
     if (allocated(sim%scene%contactors%id)) then
       call keep_state(block, sim%contacts, state, sim%scene%contactors%id)
@@ -82,26 +71,23 @@ contains
 
   !> Bring a started simulation to the state of a restart file; a folder stands for its newest one. Each of several ranks then has a
   !! piece of the contacts, until the scene is split.
-  subroutine load_checkpoint(sim, name, warnings, error, comm)
+  subroutine load_checkpoint(sim, name, warnings, error)
     type(simulation_t), intent(inout) :: sim !! started simulation, of the whole scene or of a rank's share
     character(len=*), intent(in) :: name !! restart file, or a folder of results
     type(diagnostics_t), intent(inout) :: warnings !! takes what is odd but harmless
     type(error_t), allocatable, intent(out) :: error !! set when the file does not serve
-    type(comm_t), intent(inout), optional :: comm !! ranks that are to share the scene, all of which call this
-    type(comm_t) :: ranks
     type(text_t), allocatable :: names(:)
     type(restart_t) :: state
     type(error_t), allocatable :: first
     integer :: i
     logical :: is_damaged
 
-    if (present(comm)) ranks = comm
     call find_files(name, names, error)
     call settle()
     if (allocated(error)) return
     do i = 1, size(names)
-      call read_state(sim, names(i)%s, state, warnings, ranks, is_damaged, error)
-      is_damaged = ranks%any(is_damaged)
+      call read_state(sim, names(i)%s, state, warnings, is_damaged, error)
+      is_damaged = sim%comm%any(is_damaged)
       call settle()
       if (.not. allocated(error)) exit
       if (.not. allocated(first)) first = error
@@ -114,13 +100,12 @@ contains
     end if
     if (i > 1) call warnings%warn('this checkpoint is left aside, the run goes on from the older '//names(i)%s//' of step '// &
                                   to_text(state%step)//' ('//first%message//')', file=names(1)%s)
-    call take_state(sim, state, ranks)
+    call take_state(sim, state)
   contains
     !> A failure of one rank is one of all.
     subroutine settle()
-      integer :: speaker
 
-      call ranks%agree(error, speaker)
+      call sim%comm%agree(error)
     end subroutine settle
   end subroutine load_checkpoint
 
@@ -141,20 +126,19 @@ contains
   end subroutine find_files
 
   !> Read a restart file; an unfit one is an error, and `is_damaged` where the file itself is at fault.
-  subroutine read_state(sim, file, state, warnings, ranks, is_damaged, error)
-    type(simulation_t), intent(in) :: sim
+  subroutine read_state(sim, file, state, warnings, is_damaged, error)
+    type(simulation_t), intent(inout) :: sim
     character(len=*), intent(in) :: file
     type(restart_t), intent(out) :: state
     type(diagnostics_t), intent(inout) :: warnings
-    type(comm_t), intent(inout) :: ranks
     logical, intent(out) :: is_damaged
     type(error_t), allocatable, intent(out) :: error
     type(diagnostics_t) :: found
     real(wp) :: signature(n_signature)
     integer :: i
 
-    signature = signature_of(sim%scene, ranks)
-    call read_restart(file, sim%scene, sim%options%deck_hash, state, found, nint(signature(1)), nint(signature(2)), ranks, &
+    signature = signature_of(sim%scene, sim%comm)
+    call read_restart(file, sim%scene, sim%options%deck_hash, sim%comm, state, found, nint(signature(1)), nint(signature(2)), &
                       sim%contacts%n_components, sim%contacts%n_internal, is_damaged)
     if (found%count() == 0) then
       if (size(state%totals) /= n_energy_values + n_totals_values + 1 + n_signature) then
@@ -195,10 +179,9 @@ contains
   end function fault_of
 
   !> Bring a simulation to a state that was read.
-  subroutine take_state(sim, state, ranks)
+  subroutine take_state(sim, state)
     type(simulation_t), intent(inout) :: sim
     type(restart_t), intent(in) :: state
-    type(comm_t), intent(in) :: ranks !! one rank alone takes up its list of neighbours
 
     call restore_state(state, sim%scene, sim%contacts)
     sim%step = state%step
@@ -207,12 +190,12 @@ contains
     call sim%totals%unpack(state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
     sim%history%is_untouched = sim%totals%most_contacts == 0
     ! Several ranks take up their contacts when they have split the scene.
-    if (ranks%size == 1) call resume_history(sim%history, sim%contacts)
-    if (ranks%size == 1 .and. size(state%built, 2) > 0) then
+    if (sim%comm%size == 1) call resume_history(sim%history, sim%contacts)
+    if (sim%comm%size == 1 .and. size(state%built, 2) > 0) then
       call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals) - n_signature))
     end if
-    call sim%energy%leave_to_first(ranks)
-    call sim%totals%leave_to_first(ranks)
+    call sim%energy%leave_to_first(sim%comm)
+    call sim%totals%leave_to_first(sim%comm)
   end subroutine take_state
 
   !> Go on from the time of a restart file, also where the step is another one now: times are the start's and so many steps.

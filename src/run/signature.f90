@@ -20,13 +20,11 @@ contains
   !> What tells scenes apart: numbers of bodies, contactors and drives, and sums over masses, moments of inertia and reaches.
   function signature_of(scene, comm, is_common) result(signature)
     type(scene_t), intent(in) :: scene !! whole scene, or the part of a rank
-    type(comm_t), intent(in), optional :: comm !! ranks that share the scene, all of which call this
+    type(comm_t), intent(inout), optional :: comm !! ranks that share the scene, all of which call this
     logical, intent(in), optional :: is_common !! is only what all ranks hold to count? Then no rank need call but this
     real(wp) :: signature(n_signature)
-    type(comm_t) :: ranks
-    integer(i8) :: sums(3)
-    real(wp) :: total(5)
-    integer :: b, c, n(2)
+    integer(i8) :: sums(3), n(2)
+    integer :: b, c
     logical :: counts(scene%bodies%n)
 
     sums = 0
@@ -49,11 +47,13 @@ contains
         n(2) = n(2) + 1
         sums(3) = sums(3) + weighted(contactors%reach(c), number_of(contactors%id, c))
       end do
-      total = [real(n, wp), real(modulo(sums, modulus), wp)]
-      if (present(comm) .and. allocated(bodies%id)) ranks = comm
     end associate
-    call ranks%sum(total)
-    signature = [total(1:2), real(modulo(int(total(3:), i8), modulus), wp), real(size(scene%drives), wp)]
+    sums = modulo(sums, modulus)
+    if (present(comm) .and. allocated(scene%bodies%id)) then
+      call comm%sum(n)
+      call comm%sum(sums)
+    end if
+    signature = [real(n, wp), real(modulo(sums, modulus), wp), real(size(scene%drives), wp)]
   end function signature_of
 
   !> A value as a remainder, weighted.

@@ -45,7 +45,6 @@ contains
     type(error_t), allocatable, intent(out) :: error !! what ended the run, when something did
     type(writers_t) :: writers
     type(error_t), allocatable :: late
-    integer :: speaker
 
     code = exit_done
     writers%wall_start = wall_now()
@@ -73,7 +72,7 @@ contains
     if (.not. allocated(error)) call loop(sim, writers, code, error)
     call conclude(sim, writers, code, error)
     call close_files(sim, writers, late)
-    call sim%comm%agree(late, speaker)
+    call sim%comm%agree(late)
     if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
     if (.not. sim%options%is_quiet) call tell_end(writers, allocated(error))
     if (sim%options%tells_needs .and. .not. allocated(error)) call tell_needs(sim, error)
@@ -279,7 +278,6 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(report_t) :: report
     type(totals_t) :: totals
-    integer :: speaker
 
     call sim%totals%tick()
     report = sim%report
@@ -287,7 +285,7 @@ contains
     call reduce_report(report, sim%comm)
     call totals%reduce(sim%comm)
     call writers%record%add(sim%step, sim%time(), sim%all_contacts, report, totals, writers%measures, error)
-    call sim%comm%agree(error, speaker)
+    call sim%comm%agree(error)
   end subroutine record_now
 
   !> Kinetic energy to show [J]: that of now on one rank; of several ranks the last one measured, which costs no message.
@@ -334,11 +332,7 @@ contains
 
     if (.not. writers%has_checkpoints .or. writers%saved_step == sim%step) return
     call sim%totals%tick()
-    if (sim%decomposition%is_on) then
-      call save_checkpoint(sim, error, sim%comm, sim%signature)
-    else
-      call save_checkpoint(sim, error)
-    end if
+    call save_checkpoint(sim, error)
     if (allocated(error)) return
     writers%has_saved = .true.
     writers%saved_step = sim%step
@@ -381,7 +375,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(diagnostics_t) :: warnings
 
-    call load_checkpoint(sim, sim%options%restart_file, warnings, error, sim%comm)
+    call load_checkpoint(sim, sim%options%restart_file, warnings, error)
     if (.not. allocated(error) .and. writers%is_speaker) call warnings%print(error_unit)
   end subroutine resume
 
@@ -393,12 +387,12 @@ contains
     type(error_t), allocatable, intent(in) :: error
     character(len=:), allocatable :: status, reason
     type(totals_t) :: totals
-    real(wp) :: signal(1)
+    integer :: signal
 
     call writers%progress%finish()
     if (writers%has_stepped .and. .not. allocated(error)) call measure_now(sim, writers)
-    ! One rank may have been told to stop.
-    signal = real(stop_signal(), wp)
+    ! A signal may have come to one rank alone.
+    signal = stop_signal()
     call sim%comm%maximum(signal)
     call sim%totals%tick()
     totals = sim%totals
@@ -413,7 +407,7 @@ contains
     else if (code == exit_stopped) then
       status = run_stopped
       reason = 'stopped by the walltime after step '//to_text(sim%step)
-      if (signal(1) > 0) reason = 'stopped by signal '//to_text(nint(signal(1)))//' after step '//to_text(sim%step)
+      if (signal > 0) reason = 'stopped by signal '//to_text(signal)//' after step '//to_text(sim%step)
     else if (code == exit_not_converged) then
       status = run_not_converged
       reason = 'step '//to_text(sim%step)//' did not converge'

@@ -57,25 +57,37 @@ contains
   subroutine make_plan(scene, plan, comm, omissions)
     type(scene_t), intent(inout) :: scene !! scene; what nothing needs is dropped from it
     type(plan_t), intent(out) :: plan !! the plan
-    type(comm_t), intent(in), optional :: comm !! ranks of which each has a part of the scene, all of which call this
+    type(comm_t), intent(inout), optional :: comm !! ranks of which each has a part of the scene, all of which call this
     type(omissions_t), intent(in), optional :: omissions !! what may be left out; all of it unless given
     type(omissions_t) :: may
+    type(comm_t) :: alone
+    logical :: is_shared
+
+    if (present(omissions)) may = omissions
+    ! A scene that is whole on every rank needs no other rank.
+    is_shared = allocated(scene%bodies%id) .and. present(comm)
+    if (is_shared) call plan_scene(scene, plan, comm, may)
+    if (.not. is_shared) call plan_scene(scene, plan, alone, may)
+  end subroutine make_plan
+
+  !> Plan the scene of some ranks.
+  subroutine plan_scene(scene, plan, ranks, may)
+    type(scene_t), intent(inout) :: scene
+    type(plan_t), intent(inout) :: plan
+    type(comm_t), intent(inout) :: ranks
+    type(omissions_t), intent(in) :: may
     logical, allocatable :: turns(:), rests(:), is_partly_driven(:)
-    type(comm_t) :: ranks
     logical :: are_round, all_rest
     integer :: i
 
-    ! A scene that is whole on every rank needs no other rank.
-    if (present(comm) .and. allocated(scene%bodies%id)) ranks = comm
-    if (present(omissions)) may = omissions
     call count_all(scene, plan, ranks)
     call list_uses(scene, plan, ranks)
     if (scene%links%n > 0) plan%uses_law(scene%links%law(:scene%links%n)) = .true.
     plan%links = scene%links%n
     plan%thinnest = thinnest_of(scene, ranks)
     call find_turning(scene, turns, rests, is_partly_driven)
-    are_round = .not. ranks%any(.not. all_round(scene, turns) .or. any(is_partly_driven))
-    all_rest = .not. ranks%any(.not. all(rests))
+    are_round = ranks%all(all_round(scene, turns) .and. .not. any(is_partly_driven))
+    all_rest = ranks%all(all(rests))
     plan%has_tangent = .not. may%friction
     do i = 1, size(scene%laws)
       if (plan%uses_law(i)) plan%has_tangent = plan%has_tangent .or. .not. (is_frictionless(scene%laws(i)) .and. &
@@ -93,7 +105,7 @@ contains
     if (plan%is_round .and. plan%has_tangent) plan%radius = signed_radii(scene, turns)
     if (plan%has_rotation) return
     call drop_rotation(scene%bodies, keep_orientation=ranks%any(are_turned(scene%bodies)))
-  end subroutine make_plan
+  end subroutine plan_scene
 
   !> Set the radii of round bodies anew, when a rank's part of the scene is another one.
   pure subroutine set_radii(scene, plan)
@@ -111,12 +123,12 @@ contains
     type(scene_t), intent(in) :: scene
     type(plan_t), intent(inout) :: plan
     type(comm_t), intent(inout) :: ranks
-    real(wp) :: counts(2 + n_kinds)
+    integer :: counts(2 + n_kinds)
     integer :: c
 
     counts = 0
-    counts(1) = real(scene%bodies%n_home, wp)
-    counts(2) = real(count(scene%bodies%is_grain(:scene%bodies%n_home)), wp)
+    counts(1) = scene%bodies%n_home
+    counts(2) = count(scene%bodies%is_grain(:scene%bodies%n_home))
     do c = 1, scene%contactors%n
       if (scene%contactors%body(c) > scene%bodies%n_home) cycle
       associate (same => counts(2 + scene%contactors%kind(c)))
@@ -124,9 +136,9 @@ contains
       end associate
     end do
     call ranks%sum(counts)
-    plan%bodies = nint(counts(1))
-    plan%grains = nint(counts(2))
-    plan%shapes = nint(counts(3:))
+    plan%bodies = counts(1)
+    plan%grains = counts(2)
+    plan%shapes = counts(3:)
     plan%contactors = sum(plan%shapes)
   end subroutine count_all
 
@@ -135,18 +147,18 @@ contains
     type(scene_t), intent(in) :: scene
     type(plan_t), intent(inout) :: plan
     type(comm_t), intent(inout) :: ranks
-    real(wp), allocatable :: is_there(:)
+    logical, allocatable :: is_there(:)
     integer :: c, i, j, see, kind(2), colour(2)
 
     allocate (plan%uses_law(size(scene%laws)), source=.false.)
-    allocate (is_there(n_kinds*size(scene%colours)), source=0.0_wp)
+    allocate (is_there(n_kinds*size(scene%colours)), source=.false.)
     do c = 1, scene%contactors%n
-      is_there(scene%contactors%kind(c) + n_kinds*(scene%contactors%colour(c) - 1)) = 1
+      is_there(scene%contactors%kind(c) + n_kinds*(scene%contactors%colour(c) - 1)) = .true.
     end do
-    call ranks%maximum(is_there)
+    is_there = ranks%any(is_there)
     do i = 1, size(is_there)
       do j = 1, i
-        if (.not. min(is_there(i), is_there(j)) > 0) cycle
+        if (.not. (is_there(i) .and. is_there(j))) cycle
         kind = 1 + mod([i, j] - 1, n_kinds)
         colour = 1 + ([i, j] - 1)/n_kinds
         see = see_of(scene%sees, kind, colour)
@@ -163,15 +175,13 @@ contains
   real(wp) function thinnest_of(scene, ranks) result(thinnest)
     type(scene_t), intent(in) :: scene
     type(comm_t), intent(inout) :: ranks
-    real(wp) :: least(1)
     integer :: c
 
-    least = huge(1.0_wp)
+    thinnest = huge(1.0_wp)
     do c = 1, scene%contactors%n
-      least = min(least, half_width(scene%contactors, c))
+      thinnest = min(thinnest, half_width(scene%contactors, c))
     end do
-    call ranks%minimum(least)
-    thinnest = least(1)
+    call ranks%minimum(thinnest)
   end function thinnest_of
 
   !> Which bodies can turn, which neither turn now nor ever are made to, and which of those in space that turn are driven

@@ -142,13 +142,15 @@ contains
     do serial = 1, 3
       part = whole
       part%options%folder = name//'_all'
+      part%comm = comm
+      part%signature = signature
       call draw_homes(whole%scene, comm%size, random, home)
       call take_part(whole%scene, whole%contacts, home, comm%rank, comm%size, part%scene, part%contacts)
       if (comm%size > 1) then
         call part%energy%leave_to_first(comm)
         call part%totals%leave_to_first(comm)
       end if
-      call save_checkpoint(part, error, comm, signature)
+      call save_checkpoint(part, error)
       call t%check(.not. allocated(error), 'all ranks write '//name)
       if (allocated(error)) write (*, '(a)') error%report()
     end do
@@ -236,7 +238,8 @@ contains
     real(wp) :: sums(3)
 
     call begin(folder, dimension, n, turns, sim)
-    call load_checkpoint(sim, folder, warnings, error, comm)
+    sim%comm = comm
+    call load_checkpoint(sim, folder, warnings, error)
     call t%check(.not. allocated(error), folder//' is read')
     if (allocated(error)) then
       write (*, '(a)') error%report()
@@ -254,7 +257,8 @@ contains
     call t%near(sums(2), 1000.0_wp, 0.0_wp, 'contact updates, over all ranks')
     ! Of another number of bodies the scene is another one, and all ranks say so.
     if (comm%rank == 0) call begin(folder, dimension, n + 1, turns, sim)
-    call load_checkpoint(sim, folder, warnings, error, comm)
+    sim%comm = comm
+    call load_checkpoint(sim, folder, warnings, error)
     call t%check(allocated(error), 'a file that does not fit one rank is refused by all')
     if (allocated(error)) call t%check(index(error%message, 'does not fit') > 0, 'and it is said why')
   end subroutine read_again
@@ -283,7 +287,8 @@ contains
     call random%seed(22)
     call draw_homes(fresh, comm%size, random, home)
     call take_part(fresh, none, home, comm%rank, comm%size, sim%scene, own)
-    call load_checkpoint(sim, folder, warnings, error, comm)
+    sim%comm = comm
+    call load_checkpoint(sim, folder, warnings, error)
     call t%check(.not. allocated(error), folder//' is read by shares')
     if (allocated(error)) write (*, '(a)') error%report()
     if (allocated(error)) return
@@ -336,7 +341,8 @@ contains
     whole%contacts%law(whole%contacts%n) = 9
     if (comm%rank == 0) call save_checkpoint(whole, error)
     if (comm%any(allocated(error))) return
-    call load_checkpoint(sim, 'bad', warnings, error, comm)
+    sim%comm = comm
+    call load_checkpoint(sim, 'bad', warnings, error)
     call t%check(allocated(error), 'a contact that does not fit is refused by all')
     if (allocated(error)) call t%check(index(error%message, 'laws that the scene does not have') > 0, error%message)
   end subroutine test_bad_piece
@@ -350,7 +356,9 @@ contains
 
     call begin('no/such/folder', 2, 8, .true., sim)
     call give_numbers(sim)
-    call save_checkpoint(sim, error, comm, signature_of(sim%scene))
+    sim%comm = comm
+    sim%signature = signature_of(sim%scene)
+    call save_checkpoint(sim, error)
     call t%check(allocated(error), 'a folder must exist')
     if (allocated(error)) call t%equal(error%code, exit_output, 'exit code')
     call get_environment_variable('SPLITGRAIN_SMALL_DISK', folder, length)
@@ -359,8 +367,10 @@ contains
     call give_numbers(sim)
     call remove_file(trim(folder)//'/restart_a.h5')
     call remove_file(trim(folder)//'/restart_b.h5')
+    sim%comm = comm
+    sim%signature = signature_of(sim%scene)
     do i = 1, 3
-      call save_checkpoint(sim, error, comm, signature_of(sim%scene))
+      call save_checkpoint(sim, error)
       if (i == 1) call t%check(.not. allocated(error), 'there is room for one file')
       if (allocated(error)) exit
     end do

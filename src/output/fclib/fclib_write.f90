@@ -67,14 +67,12 @@ contains
     type(matrix_pieces_t), intent(in) :: pieces !! this rank's share of the problem, of its guess and of its solution
     character(len=*), intent(in) :: title !! one line: what this is
     character(len=*), intent(in) :: description !! where it comes from; the units are said beside
-    type(comm_t), intent(in) :: comm !! the ranks
+    type(comm_t), intent(inout) :: comm !! the ranks
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when a file cannot be written
-    type(comm_t) :: ranks
 
-    ranks = comm
-    call write_form(stem//'-local.hdf5', .false., pieces, title, description, ranks, error)
+    call write_form(stem//'-local.hdf5', .false., pieces, title, description, comm, error)
     if (.not. allocated(error) .and. pieces%has_global) &
-      call write_form(stem//'-global.hdf5', .true., pieces, title, description, ranks, error)
+      call write_form(stem//'-global.hdf5', .true., pieces, title, description, comm, error)
   end subroutine write_pieces
 
   !> Write one form of a problem; one rank gives the file its name when all have written it.
@@ -85,7 +83,6 @@ contains
     type(comm_t), intent(inout) :: ranks
     type(error_t), allocatable, intent(out) :: error
     type(hdf5_file_t) :: file
-    integer :: speaker
 
     if (ranks%rank == 0) call remove_file(part_of(name))
     call create(file, part_of(name), ranks)
@@ -95,7 +92,7 @@ contains
     call file%close()
     if (allocated(file%error)) call move_alloc(file%error, error)
     if (ranks%rank == 0) call settle_file(part_of(name), name, error)
-    call ranks%agree(error, speaker)
+    call ranks%agree(error)
   end subroutine write_form
 
   !> Make a file, which several ranks share.

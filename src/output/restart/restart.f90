@@ -184,30 +184,27 @@ contains
   end subroutine restore_state
 
   !> Write the state in place of the older of the two files.
-  subroutine write_restart(folder, state, error, comm)
+  subroutine write_restart(folder, state, comm, error)
     character(len=*), intent(in) :: folder !! folder of the results
     type(restart_t), intent(in) :: state !! state to write, all components set; totals, step and time are the same on all ranks
+    type(comm_t), intent(inout) :: comm !! ranks that share the scene
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written; older files stay
-    type(comm_t), intent(inout), optional :: comm !! ranks that share the scene; absent where it is not shared
     character(len=:), allocatable :: name, part
-    type(comm_t) :: ranks
-    integer :: newest, speaker
+    integer :: newest
     integer(i8) :: serial
-    real(wp) :: found(2)
 
-    if (present(comm)) ranks = comm
     newest = 0
     serial = 0
-    if (ranks%rank == 0) call find_newest(folder, newest, serial)
-    found = [real(newest, wp), real(serial, wp)]
-    call ranks%sum(found)
-    name = folder//'/'//restart_names(merge(2, 1, nint(found(1)) == 1))
+    if (comm%rank == 0) call find_newest(folder, newest, serial)
+    call comm%broadcast(newest, 0)
+    call comm%broadcast(serial, 0)
+    name = folder//'/'//restart_names(merge(2, 1, newest == 1))
     part = part_of(name)
-    if (ranks%rank == 0) call remove_file(part)
-    call write_file(part, state, nint(found(2), i8) + 1, ranks, error)
+    if (comm%rank == 0) call remove_file(part)
+    call write_file(part, state, serial + 1, comm, error)
     ! All ranks have written their part: one of them gives the file its name.
-    if (ranks%rank == 0) call settle_file(part, name, error)
-    call ranks%agree(error, speaker)
+    if (comm%rank == 0) call settle_file(part, name, error)
+    call comm%agree(error)
   end subroutine write_restart
 
   !> Write all datasets.
@@ -254,25 +251,23 @@ contains
   end subroutine write_file
 
   !> Read a state and see whether it fits the scene; that another deck wrote it is only a warning.
-  subroutine read_restart(name, scene, deck_hash, state, diagnostics, bodies, contactors, comm, components, internal, &
+  subroutine read_restart(name, scene, deck_hash, comm, state, diagnostics, bodies, contactors, components, internal, &
                           is_damaged)
     character(len=*), intent(in) :: name !! path of the file
     type(scene_t), intent(in) :: scene !! scene that it must fit, or the part of a rank
     character(len=*), intent(in) :: deck_hash !! hash of the present deck
+    type(comm_t), intent(inout) :: comm !! ranks that read the file, each its piece of the contacts
     type(restart_t), intent(out) :: state !! state read: of the bodies of `scene`
     type(diagnostics_t), intent(inout) :: diagnostics !! takes what is wrong
     integer, intent(in), optional :: bodies !! bodies of the whole scene, where ranks share it
     integer, intent(in), optional :: contactors !! contactors of the whole scene
-    type(comm_t), intent(in), optional :: comm !! ranks that read the file, each its piece of the contacts; absent where one does
     integer, intent(in), optional :: components !! of an impulse, as many as dimensions unless given
     integer, intent(in), optional :: internal !! internal values of a contact, none unless given
     logical, intent(out), optional :: is_damaged !! is the file itself at fault, and not of another scene?
     type(hdf5_file_t) :: file
-    type(comm_t) :: ranks
     character(len=:), allocatable :: misfit
     integer :: whole(2), numbers(2)
 
-    if (present(comm)) ranks = comm
     whole = [scene%bodies%n, scene%contactors%n]
     if (present(bodies)) whole(1) = bodies
     if (present(contactors)) whole(2) = contactors
@@ -283,8 +278,8 @@ contains
     call check_format(file)
     misfit = scene_misfit(file, scene, whole(1), numbers(2))
     if (len(misfit) == 0) call check_shapes(file, scene, whole(1), numbers(1), numbers(2))
-    call check_seals(file, dataset_paths(scene%dimension, numbers(2)), ranks)
-    if (len(misfit) == 0 .and. .not. allocated(file%error)) call read_file(file, scene, ranks, state)
+    call check_seals(file, dataset_paths(scene%dimension, numbers(2)), comm)
+    if (len(misfit) == 0 .and. .not. allocated(file%error)) call read_file(file, scene, comm, state)
     call file%close()
     if (present(is_damaged)) is_damaged = allocated(file%error)
     if (allocated(file%error)) then

@@ -5,6 +5,7 @@ program test_restart
   use same_bits, only: same
   use sg_bodies, only: drop_rotation
   use sg_contactors, only: add_disk
+  use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: diagnostics_t, error_t
   use sg_hdf5, only: hdf5_file_t, hdf5_is_available
@@ -19,6 +20,7 @@ program test_restart
   integer, parameter :: n_bodies = 50, n_contacts = 120
   character(len=*), parameter :: folder = 'restart', hash = 'cafe'
   type(tests_t) :: t
+  type(comm_t) :: alone
 
   call t%check(make_folder(folder), 'the folder is there')
   call remove_file(folder//'/restart_a.h5')
@@ -102,12 +104,12 @@ contains
 
     scene = some_scene(n_bodies)
     call some_state(scene, contacts, state)
-    call write_restart(folder, state, error)
+    call write_restart(folder, state, alone, error)
     call t%check(.not. allocated(error), 'a restart file is written')
     call t%check(newest_restart(folder) == folder//'/restart_a.h5', 'it is the newest')
     call t%check(.not. file_exists(folder//'/restart_a.h5.part'), 'nothing unfinished is left')
     other = some_scene(n_bodies)
-    call read_restart(newest_restart(folder), other, hash, back, diagnostics)
+    call read_restart(newest_restart(folder), other, hash, alone, back, diagnostics)
     call t%equal(diagnostics%count(), 0, 'it is read')
     if (diagnostics%count() > 0) return
     call t%check(.not. allocated(diagnostics%warnings), 'without a warning')
@@ -146,9 +148,9 @@ contains
     state%deck_hash = hash
     state%step = 2000
     allocate (state%built(2, 0), state%totals(0))
-    call write_restart(folder, state, error)
+    call write_restart(folder, state, alone, error)
     call t%check(.not. allocated(error), 'a state without contacts is written')
-    call read_restart(newest_restart(folder), scene, hash, back, diagnostics, components=1)
+    call read_restart(newest_restart(folder), scene, hash, alone, back, diagnostics, components=1)
     call t%equal(diagnostics%count(), 0, 'and read')
     call restore_state(back, scene, contacts)
     call t%equal(contacts%n, 0, 'no contacts')
@@ -169,12 +171,12 @@ contains
     call some_state(scene, contacts, state)
     do i = 1, 4
       state%step = 3000 + i
-      call write_restart(folder, state, error)
+      call write_restart(folder, state, alone, error)
       call t%check(.not. allocated(error), 'a file is written')
       call t%check(newest_restart(folder) == folder//'/restart_'//merge('a', 'b', mod(i, 2) == 1)//'.h5', 'in turn')
     end do
     state%step = 10
-    call write_restart(folder, state, error)
+    call write_restart(folder, state, alone, error)
     call t%check(newest_restart(folder) == folder//'/restart_a.h5', 'what is written last counts, also at an earlier step')
     call t%check(newest_restart('no/such/folder') == '', 'a missing folder has no restart file')
     files = restarts_of('no/such/folder')
@@ -191,7 +193,7 @@ contains
     type(diagnostics_t) :: diagnostics
 
     scene = some_scene(n_bodies)
-    call read_restart(newest_restart(folder), scene, 'beef', state, diagnostics)
+    call read_restart(newest_restart(folder), scene, 'beef', alone, state, diagnostics)
     call t%equal(diagnostics%count(), 0, 'another deck is no error')
     call t%check(allocated(diagnostics%warnings), 'but a warning')
     call expect(some_scene(n_bodies + 1), newest_restart(folder), 'it holds 50 bodies, the scene 51')
@@ -212,7 +214,7 @@ contains
     type(restart_t) :: state
     type(diagnostics_t) :: diagnostics
 
-    call read_restart(name, scene, hash, state, diagnostics)
+    call read_restart(name, scene, hash, alone, state, diagnostics)
     call t%equal(diagnostics%count(), 1, 'one error: '//words)
     if (diagnostics%count() /= 1) return
     call t%check(index(diagnostics%errors(1)%message, words) > 0, words//' is said, not: '//diagnostics%errors(1)%message)
@@ -274,7 +276,7 @@ contains
       if (i == 7) state%built = state%built(:, :7)
       if (i == 8) state%impulse = state%impulse(:1, :)
       if (i == 9) state%crossings = state%crossings(2:)
-      call write_restart(folder, state, error)
+      call write_restart(folder, state, alone, error)
       call t%check(.not. allocated(error), 'it is written')
       call expect(scene, newest_restart(folder), trim(said(i)))
     end do
@@ -295,11 +297,11 @@ contains
 
     scene = some_scene(n_bodies)
     call some_state(scene, contacts, state)
-    call write_restart('no/such/folder', state, error)
+    call write_restart('no/such/folder', state, alone, error)
     call t%check(allocated(error), 'a missing folder is noticed')
     ! A folder that bears the name of the file stands in the way, even of a superuser.
     is_made = make_folder('restart_blocked/restart_a.h5.part/x')
-    call write_restart('restart_blocked', state, error)
+    call write_restart('restart_blocked', state, alone, error)
     call t%check(is_made .and. allocated(error), 'a blocked name is noticed')
   end subroutine test_no_room
 
@@ -313,7 +315,7 @@ contains
     write (*, '(a)') 'built without HDF5: the files themselves are not tested'
     scene = some_scene(n_bodies)
     call some_state(scene, contacts, state)
-    call write_restart(folder, state, error)
+    call write_restart(folder, state, alone, error)
     call t%check(allocated(error), 'restart files need HDF5')
     if (allocated(error)) call t%check(index(error%message, 'HDF5') > 0, 'and the error says so')
     call t%check(newest_restart(folder) == '', 'there is none')
