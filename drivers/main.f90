@@ -8,7 +8,6 @@ program splitgrain
   use sg_convert, only: convert_command
   use sg_error, only: error_t, exit_bad_input, exit_done, exit_output, fail
   use sg_help, only: print_help, print_version
-  use sg_kinds, only: wp
   use sg_partition, only: partition_command
   use sg_print, only: has_print_failed, print_line
   use sg_reference_text, only: reference_text
@@ -21,7 +20,7 @@ program splitgrain
   type(arguments_t) :: arguments
   type(error_t), allocatable :: error
   type(comm_t) :: comm
-  integer :: code, speaker
+  integer :: code
 
   code = exit_done
   call survive_full_disks()
@@ -29,7 +28,7 @@ program splitgrain
   ! A study is another program, and starts ranks itself: it begins before there are any.
   if (.not. allocated(error) .and. arguments%command == 'study' .and. .not. asks_for_help()) call study_command(error)
   call comm%start()
-  call comm%agree(error, speaker)
+  call comm%agree(error)
   if (.not. allocated(error)) call share_command(error)
   if (.not. allocated(error)) call choose()
   if (allocated(error)) then
@@ -71,17 +70,13 @@ contains
 
   !> Call the subcommand: all ranks where they work together, else the first one, and the others wait for its exit code.
   subroutine choose()
-    real(wp) :: codes(1)
-
     if (is_shared()) then
       call choose_shared()
       return
     end if
     if (comm%rank == 0) call choose_alone()
-    call comm%agree(error, speaker)
-    codes = real(code, wp)
-    call comm%maximum(codes)
-    code = nint(codes(1))
+    call comm%agree(error)
+    call comm%broadcast(code, 0)
   end subroutine choose
 
   !> Call a subcommand of all ranks.

@@ -37,7 +37,6 @@ contains
     type(simulation_t) :: sim
     real(wp) :: walltime, deadline
     integer, allocatable :: dump_steps(:, :)
-    integer :: speaker
     logical :: is_bad
 
     code = exit_done
@@ -50,7 +49,7 @@ contains
       call fail(error, 'this build has no HDF5, which dumps are written with')
     end if
     sim%comm = comm
-    call sim%comm%agree(error, speaker)
+    call sim%comm%agree(error)
     if (allocated(error)) return
     deadline = 0
     if (walltime > 0) then
@@ -99,10 +98,10 @@ contains
   contains
     subroutine judge(found)
       type(diagnostics_t), intent(in) :: found
-      logical :: is_speaker
+      logical :: is_root
 
-      call judge_deck(sim%comm, found, is_bad, is_speaker)
-      if (.not. (is_bad .and. is_speaker)) return
+      call judge_deck(sim%comm, found, is_bad, is_root)
+      if (.not. (is_bad .and. is_root)) return
       if (arguments%has('output') .or. file_exists(sim%options%folder)) &
         call tell_failure(file, sim%options%folder, arguments%has('force'), found%errors(1)%sentence())
     end subroutine judge
@@ -117,23 +116,23 @@ contains
     end if
   end subroutine check_for_ranks
 
-  !> Has any rank found the deck wrong? Of those that have, the lowest one says so. Warnings are the first rank's to tell.
-  subroutine judge_deck(comm, diagnostics, is_bad, is_speaker)
+  !> Has any rank found the deck wrong? Of those that have, the lowest one reports it. Warnings are printed by the first rank.
+  subroutine judge_deck(comm, diagnostics, is_bad, is_root)
     type(comm_t), intent(inout) :: comm
     type(diagnostics_t), intent(in) :: diagnostics
-    logical, intent(out) :: is_bad, is_speaker
-    real(wp) :: speaker(1), found(1)
+    logical, intent(out) :: is_bad, is_root
+    integer :: root, found
 
-    found = merge(1.0_wp, 0.0_wp, diagnostics%count() > 0)
+    found = merge(1, 0, diagnostics%count() > 0)
     call comm%sum(found)
-    speaker = real(merge(comm%rank, comm%size, diagnostics%count() > 0), wp)
-    call comm%minimum(speaker)
-    is_bad = found(1) > 0
-    is_speaker = comm%rank == merge(nint(speaker(1)), 0, is_bad)
-    if (.not. is_speaker) return
+    root = merge(comm%rank, comm%size, diagnostics%count() > 0)
+    call comm%minimum(root)
+    is_bad = found > 0
+    is_root = comm%rank == merge(root, 0, is_bad)
+    if (.not. is_root) return
     call diagnostics%print(error_unit)
-    if (is_bad .and. nint(found(1)) < comm%size) then
-      write (error_unit, '(a)') to_text(nint(found(1)))//' of '//to_text(comm%size)//' ranks find this, the first is rank '// &
+    if (is_bad .and. found < comm%size) then
+      write (error_unit, '(a)') to_text(found)//' of '//to_text(comm%size)//' ranks find this, the first is rank '// &
         to_text(comm%rank)//': do all see the same files?'
     end if
   end subroutine judge_deck
@@ -145,17 +144,15 @@ contains
     character(len=*), intent(in) :: restart
     type(error_t), allocatable, intent(out) :: error
     character(len=:), allocatable :: digits
-    real(wp), allocatable :: own(:), lowest(:), highest(:)
+    real(wp), allocatable :: own(:), first(:)
     integer :: i
 
     digits = fingerprint(sim%options%deck_text//sim%options%folder//restart)
     own = [(real(iachar(digits(i:i)), wp), i=1, len(digits)), signature_of(sim%scene, is_common=.true.), &
            real(ibits(digest, 0, 32), wp), real(ibits(digest, 32, 32), wp)]
-    lowest = own
-    highest = own
-    call sim%comm%minimum(lowest)
-    call sim%comm%maximum(highest)
-    if (all(lowest >= highest)) return
+    first = own
+    call sim%comm%broadcast(first, 0)
+    if (sim%comm%all(all(abs(own - first) <= 0))) return
     call fail(error, 'the ranks do not share one run: deck, files that it names, settings, --output and --restart must be '// &
               'the same on all of them')
   end subroutine check_sameness

@@ -111,13 +111,10 @@ contains
     type(comm_t), intent(inout) :: comm
     integer, intent(in) :: n
     real(wp), intent(inout) :: grid(n), squared_weights
-    real(wp) :: sums(1)
 
     if (comm%size == 1) return
     call comm%sum(grid)
-    sums = squared_weights
-    call comm%sum(sums)
-    squared_weights = sums(1)
+    call comm%sum(squared_weights)
   end subroutine sum_over_ranks
 
   !> Add the waves of a folded box whose vectors are in reach: number, lengths and S of each bin.

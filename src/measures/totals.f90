@@ -149,28 +149,31 @@ contains
   subroutine totals_reduce(self, comm)
     class(totals_t), intent(inout) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: sums(n_phases + 5), largest(n_phases + 5), worst(5)
+    integer(i8) :: counts(3), most(4)
+    real(wp) :: sums(n_phases + 2), largest(n_phases + 1), worst(5)
 
     if (comm%size == 1) return
-    sums = [real(self%contacts, wp), real(self%active_contacts, wp), real(self%contact_updates, wp), &
-            self%bytes_per_contact*real(self%contacts, wp), self%phase%cpu, self%clock%cpu]
+    counts = [int(self%contacts, i8), int(self%active_contacts, i8), self%contact_updates]
+    call comm%sum(counts)
+    sums = [self%bytes_per_contact*real(self%contacts, wp), self%phase%cpu, self%clock%cpu]
     call comm%sum(sums)
-    largest = [real(self%sweeps, wp), real(self%fast_steps, wp), real(self%most_contacts, wp), real(self%passings, wp), &
-               self%phase%wall, self%clock%wall]
+    most = [self%sweeps, int([self%fast_steps, self%most_contacts, self%passings], i8)]
+    call comm%maximum(most)
+    largest = [self%phase%wall, self%clock%wall]
     worst = [self%worst_e1, self%worst_e2, self%worst_e8, self%worst_violation, self%worst_penetration]
     call find_largest(comm, largest, worst)
-    self%contacts = nint(sums(1))
-    self%active_contacts = nint(sums(2))
-    self%contact_updates = nint(sums(3), i8)
-    if (self%contacts > 0) self%bytes_per_contact = sums(4)/sums(1)
-    self%phase%cpu = sums(5:n_phases + 4)
-    self%clock%cpu = sums(n_phases + 5)
-    self%sweeps = nint(largest(1), i8)
-    self%fast_steps = nint(largest(2))
-    self%most_contacts = max(nint(largest(3)), self%contacts)
-    self%passings = nint(largest(4))
-    self%phase%wall = largest(5:n_phases + 4)
-    self%clock%wall = largest(n_phases + 5)
+    self%contacts = int(counts(1))
+    self%active_contacts = int(counts(2))
+    self%contact_updates = counts(3)
+    if (self%contacts > 0) self%bytes_per_contact = sums(1)/real(self%contacts, wp)
+    self%phase%cpu = sums(2:n_phases + 1)
+    self%clock%cpu = sums(n_phases + 2)
+    self%sweeps = most(1)
+    self%fast_steps = int(most(2))
+    self%most_contacts = max(int(most(3)), self%contacts)
+    self%passings = int(most(4))
+    self%phase%wall = largest(:n_phases)
+    self%clock%wall = largest(n_phases + 1)
     self%worst_e1 = worst(1)
     self%worst_e2 = worst(2)
     self%worst_e8 = worst(3)
@@ -212,16 +215,11 @@ contains
   subroutine reduce_report(report, comm)
     type(report_t), intent(inout) :: report !! of this rank, then of all
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: sums(2), largest(1)
 
     if (comm%size == 1) return
-    sums = [real(report%contact_updates, wp), real(report%active_contacts, wp)]
-    call comm%sum(sums)
-    largest = real(report%sweeps, wp)
-    call comm%maximum(largest)
-    report%contact_updates = nint(sums(1), i8)
-    report%active_contacts = nint(sums(2))
-    report%sweeps = nint(largest(1))
+    call comm%sum(report%contact_updates)
+    call comm%sum(report%active_contacts)
+    call comm%maximum(report%sweeps)
     if (allocated(report%trace)) call reduce_trace(report, comm)
   end subroutine reduce_report
 
@@ -229,14 +227,9 @@ contains
   subroutine reduce_trace(report, comm)
     type(report_t), intent(inout) :: report
     type(comm_t), intent(inout) :: comm
-    real(wp) :: sums(2*size(report%trace))
-    integer :: n
 
-    n = size(report%trace)
-    sums = [real(report%trace%contact_updates, wp), report%trace%cpu_seconds]
-    call comm%sum(sums)
-    report%trace%contact_updates = nint(sums(:n), i8)
-    report%trace%cpu_seconds = sums(n + 1:)
+    call comm%sum(report%trace%contact_updates)
+    call comm%sum(report%trace%cpu_seconds)
   end subroutine reduce_trace
 
   !> The totals as a list of reals, for restart files; counters are exact up to 2^53.

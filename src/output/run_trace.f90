@@ -125,7 +125,7 @@ contains
     type(report_t) :: report
     type(traced_step_t) :: row
     character(len=:), allocatable :: points
-    integer :: i, speaker
+    integer :: i
 
     report = solved
     call reduce_report(report, comm)
@@ -142,7 +142,7 @@ contains
       call append_text(self%folder//'/'//trace_file, points, error)
       if (.not. allocated(error)) call append_text(self%folder//'/'//steps_file, step_cells(row, time, report), error)
     end if
-    call comm%agree(error, speaker)
+    call comm%agree(error)
   end subroutine trace_end_step
 
   !> Names of the columns of traced steps.

@@ -113,14 +113,12 @@ contains
     type(subdomain_t), intent(inout) :: subdomain
     type(scene_t), intent(in) :: scene
     type(comm_t), intent(inout) :: comm
-    real(wp) :: most(2)
+    integer :: most(2)
 
-    most = 0
-    if (scene%bodies%n > 0) most(1) = real(maxval(scene%bodies%id), wp)
-    if (scene%contactors%n > 0) most(2) = real(maxval(scene%contactors%id(:scene%contactors%n)), wp)
+    most = [maxval([0_i4, scene%bodies%id]), maxval([0_i4, scene%contactors%id(:scene%contactors%n)])]
     call comm%maximum(most)
-    subdomain%all_bodies = nint(most(1))
-    subdomain%all_contactors = nint(most(2))
+    subdomain%all_bodies = most(1)
+    subdomain%all_contactors = most(2)
   end subroutine count_all
 
   !> First homes of the bodies that this rank counts as its own, by boxes about grains of one weight each; -1 of wide bodies, and
@@ -235,12 +233,10 @@ contains
   real(wp) function common_skin(scene, comm) result(skin)
     type(scene_t), intent(in) :: scene
     type(comm_t), intent(inout) :: comm
-    real(wp) :: widest(1)
 
-    widest = 0
-    if (scene%bodies%n > 0 .and. scene%contactors%n > 0) widest = fitting_skin(scene)
-    call comm%maximum(widest)
-    skin = widest(1)
+    skin = 0
+    if (scene%bodies%n > 0 .and. scene%contactors%n > 0) skin = fitting_skin(scene)
+    call comm%maximum(skin)
   end function common_skin
 
   !> New homes of this rank's bodies and of its copies.
@@ -251,17 +247,17 @@ contains
     type(comm_t), intent(inout) :: comm
     integer(i4), allocatable, intent(out) :: home(:)
     type(error_t), allocatable, intent(out) :: error
-    real(wp) :: moved(1)
+    integer(i8) :: moved
     integer :: n
 
     call deal_grains(comm, self%options, self%subdomain, scene%bodies, contacts, home, error)
     if (allocated(error)) return
     n = scene%bodies%n_home
-    moved = real(count(home(:n) /= scene%bodies%home(:n)), wp)
+    moved = count(home(:n) /= scene%bodies%home(:n), kind=i8)
     call comm%sum(moved)
     home = [home(:n), scene%bodies%home(n + 1:)]
     call tell_copies(self%subdomain, home, comm)
-    self%subdomain%moved = self%subdomain%moved + moved(1)
+    self%subdomain%moved = self%subdomain%moved + real(moved, wp)
     self%subdomain%splits = self%subdomain%splits + 1
     self%age = 0
     self%imbalance = 1

@@ -164,8 +164,7 @@ contains
   !> Keep step and bodies of the worst contact of a step that did not converge. Collective.
   subroutine note_unconverged(sim)
     type(simulation_t), intent(inout) :: sim
-    real(wp) :: first(1), second(1)
-    integer :: bodies(2), side
+    integer :: bodies(2), side, first
 
     bodies = 0
     if (sim%report%worst_contact > 0) then
@@ -175,11 +174,10 @@ contains
     end if
     if (sim%decomposition%is_on) then
       ! Of contacts that are equally bad on several ranks one is named.
-      first = real(bodies(1), wp)
+      first = bodies(1)
       call sim%comm%maximum(first)
-      second = merge(real(bodies(2), wp), 0.0_wp, bodies(1) == nint(first(1)))
-      call sim%comm%maximum(second)
-      bodies = nint([first, second])
+      if (bodies(1) < first) bodies = [first, 0]
+      call sim%comm%maximum(bodies(2))
     end if
     call sim%totals%note_unconverged(sim%step + 1, bodies, sim%report%worst_speed)
   end subroutine note_unconverged
@@ -190,22 +188,19 @@ contains
     type(error_t), allocatable, intent(inout) :: error !! set where memory or time ran short; afterwards on all ranks, also when
     !! a value of one is not finite
     logical :: has_contacts
-    real(wp) :: contacts(1)
-    integer :: speaker
 
     if (.not. allocated(error)) call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%step, .false., error)
     has_contacts = sim%problem%n_contacts > 0
     if (sim%decomposition%is_on) then
       if (.not. sim%comm%any(allocated(error))) return
-      call sim%comm%agree(error, speaker)
+      call sim%comm%agree(error)
       has_contacts = sim%comm%any(has_contacts)
     end if
     if (.not. allocated(error)) return
     sim%dump%is_unsolved = .true.
     sim%report = unsolved()
-    contacts = real(sim%contacts%n, wp)
-    call sim%comm%sum(contacts)
-    sim%all_contacts = nint(contacts(1))
+    sim%all_contacts = sim%contacts%n
+    call sim%comm%sum(sim%all_contacts)
     if (error%code /= exit_broken) return
     if (.not. sim%dump%is_begun .and. has_contacts) then
       call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
@@ -240,16 +235,14 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     logical, intent(inout) :: is_fast
     integer, intent(inout) :: passings, all_contacts
-    real(wp) :: sums(4)
-    integer :: speaker
+    integer :: sums(4)
 
-    sums = [merge(1.0_wp, 0.0_wp, allocated(error)), merge(1.0_wp, 0.0_wp, is_fast), real(passings, wp), &
-            real(all_contacts, wp)]
+    sums = [merge(1, 0, allocated(error)), merge(1, 0, is_fast), passings, all_contacts]
     call comm%sum(sums)
     is_fast = sums(2) > 0
-    passings = nint(sums(3))
-    all_contacts = nint(sums(4))
-    if (sums(1) > 0) call comm%agree(error, speaker)
+    passings = sums(3)
+    all_contacts = sums(4)
+    if (sums(1) > 0) call comm%agree(error)
   end subroutine agree
 
   !> Is the problem of the step about to be solved to be dumped?

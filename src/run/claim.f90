@@ -19,18 +19,17 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
     logical, intent(out) :: goes_on !! does the run go on from a checkpoint of this very folder?
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the folder is not for this run: it is left as it was
-    integer :: speaker
 
     goes_on = .false.
     if (allocated(options%restart_file)) goes_on = is_within(options%restart_file, options%folder)
     if (comm%rank == 0) call claim_alone(options, goes_on, error)
-    call comm%agree(error, speaker)
+    call comm%agree(error)
     if (allocated(error)) return
     if (.not. file_exists(options%folder//'/.')) then
       call fail(error, 'rank '//to_text(comm%rank)//' does not find the folder of the results that rank 0 made', &
                 file=options%folder, code=exit_output)
     end if
-    call comm%agree(error, speaker)
+    call comm%agree(error)
     if (allocated(error)) call leave_folder(options, comm)
   end subroutine claim_folder
 

@@ -44,7 +44,6 @@ contains
     type(simulation_t), intent(inout) :: sim !! after its last step
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when needs.json cannot be written
     type(needs_t) :: needs
-    integer :: speaker
 
     needs%heap = heap_bytes()
     call list_tables(sim, needs%tables)
@@ -60,7 +59,7 @@ contains
       if (.not. sim%options%is_quiet) call print_needs(needs)
       call write_needs(needs, sim, error)
     end if
-    call sim%comm%agree(error, speaker)
+    call sim%comm%agree(error)
   end subroutine tell_needs
 
   !> Which of the libraries that are opened on demand are open?
@@ -79,18 +78,13 @@ contains
   subroutine add_ranks(needs, sim)
     type(needs_t), intent(inout) :: needs
     type(simulation_t), intent(inout) :: sim
-    real(wp) :: sums(needs%tables%n + 2), is_there(needs%tables%n)
-    integer :: n
 
-    n = needs%tables%n
-    sums = [real(needs%tables%list(:n)%bytes, wp), real(needs%heap, wp), needs%messages]
-    is_there = merge(1.0_wp, 0.0_wp, needs%tables%list(:n)%is_there)
-    call sim%comm%sum(sums)
-    call sim%comm%maximum(is_there)
-    needs%tables%list(:n)%bytes = nint(sums(:n), i8)
-    needs%tables%list(:n)%is_there = is_there > 0.5_wp
-    needs%heap = nint(sums(n + 1), i8)
-    needs%messages = sums(n + 2)
+    associate (list => needs%tables%list(:needs%tables%n))
+      call sim%comm%sum(list%bytes)
+      list%is_there = sim%comm%any(list%is_there)
+    end associate
+    call sim%comm%sum(needs%heap)
+    call sim%comm%sum(needs%messages)
   end subroutine add_ranks
 
   !> Begin one more step, and solve its problem by the bare kernel and by the solver, with as many sweeps as a step had.

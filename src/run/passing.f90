@@ -158,11 +158,10 @@ contains
     type(passing_t), intent(inout) :: passing !! of the step just done
     type(comm_t), intent(inout) :: comm !! the ranks
     integer, intent(in) :: unit !! open unit to write on
-    integer :: speaker
 
     if (passing%n == 0 .or. passing%is_told) return
     passing%is_told = .true.
-    call comm%agree(passing%first, speaker)
+    call comm%agree(passing%first)
     if (comm%rank == 0 .and. allocated(passing%first)) write (unit, '(a)') passing%first%report('warning')
   end subroutine tell_passing
 end module sg_passing

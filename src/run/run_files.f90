@@ -55,15 +55,14 @@ contains
     type(writers_t), intent(inout) :: writers !! those that this run needs are open
     logical, intent(in) :: resumes !! does the run go on from a checkpoint?
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when a file cannot be written
-    integer :: speaker
 
     if (writers%is_speaker) call replace_file(sim%options%folder//'/effective.toml', sim%options%deck_text, error)
-    call sim%comm%agree(error, speaker)
+    call sim%comm%agree(error)
     if (allocated(error)) return
     call writers%summary%add_file('deck', 'effective.toml')
     if (sim%options%record_every > 0) call open_record(sim, writers, resumes, error)
     if (.not. allocated(error) .and. sim%options%has_trace) call open_trace(sim, writers, resumes, error)
-    call sim%comm%agree(error, speaker)
+    call sim%comm%agree(error)
     if (allocated(error)) return
     if (writers%has_pictures) call open_pictures(sim, writers, resumes, error)
     if (allocated(error)) return

@@ -40,7 +40,7 @@ contains
     type(report_t) :: before
     type(damage_t) :: damage
     real(wp), allocatable :: free(:, :)
-    real(wp) :: change(1), settled
+    real(wp) :: change, settled
     integer :: round, unsolved
 
     allocate (free, source=sim%problem%body)
@@ -51,16 +51,16 @@ contains
       call solve_once(sim)
       if (.not. sim%report%is_converged) unsolved = unsolved + 1
       if (round > 1) call add_effort(before, sim%report)
-      call damage%find(sim%scene, sim%options%step, sim%problem, sim%contacts, change(1))
+      call damage%find(sim%scene, sim%options%step, sim%problem, sim%contacts, change)
       if (sim%decomposition%is_on) call sim%comm%maximum(change)
-      if (.not. change(1) > settled .or. round == most_rounds .or. unsolved == most_unsolved) exit
+      if (.not. change > settled .or. round == most_rounds .or. unsolved == most_unsolved) exit
       before = sim%report
       sim%problem%body = free
       call damage%approach(settled, sim%contacts)
       call refresh_bonds(sim%scene, sim%contacts, sim%options%step, sim%problem)
     end do
     call damage%accept(sim%contacts)
-    if (change(1) > settled) call judge_unsettled(sim)
+    if (change > settled) call judge_unsettled(sim)
   end subroutine solve_in_rounds
 
   !> Find by how much the solution of the last round breaks the laws at the damage that it leads to, and where most. Within the
@@ -68,21 +68,20 @@ contains
   subroutine judge_unsettled(sim)
     type(simulation_t), intent(inout) :: sim !! its report is set; its problem stays as it was solved
     real(wp), allocatable :: solved(:, :)
-    real(wp) :: own, largest(1), scale
+    real(wp) :: own, scale
 
     allocate (solved, source=sim%problem%record)
     call refresh_bonds(sim%scene, sim%contacts, sim%options%step, sim%problem)
     call find_worst(sim%problem, sim%report%worst_contact, own)
     call move_alloc(solved, sim%problem%record)
-    largest = own
+    sim%report%worst_speed = own
     scale = sim%problem%velocity_scale
     if (sim%decomposition%is_on) then
-      call sim%comm%maximum(largest)
+      call sim%comm%maximum(sim%report%worst_speed)
       scale = sim%glued_solver%errors%velocity_scale
     end if
-    sim%report%worst_speed = largest(1)
-    if (own < largest(1)) sim%report%worst_contact = 0
-    sim%report%is_converged = sim%report%is_converged .and. largest(1) <= sim%options%solver%tolerance*scale
+    if (own < sim%report%worst_speed) sim%report%worst_contact = 0
+    sim%report%is_converged = sim%report%is_converged .and. sim%report%worst_speed <= sim%options%solver%tolerance*scale
   end subroutine judge_unsettled
 
   !> Add the effort of earlier rounds to the report of the last one.

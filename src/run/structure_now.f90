@@ -22,7 +22,6 @@ contains
     type(centres_t) :: centres
     type(radial_distribution_t) :: distribution
     type(structure_factor_t) :: factor
-    integer :: speaker
 
     if (file%step == sim%step) return
     call sim%totals%phase(phase_measure)%start()
@@ -33,7 +32,7 @@ contains
     call sim%totals%phase(phase_output)%start()
     call file%add(sim%step, sim%time(), centres%diameter, distribution, factor)
     if (is_speaker) call file%write(sim%options%folder, error)
-    call sim%comm%agree(error, speaker)
+    call sim%comm%agree(error)
     call sim%totals%phase(phase_output)%stop()
   end subroutine report_structure
 end module sg_structure_now

@@ -52,8 +52,8 @@ contains
     machine%item_bytes = 8*real(first_inverse(sim%problem%kind) - 1, wp)
     machine%glue = glue_seconds(sim%problem)
     check = check_seconds(sim%problem)/real(machine%check_every, wp)
-    call slowest(comm, machine%glue)
-    call slowest(comm, check)
+    call comm%maximum(machine%glue)
+    call comm%maximum(check)
     ranks = [pack([(2**i, i=0, 30)], [(2**i < most, i=0, 30)]), most]
     allocate (predictions(size(ranks)))
     do i = 1, size(ranks)
@@ -88,23 +88,12 @@ contains
     prediction%largest = maxval(split%owned)
     prediction%shared_grains = split%shared_grains
     machine%update = update_seconds(sim%problem, owner == maxloc(split%owned, 1), sim%options%solver)
-    call slowest(comm, machine%update)
+    call comm%maximum(machine%update)
     machine%update = machine%update + check
     prediction%update = machine%update
     prediction%dual = dual_iteration(machine, split, ranks)
     prediction%primal = primal_iteration(machine, split, ranks)
   end subroutine predict_split
-
-  !> The largest of all ranks' times.
-  subroutine slowest(comm, seconds)
-    type(comm_t), intent(inout) :: comm
-    real(wp), intent(inout) :: seconds
-    real(wp) :: largest(1)
-
-    largest = seconds
-    call comm%maximum(largest)
-    seconds = largest(1)
-  end subroutine slowest
 
   !> CPU seconds of an update, when some contacts are swept again and again.
   real(wp) function update_seconds(problem, is_wanted, options) result(seconds)

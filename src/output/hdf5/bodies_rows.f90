@@ -3,7 +3,7 @@ module sg_bodies_rows
   use sg_bodies, only: bodies_t, drop_rotation_as
   use sg_comm, only: comm_t
   use sg_error, only: error_t, exit_failure, fail
-  use sg_kinds, only: wp, i4, i8
+  use sg_kinds, only: wp, i4
   use sg_rows, only: rows_t
   implicit none
   private
@@ -19,18 +19,18 @@ contains
     type(bodies_t), intent(out) :: ordered !! bodies of the block: state, mass, area, material, number, home
     type(error_t), allocatable, intent(out) :: error !! set when a body has no home or several
     real(wp), allocatable :: values(:, :)
-    integer(i8) :: before, total
     integer(i4), allocatable :: number(:)
-    integer :: i, n
+    integer :: i, n, total
 
     n = bodies%n_home
+    total = n
+    call comm%sum(total)
     if (allocated(bodies%id)) then
       number = bodies%id(:n)
     else
       number = [(int(i, i4), i=1, n)]
     end if
-    call comm%before(int(n, i8), before, total)
-    call rows%plan(comm, number, int(total))
+    call rows%plan(comm, number, total)
     if (.not. rows%is_complete) then
       call fail(error, 'a body has no home or several: the scene is not whole', code=exit_failure)
       return

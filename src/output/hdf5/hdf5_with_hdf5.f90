@@ -177,9 +177,8 @@ contains
   !> A failure of one rank is one of all.
   subroutine settle(self)
     class(hdf5_file_t), intent(inout) :: self
-    integer :: speaker
 
-    if (self%ranks%size > 1) call self%ranks%agree(self%error, speaker)
+    if (self%ranks%size > 1) call self%ranks%agree(self%error)
   end subroutine settle
 
   module procedure file_flush

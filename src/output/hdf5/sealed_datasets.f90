@@ -76,16 +76,15 @@ contains
     real(wp), intent(in) :: values(:, :)
     logical, intent(in), optional :: is_common
     integer(i8) :: first, total
-    real(wp) :: parts(1)
     logical :: is_shared
 
     is_shared = file%ranks%size > 1
     if (present(is_common)) is_shared = is_shared .and. .not. is_common
     first = 0
     if (is_shared) call file%ranks%before(size(values, 2, i8), first, total)
-    parts = real(sum_of(values, first), wp)
-    if (is_shared) call file%ranks%sum(parts)
-    call file%set(path, seal, modulo(int(parts(1), i8), prime))
+    total = sum_of(values, first)
+    if (is_shared) call file%ranks%sum(total)
+    call file%set(path, seal, modulo(total, prime))
   end subroutine set_seal
 
   !> Check sum of some rows.
@@ -113,19 +112,17 @@ contains
     type(hdf5_file_t), intent(inout) :: file !! open file, not shared; one that failed is not looked at
     type(text_t), intent(in) :: paths(:) !! datasets, the same number on all ranks
     type(comm_t), intent(inout) :: ranks !! the ranks
-    real(wp) :: parts(size(paths))
-    integer(i8) :: sealed
+    integer(i8) :: parts(size(paths)), sealed
     integer :: i
 
-    parts = 0
     do i = 1, size(paths)
-      parts(i) = real(sum_of_piece(file, paths(i)%s, int(ranks%rank, i8), int(ranks%size, i8)), wp)
+      parts(i) = sum_of_piece(file, paths(i)%s, int(ranks%rank, i8), int(ranks%size, i8))
     end do
     call ranks%sum(parts)
     do i = 1, size(paths)
       call file%look(paths(i)%s, seal, sealed)
       if (allocated(file%error)) return
-      if (modulo(int(parts(i), i8), prime) == sealed) cycle
+      if (modulo(parts(i), prime) == sealed) cycle
       call fail(file%error, paths(i)%s//' is not what was written: its check sum differs', file=file%name, code=exit_output)
       return
     end do

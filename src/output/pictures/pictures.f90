@@ -105,10 +105,9 @@ contains
   subroutine agree_on_error(self, error)
     type(pictures_t), intent(inout) :: self
     type(error_t), allocatable, intent(out) :: error
-    integer :: speaker
 
     call first_error(self, error)
-    call self%comm%agree(error, speaker)
+    call self%comm%agree(error)
   end subroutine agree_on_error
 
   !> The first failure of any file.

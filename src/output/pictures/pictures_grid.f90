@@ -95,7 +95,7 @@ contains
     allocate (self%arrays(0))
     self%path = path
     inquire (file=path, exist=exists)
-    exists = comm%any(exists .and. comm%rank == 0)
+    call comm%broadcast(exists, 0)
     if (exists .and. resumed_step >= 0) call resume(self, path, resumed_step, comm)
     if (allocated(self%file%error) .or. self%n_steps > 0) return
     call self%file%close()

@@ -79,10 +79,9 @@ contains
   integer function total_of(comm, n) result(total)
     type(comm_t), intent(inout) :: comm
     integer, intent(in) :: n
-    integer(i8) :: before, sum_of_all
 
-    call comm%before(int(n, i8), before, sum_of_all)
-    total = int(sum_of_all)
+    total = n
+    call comm%sum(total)
   end function total_of
 
   !> What is known of each contactor of this rank's scene, a column a contactor.

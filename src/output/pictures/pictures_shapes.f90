@@ -48,7 +48,7 @@ contains
     integer, intent(in) :: resumed_step !! step of the checkpoint; negative for a new run
     type(comm_t), intent(inout) :: comm !! ranks that share the scene
     logical :: is_mine(scene%contactors%n)
-    integer(i8) :: before, total
+    integer(i8) :: total
 
     ! Points have nothing to draw: links are drawn as contacts.
     is_mine = scene%contactors%body(:scene%contactors%n) <= scene%bodies%n_home .and. &
@@ -57,7 +57,8 @@ contains
     if (comm%size > 1) call self%pieces%plan(scene, is_mine, rows, self%mesh, comm)
     call self%grid%open(options%folder//'/shapes.vtkhdf', options, resumed_step, comm)
     if (allocated(self%grid%file%error)) return
-    call comm%before(int(self%mesh%n_points, i8), before, total)
+    total = int(self%mesh%n_points, i8)
+    call comm%sum(total)
     if (self%grid%n_steps > 0 .and. self%grid%n_points /= total) &
       call fail(self%grid%file%error, 'cannot go on with this file: it shows other shapes', &
                 file=self%grid%file%name, code=exit_output)
@@ -70,17 +71,17 @@ contains
     logical, intent(in) :: is_mine(:)
     type(comm_t), intent(inout) :: comm
     type(mesh_t), intent(out) :: mesh
-    real(wp) :: n_of_kind(n_kinds)
+    integer :: n_of_kind(n_kinds)
     integer :: k
 
     do k = 1, n_kinds
-      n_of_kind(k) = real(count(is_mine .and. scene%contactors%kind(:scene%contactors%n) == k), wp)
+      n_of_kind(k) = count(is_mine .and. scene%contactors%kind(:scene%contactors%n) == k)
     end do
     call comm%sum(n_of_kind)
     if (scene%dimension == 2) then
-      call trace_outlines(scene%contactors, nint(n_of_kind), is_mine, mesh)
+      call trace_outlines(scene%contactors, n_of_kind, is_mine, mesh)
     else
-      call trace_surfaces(scene%contactors, nint(n_of_kind), is_mine, mesh)
+      call trace_surfaces(scene%contactors, n_of_kind, is_mine, mesh)
     end if
   end subroutine trace
 

@@ -30,24 +30,24 @@ contains
     class(link_copies_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! this rank's part, with its links
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp), allocatable :: home(:)
+    integer, allocatable :: home(:)
     integer, allocatable :: item(:)
     integer(i4), allocatable :: own(:), rank(:), body(:)
     integer :: l, side, e, n, far
 
     n = 0
-    allocate (home(2*scene%links%n), source=0.0_wp)
+    allocate (home(2*scene%links%n), source=0)
     allocate (own(2*scene%links%n))
     do e = 1, size(own)
       own(e) = own_body(scene, scene%links%number(1 + modulo(e - 1, 2), (e + 1)/2), comm%rank)
       ! Ranks count from 1 here; bodies that all ranks hold have zero.
-      if (own(e) > 0) home(e) = real(comm%rank + 1, wp)
+      if (own(e) > 0) home(e) = comm%rank + 1
     end do
     if (size(own) > 0) call comm%maximum(home)
     do l = 1, scene%links%n
       do side = 1, 2
         e = 2*(l - 1) + side
-        far = nint(home(2*l + 1 - side)) - 1
+        far = home(2*l + 1 - side) - 1
         if (own(e) == 0 .or. far < 0 .or. far == comm%rank) cycle
         if (owner_of(int([comm%rank, far], i4)) /= far) cycle
         n = n + 1

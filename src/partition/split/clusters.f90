@@ -118,11 +118,10 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the graph cannot be split
     type(contact_graph_t) :: graph
     integer(i4), allocatable :: rank(:), cluster_part(:), kept(:)
-    integer :: speaker
 
     call gather_graph(comm, clusters, edges, graph, rank)
     call split_graph(graph, parts, imbalance, cluster_part, error)
-    call comm%agree(error, speaker)
+    call comm%agree(error)
     if (allocated(error)) return
     if (comm%size > 1) then
       call keep_at_home(rank, real(graph%weight, wp), parts, cluster_part)
@@ -149,50 +148,26 @@ contains
     integer(i4), intent(in) :: edges(:, :)
     type(contact_graph_t), intent(out) :: graph
     integer(i4), allocatable, intent(out) :: rank(:)
-    real(wp), allocatable :: weights(:, :), ends(:, :)
-    integer(i4), allocatable :: all_edges(:, :)
-    integer :: r, i, n, m
+    integer(i4), allocatable :: ends(:), all_edges(:, :)
+    integer, allocatable :: first(:)
+    integer :: r, i, m
 
-    call gather_lists(comm, clusters%weight, weights)
-    call gather_lists(comm, reshape(real(edges, wp), [size(edges)]), ends)
-    allocate (graph%weight(clusters%all), rank(clusters%all))
-    allocate (all_edges(3, nint(sum(ends(1, :)))/3 + max(0, clusters%all - 1)))
-    n = 0
-    m = 0
-    do r = 1, comm%size
-      do i = 1, nint(weights(1, r))
-        n = n + 1
-        graph%weight(n) = nint(weights(i + 1, r), i4)
-        rank(n) = int(r - 1, i4)
-      end do
-      do i = 2, nint(ends(1, r)), 3
-        m = m + 1
-        all_edges(:, m) = nint(ends(i:i + 2, r), i4)
-        all_edges(3, m) = contact_weight*all_edges(3, m)
-      end do
+    call comm%gather(nint(clusters%weight), graph%weight, first)
+    allocate (rank(clusters%all))
+    do r = 0, comm%size - 1
+      rank(first(r):first(r + 1) - 1) = int(r, i4)
     end do
+    call comm%gather(reshape(edges, [size(edges)]), ends, first)
+    m = size(ends)/3
+    allocate (all_edges(3, m + max(0, clusters%all - 1)))
+    all_edges(:, :m) = reshape(ends, [3, m])
+    all_edges(3, :m) = contact_weight*all_edges(3, :m)
     ! Neighbours along the curve hold together what has no contacts.
     do i = 1, clusters%all - 1
       all_edges(:, m + i) = [int(i, i4), int(i + 1, i4), 1_i4]
     end do
     call graph_from_edges(clusters%all, all_edges, graph)
   end subroutine gather_graph
-
-  !> Lists of all ranks side by side, each after its length, shape (longest + 1, ranks).
-  subroutine gather_lists(comm, list, lists)
-    type(comm_t), intent(inout) :: comm
-    real(wp), intent(in) :: list(:)
-    real(wp), allocatable, intent(out) :: lists(:, :)
-    real(wp), allocatable :: padded(:)
-    real(wp) :: longest(1)
-
-    longest = real(size(list), wp)
-    call comm%maximum(longest)
-    allocate (padded(nint(longest(1)) + 1), source=0.0_wp)
-    padded(1) = real(size(list), wp)
-    padded(2:size(list) + 1) = list
-    call comm%gather(padded, lists)
-  end subroutine gather_lists
 
   !> Rename parts so that little weight moves: the largest weight that a rank has of a part is settled first.
   pure subroutine keep_at_home(rank, weight, parts, part)

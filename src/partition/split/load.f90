@@ -43,13 +43,13 @@ contains
   real(wp) function imbalance(comm, load)
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(in) :: load !! of this rank, in any unit
-    real(wp) :: total(1), largest(1)
+    real(wp) :: total, largest
 
     total = load
     largest = load
     call comm%sum(total)
     call comm%maximum(largest)
     imbalance = 1
-    if (total(1) > 0) imbalance = largest(1)*real(comm%size, wp)/total(1)
+    if (total > 0) imbalance = largest*real(comm%size, wp)/total
   end function imbalance
 end module sg_load

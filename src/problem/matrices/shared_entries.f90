@@ -64,17 +64,16 @@ contains
     type(comm_t), intent(inout) :: comm
     real(wp), allocatable, intent(out) :: received(:)
     integer, allocatable, intent(out) :: counts(:) !! reals from each rank
-    real(wp), allocatable :: last(:, :), send(:)
+    real(wp), allocatable :: send(:)
     integer(i4) :: owner(own%n)
-    integer(i4), allocatable :: ends(:)
+    integer(i8), allocatable :: last(:)
     integer, allocatable :: first(:), item(:)
     integer :: i, e
 
-    call comm%gather([real(unknowns%before, wp) + real(unknowns%n_own, wp)], last)
+    call comm%gather(unknowns%before + int(unknowns%n_own, i8), last)
     ! An unknown is of the first rank whose last number is not below it.
-    ends = nint(last(1, :), i4)
     do e = 1, own%n
-      owner(e) = int(first_at_least(ends, unknowns%number(own%row(e))), i4)
+      owner(e) = int(first_at_least(last, int(unknowns%number(own%row(e)), i8)), i4)
     end do
     call group_items(owner, comm%size, first, item)
     allocate (send(n_sent*own%n))

@@ -48,10 +48,9 @@ contains
     type(entries_t) :: own, others
     real(wp), allocatable :: pushed(:, :)
     integer(i8) :: before, all
-    integer :: speaker
 
     call take_contacts(problem, shared%map, contacts, error)
-    call comm%agree(error, speaker)
+    call comm%agree(error)
     if (allocated(error)) return
     shared%pieces%d = merge(3, 2, is_in_space(problem%kind))
     call comm%before(int(size(contacts), i8), before, all)
@@ -66,9 +65,9 @@ contains
     call exchange_entries(own, shared%unknowns, comm, others, pushed)
     call set_loads(shared%unknowns, pushed, shared%pieces)
     call set_rows(own, others, int(before), contacts, shared, error)
-    call comm%agree(error, speaker)
+    call comm%agree(error)
     if (allocated(error)) return
-    shared%pieces%has_global = .not. comm%any(any(shared%compliance > 0))
+    shared%pieces%has_global = comm%all(.not. any(shared%compliance > 0))
     shared%pieces%has_guess = .true.
   end subroutine share_matrices
 

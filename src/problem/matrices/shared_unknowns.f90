@@ -100,7 +100,7 @@ contains
     where (told(:6, :) > 0) told(:6, :) = told(:6, :) + real(unknowns%before, wp)
   end subroutine tell
 
-  !> Give all ranks what rank 0 tells of wide bodies.
+  !> Give all ranks what rank 0 has of wide bodies.
   subroutine copy_wide(subdomain, comm, told)
     type(subdomain_t), intent(in) :: subdomain
     type(comm_t), intent(inout) :: comm
@@ -110,7 +110,7 @@ contains
     if (comm%size == 1) return
     if (size(subdomain%wide) == 0) return
     wide = reshape(told(:, subdomain%wide), [n_told*size(subdomain%wide)])
-    call comm%sum(wide)
+    call comm%broadcast(wide, 0)
     told(:, subdomain%wide) = reshape(wide, [n_told, size(subdomain%wide)])
   end subroutine copy_wide
 

@@ -89,27 +89,21 @@ contains
     class(edges_t), intent(inout) :: self
     type(subdomain_t), intent(in) :: subdomain
     type(comm_t), intent(inout) :: comm
-    real(wp), allocatable :: own(:), all(:, :)
-    integer, allocatable :: edge(:, :), colour(:)
-    real(wp) :: most(1)
+    integer, allocatable :: all(:), first(:), edge(:, :), colour(:)
     integer :: i, r, n
     logical :: is_edge(size(subdomain%neighbour))
 
     do i = 1, size(subdomain%neighbour)
       is_edge(i) = self%lent_first(i + 1) > self%lent_first(i) .or. self%borrowed_first(i + 1) > self%borrowed_first(i)
     end do
-    most = real(count(is_edge), wp)
-    call comm%maximum(most)
-    allocate (own(nint(most(1))), source=-1.0_wp)
-    own(:count(is_edge)) = real(pack(subdomain%neighbour, is_edge), wp)
-    call comm%gather(own, all)
-    allocate (edge(2, count(all > -0.5_wp)/2))
+    call comm%gather(pack(subdomain%neighbour, is_edge), all, first)
+    allocate (edge(2, size(all)/2))
     n = 0
     do r = 0, comm%size - 1
-      do i = 1, size(all, 1)
-        if (all(i, r + 1) < real(r, wp)) cycle
+      do i = first(r), first(r + 1) - 1
+        if (all(i) < r) cycle
         n = n + 1
-        edge(:, n) = [r, nint(all(i, r + 1))]
+        edge(:, n) = [r, all(i)]
       end do
     end do
     colour = colour_edges(edge(:, :n), comm%size)

@@ -117,22 +117,23 @@ contains
     self%item = self%item(:items)
   end subroutine list_shared
 
-  !> List who tells whom the result: the home of a body if it has contacts on it, else the lowest rank that has.
+  !> List which rank sends the result for a body, and which receive it: the home sends if it has contacts on the body, else the
+  !! lowest rank that has.
   subroutine list_result(self, problem, subdomain, slot_of, comm)
     class(sharing_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
     type(subdomain_t), intent(in) :: subdomain
     integer(i4), intent(in) :: slot_of(:)
     type(comm_t), intent(in) :: comm
-    integer, allocatable :: speaker(:), slot(:)
+    integer, allocatable :: sender(:), slot(:)
     integer :: told(size(subdomain%neighbour)), heard(size(subdomain%neighbour)), i, e, n_told, n_heard
 
     slot = slot_of(subdomain%body)
-    allocate (speaker(problem%n_bodies), source=huge(1))
+    allocate (sender(problem%n_bodies), source=huge(1))
     do i = 1, size(subdomain%neighbour)
       do e = subdomain%first(i), subdomain%first(i + 1) - 1
-        if (self%is_here(e)) call propose(speaker(slot(e)), subdomain%rank, subdomain%home(e))
-        if (self%is_there(e)) call propose(speaker(slot(e)), subdomain%neighbour(i), subdomain%home(e))
+        if (self%is_here(e)) call propose(sender(slot(e)), subdomain%rank, subdomain%home(e))
+        if (self%is_there(e)) call propose(sender(slot(e)), subdomain%neighbour(i), subdomain%home(e))
       end do
     end do
     if (allocated(self%told)) deallocate (self%told, self%heard)
@@ -143,10 +144,10 @@ contains
       told(i) = n_told
       heard(i) = n_heard
       do e = subdomain%first(i), subdomain%first(i + 1) - 1
-        if (speaker(slot(e)) == subdomain%rank .and. .not. self%is_there(e)) then
+        if (sender(slot(e)) == subdomain%rank .and. .not. self%is_there(e)) then
           n_told = n_told + 1
           self%told(n_told) = slot(e)
-        else if (speaker(slot(e)) == subdomain%neighbour(i) .and. .not. self%is_here(e)) then
+        else if (sender(slot(e)) == subdomain%neighbour(i) .and. .not. self%is_here(e)) then
           n_heard = n_heard + 1
           self%heard(n_heard) = slot(e)
         end if
@@ -158,13 +159,13 @@ contains
     self%heard = self%heard(:n_heard)
     call self%last%prepare(comm, first_inverse(problem%kind) - 1, subdomain%neighbour, told, heard)
   contains
-    !> The home speaks if it has contacts, else the lowest rank.
-    pure subroutine propose(speaker, rank, home)
-      integer, intent(inout) :: speaker
+    !> The home sends if it has contacts, else the lowest rank.
+    pure subroutine propose(sender, rank, home)
+      integer, intent(inout) :: sender
       integer, intent(in) :: rank, home
 
-      if (speaker == home) return
-      if (rank == home .or. rank < speaker) speaker = rank
+      if (sender == home) return
+      if (rank == home .or. rank < sender) sender = rank
     end subroutine propose
   end subroutine list_result
 
@@ -175,14 +176,12 @@ contains
     logical, intent(in) :: is_touched(:) !! by slot
     type(problem_t), intent(in) :: problem
     type(comm_t), intent(inout) :: comm
-    real(wp), allocatable :: ranks(:)
     integer :: i
 
     self%wide%slot = pack(slot, [(can_move(problem, slot(i)), i=1, size(slot))])
     self%wide%is_here = is_touched(self%wide%slot)
-    ranks = merge(1.0_wp, 0.0_wp, self%wide%is_here)
-    if (size(ranks) > 0) call comm%sum(ranks)
-    self%wide%parts = nint(ranks)
+    self%wide%parts = merge(1, 0, self%wide%is_here)
+    if (size(self%wide%parts) > 0) call comm%sum(self%wide%parts)
     call self%wide%mark(problem, first_inverse(problem%kind) - 1)
   end subroutine share_wide
 

@@ -52,6 +52,7 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp) :: sums(2), largest(4)
 
+    ! A count travels with reals where that saves a message per step.
     sums = [real(problem%n_contacts, wp), problem%free_norm**2]
     call comm%sum(sums)
     self%scales = scales_of(problem)
@@ -76,12 +77,11 @@ contains
     type(problem_t), intent(in) :: problem !! this rank's part, its copies glued
     type(comm_t), intent(inout) :: comm !! the ranks
     type(report_t), intent(inout) :: report !! the velocity is set, and the contact where this rank has it, else 0
-    real(wp) :: largest(1), own
+    real(wp) :: own
 
     call find_worst(problem, report%worst_contact, own)
-    largest = own
-    call comm%maximum(largest)
-    report%worst_speed = largest(1)
+    report%worst_speed = own
+    call comm%maximum(report%worst_speed)
     if (self%contacts == 0 .or. own < report%worst_speed) report%worst_contact = 0
   end subroutine errors_find_worst
 
