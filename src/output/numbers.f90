@@ -20,7 +20,7 @@ contains
     character(len=:), allocatable :: text
     integer :: i
 
-    if (.not. summary%is_speaker) return
+    if (.not. summary%is_root) return
     text = tagged_text('steps', 'count', [real(summary%totals%steps, wp)])// &
            tagged_text('contacts', 'count', [real(summary%totals%contacts, wp)])// &
            tagged_text('active_contacts', 'count', [real(summary%totals%active_contacts, wp)])// &

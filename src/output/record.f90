@@ -20,7 +20,7 @@ module sg_record
     integer :: dimension = 2
     logical :: has_bonds = .false.
     !> Does this rank write it? Of ranks that share a run one alone does
-    logical :: is_speaker = .true.
+    logical :: is_root = .true.
   contains
     procedure :: start => record_start
     procedure :: resume => record_resume
@@ -40,7 +40,7 @@ contains
     self%file = file
     self%dimension = dimension
     self%has_bonds = has_bonds
-    if (.not. self%is_speaker) return
+    if (.not. self%is_root) return
     call replace_file(file, header(dimension, has_bonds)//new_line('a'), error)
   end subroutine record_start
 
@@ -56,7 +56,7 @@ contains
     self%file = file
     self%dimension = dimension
     self%has_bonds = has_bonds
-    if (.not. self%is_speaker) return
+    if (.not. self%is_root) return
     call resume_rows(file, header(dimension, has_bonds), step, error)
   end subroutine record_resume
 
@@ -95,7 +95,7 @@ contains
     character(len=:), allocatable :: row
     integer :: i
 
-    if (.not. self%is_speaker) return
+    if (.not. self%is_root) return
     row = to_text(step)//','//cell(time)//','//to_text(contacts)//','//to_text(report%active_contacts)//','// &
           to_text(report%sweeps)//','//to_text(report%contact_updates)//','//merge('1', '0', report%is_converged)//','// &
           cell(report%criterion)//','//cell(report%e1)//','//cell(report%e2)//','//cell(report%e8)//','// &

@@ -46,7 +46,7 @@ module sg_run_summary
   !> What run.json says
   type :: run_summary_t
     !> Does this rank write it, and the other texts of a run? Of ranks that share a run one alone does
-    logical :: is_speaker = .true.
+    logical :: is_root = .true.
     !> Where ranks share the scene: how, and what that cost
     type(shared_cost_t) :: shared
     !> How the run ended, one of `run_*`, and one sentence that says why (empty when done)
@@ -185,7 +185,7 @@ contains
     type(json_t) :: json
     integer :: i
 
-    if (.not. summary%is_speaker) return
+    if (.not. summary%is_root) return
     call add_identity(json, summary)
     call add_totals(json, summary%totals)
     if (summary%ranks > 1) call add_shared(json, summary%shared)

@@ -32,7 +32,7 @@ module sg_run_trace
   !> The traces of a run
   type :: run_trace_t
     !> Is any step traced? Does this rank write? Of ranks that share a run one alone does
-    logical :: is_on = .false., is_speaker = .true.
+    logical :: is_on = .false., is_root = .true.
     !> Steps to trace, and those that this run has traced
     integer, allocatable, private :: steps(:)
     type(traced_step_t), allocatable, private :: traced(:)
@@ -62,7 +62,7 @@ contains
     self%folder = folder
     self%steps = steps
     allocate (self%traced(0))
-    if (.not. self%is_speaker) return
+    if (.not. self%is_root) return
     call open_file(folder//'/'//trace_file, 'step,time,'//point_names, done, error)
     if (.not. allocated(error)) call open_file(folder//'/'//steps_file, step_names(), done, error)
   end subroutine trace_open
@@ -132,7 +132,7 @@ contains
     row = traced_step_t(step, contacts, report%sweeps, report%e1, report%e2, report%e8, totals%phase%cpu - self%before)
     call comm%sum(row%phase)
     self%traced = [self%traced, row]
-    if (self%is_speaker) then
+    if (self%is_root) then
       points = ''
       if (allocated(report%trace)) then
         do i = 1, size(report%trace)

@@ -19,7 +19,7 @@ contains
     type(run_summary_t), intent(in) :: summary !! the run, concluded
     character(len=:), allocatable :: headline
 
-    if (.not. summary%is_speaker) return
+    if (.not. summary%is_root) return
     associate (totals => summary%totals, measures => summary%measures)
       headline = summary%status//': '//to_text(totals%steps)//' of '//to_text(summary%steps_asked)//' steps, time '// &
                  to_text(summary%time, 4)//' s, '//counted(summary%grains%n, 'grain')//', '// &

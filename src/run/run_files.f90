@@ -36,7 +36,7 @@ module sg_run_files
     type(run_trace_t) :: trace
     type(structure_file_t) :: structure
     !> Is this the rank that writes texts?
-    logical :: is_speaker = .true.
+    logical :: is_root = .true.
     logical :: has_pictures = .false., has_checkpoints = .false., has_saved = .false.
     !> Has this run claimed its folder, so that it may write there? Has it done a step?
     logical :: has_folder = .false., has_stepped = .false.
@@ -56,7 +56,7 @@ contains
     logical, intent(in) :: resumes !! does the run go on from a checkpoint?
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when a file cannot be written
 
-    if (writers%is_speaker) call replace_file(sim%options%folder//'/effective.toml', sim%options%deck_text, error)
+    if (writers%is_root) call replace_file(sim%options%folder//'/effective.toml', sim%options%deck_text, error)
     call sim%comm%agree(error)
     if (allocated(error)) return
     call writers%summary%add_file('deck', 'effective.toml')
@@ -67,7 +67,7 @@ contains
     if (writers%has_pictures) call open_pictures(sim, writers, resumes, error)
     if (allocated(error)) return
     call writers%progress%start(output_unit, sim%step, sim%options%steps, trim(criterion_names(sim%options%solver%criterion)), &
-                                is_terminal() .and. sim%comm%size == 1, sim%options%is_quiet .or. .not. writers%is_speaker)
+                                is_terminal() .and. sim%comm%size == 1, sim%options%is_quiet .or. .not. writers%is_root)
   end subroutine open_files
 
   !> Say what this run writes, and remove what a former run in its folder has left: where this one goes on with it, only what says
@@ -79,7 +79,7 @@ contains
 
     writers%has_pictures = options%output_every > 0
     writers%has_checkpoints = hdf5_is_available()
-    if (.not. writers%is_speaker) return
+    if (.not. writers%is_root) return
     if (goes_on) then
       call remove_file(options%folder//'/run.json')
       call remove_file(options%folder//'/numbers.tag')
@@ -96,7 +96,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (sim%decomposition%is_on) then
-      if (sim%options%output_compressed .and. writers%is_speaker) then
+      if (sim%options%output_compressed .and. writers%is_root) then
         write (error_unit, '(a)') 'warning: output.compression is left aside: several ranks write their pictures uncompressed'
       end if
       call writers%pictures%open(sim%scene, sim%options, merge(sim%step, -1, resumes), error, sim%comm)
@@ -167,13 +167,13 @@ contains
     if (writers%has_pictures) call writers%pictures%close(error)
     if (writers%has_saved) call name_restart(sim%options%folder, writers)
     if (sim%options%has_spectrum) call writers%samples%reduce(sim%comm)
-    if (writers%samples%n > 0 .and. writers%is_speaker) then
+    if (writers%samples%n > 0 .and. writers%is_root) then
       call write_spectrum(writers%samples, sim%options%step, sim%options%folder//'/spectrum.csv', next)
       if (.not. allocated(next)) call writers%summary%add_file('spectrum', 'spectrum.csv')
       if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)
     end if
     if (sim%options%has_structure .and. writers%has_stepped) then
-      call report_structure(sim, writers%structure, writers%is_speaker, next)
+      call report_structure(sim, writers%structure, writers%is_root, next)
       call writers%summary%add_file('radial_distribution', 'radial_distribution.csv')
       call writers%summary%add_file('structure_factor', 'structure_factor.csv')
       if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)

@@ -37,7 +37,7 @@ contains
   !> Run a simulation to its end; run.json is written however it ends, unless the folder of the results is not for this run or there
   !! is nothing to do: then all files stay as they are.
   !!
-  !! Where there are several ranks, all of them call this, each with the whole scene or its share; the first one alone speaks.
+  !! Where there are several ranks, all of them call this, each with the whole scene or its share; the root rank alone prints.
   subroutine simulate(sim, deck, code, error)
     type(simulation_t), intent(inout) :: sim !! scene, options and ranks are set
     character(len=*), intent(in) :: deck !! path of the deck
@@ -48,14 +48,14 @@ contains
 
     code = exit_done
     writers%wall_start = wall_now()
-    writers%is_speaker = sim%comm%rank == 0
-    writers%summary%is_speaker = writers%is_speaker
-    writers%record%is_speaker = writers%is_speaker
-    writers%trace%is_speaker = writers%is_speaker
+    writers%is_root = sim%comm%rank == 0
+    writers%summary%is_root = writers%is_root
+    writers%record%is_root = writers%is_root
+    writers%trace%is_root = writers%is_root
     call writers%summary%describe(sim%scene, sim%options, deck, sim%comm)
     call start_simulation(sim)
     writers%summary%has_bonds = sim%plan%has_bonds
-    if (writers%is_speaker .and. .not. sim%options%is_quiet) then
+    if (writers%is_root .and. .not. sim%options%is_quiet) then
       if (allocated(sim%options%title)) then
         if (sim%options%title /= '') call print_line('title      '//sim%options%title)
       end if
@@ -66,7 +66,7 @@ contains
     ! From now on steps and searches look at the time themselves, and a checkpoint can be written.
     call end_after(0.0_wp)
     if (.not. writers%has_folder) then
-      if (.not. allocated(error)) call tell_nothing_to_do(sim, writers%is_speaker)
+      if (.not. allocated(error)) call tell_nothing_to_do(sim, writers%is_root)
       return
     end if
     if (.not. allocated(error)) call loop(sim, writers, code, error)
@@ -80,11 +80,11 @@ contains
   end subroutine simulate
 
   !> The checkpoint is of the last step, or of a later one.
-  subroutine tell_nothing_to_do(sim, is_speaker)
+  subroutine tell_nothing_to_do(sim, is_root)
     type(simulation_t), intent(in) :: sim
-    logical, intent(in) :: is_speaker
+    logical, intent(in) :: is_root
 
-    if (is_speaker .and. .not. sim%options%is_quiet) call print_line(&
+    if (is_root .and. .not. sim%options%is_quiet) call print_line(&
       'nothing to do: step '//to_text(sim%step)//' of '//to_text(sim%options%steps)//' ('//sim%options%restart_file//')')
   end subroutine tell_nothing_to_do
 
@@ -96,7 +96,7 @@ contains
 
     has_moved = writers%has_stepped .or. .not. has_failed
     if (has_moved) call print_verdict(output_unit, writers%summary)
-    if (.not. (writers%trace%is_on .and. writers%is_speaker)) return
+    if (.not. (writers%trace%is_on .and. writers%is_root)) return
     if (has_moved .or. writers%trace%has_rows()) call print_line(writers%trace%table(writers%summary%totals))
   end subroutine tell_end
 
@@ -183,7 +183,7 @@ contains
     type(error_t), allocatable :: error
 
     call trace_broken(sim, step, writers%trace, error)
-    if (allocated(error) .and. writers%is_speaker) write (error_unit, '(a)') error%report('warning')
+    if (allocated(error) .and. writers%is_root) write (error_unit, '(a)') error%report('warning')
   end subroutine trace_last
 
   !> Write the dump of a step; that it cannot be written is told, and does not end the run.
@@ -196,7 +196,7 @@ contains
 
     call finish_dump(sim%dump, sim%problem, sim%options%folder, writers%summary%deck, step, sim%comm, name, error)
     if (allocated(error)) then
-      if (writers%is_speaker) write (error_unit, '(a)') error%report('warning')
+      if (writers%is_root) write (error_unit, '(a)') error%report('warning')
     else
       call writers%summary%add_file('dump_'//to_text(step), name)
     end if
@@ -222,7 +222,7 @@ contains
     is_last = sim%step == sim%options%steps
     if (sim%options%has_spectrum) call sample_now(sim, writers)
     if (sim%options%has_structure .and. is_due(sim%options%structure_every)) then
-      call report_structure(sim, writers%structure, writers%is_speaker, error)
+      call report_structure(sim, writers%structure, writers%is_root, error)
       if (allocated(error)) return
     end if
     if (sim%options%record_every > 0 .and. (is_due(sim%options%record_every) .or. is_last)) then
@@ -268,7 +268,7 @@ contains
     call judge_energy(writers%measures, sim%options%guard, sim%step, has_warned, warning, error)
     if (len(warning) == 0) return
     writers%has_warned = .true.
-    if (writers%is_speaker) write (error_unit, '(a)') 'warning: '//warning
+    if (writers%is_root) write (error_unit, '(a)') 'warning: '//warning
   end subroutine watch_energy
 
   !> Add a row to the record.
@@ -376,7 +376,7 @@ contains
     type(diagnostics_t) :: warnings
 
     call load_checkpoint(sim, sim%options%restart_file, warnings, error)
-    if (.not. allocated(error) .and. writers%is_speaker) call warnings%print(error_unit)
+    if (.not. allocated(error) .and. writers%is_root) call warnings%print(error_unit)
   end subroutine resume
 
   !> Say how the run ended.

@@ -14,10 +14,10 @@ module sg_structure_now
 contains
 
   !> Add the present structure to its files, unless it is in them. Collective.
-  subroutine report_structure(sim, file, is_speaker, error)
+  subroutine report_structure(sim, file, is_root, error)
     type(simulation_t), intent(inout) :: sim !! between two steps
     type(structure_file_t), intent(inout) :: file !! what was written before
-    logical, intent(in) :: is_speaker !! is this the rank that writes?
+    logical, intent(in) :: is_root !! is this the rank that writes?
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when a file cannot be written
     type(centres_t) :: centres
     type(radial_distribution_t) :: distribution
@@ -31,7 +31,7 @@ contains
     call sim%totals%phase(phase_measure)%stop()
     call sim%totals%phase(phase_output)%start()
     call file%add(sim%step, sim%time(), centres%diameter, distribution, factor)
-    if (is_speaker) call file%write(sim%options%folder, error)
+    if (is_root) call file%write(sim%options%folder, error)
     call sim%comm%agree(error)
     call sim%totals%phase(phase_output)%stop()
   end subroutine report_structure

@@ -31,7 +31,7 @@ module sg_xdmf
     !> Place of the closing tags: bytes, from 1; 0 where there is no file yet, which is made with its first step
     integer(i8) :: end = 0
     !> Does this rank write it?
-    logical :: is_speaker = .true.
+    logical :: is_root = .true.
     !> First failure; unallocated while all is well
     type(error_t), allocatable :: error
   contains
@@ -42,20 +42,20 @@ module sg_xdmf
 contains
 
   !> Make the sidecar; of an old one the first `n_steps` steps stay.
-  subroutine xdmf_open(self, name, target, cells, n_steps, is_speaker)
+  subroutine xdmf_open(self, name, target, cells, n_steps, is_root)
     class(xdmf_t), intent(inout) :: self
     character(len=*), intent(in) :: name !! path of the sidecar
     character(len=*), intent(in) :: target !! name of the VTKHDF file beside it
     character(len=*), intent(in) :: cells !! 'Polyvertex', 'Polyline' or 'Mixed'
     integer(i8), intent(in) :: n_steps !! steps to keep
-    logical, intent(in) :: is_speaker !! does this rank write it?
+    logical, intent(in) :: is_root !! does this rank write it?
     character(len=:), allocatable :: kept
 
     self%name = name
     self%target = target
     self%cells = cells
-    self%is_speaker = is_speaker
-    if (.not. is_speaker) return
+    self%is_root = is_root
+    if (.not. is_root) return
     if (n_steps == 0) return
     kept = head//first_steps(name, n_steps)
     self%end = len(kept, kind=i8) + 1
@@ -94,7 +94,7 @@ contains
     character(len=:), allocatable :: text
     integer :: a
 
-    if (allocated(self%error) .or. allocated(grid%file%error) .or. .not. self%is_speaker) return
+    if (allocated(self%error) .or. allocated(grid%file%error) .or. .not. self%is_root) return
     text = '  <Grid Name="step" GridType="Uniform">'//nl//'    <Time Value="'//to_text(time)//'"/>'//nl
     if (grid%n_points == 0) then
       text = text//nothing()

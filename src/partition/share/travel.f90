@@ -86,7 +86,7 @@ contains
       number = pack(contactors%id(:n), [(scene%bodies%home(contactors%body(k)) == comm%rank, k=1, n)])
     end associate
     call rows%plan(comm, number, all_contactors)
-    ! Ranks count from 1 here: nobody speaks for wide bodies, of which the blocks hold zero.
+    ! Ranks count from 1 here: wide bodies have no home, and the blocks hold zero for them.
     call rows%order(comm, reshape([(real(comm%rank + 1, wp), k=1, size(number))], [1, size(number)]), block)
     call wanted%plan(comm, rows, reshape(pair, [size(pair)]))
     call wanted%fetch(comm, block, home)

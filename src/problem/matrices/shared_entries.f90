@@ -143,7 +143,7 @@ contains
     allocate (copy(2, 0))
     do u = 1, size(first) - 1
       do i = first(u), first(u + 1) - 1
-        ! The first entry of each rank speaks for it.
+        ! The first entry of each rank stands for it.
         if (i > first(u)) then
           if (rank(item(i - 1)) == rank(item(i))) cycle
         end if
