@@ -1,4 +1,4 @@
-!> `splitgrain solve`: contact problems in FCLIB files, solved and judged by errors measured anew.
+!> `splitgrain solve`: contact problems in FCLIB files, solved and judged by errors measured independently.
 module sg_solve
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_arguments, only: arguments_t

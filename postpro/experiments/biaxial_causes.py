@@ -105,7 +105,7 @@ def biaxial_tight(runner):
     runner.write("biaxial_tight", rows)
     rows = []
     late = ones[0]["strain"] > ones[0]["strain"][-1] / 2
-    for curve, word in {**CURVES, "volume_error": "volume error", "sweeps": "sweeps a step"}.items():
+    for curve, word in {**CURVES, "volume_error": "volume error", "sweeps": "sweeps per step"}.items():
         here, there = together(ones, curve), together(loose, curve)
         by, error = difference(here[:, late].mean(1), there[:, late].mean(1))
         rows.append({"quantity, 2 to 4 %": word, "3e-4": f"{there[:, late].mean():.4g}", "1e-4": f"{here[:, late].mean():.4g}",

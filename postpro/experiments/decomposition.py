@@ -152,7 +152,7 @@ def sweeps(runner):
             for count in (1, 2, 5, 10):
                 found = one_step(runner, name_of("sweeps", law, method, count), law, 16, {},
                                  {"gluing": f'"{method}"', "sweeps": count})
-                rows.append({"law": law, "gluing": method, "sweeps a gluing": count, "sweeps": found["sweeps"],
+                rows.append({"law": law, "gluing": method, "sweeps per gluing": count, "sweeps": found["sweeps"],
                              "gluings": found["gluings"], "converged": found["converged"],
                              "violation": f"{found['violation']:.1e}"})
     runner.write("sweeps", rows)

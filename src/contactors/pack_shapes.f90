@@ -1,4 +1,4 @@
-!> Contactors as records of reals: nothing of a shape is computed anew from its record, so that all copies are one, bit by bit.
+!> Contactors as records of reals: nothing of a shape is recomputed from its record, so that all copies agree bit by bit.
 !!
 !! A record is its length, then number in the whole scene, kind, colour, shift, reach, and the sizes of the shape in the
 !! body's frame. What detection places in the world is no part of it.

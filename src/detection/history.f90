@@ -1,7 +1,7 @@
 !> Impulses carried from one detection to the next, found again by pair of contactors and feature.
 !!
 !! Contacts of one pair stand together, in the order of pairs. As long as the list of neighbours is the same, pair p
-!! finds its past at p; when the list is made anew, pairs are matched once through the candidate's short list.
+!! finds its past at p; when the list is rebuilt, pairs are matched once through the candidate's short list.
 module sg_history
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_internal_values, only: not_recorded
@@ -190,7 +190,7 @@ contains
     if (contacts%n_internal > 0) history%internal(:, :n) = contacts%internal(:, :n)
   end subroutine keep_contacts
 
-  !> Note the pairs of the last detection, before their list is made anew.
+  !> Note the pairs of the last detection, before their list is rebuilt.
   subroutine keep_pairs(history, pairs)
     type(history_t), intent(inout) :: history !! past to fill
     type(neighbours_t), intent(in) :: pairs !! list to note

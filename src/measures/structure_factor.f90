@@ -139,7 +139,7 @@ contains
           if (is_of_box(wave*fold, centres%is_periodic)) cycle
           k = 2*pi*norm2(real(wave*fold, wp)/merge(length, 1.0_wp, length > 0))
           if (k <= reach(1) .or. k > reach(2)) cycle
-          ! Many waves of a square box lie on the edge of a bin but for rounding.
+          ! Many waves of a square box lie on the edge of a bin up to rounding.
           bin = max(1, min(most_bins, ceiling(k/width*(1 - 1e-12_wp))))
           sums(:, bin) = sums(:, bin) &
                          + [1.0_wp, k, corrected(squares(i, modulo(j, n), modulo(l, n))/squared_weights, wave, n)]

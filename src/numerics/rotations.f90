@@ -82,7 +82,7 @@ contains
     real(wp), intent(in) :: v(3) !! vector in the body's frame
     real(wp) :: image(3), t(3)
 
-    ! v + 2 w (x cross v) + 2 x cross (x cross v), written out: every body in space is turned several times a step.
+    ! v + 2 w (x cross v) + 2 x cross (x cross v), written out: every body in space is turned several times per step.
     t(1) = 2*(q(3)*v(3) - q(4)*v(2))
     t(2) = 2*(q(4)*v(1) - q(2)*v(3))
     t(3) = 2*(q(2)*v(2) - q(3)*v(1))

@@ -172,7 +172,7 @@ contains
     end do
   end function phase_words
 
-  !> Sweeps a step, and contact updates per CPU second of the solver; of solvers that do more than sweep, iterations.
+  !> Sweeps per step, and contact updates per CPU second of the solver; of solvers that do more than sweep, iterations.
   pure function effort_words(totals, sweeps) result(words)
     type(totals_t), intent(in) :: totals
     logical, intent(in) :: sweeps

@@ -1,7 +1,7 @@
 !> The decomposition of a scene over ranks, from its beginning on: who owns what, and how that changes with the motion.
 !!
-!! Bodies keep their homes until the split is made anew (every so many steps, or when the loads are uneven). Lists of neighbours
-!! are made anew on all ranks at once; copies with them when grains have moved through the margin of the last ones: then contacts
+!! Bodies keep their homes until the split is renewed (every so many steps, or when the loads are uneven). Lists of neighbours
+!! are rebuilt on all ranks at once; copies with them when grains have moved through the margin of the last ones: then contacts
 !! with their impulses follow their owners. Gluing impulses are no state: they follow from the impulses of the contacts
 !! (doc/theory/decomposition.md).
 module sg_decomposition
@@ -179,7 +179,7 @@ contains
     type(contacts_t), intent(inout) :: contacts !! the same
     real(wp), intent(in) :: step !! time step [s]
     type(comm_t), intent(inout) :: comm !! the ranks
-    logical, intent(out) :: is_renewed !! was the part made anew? Then predict again
+    logical, intent(out) :: is_renewed !! was the part rebuilt? Then predict again
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the graph cannot be split
     integer(i4), allocatable :: home(:), former(:)
     type(parcel_t) :: travelling
@@ -303,7 +303,7 @@ contains
     call start_history(history, scene, step, contacts%n_components, contacts%n_internal)
   end subroutine start_contacts_here
 
-  !> Have the list of neighbours made anew, with a given skin.
+  !> Request a new list of neighbours, with a given skin.
   subroutine forget_pairs(pairs, skin)
     type(neighbours_t), intent(inout) :: pairs
     real(wp), intent(in) :: skin

@@ -135,7 +135,7 @@ contains
     end do
   end subroutine load_bodies
 
-  !> Record of a contact whose arms lie along the normal, but for its block, in whose place stands whether the contact takes
+  !> Record of a contact whose arms lie along the normal, without its block, in whose place stands whether the contact takes
   !! part. A driven spin enters as a bias.
   pure subroutine round_record(scene, contacts, k, kind, law, record)
     type(scene_t), intent(in) :: scene

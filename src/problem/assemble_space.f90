@@ -103,14 +103,14 @@ contains
     u = [dot_product(n, jump), dot_product(t, jump), dot_product(cross(n, t), jump)]
   end function velocity_before
 
-  !> Record of a contact but for its block, in whose place stands whether the contact takes part.
+  !> Record of a contact without its block, in whose place stands whether the contact takes part.
   pure subroutine space_record(scene, contacts, k, kind, law, record)
     type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact
     integer, intent(in) :: kind !! kind of problem
     type(local_law_t), intent(in) :: law !! what the law asks
-    real(wp), intent(inout) :: record(:) !! record to fill, but for its block
+    real(wp), intent(inout) :: record(:) !! record to fill, except its block
     real(wp) :: n(3), t(3), bias(3), arms(3, 2), active
 
     n = contacts%normal(:, k)

@@ -1,6 +1,6 @@
 !> The block of W at a contact, as its record holds it, from the geometry in the record and the masses of its two bodies.
 !!
-!! Assembly sets it, and decomposed solvers set it anew where they sweep shared grains with a part of their mass.
+!! Assembly sets it, and decomposed solvers recompute it where they sweep shared grains with a part of their mass.
 module sg_delassus
   use sg_kinds, only: wp
   use sg_laws, only: inverse_of
@@ -40,7 +40,7 @@ contains
     if (kind == ball_frictional .and. mark < 0) body(ball_inverse_i) = mark
   end subroutine share_mass
 
-  !> Set the block of a record that is complete but for it. Contacts that take no part, by a 0 in place of an inverse or as
+  !> Set the block of a record whose other values are set. Contacts that take no part, by a 0 in place of an inverse or as
   !! kind of local law, stay so; so do those between bodies that nothing moves.
   !!
   !! Where a body is driven in some directions only, round and ball contacts couple normal and tangents; their block is then
@@ -116,7 +116,7 @@ contains
   pure subroutine set_solid_block(candidate, antagonist, stiffness, record)
     real(wp), intent(in) :: candidate(:), antagonist(:) !! records of the two bodies
     real(wp), intent(in) :: stiffness(2) !! of a bond times the square of the step [kg]
-    real(wp), intent(inout) :: record(:) !! record of the contact, complete but for its block; its tangent may turn
+    real(wp), intent(inout) :: record(:) !! record of the contact, all set except its block; its tangent may turn
     real(wp) :: frame(3, 3), w(3, 3), s(2, 2), angle, c, d
 
     frame(:, 1) = record(normal_x:normal_z)

@@ -64,7 +64,7 @@ contains
     contact%friction = friction_of(problem, k)
   end function contact_of
 
-  !> A contact in the plane, but for what `contact_of` adds: directions n and (n_y, -n_x).
+  !> A contact in the plane, without what `contact_of` adds: directions n and (n_y, -n_x).
   pure function plane_contact(kind, record, impulse) result(contact)
     integer, intent(in) :: kind
     real(wp), intent(in) :: record(:), impulse(:)

@@ -43,7 +43,7 @@ contains
     call conclude(sim, is_fast)
   end subroutine advance
 
-  !> Bring this rank's part up to date when lists of neighbours are stale, and predict anew what has come.
+  !> Bring this rank's part up to date when lists of neighbours are stale, and predict again for bodies that arrived.
   subroutine renew(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error

@@ -1,4 +1,4 @@
-!> The history of a step that ends the run: what a user wants to see is the step that broke, and nobody knew before that it would.
+!> The history of a step that ends the run: a user needs the history of the step that broke, which could not be known before.
 !!
 !! So the guess of every solve is kept where a run is traced. When the step breaks, its contact problem is solved once more, from
 !! the same guess and by the same solver, this time with a history.

@@ -1,9 +1,10 @@
 !> What a contact update costs in a run, beside the bare kernel on the same data: one after the other within one process.
 !!
 !! The *bare kernel* sweeps contacts that stand in their order, again and again, and does nothing else. The *solver* solves the
-!! same problem from the same guess with as many sweeps: it chooses whom to visit, puts contacts in order, sweeps, copies
+!! same problem from the same guess with as many sweeps: it chooses the active set, puts contacts in order, sweeps, copies
 !! impulses back, tests.
 module sg_kernel_cost
+  use sg_active_set, only: active_set_t
   use sg_compact, only: add_impulses
   use sg_kinds, only: wp
   use sg_nlgs, only: nlgs_t
@@ -14,7 +15,6 @@ module sg_kernel_cost
   use sg_sweep_order, only: set_order, sweep_order_t
   use sg_sweeps, only: sweep
   use sg_timers, only: cpu_now
-  use sg_visits, only: visits_t
   implicit none
   private
   public :: kernel_cost_t, compare_cost
@@ -62,7 +62,7 @@ contains
     type(problem_t) :: solved
     type(sweep_order_t) :: order
     type(report_t) :: report
-    type(visits_t) :: visits
+    type(active_set_t) :: active_set
     real(wp) :: start, seconds
     integer :: i, k
 
@@ -70,12 +70,12 @@ contains
     do k = 1, repeats
       solved = problem
       call add_impulses(solved)
-      call visits%begin(problem%n_contacts)
+      call active_set%begin(problem%n_contacts)
       if (any(abs(problem%impulse(:, :problem%n_contacts)) > 0)) then
-        call measure_errors(solved, report, with_e1=.false., closing=visits%closing)
-        call visits%choose(problem%n_contacts, report, problem%velocity_scale)
+        call measure_errors(solved, report, with_e1=.false., closing=active_set%closing)
+        call active_set%choose(problem%n_contacts, report, problem%velocity_scale)
       end if
-      call set_order(order, solved, visits%is_wanted, options)
+      call set_order(order, solved, active_set%is_wanted, options)
       start = cpu_now()
       do i = 1, n_sweeps
         call sweep(solved%kind, order, solved%n_bodies, options%relaxation, solved%body)

@@ -1,4 +1,4 @@
-!> What a run has needed: tables held, libraries opened, bytes a grain and a contact, the cost of a contact update.
+!> What a run has needed: tables held, libraries opened, bytes per grain and per contact, the cost of a contact update.
 !!
 !! The plan that a run prints at its start is a promise; this is what has become of it, told at the end of `run --needs` and
 !! written to needs.json.

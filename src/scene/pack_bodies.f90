@@ -2,7 +2,7 @@
 !!
 !! A record is its length, number in the whole scene, home, is it a grain, material, number of contactors; position, angle or
 !! orientation, velocity, mass, moments of inertia, inverse inertias, area, crossings; then the records of its contactors.
-!! Orientations stand in it only where something turns. What a step sets anew (forces, free velocities, the configuration of
+!! Orientations stand in it only where something turns. What a step recomputes (forces, free velocities, the configuration of
 !! detection) is no part of it.
 module sg_pack_bodies
   use sg_bodies, only: bodies_t, drop_rotation_as, no_bodies_like
@@ -127,7 +127,7 @@ contains
     call locate_links(local%links, local%contactors)
   end subroutine build_scene
 
-  !> Make a scene anew from records of bodies. What it held is given back before the new bodies ask for room.
+  !> Rebuild a scene from records of bodies. What it held is given back before the new bodies ask for room.
   subroutine rebuild_scene(scene, parcel, start, n_home)
     type(scene_t), intent(inout) :: scene !! scene of the run, replaced
     type(parcel_t), intent(inout) :: parcel !! records of bodies; used up
@@ -141,9 +141,9 @@ contains
     deallocate (parcel%value)
   end subroutine rebuild_scene
 
-  !> Give back what a step sets anew and no record holds: a scene that is only packed needs none of it.
+  !> Give back what a step recomputes and no record holds: a scene that is only packed needs none of it.
   subroutine drop_step_state(scene)
-    type(scene_t), intent(inout) :: scene !! scene about to be packed and then made anew
+    type(scene_t), intent(inout) :: scene !! scene about to be packed and then rebuilt
 
     if (allocated(scene%bodies%middle)) deallocate (scene%bodies%middle)
     if (allocated(scene%bodies%force)) deallocate (scene%bodies%force)
@@ -151,7 +151,7 @@ contains
     if (allocated(scene%contactors%centre)) deallocate (scene%contactors%centre)
   end subroutine drop_step_state
 
-  !> Give back the bodies and contactors of a scene whose records are all in parcels, before it is made anew from others.
+  !> Give back the bodies and contactors of a scene whose records are all in parcels, before it is rebuilt from others.
   subroutine drop_bodies(scene)
     type(scene_t), intent(inout) :: scene !! scene without bodies afterwards
     type(contactors_t) :: no_contactors

@@ -107,7 +107,7 @@ contains
     call drop_rotation(scene%bodies, keep_orientation=ranks%any(are_turned(scene%bodies)))
   end subroutine plan_scene
 
-  !> Set the radii of round bodies anew, when a rank's part of the scene is another one.
+  !> Set the radii of round bodies after a rank's part of the scene has changed.
   pure subroutine set_radii(scene, plan)
     type(scene_t), intent(in) :: scene !! this rank's part
     type(plan_t), intent(inout) :: plan !! plan of the whole scene

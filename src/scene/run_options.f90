@@ -46,7 +46,7 @@ module sg_run_options
     integer :: interface_sweeps = 1
     !> Share of each new impulse taken by contacts of shared grains (contacts)
     real(wp) :: relaxation = 0.8_wp
-    !> Steps after which the split is made anew, 0 for never; and the imbalance (largest load over the mean one) from
+    !> Steps between splits, 0 for never; and the imbalance (largest load over the mean one) from
     !! which it is
     integer :: every = 0
     real(wp) :: imbalance = 1.2_wp

@@ -1,4 +1,4 @@
-!> What exists: bodies, contactors, laws, who sees whom, gravity, drives, periodicity. No option of a run is here.
+!> The scene: bodies, contactors, laws, interactions, gravity, drives, periodicity. No option of a run is here.
 module sg_scene
   use sg_bodies, only: bodies_t
   use sg_contactors, only: contactors_t
@@ -63,7 +63,7 @@ module sg_scene
     type(law_t), allocatable :: laws(:)
     !> Names of the colours
     type(text_t), allocatable :: colours(:)
-    !> Who sees whom; the first line that fits counts
+    !> Interactions; the first that fits a pair counts
     type(see_t), allocatable :: sees(:)
     !> Links between points
     type(links_t) :: links

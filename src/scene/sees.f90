@@ -1,4 +1,4 @@
-!> Who sees whom: which line of the see tables holds between two contactors.
+!> Interactions: the line of the see tables that holds between two contactors.
 module sg_sees
   use sg_contactors, only: kind_point, n_kinds
   use sg_kinds, only: wp

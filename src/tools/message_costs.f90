@@ -100,7 +100,7 @@ contains
     seconds = self%seconds(1)
   end function costs_latency
 
-  !> Bytes a second that long messages reach.
+  !> Bytes per second that long messages reach.
   pure real(wp) function costs_bandwidth(self) result(bandwidth)
     class(message_costs_t), intent(in) :: self
     integer :: n

@@ -60,7 +60,7 @@ contains
       call predict_split(sim, load, ranks(i), check, comm, machine, predictions(i), error)
       if (allocated(error)) return
       associate (one => predictions(1)%dual%seconds, of => predictions(i))
-        ! Without contacts an iteration costs nothing on any number of ranks.
+        ! An iteration without contacts costs nothing on any number of ranks.
         if (of%dual%seconds > 0) of%dual_efficiency = one/(real(ranks(i), wp)*of%dual%seconds)
         if (of%primal%seconds > 0) of%primal_efficiency = one/(real(ranks(i), wp)*of%primal%seconds)
       end associate
@@ -125,7 +125,7 @@ contains
     end do
   end function update_seconds
 
-  !> CPU seconds a contact of a test of convergence.
+  !> CPU seconds per contact of a test of convergence.
   real(wp) function check_seconds(problem) result(seconds)
     type(problem_t), intent(in) :: problem
     real(wp) :: sums(n_error_sums), start

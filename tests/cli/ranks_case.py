@@ -176,7 +176,7 @@ class Ranks(ProgramCase):
         named = rf"(coo\d|[XV]\(\d\)) *={number}"
         places, moves = (re.findall(named, (target / file).read_text()) for file in ("BODIES.DAT", "DOF.INI"))
         values = iter([value(word) for _, word in places])
-        # Where each body is, in the plane x, y and the angle, and how fast it moves: six numbers a body.
+        # Where each body is, in the plane x, y and the angle, and how fast it moves: six numbers per body.
         bodies = [value(word) + (next(values) if name.startswith("X") else 0.0) for name, word in moves]
         contacts = {}
         for block in (target / "Vloc_Rloc.INI").read_text().split("$icdan")[1:]:

@@ -12,7 +12,7 @@ import unittest
 from ranks_case import BEYOND, COMMON, FLOOR, Ranks, take_launcher
 
 TRACE = ["--set", "report.trace=true", "--set", "output.record_every=1"]
-# A step that nobody names beforehand.
+# A step that is not named beforehand.
 ELSEWHERE = ["--set", "report.trace_steps=1000000"]
 UNCONVERGED = ["--set", "solver.maximum_sweeps=3", "--set", "solver.tolerance=1e-14", "--set", "solver.stop_unconverged=true"]
 # With theta 1 the balance is open by the order of the step.
@@ -118,7 +118,7 @@ class BrokenTrace(Ranks):
         self.check_broken("matrices", PILE, 3, [*UNCONVERGED, "--set", 'solver.method="accelerated"'])
 
     def test_a_problem_that_is_broken_before_it_is_solved(self):
-        """There is no history, but a row that says so: no sweep, and errors that nobody knows."""
+        """There is no history, only a row of zero sweeps and errors not a number."""
         if "ffpe-trap" in self.run_program("--version").stdout:
             self.skipTest("this build stops where numbers overflow")
         deck = self.deck(BEYOND)

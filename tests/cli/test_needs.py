@@ -57,7 +57,7 @@ contacts.contactor contacts.body contacts.feature contacts.law contacts.normal c
 contacts.impulse contacts.status
 history.contactor history.image history.first history.feature history.impulse history.status history.past
 problem.pair problem.record problem.impulse problem.body
-order.contact order.chosen order.groups_of visits.closing visits.is_wanted visits.is_visited"""
+order.contact order.chosen order.groups_of active_set.closing active_set.is_wanted active_set.is_ordered"""
 PLANE = "contactors.wall_size contactors.wall_axis"
 SPACE = "bodies.crossings_y space.plane_half space.plane_rim space.plane_frame space.plane_world pairs.image_y contacts.image_y"
 POLYGONS = "contactors.polygon_first contactors.polygon_vertex contactors.polygon_world"
@@ -67,7 +67,7 @@ SOLID_LANES = "order.solid_last_row order.solid_row_size order.solid_pair order.
 # Those of clusters come with the first step that takes 200 sweeps.
 LONG_SOLVES = "clusters.squares clusters.parent clusters.members clusters.excess"
 
-# Scene: deck, tables beside those of all, libraries, and upper bounds of bytes a grain and a contact. A grain and a contact of the
+# Scene: deck, tables beside those of all, libraries, and upper bounds of bytes per grain and per contact. A grain and a contact of the
 # plane take least; turning bodies have angles and a third velocity, in space quaternions and spins, and where nothing turns there
 # are orientations if the deck turns a body, as it does sides of a container in the plane; polygons and polyhedra
 # their corners twice (in the body's frame and in the world); a contact with friction has a second impulse, one with arms a longer
@@ -99,7 +99,7 @@ gluing.before gluing.change gluing.jump gluing.messages""",
     "primal": "edges.colour edges.lent_first edges.lent edges.borrowed_first edges.borrowed edges.messages",
 }
 
-# Memory that is nobody's table: that of the program itself and its libraries at rest, and what polyhedra lose to being many.
+# Memory outside of all tables: that of the program itself and its libraries at rest, and what polyhedra lose to being many.
 AT_REST = 500_000
 PER_POLYHEDRON = 8 * 24
 # HDF5 holds memory of its own once it has written a checkpoint.
@@ -154,7 +154,7 @@ class Needs(ProgramCase):
         self.assertGreater(two["messages"], 0)
         # Copies along the cut: a tenth of 20 by 50 grains at most, at either side.
         self.assertLess(two["bodies.position"], 1.2 * alone["bodies.position"])
-        # Which rank is whose home, and the numbers of the whole scene: 12 bytes a body and its contactor.
+        # Which rank is whose home, and the numbers of the whole scene: 12 bytes per body and its contactor.
         self.assertLess(two["bytes_per_grain"], 1.2 * (alone["bytes_per_grain"] + 12))
 
     def test_two_ranks_hold_what_they_need_and_nothing_else(self):
@@ -214,7 +214,7 @@ def wider(deck):
 
 def print_table():
     """Print a table of all scenes in Markdown; the cost of an update is the least of three runs."""
-    print("| scene | bytes a grain | a contact | libraries | bare kernel, ns | sweeps | whole solver | sweeps a solve |")
+    print("| scene | bytes per grain | per contact | libraries | bare kernel, ns | sweeps | whole solver | sweeps a solve |")
     print("|---|---|---|---|---|---|---|---|")
     case = Needs()
     for name, (deck, _, libraries, *_) in SCENES.items():

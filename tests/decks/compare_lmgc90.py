@@ -172,7 +172,7 @@ def final_table(case, ours):
              "v_mean": "mean velocity, all bodies [m/s]", "v_mean_grains": "mean velocity, grains [m/s]",
              "v_max": "largest velocity [m/s]",
              "max_penetration": "deepest penetration [m]", "coordination_2Nc/Nb": "coordination 2 Nc/Nb",
-             "sweeps_mean": "sweeps a step", "sweeps_total": "sweeps in all", "total_user": "CPU [s]"}
+             "sweeps_mean": "sweeps per step", "sweeps_total": "sweeps in all", "total_user": "CPU [s]"}
     mine = figures(ours)
     theirs = dict(case.reference.figures)
     rows = []
@@ -337,7 +337,7 @@ def bench_table(program, folder, work):
             ["detect [s]", show(phase["detect"], 3), show(total["det"], 3)],
             ["assemble [s]", show(phase["assemble"], 3), show(total["prep"], 3)],
             ["sweeps and tests [s]", show(phase["solve"], 3), show(total["iter"] + total["check"], 3)],
-            ["updates a CPU second", f"{ours.run['contact_updates'] / phase['solve']:.3g}",
+            ["updates per CPU second", f"{ours.run['contact_updates'] / phase['solve']:.3g}",
              f"{updates / (total['iter'] + total['check']):.3g}"]]
     return table(["", "ours", "LMGC90"], rows)
 

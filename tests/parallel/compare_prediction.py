@@ -61,7 +61,7 @@ def main():
     whole = told[prefix + "seconds"]
     predicted = whole - (1 - visited) * told[prefix + "sweep_seconds"]
     print(f"{chosen.deck}: {told['contacts']} contacts, {chosen.ranks} ranks, {chosen.gluing}")
-    print(f"a rank updates {updates:.0f} contacts an iteration, {100 * visited:.1f} % of those it owns")
+    print(f"a rank updates {updates:.0f} contacts per iteration, {100 * visited:.1f} % of those it owns")
     print(f"predicted  {1e3 * predicted:.4f} ms an iteration ({1e3 * whole:.4f} ms with all contacts): updates "
           f"{1e3 * visited * told[prefix + 'sweep_seconds']:.4f}, gluing {1e3 * told[prefix + 'glue_seconds']:.4f}, "
           f"messages {1e3 * told[prefix + 'message_seconds']:.4f}")

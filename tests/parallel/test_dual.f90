@@ -65,11 +65,11 @@ contains
     call compare_all(name//', split', sim, n_bodies)
     sim%decomposition%options%boxes = [1, comm%size, 1]
     sim%decomposition%options%every = 1
-    call compare_all(name//', split anew', sim, n_bodies)
+    call compare_all(name//', split again', sim, n_bodies)
     call t%equal(sim%decomposition%subdomain%splits, 2, name//': splits')
   end subroutine test_pack
 
-  !> One, two and five sweeps a gluing, and another number on each rank.
+  !> One, two and five sweeps per gluing, and another number on each rank.
   subroutine compare_all(name, sim, n_bodies)
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim

@@ -1,4 +1,4 @@
-!> Dumps of problems that ranks share: the files of several ranks hold the problem of one, but for the order of its rows.
+!> Dumps of problems that ranks share: the files of several ranks hold the problem of one, except for the order of its rows.
 !!
 !! A run of one rank is brought to a state in which grains rest on each other; the problem of the next step is dumped whole, and
 !! dumped again after the run has been split. Rows are matched by numbers of theirs that no two contacts have in common.

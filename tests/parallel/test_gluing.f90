@@ -127,7 +127,7 @@ contains
                   2*spread(i) + tolerance*max(abs(of_whole%get(trim(names(i)))), 1e-3_wp) + &
                   merge(contact, 0.0_wp, names(i) == 'coordination'), name//': '//trim(names(i)))
     end do
-    ! Exactly, but for bodies that tumble: there as well as on one rank.
+    ! Exactly, except for bodies that tumble: there as well as on one rank.
     call t%near(of_parts%get('energy_closure'), of_whole%get('energy_closure'), &
                 1e-11_wp + 1e-2_wp*of_whole%get('energy_closure'), name//': energy closes')
     call t%equal(part%all_contacts, whole%contacts%n, name//': contacts')

@@ -51,8 +51,8 @@ contains
     call check_kept_copies(name, sim, whole)
     call split_anew(name, sim, whole)
     call advance_pack(t, name, sim, 3)
-    call check_pairs(name//', split anew', sim, whole)
-    call check_copies(name//', split anew', sim, whole%bodies%n)
+    call check_pairs(name//', split again', sim, whole)
+    call check_copies(name//', split again', sim, whole%bodies%n)
     call t%equal(sim%decomposition%subdomain%splits, 2, name//': splits')
   end subroutine test_pack
 
@@ -75,11 +75,11 @@ contains
       kept = kept + 1
       call check_pairs(name//', copies kept', sim, whole)
     end do
-    call t%check(kept >= renewed, name//': copies are kept for more lists than they are made anew for')
+    call t%check(kept >= renewed, name//': copies are kept for more lists than they are rebuilt for')
     lists_kept = lists_kept + kept
   end subroutine check_kept_copies
 
-  !> Deal all grains anew, across: contacts and their impulses are those before.
+  !> Repartition all grains, across: contacts and their impulses are those before.
   subroutine split_anew(name, sim, whole)
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
@@ -94,7 +94,7 @@ contains
     sim%decomposition%options%every = 1
     call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
     call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, sim%options%step, sim%comm, is_renewed, error)
-    call t%check(is_renewed .and. .not. allocated(error), name//' is split anew')
+    call t%check(is_renewed .and. .not. allocated(error), name//' is split again')
     sim%decomposition%options%every = 0
     call set_radii(sim%scene, sim%plan)
     call tabulate(sim, whole%contactors%n, after)

@@ -88,7 +88,7 @@ contains
     call follow(sim, 1e-3_wp, 6, 'a scene in space')
   end subroutine test_space
 
-  !> Run a scene whole and in parts; each step splits it anew, so that bodies move from rank to rank.
+  !> Run a scene whole and in parts; each step splits it again, so that bodies move from rank to rank.
   subroutine follow(sim, h, steps, what)
     type(simulation_t), intent(inout) :: sim
     real(wp), intent(in) :: h

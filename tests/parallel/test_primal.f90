@@ -47,7 +47,7 @@ contains
     if (comm%size == 1) return
     sim%comm = comm
     sim%options%partition%boxes = [comm%size, 1, 1]
-    ! Sweeps up to the last: nothing is converged to this, and nobody is left out between two tests.
+    ! Sweeps up to the last: nothing is converged to this, and no contact is left out between two tests.
     sim%options%solver%tolerance = tiny(1.0_wp)
     sim%options%solver%check_every = 10000
     sim%options%solver%criterion = criterion_quad ! all contacts are visited

@@ -338,7 +338,7 @@ contains
                       '[[body]]'//nl//'position = [0.0, 2.0]'//nl)
     call test_mistake('names', common//'[[body]]'//nl//'name = "a"'//nl//polygon//bodies_in_plane(20, '')//'[[body]]'//nl// &
                       'name = "a"'//nl//'position = [0.0, 3.0]'//nl//polygon)
-    call test_mistake('nobody of this name', common//bodies_in_plane(20, '')//driven(21))
+    call test_mistake('no body of this name', common//bodies_in_plane(20, '')//driven(21))
   end subroutine test_mistakes
 
   !> The same mistakes and as many warnings; of many pairs that overlap not the same ones need be named.

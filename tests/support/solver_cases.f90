@@ -33,7 +33,7 @@ contains
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
   end subroutine begin_step
 
-  !> Assemble the problem anew: free velocities, and the impulses of the contacts.
+  !> Assemble the problem again: free velocities, and the impulses of the contacts.
   subroutine reassemble(sim)
     type(simulation_t), intent(inout) :: sim !! its contacts are found
 
@@ -93,7 +93,7 @@ contains
     solver%options%maximum_sweeps = maximum_sweeps
   end function solver_of
 
-  !> Natural map of impulse r and velocity u, axes n, t, n x t, written down anew: r - P(r - rho (u + friction |u_t| n)).
+  !> Natural map of impulse r and velocity u, axes n, t, n x t, written independently: r - P(r - rho (u + friction |u_t| n)).
   pure function map_in_space(r, u, friction, rho) result(f)
     real(wp), intent(in) :: r(3) !! impulse [N s]
     real(wp), intent(in) :: u(3) !! relative velocity [m/s]

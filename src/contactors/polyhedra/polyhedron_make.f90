@@ -186,7 +186,7 @@ contains
   !> A random convex polyhedron, such as a grain of ballast: its vertices lie on an ellipsoid about the origin.
   !!
   !! They are drawn on the unit sphere, each as far from the others as the best of a few tries, so that none is lost when
-  !! they are made into a hull and edges are not much shorter than others; splinters are drawn anew.
+  !! they are made into a hull and edges are not much shorter than others; splinters are drawn again.
   subroutine random_polyhedron(n_vertices, half_axes, random, shape, error)
     integer, intent(in) :: n_vertices !! 4 to `most_vertices`
     real(wp), intent(in) :: half_axes(3) !! of the ellipsoid: size and elongation [m]

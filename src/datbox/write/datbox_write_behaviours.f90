@@ -1,4 +1,4 @@
-!> Writes BULK_BEHAV.DAT, TACT_BEHAV.DAT and DRV_DOF.DAT: materials, laws, who sees whom, and what is imposed.
+!> Writes BULK_BEHAV.DAT, TACT_BEHAV.DAT and DRV_DOF.DAT: materials, laws, interactions, and what is imposed.
 module sg_datbox_write_behaviours
   use sg_contactors, only: n_kinds
   use sg_datbox_bodies, only: body_type

@@ -202,7 +202,7 @@ contains
     call put(output, line)
   end subroutine put_internal
 
-  !> Write who touches whom, force, velocity, gap, frame and point of a contact in space.
+  !> Write the pair, force, velocity, gap, frame and point of a contact in space.
   subroutine put_solid_contact(output, scene, rank, contacts, contact, law, status, is_large)
     type(output_t), intent(inout) :: output
     type(scene_t), intent(in) :: scene

@@ -88,7 +88,7 @@ contains
     deck%contactors = share%contactors + sum(samples%n)
   end subroutine bodies_from_deck
 
-  !> Tell the blocks which bodies are theirs, but for samples.
+  !> Set the range of bodies of each block except samples.
   subroutine number_blocks(deck, scene, n)
     type(deck_t), intent(inout) :: deck
     type(scene_t), intent(in) :: scene
@@ -122,7 +122,7 @@ contains
     end do
   end function kept_grains
 
-  !> Number of bodies that a block makes, but for samples.
+  !> Number of bodies that a block makes; samples are not counted.
   integer function fixed_count(deck, b, scene) result(n)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b

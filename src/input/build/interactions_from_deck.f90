@@ -1,4 +1,4 @@
-!> Who sees whom, under which law and from which distance on, from the blocks interaction.
+!> Interactions: pairs, law and alert distance, from the blocks interaction.
 module sg_interactions_from_deck
   use sg_blocks, only: deck_t
   use sg_census, only: census_t

@@ -15,7 +15,7 @@ module sg_shapes_from_deck
   private
   public :: add_shape
 
-  !> Turn of a polygon at a vertex below which it is straight there but for rounding [rad]
+  !> Turn of a polygon at a vertex below which it is straight there up to rounding [rad]
   real(wp), parameter :: straight = 1e-9_wp
 
 contains

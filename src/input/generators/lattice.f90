@@ -12,7 +12,7 @@ module sg_lattice
   integer, parameter :: lattice_square = 1, lattice_triangular = 2
   integer, parameter :: lattice_cubic = 1, lattice_hexagonal = 2, lattice_fcc = 3
 
-  !> A box that is a whole number of pitches wide but for rounding holds that number
+  !> A box that is a whole number of pitches wide up to rounding holds that number
   real(wp), parameter :: slack = 1e-9_wp
 
   !> A lattice, and how far it has been gone through

@@ -96,9 +96,9 @@ contains
       call table%add('relaxation', value_real, 'Share of each new impulse that contacts of shared grains take; contacts alone.', &
                      default=short_real(default%relaxation), above=0.0_wp, most=1.0_wp, &
                      used_for='gluing='//trim(gluing_names(3)))
-      call table%add('every', value_integer, 'Steps after which grains are dealt anew; 0 for never, unless the imbalance asks '// &
+      call table%add('every', value_integer, 'Steps between repartitions; 0 for never, unless the imbalance asks '// &
                      'for it.', default=to_text(default%every), least=0.0_wp)
-      call table%add('imbalance', value_real, 'Largest load of a rank over the mean one from which grains are dealt anew.', &
+      call table%add('imbalance', value_real, 'Largest load of a rank over the mean one from which grains are repartitioned.', &
                      default=short_real(default%imbalance), above=1.0_wp)
     end associate
   end subroutine add_partition

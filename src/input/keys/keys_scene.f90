@@ -1,4 +1,4 @@
-!> The key table, second part: scene, materials, laws, who sees whom, and what is imposed.
+!> The key table, second part: scene, materials, laws, interactions, and what is imposed.
 module sg_keys_scene
   use sg_key_table, only: in_plane, in_space, key_table_t, value_bodies, value_body, value_choice, value_integer, value_real, &
                           value_text, value_vector
@@ -97,7 +97,7 @@ contains
     call add_link_law_keys(table, softening)
     call add_zone_keys(table, zones, softening)
 
-    call table%open_section('interaction', 'Who may meet whom, under which law; the first that fits a pair counts, in either '// &
+    call table%open_section('interaction', 'Pairs that may touch, and their law; the first that fits a pair counts, in either '// &
                             'order of the two.', is_list=.true.)
     call table%add('candidate', value_text, 'Colour of the one; any for all colours.', default='"any"')
     call table%add('antagonist', value_text, 'Colour of the other; any for all colours.', default='"any"')

@@ -15,7 +15,7 @@ contains
   subroutine order_bodies(bodies, comm, rows, ordered, error)
     type(bodies_t), intent(in) :: bodies !! bodies of this rank, at home and copies
     type(comm_t), intent(inout) :: comm !! the ranks
-    type(rows_t), intent(inout) :: rows !! the plan, made anew
+    type(rows_t), intent(inout) :: rows !! the plan, rebuilt
     type(bodies_t), intent(out) :: ordered !! bodies of the block: state, mass, area, material, number, home
     type(error_t), allocatable, intent(out) :: error !! set when a body has no home or several
     real(wp), allocatable :: values(:, :)

@@ -208,7 +208,7 @@ contains
     call settle(self)
     if (allocated(self%error)) return
     call count_rows(self, int(int(n, hsize_t)/shape(1)), is_common, before, total)
-    ! Chunks are made whole, and a compressed one may be made anew: room for twice the rows.
+    ! Chunks are made whole, and a compressed one may be rewritten: room for twice the rows.
     call reserve(self, 16*shape(1)*total)
     if (total > 0 .and. .not. allocated(self%error)) then
       call resize(self, path, dataset, shape(1), shape(2) + total)

@@ -36,7 +36,7 @@ submodule(sg_hdf5) hdf5_with_hdf5
     module function is_shareable() result(is_so)
       logical :: is_so
     end function is_shareable
-    !> Make a file ready to be made anew by all ranks, and let it be opened by all of them.
+    !> Make a file ready to be rewritten by all ranks, and let it be opened by all of them.
     module subroutine share_access(self, access, is_new)
       class(hdf5_file_t), intent(inout) :: self
       integer(hid_t), intent(in) :: access

@@ -31,12 +31,12 @@ module sg_halo
 
 contains
 
-  !> Make the copies of a rank anew: bodies of the scene that are its own, and wide ones, stay; all other copies are replaced.
+  !> Rebuild the copies of a rank: bodies of the scene that are its own, and wide ones, stay; all other copies are replaced.
   !! Collective.
   subroutine make_halo(scene, whole, subdomain, margin, comm)
     type(scene_t), intent(inout) :: scene !! this rank's part, replaced
     type(whole_t), intent(in) :: whole !! drives, pressures and names of the whole scene
-    type(subdomain_t), intent(inout) :: subdomain !! lists of shared bodies, made anew
+    type(subdomain_t), intent(inout) :: subdomain !! lists of shared bodies, rebuilt
     real(wp), intent(in) :: margin !! how near another rank's grains a body must come to be copied there [m]
     type(comm_t), intent(inout) :: comm !! the ranks
     type(parcel_t) :: bodies, holders

@@ -1,4 +1,4 @@
-!> How wide the margin of a rank's copies is, and how long it lasts: copies are made anew only when grains have moved through
+!> How wide the margin of a rank's copies is, and how long it lasts: copies are rebuilt only when grains have moved through
 !! it, lists of neighbours more often (doc/theory/decomposition.md).
 module sg_halo_margin
   use sg_comm, only: comm_t

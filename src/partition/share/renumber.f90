@@ -1,4 +1,4 @@
-!> Contacts that stay on their rank while its scene is made anew: they name its contactors by their new places.
+!> Contacts that stay on their rank while its scene is rebuilt: they name its contactors by their new places.
 module sg_renumber
   use sg_contacts, only: contacts_t
   use sg_kinds, only: i4
@@ -9,7 +9,7 @@ module sg_renumber
 
 contains
 
-  !> Let the contacts of the last step name contactors by their places in a scene made anew. Contacts of contactors that are no
+  !> Let the contacts of the last step name contactors by their places in a rebuilt scene. Contacts of contactors that are no
   !! longer here are dropped: they were too far from each other to touch.
   pure subroutine renumber_contacts(contacts, former, scene)
     type(contacts_t), intent(inout) :: contacts !! contacts that name contactors by their former places

@@ -1,4 +1,4 @@
-!> What one rank knows of the decomposition: which bodies it shares, with whom, and where they are at home.
+!> One rank's view of the decomposition: the bodies that it shares, the ranks that share them, and their owners.
 !!
 !! Every body has one home. A rank holds its own bodies, copies of others' that may touch them before the list of
 !! neighbours is made again, and all *wide* bodies (walls). A contact belongs to one rank, `owner_of` its two bodies'

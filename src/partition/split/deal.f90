@@ -20,7 +20,7 @@ module sg_deal
 
 contains
 
-  !> Deal the grains of a scene to the ranks anew, by what they cost in the last step. Collective; nothing moves yet.
+  !> Repartition the grains of a scene over the ranks, by their cost in the last step. Collective; nothing moves yet.
   subroutine deal_grains(comm, options, subdomain, bodies, contacts, home, error)
     type(comm_t), intent(inout) :: comm !! the ranks
     type(partition_options_t), intent(in) :: options !! how to split

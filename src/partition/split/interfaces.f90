@@ -1,4 +1,4 @@
-!> Who has how much to tell whom in a split: what a gluing sends, counted on the contacts of a scene.
+!> Interfaces of a split: what each rank sends to each neighbour in a gluing, counted on the contacts of a scene.
 !!
 !! Dual: a grain is shared by the parts that own contacts on it, and each two of them exchange its velocity. Primal: the
 !! contacts between two parts are an edge; the part that owns them borrows the other one's grains (doc/theory/partition.md).

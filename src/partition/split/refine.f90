@@ -40,7 +40,7 @@ contains
     end do
   end subroutine refine_split
 
-  !> The part that a vertex had better be in: one of those of its neighbours, or its own.
+  !> The best part for a vertex: one of those of its neighbours, or its own.
   pure integer function better_part(graph, load, limit, part, v) result(best)
     type(contact_graph_t), intent(in) :: graph
     real(wp), intent(in) :: load(:), limit

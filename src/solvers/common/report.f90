@@ -57,7 +57,7 @@ module sg_report
 
 contains
 
-  !> The report of a problem that nobody solved: no effort, and errors that nobody knows.
+  !> Report for an unsolved problem: zero effort, errors not a number.
   pure function unsolved() result(report)
     type(report_t) :: report
 

@@ -114,7 +114,7 @@ contains
     end do
   end subroutine settle
 
-  !> What gluings do but for their messages, again and again: some bodies as if one neighbour held copies of the same velocity.
+  !> Gluing without its messages, repeated: some bodies as if one neighbour held copies of the same velocity.
   pure subroutine rehearse_gluing(problem, slots, times)
     type(problem_t), intent(inout) :: problem !! its bodies keep their velocities up to rounding
     integer, intent(in) :: slots(:) !! bodies to glue
@@ -140,7 +140,7 @@ contains
     end do
   end subroutine rehearse_gluing
 
-  !> Sum the changes of all copies in the order of ranks. What nobody moves stays as it is, to the last digit.
+  !> Sum the changes of all copies in the order of ranks. Bodies that no rank changes keep their velocity bit for bit.
   pure subroutine add_up(self, problem)
     class(gluing_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem

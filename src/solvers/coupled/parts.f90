@@ -1,6 +1,7 @@
 !> A rank's contacts in several parts, each in an order of its own: those of shared bodies, swept before messages leave;
 !! those of its own bodies, swept while they travel; those on edges between subdomains.
 module sg_parts
+  use sg_active_set, only: active_set_t
   use sg_delassus, only: set_block
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
@@ -10,7 +11,6 @@ module sg_parts
   use sg_sweep_order, only: give_impulses, list_order, set_order, sweep_order_t, update_order
   use sg_sweeps, only: sweep
   use sg_tables, only: per_contact, tables_t
-  use sg_visits, only: visits_t
   implicit none
   private
   public :: parts_t, part_shared, part_own
@@ -22,9 +22,9 @@ module sg_parts
   type :: parts_t
     !> Contacts of each part in the order of its sweep
     type(sweep_order_t), allocatable, private :: order(:)
-    !> Part of each contact, and whom to visit
+    !> Part of each contact, and the active set
     integer(i4), allocatable, private :: part(:)
-    type(visits_t) :: visits
+    type(active_set_t) :: active_set
     !> Contacts of divided bodies, and their records with blocks for a part of the mass
     integer(i4), allocatable, private :: contact(:)
     real(wp), allocatable, private :: record(:, :)
@@ -45,13 +45,13 @@ module sg_parts
 
 contains
 
-  !> Take the parts of a problem. Before the first sweep follows `arrange`, or `choose` where a guess tells whom to visit.
+  !> Take the parts of a problem. Before the first sweep follows `arrange`, or `choose` where a guess determines the active set.
   subroutine parts_begin(self, problem, part, n_parts, are_masses_divided, shared, options)
     class(parts_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem whose shared bodies may have divided masses
     integer(i4), intent(in) :: part(:) !! of each contact, from 1
     integer, intent(in) :: n_parts !! number of parts
-    logical, intent(in) :: are_masses_divided !! set the blocks of the first part anew
+    logical, intent(in) :: are_masses_divided !! recompute the blocks of the first part
     integer, intent(in) :: shared(:) !! slots of bodies on which other ranks act too
     type(solver_options_t), intent(in) :: options !! order and threads of the sweeps
     integer :: k
@@ -65,7 +65,7 @@ contains
     if (.not. allocated(self%order)) allocate (self%order(n_parts))
     if (allocated(self%record)) deallocate (self%record)
     self%part = part
-    call self%visits%begin(size(part))
+    call self%active_set%begin(size(part))
     self%contact = pack([(int(k, i4), k=1, size(part))], part == part_shared .and. are_masses_divided)
     allocate (self%record(size(problem%record, 1), size(self%contact)))
     do k = 1, size(self%contact)
@@ -84,7 +84,7 @@ contains
 
     call swap_records(self, problem)
     do p = 1, size(self%order)
-      call set_order(self%order(p), problem, self%visits%is_visited(:problem%n_contacts) .and. self%part == p, self%options)
+      call set_order(self%order(p), problem, self%active_set%is_ordered(:problem%n_contacts) .and. self%part == p, self%options)
     end do
     call swap_records(self, problem)
     self%is_arranged = .true.
@@ -104,31 +104,31 @@ contains
     end do
   end subroutine swap_records
 
-  !> Choose anew whom to visit, by the errors of the whole problem.
+  !> Choose the active set again, by the errors of the whole problem.
   subroutine parts_choose(self, problem, report, asked)
     class(parts_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem with its present impulses, from which new orders take them, and velocities
     type(report_t), intent(in) :: report !! errors of the whole problem
     real(wp), intent(in) :: asked !! mean over all contacts of the squares that are asked for; not used unless clusters are sought
-    logical, allocatable :: is_visited(:)
+    logical, allocatable :: is_ordered(:)
     integer :: p
 
-    associate (n => problem%n_contacts, visits => self%visits)
-      call visits%choose(n, report, problem%velocity_scale)
+    associate (n => problem%n_contacts, active_set => self%active_set)
+      call active_set%choose(n, report, problem%velocity_scale)
       if (self%clusters%are_sought) then
-        call self%clusters%leave_out(problem, report%sweeps, asked, visits%is_wanted(:n), self%shared)
+        call self%clusters%leave_out(problem, report%sweeps, asked, active_set%is_wanted(:n), self%shared)
         self%clusters%are_sought = .false.
       end if
       if (.not. self%is_arranged) then
-        visits%is_visited(:n) = visits%is_wanted(:n)
+        active_set%is_ordered(:n) = active_set%is_wanted(:n)
         call self%arrange(problem)
         return
       end if
       call swap_records(self, problem)
       do p = 1, size(self%order)
-        is_visited = visits%is_visited(:n) .and. self%part == p
-        call update_order(self%order(p), problem, visits%is_wanted(:n) .and. self%part == p, is_visited, self%options)
-        where (self%part == p) visits%is_visited(:n) = is_visited
+        is_ordered = active_set%is_ordered(:n) .and. self%part == p
+        call update_order(self%order(p), problem, active_set%is_wanted(:n) .and. self%part == p, is_ordered, self%options)
+        where (self%part == p) active_set%is_ordered(:n) = is_ordered
       end do
       call swap_records(self, problem)
     end associate
@@ -176,7 +176,7 @@ contains
     call tables%note('contact', self%contact)
     call tables%note('record', self%record)
     call tables%note('shared', self%shared)
-    call self%visits%list_tables(tables)
+    call self%active_set%list_tables(tables)
     call self%clusters%list_tables(tables)
   end subroutine parts_list_tables
 end module sg_parts

@@ -134,9 +134,9 @@ contains
     call self%parts%give_impulses(problem)
     call self%edges%carry(all_edges, .false., problem, comm)
     if (self%parts%clusters%are_sought) then
-      call self%errors%begin(problem, with_e1, comm, self%parts%visits%closing, self%parts%clusters%squares)
+      call self%errors%begin(problem, with_e1, comm, self%parts%active_set%closing, self%parts%clusters%squares)
     else
-      call self%errors%begin(problem, with_e1, comm, self%parts%visits%closing)
+      call self%errors%begin(problem, with_e1, comm, self%parts%active_set%closing)
     end if
   end subroutine primal_begin_test
 

@@ -121,9 +121,9 @@ contains
     call self%parts%give_impulses(problem)
     if (self%may_diverge .or. self%relaxation < 1) call drop_traces(problem%n_contacts, problem%impulse)
     if (self%parts%clusters%are_sought) then
-      call self%errors%begin(problem, with_e1, comm, self%parts%visits%closing, self%parts%clusters%squares)
+      call self%errors%begin(problem, with_e1, comm, self%parts%active_set%closing, self%parts%clusters%squares)
     else
-      call self%errors%begin(problem, with_e1, comm, self%parts%visits%closing)
+      call self%errors%begin(problem, with_e1, comm, self%parts%active_set%closing)
     end if
   end subroutine shared_begin_test
 

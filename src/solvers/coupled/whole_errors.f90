@@ -91,7 +91,7 @@ contains
     type(problem_t), intent(in) :: problem !! this rank's part, its copies glued
     logical, intent(in) :: with_e1 !! measure e1 and e2 too
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp), allocatable, intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts here)
+    real(wp), allocatable, intent(inout), optional :: closing(:) !! for the active set (sg_active_set), shape (contacts here)
     real(wp), allocatable, intent(inout), optional :: squares(:) !! squares that e8 is made of, shape (contacts here)
     real(wp) :: sums(n_error_sums + 1), increments(n_increment_sums)
 

@@ -41,13 +41,13 @@ module sg_residuals
 contains
 
   !> Fill the errors of a report from the impulses and velocities of a problem. Optional lists are allocatable since absent ones of
-  !! assumed shape, handed on, have the compiler compute with strides that nobody set.
+  !! assumed shape, handed on, have the compiler compute with unset strides.
   pure subroutine measure_errors(problem, report, with_e1, squares, closing)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     type(report_t), intent(inout) :: report !! errors and active contacts are set
     logical, intent(in) :: with_e1 !! measure e1 and e2 too, which take a map of their own
     real(wp), allocatable, intent(inout), optional :: squares(:) !! squares of the map with rho_a for e8, shape (contacts)
-    real(wp), allocatable, intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts)
+    real(wp), allocatable, intent(inout), optional :: closing(:) !! what determines the active set (sg_active_set), shape (contacts)
     real(wp) :: sums(n_error_sums)
 
     call sum_errors(problem, with_e1, sums, squares, closing)
@@ -61,7 +61,7 @@ contains
     logical, intent(in) :: with_e1 !! sum the first one too, which takes a map of its own
     real(wp), intent(out) :: sums(n_error_sums) !! the sums
     real(wp), allocatable, intent(inout), optional :: squares(:) !! squares of the map with rho_a one by one, shape (contacts)
-    real(wp), allocatable, intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts)
+    real(wp), allocatable, intent(inout), optional :: closing(:) !! what determines the active set (sg_active_set), shape (contacts)
     type(chunk_t) :: a
     real(wp) :: lane(chunk, n_error_sums), f8(chunk), carried(chunk)
     integer :: first, i

@@ -46,7 +46,7 @@ contains
     logical, intent(in) :: with_e1 !! is the map with rho = 1 wanted too?
     real(wp), intent(inout) :: lane(chunk, n_error_sums) !! sums to add to
     real(wp), allocatable, intent(inout), optional :: all_squares(:) !! squares of the map with rho_a, shape (contacts)
-    real(wp), allocatable, intent(inout), optional :: closing(:) !! what tells whom to visit (sg_visits), shape (contacts)
+    real(wp), allocatable, intent(inout), optional :: closing(:) !! what determines the active set (sg_active_set), shape (contacts)
     type(chunk_t) :: a
     real(wp) :: squares(chunk), inverse(chunk), carried(chunk)
     integer :: first, n, i

@@ -1,4 +1,4 @@
-!> When sweeps have converged, and when to look up again whom they visit: the same judgement for one rank and for many.
+!> Convergence of sweeps, and when to choose the active set again: the same judgement for one rank and for many.
 module sg_convergence
   use sg_kinds, only: wp
   use sg_law_violation, only: most_hidden
@@ -30,7 +30,7 @@ module sg_convergence
 
   !> The tests of one solve so far
   type :: convergence_t
-    !> Is it time to look up whom to visit?
+    !> Is a new choice of the active set due?
     logical :: is_choice_due = .false.
     !> Did a contact break its law by too much where the criterion was reached? Then no cluster counts as solved by the criterion
     logical :: is_contested = .false.

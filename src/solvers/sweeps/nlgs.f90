@@ -3,6 +3,7 @@
 !! The errors are always those of all contacts. Sweeps visit those that carry an impulse and the open ones that may
 !! close; who they are is looked up again as the errors fall.
 module sg_nlgs
+  use sg_active_set, only: active_set_t
   use sg_compact, only: add_impulses
   use sg_convergence, only: convergence_t, looks_at_errors, scales_of
   use sg_increments, only: increment_value, increments_t, n_increment_maxima, n_increment_sums
@@ -17,7 +18,6 @@ module sg_nlgs
   use sg_sweeps, only: sweep
   use sg_tables, only: tables_t
   use sg_trace, only: point_of, trace_t
-  use sg_visits, only: visits_t
   implicit none
   private
   public :: nlgs_t
@@ -31,8 +31,8 @@ module sg_nlgs
     type(solver_options_t) :: options
     !> Contacts in the order of the sweep
     type(sweep_order_t), private :: order
-    !> Whom sweeps visit
-    type(visits_t), private :: visits
+    !> Active set
+    type(active_set_t), private :: active_set
     !> Tests of this solve
     type(convergence_t), private :: convergence
     !> For criteria that look at increments
@@ -108,19 +108,19 @@ contains
   end subroutine lap
 
   !> Begin with all contacts; or, where impulses are guessed, leave out those that the guess opens for good. The first test
-  !! brings back whom that missed; increments are of no contact left out, so criteria that look at them begin with all.
+  !! brings back contacts that it missed; increments are of no contact left out, so criteria that look at them begin with all.
   subroutine start_order(self, problem, report)
     class(nlgs_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
     type(report_t), intent(inout) :: report
 
-    call self%visits%begin(problem%n_contacts)
+    call self%active_set%begin(problem%n_contacts)
     if (looks_at_errors(self%options%criterion) .and. any(abs(problem%impulse(:, :problem%n_contacts)) > 0)) then
-      call measure_errors(problem, report, with_e1=.false., closing=self%visits%closing)
-      call self%visits%choose(problem%n_contacts, report, problem%velocity_scale)
-      self%visits%is_visited(:problem%n_contacts) = self%visits%is_wanted(:problem%n_contacts)
+      call measure_errors(problem, report, with_e1=.false., closing=self%active_set%closing)
+      call self%active_set%choose(problem%n_contacts, report, problem%velocity_scale)
+      self%active_set%is_ordered(:problem%n_contacts) = self%active_set%is_wanted(:problem%n_contacts)
     end if
-    call set_order(self%order, problem, self%visits%is_visited, self%options)
+    call set_order(self%order, problem, self%active_set%is_ordered, self%options)
     call self%clusters%begin()
     call self%convergence%begin(scales_of(problem))
   end subroutine start_order
@@ -142,7 +142,7 @@ contains
     call give_impulses(self%order, problem)
   end subroutine sweep_until_check
 
-  !> Measure the errors, judge them, and choose anew whom to visit when it is time.
+  !> Measure the errors, judge them, and choose the active set again when it is due.
   subroutine check(self, problem, report, has_e1)
     class(nlgs_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
@@ -157,9 +157,9 @@ contains
              report%criterion <= likely_last*self%options%tolerance
     call self%clusters%prepare(problem, self%options, report%sweeps)
     if (self%clusters%are_sought) then
-      call measure_errors(problem, report, has_e1, self%clusters%squares, self%visits%closing)
+      call measure_errors(problem, report, has_e1, self%clusters%squares, self%active_set%closing)
     else
-      call measure_errors(problem, report, has_e1, closing=self%visits%closing)
+      call measure_errors(problem, report, has_e1, closing=self%active_set%closing)
     end if
     increments = 0
     if (.not. looks_at_errors(self%options%criterion)) then
@@ -173,12 +173,12 @@ contains
     end if
     if (is_last .or. .not. self%convergence%is_choice_due) return
     associate (n => problem%n_contacts)
-      call self%visits%choose(n, report, problem%velocity_scale)
+      call self%active_set%choose(n, report, problem%velocity_scale)
       if (self%clusters%are_sought .and. .not. self%convergence%is_contested) then
         asked = (self%options%tolerance/report%criterion)**2*sum(self%clusters%squares(:n))/real(n, wp)
-        call self%clusters%leave_out(problem, report%sweeps, asked, self%visits%is_wanted(:n))
+        call self%clusters%leave_out(problem, report%sweeps, asked, self%active_set%is_wanted(:n))
       end if
-      call update_order(self%order, problem, self%visits%is_wanted(:n), self%visits%is_visited(:n), self%options)
+      call update_order(self%order, problem, self%active_set%is_wanted(:n), self%active_set%is_ordered(:n), self%options)
     end associate
   end subroutine check
 
@@ -188,7 +188,7 @@ contains
     type(tables_t), intent(inout) :: tables !! list to add to
 
     call list_order(self%order, tables)
-    call self%visits%list_tables(tables)
+    call self%active_set%list_tables(tables)
     call self%increments%list_tables(tables)
     call self%clusters%list_tables(tables)
   end subroutine nlgs_list_tables

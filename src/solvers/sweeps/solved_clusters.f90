@@ -87,7 +87,7 @@ contains
     if (present(shared)) call keep(self, shared)
     self%n_left_out = sum(self%members(:problem%n_bodies), .not. self%excess(:problem%n_bodies) > 0)
     self%next_look = patience_grows*sweeps
-    ! Few are not worth an order of their own: then all is as if nobody had looked.
+    ! Few are not worth an order of their own: then nothing changes.
     if (self%n_left_out < sum(self%members(:problem%n_bodies))/8) self%n_left_out = 0
     if (self%n_left_out == 0) return
     do k = 1, problem%n_contacts

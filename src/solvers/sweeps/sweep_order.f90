@@ -29,7 +29,7 @@ module sg_sweep_order
   !! Larger ones overlap more updates, smaller ones keep the spatial order better. Polygons pay for lost order: with
   !! the sizes of disks they need half as many sweeps again (doc/performance.md).
   integer, parameter :: width_round = 8, block_round = 256, width_arm = 4, block_arm = 32
-  !> An order is made anew when more than one over this many of its contacts are missing, or need no visit any more
+  !> An order is rebuilt when more than one over this many of its contacts are missing, or need no visit any more
   integer, parameter :: slack = 16
   !> The most groups that a block may open (bits of an integer)
   integer, parameter :: most_groups = 63
@@ -99,27 +99,27 @@ contains
   end subroutine set_order
 
   !> Bring an order up to date with a new choice: where little has changed it stays, with the contacts that it missed at its end.
-  pure subroutine update_order(order, problem, is_wanted, is_visited, options)
+  pure subroutine update_order(order, problem, is_wanted, is_ordered, options)
     type(sweep_order_t), intent(inout) :: order !! order to change; its impulses are those of the problem
     type(problem_t), intent(in) :: problem !! problem being swept
     logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit, shape (contacts)
-    logical, intent(inout), contiguous :: is_visited(:) !! which ones the order holds, shape (contacts)
+    logical, intent(inout), contiguous :: is_ordered(:) !! which ones the order holds, shape (contacts)
     type(solver_options_t), intent(in) :: options !! those that the order was set with
     integer :: wanted, missed
     logical :: is_done
 
     wanted = count(is_wanted)
-    missed = count(is_wanted .and. .not. is_visited)
+    missed = count(is_wanted .and. .not. is_ordered)
     if (wanted >= order%n - order%n/slack) then
       if (missed == 0) return
       if (missed <= order%n/slack .and. options%order == 'groups') then
-        call append(order, problem, is_wanted .and. .not. is_visited, is_done)
-        if (is_done) is_visited = is_visited .or. is_wanted
+        call append(order, problem, is_wanted .and. .not. is_ordered, is_done)
+        if (is_done) is_ordered = is_ordered .or. is_wanted
         if (is_done) return
       end if
     end if
     call set_order(order, problem, is_wanted, options)
-    is_visited = is_wanted
+    is_ordered = is_wanted
   end subroutine update_order
 
   !> Add contacts to groups of their own at the end of an order, if there is room.
@@ -240,7 +240,7 @@ contains
   end subroutine deal
 
   !> The same for groups side by side, in which lanes to spare cost as much as contacts: groups that a block leaves open are
-  !! dealt anew with the next one.
+  !! dealt again with the next one.
   pure subroutine deal_lanes(order, problem, begin, end)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
@@ -259,7 +259,7 @@ contains
       call deal_block(block(:n), problem, lanes, order%groups_of, dealt(:n), filled)
       is_kept = filled == lanes
       is_kept(most_groups) = .false.
-      ! Where few groups are full, as about a large ball, dealing anew would not help.
+      ! Where few groups are full, as about a large ball, dealing again would not help.
       if (next > end .or. sum(filled, .not. is_kept) > block_round/4) is_kept = .true.
       left = 0
       last = 0
@@ -310,7 +310,7 @@ contains
       end do
     end do
     call spread_groups(chosen, group, filled, contact)
-    ! One by one: a list of two would be made anew for each contact.
+    ! One by one: a list of two would be rebuilt for each contact.
     do i = 1, size(chosen)
       groups_of(problem%pair(1, chosen(i))) = 0
       groups_of(problem%pair(2, chosen(i))) = 0

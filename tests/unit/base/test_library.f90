@@ -15,7 +15,7 @@ program test_library
     end function of_one
   end interface
 
-  !> A library of every Linux, at a place where it is not; one that nobody has
+  !> A library of every Linux, at a place where it is not; one that does not exist
   character(len=*), parameter :: elsewhere = '/no such folder/libm.so.6', nowhere = '/no such folder/libnothing.so.99'
   type(tests_t) :: t
 

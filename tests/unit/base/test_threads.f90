@@ -221,7 +221,7 @@ contains
     call t%check(5*coloured%sweeps <= 6*groups%sweeps + 25, trim(names(kind))//': few sweeps more')
   end subroutine test_sweeps
 
-  !> Some sweeps with a test now and then, after which orders are made anew.
+  !> Some sweeps with a test now and then, after which orders are rebuilt.
   subroutine solve(start, order, threads, sweeps, problem, report)
     type(problem_t), intent(in) :: start
     character(len=*), intent(in) :: order

@@ -293,7 +293,7 @@ contains
     cube(3, :) = 0
     call polyhedron_from_triangles(cube, list, shape, error)
     call expect_part(t, error, 'the shape has no volume: it is thinner than ')
-    ! Two tetrahedra on both sides of a triangle, their tips in its plane but for a hair.
+    ! Two tetrahedra on both sides of a triangle, their tips in its plane except for a hair.
     vertices = reshape([0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, &
                         0.3_wp, 0.3_wp, 1e-6_wp, 0.3_wp, 0.3_wp, -1e-6_wp], [3, 5])
     six = reshape(int([1, 2, 4, 2, 3, 4, 3, 1, 4, 2, 1, 5, 3, 2, 5, 1, 3, 5], i4), [3, 6])

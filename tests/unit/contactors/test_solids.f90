@@ -32,7 +32,7 @@ contains
     volume = 0
     along = 0
     across = 0
-    ! Simpson's rule over the ball's half height, where r^2 = R^2 - z^2 is a polynomial: exact but for rounding in the
+    ! Simpson's rule over the ball's half height, where r^2 = R^2 - z^2 is a polynomial: exact up to rounding in the
     ! volume, and to the fourth power of the width in the rest.
     width = radius/real(n, wp)
     do i = 0, n

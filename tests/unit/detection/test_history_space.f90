@@ -1,4 +1,4 @@
-!> Impulses carried from step to step in space: by pair, image and feature, while normals turn and lists are made anew; and runs
+!> Impulses carried from step to step in space: by pair, image and feature, while normals turn and lists are rebuilt; and runs
 !! that are stopped, written, read and continued, bit for bit.
 program test_history_space
   use harness, only: tests_t

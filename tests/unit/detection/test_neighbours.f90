@@ -260,7 +260,7 @@ contains
     call compare(scene, contacts, 'two components, moved')
   end subroutine test_two_components
 
-  !> Where ranks outnumber grains and there is no wall, one of them holds nobody: no extent, no contact, no number out of bounds.
+  !> Where ranks outnumber grains and there is no wall, one of them holds no body: no extent, no contact, no number out of bounds.
   subroutine test_nobody()
     type(scene_t) :: scene
     type(neighbours_t) :: pairs
@@ -271,12 +271,12 @@ contains
     allocate (scene%sees(0), scene%colours(0))
     pairs%asked_skin = 0.1_wp
     call detect(scene, pairs, history, contacts)
-    call t%equal(pairs%builds, 1, 'nobody: a list is made')
-    call t%equal(contacts%n, 0, 'nobody: no contact')
+    call t%equal(pairs%builds, 1, 'no body: a list is made')
+    call t%equal(contacts%n, 0, 'no body: no contact')
     deallocate (pairs%built)
     pairs%asked_skin = 0
     call detect(scene, pairs, history, contacts)
-    call t%check(pairs%skin >= 0 .and. pairs%skin <= 1, 'nobody: a skin that is a length')
+    call t%check(pairs%skin >= 0 .and. pairs%skin <= 1, 'no body: a skin that is a length')
   end subroutine test_nobody
 
   !> Radii from the smallest number to the largest: their quotient is no number, and pairs are found all the same.

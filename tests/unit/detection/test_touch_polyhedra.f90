@@ -123,7 +123,7 @@ contains
       call touch_polyhedron_polyhedron(c, a, offset, 0.2_wp, touch)
       call t%check((touch%n > 0) .eqv. (distance < 0.2_wp), 'many edges: touch or not')
       if (touch%n == 0) cycle
-      ! Regular shapes have axes as good but for the length that is none, 1e-10 of the smaller shape.
+      ! Regular shapes have axes as good except for the length that is none, 1e-10 of the smaller shape.
       call t%near(minval(touch%gap(:touch%n)), distance, 2e-10_wp, 'many edges: gap')
       call t%near(separation_along(c, a, offset, touch%normal(:, 1)), distance, 2e-10_wp, 'many edges: normal')
       touched = touched + 1
@@ -153,7 +153,7 @@ contains
     end do
   end subroutine test_far_from_origin
 
-  !> Are two results the same but for rounding, the second moved back by `frame` and `shift` and turned by `sense`?
+  !> Are two results the same up to rounding, the second moved back by `frame` and `shift` and turned by `sense`?
   logical function is_same(one, two, frame, shift, sense, tolerance)
     type(touch_space_t), intent(in) :: one, two
     real(wp), intent(in) :: frame(3, 3), shift(3), sense, tolerance

@@ -279,7 +279,7 @@ contains
   subroutine bad_drives()
     character(len=*), parameter :: drive = head//disk//'name = "ball"'//nl//'[[drive]]'//nl//'component = "x"'//nl
 
-    call bad('whom', drive, 'lacks the key "body"', 12)
+    call bad('no body', drive, 'lacks the key "body"', 12)
     call bad('unknown name', drive//'body = "bal"'//nl, 'did you mean "ball"?', 14)
     call bad('unknown number', drive//'body = 7'//nl, 'there is no body 7: the scene has 1', 14)
     call bad('body zero', drive//'body = 0'//nl, 'there is no body 0', 14)

@@ -397,6 +397,6 @@ contains
     call read_content(trim(source)//'/doc/deck_reference.md', committed, error)
     call t%check(.not. allocated(error), 'doc/deck_reference.md can be read')
     if (allocated(error)) return
-    call t%check(committed == reference_text(), 'doc/deck_reference.md is not up to date: write it anew with splitgrain reference')
+    call t%check(committed == reference_text(), 'doc/deck_reference.md is not up to date: write it again with splitgrain reference')
   end subroutine test_reference
 end program test_deck

@@ -238,7 +238,7 @@ contains
         out = max(out, maxval(matmul(shape%normal(:, f), points)) - &
                   dot_product(shape%normal(:, f), shape%vertex(:, shape%face_vertex(shape%face_first(f)))))
       end do
-      ! But for what merging of faces moves.
+      ! Except what merging of faces moves.
       call t%near(out, deviation, 2e-5_wp, 'points stand out as far as told')
     end do
     ! A cube of many points needs no more than its corners, however many points rounding puts outside.

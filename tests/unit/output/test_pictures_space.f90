@@ -156,7 +156,7 @@ contains
     call check_contacts(folder)
   end subroutine test_run
 
-  !> Six points a step.
+  !> Six points per step.
   subroutine check_bodies(folder)
     character(len=*), intent(in) :: folder
     type(hdf5_file_t) :: file

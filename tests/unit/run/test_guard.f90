@@ -125,7 +125,7 @@ contains
     call measure(other%scene, other%contacts, other%options%step, other%energy, measures)
     call judge_energy(measures, other%options%guard, 7, .false., warning, error)
     call t%check(.not. allocated(error) .and. warning == '', 'a balance that closes')
-    ! A work that nobody did.
+    ! Work that no force did.
     other%energy%external_work = other%energy%external_work + 1e6_wp
     call measure(other%scene, other%contacts, other%options%step, other%energy, measures)
     call judge_energy(measures, other%options%guard, 7, .false., warning, error)

@@ -84,7 +84,7 @@ contains
       end do
     end do
     call t%equal(owner_of([-1_i4, -1_i4]), 0, 'between walls')
-    ! 15 pairs a rank, of which half are its own.
+    ! 15 pairs per rank, of which half are its own.
     call t%check(all(owned >= 7 .and. owned <= 8), 'owners are even')
   end subroutine test_owners
 end program test_edges

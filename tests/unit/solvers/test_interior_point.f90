@@ -169,7 +169,7 @@ contains
     end do
   end subroutine test_random
 
-  !> Solve, and measure anew.
+  !> Solve, and measure independently.
   subroutine check_solved(problem, what)
     type(matrix_problem_t), intent(inout) :: problem
     character(len=*), intent(in) :: what

@@ -1,4 +1,4 @@
-!> The solver: criteria stop where they should, orders and relaxation reach one solution, and whom sweeps visit changes nothing.
+!> The solver: criteria stop where they should, orders and relaxation reach one solution, and the active set changes nothing.
 program test_solver
   use harness, only: tests_t
   use scenes, only: begin_scene, g, put_disk, put_polygon, put_wall

@@ -57,7 +57,7 @@ contains
         problem = start
         solver%options%maximum_sweeps = traced%trace(i)%iteration
         call solver%solve(problem, short)
-        ! Whom sweeps visit is chosen at tests, which are more frequent here: the last digits differ.
+        ! The active set is chosen at tests, which are more frequent here: the last digits differ.
         call t%near(traced%trace(i)%e8, short%e8, 1e-9_wp*short%e8 + 1e-15_wp, 'history: e8 after some sweeps')
         call t%near(traced%trace(i)%e1, short%e1, 1e-9_wp*short%e1 + 1e-15_wp, 'history: e1 after some sweeps')
         call t%check(traced%trace(i)%iteration > traced%trace(i - 1)%iteration, 'history: sweeps rise')

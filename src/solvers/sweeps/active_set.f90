@@ -1,65 +1,65 @@
-!> Whom sweeps had better visit: contacts that carry an impulse, and open ones that close or part slowly (doc/theory/nlgs.md).
-module sg_visits
+!> Active set of sweeps: contacts that carry an impulse, and open ones that close or part slowly (doc/theory/nlgs.md).
+module sg_active_set
   use sg_kinds, only: wp
   use sg_report, only: report_t
   use sg_tables, only: per_contact, tables_t
   implicit none
   private
-  public :: visits_t
+  public :: active_set_t
 
   !> Open contacts that part faster than this many rms errors of velocity are not visited
   real(wp), parameter :: speed_limit = 30
 
   !> Marks of the contacts of a problem
-  type :: visits_t
+  type :: active_set_t
     !> Normal velocity of open contacts [m/s]: lowest of all where a contact carries an impulse, highest where it takes no part;
     !! shape (contacts), set where errors are measured
     real(wp), allocatable :: closing(:)
     !> Is a contact to be visited; and is it in the order of the sweep? shape (contacts)
-    logical, allocatable :: is_wanted(:), is_visited(:)
+    logical, allocatable :: is_wanted(:), is_ordered(:)
   contains
-    procedure :: begin => visits_begin
-    procedure :: choose => visits_choose
-    procedure :: list_tables => visits_list_tables
-  end type visits_t
+    procedure :: begin => active_set_begin
+    procedure :: choose => active_set_choose
+    procedure :: list_tables => active_set_list_tables
+  end type active_set_t
 
 contains
 
   !> Begin a solve: all contacts are to be visited.
-  pure subroutine visits_begin(self, n)
-    class(visits_t), intent(inout) :: self
+  pure subroutine active_set_begin(self, n)
+    class(active_set_t), intent(inout) :: self
     integer, intent(in) :: n !! contacts
     integer :: room
 
     if (allocated(self%is_wanted)) then
-      if (size(self%is_wanted) < n) deallocate (self%closing, self%is_wanted, self%is_visited)
+      if (size(self%is_wanted) < n) deallocate (self%closing, self%is_wanted, self%is_ordered)
     end if
     if (.not. allocated(self%is_wanted)) then
       room = n + n/8
-      allocate (self%closing(room), self%is_wanted(room), self%is_visited(room))
+      allocate (self%closing(room), self%is_wanted(room), self%is_ordered(room))
     end if
     self%is_wanted(:n) = .true.
-    self%is_visited(:n) = .true.
-  end subroutine visits_begin
+    self%is_ordered(:n) = .true.
+  end subroutine active_set_begin
 
   !> Choose by the velocities that were found when errors were measured.
-  pure subroutine visits_choose(self, n, report, velocity_scale)
-    class(visits_t), intent(inout) :: self
+  pure subroutine active_set_choose(self, n, report, velocity_scale)
+    class(active_set_t), intent(inout) :: self
     integer, intent(in) :: n !! contacts
     type(report_t), intent(in) :: report !! the errors
     real(wp), intent(in) :: velocity_scale !! of the violation [m/s]
 
     self%is_wanted(:n) = self%closing(:n) <= speed_limit*report%violation*velocity_scale
-  end subroutine visits_choose
+  end subroutine active_set_choose
 
   !> List the tables.
-  subroutine visits_list_tables(self, tables)
-    class(visits_t), intent(in) :: self
+  subroutine active_set_list_tables(self, tables)
+    class(active_set_t), intent(in) :: self
     type(tables_t), intent(inout) :: tables !! list to add to
 
-    call tables%begin('visits', per_contact)
+    call tables%begin('active_set', per_contact)
     call tables%note('closing', self%closing)
     call tables%note('is_wanted', self%is_wanted)
-    call tables%note('is_visited', self%is_visited)
-  end subroutine visits_list_tables
-end module sg_visits
+    call tables%note('is_ordered', self%is_ordered)
+  end subroutine active_set_list_tables
+end module sg_active_set
