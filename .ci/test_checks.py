@@ -140,3 +140,14 @@ def test_trailing_blank(project):
     path = write(project, "src/base/plan.f90")
     path.write_text(path.read_text() + " \n")
     assert "trailing blanks" in run("check_style", project)[1]
+
+
+@pytest.mark.parametrize("sentence", [
+    "Contacts whom sweeps update.", "A split made anew.", "The same but for rounding.", "343 bytes a grain, twenty sweeps a step.",
+])  # fmt: skip
+def test_words(project, sentence):
+    assert run("check_words", project)[0] == 0
+    path = write(project, "src/base/plan.f90", code=f"! {sentence}")
+    place = next(n for n, line in enumerate(path.read_text().splitlines(), 1) if sentence in line)
+    status, printed = run("check_words", project)
+    assert status == 1 and f"plan.f90:{place}: " in printed
