@@ -6,19 +6,9 @@ module sg_balance
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: floor_share, carried_share, force_on_walls, momentum
+  public :: carried_share, force_on_walls, momentum
 
 contains
-
-  !> Force of contacts on all walls along gravity over the weight of the grains; 1 at rest, 0 without weight.
-  pure real(wp) function floor_share(scene, contacts, h, mass) result(share)
-    type(scene_t), intent(in) :: scene !! scene of the step
-    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
-    real(wp), intent(in) :: h !! time step [s]
-    real(wp), intent(in) :: mass !! mass of all grains [kg]
-
-    share = carried_share(force_on_walls(scene, contacts, h), scene%gravity, mass)
-  end function floor_share
 
   !> A force along gravity over the weight of a mass; zero without weight.
   pure real(wp) function carried_share(force, gravity, mass) result(share)

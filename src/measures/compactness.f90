@@ -8,16 +8,9 @@ module sg_compactness
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: box_area, box_of_grains, area_of_box
+  public :: box_of_grains, area_of_box
 
 contains
-
-  !> Area of the box of the grains [m2], in space its volume [m3]; zero without grains.
-  pure real(wp) function box_area(scene) result(area)
-    type(scene_t), intent(in) :: scene !! scene with its contactors placed
-
-    area = area_of_box(scene, box_of_grains(scene))
-  end function box_area
 
   !> Lowest and highest coordinates of the grains of this rank [m], shape (dimension, 2); the lowest above the highest without any.
   pure function box_of_grains(scene) result(box)

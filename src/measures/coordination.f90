@@ -13,8 +13,7 @@ module sg_coordination
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: coordination_t, coordinate
-  public :: touching_t, touching_pairs, neighbours_of, coordination_sums, coordination_of, n_coordination_sums
+  public :: coordination_t, touching_t, touching_pairs, neighbours_of, coordination_sums, coordination_of, n_coordination_sums
 
   !> Numbers of `coordination_sums`
   integer, parameter :: n_coordination_sums = 8
@@ -37,18 +36,6 @@ module sg_coordination
   end type coordination_t
 
 contains
-
-  !> Count neighbours and points in a scene that is not decomposed.
-  pure function coordinate(contacts, is_grain) result(coordination)
-    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
-    logical, intent(in) :: is_grain(:) !! is a body a grain? shape (bodies)
-    type(coordination_t) :: coordination
-    type(touching_t) :: touching
-
-    touching = touching_pairs(contacts, size(is_grain))
-    coordination = coordination_of(coordination_sums(touching, is_grain, size(is_grain), &
-                                                     neighbours_of(touching, size(is_grain))))
-  end function coordinate
 
   !> Neighbours that a body touches through this rank's contacts; those of all ranks must be added up at its home.
   pure function neighbours_of(touching, n_bodies) result(neighbours)

@@ -9,19 +9,9 @@ module sg_inertia_number
   use sg_symmetric, only: principal_axes
   implicit none
   private
-  public :: velocity_gradient, field_sums, gradient_of, n_field_sums, shear_rate, inertia_number
+  public :: field_sums, gradient_of, shear_rate, inertia_number
 
 contains
-
-  !> Gradient of the affine velocity field nearest to the grains' velocities [1/s], in the least-squares sense.
-  !!
-  !! Zero where the grains are too few, on one line, or in space in one plane, so that there is no such field.
-  pure function velocity_gradient(bodies) result(gradient)
-    type(bodies_t), intent(in) :: bodies !! bodies with positions and velocities of one moment
-    real(wp) :: gradient(bodies%dimension, bodies%dimension)
-
-    gradient = gradient_of(field_sums(bodies), bodies%dimension)
-  end function velocity_gradient
 
   !> Numbers of `field_sums`.
   pure integer function n_field_sums(dimension)
@@ -70,7 +60,9 @@ contains
             mixed + real(n, wp)*spread_out(drift, x)]
   end function field_sums
 
-  !> Gradient of the affine velocity field nearest to the velocities that were summed [1/s]; zero where there is none.
+  !> Gradient of the affine velocity field nearest to the velocities that were summed [1/s], in the least-squares sense.
+  !!
+  !! Zero where the grains are too few, on one line, or in space in one plane, so that there is no such field.
   pure function gradient_of(sums, dimension) result(gradient)
     integer, intent(in) :: dimension !! of space
     real(wp), intent(in) :: sums(n_field_sums(dimension)) !! of `field_sums`, over all ranks

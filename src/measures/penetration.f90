@@ -4,22 +4,9 @@ module sg_penetration
   use sg_kinds, only: wp
   implicit none
   private
-  public :: penetrations, penetration_sums, deepest_penetration
+  public :: penetration_sums, deepest_penetration
 
 contains
-
-  !> Mean and largest penetration over the contacts whose gap is negative [m]; zero without any.
-  pure subroutine penetrations(contacts, mean, largest)
-    type(contacts_t), intent(in) :: contacts !! contacts of the step
-    real(wp), intent(out) :: mean !! mean penetration [m]
-    real(wp), intent(out) :: largest !! largest penetration [m]
-    real(wp) :: sums(2)
-
-    sums = penetration_sums(contacts)
-    mean = sums(2)
-    if (sums(1) > 0) mean = mean/sums(1)
-    largest = deepest_penetration(contacts)
-  end subroutine penetrations
 
   !> Number of contacts of this rank whose gap is negative, and sum of their penetrations [m].
   pure function penetration_sums(contacts) result(sums)

@@ -10,21 +10,9 @@ module sg_stress
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: mean_stress, stress_sums
+  public :: stress_sums
 
 contains
-
-  !> Mean stress over an area, in space a volume [Pa]: component (a, b) is force along a, branch along b; zero on an empty one.
-  pure function mean_stress(scene, contacts, h, area) result(stress)
-    type(scene_t), intent(in) :: scene !! scene of the step
-    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
-    real(wp), intent(in) :: h !! time step [s]
-    real(wp), intent(in) :: area !! area, in space volume, that the grains take [m2, m3]
-    real(wp) :: stress(scene%dimension, scene%dimension)
-
-    stress = 0
-    if (area*h > 0) stress = stress_sums(scene, contacts)/(area*h)
-  end function mean_stress
 
   !> Sum over this rank's contacts of impulse (x) branch [N s m].
   pure function stress_sums(scene, contacts) result(sums)

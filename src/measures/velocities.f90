@@ -4,21 +4,9 @@ module sg_velocities
   use sg_kinds, only: wp
   implicit none
   private
-  public :: speeds, speed_sums
+  public :: speed_sums
 
 contains
-
-  !> Mean and largest speed of the grains' centres [m/s]; zero without grains.
-  pure subroutine speeds(bodies, mean, largest)
-    type(bodies_t), intent(in) :: bodies !! bodies with their velocities
-    real(wp), intent(out) :: mean !! mean speed [m/s]
-    real(wp), intent(out) :: largest !! largest speed [m/s]
-    integer :: n
-
-    call speed_sums(bodies, mean, largest)
-    n = count(bodies%is_grain(:bodies%n_home))
-    if (n > 0) mean = mean/real(n, wp)
-  end subroutine speeds
 
   !> Sum of the speeds of this rank's grains and the largest of them [m/s].
   pure subroutine speed_sums(bodies, total, largest)

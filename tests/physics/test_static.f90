@@ -1,13 +1,14 @@
 !> Static loads: columns, the floor of a packing, a pressed wall, springs, cohesion, and the linear law's decay.
 program test_static
   use harness, only: tests_t
+  use measured, only: measures_of
   use scenes, only: begin_run, begin_scene, force_on, g, hold, put_disk, put_wall, run
-  use sg_balance, only: floor_share
   use sg_choose_solver, only: choose_solver
   use sg_drives, only: pressure_t
   use sg_energy, only: kinetic_energy
   use sg_kinds, only: wp
   use sg_laws, only: law_elastic, law_linear, law_mohr, law_wet
+  use sg_measures, only: measures_t
   use sg_random, only: random_t
   use sg_run_options, only: criterion_e8, criterion_estimate, solver_options_t
   use sg_simulation, only: simulation_t, start_simulation
@@ -59,6 +60,7 @@ contains
   !> A periodic packing that fell onto its floor, at the default criterion: the floor carries the weight.
   subroutine test_packing()
     type(simulation_t) :: sim
+    type(measures_t) :: measures
     integer, parameter :: columns = 20, rows = 15, n = columns*rows
     type(random_t) :: random
     real(wp) :: weight, mean, force(2)
@@ -82,7 +84,8 @@ contains
     mean = 0
     do i = 1, last
       call run(sim, 1)
-      mean = mean + floor_share(sim%scene, sim%contacts, sim%options%step, weight)/last
+      measures = measures_of(sim%scene, sim%contacts, sim%options%step)
+      mean = mean + measures%get('floor_share')/last
     end do
     force = force_on(sim, n + 1)
     call t%check(kinetic_energy(sim%scene%bodies) < 1e-5_wp*weight*g*0.02_wp, 'packing: it has settled')
@@ -92,31 +95,31 @@ contains
     call t%equal(sim%totals%steps - sim%totals%converged_steps, settling, 'packing: at rest every step converges')
     ! While it settles, a step may meet the limit of sweeps; which ones do is a matter of rounding (chaos of collisions).
     call t%check(settling <= 16, 'packing: while it settles 99 steps of 100 converge')
-    call test_cold_step(sim, weight)
+    call test_cold_step(sim)
   end subroutine test_packing
 
   !> One step of the settled packing from zero impulses: the estimate is the share of the weight that the floor misses.
   !!
   !! It is an estimate: up to twice of it is allowed (doc/theory/errors.md). An E8 of 10^-3 alone leaves most of the weight.
-  subroutine test_cold_step(settled, weight)
+  subroutine test_cold_step(settled)
     type(simulation_t), intent(in) :: settled
-    real(wp), intent(in) :: weight
     real(wp), parameter :: tolerances(3) = [1e-1_wp, 3e-2_wp, 1e-2_wp]
     integer :: i
 
     do i = 1, size(tolerances)
-      call t%near(cold_share(settled, weight, criterion_estimate, tolerances(i)), 1.0_wp, 2*tolerances(i), &
+      call t%near(cold_share(settled, criterion_estimate, tolerances(i)), 1.0_wp, 2*tolerances(i), &
                   'cold step: the floor carries the weight within twice the estimate')
     end do
-    call t%check(cold_share(settled, weight, criterion_e8, 1e-3_wp) < 0.8_wp, 'cold step: a small residual is not enough')
+    call t%check(cold_share(settled, criterion_e8, 1e-3_wp) < 0.8_wp, 'cold step: a small residual is not enough')
   end subroutine test_cold_step
 
   !> Share of the weight that the floor carries after one step from zero impulses.
-  real(wp) function cold_share(settled, weight, criterion, tolerance)
+  real(wp) function cold_share(settled, criterion, tolerance)
     type(simulation_t), intent(in) :: settled
-    real(wp), intent(in) :: weight, tolerance
+    real(wp), intent(in) :: tolerance
     integer, intent(in) :: criterion
     type(simulation_t) :: sim
+    type(measures_t) :: measures
     type(solver_options_t) :: options
 
     sim = settled
@@ -127,7 +130,8 @@ contains
     call choose_solver(options, sim%solver)
     call run(sim, 1)
     call t%check(sim%report%is_converged, 'cold step: converged')
-    cold_share = floor_share(sim%scene, sim%contacts, sim%options%step, weight)
+    measures = measures_of(sim%scene, sim%contacts, sim%options%step)
+    cold_share = measures%get('floor_share')
   end function cold_share
 
   !> A plate pressed onto disks: the opposite wall carries pressure times length and the weights.

@@ -4,16 +4,15 @@
 !! forces on the planes alone: sigma_ab = sum of f_a x_b over V, f the force on a plane at x.
 program test_stress_in_space
   use harness, only: tests_t
+  use measured, only: box_of_scene, mean_stress
   use scenes, only: begin_run, density, g, run
   use scenes_space, only: begin_space_scene, force_in_space, put_box, put_plane, put_sphere
-  use sg_compactness, only: box_area
   use sg_contacts, only: impulse_vector
   use sg_kinds, only: wp, pi
   use sg_measures, only: measure, measures_t
   use sg_rotations, only: rotation_by
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
-  use sg_stress, only: mean_stress
   implicit none
   real(wp), parameter :: h = 1e-3_wp, push = 1e6_wp, radius = 0.5_wp
   ! Of the forces: a solver that stops at 1e-10, and gaps of 1e-16 m that the next step closes, with 1e-6 N or so.
@@ -102,28 +101,21 @@ contains
     call run(sim, 3)
   end subroutine press
 
-  !> Mean stress of the grains over their box [Pa].
-  function stress_of(sim) result(stress)
-    type(simulation_t), intent(in) :: sim
-    real(wp) :: stress(3, 3)
-
-    stress = mean_stress(sim%scene, sim%contacts, h, box_area(sim%scene))
-  end function stress_of
-
-  !> The same from the forces on walls and where they act, without a look at what is between the grains.
+  !> Mean stress of the grains over their box from the forces on walls and where they act, without those between grains [Pa].
   function stress_at_walls(sim) result(stress)
     type(simulation_t), intent(in) :: sim
-    real(wp) :: stress(3, 3), force(3)
+    real(wp) :: stress(3, 3), force(3), volume
     integer :: k, b
 
     stress = 0
+    volume = box_of_scene(sim%scene)
     do k = 1, sim%contacts%n
       associate (is_grain => sim%scene%bodies%is_grain(sim%contacts%body(:, k)))
         if (all(is_grain)) cycle
         force = merge(-1.0_wp, 1.0_wp, is_grain(1))*impulse_vector(sim%contacts, k)/h
       end associate
       do b = 1, 3
-        stress(:, b) = stress(:, b) + force*sim%contacts%point(b, k)/box_area(sim%scene)
+        stress(:, b) = stress(:, b) + force*sim%contacts%point(b, k)/volume
       end do
     end do
   end function stress_at_walls
@@ -144,7 +136,8 @@ contains
     call press(sim)
     expected = 0
     expected(3, 3) = push/n**2
-    call t%near(maxval(abs(stress_of(sim) - expected))/push, 0.0_wp, solved, 'simple cubic: force over area')
+    call t%near(maxval(abs(mean_stress(sim%scene, sim%contacts, h) - expected))/push, 0.0_wp, solved, &
+                'simple cubic: force over area')
   end subroutine test_simple_cubic
 
   !> Layers of spheres that touch those above and below alone, without end along x and y: sigma_xx/sigma_zz hangs on the slope.
@@ -169,7 +162,7 @@ contains
     call put_plane(sim%scene, layers*n**2 + 1, [width, width, 0.1_wp], [width/2, width/2, -0.1_wp])
     call put_lid(sim%scene, layers*n**2 + 2, [width, width, 0.1_wp], [width/2, width/2, height + 0.1_wp])
     call press(sim)
-    stress = stress_of(sim)
+    stress = mean_stress(sim%scene, sim%contacts, h)
     call t%equal(sim%contacts%n, n**2*(2 + 4*(layers - 1)), 'stretched lattice: four neighbours above and below')
     call t%near(stress(3, 3)*width**2/push, 1.0_wp, solved, 'stretched lattice: stress is force over area')
     if (friction > 0) return
@@ -200,7 +193,7 @@ contains
     end do
     call put_room(sim%scene, 23, room)
     call press(sim)
-    stress = stress_of(sim)
+    stress = mean_stress(sim%scene, sim%contacts, h)
     call t%near(maxval(abs(stress - stress_at_walls(sim)))*9/push, 0.0_wp, solved, 'fcc: what walls feel')
     side = force_in_space(sim, 25)
     call t%check(side(1) > 0.1_wp*push, 'fcc: spheres lean on the side')

@@ -1,17 +1,16 @@
 !> Indicators in space against closed forms: pairs of shapes, boxes, flows, contacts by hand; neighbours by brute force.
 program test_monitors_space
   use harness, only: tests_t
+  use measured, only: box_of_scene, mean_stress, measures_of, measures_without_contacts
   use scenes, only: begin_run, density, place_bodies, run
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
-  use sg_balance, only: floor_share, force_on_walls, momentum
-  use sg_compactness, only: box_area
+  use sg_balance, only: force_on_walls, momentum
+  use sg_compactness, only: area_of_box, box_of_grains
   use sg_contacts, only: contacts_t, reserve_contacts
-  use sg_coordination, only: coordinate, coordination_t
-  use sg_energy, only: energy_t
   use sg_grains, only: count_grains, grains_t
-  use sg_inertia_number, only: shear_rate, velocity_gradient
+  use sg_inertia_number, only: field_sums, gradient_of, shear_rate
   use sg_kinds, only: wp, i1, i4, pi
-  use sg_measures, only: is_count, measure, measure_names, measures_t, n_measures
+  use sg_measures, only: is_count, measure_names, measures_t, n_measures
   use sg_penetration, only: deepest_penetration
   use sg_random, only: random_t
   use sg_rotations, only: rotation_by
@@ -19,8 +18,6 @@ program test_monitors_space
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder
-  use sg_stress, only: mean_stress
-  use sg_velocities, only: speeds
   use sg_volume_error_space, only: overlap_volume
   implicit none
   ! Closed forms of a few operations: a few roundings of numbers of order one to ten.
@@ -99,8 +96,8 @@ contains
 
   subroutine test_grains_and_speeds()
     type(scene_t) :: scene
+    type(measures_t) :: measures
     type(grains_t) :: grains
-    real(wp) :: mean, largest
 
     call begin_space_scene(scene, 3, 0.0_wp, 0.01_wp)
     call put_sphere(scene, 1, 2.0_wp, [0.0_wp, 0.0_wp, 0.0_wp])
@@ -109,9 +106,10 @@ contains
     scene%bodies%velocity(1:3, 1) = [2.0_wp, 3.0_wp, 6.0_wp]
     scene%bodies%velocity(1:3, 2) = [0.0_wp, 0.0_wp, -1.0_wp]
     scene%bodies%velocity(1:3, 3) = 100
-    call speeds(scene%bodies, mean, largest)
-    call t%near(mean, 4.0_wp, rounding, 'mean speed of the grains, walls left out')
-    call t%near(largest, 7.0_wp, rounding, 'largest speed')
+    call place_bodies(scene)
+    measures = measures_without_contacts(scene)
+    call t%near(measures%get('mean_velocity'), 4.0_wp, rounding, 'mean speed of the grains, walls left out')
+    call t%near(measures%get('max_velocity'), 7.0_wp, rounding, 'largest speed')
     call t%near(maxval(abs(momentum(scene%bodies)/density - 32*pi/3*[2.0_wp, 3.0_wp, 6.0_wp] + [0.0_wp, 0.0_wp, 48.0_wp])), &
                 0.0_wp, 1e4_wp*rounding, 'momentum')
     grains = count_grains(scene%bodies)
@@ -152,25 +150,25 @@ contains
     call put_box(scene, 2, [1.0_wp, 1.0_wp, 1.0_wp], [6.0_wp, 0.0_wp, 0.0_wp], rotation_by([0.0_wp, pi/4, 0.0_wp]))
     call put_plane(scene, 3, [90.0_wp, 90.0_wp, 1.0_wp], [0.0_wp, 0.0_wp, -9.0_wp])
     call place_bodies(scene)
-    call t%near(box_area(scene), (7 + sqrt(2.0_wp))*2*(2*sqrt(2.0_wp)), 100*rounding, 'box of a sphere and a cube on its edge')
+    call t%near(box_of_scene(scene), (7 + sqrt(2.0_wp))*2*(2*sqrt(2.0_wp)), 100*rounding, 'box of a sphere and a cube on its edge')
     scene%period = 7
-    call t%near(box_area(scene), 7*2*(2*sqrt(2.0_wp)), 100*rounding, 'as wide as the period')
+    call t%near(box_of_scene(scene), 7*2*(2*sqrt(2.0_wp)), 100*rounding, 'as wide as the period')
     scene%period_y = 3
-    call t%near(box_area(scene), 7*3*(2*sqrt(2.0_wp)), 100*rounding, 'as deep as the period in y')
+    call t%near(box_of_scene(scene), 7*3*(2*sqrt(2.0_wp)), 100*rounding, 'as deep as the period in y')
     scene%period = 0
     scene%period_y = 0
     ! A capsule along (0, 3, 4)/5: half lengths 1, 5 * 0.6 + 1 and 5 * 0.8 + 1.
     call add_cylinder(scene%contactors, 1, 1, 5.0_wp, 1.0_wp, centre, [0.0_wp, 0.6_wp, 0.8_wp])
     call place_bodies(scene)
-    call t%near(box_area(scene), (7 + sqrt(2.0_wp))*8*10, 1e3_wp*rounding, 'box with a leaning capsule')
+    call t%near(box_of_scene(scene), (7 + sqrt(2.0_wp))*8*10, 1e3_wp*rounding, 'box with a leaning capsule')
     ! A hollow cylinder about the same axis, its rim 10 off: half lengths 10, 6 * 0.6 + 10 * 0.8 and 6 * 0.8 + 10 * 0.6.
     call add_hollow_cylinder(scene%contactors, 1, 1, 6.0_wp, 10.0_wp, centre, [0.0_wp, 0.6_wp, 0.8_wp])
     call place_bodies(scene)
-    call t%near(box_area(scene), 20*23.2_wp*21.6_wp, 1e4_wp*rounding, 'box with a leaning hollow cylinder')
+    call t%near(box_of_scene(scene), 20*23.2_wp*21.6_wp, 1e4_wp*rounding, 'box with a leaning hollow cylinder')
     scene%bodies%is_grain = [.false., .false., .true.]
-    call t%near(box_area(scene), 180*180*2.0_wp, 1e4_wp*rounding, 'box of a plane that is a grain')
+    call t%near(box_of_scene(scene), 180*180*2.0_wp, 1e4_wp*rounding, 'box of a plane that is a grain')
     scene%bodies%is_grain = .false.
-    call t%near(box_area(scene), 0.0_wp, 0.0_wp, 'no grain, no box')
+    call t%near(area_of_box(scene, box_of_grains(scene)), 0.0_wp, 0.0_wp, 'no grain, no box')
   end subroutine test_boxes
 
   !> An affine field gives its own gradient; rotation and swelling have no shear rate, simple shear has its own.
@@ -188,7 +186,7 @@ contains
       scene%bodies%velocity(1:3, i) = [5.0_wp, 7.0_wp, -1.0_wp] + matmul(gradient, scene%bodies%position(:, i))
     end do
     call put_plane(scene, 12, [9.0_wp, 9.0_wp, 1.0_wp], [0.0_wp, 0.0_wp, -9.0_wp])
-    found = velocity_gradient(scene%bodies)
+    found = gradient_of(field_sums(scene%bodies), 3)
     call t%near(maxval(abs(found - gradient)), 0.0_wp, rounding, 'gradient of an affine flow')
     do a = 1, 3
       do b = 1, 3
@@ -209,43 +207,61 @@ contains
     shear(2, 2) = -1
     call t%near(shear_rate(shear), sqrt(12.0_wp), rounding, 'rate of an extension')
     scene%bodies%position(3, :) = scene%bodies%position(1, :) + 2*scene%bodies%position(2, :)
-    call t%near(maxval(abs(velocity_gradient(scene%bodies))), 0.0_wp, 0.0_wp, 'grains in a plane have no gradient')
+    call t%near(maxval(abs(gradient_of(field_sums(scene%bodies), 3))), 0.0_wp, 0.0_wp, 'grains in a plane have no gradient')
     scene%bodies%is_grain(4:) = .false.
-    call t%near(maxval(abs(velocity_gradient(scene%bodies))), 0.0_wp, 0.0_wp, 'neither have three')
+    call t%near(maxval(abs(gradient_of(field_sums(scene%bodies), 3))), 0.0_wp, 0.0_wp, 'neither have three')
   end subroutine test_affine_flow
 
   !> Pairs that touch by one to five points; a rattler has one neighbour, by however many points.
   subroutine test_points_of_pairs()
+    type(scene_t) :: scene
     type(contacts_t) :: contacts
-    type(coordination_t) :: c
+    type(measures_t) :: measures
     integer, parameter :: pair(2, 15) = reshape([1, 2, 3, 4, 2, 3, 2, 3, 4, 3, 3, 4, 5, 1, 1, 5, 5, 1, 1, 5, 6, 5, 6, 5, 6, 5, &
                                                  5, 6, 5, 6], [2, 15])
     integer :: i
 
+    scene = row_of_spheres(6, 5)
     do i = 1, size(pair, 2)
       call touch(contacts, pair(1, i), pair(2, i), [0.0_wp, 0.0_wp, 1.0_wp], 0.0_wp, [0.0_wp, 0.0_wp, 1.0_wp])
     end do
-    c = coordinate(contacts, [.true., .true., .true., .true., .true., .false.])
-    call t%equal(c%single, 1, 'pairs with one point')
-    call t%equal(c%double, 1, 'pairs with two points')
-    call t%equal(c%triple, 1, 'pairs with three points')
-    call t%equal(c%quadruple, 2, 'pairs with four points and more')
-    call t%near(c%mean, 9/5.0_wp, rounding, 'a pair counts once, one with a wall for its grain')
-    call t%equal(c%rattlers, 1, 'one neighbour makes a rattler')
-    call t%near(c%without_rattlers, 7/4.0_wp, rounding, 'coordination without it')
+    measures = measures_of(scene, contacts, 0.1_wp)
+    call t%equal(nint(measures%get('single_contacts')), 1, 'pairs with one point')
+    call t%equal(nint(measures%get('double_contacts')), 1, 'pairs with two points')
+    call t%equal(nint(measures%get('triple_contacts')), 1, 'pairs with three points')
+    call t%equal(nint(measures%get('quadruple_contacts')), 2, 'pairs with four points and more')
+    call t%near(measures%get('coordination'), 9/5.0_wp, rounding, 'a pair counts once, one with a wall for its grain')
+    call t%equal(nint(measures%get('rattlers')), 1, 'one neighbour makes a rattler')
+    call t%near(measures%get('coordination_without_rattlers'), 7/4.0_wp, rounding, 'coordination without it')
   end subroutine test_points_of_pairs
+
+  !> Spheres in a row, of which the first are grains and the others are walls.
+  function row_of_spheres(n, grains) result(scene)
+    integer, intent(in) :: n, grains
+    type(scene_t) :: scene
+    integer :: i
+
+    call begin_space_scene(scene, n, 0.0_wp, 0.01_wp)
+    do i = 1, n
+      call put_sphere(scene, i, 1.0_wp, [2*real(i, wp), 0.0_wp, 0.0_wp])
+    end do
+    scene%bodies%is_grain = [(i <= grains, i=1, n)]
+    call place_bodies(scene)
+  end function row_of_spheres
 
   !> Random contacts in random order, of which a third pull or slide without normal part, against a table of all pairs.
   subroutine test_coordination_by_brute_force()
     integer, parameter :: n = 40, grains = 35
+    type(scene_t) :: scene
     type(contacts_t) :: contacts
-    type(coordination_t) :: c
+    type(measures_t) :: measures
     type(random_t) :: random
     real(wp) :: normal(3), along(3)
     integer :: points(n, n), i, a, b, d
-    logical :: is_grain(n), carries(n), touches(n, n)
+    logical :: carries(n), touches(n, n)
 
     call random%seed(11)
+    scene = row_of_spheres(n, grains)
     points = 0
     do i = 1, 90
       a = min(n, 1 + int(real(n, wp)*random%uniform()))
@@ -260,29 +276,27 @@ contains
       points(a, b) = points(a, b) + 1
       points(b, a) = points(a, b)
     end do
-    is_grain = [(i <= grains, i=1, n)]
     touches = points > 0
-    carries = is_grain .and. count(touches, 2) >= 2
-    c = coordinate(contacts, is_grain)
-    call t%equal(c%single, count(points == 1)/2, 'single contacts')
-    call t%equal(c%double, count(points == 2)/2, 'double contacts')
-    call t%equal(c%triple + c%quadruple, count(points > 2)/2, 'more')
-    call t%equal(c%rattlers, grains - count(carries), 'rattlers')
-    call t%near(c%mean, real(count(touches(:grains, :)), wp)/grains, rounding, 'coordination')
+    carries = scene%bodies%is_grain .and. count(touches, 2) >= 2
+    measures = measures_of(scene, contacts, 0.1_wp)
+    call t%equal(nint(measures%get('single_contacts')), count(points == 1)/2, 'single contacts')
+    call t%equal(nint(measures%get('double_contacts')), count(points == 2)/2, 'double contacts')
+    call t%equal(nint(measures%get('triple_contacts') + measures%get('quadruple_contacts')), count(points > 2)/2, 'more')
+    call t%equal(nint(measures%get('rattlers')), grains - count(carries), 'rattlers')
+    call t%near(measures%get('coordination'), real(count(touches(:grains, :)), wp)/grains, rounding, 'coordination')
     do i = 1, grains
       if (carries(i)) cycle
       touches(i, :) = .false.
       touches(:, i) = .false.
     end do
-    call t%near(c%without_rattlers, real(count(touches(:grains, :)), wp)/real(count(carries), wp), rounding, &
-                'coordination without rattlers')
+    call t%near(measures%get('coordination_without_rattlers'), real(count(touches(:grains, :)), wp)/real(count(carries), wp), &
+                rounding, 'coordination without rattlers')
   end subroutine test_coordination_by_brute_force
 
   !> Every pair of shapes that has a volume to share; a pair by four points counts once.
   subroutine test_overlaps()
     type(scene_t) :: scene
     type(contacts_t) :: contacts
-    type(energy_t) :: energy
     type(measures_t) :: measures
     integer :: i
     real(wp), parameter :: up(3) = [0.0_wp, 0.0_wp, 1.0_wp], none(3) = 0
@@ -317,7 +331,7 @@ contains
       call touch(contacts, 5, 4, up, -0.2_wp, none)
     end do
     call touch(contacts, 2, 3, up, 0.1_wp, none)
-    call measure(scene, contacts, 0.1_wp, energy, measures)
+    measures = measures_of(scene, contacts, 0.1_wp)
     associate (volume => 5*4*pi/3 + 16 + (2*pi + 4*pi/3))
       call t%near(measures%get('volume_error'), (lens + 0.45_wp)/volume, rounding, 'volume error: open pairs count as nothing')
     end associate
@@ -385,11 +399,13 @@ contains
     call t%near(deepest_penetration(sim%contacts), 0.75_wp, 1e-3_wp, 'as these have, by a tenth of a metre a step')
   end subroutine test_overlaps_through_periods
 
-  !> Force (10, 6, -4) N on a sphere, branch of 2 m, in a box of 8 m3; through both periods, and where there is no gap but one.
+  !> Force (10, 6, -4) N on a sphere, branch of 2.1 m through both periods; half of the branch on a wall; no stress without a box.
   subroutine test_stress_of_a_contact()
     type(scene_t) :: scene
     type(contacts_t) :: contacts
     real(wp), parameter :: h = 0.5_wp, n(3) = [0.6_wp, 0.0_wp, 0.8_wp], force(3) = [10.0_wp, 6.0_wp, -4.0_wp]
+    ! Volumes of the box of both spheres and of one, as wide and deep as the periods [m3].
+    real(wp), parameter :: both = 10*20*(2 + 2.1_wp*0.8_wp), one = 10*20*2
     real(wp) :: stress(3, 3)
     integer :: a, b
 
@@ -404,26 +420,28 @@ contains
     contacts%point(:, 1) = [1.0_wp, 1.0_wp, 1.0_wp] - 1.05_wp*n
     contacts%image(1) = -1_i1
     contacts%image_y(1) = -1_i1
-    stress = mean_stress(scene, contacts, h, 8.0_wp)
+    stress = mean_stress(scene, contacts, h)
     do b = 1, 3
       do a = 1, 3
-        call t%near(stress(a, b), force(a)*2.1_wp*n(b)/8, rounding*10, 'stress of a contact: force by branch over volume')
+        call t%near(stress(a, b)*both, force(a)*2.1_wp*n(b), rounding*10, 'stress of a contact: force by branch over volume')
       end do
     end do
-    call t%near(maxval(abs(mean_stress(scene, contacts, h, 0.0_wp))), 0.0_wp, 0.0_wp, 'no volume, no stress')
     scene%bodies%is_grain(2) = .false.
-    stress = mean_stress(scene, contacts, h, 8.0_wp)
-    call t%near(stress(1, 3), force(1)*1.05_wp*n(3)/8, rounding*10, 'on a wall the branch ends at the point of contact')
+    stress = mean_stress(scene, contacts, h)
+    call t%near(stress(1, 3)*one, force(1)*1.05_wp*n(3), rounding*10, 'on a wall the branch ends at the point of contact')
+    scene%contactors%n = 0
+    call t%near(maxval(abs(mean_stress(scene, contacts, h))), 0.0_wp, 0.0_wp, 'no volume, no stress')
   end subroutine test_stress_of_a_contact
 
   !> Forces on walls, of either side of a contact, and the share of the weight that they are.
   subroutine test_force_on_walls()
     type(scene_t) :: scene
     type(contacts_t) :: contacts
+    type(measures_t) :: measures
     real(wp), parameter :: up(3) = [0.0_wp, 0.0_wp, 1.0_wp], h = 0.5_wp
 
-    call begin_space_scene(scene, 4, 0.0_wp, 0.01_wp)
-    scene%bodies%is_grain(3:4) = .false.
+    scene = row_of_spheres(4, 2)
+    scene%bodies%mass = 1
     scene%gravity = [0.0_wp, -3.0_wp, -4.0_wp]
     call touch(contacts, 1, 3, up, 0.0_wp, [1.0_wp, 2.0_wp, 5.0_wp])
     call touch(contacts, 4, 2, up, 0.0_wp, [1.0_wp, 0.0_wp, 3.0_wp])
@@ -431,6 +449,7 @@ contains
     call touch(contacts, 3, 4, up, 0.0_wp, [9.0_wp, 9.0_wp, 9.0_wp])
     call t%near(maxval(abs(force_on_walls(scene, contacts, h) - [0.0_wp, -4.0_wp, -4.0_wp])), 0.0_wp, rounding, 'force on walls')
     ! Along gravity (12 + 16)/5 N of a weight of 2 kg times 5 m/s2.
-    call t%near(floor_share(scene, contacts, h, 2.0_wp), 0.56_wp, rounding, 'floor share under leaning gravity')
+    measures = measures_of(scene, contacts, h)
+    call t%near(measures%get('floor_share'), 0.56_wp, rounding, 'floor share under leaning gravity')
   end subroutine test_force_on_walls
 end program test_monitors_space
