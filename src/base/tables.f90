@@ -3,7 +3,7 @@ module sg_tables
   use sg_kinds, only: wp, i1, i4, i8
   implicit none
   private
-  public :: table_t, tables_t, per_body, per_contact
+  public :: tables_t, per_body, per_contact
 
   !> What a table has an item for
   integer, parameter :: per_body = 1, per_contact = 2

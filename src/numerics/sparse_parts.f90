@@ -7,7 +7,7 @@ module sg_sparse_parts
   use sg_text, only: to_text
   implicit none
   private
-  public :: solve_by_parts, largest_part
+  public :: solve_by_parts
 
   !> Most unknowns of a part: its factors are full
   integer, parameter :: largest_part = 3000

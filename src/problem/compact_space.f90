@@ -12,7 +12,7 @@ module sg_compact_space
   use sg_vectors, only: cross
   implicit none
   private
-  public :: space_velocity, add_space_impulses, push_bodies
+  public :: space_velocity, add_space_impulses
 
 contains
 
