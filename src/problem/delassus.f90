@@ -6,22 +6,25 @@ module sg_delassus
   use sg_laws, only: inverse_of
   use sg_records, only: arm_bonded, arm_compliance_n, arm_compliance_t, arm_frictional, arm_frictionless, &
                         arm_frictionless_inverse_wnn, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, &
-                        arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_stiffness_n, arm_stiffness_t, &
-                        arm_wnn, arm_wnt, arm_wtt, ball_frictional, ball_frictionless, ball_frictionless_inverse_mx, &
-                        ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, ball_inverse_i, ball_inverse_m, &
-                        ball_inverse_wnn, ball_inverse_wtt, first_inverse, normal_x, normal_y, normal_z, plain_kind, &
-                        record_length, round_frictional, round_frictionless, round_frictionless_inverse_wnn, round_inverse_i, &
-                        round_inverse_wnn, round_inverse_wtt, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, &
-                        solid_bonded, solid_compliance_n, solid_compliance_t, solid_frictional, solid_frictionless, &
-                        solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, solid_frictionless_moment_az, &
-                        solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_inverse_lambda, solid_inverse_mx, &
-                        solid_inverse_mz, solid_inverse_xx, solid_inverse_xy, solid_inverse_xz, solid_inverse_yy, &
-                        solid_inverse_yz, solid_inverse_zz, solid_law, solid_s1, solid_s2, solid_stiffness_n, solid_stiffness_t, &
-                        solid_tangent_x, solid_tangent_z, solid_wn1, solid_wn2, solid_wnn
+                        arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_relief_nn, arm_relief_tt, &
+                        arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, arm_wtt, ball_frictional, ball_frictionless, &
+                        ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, &
+                        ball_inverse_i, ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, first_inverse, normal_x, normal_y, &
+                        normal_z, plain_kind, record_length, round_frictional, round_frictionless, &
+                        round_frictionless_inverse_wnn, round_inverse_i, round_inverse_wnn, round_inverse_wtt, solid_arm_ax, &
+                        solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bonded, solid_compliance_n, solid_compliance_t, &
+                        solid_frictional, solid_frictionless, solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, &
+                        solid_frictionless_moment_az, solid_frictionless_moment_cx, solid_frictionless_moment_cz, &
+                        solid_inverse_lambda, solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, solid_inverse_xy, &
+                        solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, solid_inverse_zz, solid_law, solid_relief_22, &
+                        solid_relief_nn, solid_s1, solid_s2, solid_stiffness_n, solid_stiffness_t, solid_tangent_x, &
+                        solid_tangent_z, solid_wn1, solid_wn2, solid_wnn
   use sg_vectors, only: cross, determinant
   implicit none
   private
   public :: set_block, block_times, share_mass
+
+  real(wp), parameter :: identity(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
 
 contains
 
@@ -50,7 +53,7 @@ contains
     integer, intent(in) :: kind !! kind of problem
     real(wp), intent(in) :: candidate(:), antagonist(:) !! records of the two bodies
     real(wp), intent(inout) :: record(:) !! record of the contact
-    real(wp) :: mx, my, w, w_t, w_nt
+    real(wp) :: mx, my, w, w_t, w_nt, relief(3, 3)
 
     associate (c => candidate, a => antagonist, n => record(normal_x:normal_y))
       select case (kind)
@@ -97,9 +100,10 @@ contains
             + turned(a, record(solid_frictionless_moment_ax:solid_frictionless_moment_az))
         record(solid_frictionless_inverse_wnn) = inverse_of(w, record(solid_frictionless_inverse_wnn) > 0)
       case (solid_frictional)
-        call set_solid_block(c, a, [0.0_wp, 0.0_wp], record)
+        call set_solid_block(c, a, [0.0_wp, 0.0_wp], record, relief)
       case (solid_bonded)
-        call set_solid_block(c, a, record(solid_stiffness_n:solid_stiffness_t), record(:record_length(solid_frictional)))
+        call set_solid_block(c, a, record(solid_stiffness_n:solid_stiffness_t), record(:record_length(solid_frictional)), relief)
+        record(solid_relief_nn:solid_relief_22) = reshape(relief, [9])
       end select
     end associate
   contains
@@ -113,11 +117,12 @@ contains
   end subroutine set_block
 
   !> Set the block of a solid contact with friction for the masses of its bodies, on the tangents in which S is diagonal.
-  pure subroutine set_solid_block(candidate, antagonist, stiffness, record)
+  pure subroutine set_solid_block(candidate, antagonist, stiffness, record, relief)
     real(wp), intent(in) :: candidate(:), antagonist(:) !! records of the two bodies
     real(wp), intent(in) :: stiffness(2) !! of a bond times the square of the step [kg]
     real(wp), intent(inout) :: record(:) !! record of the contact, all set except its block; its tangent may turn
-    real(wp) :: frame(3, 3), w(3, 3), s(2, 2), angle, c, d
+    real(wp), intent(out) :: relief(3, 3) !! (I + K W)^-1 along the normal and the tangents of the record
+    real(wp) :: frame(3, 3), w(3, 3), s(2, 2), turn(3, 3), angle, c, d
 
     frame(:, 1) = record(normal_x:normal_z)
     frame(:, 2) = record(solid_tangent_x:solid_tangent_z)
@@ -127,7 +132,8 @@ contains
     w(1, 1) = w(1, 1) + record(solid_compliance_n)
     w(2, 2) = w(2, 2) + record(solid_compliance_t)
     w(3, 3) = w(3, 3) + record(solid_compliance_t)
-    if (maxval(stiffness) > 0) call stiffen(stiffness([1, 2, 2]), w)
+    relief = identity
+    if (maxval(stiffness) > 0) call stiffen(stiffness([1, 2, 2]), w, relief)
     s = 1
     c = 1
     d = 0
@@ -138,6 +144,10 @@ contains
       angle = 0.5_wp*atan2(2*s(1, 2), s(1, 1) - s(2, 2))
       c = cos(angle)
       d = sin(angle)
+    end if
+    if (maxval(stiffness) > 0) then
+      turn = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, c, d, 0.0_wp, -d, c], [3, 3])
+      relief = matmul(transpose(turn), matmul(relief, turn))
     end if
     ! S is positive for bodies that can move; where rounding or a driven body takes that away, a trace of W_nn keeps it so.
     associate (least => 16*epsilon(1.0_wp)*max(w(1, 1), w(2, 2), w(3, 3), tiny(1.0_wp)))
@@ -152,22 +162,27 @@ contains
   !> Turn the block of W of a bonded contact of the plane into that which its unilateral impulse sees.
   pure subroutine stiffen_plane_block(record)
     real(wp), intent(inout) :: record(:) !! record of the contact, its block that of the bodies
-    real(wp) :: w(2, 2)
+    real(wp) :: w(2, 2), relief(2, 2)
 
-    if (.not. maxval(record(arm_stiffness_n:arm_stiffness_t)) > 0) return
+    relief = identity(:2, :2)
     w = reshape(record([arm_wnn, arm_wnt, arm_wnt, arm_wtt]), [2, 2])
-    call stiffen(record(arm_stiffness_n:arm_stiffness_t), w)
+    call stiffen(record(arm_stiffness_n:arm_stiffness_t), w, relief)
+    record(arm_relief_nn:arm_relief_tt) = reshape(relief, [4])
     record(arm_wnn:arm_wtt) = [w(1, 1), w(1, 2), w(2, 2)]
   end subroutine stiffen_plane_block
 
-  !> (W^-1 + K)^-1 for a diagonal K, one direction after the other; W may be singular.
-  pure subroutine stiffen(stiffness, w)
+  !> (W^-1 + K)^-1 and (I + K W)^-1 for a diagonal K, one direction after the other; W may be singular.
+  !!
+  !! The second one is I - K (W^-1 + K)^-1 as well, of which rounding leaves nothing where bonds are very stiff.
+  pure subroutine stiffen(stiffness, w, relief)
     real(wp), intent(in) :: stiffness(:) !! diagonal of K [kg]
-    real(wp), intent(inout) :: w(:, :) !! W, symmetric [1/kg]
-    real(wp) :: row(size(w, 1)), softened
+    real(wp), intent(inout) :: w(:, :) !! W, symmetric, then the first one [1/kg]
+    real(wp), intent(inout) :: relief(:, :) !! identity, then the second one
+    real(wp) :: row(size(w, 1)), column(size(w, 1)), softened
     integer :: i, j
 
     do i = 1, size(stiffness)
+      if (.not. stiffness(i) > 0) cycle
       row = w(:, i)
       softened = 1 + stiffness(i)*row(i)
       do j = 1, size(w, 1)
@@ -176,6 +191,11 @@ contains
       ! The remaining mobility of this direction, without the difference of two large numbers.
       w(:, i) = row/softened
       w(i, :) = row/softened
+      column = relief(:, i)/softened
+      do j = 1, size(w, 1)
+        relief(:, j) = relief(:, j) - stiffness(i)*row(j)*column
+      end do
+      relief(:, i) = column
     end do
   end subroutine stiffen
 

@@ -22,7 +22,7 @@ module sg_records
   public :: arm_frictionless_moment_c, arm_frictionless_moment_a, arm_frictionless_bias, arm_frictionless_inverse_wnn
   public :: arm_moment_nc, arm_moment_tc, arm_moment_na, arm_moment_ta, arm_bias_n, arm_bias_t, arm_wnn, arm_wnt, arm_wtt
   public :: arm_friction, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_law
-  public :: arm_stiffness_n, arm_stiffness_t, arm_slip
+  public :: arm_stiffness_n, arm_stiffness_t, arm_slip, arm_relief_nn, arm_relief_tn, arm_relief_nt, arm_relief_tt
   public :: ball_frictionless_bias, ball_frictionless_inverse_wnn
   public :: ball_bias_x, ball_bias_y, ball_bias_z, ball_inverse_wnn, ball_inverse_wtt, ball_friction
   public :: solid_frictionless_moment_cx, solid_frictionless_moment_cy, solid_frictionless_moment_cz
@@ -33,6 +33,8 @@ module sg_records
   public :: solid_wnn, solid_wn1, solid_wn2, solid_s1, solid_s2, solid_friction, solid_cohesion
   public :: solid_compliance_n, solid_compliance_t, solid_law, solid_inverse_lambda
   public :: solid_stiffness_n, solid_stiffness_t, solid_slip_x, solid_slip_y, solid_slip_z
+  public :: solid_relief_nn, solid_relief_1n, solid_relief_2n, solid_relief_n1, solid_relief_11, solid_relief_21, solid_relief_n2, &
+            solid_relief_12, solid_relief_22
   public :: round_frictionless_inverse_mx, round_frictionless_inverse_my
   public :: round_spin, round_inverse_mx, round_inverse_my, round_inverse_i
   public :: arm_spin, arm_inverse_mx, arm_inverse_my, arm_inverse_i
@@ -78,8 +80,9 @@ module sg_records
   integer, parameter :: arm_friction = 12, arm_cohesion = 13, arm_compliance_n = 14, arm_compliance_t = 15, arm_law = 16
 
   !> The same contact with bonds: stiffness of the bond times the square of the step [kg], and its slip over the step [m/s]; the
-  !! block is (W^-1 + K)^-1, with K those stiffnesses
-  integer, parameter :: arm_stiffness_n = 17, arm_stiffness_t = 18, arm_slip = 19
+  !! block is (W^-1 + K)^-1, with K those stiffnesses, and the relief (I + K W)^-1 is what the bond leaves of an impulse
+  integer, parameter :: arm_stiffness_n = 17, arm_stiffness_t = 18, arm_slip = 19, arm_relief_nn = 20, arm_relief_tn = 21, &
+                        arm_relief_nt = 22, arm_relief_tt = 23
 
   !> Contact of balls without friction: as round
   integer, parameter :: ball_frictionless_bias = 4, ball_frictionless_inverse_wnn = 5
@@ -106,7 +109,9 @@ module sg_records
                         solid_inverse_lambda = 26
 
   !> The same contact with bonds: as in the plane, the slip a vector in the world's axes
-  integer, parameter :: solid_stiffness_n = 27, solid_stiffness_t = 28, solid_slip_x = 29, solid_slip_y = 30, solid_slip_z = 31
+  integer, parameter :: solid_stiffness_n = 27, solid_stiffness_t = 28, solid_slip_x = 29, solid_slip_y = 30, solid_slip_z = 31, &
+                        solid_relief_nn = 32, solid_relief_1n = 33, solid_relief_2n = 34, solid_relief_n1 = 35, &
+                        solid_relief_11 = 36, solid_relief_21 = 37, solid_relief_n2 = 38, solid_relief_12 = 39, solid_relief_22 = 40
 
   !> Bodies of all kinds: velocity of the centre [m/s]; in the plane x and y alone
   integer, parameter :: velocity_x = 1, velocity_y = 2, velocity_z = 3
@@ -136,7 +141,7 @@ module sg_records
   !> Reals of a contact's record, by kind
   integer, parameter :: record_length(10) = [round_frictionless_inverse_wnn, round_friction, arm_frictionless_inverse_wnn, &
                                              arm_law, ball_frictionless_inverse_wnn, ball_friction, &
-                                             solid_frictionless_inverse_wnn, solid_inverse_lambda, arm_slip, solid_slip_z]
+                                             solid_frictionless_inverse_wnn, solid_inverse_lambda, arm_relief_tt, solid_relief_22]
 
   !> Reals of a body's record, by kind: velocities, then inverse masses
   integer, parameter :: body_length(10) = [round_frictionless_inverse_my, round_inverse_i, arm_inverse_i, arm_inverse_i, &

@@ -35,6 +35,7 @@ program test_cohesive_zones
     end do
     call test_sheared_under_load(dimension)
     call test_hung(dimension)
+    call test_light(dimension)
     call test_energy(dimension)
   end do
   if (hdf5_is_available()) call test_restart()
@@ -101,6 +102,20 @@ contains
 
     surface = merge(radius, pi*radius**2, dimension == 2)
   end function surface
+
+  !> A grain so light that its bond is 1e23 times stiffer than it is inert: sweeps stay finite, the bond holds, and the grain
+  !! swings on it with no more than its speed, within the way of a step.
+  subroutine test_light(dimension)
+    integer, intent(in) :: dimension
+    real(wp), parameter :: speed(2) = [1.0_wp, 0.5_wp]
+    type(simulation_t) :: sim
+
+    call make(dimension, law_mal, 1e-26_wp, speed, 0.0_wp, sim)
+    call run(sim, 5)
+    call t%check(all(sim%contacts%status(:sim%contacts%n) == status_bonded) .and. sim%contacts%n > 0, 'a light grain: it is held')
+    call t%check(norm2(sim%scene%bodies%velocity(:dimension, 1)) <= norm2(speed), 'a light grain: it is no faster than before')
+    call t%check(abs(sim%scene%bodies%position(dimension, 1) - radius) <= h*norm2(speed), 'a light grain: it stays')
+  end subroutine test_light
 
   !> Force on the grain along the normal, and against its slip [N].
   pure function tractions(sim, dimension) result(force)

@@ -4,9 +4,9 @@ module sg_sweep_arm
   use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, &
                         arm_frictional, arm_frictionless, arm_frictionless_bias, arm_frictionless_inverse_wnn, &
                         arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, arm_inverse_mx, arm_inverse_my, &
-                        arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_slip, arm_spin, arm_stiffness_n, &
-                        arm_stiffness_t, arm_wnn, arm_wnt, arm_wtt, body_length, normal_x, normal_y, record_length, velocity_x, &
-                        velocity_y
+                        arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_relief_nn, arm_relief_nt, &
+                        arm_relief_tn, arm_relief_tt, arm_slip, arm_spin, arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, &
+                        arm_wtt, body_length, normal_x, normal_y, record_length, velocity_x, velocity_y
   implicit none
   private
   public :: sweep_arm_frictionless, sweep_arm_frictional, sweep_arm_bonded
@@ -138,10 +138,11 @@ contains
         r_n = min(0.0_wp, record(arm_stiffness_n, k)*u_n)
         r_t = 0
       end if
-      u_n = q_n + record(arm_wnn, k)*r_n + record(arm_wnt, k)*r_t
-      u_t = q_t + record(arm_wnt, k)*r_n + record(arm_wtt, k)*r_t
-      r_n = relaxation*(r_n - record(arm_stiffness_n, k)*u_n - impulse(1, k))
-      r_t = relaxation*(r_t - record(arm_stiffness_t, k)*(u_t + record(arm_slip, k)) - impulse(2, k))
+      ! The bond gives way to the change.
+      q_n = relaxation*(r_n - old_n)
+      q_t = relaxation*(r_t - old_t)
+      r_n = record(arm_relief_nn, k)*q_n + record(arm_relief_nt, k)*q_t
+      r_t = record(arm_relief_tn, k)*q_n + record(arm_relief_tt, k)*q_t
       impulse(1, k) = impulse(1, k) + r_n
       impulse(2, k) = impulse(2, k) + r_t
       p_x = record(normal_x, k)*r_n + record(normal_y, k)*r_t

@@ -8,10 +8,10 @@ module sg_sweep_solid
                         solid_frictionless_moment_ax, solid_frictionless_moment_ay, solid_frictionless_moment_az, &
                         solid_frictionless_moment_cx, solid_frictionless_moment_cy, solid_frictionless_moment_cz, &
                         solid_inverse_mx, solid_inverse_my, solid_inverse_mz, solid_inverse_xx, solid_inverse_xy, &
-                        solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, solid_inverse_zz, solid_law, solid_s1, solid_s2, &
-                        solid_slip_x, solid_slip_z, solid_spin_x, solid_spin_y, solid_spin_z, solid_stiffness_n, &
-                        solid_stiffness_t, solid_tangent_x, solid_tangent_y, solid_tangent_z, solid_wn1, solid_wn2, solid_wnn, &
-                        velocity_x, velocity_y, velocity_z
+                        solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, solid_inverse_zz, solid_law, solid_relief_22, &
+                        solid_relief_nn, solid_s1, solid_s2, solid_slip_x, solid_slip_z, solid_spin_x, solid_spin_y, &
+                        solid_spin_z, solid_stiffness_n, solid_stiffness_t, solid_tangent_x, solid_tangent_y, solid_tangent_z, &
+                        solid_wn1, solid_wn2, solid_wnn, velocity_x, velocity_y, velocity_z
   use sg_vectors, only: cross
   implicit none
   private
@@ -144,7 +144,7 @@ contains
     real(wp), intent(inout) :: body(body_length(solid_frictional), n_bodies) !! records of bodies; their velocities change
     integer :: k
     integer(i4) :: c, a
-    real(wp) :: frame(3, 3), w(3), u(3), old(3), new(3), slip(3), q(3), change(3), lead, inverse
+    real(wp) :: frame(3, 3), relief(3, 3), w(3), u(3), old(3), new(3), slip(3), q(3), change(3), lead, inverse
     logical :: is_active
 
     do k = 1, n
@@ -180,11 +180,11 @@ contains
         ! Nothing moves along the normal: the bond acts alone, does not push, and carries nothing once it is broken.
         change = [min(0.0_wp, record(solid_stiffness_n, k)*u(1)), 0.0_wp, 0.0_wp]
       end if
-      new = change
-      lead = dot_product(w, new)*inverse
-      u = q + w*lead + [0.0_wp, record(solid_s1, k), record(solid_s2, k)]*new
-      change = matmul(frame, relaxation*(new - record([solid_stiffness_n, solid_stiffness_t, solid_stiffness_t], k)*(u + slip) &
-               - old))
+      ! The bond gives way to the change.
+      relief = reshape(record(solid_relief_nn:solid_relief_22, k), [3, 3])
+      change = matmul(frame, relaxation*matmul(relief, change - new))
+      ! What is broken and moves nothing along the normal carries nothing, to the last bit.
+      if (.not. max(record(solid_stiffness_n, k), record(solid_stiffness_t, k)) > 0) change = -relaxation*impulse(:, k)
       impulse(:, k) = impulse(:, k) + change
       old = cross(record(solid_arm_cx:solid_arm_cz, k), change)
       call push(body(:, c), change(1), change(2), change(3), old(1), old(2), old(3))
