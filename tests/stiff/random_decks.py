@@ -63,6 +63,8 @@ def one(seed, index, sections, runner, place):
     fault = runner.judge(place, code)
     if ranks > 1 and code in TOO_LONG and not fault and runner.ends_soon_alone(place):
         fault = "several ranks do not end where one does"
+    if kind == "right" and "was built without" in (place / "err.txt").read_text(errors="replace"):
+        kind = "beyond this build"
     return kind + (f" on {ranks} ranks" if ranks > 1 else ""), code, fault
 
 
