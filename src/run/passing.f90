@@ -33,7 +33,7 @@ module sg_passing
     real(wp) :: deepest = 0
     !> Is the path of fast bodies to be looked at in the present step?
     logical :: is_due = .false.
-    !> The first of them, in words, and whether it has been told
+    !> Sentence about the first of them, and whether it has been printed
     type(error_t), allocatable :: first
     logical :: is_told = .false.
   end type passing_t
