@@ -186,8 +186,9 @@ contains
     real(wp) :: skin
     logical :: is_split
 
-    self%age = self%age + 1
     is_renewed = .false.
+    if (self%subdomain%size == 1) return
+    self%age = self%age + 1
     if (.not. comm%any(self%is_first .or. must_split(self) .or. neighbours_are_stale(pairs, scene))) return
     skin = common_skin(scene, comm)
     call forget_pairs(pairs, skin)

@@ -13,6 +13,8 @@ module sg_assemble
   use sg_laws, only: is_cohesive_zone, kind_of_local_law, law_mohr, local_law_t, status_bonded, status_slide, status_stick
   use sg_link_contacts, only: is_link
   use sg_mapping, only: arms_of
+  use sg_neighbours, only: neighbours_t
+  use sg_plan, only: plan_t
   use sg_problem, only: problem_t, reserve_problem
   use sg_records, only: arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, arm_frictional, &
                         arm_frictionless, arm_frictionless_bias, arm_frictionless_inverse_wnn, arm_frictionless_moment_a, &
@@ -36,31 +38,30 @@ module sg_assemble
 contains
 
   !> Make the contact problem of a step; `bodies%velocity` is the beginning's, `bodies%free_velocity` the free one.
-  subroutine assemble(scene, contacts, kind, body_of, slot_of, radius, step, problem)
+  subroutine assemble(scene, plan, pairs, contacts, step, problem)
     type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
+    type(plan_t), intent(in) :: plan !! kind of problem, and radii of round bodies
+    type(neighbours_t), intent(in) :: pairs !! bodies of slots, and slots of bodies
     type(contacts_t), intent(in) :: contacts !! contacts with the guess of their impulses
-    integer, intent(in) :: kind !! kind of problem, from the plan
-    integer(i4), intent(in) :: body_of(:) !! body of each slot
-    integer(i4), intent(in) :: slot_of(:) !! slot of each body
-    real(wp), intent(in) :: radius(:) !! signed radius of round bodies [m], shape (bodies); empty for arm problems
     real(wp), intent(in) :: step !! time step [s]
     type(problem_t), intent(inout) :: problem !! the problem made
     real(wp) :: q(3), squares, held
     type(local_law_t) :: law
-    integer :: k
+    integer :: kind, k
 
+    kind = plan%kind
     call reserve_problem(problem, kind, scene%bodies%n, contacts%n)
     if (is_in_space(kind)) then
-      call load_space_bodies(scene%bodies, kind, body_of, radius, problem%body)
+      call load_space_bodies(scene%bodies, kind, pairs%body_of, plan%radius, problem%body)
     else
-      call load_bodies(scene%bodies, kind, body_of, radius, problem%body)
+      call load_bodies(scene%bodies, kind, pairs%body_of, plan%radius, problem%body)
     end if
     squares = 0
     problem%closing_speed = 0
     held = 0
     problem%most_friction = 0
     do k = 1, contacts%n
-      problem%pair(:, k) = slot_of(contacts%body(:, k))
+      problem%pair(:, k) = pairs%slot_of(contacts%body(:, k))
       law = law_of_contact(scene, contacts, k, step)
       if (is_in_space(kind)) then
         call space_record(scene, contacts, k, kind, law, problem%record(:, k))
@@ -215,13 +216,13 @@ contains
   end subroutine arm_record
 
   !> Bring the solution back: impulses and statuses of contacts, velocities of bodies (into `free_velocity`).
-  subroutine disassemble(problem, scene, body_of, radius, step, violation, contacts)
+  subroutine disassemble(problem, plan, pairs, step, violation, scene, contacts)
     type(problem_t), intent(in) :: problem !! solved problem
-    type(scene_t), intent(inout) :: scene !! scene whose bodies move on
-    integer(i4), intent(in) :: body_of(:) !! body of each slot
-    real(wp), intent(in) :: radius(:) !! signed radius of round bodies [m]
+    type(plan_t), intent(in) :: plan !! radii of round bodies
+    type(neighbours_t), intent(in) :: pairs !! bodies of slots
     real(wp), intent(in) :: step !! time step [s]
     real(wp), intent(in) :: violation !! velocity error of the solution over the velocity scale of the problem
+    type(scene_t), intent(inout) :: scene !! scene whose bodies move on
     type(contacts_t), intent(inout) :: contacts !! contacts that carry the impulses to the next step
     real(wp) :: rest
     integer :: s, b, k
@@ -237,15 +238,15 @@ contains
       end do
     end if
     if (is_in_space(problem%kind)) then
-      call unload_space_bodies(problem, body_of, radius, scene%bodies)
+      call unload_space_bodies(problem, pairs%body_of, plan%radius, scene%bodies)
       return
     end if
     do s = 1, problem%n_bodies
-      b = body_of(s)
+      b = pairs%body_of(s)
       scene%bodies%free_velocity(1:2, b) = problem%body(velocity_x:velocity_y, s)
       select case (plain_kind(problem%kind))
       case (round_frictional)
-        if (scene%bodies%inverse_mass(3, b) > 0) scene%bodies%free_velocity(3, b) = problem%body(round_spin, s)/radius(b)
+        if (scene%bodies%inverse_mass(3, b) > 0) scene%bodies%free_velocity(3, b) = problem%body(round_spin, s)/plan%radius(b)
       case (arm_frictional, arm_frictionless)
         scene%bodies%free_velocity(3, b) = problem%body(arm_spin, s)
       end select

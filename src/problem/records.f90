@@ -9,12 +9,13 @@
 !! of frictionless kinds say so; those without the word belong to the frictional kind. Positions of vectors are consecutive.
 module sg_records
   use sg_kinds, only: wp
-  use sg_plan, only: plan_t
+  use sg_plan, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
+                     round_frictionless, solid_bonded, solid_frictional, solid_frictionless
   implicit none
   private
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded
   public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, solid_bonded
-  public :: problem_kind, plain_kind, is_compact, is_in_space, free_axes
+  public :: plain_kind, is_compact, is_in_space, free_axes
   public :: record_length, body_length, impulse_length, first_inverse, active_place, friction_place
   public :: normal_x, normal_y, normal_z, velocity_x, velocity_y, velocity_z
   public :: round_frictionless_bias, round_frictionless_inverse_wnn
@@ -42,13 +43,6 @@ module sg_records
   public :: ball_spin_x, ball_spin_y, ball_spin_z, ball_inverse_m, ball_inverse_i
   public :: solid_spin_x, solid_spin_y, solid_spin_z, solid_inverse_mx, solid_inverse_my, solid_inverse_mz
   public :: solid_inverse_xx, solid_inverse_yy, solid_inverse_zz, solid_inverse_xy, solid_inverse_xz, solid_inverse_yz
-
-  !> Kinds of problem
-  integer, parameter :: round_frictionless = 1, round_frictional = 2, arm_frictionless = 3, arm_frictional = 4, &
-                        ball_frictionless = 5, ball_frictional = 6, solid_frictionless = 7, solid_frictional = 8
-
-  !> Kinds of problem with cohesive zones: records of the frictional kind, followed by what bonds add
-  integer, parameter :: arm_bonded = 9, solid_bonded = 10
 
   !> The kind without bonds whose records those of a kind begin with, so that what both have is written once
   integer, parameter :: plain_kind(10) = [round_frictionless, round_frictional, arm_frictionless, arm_frictional, &
@@ -166,17 +160,6 @@ module sg_records
                                               arm_friction, solid_friction]
 
 contains
-
-  !> Kind of problem of a scene.
-  pure integer function problem_kind(dimension, plan)
-    integer, intent(in) :: dimension !! of space
-    type(plan_t), intent(in) :: plan !! what the scene needs
-
-    problem_kind = merge(merge(round_frictional, round_frictionless, plan%has_tangent), &
-                         merge(arm_frictional, arm_frictionless, plan%has_tangent), plan%is_round)
-    if (dimension == 3) problem_kind = problem_kind + ball_frictionless - round_frictionless
-    if (plan%has_bonds) problem_kind = merge(arm_bonded, solid_bonded, dimension == 2)
-  end function problem_kind
 
   !> Does a kind of problem carry no lever arms?
   pure logical function is_compact(kind)

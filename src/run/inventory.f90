@@ -11,7 +11,6 @@ module sg_inventory
   use sg_neighbours, only: neighbours_t
   use sg_polyhedron, only: polyhedron_t
   use sg_problem, only: growth_of_problem, problem_t
-  use sg_records, only: problem_kind
   use sg_simulation, only: simulation_t
   use sg_space_shapes, only: space_shapes_t
   use sg_tables, only: per_body, per_contact, tables_t
@@ -31,7 +30,7 @@ contains
     call list_tables(sim, tables)
     call list_pairs(sim%pairs, pairs)
     bytes = program_bytes + real(tables%bytes_per(per_body) + tables%bytes_per(per_contact) + pairs%bytes_per(per_contact) + &
-                                 growth_of_problem(sim%problem, problem_kind(sim%scene%dimension, sim%plan), sim%contacts%n), wp)
+                                 growth_of_problem(sim%problem, sim%plan%kind, sim%contacts%n), wp)
   end function expected_memory
 
   !> List the tables of a simulation.

@@ -1,12 +1,12 @@
 !> Limits of a run within a step: memory and time that end it before a list, a problem or a search takes more than there is.
 module sg_limits
-  use sg_contacts, only: bytes_per_contact, contacts_t, drop_contacts
+  use sg_contacts, only: bytes_per_contact, drop_contacts
   use sg_error, only: error_t, exit_memory, exit_stopped, fail
   use sg_kinds, only: wp, i8
   use sg_memory, only: gigabytes, memory_t
-  use sg_neighbours, only: neighbours_t
-  use sg_problem, only: growth_of_problem, problem_t
+  use sg_problem, only: growth_of_problem
   use sg_scene, only: scene_t
+  use sg_simulation, only: simulation_t
   use sg_text, only: to_text
   implicit none
   private
@@ -15,34 +15,30 @@ module sg_limits
 contains
 
   !> Did detection end early, or is there no room for the problem of its contacts? Then no contact is left.
-  subroutine check_limits(scene, pairs, contacts, problem, kind, step, error)
-    type(scene_t), intent(in) :: scene !! scene of the step
-    type(neighbours_t), intent(in) :: pairs !! its neighbours
-    type(contacts_t), intent(inout) :: contacts !! its contacts
-    type(problem_t), intent(in) :: problem !! problem of the last step
-    integer, intent(in) :: kind !! kind of problem
-    integer, intent(in) :: step !! number of the step
+  subroutine check_limits(sim, error)
+    type(simulation_t), intent(inout) :: sim !! its contacts are found, and its problem is that of the last step
     type(error_t), allocatable, intent(out) :: error !! set when the run must end
     integer(i8) :: growth
 
-    ! What the next step keeps of the contacts is an eighth of their problem; a checkpoint copies them.
-    growth = growth_of_problem(problem, kind, contacts%n)
-    growth = growth + growth/8 + bytes_per_contact(contacts)*int(contacts%n, i8)
-    if (pairs%is_late) then
-      call fail(error, 'stopped by the walltime after step '//to_text(step - 1), code=exit_stopped)
-    else if (pairs%is_cut) then
-      call fail(error, sentence(pairs%memory, step, pairs%n_cut, 'pairs of neighbours', scene)//long_alert(scene), &
-                code=exit_memory)
-    else if (contacts%is_cut) then
-      call fail(error, sentence(contacts%memory, step, contacts%n_cut, 'contacts', scene)//long_alert(scene), code=exit_memory)
-    else if (.not. contacts%memory%fits(growth)) then
-      call drop_contacts(contacts)
-      call fail(error, sentence(contacts%memory, step, contacts%n_cut, 'contacts with their contact problem', scene)// &
-                long_alert(scene), code=exit_memory)
-    end if
+    associate (scene => sim%scene, pairs => sim%pairs, contacts => sim%contacts, step => sim%step + 1)
+      ! What the next step keeps of the contacts is an eighth of their problem; a checkpoint copies them.
+      growth = growth_of_problem(sim%problem, sim%plan%kind, contacts%n)
+      growth = growth + growth/8 + bytes_per_contact(contacts)*int(contacts%n, i8)
+      if (pairs%is_late) then
+        call fail(error, 'stopped by the walltime after step '//to_text(sim%step), code=exit_stopped)
+      else if (pairs%is_cut) then
+        call fail(error, sentence(pairs%memory, step, pairs%n_cut, 'pairs of neighbours', scene), code=exit_memory)
+      else if (contacts%is_cut) then
+        call fail(error, sentence(contacts%memory, step, contacts%n_cut, 'contacts', scene), code=exit_memory)
+      else if (.not. contacts%memory%fits(growth)) then
+        call drop_contacts(contacts)
+        call fail(error, sentence(contacts%memory, step, contacts%n_cut, 'contacts with their contact problem', scene), &
+                  code=exit_memory)
+      end if
+    end associate
   end subroutine check_limits
 
-  !> That memory is short, and what for.
+  !> Sentence on short memory: what does not fit, and a hint where the alert distance is long.
   function sentence(memory, step, n, what, scene)
     type(memory_t), intent(in) :: memory
     integer, intent(in) :: step, n
@@ -54,7 +50,7 @@ contains
     call memory%left(left, limit)
     sentence = 'step '//to_text(step)//': memory is short: '//to_text(n)//' '//what//' and more, '// &
                to_text(n/max(1, scene%bodies%n))//' per body, do not fit into the '//gigabytes(real(left, wp))//' that '//limit// &
-               ' leaves'
+               ' leaves'//long_alert(scene)
   end function sentence
 
   !> A hint where the alert distance is longer than most shapes.

@@ -15,7 +15,6 @@ module sg_needs
   use sg_library_files, only: library_file, on_demand
   use sg_motion, only: predict
   use sg_print, only: print_line
-  use sg_records, only: problem_kind
   use sg_simulation, only: simulation_t
   use sg_tables, only: per_body, per_contact, tables_t
   use sg_text, only: to_text
@@ -95,8 +94,7 @@ contains
 
     call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
-                  sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%step, sim%problem)
     batch = sim%options%solver%check_every
     n_sweeps = nint(real(sim%totals%sweeps, wp)/real(max(1, sim%totals%steps)*batch, wp))*batch
     call compare_cost(sim%problem, sim%options%solver, max(batch, n_sweeps), cost)

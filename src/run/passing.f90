@@ -16,12 +16,13 @@ module sg_passing
   use sg_half_width, only: half_width
   use sg_kinds, only: wp, i4
   use sg_lists, only: reserve
+  use sg_plan, only: plan_t
   use sg_scene, only: scene_t
   use sg_swept_walls, only: goes_through
   use sg_text, only: to_text
   implicit none
   private
-  public :: passing_t, look_for_passing, look_through_walls, tell_passing
+  public :: passing_t, look_along_contacts, look_through_walls, tell_passing
 
   !> What is known of bodies that passed
   type :: passing_t
@@ -31,7 +32,9 @@ module sg_passing
     integer(i4), allocatable :: pair(:, :)
     !> Deepest overlap of the last step [m]
     real(wp) :: deepest = 0
-    !> Is the path of fast bodies to be looked at in the present step?
+    !> May a body move farther than the alert distance in the present step? Of this rank and then of all
+    logical :: is_fast = .false.
+    !> May one of this rank move farther than the thinnest shape?
     logical :: is_due = .false.
     !> Sentence about the first of them, and whether it has been printed
     type(error_t), allocatable :: first
@@ -41,15 +44,22 @@ module sg_passing
 contains
 
   !> Count the pairs of bodies in contact that the motion since the last detection has brought through each other.
-  subroutine look_for_passing(passing, scene, contacts, step, h)
+  subroutine look_along_contacts(passing, scene, contacts, plan, is_loaded, step, h)
     type(passing_t), intent(inout) :: passing !! its count is set
     type(scene_t), intent(in) :: scene !! velocities are those with which the last step ended
     type(contacts_t), intent(in) :: contacts !! contacts of the last detection
+    type(plan_t), intent(in) :: plan !! alert distance and thinnest shape
+    logical, intent(in) :: is_loaded !! are contacts those of a checkpoint or a deck, which have no gaps?
     integer, intent(in) :: step !! number of the step that begins
     real(wp), intent(in) :: h !! time step [s]
     real(wp) :: way, thickness
     integer :: k
 
+    passing%n = 0
+    way = h*largest_speed(scene%bodies%velocity(:scene%dimension, :))
+    passing%is_fast = way > plan%alert
+    passing%is_due = way > plan%thinnest
+    if (is_loaded .or. .not. way + passing%deepest > plan%thinnest) return
     do k = 1, contacts%n
       associate (b => contacts%body(:, k), gap => contacts%gap(k), n => scene%dimension)
         way = -h*dot_product(contacts%normal(:, k), scene%bodies%velocity(:n, b(1)) - scene%bodies%velocity(:n, b(2)))
@@ -61,10 +71,25 @@ contains
         call count_pair(passing, scene, int(b), step, h, way, thickness)
       end associate
     end do
-  end subroutine look_for_passing
+  end subroutine look_along_contacts
 
-  !> Count the grains whose centres have gone through a wall since the last detection. Only those that moved by more than the
-  !! thinnest shape is looked at.
+  !> Largest speed of all bodies [m/s]; where squares have no room, the largest component.
+  pure real(wp) function largest_speed(velocity)
+    real(wp), intent(in) :: velocity(:, :)
+    integer :: b
+
+    largest_speed = 0
+    if (size(velocity) > 0) largest_speed = maxval(abs(velocity))
+    if (largest_speed > sqrt(huge(1.0_wp))/2) return
+    largest_speed = 0
+    do b = 1, size(velocity, 2)
+      largest_speed = max(largest_speed, sum(velocity(:, b)**2))
+    end do
+    largest_speed = sqrt(largest_speed)
+  end function largest_speed
+
+  !> Count the grains whose centres have gone through a wall since the last detection, where a body may have moved by more than the
+  !! thinnest shape.
   subroutine look_through_walls(passing, scene, step, h, share, thinnest)
     type(passing_t), intent(inout) :: passing !! its count grows
     type(scene_t), intent(in) :: scene !! contactors are placed for the step, velocities are those with which the last one ended
@@ -76,6 +101,7 @@ contains
     real(wp) :: way(scene%dimension)
     integer :: c, i, n
 
+    if (.not. passing%is_due) return
     n = scene%dimension
     associate (bodies => scene%bodies, contactors => scene%contactors)
       walls = pack([(c, c=1, contactors%n)], .not. bodies%is_grain(contactors%body(:contactors%n)))

@@ -3,12 +3,12 @@ module sg_simulate
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_advance, only: advance
   use sg_alarm, only: end_after
-  use sg_broken_trace, only: is_of_the_step, trace_broken
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
   use sg_claim, only: claim_folder, leave_folder
   use sg_dump, only: finish_dump
   use sg_energy, only: kinetic_energy
   use sg_error, only: diagnostics_t, error_t, exit_done, exit_not_converged, exit_stopped
+  use sg_failure, only: is_of_the_step, trace_broken
   use sg_guard, only: judge_energy
   use sg_history, only: revive
   use sg_kinds, only: wp

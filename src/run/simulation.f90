@@ -16,7 +16,7 @@ module sg_simulation
   use sg_passing, only: passing_t
   use sg_plan, only: make_plan, omissions_t, plan_t
   use sg_problem, only: problem_t
-  use sg_records, only: impulse_length, problem_kind
+  use sg_records, only: impulse_length
   use sg_report, only: report_t
   use sg_run_options, only: partition_options_t, run_options_t
   use sg_scene, only: scene_t
@@ -58,6 +58,8 @@ module sg_simulation
     !> Works and costs since the start
     type(energy_t) :: energy
     type(totals_t) :: totals
+    !> Phase whose clock runs, one of `phase_*`; 0 between phases
+    integer :: phase = 0
     !> Bodies that passed through each other
     type(passing_t) :: passing
     !> Steps done
@@ -86,7 +88,7 @@ contains
     sim%pairs%deadline = sim%options%deadline
     sim%contacts%memory = sim%pairs%memory
     sim%contacts%dimension = sim%scene%dimension
-    sim%contacts%n_components = impulse_length(problem_kind(sim%scene%dimension, sim%plan))
+    sim%contacts%n_components = impulse_length(sim%plan%kind)
     sim%contacts%n_internal = sim%plan%n_internal
     ! Contacts known to a scene that is held in part travel first, see `decompose`.
     if (.not. allocated(sim%scene%bodies%id)) &

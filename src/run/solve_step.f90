@@ -52,7 +52,7 @@ contains
       if (.not. sim%report%is_converged) unsolved = unsolved + 1
       if (round > 1) call add_effort(before, sim%report)
       call damage%find(sim%scene, sim%options%step, sim%problem, sim%contacts, change)
-      if (sim%decomposition%is_on) call sim%comm%maximum(change)
+      call sim%comm%maximum(change)
       if (.not. change > settled .or. round == most_rounds .or. unsolved == most_unsolved) exit
       before = sim%report
       sim%problem%body = free
@@ -109,6 +109,7 @@ contains
     else
       sim%solver%with_trace = sim%is_traced
       call sim%solver%solve(sim%problem, sim%report)
+      sim%report%is_finite = all(abs(sim%problem%body) <= huge(1.0_wp))
     end if
   end subroutine solve_once
 

@@ -17,6 +17,15 @@ module sg_plan
   implicit none
   private
   public :: omissions_t, plan_t, make_plan, set_radii, describe_plan
+  public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded
+  public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, solid_bonded
+
+  !> Kinds of contact problem
+  integer, parameter :: round_frictionless = 1, round_frictional = 2, arm_frictionless = 3, arm_frictional = 4, &
+                        ball_frictionless = 5, ball_frictional = 6, solid_frictionless = 7, solid_frictional = 8
+
+  !> Kinds with cohesive zones: records of the frictional kind, followed by what bonds add
+  integer, parameter :: arm_bonded = 9, solid_bonded = 10
 
   !> What a scene needs
   type :: plan_t
@@ -28,6 +37,8 @@ module sg_plan
     logical :: has_rotation = .true.
     !> Are there cohesive zones?
     logical :: has_bonds = .false.
+    !> Kind of the contact problem
+    integer :: kind = 0
     !> Internal values that laws in use keep of a contact
     integer :: n_internal = 0
     !> Laws that some pair of contactors uses, and pairs of kinds that see each other
@@ -100,12 +111,24 @@ contains
       plan%has_bonds = plan%has_bonds .or. is_cohesive_zone(scene%laws(i))
       plan%n_internal = max(plan%n_internal, n_internal_of(scene%laws(i), scene%dimension))
     end do
+    plan%kind = problem_kind(scene%dimension, plan)
     plan%has_rotation = .not. (plan%is_round .and. .not. plan%has_tangent .and. all_rest .and. may%rotation)
     allocate (plan%radius(0))
     if (plan%is_round .and. plan%has_tangent) plan%radius = signed_radii(scene, turns)
     if (plan%has_rotation) return
     call drop_rotation(scene%bodies, keep_orientation=ranks%any(are_turned(scene%bodies)))
   end subroutine plan_scene
+
+  !> Kind of problem of a scene.
+  pure integer function problem_kind(dimension, plan)
+    integer, intent(in) :: dimension
+    type(plan_t), intent(in) :: plan
+
+    problem_kind = merge(merge(round_frictional, round_frictionless, plan%has_tangent), &
+                         merge(arm_frictional, arm_frictionless, plan%has_tangent), plan%is_round)
+    if (dimension == 3) problem_kind = problem_kind + ball_frictionless - round_frictionless
+    if (plan%has_bonds) problem_kind = merge(arm_bonded, solid_bonded, dimension == 2)
+  end function problem_kind
 
   !> Set the radii of round bodies after a rank's part of the scene has changed.
   pure subroutine set_radii(scene, plan)

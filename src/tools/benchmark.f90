@@ -14,7 +14,7 @@ module sg_benchmark
   use sg_nlgs, only: nlgs_t
   use sg_plan, only: make_plan, plan_t
   use sg_problem, only: problem_t
-  use sg_records, only: first_inverse, impulse_length, problem_kind
+  use sg_records, only: first_inverse, impulse_length
   use sg_report, only: report_t
   use sg_run_options, only: solver_options_t
   use sg_scene, only: scene_t
@@ -70,7 +70,7 @@ contains
     call make_lattice(scene, shape, contacts_wanted, friction)
     call make_plan(scene, plan)
     contacts%dimension = scene%dimension
-    contacts%n_components = impulse_length(problem_kind(scene%dimension, plan))
+    contacts%n_components = impulse_length(plan%kind)
     contacts%n_internal = plan%n_internal
     call predict(scene, 0.0_wp, h, 0.5_wp)
     figures%first_detect_seconds = -cpu_now()
@@ -84,7 +84,7 @@ contains
       call detect(scene, pairs, history, contacts)
       figures%detect_seconds = min(figures%detect_seconds, cpu_now() - start)
       start = cpu_now()
-      call assemble(scene, contacts, problem_kind(scene%dimension, plan), pairs%body_of, pairs%slot_of, plan%radius, h, problem)
+      call assemble(scene, plan, pairs, contacts, h, problem)
       figures%assemble_seconds = min(figures%assemble_seconds, cpu_now() - start)
     end do
     solver%options = options

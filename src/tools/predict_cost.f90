@@ -10,7 +10,7 @@ module sg_predict_cost
   use sg_kinds, only: wp, i4
   use sg_load, only: measured_weights
   use sg_problem, only: problem_t
-  use sg_records, only: first_inverse, problem_kind
+  use sg_records, only: first_inverse
   use sg_residuals, only: n_error_sums, sum_errors
   use sg_run_options, only: solver_options_t
   use sg_simulation, only: simulation_t
@@ -45,8 +45,7 @@ contains
 
     call find_contacts(sim, error)
     if (allocated(error)) return
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
-                  sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%step, sim%problem)
     load = measured_weights(sim%contacts, sim%scene%bodies%is_grain, sim%scene%bodies%n_home)
     machine%check_every = sim%options%solver%check_every
     machine%item_bytes = 8*real(first_inverse(sim%problem%kind) - 1, wp)

@@ -17,7 +17,6 @@ module sg_start_split
   use sg_motion, only: predict
   use sg_pictures, only: pictures_t
   use sg_problem_records, only: contact_of, contact_record_t
-  use sg_records, only: problem_kind
   use sg_simulation, only: simulation_t, start_simulation
   use sg_split_report, only: report_split, split_report_t
   use sg_text, only: to_text
@@ -66,9 +65,7 @@ contains
     call warnings%print(error_unit)
     call predict(sim%scene, sim%time(), 0.0_wp, sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call check_limits(sim%scene, sim%pairs, sim%contacts, sim%problem, &
-                      problem_kind(sim%scene%dimension, sim%plan), &
-                      sim%step + 1, error)
+    call check_limits(sim, error)
   end subroutine find_contacts
 
   !> Split bodies as the options say.
@@ -145,8 +142,7 @@ contains
     type(contact_record_t) :: contact
     integer :: chosen(sim%contacts%n), k, n
 
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
-                  sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%step, sim%problem)
     n = 0
     do k = 1, sim%contacts%n
       associate (ends => part(sim%contacts%body(:, k)))

@@ -19,7 +19,7 @@ program test_measures
   use sg_motion, only: predict, update
   use sg_penetration, only: deepest_penetration
   use sg_random, only: random_t
-  use sg_records, only: problem_kind, solid_frictional
+  use sg_records, only: solid_frictional
   use sg_report, only: report_t
   use sg_samples, only: samples_t
   use sg_scene, only: scene_t
@@ -141,10 +141,9 @@ contains
 
     call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
-                  sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, sim%options%step, sim%problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%step, sim%problem)
     call sim%solver%solve(sim%problem, sim%report)
-    call disassemble(sim%problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%options%step, 0.0_wp, sim%contacts)
+    call disassemble(sim%problem, sim%plan, sim%pairs, sim%options%step, 0.0_wp, sim%scene, sim%contacts)
   end subroutine solve_step
 
   !> Ranks of the bodies: slabs, in turns, or none for the last rank.

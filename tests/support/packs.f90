@@ -12,7 +12,6 @@ module packs
   use sg_motion, only: predict
   use sg_plan, only: set_radii
   use sg_problem, only: problem_t
-  use sg_records, only: problem_kind
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: simulation_t, start_simulation
   use sg_text, only: text_t, to_text
@@ -143,17 +142,13 @@ contains
 
     associate (h => sim%options%step)
       call predict(sim%scene, sim%time(), h, sim%options%theta)
-      is_renewed = .false.
-      if (sim%decomposition%is_on) then
-        call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_renewed, error)
-      end if
+      call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_renewed, error)
       if (is_renewed) then
         call set_radii(sim%scene, sim%plan)
         call predict(sim%scene, sim%time(), h, sim%options%theta)
       end if
       call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-      call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
-                    sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, problem)
+      call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, h, problem)
     end associate
   end subroutine next_problem
 end module packs

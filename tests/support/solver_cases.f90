@@ -8,7 +8,7 @@ module solver_cases
   use sg_motion, only: predict
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t, reserve_problem
-  use sg_records, only: arm_frictional, problem_kind, round_frictional, round_frictionless
+  use sg_records, only: arm_frictional, round_frictional, round_frictionless
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: simulation_t
@@ -37,8 +37,7 @@ contains
   subroutine reassemble(sim)
     type(simulation_t), intent(inout) :: sim !! its contacts are found
 
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
-                  sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, sim%problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, h, sim%problem)
   end subroutine reassemble
 
   !> The problem of the first step of a scene.

@@ -68,8 +68,7 @@ contains
         solver = solver_of(criterion_e8, 1e-13_wp, 100000)
         call solver%solve(problem, report)
         call t%check(report%is_converged, name//': converged')
-        call disassemble(problem, sim%scene, sim%pairs%body_of, sim%plan%radius, sim%options%step, 0.0_wp, &
-                         sim%contacts)
+        call disassemble(problem, sim%plan, sim%pairs, sim%options%step, 0.0_wp, sim%scene, sim%contacts)
         ! Masses, radii and velocities are of order one.
         call t%near(worst_map(sim), 0.0_wp, 1e-10_wp, name//': impulses and velocities obey the law')
         call test_warm(sim, problem, name)
@@ -118,7 +117,7 @@ contains
     type(report_t) :: report
 
     call predict(sim%scene, 0.0_wp, h, 0.5_wp)
-    call assemble(sim%scene, sim%contacts, solved%kind, sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, again)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, h, again)
     again%impulse(:, :again%n_contacts) = solved%impulse(:, :again%n_contacts)
     solver = solver_of(criterion_e8, 1e-11_wp, 100)
     call solver%solve(again, report)

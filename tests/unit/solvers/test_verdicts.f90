@@ -13,7 +13,7 @@ program test_verdicts
   use sg_problem, only: problem_t
   use sg_problem_records, only: body_of, body_record_t, contact_of, contact_record_t
   use sg_random, only: random_t
-  use sg_records, only: first_inverse, problem_kind
+  use sg_records, only: first_inverse
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_names, criterion_violation, &
                             method_names, solver_options_t
@@ -133,8 +133,7 @@ contains
     call start_simulation(sim)
     call predict(sim%scene, 0.0_wp, h, 0.5_wp)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%contacts, problem_kind(sim%scene%dimension, sim%plan), &
-                  sim%pairs%body_of, sim%pairs%slot_of, sim%plan%radius, h, problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, h, problem)
   end subroutine draw_pile
 
   !> Weight alone, weight and velocities, or nothing but velocities, down to those of rounding size beside a fast body.
@@ -179,8 +178,7 @@ contains
     call start_simulation(sim)
     call predict(sim%scene, 0.0_wp, h, 0.5_wp)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%contacts, problem_kind(2, sim%plan), sim%pairs%body_of, &
-                  sim%pairs%slot_of, sim%plan%radius, h, problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, h, problem)
     options%criterion = criterion_estimate
     options%tolerance = 1e-2_wp
     options%maximum_sweeps = 100
