@@ -20,9 +20,20 @@ module sg_checkpoint
   use sg_totals, only: n_totals_values, totals_t
   implicit none
   private
-  public :: save_checkpoint, load_checkpoint
+  public :: save_checkpoint, save_once, load_checkpoint
 
 contains
+
+  !> Write a checkpoint, unless that of this step is written, or the program has no HDF5.
+  subroutine save_once(sim, error)
+    type(simulation_t), intent(inout) :: sim !! simulation between two steps
+    type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
+
+    if (.not. sim%writers%has_checkpoints .or. sim%writers%saved_step == sim%step) return
+    call sim%totals%tick()
+    call save_checkpoint(sim, error)
+    if (.not. allocated(error)) sim%writers%saved_step = sim%step
+  end subroutine save_once
 
   !> Write the state of a simulation to the older of the two restart files of its folder.
   subroutine save_checkpoint(sim, error)

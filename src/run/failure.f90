@@ -4,21 +4,25 @@
 !! history of its errors. None of these could be asked for before: so the guess of every solve is kept where a run is traced, and
 !! when the step fails, its problem is solved once more, from the same guess and by the same solver, this time with a history.
 module sg_failure
+  use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_assemble, only: assemble
-  use sg_dump, only: begin_dump
+  use sg_checkpoint, only: save_once
+  use sg_dump, only: begin_dump, finish_dump
   use sg_error, only: error_t, exit_broken, exit_unbalanced
   use sg_guard, only: find_broken, number_of
+  use sg_history, only: revive
   use sg_kinds, only: wp, i1
   use sg_motion, only: predict
   use sg_problem, only: problem_t
   use sg_report, only: unsolved
-  use sg_run_trace, only: run_trace_t
   use sg_simulation, only: simulation_t
+  use sg_text, only: to_text
   use sg_timed, only: timed
   use sg_totals, only: phase_measure
   implicit none
   private
-  public :: check_input, keep_guess, dump_failed_solve, dump_broken_step, note_unconverged, is_of_the_step, trace_broken
+  public :: check_input, keep_guess, dump_failed_solve, dump_broken_step, note_unconverged, is_of_the_step
+  public :: save_dump, keep_failed_step, trace_last
 
 contains
 
@@ -126,17 +130,51 @@ contains
     is_of_the_step = any(error%code == [exit_broken, exit_unbalanced])
   end function is_of_the_step
 
-  !> Write the history of the step that ended the run, where a run is traced. Collective.
-  subroutine trace_broken(sim, step, trace, error)
+  !> Write the dump of a step; that it cannot be written gives a warning, and does not end the run. Collective.
+  subroutine save_dump(sim, step)
+    type(simulation_t), intent(inout) :: sim !! its dump has begun
+    integer, intent(in) :: step !! number of the step
+    type(error_t), allocatable :: error
+    character(len=:), allocatable :: name
+
+    call finish_dump(sim%dump, sim%problem, sim%options%folder, sim%writers%summary%deck, step, sim%comm, name, error)
+    if (.not. allocated(error)) call sim%writers%summary%add_file('dump_'//to_text(step), name)
+    call warn(sim, error)
+  end subroutine save_dump
+
+  !> Keep the state at the beginning of a step that failed, so that it can be tried again, and its trace. Collective.
+  subroutine keep_failed_step(sim, error)
+    type(simulation_t), intent(inout) :: sim !! its bodies are at the beginning of the step
+    type(error_t), intent(in) :: error !! what ended the step
+    type(error_t), allocatable :: late
+
+    if (sim%writers%has_checkpoints .and. sim%writers%saved_step /= sim%step) then
+      call revive(sim%history, sim%pairs, sim%contacts)
+      call save_once(sim, late)
+    end if
+    if (is_of_the_step(error)) call trace_last(sim, sim%step + 1)
+  end subroutine keep_failed_step
+
+  !> Write the history of the step that ends the run, where a run is traced; that it cannot be written gives a warning, and does not
+  !! hide why the run ends. Collective.
+  subroutine trace_last(sim, step)
     type(simulation_t), intent(inout) :: sim !! its problem is that of the step
     integer, intent(in) :: step !! number of the step
-    type(run_trace_t), intent(inout) :: trace !! gets a row more
-    type(error_t), allocatable, intent(out) :: error !! set on all ranks when it cannot be written
+    type(error_t), allocatable :: error
 
-    if (.not. trace%is_on) return
+    if (.not. sim%writers%trace%is_on) return
     if (.not. (sim%is_traced .or. sim%dump%is_unsolved)) call timed(solve_again, sim, phase_measure, error)
-    call trace%end_step(step, sim%time(step), sim%all_contacts, sim%report, sim%totals, sim%comm, error)
-  end subroutine trace_broken
+    call sim%writers%trace%end_step(step, sim%time(step), sim%all_contacts, sim%report, sim%totals, sim%comm, error)
+    call warn(sim, error)
+  end subroutine trace_last
+
+  !> Print an error as a warning, on the root rank alone.
+  subroutine warn(sim, error)
+    type(simulation_t), intent(in) :: sim
+    type(error_t), allocatable, intent(in) :: error
+
+    if (allocated(error) .and. sim%writers%is_root) write (error_unit, '(a)') error%report('warning')
+  end subroutine warn
 
   !> Solve the problem of the last step once more, with a history; the report is that of this solve. Collective.
   subroutine solve_again(sim, error)

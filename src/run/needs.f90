@@ -51,7 +51,7 @@ contains
     needs%libraries = opened_libraries()
     needs%messages = real(sim%comm%traffic%messages, wp)
     if (sim%comm%size > 1) call add_ranks(needs, sim)
-    if (.not. sim%decomposition%is_on .and. sim%options%solver%method == 'nlgs' .and. sim%step > 0) then
+    if (sim%comm%size == 1 .and. sim%options%solver%method == 'nlgs' .and. sim%step > 0) then
       call measure_cost(sim, needs%cost)
     end if
     if (sim%comm%rank == 0) then

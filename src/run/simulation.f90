@@ -24,6 +24,7 @@ module sg_simulation
   use sg_solver, only: solver_t
   use sg_text, only: to_text
   use sg_totals, only: totals_t
+  use sg_writers, only: writers_t
   implicit none
   private
   public :: simulation_t, start_simulation, decompose
@@ -62,6 +63,8 @@ module sg_simulation
     integer :: phase = 0
     !> Bodies that passed through each other
     type(passing_t) :: passing
+    !> Files of the run
+    type(writers_t) :: writers
     !> Steps done
     integer :: step = 0
     !> Contacts of the last step, of all ranks

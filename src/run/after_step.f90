@@ -1,0 +1,130 @@
+!> Output due after a step: record, spectra, structure, pictures, checkpoints, progress.
+module sg_after_step
+  use, intrinsic :: iso_fortran_env, only: error_unit
+  use sg_checkpoint, only: save_once
+  use sg_energy, only: kinetic_energy
+  use sg_error, only: error_t
+  use sg_guard, only: judge_energy
+  use sg_kinds, only: wp
+  use sg_measures, only: measure
+  use sg_report, only: report_t
+  use sg_simulation, only: simulation_t
+  use sg_structure_now, only: report_structure
+  use sg_system, only: checkpoint_requested
+  use sg_timed, only: timed
+  use sg_totals, only: phase_measure, phase_output, reduce_report, totals_t
+  implicit none
+  private
+  public :: measure_now, write_due
+
+contains
+
+  !> Record, draw, save and print what is due after a step. Collective.
+  subroutine write_due(sim, error)
+    type(simulation_t), intent(inout) :: sim !! after a step
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when the run must end
+    type(error_t), allocatable :: late
+
+    if (sim%options%has_spectrum) call timed(sample_now, sim, phase_measure, error)
+    if (sim%options%has_structure .and. is_due(sim, sim%options%structure_every)) call report_structure(sim, error)
+    if (allocated(error)) return
+    if (sim%options%record_every > 0 .and. (is_due(sim, sim%options%record_every) .or. is_last(sim))) then
+      call timed(measure_now, sim, phase_measure, error)
+      call watch_energy(sim, error)
+      call timed(record_now, sim, phase_output, late)
+      if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
+    end if
+    call timed(write_files, sim, phase_output, error)
+  end subroutine write_due
+
+  !> Pictures, checkpoint and progress line, where they are due.
+  subroutine write_files(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+
+    associate (writers => sim%writers)
+      if (writers%has_pictures .and. (is_due(sim, sim%options%output_every) .or. is_last(sim))) &
+        call writers%pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, error)
+      if (.not. allocated(error) .and. writers%has_checkpoints) then
+        if (is_due(sim, sim%options%restart_every) .or. (is_last(sim) .and. sim%options%restart_at_end) .or. &
+            sim%comm%any(checkpoint_requested())) call save_once(sim, error)
+      end if
+      if (writers%progress%is_due()) &
+        call writers%progress%show(sim%step, sim%time(), sim%all_contacts, sim%report, present_energy(sim))
+    end associate
+  end subroutine write_files
+
+  !> Is output due after this step that is written every so many steps?
+  pure logical function is_due(sim, every)
+    type(simulation_t), intent(in) :: sim
+    integer, intent(in) :: every
+
+    is_due = .false.
+    if (every > 0) is_due = mod(sim%step, every) == 0
+  end function is_due
+
+  !> Is this step the last one of the run?
+  pure logical function is_last(sim)
+    type(simulation_t), intent(in) :: sim
+
+    is_last = sim%step == sim%options%steps
+  end function is_last
+
+  !> Do the energies just measured, which all ranks have, end the run, or ask for a warning?
+  subroutine watch_energy(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+    character(len=:), allocatable :: warning
+    logical :: has_warned
+
+    ! With another theta positions move otherwise than works are summed: the balance is open by the order of the step.
+    has_warned = sim%writers%has_warned .or. abs(sim%options%theta - 0.5_wp) > 0
+    call judge_energy(sim%writers%measures, sim%options%guard, sim%step, has_warned, warning, error)
+    if (len(warning) == 0) return
+    sim%writers%has_warned = .true.
+    if (sim%writers%is_root) write (error_unit, '(a)') 'warning: '//warning
+  end subroutine watch_energy
+
+  !> Add a row to the record.
+  subroutine record_now(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+    type(report_t) :: report
+    type(totals_t) :: totals
+
+    call sim%totals%tick()
+    report = sim%report
+    totals = sim%totals
+    call reduce_report(report, sim%comm)
+    call totals%reduce(sim%comm)
+    call sim%writers%record%add(sim%step, sim%time(), sim%all_contacts, report, totals, sim%writers%measures, error)
+    call sim%comm%agree(error)
+  end subroutine record_now
+
+  !> Kinetic energy to show [J]: that of now on one rank; of several ranks the last one measured, which costs no message.
+  real(wp) function present_energy(sim)
+    type(simulation_t), intent(in) :: sim
+
+    if (sim%comm%size == 1) then
+      present_energy = kinetic_energy(sim%scene%bodies)
+    else
+      present_energy = sim%writers%measures%get('kinetic_energy')
+    end if
+  end function present_energy
+
+  !> Add the velocities of this step to the samples of spectra.
+  subroutine sample_now(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+
+    call sim%writers%samples%add(sim%scene, sim%contacts, sim%options%step)
+  end subroutine sample_now
+
+  !> Measure all indicators. Collective.
+  subroutine measure_now(sim, error)
+    type(simulation_t), intent(inout) :: sim !! after a step; its measures are set
+    type(error_t), allocatable, intent(out) :: error !! never set
+
+    call measure(sim%scene, sim%contacts, sim%options%step, sim%energy, sim%writers%measures, sim%decomposition%subdomain, sim%comm)
+  end subroutine measure_now
+end module sg_after_step

@@ -1,0 +1,36 @@
+!> Writers of a run: record, pictures, progress, summary, traces, structure files.
+module sg_writers
+  use sg_measures, only: measures_t
+  use sg_pictures, only: pictures_t
+  use sg_progress, only: progress_t
+  use sg_record, only: record_t
+  use sg_run_summary, only: run_summary_t
+  use sg_run_trace, only: run_trace_t
+  use sg_samples, only: samples_t
+  use sg_structure_file, only: structure_file_t
+  implicit none
+  private
+  public :: writers_t
+
+  !> All writers of a run, and the last measures
+  type :: writers_t
+    type(record_t) :: record
+    type(pictures_t) :: pictures
+    type(progress_t) :: progress
+    type(run_summary_t) :: summary
+    type(measures_t) :: measures
+    type(samples_t) :: samples
+    type(run_trace_t) :: trace
+    type(structure_file_t) :: structure
+    !> Is this the rank that writes texts?
+    logical :: is_root = .true.
+    !> Are there pictures and checkpoints?
+    logical :: has_pictures = .false., has_checkpoints = .false.
+    !> Has this run claimed its folder, so that it may write there? Has it done a step?
+    logical :: has_folder = .false., has_stepped = .false.
+    !> Step of the last checkpoint written; negative where there is none
+    integer :: saved_step = -1
+    !> Has a warning been given that the energy balance does not close?
+    logical :: has_warned = .false.
+  end type writers_t
+end module sg_writers
