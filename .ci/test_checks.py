@@ -100,6 +100,70 @@ def test_tables_of_rooms(project):
     assert re.search(r"^base +1( +\.)*$", drawn, re.M) and re.search(r"^scene +1( +\.)*$", drawn, re.M)
 
 
+STEP = """module sg_advance
+  use sg_motion, only: predict
+  use sg_scene, only: &
+    work
+contains
+  subroutine advance(sim, error)
+    call timed(move, sim, phase_predict, error)
+    call timed(solve, sim, phase_solve, error)
+  end subroutine advance
+  subroutine move(sim, error)
+    call look(sim)
+    call predict(sim)
+    ! call work(sim)
+  end subroutine move
+  pure logical function look(sim)
+    look = work(sim)
+  end function look
+  subroutine solve(sim, error)
+    call sim%ranks%sum(sim%step)
+  end subroutine solve
+end module sg_advance
+"""
+OWNER = """module sg_simulation
+  use sg_ranks, only: ranks_t
+  type :: simulation_t
+    type(ranks_t) :: ranks
+    integer :: step = 0
+  end type simulation_t
+end module sg_simulation
+"""
+RANKS = """module sg_ranks
+  type :: ranks_t
+  contains
+    generic :: sum => sum_integer, sum_real
+  end type ranks_t
+end module sg_ranks
+"""
+DRAWN = """<!-- step -->
+```
+predict     move
+              look
+                work                        scene/scene
+              predict                       run/motion
+                work                        scene/scene
+solve       solve
+              ranks%sum                     parallel/ranks
+```
+<!-- end -->
+"""
+
+
+def test_drawing_of_a_step(project):
+    page = project / "doc/guide/architecture.md"
+    page.parent.mkdir(parents=True)
+    page.write_text("<!-- step -->\n\n<!-- end -->\n")
+    motion = GOOD.replace("subroutine work", "subroutine predict")
+    write(project, "src/run/motion.f90", use="use sg_scene, only: work", code="call work()", text=motion)
+    for place, text in (("run/advance", STEP), ("run/simulation", OWNER), ("parallel/ranks", RANKS)):
+        write(project, f"src/{place}.f90", text=text)
+    assert run("draw_rooms", project)[0] == 0 and page.read_text() == DRAWN
+    write(project, "src/run/advance.f90", text=STEP.replace("call look(sim)", "call other(sim)"))
+    assert run("draw_rooms", "--check", project)[0] == 1
+
+
 @pytest.mark.parametrize("old, new, finding", [
     ("", "", ""),
     ("arm_law = 16", "arm_law = 17", "record of arm_frictional is not filled"),
@@ -110,7 +174,7 @@ def test_tables_of_rooms(project):
     ("round_bias_n = 3, round_bias_t = 4", "round_bias_n = 4, round_bias_t = 3", "out of date"),
 ])  # fmt: skip
 def test_tables_of_records(tmp_path, old, new, finding):
-    for place in ("src/problem/records.f90", "doc/theory/contact_problem.md"):
+    for place in ("src/scene/plan.f90", "src/problem/records.f90", "doc/theory/contact_problem.md"):
         (tmp_path / place).parent.mkdir(parents=True)
         (tmp_path / place).write_text((HERE.parent / place).read_text())
     layout = tmp_path / "src/problem/records.f90"
