@@ -14,8 +14,8 @@ module sg_scene_from_deck
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_share, only: share_t
-  use sg_solid_checks, only: find_overlaps
-  use sg_start_checks, only: check_range, overlaps_t, report_overlaps
+  use sg_start_checks, only: check_range
+  use sg_start_overlaps, only: find_overlaps, overlaps_t, report_overlaps
   use sg_system, only: file_exists
   use sg_text, only: to_text
   use sg_time_function_from_deck, only: path_in_deck
@@ -61,7 +61,7 @@ contains
     if (deck%ranks > 1) return
     call check_range(deck, scene, diagnostics)
     if (diagnostics%count() > 0) return
-    call find_overlaps(scene, overlaps)
+    call find_overlaps(scene, 0, overlaps)
     call report_overlaps(deck, overlaps, diagnostics)
   end subroutine scene_from_deck
 

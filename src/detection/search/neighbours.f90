@@ -20,7 +20,7 @@ module sg_neighbours
   use sg_timers, only: wall_now
   implicit none
   private
-  public :: neighbours_t, build_neighbours, neighbours_are_stale, fitting_skin
+  public :: neighbours_t, build_neighbours, find_neighbours, neighbours_are_stale, fitting_skin
 
   !> All pairs that may touch soon
   type :: neighbours_t
@@ -101,7 +101,6 @@ contains
     type(scene_t), intent(inout) :: scene !! positions may be wrapped, contactors are placed
     real(wp), intent(in) :: configuration(:, :) !! of all bodies, as their `middle`
     real(wp), intent(in) :: skin !! how far shapes may move, two together, before the list is made again [m]
-    integer(i4), allocatable :: table(:, :)
 
     if (allocated(pairs%built)) then
       if (any(shape(pairs%built) /= shape(configuration))) deallocate (pairs%built)
@@ -110,15 +109,24 @@ contains
     pairs%built(:, :) = configuration
     if (scene%period > 0) call wrap(scene%bodies, pairs%built, 1, scene%period, scene%bodies%crossings)
     if (scene%period_y > 0) call wrap(scene%bodies, pairs%built, 2, scene%period_y, scene%bodies%crossings_y)
-    call place_contactors(scene%contactors, pairs%built)
-    call order_bodies(pairs, scene)
-    call tabulate_sees(scene, table)
     pairs%skin = skin
-    call find_pairs(pairs, scene, table)
+    call find_neighbours(pairs, scene)
     call append_links(pairs, scene)
     if (pairs%is_cut .or. pairs%is_late) call give_back(pairs)
     pairs%builds = pairs%builds + 1
   end subroutine build_neighbours
+
+  !> Find the pairs of shapes that are near each other in the configuration `pairs%built`; bodies may lie outside of the period.
+  subroutine find_neighbours(pairs, scene)
+    type(neighbours_t), intent(inout) :: pairs !! pairs found; its configuration, skin and rank are given
+    type(scene_t), intent(inout) :: scene !! its contactors are placed
+    integer(i4), allocatable :: table(:, :)
+
+    call place_contactors(scene%contactors, pairs%built)
+    call order_bodies(pairs, scene)
+    call tabulate_sees(scene, table)
+    call find_pairs(pairs, scene, table)
+  end subroutine find_neighbours
 
   !> A skin for the present motion [m], 0 where there is nothing: lists that last long cost pairs that never touch, short-lived
   !! ones cost searches.

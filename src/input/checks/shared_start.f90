@@ -1,7 +1,7 @@
 !> Checks of a deck's scene that ranks make together, each having read its share: all come to the same mistakes and warnings.
 !!
 !! Grains that another rank may hold are copied to see whether they overlap, as copies are made in a run (sg_halo); what was found
-!! is told to all, of overlaps the first ones (doc/theory/decomposition.md).
+!! is gathered, of overlaps the deepest ones (doc/theory/decomposition.md).
 module sg_shared_start
   use sg_blocks, only: deck_t
   use sg_comm, only: comm_t
@@ -12,9 +12,8 @@ module sg_shared_start
   use sg_pack_bodies, only: drop_step_state, order_records, pack_body, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t, start_contact_t
-  use sg_solid_checks, only: find_overlaps
-  use sg_start_checks, only: complain_of_outside, complain_of_wide, first_wide, lies_outside, most_pairs, overlaps_t, &
-                             report_overlaps
+  use sg_start_checks, only: complain_of_outside, complain_of_wide, first_wide, lies_outside
+  use sg_start_overlaps, only: add_overlap, find_overlaps, most_pairs, overlaps_t, report_overlaps
   use sg_subdomain, only: subdomain_t
   use sg_whole, only: keep_whole, localise, whole_t
   implicit none
@@ -46,8 +45,7 @@ contains
     subdomain%all_bodies = scene%bodies%n + deck%absent%n
     call keep_whole(scene, whole)
     call make_halo(scene, whole, subdomain, 0.0_wp, comm)
-    found%rank = comm%rank
-    call find_overlaps(scene, found)
+    call find_overlaps(scene, comm%rank, found)
     call gather_overlaps(found, comm)
     call report_overlaps(deck, found, diagnostics)
   end subroutine check_shared_start
@@ -129,27 +127,23 @@ contains
     value = all(2, first)
   end subroutine first_of_all
 
-  !> The overlaps of all ranks: how many, and the first ones.
+  !> The overlaps of all ranks: how many, and the deepest ones.
   subroutine gather_overlaps(found, comm)
     type(overlaps_t), intent(inout) :: found
     type(comm_t), intent(inout) :: comm
-    type(overlaps_t) :: of_rank
     real(wp), allocatable :: all(:, :)
-    integer :: r, i, n
+    real(wp) :: overlap(4, most_pairs)
+    integer :: r, i
 
-    call comm%gather([real(found%n, wp), real(reshape(found%pair, [2*most_pairs]), wp), found%depth, found%share], all)
-    found%n = nint(sum(all(1, :)))
-    n = 0
+    overlap(:2, :) = real(found%pair, wp)
+    overlap(3, :) = found%depth
+    overlap(4, :) = found%share
+    call comm%gather([real(found%n, wp), reshape(overlap, [4*most_pairs])], all)
+    found = overlaps_t(n=nint(sum(all(1, :))))
     do r = 1, size(all, 2)
-      of_rank%pair = reshape(nint(all(2:1 + 2*most_pairs, r)), [2, most_pairs])
-      of_rank%depth = all(2 + 2*most_pairs:1 + 3*most_pairs, r)
-      of_rank%share = all(2 + 3*most_pairs:, r)
-      do i = 1, min(nint(all(1, r)), most_pairs)
-        if (n == most_pairs) return
-        n = n + 1
-        found%pair(:, n) = of_rank%pair(:, i)
-        found%depth(n) = of_rank%depth(i)
-        found%share(n) = of_rank%share(i)
+      overlap = reshape(all(2:, r), [4, most_pairs])
+      do i = 1, count(overlap(4, :) > 0)
+        call add_overlap(found, nint(overlap(:2, i)), overlap(3, i), overlap(4, i))
       end do
     end do
   end subroutine gather_overlaps

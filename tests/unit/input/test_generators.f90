@@ -1,7 +1,6 @@
-!> Samples: no overlaps, seeds, size distributions, lattices, polygons, start overlaps of all pairs of shapes.
+!> Samples: no overlaps, seeds, size distributions, lattices, polygons.
 program test_generators
   use harness, only: tests_t
-  use sg_contactors, only: add_disk, add_polygon, add_wall, contactors_t, place_contactors
   use sg_generators, only: draw_polygon, draw_radius, size_constant, size_lognormal, size_uniform, &
                            size_volume
   use sg_insertion, only: insert_at_random
@@ -9,7 +8,6 @@ program test_generators
   use sg_lattice, only: lattice_square, lattice_triangular, place_on_lattice
   use sg_moments, only: polygon_moments
   use sg_ordering, only: order_of
-  use sg_overlaps, only: overlap_depth
   use sg_random, only: random_t
   use sg_scene, only: scene_t
   use sg_timers, only: cpu_now
@@ -23,7 +21,6 @@ program test_generators
   call test_insertion()
   call test_lattice()
   call test_polygons()
-  call test_overlaps()
   call test_samples()
   call test_many()
   call t%finish()
@@ -194,35 +191,6 @@ contains
     end do
     call t%equal(i, 201, 'random polygons are convex, counter-clockwise, on their circle')
   end subroutine test_polygons
-
-  !> Depth of overlaps of pairs of shapes, by hand.
-  subroutine test_overlaps()
-    type(contactors_t) :: shapes
-    real(wp), parameter :: square(2, 4) = reshape([-1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp], [2, 4])
-    real(wp) :: middle(3, 5)
-
-    call add_disk(shapes, 1, 1, 0.5_wp, [0.0_wp, 0.0_wp])
-    call add_wall(shapes, 2, 1, 2.0_wp, 0.25_wp, [0.0_wp, 0.0_wp], 0.0_wp)
-    call add_polygon(shapes, 3, 1, square, [0.0_wp, 0.0_wp])
-    call add_polygon(shapes, 4, 1, square, [0.0_wp, 0.0_wp])
-    call add_disk(shapes, 5, 1, 0.5_wp, [0.0_wp, 0.0_wp])
-    middle(:, 1) = [0.0_wp, 0.6_wp, 0.0_wp]
-    middle(:, 2) = [0.5_wp, 0.0_wp, 0.0_wp]
-    middle(:, 3) = [0.0_wp, 2.05_wp, 0.0_wp]
-    middle(:, 4) = [0.0_wp, 2.05_wp + 1 + sqrt(2.0_wp) - 0.125_wp, pi/4]
-    middle(:, 5) = [1.3_wp, 3.45_wp, 0.0_wp]
-    call place_contactors(shapes, middle)
-    ! Rounding of some operations on numbers of size four.
-    call t%near(overlap_depth(shapes, 1, 2, 0.0_wp), 0.15_wp, 1e-14_wp, 'disk on a segment')
-    call t%near(overlap_depth(shapes, 2, 1, 0.0_wp), 0.15_wp, 1e-14_wp, 'and the other way round')
-    call t%near(overlap_depth(shapes, 1, 2, 3.0_wp), 0.75_wp - norm2([1.5_wp, 0.6_wp]), 1e-14_wp, 'beside its end')
-    call t%near(overlap_depth(shapes, 1, 3, 0.0_wp), 0.05_wp, 1e-14_wp, 'disk under a square')
-    call t%near(overlap_depth(shapes, 3, 4, 0.0_wp), 0.125_wp, 1e-14_wp, 'corner in an edge')
-    call t%near(overlap_depth(shapes, 3, 5, 0.0_wp), 0.5_wp - norm2([0.3_wp, 0.4_wp]), 1e-14_wp, 'disk at a corner')
-    call t%near(overlap_depth(shapes, 1, 1, 0.7_wp), 0.3_wp, 1e-14_wp, 'two disks')
-    call t%near(overlap_depth(shapes, 2, 2, 1.0_wp), 0.5_wp, 1e-14_wp, 'two segments in line')
-    call t%near(overlap_depth(shapes, 2, 3, 0.0_wp), 0.25_wp - 1.05_wp, 1e-14_wp, 'segment apart from a square')
-  end subroutine test_overlaps
 
   !> Samples through a deck: kinds, materials, period, mass.
   subroutine test_samples()

@@ -1,20 +1,14 @@
-!> Samples in space: no overlaps, seeds, size distributions, lattices, polyhedra, start overlaps of pairs of shapes.
+!> Samples in space: no overlaps, seeds, size distributions, lattices, polyhedra.
 program test_generators_space
   use harness, only: tests_t
-  use sg_contactors, only: contactors_t, place_contactors
   use sg_convex_hull, only: hull_is_available
-  use sg_error, only: error_t
   use sg_generators, only: draw_radius, size_lognormal, size_uniform, size_volume
   use sg_insertion, only: insert_at_random
   use sg_kinds, only: wp, pi
   use sg_lattice, only: lattice_cubic, lattice_fcc, lattice_hexagonal, place_on_lattice
-  use sg_polyhedron, only: polyhedron_t
-  use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
-  use sg_rotations, only: frame_of, no_rotation, rotation_by, turned_by
+  use sg_rotations, only: turned_by
   use sg_scene, only: scene_t
-  use sg_solid_overlaps, only: solid_overlap_depth
-  use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_space_generators, only: random_direction, random_rotation
   use written_files, only: read_good_deck
   implicit none
@@ -25,8 +19,6 @@ program test_generators_space
   call test_directions()
   call test_insertion()
   call test_lattices()
-  call test_overlaps()
-  call test_overlaps_turned()
   call test_samples()
   call test_polyhedra()
   call test_many()
@@ -188,101 +180,6 @@ contains
                    'twelve neighbours')
     end do
   end subroutine test_lattices
-
-  !> Depth of overlaps of pairs of shapes, by hand.
-  subroutine test_overlaps()
-    type(contactors_t) :: shapes
-    real(wp) :: middle(7, 6)
-    real(wp), parameter :: none(3) = 0, z(3) = [0.0_wp, 0.0_wp, 1.0_wp]
-    type(polyhedron_t) :: cube
-    type(error_t), allocatable :: error
-
-    shapes%dimension = 3
-    call box_polyhedron([1.0_wp, 1.0_wp, 1.0_wp], cube, error)
-    call add_sphere(shapes, 1, 1, 0.5_wp, none)
-    call add_plane(shapes, 2, 1, [2.0_wp, 2.0_wp, 0.25_wp], none, frame_of(no_rotation))
-    call add_polyhedron(shapes, 3, 1, cube, none)
-    call add_polyhedron(shapes, 4, 1, cube, none)
-    call add_cylinder(shapes, 5, 1, 1.0_wp, 0.5_wp, none, z)
-    call add_hollow_cylinder(shapes, 6, 1, 1.0_wp, 3.0_wp, none, z)
-    middle(4:, :) = spread(no_rotation, 2, 6)
-    middle(:3, 1) = [0.0_wp, 0.0_wp, 0.65_wp]
-    middle(:3, 2) = none
-    middle(:3, 3) = [0.0_wp, 0.0_wp, 2.05_wp]
-    ! An edge upwards, an eighth deep in the cube above.
-    middle(:3, 4) = [0.0_wp, 0.0_wp, 3.05_wp + sqrt(2.0_wp) - 0.125_wp]
-    middle(4:, 4) = rotation_by([0.0_wp, pi/4, 0.0_wp])
-    middle(:3, 5) = [1.5_wp, 0.0_wp, 0.0_wp]
-    middle(:3, 6) = none
-    call place_contactors(shapes, middle)
-    call both_ways(shapes, 1, 2, none, 0.1_wp, 'sphere on a plane')
-    call both_ways(shapes, 1, 2, [2.3_wp, 0.0_wp, 0.0_wp], 0.5_wp - norm2([0.3_wp, 0.4_wp]), 'beside its edge')
-    call both_ways(shapes, 1, 2, [2.2_wp, 2.1_wp, 0.2_wp], 0.5_wp - norm2([0.2_wp, 0.1_wp, 0.2_wp]), 'at its corner')
-    call both_ways(shapes, 1, 3, none, 0.5_wp - 0.4_wp, 'sphere under a cube')
-    call both_ways(shapes, 1, 3, [0.0_wp, 0.0_wp, -1.9_wp], 1.5_wp - 0.5_wp, 'its centre in the cube')
-    call both_ways(shapes, 3, 4, none, 0.125_wp, 'edge in a face')
-    call both_ways(shapes, 3, 4, [0.0_wp, 0.0_wp, 0.225_wp], -0.1_wp, 'edge above a face')
-    call both_ways(shapes, 5, 1, none, 1 - 1.5_wp, 'capsule and sphere side by side')
-    call both_ways(shapes, 5, 1, [1.5_wp, 0.0_wp, 1.0_wp], 1 - 0.65_wp, 'sphere above the capsule')
-    call both_ways(shapes, 5, 2, [0.0_wp, 0.0_wp, -1.0_wp], 0.5_wp + 0.25_wp, 'capsule that stands in a plane')
-    call both_ways(shapes, 1, 6, [-2.7_wp, 0.0_wp, 0.0_wp], 0.2_wp, 'sphere within a hollow cylinder')
-    call both_ways(shapes, 1, 6, [0.0_wp, 0.0_wp, 0.0_wp], -2.5_wp, 'in its middle')
-    call t%check(solid_overlap_depth(shapes, 1, 6, [0.0_wp, 0.0_wp, 5.0_wp]) < 0, 'beyond its end')
-    call both_ways(shapes, 1, 6, [9.0_wp, 0.0_wp, 0.0_wp], 6.5_wp, 'outside of it: detection draws it in')
-    call both_ways(shapes, 1, 1, [0.0_wp, 0.6_wp, 0.0_wp], 0.4_wp, 'two spheres')
-    call both_ways(shapes, 5, 5, [0.0_wp, 0.0_wp, 2.5_wp], 0.5_wp, 'two capsules in line')
-    call both_ways(shapes, 5, 5, [0.6_wp, 0.0_wp, 0.3_wp], 0.4_wp, 'two capsules side by side')
-  end subroutine test_overlaps
-
-  !> The depth of a pair, and of the pair the other way round.
-  subroutine both_ways(shapes, i, j, shift, depth, name)
-    type(contactors_t), intent(in) :: shapes
-    integer, intent(in) :: i, j
-    real(wp), intent(in) :: shift(3), depth
-    character(len=*), intent(in) :: name
-
-    ! Rounding of some operations on numbers of size four.
-    call t%near(solid_overlap_depth(shapes, i, j, shift), depth, 1e-14_wp, name)
-    call t%near(solid_overlap_depth(shapes, j, i, -shift), depth, 1e-14_wp, name//', the other way round')
-  end subroutine both_ways
-
-  !> Two cubes whose edges cross: only the product of the edges parts them. And all of it turned together.
-  subroutine test_overlaps_turned()
-    type(contactors_t) :: shapes
-    type(polyhedron_t) :: cube
-    type(error_t), allocatable :: error
-    type(random_t) :: random
-    real(wp) :: middle(7, 2), turn(4), gap
-    integer :: i, k
-
-    call random%seed(8)
-    shapes%dimension = 3
-    call box_polyhedron([1.0_wp, 1.0_wp, 1.0_wp], cube, error)
-    call add_polyhedron(shapes, 1, 1, cube, [0.0_wp, 0.0_wp, 0.0_wp])
-    call add_polyhedron(shapes, 2, 1, cube, [0.0_wp, 0.0_wp, 0.0_wp])
-    do i = 1, 20
-      turn = random_rotation(random)
-      do k = 1, 2
-        ! Along x the one has an edge along z, the other one along y, at sqrt(2) from their centres.
-        gap = merge(0.07_wp, -0.07_wp, k == 1)
-        middle(:3, 1) = 0
-        middle(:3, 2) = turned_by(turn, [2*sqrt(2.0_wp) + gap, 0.0_wp, 0.0_wp])
-        middle(4:, 1) = quaternion(turn, [0.0_wp, 0.0_wp, pi/4])
-        middle(4:, 2) = quaternion(turn, [0.0_wp, pi/4, 0.0_wp])
-        call place_contactors(shapes, middle)
-        call t%near(solid_overlap_depth(shapes, 1, 2, [0.0_wp, 0.0_wp, 0.0_wp]), -gap, 1e-13_wp, 'crossed edges')
-      end do
-    end do
-  end subroutine test_overlaps_turned
-
-  !> A rotation by a vector, then another rotation.
-  function quaternion(turn, vector) result(q)
-    use sg_rotations, only: quaternion_product
-    real(wp), intent(in) :: turn(4), vector(3)
-    real(wp) :: q(4)
-
-    q = quaternion_product(turn, rotation_by(vector))
-  end function quaternion
 
   !> Samples through a deck: seeds, period, mass, jitter.
   subroutine test_samples()
