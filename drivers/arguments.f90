@@ -184,13 +184,13 @@ contains
               to_text(huge(1))//', not "'//self%get(name, '')//'"')
   end subroutine refuse
 
-  !> Refuse options that the command does not know, values of switches, and a wrong number of words.
+  !> Refuse options that the command does not have, values of switches, and a wrong number of words.
   subroutine arguments_expect(self, known, fewest, most, usage, error)
     class(arguments_t), intent(in) :: self
     character(len=*), intent(in) :: known !! names of the known options, with a blank between two
     integer, intent(in) :: fewest !! fewest words
     integer, intent(in) :: most !! most words
-    character(len=*), intent(in) :: usage !! said when the number of words is wrong
+    character(len=*), intent(in) :: usage !! printed when the number of words is wrong
     type(error_t), allocatable, intent(out) :: error !! set when something is wrong
     character(len=:), allocatable :: near
     integer :: i

@@ -35,7 +35,7 @@ contains
       call arguments%whole('sweeps', min(20000, max(100, 100000000/contacts)), 1, options%maximum_sweeps, error)
     shape = arguments%get('shape', 'disk')
     if (.not. allocated(error) .and. all(lattice_shapes /= shape)) then
-      call fail(error, 'bench knows the shapes disk, sphere and polyhedron, not "'//shape//'"')
+      call fail(error, 'bench has the shapes disk, sphere and polyhedron, not "'//shape//'"')
     end if
     options%order = arguments%get('order', options%order)
     if (.not. allocated(error) .and. all(options%order /= [character(len=16) :: 'natural', 'groups', 'coloured'])) then

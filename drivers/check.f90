@@ -1,4 +1,4 @@
-!> `splitgrain check`: everything but the run; what a deck holds, what its run needs, and every mistake in it.
+!> `splitgrain check`: plan and expected memory of a run, and all mistakes of its deck, without the run.
 module sg_check
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_deck, only: read_deck
@@ -41,7 +41,7 @@ contains
     call print_line(describe_plan(sim%plan, sim%scene, ranks=1))
   end subroutine check_command
 
-  !> Print what the plan does not say: time, laws, drives, memory.
+  !> Print what is not in the plan: time, laws, drives, memory.
   subroutine print_counts(file, sim)
     character(len=*), intent(in) :: file
     type(simulation_t), intent(in) :: sim

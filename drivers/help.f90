@@ -1,4 +1,4 @@
-!> What `--help` and `--version` print.
+!> Texts of `--help` and `--version`.
 module sg_help
   use, intrinsic :: iso_fortran_env, only: compiler_version
   use sg_comm, only: comm_t
@@ -48,10 +48,10 @@ contains
                 '  --output DIR            folder of the results (default: NAME.results in the current folder)', &
                 '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
                 '  --restart FILE|DIR      go on from a restart file, or from the newest one of a folder', &
-                '  --force                 replace results of another run in the folder, or take it over from another host', &
+                '  --force                 replace results of another run in the folder, or the lock of another host', &
                 '  --walltime SECONDS      stop with a checkpoint after this time (exit code 75)', &
                 '  --dump STEPS            write the contact problems of steps (10 or 10,20,100-110) as FCLIB files', &
-                '  --needs                 at the end, which tables and libraries it needed, and what an update cost', &
+                '  --needs                 at the end, memory by table, libraries loaded, cost of a contact update', &
                 '  --quiet                 print nothing but errors', &
                 'Signals: INT, TERM, HUP and PIPE finish the step, write a checkpoint and exit with 75; USR1 writes one.', &
                 'Exit codes: 0 done, 1 failed, 2 bad input, 3 not converged (if asked), 4 a value is not finite,', &
@@ -63,7 +63,7 @@ contains
   subroutine help_on_check()
     call lines([character(len=110) :: &
                 'splitgrain check DECK [--set SECTION.KEY=VALUE]', &
-                'Reads and checks a deck and says what its run would need, without running it.'])
+                'Reads and checks a deck and prints what its run would need, without running it.'])
   end subroutine help_on_check
 
   !> Help of `reference`.
@@ -97,7 +97,7 @@ contains
   subroutine help_on_partition()
     call lines([character(len=110) :: &
                 'splitgrain partition DECK --parts N [options]   split the grains of a deck as it starts, without a run', &
-                '  --restart FILE|DIR      as they are in a restart file, or in the newest one of a folder of results', &
+                '  --restart FILE|DIR      in the state of a restart file, or of the newest one of a folder of results', &
                 '  --method boxes|graph    boxes of equal weight, or METIS on the graph of contacts (default: the deck''s)', &
                 '  --boxes 2x2x1           boxes along x, y and z, 0 for any number (default: the deck''s)', &
                 '  --picture FOLDER        write pictures in which the rank of a body is its part, from 0', &
@@ -121,7 +121,7 @@ contains
                 '  --guess                 start from the first usable guess of the file', &
                 '  --trace FILE.csv        write errors against iterations and CPU seconds', &
                 '  --write [--force]       add the answer to the file as /solution; --force replaces one that it has', &
-                '  --json                  one flat JSON object a line', &
+                '  --json                  one flat JSON object per line', &
                 'Errors are measured from the answers. Exit codes: 0 all solved, 2 bad input (the other files are solved),', &
                 '            3 a problem not solved to the tolerance, 5 an answer or the trace cannot be written.'])
   end subroutine help_on_solve
@@ -131,7 +131,7 @@ contains
     call lines([character(len=110) :: &
                 'splitgrain study STUDY.toml [options]   cases x variants x tolerances (or time steps, or subdomains)', &
                 '  --output DIR            folder of the study (default: NAME.study in the current folder)', &
-                '  --jobs N|all            runs at a time, or one a core (default: as the study says)', &
+                '  --jobs N|all            runs at a time, or one per core (default: that of the study)', &
                 '  --program PATH          the splitgrain to run (default: this one)', &
                 'Draws error against work, orders of convergence and performance profiles: study.html, PNG, results.csv.', &
                 'Finished runs are kept: the same command goes on with the others. input_decks/studies has examples.', &
@@ -149,12 +149,12 @@ contains
                 'splitgrain reference         print the deck reference', &
                 'splitgrain convert FROM TO   LMGC90 DATBOX folder to a deck, or a deck to DATBOX files', &
                 'splitgrain bench             measure the sweeps', &
-                'splitgrain partition DECK    split the grains into parts: sizes, imbalance, what is cut', &
+                'splitgrain partition DECK    split the grains into parts: sizes, imbalance, interface', &
                 'splitgrain solve FILE...     solve contact problems in FCLIB files, from this program or others', &
                 'splitgrain study FILE        error against work: many runs, diagrams, one page', &
                 'splitgrain --version         version, commit, compiler, flags, libraries', &
                 '', &
-                'splitgrain COMMAND --help tells more.'])
+                'splitgrain COMMAND --help prints more.'])
   end subroutine help_on_commands
 
   !> Print lines of text.

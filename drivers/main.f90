@@ -1,4 +1,4 @@
-!> The program: one executable, a subcommand each for what a user wants.
+!> The program: one executable with subcommands.
 program splitgrain
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_arguments, only: arguments_t, read_arguments
@@ -32,7 +32,7 @@ program splitgrain
   if (.not. allocated(error)) call share_command(error)
   if (.not. allocated(error)) call choose()
   if (allocated(error)) then
-    ! Ranks agree on errors: one of them tells.
+    ! Ranks agree on errors: one of them prints.
     if (comm%rank == 0) write (error_unit, '(a)') error%report()
     code = error%code
   end if
@@ -64,7 +64,7 @@ contains
     is_here = comm%any(is_shared())
     is_elsewhere = comm%any(.not. is_shared())
     if (is_here .and. is_elsewhere) then
-      call fail(error, 'the ranks do not share one run: each of them was given another command')
+      call fail(error, 'the ranks do not share one run: their commands differ')
     end if
   end subroutine share_command
 
@@ -126,7 +126,7 @@ contains
     end select
   end subroutine choose_alone
 
-  !> Say that there is no such subcommand.
+  !> Print that there is no such subcommand.
   subroutine unknown_command()
     character(len=*), parameter :: commands(8) = [character(len=9) :: 'run', 'check', 'reference', 'convert', 'bench', &
                                                   'partition', 'solve', 'study']

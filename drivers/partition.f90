@@ -57,7 +57,7 @@ contains
         return
       end if
     end if
-    ! What the command line says goes before the deck.
+    ! The command line goes before the deck.
     call choose_split(arguments, sim%options%partition, parts, error)
     if (arguments%has('restart')) sim%options%restart_file = arguments%get('restart', '')
     if (.not. allocated(error) .and. arguments%has('predict')) then
@@ -175,7 +175,7 @@ contains
       call fail(error, 'option --boxes needs two or three numbers such as 2x3 or 2x3x1, not "'//word//'"')
       boxes = 1
     else if (product(real(boxes, wp)) > 1e6_wp) then
-      call fail(error, 'option --boxes asks for more than a million boxes')
+      call fail(error, 'option --boxes has more than a million boxes')
       boxes = 1
     end if
   end subroutine read_boxes

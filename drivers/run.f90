@@ -1,4 +1,4 @@
-!> `splitgrain run`: read a deck, say what it needs, simulate it.
+!> `splitgrain run`: read a deck, print its plan, simulate it.
 module sg_run
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_alarm, only: end_after
@@ -68,7 +68,7 @@ contains
       sim%options%deadline = deadline
       if (allocated(dump_steps)) call move_alloc(dump_steps, sim%options%dump_steps)
       sim%options%is_quiet = arguments%has('quiet')
-      sim%options%tells_needs = arguments%has('needs')
+      sim%options%reports_memory = arguments%has('needs')
       call catch_signals()
       call simulate(sim, deck, code, error)
       if (.not. allocated(error)) return
@@ -76,7 +76,7 @@ contains
     end associate
   end subroutine run_command
 
-  !> Read the deck, of several ranks each its share of the scene, and say what is wrong with it. Collective.
+  !> Read the deck, of several ranks each its share of the scene, and print its mistakes. Collective.
   subroutine read_scene(arguments, file, sim, is_bad, error)
     type(arguments_t), intent(in) :: arguments
     character(len=*), intent(in) :: file
@@ -103,11 +103,11 @@ contains
       call judge_deck(sim%comm, found, is_bad, is_root)
       if (.not. (is_bad .and. is_root)) return
       if (arguments%has('output') .or. file_exists(sim%options%folder)) &
-        call tell_failure(file, sim%options%folder, arguments%has('force'), found%errors(1)%sentence())
+        call report_failure(file, sim%options%folder, arguments%has('force'), found%errors(1)%sentence())
     end subroutine judge
   end subroutine read_scene
 
-  !> What does not go with several ranks.
+  !> Refuse what several ranks cannot do.
   subroutine check_for_ranks(error)
     type(error_t), allocatable, intent(out) :: error
 
@@ -132,8 +132,8 @@ contains
     if (.not. is_root) return
     call diagnostics%print(error_unit)
     if (is_bad .and. found < comm%size) then
-      write (error_unit, '(a)') to_text(found)//' of '//to_text(comm%size)//' ranks find this, the first is rank '// &
-        to_text(comm%rank)//': do all see the same files?'
+      write (error_unit, '(a)') to_text(found)//' of '//to_text(comm%size)//' ranks report this, the first is rank '// &
+        to_text(comm%rank)//': check that all ranks read the same files'
     end if
   end subroutine judge_deck
 
@@ -153,13 +153,13 @@ contains
     first = own
     call sim%comm%broadcast(first, 0)
     if (sim%comm%all(all(abs(own - first) <= 0))) return
-    call fail(error, 'the ranks do not share one run: deck, files that it names, settings, --output and --restart must be '// &
-              'the same on all of them')
+    call fail(error, 'the ranks do not share one run: deck, files that it names, settings, --output and --restart '// &
+              'differ between them')
   end subroutine check_sameness
 
-  !> Say in run.json that the deck could not be run, so that scripts find it there. Results of a former run are replaced only where
-  !! the user wants it.
-  subroutine tell_failure(deck, folder, is_forced, reason)
+  !> Report in run.json that the deck could not be run, so that scripts find it there. Results of a former run are replaced only
+  !! with --force.
+  subroutine report_failure(deck, folder, is_forced, reason)
     character(len=*), intent(in) :: deck, folder, reason
     logical, intent(in) :: is_forced
     type(run_summary_t) :: summary
@@ -174,7 +174,7 @@ contains
     if (.not. allocated(error)) call write_run_summary(summary, folder//'/run.json', error)
     call release_lock(folder)
     if (allocated(error)) write (error_unit, '(a)') error%report()
-  end subroutine tell_failure
+  end subroutine report_failure
 
   !> Name of a file without folder and suffix.
   pure function stem(file)

@@ -151,7 +151,7 @@ contains
     call read_fclib(file, request%with_guess, problem, has_guess, error)
     if (allocated(error)) then
       if (request%as_json) call print_line(json_of_error(file, error%message))
-      call tell(error, code)
+      call report(error, code)
       return
     end if
     best_e1 = huge(best_e1)
@@ -172,7 +172,7 @@ contains
     end do
     code = merge(exit_done, exit_not_converged, is_solved)
     if (request%with_write .and. .not. allocated(error)) call write_solution(file, best, request%is_forced, error)
-    if (allocated(error)) call tell(error, code)
+    if (allocated(error)) call report(error, code)
   end subroutine solve_file
 
   !> Solve a problem by one solver, measure the answer, and keep the trace.
@@ -204,12 +204,12 @@ contains
     if (allocated(failure)) call move_alloc(failure, error)
   end subroutine solve_once
 
-  !> Say what is wrong with a file.
-  subroutine tell(error, code)
+  !> Print what is wrong with a file.
+  subroutine report(error, code)
     type(error_t), intent(in) :: error
     integer, intent(out) :: code
 
     write (error_unit, '(a)') error%report()
     code = error%code
-  end subroutine tell
+  end subroutine report
 end module sg_solve

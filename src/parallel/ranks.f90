@@ -71,7 +71,7 @@ module sg_ranks
     module function ranks_handle() result(handle)
       integer :: handle
     end function ranks_handle
-    !> Handle of no hints, which such libraries also ask for.
+    !> Handle of no hints, which such libraries also take.
     module function ranks_no_hints() result(handle)
       integer :: handle
     end function ranks_no_hints

@@ -1,8 +1,8 @@
-!> What ranks hold of the whole scene, in the order of numbers, for files that do not depend on the number of ranks.
+!> Block distribution: records of all ranks in the order of their numbers, for files that do not depend on the number of ranks.
 !!
 !! Things are numbered from 1 to `total` over all ranks. Each rank holds some of them, in any order; in a file they stand by
 !! number. Rank r of P writes the block of numbers from r total/P + 1 to (r + 1) total/P: `rows_t` brings what is held
-!! into blocks, and `wanted_t` takes out of the blocks what a rank wants to know. No rank holds more than its share.
+!! into blocks, and `wanted_t` takes out of the blocks the records that a rank needs. No rank holds more than its share.
 module sg_rows
   use sg_ascending, only: distinct, place_in
   use sg_comm, only: comm_t
@@ -52,7 +52,7 @@ contains
     before = int(int(rank, i8)*int(total, i8)/int(size, i8))
   end function numbers_before
 
-  !> The rank in whose block a number stands.
+  !> Rank that holds the block of a number.
   pure integer function rank_of(number, size, total) result(rank)
     integer, intent(in) :: number, size, total
 
@@ -140,7 +140,7 @@ contains
     rows = nint(came, i4)
   end subroutine order_integers
 
-  !> Bring records from the blocks to those who hold the things.
+  !> Bring records from the blocks to the ranks that hold the items.
   subroutine rows_back(self, comm, rows, values)
     class(rows_t), intent(in) :: self
     type(comm_t), intent(inout) :: comm !! the ranks

@@ -11,7 +11,7 @@ module sg_advance
   use sg_limits, only: check_limits
   use sg_link_contacts, only: finish_links
   use sg_motion, only: predict, update
-  use sg_passing, only: look_along_contacts, look_through_walls
+  use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls
   use sg_penetration, only: deepest_penetration
   use sg_plan, only: set_radii
   use sg_simulation, only: simulation_t
@@ -43,7 +43,7 @@ contains
     logical :: is_renewed
 
     associate (h => sim%options%step)
-      call look_along_contacts(sim%passing, sim%scene, sim%contacts, sim%plan, sim%history%is_loaded, sim%step + 1, h)
+      call find_crossed_contacts(sim%tunnelling, sim%scene, sim%contacts, sim%plan, sim%history%is_loaded, sim%step + 1, h)
       call predict(sim%scene, sim%time(), h, sim%options%theta)
       call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_renewed, error)
       if (allocated(error) .or. .not. is_renewed) return
@@ -59,7 +59,7 @@ contains
 
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
     ! Before the first detection bodies are where they start.
-    call look_through_walls(sim%passing, sim%scene, sim%step + 1, sim%options%step, &
+    call find_crossed_walls(sim%tunnelling, sim%scene, sim%step + 1, sim%options%step, &
                             merge(1 - sim%options%theta, 1.0_wp, sim%step == 0), sim%plan%thinnest)
   end subroutine detect_contacts
 
@@ -125,10 +125,10 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     integer :: sums(4)
 
-    sums = [merge(1, 0, allocated(error)), merge(1, 0, sim%passing%is_fast), sim%passing%n, sim%contacts%n]
+    sums = [merge(1, 0, allocated(error)), merge(1, 0, sim%tunnelling%exceeds_alert), sim%tunnelling%n, sim%contacts%n]
     call sim%comm%sum(sums)
-    sim%passing%is_fast = sums(2) > 0
-    sim%passing%n = sums(3)
+    sim%tunnelling%exceeds_alert = sums(2) > 0
+    sim%tunnelling%n = sums(3)
     sim%all_contacts = sums(4)
     if (sums(1) > 0) call sim%comm%agree(error)
   end subroutine agree_on_step
@@ -139,10 +139,10 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call sim%energy%add_step(sim%scene, sim%contacts, sim%options%step)
-    sim%passing%deepest = deepest_penetration(sim%contacts)
-    call sim%totals%add(sim%report, sim%contacts%n, sim%passing%deepest, sim%all_contacts)
+    sim%tunnelling%deepest = deepest_penetration(sim%contacts)
+    call sim%totals%add(sim%report, sim%contacts%n, sim%tunnelling%deepest, sim%all_contacts)
     if (.not. sim%report%is_converged) call note_unconverged(sim)
-    if (sim%passing%is_fast) sim%totals%fast_steps = sim%totals%fast_steps + 1
-    sim%totals%passings = sim%totals%passings + sim%passing%n
+    if (sim%tunnelling%exceeds_alert) sim%totals%fast_steps = sim%totals%fast_steps + 1
+    sim%totals%passings = sim%totals%passings + sim%tunnelling%n
   end subroutine count_step
 end module sg_advance

@@ -1,4 +1,4 @@
-!> Checkpoints of a simulation: what a restart file must hold so that the run goes on bit for bit.
+!> Checkpoints of a simulation: all that a run needs to go on bit for bit.
 !!
 !! Ranks that share the scene write one file. Another number of ranks may go on from it, from the same bodies, velocities,
 !! impulses and totals; only one rank that goes on from one rank also takes up its list of neighbours, and with it every bit.
@@ -109,7 +109,7 @@ contains
       call move_alloc(first, error)
       return
     end if
-    if (i > 1) call warnings%warn('this checkpoint is left aside, the run goes on from the older '//names(i)%s//' of step '// &
+    if (i > 1) call warnings%warn('this checkpoint is not used, the run goes on from the older '//names(i)%s//' of step '// &
                                   to_text(state%step)//' ('//first%message//')', file=names(1)%s)
     call take_state(sim, state)
   contains

@@ -26,7 +26,7 @@ contains
     call comm%agree(error)
     if (allocated(error)) return
     if (.not. file_exists(options%folder//'/.')) then
-      call fail(error, 'rank '//to_text(comm%rank)//' does not find the folder of the results that rank 0 made', &
+      call fail(error, 'rank '//to_text(comm%rank)//' does not find the folder of the results, which rank 0 has made', &
                 file=options%folder, code=exit_output)
     end if
     call comm%agree(error)

@@ -28,7 +28,7 @@ module sg_dump
     logical :: is_unsolved = .false.
     !> The problem with its guess; of several ranks this one's rows
     type(shared_matrices_t) :: matrices
-    !> What stands in the way of writing it
+    !> Error that keeps it from being written
     type(error_t), allocatable :: error
   end type dump_t
 
@@ -38,7 +38,7 @@ contains
   subroutine begin_dump(dump, problem, subdomain, slot_of, comm)
     type(dump_t), intent(inout) :: dump !! dump to begin
     type(problem_t), intent(in) :: problem !! this rank's part, with its guess; bodies move as without impulses
-    type(subdomain_t), intent(in) :: subdomain !! who shares which body
+    type(subdomain_t), intent(in) :: subdomain !! bodies shared between ranks
     integer(i4), intent(in) :: slot_of(:) !! slot of each local body
     type(comm_t), intent(inout) :: comm !! the ranks
     type(memory_t) :: memory
@@ -92,7 +92,7 @@ contains
       first = last + 2
     end do
     if (all(steps(1, :) >= 1 .and. steps(2, :) >= steps(1, :))) return
-    call fail(error, '--dump wants steps such as 10 or 10,20,100-110, not "'//list//'"')
+    call fail(error, '--dump takes steps such as 10 or 10,20,100-110, not "'//list//'"')
   end subroutine read_steps
 
   !> First and last step of `10` or `100-110`; zeros where a number is none.

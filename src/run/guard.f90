@@ -1,5 +1,5 @@
-!> Guards of a run: values that are not finite end it within the step, with bodies and contacts to blame; an energy balance that
-!! does not close is told, or ends it.
+!> Run-time checks: values that are not finite end a run within the step, with the names of bodies and contacts; an energy balance
+!! that does not close gives a warning, or ends it.
 module sg_guard
   use sg_bodies, only: bodies_t
   use sg_contacts, only: contacts_t
@@ -24,7 +24,7 @@ module sg_guard
 contains
 
   !> Is every velocity of the end of the step finite, every position that it leads to, and every impulse and gap? If not, name
-  !! the bodies and their contacts, by their numbers in the whole scene; each rank looks at the bodies that it holds.
+  !! the bodies and their contacts, by their numbers in the whole scene; each rank checks the bodies that it holds.
   !!
   !! What is finite but so large that energies and distances would not be counts as not finite.
   subroutine find_broken(scene, contacts, step, h, is_solved, error)
@@ -127,13 +127,13 @@ contains
     if (allocated(scene%bodies%id)) number_of = int(scene%bodies%id(body))
   end function number_of
 
-  !> Are the energies finite, and does their balance close? Looked at where measures are taken.
+  !> Are the energies finite, and does their balance close? Checked where measures are taken.
   subroutine judge_energy(measures, options, step, has_warned, warning, error)
     type(measures_t), intent(in) :: measures !! measures after the step, of the whole scene
     type(guard_options_t), intent(in) :: options !! what to do
     integer, intent(in) :: step !! number of the step
     logical, intent(in) :: has_warned !! was a warning given before, or is none wanted?
-    character(len=:), allocatable, intent(out) :: warning !! what to tell; empty when nothing is
+    character(len=:), allocatable, intent(out) :: warning !! sentence to print; empty where there is none
     type(error_t), allocatable, intent(out) :: error !! set when the run must end
     character(len=:), allocatable :: sentence
     integer :: i

@@ -1,4 +1,4 @@
-!> What a contact update costs in a run, beside the bare kernel on the same data: one after the other within one process.
+!> Cost of a contact update in a run, compared with that of the bare kernel on the same data, within one process.
 !!
 !! The *bare kernel* sweeps contacts that stand in their order, again and again, and does nothing else. The *solver* solves the
 !! same problem from the same guess with as many sweeps: it chooses the active set, puts contacts in order, sweeps, copies
@@ -19,7 +19,7 @@ module sg_kernel_cost
   private
   public :: kernel_cost_t, compare_cost
 
-  !> Times that both are measured in turns; contact updates of one time, at least, so that the clock can tell
+  !> Times that both are measured in turns; contact updates of one time, at least, for the resolution of the clock
   integer, parameter :: turns = 5
   real(wp), parameter :: fewest_updates = 4e6_wp
 

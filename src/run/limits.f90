@@ -1,4 +1,4 @@
-!> Limits of a run within a step: memory and time that end it before a list, a problem or a search takes more than there is.
+!> Limits of memory and time within a step: they end a run before a list, a problem or a search exceeds them.
 module sg_limits
   use sg_contacts, only: bytes_per_contact, drop_contacts
   use sg_error, only: error_t, exit_memory, exit_stopped, fail

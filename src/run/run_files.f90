@@ -1,4 +1,4 @@
-!> The files of a run: who writes them, how they are opened and closed.
+!> Files of a run: opened, and closed at its end.
 module sg_run_files
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_error, only: error_t
@@ -40,8 +40,8 @@ contains
                                 is_terminal() .and. sim%comm%size == 1, sim%options%is_quiet .or. .not. sim%writers%is_root)
   end subroutine open_files
 
-  !> Say what this run writes, and remove what a former run in its folder has left: where this one goes on with it, only what says
-  !! how that ended.
+  !> Note which files this run writes, and remove those of a former run in its folder; where this run goes on with them, run.json
+  !! and tagged numbers alone.
   subroutine remove_former(sim, goes_on)
     type(simulation_t), intent(inout) :: sim !! its folder is claimed
     logical, intent(in) :: goes_on !! does the run go on with the files of its folder?
@@ -101,7 +101,7 @@ contains
     call sim%writers%summary%add_file('trace_steps', steps_file)
   end subroutine open_trace
 
-  !> Close all files, write run.json and the tagged numbers; the first failure is told.
+  !> Close all files, write run.json and the tagged numbers; the first failure is returned.
   subroutine close_files(sim, error)
     type(simulation_t), intent(inout) :: sim !! ended
     type(error_t), allocatable, intent(out) :: error !! the first failure

@@ -1,4 +1,4 @@
-!> What tells scenes apart that have as many bodies: for restart files, which hold no shapes and no masses.
+!> Signature of a scene: numbers that differ between scenes, for restart files, which hold no shapes and no masses.
 !!
 !! A value is taken as the whole number that its bits are, modulo a prime, and weighted by the number of its body: such sums do
 !! not depend on the order in which they are taken, so that any number of ranks comes to the very same.
@@ -17,7 +17,7 @@ module sg_signature
 
 contains
 
-  !> What tells scenes apart: numbers of bodies, contactors and drives, and sums over masses, moments of inertia and reaches.
+  !> Signature of a scene: numbers of bodies, contactors and drives, and sums over masses, moments of inertia and reaches.
   function signature_of(scene, comm, is_common) result(signature)
     type(scene_t), intent(in) :: scene !! whole scene, or the part of a rank
     type(comm_t), intent(inout), optional :: comm !! ranks that share the scene, all of which call this

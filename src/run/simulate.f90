@@ -10,8 +10,8 @@ module sg_simulate
   use sg_error, only: diagnostics_t, error_t, exit_done, exit_not_converged, exit_stopped
   use sg_failure, only: is_of_the_step, keep_failed_step, save_dump, trace_last
   use sg_kinds, only: wp
-  use sg_needs, only: tell_needs
-  use sg_passing, only: tell_passing
+  use sg_memory_report, only: report_memory
+  use sg_tunnelling, only: warn_of_tunnelling
   use sg_plan, only: describe_plan
   use sg_print, only: print_line
   use sg_run_files, only: close_files, open_files, remove_former
@@ -49,7 +49,7 @@ contains
     end associate
     if (sim%writers%is_root .and. .not. sim%options%is_quiet) call print_opening(sim)
     call begin(sim, error)
-    ! From now on steps and searches look at the time themselves, and a checkpoint can be written.
+    ! From now on steps and searches compare the time themselves, and a checkpoint can be written.
     call end_after(0.0_wp)
     if (.not. sim%writers%has_folder) then
       if (.not. allocated(error)) call print_nothing_to_do(sim)
@@ -61,7 +61,7 @@ contains
     call sim%comm%agree(late)
     if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
     if (.not. sim%options%is_quiet) call print_end(sim%writers, allocated(error))
-    if (sim%options%tells_needs .and. .not. allocated(error)) call tell_needs(sim, error)
+    if (sim%options%reports_memory .and. .not. allocated(error)) call report_memory(sim, error)
     call leave_folder(sim%options, sim%comm)
   end subroutine simulate
 
@@ -91,7 +91,7 @@ contains
     character(len=:), allocatable :: text
 
     text = ''
-    if (ranks > 1) text = 'ranks      '//to_text(ranks)//', split by '//trim(options%partition%split)//', glued by '// &
+    if (ranks > 1) text = 'ranks      '//to_text(ranks)//', split by '//trim(options%partition%split)//', coupled by '// &
                           trim(options%partition%gluing)//new_line('a')
     text = text//'solver     '//trim(options%solver%method)//' until '//trim(criterion_names(options%solver%criterion))//' <= ' &
            //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps) &
@@ -156,7 +156,7 @@ contains
         return
       end if
       sim%writers%has_stepped = .true.
-      call tell_passing(sim%passing, sim%comm, error_unit)
+      call warn_of_tunnelling(sim%tunnelling, sim%comm, error_unit)
       call write_due(sim, error)
       if (allocated(error)) then
         if (is_of_the_step(error)) call trace_last(sim, sim%step)

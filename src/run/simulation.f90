@@ -13,7 +13,7 @@ module sg_simulation
   use sg_history, only: history_t, start_history
   use sg_kinds, only: wp, i8
   use sg_neighbours, only: neighbours_t
-  use sg_passing, only: passing_t
+  use sg_tunnelling, only: tunnelling_t
   use sg_plan, only: make_plan, omissions_t, plan_t
   use sg_problem, only: problem_t
   use sg_records, only: impulse_length
@@ -41,11 +41,11 @@ module sg_simulation
     type(neighbours_t) :: pairs
     type(contacts_t) :: contacts
     type(history_t) :: history
-    !> The contact problem of the step, who solves it, and what he says
+    !> The contact problem of the step, its solver, and the report of the solver
     type(problem_t) :: problem
     class(solver_t), allocatable :: solver
     type(report_t) :: report
-    !> The ranks, this one's side of the decomposition, and who solves decomposed problems; of no use on one rank
+    !> The ranks, this one's side of the decomposition, and the solver of decomposed problems
     type(comm_t) :: comm
     type(decomposition_t) :: decomposition
     class(glued_solver_t), allocatable :: glued_solver
@@ -62,14 +62,14 @@ module sg_simulation
     !> Phase whose clock runs, one of `phase_*`; 0 between phases
     integer :: phase = 0
     !> Bodies that passed through each other
-    type(passing_t) :: passing
+    type(tunnelling_t) :: tunnelling
     !> Files of the run
     type(writers_t) :: writers
     !> Steps done
     integer :: step = 0
     !> Contacts of the last step, of all ranks
     integer :: all_contacts = 0
-    !> Where ranks share the scene: gluings of this run, contact updates of this rank and what it sent in them; what tells the
+    !> Where ranks share the scene: gluings of this run, contact updates of this rank and its messages in them; signature of the
     !! whole scene
     integer(i8) :: gluings = 0, own_updates = 0
     type(traffic_t) :: gluing_traffic

@@ -127,7 +127,7 @@ module sg_run_options
     !> Say less; no progress
     logical :: is_quiet = .false.
     !> Tell at the end what the run has held in memory, and write needs.json
-    logical :: tells_needs = .false.
+    logical :: reports_memory = .false.
   end type run_options_t
 
 contains

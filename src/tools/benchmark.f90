@@ -1,4 +1,4 @@
-!> How fast sweeps are: a generated packing through detection, assembly and solver, beside a STREAM triad.
+!> Benchmark of sweeps: a generated packing through detection, assembly and solver, compared with a STREAM triad.
 !!
 !! The packing is a lattice that flows towards its centre, so that nearly all contacts carry impulses
 !! (sg_benchmark_scenes). Everything measured is the program's own code on its own data.

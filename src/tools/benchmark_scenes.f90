@@ -1,4 +1,4 @@
-!> Lattices of grains that flow towards their centre, to measure sweeps on: nearly all contacts carry impulses.
+!> Lattices of grains that flow towards their centre, for benchmarks of sweeps: nearly all contacts carry impulses.
 module sg_benchmark_scenes
   use sg_contactors, only: add_disk
   use sg_error, only: error_t, exit_memory, fail

@@ -1,4 +1,4 @@
-!> What an iteration of a decomposed solve costs: a model of updates, gluing and messages over a real split
+!> Cost of an iteration of a decomposed solve: a model of updates, gluing and messages over a real split
 !! (doc/performance.md).
 !!
 !! Dual: the slowest rank sweeps its contacts, glues its shared grains and exchanges them with each neighbour, one after the

@@ -1,4 +1,4 @@
-!> Predicted costs as a table and as one flat JSON object (doc/performance.md says how they are found).
+!> Predicted costs as a table and as one flat JSON object (method: doc/performance.md).
 module sg_cost_text
   use sg_cost_model, only: iteration_t, machine_t, prediction_t
   use sg_json, only: json_t

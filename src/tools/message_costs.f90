@@ -1,4 +1,4 @@
-!> What a message between two ranks costs, by its length: measured by messages to and fro, or given as latency and bandwidth.
+!> Cost of a message between two ranks by its length: measured by messages to and fro, or given as latency and bandwidth.
 module sg_message_costs
   use sg_comm, only: comm_t
   use sg_exchange, only: exchange_t

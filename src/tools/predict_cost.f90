@@ -1,4 +1,4 @@
-!> What runs of a scene on many ranks would cost: splits into more and more parts, each with its real interfaces, and the
+!> Predicted cost of runs of a scene on many ranks: splits into more and more parts, each with its real interfaces, and the
 !! program's own kernels timed on the largest part (doc/performance.md). Nothing is run.
 module sg_predict_cost
   use sg_assemble, only: assemble

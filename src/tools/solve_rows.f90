@@ -1,4 +1,4 @@
-!> What `splitgrain solve` tells of one problem and one solver: a row of a table, a line of JSON, the trace as CSV.
+!> Results of `splitgrain solve` for one problem and one solver: a row of a table, a line of JSON, the trace as CSV.
 module sg_solve_rows
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_positive_inf, ieee_value
   use sg_columns, only: padded, right
@@ -40,7 +40,7 @@ module sg_solve_rows
 
 contains
 
-  !> Measure an answer, whatever the solver said of it.
+  !> Measure an answer, independent of the report of the solver.
   subroutine judge(problem, report, row)
     type(matrix_problem_t), intent(in) :: problem !! problem with the answer
     type(report_t), intent(in) :: report !! the solver's effort
@@ -147,7 +147,7 @@ contains
     text = 'solver,file,'//point_names//new_line('a')
   end function trace_head
 
-  !> The trace of one solver on one problem, a line a point.
+  !> The trace of one solver on one problem, one line per point.
   pure function trace_rows(row, report) result(text)
     type(solve_row_t), intent(in) :: row !! problem and solver
     type(report_t), intent(in) :: report !! report with a trace

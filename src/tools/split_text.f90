@@ -1,4 +1,4 @@
-!> A split of grains as a table and as one flat JSON object (doc/theory/partition.md says what the figures are).
+!> A split of grains as a table and as one flat JSON object (figures: doc/theory/partition.md).
 module sg_split_text
   use sg_columns, only: fixed
   use sg_interface_blocks, only: block_structure_t
@@ -13,7 +13,7 @@ module sg_split_text
 
 contains
 
-  !> Print the whole, then one line a part.
+  !> Print the whole, then one line per part.
   subroutine print_split(unit, report, blocks)
     integer, intent(in) :: unit !! open unit
     type(split_report_t), intent(in) :: report !! figures of the split
@@ -37,10 +37,11 @@ contains
         percent(report%cut_contacts, report%contacts)//'), of '//to_text(report%interface_grains)//' grains', unit)
     if (blocks%contacts > 0) then
       call print_line( &
-        'W_gamma      '//percent(blocks%alone, blocks%contacts)//' of rows have no block off the diagonal, '// &
-          fixed(blocks%mean_couplings, 3)//' in the mean, '//to_text(blocks%most_couplings)//' at most'//nl// &
+        'W_gamma      off-diagonal blocks per row: mean '//fixed(blocks%mean_couplings, 3)//', max '// &
+          to_text(blocks%most_couplings)//'; none in '//percent(blocks%alone, blocks%contacts)//' of rows'//nl// &
         '             '//to_text(blocks%groups)//' independent groups of contacts, the largest of '// &
-          to_text(blocks%largest_group)//'; norm off the diagonal '//fixed(blocks%off_diagonal, 3)//' of that on it', unit)
+          to_text(blocks%largest_group)//'; norm of off-diagonal blocks over that of diagonal ones '// &
+          fixed(blocks%off_diagonal, 3), unit)
     end if
     text = 'dual         '//to_text(report%multiplicity(1))//' grains in 1 part'
     do i = 2, size(report%multiplicity)

@@ -1,4 +1,4 @@
-!> The split of a scene as it starts or restarts: contacts are sought once, and no step is made.
+!> Split of a scene at its start or restart: one detection, no step.
 module sg_start_split
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_assemble, only: assemble
@@ -29,13 +29,13 @@ module sg_start_split
 
 contains
 
-  !> Split a scene as its options say, in the state of a restart file where they name one, and look at the parts.
+  !> Split a scene by its options, in the state of a restart file where they name one, and report the parts.
   subroutine split_at_start(sim, parts, part, report, blocks, error)
     type(simulation_t), intent(inout) :: sim !! its scene and options are set
     integer, intent(in) :: parts !! number of parts
     integer(i4), allocatable, intent(out) :: part(:) !! part of each body, from 1; 0 for walls
     type(split_report_t), intent(out) :: report !! figures of the split
-    type(block_structure_t), intent(out) :: blocks !! what the matrix of the primal interface looks like
+    type(block_structure_t), intent(out) :: blocks !! structure of the matrix of the primal interface
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be split
     real(wp), allocatable :: load(:)
     integer :: boxes(3)
@@ -68,7 +68,7 @@ contains
     call check_limits(sim, error)
   end subroutine find_contacts
 
-  !> Split bodies as the options say.
+  !> Split bodies by the method of the options.
   subroutine split_bodies(sim, load, parts, boxes, part, error)
     type(simulation_t), intent(in) :: sim !! its contacts are known
     real(wp), intent(in) :: load(:) !! what each body costs [half contacts], shape (bodies)

@@ -30,8 +30,8 @@ class Refusals(Ranks):
         bad = self.deck(FALL.replace("friction =", "frction ="), "bad.toml")
         other = self.deck(FALL.replace("friction = 0.3", "friction = 0.4"), "other.toml")
         for words, said in (
-            ([bad], "1 of 2 ranks find this, the first is rank 1"),
-            (["nowhere.toml"], "1 of 2 ranks find this, the first is rank 1"),
+            ([bad], "1 of 2 ranks report this, the first is rank 1"),
+            (["nowhere.toml"], "1 of 2 ranks report this, the first is rank 1"),
             ([other], "the ranks do not share one run"),
             ([good, "--output", "elsewhere"], "the ranks do not share one run"),
             ([good, "--outptu", "x"], "unknown option --outptu"),
@@ -80,7 +80,7 @@ class Once(Ranks):
     def test_ranks_with_different_commands(self):
         good = self.deck(FALL)
         done = self.launch((1, "run", good, "--quiet"), (1, "check", good), code=2)
-        self.assertEqual(done.stderr.count("each of them was given another command"), 1, done.stderr)
+        self.assertEqual(done.stderr.count("the ranks do not share one run: their commands differ"), 1, done.stderr)
 
 
 class Log(Ranks):
@@ -108,7 +108,7 @@ class Log(Ranks):
         printed = self.launch((4, "run", self.deck(PRESSED))).stdout
         lines = [line for line in printed.splitlines() if line.strip()]
         self.assertEqual(len(lines), len(set(lines)), printed)
-        for said in ("scene      64 bodies", "ranks      4, split by boxes, glued by dual", "done: 60 of 60 steps",
+        for said in ("scene      64 bodies", "ranks      4, split by boxes, coupled by dual", "done: 60 of 60 steps",
                      "  ranks  ", "  gluing  "):  # fmt: skip
             self.assertEqual(printed.count(said), 1, f"{said}\n{printed}")
         # No number has gone astray.

@@ -1,8 +1,7 @@
-!> What a run has needed: tables held, libraries opened, bytes per grain and per contact, the cost of a contact update.
+!> Memory report of a run: bytes per grain and per contact by table, libraries opened, messages, cost of a contact update.
 !!
-!! The plan that a run prints at its start is a promise; this is what has become of it, told at the end of `run --needs` and
-!! written to needs.json.
-module sg_needs
+!! `run --needs` prints it at the end of a run, and writes it to needs.json.
+module sg_memory_report
   use sg_assemble, only: assemble
   use sg_columns, only: fixed, padded
   use sg_detect, only: detect
@@ -21,12 +20,12 @@ module sg_needs
   use sg_text_files, only: replace_file
   implicit none
   private
-  public :: tell_needs
+  public :: report_memory
 
-  !> What a run has needed, all ranks together
+  !> Needs of a run, all ranks together
   type :: needs_t
     type(tables_t) :: tables
-    !> Memory in use [bytes], that of tables and all other; 0 where the system does not tell
+    !> Memory in use [bytes], that of tables and all other; 0 where the system has no such figure
     integer(i8) :: heap = 0
     !> Libraries that were opened
     character(len=:), allocatable :: libraries
@@ -38,8 +37,8 @@ module sg_needs
 
 contains
 
-  !> Tell what a run has needed. The simulation is over: it stands within a step afterwards. Collective.
-  subroutine tell_needs(sim, error)
+  !> Print the needs of a run. The simulation has ended: it is left within a step. Collective.
+  subroutine report_memory(sim, error)
     type(simulation_t), intent(inout) :: sim !! after its last step
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when needs.json cannot be written
     type(needs_t) :: needs
@@ -59,7 +58,7 @@ contains
       call write_needs(needs, sim, error)
     end if
     call sim%comm%agree(error)
-  end subroutine tell_needs
+  end subroutine report_memory
 
   !> Which of the libraries that are opened on demand are open?
   function opened_libraries() result(names)
@@ -100,7 +99,7 @@ contains
     call compare_cost(sim%problem, sim%options%solver, max(batch, n_sweeps), cost)
   end subroutine measure_cost
 
-  !> Print what was needed: one line an owner of tables, with the names of those that are there.
+  !> Print the needs: one line per owner of tables, with the names of those that are there.
   subroutine print_needs(needs)
     type(needs_t), intent(in) :: needs
     character(len=:), allocatable :: names, absent
@@ -121,19 +120,19 @@ contains
           if (needs%tables%list(i + 1)%owner == table%owner .and. needs%tables%list(i + 1)%per == table%per) cycle
         end if
         if (bytes > 0) call print_line(padded(trim(table%owner), 11)//share(needs, bytes, table%per)// &
-                                       trim(merge(' B a grain:  ', ' B a contact:', table%per == per_body))//names)
+                                       trim(merge(' B per grain:  ', ' B per contact:', table%per == per_body))//names)
       end associate
       names = ''
       bytes = 0
     end do
     call print_line('left out  '//absent)
-    call print_line('bytes      '//share(needs, needs%tables%bytes_per(per_body), per_body)//' a grain, '// &
-      share(needs, needs%tables%bytes_per(per_contact), per_contact)//' a contact; tables '// &
+    call print_line('bytes      '//share(needs, needs%tables%bytes_per(per_body), per_body)//' per grain, '// &
+      share(needs, needs%tables%bytes_per(per_contact), per_contact)//' per contact; tables '// &
       fixed(real(table_bytes(needs), wp)/1e6_wp, 2)//' MB, all memory in use '//fixed(real(needs%heap, wp)/1e6_wp, 2)//' MB')
     if (len(needs%libraries) == 0) then
-      call print_line('libraries  none of those that are opened on demand')
+      call print_line('libraries  optional ones loaded: none')
     else
-      call print_line('libraries  '//needs%libraries)
+      call print_line('libraries  optional ones loaded: '//needs%libraries)
     end if
     call print_line('messages   '//to_text(nint(needs%messages, i8)))
     if (needs%cost%visited > 0) call print_line('update     bare kernel '// &
@@ -200,4 +199,4 @@ contains
     end if
     call replace_file(sim%options%folder//'/needs.json', json%text(), error)
   end subroutine write_needs
-end module sg_needs
+end module sg_memory_report

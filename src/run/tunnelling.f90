@@ -1,4 +1,4 @@
-!> Bodies that pass through each other: within a step, or squeezed.
+!> Tunnelling: bodies that pass through each other, within a step or squeezed.
 !!
 !! Contacts are found once per step. From one detection to the next a body moves by exactly h V, whatever theta, so a contact that
 !! was seen at a gap g is g + h u_n wide at the next one, u_n being the velocity that the step ended with. Laws that act at a
@@ -6,9 +6,9 @@
 !! body between a floor and a lid that come together: where the overlap exceeds what both shapes measure to their middles, what
 !! is found next lies beyond, and is pushed out on the wrong side, or not at all.
 !!
-!! A body may also meet a wall without a contact before: in the first step, where a restart file knows no gaps, or from beyond the
+!! A body may also meet a wall without a contact before: in the first step, where a restart file has no gaps, or from beyond the
 !! alert distance at a velocity that it has just been given. Then the path of its centre since the last detection decides.
-module sg_passing
+module sg_tunnelling
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t
   use sg_error, only: error_t, fail
@@ -22,10 +22,10 @@ module sg_passing
   use sg_text, only: to_text
   implicit none
   private
-  public :: passing_t, look_along_contacts, look_through_walls, tell_passing
+  public :: tunnelling_t, find_crossed_contacts, find_crossed_walls, warn_of_tunnelling
 
-  !> What is known of bodies that passed
-  type :: passing_t
+  !> Tunnelling of the present step
+  type :: tunnelling_t
     !> Pairs of bodies that passed in the present step, of this rank and then of all
     integer :: n = 0
     !> Numbers of the bodies of those of this rank, shape (2, n)
@@ -33,45 +33,45 @@ module sg_passing
     !> Deepest overlap of the last step [m]
     real(wp) :: deepest = 0
     !> May a body move farther than the alert distance in the present step? Of this rank and then of all
-    logical :: is_fast = .false.
+    logical :: exceeds_alert = .false.
     !> May one of this rank move farther than the thinnest shape?
-    logical :: is_due = .false.
+    logical :: exceeds_thinnest = .false.
     !> Sentence about the first of them, and whether it has been printed
     type(error_t), allocatable :: first
-    logical :: is_told = .false.
-  end type passing_t
+    logical :: is_printed = .false.
+  end type tunnelling_t
 
 contains
 
   !> Count the pairs of bodies in contact that the motion since the last detection has brought through each other.
-  subroutine look_along_contacts(passing, scene, contacts, plan, is_loaded, step, h)
-    type(passing_t), intent(inout) :: passing !! its count is set
+  subroutine find_crossed_contacts(tunnelling, scene, contacts, plan, is_loaded, step, h)
+    type(tunnelling_t), intent(inout) :: tunnelling !! its count is set
     type(scene_t), intent(in) :: scene !! velocities are those with which the last step ended
     type(contacts_t), intent(in) :: contacts !! contacts of the last detection
     type(plan_t), intent(in) :: plan !! alert distance and thinnest shape
     logical, intent(in) :: is_loaded !! are contacts those of a checkpoint or a deck, which have no gaps?
     integer, intent(in) :: step !! number of the step that begins
     real(wp), intent(in) :: h !! time step [s]
-    real(wp) :: way, thickness
+    real(wp) :: displacement, thickness
     integer :: k
 
-    passing%n = 0
-    way = h*largest_speed(scene%bodies%velocity(:scene%dimension, :))
-    passing%is_fast = way > plan%alert
-    passing%is_due = way > plan%thinnest
-    if (is_loaded .or. .not. way + passing%deepest > plan%thinnest) return
+    tunnelling%n = 0
+    displacement = h*largest_speed(scene%bodies%velocity(:scene%dimension, :))
+    tunnelling%exceeds_alert = displacement > plan%alert
+    tunnelling%exceeds_thinnest = displacement > plan%thinnest
+    if (is_loaded .or. .not. displacement + tunnelling%deepest > plan%thinnest) return
     do k = 1, contacts%n
       associate (b => contacts%body(:, k), gap => contacts%gap(k), n => scene%dimension)
-        way = -h*dot_product(contacts%normal(:, k), scene%bodies%velocity(:n, b(1)) - scene%bodies%velocity(:n, b(2)))
-        if (way <= max(0.0_wp, gap)) cycle
+        displacement = -h*dot_product(contacts%normal(:, k), scene%bodies%velocity(:n, b(1)) - scene%bodies%velocity(:n, b(2)))
+        if (displacement <= max(0.0_wp, gap)) cycle
         thickness = half_width(scene%contactors, int(contacts%contactor(1, k))) + &
                     half_width(scene%contactors, int(contacts%contactor(2, k)))
         ! Beyond the middles after the step, and not before.
-        if (way - gap <= thickness .or. -gap > thickness) cycle
-        call count_pair(passing, scene, int(b), step, h, way, thickness)
+        if (displacement - gap <= thickness .or. -gap > thickness) cycle
+        call count_pair(tunnelling, scene, int(b), step, h, displacement, thickness)
       end associate
     end do
-  end subroutine look_along_contacts
+  end subroutine find_crossed_contacts
 
   !> Largest speed of all bodies [m/s]; where squares have no room, the largest component.
   pure real(wp) function largest_speed(velocity)
@@ -90,43 +90,43 @@ contains
 
   !> Count the grains whose centres have gone through a wall since the last detection, where a body may have moved by more than the
   !! thinnest shape.
-  subroutine look_through_walls(passing, scene, step, h, share, thinnest)
-    type(passing_t), intent(inout) :: passing !! its count grows
+  subroutine find_crossed_walls(tunnelling, scene, step, h, share, thinnest)
+    type(tunnelling_t), intent(inout) :: tunnelling !! its count grows
     type(scene_t), intent(in) :: scene !! contactors are placed for the step, velocities are those with which the last one ended
     integer, intent(in) :: step !! number of the step
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in) :: share !! share of the step since the last detection, or since the start
     real(wp), intent(in) :: thinnest !! half width of the thinnest shape [m]
     integer, allocatable :: walls(:)
-    real(wp) :: way(scene%dimension)
+    real(wp) :: displacement(scene%dimension)
     integer :: c, i, n
 
-    if (.not. passing%is_due) return
+    if (.not. tunnelling%exceeds_thinnest) return
     n = scene%dimension
     associate (bodies => scene%bodies, contactors => scene%contactors)
       walls = pack([(c, c=1, contactors%n)], .not. bodies%is_grain(contactors%body(:contactors%n)))
       do c = 1, contactors%n
-        ! Copies of other ranks' grains are looked at there.
+        ! Each rank checks its own grains, not copies.
         if (.not. bodies%is_grain(contactors%body(c)) .or. contactors%body(c) > bodies%n_home) cycle
         do i = 1, size(walls)
           associate (b => [int(contactors%body(c)), int(contactors%body(walls(i)))])
-            way = share*h*(bodies%velocity(:n, b(1)) - bodies%velocity(:n, b(2)))
-            if (sum(way**2) <= thinnest**2) cycle
-            if (.not. meets_wall(scene, walls(i), contactors%centre(:, c) - way, contactors%centre(:, c))) cycle
-            call count_pair(passing, scene, b, step, share*h, norm2(way), half_width(contactors, c) + &
-                                                                          half_width(contactors, walls(i)))
+            displacement = share*h*(bodies%velocity(:n, b(1)) - bodies%velocity(:n, b(2)))
+            if (sum(displacement**2) <= thinnest**2) cycle
+            if (.not. meets_wall(scene, walls(i), contactors%centre(:, c) - displacement, contactors%centre(:, c))) cycle
+            call count_pair(tunnelling, scene, b, step, share*h, norm2(displacement), &
+                            half_width(contactors, c) + half_width(contactors, walls(i)))
           end associate
         end do
       end do
     end associate
-  end subroutine look_through_walls
+  end subroutine find_crossed_walls
 
   !> Does the path of a point lead through a wall or one of its periodic images?
   pure logical function meets_wall(scene, wall, from, to) result(meets)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: wall
     real(wp), intent(in) :: from(scene%dimension), to(scene%dimension)
-    ! A path over more periods is cut: what flies so fast is warned of anyway.
+    ! A path over more periods is cut: such a velocity gives another warning.
     real(wp), parameter :: most = 100
     real(wp) :: period(2), offset(scene%dimension)
     integer :: first(2), last(2), axis, i, j
@@ -154,40 +154,40 @@ contains
   end function meets_wall
 
   !> Count a pair once per step, and keep a sentence about the first of all.
-  subroutine count_pair(passing, scene, body, step, h, way, thickness)
-    type(passing_t), intent(inout) :: passing
+  subroutine count_pair(tunnelling, scene, body, step, h, displacement, thickness)
+    type(tunnelling_t), intent(inout) :: tunnelling
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: body(2), step
-    real(wp), intent(in) :: h, way, thickness
-    character(len=:), allocatable :: who
+    real(wp), intent(in) :: h, displacement, thickness
+    character(len=:), allocatable :: bodies
     integer :: numbers(2), i
 
     numbers = [number_of(scene, minval(body)), number_of(scene, maxval(body))]
-    do i = 1, passing%n
-      if (all(passing%pair(:, i) == numbers)) return
+    do i = 1, tunnelling%n
+      if (all(tunnelling%pair(:, i) == numbers)) return
     end do
-    passing%n = passing%n + 1
-    call reserve(passing%pair, 2, passing%n)
-    passing%pair(:, passing%n) = int(numbers, i4)
-    if (passing%is_told .or. allocated(passing%first)) return
-    who = 'step '//to_text(step)//': bodies '//to_text(minval(numbers))//' and '//to_text(maxval(numbers))
-    if (way > thickness) then
-      call fail(passing%first, who//' pass through each other, at '//to_text(way/h, 3)//' m/s, '// &
-                'since contacts are found once per step; a time step below '//to_text(thickness/way*h, 2)//' s finds them')
+    tunnelling%n = tunnelling%n + 1
+    call reserve(tunnelling%pair, 2, tunnelling%n)
+    tunnelling%pair(:, tunnelling%n) = int(numbers, i4)
+    if (tunnelling%is_printed .or. allocated(tunnelling%first)) return
+    bodies = 'step '//to_text(step)//': bodies '//to_text(minval(numbers))//' and '//to_text(maxval(numbers))
+    if (displacement > thickness) then
+      call fail(tunnelling%first, bodies//' pass through each other, at '//to_text(displacement/h, 3)//' m/s, '// &
+                'since contacts are found once per step; a time step below '//to_text(thickness/displacement*h, 2)//' s finds them')
     else
-      call fail(passing%first, who//' are pressed through each other: they overlap by more than half of what both are thick')
+      call fail(tunnelling%first, bodies//' are pressed through each other: they overlap by more than half of their thickness')
     end if
   end subroutine count_pair
 
   !> Warn of the first bodies that passed. Collective where ranks share the scene; all have the same count.
-  subroutine tell_passing(passing, comm, unit)
-    type(passing_t), intent(inout) :: passing !! of the step just done
+  subroutine warn_of_tunnelling(tunnelling, comm, unit)
+    type(tunnelling_t), intent(inout) :: tunnelling !! of the step just done
     type(comm_t), intent(inout) :: comm !! the ranks
     integer, intent(in) :: unit !! open unit to write on
 
-    if (passing%n == 0 .or. passing%is_told) return
-    passing%is_told = .true.
-    call comm%agree(passing%first)
-    if (comm%rank == 0 .and. allocated(passing%first)) write (unit, '(a)') passing%first%report('warning')
-  end subroutine tell_passing
-end module sg_passing
+    if (tunnelling%n == 0 .or. tunnelling%is_printed) return
+    tunnelling%is_printed = .true.
+    call comm%agree(tunnelling%first)
+    if (comm%rank == 0 .and. allocated(tunnelling%first)) write (unit, '(a)') tunnelling%first%report('warning')
+  end subroutine warn_of_tunnelling
+end module sg_tunnelling

@@ -1,5 +1,5 @@
 !> Bodies that pass through each other within a step: how thin shapes are, who passed, who only came deep, and in whose words.
-program test_passing
+program test_tunnelling
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, hold, put_disk, put_polygon, put_wall, run
   use scenes_space, only: begin_space_scene, put_box, put_capsule, put_plane, put_sphere
@@ -120,13 +120,13 @@ contains
 
     call fly(sim, law_velocity, 0.72_wp, 1)
     call t%equal(sim%totals%passings, 1, 'a ball has passed another one')
-    call t%check(allocated(sim%passing%first), 'with a message')
-    if (allocated(sim%passing%first)) then
-      call t%check(index(sim%passing%first%message, 'step 2: bodies 1 and 2 pass through each other, at 5.00E+02 m/s') == 1, &
-                   'step, bodies, speed: '//sim%passing%first%message)
+    call t%check(allocated(sim%tunnelling%first), 'with a message')
+    if (allocated(sim%tunnelling%first)) then
+      call t%check(index(sim%tunnelling%first%message, 'step 2: bodies 1 and 2 pass through each other, at 5.00E+02 m/s') == 1, &
+                   'step, bodies, speed: '//sim%tunnelling%first%message)
       ! Both radii over the speed.
-      call t%check(index(sim%passing%first%message, 'a time step below 4.0E-04 s finds them') > 0, &
-                   'the step that would do: '//sim%passing%first%message)
+      call t%check(index(sim%tunnelling%first%message, 'a time step below 4.0E-04 s finds them') > 0, &
+                   'the step that would do: '//sim%tunnelling%first%message)
     end if
     call t%near(sim%scene%bodies%velocity(1, 1), 500.0_wp, 0.0_wp, 'it flies on')
     call fly(sim, law_velocity, 0.78_wp, 1)
@@ -201,9 +201,11 @@ contains
         call t%equal(sim%totals%passings, 0, 'not yet')
         call run(sim, 4 - i)
         call t%equal(sim%totals%passings, 1, 'beyond a wall at its first detection')
-        call t%check(allocated(sim%passing%first), 'with a message')
-        if (.not. allocated(sim%passing%first)) cycle
-        call t%check(index(sim%passing%first%message, 'step '//achar(48 + i)//': bodies 1 and 2') == 1, sim%passing%first%message)
+        call t%check(allocated(sim%tunnelling%first), 'with a message')
+        if (.not. allocated(sim%tunnelling%first)) cycle
+        associate (message => sim%tunnelling%first%message)
+          call t%check(index(message, 'step '//achar(48 + i)//': bodies 1 and 2') == 1, message)
+        end associate
       end do
     end do
   end subroutine test_first_detection
@@ -432,7 +434,7 @@ contains
     call t%equal(sim%totals%passings, 0, 'squeezed, not yet beyond the middle')
     call run(sim, 20)
     call t%check(sim%totals%passings > 0, 'squeezed out')
-    if (allocated(sim%passing%first)) call t%check(index(sim%passing%first%message, 'are pressed through each other') > 0, &
-                                                   sim%passing%first%message)
+    if (allocated(sim%tunnelling%first)) call t%check(index(sim%tunnelling%first%message, 'are pressed through each other') > 0, &
+                                                   sim%tunnelling%first%message)
   end subroutine test_squeezed
-end program test_passing
+end program test_tunnelling
