@@ -5,7 +5,7 @@ table of doc/guide/architecture.md from it.
 """
 
 ROOMS = {
-    "base": "kinds, errors, text, numerals, growing lists, sorting, random numbers, parcels of reals, timers",
+    "base": "kinds, errors, text, numerals, growing lists, sorting, random numbers, parcels of reals, lists of fields, timers",
     "base/system": "the operating system: signals, memory, processes, shared libraries, threads",
     "base/files": "text files, written whole or not at all; lines on standard output; JSON",
     "numerics": "vectors, rotations, dense and sparse factors, Fourier transform, convex hull, welding of points",

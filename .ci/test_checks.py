@@ -184,6 +184,24 @@ def test_tables_of_records(tmp_path, old, new, finding):
     assert (status, finding in printed) == (int(bool(finding)), True)
 
 
+@pytest.mark.parametrize("place, old, new, finding", [
+    ("bodies/bodies.f90", "", "", "2 files, 0 findings"),
+    ("bodies/bodies.f90", "mass(:)\n", "mass(:)\n    real(wp), allocatable :: heat(:), salt(:, :)\n", "salt of bodies_t is visited 0"),
+    ("bodies/bodies.f90", "self%area)", "self%mass)", "mass of bodies_t is visited 2 times"),
+    ("bodies/bodies.f90", "field_t('force'", "field_t('forces'", "force is visited as 'forces'"),
+    ("detection/contacts.f90", "    call visitor%visit(field_t('gap'", "    ! call visitor%visit(field_t('gap'", "gap of contacts_t is visited 0"),
+])  # fmt: skip
+def test_lists_of_fields(tmp_path, place, old, new, finding):
+    for name in ("bodies/bodies.f90", "detection/contacts.f90"):
+        (tmp_path / "src" / name).parent.mkdir(parents=True)
+        (tmp_path / "src" / name).write_text((HERE.parent / "src" / name).read_text())
+    changed = tmp_path / "src" / place
+    assert old in changed.read_text()
+    changed.write_text(changed.read_text().replace(old, new, 1))
+    status, printed = run("check_fields", tmp_path)
+    assert (status, finding in printed) == (int("0 findings" not in finding), True), printed
+
+
 @pytest.mark.parametrize("old, new, finding", [
     ("module sg_{name}", "module {name}", "should hold one module sg_plan"),
     ("  implicit none", "", "no 'implicit none'"),

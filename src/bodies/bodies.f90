@@ -5,13 +5,15 @@
 !! of a body in space: x, y, z in the world and spin about its principal axes, or x, y, z alone; its orientation is a unit
 !! quaternion.
 module sg_bodies
+  use sg_field_visitor, only: field_t, field_visitor_t, sync_always, sync_never, sync_on_copy, sync_on_owner
+  use sg_fields, only: fields_t
   use sg_kinds, only: wp, i4
   implicit none
   private
-  public :: bodies_t, clear_body, shorten, drop_rotation, drop_rotation_as, are_turned, spin_of, angle_of, no_bodies_like
+  public :: bodies_t, drop_rotation, are_turned, spin_of, angle_of, make_bodies_like, no_bodies_like
 
   !> Rigid bodies, in the plane or in space
-  type :: bodies_t
+  type, extends(fields_t) :: bodies_t
     !> Number of bodies
     integer :: n = 0
     !> Number of bodies that this rank counts as its own: the first ones; all of them where the scene is not decomposed
@@ -59,85 +61,59 @@ module sg_bodies
     integer(i4), allocatable :: id(:), home(:)
   contains
     procedure :: allocate => bodies_allocate
+    procedure :: visit => bodies_visit
   end type bodies_t
 
 contains
+
+  !> The list of fields. A field of a body is a line here, and its declaration above.
+  subroutine bodies_visit(self, visitor)
+    class(bodies_t) :: self
+    type(field_visitor_t), intent(inout) :: visitor !! what the visit does
+    logical :: is_plane, is_space, is_numbered
+    integer :: d, v, m
+
+    d = self%dimension
+    v = self%n_velocity
+    m = merge(merge(3, 7, d == 2), d, self%has_orientation)
+    is_plane = d == 2
+    is_space = d == 3
+    is_numbered = allocated(self%id)
+    call visitor%visit(field_t('position', sync_on_copy, d, in_files=.true.), self%position)
+    call visitor%visit(field_t('angle', sync_on_copy, is_there=is_plane .and. self%has_orientation, in_files=.true.), self%angle)
+    call visitor%visit(field_t('orientation', sync_on_copy, 4, is_space .and. self%has_orientation, .true., first=1.0_wp), &
+                       self%orientation)
+    call visitor%visit(field_t('velocity', sync_always, v, in_files=.true.), self%velocity)
+    call visitor%visit(field_t('middle', sync_never, m), self%middle)
+    call visitor%visit(field_t('mass', sync_on_copy), self%mass)
+    call visitor%visit(field_t('inertia', sync_on_copy, is_there=is_plane), self%inertia)
+    call visitor%visit(field_t('principal', sync_on_copy, 3, is_there=is_space), self%principal)
+    call visitor%visit(field_t('inverse_mass', sync_on_copy, v), self%inverse_mass)
+    call visitor%visit(field_t('force', sync_never, v), self%force)
+    call visitor%visit(field_t('free_velocity', sync_never, v), self%free_velocity)
+    call visitor%visit(field_t('area', sync_on_owner), self%area)
+    call visitor%visit(field_t('crossings', sync_on_copy, in_files=.true.), self%crossings)
+    call visitor%visit(field_t('crossings_y', sync_on_copy, is_there=is_space, in_files=.true.), self%crossings_y)
+    call visitor%visit(field_t('is_grain', sync_on_copy, first=1.0_wp), self%is_grain)
+    call visitor%visit(field_t('material', sync_on_copy), self%material)
+    ! Messages hold these two before the fields: a body may be numbered, or change its home, when it is sent.
+    call visitor%visit(field_t('id', sync_never, is_there=is_numbered), self%id)
+    call visitor%visit(field_t('home', sync_never, is_there=is_numbered), self%home)
+  end subroutine bodies_visit
 
   !> Make room for `n` bodies at rest at the origin.
   subroutine bodies_allocate(self, n, dimension)
     class(bodies_t), intent(inout) :: self
     integer, intent(in) :: n !! number of bodies
     integer, intent(in), optional :: dimension !! of space, 2 unless given
-    integer :: m
 
     self%n = n
     self%n_home = n
     self%dimension = 2
     if (present(dimension)) self%dimension = dimension
-    m = merge(3, 6, self%dimension == 2)
-    self%n_velocity = m
-    allocate (self%position(self%dimension, n), self%velocity(m, n), self%middle(merge(3, 7, m == 3), n), &
-              self%inverse_mass(m, n), self%force(m, n), self%free_velocity(m, n), source=0.0_wp)
-    allocate (self%mass(n), self%area(n), source=0.0_wp)
-    allocate (self%crossings(n), self%material(n), source=0_i4)
-    allocate (self%is_grain(n), source=.true.)
-    if (self%dimension == 2) then
-      allocate (self%angle(n), self%inertia(n), source=0.0_wp)
-    else
-      allocate (self%principal(3, n), self%orientation(4, n), source=0.0_wp)
-      allocate (self%crossings_y(n), source=0_i4)
-      self%orientation(1, :) = 1
-    end if
+    self%n_velocity = merge(3, 6, self%dimension == 2)
+    call self%resize(n)
   end subroutine bodies_allocate
-
-  !> Put a body back at rest at the origin, as `allocate` left it.
-  pure subroutine clear_body(bodies, b)
-    type(bodies_t), intent(inout) :: bodies !! bodies of a scene being made
-    integer, intent(in) :: b !! the body
-
-    bodies%position(:, b) = 0
-    bodies%velocity(:, b) = 0
-    bodies%inverse_mass(:, b) = 0
-    bodies%mass(b) = 0
-    bodies%area(b) = 0
-    bodies%material(b) = 0
-    bodies%is_grain(b) = .true.
-    if (bodies%dimension == 2) then
-      bodies%angle(b) = 0
-      bodies%inertia(b) = 0
-    else
-      bodies%principal(:, b) = 0
-      bodies%orientation(:, b) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
-    end if
-  end subroutine clear_body
-
-  !> Keep the first bodies of a scene being made, in which everything still may turn.
-  subroutine shorten(bodies, n)
-    type(bodies_t), intent(inout) :: bodies !! all bodies
-    integer, intent(in) :: n !! bodies to keep
-    type(bodies_t) :: kept
-
-    call kept%allocate(n, bodies%dimension)
-    kept%position(:, :) = bodies%position(:, :n)
-    kept%velocity(:, :) = bodies%velocity(:, :n)
-    kept%inverse_mass(:, :) = bodies%inverse_mass(:, :n)
-    kept%mass(:) = bodies%mass(:n)
-    kept%area(:) = bodies%area(:n)
-    kept%crossings(:) = bodies%crossings(:n)
-    kept%material(:) = bodies%material(:n)
-    kept%is_grain(:) = bodies%is_grain(:n)
-    if (bodies%dimension == 2) then
-      kept%angle(:) = bodies%angle(:n)
-      kept%inertia(:) = bodies%inertia(:n)
-    else
-      kept%principal(:, :) = bodies%principal(:, :n)
-      kept%orientation(:, :) = bodies%orientation(:, :n)
-      kept%crossings_y(:) = bodies%crossings_y(:n)
-    end if
-    if (allocated(bodies%id)) kept%id = bodies%id(:n)
-    if (allocated(bodies%home)) kept%home = bodies%home(:n)
-    bodies = kept
-  end subroutine shorten
 
   !> Leave out all that belongs to rotation, for scenes in which nothing turns: spins always, orientations if none is wanted.
   subroutine drop_rotation(bodies, keep_orientation)
@@ -146,24 +122,9 @@ contains
 
     if (bodies%n_velocity == bodies%dimension) return
     bodies%n_velocity = bodies%dimension
-    call cut(bodies%dimension, bodies%velocity)
-    call cut(bodies%dimension, bodies%inverse_mass)
-    call cut(bodies%dimension, bodies%force)
-    call cut(bodies%dimension, bodies%free_velocity)
     bodies%has_orientation = keep_orientation
-    if (keep_orientation) return
-    if (allocated(bodies%angle)) deallocate (bodies%angle)
-    if (allocated(bodies%orientation)) deallocate (bodies%orientation)
-    call cut(bodies%dimension, bodies%middle)
+    call bodies%resize(bodies%n)
   end subroutine drop_rotation
-
-  !> Leave out of bodies what a template has left out.
-  subroutine drop_rotation_as(template, bodies)
-    type(bodies_t), intent(in) :: template !! other bodies of the same scene
-    type(bodies_t), intent(inout) :: bodies !! bodies with all components
-
-    if (template%n_velocity == template%dimension) call drop_rotation(bodies, template%has_orientation)
-  end subroutine drop_rotation_as
 
   !> No bodies, of the dimension and the components of others.
   pure function no_bodies_like(template) result(bodies)
@@ -175,6 +136,19 @@ contains
     bodies%has_orientation = template%has_orientation
   end function no_bodies_like
 
+  !> Make room for `n` bodies at rest at the origin, with numbers and homes, and with the components of others.
+  subroutine make_bodies_like(template, n, bodies)
+    type(bodies_t), intent(in) :: template !! bodies of the same scene
+    integer, intent(in) :: n !! number of bodies
+    type(bodies_t), intent(out) :: bodies !! bodies made
+
+    bodies = no_bodies_like(template)
+    bodies%n = n
+    bodies%n_home = n
+    allocate (bodies%id(0), bodies%home(0))
+    call bodies%resize(n)
+  end subroutine make_bodies_like
+
   !> Is any body turned away from the axes of the world?
   pure logical function are_turned(bodies)
     type(bodies_t), intent(in) :: bodies !! bodies with orientations
@@ -185,17 +159,6 @@ contains
       are_turned = any(abs(bodies%orientation(2:4, :)) > 0)
     end if
   end function are_turned
-
-  !> Keep the first components.
-  subroutine cut(n, records)
-    integer, intent(in) :: n
-    real(wp), allocatable, intent(inout) :: records(:, :)
-    real(wp), allocatable :: kept(:, :)
-
-    allocate (kept(n, size(records, 2)))
-    kept = records(:n, :)
-    call move_alloc(kept, records)
-  end subroutine cut
 
   !> Angular velocity of a planar body [rad/s]; zero where nothing turns.
   pure real(wp) function spin_of(bodies, body)

@@ -5,15 +5,17 @@
 !! tangents are kept: an impulse is the vector that the candidate feels, in the world's axes. Contacts stand in spatial
 !! order. A pair of polygons may have two contacts, one of polyhedra four, told apart by their feature key.
 module sg_contacts
+  use sg_field_visitor, only: field_t, field_visitor_t, sync_never, sync_on_owner
+  use sg_fields, only: fields_t
   use sg_kinds, only: wp, i1, i4, i8
-  use sg_lists, only: reserve, room_for
+  use sg_lists, only: room_for
   use sg_memory, only: memory_t
   implicit none
   private
-  public :: bytes_per_contact, contacts_t, drop_contacts, grow_contacts, reserve_contacts, normal_impulse, impulse_vector
+  public :: contacts_t, drop_contacts, grow_contacts, reserve_contacts, normal_impulse, impulse_vector
 
   !> All contacts of one step
-  type :: contacts_t
+  type, extends(fields_t) :: contacts_t
     !> Number of contacts
     integer :: n = 0
     !> Dimension of space
@@ -48,9 +50,32 @@ module sg_contacts
     type(memory_t) :: memory
     logical :: is_cut = .false.
     integer :: n_cut = 0
+  contains
+    procedure :: visit => contacts_visit
   end type contacts_t
 
 contains
+
+  !> The list of fields. A field of a contact is a line here, and its declaration above.
+  subroutine contacts_visit(self, visitor)
+    class(contacts_t) :: self
+    type(field_visitor_t), intent(inout) :: visitor !! what the visit does
+    integer :: d
+
+    d = self%dimension
+    call visitor%visit(field_t('contactor', sync_on_owner, 2, in_files=.true.), self%contactor)
+    call visitor%visit(field_t('body', sync_never, 2), self%body)
+    call visitor%visit(field_t('feature', sync_on_owner, in_files=.true.), self%feature)
+    call visitor%visit(field_t('law', sync_on_owner, in_files=.true.), self%law)
+    call visitor%visit(field_t('normal', sync_never, d), self%normal)
+    call visitor%visit(field_t('point', sync_never, d), self%point)
+    call visitor%visit(field_t('gap', sync_never), self%gap)
+    call visitor%visit(field_t('image', sync_on_owner, in_files=.true.), self%image)
+    call visitor%visit(field_t('image_y', sync_on_owner, is_there=d == 3, in_files=.true.), self%image_y)
+    call visitor%visit(field_t('impulse', sync_on_owner, self%n_components, in_files=.true.), self%impulse)
+    call visitor%visit(field_t('status', sync_on_owner, in_files=.true.), self%status)
+    call visitor%visit(field_t('internal', sync_on_owner, self%n_internal, in_files=.true.), self%internal)
+  end subroutine contacts_visit
 
   !> Make room for `n` contacts where there is memory; else `is_cut` is set.
   subroutine grow_contacts(contacts, n)
@@ -63,17 +88,10 @@ contains
     if (allocated(contacts%gap)) now = size(contacts%gap)
     if (n <= now) return
     ! While a table grows there are both the old one and the new one.
-    bytes = bytes_per_contact(contacts)*int(room_for(n, now) - now, i8) + 8*int(contacts%dimension, i8)*int(now, i8)
+    bytes = contacts%bytes_per_item()*int(room_for(n, now) - now, i8) + 8*int(contacts%dimension, i8)*int(now, i8)
     contacts%is_cut = .not. contacts%memory%fits(bytes)
     if (.not. contacts%is_cut) call reserve_contacts(contacts, n)
   end subroutine grow_contacts
-
-  !> Memory of a contact [bytes].
-  pure integer(i8) function bytes_per_contact(contacts) result(bytes)
-    type(contacts_t), intent(in) :: contacts !! contacts with their numbers of components
-
-    bytes = int(35 + 16*contacts%dimension + 8*(contacts%n_components + contacts%n_internal), i8)
-  end function bytes_per_contact
 
   !> Drop contacts that were not found to the end, with their memory, which what follows and a checkpoint need.
   subroutine drop_contacts(contacts)
@@ -95,21 +113,11 @@ contains
     type(contacts_t), intent(inout) :: contacts !! contacts to make room in
     integer, intent(in) :: n !! contacts wanted
 
-    if (allocated(contacts%gap)) then
-      if (size(contacts%gap) >= n) return
-    end if
-    call reserve(contacts%contactor, 2, n)
-    call reserve(contacts%body, 2, n)
-    call reserve(contacts%feature, n)
-    call reserve(contacts%law, n)
-    call reserve(contacts%normal, contacts%dimension, n)
-    call reserve(contacts%point, contacts%dimension, n)
-    call reserve(contacts%gap, n)
-    call reserve(contacts%image, n)
-    if (contacts%dimension == 3) call reserve(contacts%image_y, n)
-    call reserve(contacts%impulse, contacts%n_components, n)
-    call reserve(contacts%status, n)
-    call reserve(contacts%internal, contacts%n_internal, n)
+    integer :: now
+
+    now = -1
+    if (allocated(contacts%gap)) now = size(contacts%gap)
+    if (n > now) call contacts%resize(merge(room_for(n, max(0, now)), 0, n > 0))
   end subroutine reserve_contacts
 
   !> Normal impulse of a contact [N s].

@@ -3,9 +3,7 @@
 !! What grows neither with the bodies nor with the contacts is left out, and so is what a step makes and gives back. That nothing
 !! else is left out shows where the sum is compared with the memory that the program has in use (tests/cli/test_needs.py).
 module sg_inventory
-  use sg_bodies, only: bodies_t
   use sg_contactors, only: contactors_t
-  use sg_contacts, only: contacts_t
   use sg_history, only: history_t
   use sg_kinds, only: wp, i8
   use sg_neighbours, only: neighbours_t
@@ -38,13 +36,15 @@ contains
     type(simulation_t), intent(in) :: sim !! after a step
     type(tables_t), intent(out) :: tables !! allocated ones and others
 
-    call list_bodies(sim%scene%bodies, tables)
+    call tables%begin('bodies', per_body)
+    call sim%scene%bodies%note(tables)
     call tables%begin('plan', per_body)
     call tables%note('radius', sim%plan%radius)
     call list_contactors(sim%scene%contactors, tables)
     call list_space(sim%scene%contactors%space, tables)
     call list_pairs(sim%pairs, tables)
-    call list_contacts(sim%contacts, tables)
+    call tables%begin('contacts', per_contact)
+    call sim%contacts%note(tables)
     call list_history(sim%history, tables)
     call list_problem(sim%problem, tables)
     if (sim%decomposition%is_on) then
@@ -58,32 +58,6 @@ contains
     call tables%begin('trace', per_body)
     call tables%note('guess_body', sim%guess_body)
   end subroutine list_tables
-
-  !> Tables of bodies.
-  subroutine list_bodies(bodies, tables)
-    type(bodies_t), intent(in) :: bodies
-    type(tables_t), intent(inout) :: tables
-
-    call tables%begin('bodies', per_body)
-    call tables%note('position', bodies%position)
-    call tables%note('angle', bodies%angle)
-    call tables%note('orientation', bodies%orientation)
-    call tables%note('velocity', bodies%velocity)
-    call tables%note('middle', bodies%middle)
-    call tables%note('mass', bodies%mass)
-    call tables%note('inertia', bodies%inertia)
-    call tables%note('principal', bodies%principal)
-    call tables%note('inverse_mass', bodies%inverse_mass)
-    call tables%note('force', bodies%force)
-    call tables%note('free_velocity', bodies%free_velocity)
-    call tables%note('area', bodies%area)
-    call tables%note('crossings', bodies%crossings)
-    call tables%note('crossings_y', bodies%crossings_y)
-    call tables%note('is_grain', bodies%is_grain)
-    call tables%note('material', bodies%material)
-    call tables%note('id', bodies%id)
-    call tables%note('home', bodies%home)
-  end subroutine list_bodies
 
   !> Tables of shapes in the plane, and of what all shapes have.
   subroutine list_contactors(contactors, tables)
@@ -168,26 +142,6 @@ contains
     call tables%note('image_y', pairs%image_y)
     call tables%note('see', pairs%see)
   end subroutine list_pairs
-
-  !> Tables of the contacts of the step.
-  subroutine list_contacts(contacts, tables)
-    type(contacts_t), intent(in) :: contacts
-    type(tables_t), intent(inout) :: tables
-
-    call tables%begin('contacts', per_contact)
-    call tables%note('contactor', contacts%contactor)
-    call tables%note('body', contacts%body)
-    call tables%note('feature', contacts%feature)
-    call tables%note('law', contacts%law)
-    call tables%note('normal', contacts%normal)
-    call tables%note('point', contacts%point)
-    call tables%note('gap', contacts%gap)
-    call tables%note('image', contacts%image)
-    call tables%note('image_y', contacts%image_y)
-    call tables%note('impulse', contacts%impulse)
-    call tables%note('status', contacts%status)
-    call tables%note('internal', contacts%internal)
-  end subroutine list_contacts
 
   !> Tables of the contacts of the last step.
   subroutine list_history(history, tables)

@@ -1,6 +1,6 @@
 !> Limits of memory and time within a step: they end a run before a list, a problem or a search exceeds them.
 module sg_limits
-  use sg_contacts, only: bytes_per_contact, drop_contacts
+  use sg_contacts, only: drop_contacts
   use sg_error, only: error_t, exit_memory, exit_stopped, fail
   use sg_kinds, only: wp, i8
   use sg_memory, only: gigabytes, memory_t
@@ -23,7 +23,7 @@ contains
     associate (scene => sim%scene, pairs => sim%pairs, contacts => sim%contacts, step => sim%step + 1)
       ! What the next step keeps of the contacts is an eighth of their problem; a checkpoint copies them.
       growth = growth_of_problem(sim%problem, sim%plan%kind, contacts%n)
-      growth = growth + growth/8 + bytes_per_contact(contacts)*int(contacts%n, i8)
+      growth = growth + growth/8 + contacts%bytes_per_item()*int(contacts%n, i8)
       if (pairs%is_late) then
         call fail(error, 'stopped by the walltime after step '//to_text(sim%step), code=exit_stopped)
       else if (pairs%is_cut) then

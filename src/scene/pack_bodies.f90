@@ -1,11 +1,10 @@
 !> Bodies as records of reals, with their contactors, and scenes made of such records: how bodies travel between ranks.
 !!
-!! A record is its length, number in the whole scene, home, is it a grain, material, number of contactors; position, angle or
-!! orientation, velocity, mass, moments of inertia, inverse inertias, area, crossings; then the records of its contactors.
-!! Orientations stand in it only where something turns. What a step recomputes (forces, free velocities, the configuration of
-!! detection) is no part of it.
+!! A record is its length, number in the whole scene, home, number of contactors, and the lowest rule of the fields that it holds
+!! (sg_fields); those fields; then the records of its contactors. What a step recomputes (forces, free velocities, the configuration
+!! of detection) is no part of it.
 module sg_pack_bodies
-  use sg_bodies, only: bodies_t, drop_rotation_as, no_bodies_like
+  use sg_bodies, only: bodies_t, make_bodies_like, no_bodies_like
   use sg_contactors, only: contactors_t, n_kinds
   use sg_homes, only: counts_on
   use sg_kinds, only: wp, i4, i8
@@ -19,18 +18,20 @@ module sg_pack_bodies
   public :: pack_body, order_records, build_scene, rebuild_scene, drop_bodies, drop_step_state
 
   !> Places of values in a record
-  integer, parameter :: place_length = 1, place_number = 2, place_home = 3, place_contactors = 6
+  integer, parameter :: place_length = 1, place_number = 2, place_home = 3, place_contactors = 4
 
 contains
 
   !> Append the record of a body with its contactors.
-  subroutine pack_body(scene, body, first, list, home, parcel)
+  subroutine pack_body(scene, body, first, list, home, least, parcel)
     type(scene_t), intent(in) :: scene !! whole scene, or the part of this rank
     integer, intent(in) :: body !! body of that scene
     integer(i4), intent(in) :: first(:) !! contactors of body b are list(first(b):first(b + 1) - 1)
     integer(i4), intent(in) :: list(:) !! see `contactors_of_bodies`
     integer, intent(in) :: home !! rank that is or becomes its home; -1 for wide bodies
+    integer, intent(in) :: least !! `sync_on_copy` where the record is of a copy, else `sync_on_owner`
     type(parcel_t), intent(inout) :: parcel !! takes the record
+    real(wp), allocatable :: values(:, :)
     integer :: start, number, k
 
     number = body
@@ -39,34 +40,15 @@ contains
     call parcel%put(0) ! the length, known at the end
     call parcel%put(number)
     call parcel%put(home)
-    call parcel%put(merge(1, 0, scene%bodies%is_grain(body)))
-    call parcel%put(scene%bodies%material(body))
     call parcel%put(first(body + 1) - first(body))
-    call pack_motion(scene%bodies, body, parcel)
+    call parcel%put(least)
+    call scene%bodies%pack([int(body, i4)], values, least)
+    call parcel%put(values)
     do k = first(body), first(body + 1) - 1
       call pack_contactor(scene%contactors, list(k), parcel)
     end do
     parcel%value(start) = real(parcel%n - start + 1, wp)
   end subroutine pack_body
-
-  !> Where a body is, how it moves, and what it weighs.
-  subroutine pack_motion(bodies, b, parcel)
-    type(bodies_t), intent(in) :: bodies
-    integer, intent(in) :: b
-    type(parcel_t), intent(inout) :: parcel
-
-    call parcel%put(bodies%position(:, b))
-    if (allocated(bodies%angle)) call parcel%put(bodies%angle(b))
-    if (allocated(bodies%orientation)) call parcel%put(bodies%orientation(:, b))
-    call parcel%put(bodies%velocity(:, b))
-    call parcel%put(bodies%mass(b))
-    if (bodies%dimension == 2) call parcel%put(bodies%inertia(b))
-    if (bodies%dimension == 3) call parcel%put(bodies%principal(:, b))
-    call parcel%put(bodies%inverse_mass(:, b))
-    call parcel%put(bodies%area(b))
-    call parcel%put(bodies%crossings(b))
-    if (bodies%dimension == 3) call parcel%put(bodies%crossings_y(b))
-  end subroutine pack_motion
 
   !> Where the records of a parcel begin, in the order of a rank's bodies: first those it counts as its own, then copies of
   !! others', both by ascending number. No body may stand in the parcel twice.
@@ -119,9 +101,7 @@ contains
     type(scene_t), intent(out) :: local !! the scene made
 
     call copy_frame(template, local)
-    call local%bodies%allocate(size(start), template%dimension)
-    call drop_rotation_as(template%bodies, local%bodies)
-    allocate (local%bodies%id(size(start)), local%bodies%home(size(start)), source=0_i4)
+    call make_bodies_like(template%bodies, size(start), local%bodies)
     local%bodies%n_home = n_home
     call unpack_bodies(parcel, start, local%bodies, local%contactors)
     call locate_links(local%links, local%contactors)
@@ -244,25 +224,16 @@ contains
     type(bodies_t), intent(inout) :: bodies
     integer, intent(in) :: b
     integer(i4), intent(out) :: n_contactors
-    integer(i4) :: is_grain
+    integer(i4) :: least
+    integer :: width
 
     parcel%at = start + place_number - 2
     call parcel%take(bodies%id(b))
     call parcel%take(bodies%home(b))
-    call parcel%take(is_grain)
-    bodies%is_grain(b) = is_grain == 1
-    call parcel%take(bodies%material(b))
     call parcel%take(n_contactors)
-    call parcel%take(bodies%position(:, b))
-    if (allocated(bodies%angle)) call parcel%take(bodies%angle(b))
-    if (allocated(bodies%orientation)) call parcel%take(bodies%orientation(:, b))
-    call parcel%take(bodies%velocity(:, b))
-    call parcel%take(bodies%mass(b))
-    if (bodies%dimension == 2) call parcel%take(bodies%inertia(b))
-    if (bodies%dimension == 3) call parcel%take(bodies%principal(:, b))
-    call parcel%take(bodies%inverse_mass(:, b))
-    call parcel%take(bodies%area(b))
-    call parcel%take(bodies%crossings(b))
-    if (bodies%dimension == 3) call parcel%take(bodies%crossings_y(b))
+    call parcel%take(least)
+    width = bodies%width(least)
+    call bodies%unpack([int(b, i4)], reshape(parcel%value(parcel%at + 1:parcel%at + width), [width, 1]), least)
+    parcel%at = parcel%at + width
   end subroutine unpack_body
 end module sg_pack_bodies

@@ -10,6 +10,7 @@ program test_share
   use sg_deck, only: read_deck, read_share
   use sg_datbox_write, only: contacts_at_start, write_datbox
   use sg_error, only: diagnostics_t, error_t
+  use sg_field_visitor, only: sync_on_copy, sync_on_owner
   use sg_kinds, only: wp, i4
   use sg_laws, only: status_stick
   use sg_local_numbers, only: contactors_of_bodies
@@ -234,7 +235,7 @@ contains
     type(scene_t), intent(in) :: share, whole
     type(parcel_t) :: one, other
     integer(i4), allocatable :: first(:), list(:), all_first(:), all_list(:)
-    integer :: b, n_same
+    integer :: b, n_same, least
 
     call contactors_of_bodies(share%contactors, share%bodies%n, first, list)
     call contactors_of_bodies(whole%contactors, whole%bodies%n, all_first, all_list)
@@ -242,8 +243,9 @@ contains
     do b = 1, share%bodies%n
       one%n = 0
       other%n = 0
-      call pack_body(share, b, first, list, 0, one)
-      call pack_body(whole, int(share%bodies%id(b)), all_first, all_list, 0, other)
+      least = merge(sync_on_owner, sync_on_copy, b <= share%bodies%n_home)
+      call pack_body(share, b, first, list, 0, least, one)
+      call pack_body(whole, int(share%bodies%id(b)), all_first, all_list, 0, least, other)
       if (one%n /= other%n) cycle
       if (same(one%value(:one%n), other%value(:one%n))) n_same = n_same + 1
     end do

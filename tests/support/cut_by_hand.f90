@@ -4,6 +4,7 @@
 module cut_by_hand
   use sg_contactors, only: place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_field_visitor, only: sync_on_owner
   use sg_homes, only: owner_of
   use sg_kinds, only: i4
   use sg_local_numbers, only: contactors_of_bodies
@@ -40,7 +41,7 @@ contains
     end do
     call contactors_of_bodies(whole%contactors, whole%bodies%n, first, list)
     do i = 1, whole%bodies%n
-      if (is_held(i, rank)) call pack_body(whole, i, first, list, int(home(i)), parcel)
+      if (is_held(i, rank)) call pack_body(whole, i, first, list, int(home(i)), sync_on_owner, parcel)
     end do
     call order_records(parcel, rank, size_of_all, start, n_home)
     call build_scene(whole, parcel, start, n_home, local)
@@ -80,27 +81,15 @@ contains
     type(contacts_t), intent(in) :: whole
     integer, intent(in) :: kept(:), place(:), seat(:)
     type(contacts_t), intent(inout) :: contacts
-    integer :: i, k
+    integer :: i
 
-    contacts%dimension = whole%dimension
-    contacts%n_components = whole%n_components
-    contacts%n_internal = whole%n_internal
-    call reserve_contacts(contacts, max(1, size(kept)))
+    contacts = whole
+    call reserve_contacts(contacts, 1)
+    call contacts%keep(kept)
     contacts%n = size(kept)
     do i = 1, size(kept)
-      k = kept(i)
-      contacts%contactor(:, i) = int(seat(whole%contactor(:, k)), i4)
-      contacts%body(:, i) = int(place(whole%body(:, k)), i4)
-      contacts%feature(i) = whole%feature(k)
-      contacts%law(i) = whole%law(k)
-      contacts%normal(:, i) = whole%normal(:, k)
-      contacts%point(:, i) = whole%point(:, k)
-      contacts%gap(i) = whole%gap(k)
-      contacts%image(i) = whole%image(k)
-      if (whole%dimension == 3) contacts%image_y(i) = whole%image_y(k)
-      contacts%impulse(:, i) = whole%impulse(:, k)
-      contacts%status(i) = whole%status(k)
-      contacts%internal(:, i) = whole%internal(:, k)
+      contacts%contactor(:, i) = int(seat(contacts%contactor(:, i)), i4)
+      contacts%body(:, i) = int(place(contacts%body(:, i)), i4)
     end do
   end subroutine keep_contacts
 

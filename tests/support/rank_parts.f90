@@ -4,6 +4,7 @@ module rank_parts
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: error_t
+  use sg_field_visitor, only: sync_on_owner
   use sg_homes, only: owner_of
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_iqs_g0
@@ -205,7 +206,7 @@ contains
     end do
     call contactors_of_bodies(whole%contactors, whole%bodies%n, first, list)
     do b = 1, whole%bodies%n
-      if (is_held(b)) call pack_body(whole, b, first, list, int(home(b)), parcel)
+      if (is_held(b)) call pack_body(whole, b, first, list, int(home(b)), sync_on_owner, parcel)
     end do
     call order_records(parcel, rank, ranks, start, n_home)
     call build_scene(whole, parcel, start, n_home, scene)
@@ -221,30 +222,18 @@ contains
     integer, intent(in) :: rank
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(inout) :: contacts
-    integer :: k, n, i
+    integer(i4), allocatable :: kept(:)
+    integer :: k, i
 
-    contacts%dimension = whole%dimension
-    contacts%n_components = whole%n_components
-    contacts%n_internal = whole%n_internal
-    do k = 1, whole%n
-      if (owner_of(home(whole%body(:, k))) /= rank) cycle
-      n = contacts%n + 1
-      contacts%n = n
-      call reserve_contacts(contacts, n)
+    kept = pack([(int(k, i4), k=1, whole%n)], [(owner_of(home(whole%body(:, k))) == rank, k=1, whole%n)])
+    contacts = whole
+    contacts%n = size(kept)
+    if (size(kept) > 0) call contacts%keep(kept)
+    do k = 1, contacts%n
       do i = 1, 2
-        contacts%body(i, n) = int(local_body(scene%bodies, whole%body(i, k)), i4)
-        contacts%contactor(i, n) = int(local_contactor(scene%contactors, whole%contactor(i, k)), i4)
+        contacts%body(i, k) = int(local_body(scene%bodies, contacts%body(i, k)), i4)
+        contacts%contactor(i, k) = int(local_contactor(scene%contactors, contacts%contactor(i, k)), i4)
       end do
-      contacts%feature(n) = whole%feature(k)
-      contacts%law(n) = whole%law(k)
-      contacts%status(n) = whole%status(k)
-      contacts%image(n) = whole%image(k)
-      if (allocated(whole%image_y)) contacts%image_y(n) = whole%image_y(k)
-      contacts%gap(n) = whole%gap(k)
-      contacts%normal(:, n) = whole%normal(:, k)
-      contacts%point(:, n) = whole%point(:, k)
-      contacts%impulse(:, n) = whole%impulse(:, k)
-      contacts%internal(:, n) = whole%internal(:, k)
     end do
   end subroutine take_contacts
 end module rank_parts

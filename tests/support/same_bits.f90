@@ -2,6 +2,7 @@
 module same_bits
   use sg_bodies, only: bodies_t
   use sg_contactors, only: contactors_t
+  use sg_field_visitor, only: field_t, sync_on_owner
   use sg_kinds, only: wp, i1, i4
   implicit none
   private
@@ -14,23 +15,21 @@ module same_bits
 
 contains
 
-  !> State, inertia and presence of arrays of bodies; numbers in the whole scene and homes do not count.
-  pure logical function same_bodies(a, b)
+  !> Fields that are sent with a body, and presence of the others; numbers in the whole scene and homes do not count.
+  logical function same_bodies(a, b)
     type(bodies_t), intent(in) :: a, b
+    type(field_t), allocatable :: of_a(:), of_b(:)
+    real(wp), allocatable :: one(:, :), other(:, :)
+    integer :: i
 
-    same_bodies = a%n == b%n .and. a%n_velocity == b%n_velocity .and. same(a%position, b%position) .and. &
-                  same(a%velocity, b%velocity) .and. same(a%mass, b%mass) .and. same(a%area, b%area) .and. &
-                  same(a%inverse_mass, b%inverse_mass) .and. same(a%crossings, b%crossings) .and. &
-                  same(a%material, b%material) .and. all(a%is_grain .eqv. b%is_grain) .and. &
-                  all(shape(a%middle) == shape(b%middle)) .and. all(shape(a%force) == shape(b%force)) .and. &
-                  all(shape(a%free_velocity) == shape(b%free_velocity))
-    same_bodies = same_bodies .and. (allocated(a%angle) .eqv. allocated(b%angle)) .and. &
-                  (allocated(a%orientation) .eqv. allocated(b%orientation))
+    of_a = a%described()
+    of_b = b%described()
+    same_bodies = a%n == b%n .and. all(of_a%components == of_b%components) .and. &
+                  all(of_a%bytes == of_b%bytes .or. of_a%name == 'id' .or. of_a%name == 'home')
     if (.not. same_bodies) return
-    if (allocated(b%angle)) same_bodies = same_bodies .and. same(a%angle, b%angle)
-    if (allocated(b%orientation)) same_bodies = same_bodies .and. same(a%orientation, b%orientation)
-    if (b%dimension == 2) same_bodies = same_bodies .and. same(a%inertia, b%inertia)
-    if (b%dimension == 3) same_bodies = same_bodies .and. same(a%principal, b%principal) .and. same(a%crossings_y, b%crossings_y)
+    call a%pack([(int(i, i4), i=1, a%n)], one, sync_on_owner)
+    call b%pack([(int(i, i4), i=1, b%n)], other, sync_on_owner)
+    same_bodies = same(one, other)
   end function same_bodies
 
   !> What all kinds of contactors share; tables of shapes do not count.

@@ -6,6 +6,7 @@ module sg_shared_start
   use sg_blocks, only: deck_t
   use sg_comm, only: comm_t
   use sg_error, only: diagnostics_t
+  use sg_field_visitor, only: sync_on_owner
   use sg_halo, only: make_halo
   use sg_kinds, only: wp, i4
   use sg_local_numbers, only: contactors_of_bodies
@@ -66,7 +67,7 @@ contains
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     call drop_step_state(scene)
     do b = 1, scene%bodies%n
-      call pack_body(scene, b, first, list, int(scene%bodies%home(b)), bodies)
+      call pack_body(scene, b, first, list, int(scene%bodies%home(b)), sync_on_owner, bodies)
     end do
     if (.not. allocated(bodies%value)) allocate (bodies%value(0))
     call order_records(bodies, comm%rank, comm%size, start, n_home)

@@ -3,7 +3,7 @@
 !! Points, cells and corners are numbered as one rank would write them, contactor by contactor. Shapes never change, so
 !! they come to those who draw them once; at each picture only the motion of their bodies follows.
 module sg_pictures_pieces
-  use sg_bodies, only: bodies_t, drop_rotation_as
+  use sg_bodies, only: bodies_t, make_bodies_like
   use sg_comm, only: comm_t
   use sg_contactors, only: contactors_t
   use sg_kinds, only: wp, i4, i8
@@ -70,8 +70,7 @@ contains
     self%contactors%body = int(self%wanted%place(nint(facts(1, :), i4)), i4)
     self%contactors%colour = nint(facts(2, :), i4)
     self%contactors%kind = nint(facts(3, :), i4)
-    call self%bodies%allocate(size(self%wanted%number), scene%dimension)
-    call drop_rotation_as(scene%bodies, self%bodies)
+    call make_bodies_like(scene%bodies, size(self%wanted%number), self%bodies)
     self%bodies%id = self%wanted%number
   end subroutine pieces_plan
 

@@ -2,6 +2,7 @@
 !! before the next search for neighbours, or are linked to them; and who shares which of them (doc/theory/decomposition.md).
 module sg_halo
   use sg_comm, only: comm_t
+  use sg_field_visitor, only: sync_on_copy, sync_on_owner
   use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4, i8
   use sg_link_copies, only: link_copies_t
@@ -75,7 +76,7 @@ contains
       told(r) = words%n
       do i = copies%first(r), copies%first(r + 1) - 1
         b = copies%body(i)
-        call pack_body(scene, b, first, list, int(scene%bodies%home(b)), records)
+        call pack_body(scene, b, first, list, int(scene%bodies%home(b)), sync_on_copy, records)
         call put_holders(scene%bodies%id(b), copies, b, words)
       end do
       sent(r) = records%n - sent(r)
@@ -86,7 +87,7 @@ contains
     ! Own bodies and wide ones stay; what this rank tells itself is who else holds its own.
     do b = 1, scene%bodies%n
       if (b > scene%bodies%n_home .and. scene%bodies%home(b) >= 0) cycle
-      call pack_body(scene, b, first, list, int(scene%bodies%home(b)), bodies)
+      call pack_body(scene, b, first, list, int(scene%bodies%home(b)), sync_on_owner, bodies)
       if (b > scene%bodies%n_home) cycle
       if (copies%start(b + 1) > copies%start(b)) call put_holders(scene%bodies%id(b), copies, b, holders)
     end do

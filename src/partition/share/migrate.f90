@@ -1,6 +1,7 @@
 !> Bodies that change their home: every rank sends what leaves it and keeps what stays.
 module sg_migrate
   use sg_comm, only: comm_t
+  use sg_field_visitor, only: sync_on_owner
   use sg_kinds, only: wp, i4
   use sg_lists, only: reserve
   use sg_local_numbers, only: contactors_of_bodies
@@ -33,13 +34,13 @@ contains
     do r = 0, comm%size - 1
       sent(r) = leaving%n
       do i = first_leaver(r + 1), first_leaver(r + 2) - 1
-        call pack_body(scene, leaver(i), first, list, r, leaving)
+        call pack_body(scene, leaver(i), first, list, r, sync_on_owner, leaving)
         ! Room for all, judged by the first ones: a list that grows by and by would for moments need it twice.
         if (i == sample) call make_room(leaving, real(size(leaver), wp)/real(sample, wp))
       end do
       ! Wide bodies stay: what a rank sends to itself.
       do b = 1, merge(scene%bodies%n, 0, r == comm%rank)
-        if (scene%bodies%home(b) < 0) call pack_body(scene, b, first, list, -1, leaving)
+        if (scene%bodies%home(b) < 0) call pack_body(scene, b, first, list, -1, sync_on_owner, leaving)
       end do
       sent(r) = leaving%n - sent(r)
     end do

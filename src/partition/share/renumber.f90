@@ -5,37 +5,40 @@ module sg_renumber
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: renumber_contacts
+  public :: keep_present, renumber_contacts
 
 contains
 
   !> Let the contacts of the last step name contactors by their places in a rebuilt scene. Contacts of contactors that are no
   !! longer here are dropped: they were too far from each other to touch.
-  pure subroutine renumber_contacts(contacts, former, scene)
+  subroutine renumber_contacts(contacts, former, scene)
     type(contacts_t), intent(inout) :: contacts !! contacts that name contactors by their former places
     integer(i4), intent(in) :: former(:) !! numbers in the whole scene of the contactors at these places, ascending
     type(scene_t), intent(in) :: scene !! this rank's part as it is now
-    integer(i4) :: place(size(former)), pair(2)
-    integer :: k, n
+    integer(i4) :: place(size(former))
+    integer :: k
 
     call find_places(former, scene%contactors%id(:scene%contactors%n), place)
-    n = 0
     do k = 1, contacts%n
-      pair = place(contacts%contactor(:, k))
-      if (any(pair == 0)) cycle
-      n = n + 1
-      contacts%contactor(:, n) = pair
-      contacts%body(:, n) = scene%contactors%body(pair)
-      contacts%feature(n) = contacts%feature(k)
-      contacts%image(n) = contacts%image(k)
-      if (contacts%dimension == 3) contacts%image_y(n) = contacts%image_y(k)
-      contacts%law(n) = contacts%law(k)
-      contacts%status(n) = contacts%status(k)
-      contacts%impulse(:, n) = contacts%impulse(:, k)
-      if (contacts%n_internal > 0) contacts%internal(:, n) = contacts%internal(:, k)
+      contacts%contactor(:, k) = place(contacts%contactor(:, k))
     end do
-    contacts%n = n
+    call keep_present(contacts, scene)
   end subroutine renumber_contacts
+
+  !> Drop contacts of contactors that are not here, with place 0, and find the bodies of the others.
+  subroutine keep_present(contacts, scene)
+    type(contacts_t), intent(inout) :: contacts !! contacts that name contactors by their places
+    type(scene_t), intent(in) :: scene !! this rank's part as it is now
+    integer(i4), allocatable :: present(:)
+    integer :: k
+
+    present = pack([(int(k, i4), k=1, contacts%n)], [(all(contacts%contactor(:, k) > 0), k=1, contacts%n)])
+    if (size(present) < contacts%n) call contacts%keep(present)
+    contacts%n = size(present)
+    do k = 1, contacts%n
+      contacts%body(:, k) = scene%contactors%body(contacts%contactor(:, k))
+    end do
+  end subroutine keep_present
 
   !> Places of the members of one ascending list in another one, 0 where they are not in it.
   pure subroutine find_places(former, now, place)

@@ -5,7 +5,6 @@
 !! or held. Of the others rank r has an even piece, in the order of their numbers (doc/theory/decomposition.md).
 module sg_share
   use sg_ascending, only: first_at_least, place_in
-  use sg_bodies, only: clear_body, shorten
   use sg_census, only: census_t
   use sg_contactors, only: contactors_t, drop_contactors, kind_point, n_kinds
   use sg_kinds, only: i4, i8
@@ -134,7 +133,7 @@ contains
       call self%census%note_body(self%made, scene%bodies%position(:, n + 1), &
                                  norm2(scene%bodies%velocity(:scene%dimension, n + 1)), scene%contactors, self%before + 1)
     call drop_contactors(scene%contactors, self%before)
-    call clear_body(scene%bodies, n + 1)
+    call scene%bodies%clear(n + 1)
   end subroutine let_go
 
   !> All bodies are made: give back the room that is left.
@@ -145,7 +144,11 @@ contains
     integer, parameter :: none(n_kinds) = 0
     type(contactors_t) :: nothing
 
-    if (n < scene%bodies%n) call shorten(scene%bodies, n)
+    if (n < scene%bodies%n) then
+      scene%bodies%n = n
+      scene%bodies%n_home = n
+      call scene%bodies%resize(n)
+    end if
     if (self%ranks == 1) return
     scene%contactors%id = scene%contactors%id(:scene%contactors%n)
     if (scene%contactors%n > 0) return

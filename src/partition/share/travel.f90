@@ -1,16 +1,17 @@
 !> Contacts that travel: with the numbers of the whole scene, from the rank that had them to the rank that will.
 !!
-!! A record is candidate, antagonist, feature, image in x and y, law, status, the impulse and internal values. Contacts of one
-!! pair stay together. What one rank knows of a contact goes with it, so that impulses are neither lost nor doubled when grains
-!! move.
+!! A record is the fields of a contact that are sent when its owner changes (sg_field_visitor), so that impulses are neither lost
+!! nor doubled when grains move. Contacts of one pair stay together.
 module sg_travel
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_field_visitor, only: sync_on_owner
   use sg_homes, only: owner_of
   use sg_internal_values, only: most_internal
   use sg_kinds, only: wp, i1, i4
   use sg_local_numbers, only: local_contactor
   use sg_parcels, only: parcel_t
+  use sg_renumber, only: keep_present
   use sg_rows, only: rows_t, wanted_t
   use sg_scene, only: scene_t, start_contact_t
   use sg_sorting, only: group_items
@@ -95,26 +96,9 @@ contains
     end do
   end function owners_of
 
-  !> Append the record of a contact.
-  subroutine pack_contact(contacts, k, number, parcel)
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(in) :: k
-    integer(i4), intent(in) :: number(2)
-    type(parcel_t), intent(inout) :: parcel
-
-    call parcel%put(number)
-    call parcel%put(contacts%feature(k))
-    call parcel%put(int(contacts%image(k)))
-    if (contacts%dimension == 3) call parcel%put(int(contacts%image_y(k)))
-    call parcel%put(contacts%law(k))
-    call parcel%put(int(contacts%status(k)))
-    call parcel%put(contacts%impulse(:, k))
-    if (contacts%n_internal > 0) call parcel%put(contacts%internal(:, k))
-  end subroutine pack_contact
-
   !> Send contacts to the ranks that will own them. Collective.
   subroutine send_contacts(contacts, scene, home, comm, parcel)
-    type(contacts_t), intent(in) :: contacts !! contacts of the last step
+    type(contacts_t), intent(inout) :: contacts !! contacts of the last step; with the numbers of the whole scene afterwards
     type(scene_t), intent(in) :: scene !! this rank's part, as it was in that step
     integer(i4), intent(in) :: home(:) !! home of each body of it from now on, -1 for wide ones
     type(comm_t), intent(inout) :: comm !! the ranks
@@ -124,69 +108,45 @@ contains
 
     do k = 1, contacts%n
       owner(k) = int(owner_of(home(scene%contactors%body(contacts%contactor(:, k)))), i4)
+      contacts%contactor(:, k) = scene%contactors%id(contacts%contactor(:, k))
     end do
-    call send_records(contacts, owner, comm, parcel, scene%contactors%id)
+    call send_records(contacts, owner, comm, parcel)
   end subroutine send_contacts
 
   !> Send contacts to their owners; those of one pair keep their order.
-  subroutine send_records(contacts, owner, comm, parcel, id)
-    type(contacts_t), intent(in) :: contacts
+  subroutine send_records(contacts, owner, comm, parcel)
+    type(contacts_t), intent(in) :: contacts !! contacts with the numbers of the whole scene
     integer(i4), intent(in) :: owner(:) !! of each contact
     type(comm_t), intent(inout) :: comm
     type(parcel_t), intent(inout) :: parcel
-    integer(i4), intent(in), optional :: id(:) !! numbers of contactors in the whole scene; absent where contacts have them
-    type(parcel_t) :: leaving
-    real(wp), allocatable :: values(:)
+    real(wp), allocatable :: leaving(:, :), values(:)
     integer, allocatable :: received(:), first(:), leaver(:)
-    integer(i4) :: number(2)
-    integer :: sent(0:comm%size - 1), r, k
+    integer :: r
 
     call group_items(owner + 1_i4, comm%size, first, leaver)
-    allocate (leaving%value(0))
-    do r = 0, comm%size - 1
-      sent(r) = leaving%n
-      do k = first(r + 1), first(r + 2) - 1
-        number = contacts%contactor(:, leaver(k))
-        if (present(id)) number = id(number)
-        call pack_contact(contacts, leaver(k), number, leaving)
-      end do
-      sent(r) = leaving%n - sent(r)
-    end do
-    call comm%swap(leaving%value(:leaving%n), sent, values, received)
+    call contacts%pack(leaver, leaving, sync_on_owner)
+    call comm%swap(reshape(leaving, [size(leaving)]), [(size(leaving, 1)*(first(r + 1) - first(r)), r=1, comm%size)], values, &
+                   received)
     call parcel%adopt(values)
   end subroutine send_records
 
   !> Take contacts from their records; those of contactors that are not here are dropped.
   subroutine unpack_contacts(parcel, scene, contacts)
-    type(parcel_t), intent(inout) :: parcel !! records of contacts
+    type(parcel_t), intent(in) :: parcel !! records of contacts
     type(scene_t), intent(in) :: scene !! this rank's part, as it is from now on
     type(contacts_t), intent(inout) :: contacts !! contacts; dimension, components and number of internal values are set
-    integer(i4) :: pair(2), words(5)
-    integer :: n, width
+    integer :: n, width, k, side
 
-    width = 6 + merge(1, 0, contacts%dimension == 3) + contacts%n_components + contacts%n_internal
-    call reserve_contacts(contacts, parcel%n/width)
-    n = 0
-    do while (parcel%at < parcel%n)
-      call parcel%take(pair)
-      words = 0
-      call parcel%take(words(1))
-      call parcel%take(words(2))
-      if (contacts%dimension == 3) call parcel%take(words(3))
-      call parcel%take(words(4:5))
-      call parcel%take(contacts%impulse(:, n + 1))
-      if (contacts%n_internal > 0) call parcel%take(contacts%internal(:, n + 1))
-      contacts%contactor(1, n + 1) = int(local_contactor(scene%contactors, pair(1)), i4)
-      contacts%contactor(2, n + 1) = int(local_contactor(scene%contactors, pair(2)), i4)
-      if (any(contacts%contactor(:, n + 1) == 0)) cycle
-      n = n + 1
-      contacts%body(:, n) = scene%contactors%body(contacts%contactor(:, n))
-      contacts%feature(n) = words(1)
-      contacts%image(n) = int(words(2), i1)
-      if (contacts%dimension == 3) contacts%image_y(n) = int(words(3), i1)
-      contacts%law(n) = words(4)
-      contacts%status(n) = int(words(5), i1)
+    width = contacts%width(sync_on_owner)
+    n = parcel%n/width
+    call reserve_contacts(contacts, n)
+    call contacts%unpack([(int(k, i4), k=1, n)], reshape(parcel%value, [width, n]), sync_on_owner)
+    do k = 1, n
+      do side = 1, 2
+        contacts%contactor(side, k) = int(local_contactor(scene%contactors, contacts%contactor(side, k)), i4)
+      end do
     end do
     contacts%n = n
+    call keep_present(contacts, scene)
   end subroutine unpack_contacts
 end module sg_travel

@@ -9,6 +9,7 @@ program test_pack_bodies
   use sg_contacts, only: contacts_t
   use sg_detect, only: detect
   use sg_error, only: error_t
+  use sg_field_visitor, only: sync_on_owner
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4, pi
   use sg_local_numbers, only: contactors_of_bodies, local_body, local_contactor
@@ -257,7 +258,7 @@ contains
 
     call contactors_of_bodies(scene%contactors, n_bodies, first, list)
     do b = n_bodies, 1, -1
-      call pack_body(scene, b, first, list, home=merge(0, -1, scene%bodies%is_grain(b)), parcel=parcel)
+      call pack_body(scene, b, first, list, home=merge(0, -1, scene%bodies%is_grain(b)), least=sync_on_owner, parcel=parcel)
     end do
     call order_records(parcel, 0, 1, start, n_home)
     call t%equal(n_home, n_bodies, name//', whole: all are at home')
@@ -357,7 +358,7 @@ contains
         b = modulo(i*78, n_bodies + 1) ! each body once: 78 and 121 share no factor
         if (home_of(scene, b) == modulo(rank + 1, 3) .and. modulo(b, 3) > 0) cycle
         if (home_of(scene, b) == modulo(rank + 2, 3)) cycle
-        call pack_body(scene, b, first, list, home_of(scene, b), parcel)
+        call pack_body(scene, b, first, list, home_of(scene, b), sync_on_owner, parcel)
         n = n + 1
       end do
       call order_records(parcel, rank, 3, start, n_home)
@@ -371,7 +372,7 @@ contains
       next%n = 0
       call contactors_of_bodies(local%contactors, local%bodies%n, first, list)
       do b = local%bodies%n, 1, -1
-        call pack_body(local, b, first, list, int(local%bodies%home(b)), next)
+        call pack_body(local, b, first, list, int(local%bodies%home(b)), sync_on_owner, next)
       end do
       call order_records(next, rank, 3, start, n_home)
       call build_scene(local, next, start, n_home, again)
@@ -428,11 +429,11 @@ contains
 
     call contactors_of_bodies(local%contactors, local%bodies%n, first, list)
     do b = 1, local%bodies%n
-      call pack_body(local, b, first, list, 5, got)
+      call pack_body(local, b, first, list, 5, sync_on_owner, got)
     end do
     call contactors_of_bodies(scene%contactors, n_bodies, first, list)
     do b = 1, local%bodies%n
-      call pack_body(scene, int(local%bodies%id(b)), first, list, 5, expected)
+      call pack_body(scene, int(local%bodies%id(b)), first, list, 5, sync_on_owner, expected)
     end do
     call t%check(same(got%value(:got%n), expected%value(:expected%n)), name//', parts: records')
     call t%check(same(local%bodies%position, scene%bodies%position(:, local%bodies%id)), name//', parts: positions')
@@ -476,7 +477,7 @@ contains
     call localise(whole, empty)
     call t%equal(empty%bodies%n + empty%contactors%n + empty%bodies%n_home + size(empty%drives), 0, name//', empty: nothing')
     call contactors_of_bodies(scene%contactors, n_bodies, first, list)
-    call pack_body(scene, 9, first, list, 1, parcel)
+    call pack_body(scene, 9, first, list, 1, sync_on_owner, parcel)
     call order_records(parcel, 1, 2, start, n_home)
     call build_scene(empty, parcel, start, n_home, local)
     call t%check(local%bodies%n == 1 .and. n_home == 1 .and. same(local%bodies%velocity(:, 1), scene%bodies%velocity(:, 9)), &
