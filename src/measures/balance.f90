@@ -2,19 +2,50 @@
 module sg_balance
   use sg_bodies, only: bodies_t
   use sg_contacts, only: contacts_t, impulse_vector
+  use sg_grains, only: grains_of, grains_t
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
+  use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
-  public :: carried_share, force_on_walls, momentum
+  public :: measure_floor_share, measure_momentum, force_on_walls, momentum
 
 contains
 
+  !> Share of the weight of the grains that the walls carry.
+  pure subroutine measure_floor_share(scene, contacts, tally)
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    type(grains_t) :: grains
+
+    if (tally%pass == pass_sums) then
+      call tally%sums%put('wall_force', force_on_walls(scene, contacts, tally%h))
+    else if (tally%pass == pass_columns) then
+      grains = grains_of(tally)
+      call tally%add('floor_share', carried_share(tally%sums%get('wall_force', scene%dimension), scene%gravity, grains%mass))
+    end if
+  end subroutine measure_floor_share
+
+  !> Momentum of the grains along each axis [kg m/s].
+  pure subroutine measure_momentum(bodies, tally)
+    type(bodies_t), intent(in) :: bodies !! bodies with their velocities
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    real(wp) :: total(bodies%dimension)
+    character(len=*), parameter :: axis = 'xyz'
+    integer :: a
+
+    if (tally%pass == pass_sums) call tally%sums%put('momentum', momentum(bodies))
+    if (tally%pass /= pass_columns) return
+    total = tally%sums%get('momentum', size(total))
+    do a = 1, size(total)
+      call tally%add('momentum_'//axis(a:a), total(a))
+    end do
+  end subroutine measure_momentum
+
   !> A force along gravity over the weight of a mass; zero without weight.
   pure real(wp) function carried_share(force, gravity, mass) result(share)
-    real(wp), intent(in) :: force(:) !! force [N], shape (dimension)
-    real(wp), intent(in) :: gravity(3) !! [m/s2]
-    real(wp), intent(in) :: mass !! [kg]
+    real(wp), intent(in) :: force(:), gravity(3), mass
     real(wp) :: weight
 
     share = 0

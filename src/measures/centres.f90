@@ -1,7 +1,7 @@
 !> Centres of grains as points: what the structure of a packing is told from (doc/theory/indicators.md, "Structure").
 module sg_centres
   use sg_comm, only: comm_t
-  use sg_grains, only: grain_sums, grains_of, grains_t, n_grain_sums
+  use sg_grains, only: count_grains, grains_t
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
   implicit none
@@ -30,15 +30,12 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
     type(centres_t), intent(out) :: centres !! their centres
     type(grains_t) :: grains
-    real(wp) :: sums(n_grain_sums)
     integer :: d
 
     d = scene%dimension
     centres%dimension = d
     centres%is_periodic = [scene%period > 0, d == 3 .and. scene%period_y > 0, .false.]
-    sums = grain_sums(scene%bodies)
-    call comm%sum(sums)
-    grains = grains_of(sums)
+    call count_grains(scene%bodies, grains, comm)
     if (grains%n == 0) then
       allocate (centres%point(3, 0))
       return

@@ -4,17 +4,35 @@
 !! scene is periodic it is as wide as the period.
 module sg_compactness
   use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polygon, kind_polyhedron, kind_wall
+  use sg_grains, only: grains_of, grains_t
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
+  use sg_tally, only: pass_columns, pass_largest, ratio, tally_t
   implicit none
   private
-  public :: box_of_grains, area_of_box
+  public :: measure_compactness, box_of, area_of_box
 
 contains
 
-  !> Lowest and highest coordinates of the grains of this rank [m], shape (dimension, 2); the lowest above the highest without any.
-  pure function box_of_grains(scene) result(box)
+  !> Share of the box of the grains that they fill.
+  pure subroutine measure_compactness(scene, tally)
     type(scene_t), intent(in) :: scene !! scene with its contactors placed
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    type(grains_t) :: grains
+
+    if (tally%pass == pass_largest) then
+      associate (box => box_of_grains(scene))
+        call tally%largest%put('box', [-box(:, 1), box(:, 2)])
+      end associate
+    else if (tally%pass == pass_columns) then
+      grains = grains_of(tally)
+      call tally%add('compactness', ratio(grains%area, area_of_box(scene, tally)))
+    end if
+  end subroutine measure_compactness
+
+  !> Lowest and highest coordinates of the grains of this rank [m]; the lowest above the highest without any.
+  pure function box_of_grains(scene) result(box)
+    type(scene_t), intent(in) :: scene
     real(wp) :: box(scene%dimension, 2), corner(scene%dimension, 2)
     integer :: c
 
@@ -33,13 +51,24 @@ contains
     end do
   end function box_of_grains
 
-  !> Area of a box [m2], in space its volume [m3], as wide as the period where there is one; zero for an empty one.
-  pure real(wp) function area_of_box(scene, box) result(area)
+  !> Lowest and highest coordinates of all grains [m].
+  pure function box_of(dimension, tally) result(box)
+    integer, intent(in) :: dimension !! of space
+    type(tally_t), intent(in) :: tally !! tally of the measure, its largest values combined
+    real(wp) :: box(dimension, 2)
+
+    box = reshape(tally%largest%get('box', 2*dimension), shape(box))
+    box(:, 1) = -box(:, 1)
+  end function box_of
+
+  !> Area of the box of all grains [m2], in space its volume [m3], as wide as the period where there is one; zero for an empty one.
+  pure real(wp) function area_of_box(scene, tally) result(area)
     type(scene_t), intent(in) :: scene !! scene with its periods
-    real(wp), intent(in) :: box(:, :) !! of `box_of_grains`, of all ranks [m]
-    real(wp) :: high(size(box, 1))
+    type(tally_t), intent(in) :: tally !! tally of the measure, its largest values combined
+    real(wp) :: box(scene%dimension, 2), high(scene%dimension)
 
     area = 0
+    box = box_of(scene%dimension, tally)
     if (any(box(:, 1) > box(:, 2))) return
     high = box(:, 2)
     if (scene%period > 0) high(1) = box(1, 1) + scene%period

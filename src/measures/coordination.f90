@@ -7,13 +7,15 @@
 !! Contacts of one grain may lie on several ranks. Its neighbours are then added up at its home and told to all who hold a
 !! copy, between `neighbours_of` and `coordination_sums`.
 module sg_coordination
+  use sg_bodies, only: bodies_t
   use sg_contacts, only: contacts_t, normal_impulse
   use sg_kinds, only: wp, i4, i8
   use sg_pair_keys, only: pair_key
   use sg_sorting, only: sort_permutation
+  use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
-  public :: coordination_t, touching_t, touching_pairs, neighbours_of, coordination_sums, coordination_of, n_coordination_sums
+  public :: measure_coordination, measure_rattlers, touching_t, touching_pairs, neighbours_of
 
   !> Numbers of `coordination_sums`
   integer, parameter :: n_coordination_sums = 8
@@ -37,6 +39,39 @@ module sg_coordination
 
 contains
 
+  !> Neighbours of grains, and pairs of bodies by the number of points at which they touch; in the plane three mean three or more.
+  pure subroutine measure_coordination(bodies, touching, neighbours, tally)
+    type(bodies_t), intent(in) :: bodies !! bodies of this rank
+    type(touching_t), intent(in) :: touching !! pairs that touch
+    real(wp), intent(in) :: neighbours(:) !! neighbours of each body over all ranks, of copies too
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    type(coordination_t) :: found
+
+    if (tally%pass == pass_sums) then
+      call tally%sums%put('coordination', coordination_sums(touching, bodies%is_grain, bodies%n_home, neighbours))
+    else if (tally%pass == pass_columns) then
+      found = coordination_of(tally)
+      if (bodies%dimension == 2) found%triple = found%triple + found%quadruple
+      call tally%add('coordination', found%mean)
+      call tally%add('coordination_without_rattlers', found%without_rattlers)
+      call tally%add('single_contacts', real(found%single, wp), is_count=.true.)
+      call tally%add('double_contacts', real(found%double, wp), is_count=.true.)
+      call tally%add('triple_contacts', real(found%triple, wp), is_count=.true.)
+    end if
+  end subroutine measure_coordination
+
+  !> Number of rattlers, and in space of pairs that touch at four points or more: from the sums of `measure_coordination`.
+  pure subroutine measure_rattlers(dimension, tally)
+    integer, intent(in) :: dimension !! of space
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    type(coordination_t) :: found
+
+    if (tally%pass /= pass_columns) return
+    found = coordination_of(tally)
+    call tally%add('rattlers', real(found%rattlers, wp), is_count=.true.)
+    if (dimension == 3) call tally%add('quadruple_contacts', real(found%quadruple, wp), is_count=.true.)
+  end subroutine measure_rattlers
+
   !> Neighbours that a body touches through this rank's contacts; those of all ranks must be added up at its home.
   pure function neighbours_of(touching, n_bodies) result(neighbours)
     type(touching_t), intent(in) :: touching !! pairs that touch
@@ -53,10 +88,10 @@ contains
   !> What this rank adds: pairs by one to four points, its grains and how many of them are carried, neighbours of its grains,
   !! and grains in pairs without rattlers.
   pure function coordination_sums(touching, is_grain, n_home, neighbours) result(sums)
-    type(touching_t), intent(in) :: touching !! pairs that touch by this rank's contacts
-    logical, intent(in) :: is_grain(:) !! is a body a grain? shape (bodies)
-    integer, intent(in) :: n_home !! bodies of this rank: the first ones
-    real(wp), intent(in) :: neighbours(:) !! neighbours of each grain over all ranks, of copies too, shape (bodies)
+    type(touching_t), intent(in) :: touching
+    logical, intent(in) :: is_grain(:)
+    integer, intent(in) :: n_home
+    real(wp), intent(in) :: neighbours(:)
     real(wp) :: sums(n_coordination_sums)
     logical :: carries(size(is_grain))
     integer :: i
@@ -79,10 +114,12 @@ contains
   end function coordination_sums
 
   !> Numbers of neighbours and points from the sums over all ranks.
-  pure function coordination_of(sums) result(coordination)
-    real(wp), intent(in) :: sums(n_coordination_sums) !! of `coordination_sums`
+  pure function coordination_of(tally) result(coordination)
+    type(tally_t), intent(in) :: tally
     type(coordination_t) :: coordination
+    real(wp) :: sums(n_coordination_sums)
 
+    sums = tally%sums%get('coordination', n_coordination_sums)
     coordination%single = nint(sums(1))
     coordination%double = nint(sums(2))
     coordination%triple = nint(sums(3))

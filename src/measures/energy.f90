@@ -18,9 +18,10 @@ module sg_energy
   use sg_mapping_space, only: space_arms
   use sg_rotations, only: no_rotation, turned_back, turned_by, turned_on
   use sg_scene, only: scene_t
+  use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
-  public :: energy_t, kinetic_energy, potential_energy, energy_closure, energy_sums, closure_of, n_energy_values, n_energy_sums
+  public :: energy_t, measure_energy, bond_work_of, kinetic_energy, potential_energy, n_energy_values
 
   !> Numbers that `pack` writes
   integer, parameter :: n_energy_values = 8
@@ -246,27 +247,45 @@ contains
     work = scene%bodies%mass(body)*dot_product(scene%gravity, position)
   end function potential_drop
 
-  !> How far the balance is from closing, over its largest term; zero before the first step.
-  !!
-  !! Terms that are lost in the rounding of the potential energy (10^-8 of it and below) do not count as large.
-  pure real(wp) function energy_closure(energy, scene) result(closure)
-    type(energy_t), intent(in) :: energy !! works since the start
+  !> Energies, works since the start [J], and how far their balance is from closing.
+  pure subroutine measure_energy(scene, contacts, energy, tally)
     type(scene_t), intent(in) :: scene !! scene after the update
+    type(contacts_t), intent(in) :: contacts !! contacts of the step, for the energy of links
+    type(energy_t), intent(in) :: energy !! works since the start
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    real(wp) :: sums(n_energy_sums)
 
-    closure = closure_of(energy_sums(energy, scene), energy%is_started)
-  end function energy_closure
+    if (tally%pass == pass_sums) call tally%sums%put('energy', energy_sums(energy, scene, contacts))
+    if (tally%pass /= pass_columns) return
+    sums = tally%sums%get('energy', n_energy_sums)
+    call tally%add('kinetic_energy', sums(1))
+    call tally%add('potential_energy', sums(2))
+    call tally%add('external_work', sums(6))
+    call tally%add('drive_work', sums(7))
+    call tally%add('friction_loss', sums(8))
+    call tally%add('impact_loss', sums(9))
+    call tally%add('energy_closure', closure_of(sums, energy%is_started))
+  end subroutine measure_energy
 
-  !> What the balance is made of, of this rank [J]: kinetic and potential energy, sum of the absolute potential energies of
+  !> Energy that bonds have taken since the start [J], stored or lost.
+  pure real(wp) function bond_work_of(tally) result(work)
+    type(tally_t), intent(in) :: tally !! tally of the measure, summed
+    real(wp) :: sums(n_energy_sums)
+
+    sums = tally%sums%get('energy', n_energy_sums)
+    work = sums(10)
+  end function bond_work_of
+
+  !> Terms of the balance, of this rank [J]: kinetic and potential energy, sum of the absolute potential energies of
   !! the bodies, both energies at the start, and works of forces, drives, friction, impacts and bonds.
   pure function energy_sums(energy, scene, contacts) result(sums)
-    type(energy_t), intent(in) :: energy !! works since the start
-    type(scene_t), intent(in) :: scene !! scene after the update
-    type(contacts_t), intent(in), optional :: contacts !! contacts of the step, for the energy of links
+    type(energy_t), intent(in) :: energy
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
     real(wp) :: sums(n_energy_sums), elastic(2)
     integer :: i
 
-    elastic = 0
-    if (present(contacts)) elastic = energy_of_links(scene, contacts)
+    elastic = energy_of_links(scene, contacts)
     sums(1:2) = [kinetic_energy(scene%bodies), potential_energy(scene) + sum(elastic)]
     sums(3) = 0
     do i = 1, scene%bodies%n_home
@@ -276,10 +295,12 @@ contains
                 energy%friction_loss - elastic(2), energy%impact_loss - elastic(1), energy%bond_work]
   end function energy_sums
 
-  !> How far the balance is from closing, from the sums over all ranks.
+  !> How far the balance is from closing over its largest term, from the sums over all ranks; zero before the first step.
+  !!
+  !! Terms that are lost in the rounding of the potential energy (10^-8 of it and below) do not count as large.
   pure real(wp) function closure_of(sums, is_started) result(closure)
-    real(wp), intent(in) :: sums(n_energy_sums) !! of `energy_sums`, over all ranks [J]
-    logical, intent(in) :: is_started !! has the balance begun?
+    real(wp), intent(in) :: sums(n_energy_sums)
+    logical, intent(in) :: is_started
     real(wp) :: gain, scale
 
     closure = 0

@@ -5,9 +5,10 @@ module sg_grains
   use sg_bodies, only: bodies_t
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, pi
+  use sg_tally, only: pass_sums, tally_t
   implicit none
   private
-  public :: grains_t, count_grains, grain_sums, grains_of, reduce_grains, n_grain_sums
+  public :: grains_t, count_grains, sum_grains, grains_of
 
   !> Numbers of `grain_sums`
   integer, parameter :: n_grain_sums = 4
@@ -24,17 +25,31 @@ module sg_grains
 
 contains
 
-  !> Count and weigh the grains of this rank.
-  pure function count_grains(bodies) result(grains)
-    type(bodies_t), intent(in) :: bodies !! bodies of the scene
-    type(grains_t) :: grains
+  !> Count and weigh all grains. Where ranks are given, those of all of them: collective.
+  subroutine count_grains(bodies, grains, comm)
+    type(bodies_t), intent(in) :: bodies !! bodies of this rank
+    type(grains_t), intent(out) :: grains !! their grains
+    type(comm_t), intent(inout), optional :: comm !! the ranks of a decomposed scene
+    type(tally_t) :: tally
 
-    grains = grains_of(grain_sums(bodies))
-  end function count_grains
+    tally%pass = pass_sums
+    if (present(comm)) tally%is_shared = comm%size > 1
+    call sum_grains(bodies, tally)
+    call tally%reduce(comm)
+    grains = grains_of(tally)
+  end subroutine count_grains
+
+  !> Sums over the grains, for indicators that are means over them.
+  pure subroutine sum_grains(bodies, tally)
+    type(bodies_t), intent(in) :: bodies !! bodies of this rank
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+
+    if (tally%pass == pass_sums) call tally%sums%put('grains', grain_sums(bodies))
+  end subroutine sum_grains
 
   !> Number, mass, area and radii of the grains of this rank, summed.
   pure function grain_sums(bodies) result(sums)
-    type(bodies_t), intent(in) :: bodies !! bodies of the scene
+    type(bodies_t), intent(in) :: bodies
     real(wp) :: sums(n_grain_sums)
     integer :: i
 
@@ -52,27 +67,17 @@ contains
     end do
   end function grain_sums
 
-  !> The grains from sums over them.
-  pure function grains_of(sums) result(grains)
-    real(wp), intent(in) :: sums(n_grain_sums) !! of `grain_sums`, over all ranks
+  !> Grains of all ranks from their sums.
+  pure function grains_of(tally) result(grains)
+    type(tally_t), intent(in) :: tally !! tally of the measure, summed
     type(grains_t) :: grains
+    real(wp) :: sums(n_grain_sums)
 
+    sums = tally%sums%get('grains', n_grain_sums)
     grains%n = nint(sums(1))
     grains%mass = sums(2)
     grains%area = sums(3)
     grains%mean_radius = sums(4)
     if (grains%n > 0) grains%mean_radius = grains%mean_radius/real(grains%n, wp)
   end function grains_of
-
-  !> From the grains of each rank to those of all.
-  subroutine reduce_grains(grains, comm)
-    type(grains_t), intent(inout) :: grains !! of this rank, then of all
-    type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: sums(n_grain_sums)
-
-    if (comm%size == 1) return
-    sums = [real(grains%n, wp), grains%mass, grains%area, grains%mean_radius*real(grains%n, wp)]
-    call comm%sum(sums)
-    grains = grains_of(sums)
-  end subroutine reduce_grains
 end module sg_grains

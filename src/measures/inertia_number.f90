@@ -5,13 +5,74 @@
 !! velocity field nearest to their velocities; a simple shear u_x = g y has the rate g.
 module sg_inertia_number
   use sg_bodies, only: bodies_t
+  use sg_compactness, only: box_of
+  use sg_grains, only: grains_of, grains_t
   use sg_kinds, only: wp
+  use sg_scene, only: scene_t
+  use sg_stress, only: mean_pressure
   use sg_symmetric, only: principal_axes
+  use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
   implicit none
   private
-  public :: field_sums, gradient_of, shear_rate, inertia_number
+  public :: measure_inertia, measure_shear_rate, field_sums, gradient_of, shear_rate
 
 contains
+
+  !> Inertia number; zero where nothing confines the grains.
+  pure subroutine measure_inertia(scene, tally)
+    type(scene_t), intent(in) :: scene !! scene with positions and velocities of one moment
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    real(wp) :: pressure
+
+    if (tally%pass == pass_sums) then
+      if (tally%is_shared) then
+        call tally%sums%put('field', field_sums(scene%bodies, middle_of(box_of(scene%dimension, tally))))
+      else
+        call tally%sums%put('field', field_sums(scene%bodies))
+      end if
+    else if (tally%pass == pass_columns) then
+      pressure = mean_pressure(scene, tally)
+      call tally%add('inertia_number', rate_of(scene%dimension, tally) &
+                     *sqrt(ratio(mass_by_length(grains_of(tally), scene%dimension), pressure)))
+    end if
+  end subroutine measure_inertia
+
+  !> Shear rate of the grains [1/s]: from the sums of `measure_inertia`.
+  pure subroutine measure_shear_rate(dimension, tally)
+    integer, intent(in) :: dimension !! of space
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+
+    if (tally%pass == pass_columns) call tally%add('shear_rate', rate_of(dimension, tally))
+  end subroutine measure_shear_rate
+
+  !> Shear rate from the sums of all ranks [1/s].
+  pure real(wp) function rate_of(dimension, tally) result(rate)
+    integer, intent(in) :: dimension
+    type(tally_t), intent(in) :: tally
+
+    rate = shear_rate(gradient_of(tally%sums%get('field', n_field_sums(dimension)), dimension))
+  end function rate_of
+
+  !> Middle of a box [m]; the origin where it is empty.
+  pure function middle_of(box) result(middle)
+    real(wp), intent(in) :: box(:, :)
+    real(wp) :: middle(size(box, 1))
+
+    middle = 0
+    if (all(box(:, 1) <= box(:, 2))) middle = (box(:, 1) + box(:, 2))/2
+  end function middle_of
+
+  !> Inertia of the inertia number [kg/m]: the mean mass of a grain in the plane, rho d^2 in space.
+  pure real(wp) function mass_by_length(grains, dimension) result(mass)
+    type(grains_t), intent(in) :: grains
+    integer, intent(in) :: dimension
+
+    if (dimension == 2) then
+      mass = ratio(grains%mass, real(grains%n, wp))
+    else
+      mass = ratio(grains%mass, grains%area)*(2*grains%mean_radius)**2
+    end if
+  end function mass_by_length
 
   !> Numbers of `field_sums`.
   pure integer function n_field_sums(dimension)
@@ -138,14 +199,4 @@ contains
       shear_rate = sqrt(2.0_wp)*norm2(deviator)
     end if
   end function shear_rate
-
-  !> Inertia number; zero where nothing confines the grains.
-  pure real(wp) function inertia_number(rate, mass, pressure)
-    real(wp), intent(in) :: rate !! shear rate [1/s]
-    real(wp), intent(in) :: mass !! mean mass of a grain per metre of depth; in space rho d^2 of grains of diameter d [kg/m]
-    real(wp), intent(in) :: pressure !! mean pressure [Pa]
-
-    inertia_number = 0
-    if (pressure > 0) inertia_number = rate*sqrt(mass/pressure)
-  end function inertia_number
 end module sg_inertia_number

@@ -2,15 +2,35 @@
 module sg_penetration
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp
+  use sg_tally, only: pass_columns, pass_largest, pass_sums, ratio, tally_t
   implicit none
   private
-  public :: penetration_sums, deepest_penetration
+  public :: measure_penetration, deepest_penetration
 
 contains
 
+  !> Mean and largest penetration [m].
+  pure subroutine measure_penetration(contacts, tally)
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    real(wp) :: sums(2), largest(1)
+
+    select case (tally%pass)
+    case (pass_largest)
+      call tally%largest%put('penetration', [deepest_penetration(contacts)])
+    case (pass_sums)
+      call tally%sums%put('penetration', penetration_sums(contacts))
+    case (pass_columns)
+      sums = tally%sums%get('penetration', size(sums))
+      largest = tally%largest%get('penetration', 1)
+      call tally%add('mean_penetration', ratio(sums(2), sums(1)))
+      call tally%add('max_penetration', largest(1))
+    end select
+  end subroutine measure_penetration
+
   !> Number of contacts of this rank whose gap is negative, and sum of their penetrations [m].
   pure function penetration_sums(contacts) result(sums)
-    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    type(contacts_t), intent(in) :: contacts
     real(wp) :: sums(2)
     integer :: k
 

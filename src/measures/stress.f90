@@ -3,21 +3,72 @@
 !! sigma = (1/A) sum over contacts of f (x) l: f is the mean force over the step on the candidate, l leads from the
 !! antagonist's centre to the candidate's; towards a wall it ends at the point of contact. Compression is positive.
 module sg_stress
+  use sg_compactness, only: area_of_box
   use sg_contacts, only: contacts_t, impulse_vector
   use sg_kinds, only: wp
   use sg_mapping, only: arms_of
   use sg_mapping_space, only: space_arms
   use sg_scene, only: scene_t
+  use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
-  public :: stress_sums
+  public :: measure_pressure, measure_stress, mean_pressure
 
 contains
 
-  !> Sum over this rank's contacts of impulse (x) branch [N s m].
-  pure function stress_sums(scene, contacts) result(sums)
+  !> Mean of the normal stresses [Pa], and the sums of `measure_stress`.
+  pure subroutine measure_pressure(scene, contacts, tally)
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+
+    if (tally%pass == pass_sums) call tally%sums%put('stress', reshape(stress_sums(scene, contacts), [scene%dimension**2]))
+    if (tally%pass == pass_columns) call tally%add('pressure', mean_pressure(scene, tally))
+  end subroutine measure_pressure
+
+  !> All components of the mean stress [Pa]: the first axis is that of the force, the second that of the branch.
+  pure subroutine measure_stress(scene, tally)
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    real(wp) :: stress(scene%dimension, scene%dimension)
+    character(len=*), parameter :: axis = 'xyz'
+    integer :: a, b
+
+    if (tally%pass /= pass_columns) return
+    stress = mean_stress(scene, tally)
+    do a = 1, scene%dimension
+      do b = 1, scene%dimension
+        call tally%add('stress_'//axis(a:a)//axis(b:b), stress(a, b))
+      end do
+    end do
+  end subroutine measure_stress
+
+  !> Mean stress of the grains over their box [Pa]; zero without a box.
+  pure function mean_stress(scene, tally) result(stress)
+    type(scene_t), intent(in) :: scene
+    type(tally_t), intent(in) :: tally
+    real(wp) :: stress(scene%dimension, scene%dimension), box
+
+    stress = 0
+    box = area_of_box(scene, tally)
+    if (box*tally%h > 0) stress = reshape(tally%sums%get('stress', size(stress)), shape(stress))/(box*tally%h)
+  end function mean_stress
+
+  !> Mean of the normal stresses [Pa].
+  pure real(wp) function mean_pressure(scene, tally) result(pressure)
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(tally_t), intent(in) :: tally !! tally of the measure, combined
+    real(wp) :: stress(scene%dimension, scene%dimension)
+    integer :: a
+
+    stress = mean_stress(scene, tally)
+    pressure = sum([(stress(a, a), a=1, scene%dimension)])/real(scene%dimension, wp)
+  end function mean_pressure
+
+  !> Sum over this rank's contacts of impulse (x) branch [N s m].
+  pure function stress_sums(scene, contacts) result(sums)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
     real(wp) :: sums(scene%dimension, scene%dimension), branch(scene%dimension), impulse(3)
     integer :: k, b
 

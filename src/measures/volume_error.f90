@@ -2,20 +2,46 @@
 module sg_volume_error
   use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_wall
   use sg_contacts, only: contacts_t
+  use sg_grains, only: grains_of, grains_t
   use sg_kinds, only: wp, i4
   use sg_overlap, only: overlap_disk_disk, overlap_disk_hollow, overlap_disk_polygon, overlap_disk_wall, &
                         overlap_polygon_polygon, overlap_polygon_wall
+  use sg_scene, only: scene_t
+  use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
+  use sg_volume_error_space, only: overlap_volume
   implicit none
   private
-  public :: overlap_area
+  public :: measure_volume_error
 
 contains
 
+  !> Area of all overlaps over that of the grains; in space volumes.
+  pure subroutine measure_volume_error(scene, contacts, tally)
+    type(scene_t), intent(in) :: scene !! scene with its contactors placed
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    type(grains_t) :: grains
+    real(wp) :: overlap(1)
+
+    if (tally%pass == pass_sums) then
+      if (scene%dimension == 2) then
+        overlap = overlap_area(scene%contactors, contacts, scene%period)
+      else
+        overlap = overlap_volume(scene%contactors, contacts, [scene%period, scene%period_y])
+      end if
+      call tally%sums%put('overlap', overlap)
+    else if (tally%pass == pass_columns) then
+      grains = grains_of(tally)
+      overlap = tally%sums%get('overlap', 1)
+      call tally%add('volume_error', ratio(overlap(1), grains%area))
+    end if
+  end subroutine measure_volume_error
+
   !> Sum of the overlaps of all pairs of shapes with a negative gap [m2], each pair once: its points follow one another.
   pure real(wp) function overlap_area(contactors, contacts, period) result(area)
-    type(contactors_t), intent(in) :: contactors !! placed contactors
-    type(contacts_t), intent(in) :: contacts !! contacts of the step
-    real(wp), intent(in) :: period !! period in x, zero when not periodic [m]
+    type(contactors_t), intent(in) :: contactors
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in) :: period
     integer :: k, last(3), this(3)
 
     area = 0

@@ -2,7 +2,7 @@
 module sg_record
   use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_measures, only: is_count, measure_names, measures_t
+  use sg_measures, only: measures_t, unmeasured
   use sg_report, only: report_t
   use sg_step_rows, only: cell, resume_rows
   use sg_text, only: to_text
@@ -16,9 +16,6 @@ module sg_record
   type :: record_t
     !> Path of the file
     character(len=:), allocatable :: file
-    !> Dimension of space, and whether there are cohesive zones, which decide on the columns
-    integer :: dimension = 2
-    logical :: has_bonds = .false.
     !> Does this rank write it? Of ranks that share a run one alone does
     logical :: is_root = .true.
   contains
@@ -38,8 +35,6 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
 
     self%file = file
-    self%dimension = dimension
-    self%has_bonds = has_bonds
     if (.not. self%is_root) return
     call replace_file(file, header(dimension, has_bonds)//new_line('a'), error)
   end subroutine record_start
@@ -54,8 +49,6 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be read or written, or has other columns
 
     self%file = file
-    self%dimension = dimension
-    self%has_bonds = has_bonds
     if (.not. self%is_root) return
     call resume_rows(file, header(dimension, has_bonds), step, error)
   end subroutine record_resume
@@ -65,6 +58,7 @@ contains
     integer, intent(in) :: dimension
     logical, intent(in) :: has_bonds
     character(len=:), allocatable :: names
+    type(measures_t) :: measures
     integer :: i
 
     names = 'step,time,contacts,active_contacts,sweeps,contact_updates,converged,criterion,e1,e2,e8,violation'// &
@@ -72,11 +66,10 @@ contains
     do i = 1, n_phases
       names = names//',cpu_'//trim(phase_names(i))
     end do
-    associate (measure => measure_names(dimension, has_bonds))
-      do i = 1, size(measure)
-        names = names//','//trim(measure(i))
-      end do
-    end associate
+    measures = unmeasured(dimension, has_bonds)
+    do i = 1, size(measures%column)
+      names = names//','//trim(measures%column(i)%name)
+    end do
     do i = 1, n_phases
       names = names//',wall_'//trim(phase_names(i))
     end do
@@ -103,15 +96,13 @@ contains
     do i = 1, n_phases
       row = row//','//cell(totals%phase(i)%cpu)
     end do
-    associate (names => measure_names(self%dimension, self%has_bonds))
-      do i = 1, size(names)
-        if (is_count(names(i))) then
-          row = row//','//to_text(nint(measures%at(i)))
-        else
-          row = row//','//cell(measures%at(i))
-        end if
-      end do
-    end associate
+    do i = 1, size(measures%column)
+      if (measures%column(i)%is_count) then
+        row = row//','//to_text(nint(measures%column(i)%value))
+      else
+        row = row//','//cell(measures%column(i)%value)
+      end if
+    end do
     do i = 1, n_phases
       row = row//','//cell(totals%phase(i)%wall)
     end do

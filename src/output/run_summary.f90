@@ -2,13 +2,14 @@
 module sg_run_summary
   use sg_comm, only: comm_t
   use sg_error, only: error_t
-  use sg_grains, only: count_grains, grains_t, reduce_grains
+  use sg_grains, only: count_grains, grains_t
   use sg_json, only: json_t
   use sg_kinds, only: wp, i8
-  use sg_measures, only: is_count, measure_names, measures_t
+  use sg_measures, only: measures_t, unmeasured
   use sg_run_options, only: criterion_names, run_options_t
   use sg_scene, only: scene_t
   use sg_system, only: peak_memory_bytes
+  use sg_tally, only: column_t
   use sg_text, only: text_t
   use sg_text_files, only: replace_file
   use sg_totals, only: n_phases, phase_names, totals_t
@@ -75,6 +76,7 @@ module sg_run_summary
     procedure :: describe => summary_describe
     procedure :: add_file => summary_add_file
     procedure :: conclude => summary_conclude
+    procedure :: columns => summary_columns
   end type run_summary_t
 
 contains
@@ -102,12 +104,13 @@ contains
     self%steps_asked = options%steps
     self%time = scene%start_time
     self%bodies = scene%bodies%n_home
-    self%grains = count_grains(scene%bodies)
-    if (.not. present(comm)) return
-    self%ranks = comm%size
-    if (.not. allocated(scene%bodies%id)) return
-    call comm%sum(self%bodies)
-    call reduce_grains(self%grains, comm)
+    if (present(comm)) self%ranks = comm%size
+    if (present(comm) .and. allocated(scene%bodies%id)) then
+      call comm%sum(self%bodies)
+      call count_grains(scene%bodies, self%grains, comm)
+    else
+      call count_grains(scene%bodies, self%grains)
+    end if
   end subroutine summary_describe
 
   !> Learn from all ranks what sharing cost; every rank calls this.
@@ -177,27 +180,38 @@ contains
     self%measures = measures
   end subroutine summary_conclude
 
+  !> Indicators of the last measure; zeros of the same names where the run ended before the first one.
+  pure function summary_columns(self) result(columns)
+    class(run_summary_t), intent(in) :: self
+    type(column_t), allocatable :: columns(:)
+    type(measures_t) :: measures
+
+    measures = self%measures
+    if (.not. allocated(measures%column)) measures = unmeasured(self%dimension, self%has_bonds)
+    call move_alloc(measures%column, columns)
+  end function summary_columns
+
   !> Write run.json, wholly or not at all.
   subroutine write_run_summary(summary, file, error)
     type(run_summary_t), intent(in) :: summary !! what to say
     character(len=*), intent(in) :: file !! path of the file
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
     type(json_t) :: json
+    type(column_t), allocatable :: columns(:)
     integer :: i
 
     if (.not. summary%is_root) return
     call add_identity(json, summary)
     call add_totals(json, summary%totals)
     if (summary%ranks > 1) call add_shared(json, summary%shared)
-    associate (names => measure_names(summary%dimension, summary%has_bonds))
-      do i = 1, size(names)
-        if (is_count(names(i))) then
-          call json%add(trim(names(i)), nint(summary%measures%at(i)))
-        else
-          call json%add(trim(names(i)), summary%measures%at(i))
-        end if
-      end do
-    end associate
+    columns = summary%columns()
+    do i = 1, size(columns)
+      if (columns(i)%is_count) then
+        call json%add(trim(columns(i)%name), nint(columns(i)%value))
+      else
+        call json%add(trim(columns(i)%name), columns(i)%value)
+      end if
+    end do
     if (allocated(summary%files)) then
       do i = 1, size(summary%files)
         call json%add('file_'//summary%file_keys(i)%s, summary%files(i)%s)

@@ -11,11 +11,11 @@ program test_measures
   use sg_detect, only: detect
   use sg_drives, only: pressure_t
   use sg_energy, only: energy_t
-  use sg_grains, only: count_grains, grains_t, reduce_grains
+  use sg_grains, only: count_grains, grains_t
   use sg_home_sum, only: add_at_home, copy_from_home
   use sg_kinds, only: wp, i4, i8
   use sg_laws, only: law_restitution
-  use sg_measures, only: measure, measure_names, measures_t
+  use sg_measures, only: measure, measures_t
   use sg_motion, only: predict, update
   use sg_penetration, only: deepest_penetration
   use sg_random, only: random_t
@@ -122,7 +122,7 @@ contains
       call all_samples%add(sim%scene, sim%contacts, h)
       call measure(sim%scene, sim%contacts, h, sim%energy, wanted)
       call measure(local, contacts, h, energy, got, subdomain, comm)
-      call compare(got, wanted, sim%scene%dimension, what)
+      call compare(got, wanted, what)
     end do
     call check_busy(wanted, sim%scene%dimension, what)
     n = real(contacts%n, wp)
@@ -165,17 +165,16 @@ contains
   end function split
 
   !> The measures of the parts against those of the whole.
-  subroutine compare(got, wanted, dimension, what)
+  subroutine compare(got, wanted, what)
     type(measures_t), intent(in) :: got, wanted
-    integer, intent(in) :: dimension
     character(len=*), intent(in) :: what
     integer :: m
 
-    associate (names => measure_names(dimension, .false.))
-      do m = 1, size(names)
-        call t%near(got%at(m), wanted%at(m), rounding*max(1.0_wp, abs(wanted%at(m))), what//': '//trim(names(m)))
-      end do
-    end associate
+    do m = 1, size(wanted%column)
+      associate (one => wanted%column(m))
+        call t%near(got%column(m)%value, one%value, rounding*max(1.0_wp, abs(one%value)), what//': '//trim(one%name))
+      end associate
+    end do
   end subroutine compare
 
   !> Is there something to measure?
@@ -249,9 +248,8 @@ contains
     character(len=*), intent(in) :: what
     type(grains_t) :: got, wanted
 
-    got = count_grains(local%bodies)
-    call reduce_grains(got, comm)
-    wanted = count_grains(whole%bodies)
+    call count_grains(local%bodies, got, comm)
+    call count_grains(whole%bodies, wanted)
     call t%equal(got%n, wanted%n, what//': grains')
     call t%near(got%mass, wanted%mass, rounding*wanted%mass, what//': their mass')
     call t%near(got%mean_radius, wanted%mean_radius, rounding, what//': their mean radius')

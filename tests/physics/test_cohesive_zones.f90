@@ -9,12 +9,12 @@ program test_cohesive_zones
   use sg_choose_solver, only: choose_solver
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
   use sg_contacts, only: impulse_vector
-  use sg_energy, only: energy_closure
   use sg_error, only: diagnostics_t, error_t
   use sg_hdf5, only: hdf5_is_available
   use sg_internal_values, only: bond_integrity, bond_opening, bond_slip
   use sg_kinds, only: wp, pi
   use sg_laws, only: law_abp, law_expo, law_mac, law_mal, law_t, law_th, status_bonded
+  use sg_measures, only: measure, measures_t
   use sg_simulation, only: simulation_t
   use sg_system, only: make_folder, remove_file
   implicit none
@@ -353,13 +353,15 @@ contains
     integer, intent(in) :: dimension
     type(simulation_t) :: sim
     integer :: step
+    type(measures_t) :: measures
     real(wp) :: worst
 
     call make(dimension, law_mal, 1.0_wp, [0.09_wp, 0.05_wp], 0.0_wp, sim)
     worst = 0
     do step = 1, 400
       call run(sim, 1)
-      worst = max(worst, energy_closure(sim%energy, sim%scene))
+      call measure(sim%scene, sim%contacts, sim%options%step, sim%energy, measures)
+      worst = max(worst, measures%get('energy_closure'))
     end do
     call t%near(worst, 0.0_wp, 1e-11_wp, 'the balance of energy closes')
     call t%check(sim%energy%bond_work > 1, 'bonds took energy')

@@ -7,7 +7,7 @@ module measured
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: measures_of, measures_without_contacts, mean_stress, box_of_scene
+  public :: measures_of, measures_without_contacts, mean_stress, box_of_scene, overlap_of_scene
 
 contains
 
@@ -58,4 +58,14 @@ contains
     measures = measures_without_contacts(scene)
     box = sum(scene%bodies%area, mask=scene%bodies%is_grain)/measures%get('compactness')
   end function box_of_scene
+
+  !> Area of all overlaps of shapes [m2], in space their volume [m3]: the volume error times that of the grains.
+  real(wp) function overlap_of_scene(scene, contacts) result(overlap)
+    type(scene_t), intent(in) :: scene !! scene with at least one grain, its contactors placed
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    type(measures_t) :: measures
+
+    measures = measures_of(scene, contacts, 1.0_wp)
+    overlap = measures%get('volume_error')*sum(scene%bodies%area, mask=scene%bodies%is_grain)
+  end function overlap_of_scene
 end module measured

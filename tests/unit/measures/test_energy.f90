@@ -3,7 +3,7 @@ program test_energy
   use harness, only: tests_t
   use made_by_hand, only: disks, make_wall, set_middle, touch
   use sg_contacts, only: contacts_t, reserve_contacts
-  use sg_energy, only: energy_closure, energy_t, kinetic_energy, potential_energy
+  use sg_energy, only: energy_t, kinetic_energy, potential_energy
   use sg_kinds, only: wp, i1
   use sg_mapping, only: add_resultants
   use sg_measures, only: measure, measures_t
@@ -22,6 +22,18 @@ program test_energy
   call t%finish()
 
 contains
+
+  !> How far the balance of a scene without links is from closing.
+  real(wp) function closure_of(energy, scene) result(closure)
+    type(energy_t), intent(in) :: energy
+    type(scene_t), intent(in) :: scene
+    type(contacts_t) :: contacts
+    type(measures_t) :: measures
+
+    call reserve_contacts(contacts, 1)
+    call measure(scene, contacts, 0.01_wp, energy, measures)
+    closure = measures%get('energy_closure')
+  end function closure_of
 
   !> Velocities of the end of the step by the scheme's own equation; driven components keep `free_velocity`.
   subroutine end_step(scene, contacts, h)
@@ -70,9 +82,9 @@ contains
     call t%near(energy%friction_loss, 0.2_wp*(2.0_wp + 1.7_wp)/2, rounding, 'friction loss of a bounce')
     call t%near(kinetic_energy(scene%bodies), 1.0_wp + 1.9_wp**2 + 0.02_wp, rounding, 'kinetic energy after the bounce')
     call t%near(energy%external_work, 0.0_wp, rounding, 'nothing pushes')
-    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance of a bounce')
+    call t%near(closure_of(energy, scene), 0.0_wp, rounding, 'balance of a bounce')
     energy%friction_loss = energy%friction_loss + 0.1_wp
-    call t%near(energy_closure(energy, scene), 0.1_wp/13, rounding, 'an error of 0.1 J is seen over the largest term, 13 J')
+    call t%near(closure_of(energy, scene), 0.1_wp/13, rounding, 'an error of 0.1 J is seen over the largest term, 13 J')
   end subroutine test_bounce
 
   !> Two disks in gravity with random impulses, forces and a driven spin: the balance closes whatever they are.
@@ -109,7 +121,7 @@ contains
       scene%bodies%crossings(1) = scene%bodies%crossings(1) + 1
     end do
     call t%check(abs(energy%drive_work) > 0.01_wp .and. abs(energy%external_work) > 0.1_wp, 'drive and forces work')
-    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance over 50 steps')
+    call t%near(closure_of(energy, scene), 0.0_wp, rounding, 'balance over 50 steps')
   end subroutine test_energy_of_a_shaken_cluster
 
   !> A wall driven at 2 m/s pushes a disk at rest to 2 m/s: the drive gives m v v = 8 J, half of it is lost.
@@ -129,7 +141,7 @@ contains
     call update(scene, h)
     call t%near(energy%drive_work, 8.0_wp, rounding, 'work of the drive')
     call t%near(energy%impact_loss, 4.0_wp, rounding, 'loss of the push')
-    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance of the push')
+    call t%near(closure_of(energy, scene), 0.0_wp, rounding, 'balance of the push')
     call test_energy_pack(energy)
   end subroutine test_energy_of_a_pushed_wall
 
@@ -152,7 +164,7 @@ contains
     end do
     call energy%add_step(scene, contacts, h)
     call update(scene, h)
-    call t%near(energy_closure(energy, scene), 0.0_wp, rounding, 'balance across a gap')
+    call t%near(closure_of(energy, scene), 0.0_wp, rounding, 'balance across a gap')
   end subroutine test_energy_across_a_gap
 
   !> Packed and unpacked, the sums are the same to the last bit.
@@ -173,9 +185,9 @@ contains
     type(measures_t) :: measures
 
     scene = disks(reshape([0.0_wp, 0.0_wp], [2, 1]))
-    call t%near(energy_closure(energy, scene), 0.0_wp, 0.0_wp, 'no balance before the first step')
+    call t%near(closure_of(energy, scene), 0.0_wp, 0.0_wp, 'no balance before the first step')
     call energy%add_step(scene, contacts, 0.1_wp)
-    call t%near(energy_closure(energy, scene), 0.0_wp, 0.0_wp, 'an empty balance is closed')
+    call t%near(closure_of(energy, scene), 0.0_wp, 0.0_wp, 'an empty balance is closed')
     scene%gravity(:2) = [0.0_wp, -10.0_wp]
     scene%bodies%position(2, 1) = 1000
     call t%near(potential_energy(scene), 20000.0_wp, 1e-10_wp, 'potential energy m g y')

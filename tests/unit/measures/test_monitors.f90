@@ -3,19 +3,16 @@ program test_monitors
   use harness, only: tests_t
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use made_by_hand, only: disks, make_wall, set_middle, touch
-  use measured, only: box_of_scene, mean_stress, measures_of, measures_without_contacts
+  use measured, only: box_of_scene, mean_stress, measures_of, measures_without_contacts, overlap_of_scene
   use sg_balance, only: momentum
-  use sg_compactness, only: area_of_box, box_of_grains
   use sg_contactors, only: add_polygon, add_wall
   use sg_contacts, only: contacts_t
   use sg_grains, only: count_grains, grains_t
-  use sg_inertia_number, only: field_sums, gradient_of, inertia_number, shear_rate
   use sg_kinds, only: wp, i1, i8, pi
   use sg_measures, only: measures_t
   use sg_report, only: report_t
   use sg_scene, only: scene_t
   use sg_totals, only: n_phases, phase_solve, totals_t
-  use sg_volume_error, only: overlap_area
   implicit none
   ! Closed forms of a few operations: a few roundings of numbers of order one to ten.
   real(wp), parameter :: rounding = 1e-13_wp
@@ -49,7 +46,7 @@ contains
     call t%near(measures%get('mean_velocity'), 3.0_wp, rounding, 'mean speed of the grains, walls left out')
     call t%near(measures%get('max_velocity'), 5.0_wp, rounding, 'largest speed')
     call t%near(norm2(momentum(scene%bodies) - [6.0_wp, 6.0_wp]), 0.0_wp, rounding, 'momentum')
-    grains = count_grains(scene%bodies)
+    call count_grains(scene%bodies, grains)
     call t%equal(grains%n, 2, 'grains')
     call t%near(grains%area, 2*pi, rounding, 'their area')
     call t%near(grains%mean_radius, 1.0_wp, rounding, 'their mean radius')
@@ -92,20 +89,22 @@ contains
     call set_middle(scene, 0.0_wp)
     call touch(contacts, 1, 2, [1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], -1.0_wp, [0.0_wp, 0.0_wp])
     contacts%image(1) = -1_i1
-    call t%near(overlap_area(scene%contactors, contacts, scene%period), lens, rounding, 'two disks through the period')
+    call t%near(overlap_of_scene(scene, contacts), lens, rounding, 'two disks through the period')
     do b = 1, 2
       call touch(contacts, 6, 5, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], -0.2_wp, [0.0_wp, 0.0_wp])
     end do
-    call t%near(overlap_area(scene%contactors, contacts, scene%period), lens + 1.5_wp*0.2_wp, rounding, 'polygons by two points')
+    ! Any grain: overlaps are of contactors alone.
+    contacts%body = 1
+    call t%near(overlap_of_scene(scene, contacts), lens + 1.5_wp*0.2_wp, rounding, 'polygons by two points')
     ! The segment's upper side stands at -0.9, 0.1 above the lower side of the square, which is 2 wide.
     call touch(contacts, 5, 7, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], -0.1_wp, [0.0_wp, 0.0_wp])
     call touch(contacts, 1, 5, [-1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], -1.0_wp, [0.0_wp, 0.0_wp])
-    call t%near(overlap_area(scene%contactors, contacts, scene%period), lens + 0.5_wp + pi/2, rounding, 'all pairs')
     contacts%body = 1
+    call t%near(overlap_of_scene(scene, contacts), lens + 0.5_wp + pi/2, rounding, 'all pairs')
     measures = measures_of(scene, contacts, 0.1_wp)
     call t%near(measures%get('volume_error'), (lens + 0.5_wp + pi/2)/(3*pi), rounding, 'volume error')
     contacts%gap(2:) = 0
-    call t%near(overlap_area(scene%contactors, contacts, scene%period), lens, rounding, 'only pairs that overlap')
+    call t%near(overlap_of_scene(scene, contacts), lens, rounding, 'only pairs that overlap')
   end subroutine test_volume_error
 
   !> Four disks in a square on a floor, and a fifth on top of one of them: its own single neighbour makes it a rattler.
@@ -160,6 +159,7 @@ contains
   !> Boxes of grains: disks 8 x 2, periodic, a lying segment and a square on its corner.
   subroutine test_boxes()
     type(scene_t) :: scene
+    type(measures_t) :: measures
     real(wp), parameter :: square(2, 4) = reshape([-1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp], [2, 4])
 
     scene = disks(reshape([0.0_wp, 0.0_wp, 6.0_wp, 0.0_wp, 50.0_wp, 0.0_wp], [2, 3]))
@@ -176,15 +176,15 @@ contains
     call set_middle(scene, 0.0_wp)
     call t%near(box_of_scene(scene), (7 + sqrt(2.0_wp))*5, 10*rounding, 'box with a square on its corner')
     scene%bodies%is_grain = .false.
-    call t%near(area_of_box(scene, box_of_grains(scene)), 0.0_wp, 0.0_wp, 'no grain, no box')
+    measures = measures_without_contacts(scene)
+    call t%near(measures%get('compactness'), 0.0_wp, 0.0_wp, 'no grain, no box')
   end subroutine test_boxes
 
   !> An affine velocity field gives its own gradient; rotation has no shear rate, simple shear has its own.
   subroutine test_affine_flow()
     type(scene_t) :: scene
-    type(measures_t) :: measures
     real(wp), parameter :: gradient(2, 2) = reshape([0.5_wp, -0.3_wp, 2.0_wp, 0.1_wp], [2, 2])
-    real(wp) :: position(2, 5), found(2, 2)
+    real(wp) :: position(2, 5)
     integer :: i
 
     position = reshape([0.0_wp, 0.0_wp, 2.0_wp, 0.3_wp, 1.0_wp, 2.5_wp, -1.5_wp, 4.0_wp, 9.0_wp, 9.0_wp], [2, 5])
@@ -193,17 +193,42 @@ contains
     do i = 1, 4
       scene%bodies%velocity(1:2, i) = [5.0_wp, 7.0_wp] + matmul(gradient, position(:, i))
     end do
-    found = gradient_of(field_sums(scene%bodies), 2)
-    call t%near(norm2(found - gradient), 0.0_wp, rounding, 'gradient of an affine flow')
-    measures = measures_without_contacts(scene)
-    call t%near(measures%get('shear_rate'), hypot(0.4_wp, 1.7_wp), rounding, 'its shear rate')
-    call t%near(shear_rate(reshape([0.0_wp, 0.0_wp, 3.0_wp, 0.0_wp], [2, 2])), 3.0_wp, rounding, 'rate of a simple shear')
-    call t%near(shear_rate(reshape([0.0_wp, 1.0_wp, -1.0_wp, 0.0_wp], [2, 2])), 0.0_wp, rounding, 'rotation is no shear')
-    call t%near(inertia_number(3.0_wp, 4.0_wp, 16.0_wp), 1.5_wp, rounding, 'inertia number')
-    call t%near(inertia_number(3.0_wp, 4.0_wp, -1.0_wp), 0.0_wp, 0.0_wp, 'no pressure, no inertia number')
+    call t%near(shear_rate_of(scene), hypot(0.4_wp, 1.7_wp), rounding, 'shear rate of an affine flow')
+    scene%bodies%velocity(1:2, :4) = matmul(reshape([0.0_wp, 0.0_wp, 3.0_wp, 0.0_wp], [2, 2]), position(:, :4))
+    call t%near(shear_rate_of(scene), 3.0_wp, rounding, 'rate of a simple shear')
+    scene%bodies%velocity(1:2, :4) = matmul(reshape([0.0_wp, 1.0_wp, -1.0_wp, 0.0_wp], [2, 2]), position(:, :4))
+    call t%near(shear_rate_of(scene), 0.0_wp, rounding, 'rotation is no shear')
+    call test_inertia_number(scene, position(:, :4))
     scene%bodies%position(2, :) = 1
-    call t%near(norm2(gradient_of(field_sums(scene%bodies), 2)), 0.0_wp, 0.0_wp, 'grains on a line have no gradient')
+    call t%near(shear_rate_of(scene), 0.0_wp, 0.0_wp, 'grains on a line have no gradient')
   end subroutine test_affine_flow
+
+  !> Shear rate of a scene without contacts [1/s].
+  real(wp) function shear_rate_of(scene) result(rate)
+    type(scene_t), intent(in) :: scene
+    type(measures_t) :: measures
+
+    measures = measures_without_contacts(scene)
+    rate = measures%get('shear_rate')
+  end function shear_rate_of
+
+  !> Grains of 2 kg that shear by 3 per second: I = 3 sqrt(2/p), and zero where contacts pull.
+  subroutine test_inertia_number(scene, position)
+    type(scene_t), intent(inout) :: scene
+    real(wp), intent(in) :: position(:, :)
+    type(contacts_t) :: contacts
+    type(measures_t) :: measures
+
+    scene%bodies%velocity(1:2, :4) = matmul(reshape([0.0_wp, 0.0_wp, 3.0_wp, 0.0_wp], [2, 2]), position)
+    call set_middle(scene, 0.0_wp)
+    call touch(contacts, 2, 1, [1.0_wp, 0.0_wp], [1.0_wp, 0.0_wp], 0.0_wp, [1.0_wp, 0.0_wp])
+    measures = measures_of(scene, contacts, 0.1_wp)
+    call t%check(measures%get('pressure') > 0.01_wp, 'a contact presses')
+    call t%near(measures%get('inertia_number'), 3*sqrt(2/measures%get('pressure')), rounding*100, 'inertia number')
+    contacts%impulse(1, 1) = -1
+    measures = measures_of(scene, contacts, 0.1_wp)
+    call t%near(measures%get('inertia_number'), 0.0_wp, 0.0_wp, 'no pressure, no inertia number')
+  end subroutine test_inertia_number
 
   !> Two disks pressed between two walls by 10 N: sigma_xx = 10 N over the height; a floor under weight.
   subroutine test_pressed_contact()

@@ -1,16 +1,14 @@
 !> Indicators in space against closed forms: pairs of shapes, boxes, flows, contacts by hand; neighbours by brute force.
 program test_monitors_space
   use harness, only: tests_t
-  use measured, only: box_of_scene, mean_stress, measures_of, measures_without_contacts
+  use measured, only: box_of_scene, mean_stress, measures_of, measures_without_contacts, overlap_of_scene
   use scenes, only: begin_run, density, place_bodies, run
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
   use sg_balance, only: force_on_walls, momentum
-  use sg_compactness, only: area_of_box, box_of_grains
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_grains, only: count_grains, grains_t
-  use sg_inertia_number, only: field_sums, gradient_of, shear_rate
   use sg_kinds, only: wp, i1, i4, pi
-  use sg_measures, only: is_count, measure_names, measures_t, n_measures
+  use sg_measures, only: measures_t, unmeasured
   use sg_penetration, only: deepest_penetration
   use sg_random, only: random_t
   use sg_rotations, only: rotation_by
@@ -18,7 +16,6 @@ program test_monitors_space
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder
-  use sg_volume_error_space, only: overlap_volume
   implicit none
   ! Closed forms of a few operations: a few roundings of numbers of order one to ten.
   real(wp), parameter :: rounding = 1e-13_wp
@@ -43,36 +40,38 @@ contains
 
   !> Columns in space: the shared ones, then nine stresses and three momenta; counts are what counts contacts and grains.
   subroutine test_names()
+    type(measures_t) :: measures
     character(len=:), allocatable :: all_names
     integer :: i
 
     all_names = ''
-    associate (names => measure_names(3, .true.))
-      do i = 1, size(names)
-        all_names = all_names//','//trim(names(i))
-      end do
-    end associate
+    measures = unmeasured(3, .true.)
+    do i = 1, size(measures%column)
+      all_names = all_names//','//trim(measures%column(i)%name)
+    end do
     call t%check(index(all_names, ',rattlers,quadruple_contacts,stress_xx,stress_xy,stress_xz,stress_yx,stress_yy,stress_yz,'// &
                        'stress_zx,stress_zy,stress_zz,shear_rate,momentum_x,momentum_y,momentum_z,'// &
                        'bond_energy,bond_loss,bonds,damaged_bonds') > 0, 'names in space')
-    call t%equal(n_measures(3, .true.), 40, 'measures in space')
-    call t%equal(n_measures(2, .true.), 33, 'measures in the plane')
-    call t%equal(n_measures(3, .false.), 36, 'measures in space without cohesive zones')
-    call t%equal(n_measures(2, .false.), 29, 'measures in the plane without cohesive zones')
-    call t%equal(count(is_count_of(3)), 7, 'counts in space')
-    call t%equal(count(is_count_of(2)), 6, 'counts in the plane')
+    call check_columns(unmeasured(3, .true.), 40, 7, 'in space')
+    call check_columns(unmeasured(2, .true.), 33, 6, 'in the plane')
+    call check_columns(unmeasured(3, .false.), 36, 5, 'in space without cohesive zones')
+    call check_columns(unmeasured(2, .false.), 29, 4, 'in the plane without cohesive zones')
   end subroutine test_names
 
-  !> Which measures are counts?
-  function is_count_of(dimension) result(are)
-    integer, intent(in) :: dimension
-    logical :: are(n_measures(dimension, .true.))
+  !> Numbers of columns and of counts among them; no two have one name.
+  subroutine check_columns(measures, n, counts, what)
+    type(measures_t), intent(in) :: measures
+    integer, intent(in) :: n, counts
+    character(len=*), intent(in) :: what
     integer :: i
 
-    associate (names => measure_names(dimension, .true.))
-      are = [(is_count(names(i)), i=1, size(names))]
-    end associate
-  end function is_count_of
+    call t%equal(size(measures%column), n, 'columns '//what)
+    call t%equal(count(measures%column%is_count), counts, 'counts '//what)
+    do i = 2, n
+      call t%check(all(measures%column(:i - 1)%name /= measures%column(i)%name), 'names are unique '//what)
+    end do
+    call t%near(maxval(abs(measures%column%value)), 0.0_wp, 0.0_wp, 'nothing is measured '//what)
+  end subroutine check_columns
 
   !> Add a contact of two bodies, and of contactors of the same numbers.
   subroutine touch(contacts, candidate, antagonist, normal, gap, impulse)
@@ -112,7 +111,7 @@ contains
     call t%near(measures%get('max_velocity'), 7.0_wp, rounding, 'largest speed')
     call t%near(maxval(abs(momentum(scene%bodies)/density - 32*pi/3*[2.0_wp, 3.0_wp, 6.0_wp] + [0.0_wp, 0.0_wp, 48.0_wp])), &
                 0.0_wp, 1e4_wp*rounding, 'momentum')
-    grains = count_grains(scene%bodies)
+    call count_grains(scene%bodies, grains)
     call t%equal(grains%n, 2, 'grains')
     call t%near(grains%area, 32*pi/3 + 48, 100*rounding, 'their volume')
     call t%near(grains%mean_radius, (2 + (36/pi)**(1/3.0_wp))/2, rounding, 'mean radius of spheres of the same volume')
@@ -143,6 +142,7 @@ contains
   !> Boxes of grains: spheres, periods in x and y, a cube on its edge, capsule, hollow cylinder, plane; walls do not count.
   subroutine test_boxes()
     type(scene_t) :: scene
+    type(measures_t) :: measures
     real(wp), parameter :: centre(3) = 0
 
     call begin_space_scene(scene, 3, 0.0_wp, 0.01_wp)
@@ -168,14 +168,15 @@ contains
     scene%bodies%is_grain = [.false., .false., .true.]
     call t%near(box_of_scene(scene), 180*180*2.0_wp, 1e4_wp*rounding, 'box of a plane that is a grain')
     scene%bodies%is_grain = .false.
-    call t%near(area_of_box(scene, box_of_grains(scene)), 0.0_wp, 0.0_wp, 'no grain, no box')
+    measures = measures_without_contacts(scene)
+    call t%near(measures%get('compactness'), 0.0_wp, 0.0_wp, 'no grain, no box')
   end subroutine test_boxes
 
   !> An affine field gives its own gradient; rotation and swelling have no shear rate, simple shear has its own.
   subroutine test_affine_flow()
     type(scene_t) :: scene
     type(random_t) :: random
-    real(wp) :: gradient(3, 3), found(3, 3), shear(3, 3)
+    real(wp) :: gradient(3, 3), shear(3, 3)
     integer :: i, a, b
 
     call random%seed(5)
@@ -183,34 +184,60 @@ contains
     gradient = reshape([(random%uniform(-1.0_wp, 1.0_wp), i=1, 9)], [3, 3])
     do i = 1, 11
       call put_sphere(scene, i, 0.1_wp, [(random%uniform(0.0_wp, 5.0_wp), a=1, 3)])
-      scene%bodies%velocity(1:3, i) = [5.0_wp, 7.0_wp, -1.0_wp] + matmul(gradient, scene%bodies%position(:, i))
     end do
     call put_plane(scene, 12, [9.0_wp, 9.0_wp, 1.0_wp], [0.0_wp, 0.0_wp, -9.0_wp])
-    found = gradient_of(field_sums(scene%bodies), 3)
-    call t%near(maxval(abs(found - gradient)), 0.0_wp, rounding, 'gradient of an affine flow')
+    call expect_rate(scene, gradient, sqrt(2*sum(deviator(gradient)**2)), 'rate of an affine flow')
     do a = 1, 3
       do b = 1, 3
         shear = 0
         shear(a, b) = 3
-        if (a /= b) call t%near(shear_rate(shear), 3.0_wp, rounding, 'rate of a simple shear')
+        if (a /= b) call expect_rate(scene, shear, 3.0_wp, 'rate of a simple shear')
         shear(b, a) = -shear(a, b)
-        if (a /= b) call t%near(shear_rate(shear), 0.0_wp, rounding, 'rotation is no shear')
+        if (a /= b) call expect_rate(scene, shear, 0.0_wp, 'rotation is no shear')
       end do
     end do
     shear = 0
     do a = 1, 3
       shear(a, a) = 2
     end do
-    call t%near(shear_rate(shear), 0.0_wp, rounding, 'swelling is no shear')
+    call expect_rate(scene, shear, 0.0_wp, 'swelling is no shear')
     ! Extension by 2 along z, shrinking by 1 along x and y: D' = D, 2 (4 + 1 + 1) = 12.
     shear(1, 1) = -1
     shear(2, 2) = -1
-    call t%near(shear_rate(shear), sqrt(12.0_wp), rounding, 'rate of an extension')
+    call expect_rate(scene, shear, sqrt(12.0_wp), 'rate of an extension')
     scene%bodies%position(3, :) = scene%bodies%position(1, :) + 2*scene%bodies%position(2, :)
-    call t%near(maxval(abs(gradient_of(field_sums(scene%bodies), 3))), 0.0_wp, 0.0_wp, 'grains in a plane have no gradient')
+    call expect_rate(scene, shear, 0.0_wp, 'grains in a plane have no gradient')
     scene%bodies%is_grain(4:) = .false.
-    call t%near(maxval(abs(gradient_of(field_sums(scene%bodies), 3))), 0.0_wp, 0.0_wp, 'neither have three')
+    call expect_rate(scene, shear, 0.0_wp, 'neither have three')
   end subroutine test_affine_flow
+
+  !> Shear rate of a drift and a gradient, as it is measured.
+  subroutine expect_rate(scene, gradient, rate, what)
+    type(scene_t), intent(inout) :: scene
+    real(wp), intent(in) :: gradient(3, 3), rate
+    character(len=*), intent(in) :: what
+    type(measures_t) :: measures
+    integer :: i
+
+    do i = 1, 11
+      scene%bodies%velocity(1:3, i) = [5.0_wp, 7.0_wp, -1.0_wp] + matmul(gradient, scene%bodies%position(:, i))
+    end do
+    measures = measures_without_contacts(scene)
+    call t%near(measures%get('shear_rate'), rate, rounding, what)
+  end subroutine expect_rate
+
+  !> Deviator of the symmetric part.
+  pure function deviator(gradient)
+    real(wp), intent(in) :: gradient(3, 3)
+    real(wp) :: deviator(3, 3), third
+    integer :: a
+
+    deviator = (gradient + transpose(gradient))/2
+    third = sum([(deviator(a, a), a=1, 3)])/3
+    do a = 1, 3
+      deviator(a, a) = deviator(a, a) - third
+    end do
+  end function deviator
 
   !> Pairs that touch by one to five points; a rattler has one neighbour, by however many points.
   subroutine test_points_of_pairs()
@@ -357,7 +384,7 @@ contains
     real(wp), parameter :: zero(3) = 0
 
     call touch(one, candidate, antagonist, [0.0_wp, 0.0_wp, 1.0_wp], -0.1_wp, zero)
-    volume = overlap_volume(scene%contactors, one, zero(:2))
+    volume = overlap_of_scene(scene, one)
   end function shared_by
 
   !> An upright capsule of radius 1 and half height 1.
@@ -390,7 +417,7 @@ contains
     call begin_run(sim, 1e-3_wp, 1e-6_wp)
     call run(sim, 1)
     call t%equal(sim%contacts%n, 6, 'two spheres, four points of two boxes, and a sphere on the plane')
-    call t%near(overlap_volume(sim%scene%contactors, sim%contacts, [10.0_wp, 8.0_wp]), lens + 0.6_wp + cap, 10*rounding, &
+    call t%near(overlap_of_scene(sim%scene, sim%contacts), lens + 0.6_wp + cap, 10*rounding, &
                 'overlaps through both periods')
     call t%near(sim%totals%worst_penetration, 1.0_wp, rounding, 'the deepest penetration of the run')
     sim%scene%bodies%velocity(1:3, 1) = [80.0_wp, 60.0_wp, 0.0_wp]

@@ -5,7 +5,7 @@ program test_record
   use sg_error, only: error_t, exit_output
   use sg_json, only: json_t
   use sg_kinds, only: wp, i8, pi
-  use sg_measures, only: measures_t, n_measures
+  use sg_measures, only: measures_t, unmeasured
   use sg_numbers, only: write_numbers
   use sg_progress, only: duration_text, progress_t
   use sg_record, only: record_t
@@ -134,6 +134,19 @@ contains
     call t%check(allocated(error), 'a missing folder is an error')
   end subroutine test_text_files
 
+  !> Measures whose values are their places.
+  function numbered(dimension, has_bonds) result(measures)
+    integer, intent(in) :: dimension
+    logical, intent(in) :: has_bonds
+    type(measures_t) :: measures
+    integer :: i
+
+    measures = unmeasured(dimension, has_bonds)
+    do i = 1, size(measures%column)
+      measures%column(i)%value = real(i, wp)
+    end do
+  end function numbered
+
   !> A record with rows of steps 1 to `n`.
   subroutine write_record(record, n)
     type(record_t), intent(inout) :: record
@@ -142,14 +155,14 @@ contains
     type(report_t) :: report
     type(totals_t) :: totals
     type(measures_t) :: measures
-    integer :: i, j
+    integer :: i
 
     call record%start('record.csv', 2, .false., error)
     call t%check(.not. allocated(error), 'a record starts')
     do i = 1, n
       report%is_converged = modulo(i, 2) == 0
-      measures%value = real([(j, j=1, n_measures(2, .false.))], wp)
-      if (i == 3) measures%value(1) = nan()
+      measures = numbered(2, .false.)
+      if (i == 3) measures%column(1)%value = nan()
       call record%add(i, real(i, wp)/10, 12, report, totals, measures, error)
     end do
   end subroutine write_record
@@ -178,10 +191,9 @@ contains
     type(totals_t) :: totals
     type(measures_t) :: measures
     type(text_t), allocatable :: lines(:)
-    integer :: j
 
     call record%start('space.csv', 3, .false., error)
-    measures%value = real([(j, j=1, n_measures(3, .false.))], wp)
+    measures = numbered(3, .false.)
     call record%add(1, 0.1_wp, 12, report, totals, measures, error)
     call record%add(2, 0.2_wp, 12, report, totals, measures, error)
     call read_lines('space.csv', lines, error)
@@ -208,11 +220,11 @@ contains
     type(report_t) :: report
     type(totals_t) :: totals
     type(text_t), allocatable :: lines(:)
-    integer :: dimension, i, n
+    integer :: dimension, n
 
     do dimension = 2, 3
-      n = n_measures(dimension, .true.)
-      measures%value = real([(i, i=1, n)], wp)
+      measures = numbered(dimension, .true.)
+      n = size(measures%column)
       call t%near(measures%get('damaged_bonds'), real(n, wp), 0.0_wp, 'a measure of bonds by its name')
       call t%near(measures%get('momentum_x'), real(n - 2 - dimension - 1, wp), 0.0_wp, 'one before them')
       call record%start('bonds.csv', dimension, .true., error)
@@ -267,6 +279,7 @@ contains
       return
     end if
     call record%start('full.csv', 2, .false., error)
+    measures = unmeasured(2, .false.)
     call remove_file('full.csv')
     call execute_command_line('ln -s /dev/full full.csv', exitstat=status)
     call record%add(1, 0.1_wp, 12, report, totals, measures, error)
@@ -283,7 +296,6 @@ contains
     type(measures_t) :: measures
     type(totals_t) :: totals
     type(error_t), allocatable :: error
-    integer :: j
 
     scene%dimension = 3
     call scene%bodies%allocate(2, 3)
@@ -293,7 +305,7 @@ contains
     call summary%conclude(run_done, '', 0.5_wp, totals, measures)
     call write_run_summary(summary, 'space.json', error)
     call t%check(python_agrees('space.json', 'run[''momentum_z''] == 0 and run[''quadruple_contacts''] == 0'), 'nothing measured')
-    measures%value = real([(j, j=1, n_measures(3, .false.))], wp)
+    measures = numbered(3, .false.)
     call summary%conclude(run_done, '', 0.5_wp, totals, measures)
     call write_run_summary(summary, 'space.json', error)
     call t%check(python_agrees('space.json', 'run[''dimension''] == 3 and run[''momentum_z''] == 36 and '// &
@@ -334,8 +346,8 @@ contains
     call totals%add(report, 7)
     call totals%clock%start()
     call totals%tick()
-    allocate (measures%value(n_measures(2, .false.)), source=0.0_wp)
-    measures%value(3) = nan()
+    measures = unmeasured(2, .false.)
+    measures%column(3)%value = nan()
     call summary%describe(scene, options, 'decks/odd "name".toml')
     call summary%add_file('record', 'record.csv')
     call summary%conclude(run_done, '', 0.5_wp, totals, measures)
