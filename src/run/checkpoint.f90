@@ -47,7 +47,6 @@ contains
     totals = sim%totals
     call energy%reduce(sim%comm)
     call totals%reduce(sim%comm)
-    if (sim%comm%size == 1) sim%signature = signature_of(sim%scene)
     call keep_shared(sim, state, error)
     if (allocated(error)) return
     state%step = sim%step

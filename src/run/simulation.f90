@@ -86,6 +86,7 @@ contains
     type(simulation_t), intent(inout) :: sim !! its scene and options are set
 
     call make_plan(sim%scene, sim%plan, sim%comm, sim%omissions)
+    sim%signature = signature_of(sim%scene, sim%comm)
     call fix_driven(sim%scene%drives, sim%scene%bodies)
     sim%pairs%memory%sharers = sim%comm%ranks_here()
     sim%pairs%deadline = sim%options%deadline
@@ -107,7 +108,6 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the deck asks for what cannot be done
 
     if (sim%comm%size == 1) return
-    sim%signature = signature_of(sim%scene, sim%comm)
     call check_sweeps(sim%options%partition, sim%comm%size, error)
     if (allocated(error)) return
     call choose_glued_solver(sim%options%solver, sim%options%partition, sim%glued_solver, error)

@@ -68,17 +68,18 @@ contains
   subroutine make_plan(scene, plan, comm, omissions)
     type(scene_t), intent(inout) :: scene !! scene; what nothing needs is dropped from it
     type(plan_t), intent(out) :: plan !! the plan
-    type(comm_t), intent(inout), optional :: comm !! ranks of which each has a part of the scene, all of which call this
+    type(comm_t), intent(inout) :: comm !! the ranks; where each has a part of the scene, all call this
     type(omissions_t), intent(in), optional :: omissions !! what may be left out; all of it unless given
     type(omissions_t) :: may
     type(comm_t) :: alone
-    logical :: is_shared
 
     if (present(omissions)) may = omissions
-    ! A scene that is whole on every rank needs no other rank.
-    is_shared = allocated(scene%bodies%id) .and. present(comm)
-    if (is_shared) call plan_scene(scene, plan, comm, may)
-    if (.not. is_shared) call plan_scene(scene, plan, alone, may)
+    if (allocated(scene%bodies%id)) then
+      call plan_scene(scene, plan, comm, may)
+    else
+      ! A scene that is whole on every rank needs no other rank.
+      call plan_scene(scene, plan, alone, may)
+    end if
   end subroutine make_plan
 
   !> Plan the scene of some ranks.

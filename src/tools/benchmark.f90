@@ -5,6 +5,7 @@
 module sg_benchmark
   use sg_assemble, only: assemble
   use sg_benchmark_scenes, only: make_lattice
+  use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t
   use sg_detect, only: detect
   use sg_history, only: history_t
@@ -57,6 +58,7 @@ contains
     type(benchmark_t), intent(out) :: figures !! what was measured
     type(scene_t) :: scene
     type(plan_t) :: plan
+    type(comm_t) :: alone
     type(neighbours_t) :: pairs
     type(history_t) :: history
     type(contacts_t) :: contacts
@@ -68,7 +70,7 @@ contains
     integer :: try
 
     call make_lattice(scene, shape, contacts_wanted, friction)
-    call make_plan(scene, plan)
+    call make_plan(scene, plan, alone)
     contacts%dimension = scene%dimension
     contacts%n_components = impulse_length(plan%kind)
     contacts%n_internal = plan%n_internal

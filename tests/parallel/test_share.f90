@@ -260,7 +260,7 @@ contains
 
     call t%check(.not. any(abs(signature_of(share, comm) - signature_of(whole)) > 0), name//': signature')
     call make_plan(share, one, comm)
-    call make_plan(whole, other)
+    call make_plan(whole, other, comm)
     call t%check((one%is_round .eqv. other%is_round) .and. (one%has_tangent .eqv. other%has_tangent) .and. &
                  (one%has_rotation .eqv. other%has_rotation), name//': what the plan needs')
     call t%check(all(one%uses_law .eqv. other%uses_law) .and. all(one%sees .eqv. other%sees), name//': laws and pairs of the plan')
