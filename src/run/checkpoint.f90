@@ -4,6 +4,7 @@
 !! impulses and totals; only one rank that goes on from one rank also takes up its list of neighbours, and with it every bit.
 module sg_checkpoint
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use sg_block_distribution, only: block_distribution_t
   use sg_bodies, only: bodies_t
   use sg_bodies_rows, only: order_bodies
   use sg_energy, only: energy_t, n_energy_values
@@ -13,7 +14,6 @@ module sg_checkpoint
   use sg_neighbours, only: build_neighbours
   use sg_restart, only: keep_state, read_restart, restart_t, restore_state, write_restart
   use sg_restart_files, only: restarts_of
-  use sg_rows, only: rows_t
   use sg_signature, only: n_signature, signature_of
   use sg_simulation, only: simulation_t
   use sg_text, only: append_word, text_t, to_text
@@ -64,7 +64,7 @@ contains
     type(restart_t), intent(inout) :: state
     type(error_t), allocatable, intent(out) :: error
     type(bodies_t) :: block
-    type(rows_t) :: rows
+    type(block_distribution_t) :: rows
 
     if (sim%comm%size == 1) then
       call keep_state(sim%scene%bodies, sim%contacts, state)

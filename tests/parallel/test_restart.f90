@@ -4,6 +4,7 @@
 program test_restart
   use harness, only: tests_t
   use rank_parts, only: chain_of_contacts, draw_homes, plane_scene, shake, space_scene, take_part
+  use sg_block_distribution, only: block_distribution_t, wanted_t
   use sg_bodies, only: drop_rotation
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
   use sg_comm, only: comm_t
@@ -15,7 +16,6 @@ program test_restart
   use sg_parcels, only: parcel_t
   use sg_random, only: random_t
   use sg_restart_files, only: newest_restart
-  use sg_rows, only: rows_t, wanted_t
   use sg_scene, only: scene_t
   use sg_signature, only: n_signature, signature_of
   use sg_simulation, only: simulation_t, start_simulation
@@ -47,7 +47,7 @@ contains
   !> Numbers dealt out at random come into blocks, back to their holders, and to those who want them.
   subroutine test_rows()
     type(random_t) :: random
-    type(rows_t) :: rows
+    type(block_distribution_t) :: rows
     type(wanted_t) :: wanted
     real(wp), allocatable :: block(:, :), back(:, :), values(:, :)
     integer(i4), allocatable :: number(:), ordered(:)

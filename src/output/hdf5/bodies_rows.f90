@@ -1,11 +1,11 @@
 !> The bodies of a decomposed scene in the order of their numbers: each rank gets the block of rows that it writes to files.
 module sg_bodies_rows
+  use sg_block_distribution, only: block_distribution_t
   use sg_bodies, only: bodies_t, make_bodies_like
   use sg_comm, only: comm_t
   use sg_error, only: error_t, exit_failure, fail
   use sg_field_visitor, only: sync_on_owner
   use sg_kinds, only: wp, i4
-  use sg_rows, only: rows_t
   implicit none
   private
   public :: order_bodies
@@ -16,7 +16,7 @@ contains
   subroutine order_bodies(bodies, comm, rows, ordered, error)
     type(bodies_t), intent(in) :: bodies !! bodies of this rank, at home and copies
     type(comm_t), intent(inout) :: comm !! the ranks
-    type(rows_t), intent(inout) :: rows !! the plan, rebuilt
+    type(block_distribution_t), intent(inout) :: rows !! the plan, rebuilt
     type(bodies_t), intent(out) :: ordered !! bodies of the block
     type(error_t), allocatable, intent(out) :: error !! set when a body has no home or several
     real(wp), allocatable :: values(:, :), block(:, :)

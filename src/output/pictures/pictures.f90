@@ -3,6 +3,7 @@
 !! The three files always have the same steps. They can be read while the run goes on and after it was killed. Where ranks
 !! share a scene they write the files together, and bodies and shapes stand in them as one rank would write them.
 module sg_pictures
+  use sg_block_distribution, only: block_distribution_t
   use sg_bodies, only: bodies_t
   use sg_bodies_rows, only: order_bodies
   use sg_comm, only: comm_t
@@ -13,7 +14,6 @@ module sg_pictures
   use sg_pictures_contacts, only: contacts_picture_t
   use sg_pictures_grid, only: grid_file_t
   use sg_pictures_shapes, only: shapes_picture_t
-  use sg_rows, only: rows_t
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_xdmf, only: xdmf_t
@@ -49,7 +49,7 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
     type(comm_t), intent(in), optional :: comm !! ranks that share the scene; absent where it is not shared
     type(bodies_t) :: block
-    type(rows_t) :: rows
+    type(block_distribution_t) :: rows
 
     if (present(comm)) self%comm = comm
     if (self%comm%size > 1) then
@@ -74,7 +74,7 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
     integer(i4), intent(in), optional :: home(:) !! of a scene that is not shared: rank to show for each body, 0 when absent
     type(bodies_t) :: block
-    type(rows_t) :: rows
+    type(block_distribution_t) :: rows
 
     call agree_on_error(self, error)
     if (allocated(error)) return

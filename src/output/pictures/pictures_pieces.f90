@@ -3,12 +3,12 @@
 !! Points, cells and corners are numbered as one rank would write them, contactor by contactor. Shapes never change, so
 !! they come to those who draw them once; at each picture only the motion of their bodies follows.
 module sg_pictures_pieces
+  use sg_block_distribution, only: block_distribution_t, wanted_t
   use sg_bodies, only: bodies_t, make_bodies_like
   use sg_comm, only: comm_t
   use sg_contactors, only: contactors_t
   use sg_kinds, only: wp, i4, i8
   use sg_pictures_mesh, only: mesh_t, xdmf_topology
-  use sg_rows, only: rows_t, wanted_t
   use sg_scene, only: scene_t
   implicit none
   private
@@ -39,10 +39,10 @@ contains
     class(pieces_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! scene of this rank
     logical, intent(in) :: is_mine(:) !! is each contactor on a body at home?
-    type(rows_t), intent(in) :: body_rows !! the blocks of bodies
+    type(block_distribution_t), intent(in) :: body_rows !! the blocks of bodies
     type(mesh_t), intent(inout) :: mesh !! shapes of the contactors at home; afterwards what this rank draws
     type(comm_t), intent(inout) :: comm !! the ranks
-    type(rows_t) :: rows
+    type(block_distribution_t) :: rows
     type(wanted_t) :: drawn
     real(wp), allocatable :: block(:, :), starts(:, :), facts(:, :)
     integer(i4), allocatable :: mine(:), number(:)
@@ -221,7 +221,7 @@ contains
     real(wp), intent(in) :: values(:, :)
     real(wp), allocatable, intent(out) :: block(:, :)
     integer, intent(out) :: n
-    type(rows_t) :: rows
+    type(block_distribution_t) :: rows
 
     call rows%plan(comm, number, total_of(comm, size(number)))
     call rows%order(comm, values, block)

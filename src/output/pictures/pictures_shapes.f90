@@ -3,6 +3,7 @@
 !! The cells never change and are stored once; each step adds the points. Where ranks share a scene, each draws a block of
 !! points and a block of cells (sg_pictures_pieces), so that the file is that of one rank.
 module sg_pictures_shapes
+  use sg_block_distribution, only: block_distribution_t
   use sg_bodies, only: angle_of, bodies_t
   use sg_comm, only: comm_t
   use sg_contactors, only: contactors_t, kind_point, n_kinds
@@ -14,7 +15,6 @@ module sg_pictures_shapes
   use sg_pictures_pieces, only: pieces_t
   use sg_pictures_surfaces, only: trace_surfaces
   use sg_rotations, only: frame_of, no_rotation
-  use sg_rows, only: rows_t
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_xdmf, only: xdmf_t
@@ -43,7 +43,7 @@ contains
   subroutine shapes_open(self, scene, rows, options, resumed_step, comm)
     class(shapes_picture_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! what to show
-    type(rows_t), intent(in) :: rows !! in a scene that ranks share: the blocks of bodies
+    type(block_distribution_t), intent(in) :: rows !! in a scene that ranks share: the blocks of bodies
     type(run_options_t), intent(in) :: options !! folder and precision
     integer, intent(in) :: resumed_step !! step of the checkpoint; negative for a new run
     type(comm_t), intent(inout) :: comm !! ranks that share the scene

@@ -3,6 +3,7 @@
 !! A record is the fields of a contact that are sent when its owner changes (sg_field_visitor), so that impulses are neither lost
 !! nor doubled when grains move. Contacts of one pair stay together.
 module sg_travel
+  use sg_block_distribution, only: block_distribution_t, wanted_t
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_field_visitor, only: sync_on_owner
@@ -12,7 +13,6 @@ module sg_travel
   use sg_local_numbers, only: local_contactor
   use sg_parcels, only: parcel_t
   use sg_renumber, only: keep_present
-  use sg_rows, only: rows_t, wanted_t
   use sg_scene, only: scene_t, start_contact_t
   use sg_sorting, only: group_items
   implicit none
@@ -77,7 +77,7 @@ contains
     integer, intent(in) :: all_contactors
     type(comm_t), intent(inout) :: comm
     integer(i4) :: owner(size(pair, 2))
-    type(rows_t) :: rows
+    type(block_distribution_t) :: rows
     type(wanted_t) :: wanted
     integer(i4), allocatable :: number(:)
     real(wp), allocatable :: block(:, :), home(:, :)

@@ -1,19 +1,19 @@
 !> Block distribution: records of all ranks in the order of their numbers, for files that do not depend on the number of ranks.
 !!
 !! Things are numbered from 1 to `total` over all ranks. Each rank holds some of them, in any order; in a file they stand by
-!! number. Rank r of P writes the block of numbers from r total/P + 1 to (r + 1) total/P: `rows_t` brings what is held
+!! number. Rank r of P writes the block of numbers from r total/P + 1 to (r + 1) total/P: `block_distribution_t` brings what is held
 !! into blocks, and `wanted_t` takes out of the blocks the records that a rank needs. No rank holds more than its share.
-module sg_rows
+module sg_block_distribution
   use sg_ascending, only: distinct, place_in
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i4, i8
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: rows_t, wanted_t
+  public :: block_distribution_t, wanted_t
 
   !> A plan by which things that ranks hold come into blocks
-  type :: rows_t
+  type :: block_distribution_t
     !> Things of all ranks, those in the blocks of lower ranks, and those in the block of this one
     integer :: total = 0, first = 0, n = 0
     !> Does each number from 1 to `total` occur on one rank, once?
@@ -29,7 +29,7 @@ module sg_rows
     !> Bring numbers that belong to what is held into the blocks
     generic :: order => order_reals, order_records, order_integers
     procedure :: back => rows_back
-  end type rows_t
+  end type block_distribution_t
 
   !> A plan by which a rank learns of things that stand in the blocks of others
   type :: wanted_t
@@ -64,7 +64,7 @@ contains
 
   !> Make the plan.
   subroutine rows_plan(self, comm, number, total)
-    class(rows_t), intent(inout) :: self
+    class(block_distribution_t), intent(inout) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
     integer(i4), intent(in) :: number(:) !! numbers of what this rank holds, from 1 over all ranks
     integer, intent(in) :: total !! things of all ranks
@@ -105,7 +105,7 @@ contains
 
   !> Bring records into the blocks.
   subroutine order_records(self, comm, values, rows)
-    class(rows_t), intent(in) :: self
+    class(block_distribution_t), intent(in) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(in) :: values(:, :) !! of what is held, shape (width, held)
     real(wp), allocatable, intent(out) :: rows(:, :) !! of the block, shape (width, n)
@@ -118,7 +118,7 @@ contains
 
   !> Bring reals into the blocks.
   subroutine order_reals(self, comm, values, rows)
-    class(rows_t), intent(in) :: self
+    class(block_distribution_t), intent(in) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(in) :: values(:) !! of what is held
     real(wp), allocatable, intent(out) :: rows(:) !! of the block
@@ -130,7 +130,7 @@ contains
 
   !> Bring integers into the blocks.
   subroutine order_integers(self, comm, values, rows)
-    class(rows_t), intent(in) :: self
+    class(block_distribution_t), intent(in) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
     integer(i4), intent(in) :: values(:) !! of what is held
     integer(i4), allocatable, intent(out) :: rows(:) !! of the block
@@ -142,7 +142,7 @@ contains
 
   !> Bring records from the blocks to the ranks that hold the items.
   subroutine rows_back(self, comm, rows, values)
-    class(rows_t), intent(in) :: self
+    class(block_distribution_t), intent(in) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(in) :: rows(:, :) !! of the block, shape (width, n)
     real(wp), allocatable, intent(out) :: values(:, :) !! of what is held, shape (width, held); zero where numbers are unknown
@@ -172,7 +172,7 @@ contains
   subroutine wanted_plan(self, comm, rows, number)
     class(wanted_t), intent(inout) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
-    type(rows_t), intent(in) :: rows !! the blocks
+    type(block_distribution_t), intent(in) :: rows !! the blocks
     integer(i4), intent(in) :: number(:) !! numbers of the things wanted, in any order, also several times
     real(wp), allocatable :: asked(:)
     integer, allocatable :: goal(:)
@@ -202,4 +202,4 @@ contains
 
     place = place_in(self%number, number)
   end function wanted_place
-end module sg_rows
+end module sg_block_distribution
