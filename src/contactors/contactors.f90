@@ -5,23 +5,14 @@
 module sg_contactors
   use sg_kinds, only: wp, i4
   use sg_lists, only: reserve
-  use sg_space_shapes, only: kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, kind_sphere, place_in_space, &
-                             space_shapes_t
+  use sg_shape_kinds, only: is_round, kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_names, kind_plane, &
+                            kind_point, kind_polygon, kind_polyhedron, kind_sphere, kind_wall, n_kinds
+  use sg_space_shapes, only: place_in_space, space_shapes_t
   implicit none
   private
   public :: contactors_t, kind_disk, kind_wall, kind_hollow, kind_polygon, kind_point, kind_names, n_kinds
   public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
-  public :: add_disk, add_wall, add_hollow, add_polygon, add_point, add_contactor, drop_contactors, place_contactors, is_round
-
-  !> Kinds of shape: disk, rounded segment (JONCx), hollow disk (xKSID), convex polygon
-  integer, parameter :: kind_disk = 1, kind_wall = 2, kind_hollow = 3, kind_polygon = 4
-  !> Point (PT2Dx, PT3Dx), in the plane and in space: an end of links, without extent or table; it touches nothing
-  integer, parameter :: kind_point = 10
-  !> Number of kinds
-  integer, parameter :: n_kinds = 10
-  !> Words for the kinds, as decks write them
-  character(len=15), parameter :: kind_names(n_kinds) = [character(len=15) :: 'disk', 'segment', 'hollow disk', 'polygon', &
-                                                         'sphere', 'plane', 'cylinder', 'hollow cylinder', 'polyhedron', 'point']
+  public :: add_disk, add_wall, add_hollow, add_polygon, add_point, add_contactor, drop_contactors, place_contactors
 
   !> All contactors of a scene
   type :: contactors_t
@@ -226,13 +217,6 @@ contains
       end select
     end do
   end subroutine place_in_plane
-
-  !> Has a shape of this kind no orientation?
-  pure logical function is_round(kind)
-    integer, intent(in) :: kind !! kind of shape
-
-    is_round = kind == kind_disk .or. kind == kind_hollow .or. kind == kind_sphere .or. kind == kind_point
-  end function is_round
 
   !> Put the vertices of one polygon where its body is.
   pure subroutine place_polygon(contactors, row, centre, cosine, sine)

@@ -5,13 +5,10 @@ module sg_space_shapes
   use sg_kinds, only: wp, i4
   use sg_polyhedron, only: place_polyhedron, polyhedron_t
   use sg_rotations, only: frame_of, turned_by
+  use sg_shape_kinds, only: kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron
   implicit none
   private
   public :: space_shapes_t, place_in_space
-  public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
-
-  !> Kinds of shape in space: sphere, thin box (PLANx), capsule (CYLND), hollow cylinder (DNLYC), convex polyhedron
-  integer, parameter :: kind_sphere = 5, kind_plane = 6, kind_cylinder = 7, kind_hollow_cylinder = 8, kind_polyhedron = 9
 
   !> Shapes in space
   type :: space_shapes_t

@@ -1,7 +1,6 @@
 !> Detection: from the configuration of a step to its contacts, with the impulses of the last step as a guess.
 module sg_detect
-  use sg_contactors, only: contactors_t, kind_hollow, kind_hollow_cylinder, kind_plane, kind_polygon, kind_polyhedron, &
-                           kind_sphere, kind_wall, place_contactors
+  use sg_contactors, only: contactors_t, kind_polygon, kind_polyhedron, kind_sphere, place_contactors
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_hand_over, only: hand_over
   use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, past_pair, recall, unwrap_images
@@ -11,6 +10,7 @@ module sg_detect
   use sg_link_laws, only: holds_across, is_torn, pulls_only
   use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
   use sg_scene, only: scene_t
+  use sg_shape_kinds, only: is_bounding
   use sg_shrink_face, only: shrink_face
   use sg_timers, only: wall_now
   use sg_touch, only: touch_t
@@ -214,7 +214,7 @@ contains
 
     apart = .false.
     associate (contactors => scene%contactors)
-      if (contactors%kind(a) == kind_wall .or. contactors%kind(a) == kind_hollow) return
+      if (is_bounding(contactors%kind(a))) return
       x = contactors%centre(1, c) - contactors%centre(1, a) - scene%period*real(image, wp)
       y = contactors%centre(2, c) - contactors%centre(2, a)
       limit = contactors%reach(c) + contactors%reach(a) + alert
@@ -232,7 +232,7 @@ contains
     real(wp) :: between(3), limit
 
     apart = .false.
-    if (contactors%kind(a) == kind_plane .or. contactors%kind(a) == kind_hollow_cylinder) return
+    if (is_bounding(contactors%kind(a))) return
     between = contactors%centre(:, c) - contactors%centre(:, a) - offset
     limit = contactors%reach(c) + contactors%reach(a) + alert
     apart = between(1)**2 + between(2)**2 + between(3)**2 > limit**2

@@ -5,7 +5,7 @@
 module sg_plan
   use sg_bodies, only: are_turned, drop_rotation
   use sg_comm, only: comm_t
-  use sg_contactors, only: is_round, kind_disk, kind_hollow, kind_names, kind_sphere, n_kinds
+  use sg_contactors, only: kind_disk, kind_hollow, kind_names, kind_sphere, n_kinds
   use sg_drives, only: drive_t
   use sg_half_width, only: half_width
   use sg_internal_values, only: n_internal_of
@@ -13,6 +13,7 @@ module sg_plan
   use sg_laws, only: is_cohesive_zone, is_frictionless, is_plain
   use sg_scene, only: scene_t
   use sg_sees, only: see_of
+  use sg_shape_kinds, only: is_round
   use sg_text, only: counted, to_text
   implicit none
   private

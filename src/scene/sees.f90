@@ -3,33 +3,12 @@ module sg_sees
   use sg_contactors, only: kind_point, n_kinds
   use sg_kinds, only: wp
   use sg_scene, only: scene_t, see_t
+  use sg_shape_pairs, only: can_touch
   implicit none
   private
-  public :: see_between, see_of, blind_pairs, can_meet, links_points, widest_alert
-
-  !> Which kinds of shape can touch each other, shape (kinds, kinds)
-  logical, parameter :: can_touch(n_kinds, n_kinds) = reshape([ &
-    ! disk   wall     hollow   polygon  sphere   plane    cylinder hollow c. polyhedron point
-    .true., .true., .true., .true., .false., .false., .false., .false., .false., .false., &
-    .true., .false., .false., .true., .false., .false., .false., .false., .false., .false., &
-    .true., .false., .false., .false., .false., .false., .false., .false., .false., .false., &
-    .true., .true., .false., .true., .false., .false., .false., .false., .false., .false., &
-    .false., .false., .false., .false., .true., .true., .true., .true., .true., .false., &
-    .false., .false., .false., .false., .true., .false., .true., .false., .true., .false., &
-    .false., .false., .false., .false., .true., .true., .true., .true., .false., .false., &
-    .false., .false., .false., .false., .true., .false., .true., .false., .false., .false., &
-    .false., .false., .false., .false., .true., .true., .false., .false., .true., .false., &
-    .false., .false., .false., .false., .false., .false., .false., .false., .false., .false.], [n_kinds, n_kinds])
+  public :: see_between, see_of, blind_pairs, links_points, widest_alert
 
 contains
-
-  !> Can shapes of two kinds touch each other?
-  pure logical function can_meet(kind, other)
-    integer, intent(in) :: kind !! one kind
-    integer, intent(in) :: other !! the other
-
-    can_meet = can_touch(kind, other)
-  end function can_meet
 
   !> Line of the see tables that holds between two contactors; 0 when they do not see each other.
   pure integer function see_between(scene, c1, c2) result(see)

@@ -3,7 +3,8 @@
 module sg_sees_used
   use sg_contactors, only: n_kinds
   use sg_scene, only: scene_t, see_t
-  use sg_sees, only: can_meet, links_points
+  use sg_sees, only: links_points
+  use sg_shape_pairs, only: can_touch
   implicit none
   private
   public :: see_uses_t, find_uses, is_used, fits_nothing, fits_blind, is_spare
@@ -63,7 +64,7 @@ contains
           if (are_of_one_body(looks(:, one), looks(:, other))) cycle
           if (links_points(sees(line))) then
             use = is_used
-          else if (.not. can_meet(looks(1, one), looks(1, other))) then
+          else if (.not. can_touch(looks(1, one), looks(1, other))) then
             if (use == fits_nothing) use = fits_blind
           else if (holder(one, other) == 0) then
             holder(one, other) = line
@@ -100,7 +101,7 @@ contains
     is_lonely = .false.
     do i = 1, size(looks, 2)
       if (looks(5, i) == 0 .or. any(holder(:, i) > 0)) cycle
-      is_lonely(i) = any([(can_meet(looks(1, i), looks(1, j)) .and. .not. are_of_one_body(looks(:, i), looks(:, j)), &
+      is_lonely(i) = any([(can_touch(looks(1, i), looks(1, j)) .and. .not. are_of_one_body(looks(:, i), looks(:, j)), &
                            j=1, size(looks, 2))])
     end do
     list = pack([(i, i=1, size(looks, 2))], is_lonely)

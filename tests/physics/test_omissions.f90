@@ -17,7 +17,7 @@ program test_omissions
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
-  use sg_space_shapes, only: kind_hollow_cylinder, kind_polyhedron, kind_sphere
+  use sg_shape_kinds, only: kind_hollow_cylinder, kind_polyhedron, kind_sphere
   use sg_time_functions, only: time_function_t
   implicit none
   !> Grains of a scene, obstacles, steps

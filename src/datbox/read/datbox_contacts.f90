@@ -10,16 +10,12 @@ module sg_datbox_contacts
   use sg_link_laws, only: pulls_only
   use sg_links, only: link_between
   use sg_scene, only: law_index, scene_t, start_contact_t
+  use sg_shape_pairs, only: is_datbox_pair
   use sg_share, only: piece_of, share_t
   use sg_text, only: to_text
   implicit none
   private
   public :: read_start_contacts, components_of
-
-  !> Pairs of contactors whose contacts can be taken over, of the plane and of space
-  character(len=5), parameter :: pairs(7) = [character(len=5) :: 'DKDKx', 'DKJCx', 'DKKDx', 'DKPLx', 'PLPLx', 'PLJCx', 'PTPT2']
-  character(len=5), parameter :: pairs_in_space(11) = [character(len=5) :: 'SPSPx', 'SPPLx', 'SPCDx', 'SPDCx', 'SPPRx', 'CDCDx', &
-                                                      'CDPLx', 'CDDCx', 'PRPRx', 'PRPLx', 'PTPT3']
 
 contains
 
@@ -53,9 +49,7 @@ contains
       if (keyword(file) /= 'icdan') cycle
       k = k + 1
       ok = .false.
-      if (any(name_field(file, 9) == pairs) .and. scene%dimension == 2) then
-        call read_contact(file, scene, share, contact, ok, diagnostics)
-      else if (any(name_field(file, 9) == pairs_in_space) .and. scene%dimension == 3) then
+      if (is_datbox_pair(name_field(file, 9), scene%dimension)) then
         call read_contact(file, scene, share, contact, ok, diagnostics)
       else
         call complain_once(file, name_field(file, 9), 'contacts of type '''//name_field(file, 9)//''' are not done', 9, &

@@ -1,8 +1,6 @@
 !> The see tables of TACT_BEHAV.DAT: which contactors may meet, under which law, from which distance on.
 module sg_datbox_sees
   use sg_census, only: census_t
-  use sg_contactors, only: kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, kind_point, kind_polygon, &
-                           kind_polyhedron, kind_sphere, kind_wall, n_kinds
   use sg_datbox_behaviours, only: other_law, other_law_t, skip_data
   use sg_datbox_bodies, only: body_type
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, first_letter, go_to, keyword, name_field, &
@@ -12,25 +10,21 @@ module sg_datbox_sees
   use sg_laws, only: is_link_law, law_linear
   use sg_scene, only: colour_index, law_index, scene_t, see_t
   use sg_sees, only: links_points
+  use sg_shape_kinds, only: kind_point, n_kinds, shape_kinds
+  use sg_shape_pairs, only: is_pair
   implicit none
   private
-  public :: read_sees, check_sees, datbox_kind_name, pair_is_known
-
-  !> How LMGC90 calls our kinds of shape in see tables; a shifted disk is DISKx there too, and of points the third letter is the
-  !> dimension of space
-  character(len=5), parameter :: datbox_kind_names(n_kinds) = [character(len=5) :: 'DISKx', 'JONCx', 'xKSID', 'POLYG', &
-                                                                                 'SPHER', 'PLANx', 'CYLND', 'DNLYC', 'POLYR', &
-                                                                                 'PTxDx']
+  public :: read_sees, check_sees, datbox_kind_name
 
 contains
 
-  !> How LMGC90 calls a kind of shape in see tables.
+  !> LMGC90's name of a kind of shape in see tables, where a shifted disk is DISKx too.
   pure function datbox_kind_name(kind, dimension) result(name)
     integer, intent(in) :: kind !! kind of shape
     integer, intent(in) :: dimension !! of space
     character(len=5) :: name
 
-    name = datbox_kind_names(kind)
+    name = shape_kinds(kind)%datbox_name
     if (kind == kind_point) name = merge('PT2Dx', 'PT3Dx', dimension == 2)
   end function datbox_kind_name
 
@@ -91,7 +85,7 @@ contains
     end if
     if (ok) call check_points(file, scene, see, ok, diagnostics)
     if (ok) then
-      if (pair_is_known(see%candidate_kind, see%antagonist_kind)) then
+      if (is_pair(see%candidate_kind, see%antagonist_kind)) then
         scene%sees = [scene%sees, see]
         see_lines = [see_lines, line]
       else
@@ -160,7 +154,9 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics
 
     kind = datbox_kind(name_field(file, first), dimension)
-    if (kind == kind_point .or. (kind > 0 .and. (kind >= kind_sphere .eqv. dimension == 3))) return
+    if (kind > 0) then
+      if (any(shape_kinds(kind)%dimension == [0, dimension])) return
+    end if
     ok = .false.
     ! Contactors of such a type are refused in BODIES.DAT: none is here.
     call remark(file, name_field(file, first), 'there is no contactor of type '''//name_field(file, first) &
@@ -177,21 +173,6 @@ contains
     end do
     kind = 0
   end function datbox_kind
-
-  !> Does LMGC90 detect contacts between a candidate and an antagonist of these kinds, in this order?
-  !! It does not for cylinders in a hollow cylinder, which are kept because we do.
-  pure logical function pair_is_known(candidate, antagonist) result(known)
-    integer, intent(in) :: candidate !! kind of shape
-    integer, intent(in) :: antagonist !! kind of shape
-
-    known = candidate == kind_disk .and. any(antagonist == [kind_disk, kind_wall, kind_hollow, kind_polygon]) &
-            .or. candidate == kind_polygon .and. any(antagonist == [kind_polygon, kind_wall]) &
-            .or. candidate == kind_sphere .and. any(antagonist == [kind_sphere, kind_plane, kind_cylinder, &
-                                                                   kind_hollow_cylinder, kind_polyhedron]) &
-            .or. candidate == kind_cylinder .and. any(antagonist == [kind_cylinder, kind_plane, kind_hollow_cylinder]) &
-            .or. candidate == kind_polyhedron .and. any(antagonist == [kind_polyhedron, kind_plane]) &
-            .or. candidate == kind_point .and. antagonist == kind_point
-  end function pair_is_known
 
   !> The law that a see table names; 0 and a mistake when it is not listed or not done.
   integer function seen_law(file, scene, others, ok, diagnostics) result(law)

@@ -4,7 +4,7 @@ module sg_datbox_write_behaviours
   use sg_datbox_bodies, only: body_type
   use sg_datbox_laws, only: form_of_law, get_parameter, labels_of, law_forms, why_no_form
   use sg_datbox_output, only: finish_file, node_head, output_t, put, real_word, solid_node_head, start_file
-  use sg_datbox_sees, only: datbox_kind_name, pair_is_known
+  use sg_datbox_sees, only: datbox_kind_name
   use sg_datbox_write_links, only: put_link_sees
   use sg_drives, only: drive_t
   use sg_error, only: error_t, fail
@@ -12,6 +12,7 @@ module sg_datbox_write_behaviours
   use sg_laws, only: law_t
   use sg_scene, only: scene_t, see_t
   use sg_sees, only: see_between
+  use sg_shape_pairs, only: is_pair
   use sg_text, only: to_text
   use sg_time_functions, only: time_function_t
   implicit none
@@ -118,7 +119,7 @@ contains
         do i = 1, size(example)
           do j = 1, size(example)
             if (min(example(i), example(j)) == 0) cycle
-            if (is_written(i, j) .or. .not. pair_is_known(kind_of(i), kind_of(j))) cycle
+            if (is_written(i, j) .or. .not. is_pair(kind_of(i), kind_of(j))) cycle
             if (see_between(scene, example(i), example(j)) /= s) cycle
             if (turn == 1 .and. .not. is_candidate(scene%sees(s), kind_of(i), colour_of(i))) cycle
             is_written(i, j) = .true.

@@ -1,6 +1,6 @@
 !> Writes Vloc_Rloc.INI: contacts with their mean forces, velocities, gaps and frames.
 module sg_datbox_write_contacts
-  use sg_contactors, only: kind_plane, kind_point, kind_polygon, kind_polyhedron, n_kinds
+  use sg_contactors, only: kind_plane, kind_point, kind_polygon, kind_polyhedron
   use sg_datbox_contacts, only: components_of
   use sg_datbox_internal, only: most_numbers, n_numbers_of, numbers_of_internal
   use sg_datbox_output, only: finish_file, labelled, output_t, put, put_steps, real_word, start_file
@@ -13,6 +13,7 @@ module sg_datbox_write_contacts
   use sg_links, only: link_between
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
+  use sg_shape_pairs, only: datbox_pair_name
   use sg_vectors, only: cross
   implicit none
   private
@@ -148,8 +149,8 @@ contains
     see = 0
     if (all(kinds == kind_point)) see = link_between(scene%links, c)
     if (see > 0) own = scene%links%law(see)
-    write (line, '(a,a,2x,i10)') '$icdan  ', pair_name(kinds, scene%dimension), contact
-    if (.not. is_large) write (line, '(a,a,2x,i7)') '$icdan  ', pair_name(kinds, scene%dimension), contact
+    write (line, '(a,a,2x,i10)') '$icdan  ', datbox_pair_name(kinds, scene%dimension), contact
+    if (.not. is_large) write (line, '(a,a,2x,i7)') '$icdan  ', datbox_pair_name(kinds, scene%dimension), contact
     call put(output, line)
     law = 'nolaw'
     status = status_words(contacts%status(contact))
@@ -216,7 +217,7 @@ contains
     integer :: c(2), k
 
     c = contacts%contactor(:, contact)
-    letters = components_of(pair_name(int(scene%contactors%kind(c)), 3))
+    letters = components_of(datbox_pair_name(int(scene%contactors%kind(c)), 3))
     vertex = ''
     if (all(scene%contactors%kind(c) == [kind_polyhedron, kind_plane])) vertex(7:7) = '1'
     call put(output, ' cdbdy  numbr  cdtac  numbr  CDVER  behav  anbdy  numbr  antac  numbr  sttus')
@@ -318,15 +319,4 @@ contains
       text = text//repeat(' ', 14)
     end if
   end function side
-
-  !> LMGC90's name of a pair of kinds.
-  pure function pair_name(kinds, dimension) result(name)
-    integer, intent(in) :: kinds(2), dimension
-    character(len=5) :: name
-    character(len=2), parameter :: letters(n_kinds) = [character(len=2) :: 'DK', 'JC', 'KD', 'PL', 'SP', 'PL', 'CD', 'DC', 'PR', &
-                                                                   'PT']
-
-    name = letters(kinds(1))//letters(kinds(2))//'x'
-    if (all(kinds == kind_point)) name(5:5) = merge('2', '3', dimension == 2)
-  end function pair_name
 end module sg_datbox_write_contacts

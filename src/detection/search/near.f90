@@ -1,23 +1,23 @@
 !> Can two contactors be near each other? Cheap lower bounds of the gap decide who becomes a neighbour.
 module sg_near
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow, kind_hollow_cylinder, kind_plane, kind_wall, n_kinds
+  use sg_contactors, only: contactors_t, kind_hollow, kind_hollow_cylinder, kind_plane, kind_wall
   use sg_kinds, only: wp, i4
+  use sg_shape_kinds, only: is_bounding, is_round
+  use sg_shape_pairs, only: is_pair
   implicit none
   private
   public :: is_near, candidate_first, turning_arm, has_one_image
 
 contains
 
-  !> Is `i` the candidate of the pair? Disks before polygons before walls, spheres before polyhedra before cylinders before
-  !! walls; of one kind, the later contactor.
+  !> Is `i` the candidate of the pair? By the table of pairs; of one kind, the later contactor.
   pure logical function candidate_first(contactors, i, j)
     type(contactors_t), intent(in) :: contactors !! all contactors
     integer, intent(in) :: i !! one contactor
     integer, intent(in) :: j !! the other
-    integer, parameter :: rank(n_kinds) = [1, 3, 4, 2, 1, 5, 3, 4, 2, 6]
 
     candidate_first = i > j
-    if (contactors%kind(i) /= contactors%kind(j)) candidate_first = rank(contactors%kind(i)) < rank(contactors%kind(j))
+    if (contactors%kind(i) /= contactors%kind(j)) candidate_first = is_pair(int(contactors%kind(i)), int(contactors%kind(j)))
   end function candidate_first
 
   !> How far a contactor's bound moves per radian of its body [m].
@@ -26,7 +26,7 @@ contains
     integer, intent(in) :: c !! the one to look at
 
     arm = sum(abs(contactors%shift(:, c)))
-    if (any(contactors%kind(c) == [kind_wall, kind_plane, kind_hollow_cylinder])) arm = arm + contactors%reach(c)
+    if (is_bounding(contactors%kind(c)) .and. .not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
   end function turning_arm
 
   !> Can the gap between two contactors, j moved by some periods, be below a distance?
@@ -43,9 +43,9 @@ contains
     apart = 0
     apart(:contactors%dimension) = contactors%centre(:, i) - contactors%centre(:, j)
     apart = apart - offset
-    if (is_wall(contactors, j)) then
+    if (is_bounding(contactors%kind(j))) then
       is_near = near_wall(contactors, j, apart, contactors%reach(i), period, distance)
-    else if (is_wall(contactors, i)) then
+    else if (is_bounding(contactors%kind(i))) then
       is_near = near_wall(contactors, i, -apart, contactors%reach(j), period, distance)
     else
       ! Most are far: a square tells, without a root. Where rounding might matter the distance itself decides.
@@ -54,14 +54,6 @@ contains
       if (is_near) is_near = norm2(apart) - contactors%reach(i) - contactors%reach(j) < distance
     end if
   end function is_near
-
-  !> Is a contactor one that bounds others, with a bound of its own?
-  pure logical function is_wall(contactors, c)
-    type(contactors_t), intent(in) :: contactors
-    integer(i4), intent(in) :: c
-
-    is_wall = any(contactors%kind(c) == [kind_wall, kind_hollow, kind_plane, kind_hollow_cylinder])
-  end function is_wall
 
   !> The same against a wall: by the bound of its kind.
   pure logical function near_wall(contactors, wall, apart, reach, period, distance)

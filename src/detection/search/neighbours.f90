@@ -6,8 +6,7 @@
 module sg_neighbours
   use sg_bodies, only: bodies_t
   use sg_cells, only: build_cells, cells_t, level_cell
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_point, kind_polygon, kind_polyhedron, kind_sphere, &
-                           n_kinds, place_contactors
+  use sg_contactors, only: contactors_t, kind_point, n_kinds, place_contactors
   use sg_kinds, only: wp, i1, i4, i8
   use sg_links, only: link_image
   use sg_lists, only: reserve, room_for
@@ -16,6 +15,7 @@ module sg_neighbours
   use sg_near, only: candidate_first, is_near, turning_arm
   use sg_scene, only: scene_t
   use sg_sees, only: see_between, widest_alert
+  use sg_shape_kinds, only: is_bounding
   use sg_sorting, only: hilbert_order, sort_permutation
   use sg_timers, only: wall_now
   implicit none
@@ -193,15 +193,14 @@ contains
     end do
   end subroutine order_bodies
 
-  !> Mean reach of the shapes that are not walls [m], or of all where there is nothing else.
+  !> Mean reach of the shapes that bound no others [m], or of all where there is nothing else.
   pure real(wp) function common_reach(scene) result(reach)
     type(scene_t), intent(in) :: scene
     logical, allocatable :: is_common(:)
 
     associate (contactors => scene%contactors)
       associate (kind => contactors%kind(:contactors%n), all_reach => contactors%reach(:contactors%n))
-        is_common = kind == kind_disk .or. kind == kind_polygon .or. kind == kind_sphere .or. kind == kind_polyhedron &
-                    .or. kind == kind_cylinder
+        is_common = .not. is_bounding(kind) .and. kind /= kind_point
         if (any(is_common)) then
           reach = exp(sum(log(all_reach), is_common)/real(count(is_common), wp))
         else

@@ -1,11 +1,11 @@
 !> Checks of the state at the start: grains within the period, and no wider than it.
 module sg_start_checks
   use sg_blocks, only: deck_t
-  use sg_contactors, only: is_round
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_named_bodies, only: name_of
   use sg_scene, only: scene_t
+  use sg_shape_kinds, only: is_round
   use sg_text, only: to_text
   implicit none
   private

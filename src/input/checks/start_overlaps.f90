@@ -1,7 +1,6 @@
 !> Shapes that overlap at the start: neighbours whose narrow phase finds a negative gap.
 module sg_start_overlaps
   use sg_blocks, only: deck_t
-  use sg_contactors, only: kind_hollow, kind_hollow_cylinder
   use sg_error, only: diagnostics_t
   use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4
@@ -11,6 +10,7 @@ module sg_start_overlaps
   use sg_pair_gap, only: pair_gap
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
+  use sg_shape_kinds, only: is_hollow
   use sg_text, only: to_text
   implicit none
   private
@@ -57,7 +57,9 @@ contains
     do p = 1, pairs%n
       image = int(pairs%image(p), i4)
       if (n == 3) image(2) = int(pairs%image_y(p), i4)
-      if (.not. is_hollow(scene, int(pairs%contactor(2, p)))) call weigh_pair(scene, pairs%contactor(:, p), image, found)
+      associate (pair => pairs%contactor(:, p))
+        if (.not. is_hollow(scene%contactors%kind(pair(2)))) call weigh_pair(scene, pair, image, found)
+      end associate
     end do
     call weigh_hollows(scene, rank, found)
   end subroutine find_overlaps
@@ -75,7 +77,7 @@ contains
     period = [scene%period, scene%period_y]
     associate (contactors => scene%contactors)
       do hollow = 1, contactors%n
-        if (.not. is_hollow(scene, hollow)) cycle
+        if (.not. is_hollow(contactors%kind(hollow))) cycle
         do c = 1, contactors%n
           pair = int([c, hollow], i4)
           if (see_between(scene, c, hollow) == 0) cycle
@@ -91,14 +93,6 @@ contains
       end do
     end associate
   end subroutine weigh_hollows
-
-  !> Is a contactor a hollow disk or a hollow cylinder?
-  pure logical function is_hollow(scene, c)
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: c
-
-    is_hollow = any(scene%contactors%kind(c) == [kind_hollow, kind_hollow_cylinder])
-  end function is_hollow
 
   !> Note a pair that overlaps by more than rounding, if at least one of the two is a grain.
   subroutine weigh_pair(scene, pair, image, found)

@@ -1,4 +1,4 @@
-!> Gaps of pairs that overlap deeply, of all pairs of shapes: by hand, and against a search over all directions.
+!> Gaps of pairs that overlap deeply: by hand, and for every pair of the table against a search over all directions.
 !!
 !! Two convex shapes overlap by the least translation that parts them: minus the greatest s(n) over unit vectors n, where s(n) is
 !! the least n.x of the candidate less the greatest of the antagonist. A hollow shape is left by the farthest point of the other.
@@ -6,7 +6,8 @@ program test_pair_gap
   use harness, only: tests_t
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t, kind_cylinder, kind_disk, kind_hollow, &
                            kind_hollow_cylinder, kind_names, kind_plane, kind_polygon, kind_polyhedron, kind_sphere, kind_wall, &
-                           n_kinds, place_contactors
+                           place_contactors
+  use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: error_t
   use sg_kinds, only: wp, i4, pi
   use sg_near, only: candidate_first
@@ -16,9 +17,12 @@ program test_pair_gap
   use sg_random, only: random_t
   use sg_rotations, only: frame_of, no_rotation, quaternion_product, rotation_by, turned_by
   use sg_scene, only: scene_t
-  use sg_sees, only: can_meet
+  use sg_shape_kinds, only: shape_kinds
+  use sg_shape_pairs, only: can_touch, datbox_pair_name, is_datbox_pair, is_pair, shape_pairs
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_space_generators, only: random_direction, random_rotation
+  use sg_tally, only: pass_sums, tally_t
+  use sg_volume_error, only: measure_volume_error
   implicit none
   real(wp), parameter :: none(3) = 0, z(3) = [0.0_wp, 0.0_wp, 1.0_wp]
   type(tests_t) :: t
@@ -26,7 +30,7 @@ program test_pair_gap
   call test_plane_by_hand()
   call test_space_by_hand()
   call test_crossed_edges()
-  call test_at_random()
+  call test_every_pair()
   call t%finish()
 
 contains
@@ -176,32 +180,44 @@ contains
     both%contactors%centre(:, both%contactors%n) = scene%contactors%centre(:, c) + shift(:scene%dimension)
   end function twice
 
-  !> All pairs of kinds that can touch, at places where most overlap deeply.
-  subroutine test_at_random()
+  !> All pairs of the table that touch, at places where most overlap deeply: each has a kernel that finds the gap, an overlap, and
+  !! a name in a DATBOX.
+  subroutine test_every_pair()
     type(random_t) :: random
     integer, parameter :: cases = 60
-    integer :: i, j, k, n_deep, n_wrong
+    integer :: i, k, n_deep, n_wrong, n_apart, kinds(2)
+    character(len=:), allocatable :: name
 
     call random%seed(15)
-    do i = 1, n_kinds
-      do j = 1, i
-        if (.not. can_meet(i, j)) cycle
-        n_deep = 0
-        n_wrong = 0
-        do k = 1, cases
-          call try_pair([i, j], random, n_deep, n_wrong)
-        end do
-        call t%equal(n_wrong, 0, trim(kind_names(i))//' and '//trim(kind_names(j))//': gaps are those of the best direction')
-        call t%check(n_deep > cases/6, trim(kind_names(i))//' and '//trim(kind_names(j))//': some overlap deeply')
+    do i = 1, size(shape_pairs)
+      kinds = [shape_pairs(i)%candidate, shape_pairs(i)%antagonist]
+      name = trim(kind_names(kinds(1)))//' and '//trim(kind_names(kinds(2)))
+      call t%check(can_touch(kinds(1), kinds(2)) .eqv. shape_pairs(i)%touches, name//': they touch')
+      call t%check(can_touch(kinds(2), kinds(1)) .eqv. shape_pairs(i)%touches, name//': and the other way round')
+      call t%check(kinds(1) == kinds(2) .or. .not. is_pair(kinds(2), kinds(1)), name//': one order')
+      associate (dimension => shape_kinds(kinds)%dimension)
+        call t%equal(dimension(1), dimension(2), name//': of one space')
+        call t%check(is_datbox_pair(datbox_pair_name(kinds, max(2, dimension(1))), max(2, dimension(1))), name//': in a DATBOX')
+      end associate
+      if (.not. shape_pairs(i)%touches) cycle
+      n_deep = 0
+      n_wrong = 0
+      n_apart = 0
+      do k = 1, cases
+        call try_pair(kinds([2, 1]), random, shape_pairs(i)%has_overlap, n_deep, n_wrong, n_apart)
       end do
+      call t%equal(n_wrong, 0, name//': gaps are those of the best direction')
+      call t%equal(n_apart, 0, name//': deep in each other they overlap')
+      call t%check(n_deep > cases/6, name//': some overlap deeply')
     end do
-  end subroutine test_at_random
+  end subroutine test_every_pair
 
   !> One pair at random: its gap is no less than along any direction, and as large as along the best.
-  subroutine try_pair(kinds, random, n_deep, n_wrong)
+  subroutine try_pair(kinds, random, has_overlap, n_deep, n_wrong, n_apart)
     integer, intent(in) :: kinds(2)
     type(random_t), intent(inout) :: random
-    integer, intent(inout) :: n_deep, n_wrong
+    logical, intent(in) :: has_overlap
+    integer, intent(inout) :: n_deep, n_wrong, n_apart
     type(scene_t) :: scene
     real(wp), allocatable :: middle(:, :)
     real(wp) :: gap, best, way(3), error
@@ -232,6 +248,8 @@ contains
     gap = pair_gap(scene, int(pair, i4), [0_i4, 0_i4])
     best = best_separation(scene%contactors, pair, random)
     if (best < -0.2_wp*minval(scene%contactors%reach(:2))) n_deep = n_deep + 1
+    if (best < -0.2_wp*minval(scene%contactors%reach(:2)) .and. (overlap_of(scene, pair) > 0 .neqv. has_overlap)) &
+      n_apart = n_apart + 1
     if (gap > 0) gap = max(0.0_wp, best)
     error = gap - best
     if (any(kinds == kind_hollow) .or. any(kinds == kind_hollow_cylinder)) error = -error
@@ -241,6 +259,25 @@ contains
     ! boxes deep in each other was up to a tenth worse.
     if (error < -1e-9_wp .or. error > 0.02_wp - 0.2_wp*min(gap, 0.0_wp)) n_wrong = n_wrong + 1
   end subroutine try_pair
+
+  !> Overlap of a pair as the volume error counts it [m2, in space m3].
+  real(wp) function overlap_of(scene, pair) result(overlap)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: pair(2)
+    type(contacts_t) :: contacts
+    type(tally_t) :: tally
+
+    contacts%dimension = scene%dimension
+    call reserve_contacts(contacts, 1)
+    contacts%n = 1
+    contacts%contactor(:, 1) = int(pair, i4)
+    contacts%gap(1) = -1
+    contacts%image(1) = 0
+    if (scene%dimension == 3) contacts%image_y(1) = 0
+    tally%pass = pass_sums
+    call measure_volume_error(scene, contacts, tally)
+    overlap = sum(tally%sums%get('overlap', 1))
+  end function overlap_of
 
   !> Radius of the sphere or capsule among two shapes [m].
   pure real(wp) function least_radius(contactors)
