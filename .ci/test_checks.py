@@ -233,3 +233,15 @@ def test_words(project, sentence):
     place = next(n for n, line in enumerate(path.read_text().splitlines(), 1) if sentence in line)
     status, printed = run("check_words", project)
     assert status == 1 and f"plan.f90:{place}: " in printed
+
+
+def test_references(project):
+    write(project, "src/base/plan.f90", code="! After [Jean1999].")
+    assert "[Jean1999] has no entry" in run("check_words", project)[1]
+    page = project / "doc/references.md"
+    page.parent.mkdir(exist_ok=True)
+    page.write_text("- **[Jean1999]** M. Jean\n")
+    assert run("check_words", project)[0] == 0
+    page.write_text("- **[Jean1999]** M. Jean\n- **[Moreau1988]** J. J. Moreau\n")
+    status, printed = run("check_words", project)
+    assert status == 1 and "references.md:2: no file cites [Moreau1988]" in printed

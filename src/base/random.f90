@@ -1,7 +1,6 @@
 !> A seeded random generator that gives the same numbers on every machine and compiler.
 !!
-!! Combined multiple recursive generator MRG32k3a of P. L'Ecuyer, "Good parameters and implementations for
-!! combined multiple recursive random number generators", Operations Research 47 (1999): exact in doubles.
+!! Combined multiple recursive generator MRG32k3a [LEcuyer1999]: exact in doubles.
 module sg_random
   use sg_kinds, only: wp, i4, i8
   implicit none

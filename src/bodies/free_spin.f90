@@ -1,8 +1,8 @@
 !> Spin of a free body whose principal moments differ (doc/theory/scheme.md, "Rotation in space").
 !!
 !! J w' = R(-h w_m) J w + h T with w_m = (1 - theta) w + theta w', the rotation that also turns the body: its angular
-!! momentum in the world is kept exactly, and for theta = 1/2 its energy too (Simo and Wong, Int. J. Numer. Meth. Eng. 31,
-!! 1991): w_m.(J w' - J w) = 0 because w_m does not turn under a rotation about itself.
+!! momentum in the world is kept exactly, and for theta = 1/2 its energy too [SimoWong1991]: w_m.(J w' - J w) = 0 because
+!! w_m does not turn under a rotation about itself.
 module sg_free_spin
   use sg_kinds, only: wp
   use sg_rotations, only: turned_back, turned_on

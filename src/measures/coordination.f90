@@ -1,7 +1,7 @@
 !> How many neighbours carry a grain, and by how many points pairs touch (doc/theory/indicators.md, "Coordination").
 !!
 !! Two bodies touch when a contact between them carries a positive normal impulse. A rattler is a grain with fewer
-!! than two touching neighbours, in the plane and in space (C. Thornton, Geotechnique 50, 2000); it is taken away once,
+!! than two touching neighbours, in the plane and in space [Thornton2000]; it is taken away once,
 !! not again and again, since a column under its own weight would otherwise unravel from its top.
 !!
 !! Contacts of one grain may lie on several ranks. Its neighbours are then added up at its home and told to all who hold a

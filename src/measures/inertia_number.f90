@@ -1,6 +1,6 @@
-!> The inertia number: inertia of grains against their confinement (GDR MiDi 2004).
+!> The inertia number: inertia of grains against their confinement [GDRMiDi2004].
 !!
-!! In the plane I = rate sqrt(m/p) (da Cruz 2005), in space I = rate d sqrt(rho/p) (Jop, Forterre and Pouliquen 2006).
+!! In the plane I = rate sqrt(m/p) [DaCruz2005], in space I = rate d sqrt(rho/p) [Jop2006].
 !! The rate is sqrt(2 D':D') of the deviator D' of the strain rate of the grains, the symmetric part of the affine
 !! velocity field nearest to their velocities; a simple shear u_x = g y has the rate g.
 module sg_inertia_number

@@ -1,4 +1,4 @@
-!> The mean stress of the grains from contact forces and branch vectors (Love and Weber).
+!> The mean stress of the grains from contact forces and branch vectors [Weber1966].
 !!
 !! sigma = (1/A) sum over contacts of f (x) l: f is the mean force over the step on the candidate, l leads from the
 !! antagonist's centre to the candidate's; towards a wall it ends at the point of contact. Compression is positive.

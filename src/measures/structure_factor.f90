@@ -1,7 +1,7 @@
 !> Structure factor of a packing, S(k) = |sum over grains of exp(-i k.x)|^2 / N (doc/theory/indicators.md, "Structure").
 !!
 !! Points are spread on a grid and transformed (FFTW). A grid resolves waves down to a few cells; for shorter ones the box is
-!! folded onto a part of itself (Jenkins et al., Astrophys. J. 499, 1998), which keeps every wave that fits into the part. So
+!! folded onto a part of itself [Jenkins1998], which keeps every wave that fits into the part. So
 !! a grid of one size serves all waves of any number of grains.
 module sg_structure_factor
   use sg_centres, only: centres_t
@@ -157,7 +157,7 @@ contains
   end function is_of_box
 
   !> S from the square of a sum over spread points: cells weaken a wave and mix it with shorter ones, of which S = 1 is taken,
-  !! as it is on the average (Jing, Astrophys. J. 620, 2005). Of waves of eight cells and more these are a share of 2e-3 at
+  !! as it is on the average [Jing2005]. Of waves of eight cells and more these are a share of 2e-3 at
   !! most; with what is left S of a single wave is off by up to 4 %, up as often as down, which is lost in the spread that such
   !! a wave has of itself.
   pure real(wp) function corrected(square, wave, n) result(s)

@@ -1,5 +1,4 @@
-!> The hull by Qhull (C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The quickhull algorithm for convex hulls", ACM Trans.
-!! Math. Software 22, 1996), reached through convex_hull_with_qhull.c.
+!> The hull by Qhull [Barber1996], reached through convex_hull_with_qhull.c.
 submodule(sg_convex_hull) convex_hull_with_qhull
   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_funptr, c_int, c_int32_t, c_ptr
   use sg_library, only: find_procedures

@@ -117,7 +117,7 @@ contains
   !> The quaternion of a frame; of the two with opposite signs the one with w >= 0.
   !!
   !! Of the four components the largest is found from the diagonal, the others from it: nothing small is divided by
-  !! (S. W. Shepperd, "Quaternion from rotation matrix", J. Guidance and Control 1, 1978).
+  !! [Shepperd1978].
   pure function quaternion_of(frame) result(q)
     real(wp), intent(in) :: frame(3, 3) !! columns orthonormal and right-handed
     real(wp) :: q(4)
@@ -147,7 +147,7 @@ contains
   !> The rotation nearest to a frame that is one up to the digits of a file, and how far the frame was from it.
   !!
   !! The orthogonal factor of the polar decomposition, by Newton's iteration X <- (X + X^-T)/2: no other rotation has
-  !! entries nearer by least squares (N. J. Higham, SIAM J. Sci. Stat. Comput. 7, 1986).
+  !! entries nearer by least squares [Higham1986].
   subroutine nearest_rotation(frame, rotation, distance, error)
     real(wp), intent(in) :: frame(3, 3) !! columns: the axes as given
     real(wp), intent(out) :: rotation(3, 3) !! orthonormal and right-handed; the identity on failure

@@ -15,7 +15,7 @@ contains
 
   !> A unit tangent of a unit normal; the second one is n x t.
   !!
-  !! With one sign as its only branch (T. Duff et al., J. Computer Graphics Techniques 6(1), 2017).
+  !! With one sign as its only branch [Duff2017].
   pure function tangent_of(n) result(t)
     real(wp), intent(in) :: n(3) !! unit normal
     real(wp) :: t(3), side, a

@@ -1,4 +1,4 @@
-!> The theta scheme of Moreau and Jean: motion of bodies before and after the contact problem of a step.
+!> The theta scheme of Moreau and Jean [Jean1999]: motion of bodies before and after the contact problem of a step.
 !!
 !! V_free = V + h M^-1 F,  x_m = x + (1 - theta) h V,  x' = x + h ((1 - theta) V + theta V')  (doc/theory/scheme.md)
 module sg_motion

@@ -19,7 +19,7 @@ contains
     direction = [sqrt(max(0.0_wp, 1 - height**2))*[cos(angle), sin(angle)], height]
   end function random_direction
 
-  !> A random orientation, all equally likely (K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992).
+  !> A random orientation, all equally likely [Shoemake1992].
   function random_rotation(random) result(q)
     type(random_t), intent(inout) :: random !! stream of numbers
     real(wp) :: q(4)

@@ -1,4 +1,4 @@
-!> Splitting by METIS 5.1, multilevel k-way (Karypis and Kumar, J. Parallel Distrib. Comput. 48, 1998).
+!> Splitting by METIS 5.1, multilevel k-way [KarypisKumar1998].
 submodule(sg_graph_split) graph_split_with_metis
   use, intrinsic :: iso_c_binding, only: c_f_procpointer, c_funptr, c_int, c_int32_t, c_null_ptr, c_ptr
   use sg_error, only: exit_failure, fail

@@ -1,8 +1,8 @@
 !> Improve a split of a graph that is there already: single vertices move to a neighbouring part, few in all.
 !!
 !! A vertex moves where that cuts less weight and the other part has room for it, or away from a part that has too much to
-!! one that has less. The loads' squares fall with the latter moves and the cut with the former (after C. Fiduccia and
-!! R. Mattheyses, A linear-time heuristic for improving network partitions, Design Automation Conf. 1982, without moves uphill).
+!! one that has less. The loads' squares fall with the latter moves and the cut with the former (after
+!! [FiducciaMattheyses1982], without moves uphill).
 module sg_refine
   use sg_contact_graph, only: contact_graph_t
   use sg_kinds, only: wp, i4, i8

@@ -1,5 +1,5 @@
 !> The dual method (NLGS-DD): contacts are distributed, shared grains copied, their mass and loads divided among the
-!! copies (doc/theory/decomposition.md).
+!! copies [AlartIcetaDureisseix2012] (doc/theory/decomposition.md).
 !!
 !! Step 1 sweeps each part with given interface impulses F_Gamma; step 2 updates them by X F_Gamma = sum A M_E^-1 (R_E +
 !! R_E^d), X diagonal: all copies of a grain get the mean of their velocities, which with divided masses is the velocity

@@ -1,4 +1,4 @@
-!> Exchange of momentum (after Breitkopf and Jean 1999): contacts are distributed, shared grains keep their whole mass in
+!> Exchange of momentum (after [BreitkopfJean1999]): contacts are distributed, shared grains keep their whole mass in
 !! every part, and the changes of their momentum are added up (doc/theory/decomposition.md).
 !!
 !! What several parts do to one grain at once is too much: without relaxation the rounds can diverge where grains are

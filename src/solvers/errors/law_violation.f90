@@ -1,8 +1,7 @@
 !> Velocity by which one contact breaks its law, normal part and friction apart (doc/theory/errors.md).
 !!
 !! The natural map of the other errors adds friction times the slip to the normal velocity, so that large friction hides a
-!! normal velocity in it: at zero impulse by the factor sqrt(1 + friction^2). Here each part has its own map (Alart and Curnier,
-!! 1991).
+!! normal velocity in it: at zero impulse by the factor sqrt(1 + friction^2). Here each part has its own map [AlartCurnier1991].
 !! Large impulses on light bodies leave a velocity of rounding, which is no violation.
 module sg_law_violation
   use sg_kinds, only: wp

@@ -1,4 +1,4 @@
-!> Natural map of De Saxce's form, r - P_K(r - rho (u + g(u))), and the projection on Coulomb's cone that it rests upon
+!> Natural map of De Saxce's form [DeSaxceFeng1998], r - P_K(r - rho (u + g(u))), and the projection on Coulomb's cone that it rests upon
 !! (doc/theory/errors.md).
 !!
 !! The projection stands in the file of both loops that use it for every contact, since the compiler does not compile procedures

@@ -1,7 +1,7 @@
 !> Algebra of second-order cones x_1 >= |x_2..m|, one cone at a time (doc/theory/interior_point.md).
 !!
-!! Vectors have the length of their cone: 1 (a number that is not negative), 2 or 3. Scalings are those of Nesterov and Todd,
-!! in the form of Vandenberghe, "The CVXOPT linear and quadratic cone program solvers" (2010).
+!! Vectors have the length of their cone: 1 (a number that is not negative), 2 or 3. Scalings are those of [NesterovTodd1997],
+!! in the form of [Vandenberghe2010].
 module sg_interior_point_cones
   use sg_kinds, only: wp
   implicit none

@@ -158,7 +158,7 @@ contains
     end do
   end subroutine keep
 
-  !> Join the clusters of two bodies: the lower number stands for both (Rem's algorithm, Dijkstra 1976).
+  !> Join the clusters of two bodies: the lower number stands for both (Rem's algorithm [Dijkstra1976]).
   pure subroutine join(parent, one, other)
     integer(i4), intent(inout) :: parent(:)
     integer(i4), intent(in) :: one, other
