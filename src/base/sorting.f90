@@ -129,7 +129,8 @@ contains
     end do
   end function hilbert_key
 
-  !> Place of a point of the unit cube along Hilbert's curve of 2^20 cells a side ([Skilling2004]: exchange and invert bits from the highest down, then undo Gray's code).
+  !> Place of a point of the unit cube along Hilbert's curve of 2^20 cells a side ([Skilling2004]: exchange and
+  !! invert bits from the highest down, then undo Gray's code).
   pure integer(i8) function hilbert_key_in_space(point) result(key)
     real(wp), intent(in) :: point(3) !! within 0 to 1
     integer, parameter :: order = 20

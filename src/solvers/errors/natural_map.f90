@@ -1,5 +1,5 @@
-!> Natural map of De Saxce's form [DeSaxceFeng1998], r - P_K(r - rho (u + g(u))), and the projection on Coulomb's cone that it rests upon
-!! (doc/theory/errors.md).
+!> Natural map of De Saxce's form [DeSaxceFeng1998], r - P_K(r - rho (u + g(u))), and the projection on Coulomb's cone
+!! that it rests upon (doc/theory/errors.md).
 !!
 !! The projection stands in the file of both loops that use it for every contact, since the compiler does not compile procedures
 !! of other files into a loop: called from another file on chunks of contacts, it made a test of errors 8 % slower for disks and

@@ -1,5 +1,5 @@
-!> Gauss-Seidel sweeps with Anderson's acceleration [Anderson1965]: the next impulses are the combination of the last sweeps whose changes
-!! nearly cancel (doc/theory/solvers_sweeps.md).
+!> Gauss-Seidel sweeps with Anderson's acceleration [Anderson1965]: the next impulses are the combination of the last
+!! sweeps whose changes nearly cancel (doc/theory/solvers_sweeps.md).
 module sg_accelerated_nlgs
   use sg_block_map, only: project_all
   use sg_block_progress, only: progress_t
