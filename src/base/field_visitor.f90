@@ -93,12 +93,14 @@ contains
       self%is_written = self%is_read .and. field%is_there
       call open_table(self, min(now(1), field%components))
     case (task_clear, task_keep)
+      takes = size(self%to) > 0
       call open_table(self, field%components)
       self%value(:min(1, self%last), :) = field%first
     case default
       self%first = self%last + 1
       self%last = self%last + field%components
       takes = self%task == task_move
+      if (takes) takes = size(self%value, 2) > 0
     end select
   end function takes
 

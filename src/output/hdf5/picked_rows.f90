@@ -18,9 +18,7 @@ module sg_picked_rows
   contains
     procedure :: pick => picked_pick
     procedure :: pick_piece => picked_pick_piece
-    procedure, private :: get_reals, get_real_records, get_integers, get_integer_records
-    !> Read the rows
-    generic :: get => get_reals, get_real_records, get_integers, get_integer_records
+    procedure :: get => picked_get
   end type picked_rows_t
 
 contains
@@ -60,25 +58,22 @@ contains
       call fail(file%error, path//' has more entries than can be counted', file=file%name, code=exit_output)
   end function rows_of
 
-  !> Read records of reals.
-  subroutine get_real_records(self, file, path, values, total)
+  !> Read the rows.
+  subroutine picked_get(self, file, path, values)
     class(picked_rows_t), intent(in) :: self
     type(hdf5_file_t), intent(inout) :: file !! open file, not shared
     character(len=*), intent(in) :: path !! path within the file
-    real(wp), allocatable, intent(out) :: values(:, :) !! records in the order wanted; zero beyond the last row of the file
-    integer, intent(out) :: total !! rows of the file
+    real(wp), allocatable, intent(out) :: values(:, :) !! rows in the order wanted; zero beyond the last row of the file
     real(wp), allocatable :: block(:, :)
     integer :: first, last, n, before
 
     if (.not. allocated(self%number)) then
       call file%get(path, values)
-      total = size(values, 2)
       return
     end if
-    total = rows_of(file, path)
     call file%get_rows(path, 0_i8, 0, block)
     allocate (values(size(block, 1), size(self%number)), source=0.0_wp)
-    n = count(self%number <= total)
+    n = count(self%number <= rows_of(file, path))
     first = 1
     do while (first <= n .and. .not. allocated(file%error))
       before = self%number(first) - 1
@@ -87,64 +82,5 @@ contains
       if (size(block) > 0) values(:, self%place(first:last)) = block(:, self%number(first:last) - before)
       first = last + 1
     end do
-  end subroutine get_real_records
-
-  !> Read a list of reals.
-  subroutine get_reals(self, file, path, values, total)
-    class(picked_rows_t), intent(in) :: self
-    type(hdf5_file_t), intent(inout) :: file !! open file, not shared
-    character(len=*), intent(in) :: path !! path within the file
-    real(wp), allocatable, intent(out) :: values(:) !! numbers in the order wanted; zero beyond the last row of the file
-    integer, intent(out) :: total !! rows of the file
-    real(wp), allocatable :: records(:, :)
-
-    if (.not. allocated(self%number)) then
-      call file%get(path, values)
-      total = size(values)
-      return
-    end if
-    call self%get(file, path, records, total)
-    if (size(records, 1) > 0) then
-      values = records(1, :)
-    else
-      allocate (values(size(self%number)), source=0.0_wp)
-    end if
-  end subroutine get_reals
-
-  !> Read a list of whole numbers.
-  subroutine get_integers(self, file, path, values, total)
-    class(picked_rows_t), intent(in) :: self
-    type(hdf5_file_t), intent(inout) :: file !! open file, not shared
-    character(len=*), intent(in) :: path !! path within the file
-    integer(i4), allocatable, intent(out) :: values(:) !! numbers in the order wanted; zero beyond the last row of the file
-    integer, intent(out) :: total !! rows of the file
-    real(wp), allocatable :: reals(:)
-
-    if (allocated(self%number)) then
-      call self%get(file, path, reals, total)
-      values = nint(reals, i4)
-    else
-      call file%get(path, values)
-      total = size(values)
-    end if
-  end subroutine get_integers
-
-  !> Read records of whole numbers.
-  subroutine get_integer_records(self, file, path, values, total)
-    class(picked_rows_t), intent(in) :: self
-    type(hdf5_file_t), intent(inout) :: file !! open file, not shared
-    character(len=*), intent(in) :: path !! path within the file
-    integer(i4), allocatable, intent(out) :: values(:, :) !! records in the order wanted; zero beyond the last row of the file
-    integer, intent(out) :: total !! rows of the file
-    real(wp), allocatable :: reals(:, :)
-
-    if (allocated(self%number)) then
-      call self%get(file, path, reals, total)
-      allocate (values(size(reals, 1), size(reals, 2)))
-      values(:, :) = nint(reals, i4)
-    else
-      call file%get(path, values)
-      total = size(values, 2)
-    end if
-  end subroutine get_integer_records
+  end subroutine picked_get
 end module sg_picked_rows

@@ -7,6 +7,7 @@ module sg_pictures_pieces
   use sg_bodies, only: bodies_t, make_bodies_like
   use sg_comm, only: comm_t
   use sg_contactors, only: contactors_t
+  use sg_field_visitor, only: sync_on_copy
   use sg_kinds, only: wp, i4, i8
   use sg_pictures_mesh, only: mesh_t, xdmf_topology
   use sg_scene, only: scene_t
@@ -245,21 +246,10 @@ contains
     type(bodies_t), intent(in) :: bodies !! the block of bodies of this rank
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), allocatable :: block(:, :), values(:, :)
-    integer :: d, m
+    integer :: i
 
-    d = bodies%dimension
-    m = d + bodies%n_velocity
-    allocate (block(m + 5, bodies%n), source=0.0_wp)
-    block(:d, :) = bodies%position
-    block(d + 1:m, :) = bodies%velocity
-    block(m + 1, :) = real(bodies%material, wp)
-    if (allocated(bodies%angle)) block(m + 2, :) = bodies%angle
-    if (allocated(bodies%orientation)) block(m + 2:m + 5, :) = bodies%orientation
+    call bodies%pack([(int(i, i4), i=1, bodies%n)], block, sync_on_copy)
     call self%wanted%fetch(comm, block, values)
-    self%bodies%position = values(:d, :)
-    self%bodies%velocity = values(d + 1:m, :)
-    self%bodies%material = nint(values(m + 1, :), i4)
-    if (allocated(bodies%angle)) self%bodies%angle = values(m + 2, :)
-    if (allocated(bodies%orientation)) self%bodies%orientation = values(m + 2:m + 5, :)
+    call self%bodies%unpack([(int(i, i4), i=1, self%bodies%n)], values, sync_on_copy)
   end subroutine pieces_move
 end module sg_pictures_pieces

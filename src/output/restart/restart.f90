@@ -12,11 +12,13 @@ module sg_restart
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: diagnostics_t, error_t, exit_output, fail
+  use sg_field_visitor, only: kind_byte
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: wp, i1, i4, i8
   use sg_laws, only: last_status, status_new
   use sg_picked_rows, only: picked_rows_t
   use sg_restart_datasets, only: check_shapes, dataset_paths, scene_misfit
+  use sg_restart_fields, only: get_fields, keep_fields, kept_field_t, put_fields, restore_fields, values_of
   use sg_restart_files, only: find_newest, restart_names
   use sg_scene, only: scene_t
   use sg_sealed_datasets, only: check_seals, put_sealed
@@ -41,19 +43,8 @@ module sg_restart
     real(wp) :: time = 0
     !> Hash of the effective deck
     character(len=:), allocatable :: deck_hash
-    !> Bodies: position [m], shape (dimension, bodies); angle [rad], of size 0 in space and where nothing turns; velocity;
-    !! periods crossed
-    real(wp), allocatable :: position(:, :), angle(:), velocity(:, :)
-    integer(i4), allocatable :: crossings(:)
-    !> In space: orientations, shape (4, bodies), or (4, 0) where nothing turns; periods crossed in y; images of contacts in y.
-    !! All of size 0 in the plane, where they are not written
-    real(wp), allocatable :: orientation(:, :)
-    integer(i4), allocatable :: crossings_y(:), image_y(:)
-    !> Contacts of the step: contactors, shape (2, contacts); feature, image, law; impulse [N s]; status
-    integer(i4), allocatable :: contactor(:, :), feature(:), image(:), law(:), status(:)
-    real(wp), allocatable :: impulse(:, :)
-    !> Internal values of contacts, shape (number of them, contacts); not written where there are none
-    real(wp), allocatable :: internal(:, :)
+    !> Fields of bodies and of contacts that files hold
+    type(kept_field_t), allocatable :: bodies(:), contacts(:)
     !> Positions at the last search for neighbours [m], any shape
     real(wp), allocatable :: built(:, :)
     !> Sums kept over the run, such as works of forces
@@ -68,84 +59,18 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     type(restart_t), intent(inout) :: state !! state to set
     integer(i4), intent(in), optional :: number(:) !! numbers of the contactors in the whole scene, where they differ
-    integer :: n, i
+    integer :: i, k
 
-    n = contacts%n
-    call copy(bodies%position, state%position)
-    call copy(bodies%velocity, state%velocity)
-    state%crossings = bodies%crossings
-    if (allocated(state%angle)) deallocate (state%angle)
-    allocate (state%angle(0))
-    if (allocated(bodies%angle)) state%angle = bodies%angle
-    call keep_space(bodies, contacts, state)
-    if (n == 0) then
-      call forget_contacts(state, contacts%n_components, contacts%n_internal)
-      return
-    end if
-    if (allocated(state%contactor)) deallocate (state%contactor)
-    allocate (state%contactor(2, n))
-    state%contactor(:, :) = contacts%contactor(:, :n)
-    if (present(number)) then
-      do i = 1, n
-        state%contactor(:, i) = number(contacts%contactor(:, i))
+    call keep_fields(bodies, bodies%n, state%bodies)
+    call keep_fields(contacts, contacts%n, state%contacts)
+    if (.not. present(number)) return
+    do i = 1, size(state%contacts)
+      if (state%contacts(i)%field%name /= 'contactor') cycle
+      do k = 1, contacts%n
+        state%contacts(i)%values(:, k) = real(number(contacts%contactor(:, k)), wp)
       end do
-    end if
-    state%feature = contacts%feature(:n)
-    state%image = int(contacts%image(:n), i4)
-    state%law = contacts%law(:n)
-    state%status = int(contacts%status(:n), i4)
-    call copy(contacts%impulse(:, :n), state%impulse)
-    if (contacts%n_internal > 0) then
-      call copy(contacts%internal(:, :n), state%internal)
-    else
-      state%internal = reshape([real(wp) ::], [0, n])
-    end if
+    end do
   end subroutine keep_state
-
-  !> Copy what only a scene in space has.
-  subroutine keep_space(bodies, contacts, state)
-    type(bodies_t), intent(in) :: bodies
-    type(contacts_t), intent(in) :: contacts
-    type(restart_t), intent(inout) :: state
-
-    call forget_space(state)
-    if (bodies%dimension == 2) return
-    if (allocated(bodies%orientation)) call copy(bodies%orientation, state%orientation)
-    state%crossings_y = bodies%crossings_y
-    if (contacts%n > 0) state%image_y = int(contacts%image_y(:contacts%n), i4)
-  end subroutine keep_space
-
-  !> A state without what only a scene in space has.
-  subroutine forget_space(state)
-    type(restart_t), intent(inout) :: state
-
-    if (allocated(state%orientation)) deallocate (state%orientation, state%crossings_y, state%image_y)
-    allocate (state%orientation(4, 0), state%crossings_y(0), state%image_y(0))
-  end subroutine forget_space
-
-  !> Copy a table. gfortran 12 looks at the bounds of what is not allocated yet when it allocates on assignment.
-  subroutine copy(from, to)
-    real(wp), intent(in) :: from(:, :)
-    real(wp), allocatable, intent(inout) :: to(:, :)
-
-    if (allocated(to)) deallocate (to)
-    allocate (to(size(from, 1), size(from, 2)))
-    to(:, :) = from
-  end subroutine copy
-
-  !> A state without contacts.
-  subroutine forget_contacts(state, components, internal)
-    type(restart_t), intent(inout) :: state
-    integer, intent(in) :: components, internal
-
-    state%contactor = reshape([integer(i4) ::], [2, 0])
-    state%feature = [integer(i4) ::]
-    state%image = [integer(i4) ::]
-    state%law = [integer(i4) ::]
-    state%status = [integer(i4) ::]
-    state%impulse = reshape([real(wp) ::], [components, 0])
-    state%internal = reshape([real(wp) ::], [internal, 0])
-  end subroutine forget_contacts
 
   !> Put bodies and contacts into a state; of contacts only what recovery by pair needs is set. Where ranks share the scene
   !! contacts keep the numbers that contactors have in it.
@@ -153,33 +78,18 @@ contains
     type(restart_t), intent(in) :: state !! state to restore
     type(scene_t), intent(inout) :: scene !! bodies to set
     type(contacts_t), intent(inout) :: contacts !! contacts to set
-    integer :: n, i
+    integer :: i
 
-    do i = 1, scene%bodies%n
-      scene%bodies%position(:, i) = state%position(:, i)
-      scene%bodies%velocity(:, i) = state%velocity(:, i)
-      scene%bodies%crossings(i) = state%crossings(i)
-      if (allocated(scene%bodies%angle)) scene%bodies%angle(i) = state%angle(i)
-      if (allocated(scene%bodies%orientation)) scene%bodies%orientation(:, i) = state%orientation(:, i)
-      if (scene%dimension == 3) scene%bodies%crossings_y(i) = state%crossings_y(i)
-    end do
-    n = size(state%feature)
-    contacts%n = n
+    call restore_fields(state%bodies, scene%bodies)
+    contacts%n = size(values_of(state%contacts, 'feature'), 2)
     contacts%dimension = scene%dimension
-    contacts%n_components = size(state%impulse, 1)
-    contacts%n_internal = size(state%internal, 1)
-    call reserve_contacts(contacts, n)
-    contacts%contactor(:, :n) = state%contactor
-    contacts%feature(:n) = state%feature
-    contacts%image(:n) = int(state%image, i1)
-    if (scene%dimension == 3) contacts%image_y(:n) = int(state%image_y, i1)
-    contacts%law(:n) = state%law
-    contacts%status(:n) = int(state%status, i1)
-    contacts%impulse(:, :n) = state%impulse
-    if (contacts%n_internal > 0) contacts%internal(:, :n) = state%internal
+    contacts%n_components = size(values_of(state%contacts, 'impulse'), 1)
+    contacts%n_internal = size(values_of(state%contacts, 'internal'), 1)
+    call reserve_contacts(contacts, contacts%n)
+    call restore_fields(state%contacts, contacts)
     if (allocated(scene%contactors%id)) return
-    do i = 1, n
-      contacts%body(:, i) = scene%contactors%body(state%contactor(:, i))
+    do i = 1, contacts%n
+      contacts%body(:, i) = scene%contactors%body(contacts%contactor(:, i))
     end do
   end subroutine restore_state
 
@@ -226,24 +136,8 @@ contains
     call put_sealed(file, '/time', [state%time], is_common=.true.)
     call put_sealed(file, '/totals', state%totals, is_common=.true.)
     call put_sealed(file, '/built', state%built)
-    call file%group('/bodies')
-    call put_sealed(file, '/bodies/position', state%position)
-    call put_sealed(file, '/bodies/angle', state%angle)
-    call put_sealed(file, '/bodies/velocity', state%velocity)
-    call put_sealed(file, '/bodies/crossings', state%crossings)
-    if (size(state%position, 1) == 3) then
-      call put_sealed(file, '/bodies/orientation', state%orientation)
-      call put_sealed(file, '/bodies/crossings_y', state%crossings_y)
-    end if
-    call file%group('/contacts')
-    if (size(state%position, 1) == 3) call put_sealed(file, '/contacts/image_y', state%image_y)
-    call put_sealed(file, '/contacts/contactor', state%contactor)
-    call put_sealed(file, '/contacts/feature', state%feature)
-    call put_sealed(file, '/contacts/image', state%image)
-    call put_sealed(file, '/contacts/law', state%law)
-    call put_sealed(file, '/contacts/status', state%status)
-    call put_sealed(file, '/contacts/impulse', state%impulse)
-    if (size(state%internal, 1) > 0) call put_sealed(file, '/contacts/internal', state%internal)
+    call put_fields(file, '/bodies', state%bodies)
+    call put_fields(file, '/contacts', state%contacts)
     ! Other ranks may sit on other machines, whose part is brought to the disk from there.
     if (ranks%size > 1) call file%flush()
     call file%close()
@@ -266,20 +160,22 @@ contains
     logical, intent(out), optional :: is_damaged !! is the file itself at fault, and not of another scene?
     type(hdf5_file_t) :: file
     character(len=:), allocatable :: misfit
-    integer :: whole(2), numbers(2)
+    type(contacts_t) :: contacts
+    integer :: whole(2)
 
     whole = [scene%bodies%n, scene%contactors%n]
     if (present(bodies)) whole(1) = bodies
     if (present(contactors)) whole(2) = contactors
-    numbers = [scene%dimension, 0]
-    if (present(components)) numbers(1) = components
-    if (present(internal)) numbers(2) = internal
+    contacts%dimension = scene%dimension
+    contacts%n_components = scene%dimension
+    if (present(components)) contacts%n_components = components
+    if (present(internal)) contacts%n_internal = internal
     call file%open(name, is_read_only=.true.)
     call check_format(file)
-    misfit = scene_misfit(file, scene, whole(1), numbers(2))
-    if (len(misfit) == 0) call check_shapes(file, scene, whole(1), numbers(1), numbers(2))
-    call check_seals(file, dataset_paths(scene%dimension, numbers(2)), comm)
-    if (len(misfit) == 0 .and. .not. allocated(file%error)) call read_file(file, scene, comm, state)
+    misfit = scene_misfit(file, scene, whole(1), contacts%n_internal)
+    if (len(misfit) == 0) call check_shapes(file, scene, whole(1), contacts)
+    call check_seals(file, dataset_paths(scene, contacts), comm)
+    if (len(misfit) == 0 .and. .not. allocated(file%error)) call read_file(file, scene, contacts, comm, state)
     call file%close()
     if (present(is_damaged)) is_damaged = allocated(file%error)
     if (allocated(file%error)) then
@@ -299,9 +195,10 @@ contains
   end subroutine read_restart
 
   !> Read all datasets of an open file; of several ranks each its rows.
-  subroutine read_file(file, scene, ranks, state)
+  subroutine read_file(file, scene, like, ranks, state)
     type(hdf5_file_t), intent(inout) :: file
     type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: like !! contacts with the components of the scene
     type(comm_t), intent(in) :: ranks
     type(restart_t), intent(out) :: state
     type(picked_rows_t) :: bodies, contacts
@@ -323,48 +220,9 @@ contains
     if (.not. allocated(state%built)) allocate (state%built(0, 0))
     if (allocated(scene%bodies%id)) call bodies%pick(scene%bodies%id)
     if (ranks%size > 1) call contacts%pick_piece(file, '/contacts/feature', ranks%rank, ranks%size)
-    call forget_space(state)
-    call read_bodies(file, bodies, allocated(scene%bodies%orientation), state)
-    call read_contacts(file, contacts, state)
+    call get_fields(file, '/bodies', bodies, scene%bodies, state%bodies)
+    call get_fields(file, '/contacts', contacts, like, state%contacts)
   end subroutine read_file
-
-  !> Read the rows of bodies.
-  subroutine read_bodies(file, rows, has_orientations, state)
-    type(hdf5_file_t), intent(inout) :: file
-    type(picked_rows_t), intent(in) :: rows
-    logical, intent(in) :: has_orientations
-    type(restart_t), intent(inout) :: state
-    integer :: n
-
-    call rows%get(file, '/bodies/position', state%position, n)
-    call rows%get(file, '/bodies/angle', state%angle, n)
-    call rows%get(file, '/bodies/velocity', state%velocity, n)
-    call rows%get(file, '/bodies/crossings', state%crossings, n)
-    if (size(state%position, 1) /= 3) return
-    if (has_orientations) call rows%get(file, '/bodies/orientation', state%orientation, n)
-    call rows%get(file, '/bodies/crossings_y', state%crossings_y, n)
-  end subroutine read_bodies
-
-  !> Read the rows of contacts.
-  subroutine read_contacts(file, rows, state)
-    type(hdf5_file_t), intent(inout) :: file
-    type(picked_rows_t), intent(in) :: rows
-    type(restart_t), intent(inout) :: state
-    integer :: n
-
-    call rows%get(file, '/contacts/contactor', state%contactor, n)
-    call rows%get(file, '/contacts/feature', state%feature, n)
-    call rows%get(file, '/contacts/image', state%image, n)
-    call rows%get(file, '/contacts/law', state%law, n)
-    call rows%get(file, '/contacts/status', state%status, n)
-    call rows%get(file, '/contacts/impulse', state%impulse, n)
-    if (size(state%position, 1) == 3) call rows%get(file, '/contacts/image_y', state%image_y, n)
-    if (file%has('/contacts/internal')) then
-      call rows%get(file, '/contacts/internal', state%internal, n)
-    else
-      allocate (state%internal(0, size(state%feature)))
-    end if
-  end subroutine read_contacts
 
   !> Is an open file one of ours, in a layout that we know?
   subroutine check_format(file)
@@ -392,39 +250,47 @@ contains
     character(len=:), allocatable :: misfit
 
     misfit = ''
-    if (any(state%contactor < 1) .or. any(state%contactor > contactors)) then
-      misfit = 'it holds contacts of shapes that the scene does not have'
-    else if (any(state%law < 1) .or. any(state%law > laws)) then
-      misfit = 'it holds contacts under laws that the scene does not have'
-    end if
+    associate (contactor => values_of(state%contacts, 'contactor'), law => values_of(state%contacts, 'law'))
+      if (any(contactor < 1) .or. any(contactor > real(contactors, wp))) then
+        misfit = 'it holds contacts of shapes that the scene does not have'
+      else if (any(law < 1) .or. any(law > real(laws, wp))) then
+        misfit = 'it holds contacts under laws that the scene does not have'
+      end if
+    end associate
   end function misfit_of
 
   !> What no run can have written; empty when all is well. Of `totals` each part is looked at by those who know it.
   pure function fault_of(state) result(fault)
     type(restart_t), intent(in) :: state
     character(len=:), allocatable :: fault
+    integer :: i
 
     fault = ''
-    if (.not. (ieee_is_finite(state%time) .and. all(ieee_is_finite(state%position)) .and. all(ieee_is_finite(state%angle)) .and. &
-               all(ieee_is_finite(state%orientation)) .and. all(ieee_is_finite(state%velocity)) .and. &
-               all(ieee_is_finite(state%built)) .and. all(ieee_is_finite(state%impulse)) .and. &
-               all(ieee_is_finite(state%internal)))) then
-      fault = 'it holds numbers that are not finite'
-    else if (any(abs(norm2(state%orientation, 1) - 1) > largest_drift)) then
-      fault = 'it holds orientations that are no rotations'
-    else if (any(state%status < status_new) .or. any(state%status > last_status)) then
-      fault = 'it holds contacts in a state that there is none'
-    else if (is_beyond(state%image) .or. is_beyond(state%image_y)) then
-      fault = 'it holds contacts across more periods than there can be'
-    end if
+    associate (status => values_of(state%contacts, 'status'), orientation => values_of(state%bodies, 'orientation'))
+      if (.not. (ieee_is_finite(state%time) .and. all(ieee_is_finite(state%built)) .and. are_finite(state%bodies) .and. &
+                 are_finite(state%contacts))) then
+        fault = 'it holds numbers that are not finite'
+      else if (any(abs(norm2(orientation, 1) - 1) > largest_drift)) then
+        fault = 'it holds orientations that are no rotations'
+      else if (any(status < status_new) .or. any(status > last_status)) then
+        fault = 'it holds contacts in a state that there is none'
+      end if
+    end associate
+    do i = 1, size(state%contacts)
+      associate (one => state%contacts(i))
+        if (len(fault) == 0 .and. one%field%kind == kind_byte .and. any(abs(one%values) > huge(1_i1))) &
+          fault = 'it holds contacts with a value of '//trim(one%field%name)//' out of range'
+      end associate
+    end do
   end function fault_of
 
-  !> Are any of the periods by which contacts are moved more than can be kept?
-  pure logical function is_beyond(image)
-    integer(i4), intent(in) :: image(:)
+  !> Are all values of some fields finite?
+  pure logical function are_finite(kept)
+    type(kept_field_t), intent(in) :: kept(:)
+    integer :: i
 
-    is_beyond = any(image > huge(1_i1)) .or. any(image < -huge(1_i1))
-  end function is_beyond
+    are_finite = all([(all(ieee_is_finite(kept(i)%values)), i=1, size(kept))])
+  end function are_finite
 
   !> Number of contact laws of a scene.
   pure integer function number_of_laws(scene) result(n)

@@ -1,22 +1,24 @@
 !> Datasets of a restart file and the shapes that they have in a scene: looked at before anything is read, so that a file can
 !! neither ask for more memory than it fills nor leave numbers out.
 module sg_restart_datasets
+  use sg_contacts, only: contacts_t
   use sg_error, only: exit_output, fail
+  use sg_field_visitor, only: field_t
+  use sg_fields, only: fields_t
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: i8
+  use sg_restart_fields, only: fields_in_files
   use sg_scene, only: scene_t
   use sg_text, only: append_word, text_t, to_text
   implicit none
   private
   public :: check_shapes, dataset_paths, scene_misfit
 
-  !> What a dataset has rows for
-  integer, parameter :: per_file = 0, per_body = 1, per_turning_body = 2, per_contact = 3
-
-  !> A dataset, and numbers of its rows
+  !> A dataset, values per row, and its rows
   type :: dataset_t
-    character(len=22) :: path = ''
-    integer :: components = 1, rows_for = per_file
+    character(len=32) :: path = ''
+    integer :: components = 1
+    integer(i8) :: rows = 1
   end type dataset_t
 
 contains
@@ -48,68 +50,45 @@ contains
   end function scene_misfit
 
   !> Check that all datasets have the shapes that the scene asks for; the file's error is set where one has not.
-  subroutine check_shapes(file, scene, bodies, components, internal)
+  subroutine check_shapes(file, scene, bodies, contacts)
     type(hdf5_file_t), intent(inout) :: file !! open restart file of this scene
     type(scene_t), intent(in) :: scene !! the scene, or the part of a rank
     integer, intent(in) :: bodies !! bodies of the whole scene
-    integer, intent(in) :: components !! of an impulse
-    integer, intent(in) :: internal !! internal values of a contact
+    type(contacts_t), intent(in) :: contacts !! contacts with the components of the scene
     type(dataset_t), allocatable :: list(:)
-    integer(i8) :: found(2), wanted(2), contacts, bytes
+    integer(i8) :: found(2), wanted(2), rows, bytes
     integer :: i
 
-    list = datasets(scene%dimension, size(scene%bodies%middle, 1), scene%bodies%n_velocity, components, internal)
-    contacts = file%rows('/contacts/feature')
+    rows = file%rows('/contacts/feature')
     ! Of these the scene does not say how many there are; each takes at least four bytes of the file.
     inquire (file=file%name, size=bytes)
-    if (max(contacts, file%rows('/totals')) > bytes/4) then
+    if (max(rows, file%rows('/totals')) > bytes/4) then
       if (.not. allocated(file%error)) call fail(file%error, 'it is cut off', file=file%name, code=exit_output)
       return
     end if
+    list = datasets(scene, contacts, int(bodies, i8), rows)
     do i = 1, size(list)
-      wanted = [int(list(i)%components, i8), rows_of(list(i)%rows_for)]
+      wanted = [int(list(i)%components, i8), list(i)%rows]
       found = file%shape(trim(list(i)%path))
       if (allocated(file%error)) return
       ! An empty list of neighbours stands for one that is not kept.
       if (list(i)%path == '/built' .and. found(2) == 0) cycle
-      if (any(found /= wanted)) call misshaped(trim(list(i)%path))
-    end do
-  contains
-    !> Rows of a dataset.
-    integer(i8) function rows_of(rows_for)
-      integer, intent(in) :: rows_for
-
-      select case (rows_for)
-      case (per_body)
-        rows_of = int(bodies, i8)
-      case (per_turning_body)
-        rows_of = merge(int(bodies, i8), 0_i8, allocated(scene%bodies%angle) .or. allocated(scene%bodies%orientation))
-      case (per_contact)
-        rows_of = contacts
-      case default
-        rows_of = 1
-      end select
-    end function rows_of
-
-    !> Note that a dataset has another shape.
-    subroutine misshaped(path)
-      character(len=*), intent(in) :: path
-
-      if (allocated(file%error)) return
-      call fail(file%error, path//' has '//to_text(found(2))//' rows of '//to_text(found(1))//' numbers, not '// &
+      if (all(found == wanted)) cycle
+      call fail(file%error, trim(list(i)%path)//' has '//to_text(found(2))//' rows of '//to_text(found(1))//' numbers, not '// &
                 to_text(wanted(2))//' of '//to_text(wanted(1)), file=file%name, code=exit_output)
-    end subroutine misshaped
+      return
+    end do
   end subroutine check_shapes
 
   !> Paths of all datasets of a file.
-  function dataset_paths(dimension, internal) result(paths)
-    integer, intent(in) :: dimension !! of space
-    integer, intent(in) :: internal !! internal values of a contact
+  function dataset_paths(scene, contacts) result(paths)
+    type(scene_t), intent(in) :: scene !! the scene, or the part of a rank
+    type(contacts_t), intent(in) :: contacts !! contacts with the components of the scene
     type(text_t), allocatable :: paths(:)
     type(dataset_t), allocatable :: list(:)
     integer :: i
 
-    list = datasets(dimension, 0, 0, 0, internal)
+    list = datasets(scene, contacts, 0_i8, 0_i8)
     allocate (paths(0))
     do i = 1, size(list)
       call append_word(paths, trim(list(i)%path))
@@ -117,24 +96,27 @@ contains
     call append_word(paths, '/totals')
   end function dataset_paths
 
-  !> The datasets whose shape follows from the scene: its dimension, and components of configurations, velocities,
-  !! impulses and internal values of contacts.
-  pure function datasets(dimension, n_configuration, n_velocity, n_impulse, n_internal) result(list)
-    integer, intent(in) :: dimension, n_configuration, n_velocity, n_impulse, n_internal
+  !> The datasets whose shape follows from the scene.
+  function datasets(scene, contacts, n_bodies, n_contacts) result(list)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer(i8), intent(in) :: n_bodies, n_contacts
     type(dataset_t), allocatable :: list(:)
 
-    list = [dataset_t('/time'), dataset_t('/built', n_configuration, per_body), &
-            dataset_t('/bodies/position', dimension, per_body), &
-            dataset_t('/bodies/velocity', n_velocity, per_body), dataset_t('/bodies/crossings', 1, per_body), &
-            dataset_t('/contacts/contactor', 2, per_contact), dataset_t('/contacts/feature', 1, per_contact), &
-            dataset_t('/contacts/image', 1, per_contact), dataset_t('/contacts/law', 1, per_contact), &
-            dataset_t('/contacts/status', 1, per_contact), dataset_t('/contacts/impulse', n_impulse, per_contact)]
-    if (n_internal > 0) list = [list, dataset_t('/contacts/internal', n_internal, per_contact)]
-    if (dimension == 2) then
-      list = [list, dataset_t('/bodies/angle', 1, per_turning_body)]
-    else
-      list = [list, dataset_t('/bodies/orientation', 4, per_turning_body), dataset_t('/bodies/crossings_y', 1, per_body), &
-              dataset_t('/contacts/image_y', 1, per_contact)]
-    end if
+    list = [dataset_t('/time'), dataset_t('/built', size(scene%bodies%middle, 1), n_bodies), &
+            datasets_of('/bodies/', scene%bodies, n_bodies), datasets_of('/contacts/', contacts, n_contacts)]
   end function datasets
+
+  !> The datasets of a group, one per field that files hold.
+  function datasets_of(group, things, rows) result(list)
+    character(len=*), intent(in) :: group
+    class(fields_t), intent(in) :: things
+    integer(i8), intent(in) :: rows
+    type(dataset_t), allocatable :: list(:)
+    type(field_t), allocatable :: fields(:)
+    integer :: i
+
+    fields = fields_in_files(things)
+    list = [(dataset_t(group//fields(i)%name, fields(i)%components, rows), i=1, size(fields))]
+  end function datasets_of
 end module sg_restart_datasets

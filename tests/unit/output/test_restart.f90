@@ -8,12 +8,15 @@ program test_restart
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: diagnostics_t, error_t
+  use sg_field_visitor, only: kind_real
   use sg_hdf5, only: hdf5_file_t, hdf5_is_available
   use sg_kinds, only: wp, i1, i4, i8
   use sg_random, only: random_t
   use sg_restart, only: keep_state, read_restart, restart_t, restore_state, write_restart
+  use sg_restart_fields, only: keep_fields, kept_field_t, restore_fields
   use sg_restart_files, only: newest_restart, restarts_of
   use sg_scene, only: scene_t
+  use sg_space_contactors, only: add_sphere
   use sg_system, only: file_exists, make_folder, remove_file
   use sg_text, only: text_t
   implicit none
@@ -27,6 +30,10 @@ program test_restart
   call remove_file(folder//'/restart_b.h5')
   if (hdf5_is_available()) then
     call test_round_trip()
+    call test_all_fields(2, turns=.true.)
+    call test_all_fields(2, turns=.false.)
+    call test_all_fields(3, turns=.true.)
+    call test_all_fields(3, turns=.false.)
     call test_no_contacts()
     call test_turns()
     call test_misfits()
@@ -131,6 +138,109 @@ contains
     call t%check(all(recovered%status(:n_contacts) == contacts%status(:n_contacts)), 'statuses')
     call t%check(all(recovered%law(:n_contacts) == 1), 'laws')
   end subroutine test_round_trip
+
+  !> Every field that files hold of a kind of scene comes back bit for bit.
+  subroutine test_all_fields(dimension, turns)
+    integer, intent(in) :: dimension
+    logical, intent(in) :: turns
+    type(scene_t) :: scene, other
+    type(contacts_t) :: contacts, recovered
+    type(restart_t) :: state, back
+    type(kept_field_t), allocatable :: written(:), read(:)
+    type(error_t), allocatable :: error
+    type(diagnostics_t) :: diagnostics
+
+    if (dimension == 2) scene = some_scene(n_bodies)
+    if (dimension == 3) scene = spatial_scene(n_bodies)
+    if (.not. turns) call drop_rotation(scene%bodies, keep_orientation=.false.)
+    other = scene
+    call some_fields(scene, contacts)
+    call keep_state(scene%bodies, contacts, state)
+    state%deck_hash = hash
+    allocate (state%built(size(scene%bodies%middle, 1), 0), state%totals(0))
+    call write_restart(folder, state, alone, error)
+    call read_restart(newest_restart(folder), other, hash, alone, back, diagnostics, components=dimension, internal=2)
+    call t%check(diagnostics%count() == 0 .and. .not. allocated(error), 'all fields are written and read')
+    if (diagnostics%count() > 0) return
+    call restore_state(back, other, recovered)
+    call t%equal(recovered%n, n_contacts, 'contacts with all fields')
+    call keep_fields(scene%bodies, n_bodies, written)
+    call keep_fields(other%bodies, n_bodies, read)
+    call compare_fields(read, written)
+    call keep_fields(contacts, n_contacts, written)
+    call keep_fields(recovered, n_contacts, read)
+    call compare_fields(read, written)
+  end subroutine test_all_fields
+
+  !> Bodies with one sphere each, under one law.
+  function spatial_scene(n) result(scene)
+    integer, intent(in) :: n
+    type(scene_t) :: scene
+    integer :: b
+
+    scene%dimension = 3
+    scene%contactors%dimension = 3
+    call scene%bodies%allocate(n, 3)
+    allocate (scene%laws(1))
+    do b = 1, n
+      call add_sphere(scene%contactors, b, 1, 0.5_wp, [0.0_wp, 0.0_wp, 0.0_wp])
+    end do
+  end function spatial_scene
+
+  !> Numbers other than zero in all fields that files hold, each another one, and within what checks allow.
+  subroutine some_fields(scene, contacts)
+    type(scene_t), intent(inout) :: scene
+    type(contacts_t), intent(out) :: contacts
+    type(kept_field_t), allocatable :: kept(:)
+    integer :: i
+
+    contacts%dimension = scene%dimension
+    contacts%n_components = scene%dimension
+    contacts%n_internal = 2
+    contacts%n = n_contacts
+    call reserve_contacts(contacts, n_contacts)
+    call keep_fields(scene%bodies, n_bodies, kept)
+    call draw_values(kept)
+    call restore_fields(kept, scene%bodies)
+    call keep_fields(contacts, n_contacts, kept)
+    call draw_values(kept)
+    call restore_fields(kept, contacts)
+    contacts%law = 1
+    contacts%status = int([(1 + mod(i, 4), i=1, size(contacts%status))], i1)
+    contacts%contactor(:, :n_contacts) = reshape([(int(1 + mod(i, n_bodies), i4), i=1, 2*n_contacts)], [2, n_contacts])
+  end subroutine some_fields
+
+  !> Values at random.
+  subroutine draw_values(kept)
+    type(kept_field_t), intent(inout) :: kept(:)
+    type(random_t) :: random
+    integer :: i, k, c
+
+    call random%seed(31)
+    do i = 1, size(kept)
+      do k = 1, size(kept(i)%values, 2)
+        kept(i)%values(:, k) = [(wide(random), c=1, size(kept(i)%values, 1))]
+        if (kept(i)%field%kind /= kind_real) kept(i)%values(:, k) = real(1 + mod(k, 127), wp)
+      end do
+      if (kept(i)%field%name /= 'orientation') cycle
+      do k = 1, size(kept(i)%values, 2)
+        kept(i)%values(:, k) = [random%uniform(0.1_wp, 1.0_wp), -0.3_wp, 0.4_wp, 0.2_wp]
+        kept(i)%values(:, k) = kept(i)%values(:, k)/norm2(kept(i)%values(:, k))
+      end do
+    end do
+  end subroutine draw_values
+
+  !> The same fields, bit for bit.
+  subroutine compare_fields(got, expected)
+    type(kept_field_t), intent(in) :: got(:), expected(:)
+    integer :: i
+
+    call t%equal(size(got), size(expected), 'as many fields')
+    do i = 1, size(expected)
+      call t%check(got(i)%field%name == expected(i)%field%name .and. same(got(i)%values, expected(i)%values) .and. &
+                   any(abs(expected(i)%values) > 0), trim(expected(i)%field%name)//' comes back')
+    end do
+  end subroutine compare_fields
 
   !> A scene without rotation, friction or contact, and nothing in `built` and `totals`.
   subroutine test_no_contacts()
@@ -253,7 +363,8 @@ contains
     character(len=70), parameter :: said(9) = [character(len=70) :: &
       'damaged: it holds numbers that are not finite', 'damaged: it holds numbers that are not finite', &
       'damaged: it holds numbers that are not finite', 'damaged: it holds contacts in a state that there is none', &
-      'damaged: it holds contacts across more periods', 'its step is -1', '/built has 7 rows of 3 numbers, not 50 of 3', &
+      'damaged: it holds contacts with a value of image out of range', 'its step is -1', &
+      '/built has 7 rows of 3 numbers, not 50 of 3', &
       '/contacts/impulse has 120 rows of 1 numbers, not 120 of 2', '/bodies/crossings has 49 rows of 1 numbers, not 50 of 1']
     type(scene_t) :: scene
     type(contacts_t) :: contacts
@@ -267,15 +378,15 @@ contains
     do i = 1, size(said)
       scene = some_scene(n_bodies)
       call some_state(scene, contacts, state)
-      if (i == 1) state%angle(7) = nan
+      if (i == 1) call spoil(state%bodies, 'angle', 7, nan)
       if (i == 2) state%time = nan
       if (i == 3) state%built(2, 9) = nan
-      if (i == 4) state%status(3) = 77
-      if (i == 5) state%image(3) = 1000
+      if (i == 4) call spoil(state%contacts, 'status', 3, 77.0_wp)
+      if (i == 5) call spoil(state%contacts, 'image', 3, 1000.0_wp)
       if (i == 6) state%step = -1
       if (i == 7) state%built = state%built(:, :7)
-      if (i == 8) state%impulse = state%impulse(:1, :)
-      if (i == 9) state%crossings = state%crossings(2:)
+      if (i == 8) state%contacts = shortened(state%contacts, 'impulse', 1, n_contacts)
+      if (i == 9) state%bodies = shortened(state%bodies, 'crossings', 1, n_bodies - 1)
       call write_restart(folder, state, alone, error)
       call t%check(.not. allocated(error), 'it is written')
       call expect(scene, newest_restart(folder), trim(said(i)))
@@ -286,6 +397,33 @@ contains
     call file%close()
     call expect(scene, folder//'/list.h5', 'the attribute format_version is not one whole number')
   end subroutine test_spoilt_values
+
+  !> Change a value of a field.
+  subroutine spoil(kept, name, item, value)
+    type(kept_field_t), intent(inout) :: kept(:)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: item
+    real(wp), intent(in) :: value
+    integer :: i
+
+    do i = 1, size(kept)
+      if (kept(i)%field%name == name) kept(i)%values(1, item) = value
+    end do
+  end subroutine spoil
+
+  !> Fields of which one has fewer components or items.
+  function shortened(kept, name, components, items) result(shorter)
+    type(kept_field_t), intent(in) :: kept(:)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: components, items
+    type(kept_field_t), allocatable :: shorter(:)
+    integer :: i
+
+    shorter = kept
+    do i = 1, size(kept)
+      if (kept(i)%field%name == name) shorter(i)%values = kept(i)%values(:components, :items)
+    end do
+  end function shortened
 
   !> Where nothing can be written there is one clear error, and the old file stays.
   subroutine test_no_room()
