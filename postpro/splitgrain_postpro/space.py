@@ -18,7 +18,6 @@ from .raster import Canvas, normal_of
 from .style import BLACK, BLUE, VERMILION, draw_bonds, number
 from .vtkhdf import VTK_POLYGON, VTK_VERTEX
 
-KIND_PLANE, KIND_CYLINDER, KIND_HOLLOW = 6, 7, 8
 PIXELS = 1500
 GRAIN, WALL = "#C6D0D9", "#F8F7F4"
 # Light enough everywhere for shades to be seen.
@@ -136,7 +135,7 @@ def _extents(scene):
         points, reach = scene.shapes.points, scene.shapes.point_data["radius"]
         cells = of_shapes(scene, "is_grain", 1) > 0
         is_grain = _points_of(scene.shapes, cells)
-        is_round = _points_of(scene.shapes, ~cells & (np.asarray(scene.shapes.cell_data["kind"]) != KIND_PLANE))
+        is_round = _points_of(scene.shapes, ~cells & (scene.shapes.kinds() != "plane"))
     reach = np.asarray(reach)[:, None]
     return tuple(
         np.array([(points - reach)[own].min(axis=0), (points + reach)[own].max(axis=0)]) if own.any() else None
@@ -163,7 +162,7 @@ def _wall_faces(scene):
     that is left by all such faces: so a box looks the same however thick its walls are and however they overlap.
     """
     shapes = scene.shapes
-    is_plane = np.asarray(shapes.cell_data["kind"]) == KIND_PLANE
+    is_plane = shapes.kinds() == "plane"
     planes = np.flatnonzero(is_plane & (of_shapes(scene, "is_grain", 1) <= 0))
     numbers = np.asarray(shapes.cell_data["shape"])[planes]
     grains = scene.bodies.points[scene.bodies.point_data["is_grain"] > 0]
@@ -204,7 +203,7 @@ def _solids(scene, axes, view, box, walls):
         spheres = bodies.points[rows] @ axes.T, bodies.point_data["radius"][rows], rows
         return Solids(spheres, (none, none, [], []), ([], [], [], []))
     of_cell = rows_of(bodies.point_data["id"], shapes.cell_data["body"])
-    kinds = np.asarray(shapes.cell_data["kind"])
+    kinds = shapes.kinds()
     points = shapes.points @ axes.T
     cells = shapes.cells(VTK_VERTEX)
     cells = cells[kept[of_cell[cells]]]
@@ -212,10 +211,10 @@ def _solids(scene, axes, view, box, walls):
     spheres = points[centres], shapes.point_data["radius"][centres], of_cell[cells]
     cells = shapes.cells(VTK_POLYGON)
     cells = cells[kept[of_cell[cells]]]
-    tubes = _tubes(shapes, points, of_cell, cells[kinds[cells] == KIND_CYLINDER])
-    cells = cells[kinds[cells] != KIND_CYLINDER]
+    tubes = _tubes(shapes, points, of_cell, cells[kinds[cells] == "cylinder"])
+    cells = cells[kinds[cells] != "cylinder"]
     is_grain = bodies.point_data["is_grain"][of_cell] > 0
-    cells = np.array([k for k in cells if is_grain[k] or kinds[k] != KIND_PLANE or k in walls], dtype=int)
+    cells = np.array([k for k in cells if is_grain[k] or kinds[k] != "plane" or k in walls], dtype=int)
     sides = [(sign * unit, bound) for sign, bound in ((1.0, box[0]), (-1.0, box[1])) for unit in np.eye(3)]
     polygons = []
     for cell in cells:
@@ -296,15 +295,15 @@ def _paint_walls(canvas, solids, is_grain):
         cells = [k for k in walls if shapes[k] == shape]
         faces = [corners[k] for k in cells]
         # The inside of a hollow cylinder is its only side: its front half is left out by itself.
-        if kinds[cells[0]] != KIND_HOLLOW and canvas.hidden_by(faces) > HIDES * grains:
+        if kinds[cells[0]] != "hollow cylinder" and canvas.hidden_by(faces) > HIDES * grains:
             outlines += [_closed(face) for face in faces]
             continue
         shown += cells
-        if kinds[cells[0]] == KIND_PLANE and len(faces) == 1 and normal_of(faces[0])[2] < 0:
+        if kinds[cells[0]] == "plane" and len(faces) == 1 and normal_of(faces[0])[2] < 0:
             outlines.append(_closed(faces[0]))
-        if kinds[cells[0]] == KIND_HOLLOW:
+        if kinds[cells[0]] == "hollow cylinder":
             outlines += [face[[i, i + 1], :2] for face in faces if len(face) == 4 for i in (0, 2)]
-    smooth = [kinds[b] == KIND_HOLLOW and shapes[a] == shapes[b] for a, b in zip(shown[:1] + shown[:-1], shown, strict=True)]
+    smooth = [kinds[b] == "hollow cylinder" and shapes[a] == shapes[b] for a, b in zip(shown[:1] + shown[:-1], shown, strict=True)]
     canvas.add_polygons([corners[k] for k in shown], rows[shown] if len(shown) else [], smooth)
     _paint(canvas, solids, is_grain, keep=False)
     return outlines

@@ -27,10 +27,17 @@ class Grid:
     point_data: dict
     cell_data: dict
     field_data: dict
+    kind_names: tuple = ()
 
     def cells(self, cell_type):
         """Numbers of the cells of one type."""
         return np.flatnonzero(self.types == cell_type)
+
+    def kinds(self):
+        """Kind of shape of every cell, by its word in decks."""
+        if not self.kind_names:
+            raise ResultsError("the pictures of the shapes do not name their kinds: an older version made them")
+        return np.array(self.kind_names)[np.asarray(self.cell_data["kind"], dtype=int) - 1]
 
     def outlines(self, cells):
         """Corners (x, y) of these cells, one array a cell."""
@@ -118,6 +125,7 @@ def _grid(root, step, time):
         point_data=_attached(root, "PointData", step, first_point, n_points),
         cell_data=_attached(root, "CellData", step, first_cell, n_cells),
         field_data={name: _field(root, name, step) for name in root.get("FieldData", {})},
+        kind_names=tuple(filter(None, root.file.attrs.get("shape_kinds", b"").decode().split("|"))),
     )
 
 

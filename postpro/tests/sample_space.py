@@ -6,7 +6,9 @@ from sample_results import Writer, write_record
 # Corners of a box and its faces, counter-clockwise seen from outside.
 SIGNS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
 FACES = ([0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7])
-SPHERE, PLANE, CYLINDER, HOLLOW, POLYHEDRON = 5, 6, 7, 8, 9
+# Numbers of its own, so that what reads them must look up their names.
+KINDS = "hollow cylinder", "sphere", "polyhedron", "cylinder", "plane"
+HOLLOW, SPHERE, POLYHEDRON, CYLINDER, PLANE = range(1, 6)
 
 
 def capsule(low, high, radius, sides=12):
@@ -61,6 +63,7 @@ def write_space_results(folder, walls=True, drum=False, periods=(0.0, 0.0), step
             data[name] += [value] * len(faces)
     types = [1 if kind == SPHERE else 7 for kind in data["kind"]]
     files = {name: Writer(folder / f"{name}.vtkhdf") for name in ("bodies", "shapes", "contacts")}
+    files["shapes"].file.attrs.create("shape_kinds", np.bytes_("|".join(KINDS)))
     for k in range(steps):
         fields = {"step": 10 * k, "period": periods[0], "period_y": periods[1]}
         velocity = np.zeros((n, 3))

@@ -7,13 +7,13 @@ usage: check_vtkhdf_space.py FOLDER [DENSITY]
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
 from vtk_pictures import check, finish, grid_at, points_of, times_of
 
-SPHERE, PLANE, CYLINDER, HOLLOW, POLYHEDRON = 5, 6, 7, 8, 9
 NAMES = ("bodies", "shapes", "contacts")
 
 
@@ -56,30 +56,31 @@ def open_edges(surface):
     return edges.GetOutput().GetNumberOfCells()
 
 
-def check_shapes(grid, bodies, density, what):
+def check_shapes(grid, kind_names, bodies, density, what):
     """Cells, closed surfaces, and volumes against masses."""
     cells, points = arrays(grid.GetCellData()), points_of(grid)
     types = np.array([grid.GetCellType(i) for i in range(grid.GetNumberOfCells())])
     check(set(types) <= {1, 2, 7}, f"{what}: types {set(types)}")  # XDMF calls one vertex a polyvertex
-    check(np.array_equal(np.isin(types, (1, 2)), cells["kind"] == SPHERE), f"{what}: spheres are points, others polygons")
+    kinds = np.array(kind_names)[cells["kind"] - 1]
+    check(np.array_equal(np.isin(types, (1, 2)), kinds == "sphere"), f"{what}: spheres are points, others polygons")
     radius = arrays(grid.GetPointData())["radius"]
     volumes = np.zeros(len(bodies["id"]))
     for shape in np.unique(cells["shape"]):
         own = np.flatnonzero(cells["shape"] == shape)
-        kind, body = cells["kind"][own[0]], cells["body"][own[0]]
-        if kind == SPHERE:
+        kind, body = kinds[own[0]], cells["body"][own[0]]
+        if kind == "sphere":
             volumes[body - 1] += 4 / 3 * np.pi * radius[grid.GetCell(int(own[0])).GetPointId(0)] ** 3
             continue
         surface = surface_of(grid, own)
-        check(open_edges(surface) == (2 * 96 if kind == HOLLOW else 0), f"{what}: the surface of shape {shape} is closed")
-        if kind != HOLLOW:
+        check(open_edges(surface) == (2 * 96 if kind == "hollow cylinder" else 0), f"{what}: the surface of shape {shape} is closed")
+        if kind != "hollow cylinder":
             # Chords of 15 (in large scenes 30) degrees within a capsule.
-            volumes[body - 1] += volume_of(surface) / (0.985 if kind == CYLINDER else 1)
+            volumes[body - 1] += volume_of(surface) / (0.985 if kind == "cylinder" else 1)
     check(np.all(np.isfinite(points)), f"{what}: points are finite")
     if density is not None:
         grains = bodies["is_grain"] > 0
         ratio = volumes[grains] * density / bodies["mass"][grains]
-        round_ones = np.isin(bodies["id"][grains], cells["body"][cells["kind"] == CYLINDER])
+        round_ones = np.isin(bodies["id"][grains], cells["body"][kinds == "cylinder"])
         check(np.all(np.abs(ratio - 1) < np.where(round_ones, 0.06, 1e-5)), f"{what}: volumes times density, {ratio.min()} to {ratio.max()} masses")
 
 
@@ -112,12 +113,14 @@ def look(folder, suffix, maker, density):
     readers = {name: maker() for name in NAMES}
     times = {name: times_of(readers[name], folder / f"{name}{suffix}") for name in NAMES}
     check(len(set(map(tuple, times.values()))) == 1 and times["bodies"], f"{suffix}: the same times in all files")
+    with h5py.File(folder / "shapes.vtkhdf", "r") as file:
+        kind_names = file.attrs["shape_kinds"].decode().split("|")
     seen = []
     for time in {times["bodies"][0], times["bodies"][-1]}:
         what = f"{suffix} at {time:g} s"
         grids = {name: grid_at(readers[name], time) for name in NAMES}
         bodies = check_bodies(grids["bodies"], what)
-        check_shapes(grids["shapes"], bodies, density, what)
+        check_shapes(grids["shapes"], kind_names, bodies, density, what)
         n_contacts = check_contacts(grids["contacts"], what)
         seen.append((time, n_contacts, np.round(grids["shapes"].GetBounds(), 6).tolist(), points_of(grids["bodies"]).sum()))
     return sorted(seen)

@@ -6,7 +6,7 @@ module sg_pictures_shapes
   use sg_block_distribution, only: block_distribution_t
   use sg_bodies, only: angle_of, bodies_t
   use sg_comm, only: comm_t
-  use sg_contactors, only: contactors_t, kind_point, n_kinds
+  use sg_contactors, only: contactors_t, kind_names, kind_point, n_kinds
   use sg_error, only: exit_output, fail
   use sg_kinds, only: wp, i4, i8
   use sg_pictures_grid, only: grid_file_t, on_cells, on_points
@@ -17,6 +17,7 @@ module sg_pictures_shapes
   use sg_rotations, only: frame_of, no_rotation
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
+  use sg_words, only: choices_of
   use sg_xdmf, only: xdmf_t
   implicit none
   private
@@ -57,6 +58,7 @@ contains
     if (comm%size > 1) call self%pieces%plan(scene, is_mine, rows, self%mesh, comm)
     call self%grid%open(options%folder//'/shapes.vtkhdf', options, resumed_step, comm)
     if (allocated(self%grid%file%error)) return
+    call self%grid%file%set('/', 'shape_kinds', choices_of(kind_names))
     total = int(self%mesh%n_points, i8)
     call comm%sum(total)
     if (self%grid%n_steps > 0 .and. self%grid%n_points /= total) &
