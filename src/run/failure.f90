@@ -185,12 +185,7 @@ contains
     problem = sim%problem
     problem%impulse = sim%guess_impulse
     problem%body = sim%guess_body
-    if (sim%decomposition%is_on) then
-      sim%glued_solver%with_trace = .true.
-      call sim%glued_solver%solve(problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, sim%report)
-    else
-      sim%solver%with_trace = .true.
-      call sim%solver%solve(problem, sim%report)
-    end if
+    sim%solver%with_trace = .true.
+    call sim%solver%solve(problem, sim%decomposition%subdomain%by_slot(sim%pairs%slot_of), sim%comm, sim%report)
   end subroutine solve_again
 end module sg_failure

@@ -47,11 +47,7 @@ contains
     call sim%contacts%note(tables)
     call list_history(sim%history, tables)
     call list_problem(sim%problem, tables)
-    if (sim%decomposition%is_on) then
-      call sim%glued_solver%list_tables(tables)
-    else
-      call sim%solver%list_tables(tables)
-    end if
+    call sim%solver%list_tables(tables)
     call sim%decomposition%list_tables(tables)
     call tables%begin('trace', per_contact)
     call tables%note('guess_impulse', sim%guess_impulse)

@@ -73,7 +73,7 @@ contains
       call active_set%begin(problem%n_contacts)
       if (any(abs(problem%impulse(:, :problem%n_contacts)) > 0)) then
         call measure_errors(solved, report, with_e1=.false., closing=active_set%closing)
-        call active_set%choose(problem%n_contacts, report, problem%velocity_scale)
+        call active_set%choose(problem%n_contacts, report)
       end if
       call set_order(order, solved, active_set%is_wanted, options)
       start = cpu_now()

@@ -1,6 +1,5 @@
 !> A simulation: everything one run owns, made ready for its first step (sg_advance does the steps).
 module sg_simulation
-  use sg_choose_glued_solver, only: choose_glued_solver
   use sg_choose_solver, only: choose_solver
   use sg_comm, only: comm_t, traffic_t
   use sg_contacts, only: contacts_t
@@ -9,7 +8,6 @@ module sg_simulation
   use sg_dump, only: dump_t
   use sg_energy, only: energy_t
   use sg_error, only: error_t, fail
-  use sg_glued_solver, only: glued_solver_t
   use sg_history, only: history_t, start_history
   use sg_kinds, only: wp, i8
   use sg_neighbours, only: neighbours_t
@@ -41,14 +39,13 @@ module sg_simulation
     type(neighbours_t) :: pairs
     type(contacts_t) :: contacts
     type(history_t) :: history
-    !> The contact problem of the step, its solver, and the report of the solver
+    !> The contact problem of the step, its solver, and the report of the last solve
     type(problem_t) :: problem
     class(solver_t), allocatable :: solver
     type(report_t) :: report
-    !> The ranks, this one's side of the decomposition, and the solver of decomposed problems
+    !> The ranks, and this one's side of the decomposition
     type(comm_t) :: comm
     type(decomposition_t) :: decomposition
-    class(glued_solver_t), allocatable :: glued_solver
     !> Dump of the step's problem, where one is asked for or the step failed
     type(dump_t) :: dump
     !> Is the history of errors kept within the next steps?
@@ -110,7 +107,7 @@ contains
     if (sim%comm%size == 1) return
     call check_sweeps(sim%options%partition, sim%comm%size, error)
     if (allocated(error)) return
-    call choose_glued_solver(sim%options%solver, sim%options%partition, sim%glued_solver, error)
+    call choose_solver(sim%options%solver, sim%options%partition, sim%comm%size, sim%solver, error)
     if (allocated(error)) return
     call sim%decomposition%begin(sim%scene, sim%contacts, sim%step > 0, sim%options%partition, sim%comm, error)
     if (allocated(error)) return

@@ -7,6 +7,7 @@ module sg_solve_step
   use sg_report, only: report_t
   use sg_residuals, only: find_worst
   use sg_simulation, only: simulation_t
+  use sg_subdomain, only: subdomain_t
   implicit none
   private
   public :: solve_step
@@ -68,20 +69,17 @@ contains
   subroutine judge_unsettled(sim)
     type(simulation_t), intent(inout) :: sim !! its report is set; its problem stays as it was solved
     real(wp), allocatable :: solved(:, :)
-    real(wp) :: own, scale
+    real(wp) :: own
 
     allocate (solved, source=sim%problem%record)
     call refresh_bonds(sim%scene, sim%contacts, sim%options%step, sim%problem)
     call find_worst(sim%problem, sim%report%worst_contact, own)
     call move_alloc(solved, sim%problem%record)
     sim%report%worst_speed = own
-    scale = sim%problem%velocity_scale
-    if (sim%decomposition%is_on) then
-      call sim%comm%maximum(sim%report%worst_speed)
-      scale = sim%glued_solver%errors%velocity_scale
-    end if
+    call sim%comm%maximum(sim%report%worst_speed)
     if (own < sim%report%worst_speed) sim%report%worst_contact = 0
-    sim%report%is_converged = sim%report%is_converged .and. sim%report%worst_speed <= sim%options%solver%tolerance*scale
+    sim%report%is_converged = sim%report%is_converged .and. &
+                              sim%report%worst_speed <= sim%options%solver%tolerance*sim%report%velocity_scale
   end subroutine judge_unsettled
 
   !> Add the effort of earlier rounds to the report of the last one.
@@ -100,30 +98,19 @@ contains
     report%cpu_seconds = report%cpu_seconds + before%cpu_seconds
   end subroutine add_effort
 
-  !> Solve once, on one rank or on several.
+  !> Solve once, with or without a history, and count what is sent.
   subroutine solve_once(sim)
     type(simulation_t), intent(inout) :: sim
-
-    if (sim%decomposition%is_on) then
-      call solve_glued(sim)
-    else
-      sim%solver%with_trace = sim%is_traced
-      call sim%solver%solve(sim%problem, sim%report)
-      sim%report%is_finite = all(abs(sim%problem%body) <= huge(1.0_wp))
-    end if
-  end subroutine solve_once
-
-  !> Solve this rank's part of the problem, and count what is sent.
-  subroutine solve_glued(sim)
-    type(simulation_t), intent(inout) :: sim
+    type(subdomain_t) :: coupling
     type(traffic_t) :: before
 
     before = sim%comm%traffic
-    sim%glued_solver%with_trace = sim%is_traced
-    call sim%glued_solver%solve(sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, sim%report)
+    coupling = sim%decomposition%subdomain%by_slot(sim%pairs%slot_of)
+    sim%solver%with_trace = sim%is_traced
+    call sim%solver%solve(sim%problem, coupling, sim%comm, sim%report)
     sim%gluings = sim%gluings + int(sim%report%gluings, i8)
     sim%own_updates = sim%own_updates + sim%report%contact_updates
     sim%gluing_traffic%messages = sim%gluing_traffic%messages + sim%comm%traffic%messages - before%messages
     sim%gluing_traffic%bytes = sim%gluing_traffic%bytes + sim%comm%traffic%bytes - before%bytes
-  end subroutine solve_glued
+  end subroutine solve_once
 end module sg_solve_step

@@ -5,6 +5,7 @@
 !! typical mass where that is far from 1 kg: e1 adds impulses and velocities, so that grains of a micrometre would have a small
 !! one whatever they do. Problems that have no matrices, those with linear laws, are solved by sweeps.
 module sg_by_matrices
+  use sg_comm, only: comm_t
   use sg_compact, only: add_impulses
   use sg_convergence, only: convergence_t, scales_of
   use sg_error, only: error_t
@@ -19,6 +20,7 @@ module sg_by_matrices
   use sg_residuals, only: find_worst, measure_errors
   use sg_run_options, only: criterion_e1, solver_options_t
   use sg_solver, only: solver_t
+  use sg_subdomain, only: subdomain_t
   use sg_tables, only: tables_t
   use sg_timers, only: cpu_now
   implicit none
@@ -41,16 +43,18 @@ module sg_by_matrices
     !> Who solves what has none
     type(nlgs_t) :: sweeps
   contains
-    procedure :: solve => solve_by_matrices
+    procedure :: solve_coupled => solve_by_matrices
     procedure :: list_tables => list_matrices
   end type solve_by_matrices_t
 
 contains
 
-  !> Solve a problem by its matrices.
-  subroutine solve_by_matrices(self, problem, report)
+  !> Solve a problem by its matrices, on one rank.
+  subroutine solve_by_matrices(self, problem, coupling, comm, report)
     class(solve_by_matrices_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem to solve
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks: none
+    type(comm_t), intent(inout) :: comm !! this rank alone
     type(report_t), intent(out) :: report !! effort and errors
     type(matrix_problem_t) :: matrices
     type(matrices_map_t) :: map
@@ -65,10 +69,11 @@ contains
     if (allocated(error)) then
       self%sweeps%options = self%options
       self%sweeps%with_trace = self%with_trace
-      call self%sweeps%solve(problem, report)
+      call self%sweeps%solve(problem, coupling, comm, report)
       return
     end if
     call solve_matrices(self, problem, matrices, map, start, report)
+    report%is_finite = all(abs(problem%body) <= huge(1.0_wp))
     report%cpu_seconds = cpu_now() - start - report%apart%cpu
     report%cpu_sweeps = report%cpu_seconds
   end subroutine solve_by_matrices

@@ -89,12 +89,13 @@ SCENES = {
 }  # fmt: skip
 
 # What ranks hold beside that: which body is which in the whole scene and whose, who shares what, messages about it; and by gluing.
-# Parts of the contacts take the place of the sweeps of one rank.
+# Contacts stand in several sets.
 ON_RANKS = """bodies.id bodies.home contactors.id subdomain.neighbour subdomain.first subdomain.body subdomain.home subdomain.wide
-halo.placed sharing.is_here sharing.is_there sharing.slot sharing.parts sharing.item sharing.first sharing.activity
-parts.part parts.shared"""
+halo.placed shared_bodies.is_here shared_bodies.is_there shared_bodies.slot shared_bodies.multiplicity shared_bodies.item
+shared_bodies.first shared_bodies.activity contact_sets.set_of contact_sets.shared"""
 GLUINGS = {
-    "dual": """sharing.told sharing.heard sharing.last parts.contact parts.record masses.divided masses.whole
+    "dual": """shared_bodies.send_slots shared_bodies.receive_slots shared_bodies.last contact_sets.contact contact_sets.record
+masses.divided masses.whole
 gluing.before gluing.change gluing.jump gluing.messages""",
     "primal": "edges.colour edges.lent_first edges.lent edges.borrowed_first edges.borrowed edges.messages",
 }

@@ -10,10 +10,10 @@ program test_dual
   use sg_comm, only: comm_t
   use sg_compact, only: add_impulses
   use sg_delassus, only: share_mass
+  use sg_contact_sets, only: contact_sets_t, inner_set, shared_set
   use sg_dual, only: dual_t
   use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_parts, only: part_own, part_shared, parts_t
   use sg_problem, only: problem_t
   use sg_records, only: arm_frictional, ball_frictional, first_inverse, round_frictional, solid_frictional
   use sg_report, only: report_t
@@ -107,7 +107,7 @@ contains
     dual%options%check_every = dual%options%maximum_sweeps + 1
     dual%options%criterion = criterion_quad ! all contacts are visited
     glued = problem
-    call dual%solve(glued, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, report)
+    call dual%solve(glued, sim%decomposition%subdomain%by_slot(sim%pairs%slot_of), sim%comm, report)
     call t%equal(report%gluings, gluings, name//': gluings')
 
     plain = problem
@@ -144,7 +144,7 @@ contains
     integer, intent(in) :: sweeps, gluings, n_bodies
     type(problem_t), intent(inout) :: problem
     type(explicit_t), intent(out) :: explicit
-    type(parts_t) :: parts
+    type(contact_sets_t) :: sets
     type(report_t) :: report
     logical :: is_shared(problem%n_bodies)
     integer :: i, k, round
@@ -156,17 +156,18 @@ contains
     do i = 1, size(explicit%slot)
       call share_mass(problem%kind, explicit%parts(i), problem%body(:, explicit%slot(i)))
     end do
-    call parts%begin(problem, [(merge(part_shared, part_own, any(is_shared(problem%pair(:, k)))), k=1, problem%n_contacts)], 2, &
-                     .true., explicit%slot, sim%options%solver)
-    call parts%arrange(problem)
+    call sets%begin(problem%n_contacts, sim%options%solver)
+    call sets%split(problem, [(merge(shared_set, inner_set, any(is_shared(problem%pair(:, k)))), k=1, problem%n_contacts)], 2, &
+                    .true., explicit%slot)
+    call sets%arrange(problem)
     call update_forces(problem, explicit)
     do round = 1, gluings
       call set_velocities(problem, explicit)
       do i = 1, sweeps
-        call parts%sweep(part_shared, problem, sim%options%solver%relaxation, report)
-        call parts%sweep(part_own, problem, sim%options%solver%relaxation, report)
+        call sets%sweep(shared_set, problem, sim%options%solver%relaxation, report)
+        call sets%sweep(inner_set, problem, sim%options%solver%relaxation, report)
       end do
-      call parts%give_impulses(problem)
+      call sets%give_impulses(problem)
       call update_forces(problem, explicit)
     end do
     call set_velocities(problem, explicit)
@@ -270,16 +271,16 @@ contains
     integer :: i, j, e
 
     force = explicit%force
-    associate (sharing => dual%gluing%sharing)
-      call t%check(size(sharing%slot) + count(sharing%wide%is_here) == size(explicit%slot), &
+    associate (shared => dual%gluing%shared)
+      call t%check(size(shared%slot) + count(shared%replicated%is_here) == size(explicit%slot), &
                    'as many bodies are shared')
-      do i = 1, size(sharing%slot)
-        e = findloc(explicit%slot, sharing%slot(i), 1)
+      do i = 1, size(shared%slot)
+        e = findloc(explicit%slot, shared%slot(i), 1)
         call t%check(e > 0, 'a body is shared')
         if (e == 0) cycle
-        call t%equal(sharing%parts(i), explicit%parts(e), 'ranks that share a body')
-        body = problem%body(:, sharing%slot(i))
-        call share_mass(problem%kind, sharing%parts(i), body)
+        call t%equal(shared%multiplicity(i), explicit%parts(e), 'ranks that share a body')
+        body = problem%body(:, shared%slot(i))
+        call share_mass(problem%kind, shared%multiplicity(i), body)
         do j = 1, explicit%width
           velocity(:, j) = moved(problem%kind, body, unit_vector(explicit%width, j))
         end do

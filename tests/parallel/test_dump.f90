@@ -2,49 +2,45 @@
 !!
 !! A run of one rank is brought to a state in which grains rest on each other; the problem of the next step is dumped whole, and
 !! dumped again after the run has been split. Rows are matched by numbers of theirs that no two contacts have in common.
-module breaking_glued_solver
+module breaking_solver
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use sg_comm, only: comm_t
   use sg_dual, only: dual_t
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp
   use sg_problem, only: problem_t
   use sg_records, only: velocity_x
   use sg_report, only: report_t
   use sg_subdomain, only: subdomain_t
-  use sg_whole_errors, only: whole_errors_t
   implicit none
   private
-  public :: breaking_glued_solver_t
+  public :: breaking_solver_t
 
   !> A solver that spoils a velocity on the last rank
-  type, extends(dual_t) :: breaking_glued_solver_t
+  type, extends(dual_t) :: breaking_solver_t
   contains
-    procedure :: solve => breaking_solve
-  end type breaking_glued_solver_t
+    procedure :: solve_coupled => breaking_solve
+  end type breaking_solver_t
 
 contains
 
   !> Solve, and give the first slot of the last rank an infinite velocity before the errors are measured.
-  subroutine breaking_solve(self, problem, subdomain, slot_of, comm, report)
-    class(breaking_glued_solver_t), intent(inout) :: self
+  subroutine breaking_solve(self, problem, coupling, comm, report)
+    class(breaking_solver_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem to spoil
-    type(subdomain_t), intent(in) :: subdomain !! who shares which body
-    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
     type(comm_t), intent(inout) :: comm !! the ranks
     type(report_t), intent(out) :: report !! effort and errors
-    type(whole_errors_t) :: errors
 
-    call self%dual_t%solve(problem, subdomain, slot_of, comm, report)
+    call self%dual_t%solve_coupled(problem, coupling, comm, report)
     if (comm%rank == comm%size - 1) problem%body(velocity_x, 1) = ieee_value(1.0_wp, ieee_positive_inf)
-    call errors%prepare(problem, comm)
-    call errors%begin(problem, .true., comm)
-    call errors%finish(report, comm)
+    call self%errors%begin(problem, .true., self%sets, comm)
+    call self%errors%finish(report, comm)
   end subroutine breaking_solve
-end module breaking_glued_solver
+end module breaking_solver
 
 program test_dump_ranks
   use, intrinsic :: ieee_exceptions, only: ieee_get_halting_mode, ieee_invalid, ieee_set_flag, ieee_set_halting_mode
-  use breaking_glued_solver, only: breaking_glued_solver_t
+  use breaking_solver, only: breaking_solver_t
   use harness, only: tests_t
   use matrices, only: full
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
@@ -131,6 +127,7 @@ contains
   subroutine test_broken_step()
     character(len=*), parameter :: name = 'broken disks'
     type(simulation_t) :: whole, split
+    type(breaking_solver_t) :: breaking
     type(comm_t) :: alone
     type(error_t), allocatable :: error
     character(len=:), allocatable :: file
@@ -143,10 +140,10 @@ contains
     ! Builds with checks would stop where an infinity makes a value that is no number.
     call ieee_get_halting_mode(ieee_invalid, halts)
     call ieee_set_halting_mode(ieee_invalid, .false.)
-    deallocate (split%glued_solver)
-    allocate (breaking_glued_solver_t :: split%glued_solver)
-    split%glued_solver%options = split%options%solver
-    split%glued_solver%partition = split%options%partition
+    breaking%options = split%options%solver
+    breaking%partition = split%options%partition
+    deallocate (split%solver)
+    allocate (split%solver, source=breaking)
     call advance(split, error)
     call t%check(allocated(error), name//': the step breaks on all ranks')
     call t%check(split%dump%is_begun, name//': a dump has begun without being asked for')
@@ -175,12 +172,8 @@ contains
       problem%record(arm_compliance_n:arm_compliance_t, :) = compliance
     end if
     call begin_dump(dump, problem, sim%decomposition%subdomain, sim%pairs%slot_of, ranks)
-    if (sim%decomposition%is_on) then
-      call sim%glued_solver%solve(problem, sim%decomposition%subdomain, sim%pairs%slot_of, ranks, report)
-      call t%check(report%is_finite, name//': finite velocities')
-    else
-      call sim%solver%solve(problem, report)
-    end if
+    call sim%solver%solve(problem, sim%decomposition%subdomain%by_slot(sim%pairs%slot_of), ranks, report)
+    call t%check(report%is_finite, name//': finite velocities')
     call finish_dump(dump, problem, folder, 'a test', 61, ranks, file, error)
     if (allocated(error)) write (*, '(a)') error%report()
     call t%check(.not. allocated(error), name//': dumped')

@@ -2,6 +2,7 @@
 program test_increments_ranks
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
+  use sg_choose_solver, only: choose_solver
   use sg_comm, only: comm_t
   use sg_compact, only: add_impulses
   use sg_error, only: error_t
@@ -57,10 +58,11 @@ contains
     do c = 1, size(criteria)
       if (c == 1) call next_problem(sim, problem)
       sim%problem = problem
-      sim%glued_solver%options%criterion = criteria(c)
-      call sim%glued_solver%solve(sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm, report)
+      sim%options%solver%criterion = criteria(c)
+      call choose_solver(sim%options%solver, sim%options%partition, comm%size, sim%solver, error)
+      call sim%solver%solve(sim%problem, sim%decomposition%subdomain%by_slot(sim%pairs%slot_of), sim%comm, report)
       ! Sums of some hundred numbers, of velocities to which the guess of all contacts adds.
-      call t%near(sim%glued_solver%errors%increments, values(c), 1e-9_wp*values(c), &
+      call t%near(report%criterion, values(c), 1e-9_wp*values(c), &
                   name//', '//gluing//': '//trim(criterion_names(criteria(c))))
     end do
   end subroutine test_pack

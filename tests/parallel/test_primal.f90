@@ -4,7 +4,7 @@ program test_primal
   use harness, only: tests_t
   use packs, only: advance_pack, pack_deck, start_pack
   use sg_advance, only: advance
-  use sg_choose_glued_solver, only: choose_glued_solver
+  use sg_choose_solver, only: choose_solver
   use sg_comm, only: comm_t
   use sg_error, only: error_t
   use sg_kinds, only: wp
@@ -55,7 +55,7 @@ contains
     call t%check(.not. allocated(error), name//' is split')
     do gluings = 1, 3, 2
       sim%options%solver%maximum_sweeps = gluings*800
-      call choose_glued_solver(sim%options%solver, sim%options%partition, sim%glued_solver, error)
+      call choose_solver(sim%options%solver, sim%options%partition, comm%size, sim%solver, error)
       call advance(sim, error)
       call check_updates(name, sim, interface_sweeps, gluings)
     end do

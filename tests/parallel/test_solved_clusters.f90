@@ -4,15 +4,15 @@
 !! Every rank has short towers of its own and a storey of a tall one, whose other storeys stand on the other ranks.
 program test_solved_clusters
   use harness, only: tests_t
-  use sg_choose_glued_solver, only: choose_glued_solver
+  use sg_choose_solver, only: choose_solver
   use sg_comm, only: comm_t
   use sg_error, only: error_t
-  use sg_glued_solver, only: glued_solver_t
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_records, only: round_frictionless_inverse_wnn
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e8, partition_options_t, solver_options_t
+  use sg_solver, only: solver_t
   use sg_subdomain, only: subdomain_t
   use towers, only: make_towers
   implicit none
@@ -61,12 +61,11 @@ contains
     logical, intent(in) :: leaves_solved
     type(problem_t), intent(out) :: problem
     type(report_t), intent(out) :: report
-    class(glued_solver_t), allocatable :: solver
+    class(solver_t), allocatable :: solver
     type(solver_options_t) :: options
     type(partition_options_t) :: partition
     type(subdomain_t) :: subdomain
     type(error_t), allocatable :: error
-    integer(i4) :: i
 
     options%criterion = criterion_e8
     options%tolerance = tolerance
@@ -74,10 +73,10 @@ contains
     options%order = 'natural'
     options%leave_solved = leaves_solved
     partition%gluing = name
-    call choose_glued_solver(options, partition, solver, error)
+    call choose_solver(options, partition, comm%size, solver, error)
     call t%check(.not. allocated(error), name//' can be had')
     call make_storey(problem, subdomain)
-    call solver%solve(problem, subdomain, [(i, i=1, problem%n_bodies)], comm, report)
+    call solver%solve(problem, subdomain, comm, report)
   end subroutine solve
 
   !> The towers of a rank: its storey stands on the highest grain of the rank below, of which it holds a copy.

@@ -5,7 +5,7 @@
 !! homes (sg_homes). Lists of two neighbours name the same bodies in the same order (ascending number), so that messages
 !! carry values alone (doc/theory/decomposition.md).
 module sg_subdomain
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
   use sg_tables, only: per_body, tables_t
   implicit none
   private
@@ -28,10 +28,27 @@ module sg_subdomain
     integer :: serial = 0, splits = 0
     real(wp) :: moved = 0
   contains
+    procedure :: by_slot => subdomain_by_slot
     procedure :: list_tables => subdomain_list_tables
   end type subdomain_t
 
 contains
+
+  !> The same with bodies numbered by their slots in the contact problem; nothing where a scene is not decomposed.
+  pure type(subdomain_t) function subdomain_by_slot(self, slot_of) result(coupling)
+    class(subdomain_t), intent(in) :: self
+    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
+
+    if (.not. allocated(self%body)) return
+    coupling%rank = self%rank
+    coupling%size = self%size
+    coupling%neighbour = self%neighbour
+    coupling%first = self%first
+    coupling%body = slot_of(self%body)
+    coupling%home = self%home
+    coupling%wide = slot_of(self%wide)
+    coupling%serial = self%serial
+  end function subdomain_by_slot
 
   !> List the tables of what is shared.
   subroutine subdomain_list_tables(self, tables)

@@ -21,7 +21,7 @@ module sg_report
   type :: report_t
     !> Has the stopping criterion reached its tolerance?
     logical :: is_converged = .true.
-    !> Are all velocities finite on all ranks? Told where several ranks share the problem
+    !> Are all velocities of the solution finite, on all ranks?
     logical :: is_finite = .true.
     !> Sweeps over all contacts, and single contact updates
     integer :: sweeps = 0
@@ -37,6 +37,8 @@ module sg_report
     !> Errors of the solution (doc/theory/errors.md): natural map over |q|, over the largest term, scaled one over |r|,
     !! and rms velocity error over g h
     real(wp) :: e1 = 0, e2 = 0, e8 = 0, violation = 0
+    !> What the violation is relative to [m/s]
+    real(wp) :: velocity_scale = 0
     !> Estimated relative error of the impulses, from e8 and the rate at which it fell
     real(wp) :: estimate = 0
     !> Where not converged: velocity by which the worst contact of all breaks its law [m/s], and its number where this rank has it
@@ -44,10 +46,8 @@ module sg_report
     integer :: worst_contact = 0
     !> Number of contacts that carry an impulse
     integer :: active_contacts = 0
-    !> CPU seconds in sweeps and in tests
-    real(wp) :: cpu_sweeps = 0, cpu_checks = 0
-    !> CPU seconds of the whole solve, where sweeps and tests are not told apart
-    real(wp) :: cpu_seconds = 0
+    !> CPU seconds of the whole solve; in sweeps (or iterations), and in tests
+    real(wp) :: cpu_seconds = 0, cpu_sweeps = 0, cpu_checks = 0
     !> History of errors, where asked for, and what measuring it took, which no other number holds
     type(trace_point_t), allocatable :: trace(:)
     type(timer_t) :: apart

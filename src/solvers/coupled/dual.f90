@@ -6,13 +6,13 @@
 !! under all impulses. F_Gamma is what this adds to each copy: its part of the mass times `gluing%jump`.
 module sg_dual
   use sg_kinds, only: wp
-  use sg_shared_sweeps, only: shared_sweeps_t
+  use sg_mass_splitting, only: mass_splitting_t
   implicit none
   private
   public :: dual_t
 
   !> The dual method
-  type, extends(shared_sweeps_t) :: dual_t
+  type, extends(mass_splitting_t) :: dual_t
   contains
     procedure :: rule => dual_rule
   end type dual_t

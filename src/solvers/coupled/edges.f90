@@ -7,10 +7,10 @@
 module sg_edges
   use sg_comm, only: comm_t
   use sg_exchange, only: exchange_t
-  use sg_kinds, only: wp, i4, i8
+  use sg_kinds, only: wp, i8
   use sg_problem, only: problem_t
   use sg_records, only: first_inverse
-  use sg_sharing, only: sharing_t
+  use sg_shared_bodies, only: shared_bodies_t
   use sg_subdomain, only: subdomain_t
   use sg_tables, only: per_body, tables_t
   implicit none
@@ -41,43 +41,41 @@ module sg_edges
 contains
 
   !> Find the edges of a problem and prepare their messages: number `all_edges`, and number c for those of colour c.
-  subroutine edges_prepare(self, problem, subdomain, slot_of, sharing, comm)
+  subroutine edges_prepare(self, problem, coupling, shared, comm)
     class(edges_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! this rank's part
-    type(subdomain_t), intent(in) :: subdomain !! who holds which body
-    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
-    type(sharing_t), intent(in) :: sharing !! on which bodies ranks have contacts
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
+    type(shared_bodies_t), intent(in) :: shared !! on which bodies ranks have contacts
     type(comm_t), intent(inout) :: comm !! the ranks
     integer :: c
 
     self%width = first_inverse(problem%kind) - 1
-    call list_loans(self, subdomain, slot_of, sharing)
-    call colour_all(self, subdomain, comm)
+    call list_loans(self, coupling, shared)
+    call colour_all(self, coupling, comm)
     call release_all(self)
     allocate (self%lend(0:self%n_colours), self%give_back(0:self%n_colours))
     do c = 0, self%n_colours
-      call prepare_turn(self, subdomain, c, comm)
+      call prepare_turn(self, coupling, c, comm)
     end do
   end subroutine edges_prepare
 
   !> List what is lent and borrowed on each edge.
-  subroutine list_loans(self, subdomain, slot_of, sharing)
+  subroutine list_loans(self, coupling, shared)
     class(edges_t), intent(inout) :: self
-    type(subdomain_t), intent(in) :: subdomain
-    integer(i4), intent(in) :: slot_of(:)
-    type(sharing_t), intent(in) :: sharing
+    type(subdomain_t), intent(in) :: coupling
+    type(shared_bodies_t), intent(in) :: shared
     integer :: i, e
 
     self%lent = [integer ::]
     self%borrowed = [integer ::]
     if (allocated(self%lent_first)) deallocate (self%lent_first, self%borrowed_first)
-    allocate (self%lent_first(size(subdomain%neighbour) + 1), self%borrowed_first(size(subdomain%neighbour) + 1), source=1)
-    do i = 1, size(subdomain%neighbour)
-      associate (entries => [(e, e=subdomain%first(i), subdomain%first(i + 1) - 1)])
-        self%lent = [self%lent, slot_of(subdomain%body(pack(entries, subdomain%home(entries) == subdomain%rank .and. &
-                                                              sharing%is_there(entries))))]
-        self%borrowed = [self%borrowed, slot_of(subdomain%body(pack(entries, subdomain%home(entries) == subdomain%neighbour(i) &
-                                                                      .and. sharing%is_here(entries))))]
+    allocate (self%lent_first(size(coupling%neighbour) + 1), self%borrowed_first(size(coupling%neighbour) + 1), source=1)
+    do i = 1, size(coupling%neighbour)
+      associate (entries => [(e, e=coupling%first(i), coupling%first(i + 1) - 1)])
+        self%lent = [self%lent, coupling%body(pack(entries, coupling%home(entries) == coupling%rank .and. &
+                                                      shared%is_there(entries)))]
+        self%borrowed = [self%borrowed, coupling%body(pack(entries, coupling%home(entries) == coupling%neighbour(i) .and. &
+                                                            shared%is_here(entries)))]
       end associate
       self%lent_first(i + 1) = size(self%lent) + 1
       self%borrowed_first(i + 1) = size(self%borrowed) + 1
@@ -85,18 +83,18 @@ contains
   end subroutine list_loans
 
   !> Colour the edges of all ranks; each rank knows the whole list of edges, but of no grain.
-  subroutine colour_all(self, subdomain, comm)
+  subroutine colour_all(self, coupling, comm)
     class(edges_t), intent(inout) :: self
-    type(subdomain_t), intent(in) :: subdomain
+    type(subdomain_t), intent(in) :: coupling
     type(comm_t), intent(inout) :: comm
     integer, allocatable :: all(:), first(:), edge(:, :), colour(:)
     integer :: i, r, n
-    logical :: is_edge(size(subdomain%neighbour))
+    logical :: is_edge(size(coupling%neighbour))
 
-    do i = 1, size(subdomain%neighbour)
+    do i = 1, size(coupling%neighbour)
       is_edge(i) = self%lent_first(i + 1) > self%lent_first(i) .or. self%borrowed_first(i + 1) > self%borrowed_first(i)
     end do
-    call comm%gather(pack(subdomain%neighbour, is_edge), all, first)
+    call comm%gather(pack(coupling%neighbour, is_edge), all, first)
     allocate (edge(2, size(all)/2))
     n = 0
     do r = 0, comm%size - 1
@@ -109,10 +107,10 @@ contains
     colour = colour_edges(edge(:, :n), comm%size)
     self%n_colours = 0
     if (n > 0) self%n_colours = maxval(colour)
-    self%colour = [(0, i=1, size(subdomain%neighbour))]
+    self%colour = [(0, i=1, size(coupling%neighbour))]
     do i = 1, n
       if (any(edge(:, i) == comm%rank)) then
-        where (subdomain%neighbour == sum(edge(:, i)) - comm%rank) self%colour = colour(i)
+        where (coupling%neighbour == sum(edge(:, i)) - comm%rank) self%colour = colour(i)
       end if
     end do
   end subroutine colour_all
@@ -139,22 +137,22 @@ contains
   end function colour_edges
 
   !> Prepare the messages of one turn.
-  subroutine prepare_turn(self, subdomain, c, comm)
+  subroutine prepare_turn(self, coupling, c, comm)
     class(edges_t), intent(inout) :: self
-    type(subdomain_t), intent(in) :: subdomain
+    type(subdomain_t), intent(in) :: coupling
     integer, intent(in) :: c
     type(comm_t), intent(in) :: comm
-    integer :: lent(size(subdomain%neighbour)), borrowed(size(subdomain%neighbour)), n
+    integer :: lent(size(coupling%neighbour)), borrowed(size(coupling%neighbour)), n
 
-    n = size(subdomain%neighbour)
+    n = size(coupling%neighbour)
     lent = self%lent_first(2:) - self%lent_first(:n)
     borrowed = self%borrowed_first(2:) - self%borrowed_first(:n)
     where (c > 0 .and. self%colour /= c)
       lent = 0
       borrowed = 0
     end where
-    call self%lend(c)%prepare(comm, self%width, subdomain%neighbour, lent, borrowed)
-    call self%give_back(c)%prepare(comm, self%width, subdomain%neighbour, borrowed, lent)
+    call self%lend(c)%prepare(comm, self%width, coupling%neighbour, lent, borrowed)
+    call self%give_back(c)%prepare(comm, self%width, coupling%neighbour, borrowed, lent)
   end subroutine prepare_turn
 
   !> Give back the messages of the last problem.

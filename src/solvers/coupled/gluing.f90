@@ -7,10 +7,10 @@
 module sg_gluing
   use sg_comm, only: comm_t
   use sg_exchange, only: exchange_t
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp
   use sg_problem, only: problem_t
   use sg_records, only: first_inverse
-  use sg_sharing, only: sharing_t
+  use sg_shared_bodies, only: shared_bodies_t
   use sg_subdomain, only: subdomain_t
   use sg_tables, only: per_body, tables_t
   implicit none
@@ -20,7 +20,7 @@ module sg_gluing
   !> Shared bodies of one solve and the messages about them
   type :: gluing_t
     !> Who shares what
-    type(sharing_t) :: sharing
+    type(shared_bodies_t) :: shared
     !> Take the mean of copies, or add up their changes?
     logical :: is_mean = .true.
     !> Velocities at the beginning of the round, and changes since then summed over copies, shape (width, shared)
@@ -40,11 +40,10 @@ module sg_gluing
 contains
 
   !> Find the shared bodies of a problem and prepare their messages. Collective.
-  subroutine gluing_prepare(self, problem, subdomain, slot_of, is_mean, comm)
+  subroutine gluing_prepare(self, problem, coupling, is_mean, comm)
     class(gluing_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! this rank's part, with free velocities
-    type(subdomain_t), intent(in) :: subdomain !! who holds which body
-    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
     logical, intent(in) :: is_mean !! take the mean of copies (masses are divided), or add up their changes
     type(comm_t), intent(inout) :: comm !! the ranks
     integer :: n, i
@@ -52,15 +51,15 @@ contains
     self%is_mean = is_mean
     self%rank = comm%rank
     self%width = first_inverse(problem%kind) - 1
-    call self%sharing%find(problem, subdomain, slot_of, comm)
-    associate (counts => self%sharing%first(2:) - self%sharing%first(:size(subdomain%neighbour)))
-      call self%messages%prepare(comm, self%width, subdomain%neighbour, counts, counts)
+    call self%shared%find(problem, coupling, comm)
+    associate (counts => self%shared%first(2:) - self%shared%first(:size(coupling%neighbour)))
+      call self%messages%prepare(comm, self%width, coupling%neighbour, counts, counts)
     end associate
-    n = size(self%sharing%slot)
+    n = size(self%shared%slot)
     if (allocated(self%before)) deallocate (self%before, self%change, self%jump)
     allocate (self%before(self%width, n), self%change(self%width, n), self%jump(self%width, n), source=0.0_wp)
     do i = 1, n
-      self%before(:, i) = problem%body(:self%width, self%sharing%slot(i))
+      self%before(:, i) = problem%body(:self%width, self%shared%slot(i))
     end do
   end subroutine gluing_prepare
 
@@ -80,8 +79,8 @@ contains
     type(problem_t), intent(in) :: problem
     integer :: j
 
-    do j = 1, size(self%sharing%item)
-      self%messages%send(:, j) = problem%body(:self%width, self%sharing%slot(self%sharing%item(j)))
+    do j = 1, size(self%shared%item)
+      self%messages%send(:, j) = problem%body(:self%width, self%shared%slot(self%shared%item(j)))
     end do
   end subroutine fill_messages
 
@@ -93,7 +92,7 @@ contains
 
     call self%messages%finish(comm)
     call settle(self, problem)
-    call self%sharing%wide%glue(problem, self%is_mean, comm)
+    call self%shared%replicated%glue(problem, self%is_mean, comm)
   end subroutine gluing_finish
 
   !> Give all copies the velocity that follows from those received.
@@ -104,9 +103,9 @@ contains
     integer :: i
 
     call add_up(self, problem)
-    do i = 1, size(self%sharing%slot)
-      associate (body => problem%body(:, self%sharing%slot(i)), parts => self%sharing%parts(i))
-        new = self%before(:, i) + self%change(:, i)/real(merge(parts, 1, self%is_mean), wp)
+    do i = 1, size(self%shared%slot)
+      associate (body => problem%body(:, self%shared%slot(i)), multiplicity => self%shared%multiplicity(i))
+        new = self%before(:, i) + self%change(:, i)/real(merge(multiplicity, 1, self%is_mean), wp)
         self%jump(:, i) = self%jump(:, i) + new - body(:self%width)
         self%before(:, i) = new
         body(:self%width) = new
@@ -123,11 +122,11 @@ contains
     integer :: i
 
     gluing%width = first_inverse(problem%kind) - 1
-    allocate (gluing%sharing%slot(size(slots)), gluing%sharing%parts(size(slots)), gluing%sharing%item(size(slots)))
-    gluing%sharing%slot = slots
-    gluing%sharing%parts = 2
-    gluing%sharing%item = [(i, i=1, size(slots))]
-    gluing%sharing%first = [1, size(slots) + 1]
+    allocate (gluing%shared%slot(size(slots)), gluing%shared%multiplicity(size(slots)), gluing%shared%item(size(slots)))
+    gluing%shared%slot = slots
+    gluing%shared%multiplicity = 2
+    gluing%shared%item = [(i, i=1, size(slots))]
+    gluing%shared%first = [1, size(slots) + 1]
     gluing%messages%rank = [1]
     allocate (gluing%before(gluing%width, size(slots)), gluing%change(gluing%width, size(slots)), &
               gluing%jump(gluing%width, size(slots)), gluing%messages%send(gluing%width, size(slots)), &
@@ -154,8 +153,8 @@ contains
         call add_own(self, problem)
         is_own_added = .true.
       end if
-      do j = self%sharing%first(i), self%sharing%first(i + 1) - 1
-        associate (k => self%sharing%item(j))
+      do j = self%shared%first(i), self%shared%first(i + 1) - 1
+        associate (k => self%shared%item(j))
           self%change(:, k) = self%change(:, k) + self%messages%receive(:, j) - self%before(:, k)
         end associate
       end do
@@ -169,8 +168,8 @@ contains
     type(problem_t), intent(in) :: problem
     integer :: k
 
-    do k = 1, size(self%sharing%slot)
-      self%change(:, k) = self%change(:, k) + problem%body(:self%width, self%sharing%slot(k)) - self%before(:, k)
+    do k = 1, size(self%shared%slot)
+      self%change(:, k) = self%change(:, k) + problem%body(:self%width, self%shared%slot(k)) - self%before(:, k)
     end do
   end subroutine add_own
 
@@ -179,7 +178,7 @@ contains
     class(gluing_t), intent(in) :: self
     type(tables_t), intent(inout) :: tables !! list to add to
 
-    call self%sharing%list_tables(tables)
+    call self%shared%list_tables(tables)
     call tables%begin('gluing', per_body)
     call tables%note('before', self%before)
     call tables%note('change', self%change)

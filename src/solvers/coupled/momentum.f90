@@ -1,17 +1,17 @@
 !> Exchange of momentum (after [BreitkopfJean1999]): contacts are distributed, shared grains keep their whole mass in
 !! every part, and the changes of their momentum are added up (doc/theory/decomposition.md).
 !!
-!! What several parts do to one grain at once is too much: without relaxation the rounds can diverge where grains are
-!! shared by three or more parts. The contacts of shared grains therefore take only a share of each change.
+!! Simultaneous changes of one grain by several subdomains overshoot: without relaxation the rounds can diverge where grains
+!! are shared by three or more subdomains. The contacts of shared grains therefore take only a share of each change.
 module sg_momentum
   use sg_kinds, only: wp
-  use sg_shared_sweeps, only: shared_sweeps_t
+  use sg_mass_splitting, only: mass_splitting_t
   implicit none
   private
   public :: momentum_t
 
   !> The method that exchanges momentum
-  type, extends(shared_sweeps_t) :: momentum_t
+  type, extends(mass_splitting_t) :: momentum_t
   contains
     procedure :: rule => momentum_rule
   end type momentum_t

@@ -7,14 +7,14 @@
 module sg_primal
   use sg_comm, only: comm_t
   use sg_compact, only: add_impulses
+  use sg_contact_sets, only: inner_set, shared_set
+  use sg_coupled_solver, only: coupled_solver_t
   use sg_edges, only: all_edges, edges_t
-  use sg_glued_solver, only: glued_solver_t
   use sg_home_sum, only: copy_from_home
   use sg_kinds, only: wp, i4
-  use sg_parts, only: part_own, part_shared
   use sg_problem, only: problem_t
   use sg_report, only: report_t
-  use sg_sharing, only: sharing_t
+  use sg_shared_bodies, only: shared_bodies_t
   use sg_subdomain, only: subdomain_t
   use sg_tables, only: tables_t
   implicit none
@@ -22,59 +22,59 @@ module sg_primal
   public :: primal_t
 
   !> The primal method
-  type, extends(glued_solver_t) :: primal_t
-    type(sharing_t), private :: sharing
+  type, extends(coupled_solver_t) :: primal_t
+    type(shared_bodies_t), private :: shared
     type(edges_t), private :: edges
   contains
     procedure :: open => primal_open
     procedure :: begin_round => primal_begin_round
     procedure :: finish_round => primal_finish_round
-    procedure :: begin_test => primal_begin_test
-    procedure :: tell_result => primal_tell_result
+    procedure :: collect => primal_collect
+    procedure :: close => primal_close
     procedure :: list_shared => primal_list_shared
   end type primal_t
 
 contains
 
   !> Find edges and walls that move, divide the mass of these, and let the guess act.
-  subroutine primal_open(self, problem, subdomain, slot_of, comm)
+  subroutine primal_open(self, problem, coupling, comm)
     class(primal_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! this rank's part
-    type(subdomain_t), intent(in) :: subdomain !! who holds which body
-    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), allocatable :: before(:, :)
 
-    call self%sharing%find(problem, subdomain, slot_of, comm)
-    call self%edges%prepare(problem, subdomain, slot_of, self%sharing, comm)
-    call self%divide_masses(problem, self%sharing%wide%slot, self%sharing%wide%parts)
+    call self%begin_coupled(problem)
+    call self%shared%find(problem, coupling, comm)
+    call self%edges%prepare(problem, coupling, self%shared, comm)
+    call self%divide_masses(problem, self%shared%replicated%slot, self%shared%replicated%multiplicity)
     allocate (before(self%width, size(self%edges%borrowed)))
     before(:, :) = problem%body(:self%width, self%edges%borrowed)
     call add_impulses(problem)
     call self%edges%return_changes(before, problem, comm)
-    call self%sharing%wide%glue(problem, .true., comm)
-    call self%parts%begin(problem, parts_of(self, problem), part_own + size(subdomain%neighbour), .true., &
-                          [self%edges%lent, self%edges%borrowed, self%sharing%wide%slot], self%options)
+    call self%shared%replicated%glue(problem, .true., comm)
+    call self%sets%split(problem, sets_of(self, problem), inner_set + size(coupling%neighbour), .true., &
+                         [self%edges%lent, self%edges%borrowed, self%shared%replicated%slot])
   end subroutine primal_open
 
-  !> Part of each contact: 1 where a wall moves, 2 within this rank, 2 + i on the edge with neighbour i.
-  pure function parts_of(self, problem) result(part)
+  !> Set of each contact: 1 where a replicated body moves, 2 within this rank, 2 + i on the edge with neighbour i.
+  pure function sets_of(self, problem) result(set)
     class(primal_t), intent(in) :: self
     type(problem_t), intent(in) :: problem
-    integer(i4) :: part(problem%n_contacts), part_of_slot(problem%n_bodies)
+    integer(i4) :: set(problem%n_contacts), set_of_slot(problem%n_bodies)
     integer :: i, k
 
-    part_of_slot = part_own
+    set_of_slot = inner_set
     do i = 1, size(self%edges%colour)
-      part_of_slot(self%edges%borrowed(self%edges%borrowed_first(i):self%edges%borrowed_first(i + 1) - 1)) = &
-        int(part_own + i, i4)
+      set_of_slot(self%edges%borrowed(self%edges%borrowed_first(i):self%edges%borrowed_first(i + 1) - 1)) = &
+        int(inner_set + i, i4)
     end do
-    part_of_slot(self%sharing%wide%slot) = part_shared
+    set_of_slot(self%shared%replicated%slot) = shared_set
     do k = 1, problem%n_contacts
-      part(k) = maxval(part_of_slot(problem%pair(:, k)))
-      if (part(k) == part_own .and. any(part_of_slot(problem%pair(:, k)) == part_shared)) part(k) = part_shared
+      set(k) = maxval(set_of_slot(problem%pair(:, k)))
+      if (set(k) == inner_set .and. any(set_of_slot(problem%pair(:, k)) == shared_set)) set(k) = shared_set
     end do
-  end function parts_of
+  end function sets_of
 
   !> Sweep where walls move.
   subroutine primal_begin_round(self, problem, report)
@@ -82,7 +82,7 @@ contains
     type(problem_t), intent(inout) :: problem !! this rank's part
     type(report_t), intent(inout) :: report !! contact updates are counted
 
-    call self%parts%sweep(part_shared, problem, self%options%relaxation, report)
+    call self%sets%sweep(shared_set, problem, self%options%relaxation, report)
   end subroutine primal_begin_round
 
   !> Sweep within parts, as often as the deck says, then on edges, colour by colour.
@@ -96,9 +96,9 @@ contains
 
     do i = 1, merge(0, self%partition%sweeps_of(comm%rank), is_cut)
       if (i > 1) call self%begin_round(problem, report)
-      call self%parts%sweep(part_own, problem, self%options%relaxation, report)
+      call self%sets%sweep(inner_set, problem, self%options%relaxation, report)
     end do
-    call self%sharing%wide%glue(problem, .true., comm)
+    call self%shared%replicated%glue(problem, .true., comm)
     do c = 1, merge(0, self%edges%n_colours, is_cut)
       call sweep_edge(self, c, problem, comm, report)
     end do
@@ -118,49 +118,40 @@ contains
     call self%edges%carry(c, .false., problem, comm)
     if (self%edges%borrowed_first(i + 1) > self%edges%borrowed_first(i)) then
       do j = 1, self%partition%interface_sweeps
-        call self%parts%sweep(part_own + i, problem, self%options%relaxation, report)
+        call self%sets%sweep(inner_set + i, problem, self%options%relaxation, report)
       end do
     end if
     call self%edges%carry(c, .true., problem, comm)
   end subroutine sweep_edge
 
-  !> Copy the impulses to the problem, bring all borrowed copies up to date, and begin to sum the errors.
-  subroutine primal_begin_test(self, problem, with_e1, comm)
+  !> Collect the impulses in the problem, and bring all borrowed copies up to date.
+  subroutine primal_collect(self, problem, comm)
     class(primal_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! this rank's part
-    logical, intent(in) :: with_e1 !! measure e1 and e2 too
     type(comm_t), intent(inout) :: comm !! the ranks
 
-    call self%parts%give_impulses(problem)
+    call self%sets%give_impulses(problem)
     call self%edges%carry(all_edges, .false., problem, comm)
-    if (self%parts%clusters%are_sought) then
-      call self%errors%begin(problem, with_e1, comm, self%parts%active_set%closing, self%parts%clusters%squares)
-    else
-      call self%errors%begin(problem, with_e1, comm, self%parts%active_set%closing)
-    end if
-  end subroutine primal_begin_test
+  end subroutine primal_collect
 
-  !> Give the velocities found to all copies: those of a grain stand at its home.
-  subroutine primal_tell_result(self, problem, subdomain, slot_of, comm)
+  !> Make masses whole, and give the velocities found to all copies: those of a grain stand at its home.
+  subroutine primal_close(self, problem, coupling, comm)
     class(primal_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! this rank's part
-    type(subdomain_t), intent(in) :: subdomain !! who holds which body
-    integer(i4), intent(in) :: slot_of(:) !! slot of each local body
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp), allocatable :: velocity(:, :)
 
-    allocate (velocity(self%width, size(slot_of)))
-    velocity(:, :) = problem%body(:self%width, slot_of)
-    call copy_from_home(subdomain, comm, velocity)
-    problem%body(:self%width, slot_of(subdomain%body)) = velocity(:, subdomain%body)
-  end subroutine primal_tell_result
+    call self%make_masses_whole(problem)
+    call copy_from_home(coupling, comm, problem%body(:self%width, :))
+  end subroutine primal_close
 
-  !> List the tables of walls that move and of edges.
+  !> List the tables of replicated bodies and of edges.
   subroutine primal_list_shared(self, tables)
     class(primal_t), intent(in) :: self
     type(tables_t), intent(inout) :: tables !! list to add to
 
-    call self%sharing%list_tables(tables)
+    call self%list_masses(tables)
+    call self%shared%list_tables(tables)
     call self%edges%list_tables(tables)
   end subroutine primal_list_shared
 end module sg_primal

@@ -108,6 +108,7 @@ contains
     if (with_e1) report%e2 = ratio(sqrt(sums(1)), max(free_norm, sqrt(sums(4)), sqrt(sums(5))))
     report%e8 = ratio(sqrt(sums(2)), sqrt(sums(4)))
     report%violation = ratio(sqrt(sums(3)/real(max(1, contacts), wp)), velocity_scale)
+    report%velocity_scale = velocity_scale
   end subroutine set_errors
 
   !> The contact that breaks its law by the largest velocity; contact 0 where all obey.

@@ -43,13 +43,12 @@ contains
   end subroutine active_set_begin
 
   !> Choose by the velocities that were found when errors were measured.
-  pure subroutine active_set_choose(self, n, report, velocity_scale)
+  pure subroutine active_set_choose(self, n, report)
     class(active_set_t), intent(inout) :: self
     integer, intent(in) :: n !! contacts
-    type(report_t), intent(in) :: report !! the errors
-    real(wp), intent(in) :: velocity_scale !! of the violation [m/s]
+    type(report_t), intent(in) :: report !! errors of the whole problem
 
-    self%is_wanted(:n) = self%closing(:n) <= speed_limit*report%violation*velocity_scale
+    self%is_wanted(:n) = self%closing(:n) <= speed_limit*report%violation*report%velocity_scale
   end subroutine active_set_choose
 
   !> List the tables.

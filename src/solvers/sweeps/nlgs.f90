@@ -1,195 +1,316 @@
-!> Nonlinear Gauss-Seidel: sweeps over the contacts until the stopping criterion holds (doc/theory/nlgs.md).
+!> Nonlinear Gauss-Seidel: the loop of all solvers that sweep, and the method of one rank (doc/theory/nlgs.md).
 !!
-!! The errors are always those of all contacts. Sweeps visit those that carry an impulse and the open ones that may
-!! close; who they are is looked up again as the errors fall.
+!! Rounds of sweeps go on until the errors of the whole problem are small enough. Errors are always those of all contacts; sweeps
+!! visit the active set, chosen again as errors fall. A coupled method (src/solvers/coupled) extends this type and replaces its
+!! hooks: how a solve is opened, what a round is, what a test needs before it, how copies get the result.
 module sg_nlgs
-  use sg_active_set, only: active_set_t
+  use sg_comm, only: comm_t, traffic_t
   use sg_compact, only: add_impulses
-  use sg_convergence, only: convergence_t, looks_at_errors, scales_of
-  use sg_increments, only: increment_value, increments_t, n_increment_maxima, n_increment_sums
-  use sg_kinds, only: wp, i8
+  use sg_contact_sets, only: contact_sets_t
+  use sg_convergence, only: convergence_t, looks_at_errors
+  use sg_kinds, only: wp
   use sg_problem, only: bytes_per_contact, problem_t
   use sg_report, only: report_t
-  use sg_residuals, only: find_worst, measure_errors
   use sg_run_options, only: criterion_e1, criterion_e2, solver_options_t
-  use sg_solved_clusters, only: solved_clusters_t
   use sg_solver, only: solver_t
-  use sg_sweep_order, only: give_impulses, list_order, set_order, sweep_order_t, update_order
-  use sg_sweeps, only: sweep
+  use sg_subdomain, only: subdomain_t
   use sg_tables, only: tables_t
   use sg_trace, only: point_of, trace_t
+  use sg_whole_errors, only: whole_errors_t
   implicit none
   private
   public :: nlgs_t
 
   !> A test is likely to be the last one when the criterion of the one before is below so many tolerances
   real(wp), parameter :: likely_last = 3
+  !> Least share of its relaxation that a method is damped to
+  real(wp), parameter :: least_damping = 1.0_wp/16
 
   !> The Gauss-Seidel solver
   type, extends(solver_t) :: nlgs_t
     !> Options of the deck
     type(solver_options_t) :: options
-    !> Contacts in the order of the sweep
-    type(sweep_order_t), private :: order
-    !> Active set
-    type(active_set_t), private :: active_set
-    !> Tests of this solve
+    !> Contacts of this rank, set by set
+    type(contact_sets_t) :: sets
+    !> Do other ranks act on bodies of this one? Then sums of a test travel while the next round begins
+    logical :: is_coupled = .false.
+    !> Sweeps that a round counts as
+    integer :: sweeps_per_round = 1
+    !> Share of its relaxation that a method takes which may diverge: halved where the error does not fall
+    real(wp) :: damping = 1
+    !> Errors of the whole problem, and the tests of this solve
+    type(whole_errors_t) :: errors
     type(convergence_t), private :: convergence
-    !> For criteria that look at increments
-    type(increments_t), private :: increments
-    !> Clusters that are solved before the others
-    type(solved_clusters_t), private :: clusters
-    !> History of the errors of this solve
+    !> Is e1 of the last test measured? And e8 squares at the last test judged [N2 s2]
+    logical, private :: has_e1 = .false.
+    real(wp), private :: mean_square = 0
+    !> History of the errors of this solve, and CPU seconds at the end of the last phase
     type(trace_t), private :: trace
+    real(wp), private :: now = 0
   contains
-    procedure :: solve => nlgs_solve
+    procedure :: solve_coupled => nlgs_solve
     procedure :: list_tables => nlgs_list_tables
+    procedure :: open => nlgs_open
+    procedure :: begin_round => nlgs_begin_round
+    procedure :: finish_round => nlgs_finish_round
+    procedure :: collect => nlgs_collect
+    procedure :: close => nlgs_close
+    procedure :: list_shared => nlgs_list_shared
   end type nlgs_t
 
 contains
 
-  !> Solve a problem by sweeps.
-  subroutine nlgs_solve(self, problem, report)
+  !> Solve a problem by rounds of sweeps. Collective.
+  subroutine nlgs_solve(self, problem, coupling, comm, report)
     class(nlgs_t), intent(inout) :: self
-    type(problem_t), intent(inout) :: problem !! problem to solve
+    type(problem_t), intent(inout) :: problem !! contacts of this rank, its bodies and the copies that they touch
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
+    type(comm_t), intent(inout) :: comm !! the ranks
     type(report_t), intent(out) :: report !! effort and errors
-    real(wp) :: now
-    logical :: has_e1
 
     report%bytes_per_contact = bytes_per_contact(problem)
-    if (problem%n_contacts == 0) return
+    if (comm%size == 1 .and. problem%n_contacts == 0) return
     call self%trace%begin(self%with_trace)
     if (.not. self%options%warm_start) problem%impulse = 0
-    call add_impulses(problem)
+    self%damping = 1
+    call self%sets%begin(problem%n_contacts, self%options)
+    call self%open(problem, coupling, comm)
+    self%errors%criterion = self%options%criterion
+    call self%errors%prepare(problem, comm)
+    if (self%errors%contacts == 0) return
     report%is_converged = .false.
-    if (self%trace%is_on) call note(self, problem, report, 0)
-    call start_order(self, problem, report)
-    now = self%trace%seconds()
-    has_e1 = .false.
-    do while (report%sweeps < self%options%maximum_sweeps .and. .not. report%is_converged)
-      call sweep_until_check(self, problem, report)
-      call lap(self, report%cpu_sweeps, now)
-      call check(self, problem, report, has_e1)
-      call lap(self, report%cpu_checks, now)
+    call choose_first(self, problem, comm, report)
+    call self%convergence%begin(self%errors%scales)
+    self%now = self%trace%seconds()
+    do
+      call iterate(self, problem, comm, report)
+      call confirm(self, problem, comm, report)
+      if (report%is_converged .or. report%sweeps >= self%options%maximum_sweeps) exit
     end do
-    if (.not. has_e1) then
-      call measure_errors(problem, report, with_e1=.true.)
-      call lap(self, report%cpu_checks, now)
-    end if
-    if (.not. report%is_converged) call find_worst(problem, report%worst_contact, report%worst_speed)
+    if (.not. report%is_converged) call self%errors%find_worst(problem, comm, report)
     call self%convergence%finish(report)
+    call self%close(problem, coupling, comm)
+    call lap(self, report%cpu_checks)
+    report%cpu_seconds = self%now
     call self%trace%finish(report%sweeps, report)
   end subroutine nlgs_solve
 
-  !> Measure errors for the history, after some sweeps of a batch.
-  subroutine note(self, problem, report, sweeps)
+  !> Begin with all contacts; or, where impulses are guessed, without those that the guess opens for good. The first test brings
+  !! back contacts that it missed; criteria that look at increments begin with all, since increments are of no contact left out.
+  subroutine choose_first(self, problem, comm, report)
     class(nlgs_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem
+    type(comm_t), intent(inout) :: comm
+    type(report_t), intent(inout) :: report
+
+    if (self%trace%is_on) call note(self, problem, comm, report)
+    if (self%errors%is_guessed .and. looks_at_errors(self%options%criterion)) then
+      call self%collect(problem, comm)
+      call self%errors%begin(problem, .false., self%sets, comm)
+      call self%errors%finish(report, comm)
+      call self%sets%choose(problem, report, 0.0_wp)
+    else
+      call self%sets%arrange(problem)
+    end if
+  end subroutine choose_first
+
+  !> Rounds until the criterion holds. Where ranks share the problem, the sums of a test travel while the next round begins, which
+  !! is cut short if the test passes; and a choice of the active set follows the test after the one that asks for it.
+  subroutine iterate(self, problem, comm, report)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(comm_t), intent(inout) :: comm
+    type(report_t), intent(inout) :: report
+    logical :: is_tested, is_stuck
+    integer :: since_test
+
+    is_tested = .false.
+    since_test = 0
+    do while (report%sweeps < self%options%maximum_sweeps)
+      if (.not. self%is_coupled) call choose_again(self, problem, report)
+      call self%begin_round(problem, report)
+      if (is_tested) then
+        call finish_test(self, comm, report)
+        call self%convergence%find_stuck(report, is_stuck)
+        if (is_stuck) self%damping = max(least_damping, self%damping/2)
+      end if
+      call self%finish_round(problem, report%is_converged, comm, report)
+      if (report%is_converged) return
+      report%sweeps = report%sweeps + self%sweeps_per_round
+      if (self%is_coupled) report%gluings = report%gluings + 1
+      if (self%trace%is_due(report%sweeps)) call note(self, problem, comm, report)
+      since_test = since_test + self%sweeps_per_round
+      is_tested = since_test >= self%options%check_every .or. &
+                  merge(self%convergence%is_choice_due, report%sweeps >= self%options%maximum_sweeps, self%is_coupled)
+      if (.not. is_tested) cycle
+      since_test = 0
+      call begin_test(self, problem, comm, report)
+      if (self%is_coupled) then
+        call choose_again(self, problem, report)
+      else
+        call finish_test(self, comm, report)
+        is_tested = .false.
+        if (report%is_converged) return
+      end if
+    end do
+    if (is_tested) call finish_test(self, comm, report)
+  end subroutine iterate
+
+  !> Begin to sum the errors of all ranks.
+  subroutine begin_test(self, problem, comm, report)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(comm_t), intent(inout) :: comm
+    type(report_t), intent(inout) :: report
+
+    call lap(self, report%cpu_sweeps)
+    self%has_e1 = any(self%options%criterion == [criterion_e1, criterion_e2])
+    ! e1 is measured with the others where this may be the last test: measuring all once more would cost far more.
+    if (.not. self%is_coupled) self%has_e1 = self%has_e1 .or. report%sweeps >= self%options%maximum_sweeps .or. &
+                                             report%checks == 0 .or. report%criterion <= likely_last*self%options%tolerance
+    if (self%convergence%is_choice_due .or. .not. self%is_coupled) &
+      call self%sets%clusters%prepare(problem, self%options, report%sweeps)
+    call self%collect(problem, comm)
+    call self%errors%begin(problem, self%has_e1, self%sets, comm)
+    call lap(self, report%cpu_checks)
+  end subroutine begin_test
+
+  !> Take the errors of the whole problem from the sums under way, and judge them.
+  subroutine finish_test(self, comm, report)
+    class(nlgs_t), intent(inout) :: self
+    type(comm_t), intent(inout) :: comm
+    type(report_t), intent(inout) :: report
+
+    call lap(self, report%cpu_sweeps)
+    call self%errors%finish(report, comm)
+    self%mean_square = self%errors%mean_square
+    call self%convergence%judge(self%options, report, self%errors%increments)
+    call lap(self, report%cpu_checks)
+  end subroutine finish_test
+
+  !> Choose the active set again where that is due, by errors, criterion and squares of the test that asked for it.
+  subroutine choose_again(self, problem, report)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(report_t), intent(inout) :: report
+
+    if (.not. self%convergence%is_choice_due) return
+    if (self%convergence%is_contested) self%sets%clusters%are_sought = .false.
+    call self%sets%choose(problem, report, (self%options%tolerance/report%criterion)**2*self%mean_square)
+    self%convergence%is_choice_due = .false.
+    call lap(self, report%cpu_checks)
+  end subroutine choose_again
+
+  !> Judge what is about to be handed over. Coupled rounds have changed it since the last test: the one cut short, too.
+  subroutine confirm(self, problem, comm, report)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(comm_t), intent(inout) :: comm
+    type(report_t), intent(inout) :: report
+
+    if (self%is_coupled .or. .not. self%has_e1) then
+      call self%collect(problem, comm)
+      call self%errors%begin(problem, .true., self%sets, comm)
+      if (self%is_coupled) call finish_test(self, comm, report)
+      if (.not. self%is_coupled) call self%errors%finish(report, comm)
+    end if
+    if (.not. self%convergence%must_look(report)) return
+    call self%errors%find_worst(problem, comm, report)
+    call self%convergence%confirm(report%worst_speed, report)
+  end subroutine confirm
+
+  !> Measure the errors of the whole problem for the history; what is sent for it does not count. Collective.
+  subroutine note(self, problem, comm, report)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(comm_t), intent(inout) :: comm
     type(report_t), intent(in) :: report
-    integer, intent(in) :: sweeps !! since the last test
     type(report_t) :: here
+    type(traffic_t) :: before
+    real(wp), allocatable :: impulse(:, :)
 
     call self%trace%pause()
-    if (sweeps > 0) call give_impulses(self%order, problem)
-    call measure_errors(problem, here, with_e1=.true.)
-    here%contact_updates = report%contact_updates + int(sweeps, i8)*int(self%order%n, i8)
-    call self%trace%add(point_of(report%sweeps + sweeps, here))
+    before = comm%traffic
+    ! A test may drop small remains of a guess.
+    allocate (impulse, source=problem%impulse)
+    call self%collect(problem, comm)
+    call self%errors%begin(problem, .true., self%sets, comm)
+    call self%errors%finish(here, comm)
+    here%contact_updates = report%contact_updates
+    call move_alloc(impulse, problem%impulse)
+    comm%traffic = before
+    call self%trace%add(point_of(report%sweeps, here))
   end subroutine note
 
-  !> Add the CPU time since `now` to a phase. Asking for the time costs as much as a small sweep: once a phase is enough.
-  subroutine lap(self, phase, now)
-    class(nlgs_t), intent(in) :: self
-    real(wp), intent(inout) :: phase, now
+  !> Add the CPU time since the last lap to a phase. Asking for the time costs as much as a small sweep: once per phase is enough.
+  subroutine lap(self, phase)
+    class(nlgs_t), intent(inout) :: self
+    real(wp), intent(inout) :: phase
     real(wp) :: before
 
-    before = now
-    now = self%trace%seconds()
-    phase = phase + now - before
+    before = self%now
+    self%now = self%trace%seconds()
+    phase = phase + self%now - before
   end subroutine lap
 
-  !> Begin with all contacts; or, where impulses are guessed, leave out those that the guess opens for good. The first test
-  !! brings back contacts that it missed; increments are of no contact left out, so criteria that look at them begin with all.
-  subroutine start_order(self, problem, report)
+  !> Let the guess act.
+  subroutine nlgs_open(self, problem, coupling, comm)
     class(nlgs_t), intent(inout) :: self
-    type(problem_t), intent(in) :: problem
-    type(report_t), intent(inout) :: report
+    type(problem_t), intent(inout) :: problem !! guess and free velocities; then the velocities under the guess
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot: none
+    type(comm_t), intent(inout) :: comm !! the ranks
 
-    call self%active_set%begin(problem%n_contacts)
-    if (looks_at_errors(self%options%criterion) .and. any(abs(problem%impulse(:, :problem%n_contacts)) > 0)) then
-      call measure_errors(problem, report, with_e1=.false., closing=self%active_set%closing)
-      call self%active_set%choose(problem%n_contacts, report, problem%velocity_scale)
-      self%active_set%is_ordered(:problem%n_contacts) = self%active_set%is_wanted(:problem%n_contacts)
-    end if
-    call set_order(self%order, problem, self%active_set%is_ordered, self%options)
-    call self%clusters%begin()
-    call self%convergence%begin(scales_of(problem))
-  end subroutine start_order
+    call add_impulses(problem)
+  end subroutine nlgs_open
 
-  !> Sweep as often as the options say between two tests.
-  subroutine sweep_until_check(self, problem, report)
+  !> Sweep contacts of shared bodies, the first part of a round: there are none.
+  subroutine nlgs_begin_round(self, problem, report)
     class(nlgs_t), intent(inout) :: self
-    type(problem_t), intent(inout) :: problem
-    type(report_t), intent(inout) :: report
-    integer :: i, n
+    type(problem_t), intent(inout) :: problem !! this rank's part
+    type(report_t), intent(inout) :: report !! contact updates are counted
+  end subroutine nlgs_begin_round
 
-    n = min(self%options%check_every, self%options%maximum_sweeps - report%sweeps)
-    do i = 1, n
-      call sweep(problem%kind, self%order, problem%n_bodies, self%options%relaxation, problem%body)
-      if (self%trace%is_due(report%sweeps + i)) call note(self, problem, report, i)
-    end do
-    report%sweeps = report%sweeps + n
-    report%contact_updates = report%contact_updates + int(n, i8)*int(self%order%n, i8)
-    call give_impulses(self%order, problem)
-  end subroutine sweep_until_check
-
-  !> Measure the errors, judge them, and choose the active set again when it is due.
-  subroutine check(self, problem, report, has_e1)
+  !> Sweep once.
+  subroutine nlgs_finish_round(self, problem, is_cut, comm, report)
     class(nlgs_t), intent(inout) :: self
-    type(problem_t), intent(in) :: problem
-    type(report_t), intent(inout) :: report
-    logical, intent(out) :: has_e1
-    real(wp) :: increments, sums(n_increment_sums), maxima(n_increment_maxima), asked
-    logical :: is_last
+    type(problem_t), intent(inout) :: problem !! this rank's part
+    logical, intent(in) :: is_cut !! only glue what has been swept, since the test has passed
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(report_t), intent(inout) :: report !! contact updates are counted
 
-    is_last = report%sweeps >= self%options%maximum_sweeps
-    ! e1 is measured beside the others where this may be the last test: measuring all once more would cost far more.
-    has_e1 = is_last .or. any(self%options%criterion == [criterion_e1, criterion_e2]) .or. report%checks == 0 .or. &
-             report%criterion <= likely_last*self%options%tolerance
-    call self%clusters%prepare(problem, self%options, report%sweeps)
-    if (self%clusters%are_sought) then
-      call measure_errors(problem, report, has_e1, self%clusters%squares, self%active_set%closing)
-    else
-      call measure_errors(problem, report, has_e1, closing=self%active_set%closing)
-    end if
-    increments = 0
-    if (.not. looks_at_errors(self%options%criterion)) then
-      call self%increments%measure(problem, self%order, sums, maxima)
-      increments = increment_value(self%options%criterion, sums, maxima)
-    end if
-    call self%convergence%judge(self%options, report, increments)
-    if (self%convergence%must_look(report)) then
-      call find_worst(problem, report%worst_contact, report%worst_speed)
-      call self%convergence%confirm(report%worst_speed, report)
-    end if
-    if (is_last .or. .not. self%convergence%is_choice_due) return
-    associate (n => problem%n_contacts)
-      call self%active_set%choose(n, report, problem%velocity_scale)
-      if (self%clusters%are_sought .and. .not. self%convergence%is_contested) then
-        asked = (self%options%tolerance/report%criterion)**2*sum(self%clusters%squares(:n))/real(n, wp)
-        call self%clusters%leave_out(problem, report%sweeps, asked, self%active_set%is_wanted(:n))
-      end if
-      call update_order(self%order, problem, self%active_set%is_wanted(:n), self%active_set%is_ordered(:n), self%options)
-    end associate
-  end subroutine check
+    if (.not. is_cut) call self%sets%sweep(1, problem, self%options%relaxation, report)
+  end subroutine nlgs_finish_round
 
-  !> List the tables of the sweeps.
+  !> Collect impulses and velocities in the problem, where those of a round may lie in orders and copies.
+  subroutine nlgs_collect(self, problem, comm)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's part
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    call self%sets%give_impulses(problem)
+  end subroutine nlgs_collect
+
+  !> Give the velocities found to all copies: there are none.
+  subroutine nlgs_close(self, problem, coupling, comm)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's part
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
+    type(comm_t), intent(inout) :: comm !! the ranks
+  end subroutine nlgs_close
+
+  !> List the tables that are kept from one problem to the next: the same ones on all ranks.
   subroutine nlgs_list_tables(self, tables)
     class(nlgs_t), intent(in) :: self
     type(tables_t), intent(inout) :: tables !! list to add to
 
-    call list_order(self%order, tables)
-    call self%active_set%list_tables(tables)
-    call self%increments%list_tables(tables)
-    call self%clusters%list_tables(tables)
+    call self%sets%list_tables(tables)
+    call self%errors%list_tables(tables)
+    call self%list_shared(tables)
   end subroutine nlgs_list_tables
+
+  !> List the tables of what the method shares with other ranks: none.
+  subroutine nlgs_list_shared(self, tables)
+    class(nlgs_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+  end subroutine nlgs_list_shared
 end module sg_nlgs

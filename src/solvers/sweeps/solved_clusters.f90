@@ -79,12 +79,12 @@ contains
     integer, intent(in) :: sweeps !! done so far
     real(wp), intent(in) :: asked !! mean over all contacts of the squares that are asked for [N2 s2]
     logical, intent(inout) :: is_wanted(:) !! contacts to visit, shape (contacts)
-    integer, intent(in), optional :: shared(:) !! slots of bodies on which others act too: their clusters stay
+    integer, intent(in) :: shared(:) !! slots of bodies on which others act too: their clusters stay
     integer :: k
 
     call join_bodies(self, problem, is_wanted)
     call weigh(self, problem, is_wanted, part_of_share*asked)
-    if (present(shared)) call keep(self, shared)
+    call keep(self, shared)
     self%n_left_out = sum(self%members(:problem%n_bodies), .not. self%excess(:problem%n_bodies) > 0)
     self%next_look = patience_grows*sweeps
     ! Few are not worth an order of their own: then nothing changes.

@@ -1,10 +1,12 @@
 !> Dumps of contact problems: the list of steps, and what a step that breaks leaves behind to be replayed.
 module breaking_solver
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+  use sg_comm, only: comm_t
   use sg_kinds, only: wp
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t
   use sg_report, only: report_t
+  use sg_subdomain, only: subdomain_t
   implicit none
   private
   public :: breaking_solver_t
@@ -12,19 +14,23 @@ module breaking_solver
   !> A solver that spoils the velocity of the first slot
   type, extends(nlgs_t) :: breaking_solver_t
   contains
-    procedure :: solve => breaking_solve
+    procedure :: solve_coupled => breaking_solve
   end type breaking_solver_t
 
 contains
 
   !> Give the first slot an infinite velocity.
-  subroutine breaking_solve(self, problem, report)
+  subroutine breaking_solve(self, problem, coupling, comm, report)
     class(breaking_solver_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem to spoil
-    type(report_t), intent(out) :: report !! nothing is reported
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks: none
+    type(comm_t), intent(inout) :: comm !! this rank alone
+    type(report_t), intent(out) :: report !! errors of what is handed over
 
-    if (same_type_as(self, breaking_solver_t())) problem%body(1, 1) = ieee_value(1.0_wp, ieee_positive_inf)
-    report%is_converged = .false.
+    call self%nlgs_t%solve_coupled(problem, coupling, comm, report)
+    problem%body(1, 1) = ieee_value(1.0_wp, ieee_positive_inf)
+    call self%errors%begin(problem, .true., self%sets, comm)
+    call self%errors%finish(report, comm)
   end subroutine breaking_solve
 end module breaking_solver
 

@@ -1,6 +1,7 @@
-!> Errors of the whole problem from its parts: sums over ranks, made while sweeps go on.
+!> Errors of the whole problem from those of the ranks: sums that travel while sweeps go on.
 module sg_whole_errors
   use sg_comm, only: comm_t
+  use sg_contact_sets, only: contact_sets_t
   use sg_convergence, only: looks_at_errors, scales_of, scales_t
   use sg_increments, only: increment_value, increments_t, n_increment_maxima, n_increment_sums
   use sg_kinds, only: wp
@@ -18,8 +19,8 @@ module sg_whole_errors
   type :: whole_errors_t
     !> Contacts of all ranks
     integer :: contacts = 0
-    !> Norm of q over all of them, and velocity scale [m/s]
-    real(wp) :: free_norm = 0, velocity_scale = 0
+    !> Norm of q over all of them [m/s]
+    real(wp), private :: free_norm = 0
     !> What convergence is judged by
     type(scales_t) :: scales
     !> Mean over all contacts of the squares that e8 is made of, at the last sum taken [N2 s2]
@@ -29,7 +30,7 @@ module sg_whole_errors
     !> What is being summed: e1 too? And contacts of this rank that carry an impulse
     logical, private :: with_e1 = .false.
     integer, private :: active = 0
-    !> Criterion that the solve ends by; one that looks at increments is summed too, over all contacts in their natural order
+    !> Criterion that the solve ends by; one that looks at increments is summed too
     integer :: criterion = criterion_estimate
     real(wp) :: increments = 0
     type(increments_t), private :: asked
@@ -52,21 +53,24 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp) :: sums(2), largest(4)
 
-    ! A count travels with reals where that saves a message per step.
-    sums = [real(problem%n_contacts, wp), problem%free_norm**2]
-    call comm%sum(sums)
     self%scales = scales_of(problem)
+    self%contacts = problem%n_contacts
+    self%free_norm = problem%free_norm
     largest = [self%scales%fastest, 0.0_wp, self%scales%closing, self%scales%friction]
-    if (problem%n_contacts > 0) largest(2) = maxval(abs(problem%impulse(:, :problem%n_contacts)))
+    if (any(abs(problem%impulse(:, :problem%n_contacts)) > 0)) largest(2) = 1
+    if (comm%size > 1) then
+      ! A count travels with reals where that saves a message per step.
+      sums = [real(problem%n_contacts, wp), problem%free_norm**2]
+      call comm%sum(sums)
+      self%contacts = nint(sums(1))
+      self%free_norm = sqrt(sums(2))
+    end if
     call comm%maximum(largest)
-    self%contacts = nint(sums(1))
-    self%free_norm = sqrt(sums(2))
     self%is_guessed = largest(2) > 0
-    self%velocity_scale = problem%fall_speed
-    if (.not. self%velocity_scale > 0) self%velocity_scale = self%free_norm/sqrt(real(max(1, self%contacts), wp))
     self%scales%contacts = self%contacts
     self%scales%fastest = largest(1)
-    self%scales%velocity = self%velocity_scale
+    self%scales%velocity = problem%fall_speed
+    if (.not. self%scales%velocity > 0) self%scales%velocity = self%free_norm/sqrt(real(max(1, self%contacts), wp))
     self%scales%closing = largest(3)
     self%scales%friction = largest(4)
   end subroutine errors_prepare
@@ -85,35 +89,42 @@ contains
     if (self%contacts == 0 .or. own < report%worst_speed) report%worst_contact = 0
   end subroutine errors_find_worst
 
-  !> Begin to sum the errors of all parts.
-  subroutine errors_begin(self, problem, with_e1, comm, closing, squares)
+  !> Begin to sum the errors of all ranks, and what the active set and clusters need of them.
+  subroutine errors_begin(self, problem, with_e1, sets, comm)
     class(whole_errors_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! this rank's part, its copies glued
-    logical, intent(in) :: with_e1 !! measure e1 and e2 too
+    logical, intent(in) :: with_e1 !! measure e1 and e2 too, and look for velocities that are not finite
+    type(contact_sets_t), intent(inout) :: sets !! its contacts; closing speeds and, where sought, squares are set
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp), allocatable, intent(inout), optional :: closing(:) !! for the active set (sg_active_set), shape (contacts here)
-    real(wp), allocatable, intent(inout), optional :: squares(:) !! squares that e8 is made of, shape (contacts here)
     real(wp) :: sums(n_error_sums + 1), increments(n_increment_sums)
 
     sums(n_error_sums + 1) = 0
-    call sum_errors(problem, with_e1, sums(:n_error_sums), squares, closing)
-    ! The sum at the end of a solve, which has e1, tells also whether a velocity broke.
+    if (sets%clusters%are_sought) then
+      call sum_errors(problem, with_e1, sums(:n_error_sums), sets%clusters%squares, sets%active_set%closing)
+    else
+      call sum_errors(problem, with_e1, sums(:n_error_sums), closing=sets%active_set%closing)
+    end if
     if (with_e1) sums(n_error_sums + 1) = merge(0.0_wp, 1.0_wp, all(abs(problem%body) <= huge(1.0_wp)))
     increments = 0
-    if (.not. looks_at_errors(self%criterion)) call measure_increments(self, problem, increments)
+    if (.not. looks_at_errors(self%criterion)) call measure_increments(self, problem, sets, increments)
     self%with_e1 = with_e1
     self%active = nint(sums(6))
     call comm%begin_sum([sums, increments])
   end subroutine errors_begin
 
-  !> What all contacts of this rank ask.
-  subroutine measure_increments(self, problem, sums)
+  !> What all contacts of this rank ask: in the order of sweep where there is one, else in their natural order.
+  subroutine measure_increments(self, problem, sets, sums)
     class(whole_errors_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
+    type(contact_sets_t), intent(in) :: sets
     real(wp), intent(out) :: sums(:)
     logical :: is_wanted(problem%n_contacts)
     type(solver_options_t) :: natural
 
+    if (sets%n == 1 .and. sets%is_arranged) then
+      call self%asked%measure(problem, sets%order(1), sums, self%maxima)
+      return
+    end if
     is_wanted = .true.
     natural%order = 'natural'
     call set_order(self%order, problem, is_wanted, natural)
@@ -133,12 +144,12 @@ contains
       if (self%criterion /= criterion_quad) call comm%maximum(self%maxima)
       self%increments = increment_value(self%criterion, sums(n_error_sums + 2:), self%maxima)
     end if
-    call set_errors(sums(:n_error_sums), self%contacts, self%free_norm, self%velocity_scale, self%with_e1, report)
+    call set_errors(sums(:n_error_sums), self%contacts, self%free_norm, self%scales%velocity, self%with_e1, report)
     self%mean_square = sums(2)/real(max(1, self%contacts), wp)
     report%active_contacts = self%active
   end subroutine errors_finish
 
-  !> List the tables of criteria that look at increments.
+  !> List the tables of criteria that look at increments; those of an order of its own are listed with the others.
   subroutine errors_list_tables(self, tables)
     class(whole_errors_t), intent(in) :: self
     type(tables_t), intent(inout) :: tables !! list to add to

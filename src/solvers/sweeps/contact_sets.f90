@@ -1,0 +1,223 @@
+!> Contacts of a rank in several sets, each with an order of sweep of its own: contacts of shared bodies, swept before messages
+!! leave; those of inner bodies, swept while messages travel; those on edges between subdomains. One rank alone has one set.
+module sg_contact_sets
+  use sg_active_set, only: active_set_t
+  use sg_delassus, only: set_block
+  use sg_kinds, only: wp, i4, i8
+  use sg_problem, only: problem_t
+  use sg_report, only: report_t
+  use sg_run_options, only: solver_options_t
+  use sg_solved_clusters, only: solved_clusters_t
+  use sg_sweep_order, only: give_impulses, list_order, set_order, sweep_order_t, update_order
+  use sg_sweeps, only: sweep
+  use sg_tables, only: per_contact, tables_t
+  implicit none
+  private
+  public :: contact_sets_t, shared_set, inner_set
+
+  !> The first two sets of a split: contacts of bodies whose mass may be divided among copies, and those of no shared body
+  integer, parameter :: shared_set = 1, inner_set = 2
+
+  !> Contacts of one rank, set by set
+  type :: contact_sets_t
+    !> Number of sets, and the contacts of each in the order of its sweep
+    integer :: n = 1
+    type(sweep_order_t), allocatable :: order(:)
+    !> Set of each contact where there are several; and the active set
+    integer(i4), allocatable, private :: set_of(:)
+    type(active_set_t) :: active_set
+    !> Contacts of divided bodies, and their records with blocks for a part of the mass
+    integer(i4), allocatable, private :: contact(:)
+    real(wp), allocatable, private :: record(:, :)
+    !> Slots of bodies on which other ranks act too, and clusters of others that are solved before the rest
+    integer, allocatable, private :: shared(:)
+    type(solved_clusters_t) :: clusters
+    type(solver_options_t), private :: options
+    !> Do the orders hold contacts of this problem yet?
+    logical :: is_arranged = .false.
+  contains
+    procedure :: begin => sets_begin
+    procedure :: split => sets_split
+    procedure :: arrange => sets_arrange
+    procedure :: choose => sets_choose
+    procedure :: sweep => sets_sweep
+    procedure :: give_impulses => sets_give_impulses
+    procedure :: list_tables => sets_list_tables
+    procedure :: list_split_tables => sets_list_split_tables
+  end type contact_sets_t
+
+contains
+
+  !> Take all contacts of a problem in one set. Before the first sweep follows `arrange`, or `choose` where a guess determines the
+  !! active set.
+  subroutine sets_begin(self, n_contacts, options)
+    class(contact_sets_t), intent(inout) :: self
+    integer, intent(in) :: n_contacts !! contacts of the problem
+    type(solver_options_t), intent(in) :: options !! order and threads of the sweeps
+
+    self%options = options
+    self%n = 1
+    self%shared = [integer ::]
+    call self%clusters%begin()
+    call self%active_set%begin(n_contacts)
+    self%is_arranged = .false.
+  end subroutine sets_begin
+
+  !> Split the contacts into several sets, before they are arranged.
+  subroutine sets_split(self, problem, set_of, n, are_masses_divided, shared)
+    class(contact_sets_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! problem whose shared bodies may have divided masses
+    integer(i4), intent(in) :: set_of(:) !! set of each contact, from 1
+    integer, intent(in) :: n !! number of sets
+    logical, intent(in) :: are_masses_divided !! recompute the blocks of the first set
+    integer, intent(in) :: shared(:) !! slots of bodies on which other ranks act too
+    integer :: k
+
+    self%n = n
+    self%set_of = set_of
+    self%shared = shared
+    self%contact = pack([(int(k, i4), k=1, size(set_of))], set_of == shared_set .and. are_masses_divided)
+    if (allocated(self%record)) deallocate (self%record)
+    allocate (self%record(size(problem%record, 1), size(self%contact)))
+    do k = 1, size(self%contact)
+      self%record(:, k) = problem%record(:, self%contact(k))
+      call set_block(problem%kind, problem%body(:, problem%pair(1, self%contact(k))), &
+                     problem%body(:, problem%pair(2, self%contact(k))), self%record(:, k))
+    end do
+  end subroutine sets_split
+
+  !> Copy the active contacts into the orders of their sets.
+  subroutine sets_arrange(self, problem)
+    class(contact_sets_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! problem whose present impulses are taken; it comes back as it was
+    integer :: s
+
+    if (allocated(self%order)) then
+      if (size(self%order) /= self%n) deallocate (self%order)
+    end if
+    if (.not. allocated(self%order)) allocate (self%order(self%n))
+    self%is_arranged = .true.
+    associate (is_ordered => self%active_set%is_ordered(:problem%n_contacts))
+      if (self%n == 1) then
+        call set_order(self%order(1), problem, is_ordered, self%options)
+        return
+      end if
+      call swap_records(self, problem)
+      do s = 1, self%n
+        call set_order(self%order(s), problem, is_ordered .and. self%set_of == s, self%options)
+      end do
+      call swap_records(self, problem)
+    end associate
+  end subroutine sets_arrange
+
+  !> Exchange the records of contacts of divided bodies with those for whole masses.
+  subroutine swap_records(self, problem)
+    class(contact_sets_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    real(wp) :: record(size(problem%record, 1))
+    integer :: i
+
+    do i = 1, size(self%contact)
+      record = problem%record(:, self%contact(i))
+      problem%record(:, self%contact(i)) = self%record(:, i)
+      self%record(:, i) = record
+    end do
+  end subroutine swap_records
+
+  !> Choose the active set again, by the errors of the whole problem.
+  subroutine sets_choose(self, problem, report, asked)
+    class(contact_sets_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! problem with its present impulses, from which new orders take them, and velocities
+    type(report_t), intent(in) :: report !! errors of the whole problem
+    real(wp), intent(in) :: asked !! mean over all contacts of the squares that are asked for; not used unless clusters are sought
+
+    associate (n => problem%n_contacts, active_set => self%active_set)
+      call active_set%choose(n, report)
+      if (self%clusters%are_sought) then
+        call self%clusters%leave_out(problem, report%sweeps, asked, active_set%is_wanted(:n), self%shared)
+        self%clusters%are_sought = .false.
+      end if
+      if (self%is_arranged) then
+        call update_orders(self, problem)
+      else
+        active_set%is_ordered(:n) = active_set%is_wanted(:n)
+        call self%arrange(problem)
+      end if
+    end associate
+  end subroutine sets_choose
+
+  !> Bring the orders of all sets up to date with the active set.
+  subroutine update_orders(self, problem)
+    class(contact_sets_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    logical, allocatable :: is_ordered(:)
+    integer :: s
+
+    associate (n => problem%n_contacts, active_set => self%active_set)
+      if (self%n == 1) then
+        call update_order(self%order(1), problem, active_set%is_wanted(:n), active_set%is_ordered(:n), self%options)
+        return
+      end if
+      call swap_records(self, problem)
+      do s = 1, self%n
+        is_ordered = active_set%is_ordered(:n) .and. self%set_of == s
+        call update_order(self%order(s), problem, active_set%is_wanted(:n) .and. self%set_of == s, is_ordered, self%options)
+        where (self%set_of == s) active_set%is_ordered(:n) = is_ordered
+      end do
+      call swap_records(self, problem)
+    end associate
+  end subroutine update_orders
+
+  !> Update the contacts of a set once.
+  subroutine sets_sweep(self, set, problem, relaxation, report)
+    class(contact_sets_t), intent(inout) :: self
+    integer, intent(in) :: set !! which one
+    type(problem_t), intent(inout) :: problem !! velocities change
+    real(wp), intent(in) :: relaxation !! share of each change taken
+    type(report_t), intent(inout) :: report !! updates are counted
+
+    call sweep(problem%kind, self%order(set), problem%n_bodies, relaxation, problem%body)
+    report%contact_updates = report%contact_updates + int(self%order(set)%n, i8)
+  end subroutine sets_sweep
+
+  !> Copy impulses back to the problem, where sweeps have them.
+  pure subroutine sets_give_impulses(self, problem)
+    class(contact_sets_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! its impulses are set
+    integer :: s
+
+    if (.not. self%is_arranged) return
+    do s = 1, self%n
+      call give_impulses(self%order(s), problem)
+    end do
+  end subroutine sets_give_impulses
+
+  !> List the tables that every solve has: of all orders together, however many there are.
+  subroutine sets_list_tables(self, tables)
+    class(contact_sets_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+    type(sweep_order_t) :: none
+    integer :: s
+
+    call list_order(none, tables)
+    if (allocated(self%order)) then
+      do s = 1, size(self%order)
+        call list_order(self%order(s), tables)
+      end do
+    end if
+    call self%active_set%list_tables(tables)
+    call self%clusters%list_tables(tables)
+  end subroutine sets_list_tables
+
+  !> List the tables of contacts in several sets.
+  subroutine sets_list_split_tables(self, tables)
+    class(contact_sets_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call tables%begin('contact_sets', per_contact)
+    call tables%note('set_of', self%set_of)
+    call tables%note('contact', self%contact)
+    call tables%note('record', self%record)
+    call tables%note('shared', self%shared)
+  end subroutine sets_list_split_tables
+end module sg_contact_sets
