@@ -1,4 +1,4 @@
-!> The command line: words, options with values, and what is wrong with them.
+!> The command line: words, options with values, and their mistakes.
 module sg_arguments
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp

@@ -19,7 +19,7 @@ contains
   !> Measure and print.
   subroutine bench_command(arguments, error)
     type(arguments_t), intent(in) :: arguments !! the command line
-    type(error_t), allocatable, intent(out) :: error !! what is wrong with it
+    type(error_t), allocatable, intent(out) :: error !! error of the command line
     type(solver_options_t) :: options
     type(benchmark_t) :: figures
     real(wp) :: friction

@@ -32,7 +32,7 @@ contains
     type(arguments_t), intent(in) :: arguments !! the command line
     type(comm_t), intent(inout) :: comm !! ranks that measure what a prediction needs
     integer, intent(out) :: code !! exit code when there is no error
-    type(error_t), allocatable, intent(out) :: error !! what went wrong
+    type(error_t), allocatable, intent(out) :: error !! error of the command
     type(simulation_t) :: sim
     type(diagnostics_t) :: diagnostics
     type(split_report_t) :: report

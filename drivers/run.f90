@@ -33,7 +33,7 @@ contains
     type(arguments_t), intent(in) :: arguments !! the command line
     type(comm_t), intent(in) :: comm !! the ranks
     integer, intent(out) :: code !! exit code when there is no error
-    type(error_t), allocatable, intent(out) :: error !! what went wrong
+    type(error_t), allocatable, intent(out) :: error !! error of the command
     type(simulation_t) :: sim
     real(wp) :: walltime, deadline
     integer, allocatable :: dump_steps(:, :)

@@ -20,7 +20,7 @@ module sg_solve
   private
   public :: solve_command
 
-  !> What is asked for
+  !> Options of the command
   type :: request_t
     !> Names of the solvers, and when they stop
     type(text_t), allocatable :: solvers(:)
@@ -39,7 +39,7 @@ contains
   subroutine solve_command(arguments, code, error)
     type(arguments_t), intent(in) :: arguments !! the command line
     integer, intent(out) :: code !! exit code when there is no error
-    type(error_t), allocatable, intent(out) :: error !! what is wrong with the command line
+    type(error_t), allocatable, intent(out) :: error !! error of the command line
     type(request_t) :: request
     integer :: i, solved
     logical :: is_solved
@@ -204,7 +204,7 @@ contains
     if (allocated(failure)) call move_alloc(failure, error)
   end subroutine solve_once
 
-  !> Print what is wrong with a file.
+  !> Print the error of a file.
   subroutine report(error, code)
     type(error_t), intent(in) :: error
     integer, intent(out) :: code

@@ -1,7 +1,7 @@
 !> Block distribution: records of all ranks in the order of their numbers, for files that do not depend on the number of ranks.
 !!
-!! Things are numbered from 1 to `total` over all ranks. Each rank holds some of them, in any order; in a file they stand by
-!! number. Rank r of P writes the block of numbers from r total/P + 1 to (r + 1) total/P: `block_distribution_t` brings what is held
+!! Items are numbered from 1 to `total` over all ranks. Each rank holds some of them, in any order; a file has them by
+!! number. Rank r of P writes the block of numbers from r total/P + 1 to (r + 1) total/P: `block_distribution_t` brings items held
 !! into blocks, and `wanted_t` takes out of the blocks the records that a rank needs. No rank holds more than its share.
 module sg_block_distribution
   use sg_ascending, only: distinct, place_in
@@ -26,12 +26,12 @@ module sg_block_distribution
   contains
     procedure :: plan => rows_plan
     procedure, private :: order_reals, order_records, order_integers
-    !> Bring numbers that belong to what is held into the blocks
+    !> Bring numbers of items held into the blocks
     generic :: order => order_reals, order_records, order_integers
     procedure :: back => rows_back
   end type block_distribution_t
 
-  !> A plan by which a rank learns of things that stand in the blocks of others
+  !> A plan by which a rank gets items from the blocks of others
   type :: wanted_t
     !> Numbers of the things wanted, ascending
     integer(i4), allocatable :: number(:)
@@ -66,7 +66,7 @@ contains
   subroutine rows_plan(self, comm, number, total)
     class(block_distribution_t), intent(inout) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
-    integer(i4), intent(in) :: number(:) !! numbers of what this rank holds, from 1 over all ranks
+    integer(i4), intent(in) :: number(:) !! numbers of items that this rank holds, from 1 over all ranks
     integer, intent(in) :: total !! things of all ranks
     real(wp), allocatable :: came(:)
     integer(i8) :: goal(size(number))
@@ -107,7 +107,7 @@ contains
   subroutine order_records(self, comm, values, rows)
     class(block_distribution_t), intent(in) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp), intent(in) :: values(:, :) !! of what is held, shape (width, held)
+    real(wp), intent(in) :: values(:, :) !! of items held, shape (width, held)
     real(wp), allocatable, intent(out) :: rows(:, :) !! of the block, shape (width, n)
     real(wp), allocatable :: came(:, :)
 
@@ -120,7 +120,7 @@ contains
   subroutine order_reals(self, comm, values, rows)
     class(block_distribution_t), intent(in) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp), intent(in) :: values(:) !! of what is held
+    real(wp), intent(in) :: values(:) !! of items held
     real(wp), allocatable, intent(out) :: rows(:) !! of the block
     real(wp), allocatable :: came(:, :)
 
@@ -132,7 +132,7 @@ contains
   subroutine order_integers(self, comm, values, rows)
     class(block_distribution_t), intent(in) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
-    integer(i4), intent(in) :: values(:) !! of what is held
+    integer(i4), intent(in) :: values(:) !! of items held
     integer(i4), allocatable, intent(out) :: rows(:) !! of the block
     real(wp), allocatable :: came(:)
 
@@ -145,7 +145,7 @@ contains
     class(block_distribution_t), intent(in) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(in) :: rows(:, :) !! of the block, shape (width, n)
-    real(wp), allocatable, intent(out) :: values(:, :) !! of what is held, shape (width, held); zero where numbers are unknown
+    real(wp), allocatable, intent(out) :: values(:, :) !! of items held, shape (width, held); zero where numbers are unknown
     real(wp), allocatable :: came(:, :)
 
     call exchange(comm, rows(:, self%row), self%receive_count, came)
@@ -185,7 +185,7 @@ contains
     self%row = nint(asked) - rows%first
   end subroutine wanted_plan
 
-  !> Learn what the blocks hold of the things wanted.
+  !> Get the wanted items from the blocks.
   subroutine wanted_fetch(self, comm, rows, values)
     class(wanted_t), intent(in) :: self
     type(comm_t), intent(inout) :: comm !! the ranks

@@ -1,7 +1,7 @@
 !> Communication between ranks: reductions, broadcasts and gathers of integers, long integers, reals, flags and texts.
 !!
-!! All operations are collective: every rank calls them, in the same order. What needs a library is in `ranks_t`; broadcasts and
-!! gathers travel as bytes, exact to the last bit.
+!! All operations are collective: every rank calls them, in the same order. Operations that need a library are in `ranks_t`;
+!! broadcasts and gathers travel as bytes, exact to the last bit.
 module sg_comm
   use sg_error, only: error_t
   use sg_kinds, only: i1, i4, i8, wp
@@ -10,7 +10,7 @@ module sg_comm
   private
   public :: comm_t, traffic_t
 
-  !> What values are transferred to, and its size for each kind
+  !> Mould of transferred values, and its size for each kind
   integer(i1), parameter :: bytes(1) = 0
   integer, parameter :: bytes_of_i4 = storage_size(0_i4)/8, bytes_of_i8 = storage_size(0_i8)/8, bytes_of_wp = storage_size(0.0_wp)/8
 

@@ -12,7 +12,7 @@ module sg_ranks
   !> Operations of a reduction
   integer, parameter :: by_sum = 1, by_maximum = 2, by_minimum = 3
 
-  !> What a rank has sent and how long it has waited since its start
+  !> Messages sent by a rank, and its time of waiting, since its start
   type :: traffic_t
     !> Messages to single ranks, and their bytes
     integer(i8) :: messages = 0, bytes = 0
@@ -28,7 +28,7 @@ module sg_ranks
     integer :: rank = 0, size = 1
     !> Messages, bytes and waiting so far
     type(traffic_t) :: traffic
-    !> Handle of a reduction that is under way, and what it works on
+    !> Handle of a reduction that has begun, and its values
     integer, private :: request = 0
     real(wp), allocatable, private :: sending(:), receiving(:)
   contains
@@ -129,7 +129,7 @@ module sg_ranks
       real(wp), intent(out) :: values(:) !! sums, of the size that was begun
     end subroutine ranks_finish_sum
 
-    !> Send to every rank its part of a list, and receive from every rank: parts stand in the order of ranks.
+    !> Send to every rank its part of a list, and receive from every rank: parts are in the order of ranks.
     module subroutine ranks_swap(self, send, send_count, receive, receive_count)
       class(ranks_t), intent(inout) :: self
       real(wp), intent(in) :: send(:) !! parts one after the other

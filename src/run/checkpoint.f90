@@ -1,7 +1,7 @@
 !> Checkpoints of a simulation: all that a run needs to go on bit for bit.
 !!
 !! Ranks that share the scene write one file. Another number of ranks may go on from it, from the same bodies, velocities,
-!! impulses and totals; only one rank that goes on from one rank also takes up its list of neighbours, and with it every bit.
+!! impulses and totals; only one rank that goes on from one rank also loads its list of neighbours, and with it every bit.
 module sg_checkpoint
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_block_distribution, only: block_distribution_t
@@ -72,11 +72,7 @@ contains
     end if
     call order_bodies(sim%scene%bodies, sim%comm, rows, block, error)
     if (allocated(error)) return
-    if (allocated(sim%scene%contactors%id)) then
-      call keep_state(block, sim%contacts, state, sim%scene%contactors%id)
-    else
-      call keep_state(block, sim%contacts, state)
-    end if
+    call keep_state(block, sim%contacts, state, sim%scene%contactors%id)
   end subroutine keep_shared
 
   !> Bring a started simulation to the state of a restart file; a folder stands for its newest one. Each of several ranks then has a
@@ -84,8 +80,8 @@ contains
   subroutine load_checkpoint(sim, name, warnings, error)
     type(simulation_t), intent(inout) :: sim !! started simulation, of the whole scene or of a rank's share
     character(len=*), intent(in) :: name !! restart file, or a folder of results
-    type(diagnostics_t), intent(inout) :: warnings !! takes what is odd but harmless
-    type(error_t), allocatable, intent(out) :: error !! set when the file does not serve
+    type(diagnostics_t), intent(inout) :: warnings !! gets findings that are odd but harmless
+    type(error_t), allocatable, intent(out) :: error !! set when the file cannot be used
     type(text_t), allocatable :: names(:)
     type(restart_t) :: state
     type(error_t), allocatable :: first
@@ -93,12 +89,12 @@ contains
     logical :: is_damaged
 
     call find_files(name, names, error)
-    call settle()
+    call sim%comm%agree(error)
     if (allocated(error)) return
     do i = 1, size(names)
       call read_state(sim, names(i)%s, state, warnings, is_damaged, error)
       is_damaged = sim%comm%any(is_damaged)
-      call settle()
+      call sim%comm%agree(error)
       if (.not. allocated(error)) exit
       if (.not. allocated(first)) first = error
       if (.not. is_damaged) return
@@ -111,12 +107,6 @@ contains
     if (i > 1) call warnings%warn('this checkpoint is not used, the run goes on from the older '//names(i)%s//' of step '// &
                                   to_text(state%step)//' ('//first%message//')', file=names(1)%s)
     call take_state(sim, state)
-  contains
-    !> A failure of one rank is one of all.
-    subroutine settle()
-
-      call sim%comm%agree(error)
-    end subroutine settle
   end subroutine load_checkpoint
 
   !> The file asked for, or those of a folder, the newest first.
@@ -135,7 +125,7 @@ contains
     if (size(names) == 0) call fail(error, 'the folder holds no restart file', file=name)
   end subroutine find_files
 
-  !> Read a restart file; an unfit one is an error, and `is_damaged` where the file itself is at fault.
+  !> Read a restart file; one that cannot be used is an error, and `is_damaged` where the file itself is broken.
   subroutine read_state(sim, file, state, warnings, is_damaged, error)
     type(simulation_t), intent(inout) :: sim
     character(len=*), intent(in) :: file
@@ -169,7 +159,7 @@ contains
     end if
   end subroutine read_state
 
-  !> What no run can have written into the totals; empty when all is well. Errors of steps may be anything.
+  !> Fault of the totals, values that no run can have written; empty where there is none. Errors of steps may have any value.
   pure function fault_of(state) result(fault)
     type(restart_t), intent(in) :: state
     character(len=:), allocatable :: fault

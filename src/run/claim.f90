@@ -1,4 +1,4 @@
-!> Claim of a folder of results: made, locked, and free of what must not be replaced, before a run writes anything there.
+!> Claim of a folder of results before a run writes there: made, locked, and free of files that must not be replaced.
 module sg_claim
   use sg_comm, only: comm_t
   use sg_error, only: error_t, exit_output, fail
@@ -15,7 +15,7 @@ contains
 
   !> Make and lock the folder of the results, which all ranks must find. Collective.
   subroutine claim_folder(options, comm, goes_on, error)
-    type(run_options_t), intent(in) :: options !! folder, what is read, and whether other results are replaced
+    type(run_options_t), intent(in) :: options !! folder, files that are read, and whether other results are replaced
     type(comm_t), intent(inout) :: comm !! the ranks
     logical, intent(out) :: goes_on !! does the run go on from a checkpoint of this very folder?
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the folder is not for this run: it is left as it was

@@ -79,7 +79,7 @@ contains
 
   !> Steps from a list of numbers and ranges: `10,20,100-110`.
   subroutine read_steps(list, steps, error)
-    character(len=*), intent(in) :: list !! what the user wrote
+    character(len=*), intent(in) :: list !! the list as written by the user
     integer, allocatable, intent(out) :: steps(:, :) !! first and last step of each range, shape (2, ranges)
     type(error_t), allocatable, intent(out) :: error !! set when it is no such list
     integer :: i, first, last

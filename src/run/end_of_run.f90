@@ -22,7 +22,7 @@ contains
   subroutine finish_run(sim, code, error)
     type(simulation_t), intent(inout) :: sim !! after its last step
     integer, intent(in) :: code !! exit code where there is no error
-    type(error_t), allocatable, intent(in) :: error !! what ended the run, when something did
+    type(error_t), allocatable, intent(in) :: error !! error that ended the run, where there is one
     type(error_t), allocatable :: none
     type(totals_t) :: totals
     integer :: signal

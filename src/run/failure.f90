@@ -44,7 +44,7 @@ contains
     if (error%code == exit_broken .and. has_contacts) call dump(sim, sim%problem)
   end subroutine check_input
 
-  !> Keep what the solve is about to replace: impulses, and free velocities of the bodies.
+  !> Keep the guess that the solve replaces: impulses, and free velocities of the bodies.
   subroutine keep_guess(sim, error)
     type(simulation_t), intent(inout) :: sim !! its problem is assembled
     type(error_t), allocatable, intent(out) :: error !! never set
@@ -125,7 +125,7 @@ contains
 
   !> Is an error one of the step itself, not of a file that cannot be written or a deck that is wrong?
   pure logical function is_of_the_step(error)
-    type(error_t), intent(in) :: error !! what ended the run
+    type(error_t), intent(in) :: error !! error that ended the run
 
     is_of_the_step = any(error%code == [exit_broken, exit_unbalanced])
   end function is_of_the_step
@@ -145,7 +145,7 @@ contains
   !> Keep the state at the beginning of a step that failed, so that it can be tried again, and its trace. Collective.
   subroutine keep_failed_step(sim, error)
     type(simulation_t), intent(inout) :: sim !! its bodies are at the beginning of the step
-    type(error_t), intent(in) :: error !! what ended the step
+    type(error_t), intent(in) :: error !! error that ended the step
     type(error_t), allocatable :: late
 
     if (sim%writers%has_checkpoints .and. sim%writers%saved_step /= sim%step) then

@@ -26,7 +26,7 @@ contains
   !> Is every velocity of the end of the step finite, every position that it leads to, and every impulse and gap? If not, name
   !! the bodies and their contacts, by their numbers in the whole scene; each rank checks the bodies that it holds.
   !!
-  !! What is finite but so large that energies and distances would not be counts as not finite.
+  !! Values so large that energies or distances would not be finite count as not finite.
   subroutine find_broken(scene, contacts, step, h, is_solved, error)
     type(scene_t), intent(in) :: scene !! its `free_velocity` is that of the end of the step
     type(contacts_t), intent(in) :: contacts !! contacts of the step
@@ -130,7 +130,7 @@ contains
   !> Are the energies finite, and does their balance close? Checked where measures are taken.
   subroutine judge_energy(measures, options, step, has_warned, warning, error)
     type(measures_t), intent(in) :: measures !! measures after the step, of the whole scene
-    type(guard_options_t), intent(in) :: options !! what to do
+    type(guard_options_t), intent(in) :: options !! tolerance, and whether the run ends
     integer, intent(in) :: step !! number of the step
     logical, intent(in) :: has_warned !! was a warning given before, or is none wanted?
     character(len=:), allocatable, intent(out) :: warning !! sentence to print; empty where there is none

@@ -38,7 +38,7 @@ contains
     type(problem_t), intent(in) :: problem !! to solve: impulses guessed, bodies at their free velocities
     type(solver_options_t), intent(in) :: options !! options of the run
     integer, intent(in) :: n_sweeps !! sweeps of a solve
-    type(kernel_cost_t), intent(out) :: cost !! what was measured
+    type(kernel_cost_t), intent(out) :: cost !! CPU seconds per contact update
     integer :: turn, repeats
 
     if (problem%n_contacts == 0 .or. n_sweeps < 1) return

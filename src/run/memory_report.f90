@@ -72,7 +72,7 @@ contains
     names = trim(adjustl(names))
   end function opened_libraries
 
-  !> Add what other ranks hold and have sent. Collective.
+  !> Add memory and messages of other ranks. Collective.
   subroutine add_ranks(needs, sim)
     type(needs_t), intent(inout) :: needs
     type(simulation_t), intent(inout) :: sim

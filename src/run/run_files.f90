@@ -1,6 +1,7 @@
 !> Files of a run: opened, and closed at its end.
 module sg_run_files
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  use sg_after_step, only: report_structure
   use sg_error, only: error_t
   use sg_former_results, only: remove_results
   use sg_hdf5, only: hdf5_is_available
@@ -10,7 +11,6 @@ module sg_run_files
   use sg_run_trace, only: steps_file, trace_file, traced_steps
   use sg_simulation, only: simulation_t
   use sg_spectrum_file, only: write_spectrum
-  use sg_structure_now, only: report_structure
   use sg_system, only: is_terminal, remove_file
   use sg_numbers, only: write_numbers
   use sg_text_files, only: replace_file

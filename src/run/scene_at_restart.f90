@@ -30,8 +30,8 @@ contains
     type(datbox_contacts_t), intent(out) :: contacts !! its contacts
     real(wp), intent(out) :: time !! [s]
     integer, intent(out) :: step !! steps done
-    type(diagnostics_t), intent(inout) :: warnings !! takes what is odd but harmless
-    type(error_t), allocatable, intent(out) :: error !! set when the file does not serve
+    type(diagnostics_t), intent(inout) :: warnings !! gets findings that are odd but harmless
+    type(error_t), allocatable, intent(out) :: error !! set when the file cannot be used
     type(simulation_t) :: sim
 
     time = 0

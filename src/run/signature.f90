@@ -21,7 +21,7 @@ contains
   function signature_of(scene, comm, is_common) result(signature)
     type(scene_t), intent(in) :: scene !! whole scene, or the part of a rank
     type(comm_t), intent(inout), optional :: comm !! ranks that share the scene, all of which call this
-    logical, intent(in), optional :: is_common !! is only what all ranks hold to count? Then no rank need call but this
+    logical, intent(in), optional :: is_common !! do only bodies count that all ranks hold? Then one rank may call it alone
     real(wp) :: signature(n_signature)
     integer(i8) :: sums(3), n(2)
     integer :: b, c

@@ -1,4 +1,4 @@
-!> The loop of a run: steps, and between them what is recorded, drawn, saved and printed (sg_after_step); how a run begins.
+!> The loop of a run: steps, and the output due after each of them (sg_after_step); beginning and end of a run.
 module sg_simulate
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_advance, only: advance
@@ -34,7 +34,7 @@ contains
     type(simulation_t), intent(inout) :: sim !! scene, options and ranks are set
     character(len=*), intent(in) :: deck !! path of the deck
     integer, intent(out) :: code !! exit code when there is no error
-    type(error_t), allocatable, intent(out) :: error !! what ended the run, when something did
+    type(error_t), allocatable, intent(out) :: error !! error that ended the run, where there is one
     type(error_t), allocatable :: late
 
     code = exit_done
@@ -52,7 +52,8 @@ contains
     ! From now on steps and searches compare the time themselves, and a checkpoint can be written.
     call end_after(0.0_wp)
     if (.not. sim%writers%has_folder) then
-      if (.not. allocated(error)) call print_nothing_to_do(sim)
+      if (.not. (allocated(error) .or. sim%options%is_quiet) .and. sim%writers%is_root) call print_line(&
+        'nothing to do: step '//to_text(sim%step)//' of '//to_text(sim%options%steps)//' ('//sim%options%restart_file//')')
       return
     end if
     if (.not. allocated(error)) call loop(sim, code, error)
@@ -65,7 +66,7 @@ contains
     call leave_folder(sim%options, sim%comm)
   end subroutine simulate
 
-  !> Print the title, the plan, and what is done with the scene.
+  !> Print title, plan, solver, outputs and number of steps.
   subroutine print_opening(sim)
     type(simulation_t), intent(in) :: sim
 
@@ -76,20 +77,14 @@ contains
     call print_line(describe_run(sim%options, sim%comm%size))
   end subroutine print_opening
 
-  !> Print that the checkpoint is of the last step, or of a later one.
-  subroutine print_nothing_to_do(sim)
-    type(simulation_t), intent(in) :: sim
-
-    if (sim%writers%is_root .and. .not. sim%options%is_quiet) call print_line(&
-      'nothing to do: step '//to_text(sim%step)//' of '//to_text(sim%options%steps)//' ('//sim%options%restart_file//')')
-  end subroutine print_nothing_to_do
-
-  !> What is done with the scene, in a few lines.
+  !> Solver, outputs and number of steps, in a few lines.
   function describe_run(options, ranks) result(text)
     type(run_options_t), intent(in) :: options
     integer, intent(in) :: ranks
-    character(len=:), allocatable :: text
+    character(len=:), allocatable :: text, at_end
 
+    at_end = ''
+    if (options%restart_at_end) at_end = trim(merge(' and at the end       ', ' except one at the end', options%restart_every > 0))
     text = ''
     if (ranks > 1) text = 'ranks      '//to_text(ranks)//', split by '//trim(options%partition%split)//', coupled by '// &
                           trim(options%partition%gluing)//new_line('a')
@@ -97,7 +92,7 @@ contains
            //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps) &
            //trim(merge(' sweeps    ', ' iterations', options%solver%method == 'nlgs'))//new_line('a') &
            //'outputs    '//every('record', options%record_every)//', '//every('pictures', options%output_every)//', ' &
-           //every('checkpoints', options%restart_every)//at_end(options)//new_line('a')//'time       ' &
+           //every('checkpoints', options%restart_every)//at_end//new_line('a')//'time       ' &
            //to_text(options%steps)//' steps of '//to_text(options%step, 4)//' s; results in '//options%folder
   contains
     pure function every(what, steps)
@@ -109,14 +104,6 @@ contains
       if (steps == 1) every = what//' every step'
       if (steps > 1) every = what//' every '//to_text(steps)//' steps'
     end function every
-
-    pure function at_end(options) result(text)
-      type(run_options_t), intent(in) :: options
-      character(len=:), allocatable :: text
-
-      text = ''
-      if (options%restart_at_end) text = trim(merge(' and at the end       ', ' except one at the end', options%restart_every > 0))
-    end function at_end
   end function describe_run
 
   !> Load a checkpoint where there is one, claim the folder of the results unless there is nothing to do, split the scene over the

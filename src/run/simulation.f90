@@ -29,10 +29,10 @@ module sg_simulation
 
   !> One run: two of them fit in one program
   type :: simulation_t
-    !> What exists, and what to do with it
+    !> The scene, and the options of its run
     type(scene_t) :: scene
     type(run_options_t) :: options
-    !> What the scene needs, and what may be left out
+    !> Needs of the scene, and parts that may be left out
     type(plan_t) :: plan
     type(omissions_t) :: omissions
     !> Pairs that may touch, contacts of the step, and those of the last one
@@ -102,7 +102,7 @@ contains
   subroutine decompose(sim, error)
     type(simulation_t), intent(inout) :: sim !! started, perhaps brought to the state of a restart file; whole on all ranks, or
     !! a part on each
-    type(error_t), allocatable, intent(out) :: error !! set on all ranks when the deck asks for what cannot be done
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks where the deck has an impossible split
 
     if (sim%comm%size == 1) return
     call check_sweeps(sim%options%partition, sim%comm%size, error)
@@ -132,11 +132,10 @@ contains
   pure real(wp) function simulation_time(self, step) result(time)
     class(simulation_t), intent(in) :: self
     integer, intent(in), optional :: step !! number of the step
+    integer :: number
 
-    if (present(step)) then
-      time = self%scene%start_time + self%options%step*real(step, wp)
-    else
-      time = self%scene%start_time + self%options%step*real(self%step, wp)
-    end if
+    number = self%step
+    if (present(step)) number = step
+    time = self%scene%start_time + self%options%step*real(number, wp)
   end function simulation_time
 end module sg_simulation

@@ -1,5 +1,5 @@
-!> The solve of a step: once, or, where cohesive zones hold contacts together, in rounds until their damage agrees with what it
-!! leads to (doc/theory/cohesive_zones.md).
+!> The solve of a step: once, or, where there are cohesive zones, in rounds until damage agrees with the solution that it leads to
+!! (doc/theory/cohesive_zones.md).
 module sg_solve_step
   use sg_bonds, only: damage_t, refresh_bonds
   use sg_comm, only: traffic_t
@@ -98,7 +98,7 @@ contains
     report%cpu_seconds = report%cpu_seconds + before%cpu_seconds
   end subroutine add_effort
 
-  !> Solve once, with or without a history, and count what is sent.
+  !> Solve once, with or without a history, and count its messages.
   subroutine solve_once(sim)
     type(simulation_t), intent(inout) :: sim
     type(subdomain_t) :: coupling

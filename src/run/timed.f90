@@ -17,11 +17,11 @@ module sg_timed
 
 contains
 
-  !> Do some work and add its time to that of a phase; do nothing where an error is set. The clock of a phase that the work
-  !! interrupts stands still meanwhile.
+  !> Do some work and add its time to that of a phase; do nothing where an error is set. The clock of a phase
+  !! that is interrupted stops meanwhile.
   subroutine timed(work, sim, phase, error)
-    procedure(work_t) :: work !! what to do
-    type(simulation_t), intent(inout) :: sim !! what to do it with
+    procedure(work_t) :: work !! work of the phase
+    type(simulation_t), intent(inout) :: sim !! simulation to work on
     integer, intent(in) :: phase !! one of `phase_*`
     type(error_t), allocatable, intent(inout) :: error !! error of the work; nothing is done where one is set
     integer :: interrupted

@@ -1,4 +1,4 @@
-!> What a scene needs, and what is left out: decided once, before the first step.
+!> Plan of a scene: parts that it needs and parts left out, decided once, before the first step.
 !!
 !! A scene of frictionless disks among walls that do not turn has no tangent, no spin and no angle; round scenes
 !! carry radius times spin; only the rest pays for lever arms. The plan is printed at the start of a run.
@@ -25,10 +25,10 @@ module sg_plan
   integer, parameter :: round_frictionless = 1, round_frictional = 2, arm_frictionless = 3, arm_frictional = 4, &
                         ball_frictionless = 5, ball_frictional = 6, solid_frictionless = 7, solid_frictional = 8
 
-  !> Kinds with cohesive zones: records of the frictional kind, followed by what bonds add
+  !> Kinds with cohesive zones: records of the frictional kind, followed by values of bonds
   integer, parameter :: arm_bonded = 9, solid_bonded = 10
 
-  !> What a scene needs
+  !> Plan of a scene
   type :: plan_t
     !> Do all arms of bodies that turn lie along the normals of their contacts?
     logical :: is_round = .false.
@@ -57,7 +57,7 @@ module sg_plan
     integer :: links = 0
   end type plan_t
 
-  !> What a plan may leave out where a scene does not need it; tests compare runs with and without
+  !> Parts that a plan may leave out where a scene does not need them; tests compare runs with and without
   type :: omissions_t
     !> Tangential impulses, lever arms, rotation (which only goes together with both)
     logical :: friction = .true., arms = .true., rotation = .true.
@@ -65,12 +65,12 @@ module sg_plan
 
 contains
 
-  !> Decide what a scene needs, and drop from it what it does not.
+  !> Decide which parts a scene needs, and drop the others from it.
   subroutine make_plan(scene, plan, comm, omissions)
-    type(scene_t), intent(inout) :: scene !! scene; what nothing needs is dropped from it
+    type(scene_t), intent(inout) :: scene !! scene; parts that it does not need are dropped
     type(plan_t), intent(out) :: plan !! the plan
     type(comm_t), intent(inout) :: comm !! the ranks; where each has a part of the scene, all call this
-    type(omissions_t), intent(in), optional :: omissions !! what may be left out; all of it unless given
+    type(omissions_t), intent(in), optional :: omissions !! parts that may be left out; all unless given
     type(omissions_t) :: may
     type(comm_t) :: alone
 
@@ -273,7 +273,7 @@ contains
     end do
   end function signed_radii
 
-  !> The plan in a few lines: what is used, what is left out.
+  !> The plan in a few lines: parts used, parts left out.
   function describe_plan(plan, scene, ranks) result(text)
     type(plan_t), intent(in) :: plan !! plan of the scene
     type(scene_t), intent(in) :: scene !! scene after planning

@@ -55,7 +55,7 @@ contains
     integer, intent(in) :: contacts_wanted !! contacts to generate, about
     real(wp), intent(in) :: friction !! Coulomb coefficient
     type(solver_options_t), intent(in) :: options !! order, sweeps and frequency of tests
-    type(benchmark_t), intent(out) :: figures !! what was measured
+    type(benchmark_t), intent(out) :: figures !! results
     type(scene_t) :: scene
     type(plan_t) :: plan
     type(comm_t) :: alone

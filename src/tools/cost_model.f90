@@ -14,7 +14,7 @@ module sg_cost_model
   private
   public :: machine_t, iteration_t, prediction_t, dual_iteration, primal_iteration
 
-  !> What the pieces of an iteration cost
+  !> Costs of the pieces of an iteration
   type :: machine_t
     !> Seconds of a contact update, its share of tests of convergence included
     real(wp) :: update = 0
@@ -37,7 +37,7 @@ module sg_cost_model
     real(wp) :: bytes = 0
   end type iteration_t
 
-  !> What is predicted for one number of ranks
+  !> Prediction for one number of ranks
   type :: prediction_t
     !> Ranks, contacts of all, of the rank that owns most, and grains that ranks share
     integer :: ranks = 1, contacts = 0, largest = 0, shared_grains = 0
@@ -52,8 +52,8 @@ contains
 
   !> An iteration of the dual method with one sweep a gluing.
   pure function dual_iteration(machine, split, parts) result(iteration)
-    type(machine_t), intent(in) :: machine !! what the pieces cost
-    type(interfaces_t), intent(in) :: split !! what the parts own and share
+    type(machine_t), intent(in) :: machine !! costs of the pieces
+    type(interfaces_t), intent(in) :: split !! contacts and grains that subdomains own and share
     integer, intent(in) :: parts !! number of parts, one a rank
     type(iteration_t) :: iteration
     real(wp) :: message(parts), total(parts), seconds
@@ -82,8 +82,8 @@ contains
 
   !> An iteration of the primal method with one sweep within parts and one over the edges.
   pure function primal_iteration(machine, split, parts) result(iteration)
-    type(machine_t), intent(in) :: machine !! what the pieces cost
-    type(interfaces_t), intent(in) :: split !! what the parts own and share
+    type(machine_t), intent(in) :: machine !! costs of the pieces
+    type(interfaces_t), intent(in) :: split !! contacts and grains that subdomains own and share
     integer, intent(in) :: parts !! number of parts, one a rank
     type(iteration_t) :: iteration
     integer :: neighbours(parts), colour(size(split%edge%items)), i

@@ -11,10 +11,10 @@ module sg_cost_text
 
 contains
 
-  !> Print what the pieces cost, then one line for each number of ranks.
+  !> Print the costs of the pieces, then one line for each number of ranks.
   subroutine print_costs(unit, machine, are_messages_measured, predictions)
     integer, intent(in) :: unit !! open unit
-    type(machine_t), intent(in) :: machine !! what the pieces cost
+    type(machine_t), intent(in) :: machine !! costs of the pieces
     logical, intent(in) :: are_messages_measured !! by this run, or given?
     type(prediction_t), intent(in) :: predictions(:) !! one for each number of ranks
     character(len=*), parameter :: nl = new_line('a')
@@ -52,7 +52,7 @@ contains
 
   !> The whole as one flat object; members of a number of ranks begin with it.
   function costs_json(machine, are_messages_measured, predictions) result(text)
-    type(machine_t), intent(in) :: machine !! what the pieces cost
+    type(machine_t), intent(in) :: machine !! costs of the pieces
     logical, intent(in) :: are_messages_measured !! by this run, or given?
     type(prediction_t), intent(in) :: predictions(:) !! one for each number of ranks
     character(len=:), allocatable :: text

@@ -71,7 +71,7 @@ contains
   !> Split bodies by the method of the options.
   subroutine split_bodies(sim, load, parts, boxes, part, error)
     type(simulation_t), intent(in) :: sim !! its contacts are known
-    real(wp), intent(in) :: load(:) !! what each body costs [half contacts], shape (bodies)
+    real(wp), intent(in) :: load(:) !! load of each body [half contacts], shape (bodies)
     integer, intent(in) :: parts !! number of parts
     integer, intent(out) :: boxes(3) !! boxes along x, y and z, 0 where there are none
     integer(i4), allocatable, intent(out) :: part(:) !! part of each body, from 1; 0 for walls
