@@ -39,8 +39,6 @@ module sg_decomposition
 
   !> One rank's side of the decomposition
   type :: decomposition_t
-    !> Is the scene decomposed?
-    logical :: is_on = .false.
     !> Who shares what
     type(subdomain_t) :: subdomain
     !> What all ranks keep of the whole scene
@@ -75,7 +73,6 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the deck asks for an impossible split
     integer(i4), allocatable :: home(:)
 
-    self%is_on = .true.
     self%options = options
     self%subdomain%rank = comm%rank
     self%subdomain%size = comm%size
