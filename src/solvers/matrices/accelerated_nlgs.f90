@@ -11,7 +11,7 @@ module sg_accelerated_nlgs
   use sg_report, only: report_t
   implicit none
   private
-  public :: accelerated_nlgs_t, anderson_t, sweep_accelerated
+  public :: accelerated_nlgs_t, anderson_t, accelerated_state_t, sweep_accelerated
 
   !> Settings of the acceleration
   type :: anderson_t
@@ -39,6 +39,18 @@ module sg_accelerated_nlgs
     real(wp), allocatable :: change(:, :, :), result(:, :, :), products(:, :), right(:)
   end type memory_t
 
+  !> Where accelerated sweeps stand between two turns
+  type :: accelerated_state_t
+    private
+    !> Impulses to sweep from, and those of the last sweep that was kept
+    real(wp), allocatable :: r(:, :), good(:, :)
+    !> Result and change of the last sweep, if there is one; the least change since the start of the memory
+    real(wp), allocatable :: last_swept(:, :), last_change(:, :)
+    real(wp) :: least = huge(1.0_wp)
+    logical :: has_last = .false.
+    type(memory_t) :: memory
+  end type accelerated_state_t
+
 contains
 
   !> Accelerated sweeps until e1 is small enough.
@@ -48,69 +60,89 @@ contains
     type(report_t), intent(out) :: report !! effort and errors
     type(matrix_problem_t) :: scaled
     type(progress_t) :: progress
+    type(accelerated_state_t) :: state
     real(wp), allocatable :: scale(:)
 
     call progress%begin(problem, self%options)
     if (.not. progress%is_over) then
       allocate (scale(problem%n))
       call scale_problem(problem, scaled, scale)
-      call sweep_accelerated(self%anderson, problem, scaled, scale, self%options%maximum_iterations, progress)
+      call sweep_accelerated(self%anderson, problem, scaled, scale, self%options%maximum_iterations, state, progress)
     end if
     call progress%finish(problem, report)
   end subroutine accelerated_nlgs_solve
 
-  !> So many accelerated sweeps, or fewer where that ends the solve; `scaled` holds the impulses.
-  subroutine sweep_accelerated(settings, problem, scaled, scale, most, progress)
+  !> So many accelerated sweeps, or fewer where that ends the solve or the turn; `scaled` holds the impulses.
+  subroutine sweep_accelerated(settings, problem, scaled, scale, most, state, progress)
     type(anderson_t), intent(in) :: settings !! settings of the acceleration
     type(matrix_problem_t), intent(in) :: problem !! problem to solve
-    type(matrix_problem_t), intent(inout) :: scaled !! the same without units; gets the impulses
+    type(matrix_problem_t), intent(inout) :: scaled !! the same without units; holds the guess of a new state, gets the impulses
     real(wp), intent(in), contiguous :: scale(:) !! impulse [N s] that 1 stands for
     integer, intent(in) :: most !! sweeps
+    type(accelerated_state_t), intent(inout) :: state !! where the sweeps stand
     type(progress_t), intent(inout) :: progress !! how far the solve has come
-    type(memory_t) :: memory
-    real(wp), allocatable :: swept(:, :), good(:, :), last_swept(:, :), change(:, :), last_change(:, :)
-    real(wp) :: norm, least
+    real(wp), allocatable :: swept(:, :), change(:, :)
     integer :: i
-    logical :: has_last
 
-    associate (r => scaled%r, d => scaled%d, n => scaled%n)
-      allocate (memory%change(d, n, settings%memory), memory%result(d, n, settings%memory))
-      allocate (memory%products(settings%memory, settings%memory), memory%right(settings%memory))
-      allocate (last_swept(d, n), last_change(d, n), swept(d, n), change(d, n))
-      good = r
-      has_last = .false.
-      least = huge(least)
+    call begin_state(settings, scaled, state)
+    allocate (swept, change, mold=state%r)
+    associate (r => state%r, memory => state%memory)
       do i = 1, most
         if (progress%must_yield()) exit
         swept = r
         call sweep(scaled, swept)
-        call progress%count_sweeps(1, others=real(6*memory%used + 8, wp)*real(d*n, wp))
+        call progress%count_sweeps(1, others=real(6*memory%used + 8, wp)*real(size(r), wp))
         change = swept - r
-        norm = sqrt(sum(change**2))
-        if (memory%used > 0 .and. .not. norm/settings%most_growth <= least) then
-          memory%used = 0
-          has_last = .false.
-          least = huge(least)
-          r = good
-        else
-          least = min(least, norm)
-          good = swept
-          if (has_last) call remember(memory, change, last_change, swept, last_swept)
-          has_last = .true.
-          last_swept = swept
-          last_change = change
-          r = swept
-          if (memory%used > 0) then
-            call combine(memory, settings%regularisation, r)
-            call project_all(scaled%friction, r)
-          end if
-        end if
-        if (modulo(i, settings%check_every) == 0 .or. i == most) call progress%look(problem, good, scale)
+        call next_guess(settings, scaled%friction, swept, change, state)
+        if (modulo(i, settings%check_every) == 0 .or. i == most) call progress%look(problem, state%good, scale)
         if (progress%iterations >= progress%options%maximum_iterations) exit
       end do
-      r = good
     end associate
+    scaled%r = state%good
   end subroutine sweep_accelerated
+
+  !> Make room for a state that has none, at the guess.
+  subroutine begin_state(settings, scaled, state)
+    type(anderson_t), intent(in) :: settings
+    type(matrix_problem_t), intent(in) :: scaled
+    type(accelerated_state_t), intent(inout) :: state
+
+    if (allocated(state%r)) return
+    associate (d => scaled%d, n => scaled%n, most => settings%memory)
+      allocate (state%memory%change(d, n, most), state%memory%result(d, n, most))
+      allocate (state%memory%products(most, most), state%memory%right(most))
+      allocate (state%last_swept(d, n), state%last_change(d, n))
+    end associate
+    state%r = scaled%r
+    state%good = scaled%r
+  end subroutine begin_state
+
+  !> Impulses to sweep from next: the combination of the last sweeps, or the last one that was kept where the change has grown.
+  subroutine next_guess(settings, friction, swept, change, state)
+    type(anderson_t), intent(in) :: settings
+    real(wp), intent(in), contiguous :: friction(:), swept(:, :), change(:, :)
+    type(accelerated_state_t), intent(inout) :: state
+    real(wp) :: norm
+
+    norm = sqrt(sum(change**2))
+    if (state%memory%used > 0 .and. .not. norm/settings%most_growth <= state%least) then
+      state%memory%used = 0
+      state%has_last = .false.
+      state%least = huge(norm)
+      state%r = state%good
+      return
+    end if
+    state%least = min(state%least, norm)
+    state%good = swept
+    if (state%has_last) call remember(state%memory, change, state%last_change, swept, state%last_swept)
+    state%has_last = .true.
+    state%last_swept = swept
+    state%last_change = change
+    state%r = swept
+    if (state%memory%used == 0) return
+    call combine(state%memory, settings%regularisation, state%r)
+    call project_all(friction, state%r)
+  end subroutine next_guess
 
   !> Add one sweep to the memory, over the oldest where it is full.
   pure subroutine remember(memory, change, last_change, swept, last_swept)

@@ -1,7 +1,6 @@
-!> The default: accelerated sweeps while they get on; when they do not, all methods in turns, of which the one that is ahead gets
-!! most (doc/theory/solvers_sweeps.md).
+!> The default: all methods in turns, of which the one that is ahead gets most (doc/theory/solvers_sweeps.md).
 module sg_block_automatic
-  use sg_accelerated_nlgs, only: anderson_t, sweep_accelerated
+  use sg_accelerated_nlgs, only: anderson_t
   use sg_block_progress, only: progress_t
   use sg_block_scaling, only: scale_problem
   use sg_interior_point, only: interior_point_t
@@ -21,16 +20,13 @@ module sg_block_automatic
     type(proximal_t) :: proximal
     type(interior_point_t) :: interior
     type(turns_t) :: turns
-    !> Accelerated sweeps go on alone while each such number lowers e1 by `fall`
-    integer :: sweeps = 200
-    real(wp) :: fall = 0.1_wp
   contains
     procedure :: solve => block_automatic_solve
   end type block_automatic_t
 
 contains
 
-  !> Accelerated sweeps, then all methods in turns, until e1 is small enough.
+  !> All methods in turns until e1 is small enough.
   subroutine block_automatic_solve(self, problem, report)
     class(block_automatic_t), intent(inout) :: self
     type(matrix_problem_t), intent(inout) :: problem !! problem to solve
@@ -38,17 +34,11 @@ contains
     type(matrix_problem_t) :: scaled
     type(progress_t) :: progress
     real(wp), allocatable :: scale(:)
-    real(wp) :: before
 
     call progress%begin(problem, self%options)
-    allocate (scale(problem%n))
-    if (.not. progress%is_over) call scale_problem(problem, scaled, scale)
-    do while (.not. progress%is_over)
-      before = progress%best
-      call sweep_accelerated(self%anderson, problem, scaled, scale, self%sweeps, progress)
-      if (progress%best > self%fall*before) exit
-    end do
     if (.not. progress%is_over) then
+      allocate (scale(problem%n))
+      call scale_problem(problem, scaled, scale)
       call take_turns(self%turns, self%anderson, self%interior, self%proximal, problem, scaled, scale, progress)
     end if
     call progress%finish(problem, report)

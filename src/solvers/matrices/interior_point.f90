@@ -4,7 +4,7 @@
 !! the error a few steps of Newton's method on the natural map try to finish. Where the path is blocked, proximal points do.
 module sg_interior_point
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use sg_accelerated_nlgs, only: anderson_t, sweep_accelerated
+  use sg_accelerated_nlgs, only: accelerated_state_t, anderson_t, sweep_accelerated
   use sg_block_map, only: natural_map, project, project_all
   use sg_block_progress, only: progress_t
   use sg_block_scaling, only: scale_problem
@@ -88,14 +88,15 @@ contains
     real(wp), intent(in), contiguous :: scale(:)
     type(progress_t), intent(inout) :: progress
     type(approach_t) :: state
-    type(anderson_t) :: anderson
+    type(accelerated_state_t) :: sweeps
     logical :: is_possible
 
     do while (.not. progress%is_over)
       call begin_turn()
       call approach(proximal_t(), problem, scaled, scale, state, progress, is_possible)
       call begin_turn()
-      call sweep_accelerated(anderson, problem, scaled, scale, huge(1), progress)
+      sweeps = accelerated_state_t()
+      call sweep_accelerated(anderson_t(), problem, scaled, scale, huge(1), sweeps, progress)
     end do
   contains
     subroutine begin_turn()

@@ -5,7 +5,7 @@
 !! changes its scale, and a few sweeps move the point.
 module sg_proximal_newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use sg_accelerated_nlgs, only: anderson_t, sweep_accelerated
+  use sg_accelerated_nlgs, only: accelerated_state_t, anderson_t, sweep_accelerated
   use sg_block_map, only: natural_map, project_all
   use sg_block_progress, only: progress_t
   use sg_block_scaling, only: scale_problem
@@ -66,7 +66,7 @@ contains
     type(report_t), intent(out) :: report !! effort and errors
     type(matrix_problem_t) :: scaled
     type(progress_t) :: progress
-    type(anderson_t) :: anderson
+    type(accelerated_state_t) :: sweeps
     type(approach_t) :: state
     real(wp), allocatable :: scale(:)
     logical :: is_possible
@@ -77,7 +77,7 @@ contains
       call scale_problem(problem, scaled, scale)
       call sweep_and_look(self%first_sweeps, problem, scaled, scale, scaled%r, progress)
       call approach(self%proximal, problem, scaled, scale, state, progress, is_possible)
-      if (.not. is_possible) call sweep_accelerated(anderson, problem, scaled, scale, huge(1), progress)
+      if (.not. is_possible) call sweep_accelerated(anderson_t(), problem, scaled, scale, huge(1), sweeps, progress)
     end if
     call progress%finish(problem, report)
   end subroutine proximal_newton_solve
