@@ -25,14 +25,17 @@ module sg_method_turns
 
   !> How operations are shared
   type :: turns_t
+    !> Accelerated sweeps go on alone while each such number lowers e1 by `fall`
+    integer :: opening = 200
+    real(wp) :: fall = 0.1_wp
     !> Sweeps of a turn at least, and operations of a turn over those of all so far
     integer :: sweeps = 40
     real(wp) :: length = 0.1_wp
     !> Share of each method that is not ahead; the one ahead has the rest
-    real(wp) :: share(3) = [0.1_wp, 0.4_wp, 0.1_wp]
+    real(wp) :: share(3) = [0.1_wp, 0.5_wp, 0.1_wp]
     !> Sweeps before methods that factorise have a turn, and their share until so many factorisations
     integer :: first_sweeps = 1000, trial_factorisations = 30
-    real(wp) :: trial_share = 0.3_wp
+    real(wp) :: trial_share = 0.2_wp
     !> By how much a method may multiply its operations in a forecast
     real(wp) :: farthest = 4
   end type turns_t
@@ -74,14 +77,13 @@ contains
 
     methods(plain)%r = problem%r
     do m = 1, size(methods)
-      methods(m)%e1 = progress%best
-      methods(m)%operations = progress%sweep_operations
-      call add_mark(methods(m))
-      methods(m)%operations = 0
+      call begin_method(methods(m), progress)
     end do
+    call open_alone(turns, anderson, problem, scaled, scale, state, methods(accelerated), progress)
     do while (.not. progress%is_over)
       m = next_method(turns, methods, factors, progress)
       before = progress%operations
+      if (m == factorising .and. .not. allocated(methods(m)%r)) call begin_method(methods(m), progress)
       call progress%begin_turn(max(real(turns%sweeps, wp)*progress%sweep_operations, turns%length*before))
       select case (m)
       case (accelerated)
@@ -89,7 +91,7 @@ contains
       case (plain)
         call sweep_turn(problem, methods(m), progress)
       case default
-        call factorise_turn(interior, proximal, problem, scaled, scale, factors, methods(m), progress)
+        call factorise_turn(interior, proximal, before, problem, scaled, scale, factors, methods(m), progress)
       end select
       methods(m)%e1 = min(methods(m)%e1, progress%turn_e1)
       methods(m)%operations = methods(m)%operations + progress%operations - before
@@ -97,6 +99,40 @@ contains
     end do
     call factors%system%free()
   end subroutine take_turns
+
+  !> A method that starts from the best answer so far.
+  pure subroutine begin_method(method, progress)
+    type(method_t), intent(inout) :: method
+    type(progress_t), intent(in) :: progress
+
+    method%n_marks = 0
+    method%e1 = progress%best
+    method%operations = progress%sweep_operations
+    call add_mark(method)
+    method%operations = 0
+  end subroutine begin_method
+
+  !> Accelerated sweeps alone, as long as they lower e1 fast.
+  subroutine open_alone(turns, anderson, problem, scaled, scale, state, method, progress)
+    type(turns_t), intent(in) :: turns
+    type(anderson_t), intent(in) :: anderson
+    type(matrix_problem_t), intent(in) :: problem
+    type(matrix_problem_t), intent(inout) :: scaled
+    real(wp), intent(in), contiguous :: scale(:)
+    type(accelerated_state_t), intent(inout) :: state
+    type(method_t), intent(inout) :: method
+    type(progress_t), intent(inout) :: progress
+    real(wp) :: before
+
+    do while (.not. progress%is_over)
+      before = method%e1
+      call sweep_accelerated(anderson, problem, scaled, scale, turns%opening, state, progress)
+      method%e1 = progress%best
+      method%operations = progress%operations
+      call add_mark(method)
+      if (method%e1 > turns%fall*before) exit
+    end do
+  end subroutine open_alone
 
   !> Note how far a method has come.
   pure subroutine add_mark(method)
@@ -198,9 +234,10 @@ contains
   end subroutine sweep_turn
 
   !> Interior points, or proximal points from the best answer where their path is blocked.
-  subroutine factorise_turn(interior, proximal, problem, scaled, scale, factors, method, progress)
+  subroutine factorise_turn(interior, proximal, most, problem, scaled, scale, factors, method, progress)
     type(interior_point_t), intent(in) :: interior
     type(proximal_t), intent(in) :: proximal
+    real(wp), intent(in) :: most !! operations that a factorisation may take, by the library's estimate
     type(matrix_problem_t), intent(in) :: problem
     type(matrix_problem_t), intent(inout) :: scaled
     real(wp), intent(in), contiguous :: scale(:)
@@ -218,12 +255,12 @@ contains
     if (.not. factors%path%has_begun) call take_best(scaled, scale, progress)
     method%asks = 0
     if (.not. factors%path%is_blocked) then
-      factors%system%factor%most_operations = progress%operations
+      factors%system%factor%most_operations = most
       call follow_path(interior, problem, scaled, scale, factors%system, factors%path, progress)
       if (factors%path%is_blocked) call take_best(scaled, scale, progress)
       if (factors%system%factor%is_too_dear) method%asks = factors%system%factor%operations
     else
-      factors%approach%factors%most_operations = progress%operations
+      factors%approach%factors%most_operations = most
       call approach(proximal, problem, scaled, scale, factors%approach, progress, factors%is_possible)
       if (factors%approach%factors%is_too_dear) method%asks = factors%approach%factors%operations
     end if
