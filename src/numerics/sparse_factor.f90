@@ -20,10 +20,13 @@ module sg_sparse_factor
     integer :: n = 0
     !> Analyses of places of entries and factorisations so far
     integer :: analyses = 0, factorisations = 0
-    !> Operations of the last factorisation, or an estimate of those of one that was refused; and the most that one may take
-    real(wp) :: operations = 0, most_operations = huge(1.0_wp)
+    !> Effort of all analyses, factorisations and solutions so far, that of the last factorisation or of one that was refused,
+    !! and the most that one may take; each in operations of a sweep that take as long
+    real(wp) :: operations = 0, price = 0, most_operations = huge(1.0_wp)
     !> Was the last one refused because it takes more?
     logical :: is_too_dear = .false.
+    !> Entries of the factors
+    real(wp), private :: entries = 0
     !> The library's analysis and factors
     type(c_ptr), private :: symbolic = c_null_ptr, numeric = c_null_ptr
     !> The library's procedures
@@ -60,7 +63,7 @@ module sg_sparse_factor
 
     !> Solve A x = b by factors that were made without an error.
     module subroutine sparse_factor_solve(self, b, x)
-      class(sparse_factor_t), intent(in) :: self
+      class(sparse_factor_t), intent(inout) :: self
       real(wp), intent(in), contiguous :: b(:) !! right-hand side, shape (n)
       real(wp), intent(out), contiguous :: x(:) !! solution, shape (n)
     end subroutine sparse_factor_solve

@@ -13,8 +13,19 @@ submodule(sg_sparse_factor) sparse_factor_with_suitesparse
   integer(c_int), parameter :: umfpack_ok = 0, umfpack_singular = 1, umfpack_out_of_memory = -1, umfpack_at = 1
   !> Lengths of UMFPACK's settings and of its report
   integer, parameter :: n_control = 20, n_info = 90
-  !> Entries of the report that count operations: estimated by the analysis, and of the factors made
-  integer, parameter :: estimated_operations = 23, made_operations = 43
+  !> Entry of the settings that bounds steps of iterative refinement: methods that ask for solutions correct them by their own next
+  !! steps, and each refinement takes as long as a solution
+  integer, parameter :: refinements = 8
+  !> Entries of the report that count entries of L + U and floating-point operations: where pivots stay on the diagonal
+  !! (negative where the analysis does not tell), bounds by the analysis, and of the factors made
+  integer, parameter :: diagonal_entries = 37, diagonal_flops = 38, most_flops = 23, most_entries(2) = [24, 25], &
+                        made_flops = 43, made_entries(2) = [44, 45]
+
+  !> Time of UMFPACK's work in operations of a sweep (0.19 ns where both were measured: doc/verification_solvers.md, "What
+  !! operations cost"): analysis per entry of the matrix; factorisation per unknown, entry of the factors and floating-point
+  !! operation; solution per unknown and entry of the factors. Opening the library, once per process, is left out
+  real(wp), parameter :: per_analysed = 130, per_factorised(3) = [2100.0_wp, 95.0_wp, 0.14_wp], &
+                         per_solved(2) = [500.0_wp, 14.0_wp]
 
   !> What people call it
   character(len=*), parameter :: library = 'UMFPACK, which factorises large systems,'
@@ -94,9 +105,10 @@ contains
     status = analyse(int(self%n, c_int), int(self%n, c_int), self%first, self%column, matrix%value, &
                      self%symbolic, control, info)
     self%analyses = self%analyses + 1
-    if (status == umfpack_ok) self%operations = info(estimated_operations)
+    self%operations = self%operations + per_analysed*real(size(self%column), wp)
+    if (status == umfpack_ok) call expect_factors(self, info)
   end if
-  self%is_too_dear = status == umfpack_ok .and. self%operations > self%most_operations
+  self%is_too_dear = status == umfpack_ok .and. self%price > self%most_operations
   if (self%is_too_dear) then
     call fail(error, 'a factorisation takes more operations than it may', code=exit_failure)
     return
@@ -105,7 +117,8 @@ contains
   if (status == umfpack_ok) then
     status = make_factors(self%first, self%column, self%value, self%symbolic, self%numeric, control, info)
     self%factorisations = self%factorisations + 1
-    if (status == umfpack_ok) self%operations = info(made_operations)
+    if (status == umfpack_ok) call set_price(self, sum(info(made_entries)), info(made_flops))
+    self%operations = self%operations + self%price
   end if
   select case (status)
   case (umfpack_ok)
@@ -119,6 +132,27 @@ contains
   end select
   if (allocated(error)) call self%free()
   end procedure sparse_factor_factorise
+
+  !> Set the price of a factorisation that is about to be made.
+  pure subroutine expect_factors(self, info)
+    type(sparse_factor_t), intent(inout) :: self
+    real(c_double), intent(in) :: info(:)
+
+    if (info(diagonal_flops) >= 0) then
+      call set_price(self, info(diagonal_entries), info(diagonal_flops))
+    else
+      call set_price(self, sum(info(most_entries)), info(most_flops))
+    end if
+  end subroutine expect_factors
+
+  !> Set the price of a factorisation, and the entries of the factors.
+  pure subroutine set_price(self, entries, flops)
+    type(sparse_factor_t), intent(inout) :: self
+    real(wp), intent(in) :: entries, flops
+
+    self%entries = entries
+    self%price = dot_product(per_factorised, [real(self%n, wp), entries, flops])
+  end subroutine set_price
 
   !> Has a matrix its entries where the analysed one had them?
   pure logical function has_same_places(self, matrix) result(has)
@@ -140,8 +174,10 @@ contains
   call c_f_procpointer(self%call_of(defaults), set_defaults)
   call c_f_procpointer(self%call_of(solve), solve_by)
   call set_defaults(control)
+  control(refinements) = 0
   status = solve_by(umfpack_at, self%first, self%column, self%value, x, b, self%numeric, control, info)
   if (status /= umfpack_ok) x = 0
+  self%operations = self%operations + dot_product(per_solved, [real(self%n, wp), self%entries])
   end procedure sparse_factor_solve
 
   module procedure sparse_factor_free

@@ -5,6 +5,9 @@ submodule(sg_sparse_factor) sparse_factor_without_suitesparse
   use sg_text, only: to_text
   implicit none
 
+  !> Operations of a sweep that take as long as a product and a sum of full factors
+  real(wp), parameter :: operations_per_product = 4
+
 contains
 
   module procedure has_sparse_library
@@ -23,8 +26,8 @@ contains
               'without it at most '//to_text(largest_full)//' unknowns can be solved for', code=exit_failure)
     return
   end if
-  self%operations = 2*real(matrix%n_rows, wp)**3/3
-  self%is_too_dear = self%operations > self%most_operations
+  self%price = operations_per_product*real(matrix%n_rows, wp)**3/3
+  self%is_too_dear = self%price > self%most_operations
   if (self%is_too_dear) then
     call fail(error, 'a factorisation takes more operations than it may', code=exit_failure)
     return
@@ -43,12 +46,14 @@ contains
   end do
   call dense_factorise(self%full, self%pivot, is_singular)
   self%factorisations = self%factorisations + 1
+  self%operations = self%operations + self%price
   if (is_singular) call fail(error, 'a matrix of '//to_text(self%n)//' unknowns is singular', code=exit_failure)
   end procedure sparse_factor_factorise
 
   module procedure sparse_factor_solve
   x = b
   call dense_solve(self%full, self%pivot, x)
+  self%operations = self%operations + operations_per_product*real(self%n, wp)**2
   end procedure sparse_factor_solve
 
   module procedure sparse_factor_free

@@ -91,8 +91,7 @@ contains
         if (progress%must_yield()) exit
         swept = r
         call sweep(scaled, swept)
-        ! Products of the memory are sums in order: each of their operations takes as long as three of a sweep's.
-        call progress%count_sweeps(1, others=real(20*memory%used + 8, wp)*real(size(r), wp))
+        call progress%count_sweeps(1, others=real(6*memory%used + 10, wp)*real(size(r), wp))
         change = swept - r
         call next_guess(settings, scaled%friction, swept, change, state)
         if (modulo(i, settings%check_every) == 0 .or. i == most) call progress%look(problem, state%good, scale)

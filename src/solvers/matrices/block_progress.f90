@@ -18,7 +18,7 @@ module sg_block_progress
     type(matrix_options_t) :: options
     !> Effort so far; sweeps and Newton steps both count as iterations
     integer :: sweeps = 0, iterations = 0, factorisations = 0, checks = 0
-    !> Floating-point operations so far, about; those of a sweep; and those at which the turn of a method ends
+    !> Effort so far, in operations of a sweep that take as long; that of a sweep; and that at which the turn of a method ends
     real(wp) :: operations = 0, sweep_operations = 0, turn_end = huge(1.0_wp)
     !> e1 of the answer looked at last, of the best, and of the best since the turn began
     real(wp) :: e1 = huge(1.0_wp), best = huge(1.0_wp), turn_e1 = huge(1.0_wp)
@@ -52,8 +52,8 @@ contains
     self%options = options
     self%q_norm = sqrt(sum(problem%q**2))
     allocate (self%r(problem%d, problem%n), self%u(problem%d, problem%n), self%f(problem%d, problem%n))
-    ! A local problem takes about a hundred operations beside its row of W.
-    self%sweep_operations = 2*real(problem%d**2, wp)*real(size(problem%w%column), wp) + 100*real(problem%n, wp)
+    ! A local problem takes as long as so many operations in its row of W (doc/verification_solvers.md).
+    self%sweep_operations = 2*real(problem%d**2, wp)*real(size(problem%w%column), wp) + 260*real(problem%n, wp)
     if (.not. options%warm_start .or. .not. self%q_norm > 0) problem%r = 0
     allocate (self%answer, source=problem%r)
     call self%look(problem, problem%r)
@@ -115,15 +115,15 @@ contains
     if (present(others)) self%operations = self%operations + others
   end subroutine progress_count_sweeps
 
-  !> Count an iteration with factorisations.
-  pure subroutine progress_count_factorisation(self, factorisations, operations)
+  !> Count an iteration with a factorisation, and what was done beside it in times of a sweep.
+  pure subroutine progress_count_factorisation(self, operations, sweeps)
     class(progress_t), intent(inout) :: self
-    integer, intent(in) :: factorisations !! made in it
-    real(wp), intent(in) :: operations !! of one of them
+    real(wp), intent(in) :: operations !! of analysis, factors and solutions
+    integer, intent(in) :: sweeps !! times of a sweep beside them
 
-    self%factorisations = self%factorisations + factorisations
-    self%iterations = self%iterations + max(factorisations, 1)
-    self%operations = self%operations + real(factorisations, wp)*operations
+    self%factorisations = self%factorisations + 1
+    self%iterations = self%iterations + 1
+    self%operations = self%operations + operations + real(sweeps, wp)*self%sweep_operations
   end subroutine progress_count_factorisation
 
   !> Begin the turn of a method.

@@ -14,7 +14,7 @@ module sg_interior_point
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_solver_t
-  use sg_newton_map, only: newton_step
+  use sg_newton_map, only: newton_step, newton_sweeps
   use sg_proximal_newton, only: approach, approach_t, proximal_t
   use sg_report, only: report_t
   use sg_sparse, only: multiply
@@ -39,6 +39,8 @@ module sg_interior_point
     !! that was done
     integer :: turn_sweeps = 200
     real(wp) :: turn_share = 0.25_wp
+    !> Time of a step beside its factors, in sweeps
+    integer :: step_sweeps = 8
   contains
     procedure :: solve => interior_point_solve
   end type interior_point_t
@@ -131,7 +133,7 @@ contains
     type(contact_system_t), intent(inout) :: system
     type(path_t), intent(inout) :: path
     type(progress_t), intent(inout) :: progress
-    real(wp) :: scale_e1
+    real(wp) :: scale_e1, before
     logical :: is_done
 
     scale_e1 = e1_of_nothing(problem)
@@ -139,9 +141,10 @@ contains
     if (progress%best < self%guess_below*scale_e1) &
       call finish(self, problem, scaled, scale, scaled%r, path%newton_factors, progress)
     if (progress%is_over) return
+    before = system%factor%operations
     call start_point(scaled, system, path%point, is_done)
+    call count_step(before, system%factor, self%step_sweeps, progress)
     if (system%factor%is_too_dear) return
-    call progress%count_factorisation(1, system%factor%operations)
     path%has_begun = .true.
     path%is_blocked = .not. is_done
     path%finish_at = self%finish_below*scale_e1
@@ -156,7 +159,7 @@ contains
     type(contact_system_t), intent(inout) :: system
     type(path_t), intent(inout) :: path
     type(progress_t), intent(inout) :: progress
-    real(wp) :: length
+    real(wp) :: length, before
     logical :: is_done
 
     call progress%look(problem, path%point%r, scale)
@@ -175,11 +178,25 @@ contains
       if (progress%is_over) return
     end if
     if (.not. path%point%has_shift) path%point%has_shift = is_convex_solved(self%convex_part, scaled, path%point)
+    before = system%factor%operations
     call take_step(scaled, system, path%point, length, is_done)
-    if (system%factor%is_too_dear) return
-    path%is_blocked = .not. is_done
-    call progress%count_factorisation(1, system%factor%operations)
+    call count_step(before, system%factor, self%step_sweeps, progress)
+    path%is_blocked = .not. (is_done .or. system%factor%is_too_dear)
   end subroutine walk_on
+
+  !> Count a step: a factorisation, or the analysis of one that was refused.
+  pure subroutine count_step(before, factor, sweeps, progress)
+    real(wp), intent(in) :: before
+    type(sparse_factor_t), intent(in) :: factor
+    integer, intent(in) :: sweeps
+    type(progress_t), intent(inout) :: progress
+
+    if (factor%is_too_dear) then
+      progress%operations = progress%operations + factor%operations - before
+    else
+      call progress%count_factorisation(factor%operations - before, sweeps)
+    end if
+  end subroutine count_step
 
   !> e1 of zero impulses: where far contacts make q large, it is small.
   pure real(wp) function e1_of_nothing(problem) result(e1)
@@ -221,7 +238,7 @@ contains
     real(wp), parameter :: rho = 50, least_alpha = 1e-12_wp, most_alpha = 1
     type(error_t), allocatable :: error
     real(wp), allocatable :: r(:, :), u(:, :), f(:, :), step(:, :), tried(:, :)
-    real(wp) :: norm, tried_norm, alpha, length
+    real(wp) :: norm, tried_norm, alpha, length, before
     integer :: i
 
     if (.not. has_sparse_library() .and. scaled%d*scaled%n > largest_full) return
@@ -230,9 +247,10 @@ contains
     call evaluate(scaled, rho, r, u, f, norm)
     alpha = 1e-6_wp
     do i = 1, self%finish_steps
+      before = factors%operations
       call newton_step(scaled, alpha, rho, r, u, f, factors, step, error)
+      call count_step(before, factors, newton_sweeps, progress)
       if (factors%is_too_dear) exit
-      call progress%count_factorisation(1, factors%operations)
       length = 0
       if (.not. allocated(error)) then
         if (all(ieee_is_finite(step))) length = 1

@@ -236,7 +236,7 @@ contains
   !! second-order terms.
   subroutine direction(scaled, system, point, centre, dx_second, ds_second, dx, ds)
     type(matrix_problem_t), intent(in) :: scaled
-    type(contact_system_t), intent(in) :: system
+    type(contact_system_t), intent(inout) :: system
     type(point_t), intent(in) :: point
     real(wp), intent(in) :: centre
     real(wp), intent(in), contiguous :: dx_second(:, :), ds_second(:, :)

@@ -278,7 +278,7 @@ contains
 
   !> Solve (A W + B) dr = g.
   subroutine system_solve(self, g, dr)
-    class(contact_system_t), intent(in) :: self
+    class(contact_system_t), intent(inout) :: self
     real(wp), intent(in), contiguous :: g(:, :) !! right-hand side, shape (d, n)
     real(wp), intent(out), contiguous :: dr(:, :) !! solution, shape (d, n)
     real(wp), allocatable :: right(:), dv(:)

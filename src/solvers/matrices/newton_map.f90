@@ -11,7 +11,10 @@ module sg_newton_map
   use sg_sparse_factor, only: sparse_factor_t
   implicit none
   private
-  public :: newton_step, derivative_of_projection
+  public :: newton_step, newton_sweeps, derivative_of_projection
+
+  !> Time of a step beside its factors, in sweeps: the matrix, and the map at the point reached
+  integer, parameter :: newton_sweeps = 6
 
 contains
 

@@ -14,7 +14,7 @@ module sg_proximal_newton
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_solver_t
-  use sg_newton_map, only: newton_step
+  use sg_newton_map, only: newton_step, newton_sweeps
   use sg_report, only: report_t
   use sg_sparse, only: multiply
   use sg_sparse_factor, only: has_sparse_library, largest_full, sparse_factor_t
@@ -41,11 +41,14 @@ module sg_proximal_newton
   end type proximal_t
 
   !> Where proximal points stand between two turns: weight of the proximal term (none before the first), place in the scales of
-  !! the map, inner solves that failed in a row, factors
+  !! the map, inner solves that failed in a row; steps and impulses of an inner solve that the turn has cut; factors
   type :: approach_t
     real(wp), private :: alpha = -1
-    integer, private :: scale = 1, failures = 0
+    integer, private :: scale = 1, failures = 0, steps = 0
+    real(wp), allocatable, private :: next(:, :)
     type(sparse_factor_t) :: factors
+  contains
+    procedure :: drop_steps => approach_drop_steps
   end type approach_t
 
   !> The solver; an iteration is a Newton step, with one factorisation, or a sweep
@@ -94,17 +97,17 @@ contains
     real(wp), allocatable :: next(:, :)
     real(wp) :: e1
     integer :: steps
-    logical :: has_solved
+    logical :: has_solved, is_cut
 
     is_possible = has_sparse_library() .or. scaled%d*scaled%n <= largest_full
     if (.not. is_possible) return
     if (state%alpha < 0) state%alpha = settings%first_alpha
     associate (alpha => state%alpha, i => state%scale, failures => state%failures, factors => state%factors)
       do while (.not. progress%must_yield())
-        next = scaled%r
-        call solve_inner(settings, scaled, alpha, settings%rho(i), progress, factors, next, steps, has_solved)
-        call progress%count_factorisation(merge(steps - 1, steps, factors%is_too_dear), factors%operations)
-        if (factors%is_too_dear) exit
+        call solve_inner(settings, scaled, state, progress, has_solved, is_cut)
+        if (is_cut) exit
+        steps = state%steps
+        call move_alloc(state%next, next)
         if (has_solved) then
           failures = 0
           scaled%r = next
@@ -123,10 +126,17 @@ contains
           if (progress%e1 < e1 .or. failures > 2) scaled%r = next
         end if
       end do
-      call project_all(scaled%friction, scaled%r)
+      if (.not. allocated(state%next)) call project_all(scaled%friction, scaled%r)
       call factors%free()
     end associate
   end subroutine approach
+
+  !> Forget the inner solve that a turn has cut: the impulses to go on from are others.
+  pure subroutine approach_drop_steps(self)
+    class(approach_t), intent(inout) :: self
+
+    if (allocated(self%next)) deallocate (self%next)
+  end subroutine approach_drop_steps
 
   !> Some sweeps, and a look at what they gave.
   subroutine sweep_and_look(sweeps, problem, scaled, scale, r, progress)
@@ -144,32 +154,67 @@ contains
     call progress%look(problem, r, scale)
   end subroutine sweep_and_look
 
-  !> Newton's method with a line search for the problem of W + alpha, q - alpha r.
-  subroutine solve_inner(settings, scaled, alpha, rho, progress, factors, r, steps, has_solved)
+  !> Newton's method with a line search for the problem of W + alpha, q - alpha r; it goes on where a turn has cut it.
+  subroutine solve_inner(settings, scaled, state, progress, has_solved, is_cut)
     type(proximal_t), intent(in) :: settings
     type(matrix_problem_t), intent(in) :: scaled
-    real(wp), intent(in) :: alpha, rho
-    type(progress_t), intent(in) :: progress
-    type(sparse_factor_t), intent(inout) :: factors
-    real(wp), intent(inout), contiguous :: r(:, :)
-    integer, intent(out) :: steps
-    logical, intent(out) :: has_solved
+    type(approach_t), intent(inout) :: state
+    type(progress_t), intent(inout) :: progress
+    logical, intent(out) :: has_solved, is_cut
+    real(wp), allocatable :: u(:, :), f(:, :)
+    real(wp) :: norm, goal
+    logical :: is_stuck
+
+    allocate (u, f, mold=scaled%r)
+    associate (alpha => state%alpha, rho => settings%rho(state%scale), centre => scaled%r)
+      call evaluate(scaled, alpha, rho, centre, centre, u, f, norm)
+      goal = settings%accuracy*min(1.0_wp, alpha)*norm
+      if (.not. allocated(state%next)) then
+        state%next = centre
+        state%steps = 0
+        ! No loop over points without steps may last for ever.
+        if (norm <= goal) progress%iterations = progress%iterations + 1
+      else
+        call evaluate(scaled, alpha, rho, centre, state%next, u, f, norm)
+      end if
+    end associate
+    is_cut = .false.
+    do
+      has_solved = norm <= goal
+      if (has_solved .or. state%steps >= settings%most_steps) return
+      is_cut = progress%must_yield() .or. progress%is_late()
+      if (is_cut) return
+      call take_newton_step(settings, scaled, state, progress, u, f, norm, is_stuck)
+      is_cut = state%factors%is_too_dear
+      if (is_stuck) return
+    end do
+  end subroutine solve_inner
+
+  !> One step of Newton's method, as long as the map falls.
+  subroutine take_newton_step(settings, scaled, state, progress, u, f, norm, is_stuck)
+    type(proximal_t), intent(in) :: settings
+    type(matrix_problem_t), intent(in) :: scaled
+    type(approach_t), intent(inout) :: state
+    type(progress_t), intent(inout) :: progress
+    real(wp), intent(inout), contiguous :: u(:, :), f(:, :)
+    real(wp), intent(inout) :: norm
+    logical, intent(out) :: is_stuck
     type(error_t), allocatable :: error
-    real(wp), allocatable :: centre(:, :), step(:, :), u(:, :), f(:, :), start(:, :)
-    real(wp) :: norm, last, goal, length
+    real(wp), allocatable :: step(:, :), start(:, :)
+    real(wp) :: last, length, before
     integer :: i
 
-    centre = r
-    allocate (u, f, step, mold=r)
-    call evaluate(scaled, alpha, rho, centre, r, u, f, norm)
-    goal = settings%accuracy*min(1.0_wp, alpha)*norm
-    steps = 0
-    has_solved = .false.
-    do while (steps < settings%most_steps)
-      has_solved = norm <= goal
-      if (has_solved .or. progress%is_late()) return
-      call newton_step(scaled, alpha, rho, r, u, f, factors, step, error)
-      steps = steps + 1
+    is_stuck = .true.
+    associate (r => state%next, rho => settings%rho(state%scale), factors => state%factors)
+      allocate (step, mold=r)
+      before = factors%operations
+      call newton_step(scaled, state%alpha, rho, r, u, f, factors, step, error)
+      if (factors%is_too_dear) then
+        progress%operations = progress%operations + factors%operations - before
+        return
+      end if
+      state%steps = state%steps + 1
+      call progress%count_factorisation(factors%operations - before, newton_sweeps)
       if (allocated(error)) return
       if (.not. all(ieee_is_finite(step))) return
       start = r
@@ -177,17 +222,15 @@ contains
       length = 1
       do i = 1, settings%most_halvings
         r = start + length*step
-        call evaluate(scaled, alpha, rho, centre, r, u, f, norm)
-        if (norm <= (1 - 1e-4_wp*length)*last) exit
+        call evaluate(scaled, state%alpha, rho, scaled%r, r, u, f, norm)
+        is_stuck = .not. norm <= (1 - 1e-4_wp*length)*last
+        if (.not. is_stuck) return
+        progress%operations = progress%operations + progress%sweep_operations
         length = length/2
       end do
-      if (i > settings%most_halvings) then
-        r = start
-        return
-      end if
-    end do
-    has_solved = norm <= goal
-  end subroutine solve_inner
+      r = start
+    end associate
+  end subroutine take_newton_step
 
   !> Velocities with the proximal term, the natural map, and its norm.
   subroutine evaluate(scaled, alpha, rho, centre, r, u, f, norm)

@@ -124,10 +124,32 @@ contains
     call check_solution(factor, a, random, 'other places')
     call dominant(25, 60, random, a)
     call check_solution(factor, a, random, 'another size')
+    call check_price(factor, a)
     call factor%free()
     call factor%free()
     call t%equal(factor%n, 0, 'freed, even twice')
   end subroutine test_factors
+
+  !> A factorisation above the effort allowed is refused before it is made, and its price counts where it is made.
+  subroutine check_price(factor, a)
+    type(sparse_factor_t), intent(inout) :: factor
+    type(sparse_t), intent(in) :: a
+    type(error_t), allocatable :: error
+    real(wp) :: before, price
+    integer :: made
+
+    price = factor%price
+    made = factor%factorisations
+    factor%most_operations = 0.9_wp*price
+    call factor%factorise(a, error)
+    call t%check(allocated(error) .and. factor%is_too_dear, 'a factorisation too dear is refused')
+    call t%equal(factor%factorisations, made, 'and not made')
+    factor%most_operations = price
+    before = factor%operations
+    call factor%factorise(a, error)
+    call t%check(.not. (allocated(error) .or. factor%is_too_dear), 'and made where it is allowed')
+    call t%check(price > 0 .and. factor%operations >= before + price, 'its price counts')
+  end subroutine check_price
 
   !> Singular matrices end in an error, and the factors can be used for another matrix.
   subroutine test_singular()
