@@ -1,18 +1,17 @@
 !> How many neighbours carry a grain, and by how many points pairs touch (doc/theory/indicators.md, "Coordination").
 !!
 !! Two bodies touch when a contact between them carries a positive normal impulse. A rattler is a grain with fewer
-!! than two touching neighbours, in the plane and in space [Thornton2000]; it is taken away once,
-!! not again and again, since a column under its own weight would otherwise unravel from its top.
+!! than two touching neighbours, in the plane and in space [Thornton2000]; it is taken away once, not again and again, since a
+!! column under its own weight would otherwise unravel from its top.
 !!
-!! Contacts of one grain may lie on several ranks. Its neighbours are then added up at its home and told to all who hold a
-!! copy, between `neighbours_of` and `coordination_sums`.
+!! Contacts of one grain may lie on several ranks. Its neighbours are then added up on its owner rank and sent to all copies,
+!! between `neighbours_of` and `coordination_sums`.
 module sg_coordination
   use sg_bodies, only: bodies_t
   use sg_contacts, only: contacts_t, normal_impulse
   use sg_kinds, only: wp, i4, i8
-  use sg_pair_keys, only: pair_key
   use sg_sorting, only: sort_permutation
-  use sg_tally, only: pass_columns, pass_sums, tally_t
+  use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
   implicit none
   private
   public :: measure_coordination, measure_rattlers, touching_t, touching_pairs, neighbours_of
@@ -27,16 +26,6 @@ module sg_coordination
     integer, allocatable :: points(:)
   end type touching_t
 
-  !> Numbers of neighbours and of points
-  type :: coordination_t
-    !> Mean number of touching neighbours of a grain, of all grains and of those that are no rattlers
-    real(wp) :: mean = 0, without_rattlers = 0
-    !> Number of rattlers
-    integer :: rattlers = 0
-    !> Pairs of bodies that touch by one, two, three, four or more points
-    integer :: single = 0, double = 0, triple = 0, quadruple = 0
-  end type coordination_t
-
 contains
 
   !> Neighbours of grains, and pairs of bodies by the number of points at which they touch; in the plane three mean three or more.
@@ -45,18 +34,18 @@ contains
     type(touching_t), intent(in) :: touching !! pairs that touch
     real(wp), intent(in) :: neighbours(:) !! neighbours of each body over all ranks, of copies too
     type(tally_t), intent(inout) :: tally !! tally of the measure
-    type(coordination_t) :: found
+    real(wp) :: sums(n_coordination_sums)
 
     if (tally%pass == pass_sums) then
       call tally%sums%put('coordination', coordination_sums(touching, bodies%is_grain, bodies%n_home, neighbours))
     else if (tally%pass == pass_columns) then
-      found = coordination_of(tally)
-      if (bodies%dimension == 2) found%triple = found%triple + found%quadruple
-      call tally%add('coordination', found%mean)
-      call tally%add('coordination_without_rattlers', found%without_rattlers)
-      call tally%add('single_contacts', real(found%single, wp), is_count=.true.)
-      call tally%add('double_contacts', real(found%double, wp), is_count=.true.)
-      call tally%add('triple_contacts', real(found%triple, wp), is_count=.true.)
+      sums = tally%sums%get('coordination', n_coordination_sums)
+      if (bodies%dimension == 2) sums(3) = sums(3) + sums(4)
+      call tally%add('coordination', ratio(sums(7), sums(5)))
+      call tally%add('coordination_without_rattlers', ratio(sums(8), sums(6)))
+      call tally%add('single_contacts', sums(1), is_count=.true.)
+      call tally%add('double_contacts', sums(2), is_count=.true.)
+      call tally%add('triple_contacts', sums(3), is_count=.true.)
     end if
   end subroutine measure_coordination
 
@@ -64,15 +53,15 @@ contains
   pure subroutine measure_rattlers(dimension, tally)
     integer, intent(in) :: dimension !! of space
     type(tally_t), intent(inout) :: tally !! tally of the measure
-    type(coordination_t) :: found
+    real(wp) :: sums(n_coordination_sums)
 
     if (tally%pass /= pass_columns) return
-    found = coordination_of(tally)
-    call tally%add('rattlers', real(found%rattlers, wp), is_count=.true.)
-    if (dimension == 3) call tally%add('quadruple_contacts', real(found%quadruple, wp), is_count=.true.)
+    sums = tally%sums%get('coordination', n_coordination_sums)
+    call tally%add('rattlers', sums(5) - sums(6), is_count=.true.)
+    if (dimension == 3) call tally%add('quadruple_contacts', sums(4), is_count=.true.)
   end subroutine measure_rattlers
 
-  !> Neighbours that a body touches through this rank's contacts; those of all ranks must be added up at its home.
+  !> Neighbours that a body touches through this rank's contacts; those of all ranks must be added up on its owner rank.
   pure function neighbours_of(touching, n_bodies) result(neighbours)
     type(touching_t), intent(in) :: touching !! pairs that touch
     integer, intent(in) :: n_bodies !! number of bodies
@@ -113,22 +102,6 @@ contains
     end do
   end function coordination_sums
 
-  !> Numbers of neighbours and points from the sums over all ranks.
-  pure function coordination_of(tally) result(coordination)
-    type(tally_t), intent(in) :: tally
-    type(coordination_t) :: coordination
-    real(wp) :: sums(n_coordination_sums)
-
-    sums = tally%sums%get('coordination', n_coordination_sums)
-    coordination%single = nint(sums(1))
-    coordination%double = nint(sums(2))
-    coordination%triple = nint(sums(3))
-    coordination%quadruple = nint(sums(4))
-    coordination%rattlers = nint(sums(5) - sums(6))
-    if (sums(5) > 0) coordination%mean = sums(7)/sums(5)
-    if (sums(6) > 0) coordination%without_rattlers = sums(8)/sums(6)
-  end function coordination_of
-
   !> Pairs of bodies that touch, and by how many points; all contacts of a pair are on one rank.
   pure function touching_pairs(contacts, n_bodies) result(pairs)
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
@@ -157,4 +130,12 @@ contains
       pairs%points(n) = pairs%points(n) + 1
     end do
   end function touching_pairs
+
+  !> One integer for two bodies, whichever is first: sorted by it, contacts of one pair follow one another.
+  elemental integer(i8) function pair_key(a, b, n_bodies) result(key)
+    integer(i4), intent(in) :: a, b
+    integer, intent(in) :: n_bodies
+
+    key = int(min(a, b) - 1, i8)*int(n_bodies, i8) + int(max(a, b), i8)
+  end function pair_key
 end module sg_coordination

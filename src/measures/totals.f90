@@ -220,17 +220,11 @@ contains
     call comm%sum(report%contact_updates)
     call comm%sum(report%active_contacts)
     call comm%maximum(report%sweeps)
-    if (allocated(report%trace)) call reduce_trace(report, comm)
-  end subroutine reduce_report
-
-  !> Sum the effort of a history, whose points all ranks have at the same iterations.
-  subroutine reduce_trace(report, comm)
-    type(report_t), intent(inout) :: report
-    type(comm_t), intent(inout) :: comm
-
+    if (.not. allocated(report%trace)) return
+    ! All ranks have its points at the same iterations.
     call comm%sum(report%trace%contact_updates)
     call comm%sum(report%trace%cpu_seconds)
-  end subroutine reduce_trace
+  end subroutine reduce_report
 
   !> The totals as a list of reals, for restart files; counters are exact up to 2^53.
   pure function totals_pack(self) result(values)

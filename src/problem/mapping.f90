@@ -1,13 +1,13 @@
 !> The mapping H between bodies and contacts, from geometry alone (doc/theory/contact_problem.md).
 !!
 !! Relative velocities u = H^T V: velocity of the candidate's material point minus the antagonist's, on the normal
-!! and the tangent t = (n_y, -n_x). Resultants R = H r: what contact impulses do to bodies. The two are adjoint.
+!! and the tangent t = (n_y, -n_x).
 module sg_mapping
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp
   implicit none
   private
-  public :: arms_of, relative_velocity, add_resultants
+  public :: arms_of, relative_velocity
 
 contains
 
@@ -46,28 +46,4 @@ contains
     end if
     u = [n(1)*jump(1) + n(2)*jump(2), n(2)*jump(1) - n(1)*jump(2)]
   end function relative_velocity
-
-  !> Add to each body what the contact impulses do to it [N s, N m s]: R = R + H r.
-  pure subroutine add_resultants(contacts, middle, period, resultant)
-    type(contacts_t), intent(in) :: contacts !! contacts of the step, with their impulses
-    real(wp), intent(in), contiguous :: middle(:, :) !! configuration of detection, shape (2 or 3, bodies)
-    real(wp), intent(in) :: period !! period in x, zero when not periodic [m]
-    real(wp), intent(inout), contiguous :: resultant(:, :) !! resultants to add to, shape (2 or 3, bodies)
-    real(wp) :: arms(2, 2), n(2), p(2)
-    integer :: k, c, a
-
-    do k = 1, contacts%n
-      c = contacts%body(1, k)
-      a = contacts%body(2, k)
-      n = contacts%normal(:, k)
-      p = contacts%impulse(1, k)*n
-      if (contacts%n_components == 2) p = p + contacts%impulse(2, k)*[n(2), -n(1)]
-      resultant(1:2, c) = resultant(1:2, c) + p
-      resultant(1:2, a) = resultant(1:2, a) - p
-      if (size(resultant, 1) < 3) cycle
-      arms = arms_of(contacts, k, middle, period)
-      resultant(3, c) = resultant(3, c) + arms(1, 1)*p(2) - arms(2, 1)*p(1)
-      resultant(3, a) = resultant(3, a) - arms(1, 2)*p(2) + arms(2, 2)*p(1)
-    end do
-  end subroutine add_resultants
 end module sg_mapping

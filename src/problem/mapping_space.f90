@@ -2,14 +2,14 @@
 !!
 !! Velocities of bodies are those of `bodies_t`: translation in the world, spin about principal axes.
 module sg_mapping_space
-  use sg_contacts, only: contacts_t, impulse_vector
+  use sg_contacts, only: contacts_t
   use sg_kinds, only: wp
-  use sg_rotations, only: turned_back, turned_by
+  use sg_rotations, only: turned_by
   use sg_scene, only: scene_t
   use sg_vectors, only: cross
   implicit none
   private
-  public :: tangent_of, space_arms, space_relative_velocity, add_space_resultants
+  public :: tangent_of, space_arms, space_relative_velocity
 
 contains
 
@@ -56,25 +56,4 @@ contains
     u = u + cross(turned_by(scene%bodies%middle(4:7, c), velocity(4:6, c)), arms(:, 1)) &
         - cross(turned_by(scene%bodies%middle(4:7, a), velocity(4:6, a)), arms(:, 2))
   end function space_relative_velocity
-
-  !> Add to each body what the contact impulses do to it [N s, N m s]: R = R + H r.
-  pure subroutine add_space_resultants(scene, contacts, resultant)
-    type(scene_t), intent(in) :: scene !! scene in its `middle` configuration
-    type(contacts_t), intent(in) :: contacts !! contacts of the step, with their impulses
-    real(wp), intent(inout), contiguous :: resultant(:, :) !! resultants to add to, shape (3 or 6, bodies)
-    real(wp) :: arms(3, 2), p(3)
-    integer :: k, c, a
-
-    do k = 1, contacts%n
-      c = contacts%body(1, k)
-      a = contacts%body(2, k)
-      p = impulse_vector(contacts, k)
-      resultant(1:3, c) = resultant(1:3, c) + p
-      resultant(1:3, a) = resultant(1:3, a) - p
-      if (size(resultant, 1) < 6) cycle
-      arms = space_arms(scene, contacts, k)
-      resultant(4:6, c) = resultant(4:6, c) + turned_back(scene%bodies%middle(4:7, c), cross(arms(:, 1), p))
-      resultant(4:6, a) = resultant(4:6, a) - turned_back(scene%bodies%middle(4:7, a), cross(arms(:, 2), p))
-    end do
-  end subroutine add_space_resultants
 end module sg_mapping_space

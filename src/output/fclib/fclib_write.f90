@@ -1,13 +1,13 @@
 !> Contact problems and solutions to FCLIB files (doc/guide/solve.md).
 module sg_fclib_write
   use sg_comm, only: comm_t
-  use sg_condense, only: multipliers_of, sparse_from_blocks, velocity_of
+  use sg_condense, only: multipliers_of, velocity_of
   use sg_error, only: error_t, exit_output, fail
   use sg_fclib_items, only: holds, refuse, write_matrix, write_number
   use sg_fclib_read, only: fclib_constraints_t, open_fclib, read_problem, usable_impulses
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: wp
-  use sg_matrix_pieces, only: matrix_pieces_t, matrix_state_t, triplets_of
+  use sg_matrix_pieces, only: matrix_pieces_t, matrix_state_t
   use sg_matrix_problem, only: matrix_problem_t
   use sg_settle_file, only: begin_file, part_of, settle_file
   use sg_sparse, only: multiply
@@ -15,53 +15,12 @@ module sg_fclib_write
   use sg_system, only: real_path, remove_file
   implicit none
   private
-  public :: write_fclib, write_pieces, write_solution
+  public :: write_pieces, write_solution
 
 contains
 
-  !> Write a problem with its solution to STEM-local.hdf5 and, where its global form is known, to STEM-global.hdf5: one
-  !! file must hold one problem. Files of these names are replaced.
-  subroutine write_fclib(stem, problem, title, description, with_solution, error, guess)
-    character(len=*), intent(in) :: stem !! path of the files up to -local or -global
-    type(matrix_problem_t), intent(in) :: problem !! problem
-    character(len=*), intent(in) :: title !! one line: what this is
-    character(len=*), intent(in) :: description !! where it comes from; the units are said beside
-    logical, intent(in) :: with_solution !! are the impulses of the problem its solution?
-    type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
-    real(wp), intent(in), optional :: guess(:, :) !! impulses that a solver may start from [N s], shape (d, n)
-    type(matrix_pieces_t) :: pieces
-    type(matrix_problem_t) :: guessed
-    type(fclib_constraints_t) :: constraints
-    type(comm_t) :: alone
-
-    pieces%d = problem%d
-    pieces%all_contacts = problem%n
-    pieces%w = triplets_of(sparse_from_blocks(problem%w))
-    pieces%q = flat(problem%q)
-    pieces%friction = problem%friction
-    pieces%has_global = problem%has_global
-    pieces%has_solution = with_solution
-    pieces%has_guess = present(guess)
-    if (problem%has_global) then
-      pieces%all_unknowns = size(problem%f)
-      pieces%mass = triplets_of(problem%mass)
-      pieces%h = triplets_of(problem%h)
-      pieces%f = problem%f
-      pieces%offset = problem%offset
-    end if
-    constraints%is_global = problem%has_global
-    if (with_solution) call find_state(problem, constraints, pieces%solution, error)
-    if (allocated(error)) return
-    if (present(guess)) then
-      guessed = problem
-      guessed%r = guess
-      call find_state(guessed, constraints, pieces%guess, error)
-      if (allocated(error)) return
-    end if
-    call write_pieces(stem, pieces, title, description, alone, error)
-  end subroutine write_fclib
-
-  !> The same of a problem of which each rank holds some rows. Collective.
+  !> Write a problem of which each rank holds some rows to STEM-local.hdf5 and, where its global form is known, to
+  !! STEM-global.hdf5: one file must hold one problem. Files of these names are replaced. Collective.
   subroutine write_pieces(stem, pieces, title, description, comm, error)
     character(len=*), intent(in) :: stem !! path of the files up to -local or -global
     type(matrix_pieces_t), intent(in) :: pieces !! this rank's share of the problem, of its guess and of its solution

@@ -28,7 +28,5 @@ module sg_matrix_problem
     logical :: has_global = .false.
     type(sparse_t) :: mass, h
     real(wp), allocatable :: f(:), offset(:)
-    !> Velocity of the bodies (dof), where the global form is known: set with the solution
-    real(wp), allocatable :: v(:)
   end type matrix_problem_t
 end module sg_matrix_problem

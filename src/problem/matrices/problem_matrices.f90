@@ -18,7 +18,7 @@ module sg_problem_matrices
   use sg_text, only: to_text
   implicit none
   private
-  public :: matrices_map_t, matrices_of, take_impulses
+  public :: matrices_map_t, matrices_of
   ! Parts of it, for problems that several ranks hold
   public :: take_contacts, find_pushed, mapping_entries, finish_velocities
 
@@ -243,25 +243,4 @@ contains
       q(2:, k) = 0
     end do
   end subroutine finish_velocities
-
-  !> Take impulses and velocities of the solved problem as those of its matrices.
-  subroutine take_impulses(problem, map, matrices)
-    type(problem_t), intent(in) :: problem !! problem, solved
-    type(matrices_map_t), intent(in) :: map !! where the rows of the matrices come from
-    type(matrix_problem_t), intent(inout) :: matrices !! its matrices: `r` and `v` are set
-    type(contact_record_t) :: contact
-    type(body_record_t) :: body
-    integer :: k, i
-
-    do k = 1, matrices%n
-      contact = contact_of(problem, int(map%contact(k)))
-      matrices%r(:, k) = contact%impulse(:matrices%d)
-      matrices%r(1, k) = matrices%r(1, k) + contact%cohesion
-    end do
-    if (.not. allocated(matrices%v)) allocate (matrices%v(size(map%slot)))
-    do i = 1, size(map%slot)
-      body = body_of(problem, int(map%slot(i)))
-      matrices%v(i) = body%velocity(map%component(i))
-    end do
-  end subroutine take_impulses
 end module sg_problem_matrices

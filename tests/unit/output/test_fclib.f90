@@ -5,10 +5,11 @@ program test_fclib
   use matrices, only: columns, exchanged, full, heavy_matrix, put_global, put_local, put_matrix, roomy, rows, solved, some_list, &
                       some_matrix, sparse, triplets
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use fclib_of_problem, only: write_fclib
   use sg_condense, only: condense, sparse_from_blocks
   use sg_error, only: error_t, exit_bad_input
   use sg_fclib_read, only: read_fclib
-  use sg_fclib_write, only: write_fclib, write_solution
+  use sg_fclib_write, only: write_solution
   use sg_hdf5, only: hdf5_file_t, hdf5_is_available
   use sg_kinds, only: wp, i4
   use sg_matrix_problem, only: matrix_problem_t

@@ -2,12 +2,13 @@
 program test_mapping
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, put_disk, put_polygon, put_wall
+  use resultants, only: add_resultants
   use sg_compact, only: add_impulses, compact_velocity
   use sg_contacts, only: contacts_t
   use sg_detect, only: detect
   use sg_kinds, only: wp
   use sg_laws, only: law_iqs, law_elastic, law_restitution, local_law, local_law_t, status_new
-  use sg_mapping, only: add_resultants, relative_velocity
+  use sg_mapping, only: relative_velocity
   use sg_motion, only: predict
   use sg_random, only: random_t
   use sg_records, only: arm_frictional, arm_frictionless, arm_frictionless_inverse_wnn, arm_wnn, arm_wtt, round_frictional, &

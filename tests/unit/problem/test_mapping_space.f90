@@ -3,11 +3,12 @@
 program test_mapping_space
   use harness, only: tests_t
   use scenes_space, only: random_space_scene
+  use resultants, only: add_space_resultants
   use sg_compact_space, only: add_space_impulses, space_velocity
   use sg_contacts, only: contacts_t, impulse_vector
   use sg_kinds, only: wp
   use sg_laws, only: law_elastic, law_linear, law_restitution, local_law, local_law_t, status_new
-  use sg_mapping_space, only: add_space_resultants, space_arms, space_relative_velocity, tangent_of
+  use sg_mapping_space, only: space_arms, space_relative_velocity, tangent_of
   use sg_random, only: random_t
   use sg_records, only: ball_frictional, ball_frictionless, ball_frictionless_inverse_wnn, ball_inverse_i, ball_inverse_wnn, &
                         ball_inverse_wtt, normal_x, normal_z, solid_frictional, solid_frictionless, &

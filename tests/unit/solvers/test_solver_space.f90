@@ -4,12 +4,13 @@ program test_solver_space
   use harness, only: tests_t
   use scenes, only: g
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere, random_space_scene
+  use resultants, only: add_space_resultants
   use sg_assemble, only: assemble, disassemble
   use sg_compact_space, only: space_velocity
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp
   use sg_laws, only: law_elastic, law_iqs, law_restitution, local_law, local_law_t, status_new
-  use sg_mapping_space, only: add_space_resultants, space_relative_velocity, tangent_of
+  use sg_mapping_space, only: space_relative_velocity, tangent_of
   use sg_motion, only: predict
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t, reserve_problem
