@@ -226,6 +226,7 @@ def test_trailing_blank(project):
 
 @pytest.mark.parametrize("sentence", [
     "Contacts whom sweeps update.", "A split made anew.", "The same but for rounding.", "343 bytes a grain, twenty sweeps a step.",
+    "What the solver said.",
 ])  # fmt: skip
 def test_words(project, sentence):
     assert run("check_words", project)[0] == 0

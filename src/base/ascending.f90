@@ -23,7 +23,7 @@ module sg_ascending
 
 contains
 
-  !> As `first_at_least` says, for numbers of four bytes; one more than there are when all are below.
+  !> `first_at_least` for numbers of four bytes; one more than there are when all are below.
   pure integer function first_at_least_i4(list, value) result(low)
     integer(i4), intent(in) :: list(:) !! ascending numbers
     integer(i4), intent(in) :: value !! any number
@@ -41,7 +41,7 @@ contains
     end do
   end function first_at_least_i4
 
-  !> As `first_at_least` says, for numbers of eight bytes; one more than there are when all are below.
+  !> `first_at_least` for numbers of eight bytes; one more than there are when all are below.
   pure integer function first_at_least_i8(list, value) result(low)
     integer(i8), intent(in) :: list(:) !! ascending numbers
     integer(i8), intent(in) :: value !! any number
@@ -59,7 +59,7 @@ contains
     end do
   end function first_at_least_i8
 
-  !> As `place_in` says, for numbers of four bytes.
+  !> `place_in` for numbers of four bytes.
   pure integer function place_in_i4(list, value) result(place)
     integer(i4), intent(in) :: list(:) !! ascending numbers
     integer(i4), intent(in) :: value !! number to look for
@@ -72,7 +72,7 @@ contains
     end if
   end function place_in_i4
 
-  !> As `place_in` says, for numbers of eight bytes.
+  !> `place_in` for numbers of eight bytes.
   pure integer function place_in_i8(list, value) result(place)
     integer(i8), intent(in) :: list(:) !! ascending numbers
     integer(i8), intent(in) :: value !! number to look for
@@ -85,7 +85,7 @@ contains
     end if
   end function place_in_i8
 
-  !> As `distinct` says, for numbers of four bytes.
+  !> `distinct` for numbers of four bytes.
   pure function distinct_i4(list) result(kept)
     integer(i4), intent(in) :: list(:) !! numbers in any order, none negative
     integer(i4), allocatable :: kept(:)
@@ -93,7 +93,7 @@ contains
     kept = int(distinct_i8(int(list, i8)), i4)
   end function distinct_i4
 
-  !> As `distinct` says, for numbers of eight bytes.
+  !> `distinct` for numbers of eight bytes.
   pure function distinct_i8(list) result(kept)
     integer(i8), intent(in) :: list(:) !! numbers in any order, none negative
     integer(i8), allocatable :: kept(:)

@@ -52,7 +52,7 @@ module sg_error
   type :: diagnostics_t
     !> Mistakes that stop the program
     type(error_t), allocatable :: errors(:)
-    !> Harmless findings that the user should know
+    !> Harmless findings for the user
     type(error_t), allocatable :: warnings(:)
   contains
     procedure :: add => diagnostics_add

@@ -41,10 +41,10 @@ module sg_tables
 
 contains
 
-  !> Say whose the next tables are, and what they have an item for.
+  !> Set the owner of the next tables, and what they have an item for.
   subroutine tables_begin(self, owner, per)
     class(tables_t), intent(inout) :: self
-    character(len=*), intent(in) :: owner !! whose they are
+    character(len=*), intent(in) :: owner !! their owner
     integer, intent(in) :: per !! `per_body` or `per_contact`
 
     self%owner = owner

@@ -1,4 +1,4 @@
-!> Centres of grains as points: what the structure of a packing is told from (doc/theory/indicators.md, "Structure").
+!> Centres of grains as points, from which the structure of a packing is measured (doc/theory/indicators.md, "Structure").
 module sg_centres
   use sg_comm, only: comm_t
   use sg_grains, only: count_grains, grains_t

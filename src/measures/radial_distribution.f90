@@ -1,7 +1,7 @@
 !> Radial distribution of a packing, g(r): grains at a distance r of a grain, over those of as many points thrown at random
 !! (doc/theory/indicators.md, "Structure").
 !!
-!! Grains are counted from those whose surroundings lie in the box whole, so that nothing need be known of what is outside. On
+!! Grains are counted from those whose surroundings lie in the box whole, so that nothing outside is needed. On
 !! several ranks each counts about its own grains; those of the others pass by, one rank's at a time.
 module sg_radial_distribution
   use sg_cells, only: build_cells, cells_t, level_cell

@@ -1,4 +1,4 @@
-!> What a spectrum is made of: series sampled at every step, kept for the whole run.
+!> Samples for spectra: series sampled at every step, kept for the whole run.
 module sg_samples
   use sg_balance, only: force_on_walls, momentum
   use sg_bodies, only: bodies_t, spin_of

@@ -67,7 +67,7 @@ contains
   !> Add the solve of one step.
   pure subroutine totals_add(self, report, contacts, penetration, all_contacts)
     class(totals_t), intent(inout) :: self
-    type(report_t), intent(in) :: report !! what the solver said: updates and active contacts of this rank, errors of the whole
+    type(report_t), intent(in) :: report !! report of the solver: updates and active contacts of this rank, errors of the whole
     integer, intent(in) :: contacts !! number of contacts of the step on this rank
     real(wp), intent(in), optional :: penetration !! deepest penetration of the step, none unless given [m]
     integer, intent(in), optional :: all_contacts !! contacts of the step on all ranks, those of this rank unless given
@@ -210,7 +210,7 @@ contains
     self%clock%cpu = 0
   end subroutine totals_leave_to_first
 
-  !> From what a solver says of each rank's contacts to what it says of all: updates, active contacts and the CPU seconds of a
+  !> From the report on each rank's contacts to that on all: updates, active contacts and the CPU seconds of a
   !! history are summed, of sweeps the largest counts; errors are of the whole scene already.
   subroutine reduce_report(report, comm)
     type(report_t), intent(inout) :: report !! of this rank, then of all

@@ -20,7 +20,7 @@ module sg_progress
     integer, private :: unit = 0
     !> First and last step of this run
     integer, private :: first_step = 0, last_step = 0
-    !> Is the unit a terminal? Is nothing to be said? Does a bar stand on the terminal's line?
+    !> Is the unit a terminal? Is nothing printed? Does a bar stand on the terminal's line?
     logical, private :: on_terminal = .false., is_quiet = .false., is_drawn = .false.
     !> Wall clock at the start and when progress was last shown [s]
     real(wp), private :: started = 0, shown = 0
@@ -43,7 +43,7 @@ contains
     integer, intent(in) :: last_step !! number of the last step
     character(len=*), intent(in) :: criterion !! name of the stopping criterion
     logical, intent(in) :: on_terminal !! is the unit a terminal?
-    logical, intent(in) :: is_quiet !! say nothing at all
+    logical, intent(in) :: is_quiet !! print nothing at all
 
     self%unit = unit
     self%first_step = first_step
@@ -71,7 +71,7 @@ contains
     integer, intent(in) :: step !! step done
     real(wp), intent(in) :: time !! time reached [s]
     integer, intent(in) :: contacts !! number of contacts
-    type(report_t), intent(in) :: report !! what the solver said
+    type(report_t), intent(in) :: report !! report of the solver
     real(wp), intent(in) :: kinetic_energy !! at this step [J]
     character(len=:), allocatable :: text, left
     character(len=line_width) :: line

@@ -1,4 +1,4 @@
-!> record.csv: one row a recorded step, named columns, SI units (doc/guide/results.md lists them).
+!> record.csv: one row per recorded step, named columns, SI units (doc/guide/results.md lists them).
 module sg_record
   use sg_error, only: error_t
   use sg_kinds, only: wp
@@ -81,7 +81,7 @@ contains
     integer, intent(in) :: step !! number of the step
     real(wp), intent(in) :: time !! end of the step [s]
     integer, intent(in) :: contacts !! number of contacts
-    type(report_t), intent(in) :: report !! what the solver said of the step
+    type(report_t), intent(in) :: report !! report of the solver on the step
     type(totals_t), intent(in) :: totals !! timers since the start
     type(measures_t), intent(in) :: measures !! indicators of the step
     type(error_t), allocatable, intent(out) :: error !! set when the row cannot be written

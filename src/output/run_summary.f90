@@ -1,4 +1,4 @@
-!> run.json: one flat object that says what a run was, how it ended, and what it found (doc/guide/results.md).
+!> run.json: one flat object with the identity of a run, its end and its results (doc/guide/results.md).
 module sg_run_summary
   use sg_comm, only: comm_t
   use sg_error, only: error_t
@@ -44,13 +44,13 @@ module sg_run_summary
     procedure :: collect => cost_collect
   end type shared_cost_t
 
-  !> What run.json says
+  !> Content of run.json
   type :: run_summary_t
     !> Does this rank write it, and the other texts of a run? Of ranks that share a run one alone does
     logical :: is_root = .true.
     !> Where ranks share the scene: how, and what that cost
     type(shared_cost_t) :: shared
-    !> How the run ended, one of `run_*`, and one sentence that says why (empty when done)
+    !> How the run ended, one of `run_*`, and the reason in one sentence (empty when done)
     character(len=:), allocatable :: status, reason
     !> Path, title, purpose and hash of the deck, folder of the results, solver, name of the stopping criterion
     character(len=:), allocatable :: deck, title, about, deck_hash, folder, method, criterion
@@ -81,7 +81,7 @@ module sg_run_summary
 
 contains
 
-  !> Say what is to be run; until `conclude` the run counts as failed.
+  !> Set the identity of a run; until `conclude` the run counts as failed.
   subroutine summary_describe(self, scene, options, deck, comm)
     class(run_summary_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! what exists, or the part of this rank
@@ -113,7 +113,7 @@ contains
     end if
   end subroutine summary_describe
 
-  !> Learn from all ranks what sharing cost; every rank calls this.
+  !> Gather the cost of sharing from all ranks. Collective.
   subroutine cost_collect(self, comm, contact_updates, gluings, messages, bytes)
     class(shared_cost_t), intent(inout) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
@@ -164,7 +164,7 @@ contains
     call move_alloc(longer, list)
   end subroutine append
 
-  !> Say how the run ended and what it found.
+  !> Set the end of the run and its results.
   subroutine summary_conclude(self, status, reason, time, totals, measures)
     class(run_summary_t), intent(inout) :: self
     character(len=*), intent(in) :: status !! one of `run_*`
@@ -193,7 +193,7 @@ contains
 
   !> Write run.json, wholly or not at all.
   subroutine write_run_summary(summary, file, error)
-    type(run_summary_t), intent(in) :: summary !! what to say
+    type(run_summary_t), intent(in) :: summary !! the run, concluded
     character(len=*), intent(in) :: file !! path of the file
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
     type(json_t) :: json

@@ -118,7 +118,7 @@ contains
     integer, intent(in) :: step !! number of the step
     real(wp), intent(in) :: time !! its end [s]
     integer, intent(in) :: contacts !! of all ranks
-    type(report_t), intent(in) :: solved !! what the solver said, with a history unless there was no contact
+    type(report_t), intent(in) :: solved !! report of the solver, with a history unless there was no contact
     type(totals_t), intent(in) :: totals !! since the start, of this rank
     type(comm_t), intent(inout) :: comm !! the ranks
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when a file cannot be written

@@ -1,8 +1,8 @@
 !> Tagged numbers: results of a run as text with names, for regression tests that compare quantity by quantity
 !! (tests/decks/run_cases.py).
 !!
-!! A quantity is a line `name kind size`, then `size` numbers, one a line with 17 digits. The kind says which tolerance
-!! applies to it: for instance `energy`, `count` or `position`.
+!! A quantity is a line `name kind size`, then `size` numbers, one per line with 17 digits. The kind selects the tolerance
+!! of the quantity: for instance `energy`, `count` or `position`.
 module sg_tagged
   use sg_kinds, only: wp
   use sg_text, only: to_text

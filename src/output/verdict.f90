@@ -1,4 +1,4 @@
-!> The last words of a run: is it done, is it right, what did it cost, what to open.
+!> Verdict at the end of a run: status, errors, cost, files.
 module sg_verdict
   use sg_columns, only: fixed
   use sg_kinds, only: wp, i8

@@ -273,7 +273,7 @@ contains
     logical :: is_bonded
     real(wp) :: stretch
 
-    ! Of links `finish_links` says it.
+    ! Of links `finish_links` sets it.
     status = contacts%status(k)
     if (is_link(scene, contacts, k)) return
     if (is_cohesive_zone(scene%laws(contacts%law(k)))) then

@@ -1,4 +1,4 @@
-!> The compact records of contacts and bodies taken apart, whatever the kind of problem: for those who need H and M themselves.
+!> The compact records of contacts and bodies taken apart, for any kind of problem: for callers that need H and M themselves.
 module sg_problem_records
   use sg_kinds, only: wp
   use sg_mapping_space, only: tangent_of

@@ -6,7 +6,7 @@
 !! in space; their frictional impulses are vectors in the world's axes.
 !!
 !! The names below are positions, constants that the compiler folds: `record(arm_bias_n, k)` costs what `record(7, k)` does. Names
-!! of frictionless kinds say so; those without the word belong to the frictional kind. Positions of vectors are consecutive.
+!! of frictionless kinds have that word; those without belong to the frictional kind. Positions of vectors are consecutive.
 module sg_records
   use sg_kinds, only: wp
   use sg_plan, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &

@@ -17,7 +17,7 @@ module sg_text_window
   type :: text_window_t
     !> Number of lines; a last line without an end counts
     integer :: n = 0
-    !> What tells files apart: a mix of all bytes
+    !> Mix of all bytes, by which files are distinguished
     integer(i8) :: digest = 0
     character(len=:), allocatable, private :: file
     !> Byte at which each window begins, and the one behind the file

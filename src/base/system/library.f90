@@ -1,4 +1,4 @@
-!> Shared libraries that are opened when something asks for them, and not before: who needs no graph loads no METIS.
+!> Shared libraries that are opened on demand: a run that needs no graph loads no METIS.
 !!
 !! A `*_with_<library>` submodule names the procedures that it calls, and gets their addresses; c_f_procpointer makes them
 !! procedures again. CMake writes down where each library was found (sg_library_files). An opened library stays open.
@@ -17,7 +17,7 @@ module sg_library
   !> What Linux takes for: only if it is open already
   integer(c_int), parameter :: if_open = 4
 
-  !> What the C library of GNU tells of memory that programs ask it for: how much it has from the system, ..., in use
+  !> Statistics of the C library of GNU on allocated memory: bytes taken from the system, ..., bytes in use
   type, bind(c) :: memory_t
     integer(c_size_t) :: arena = 0, free_blocks = 0, fast_blocks = 0, mapped_blocks = 0, mapped_bytes = 0, unused = 0, &
                          fast_bytes = 0, used_bytes = 0, free_bytes = 0, top_bytes = 0
@@ -95,7 +95,7 @@ contains
     call find_procedures(library, file, [character(len=1) ::], nothing, error)
   end subroutine is_there
 
-  !> Is a library in memory, opened by this program or by another library? Told on Linux alone; elsewhere it may be opened for
+  !> Is a library in memory, opened by this program or by another library? Reported on Linux alone; elsewhere it may be opened for
   !! that.
   logical function is_open(file)
     character(len=*), intent(in) :: file !! where CMake found it; empty when it is a part of the program
@@ -107,7 +107,7 @@ contains
     if (.not. is_open) is_open = c_associated(c_dlopen(file(index(file, '/', back=.true.) + 1:)//c_null_char, mode))
   end function is_open
 
-  !> Memory that the program has in use: what it asked for and has not given back; 0 where the system does not tell.
+  !> Memory that the program has in use: allocated and not freed; 0 where the system does not report it.
   function heap_bytes() result(bytes)
     integer(i8) :: bytes
     procedure(mallinfo2), pointer :: ask

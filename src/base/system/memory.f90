@@ -61,7 +61,7 @@ contains
   subroutine memory_left(self, bytes, limit)
     class(memory_t), intent(in) :: self
     integer(i8), intent(out) :: bytes !! [bytes]; the largest number where there is no limit
-    character(len=:), allocatable, intent(out), optional :: limit !! whose limit it is, as a phrase
+    character(len=:), allocatable, intent(out), optional :: limit !! the origin of the limit, as a phrase
     integer(i8) :: room(4)
     integer :: nearest
 

@@ -134,7 +134,7 @@ contains
     end do
   end function real_path
 
-  !> Largest resident memory of this process so far, in bytes; 0 where the system does not tell.
+  !> Largest resident memory of this process so far, in bytes; 0 where the system does not report it.
   integer(i8) function peak_memory_bytes() result(bytes)
     character(len=200) :: line
     integer :: unit, status

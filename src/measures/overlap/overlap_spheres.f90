@@ -203,7 +203,7 @@ contains
     integral = 0
     do i = -n, n
       bend = 0.5_wp*pi*sinh(step*real(i, wp))
-      ! From the nearer end, so that places close to it are told apart.
+      ! From the nearer end, so that places close to it stay distinct.
       part = 2*half/(1 + exp(2*abs(bend)))
       integral = integral + step*0.5_wp*pi*cosh(step*real(i, wp))/cosh(bend)**2*slice(beside, merge(low + part, high - part, i < 0))
     end do

@@ -148,7 +148,7 @@ contains
     call sparse_from_triplets(m, n, pack(row, is_kept), pack(column, is_kept), pack(value, is_kept), matrix)
   end subroutine read_matrix
 
-  !> What to say of the columns that a matrix must have.
+  !> Words for the number of columns that a matrix must have.
   pure function columns_wanted(n) result(text)
     integer, intent(in) :: n
     character(len=:), allocatable :: text

@@ -213,7 +213,7 @@ contains
     end if
     if (allocated(file%error)) return
     call condense_constrained(problem, constraints%g, constraints%b, error)
-    ! Solvers that work on M and H know no constraints: they get W alone.
+    ! Solvers that work on M and H have no constraints: they get W alone.
     problem%has_global = constraints%n == 0
   end subroutine read_global
 
@@ -238,7 +238,7 @@ contains
     end do
   end subroutine read_guess
 
-  !> Read impulses of a solution or guess, and say whether they are of use: finite, and not zero everywhere.
+  !> Read impulses of a solution or guess, and whether they are of use: finite, and not zero everywhere.
   subroutine usable_impulses(file, path, m, r, are_usable)
     type(hdf5_file_t), intent(inout) :: file !! open file; its error is set when the number of entries is wrong
     character(len=*), intent(in) :: path !! dataset

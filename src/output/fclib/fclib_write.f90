@@ -25,7 +25,7 @@ contains
     character(len=*), intent(in) :: stem !! path of the files up to -local or -global
     type(matrix_pieces_t), intent(in) :: pieces !! this rank's share of the problem, of its guess and of its solution
     character(len=*), intent(in) :: title !! one line: what this is
-    character(len=*), intent(in) :: description !! where it comes from; the units are said beside
+    character(len=*), intent(in) :: description !! where it comes from; the units are added
     type(comm_t), intent(inout) :: comm !! the ranks
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when a file cannot be written
 

@@ -111,7 +111,7 @@ contains
     end do
   end function lists_of
 
-  !> One row of blocks: the number of other contacts, the squares of the diagonal block and of the others, and who is joined.
+  !> One row of blocks: the number of other contacts, the squares of the diagonal block and of the others, and joined contacts.
   pure subroutine add_row(i, pair, contacts, bodies, lists, n, squares, root)
     integer, intent(in) :: i
     integer(i4), intent(in) :: pair(:, :)

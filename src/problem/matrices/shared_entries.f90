@@ -1,7 +1,7 @@
 !> Entries of H that other ranks' contacts have on the unknowns that this rank's contacts push.
 !!
 !! Each rank sends its entries to the ranks that own their unknowns, and these send each of them on to all others that have some
-!! of the same unknown. So every rank comes to know the rows of H that rows of W of its contacts are made of, and no others.
+!! of the same unknown. So every rank gets the rows of H that rows of W of its contacts are made of, and no others.
 module sg_shared_entries
   use sg_ascending, only: first_at_least
   use sg_comm, only: comm_t
@@ -131,8 +131,8 @@ contains
     end do
   end function senders
 
-  !> Each entry for each other rank, once, that has entries of the same unknown: an entry that tells that rank and its place of the
-  !! unknown, and the entry to send there.
+  !> Each entry for each other rank, once, that has entries of the same unknown: an entry that identifies that rank and its place of
+  !! the unknown, and the entry to send there.
   subroutine list_copies(first, item, rank, copy)
     integer, intent(in) :: first(:), item(:) !! entries of each unknown, those of a rank one after the other
     integer(i4), intent(in) :: rank(:) !! of each entry

@@ -39,7 +39,7 @@ contains
   !> Make the matrices of a problem that is not solved yet; its impulses are the guess. Collective.
   subroutine share_matrices(problem, subdomain, slot_of, comm, shared, error)
     type(problem_t), intent(in) :: problem !! this rank's contacts; bodies move as without impulses
-    type(subdomain_t), intent(in) :: subdomain !! who shares which body; not looked at on one rank
+    type(subdomain_t), intent(in) :: subdomain !! which ranks share which body; not used on one rank
     integer(i4), intent(in) :: slot_of(:) !! slot of each local body
     type(comm_t), intent(inout) :: comm !! the ranks
     type(shared_matrices_t), intent(out) :: shared !! its share

@@ -14,8 +14,8 @@ module sg_shared_unknowns
   private
   public :: shared_unknowns_t, number_unknowns
 
-  !> What homes tell of a body: numbers of its unknowns, axes, inverse masses
-  integer, parameter :: n_told = 6 + 9 + 6
+  !> Values that owner ranks send of a body: numbers of its unknowns, axes, inverse masses
+  integer, parameter :: n_sent = 6 + 9 + 6
 
   !> Unknowns that this rank has to do with: its own, then others' of bodies that its contacts push
   type :: shared_unknowns_t
@@ -36,11 +36,11 @@ contains
   subroutine number_unknowns(problem, is_pushed, subdomain, slot_of, comm, unknowns)
     type(problem_t), intent(in) :: problem !! this rank's contacts, and the bodies that it holds
     logical, intent(in) :: is_pushed(:) !! do contacts of this rank push the body, by slot?
-    type(subdomain_t), intent(in) :: subdomain !! who shares which body
+    type(subdomain_t), intent(in) :: subdomain !! which ranks share which body
     integer(i4), intent(in) :: slot_of(:) !! slot of each local body
     type(comm_t), intent(inout) :: comm !! the ranks
     type(shared_unknowns_t), intent(out) :: unknowns !! its unknowns
-    real(wp) :: pushes(1, size(slot_of)), told(n_told, size(slot_of))
+    real(wp) :: pushes(1, size(slot_of)), sent(n_sent, size(slot_of))
     logical :: is_own(size(slot_of))
     integer :: b
 
@@ -52,10 +52,10 @@ contains
     do b = 1, size(slot_of)
       if (is_own(b) .or. is_pushed(slot_of(b))) unknowns%body(slot_of(b)) = body_of(problem, int(slot_of(b)))
     end do
-    call tell(unknowns, is_own, slot_of, comm, told)
-    call copy_from_home(subdomain, comm, told)
-    call copy_wide(subdomain, comm, told)
-    call place_unknowns(unknowns, is_own, is_pushed, slot_of, told)
+    call fill_sent(unknowns, is_own, slot_of, comm, sent)
+    call copy_from_home(subdomain, comm, sent)
+    call copy_wide(subdomain, comm, sent)
+    call place_unknowns(unknowns, is_own, is_pushed, slot_of, sent)
   end subroutine number_unknowns
 
   !> Which bodies are at home here; wide ones are on rank 0.
@@ -74,71 +74,71 @@ contains
     if (comm%rank > 0) is_own(subdomain%wide) = .false.
   end function are_own
 
-  !> Number the unknowns of a rank's own bodies, and say what others must know of these.
-  subroutine tell(unknowns, is_own, slot_of, comm, told)
+  !> Number the unknowns of a rank's own bodies, and fill what other ranks receive of these.
+  subroutine fill_sent(unknowns, is_own, slot_of, comm, sent)
     type(shared_unknowns_t), intent(inout) :: unknowns
     logical, intent(in) :: is_own(:)
     integer(i4), intent(in) :: slot_of(:)
     type(comm_t), intent(inout) :: comm
-    real(wp), intent(out) :: told(:, :)
+    real(wp), intent(out) :: sent(:, :)
     integer :: b, c
 
-    told = 0
+    sent = 0
     do b = 1, size(slot_of)
       if (.not. is_own(b)) cycle
       associate (body => unknowns%body(slot_of(b)))
         do c = 1, body%n
           if (.not. body%inverse_mass(c) > 0) cycle
           unknowns%n_own = unknowns%n_own + 1
-          told(c, b) = real(unknowns%n_own, wp)
+          sent(c, b) = real(unknowns%n_own, wp)
         end do
-        told(7:15, b) = reshape(body%axes, [9])
-        told(16:, b) = body%inverse_mass
+        sent(7:15, b) = reshape(body%axes, [9])
+        sent(16:, b) = body%inverse_mass
       end associate
     end do
     call comm%before(int(unknowns%n_own, i8), unknowns%before, unknowns%all)
-    where (told(:6, :) > 0) told(:6, :) = told(:6, :) + real(unknowns%before, wp)
-  end subroutine tell
+    where (sent(:6, :) > 0) sent(:6, :) = sent(:6, :) + real(unknowns%before, wp)
+  end subroutine fill_sent
 
   !> Give all ranks what rank 0 has of wide bodies.
-  subroutine copy_wide(subdomain, comm, told)
+  subroutine copy_wide(subdomain, comm, sent)
     type(subdomain_t), intent(in) :: subdomain
     type(comm_t), intent(inout) :: comm
-    real(wp), intent(inout) :: told(:, :)
+    real(wp), intent(inout) :: sent(:, :)
     real(wp), allocatable :: wide(:)
 
     if (comm%size == 1) return
     if (size(subdomain%wide) == 0) return
-    wide = reshape(told(:, subdomain%wide), [n_told*size(subdomain%wide)])
+    wide = reshape(sent(:, subdomain%wide), [n_sent*size(subdomain%wide)])
     call comm%broadcast(wide, 0)
-    told(:, subdomain%wide) = reshape(wide, [n_told, size(subdomain%wide)])
+    sent(:, subdomain%wide) = reshape(wide, [n_sent, size(subdomain%wide)])
   end subroutine copy_wide
 
   !> List the unknowns: own ones by their numbers, then those of others' bodies that contacts push here.
-  pure subroutine place_unknowns(unknowns, is_own, is_pushed, slot_of, told)
+  pure subroutine place_unknowns(unknowns, is_own, is_pushed, slot_of, sent)
     type(shared_unknowns_t), intent(inout) :: unknowns
     logical, intent(in) :: is_own(:), is_pushed(:)
     integer(i4), intent(in) :: slot_of(:)
-    real(wp), intent(in) :: told(:, :)
+    real(wp), intent(in) :: sent(:, :)
     integer :: b, c, place
 
     allocate (unknowns%of_slot(6, size(unknowns%body)), source=0_i4)
     unknowns%n = unknowns%n_own
-    place = count(told(:6, :) > 0)
+    place = count(sent(:6, :) > 0)
     allocate (unknowns%number(place), unknowns%slot(place), unknowns%component(place))
     do b = 1, size(slot_of)
       associate (slot => slot_of(b), body => unknowns%body(slot_of(b)))
         if (.not. (is_own(b) .or. is_pushed(slot))) cycle
-        if (.not. is_own(b)) call turn_axes(reshape(told(7:15, b), [3, 3]), told(16:, b), body)
+        if (.not. is_own(b)) call turn_axes(reshape(sent(7:15, b), [3, 3]), sent(16:, b), body)
         do c = 1, body%n
-          if (.not. told(c, b) > 0) cycle
+          if (.not. sent(c, b) > 0) cycle
           if (is_own(b)) then
-            place = int(nint(told(c, b), i8) - unknowns%before)
+            place = int(nint(sent(c, b), i8) - unknowns%before)
           else
             unknowns%n = unknowns%n + 1
             place = unknowns%n
           end if
-          unknowns%number(place) = nint(told(c, b), i4)
+          unknowns%number(place) = nint(sent(c, b), i4)
           unknowns%slot(place) = slot
           unknowns%component(place) = int(c, i4)
           unknowns%of_slot(c, slot) = int(place, i4)
