@@ -6,13 +6,13 @@ module sg_contactors
   use sg_kinds, only: wp, i4
   use sg_lists, only: reserve
   use sg_shape_kinds, only: is_round, kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_names, kind_plane, &
-                            kind_point, kind_polygon, kind_polyhedron, kind_sphere, kind_wall, n_kinds
+                            kind_point, kind_polygon, kind_polyhedron, kind_segment, kind_sphere, n_kinds
   use sg_space_shapes, only: place_in_space, space_shapes_t
   implicit none
   private
-  public :: contactors_t, kind_disk, kind_wall, kind_hollow, kind_polygon, kind_point, kind_names, n_kinds
+  public :: contactors_t, kind_disk, kind_segment, kind_hollow, kind_polygon, kind_point, kind_names, n_kinds
   public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
-  public :: add_disk, add_wall, add_hollow, add_polygon, add_point, add_contactor, drop_contactors, place_contactors
+  public :: add_disk, add_segment, add_hollow, add_polygon, add_point, add_contactor, drop_contactors, place_contactors
 
   !> All contactors of a scene
   type :: contactors_t
@@ -42,9 +42,9 @@ module sg_contactors
     !> Disks: radius [m]
     real(wp), allocatable :: disk_radius(:)
     !> Rounded segments: half length of the axis, half thickness (radius of the caps) [m], angle in the body's frame [rad]
-    real(wp), allocatable :: wall_size(:, :)
+    real(wp), allocatable :: segment_size(:, :)
     !> Rounded segments: unit vector of the axis in the detection configuration, shape (2, row)
-    real(wp), allocatable :: wall_axis(:, :)
+    real(wp), allocatable :: segment_axis(:, :)
     !> Hollow disks: inner radius [m]
     real(wp), allocatable :: hollow_radius(:)
     !> Polygons: vertices of row p are `polygon_first(p)` to `polygon_first(p + 1) - 1`
@@ -74,7 +74,7 @@ contains
   end subroutine add_disk
 
   !> Add a rounded segment: the points within `half_thickness` of an axis of length 2 `half_length`.
-  subroutine add_wall(contactors, body, colour, half_length, half_thickness, shift, angle)
+  subroutine add_segment(contactors, body, colour, half_length, half_thickness, shift, angle)
     type(contactors_t), intent(inout) :: contactors !! list to add to
     integer, intent(in) :: body !! body that carries it
     integer, intent(in) :: colour !! index of the colour
@@ -84,11 +84,11 @@ contains
     real(wp), intent(in) :: angle !! of the axis in the body's frame [rad]
     integer :: row
 
-    call add_contactor(contactors, kind_wall, body, colour, shift, half_length + half_thickness, row)
-    call reserve(contactors%wall_size, 3, row)
-    call reserve(contactors%wall_axis, 2, row)
-    contactors%wall_size(:, row) = [half_length, half_thickness, angle]
-  end subroutine add_wall
+    call add_contactor(contactors, kind_segment, body, colour, shift, half_length + half_thickness, row)
+    call reserve(contactors%segment_size, 3, row)
+    call reserve(contactors%segment_axis, 2, row)
+    contactors%segment_size(:, row) = [half_length, half_thickness, angle]
+  end subroutine add_segment
 
   !> Add a hollow disk: grains touch it from inside.
   subroutine add_hollow(contactors, body, colour, radius, shift)
@@ -210,8 +210,10 @@ contains
       contactors%centre(:, c) = middle(1:2, b) + turned(contactors%shift(:, c), cosine, sine)
       row = contactors%row(c)
       select case (contactors%kind(c))
-      case (kind_wall)
-        contactors%wall_axis(:, row) = [cos(angle + contactors%wall_size(3, row)), sin(angle + contactors%wall_size(3, row))]
+      case (kind_segment)
+        associate (turn => angle + contactors%segment_size(3, row))
+          contactors%segment_axis(:, row) = [cos(turn), sin(turn)]
+        end associate
       case (kind_polygon)
         call place_polygon(contactors, row, contactors%centre(:, c), cosine, sine)
       end select

@@ -1,6 +1,7 @@
 !> How thin a shape is: how deep it may be entered before the nearer way out is the other side.
 module sg_half_width
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_plane, kind_polygon, kind_polyhedron, kind_sphere, kind_wall
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_plane, kind_polygon, kind_polyhedron, kind_segment, &
+                           kind_sphere
   use sg_kinds, only: wp
   implicit none
   private
@@ -18,8 +19,8 @@ contains
     select case (contactors%kind(c))
     case (kind_disk)
       half_width = contactors%disk_radius(row)
-    case (kind_wall)
-      half_width = contactors%wall_size(2, row)
+    case (kind_segment)
+      half_width = contactors%segment_size(2, row)
     case (kind_polygon)
       associate (first => contactors%polygon_first(row), last => contactors%polygon_first(row + 1) - 1)
         half_width = polygon_half_width(contactors%polygon_vertex(:, first:last))

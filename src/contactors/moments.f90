@@ -2,7 +2,7 @@
 !!
 !! Overlaps within a cluster count twice. A hollow disk bounds space but fills none.
 module sg_moments
-  use sg_contactors, only: contactors_t, kind_disk, kind_polygon, kind_wall
+  use sg_contactors, only: contactors_t, kind_disk, kind_polygon, kind_segment
   use sg_kinds, only: wp, pi
   implicit none
   private
@@ -53,8 +53,8 @@ contains
     case (kind_disk)
       area = pi*contactors%disk_radius(row)**2
       moment = area*contactors%disk_radius(row)**2/2
-    case (kind_wall)
-      call stadium_moments(contactors%wall_size(1, row), contactors%wall_size(2, row), area, moment)
+    case (kind_segment)
+      call stadium_moments(contactors%segment_size(1, row), contactors%segment_size(2, row), area, moment)
     case (kind_polygon)
       associate (first => contactors%polygon_first(row), last => contactors%polygon_first(row + 1) - 1)
         call polygon_moments(contactors%polygon_vertex(:, first:last), area, centre, moment)

@@ -4,7 +4,7 @@
 !! body's frame. What detection places in the world is no part of it.
 module sg_pack_shapes
   use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, kind_polygon, &
-                           kind_polyhedron, kind_sphere, kind_wall, n_kinds
+                           kind_polyhedron, kind_segment, kind_sphere, n_kinds
   use sg_kinds, only: wp, i4
   use sg_parcels, only: parcel_t
   use sg_polyhedron, only: polyhedron_t
@@ -48,8 +48,8 @@ contains
     select case (kind)
     case (kind_disk)
       call parcel%put(contactors%disk_radius(row))
-    case (kind_wall)
-      call parcel%put(contactors%wall_size(:, row))
+    case (kind_segment)
+      call parcel%put(contactors%segment_size(:, row))
     case (kind_hollow)
       call parcel%put(contactors%hollow_radius(row))
     case (kind_polygon)
@@ -136,8 +136,8 @@ contains
     allocate (contactors%shift(dimension, n), contactors%centre(dimension, n), source=0.0_wp)
     allocate (contactors%reach(n), source=0.0_wp)
     call allocate_list(n_rows(kind_disk), contactors%disk_radius)
-    call allocate_table(3, n_rows(kind_wall), contactors%wall_size)
-    call allocate_table(2, n_rows(kind_wall), contactors%wall_axis)
+    call allocate_table(3, n_rows(kind_segment), contactors%segment_size)
+    call allocate_table(2, n_rows(kind_segment), contactors%segment_axis)
     call allocate_list(n_rows(kind_hollow), contactors%hollow_radius)
     if (n_rows(kind_polygon) > 0) then
       allocate (contactors%polygon_first(n_rows(kind_polygon) + 1), source=1_i4)
@@ -220,8 +220,8 @@ contains
     select case (kind)
     case (kind_disk)
       call parcel%take(contactors%disk_radius(row))
-    case (kind_wall)
-      call parcel%take(contactors%wall_size(:, row))
+    case (kind_segment)
+      call parcel%take(contactors%segment_size(:, row))
     case (kind_hollow)
       call parcel%take(contactors%hollow_radius(row))
     case (kind_polygon)

@@ -2,12 +2,12 @@
 module sg_shape_kinds
   implicit none
   private
-  public :: kind_disk, kind_wall, kind_hollow, kind_polygon, kind_point, n_kinds
+  public :: kind_disk, kind_segment, kind_hollow, kind_polygon, kind_point, n_kinds
   public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
   public :: shape_kind_t, shape_kinds, kind_names, is_round, is_bounding, is_hollow
 
   !> Number of each kind, as contactors, pictures and checkpoints hold it: its row in the table
-  integer, parameter :: kind_disk = 1, kind_wall = 2, kind_hollow = 3, kind_polygon = 4, kind_sphere = 5, kind_plane = 6, &
+  integer, parameter :: kind_disk = 1, kind_segment = 2, kind_hollow = 3, kind_polygon = 4, kind_sphere = 5, kind_plane = 6, &
                         kind_cylinder = 7, kind_hollow_cylinder = 8, kind_polyhedron = 9, kind_point = 10
   !> Number of kinds
   integer, parameter :: n_kinds = 10

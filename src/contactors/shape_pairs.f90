@@ -4,7 +4,7 @@
 !! `has_overlap` holds an `overlap_<candidate>_<antagonist>`, called by the volume error (tests/unit/detection/test_pair_gap.f90).
 module sg_shape_pairs
   use sg_shape_kinds, only: kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, kind_point, kind_polygon, &
-                            kind_polyhedron, kind_sphere, kind_wall, shape_kinds
+                            kind_polyhedron, kind_segment, kind_sphere, shape_kinds
   implicit none
   private
   public :: shape_pair_t, shape_pairs, is_pair, can_touch, datbox_pair_name, is_datbox_pair
@@ -22,11 +22,11 @@ module sg_shape_pairs
   !> All pairs
   type(shape_pair_t), parameter :: shape_pairs(17) = [ &
     shape_pair_t(kind_disk, kind_disk), &
-    shape_pair_t(kind_disk, kind_wall), &
+    shape_pair_t(kind_disk, kind_segment), &
     shape_pair_t(kind_disk, kind_hollow), &
     shape_pair_t(kind_disk, kind_polygon), &
     shape_pair_t(kind_polygon, kind_polygon), &
-    shape_pair_t(kind_polygon, kind_wall), &
+    shape_pair_t(kind_polygon, kind_segment), &
     shape_pair_t(kind_sphere, kind_sphere), &
     shape_pair_t(kind_sphere, kind_plane), &
     shape_pair_t(kind_sphere, kind_cylinder), &

@@ -140,7 +140,8 @@ contains
       vertex = contactors%centre(:, c) + matmul(reshape(contactors%space%plane_world(:, row), [3, 3]), side)
     case default
       vertex = contactors%centre(:, c)
-      if (contactors%dimension == 2) vertex = vertex + real(2*i - 3, wp)*contactors%wall_size(1, row)*contactors%wall_axis(:, row)
+      if (contactors%dimension == 2) &
+        vertex = vertex + real(2*i - 3, wp)*contactors%segment_size(1, row)*contactors%segment_axis(:, row)
     end select
   end function vertex_of
 end module sg_hand_over

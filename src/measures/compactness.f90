@@ -3,7 +3,8 @@
 !! The box of the grains is the smallest upright one that holds their shapes at the detection configuration; where the
 !! scene is periodic it is as wide as the period.
 module sg_compactness
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polygon, kind_polyhedron, kind_wall
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polygon, kind_polyhedron, &
+                           kind_segment
   use sg_grains, only: grains_of, grains_t
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
@@ -92,8 +93,8 @@ contains
         corner(:, 2) = maxval(vertex, 2)
       end associate
       return
-    case (kind_wall)
-      reach = contactors%wall_size(1, row)*abs(contactors%wall_axis(:, row)) + contactors%wall_size(2, row)
+    case (kind_segment)
+      reach = contactors%segment_size(1, row)*abs(contactors%segment_axis(:, row)) + contactors%segment_size(2, row)
     end select
     corner(:, 1) = contactors%centre(:, c) - reach
     corner(:, 2) = contactors%centre(:, c) + reach

@@ -1,11 +1,11 @@
 !> The area by which shapes that touch overlap: over the area of the grains it is the volume error.
 module sg_volume_error
-  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_wall
+  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_segment
   use sg_contacts, only: contacts_t
   use sg_grains, only: grains_of, grains_t
   use sg_kinds, only: wp, i4
-  use sg_overlap, only: overlap_disk_disk, overlap_disk_hollow, overlap_disk_polygon, overlap_disk_wall, &
-                        overlap_polygon_polygon, overlap_polygon_wall
+  use sg_overlap, only: overlap_disk_disk, overlap_disk_hollow, overlap_disk_polygon, overlap_disk_segment, &
+                        overlap_polygon_polygon, overlap_polygon_segment
   use sg_scene, only: scene_t
   use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
   use sg_volume_error_space, only: overlap_volume
@@ -82,9 +82,9 @@ contains
       select case (contactors%kind(a))
       case (kind_disk)
         area = overlap_disk_disk(centre(:, c), radius, centre(:, a) + offset, contactors%disk_radius(row))
-      case (kind_wall)
-        area = overlap_disk_wall(centre(:, c), radius, centre(:, a) + offset, contactors%wall_axis(:, row), &
-                                 contactors%wall_size(1, row), contactors%wall_size(2, row))
+      case (kind_segment)
+        area = overlap_disk_segment(centre(:, c), radius, centre(:, a) + offset, contactors%segment_axis(:, row), &
+                                    contactors%segment_size(1, row), contactors%segment_size(2, row))
       case (kind_hollow)
         area = overlap_disk_hollow(centre(:, c), radius, centre(:, a) + offset, contactors%hollow_radius(row))
       case (kind_polygon)
@@ -113,10 +113,10 @@ contains
       last = contactors%polygon_first(row + 1) - 1
       area = overlap_polygon_polygon(own_last - own_first + 1, contactors%polygon_world(:, own_first:own_last), &
                                      last - first + 1, contactors%polygon_world(:, first:last), offset)
-    case (kind_wall)
-      area = overlap_polygon_wall(own_last - own_first + 1, contactors%polygon_world(:, own_first:own_last), &
-                                  contactors%centre(:, a) + offset, contactors%wall_axis(:, row), &
-                                  contactors%wall_size(1, row), contactors%wall_size(2, row))
+    case (kind_segment)
+      area = overlap_polygon_segment(own_last - own_first + 1, contactors%polygon_world(:, own_first:own_last), &
+                                     contactors%centre(:, a) + offset, contactors%segment_axis(:, row), &
+                                     contactors%segment_size(1, row), contactors%segment_size(2, row))
     end select
   end function polygon_overlap
 end module sg_volume_error

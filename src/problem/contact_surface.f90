@@ -4,7 +4,7 @@
 !! Shapes that share a face have the shared length or area, dealt equally to the points of the contact. For others it is a
 !! convention, that of LMGC90.
 module sg_contact_surface
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_hollow_cylinder, kind_polyhedron, kind_sphere, kind_wall
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_hollow_cylinder, kind_polyhedron, kind_segment, kind_sphere
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp, i4, pi
   use sg_vectors, only: cross
@@ -81,7 +81,7 @@ contains
     type(contactors_t), intent(in) :: contactors
     integer(i4), intent(in) :: pair(2)
 
-    if (any(contactors%kind(pair) == kind_wall)) then
+    if (any(contactors%kind(pair) == kind_segment)) then
       radius = contactors%reach(pair(1))/2
     else
       radius = joined(contactors%reach(pair(1)), contactors%reach(pair(2)))

@@ -18,7 +18,7 @@ module sg_tunnelling
   use sg_lists, only: reserve
   use sg_plan, only: plan_t
   use sg_scene, only: scene_t
-  use sg_swept_walls, only: goes_through
+  use sg_swept_shapes, only: goes_through
   use sg_text, only: to_text
   implicit none
   private

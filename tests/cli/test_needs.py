@@ -58,7 +58,7 @@ contacts.impulse contacts.status
 history.contactor history.image history.first history.feature history.impulse history.status history.past
 problem.pair problem.record problem.impulse problem.body
 order.contact order.chosen order.groups_of active_set.closing active_set.is_wanted active_set.is_ordered"""
-PLANE = "contactors.wall_size contactors.wall_axis"
+PLANE = "contactors.segment_size contactors.segment_axis"
 SPACE = "bodies.crossings_y space.plane_half space.plane_rim space.plane_frame space.plane_world pairs.image_y contacts.image_y"
 POLYGONS = "contactors.polygon_first contactors.polygon_vertex contactors.polygon_world"
 ONE_BY_ONE = "order.pair order.record order.impulse"

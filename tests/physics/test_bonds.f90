@@ -4,7 +4,7 @@ program test_bonds
   use polyhedra, only: prism_polyhedron
   use scenes, only: begin_run, begin_scene, density, hold, put_polygon, run
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_shape
-  use sg_contactors, only: add_wall
+  use sg_contactors, only: add_segment
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_laws, only: law_mohr, status_bonded
@@ -37,7 +37,7 @@ contains
       do j = 0, 1
         sim = simulation_t()
         call begin_scene(sim%scene, 2, 0.3_wp, 0.01_wp)
-        call add_wall(sim%scene%contactors, 1, 1, half, radius, [0.0_wp, 0.0_wp], 0.0_wp)
+        call add_segment(sim%scene%contactors, 1, 1, half, radius, [0.0_wp, 0.0_wp], 0.0_wp)
         associate (bodies => sim%scene%bodies)
           bodies%position(:, 1) = [0.0_wp, radius]
           bodies%angle(1) = tilts(i)

@@ -5,7 +5,7 @@
 program test_energy_balance
   use harness, only: tests_t
   use sg_advance, only: advance
-  use sg_contactors, only: add_disk, add_polygon, add_wall
+  use sg_contactors, only: add_disk, add_polygon, add_segment
   use sg_energy, only: energy_t
   use sg_error, only: error_t
   use sg_kinds, only: wp, pi
@@ -120,7 +120,7 @@ contains
     integer, intent(in) :: body, colour
     real(wp), intent(in) :: centre(2), angle
 
-    call add_wall(scene%contactors, body, colour, 10.0_wp, 0.1_wp, [0.0_wp, 0.0_wp], angle)
+    call add_segment(scene%contactors, body, colour, 10.0_wp, 0.1_wp, [0.0_wp, 0.0_wp], angle)
     call set_mass(scene, body, 1.0_wp)
     scene%bodies%position(:, body) = centre
     scene%bodies%is_grain(body) = .false.

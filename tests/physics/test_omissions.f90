@@ -7,7 +7,7 @@ program test_omissions
   use polyhedra, only: prism_polyhedron
   use scenes, only: begin_run, begin_scene, drive, put_disk, run
   use scenes_space, only: begin_space_scene, put_sphere, turn_at_random
-  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t, kind_hollow, kind_names
+  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_segment, contactors_t, kind_hollow, kind_names
   use sg_error, only: error_t
   use sg_kinds, only: wp, pi
   use sg_plan, only: omissions_t
@@ -158,7 +158,7 @@ contains
     case (1)
       call add_disk(contactors, body, 1, 0.9_wp, shift)
     case (2)
-      call add_wall(contactors, body, 1, 1.1_wp, 0.1_wp, shift, angle)
+      call add_segment(contactors, body, 1, 1.1_wp, 0.1_wp, shift, angle)
     case (3)
       call add_hollow(contactors, body, 1, hollow_radius, shift)
     case (4)

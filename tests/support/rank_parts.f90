@@ -1,7 +1,7 @@
 !> Scenes of every kind of shape, in states drawn at random, and the parts of them that ranks hold: for tests of what ranks
 !! write together.
 module rank_parts
-  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t
+  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_segment, contactors_t
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: error_t
   use sg_field_visitor, only: sync_on_owner
@@ -38,7 +38,7 @@ contains
     do b = 1, n
       select case (modulo(b, 11))
       case (0)
-        call add_wall(scene%contactors, b, 2, 5.0_wp, 0.2_wp, origin, 0.1_wp)
+        call add_segment(scene%contactors, b, 2, 5.0_wp, 0.2_wp, origin, 0.1_wp)
       case (5)
         call add_hollow(scene%contactors, b, 2, 6.0_wp, origin)
       case (1, 4, 8)

@@ -4,7 +4,7 @@ module recipes
   use polyhedra, only: prism_polyhedron
   use scenes, only: begin_run, begin_scene, density, hold
   use scenes_space, only: begin_space_scene, put_box, put_capsule, put_dumbbell, put_plane, put_shape, put_sphere
-  use sg_contactors, only: add_disk, add_polygon, add_wall
+  use sg_contactors, only: add_disk, add_polygon, add_segment
   use sg_error, only: error_t
   use sg_kinds, only: wp, pi
   use sg_laws, only: law_t
@@ -249,7 +249,7 @@ contains
       moment = area*(0.18_wp + 0.16_wp)*body%size(1)**2
     case (shape_segment)
       if (.not. body%is_fixed) half = [0.7_wp, 0.25_wp]*body%size(1)
-      call add_wall(scene%contactors, b, 1, half(1), half(2), centre, 0.0_wp)
+      call add_segment(scene%contactors, b, 1, half(1), half(2), centre, 0.0_wp)
       area = 4*half(1)*half(2)
       moment = area*sum(half**2)/3
     case (shape_slab)

@@ -52,7 +52,7 @@ contains
     associate (n => b%n_rows)
       last = b%polygon_first(n(4) + 1) - 1
       same_planar = all(n(:4) > 0) .and. same(a%disk_radius, b%disk_radius(:n(1))) .and. &
-                    same(a%wall_size, b%wall_size(:, :n(2))) .and. same(a%hollow_radius, b%hollow_radius(:n(3))) .and. &
+                    same(a%segment_size, b%segment_size(:, :n(2))) .and. same(a%hollow_radius, b%hollow_radius(:n(3))) .and. &
                     same(a%polygon_first, b%polygon_first(:n(4) + 1)) .and. same(a%polygon_vertex, b%polygon_vertex(:, :last)) &
                     .and. .not. allocated(a%space%sphere_radius) .and. .not. allocated(a%space%polyhedra)
     end associate

@@ -1,7 +1,7 @@
 !> Small scenes for tests, body by body: density 1000, one law, everything sees everything.
 module scenes
   use sg_advance, only: advance
-  use sg_contactors, only: add_disk, add_polygon, add_wall, place_contactors
+  use sg_contactors, only: add_disk, add_polygon, add_segment, place_contactors
   use sg_drives, only: drive_t
   use sg_error, only: error_t
   use sg_kinds, only: wp, pi
@@ -78,7 +78,7 @@ contains
     real(wp), intent(in) :: position(2) !! centre [m]
     real(wp), intent(in) :: angle !! of the axis [rad]
 
-    call add_wall(scene%contactors, body, 1, half_length, half_thickness, [0.0_wp, 0.0_wp], angle)
+    call add_segment(scene%contactors, body, 1, half_length, half_thickness, [0.0_wp, 0.0_wp], angle)
     scene%bodies%position(:, body) = position
     call set_mass(scene, body, 1.0_wp, 1.0_wp)
     call hold(scene, body)

@@ -3,7 +3,7 @@
 !! LMGC90 takes mass and inertia from the radii of the bulk line, mass = density pi avrd^2 and inertia = mass gyrd^2,
 !! not from the shapes; they come from the shapes only where one of the radii is zero.
 module sg_datbox_plane_bodies
-  use sg_contactors, only: add_disk, add_hollow, add_point, add_polygon, add_wall, contactors_t, kind_polygon
+  use sg_contactors, only: add_disk, add_hollow, add_point, add_polygon, add_segment, contactors_t, kind_polygon
   use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, read_triple, triple
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, integer_field, name_field, remark
   use sg_error, only: diagnostics_t
@@ -41,7 +41,7 @@ contains
     case ('JONCx')
       call read_size(file, triple(1), size_of(1), .true., ok, diagnostics)
       call read_size(file, triple(2), size_of(2), .true., ok, diagnostics)
-      if (ok) call add_wall(scene%contactors, block%body, colour, size_of(1), size_of(2), shift, 0.0_wp)
+      if (ok) call add_segment(scene%contactors, block%body, colour, size_of(1), size_of(2), shift, 0.0_wp)
     case ('POLYG')
       call read_polygon(file, scene, block%body, colour, ok, diagnostics)
     case ('PT2Dx')

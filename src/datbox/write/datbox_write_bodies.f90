@@ -5,7 +5,7 @@
 !! displacement moves it back.
 module sg_datbox_write_bodies
   use sg_bodies, only: angle_of, spin_of
-  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_point, kind_polygon, kind_wall
+  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_point, kind_polygon, kind_segment
   use sg_datbox_bodies, only: body_type
   use sg_datbox_output, only: as_written, finish_file, labelled, node_head, output_t, put, put_steps, real_word, &
                               start_file
@@ -44,10 +44,10 @@ contains
         select case (scene%contactors%kind(c))
         case (kind_hollow)
           if (is_shifted) call fail(error, 'body '//to_text(b)//': a DATBOX cannot hold a hollow disk off its body''s centre')
-        case (kind_wall)
+        case (kind_segment)
           if (is_shifted) then
             call fail(error, 'body '//to_text(b)//': a DATBOX cannot hold a segment off its body''s centre')
-          else if (first(b + 1) - first(b) > 1 .and. abs(scene%contactors%wall_size(3, scene%contactors%row(c))) > 0) then
+          else if (first(b + 1) - first(b) > 1 .and. abs(scene%contactors%segment_size(3, scene%contactors%row(c))) > 0) then
             call fail(error, 'body '//to_text(b)//': a DATBOX cannot hold a turned segment in a cluster')
           end if
         end select
@@ -126,7 +126,7 @@ contains
     ! A segment has no angle of its own there: its body turns with it, which nothing else can tell.
     if (first(body + 1) > first(body)) then
       c = list(first(body))
-      if (scene%contactors%kind(c) == kind_wall) node(3) = node(3) + scene%contactors%wall_size(3, scene%contactors%row(c))
+      if (scene%contactors%kind(c) == kind_segment) node(3) = node(3) + scene%contactors%segment_size(3, scene%contactors%row(c))
     end if
     if (.not. any(abs(node(1:2)) > 0)) node(1) = 1
   end function node_of
@@ -152,9 +152,9 @@ contains
     case (kind_hollow)
       head(2:6) = 'xKSID'
       call put(output, labelled('byrd= ', [contactors%hollow_radius(row)], head))
-    case (kind_wall)
+    case (kind_segment)
       head(2:6) = 'JONCx'
-      call put(output, labelled(' ax1=  ax2= ', contactors%wall_size(1:2, row), head))
+      call put(output, labelled(' ax1=  ax2= ', contactors%segment_size(1:2, row), head))
     case (kind_point)
       head(2:6) = 'PT2Dx'
       call put(output, labelled('coo1= coo2= ', shift, head))

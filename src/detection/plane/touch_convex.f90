@@ -1,4 +1,4 @@
-!> Contact of two convex polygons, the antagonist thickened by a radius (0 for a polygon, half thickness for a wall).
+!> Contact of two convex polygons, the antagonist thickened by a radius (0 for a polygon, half thickness for a segment).
 !!
 !! The face of greatest separation, over the edges of both, is the reference: where the two overlap it gives the
 !! shortest way apart, where they do not a lower bound of the distance. The edge of the other polygon that faces it

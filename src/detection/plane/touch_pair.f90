@@ -1,14 +1,14 @@
 !> Narrow phase of one pair of contactors in the plane: the kernel of its two kinds.
 module sg_touch_pair
-  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_wall
+  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_segment
   use sg_kinds, only: wp, i4
   use sg_touch, only: touch_t
   use sg_touch_disk_disk, only: touch_disk_disk
   use sg_touch_disk_hollow, only: touch_disk_hollow
   use sg_touch_disk_polygon, only: touch_disk_polygon
-  use sg_touch_disk_wall, only: touch_disk_wall
+  use sg_touch_disk_segment, only: touch_disk_segment
   use sg_touch_polygon_polygon, only: touch_polygon_polygon
-  use sg_touch_polygon_wall, only: touch_polygon_wall
+  use sg_touch_polygon_segment, only: touch_polygon_segment
   implicit none
   private
   public :: touch_pair
@@ -23,7 +23,7 @@ contains
     real(wp), intent(in) :: offset !! shift of the antagonist in x [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     type(touch_t), intent(out) :: touch !! points of contact
-    real(wp), intent(in), optional :: period !! period in x, makes a level wall endless that spans it [m]
+    real(wp), intent(in), optional :: period !! period in x, makes a level segment endless that spans it [m]
     real(wp) :: centre(2), shift(2), half_length
     integer :: row_c, row_a, first, n, first_c, n_c
 
@@ -31,7 +31,7 @@ contains
     row_c = contactors%row(c)
     row_a = contactors%row(a)
     centre = contactors%centre(:, a) + shift
-    if (contactors%kind(a) == kind_wall) half_length = facing_length(contactors, row_a, period)
+    if (contactors%kind(a) == kind_segment) half_length = facing_length(contactors, row_a, period)
     if (contactors%kind(a) == kind_polygon) then
       first = contactors%polygon_first(row_a)
       n = contactors%polygon_first(row_a + 1) - first
@@ -41,9 +41,9 @@ contains
         select case (contactors%kind(a))
         case (kind_disk)
           call touch_disk_disk(own, radius, centre, contactors%disk_radius(row_a), alert, touch)
-        case (kind_wall)
-          call touch_disk_wall(own, radius, centre, contactors%wall_axis(:, row_a), half_length, contactors%wall_size(2, row_a), &
-                               alert, touch)
+        case (kind_segment)
+          call touch_disk_segment(own, radius, centre, contactors%segment_axis(:, row_a), half_length, &
+                                  contactors%segment_size(2, row_a), alert, touch)
         case (kind_hollow)
           call touch_disk_hollow(own, radius, centre, contactors%hollow_radius(row_a), alert, touch)
         case (kind_polygon)
@@ -57,23 +57,24 @@ contains
         call touch_polygon_polygon(n_c, contactors%polygon_world(1, first_c), n, contactors%polygon_world(1, first), shift, &
                                    alert, touch)
       else
-        call touch_polygon_wall(n_c, contactors%polygon_world(1, first_c), centre, contactors%wall_axis(:, row_a), half_length, &
-                                contactors%wall_size(2, row_a), alert, touch)
+        call touch_polygon_segment(n_c, contactors%polygon_world(1, first_c), centre, contactors%segment_axis(:, row_a), &
+                                   half_length, contactors%segment_size(2, row_a), alert, touch)
       end if
     end if
   end subroutine touch_pair
 
-  !> Half length of a wall's axis as its antagonists meet it [m].
+  !> Half length of a segment's axis as its antagonists meet it [m].
   !!
-  !! A level wall that spans the period goes on in its own images: grains at its ends must not feel round caps there.
+  !! A level segment that spans the period goes on in its own images: grains at its ends must not feel round caps there.
   pure real(wp) function facing_length(contactors, row, period) result(half_length)
     type(contactors_t), intent(in) :: contactors
     integer, intent(in) :: row
     real(wp), intent(in), optional :: period
     real(wp), parameter :: level = 1e-6_wp ! slope below which neighbouring images meet
 
-    half_length = contactors%wall_size(1, row)
+    half_length = contactors%segment_size(1, row)
     if (.not. present(period)) return
-    if (period > 0 .and. 2*half_length >= period .and. abs(contactors%wall_axis(2, row)) < level) half_length = half_length + period
+    if (period > 0 .and. 2*half_length >= period .and. abs(contactors%segment_axis(2, row)) < level) &
+      half_length = half_length + period
   end function facing_length
 end module sg_touch_pair

@@ -1,6 +1,6 @@
 !> Can two contactors be near each other? Cheap lower bounds of the gap decide who becomes a neighbour.
 module sg_near
-  use sg_contactors, only: contactors_t, kind_hollow, kind_hollow_cylinder, kind_plane, kind_wall
+  use sg_contactors, only: contactors_t, kind_hollow, kind_hollow_cylinder, kind_plane, kind_segment
   use sg_kinds, only: wp, i4
   use sg_shape_kinds, only: is_bounding, is_round
   use sg_shape_pairs, only: is_pair
@@ -44,9 +44,9 @@ contains
     apart(:contactors%dimension) = contactors%centre(:, i) - contactors%centre(:, j)
     apart = apart - offset
     if (is_bounding(contactors%kind(j))) then
-      is_near = near_wall(contactors, j, apart, contactors%reach(i), period, distance)
+      is_near = near_bounding(contactors, j, apart, contactors%reach(i), period, distance)
     else if (is_bounding(contactors%kind(i))) then
-      is_near = near_wall(contactors, i, -apart, contactors%reach(j), period, distance)
+      is_near = near_bounding(contactors, i, -apart, contactors%reach(j), period, distance)
     else
       ! Most are far: a square tells, without a root. Where rounding might matter the distance itself decides.
       limit = rounded*max(0.0_wp, contactors%reach(i) + contactors%reach(j) + distance)
@@ -55,72 +55,72 @@ contains
     end if
   end function is_near
 
-  !> The same against a wall: by the bound of its kind.
-  pure logical function near_wall(contactors, wall, apart, reach, period, distance)
+  !> Can the gap to a bounding shape be below a distance? By the bound of its kind.
+  pure logical function near_bounding(contactors, bounding, apart, reach, period, distance)
     type(contactors_t), intent(in) :: contactors
-    integer(i4), intent(in) :: wall
+    integer(i4), intent(in) :: bounding
     real(wp), intent(in) :: apart(3), reach, period(3), distance
 
-    select case (contactors%kind(wall))
+    select case (contactors%kind(bounding))
     case (kind_hollow)
-      near_wall = contactors%reach(wall) - norm2(apart) - reach < distance
+      near_bounding = contactors%reach(bounding) - norm2(apart) - reach < distance
     case (kind_plane)
-      near_wall = near_plane(contactors, wall, apart, reach, distance)
+      near_bounding = near_plane(contactors, bounding, apart, reach, distance)
     case (kind_hollow_cylinder)
-      near_wall = near_hollow_cylinder(contactors, wall, apart, reach, distance)
+      near_bounding = near_hollow_cylinder(contactors, bounding, apart, reach, distance)
     case default
-      near_wall = near_segment(contactors, wall, apart, reach, distance)
+      near_bounding = near_segment(contactors, bounding, apart, reach, distance)
     end select
-    if (near_wall) near_wall = is_the_one(contactors, wall, apart, period)
-  end function near_wall
+    if (near_bounding) near_bounding = is_the_one(contactors, bounding, apart, period)
+  end function near_bounding
 
   !> Against a rounded segment: distance to its axis.
-  pure logical function near_segment(contactors, wall, apart, reach, distance)
+  pure logical function near_segment(contactors, bounding, apart, reach, distance)
     type(contactors_t), intent(in) :: contactors
-    integer(i4), intent(in) :: wall
+    integer(i4), intent(in) :: bounding
     real(wp), intent(in) :: apart(3), reach, distance
     real(wp) :: axis(2), along, across, half_length
 
-    associate (row => contactors%row(wall))
-      axis = contactors%wall_axis(:, row)
-      half_length = contactors%wall_size(1, row)
+    associate (row => contactors%row(bounding))
+      axis = contactors%segment_axis(:, row)
+      half_length = contactors%segment_size(1, row)
       along = max(0.0_wp, abs(dot_product(apart(:2), axis)) - half_length)
       across = apart(1)*axis(2) - apart(2)*axis(1)
-      near_segment = hypot(along, across) - contactors%wall_size(2, row) - reach < distance
+      near_segment = hypot(along, across) - contactors%segment_size(2, row) - reach < distance
     end associate
   end function near_segment
 
   !> Against a plane: distance to its box.
-  pure logical function near_plane(contactors, wall, apart, reach, distance)
+  pure logical function near_plane(contactors, bounding, apart, reach, distance)
     type(contactors_t), intent(in) :: contactors
-    integer(i4), intent(in) :: wall
+    integer(i4), intent(in) :: bounding
     real(wp), intent(in) :: apart(3), reach, distance
     real(wp) :: frame(3, 3), half(3), beyond(3)
 
-    frame = reshape(contactors%space%plane_world(:, contactors%row(wall)), [3, 3])
-    half = contactors%space%plane_half(:, contactors%row(wall))
-    half(:2) = half(:2) + contactors%space%plane_rim(contactors%row(wall))
+    frame = reshape(contactors%space%plane_world(:, contactors%row(bounding)), [3, 3])
+    half = contactors%space%plane_half(:, contactors%row(bounding))
+    half(:2) = half(:2) + contactors%space%plane_rim(contactors%row(bounding))
     beyond = max(0.0_wp, abs(matmul(apart, frame)) - half)
     near_plane = norm2(beyond) - reach < distance
   end function near_plane
 
   !> Of the images of a contactor of which one alone is seen, is this the one?
-  pure logical function is_the_one(contactors, wall, apart, period)
+  pure logical function is_the_one(contactors, bounding, apart, period)
     type(contactors_t), intent(in) :: contactors
-    integer(i4), intent(in) :: wall
+    integer(i4), intent(in) :: bounding
     real(wp), intent(in) :: apart(3), period(3)
     logical :: is_single(2)
     integer :: axis
 
     is_the_one = .true.
-    is_single = has_one_image(contactors, wall, period(:2))
+    is_single = has_one_image(contactors, bounding, period(:2))
     do axis = 1, 2
       if (is_single(axis)) is_the_one = is_the_one .and. is_nearest(apart(axis)/period(axis))
     end do
   end function is_the_one
 
   !> Is a contactor seen in one image alone, the nearest, in x and in y? The images of a segment or a plane as long as a period
-  !! are one wall; of a hollow shape the nearest image holds what is within, and all others would draw it in.
+  !! bound as one; of a hollow shape the nearest image holds what is within, and all others would draw it in.
   pure function has_one_image(contactors, c, period) result(is_single)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer(i4), intent(in) :: c !! the one to look at
@@ -135,8 +135,8 @@ contains
       select case (contactors%kind(c))
       case (kind_hollow, kind_hollow_cylinder)
         is_single = .true.
-      case (kind_wall)
-        is_single(1) = 2*contactors%wall_size(1, row)*abs(contactors%wall_axis(1, row)) >= period(1)
+      case (kind_segment)
+        is_single(1) = 2*contactors%segment_size(1, row)*abs(contactors%segment_axis(1, row)) >= period(1)
       case (kind_plane)
         frame = reshape(contactors%space%plane_world(:, row), [3, 3])
         half = contactors%space%plane_half(:, row)
@@ -149,16 +149,16 @@ contains
     is_single = is_single .and. period > 0
   end function has_one_image
 
-  !> Against a hollow cylinder: between its ends, and not far inside its wall.
-  pure logical function near_hollow_cylinder(contactors, wall, apart, reach, distance) result(is_near)
+  !> Against a hollow cylinder: between its ends, and not far inside its surface.
+  pure logical function near_hollow_cylinder(contactors, bounding, apart, reach, distance) result(is_near)
     type(contactors_t), intent(in) :: contactors
-    integer(i4), intent(in) :: wall
+    integer(i4), intent(in) :: bounding
     real(wp), intent(in) :: apart(3), reach, distance
     real(wp) :: along, axis(3)
 
-    axis = contactors%space%hollow_world(:, contactors%row(wall))
+    axis = contactors%space%hollow_world(:, contactors%row(bounding))
     along = dot_product(apart, axis)
-    associate (size => contactors%space%hollow_size(:, contactors%row(wall)))
+    associate (size => contactors%space%hollow_size(:, contactors%row(bounding)))
       is_near = abs(along) - size(1) - reach < distance .and. size(2) - norm2(apart - along*axis) - reach < distance
     end associate
   end function near_hollow_cylinder

@@ -4,7 +4,7 @@
 module sg_drives_from_deck
   use sg_ascending, only: distinct
   use sg_blocks, only: deck_t
-  use sg_contactors, only: kind_wall
+  use sg_contactors, only: kind_segment
   use sg_drives, only: drive_t, mark_walls, pressure_t
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
@@ -260,8 +260,8 @@ contains
       call deck%complain(diagnostics, '"between" needs two different bodies', b, 'between')
     do i = 1, 2
       c = findloc(scene%contactors%body(:scene%contactors%n), pressure%between(i), 1)
-      if (scene%contactors%kind(c) == kind_wall) then
-        pressure%thickness = pressure%thickness + scene%contactors%wall_size(2, scene%contactors%row(c))
+      if (scene%contactors%kind(c) == kind_segment) then
+        pressure%thickness = pressure%thickness + scene%contactors%segment_size(2, scene%contactors%row(c))
       else
         call deck%complain(diagnostics, '"between" needs walls or segments', b, 'between')
       end if

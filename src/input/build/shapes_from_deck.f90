@@ -1,7 +1,7 @@
 !> One shape of a body, of the plane or of space, from the keys of [[body]] or [[body.shape]].
 module sg_shapes_from_deck
   use sg_blocks, only: deck_t
-  use sg_contactors, only: add_disk, add_hollow, add_point, add_polygon, add_wall
+  use sg_contactors, only: add_disk, add_hollow, add_point, add_polygon, add_segment
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, pi
   use sg_moments, only: polygon_moments
@@ -58,7 +58,8 @@ contains
       case ('hollow disk')
         call add_hollow(contactors, body, colour, deck%number(b, 'radius'), centre(:2))
       case ('segment')
-        call add_wall(contactors, body, colour, deck%number(b, 'half_length'), deck%number(b, 'half_thickness'), centre(:2), angle)
+        call add_segment(contactors, body, colour, deck%number(b, 'half_length'), deck%number(b, 'half_thickness'), &
+                         centre(:2), angle)
       case ('polygon')
         call add_vertices(deck, b, scene, body, colour, centre(:2), angle, diagnostics)
       case ('sphere')

@@ -4,7 +4,7 @@
 !! The frame of a plane's body has the axes of the world; the plane lies in it as the normal says.
 module sg_walls_from_deck
   use sg_blocks, only: deck_t
-  use sg_contactors, only: add_wall
+  use sg_contactors, only: add_segment
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
   use sg_scene, only: colour_index, scene_t
@@ -53,7 +53,7 @@ contains
     end if
     scene%bodies%position(:, n) = (from + to)/2
     scene%bodies%angle(n) = atan2(to(2) - from(2), to(1) - from(1))
-    call add_wall(scene%contactors, n, colour, norm2(to - from)/2, deck%number(b, 'thickness')/2, [0.0_wp, 0.0_wp], 0.0_wp)
+    call add_segment(scene%contactors, n, colour, norm2(to - from)/2, deck%number(b, 'thickness')/2, [0.0_wp, 0.0_wp], 0.0_wp)
     call weigh_body(scene, n, scene%contactors%n)
   end subroutine add_wall_body
 

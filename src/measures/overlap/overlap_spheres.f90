@@ -20,7 +20,7 @@ module sg_overlap_spheres
     !> Radius of the sphere, height of its centre along the axis and distance from the axis [m]
     real(wp) :: radius = 0, along = 0, across = 0
     !> Half height of the cylinder without caps, and its radius [m]
-    real(wp) :: half_height = 0, wall = 0
+    real(wp) :: half_height = 0, tube = 0
     !> Is the part outside the cylinder wanted? (hollow cylinder, which has no caps)
     logical :: is_hollow = .false.
   end type beside_t
@@ -120,19 +120,19 @@ contains
   end function overlap_sphere_hollow_cylinder
 
   !> Where a sphere is as seen from an axis.
-  pure function place_beside(between, radius, axis, half_height, wall) result(beside)
+  pure function place_beside(between, radius, axis, half_height, tube) result(beside)
     real(wp), intent(in) :: between(3) !! from the middle of the axis to the sphere's centre [m]
     real(wp), intent(in) :: radius !! of the sphere [m]
     real(wp), intent(in) :: axis(3) !! unit vector of the axis
     real(wp), intent(in) :: half_height !! half height of the cylinder [m]
-    real(wp), intent(in) :: wall !! radius of the cylinder [m]
+    real(wp), intent(in) :: tube !! radius of the cylinder [m]
     type(beside_t) :: beside
 
     beside%radius = radius
     beside%along = dot_product(axis, between)
     beside%across = norm2(between - beside%along*axis)
     beside%half_height = half_height
-    beside%wall = wall
+    beside%tube = tube
   end function place_beside
 
   !> Integral of the areas of slices across the axis [m3].
@@ -168,7 +168,7 @@ contains
     do side = -1, 1, 2
       ! Beside the straight part: the radius of the sphere's slice is that of the cylinder and the distance, or their difference.
       ! Slices that all but touch are as bad where they are nearest, at the sphere's centre.
-      touching = abs(beside%across + real(side, wp)*beside%wall)
+      touching = abs(beside%across + real(side, wp)*beside%tube)
       root = sqrt(max(0.0_wp, (beside%radius - touching)*(beside%radius + touching)))
       place(n + 1:n + 2) = beside%along + [-root, root]
       n = n + 2
@@ -177,10 +177,10 @@ contains
       ! (linear z + constant)^2 = 4 e^2 (r^2 - z^2), with constant less e^2.
       associate (shift => beside%along - real(side, wp)*beside%half_height, e => beside%across)
         linear = 2*shift
-        constant = beside%radius**2 - shift**2 - beside%wall**2 - e**2
+        constant = beside%radius**2 - shift**2 - beside%tube**2 - e**2
         a = linear**2 + 4*e**2
         b = linear*constant
-        c = constant**2 - 4*e**2*beside%wall**2
+        c = constant**2 - 4*e**2*beside%tube**2
         if (a <= tiny(a)) cycle
         ! On the axis both roots are one, and rounding may leave less than none.
         root = sqrt(max(0.0_wp, b**2 - a*c))
@@ -215,17 +215,17 @@ contains
     type(beside_t), intent(in) :: beside
     real(wp), intent(in) :: z !! place along the axis [m]
     real(wp), parameter :: zero(2) = 0
-    real(wp) :: of_sphere, of_wall, beyond
+    real(wp) :: of_sphere, of_tube, beyond
 
     associate (shift => z - beside%along)
       of_sphere = sqrt(max(0.0_wp, (beside%radius - shift)*(beside%radius + shift)))
     end associate
     if (beside%is_hollow) then
-      slice = overlap_disk_hollow([beside%across, 0.0_wp], of_sphere, zero, beside%wall)
+      slice = overlap_disk_hollow([beside%across, 0.0_wp], of_sphere, zero, beside%tube)
     else
       beyond = max(0.0_wp, abs(z) - beside%half_height)
-      of_wall = sqrt(max(0.0_wp, (beside%wall - beyond)*(beside%wall + beyond)))
-      slice = overlap_disk_disk([beside%across, 0.0_wp], of_sphere, zero, of_wall)
+      of_tube = sqrt(max(0.0_wp, (beside%tube - beyond)*(beside%tube + beyond)))
+      slice = overlap_disk_disk([beside%across, 0.0_wp], of_sphere, zero, of_tube)
     end if
   end function slice
 end module sg_overlap_spheres

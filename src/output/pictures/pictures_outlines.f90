@@ -1,6 +1,6 @@
 !> What shapes in the plane look like: the outline of every contactor as one polygon, hollow disks as closed lines.
 module sg_pictures_outlines
-  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_wall
+  use sg_contactors, only: contactors_t, kind_disk, kind_hollow, kind_polygon, kind_segment
   use sg_kinds, only: wp, pi
   use sg_pictures_grid, only: vtk_poly_line, vtk_polygon
   use sg_pictures_mesh, only: add_cell, add_point, mesh_t
@@ -61,7 +61,7 @@ contains
     select case (contactors%kind(c))
     case (kind_polygon)
       corners = contactors%polygon_first(row + 1) - contactors%polygon_first(row)
-    case (kind_wall)
+    case (kind_segment)
       corners = 2*(cap_sides + 1)
     case (kind_hollow)
       corners = hollow_sides
@@ -82,8 +82,8 @@ contains
     case (kind_polygon)
       i = contactors%polygon_first(row)
       outline = contactors%polygon_vertex(:, i:i + n - 1)
-    case (kind_wall)
-      outline = segment(contactors%wall_size(:, row))
+    case (kind_segment)
+      outline = segment(contactors%segment_size(:, row))
     case (kind_hollow)
       outline = arc(contactors%hollow_radius(row), 0.0_wp, 2*pi/real(n, wp), n)
     case default

@@ -1,7 +1,7 @@
 !> DATBOX folders: a small one that holds every construct, and what is written read back.
 program test_datbox
   use harness, only: tests_t
-  use sg_contactors, only: kind_disk, kind_hollow, kind_polygon, kind_wall
+  use sg_contactors, only: kind_disk, kind_hollow, kind_polygon, kind_segment
   use sg_datbox, only: read_datbox
   use sg_datbox_write, only: write_datbox
   use sg_datbox_write_contacts, only: contacts_at_start
@@ -186,7 +186,7 @@ contains
     call tests%equal(size(diagnostics%warnings), 5, 'warnings of the sample')
     call tests%equal(scene%bodies%n, 6, 'bodies')
     call tests%equal(scene%contactors%n, 7, 'contactors')
-    call tests%check(all(scene%contactors%kind(:7) == [kind_disk, kind_disk, kind_disk, kind_wall, kind_hollow, &
+    call tests%check(all(scene%contactors%kind(:7) == [kind_disk, kind_disk, kind_disk, kind_segment, kind_hollow, &
                                                        kind_polygon, kind_polygon]), 'kinds')
     call tests%check(all(scene%contactors%body(:7) == [1, 2, 2, 3, 4, 5, 6]), 'bodies of contactors')
     call tests%near(scene%gravity(1), 0.5_wp, tight, 'gravity in x')
@@ -391,7 +391,7 @@ contains
     scene%laws(3)%name = 'grai1'
     scene%materials(1)%name = 'granite'
     scene%drives = scene%drives([4, 1, 3, 2])
-    scene%sees = [see_t(antagonist_kind=kind_disk, candidate_kind=kind_wall, law=2, alert=0.1_wp), see_t(law=1, alert=0.2_wp)]
+    scene%sees = [see_t(antagonist_kind=kind_disk, candidate_kind=kind_segment, law=2, alert=0.1_wp), see_t(law=1, alert=0.2_wp)]
     call write_datbox('datbox_written', scene, contacts_at_start(scene), 0.0_wp, 0, error)
     call read_datbox('datbox_written', again, diagnostics)
     call tests%equal(diagnostics%count(), 0, 'native names read back')
@@ -427,7 +427,7 @@ contains
     call write_datbox('/dev/null/datbox', scene, contacts_at_start(scene), 0.0_wp, 0, error)
     call tests%check(allocated(error), 'a folder that cannot be made')
     scene%bodies%position(:, 1) = 0
-    scene%contactors%wall_size(3, 1) = 0.25_wp
+    scene%contactors%segment_size(3, 1) = 0.25_wp
     call write_datbox('datbox_written', scene, contacts_at_start(scene), 0.0_wp, 0, error)
     call read_datbox('datbox_written', again, diagnostics)
     call tests%near(norm2(again%bodies%position(:, 1)), 0.0_wp, 1e-15_wp, 'a body at the very origin comes back there')

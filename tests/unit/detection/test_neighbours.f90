@@ -4,7 +4,7 @@ program test_neighbours
   use kept_states, only: check_list_again
   use sg_bodies, only: drop_rotation
   use sg_cells, only: build_cells, cells_t
-  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, kind_wall, place_contactors
+  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_segment, kind_segment, place_contactors
   use sg_contacts, only: contacts_t
   use sg_detect, only: detect
   use sg_touch_pair, only: touch_pair
@@ -100,9 +100,9 @@ contains
       end if
     end do
     scene%bodies%is_grain(:4) = .false.
-    call add_wall(scene%contactors, 1, colour, 10.0_wp, 0.1_wp, [0.0_wp, 0.0_wp], 0.0_wp)
-    call add_wall(scene%contactors, 2, colour, 1.5_wp, 0.3_wp, [0.2_wp, 0.1_wp], 1.0_wp)
-    call add_wall(scene%contactors, 3, colour, 0.1_wp, 0.01_wp, [0.0_wp, 0.0_wp], 2.0_wp)
+    call add_segment(scene%contactors, 1, colour, 10.0_wp, 0.1_wp, [0.0_wp, 0.0_wp], 0.0_wp)
+    call add_segment(scene%contactors, 2, colour, 1.5_wp, 0.3_wp, [0.2_wp, 0.1_wp], 1.0_wp)
+    call add_segment(scene%contactors, 3, colour, 0.1_wp, 0.01_wp, [0.0_wp, 0.0_wp], 2.0_wp)
     ! A rough wall: disks of one body side by side, far beyond the period where there is one.
     do b = -10, 10
       call add_disk(scene%contactors, 4, colour, 0.5_wp, [real(b, wp), 0.0_wp])
@@ -187,10 +187,10 @@ contains
     integer(i4), intent(in) :: c, a
     integer, intent(in) :: image
 
-    is_other_image = scene%contactors%kind(a) == kind_wall .and. scene%period > 0
+    is_other_image = scene%contactors%kind(a) == kind_segment .and. scene%period > 0
     if (.not. is_other_image) return
     associate (row => scene%contactors%row(a), apart => scene%contactors%centre(1, c) - scene%contactors%centre(1, a))
-      is_other_image = 2*scene%contactors%wall_size(1, row)*abs(scene%contactors%wall_axis(1, row)) >= scene%period &
+      is_other_image = 2*scene%contactors%segment_size(1, row)*abs(scene%contactors%segment_axis(1, row)) >= scene%period &
                        .and. image /= nint(apart/scene%period)
     end associate
   end function is_other_image
@@ -234,7 +234,7 @@ contains
     call t%check(contacts%n > 100, 'colours: there are contacts')
     call compare(scene, contacts, 'colours')
     scene%sees(1)%antagonist_colour = 0
-    scene%sees(1)%antagonist_kind = kind_wall
+    scene%sees(1)%antagonist_kind = kind_segment
     pairs = neighbours_t()
     history = history_t()
     call detect(scene, pairs, history, contacts)

@@ -4,8 +4,8 @@
 !! the least n.x of the candidate less the greatest of the antagonist. A hollow shape is left by the farthest point of the other.
 program test_pair_gap
   use harness, only: tests_t
-  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t, kind_cylinder, kind_disk, kind_hollow, &
-                           kind_hollow_cylinder, kind_names, kind_plane, kind_polygon, kind_polyhedron, kind_sphere, kind_wall, &
+  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_segment, contactors_t, kind_cylinder, kind_disk, kind_hollow, &
+                           kind_hollow_cylinder, kind_names, kind_plane, kind_polygon, kind_polyhedron, kind_segment, kind_sphere, &
                            place_contactors
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: error_t
@@ -42,7 +42,7 @@ contains
     real(wp) :: middle(3, 5)
 
     call add_disk(scene%contactors, 1, 1, 0.5_wp, none(:2))
-    call add_wall(scene%contactors, 2, 1, 2.0_wp, 0.25_wp, none(:2), 0.0_wp)
+    call add_segment(scene%contactors, 2, 1, 2.0_wp, 0.25_wp, none(:2), 0.0_wp)
     call add_polygon(scene%contactors, 3, 1, square, none(:2))
     call add_polygon(scene%contactors, 4, 1, square, none(:2))
     call add_disk(scene%contactors, 5, 1, 0.5_wp, none(:2))
@@ -224,7 +224,7 @@ contains
     integer :: pair(2), k
 
     scene%dimension = 3
-    if (any(kinds(1) == [kind_disk, kind_wall, kind_hollow, kind_polygon])) scene%dimension = 2
+    if (any(kinds(1) == [kind_disk, kind_segment, kind_hollow, kind_polygon])) scene%dimension = 2
     scene%contactors%dimension = scene%dimension
     do k = 1, 2
       call add_shape(scene%contactors, kinds(k), k, random)
@@ -302,8 +302,8 @@ contains
     select case (kind)
     case (kind_disk)
       call add_disk(contactors, body, 1, size_of, none(:2))
-    case (kind_wall)
-      call add_wall(contactors, body, 1, size_of, 0.2_wp*size_of, none(:2), 0.4_wp)
+    case (kind_segment)
+      call add_segment(contactors, body, 1, size_of, 0.2_wp*size_of, none(:2), 0.4_wp)
     case (kind_hollow)
       call add_hollow(contactors, body, 1, 1.0_wp, none(:2))
     case (kind_polygon)
@@ -377,9 +377,9 @@ contains
     first = int(5*contactors%row(c)) - 4
     associate (row => contactors%row(c), space => contactors%space)
       select case (contactors%kind(c))
-      case (kind_wall)
-        farthest = farthest + contactors%wall_size(1, row)*abs(dot_product(contactors%wall_axis(:, row), n(:2))) &
-                   + contactors%wall_size(2, row)
+      case (kind_segment)
+        farthest = farthest + contactors%segment_size(1, row)*abs(dot_product(contactors%segment_axis(:, row), n(:2))) &
+                   + contactors%segment_size(2, row)
       case (kind_polygon)
         associate (corner => contactors%polygon_world(:, first:first + 4))
           farthest = maxval(n(1)*corner(1, :) + n(2)*corner(2, :))

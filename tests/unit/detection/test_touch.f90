@@ -8,9 +8,9 @@ program test_touch
   use sg_touch_disk_disk, only: touch_disk_disk
   use sg_touch_disk_hollow, only: touch_disk_hollow
   use sg_touch_disk_polygon, only: touch_disk_polygon
-  use sg_touch_disk_wall, only: touch_disk_wall
+  use sg_touch_disk_segment, only: touch_disk_segment
   use sg_touch_polygon_polygon, only: touch_polygon_polygon
-  use sg_touch_polygon_wall, only: touch_polygon_wall
+  use sg_touch_polygon_segment, only: touch_polygon_segment
   implicit none
   real(wp), parameter :: tight = 1e-13_wp, zero(2) = [0.0_wp, 0.0_wp]
   !> A place where coordinates are rounded to 1e-13
@@ -20,13 +20,13 @@ program test_touch
   type(tests_t) :: t
 
   call test_disks()
-  call test_disk_wall()
+  call test_disk_segment()
   call test_disk_polygon()
   call test_edge_on_edge()
   call test_vertices()
   call test_bricks()
   call test_odd_polygons()
-  call test_polygon_wall()
+  call test_polygon_segment()
   call test_keys()
   call t%finish()
 
@@ -64,25 +64,25 @@ contains
     call t%near(norm2(touch%normal(:, 1)), 1.0_wp, tight, 'its normal')
   end subroutine test_disks
 
-  subroutine test_disk_wall()
+  subroutine test_disk_segment()
     real(wp), parameter :: axis(2) = [0.0_wp, 1.0_wp]
     type(touch_t) :: touch
 
-    call touch_disk_wall([1.0_wp, 0.5_wp], 0.6_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
+    call touch_disk_segment([1.0_wp, 0.5_wp], 0.6_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
     call check_point(touch, 1, [1.0_wp, 0.0_wp], [0.35_wp, 0.5_wp], 0.1_wp, 'disk right of a wall')
-    call touch_disk_wall([-1.0_wp, 0.5_wp], 0.8_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
+    call touch_disk_segment([-1.0_wp, 0.5_wp], 0.8_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
     call check_point(touch, 1, [-1.0_wp, 0.0_wp], [-0.25_wp, 0.5_wp], -0.1_wp, 'disk left of a wall')
-    call touch_disk_wall([0.3_wp, 2.4_wp], 0.3_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
+    call touch_disk_segment([0.3_wp, 2.4_wp], 0.3_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
     call check_point(touch, 1, [0.6_wp, 0.8_wp], [0.15_wp, 2.2_wp], -0.1_wp, 'disk at a cap')
-    call touch_disk_wall([0.0_wp, 1.0_wp], 0.3_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
+    call touch_disk_segment([0.0_wp, 1.0_wp], 0.3_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
     call check_point(touch, 1, [-1.0_wp, 0.0_wp], [0.0_wp, 1.0_wp], -0.6_wp, 'disk on the axis')
-    call touch_disk_wall([0.0_wp, -2.0_wp], 0.3_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
+    call touch_disk_segment([0.0_wp, -2.0_wp], 0.3_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
     call check_point(touch, 1, [0.0_wp, -1.0_wp], [0.0_wp, -2.0_wp], -0.6_wp, 'disk on the end of the axis')
-    call touch_disk_wall([0.0_wp, 3.0_wp], 0.3_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
+    call touch_disk_segment([0.0_wp, 3.0_wp], 0.3_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
     call t%equal(touch%n, 0, 'disk beyond the end of a wall')
-    call touch_disk_wall([1.0_wp, 0.0_wp], 0.3_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
+    call touch_disk_segment([1.0_wp, 0.0_wp], 0.3_wp, zero, axis, 2.0_wp, 0.3_wp, 0.2_wp, touch)
     call t%equal(touch%n, 0, 'disk beside a wall')
-  end subroutine test_disk_wall
+  end subroutine test_disk_segment
 
   subroutine test_disk_polygon()
     real(wp) :: box(2, 4)
@@ -245,38 +245,38 @@ contains
     call t%equal(touch%n, 0, 'two polygons of no size')
   end subroutine test_odd_polygons
 
-  subroutine test_polygon_wall()
+  subroutine test_polygon_segment()
     real(wp), parameter :: axis(2) = [1.0_wp, 0.0_wp]
     real(wp) :: box(2, 4), diamond(2, 4)
     type(touch_t) :: touch
 
     box = rectangle([0.0_wp, 0.0_wp], 2.0_wp, 1.0_wp)
-    call touch_polygon_wall(4, moved(box, [0.0_wp, 0.75_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
+    call touch_polygon_segment(4, moved(box, [0.0_wp, 0.75_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
     call t%equal(touch%n, 2, 'box on a wall')
     call t%near(maxval(abs(touch%gap - 0.05_wp)), 0.0_wp, tight, 'box on a wall: gaps')
     call t%near(maxval(abs(touch%point(2, :) - 0.225_wp)), 0.0_wp, tight, 'box on a wall: points')
     call t%near(abs(touch%point(1, 1) - touch%point(1, 2)), 2.0_wp, tight, 'box on a wall: width')
-    call touch_polygon_wall(4, moved(box, [0.0_wp, -0.65_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
+    call touch_polygon_segment(4, moved(box, [0.0_wp, -0.65_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
     call t%near(touch%normal(2, 1) + touch%normal(2, 2), -2.0_wp, tight, 'box under a wall: normals')
     call t%near(maxval(abs(touch%gap + 0.05_wp)), 0.0_wp, tight, 'box under a wall: gaps')
     diamond = turned(rectangle([0.0_wp, 0.0_wp], sqrt(2.0_wp), sqrt(2.0_wp)), pi/4, zero)
-    call touch_polygon_wall(4, moved(diamond, [1.0_wp, 1.15_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
+    call touch_polygon_segment(4, moved(diamond, [1.0_wp, 1.15_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
     call t%equal(touch%n, 1, 'vertex on a wall')
     call check_point(touch, 1, [0.0_wp, 1.0_wp], [1.0_wp, 0.175_wp], -0.05_wp, 'vertex on a wall')
     ! Vertex beyond the end of the axis by 3 and 4 tenths: distance to the cap.
-    call touch_polygon_wall(4, moved(box, [6.3_wp, 0.9_wp]), zero, axis, 5.0_wp, 0.6_wp, 0.1_wp, touch)
+    call touch_polygon_segment(4, moved(box, [6.3_wp, 0.9_wp]), zero, axis, 5.0_wp, 0.6_wp, 0.1_wp, touch)
     call check_point(touch, 1, [0.6_wp, 0.8_wp], [5.33_wp, 0.44_wp], -0.1_wp, 'vertex at a cap')
     ! An edge against the cap: the face is the polygon's.
-    call touch_polygon_wall(4, moved(box, [6.25_wp, 0.0_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
+    call touch_polygon_segment(4, moved(box, [6.25_wp, 0.0_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
     call t%equal(touch%n, 1, 'edge at a cap')
     call check_point(touch, 1, [1.0_wp, 0.0_wp], [5.225_wp, 0.0_wp], 0.05_wp, 'edge at a cap')
-    call touch_polygon_wall(4, moved(box, [0.55_wp, 0.1_wp]), zero, axis, 0.0_wp, 0.2_wp, 0.1_wp, touch)
+    call touch_polygon_segment(4, moved(box, [0.55_wp, 0.1_wp]), zero, axis, 0.0_wp, 0.2_wp, 0.1_wp, touch)
     call t%near(norm2(touch%normal(:, 1)), 1.0_wp, tight, 'wall of no length inside a box: normal')
     ! Box through the axis: pushed to the side where less is missing.
-    call touch_polygon_wall(4, moved(box, [0.0_wp, 0.3_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
+    call touch_polygon_segment(4, moved(box, [0.0_wp, 0.3_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
     call t%near(touch%normal(2, 1), 1.0_wp, tight, 'box through a wall: normal')
     call t%near(touch%gap(1), -0.4_wp, tight, 'box through a wall: gap')
-  end subroutine test_polygon_wall
+  end subroutine test_polygon_segment
 
   !> A point keeps its key while the bodies rock, slide a little, or the reference face changes side.
   subroutine test_keys()

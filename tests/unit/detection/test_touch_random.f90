@@ -8,7 +8,7 @@ program test_touch_random
   use sg_touch, only: touch_t
   use sg_touch_disk_polygon, only: touch_disk_polygon
   use sg_touch_polygon_polygon, only: touch_polygon_polygon
-  use sg_touch_polygon_wall, only: touch_polygon_wall
+  use sg_touch_polygon_segment, only: touch_polygon_segment
   implicit none
   real(wp), parameter :: tight = 1e-13_wp, zero(2) = [0.0_wp, 0.0_wp]
   type(tests_t) :: t
@@ -114,7 +114,7 @@ contains
       ends(:, 2) = 0.8_wp*axis
       if (shortest_translation(ends, c) > 0) cycle
       distance = brute_distance(ends, c)
-      call touch_polygon_wall(size(c, 2), c, zero, axis, 0.8_wp, 0.3_wp, 0.2_wp, touch)
+      call touch_polygon_segment(size(c, 2), c, zero, axis, 0.8_wp, 0.3_wp, 0.2_wp, touch)
       if (abs(distance - 0.5_wp) < tight) cycle
       call t%check((distance < 0.5_wp) .eqv. (touch%n > 0), 'wall and polygon within alert')
       if (touch%n == 0) cycle
@@ -142,7 +142,7 @@ contains
       alert = 10**random%uniform(-6.0_wp, 0.0_wp)
       touch = touching(c, a, alert)
       if (.not. is_sane(touch, alert)) bad = bad + 1
-      call touch_polygon_wall(size(c, 2), c, a(:, 1), [0.6_wp, 0.8_wp], 1.0_wp, 0.1_wp, alert, touch)
+      call touch_polygon_segment(size(c, 2), c, a(:, 1), [0.6_wp, 0.8_wp], 1.0_wp, 0.1_wp, alert, touch)
       if (.not. is_sane(touch, alert)) bad = bad + 1
       call touch_disk_polygon(c(:, 1), 0.3_wp, size(a, 2), a, zero, alert, touch)
       if (.not. is_sane(touch, alert)) bad = bad + 1

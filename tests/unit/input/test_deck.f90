@@ -1,7 +1,7 @@
 !> Decks: TOML as entries, settings, defaults, the effective deck, scenes from blocks, the reference.
 program test_deck
   use harness, only: tests_t
-  use sg_contactors, only: kind_disk, kind_polygon, kind_wall
+  use sg_contactors, only: kind_disk, kind_polygon, kind_segment
   use sg_effective, only: fingerprint
   use sg_error, only: diagnostics_t, error_t
   use sg_key_table, only: key_table_t
@@ -272,7 +272,7 @@ contains
     call t%near(scene%bodies%mass(3), 0.0_wp, 0.0_wp, 'a hollow disk weighs nothing')
     call t%equal(size(scene%drives), 3, 'a fixed body is driven in all components')
     call t%check(.not. scene%bodies%is_grain(3), 'it is no grain')
-    call t%check(all(scene%contactors%kind(1:2) == [kind_polygon, kind_wall]), 'kinds')
+    call t%check(all(scene%contactors%kind(1:2) == [kind_polygon, kind_segment]), 'kinds')
   end subroutine test_mass
 
   !> Polar moment over area of a rounded segment.
@@ -300,8 +300,8 @@ contains
                         scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'walls and drives are read: '//first(diagnostics))
     call t%near(scene%bodies%angle(2), pi/2, 1e-15_wp, 'a wall lies along its axis')
-    call t%near(scene%contactors%wall_size(1, 1), 2.0_wp, 0.0_wp, 'half length')
-    call t%near(scene%contactors%wall_size(2, 2), 0.2_wp, 0.0_wp, 'half thickness')
+    call t%near(scene%contactors%segment_size(1, 1), 2.0_wp, 0.0_wp, 'half length')
+    call t%near(scene%contactors%segment_size(2, 2), 0.2_wp, 0.0_wp, 'half thickness')
     ! Two blocks; two, three and two components that the walls hold.
     call t%equal(size(scene%drives), 2 + 2 + 3 + 2, 'drives')
     call t%equal(size(scene%pressures), 1, 'pressures')

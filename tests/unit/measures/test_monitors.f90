@@ -5,7 +5,7 @@ program test_monitors
   use made_by_hand, only: disks, make_wall, set_middle, touch
   use measured, only: box_of_scene, mean_stress, measures_of, measures_without_contacts, overlap_of_scene
   use sg_balance, only: momentum
-  use sg_contactors, only: add_polygon, add_wall
+  use sg_contactors, only: add_polygon, add_segment
   use sg_contacts, only: contacts_t
   use sg_grains, only: count_grains, grains_t
   use sg_kinds, only: wp, i1, i8, pi
@@ -84,7 +84,7 @@ contains
     scene%period = 10
     call add_polygon(scene%contactors, 1, 1, square, [1.0_wp, 0.0_wp])
     call add_polygon(scene%contactors, 3, 1, square, [1.5_wp, 21.8_wp])
-    call add_wall(scene%contactors, 4, 1, 5.0_wp, 0.5_wp, [-20.0_wp, -1.4_wp], 0.0_wp)
+    call add_segment(scene%contactors, 4, 1, 5.0_wp, 0.5_wp, [-20.0_wp, -1.4_wp], 0.0_wp)
     call make_wall(scene, 4)
     call set_middle(scene, 0.0_wp)
     call touch(contacts, 1, 2, [1.0_wp, 0.0_wp], [0.0_wp, 0.0_wp], -1.0_wp, [0.0_wp, 0.0_wp])
@@ -168,7 +168,7 @@ contains
     scene%period = 7
     call t%near(box_of_scene(scene), 14.0_wp, rounding, 'its width is the period')
     scene%period = 0
-    call add_wall(scene%contactors, 1, 1, 2.0_wp, 0.5_wp, [0.0_wp, 0.0_wp], pi/2)
+    call add_segment(scene%contactors, 1, 1, 2.0_wp, 0.5_wp, [0.0_wp, 0.0_wp], pi/2)
     call set_middle(scene, 0.0_wp)
     call t%near(box_of_scene(scene), 8*5.0_wp, 10*rounding, 'box with a segment upright')
     scene%bodies%angle(2) = pi/4

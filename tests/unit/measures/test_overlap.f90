@@ -2,8 +2,8 @@
 program test_overlap
   use harness, only: tests_t
   use sg_kinds, only: wp, pi
-  use sg_overlap, only: overlap_disk_disk, overlap_disk_hollow, overlap_disk_polygon, overlap_disk_wall, &
-                        overlap_polygon_polygon, overlap_polygon_wall
+  use sg_overlap, only: overlap_disk_disk, overlap_disk_hollow, overlap_disk_polygon, overlap_disk_segment, &
+                        overlap_polygon_polygon, overlap_polygon_segment
   use sg_random, only: random_t
   implicit none
   !> Some tens of roundings of areas of order 1
@@ -52,11 +52,11 @@ contains
       ! Points of the outline are rounded to 1e-16 over a width of sqrt(8 d): relative error 1e-16/d.
       call t%near(overlap_disk_polygon([0.2_wp, r - d], r, 4, box, zero)/half_plane, 1.0_wp, 3*d + 3e-16_wp/d, &
                   'thin segment below an edge')
-      call t%near(overlap_disk_wall([0.2_wp, r + 0.5_wp - d], r, zero, x_axis, 2.0_wp, 0.5_wp)/half_plane, 1.0_wp, &
+      call t%near(overlap_disk_segment([0.2_wp, r + 0.5_wp - d], r, zero, x_axis, 2.0_wp, 0.5_wp)/half_plane, 1.0_wp, &
                   3*d + 3e-16_wp/d, 'thin segment below a flat side')
-      call t%near(overlap_disk_wall([2 + r + s - d, 0.0_wp], r, zero, x_axis, 2.0_wp, s)/lens, 1.0_wp, 3*d + 3e-16_wp/d, &
+      call t%near(overlap_disk_segment([2 + r + s - d, 0.0_wp], r, zero, x_axis, 2.0_wp, s)/lens, 1.0_wp, 3*d + 3e-16_wp/d, &
                   'thin lens at a cap')
-      call t%near(overlap_polygon_wall(4, box, [0.0_wp, 0.5_wp - d], x_axis, 1.0_wp, 0.5_wp)/(2*d), 1.0_wp, &
+      call t%near(overlap_polygon_segment(4, box, [0.0_wp, 0.5_wp - d], x_axis, 1.0_wp, 0.5_wp)/(2*d), 1.0_wp, &
                   2*sqrt(d), 'thin strip below a flat side')
       call t%near(overlap_polygon_polygon(4, box, 4, box, [0.0_wp, 2 - d])/(6*d), 1.0_wp, 3e-16_wp/d, 'thin strip of boxes')
     end do
@@ -92,16 +92,16 @@ contains
   subroutine test_walls()
     real(wp) :: box(2, 4)
 
-    call t%near(overlap_disk_wall(zero, 5.0_wp, zero, x_axis, 1.0_wp, 0.5_wp), 2 + pi/4, 10*tight, 'wall in a disk')
-    call t%near(overlap_disk_wall([0.3_wp, 0.1_wp], 0.2_wp, zero, x_axis, 1.0_wp, 0.5_wp), pi*0.04_wp, tight, 'disk in a wall')
-    call t%near(overlap_disk_wall([1.6_wp, 1.0_wp], 0.5_wp, zero, x_axis, 1.0_wp, 0.5_wp), 0.0_wp, 0.0_wp, 'disk off a cap')
-    call t%near(overlap_disk_wall([1.0_wp, 0.0_wp], 0.5_wp, zero, x_axis, 1.0_wp, 0.5_wp), pi/4, tight, 'disk on a cap')
-    call t%near(overlap_disk_wall([1.0_wp, 0.0_wp], 1.0_wp, zero, x_axis, 0.0_wp, 1.0_wp), &
+    call t%near(overlap_disk_segment(zero, 5.0_wp, zero, x_axis, 1.0_wp, 0.5_wp), 2 + pi/4, 10*tight, 'wall in a disk')
+    call t%near(overlap_disk_segment([0.3_wp, 0.1_wp], 0.2_wp, zero, x_axis, 1.0_wp, 0.5_wp), pi*0.04_wp, tight, 'disk in a wall')
+    call t%near(overlap_disk_segment([1.6_wp, 1.0_wp], 0.5_wp, zero, x_axis, 1.0_wp, 0.5_wp), 0.0_wp, 0.0_wp, 'disk off a cap')
+    call t%near(overlap_disk_segment([1.0_wp, 0.0_wp], 0.5_wp, zero, x_axis, 1.0_wp, 0.5_wp), pi/4, tight, 'disk on a cap')
+    call t%near(overlap_disk_segment([1.0_wp, 0.0_wp], 1.0_wp, zero, x_axis, 0.0_wp, 1.0_wp), &
                 2*pi/3 - sqrt(3.0_wp)/2, 10*tight, 'wall of no length is a disk')
     box = reshape([-9.0_wp, -9.0_wp, 9.0_wp, -9.0_wp, 9.0_wp, 9.0_wp, -9.0_wp, 9.0_wp], [2, 4])
-    call t%near(overlap_polygon_wall(4, box, [1.0_wp, 2.0_wp], [0.6_wp, 0.8_wp], 1.0_wp, 0.5_wp), 2 + pi/4, 10*tight, &
+    call t%near(overlap_polygon_segment(4, box, [1.0_wp, 2.0_wp], [0.6_wp, 0.8_wp], 1.0_wp, 0.5_wp), 2 + pi/4, 10*tight, &
                 'wall in a box')
-    call t%near(overlap_polygon_wall(4, box, [9.0_wp, 2.0_wp], x_axis, 0.0_wp, 0.5_wp), pi/8, 10*tight, &
+    call t%near(overlap_polygon_segment(4, box, [9.0_wp, 2.0_wp], x_axis, 0.0_wp, 0.5_wp), pi/8, 10*tight, &
                 'half a wall of no length')
   end subroutine test_walls
 
@@ -130,9 +130,9 @@ contains
                   'disk and polygon by strips')
       call t%near(overlap_polygon_polygon(6, c, 5, a, q), strips(polygon=a + spread(q, 2, 5), other_polygon=c), near, &
                   'polygons by strips')
-      call t%near(overlap_disk_wall(p, r, q, axis, 0.6_wp, 0.3_wp), strips(disk=[p, r], wall=[q, 0.6_wp*axis, 0.3_wp]), near, &
+      call t%near(overlap_disk_segment(p, r, q, axis, 0.6_wp, 0.3_wp), strips(disk=[p, r], wall=[q, 0.6_wp*axis, 0.3_wp]), near, &
                   'disk and wall by strips')
-      call t%near(overlap_polygon_wall(6, c, q, axis, 0.6_wp, 0.3_wp), &
+      call t%near(overlap_polygon_segment(6, c, q, axis, 0.6_wp, 0.3_wp), &
                   strips(polygon=c, wall=[q, 0.6_wp*axis, 0.3_wp]), near, 'polygon and wall by strips')
     end do
   end subroutine test_against_strips
@@ -155,10 +155,10 @@ contains
           end do
           ! The 36 boxes cover -2.5 to 3.5, more than the largest disk.
           call t%near(sum_of_parts, pi*sizes(k)**2, 10*tight, 'a disk cut by a lattice')
-          call check_bounded(overlap_disk_wall(centre, sizes(k), zero, x_axis, 1.0_wp, 0.5_wp), &
+          call check_bounded(overlap_disk_segment(centre, sizes(k), zero, x_axis, 1.0_wp, 0.5_wp), &
                              min(pi*sizes(k)**2, 2 + pi/4), 'disk and wall')
-          call check_bounded(overlap_disk_wall(centre, sizes(k), zero, x_axis, 1.0_wp, 0.0_wp), 0.0_wp, 'wall of no thickness')
-          call check_bounded(overlap_polygon_wall(4, box, centre, x_axis, sizes(k), 0.25_wp), 1.0_wp, 'box and wall')
+          call check_bounded(overlap_disk_segment(centre, sizes(k), zero, x_axis, 1.0_wp, 0.0_wp), 0.0_wp, 'wall of no thickness')
+          call check_bounded(overlap_polygon_segment(4, box, centre, x_axis, sizes(k), 0.25_wp), 1.0_wp, 'box and wall')
           call check_bounded(overlap_disk_hollow(centre, sizes(k), zero, sizes(k)), pi*sizes(k)**2, 'disk and hollow disk')
         end do
       end do

@@ -5,7 +5,7 @@
 program test_pictures
   use harness, only: tests_t
   use sg_bodies, only: drop_rotation
-  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall
+  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_segment
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: error_t, exit_output
   use sg_hdf5, only: hdf5_file_t, hdf5_is_available
@@ -59,7 +59,7 @@ contains
     call add_disk(scene%contactors, 3, 2, 0.4_wp, [-0.4_wp, 0.0_wp])
     call add_disk(scene%contactors, 3, 2, 0.3_wp, [0.5_wp, 0.0_wp])
     call add_polygon(scene%contactors, 4, 1, square, origin)
-    call add_wall(scene%contactors, 5, 1, 5.0_wp, 0.2_wp, origin, 0.1_wp)
+    call add_segment(scene%contactors, 5, 1, 5.0_wp, 0.2_wp, origin, 0.1_wp)
     call add_hollow(scene%contactors, 6, 1, 6.0_wp, origin)
   end function some_scene
 

@@ -4,7 +4,7 @@ program test_tunnelling
   use scenes, only: begin_run, begin_scene, drive, hold, put_disk, put_polygon, put_wall, run
   use scenes_space, only: begin_space_scene, put_box, put_capsule, put_plane, put_sphere
   use sg_advance, only: advance
-  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall, contactors_t
+  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_segment, contactors_t
   use sg_error, only: error_t
   use sg_half_width, only: half_width
   use sg_history, only: resume_history
@@ -14,7 +14,7 @@ program test_tunnelling
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
   use sg_simulation, only: simulation_t
-  use sg_swept_walls, only: goes_through
+  use sg_swept_shapes, only: goes_through
   use sg_rotations, only: rotation_by, turned_by
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_time_functions, only: time_function_t
@@ -43,7 +43,7 @@ contains
     type(contactors_t) :: shapes
 
     call add_disk(shapes, 1, 1, 0.3_wp, [0.0_wp, 0.0_wp])
-    call add_wall(shapes, 2, 1, 5.0_wp, 0.2_wp, [0.0_wp, 0.0_wp], 0.1_wp)
+    call add_segment(shapes, 2, 1, 5.0_wp, 0.2_wp, [0.0_wp, 0.0_wp], 0.1_wp)
     call add_hollow(shapes, 3, 1, 2.0_wp, [0.0_wp, 0.0_wp])
     call add_polygon(shapes, 4, 1, reshape([1.0_wp, 1.0_wp, 5.0_wp, 1.0_wp, 5.0_wp, 2.0_wp, 1.0_wp, 2.0_wp], [2, 4]), &
                      [0.0_wp, 0.0_wp])

@@ -5,7 +5,7 @@ program test_pack_bodies
   use same_bits, only: same, same_bodies, same_contactors, same_planar, same_spatial
   use scenes_space, only: turn_at_random
   use sg_bodies, only: bodies_t, drop_rotation
-  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_wall
+  use sg_contactors, only: add_disk, add_hollow, add_polygon, add_segment
   use sg_contacts, only: contacts_t
   use sg_detect, only: detect
   use sg_error, only: error_t
@@ -168,7 +168,7 @@ contains
       call add_disk(scene%contactors, b, 1, r/2, [r/2, 0.0_wp])
       call add_disk(scene%contactors, b, 2, r/3, [-r/2, r/4])
     case (1)
-      call add_wall(scene%contactors, b, 1, r, r/5, [0.1_wp*r, 0.0_wp], random%uniform())
+      call add_segment(scene%contactors, b, 1, r, r/5, [0.1_wp*r, 0.0_wp], random%uniform())
     case (2)
       call add_hollow(scene%contactors, b, 1, 5*r, [0.0_wp, 0.0_wp])
     case (3:4)

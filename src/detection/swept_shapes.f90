@@ -1,11 +1,11 @@
-!> Paths through walls: does a point that moves from one place to another go through a convex shape, or end beyond its middle?
+!> Paths through shapes: does a point that moves from one place to another go through a convex shape, or end beyond its middle?
 !!
 !! The path is cut by the planes of the shape's faces (Cyrus and Beck), or by the balls and the tube of a round shape. A path that
 !! ends inside goes through where the nearest surface lies ahead: a contact there pushes on, not back. A hollow shape pushes back
-!! all that detection finds outside of it: a path goes through its wall where it ends out of the range of detection.
-module sg_swept_walls
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, &
-                           kind_polygon, kind_polyhedron, kind_sphere, kind_wall
+!! all that detection finds outside of it: a path goes through its surface where it ends out of the range of detection.
+module sg_swept_shapes
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, kind_polygon, &
+                           kind_polyhedron, kind_segment, kind_sphere
   use sg_kinds, only: wp
   implicit none
   private
@@ -23,9 +23,9 @@ module sg_swept_walls
 contains
 
   !> Does the path of a point lead through a shape?
-  pure logical function goes_through(contactors, wall, from, to)
+  pure logical function goes_through(contactors, obstacle, from, to)
     type(contactors_t), intent(in) :: contactors !! placed contactors
-    integer, intent(in) :: wall !! the shape
+    integer, intent(in) :: obstacle !! the shape
     real(wp), intent(in) :: from(:), to(:) !! ends of the path [m], shape (dimension)
     type(path_t) :: path
     real(wp) :: centre(3)
@@ -35,28 +35,29 @@ contains
     path%from(:n) = from
     path%to(:n) = to
     centre = 0
-    centre(:n) = contactors%centre(:, wall)
-    row = contactors%row(wall)
-    select case (contactors%kind(wall))
-    case (kind_wall)
-      call cut_by_capsule(path, centre, [contactors%wall_axis(:, row), 0.0_wp], contactors%wall_size(1, row), &
-                          contactors%wall_size(2, row))
+    centre(:n) = contactors%centre(:, obstacle)
+    row = contactors%row(obstacle)
+    select case (contactors%kind(obstacle))
+    case (kind_segment)
+      call cut_by_capsule(path, centre, [contactors%segment_axis(:, row), 0.0_wp], contactors%segment_size(1, row), &
+                          contactors%segment_size(2, row))
     case (kind_polygon)
-      call cut_by_polygon(path, contactors, wall)
+      call cut_by_polygon(path, contactors, obstacle)
     case (kind_plane)
       call cut_by_box(path, centre, reshape(contactors%space%plane_world(:, row), [3, 3]), contactors%space%plane_half(:, row))
     case (kind_polyhedron)
-      call cut_by_polyhedron(path, contactors, wall)
+      call cut_by_polyhedron(path, contactors, obstacle)
     case (kind_disk, kind_sphere)
-      call cut_by_capsule(path, centre, [1.0_wp, 0.0_wp, 0.0_wp], 0.0_wp, contactors%reach(wall))
+      call cut_by_capsule(path, centre, [1.0_wp, 0.0_wp, 0.0_wp], 0.0_wp, contactors%reach(obstacle))
     case (kind_cylinder)
       call cut_by_capsule(path, centre, contactors%space%cylinder_world(:, row), contactors%space%cylinder_size(1, row), &
                           contactors%space%cylinder_size(2, row))
     case (kind_hollow)
-      call cut_by_hollow(path, centre, [0.0_wp, 0.0_wp, 1.0_wp], huge(1.0_wp), contactors%reach(wall), contactors%reach(wall))
+      call cut_by_hollow(path, centre, [0.0_wp, 0.0_wp, 1.0_wp], huge(1.0_wp), contactors%reach(obstacle), &
+                         contactors%reach(obstacle))
     case (kind_hollow_cylinder)
       call cut_by_hollow(path, centre, contactors%space%hollow_world(:, row), contactors%space%hollow_size(1, row), &
-                         contactors%space%hollow_size(2, row), contactors%reach(wall))
+                         contactors%space%hollow_size(2, row), contactors%reach(obstacle))
     end select
     goes_through = path%starts_outside .and. path%enters < path%leaves .and. (path%height > 0 .or. path%looks_ahead)
   end function goes_through
@@ -112,7 +113,7 @@ contains
     path%leaves = max(path%leaves, share(2))
   end subroutine widen
 
-  !> Cut a path that leads out of a hollow shape through its wall: it goes through where no contact is found at its end.
+  !> Cut a path that leads out of a hollow shape through its surface: it goes through where no contact is found at its end.
   pure subroutine cut_by_hollow(path, centre, axis, half_height, radius, reach)
     type(path_t), intent(inout) :: path
     real(wp), intent(in) :: centre(3), axis(3), half_height, radius, reach
@@ -182,15 +183,15 @@ contains
   end subroutine cut_by_box
 
   !> Cut a path by the edges of a polygon.
-  pure subroutine cut_by_polygon(path, contactors, wall)
+  pure subroutine cut_by_polygon(path, contactors, obstacle)
     type(path_t), intent(inout) :: path
     type(contactors_t), intent(in) :: contactors
-    integer, intent(in) :: wall
+    integer, intent(in) :: obstacle
     real(wp) :: edge(2)
     integer :: v, first, last
 
-    first = contactors%polygon_first(contactors%row(wall))
-    last = contactors%polygon_first(contactors%row(wall) + 1) - 1
+    first = contactors%polygon_first(contactors%row(obstacle))
+    last = contactors%polygon_first(contactors%row(obstacle) + 1) - 1
     do v = first, last
       associate (vertex => contactors%polygon_world)
         edge = vertex(:, merge(first, v + 1, v == last)) - vertex(:, v)
@@ -200,13 +201,13 @@ contains
   end subroutine cut_by_polygon
 
   !> Cut a path by the faces of a polyhedron.
-  pure subroutine cut_by_polyhedron(path, contactors, wall)
+  pure subroutine cut_by_polyhedron(path, contactors, obstacle)
     type(path_t), intent(inout) :: path
     type(contactors_t), intent(in) :: contactors
-    integer, intent(in) :: wall
+    integer, intent(in) :: obstacle
     integer :: f
 
-    associate (shape => contactors%space%polyhedra(contactors%row(wall)))
+    associate (shape => contactors%space%polyhedra(contactors%row(obstacle)))
       do f = 1, shape%n_faces
         call cut_path(path, shape%world_normal(:, f), shape%world_vertex(:, shape%face_vertex(shape%face_first(f))))
       end do
@@ -235,4 +236,4 @@ contains
       path%leaves = min(path%leaves, start/(start - finish))
     end if
   end subroutine cut_path
-end module sg_swept_walls
+end module sg_swept_shapes

@@ -1,16 +1,16 @@
 !> Areas that disks and convex polygons share with rounded segments (JONCx), flat sides and caps alike exact.
-module sg_overlap_walls
+module sg_overlap_segments
   use sg_kinds, only: wp
   use sg_overlap_outline, only: add_cap, add_edge, close_outline, outline_t
   use sg_overlap_polygons, only: clip, overlap_disk_polygon, overlap_polygon_polygon
   implicit none
   private
-  public :: overlap_disk_wall, overlap_polygon_wall
+  public :: overlap_disk_segment, overlap_polygon_segment
 
 contains
 
   !> Area shared by a disk and a rounded segment [m2].
-  pure real(wp) function overlap_disk_wall(centre_c, radius_c, centre_a, axis, half_length, half_thickness) result(area)
+  pure real(wp) function overlap_disk_segment(centre_c, radius_c, centre_a, axis, half_length, half_thickness) result(area)
     real(wp), intent(in) :: centre_c(2) !! centre of the disk, the candidate [m]
     real(wp), intent(in) :: radius_c !! radius of the disk [m]
     real(wp), intent(in) :: centre_a(2) !! centre of the segment, the antagonist [m]
@@ -33,11 +33,11 @@ contains
     beyond = max(0.0_wp, abs(along) - half_length)
     is_centre_inside = across**2 + beyond**2 <= half_thickness**2
     call close_outline(outline, radius_c, is_centre_inside, area)
-  end function overlap_disk_wall
+  end function overlap_disk_segment
 
   !> Area shared by a convex polygon and a rounded segment [m2]: with its rectangle, and beyond either end of its axis
   !! with its cap.
-  pure real(wp) function overlap_polygon_wall(n_c, vertices_c, centre_a, axis, half_length, half_thickness) result(area)
+  pure real(wp) function overlap_polygon_segment(n_c, vertices_c, centre_a, axis, half_length, half_thickness) result(area)
     integer, intent(in) :: n_c !! vertices of the polygon, the candidate
     real(wp), intent(in) :: vertices_c(2, n_c) !! vertices of the polygon, counter-clockwise [m]
     real(wp), intent(in) :: centre_a(2) !! centre of the segment, the antagonist [m]
@@ -64,5 +64,5 @@ contains
         if (n > 2) area = area + overlap_disk_polygon(end, half_thickness, n, beyond(:, :n), zero)
       end associate
     end do
-  end function overlap_polygon_wall
-end module sg_overlap_walls
+  end function overlap_polygon_segment
+end module sg_overlap_segments

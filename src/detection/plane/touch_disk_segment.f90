@@ -1,10 +1,10 @@
 !> Contact of a disk with a rounded segment (JONCx): the points within a half thickness of an axis.
-module sg_touch_disk_wall
+module sg_touch_disk_segment
   use sg_kinds, only: wp, i4
   use sg_touch, only: touch_t, add_point
   implicit none
   private
-  public :: touch_disk_wall
+  public :: touch_disk_segment
 
 contains
 
@@ -12,7 +12,7 @@ contains
   !!
   !! The flat side keeps the exact normal of the axis. A centre on the axis is pushed to the left of the axis, one on
   !! an end of it along the axis.
-  pure subroutine touch_disk_wall(centre_c, radius_c, centre_a, axis, half_length, half_thickness, alert, touch)
+  pure subroutine touch_disk_segment(centre_c, radius_c, centre_a, axis, half_length, half_thickness, alert, touch)
     real(wp), intent(in) :: centre_c(2) !! centre of the disk, the candidate [m]
     real(wp), intent(in) :: radius_c !! radius of the disk [m]
     real(wp), intent(in) :: centre_a(2) !! centre of the segment, the antagonist [m]
@@ -37,5 +37,5 @@ contains
       if (distance > tiny(distance)) normal = between/distance
     end if
     call add_point(touch, centre_c - radius_c*normal, normal, distance - (radius_c + half_thickness), alert, 0_i4)
-  end subroutine touch_disk_wall
-end module sg_touch_disk_wall
+  end subroutine touch_disk_segment
+end module sg_touch_disk_segment

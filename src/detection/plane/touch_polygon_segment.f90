@@ -1,17 +1,17 @@
 !> Contact of a convex polygon with a rounded segment (JONCx): the points within a half thickness of an axis.
-module sg_touch_polygon_wall
+module sg_touch_polygon_segment
   use sg_kinds, only: wp
   use sg_touch, only: touch_t
   use sg_touch_convex, only: touch_convex
   implicit none
   private
-  public :: touch_polygon_wall
+  public :: touch_polygon_segment
 
 contains
 
   !> Points of contact of a convex polygon with a rounded segment: its axis is a polygon of two vertices whose skin is
   !! a half thickness, so that flat sides and caps need no case of their own.
-  pure subroutine touch_polygon_wall(n_c, vertices_c, centre_a, axis, half_length, half_thickness, alert, touch)
+  pure subroutine touch_polygon_segment(n_c, vertices_c, centre_a, axis, half_length, half_thickness, alert, touch)
     integer, intent(in) :: n_c !! vertices of the polygon, the candidate
     real(wp), intent(in) :: vertices_c(2, n_c) !! vertices of the polygon, counter-clockwise [m]
     real(wp), intent(in) :: centre_a(2) !! centre of the segment, the antagonist [m]
@@ -25,5 +25,5 @@ contains
     ends(:, 1) = -half_length*axis
     ends(:, 2) = half_length*axis
     call touch_convex(n_c, vertices_c, 2, ends, centre_a, half_thickness, alert, touch)
-  end subroutine touch_polygon_wall
-end module sg_touch_polygon_wall
+  end subroutine touch_polygon_segment
+end module sg_touch_polygon_segment
