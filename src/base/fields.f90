@@ -75,8 +75,7 @@ contains
     integer, intent(in) :: n !! items
     type(field_visitor_t) :: visitor
 
-    visitor%task = task_resize
-    visitor%n = n
+    visitor = field_visitor_t(task=task_resize, n=n)
     call self%visit(visitor)
   end subroutine fields_resize
 
@@ -86,9 +85,7 @@ contains
     integer, intent(in) :: item !! the item
     type(field_visitor_t) :: visitor
 
-    visitor%task = task_clear
-    visitor%is_written = .true.
-    visitor%to = [int(item, i4)]
+    visitor = field_visitor_t(task=task_clear, is_written=.true., to=[int(item, i4)])
     call self%visit(visitor)
   end subroutine fields_clear
 
@@ -99,24 +96,17 @@ contains
     type(field_visitor_t) :: visitor
     integer :: i
 
-    visitor%task = task_keep
-    visitor%is_read = .true.
-    visitor%is_written = .true.
-    visitor%from = item
-    visitor%to = [(int(i, i4), i=1, size(item))]
+    visitor = field_visitor_t(task=task_keep, is_read=.true., is_written=.true., from=item, to=[(int(i, i4), i=1, size(item))])
     call self%visit(visitor)
   end subroutine fields_keep
 
   !> Values per item in the fields that are sent by some rule or a higher one.
-  integer function fields_width(self, least, only) result(width)
+  integer function fields_width(self, least) result(width)
     class(fields_t), intent(in) :: self
     integer, intent(in) :: least !! lowest rule, one of `sync_*`
-    integer, intent(in), optional :: only !! place of the only field to look at
     type(field_visitor_t) :: visitor
 
-    visitor%task = task_count
-    visitor%least = least
-    if (present(only)) visitor%only = only
+    visitor = field_visitor_t(task=task_count, least=least)
     call self%visit(visitor)
     width = visitor%last
   end function fields_width
@@ -128,16 +118,18 @@ contains
     real(wp), allocatable, intent(out) :: values(:, :) !! shape (`width`, items)
     integer, intent(in) :: least !! lowest rule of the fields written, one of `sync_*`
     integer, intent(in), optional :: only !! place of the only field to write
-    type(field_visitor_t) :: visitor
+    type(field_visitor_t) :: visitor, mover
 
-    visitor%task = task_move
-    visitor%least = least
+    visitor = field_visitor_t(task=task_count, least=least)
     if (present(only)) visitor%only = only
-    visitor%is_read = .true.
-    visitor%from = item
-    allocate (visitor%value(self%width(least, only), size(item)))
+    mover = visitor
     call self%visit(visitor)
-    call move_alloc(visitor%value, values)
+    mover%task = task_move
+    mover%is_read = .true.
+    mover%from = item
+    allocate (mover%value(visitor%last, size(item)))
+    call self%visit(mover)
+    call move_alloc(mover%value, values)
   end subroutine fields_pack
 
   !> Read what `pack` wrote.
@@ -149,12 +141,8 @@ contains
     integer, intent(in), optional :: only !! place of the only field to read
     type(field_visitor_t) :: visitor
 
-    visitor%task = task_move
-    visitor%least = least
+    visitor = field_visitor_t(task=task_move, least=least, is_written=.true., to=item, value=values)
     if (present(only)) visitor%only = only
-    visitor%is_written = .true.
-    visitor%to = item
-    visitor%value = values
     call self%visit(visitor)
   end subroutine fields_unpack
 end module sg_fields

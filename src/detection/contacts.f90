@@ -96,16 +96,10 @@ contains
   !> Drop contacts that were not found to the end, with their memory, which what follows and a checkpoint need.
   subroutine drop_contacts(contacts)
     type(contacts_t), intent(inout) :: contacts !! none are left
-    type(contacts_t) :: none
 
-    none%dimension = contacts%dimension
-    none%n_components = contacts%n_components
-    none%n_internal = contacts%n_internal
-    none%memory = contacts%memory
-    none%is_cut = contacts%is_cut
-    none%n_cut = contacts%n
-    call reserve_contacts(none, 1)
-    contacts = none
+    contacts%n_cut = contacts%n
+    contacts%n = 0
+    call contacts%resize(0)
   end subroutine drop_contacts
 
   !> Make room for `n` contacts.

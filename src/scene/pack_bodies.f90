@@ -15,7 +15,7 @@ module sg_pack_bodies
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: pack_body, order_records, build_scene, rebuild_scene, drop_bodies, drop_step_state
+  public :: pack_body, order_records, rebuild_scene, drop_bodies, drop_step_state
 
   !> Places of values in a record
   integer, parameter :: place_length = 1, place_number = 2, place_home = 3, place_contactors = 4
@@ -89,36 +89,27 @@ contains
     start = start(sort_permutation(keys))
   end subroutine order_records
 
-  !> Make the scene of a rank from records of bodies; contactors stand by ascending number in the whole scene.
+  !> Rebuild a scene from records of bodies; contactors stand by ascending number in the whole scene. What it held is given back
+  !! before the new bodies ask for room.
   !!
-  !! What is no body is copied from the template, without drives, pressures and names (see `localise`) and without contacts
-  !! known at the start. Forces, free velocities and the configuration of detection are zero.
-  subroutine build_scene(template, parcel, start, n_home, local)
-    type(scene_t), intent(in) :: template !! any scene of the run, whole or in part, of any bodies; not `local`
-    type(parcel_t), intent(inout) :: parcel !! records of bodies
-    integer, intent(in) :: start(:) !! first value of the record of each body, shape (bodies)
-    integer, intent(in) :: n_home !! bodies that the rank counts as its own: the first ones
-    type(scene_t), intent(out) :: local !! the scene made
-
-    call copy_frame(template, local)
-    call make_bodies_like(template%bodies, size(start), local%bodies)
-    local%bodies%n_home = n_home
-    call unpack_bodies(parcel, start, local%bodies, local%contactors)
-    call locate_links(local%links, local%contactors)
-  end subroutine build_scene
-
-  !> Rebuild a scene from records of bodies. What it held is given back before the new bodies ask for room.
+  !! Forces, free velocities and the configuration of detection are zero. Drives, pressures and names (see `localise`) and contacts
+  !! known at the start are dropped; all else stays.
   subroutine rebuild_scene(scene, parcel, start, n_home)
-    type(scene_t), intent(inout) :: scene !! scene of the run, replaced
+    type(scene_t), intent(inout) :: scene !! any scene of the run, whole or in part, of any bodies
     type(parcel_t), intent(inout) :: parcel !! records of bodies; used up
     integer, intent(in) :: start(:) !! first value of the record of each body, shape (bodies)
     integer, intent(in) :: n_home !! bodies that the rank counts as its own: the first ones
-    type(scene_t) :: frame
 
-    call copy_frame(scene, frame)
-    frame%bodies = no_bodies_like(scene%bodies)
-    call build_scene(frame, parcel, start, n_home, scene)
-    deallocate (parcel%value)
+    call drop_bodies(scene)
+    if (allocated(scene%drives)) deallocate (scene%drives)
+    if (allocated(scene%pressures)) deallocate (scene%pressures)
+    if (allocated(scene%start_contacts)) deallocate (scene%start_contacts)
+    if (allocated(scene%names)) deallocate (scene%names)
+    call make_bodies_like(no_bodies_like(scene%bodies), size(start), scene%bodies)
+    scene%bodies%n_home = n_home
+    call unpack_bodies(parcel, start, scene%bodies, scene%contactors)
+    call locate_links(scene%links, scene%contactors)
+    if (allocated(parcel%value)) deallocate (parcel%value)
   end subroutine rebuild_scene
 
   !> Give back what a step recomputes and no record holds: a scene that is only packed needs none of it.
@@ -140,41 +131,6 @@ contains
     scene%bodies = no_bodies_like(scene%bodies)
     scene%contactors = no_contactors
   end subroutine drop_bodies
-
-  !> All of a scene that does not depend on its bodies.
-  subroutine copy_frame(template, local)
-    type(scene_t), intent(in) :: template
-    type(scene_t), intent(inout) :: local
-    integer :: i
-
-    local%dimension = template%dimension
-    local%gravity = template%gravity
-    local%period = template%period
-    local%period_y = template%period_y
-    local%shrink = template%shrink
-    local%links = template%links
-    local%start_time = template%start_time
-    local%start_step = template%start_step
-    if (allocated(template%materials)) then
-      allocate (local%materials(size(template%materials)))
-      do i = 1, size(template%materials)
-        local%materials(i) = template%materials(i)
-      end do
-    end if
-    if (allocated(template%laws)) then
-      allocate (local%laws(size(template%laws)))
-      do i = 1, size(template%laws)
-        local%laws(i) = template%laws(i)
-      end do
-    end if
-    if (allocated(template%colours)) then
-      allocate (local%colours(size(template%colours)))
-      do i = 1, size(template%colours)
-        local%colours(i)%s = template%colours(i)%s
-      end do
-    end if
-    if (allocated(template%sees)) allocate (local%sees(size(template%sees)), source=template%sees)
-  end subroutine copy_frame
 
   !> Read bodies in the order of `start`, then their contactors by ascending number.
   subroutine unpack_bodies(parcel, start, bodies, contactors)

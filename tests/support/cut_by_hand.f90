@@ -8,7 +8,7 @@ module cut_by_hand
   use sg_homes, only: owner_of
   use sg_kinds, only: i4
   use sg_local_numbers, only: contactors_of_bodies
-  use sg_pack_bodies, only: build_scene, order_records, pack_body
+  use sg_pack_bodies, only: order_records, pack_body, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
   use sg_subdomain, only: subdomain_t
@@ -44,7 +44,8 @@ contains
       if (is_held(i, rank)) call pack_body(whole, i, first, list, int(home(i)), sync_on_owner, parcel)
     end do
     call order_records(parcel, rank, size_of_all, start, n_home)
-    call build_scene(whole, parcel, start, n_home, local)
+    local = whole
+    call rebuild_scene(local, parcel, start, n_home)
     associate (ids => local%bodies%id)
       local%bodies%force = whole%bodies%force(:, ids)
       local%bodies%free_velocity = whole%bodies%free_velocity(:, ids)

@@ -9,7 +9,7 @@ module rank_parts
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_iqs_g0
   use sg_local_numbers, only: contactors_of_bodies, local_body, local_contactor
-  use sg_pack_bodies, only: build_scene, order_records, pack_body
+  use sg_pack_bodies, only: order_records, pack_body, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
@@ -209,7 +209,8 @@ contains
       if (is_held(b)) call pack_body(whole, b, first, list, int(home(b)), sync_on_owner, parcel)
     end do
     call order_records(parcel, rank, ranks, start, n_home)
-    call build_scene(whole, parcel, start, n_home, scene)
+    scene = whole
+    call rebuild_scene(scene, parcel, start, n_home)
     allocate (scene%drives(0), scene%pressures(0))
     scene%bodies%middle(:whole%dimension, :) = scene%bodies%position
     call take_contacts(all_contacts, home, rank, scene, contacts)

@@ -69,7 +69,6 @@ contains
     do b = 1, scene%bodies%n
       call pack_body(scene, b, first, list, int(scene%bodies%home(b)), sync_on_owner, bodies)
     end do
-    if (.not. allocated(bodies%value)) allocate (bodies%value(0))
     call order_records(bodies, comm%rank, comm%size, start, n_home)
     call rebuild_scene(scene, bodies, start, n_home)
     call localise(whole, scene)

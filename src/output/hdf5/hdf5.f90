@@ -53,7 +53,7 @@ module sg_hdf5
     procedure, private :: put_reals, put_real_records, put_integers, put_integer_records, put_text
     procedure :: total => file_total
     procedure :: get_rows => file_get_rows
-    procedure, private :: get_reals, get_real_records, get_integers, get_integer_records, get_longs, get_text
+    procedure, private :: get_reals, get_real_records, get_integers, get_longs, get_text
     procedure, private :: set_long, set_longs, set_text
     procedure, private :: look_long, look_text
     !> Add rows to a growing dataset
@@ -61,7 +61,7 @@ module sg_hdf5
     !> Make a dataset of fixed size and fill it
     generic :: put => put_reals, put_real_records, put_integers, put_integer_records, put_text
     !> Read a whole dataset
-    generic :: get => get_reals, get_real_records, get_integers, get_integer_records, get_longs, get_text
+    generic :: get => get_reals, get_real_records, get_integers, get_longs, get_text
     !> Set an attribute, in place when it exists
     generic :: set => set_long, set_longs, set_text
     !> Read an attribute
@@ -292,13 +292,6 @@ module sg_hdf5
       character(len=*), intent(in) :: path !! path within the file
       integer(i4), allocatable, intent(out), target :: values(:) !! numbers read
     end subroutine get_integers
-
-    !> Read records of integers.
-    module subroutine get_integer_records(self, path, values)
-      class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: path !! path within the file
-      integer(i4), allocatable, intent(out), target :: values(:, :) !! records read
-    end subroutine get_integer_records
 
     !> Read a list of long integers; records of one component count as a list.
     module subroutine get_longs(self, path, values)

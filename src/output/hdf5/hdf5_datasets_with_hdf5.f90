@@ -480,15 +480,6 @@ contains
   call read_block(self, path, dataset, h5t_native_integer, size(values), address_of_integers(values, size(values)))
   end procedure get_integers
 
-  module procedure get_integer_records
-  integer(hid_t) :: dataset
-  integer(hsize_t) :: shape(2)
-
-  call prepare_read(self, path, .false., dataset, shape)
-  allocate (values(shape(1), shape(2)))
-  call read_block(self, path, dataset, h5t_native_integer, size(values), address_of_integers(values, size(values)))
-  end procedure get_integer_records
-
   module procedure get_longs
   integer(hid_t) :: dataset
   integer(hsize_t) :: shape(2)

@@ -121,10 +121,6 @@ contains
   allocate (values(0))
   end procedure get_integers
 
-  module procedure get_integer_records
-  allocate (values(0, 0))
-  end procedure get_integer_records
-
   module procedure get_longs
   allocate (values(0))
   end procedure get_longs

@@ -14,7 +14,7 @@ program test_pack_bodies
   use sg_kinds, only: wp, i4, pi
   use sg_local_numbers, only: contactors_of_bodies, local_body, local_contactor
   use sg_neighbours, only: neighbours_t
-  use sg_pack_bodies, only: build_scene, order_records, pack_body
+  use sg_pack_bodies, only: order_records, pack_body, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_polyhedron, only: polyhedron_t
   use sg_random, only: random_t
@@ -262,7 +262,8 @@ contains
     end do
     call order_records(parcel, 0, 1, start, n_home)
     call t%equal(n_home, n_bodies, name//', whole: all are at home')
-    call build_scene(scene, parcel, start, n_home, local)
+    local = scene
+    call rebuild_scene(local, parcel, start, n_home)
     call keep_whole(scene, whole)
     call localise(whole, local)
     call t%check(same_bodies(local%bodies, scene%bodies), name//', whole: bodies')
@@ -363,7 +364,8 @@ contains
       end do
       call order_records(parcel, rank, 3, start, n_home)
       call t%equal(size(start), n, name//', parts: bodies')
-      call build_scene(scene, parcel, start, n_home, local)
+      local = scene
+      call rebuild_scene(local, parcel, start, n_home)
       call localise(whole, local)
       total = total + n_home
       call check_numbers(scene, local, rank, name)
@@ -375,7 +377,8 @@ contains
         call pack_body(local, b, first, list, int(local%bodies%home(b)), sync_on_owner, next)
       end do
       call order_records(next, rank, 3, start, n_home)
-      call build_scene(local, next, start, n_home, again)
+      again = local
+      call rebuild_scene(again, next, start, n_home)
       call t%check(same_bodies(again%bodies, local%bodies) .and. same_contactors(again%contactors, local%contactors), &
                    name//', parts: the same from a part')
     end do
@@ -472,14 +475,16 @@ contains
     integer :: n_home
 
     call order_records(parcel, 1, 2, start, n_home)
-    call build_scene(scene, parcel, start, n_home, empty)
+    empty = scene
+    call rebuild_scene(empty, parcel, start, n_home)
     call keep_whole(scene, whole)
     call localise(whole, empty)
     call t%equal(empty%bodies%n + empty%contactors%n + empty%bodies%n_home + size(empty%drives), 0, name//', empty: nothing')
     call contactors_of_bodies(scene%contactors, n_bodies, first, list)
     call pack_body(scene, 9, first, list, 1, sync_on_owner, parcel)
     call order_records(parcel, 1, 2, start, n_home)
-    call build_scene(empty, parcel, start, n_home, local)
+    local = empty
+    call rebuild_scene(local, parcel, start, n_home)
     call t%check(local%bodies%n == 1 .and. n_home == 1 .and. same(local%bodies%velocity(:, 1), scene%bodies%velocity(:, 9)), &
                  name//', empty: one body comes')
     call t%check(allocated(local%bodies%angle) .eqv. allocated(scene%bodies%angle), name//', empty: angles')
