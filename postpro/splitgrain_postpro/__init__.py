@@ -2,7 +2,7 @@
 
     from splitgrain_postpro import Results
     results = Results("collapsing_column.results")
-    results.record["kinetic_energy"]    # one value a row of record.csv
+    results.record["kinetic_energy"]    # one value per row of record.csv
     results.contacts.step(-1).cell_data["force_normal"]
 """
 

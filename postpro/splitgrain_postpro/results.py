@@ -25,7 +25,7 @@ class Scene:
 class Results:
     """The results of one run, finished or not."""
 
-    def __init__(self, folder):
+    def __init__(self, folder: str | Path):
         self.folder = Path(folder)
         if not self.folder.is_dir():
             raise ResultsError(f"there is no folder {self.folder}")
@@ -34,12 +34,12 @@ class Results:
             raise ResultsError(f"{self.folder} holds no results: none of {', '.join(known)}")
 
     @property
-    def name(self):
+    def name(self) -> str:
         """Name of the folder, for titles."""
         return self.folder.resolve().name
 
     @cached_property
-    def run(self):
+    def run(self) -> dict[str, object]:
         """run.json; empty when the run has not written it yet."""
         path = self.folder / "run.json"
         if not path.exists():
@@ -53,48 +53,48 @@ class Results:
         return content
 
     @cached_property
-    def record(self):
-        """record.csv as one array a column; empty arrays when there is no row yet, empty when there is no file."""
+    def record(self) -> dict[str, np.ndarray]:
+        """record.csv as one array per column; empty arrays when there is no row yet, empty when there is no file."""
         path = self.folder / "record.csv"
         if not path.exists():
             return {}
         return read_record(path)
 
     @cached_property
-    def trace(self):
-        """trace.csv and trace_steps.csv, each as one array a column; empty when the run kept no traces."""
+    def trace(self) -> list[dict[str, np.ndarray]]:
+        """trace.csv and trace_steps.csv, each as one array per column; empty when the run kept no traces."""
         paths = [self.folder / name for name in ("trace.csv", "trace_steps.csv")]
         return [read_record(path) if path.exists() else {} for path in paths]
 
     @cached_property
-    def bodies(self):
+    def bodies(self) -> Pictures | None:
         """Pictures of the bodies, or None."""
         return self._pictures("bodies.vtkhdf")
 
     @cached_property
-    def shapes(self):
+    def shapes(self) -> Pictures | None:
         """Pictures of the shapes, or None."""
         return self._pictures("shapes.vtkhdf")
 
     @cached_property
-    def contacts(self):
+    def contacts(self) -> Pictures | None:
         """Pictures of the contacts, or None."""
         return self._pictures("contacts.vtkhdf")
 
     @cached_property
-    def picture_times(self):
+    def picture_times(self) -> np.ndarray:
         """Times of the pictures that all files have [s]."""
         files = [pictures for pictures in (self.bodies, self.shapes, self.contacts) if pictures is not None]
         # A run that goes on, or was killed, may have one picture more in one file than in the next.
         return min((pictures.times for pictures in files), key=len, default=np.empty(0))
 
     @cached_property
-    def is_in_space(self):
+    def is_in_space(self) -> bool:
         """Is this a run in three dimensions? Read from run.json, or from what only such a run records."""
         return self.run["dimension"] == 3 if "dimension" in self.run else "stress_zz" in self.record
 
     @property
-    def periods(self):
+    def periods(self) -> tuple[float, float]:
         """Lengths of the periods in x and y [m]; zero where the scene is not periodic."""
         return self._period("period"), self._period("period_y")
 
@@ -105,7 +105,7 @@ class Results:
                 return float(periods[0])
         return float(self.run.get(name, 0))
 
-    def scene(self, index=-1):
+    def scene(self, index: int = -1) -> Scene:
         """One picture, counted from 0, or from the end when negative."""
         n = len(self.picture_times)
         if not -n <= index < n:
@@ -115,7 +115,7 @@ class Results:
                  for pictures in (self.bodies, self.shapes, self.contacts)]
         return Scene(float(self.picture_times[index]), *grids)
 
-    def picture_of_step(self, step):
+    def picture_of_step(self, step: int) -> int:
         """Number of the last picture at or before a time step."""
         for pictures in (self.bodies, self.shapes, self.contacts):
             steps = pictures.field("step") if pictures is not None else None
@@ -124,7 +124,7 @@ class Results:
                 if not len(earlier):
                     raise ResultsError(f"{self.folder} has no picture at or before step {step}")
                 return int(earlier[-1])
-        raise ResultsError(f"{self.folder} has no picture that tells its step")
+        raise ResultsError(f"{self.folder} has no picture with the number of its step")
 
     def _pictures(self, name):
         path = self.folder / name
@@ -132,8 +132,8 @@ class Results:
         return pictures if pictures else None
 
 
-def read_record(path):
-    """A record as one array a column; a last row that is cut short (the run goes on) is left out."""
+def read_record(path: Path) -> dict[str, np.ndarray]:
+    """A record as one array per column; a last row that is cut short (the run goes on) is left out."""
     try:
         with open(path, newline="") as file:
             rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]

@@ -28,11 +28,11 @@ class Centres:
     diameter: float
 
     @property
-    def dimension(self):
+    def dimension(self) -> int:
         return self.points.shape[1]
 
     @property
-    def length(self):
+    def length(self) -> np.ndarray:
         return self.high - self.low
 
 
@@ -49,7 +49,7 @@ def centres_of(bodies, periods, diameter, is_in_space):
     return Centres(points, np.where(is_periodic, 0.0, low), np.where(is_periodic, period, high), is_periodic, diameter)
 
 
-def radial_distribution(centres):
+def radial_distribution(centres: Centres) -> tuple[np.ndarray, np.ndarray]:
     """Distances [m] and g there, over the grains whose surroundings lie in the box whole; empty when there is none."""
     d, length = centres.dimension, centres.length
     reach = min(DIAMETERS * centres.diameter, np.min(length * np.where(centres.is_periodic, OF_PERIOD, OF_WIDTH)))
@@ -91,7 +91,9 @@ def _near_pairs(centres, references, reach):
             yield first[is_pair], second[is_pair]
 
 
-def structure_factor(centres, waves_a_bin=64, seed=1):
+def structure_factor(
+    centres: Centres, waves_a_bin: int = 64, seed: int = 1
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mean k [1/m], mean S and number of waves of each bin: at most so many waves, taken at random."""
     d, length = centres.dimension, centres.length
     if not len(centres.points) or not (length > 0).all():

@@ -1,4 +1,4 @@
-"""Read the pictures of a run: VTKHDF files that hold one temporal unstructured grid, one part a step.
+"""Read the pictures of a run: VTKHDF files that hold one temporal unstructured grid, one part per step.
 
 A file may be read while the run goes on, or after it was killed: steps that are announced but not there are
 left out.
@@ -29,17 +29,17 @@ class Grid:
     field_data: dict
     kind_names: tuple = ()
 
-    def cells(self, cell_type):
+    def cells(self, cell_type: int) -> np.ndarray:
         """Numbers of the cells of one type."""
         return np.flatnonzero(self.types == cell_type)
 
-    def kinds(self):
+    def kinds(self) -> np.ndarray:
         """Kind of shape of every cell, by its word in decks."""
         if not self.kind_names:
             raise ResultsError("the pictures of the shapes do not name their kinds: an older version made them")
         return np.array(self.kind_names)[np.asarray(self.cell_data["kind"], dtype=int) - 1]
 
-    def outlines(self, cells):
+    def outlines(self, cells: np.ndarray) -> list[np.ndarray]:
         """Corners (x, y) of these cells, one array a cell."""
         corners = self.points[self.connectivity, :2]
         return [corners[self.offsets[c] : self.offsets[c + 1]] for c in cells]
@@ -48,23 +48,23 @@ class Grid:
 class Pictures:
     """The steps of one VTKHDF file."""
 
-    def __init__(self, path):
+    def __init__(self, path: Path):
         self.path = Path(path)
         with self._root() as root:
             steps = root["Steps"]
             self.times = np.asarray(steps["Values"][: int(steps.attrs["NSteps"])], dtype=float)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.times)
 
-    def step(self, index):
+    def step(self, index: int) -> Grid:
         """The grid of a step, counted from 0, or from the end when negative."""
         if not -len(self) <= index < len(self):
             raise ResultsError(f"{self.path} has {len(self)} pictures; there is no number {index}")
         with self._root() as root:
             return _grid(root, index % len(self), float(self.times[index]))
 
-    def field(self, name):
+    def field(self, name: str) -> np.ndarray | None:
         """The first value of a field of every step, or None when the file has no such field."""
         with self._root() as root:
             if name not in root.get("FieldData", {}):
