@@ -124,9 +124,12 @@ contains
     type(states_t), intent(inout) :: states
     type(progress_t), intent(in) :: progress
 
-    if (method%e1 <= turns%shares%behind*progress%best .or. states%path%has_begun .and. m == interior) then
-      scaled%r = method%r
-      return
+    ! Where no e1 is finite none is behind, also one without impulses.
+    if (allocated(method%r)) then
+      if (method%e1 <= turns%shares%behind*progress%best .or. states%path%has_begun .and. m == interior) then
+        scaled%r = method%r
+        return
+      end if
     end if
     call take_best(scaled, scale, progress)
     method%e1 = progress%best
