@@ -6,6 +6,7 @@
 module sg_pack_bodies
   use sg_bodies, only: bodies_t, make_bodies_like, no_bodies_like
   use sg_contactors, only: contactors_t, n_kinds
+  use sg_field_visitor, only: sync_always, sync_never
   use sg_homes, only: counts_on
   use sg_kinds, only: wp, i4, i8
   use sg_links, only: locate_links
@@ -142,18 +143,19 @@ contains
     integer(i4), allocatable :: body(:), order(:)
     integer(i8), allocatable :: number(:)
     integer(i4) :: n_contactors, kind, vertices, one
-    integer :: b, c, k, n, n_rows(n_kinds), n_vertices
+    integer :: b, c, k, n, n_rows(n_kinds), n_vertices, width(sync_never:sync_always)
 
     n = 0
     do b = 1, size(start)
       n = n + nint(parcel%value(start(b) + place_contactors - 1))
     end do
     allocate (before(n), body(n), number(n))
+    width = [(bodies%width(k), k=sync_never, sync_always)]
     n_rows = 0
     n_vertices = 0
     c = 0
     do b = 1, size(start)
-      call unpack_body(parcel, start(b), bodies, b, n_contactors)
+      call unpack_body(parcel, start(b), width, bodies, b, n_contactors)
       do k = 1, n_contactors
         c = c + 1
         before(c) = parcel%at
@@ -174,22 +176,22 @@ contains
   end subroutine unpack_bodies
 
   !> Read what a record says of its body; the parcel is left before its contactors.
-  subroutine unpack_body(parcel, start, bodies, b, n_contactors)
+  subroutine unpack_body(parcel, start, width, bodies, b, n_contactors)
     type(parcel_t), intent(inout) :: parcel
-    integer, intent(in) :: start
+    integer, intent(in) :: start, width(sync_never:) !! values of the fields, by the lowest rule
     type(bodies_t), intent(inout) :: bodies
     integer, intent(in) :: b
     integer(i4), intent(out) :: n_contactors
     integer(i4) :: least
-    integer :: width
 
     parcel%at = start + place_number - 2
     call parcel%take(bodies%id(b))
     call parcel%take(bodies%home(b))
     call parcel%take(n_contactors)
     call parcel%take(least)
-    width = bodies%width(least)
-    call bodies%unpack([int(b, i4)], reshape(parcel%value(parcel%at + 1:parcel%at + width), [width, 1]), least)
-    parcel%at = parcel%at + width
+    associate (n => width(least))
+      call bodies%unpack([int(b, i4)], reshape(parcel%value(parcel%at + 1:parcel%at + n), [n, 1]), least)
+      parcel%at = parcel%at + n
+    end associate
   end subroutine unpack_body
 end module sg_pack_bodies
