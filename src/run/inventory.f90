@@ -1,4 +1,4 @@
-!> Which tables a simulation holds between two steps: all of its parts, told one by one.
+!> Tables that a simulation holds between two steps, part by part.
 !!
 !! What grows neither with the bodies nor with the contacts is left out, and so is what a step makes and gives back. That nothing
 !! else is left out shows where the sum is compared with the memory that the program has in use (tests/cli/test_needs.py).

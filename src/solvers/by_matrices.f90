@@ -38,9 +38,9 @@ module sg_by_matrices
   type, extends(solver_t) :: solve_by_matrices_t
     !> Options of the deck
     type(solver_options_t) :: options
-    !> Who solves the matrices
+    !> Solver of the matrices
     class(matrix_solver_t), allocatable :: solver
-    !> Who solves what has none
+    !> Solver of problems without matrices
     type(nlgs_t) :: sweeps
   contains
     procedure :: solve_coupled => solve_by_matrices

@@ -1,4 +1,4 @@
-!> From the name of a solver of contact problems given by matrices to the solver: the one place that knows them all.
+!> From the name of a solver of contact problems given by matrices to the solver: the one list of them all.
 !!
 !! A new solver is a name in `matrix_solver_names` and a case of `choose_matrix_solver`.
 module sg_choose_matrix_solver
@@ -47,7 +47,7 @@ contains
     if (allocated(solver)) solver%options = options
   end subroutine choose_matrix_solver
 
-  !> Say which solvers there are.
+  !> Refuse an unknown name with the list of solvers.
   subroutine refuse(name, error)
     character(len=*), intent(in) :: name
     type(error_t), allocatable, intent(out) :: error

@@ -1,4 +1,4 @@
-!> From the options of a deck to the solver of a run: the one place that knows all methods and what each needs.
+!> From the options of a deck to the solver of a run: the one list of all methods and what each needs.
 !!
 !! Sweeps over compact records run on any number of ranks, coupled by the method that `partition.gluing` names; solvers of matrices
 !! run on one rank, some of them with a sparse library (sg_choose_matrix_solver).
@@ -28,7 +28,7 @@ contains
 
   !> Make the solver of one rank.
   subroutine choose_for_one(options, solver)
-    type(solver_options_t), intent(in) :: options !! of the deck, whose reader has refused methods that cannot be had
+    type(solver_options_t), intent(in) :: options !! of the deck; its reader has refused methods that cannot be had
     class(solver_t), allocatable, intent(out) :: solver !! the solver
     type(error_t), allocatable :: error
 

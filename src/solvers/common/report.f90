@@ -1,4 +1,4 @@
-!> What a solver says of one contact problem: effort, and errors of the whole problem.
+!> Report of a solver on one contact problem: effort, and errors of the whole problem.
 module sg_report
   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
   use sg_kinds, only: wp, i8

@@ -18,7 +18,7 @@ module sg_coupled_solver
     type(partition_options_t) :: partition
     !> Components of a velocity
     integer :: width = 0
-    !> Slots of bodies whose masses are divided among copies, and their inverse masses when whole
+    !> Slots of bodies with masses divided among copies, and their inverse masses when whole
     integer, allocatable, private :: divided(:)
     real(wp), allocatable, private :: whole(:, :)
   contains

@@ -82,7 +82,7 @@ contains
     end do
   end subroutine list_loans
 
-  !> Colour the edges of all ranks; each rank knows the whole list of edges, but of no grain.
+  !> Colour the edges of all ranks; each rank holds the whole list of edges, but no list of grains.
   subroutine colour_all(self, coupling, comm)
     class(edges_t), intent(inout) :: self
     type(subdomain_t), intent(in) :: coupling
@@ -168,7 +168,7 @@ contains
     deallocate (self%lend, self%give_back)
   end subroutine release_all
 
-  !> Lend velocities to those who borrow them, or give back what was borrowed: on all edges or those of one colour.
+  !> Lend velocities to the ranks that borrow them, or give back borrowed ones: on all edges or those of one colour.
   subroutine edges_carry(self, c, is_return, problem, comm)
     class(edges_t), intent(inout) :: self
     integer, intent(in) :: c !! colour; `all_edges` for all

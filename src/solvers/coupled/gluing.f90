@@ -19,7 +19,7 @@ module sg_gluing
 
   !> Shared bodies of one solve and the messages about them
   type :: gluing_t
-    !> Who shares what
+    !> Shared bodies and their multiplicity
     type(shared_bodies_t) :: shared
     !> Take the mean of copies, or add up their changes?
     logical :: is_mean = .true.
@@ -66,7 +66,7 @@ contains
   !> Send the velocities of shared copies to the neighbours.
   subroutine gluing_begin(self, problem, comm)
     class(gluing_t), intent(inout) :: self
-    type(problem_t), intent(in) :: problem !! problem whose shared bodies have been swept
+    type(problem_t), intent(in) :: problem !! problem after sweeps over its shared bodies
     type(comm_t), intent(inout) :: comm !! the ranks
 
     call fill_messages(self, problem)
@@ -173,7 +173,7 @@ contains
     end do
   end subroutine add_own
 
-  !> List the tables of the gluing, and who shares what.
+  !> List the tables of the gluing and of shared bodies.
   subroutine gluing_list_tables(self, tables)
     class(gluing_t), intent(in) :: self
     type(tables_t), intent(inout) :: tables !! list to add to

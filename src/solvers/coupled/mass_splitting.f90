@@ -92,7 +92,7 @@ contains
     call self%sets%sweep(shared_set, problem, self%relaxation*merge(self%damping, 1.0_wp, self%may_diverge), report)
   end subroutine splitting_begin_round
 
-  !> Sweep the others, go on with all as often as the deck says, and glue.
+  !> Sweep the others, repeat as often as the options ask, and glue.
   subroutine splitting_finish_round(self, problem, is_cut, comm, report)
     class(mass_splitting_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! this rank's part

@@ -1,9 +1,9 @@
 !> The primal method: grains are distributed; contacts between the grains of two ranks are the (n+1)-th subdomain
 !! (doc/theory/decomposition.md).
 !!
-!! Step 1 sweeps the contacts within each part, all parts at once and each as often as the deck says; step 2 sweeps the
-!! contacts between parts, edge by edge in the order of their colours. Both are plain Gauss-Seidel with whole masses, only
-!! the order is another one. Walls that impulses can move are held by all ranks, their mass divided among them.
+!! Step 1 sweeps the contacts within each subdomain, all subdomains at once and each as often as the options ask; step 2
+!! sweeps the contacts between subdomains, edge by edge in the order of their colours. Both are plain Gauss-Seidel with whole
+!! masses, in another order. Replicated bodies that impulses can move have their mass divided among all ranks.
 module sg_primal
   use sg_comm, only: comm_t
   use sg_compact, only: add_impulses
@@ -36,7 +36,7 @@ module sg_primal
 
 contains
 
-  !> Find edges and walls that move, divide the mass of these, and let the guess act.
+  !> Find edges and replicated bodies that move, divide the mass of these, and let the guess act.
   subroutine primal_open(self, problem, coupling, comm)
     class(primal_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! this rank's part
@@ -76,7 +76,7 @@ contains
     end do
   end function sets_of
 
-  !> Sweep where walls move.
+  !> Sweep the contacts of replicated bodies that move.
   subroutine primal_begin_round(self, problem, report)
     class(primal_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! this rank's part
@@ -85,7 +85,7 @@ contains
     call self%sets%sweep(shared_set, problem, self%options%relaxation, report)
   end subroutine primal_begin_round
 
-  !> Sweep within parts, as often as the deck says, then on edges, colour by colour.
+  !> Sweep within subdomains, as often as the options ask, then on edges, colour by colour.
   subroutine primal_finish_round(self, problem, is_cut, comm, report)
     class(primal_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! this rank's part

@@ -30,7 +30,7 @@ module sg_shared_bodies
     integer, allocatable :: first(:)
     !> Replicated bodies that can move
     type(replicated_bodies_t) :: replicated
-    !> Messages at the end: slots whose velocities this rank sends, and those that it receives
+    !> Messages at the end: slots of the velocities that this rank sends, and of those that it receives
     type(exchange_t), private :: last
     integer, allocatable, private :: send_slots(:), receive_slots(:)
     !> Messages about the bodies on which ranks have contacts

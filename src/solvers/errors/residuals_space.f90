@@ -150,8 +150,8 @@ contains
     end do
   end subroutine add_normal_parts
 
-  !> Note what tells whether to visit the contacts of a chunk: how fast each parts, the lowest number where it carries an impulse,
-  !! the highest where it takes no part.
+  !> Note what determines the active set among the contacts of a chunk: how fast each parts, the lowest number where it carries an
+  !! impulse, the highest where it takes no part.
   pure subroutine note_closing(n, u_n, carried, rho, closing)
     integer, intent(in) :: n !! contacts
     real(wp), intent(in) :: u_n(chunk) !! normal velocity [m/s]

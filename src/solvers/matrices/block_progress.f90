@@ -173,7 +173,7 @@ contains
                                       errors%e8))
   end subroutine add_to_trace
 
-  !> Put the best answer into the problem, and say how good it is and what it took.
+  !> Put the best answer into the problem; report its errors and its cost.
   subroutine progress_finish(self, problem, report)
     class(progress_t), intent(inout) :: self
     type(matrix_problem_t), intent(inout) :: problem !! gets the answer

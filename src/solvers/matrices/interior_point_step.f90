@@ -2,8 +2,8 @@
 !!
 !! A contact's impulse is x = (friction r_N, r_T) and its velocity s = ((u_N + shift)/friction, u_T), both of the cone
 !! x_1 >= |x_2..m|, so that Coulomb's law reads x.s = 0. Without friction m is 1, and r_T stays zero. The shift friction |u_T|
-!! is left out at first: the problem is then convex. Later it is friction sqrt(|u_T|^2 + epsilon^2), and the step knows how it
-!! changes; epsilon^2 falls with the complementarity.
+!! is left out at first: the problem is then convex. Later it is friction sqrt(|u_T|^2 + epsilon^2), and the step accounts for its
+!! change; epsilon^2 falls with the complementarity.
 module sg_interior_point_step
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_error, only: error_t
@@ -90,7 +90,7 @@ contains
     call set_impulses(scaled, point)
   end subroutine start_point
 
-  !> Raise the first entries until all vectors are in their cones, and say how complementary they are then.
+  !> Raise the first entries until all vectors are in their cones, and return how complementary they are then.
   pure subroutine move_inside(x, s, work)
     real(wp), intent(inout) :: x(:, :), s(:, :)
     real(wp), intent(out) :: work

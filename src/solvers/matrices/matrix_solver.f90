@@ -11,7 +11,7 @@ module sg_matrix_solver
   type :: matrix_options_t
     !> e1 at which the solver stops
     real(wp) :: tolerance = 1e-8_wp
-    !> Iterations, and CPU seconds, after which it gives up (what an iteration is, the solver says)
+    !> Iterations, and CPU seconds, after which it gives up (each solver defines its iteration)
     integer :: maximum_iterations = 100000
     real(wp) :: maximum_seconds = 60
     !> Must every contact obey its law by itself beside e1 (sg_matrix_errors)? A run has a test of its own

@@ -15,7 +15,7 @@ module sg_contact_sets
   private
   public :: contact_sets_t, shared_set, inner_set
 
-  !> The first two sets of a split: contacts of bodies whose mass may be divided among copies, and those of no shared body
+  !> The first two sets of a split: contacts of bodies with a mass that may be divided among copies, and those of no shared body
   integer, parameter :: shared_set = 1, inner_set = 2
 
   !> Contacts of one rank, set by set
@@ -66,7 +66,7 @@ contains
   !> Split the contacts into several sets, before they are arranged.
   subroutine sets_split(self, problem, set_of, n, are_masses_divided, shared)
     class(contact_sets_t), intent(inout) :: self
-    type(problem_t), intent(inout) :: problem !! problem whose shared bodies may have divided masses
+    type(problem_t), intent(inout) :: problem !! problem; its shared bodies may have divided masses
     integer(i4), intent(in) :: set_of(:) !! set of each contact, from 1
     integer, intent(in) :: n !! number of sets
     logical, intent(in) :: are_masses_divided !! recompute the blocks of the first set
@@ -89,7 +89,7 @@ contains
   !> Copy the active contacts into the orders of their sets.
   subroutine sets_arrange(self, problem)
     class(contact_sets_t), intent(inout) :: self
-    type(problem_t), intent(inout) :: problem !! problem whose present impulses are taken; it comes back as it was
+    type(problem_t), intent(inout) :: problem !! problem with its present impulses; it comes back unchanged
     integer :: s
 
     if (allocated(self%order)) then

@@ -11,7 +11,7 @@ module sg_convergence
   private
   public :: convergence_t, scales_t, looks_at_errors, scales_of
 
-  !> Who is visited is looked up again when the sweeps have doubled, or when a test finds the criterion above this share
+  !> The active set is chosen again when the sweeps have doubled, or when a test finds the criterion above this share
   !! of the last one
   real(wp), parameter :: stalled = 0.95_wp
   !> Share of the scale of a step that a single contact may break its law by where a solve counts as converged
@@ -65,7 +65,7 @@ contains
     looks_at_errors = any(criterion == [criterion_e1, criterion_e2, criterion_e8, criterion_violation, criterion_estimate])
   end function looks_at_errors
 
-  !> Scales of a problem, or of a rank's part of it, whose bodies have the velocities to start from.
+  !> Scales of a problem, or of a rank's part of it, with the velocities to start from.
   pure type(scales_t) function scales_of(problem) result(scales)
     type(problem_t), intent(in) :: problem !! problem
     integer :: last
@@ -93,8 +93,8 @@ contains
     self%is_rounding = .false.
   end subroutine convergence_begin
 
-  !> Judge a test of sweeps: sets the estimate, the criterion, and whether that is reached. Where `must_look` says so, `confirm`
-  !! has the last word.
+  !> Judge a test of sweeps: sets the estimate, the criterion, and whether that is reached. Where `must_look` is true, `confirm`
+  !! decides.
   subroutine convergence_judge(self, options, report, increments)
     class(convergence_t), intent(inout) :: self
     type(solver_options_t), intent(in) :: options !! criterion, tolerance, sweeps between two tests
@@ -113,7 +113,7 @@ contains
     self%last_criterion = report%criterion
   end subroutine convergence_judge
 
-  !> Set the criterion of a report whose errors are measured, and whether it is reached, or nothing but rounding is left.
+  !> Set the criterion of a report with measured errors, and whether it is reached, or nothing but rounding is left.
   pure subroutine convergence_decide(self, options, report, increments)
     class(convergence_t), intent(inout) :: self
     type(solver_options_t), intent(in) :: options !! criterion and tolerance
@@ -187,7 +187,7 @@ contains
     report%criterion = 0
   end subroutine convergence_finish
 
-  !> Value of a stopping criterion, from a report whose errors are measured.
+  !> Value of a stopping criterion, from a report with measured errors.
   pure real(wp) function criterion_value(criterion, report, increments) result(value)
     integer, intent(in) :: criterion !! one of `criterion_*`
     type(report_t), intent(in) :: report !! errors and estimate
@@ -214,7 +214,7 @@ contains
   !! e8 is about what one more sweep would change. Where it falls by the factor s a sweep, all sweeps to come change
   !! e8/(1 - s): on tall packings thousands of times more. The rate is taken over the last half of the sweeps. It is
   !! never taken for faster than one over the number of sweeps, nor than one over `fewest`: the fall after a cold start is
-  !! that of the grains' neighbourhoods, not of the whole, and a few sweeps tell nothing, however often they are tested.
+  !! that of the grains' neighbourhoods, not of the whole, and a few sweeps carry no information, however often they are tested.
   pure real(wp) function estimated_error(past_e8, check_every) result(estimate)
     real(wp), intent(in) :: past_e8(:) !! e8 at each test, the last one now
     integer, intent(in) :: check_every !! sweeps between two tests

@@ -95,7 +95,7 @@ contains
     end do
   end subroutine clusters_leave_out
 
-  !> Let each body know the one that stands for its cluster.
+  !> Link each body to the one that represents its cluster.
   pure subroutine join_bodies(self, problem, is_wanted)
     type(solved_clusters_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
@@ -166,7 +166,7 @@ contains
 
     r = one
     s = other
-    ! Up both ways in turn: who leads to the higher number is led to the lower one.
+    ! Up both ways in turn: a link to the higher number is replaced by one to the lower.
     do while (parent(r) /= parent(s))
       if (parent(r) < parent(s)) then
         next = parent(s)

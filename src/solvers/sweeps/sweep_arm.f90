@@ -156,7 +156,7 @@ contains
     end do
   end subroutine sweep_arm_bonded
 
-  !> The local problem, solved exactly: impulse of one contact whose other impulses are fixed,
+  !> The local problem, solved exactly: impulse of one contact, all other impulses fixed,
   !! 0 <= r_n complementary to u_n >= 0 and Coulomb friction,
   !! for u = W r + q with a symmetric positive definite block W.
   !!

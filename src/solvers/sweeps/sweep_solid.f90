@@ -206,7 +206,7 @@ contains
     body(solid_spin_z) = body(solid_spin_z) + body(solid_inverse_xz)*a + body(solid_inverse_yz)*b + body(solid_inverse_zz)*c
   end subroutine push
 
-  !> The local problem, solved to rounding: impulse of one contact whose other impulses are fixed (doc/theory/laws.md).
+  !> The local problem, solved to rounding: impulse of one contact, all other impulses fixed (doc/theory/laws.md).
   !!
   !! With W = S + w w^T/W_nn on the tangents and S diagonal there, sticking is r_i = -s_i/S_i with s = q_t - w q_n/W_nn.
   !! Sliding with velocity alpha r_t against itself is r_i = -s_i/(S_i + alpha), and alpha >= 0 is where |r_t| meets

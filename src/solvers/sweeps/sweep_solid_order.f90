@@ -25,9 +25,9 @@ module sg_sweep_solid_order
   !> The same: bias on n, 1/W_nn, W_n1/W_nn, W_n2/W_nn, S_1, S_2, friction or -1 for a linear law. Lanes to spare have no direction
   !! and S = 1
   integer, parameter :: row_bias = 16, row_inverse_wnn = 17, row_g1 = 18, row_g2 = 19, row_s1 = 20, row_s2 = 21, row_friction = 22
-  !> Places of a contact whose law is out of the ordinary: bias on t and n x t, compliance
+  !> Places of a contact with an uncommon law: bias on t and n x t, compliance
   integer, parameter :: special_bias_1 = 1, special_bias_2 = 2, special_compliance_n = 3, special_compliance_t = 4
-  !> Reals of a contact in a row, and of one whose law is out of the ordinary
+  !> Reals of a contact in a row, and of one with an uncommon law
   integer, parameter :: row_length = row_friction, special_length = special_compliance_t
   !> Contacts of a chain and chains of a block, at most
   integer, parameter :: most_points = 4, block_chains = 256
@@ -141,7 +141,7 @@ contains
     end do
   end subroutine deal_block
 
-  !> Write the rows of a group, whose longest chain is the first.
+  !> Write the rows of a group; its longest chain is the first.
   pure subroutine write_rows(chosen, head, chain, contact, done, rows)
     integer(i4), intent(in), contiguous :: chosen(:)
     integer, intent(in) :: head(:), chain(:)

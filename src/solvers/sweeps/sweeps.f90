@@ -39,7 +39,7 @@ contains
   end subroutine sweep
 
   !> The same, colour by colour: threads share the blocks of a colour, which touch no body in common, and wait for each other
-  !! before the next one. Who sweeps a block makes no difference to what comes out.
+  !! before the next one. The result does not depend on which thread sweeps a block.
   subroutine sweep_colours(kind, order, n_bodies, relaxation, body)
     integer, intent(in) :: kind, n_bodies
     type(sweep_order_t), intent(inout) :: order
