@@ -10,7 +10,7 @@ module sg_rotations
   use sg_vectors, only: cross
   implicit none
   private
-  public :: no_rotation, quaternion_product, normalised, rotation_by, turned, frame_of, quaternion_of, nearest_rotation
+  public :: no_rotation, quaternion_product, normalised, rotation_by, frame_of, quaternion_of, nearest_rotation
   public :: turned_on, turned_by, turned_back
 
   !> The orientation of a body whose axes are the world's
@@ -57,15 +57,6 @@ contains
     end if
     q = [cos(angle/2), share*vector]
   end function rotation_by
-
-  !> An orientation turned in the world by a vector, of length one again.
-  pure function turned(q, vector) result(next)
-    real(wp), intent(in) :: q(4) !! orientation
-    real(wp), intent(in) :: vector(3) !! axis in the world times angle [rad]: angular velocity times time
-    real(wp) :: next(4)
-
-    next = normalised(quaternion_product(rotation_by(vector), q))
-  end function turned
 
   !> An orientation turned by a vector of the body's own frame, of length one again.
   pure function turned_on(q, vector) result(next)

@@ -87,7 +87,7 @@ contains
     type(scene_t), intent(in) :: scene !! what exists, or the part of this rank
     type(run_options_t), intent(in) :: options !! what is done with it
     character(len=*), intent(in) :: deck !! path of the deck
-    type(comm_t), intent(inout), optional :: comm !! the ranks, all of which call this
+    type(comm_t), intent(inout) :: comm !! the ranks, all of which call this
 
     self%status = run_failed
     self%reason = 'the run did not come to its end'
@@ -104,8 +104,8 @@ contains
     self%steps_asked = options%steps
     self%time = scene%start_time
     self%bodies = scene%bodies%n_home
-    if (present(comm)) self%ranks = comm%size
-    if (present(comm) .and. allocated(scene%bodies%id)) then
+    self%ranks = comm%size
+    if (allocated(scene%bodies%id)) then
       call comm%sum(self%bodies)
       call count_grains(scene%bodies, self%grains, comm)
     else

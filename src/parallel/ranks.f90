@@ -34,7 +34,6 @@ module sg_ranks
   contains
     procedure :: start => ranks_start
     procedure :: finish => ranks_finish
-    procedure :: abort => ranks_abort
     procedure, nopass :: library => ranks_library
     procedure, nopass :: handle => ranks_handle
     procedure, nopass :: no_hints => ranks_no_hints
@@ -58,11 +57,6 @@ module sg_ranks
     module subroutine ranks_finish(self)
       class(ranks_t), intent(inout) :: self
     end subroutine ranks_finish
-    !> End all ranks at once with an exit code; not collective.
-    module subroutine ranks_abort(self, code)
-      class(ranks_t), intent(inout) :: self
-      integer, intent(in) :: code !! exit code
-    end subroutine ranks_abort
     !> Name and version of the library, empty without one.
     module function ranks_library() result(name)
       character(len=:), allocatable :: name

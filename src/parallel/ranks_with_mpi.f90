@@ -1,11 +1,10 @@
 !> Communication by MPI; with `exchange_with_mpi` the only file that names it.
 submodule(sg_ranks) ranks_with_mpi
-  use mpi_f08, only: mpi_abort, mpi_allgatherv, mpi_allreduce, mpi_alltoall, mpi_alltoallv, mpi_bcast, mpi_byte, mpi_comm, &
+  use mpi_f08, only: mpi_allgatherv, mpi_allreduce, mpi_alltoall, mpi_alltoallv, mpi_bcast, mpi_byte, mpi_comm, &
                      mpi_comm_free, mpi_comm_rank, mpi_comm_size, mpi_comm_split_type, mpi_comm_type_shared, mpi_comm_world, &
                      mpi_double_precision, mpi_finalize, mpi_get_library_version, mpi_iallreduce, mpi_info_null, &
                      mpi_init_thread, mpi_initialized, mpi_integer, mpi_integer8, mpi_max, mpi_max_library_version_string, &
                      mpi_min, mpi_op, mpi_request, mpi_status_ignore, mpi_sum, mpi_thread_funneled, mpi_wait
-  use sg_system, only: end_program
   use sg_timers, only: wall_now
   implicit none
 
@@ -44,15 +43,6 @@ contains
   if (started) call mpi_finalize()
   self%size = 1
   end procedure ranks_finish
-
-  module procedure ranks_abort
-  logical :: started
-
-  call mpi_initialized(started)
-  if (started .and. self%size > 1) call mpi_abort(mpi_comm_world, code)
-  call ranks_finish(self)
-  call end_program(code)
-  end procedure ranks_abort
 
   module procedure ranks_library
   character(len=mpi_max_library_version_string) :: version

@@ -1,6 +1,5 @@
 !> Communication of a build without MPI: there is one rank.
 submodule(sg_ranks) ranks_without_mpi
-  use sg_system, only: end_program
   implicit none
 
 contains
@@ -13,11 +12,6 @@ contains
   module procedure ranks_finish
   self%size = 1
   end procedure ranks_finish
-
-  module procedure ranks_abort
-  self%size = 1
-  call end_program(code)
-  end procedure ranks_abort
 
   module procedure ranks_library
   name = ''

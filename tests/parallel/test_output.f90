@@ -65,7 +65,6 @@ contains
     call file%declare('/a/steps', 3, 0, 64, .false.)
     call file%append('/a/steps', [7_i8], is_common=.true.)
     call t%equal(int(file%total(r)), n, 'rows of all ranks')
-    call t%equal(int(file%total(5, is_common=.true.)), 5, 'common rows')
     call file%close()
     call t%check(.not. allocated(file%error), 'ranks write a file together')
     if (allocated(file%error)) then

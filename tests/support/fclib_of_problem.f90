@@ -5,10 +5,10 @@ module fclib_of_problem
   use sg_error, only: error_t
   use sg_fclib_write, only: write_pieces
   use sg_kinds, only: wp
-  use sg_matrix_pieces, only: matrix_pieces_t, matrix_state_t, triplets_of
+  use sg_matrix_pieces, only: matrix_pieces_t, matrix_state_t, triplets_t
   use sg_matrix_problem, only: matrix_problem_t
-  use sg_sparse, only: multiply
-  use sg_sparse_algebra, only: no_columns
+  use sg_sparse, only: multiply, sparse_t
+  use sg_sparse_algebra, only: no_columns, rows_of
   implicit none
   private
   public :: write_fclib
@@ -47,6 +47,16 @@ contains
     if (present(guess)) call find_state(problem, guess, pieces%guess, error)
     if (.not. allocated(error)) call write_pieces(stem, pieces, title, description, alone, error)
   end subroutine write_fclib
+
+  !> Entries of a matrix that one rank holds whole.
+  pure function triplets_of(matrix) result(triplets)
+    type(sparse_t), intent(in) :: matrix !! the matrix
+    type(triplets_t) :: triplets
+
+    triplets%row = rows_of(matrix)
+    triplets%column = matrix%column
+    triplets%value = matrix%value
+  end function triplets_of
 
   !> Velocities of contacts and bodies under given impulses.
   subroutine find_state(problem, r, state, error)

@@ -6,14 +6,15 @@ module polyhedra
   use sg_kinds, only: wp, i4, pi
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_build, only: polyhedron_from_faces
-  use sg_polyhedron_checks, only: check_polyhedron, most_faces
+  use sg_polyhedron_checks, only: check_convex, check_face_count, check_faces, check_vertices, check_volume, length_tolerance, &
+                                  most_faces, pair_edges
   use sg_polyhedron_make, only: hull_polyhedron
   use sg_polyhedron_moments, only: solid_t
   use sg_text, only: to_text
   implicit none
   private
-  public :: check_whole, same_solid, none, expect, expect_part, not_a_number, tetrahedron, tetrahedron_faces, unit_cube
-  public :: unit_cube_vertex, cube_triangles, fine_cube, globe, prism_polyhedron, regular_polyhedron
+  public :: check_polyhedron, check_whole, same_solid, none, expect, expect_part, not_a_number, tetrahedron
+  public :: tetrahedron_faces, unit_cube, unit_cube_vertex, cube_triangles, fine_cube, globe, prism_polyhedron, regular_polyhedron
   public :: rounding, identity
 
   !> Sums of some hundred terms of order one
@@ -21,6 +22,26 @@ module polyhedra
   real(wp), parameter :: identity(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
 
 contains
+
+  !> Check a finished polyhedron: finite, closed, turned outward, flat faces, convex, with a volume, not too many faces.
+  subroutine check_polyhedron(shape, error)
+    type(polyhedron_t), intent(in) :: shape !! polyhedron; only vertices and faces are looked at
+    type(error_t), allocatable, intent(out) :: error !! set when something is wrong
+    integer(i4), allocatable :: mate(:), face_number(:), vertex_number(:)
+    real(wp) :: tolerance
+    integer :: i
+
+    face_number = [(int(i, i4), i=1, shape%n_faces)]
+    vertex_number = [(int(i, i4), i=1, shape%n_vertices)]
+    call check_vertices(shape%vertex, error)
+    if (.not. allocated(error)) call check_faces(shape%n_vertices, shape%face_first, shape%face_vertex, error)
+    if (allocated(error)) return
+    tolerance = length_tolerance(shape%vertex)
+    call pair_edges(shape%face_first, shape%face_vertex, face_number, vertex_number, mate, error)
+    if (.not. allocated(error)) call check_face_count(shape%n_faces, error)
+    if (.not. allocated(error)) call check_volume(shape%vertex, shape%face_first, shape%face_vertex, tolerance, .false., error)
+    if (.not. allocated(error)) call check_convex(shape, face_number, vertex_number, tolerance, error)
+  end subroutine check_polyhedron
 
   !> Counts, checks, edges and normals of a polyhedron.
   subroutine check_whole(t, shape, n_vertices, n_edges, n_faces, what)

@@ -13,7 +13,7 @@ module sg_polyhedron_checks
   use sg_text, only: to_text
   implicit none
   private
-  public :: check_polyhedron, check_vertices, check_faces, check_volume, check_convex, check_face_count
+  public :: check_vertices, check_faces, check_volume, check_convex, check_face_count
   public :: pair_edges, length_tolerance, face_area, most_faces
 
   !> Most faces of a contact shape: detection looks at all faces and edges of two shapes, and hulls are made to keep within
@@ -27,26 +27,6 @@ module sg_polyhedron_checks
   integer, parameter :: vertex_bits = 27
 
 contains
-
-  !> Check a finished polyhedron: finite, closed, turned outward, flat faces, convex, with a volume, not too many faces.
-  subroutine check_polyhedron(shape, error)
-    type(polyhedron_t), intent(in) :: shape !! polyhedron; only vertices and faces are looked at
-    type(error_t), allocatable, intent(out) :: error !! set when something is wrong
-    integer(i4), allocatable :: mate(:), face_number(:), vertex_number(:)
-    real(wp) :: tolerance
-    integer :: i
-
-    face_number = [(int(i, i4), i=1, shape%n_faces)]
-    vertex_number = [(int(i, i4), i=1, shape%n_vertices)]
-    call check_vertices(shape%vertex, error)
-    if (.not. allocated(error)) call check_faces(shape%n_vertices, shape%face_first, shape%face_vertex, error)
-    if (allocated(error)) return
-    tolerance = length_tolerance(shape%vertex)
-    call pair_edges(shape%face_first, shape%face_vertex, face_number, vertex_number, mate, error)
-    if (.not. allocated(error)) call check_face_count(shape%n_faces, error)
-    if (.not. allocated(error)) call check_volume(shape%vertex, shape%face_first, shape%face_vertex, tolerance, .false., error)
-    if (.not. allocated(error)) call check_convex(shape, face_number, vertex_number, tolerance, error)
-  end subroutine check_polyhedron
 
   !> Distance below which two points are one, a point lies in a plane, and a vertex does not stand out of a face [m].
   !!

@@ -17,20 +17,17 @@ contains
     type(random_t), intent(inout) :: random !! stream of numbers
     integer, intent(in) :: distribution !! one of `size_*`
     real(wp), intent(in) :: range(2) !! least and largest radius [m]
-    integer, intent(in), optional :: dimension !! of space, 2 unless given
+    integer, intent(in) :: dimension !! of space
     real(wp) :: radius
-    logical :: is_space
 
     radius = range(1)
     if (.not. range(2) > range(1)) return
-    is_space = .false.
-    if (present(dimension)) is_space = dimension == 3
     select case (distribution)
     case (size_uniform)
       radius = random%uniform(range(1), range(2))
     case (size_volume)
       ! Number density proportional to 1/r**2: every size class covers the same area; in space to 1/r**3: the same volume.
-      if (is_space) then
+      if (dimension == 3) then
         radius = product(range)/sqrt(range(2)**2 - random%uniform()*(range(2)**2 - range(1)**2))
       else
         radius = range(1)*range(2)/(range(2) - random%uniform()*(range(2) - range(1)))

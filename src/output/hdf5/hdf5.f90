@@ -156,10 +156,9 @@ module sg_hdf5
     end subroutine file_declare
 
     !> Rows of all ranks together, from those of each; of a file that is not shared those given.
-    module function file_total(self, rows, is_common) result(total)
+    module function file_total(self, rows) result(total)
       class(hdf5_file_t), intent(inout) :: self
       integer, intent(in) :: rows !! rows of this rank
-      logical, intent(in), optional :: is_common !! are they the same rows on all ranks?
       integer(i8) :: total
     end function file_total
 

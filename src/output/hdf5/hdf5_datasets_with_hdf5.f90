@@ -73,7 +73,7 @@ contains
   module procedure file_total
   integer(i8) :: first
 
-  call count_rows(self, rows, is_common, first, total)
+  call count_rows(self, rows, .false., first, total)
   end procedure file_total
 
   !> Rows of lower ranks and of all ranks; rows that all have are those of rank 0.

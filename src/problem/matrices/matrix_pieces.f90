@@ -4,11 +4,9 @@
 !! share is all of it.
 module sg_matrix_pieces
   use sg_kinds, only: wp, i4
-  use sg_sparse, only: sparse_t
-  use sg_sparse_algebra, only: rows_of
   implicit none
   private
-  public :: triplets_t, matrix_state_t, matrix_pieces_t, triplets_of
+  public :: triplets_t, matrix_state_t, matrix_pieces_t
 
   !> Entries of a sparse matrix
   type :: triplets_t
@@ -44,16 +42,4 @@ module sg_matrix_pieces
     logical :: has_guess = .false., has_solution = .false.
     type(matrix_state_t) :: guess, solution
   end type matrix_pieces_t
-
-contains
-
-  !> Entries of a matrix that one rank holds whole.
-  pure function triplets_of(matrix) result(triplets)
-    type(sparse_t), intent(in) :: matrix !! the matrix
-    type(triplets_t) :: triplets
-
-    triplets%row = rows_of(matrix)
-    triplets%column = matrix%column
-    triplets%value = matrix%value
-  end function triplets_of
 end module sg_matrix_pieces

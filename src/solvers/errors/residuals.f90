@@ -42,15 +42,14 @@ contains
 
   !> Fill the errors of a report from the impulses and velocities of a problem. Optional lists are allocatable since absent ones of
   !! assumed shape, handed on, have the compiler compute with unset strides.
-  pure subroutine measure_errors(problem, report, with_e1, squares, closing)
+  pure subroutine measure_errors(problem, report, with_e1, closing)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     type(report_t), intent(inout) :: report !! errors and active contacts are set
     logical, intent(in) :: with_e1 !! measure e1 and e2 too, which take a map of their own
-    real(wp), allocatable, intent(inout), optional :: squares(:) !! squares of the map with rho_a for e8, shape (contacts)
     real(wp), allocatable, intent(inout), optional :: closing(:) !! what determines the active set (sg_active_set), shape (contacts)
     real(wp) :: sums(n_error_sums)
 
-    call sum_errors(problem, with_e1, sums, squares, closing)
+    call sum_errors(problem, with_e1, sums, closing=closing)
     call set_errors(sums, problem%n_contacts, problem%free_norm, problem%velocity_scale, with_e1, report)
   end subroutine measure_errors
 

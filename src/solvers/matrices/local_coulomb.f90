@@ -8,23 +8,9 @@ module sg_local_coulomb
   use sg_kinds, only: wp
   implicit none
   private
-  public :: solve_local, solve_local_2, solve_local_3
+  public :: solve_local_2, solve_local_3
 
 contains
-
-  !> The impulse of one contact in two or three dimensions.
-  pure subroutine solve_local(w, q, friction, r)
-    real(wp), intent(in) :: w(:, :) !! block of W [1/kg], shape (d, d), normal first
-    real(wp), intent(in) :: q(:) !! velocity without this contact's impulse [m/s], shape (d)
-    real(wp), intent(in) :: friction !! Coulomb coefficient
-    real(wp), intent(out) :: r(:) !! impulse [N s], shape (d)
-
-    if (size(q) == 2) then
-      call solve_local_2(w, q, friction, r)
-    else
-      call solve_local_3(w, q, friction, r)
-    end if
-  end subroutine solve_local
 
   !> The impulse of one contact in the plane, in closed form.
   pure subroutine solve_local_2(w, q, friction, r)

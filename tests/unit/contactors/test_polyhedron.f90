@@ -2,14 +2,13 @@
 program test_polyhedron
   use, intrinsic :: iso_fortran_env, only: int64
   use harness, only: tests_t
-  use polyhedra, only: check_whole, cube_triangles, expect, fine_cube, globe, none, expect_part, not_a_number, prism_polyhedron, &
-                       rounding, same_solid, tetrahedron, tetrahedron_faces, unit_cube, unit_cube_vertex
+  use polyhedra, only: check_polyhedron, check_whole, cube_triangles, expect, fine_cube, globe, none, expect_part, not_a_number, &
+                       prism_polyhedron, rounding, same_solid, tetrahedron, tetrahedron_faces, unit_cube, unit_cube_vertex
   use sg_convex_hull, only: hull_is_available
   use sg_error, only: error_t
   use sg_kinds, only: wp, i4, pi
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_build, only: polyhedron_from_faces, polyhedron_from_triangles
-  use sg_polyhedron_checks, only: check_polyhedron
   use sg_polyhedron_make, only: box_polyhedron, centre_polyhedron, hull_polyhedron, most_vertices
   use sg_polyhedron_moments, only: box_solid, polyhedron_solid, solid_t
   use sg_random, only: random_t

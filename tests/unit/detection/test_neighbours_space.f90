@@ -16,7 +16,7 @@ program test_neighbours_space
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
-  use sg_rotations, only: frame_of, no_rotation, turned
+  use sg_rotations, only: frame_of, no_rotation, turned_on
   use sg_scene, only: colour_index, scene_t
   use sg_sees, only: see_between
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
@@ -171,7 +171,8 @@ contains
       ! A plane that spans a period stays level: it is endless only so.
       if (b == 1 .and. max(scene%period, scene%period_y) > 0) cycle
       if (scene%bodies%n_velocity == 6) then
-        scene%bodies%middle(4:7, b) = turned(scene%bodies%middle(4:7, b), merge(1e-3_wp, 2e-2_wp, b <= 5)*distance*change(:, 2))
+        scene%bodies%middle(4:7, b) = turned_on(scene%bodies%middle(4:7, b), &
+                                               merge(1e-3_wp, 2e-2_wp, b <= 5)*distance*change(:, 2))
       end if
     end do
     scene%bodies%position = scene%bodies%middle(1:3, :)

@@ -54,7 +54,7 @@ contains
     call random%seed(11)
     do distribution = 1, 4
       do i = 1, n
-        radii(i) = draw_radius(random, distribution, range)
+        radii(i) = draw_radius(random, distribution, range, 2)
       end do
       call t%check(all(radii >= 1 .and. radii <= 3), 'radii within their range')
       mean = sum(radii)/n

@@ -55,7 +55,7 @@ contains
 
     call first%seed(4)
     call second%seed(4)
-    call t%near(draw_radius(first, distribution, [1.0_wp, 2.0_wp], 3), draw_radius(second, distribution, [1.0_wp, 2.0_wp]), &
+    call t%near(draw_radius(first, distribution, [1.0_wp, 2.0_wp], 3), draw_radius(second, distribution, [1.0_wp, 2.0_wp], 2), &
                 0.0_wp, 'the same radius in plane and space')
   end subroutine same_in_both
 

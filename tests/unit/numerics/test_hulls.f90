@@ -1,13 +1,12 @@
 !> Convex hulls, and polyhedra made by them: regular, random, simplified.
 program test_hulls
   use harness, only: tests_t
-  use polyhedra, only: check_whole, expect, fine_cube, identity, none, not_a_number, regular_polyhedron, rounding, &
-                       same_solid, unit_cube
+  use polyhedra, only: check_polyhedron, check_whole, expect, fine_cube, identity, none, not_a_number, regular_polyhedron, &
+                       rounding, same_solid, unit_cube
   use sg_convex_hull, only: convex_hull, hull_is_available
   use sg_error, only: error_t
   use sg_kinds, only: wp, i4
   use sg_polyhedron, only: place_polyhedron, polyhedron_t
-  use sg_polyhedron_checks, only: check_polyhedron
   use sg_polyhedron_make, only: centre_polyhedron, hull_polyhedron, most_vertices, move_polyhedron, random_polyhedron
   use sg_polyhedron_moments, only: moved_solid, polyhedron_solid, principal_inertia, solid_t
   use sg_random, only: random_t

@@ -6,7 +6,7 @@ program test_rotations
   use sg_kinds, only: wp, pi
   use sg_random, only: random_t
   use sg_rotations, only: frame_of, nearest_rotation, no_rotation, normalised, quaternion_of, quaternion_product, rotation_by, &
-                          turned
+                          turned_on
   use sg_symmetric, only: principal_axes
   use sg_vectors, only: determinant
   implicit none
@@ -88,7 +88,7 @@ contains
     step = [2.0_wp, -1.0_wp, 2.0_wp]/3*1.1e-3_wp
     q = no_rotation
     do i = 1, n
-      q = turned(q, step)
+      q = turned_on(q, step)
     end do
     frame = frame_of(q)
     call t%check(maxval(abs(matmul(transpose(frame), frame) - frame_of(no_rotation))) < rounding, &

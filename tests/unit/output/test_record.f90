@@ -2,6 +2,7 @@
 program test_record
   use harness, only: tests_t
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_quiet_nan, ieee_value
+  use sg_comm, only: comm_t
   use sg_error, only: error_t, exit_output
   use sg_json, only: json_t
   use sg_kinds, only: wp, i8, pi
@@ -295,12 +296,13 @@ contains
     type(run_options_t) :: options
     type(measures_t) :: measures
     type(totals_t) :: totals
+    type(comm_t) :: alone
     type(error_t), allocatable :: error
 
     scene%dimension = 3
     call scene%bodies%allocate(2, 3)
     scene%bodies%area = 4*pi/3*[1.0_wp, 27.0_wp]
-    call summary%describe(scene, options, 'deck.toml')
+    call summary%describe(scene, options, 'deck.toml', alone)
     totals%worst_penetration = 0.25_wp
     call summary%conclude(run_done, '', 0.5_wp, totals, measures)
     call write_run_summary(summary, 'space.json', error)
@@ -335,6 +337,7 @@ contains
     type(run_options_t) :: options
     type(totals_t) :: totals
     type(measures_t) :: measures
+    type(comm_t) :: alone
     type(report_t) :: report
 
     call scene%bodies%allocate(1)
@@ -348,7 +351,7 @@ contains
     call totals%tick()
     measures = unmeasured(2, .false.)
     measures%column(3)%value = nan()
-    call summary%describe(scene, options, 'decks/odd "name".toml')
+    call summary%describe(scene, options, 'decks/odd "name".toml', alone)
     call summary%add_file('record', 'record.csv')
     call summary%conclude(run_done, '', 0.5_wp, totals, measures)
   end function concluded

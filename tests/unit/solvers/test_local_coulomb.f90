@@ -4,7 +4,7 @@ program test_local_coulomb
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use harness, only: tests_t
   use sg_kinds, only: pi, wp
-  use sg_local_coulomb, only: solve_local, solve_local_2, solve_local_3
+  use sg_local_coulomb, only: solve_local_2, solve_local_3
   use sg_matrix_errors, only: project_on_cone
   use sg_random, only: random_t
   use sg_vectors, only: determinant
@@ -84,7 +84,8 @@ contains
         q(k) = random%normal()*10**random%uniform(-4.0_wp, 0.0_wp)
       end do
       if (modulo(i, 5) /= 0) q(1) = -abs(q(1))
-      call solve_local(w, q, friction, r)
+      if (d == 2) call solve_local_2(w, q, friction, r)
+      if (d == 3) call solve_local_3(w, q, friction, r)
       if (.not. all(ieee_is_finite(r))) then
         bad = bad + 1
         cycle
