@@ -1,13 +1,13 @@
 !> The table of pairs: which kinds of shape meet, and in which order.
 !!
-!! A pair that touches has a kernel `touch_<candidate>_<antagonist>`, called by `touch_pair` or `touch_space_pair`, and where
-!! `has_overlap` holds an `overlap_<candidate>_<antagonist>`, called by the volume error (tests/unit/detection/test_pair_gap.f90).
+!! A pair that touches has a kernel `touch_<candidate>_<antagonist>`, called by `touch_pair` or `touch_space_pair`, and
+!! where the volume error counts it an `overlap_<candidate>_<antagonist>` (tests/unit/detection/test_pair_gap.f90).
 module sg_shape_pairs
   use sg_shape_kinds, only: kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, kind_point, kind_polygon, &
                             kind_polyhedron, kind_segment, kind_sphere, shape_kinds
   implicit none
   private
-  public :: shape_pair_t, shape_pairs, is_pair, can_touch, datbox_pair_name, is_datbox_pair
+  public :: is_pair, can_touch, datbox_pair_name, is_datbox_pair
 
   !> A candidate and an antagonist, in the order in which contacts have them, as in LMGC90
   type :: shape_pair_t
@@ -15,8 +15,6 @@ module sg_shape_pairs
     integer :: antagonist
     !> Do they touch? Points are the ends of links alone
     logical :: touches = .true.
-    !> Is their overlap part of the volume error?
-    logical :: has_overlap = .true.
   end type shape_pair_t
 
   !> All pairs
@@ -34,10 +32,10 @@ module sg_shape_pairs
     shape_pair_t(kind_sphere, kind_polyhedron), &
     shape_pair_t(kind_cylinder, kind_cylinder), &
     shape_pair_t(kind_cylinder, kind_plane), &
-    shape_pair_t(kind_cylinder, kind_hollow_cylinder, has_overlap=.false.), &
+    shape_pair_t(kind_cylinder, kind_hollow_cylinder), &
     shape_pair_t(kind_polyhedron, kind_polyhedron), &
     shape_pair_t(kind_polyhedron, kind_plane), &
-    shape_pair_t(kind_point, kind_point, touches=.false., has_overlap=.false.)]
+    shape_pair_t(kind_point, kind_point, touches=.false.)]
 
 contains
 

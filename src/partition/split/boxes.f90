@@ -14,7 +14,7 @@ module sg_boxes
   use sg_text, only: to_text
   implicit none
   private
-  public :: split_boxes, choose_boxes, fitting_boxes, extent_of
+  public :: split_boxes, choose_boxes, extent_of
 
   !> Bits of a coordinate and of a grain's number in its place
   integer, parameter :: coordinate_bits = 32, number_bits = 31

@@ -12,7 +12,7 @@ module sg_condense
   use sg_sparse_parts, only: solve_by_parts
   implicit none
   private
-  public :: condense, condense_constrained, eliminate_local, set_local_form, blocks_from_sparse, sparse_from_blocks
+  public :: condense, condense_constrained, eliminate_local, set_local_form, sparse_from_blocks
   public :: velocity_of, multipliers_of
 
   !> Relative difference between W and its transpose that rounding explains

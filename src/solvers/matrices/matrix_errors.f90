@@ -6,7 +6,7 @@ module sg_matrix_errors
   use sg_sparse, only: multiply
   implicit none
   private
-  public :: matrix_errors_t, errors_of, find_worst_contact, project_on_cone, natural_map_squares, most_share
+  public :: matrix_errors_t, errors_of, find_worst_contact, project_on_cone, most_share
 
   !> Share of what acts on a contact that it may leave undone in an answer
   real(wp), parameter :: most_share = 0.1_wp

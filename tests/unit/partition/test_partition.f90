@@ -1,7 +1,7 @@
 !> Splits: loads, the contact graph and boxes by hand, METIS on lattices, the figures of a split, parts kept at home.
 program test_partition
   use harness, only: tests_t
-  use sg_boxes, only: fitting_boxes, split_boxes
+  use sg_boxes, only: choose_boxes, split_boxes
   use sg_clusters, only: keep_at_home
   use sg_comm, only: comm_t
   use sg_contact_graph, only: build_contact_graph, contact_graph_t, contact_weight
@@ -103,15 +103,27 @@ contains
       cube(:, i + 1) = real(ibits(i, [2, 1, 0], 1), wp)
     end do
     call t%check(all(boxes_of(cube, spread(1, 1, 8), [2, 2, 2]) == [(i, i=1, 8)]), 'the corners of a cube, z fastest')
-    call t%check(all(fitting_boxes(6, [3.0_wp, 2.0_wp], [0, 0, 0]) == [3, 2, 1]), 'six boxes in a rectangle of 3 by 2')
-    call t%check(all(fitting_boxes(4, [1.0_wp, 9.0_wp], [0, 0, 0]) == [1, 4, 1]), 'four in a tower')
-    call t%check(all(fitting_boxes(7, [2.0_wp, 1.0_wp], [0, 0, 0]) == [7, 1, 1]), 'seven in a row')
-    call t%check(all(fitting_boxes(8, [1.0_wp, 1.0_wp, 1.0_wp], [0, 0, 0]) == 2), 'eight in a cube')
-    call t%check(all(fitting_boxes(12, [1.0_wp, 4.0_wp, 6.0_wp], [0, 0, 0]) == [1, 3, 4]), 'twelve in a slab')
-    call t%check(all(fitting_boxes(12, [1.0_wp, 4.0_wp, 6.0_wp], [2, 0, 0]) == [2, 2, 3]), 'twelve, two of them across')
-    call t%check(all(fitting_boxes(12, [1.0_wp, 4.0_wp], [5, 0, 0]) == 0), 'five rows of any number are not twelve')
-    call t%check(all(fitting_boxes(12, [1.0_wp, 4.0_wp], [3, 2, 2]) == 0), 'the plane has no boxes along z')
+    call t%check(all(chosen_boxes(6, [3.0_wp, 2.0_wp], [0, 0, 0]) == [3, 2, 1]), 'six boxes in a rectangle of 3 by 2')
+    call t%check(all(chosen_boxes(4, [1.0_wp, 9.0_wp], [0, 0, 0]) == [1, 4, 1]), 'four in a tower')
+    call t%check(all(chosen_boxes(7, [2.0_wp, 1.0_wp], [0, 0, 0]) == [7, 1, 1]), 'seven in a row')
+    call t%check(all(chosen_boxes(8, [1.0_wp, 1.0_wp, 1.0_wp], [0, 0, 0]) == 2), 'eight in a cube')
+    call t%check(all(chosen_boxes(12, [1.0_wp, 4.0_wp, 6.0_wp], [0, 0, 0]) == [1, 3, 4]), 'twelve in a slab')
+    call t%check(all(chosen_boxes(12, [1.0_wp, 4.0_wp, 6.0_wp], [2, 0, 0]) == [2, 2, 3]), 'twelve, two of them across')
+    call t%check(all(chosen_boxes(12, [1.0_wp, 4.0_wp], [5, 0, 0]) == 0), 'five rows of any number are not twelve')
+    call t%check(all(chosen_boxes(12, [1.0_wp, 4.0_wp], [3, 2, 2]) == 0), 'the plane has no boxes along z')
   end subroutine test_boxes
+
+  !> Boxes of a scene whose grains stretch so far; zeros where none fit, which is an error.
+  function chosen_boxes(parts, extent, wanted) result(counts)
+    integer, intent(in) :: parts, wanted(3)
+    real(wp), intent(in) :: extent(:)
+    integer :: counts(3)
+    type(comm_t) :: alone
+    type(error_t), allocatable :: error
+
+    call choose_boxes(alone, reshape([0*extent, extent], [size(extent), 2]), parts, wanted, counts, error)
+    call t%check(allocated(error) .eqv. all(counts == 0), 'an error where no boxes fit')
+  end function chosen_boxes
 
   !> Weights of one to nine: every box has its share up to the weights at its cuts.
   subroutine test_boxes_on_lattice()

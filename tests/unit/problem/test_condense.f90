@@ -3,7 +3,7 @@ program test_condense
   use harness, only: tests_t
   use matrices, only: full, heavy_matrix, some_list, some_matrix, solved, sparse
   use sg_compact, only: add_impulses, compact_velocity
-  use sg_condense, only: blocks_from_sparse, condense, sparse_from_blocks, velocity_of
+  use sg_condense, only: condense, set_local_form, sparse_from_blocks, velocity_of
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_matrix_errors, only: errors_of, matrix_errors_t
@@ -23,7 +23,7 @@ program test_condense
                         solid_tangent_x, solid_tangent_z
   use sg_report, only: report_t
   use sg_residuals, only: measure_errors
-  use sg_sparse, only: blocks_t, multiply, sparse_t
+  use sg_sparse, only: multiply, sparse_t
   use sg_sparse_algebra, only: multiply_matrices, no_columns
   use sg_sparse_parts, only: solve_by_parts
   use sg_symmetric, only: principal_axes
@@ -103,18 +103,19 @@ contains
   !> Blocks and single entries are one matrix; a diagonal block may be missing.
   subroutine test_blocks()
     real(wp) :: a(6, 6)
-    type(blocks_t) :: blocks
+    type(matrix_problem_t) :: problem
 
     a = 0
     a(1, 2) = 1
     a(2, 6) = 2
     a(5, 3) = 3
     a(6, 6) = 4
-    call blocks_from_sparse(sparse(a), 2, blocks)
-    call t%equal(size(blocks%column), 4, 'blocks: as many as needed')
-    call t%check(all(blocks%column == [1, 3, 2, 3]), 'blocks: columns rise')
-    call t%check(all(blocks%diagonal == [1, 0, 4]), 'blocks: diagonal')
-    call t%near(maxval(abs(full(sparse_from_blocks(blocks)) - a)), 0.0_wp, 0.0_wp, 'blocks: the same matrix')
+    problem%d = 2
+    call set_local_form(problem, sparse(a), spread(0.0_wp, 1, 6))
+    call t%equal(size(problem%w%column), 4, 'blocks: as many as needed')
+    call t%check(all(problem%w%column == [1, 3, 2, 3]), 'blocks: columns rise')
+    call t%check(all(problem%w%diagonal == [1, 0, 4]), 'blocks: diagonal')
+    call t%near(maxval(abs(full(sparse_from_blocks(problem%w)) - a)), 0.0_wp, 0.0_wp, 'blocks: the same matrix')
   end subroutine test_blocks
 
   !> W and q by full matrices; the singular mass that cannot be inverted is said.
