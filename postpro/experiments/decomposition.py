@@ -162,12 +162,12 @@ def sweeps(runner):
 
 
 def relaxation(runner):
-    """The share of each new impulse that `contacts` takes, 4 x 4 boxes."""
+    """The share of each new impulse that `momentum` takes, 4 x 4 boxes."""
     rows = []
     for law in ("no friction", "friction 0.5"):
         for share in (1.0, 0.9, 0.8, 0.6, 0.4):
             found = one_step(runner, name_of("relaxation", law, share), law, 16, {"maximum_sweeps": 3000},
-                             {"gluing": '"contacts"', "relaxation": share, "boxes": [4, 4]})
+                             {"gluing": '"momentum"', "relaxation": share, "boxes": [4, 4]})
             rows.append({"law": law, "relaxation": share, "sweeps": found["sweeps"], "converged": found["converged"],
                          "e8": f"{found['e8']:.1e}", "violation": f"{found['violation']:.1e}"})
     runner.write("relaxation", rows)

@@ -82,8 +82,8 @@ contains
     type(run_summary_t), intent(in) :: summary
     character(len=:), allocatable :: words
 
-    if (summary%ranks > 1 .and. summary%shared%gluing == 'contacts') then
-      words = 'partition.gluing = "dual" or "primal": "contacts" may stall where bodies hold each other in many ways; '// &
+    if (summary%ranks > 1 .and. summary%shared%gluing == 'momentum') then
+      words = 'partition.gluing = "dual" or "primal": "momentum" may stall where bodies hold each other in many ways; '// &
               'or a smaller partition.relaxation'
     else if (summary%ranks > 1) then
       words = 'a larger solver.maximum_sweeps or a shorter time step'

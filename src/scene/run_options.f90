@@ -21,7 +21,7 @@ module sg_run_options
 
   !> How grains are split over ranks, and how their parts are glued
   character(len=8), parameter :: split_names(2) = [character(len=8) :: 'boxes', 'graph'], &
-                                 gluing_names(3) = [character(len=8) :: 'dual', 'primal', 'contacts']
+                                 gluing_names(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
 
   !> What is done when the energy balance does not close
   character(len=6), parameter :: energy_guards(3) = [character(len=6) :: 'ignore', 'warn', 'stop']
@@ -44,7 +44,7 @@ module sg_run_options
     integer, allocatable :: sweeps(:)
     !> Sweeps over the contacts between subdomains at each gluing (primal)
     integer :: interface_sweeps = 1
-    !> Share of each new impulse taken by contacts of shared grains (contacts)
+    !> Share of each new impulse taken by contacts of shared grains (momentum)
     real(wp) :: relaxation = 0.8_wp
     !> Steps between splits, 0 for never; and the imbalance (largest load over the mean one) from
     !! which it is

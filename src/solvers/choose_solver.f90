@@ -84,7 +84,7 @@ contains
     select case (partition%gluing)
     case ('primal')
       allocate (primal_t :: coupled)
-    case ('contacts')
+    case ('momentum')
       allocate (momentum_t :: coupled)
     case default
       allocate (dual_t :: coupled)

@@ -104,7 +104,7 @@ class Shares(Ranks):
     def test_traces_are_of_the_whole_problem_and_change_nothing(self):
         deck = self.deck(PRESSED)
         words = ["--set", "time.steps=40", "--set", "output.record_every=1"]
-        for gluing in ("dual", "primal", "contacts"):
+        for gluing in ("dual", "primal", "momentum"):
             with self.subTest(gluing):
                 self.run_ranks(3, deck, *words, "--set", f'partition.gluing="{gluing}"', output="silent")
                 self.run_ranks(3, deck, *words, "--set", f'partition.gluing="{gluing}"', "--set", "report.trace=true",
@@ -127,7 +127,7 @@ class Shares(Ranks):
         words = ["--set", "time.steps=100", "--set", "restart.every=100", "--set", "output.record_every=0"]
         self.run_ranks(1, deck, *words, output="one")
         one, contacts = self.state(deck, "one")
-        for gluing in ("dual", "primal", "contacts"):
+        for gluing in ("dual", "primal", "momentum"):
             with self.subTest(gluing):
                 self.run_ranks(4, deck, *words, "--set", f'partition.gluing="{gluing}"', output="many")
                 many, shared = self.state(deck, "many")

@@ -26,7 +26,7 @@ class Verdicts(Ranks):
     def test_the_criterion_is_its_own_column(self):
         deck = self.deck(FALL)
         for i, criterion in enumerate(CRITERIA):
-            for ranks, gluing in ((1, "dual"), (2, ("dual", "primal", "contacts")[i % 3])):
+            for ranks, gluing in ((1, "dual"), (2, ("dual", "primal", "momentum")[i % 3])):
                 with self.subTest(criterion=criterion, ranks=ranks, gluing=gluing):
                     self.run_ranks(ranks, deck, "--force", "--set", f"solver.criterion={criterion}", "--set", "solver.tolerance=1e-4",
                                    "--set", f"partition.gluing={gluing}", "--set", "output.record_every=1",

@@ -12,7 +12,7 @@ program test_bonds
   use sg_text, only: to_text
   implicit none
   character(len=*), parameter :: nl = new_line('a')
-  character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'contacts']
+  character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
   character(len=14), parameter :: names(5) = [character(len=14) :: 'bonds', 'damaged_bonds', 'bond_energy', 'bond_loss', &
                                               'kinetic_energy']
   integer, parameter :: steps = 12

@@ -14,7 +14,7 @@ program test_gluing
   use sg_measures, only: measure, measures_t
   use sg_simulation, only: decompose, simulation_t
   implicit none
-  character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'contacts'], &
+  character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum'], &
                                  splits(2) = [character(len=8) :: 'boxes', 'graph']
   !> Steps of one rank after which packs carry their weight, and steps of all ranks after that: few, so that chaos has no
   !! time to grow from what solvers leave

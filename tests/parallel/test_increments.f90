@@ -14,7 +14,7 @@ program test_increments_ranks
   use sg_simulation, only: decompose, simulation_t
   use sg_sweep_order, only: set_order, sweep_order_t
   implicit none
-  character(len=*), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'contacts']
+  character(len=*), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
   integer, parameter :: criteria(3) = [criterion_quad, criterion_maxm, criterion_qm16]
   type(tests_t) :: t
   type(comm_t) :: comm
@@ -24,7 +24,7 @@ program test_increments_ranks
   do i = 1, size(gluings)
     call test_pack('disks', trim(gluings(i)))
   end do
-  ! Not by `contacts`, which drops a trace of an impulse that the guess has, and so counts a contact less.
+  ! Not by `momentum`, which drops a trace of an impulse that the guess has, and so counts a contact less.
   call test_pack('pressed disks', 'dual')
   call test_pack('pressed disks', 'primal')
   call test_pack('frictionless disks', 'dual')

@@ -16,7 +16,7 @@ program test_links
   implicit none
   !> Steps on all ranks, steps per repartition, and number of partitions
   integer, parameter :: steps = 60, every = 25, splits = 3
-  character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'contacts']
+  character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
   type(tests_t) :: t
   type(comm_t) :: comm
   integer :: dimension, kind, g

@@ -14,7 +14,7 @@ program test_rank_threads
   use written_files, only: put_text
   implicit none
   character(len=*), parameter :: nl = new_line('a')
-  character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'contacts']
+  character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
   character(len=*), parameter :: common = '[time]'//nl//'step = 1e-3'//nl//'steps = 40'//nl//'[[material]]'//nl// &
     'name = "stone"'//nl//'density = 2600.0'//nl//'[[law]]'//nl//'friction = 0.4'//nl//'[[sample]]'//nl//'kind = "lattice"'//nl// &
     'spacing = 1.0'//nl//'seed = 5'//nl//'radius = [0.018, 0.02]'//nl

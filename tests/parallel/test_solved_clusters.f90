@@ -26,7 +26,7 @@ program test_solved_clusters
   if (comm%size > 1) then
     call test_gluing('dual')
     call test_gluing('primal')
-    call test_gluing('contacts')
+    call test_gluing('momentum')
   end if
   call t%finish(comm)
 

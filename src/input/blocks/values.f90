@@ -26,6 +26,8 @@ module sg_values
     integer :: key = 0
     !> Where it comes from, one of `from_*`
     integer :: origin = from_nowhere
+    !> The word of the deck where that is a former one, replaced by the present one
+    character(len=:), allocatable :: former
     !> Was a mistake in it reported?
     logical :: is_bad = .false.
     !> Place of the value in the deck
@@ -73,7 +75,7 @@ contains
         value%before(value%n_lists) = int(value%n, i4)
       end if
     case (toml_string)
-      call add_word(value, entry%text)
+      call add_word(value, present_word(entry%text, trim(key%former), value%former))
     case default
       if (key%kind == value_body .or. key%kind == value_bodies) then
         call add_word(value, '#'//to_text(entry%integer))
@@ -84,6 +86,19 @@ contains
       call add_number(value, merge(real(entry%integer, wp), entry%real, entry%kind == toml_logical))
     end select
   end subroutine take_entry
+
+  !> The present word for a word of a deck.
+  function present_word(word, rule, former) result(present)
+    character(len=*), intent(in) :: word
+    character(len=*), intent(in) :: rule !! `former=present`, or nothing
+    character(len=:), allocatable, intent(out) :: former !! the word where it is a former one
+    character(len=:), allocatable :: present
+
+    present = word
+    if (index(rule, word//'=') /= 1) return
+    former = word
+    present = rule(len(word) + 2:)
+  end function present_word
 
   !> May an entry of this kind stand at this depth of a value of this kind?
   pure logical function may_hold(kind, entry_kind, depth) result(may)

@@ -60,6 +60,8 @@ module sg_key_table
     character(len=72) :: why_highest = ''
     !> Words to choose from, with a bar between two; where `space_choices` is not empty, `choices` are those of the plane
     character(len=400) :: choices = '', space_choices = ''
+    !> A former word, still read with a note, and the present one: `former=present`
+    character(len=48) :: former = ''
     !> When it applies: another key of the section, empty for always, and its words for which it does; without words the other key
     !! must be given
     character(len=24) :: selector = ''
@@ -125,7 +127,7 @@ contains
 
   !> Add a key to the section opened last.
   subroutine add(self, name, kind, sentence, unit, default, is_required, least, above, most, choices, only, space_default, &
-                 space_choices, dimension, twin, why_most, used_for, usual, hint)
+                 space_choices, former, dimension, twin, why_most, used_for, usual, hint)
     class(key_table_t), intent(inout) :: self
     character(len=*), intent(in) :: name !! name of the key
     integer, intent(in) :: kind !! kind of value
@@ -140,6 +142,7 @@ contains
     character(len=*), intent(in), optional :: only !! when it applies, `key=word|word`, or `key` that must be given
     character(len=*), intent(in), optional :: space_default !! default in space, where it is another
     character(len=*), intent(in), optional :: space_choices !! words to choose from in space, where they are others
+    character(len=*), intent(in), optional :: former !! a word of older decks and what it is now, `former=present`
     integer, intent(in), optional :: dimension !! where it has a meaning, one of `in_*`
     character(len=*), intent(in), optional :: twin !! key to use in its place in the other dimension
     character(len=*), intent(in), optional :: why_most !! why larger numbers are refused
@@ -166,6 +169,7 @@ contains
     if (present(choices)) call put(key%choices, choices)
     if (present(space_default)) call put(key%space_default, space_default)
     if (present(space_choices)) call put(key%space_choices, space_choices)
+    if (present(former)) call put(key%former, former)
     if (present(dimension)) key%dimension = dimension
     if (present(twin)) call put(key%twin, twin)
     if (present(only)) call put_condition(only, key%selector, key%only)

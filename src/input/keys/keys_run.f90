@@ -88,12 +88,13 @@ contains
                      'program chooses.', least=0.0_wp, most=1e6_wp, used_for='split=boxes')
       call table%add('gluing', value_choice, 'How parts are glued: shared grains brought to one velocity (dual), contacts '// &
                      'between parts solved as a part of their own (primal), or contacts dealt to ranks that exchange the '// &
-                     'momentum of shared grains (contacts).', default=quoted(default%gluing), choices=choices_of(gluing_names))
+                     'momentum of shared grains (momentum).', default=quoted(default%gluing), choices=choices_of(gluing_names), &
+                     former='contacts=momentum')
       call table%add('sweeps', value_counts, 'Sweeps of a part between two gluings: one number for all parts, or one for each.', &
                      default='1', least=1.0_wp)
       call table%add('interface_sweeps', value_integer, 'Sweeps over the contacts between parts at each gluing; primal alone.', &
                      default=to_text(default%interface_sweeps), least=1.0_wp, used_for='gluing='//trim(gluing_names(2)))
-      call table%add('relaxation', value_real, 'Share of each new impulse that contacts of shared grains take; contacts alone.', &
+      call table%add('relaxation', value_real, 'Share of each new impulse that contacts of shared grains take; momentum alone.', &
                      default=short_real(default%relaxation), above=0.0_wp, most=1.0_wp, &
                      used_for='gluing='//trim(gluing_names(3)))
       call table%add('every', value_integer, 'Steps between repartitions; 0 for never, unless the imbalance asks '// &

@@ -26,6 +26,7 @@ program test_deck
   call test_entries()
   call test_words()
   call test_minimal()
+  call test_former_word()
   call test_effective()
   call test_settings()
   call test_laws()
@@ -120,6 +121,23 @@ contains
     call t%check(scene%bodies%is_grain(1), 'a free body is a grain')
     call t%equal(len(options%deck_hash), 16, 'hash')
   end subroutine test_minimal
+
+  !> A word of older decks means what it became, with one note; a word that only begins like it is refused.
+  subroutine test_former_word()
+    type(scene_t) :: scene
+    type(run_options_t) :: options
+    type(diagnostics_t) :: diagnostics
+    character(len=*), parameter :: body = '[[body]]'//nl//'shape = "disk"'//nl//'radius = 0.5'//nl
+
+    call read_deck_text(head//body//'[partition]'//nl//'gluing = "contacts"'//nl, scene, options, diagnostics)
+    call t%equal(diagnostics%count(), 0, 'a former word is read: '//first(diagnostics))
+    call t%check(options%partition%gluing == 'momentum', 'it is the present one')
+    call t%check(index(options%deck_text, 'gluing = "momentum"') > 0, 'also in the effective deck')
+    call t%equal(size(diagnostics%warnings), 1, 'one note')
+    call t%check(index(diagnostics%warnings(1)%message, 'former word') > 0, 'about the word')
+    call read_deck_text(head//body//'[partition]'//nl//'gluing = "contact"'//nl, scene, options, diagnostics)
+    call t%equal(diagnostics%count(), 1, 'a part of a former word is a mistake')
+  end subroutine test_former_word
 
   subroutine test_effective()
     type(scene_t) :: scene
