@@ -35,5 +35,5 @@ class Verdicts(Ranks):
 
     def test_exchanged_momentum_of_bricks_converges(self):
         """Undamped rounds diverged here in steps 11 and 28."""
-        self.run_ranks(4, BRICKS, "--force", "--set", "partition.gluing=contacts", "--set", "time.steps=30", "--set", "output.every=0")
+        self.run_ranks(4, BRICKS, "--force", "--set", "partition.gluing=momentum", "--set", "time.steps=30", "--set", "output.every=0")
         self.assertEqual(self.run_json()["unconverged_steps"], 0)
