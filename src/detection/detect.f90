@@ -204,7 +204,7 @@ contains
     end associate
   end function is_broken
 
-  !> Are the circles about two shapes farther apart than the alert distance? Most neighbours' are; a square tells.
+  !> Are the circles about two shapes farther apart than the alert distance? Most neighbours' are; a square decides.
   pure logical function circles_are_apart(scene, c, a, image, alert) result(apart)
     type(scene_t), intent(in) :: scene
     integer(i4), intent(in) :: c, a
@@ -222,7 +222,7 @@ contains
     end associate
   end function circles_are_apart
 
-  !> Are the spheres about two shapes farther apart than the alert distance? Most neighbours' are; a square tells.
+  !> Are the spheres about two shapes farther apart than the alert distance? Most neighbours' are; a square decides.
   pure logical function spheres_are_apart(contactors, c, a, offset, alert) result(apart)
     type(contactors_t), intent(in) :: contactors
     integer(i4), intent(in) :: c

@@ -38,7 +38,7 @@ contains
 
   !> Read a deck as one of several ranks that are to share its scene.
   !!
-  !! The rank keeps a part of it, as `sg_bodies_from_deck` says; that no grains overlap is then to be checked by all ranks together
+  !! The rank keeps a part of it (`sg_bodies_from_deck`); that no grains overlap is then to be checked by all ranks together
   !! (`sg_shared_start`). No message is sent here: the ranks may not read the same deck.
   subroutine read_share(file, settings, comm, scene, options, deck, diagnostics)
     character(len=*), intent(in) :: file !! path of the deck
@@ -103,7 +103,7 @@ contains
     call collect(document, deck, diagnostics, is_again)
   end subroutine read_whole
 
-  !> Take the blocks of a long deck piece by piece. Where that does not go, the whole text is to tell why.
+  !> Read the blocks of a long deck piece by piece. Where that fails, the whole text is read to report why.
   subroutine read_pieces(deck, diagnostics, is_read)
     type(deck_t), intent(inout) :: deck
     type(diagnostics_t), intent(inout) :: diagnostics

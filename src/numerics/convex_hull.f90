@@ -13,7 +13,7 @@ module sg_convex_hull
   public :: convex_hull, find_spanning, hull_is_available
 
   !> Points nearer to one plane, line or point than this share of their extent lie in it: a hundred times what rounding
-  !> does to a hull, so that the library never sees what it could not tell from a flat set
+  !> does to a hull, so that the library never sees what it could not distinguish from a flat set
   real(wp), parameter :: flatness = 1e-12_wp
 
   interface

@@ -17,7 +17,7 @@ submodule(sg_sparse_factor) sparse_factor_with_suitesparse
   !! steps, and each refinement takes as long as a solution
   integer, parameter :: refinements = 8
   !> Entries of the report that count entries of L + U and floating-point operations: where pivots stay on the diagonal
-  !! (negative where the analysis does not tell), bounds by the analysis, and of the factors made
+  !! (negative where the analysis does not count them), bounds by the analysis, and of the factors made
   integer, parameter :: diagonal_entries = 37, diagonal_flops = 38, most_flops = 23, most_entries(2) = [24, 25], &
                         made_flops = 43, made_entries(2) = [44, 45]
 

@@ -31,7 +31,7 @@ module sg_exchange
   end type exchange_t
 
   interface
-    !> Make the plan; each rank must know what its neighbours will send. Neighbours without items get no message.
+    !> Make the plan from the numbers of items that each rank and its neighbours will send. Neighbours without items get no message.
     module subroutine exchange_prepare(self, comm, width, rank, send_count, receive_count)
       class(exchange_t), intent(inout), target :: self
       type(comm_t), intent(in) :: comm !! the ranks

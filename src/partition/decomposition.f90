@@ -1,4 +1,4 @@
-!> The decomposition of a scene over ranks, from its beginning on: who owns what, and how that changes with the motion.
+!> The decomposition of a scene over ranks, from its beginning on: the owner of each body, and how that changes with the motion.
 !!
 !! Bodies keep their homes until the split is renewed (every so many steps, or when the loads are uneven). Lists of neighbours
 !! are rebuilt on all ranks at once; copies with them when grains have moved through the margin of the last ones: then contacts
@@ -39,7 +39,7 @@ module sg_decomposition
 
   !> One rank's side of the decomposition
   type :: decomposition_t
-    !> Who shares what
+    !> The ranks that share each body
     type(subdomain_t) :: subdomain
     !> What all ranks keep of the whole scene
     type(whole_t) :: whole
@@ -121,7 +121,7 @@ contains
   !> First homes of the bodies that this rank counts as its own, by boxes about grains of one weight each; -1 of wide bodies, and
   !! of others that all ranks hold so far and another one counts.
   subroutine first_homes(scene, options, comm, home, error)
-    type(scene_t), intent(inout) :: scene !! its bodies know whether they are wide
+    type(scene_t), intent(inout) :: scene !! the wide ones of its bodies are marked
     type(partition_options_t), intent(in) :: options
     type(comm_t), intent(inout) :: comm
     integer(i4), allocatable, intent(out) :: home(:)
@@ -261,7 +261,7 @@ contains
     self%imbalance = 1
   end subroutine new_homes
 
-  !> Tell a whole number of each own body to all that hold copies of it.
+  !> Send a whole number of each own body to all ranks that hold copies of it.
   subroutine tell_copies(subdomain, number, comm)
     type(subdomain_t), intent(in) :: subdomain
     integer(i4), intent(inout) :: number(:) !! of own bodies; set for copies
@@ -273,7 +273,7 @@ contains
     number = nint(values(1, :), i4)
   end subroutine tell_copies
 
-  !> The past of the first step, when copies have been made: contacts of a restart file, or those that the deck knows.
+  !> The past of the first step, when copies have been made: contacts of a restart file, or those of the deck.
   subroutine start_contacts_here(self, scene, history, contacts, step)
     class(decomposition_t), intent(inout) :: self
     type(scene_t), intent(inout) :: scene

@@ -1,7 +1,7 @@
 !> Links between points: rods, wires and bonds that a scene holds from its start on (doc/theory/links.md).
 !!
 !! Links are no product of the search for neighbours: each stands between two point contactors, whatever their distance. Where
-!! ranks share a scene every rank keeps the whole list, in one order; `contactor` says which ends are here.
+!! ranks share a scene every rank keeps the whole list, in one order; `contactor` shows which ends are here.
 module sg_links
   use sg_contactors, only: contactors_t
   use sg_kinds, only: wp, i4

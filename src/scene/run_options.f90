@@ -116,7 +116,7 @@ module sg_run_options
     type(text_t), allocatable :: inputs(:)
     !> Replace other results in the folder
     logical :: is_forced = .false.
-    !> Title of the deck, and what it is for; empty where it does not say
+    !> Title of the deck, and what it is for; empty where it gives none
     character(len=:), allocatable :: title, about
     !> Hash and text of the effective deck
     character(len=:), allocatable :: deck_hash, deck_text
@@ -124,9 +124,9 @@ module sg_run_options
     integer, allocatable :: dump_steps(:, :)
     !> Wall time, as `wall_now` counts it, at which the run stops with a checkpoint [s]; 0 for never
     real(wp) :: deadline = 0
-    !> Say less; no progress
+    !> Print less; no progress
     logical :: is_quiet = .false.
-    !> Tell at the end what the run has held in memory, and write needs.json
+    !> Report at the end what the run has held in memory, and write needs.json
     logical :: reports_memory = .false.
   end type run_options_t
 

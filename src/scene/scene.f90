@@ -36,7 +36,7 @@ module sg_scene
   type :: start_contact_t
     !> Contactors, candidate and antagonist
     integer :: contactor(2) = 0
-    !> Where it touches [m]: tells apart two points of one pair
+    !> Where it touches [m]: distinguishes two points of one pair
     real(wp) :: point(3) = 0
     !> Mean force over the last step [N]: normal and tangential; in space on the candidate, in the world's axes
     real(wp) :: force(3) = 0

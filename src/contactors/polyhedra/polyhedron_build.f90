@@ -33,7 +33,7 @@ module sg_polyhedron_build
     integer(i4), allocatable :: mate(:), next(:), face_of(:)
     !> Area vectors [m2], shape (3, faces), and middles of the corners [m], shape (3, faces)
     real(wp), allocatable :: area(:, :), middle(:, :)
-    !> Is the face narrower than the tolerance, so that its normal says nothing?
+    !> Is the face narrower than the tolerance, so that its normal is lost in rounding?
     logical, allocatable :: is_narrow(:)
     !> Flat region that each face belongs to
     integer(i4), allocatable :: region(:)

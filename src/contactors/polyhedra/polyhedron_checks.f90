@@ -1,8 +1,8 @@
-!> What a surface must be to bound a convex polyhedron, each failure said with what and where.
+!> What a surface must be to bound a convex polyhedron, each failure reported with what and where.
 !!
 !! Lengths are judged against a tolerance that `length_tolerance` makes from the size of the shape and from the digits
-!! that files carry: a face is flat, and a shape convex, when no vertex is farther out of place than that. A length says
-!! more than an angle: over a narrow triangle rounding alone turns the normal by any angle, yet moves no vertex.
+!! that files carry: a face is flat, and a shape convex, when no vertex is farther out of place than that. A length is
+!! a better measure than an angle: over a narrow triangle rounding alone turns the normal by any angle, yet moves no vertex.
 module sg_polyhedron_checks
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_error, only: error_t, fail

@@ -28,7 +28,7 @@ module sg_datbox_lines
 
   !> A file with a place to read from
   type :: datbox_file_t
-    !> Path, as said in messages
+    !> Path, as messages give it
     character(len=:), allocatable :: path
     !> Number of lines, and of the present one
     integer :: n = 0, at = 0
@@ -38,8 +38,8 @@ module sg_datbox_lines
     type(text_window_t), private :: text
     !> Mistakes found so far
     integer :: n_errors = 0
-    !> What has been said and need not be said again, each between bars
-    character(len=:), allocatable :: said
+    !> What has been reported and need not be reported again, each between bars
+    character(len=:), allocatable :: reported
   end type datbox_file_t
 
 contains
@@ -54,7 +54,7 @@ contains
     type(error_t), allocatable :: error
 
     file%path = trim(folder)//'/'//name
-    file%said = '|'
+    file%reported = '|'
     file%line = ''
     if (.not. file_exists(file%path)) then
       if (is_needed) call complain(file, 'this file is missing', 0, diagnostics)
@@ -114,7 +114,7 @@ contains
     call file%text%get(at, file%line)
   end subroutine go_to
 
-  !> What tells this file from others.
+  !> A digest that distinguishes this file from others.
   pure integer(i8) function digest_of(file)
     type(datbox_file_t), intent(in) :: file !! file that is open
 
@@ -168,7 +168,7 @@ contains
     end associate
   end function columns
 
-  !> A word that begins at a column: five letters unless told otherwise.
+  !> A word that begins at a column: five letters unless `width` is given.
   pure function name_field(file, first, width) result(name)
     type(datbox_file_t), intent(in) :: file !! file being read
     integer, intent(in) :: first !! first column
@@ -181,7 +181,7 @@ contains
     name = trim(columns(file, first, first + n - 1))
   end function name_field
 
-  !> A real number that begins at a column; where it is wrong, a mistake is told and `ok` turns false.
+  !> A real number that begins at a column; where it is wrong, a mistake is reported and `ok` turns false.
   subroutine real_field(file, first, value, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file !! file being read
     integer, intent(in) :: first !! first of 14 columns
@@ -304,7 +304,7 @@ contains
     if (is_integer) is_integer = verify(word(first:last), '0123456789') == 0
   end function is_integer
 
-  !> A whole number within columns; where it is wrong, a mistake is told and `ok` turns false.
+  !> A whole number within columns; where it is wrong, a mistake is reported and `ok` turns false.
   subroutine integer_field(file, first, last, value, ok, diagnostics, may_go_on)
     type(datbox_file_t), intent(inout) :: file !! file being read
     integer, intent(in) :: first !! first column
@@ -362,7 +362,7 @@ contains
     end do
   end subroutine free_numbers
 
-  !> Tell a mistake with the caret under what stands in a field.
+  !> Report a mistake with the caret under what stands in a field.
   subroutine complain_field(file, first, width, message, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     integer, intent(in) :: first, width
@@ -372,7 +372,7 @@ contains
     call complain(file, message, first - 1 + max(1, verify(columns(file, first, first + width - 1), ' ')), diagnostics)
   end subroutine complain_field
 
-  !> Tell a mistake in the present line; after too many the rest of the file is not read.
+  !> Report a mistake in the present line; after too many the rest of the file is not read.
   subroutine complain(file, message, column, diagnostics)
     type(datbox_file_t), intent(inout) :: file !! file being read
     character(len=*), intent(in) :: message !! one sentence
@@ -391,7 +391,7 @@ contains
     call go_to(file, file%n)
   end subroutine complain
 
-  !> Tell a mistake about one thing, the first time it is met.
+  !> Report a mistake about one thing, the first time it is met.
   subroutine complain_once(file, thing, message, column, diagnostics)
     type(datbox_file_t), intent(inout) :: file !! file being read
     character(len=*), intent(in) :: thing !! what it is about
@@ -451,12 +451,12 @@ contains
                   diagnostics)
   end subroutine end_with_file
 
-  !> Has this thing not been said yet? From now on it has.
+  !> Has this thing not been reported yet? It is noted as reported.
   logical function is_news(file, thing)
     type(datbox_file_t), intent(inout) :: file
     character(len=*), intent(in) :: thing
 
-    is_news = index(file%said, '|'//thing//'|') == 0
-    if (is_news) file%said = file%said//thing//'|'
+    is_news = index(file%reported, '|'//thing//'|') == 0
+    if (is_news) file%reported = file%reported//thing//'|'
   end function is_news
 end module sg_datbox_lines

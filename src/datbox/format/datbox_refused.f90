@@ -11,7 +11,7 @@ module sg_datbox_refused
 
 contains
 
-  !> Why a law is refused, and what to use in its place, as the end of a sentence; empty where there is no more to say.
+  !> Why a law is refused, and what to use in its place, as the end of a sentence; empty where there is no reason to give.
   pure function reason_of(law) result(reason)
     character(len=*), intent(in) :: law !! LMGC90's name
     character(len=:), allocatable :: reason

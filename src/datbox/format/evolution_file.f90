@@ -17,8 +17,8 @@ contains
   !> Read a table of growing times and values; blank lines and lines that begin with # or ! are passed over.
   !! A file with a mistake gives no table: the function keeps its formula.
   !!
-  !! What is wrong inside the file is told at its line. What is wrong with the file as a whole is left to the caller,
-  !! who knows where it was named.
+  !! A mistake inside the file is reported at its line. A fault of the file as a whole is returned to the caller, which
+  !! reports it at the place that names the file.
   subroutine read_evolution_file(path, has_two_columns, value, fault, diagnostics)
     character(len=*), intent(in) :: path !! the file
     logical, intent(in) :: has_two_columns !! is a third number on a line a mistake? LMGC90 passes over it
@@ -69,7 +69,7 @@ contains
     end if
   end subroutine complain
 
-  !> Add one row to the table, or say what is wrong with it.
+  !> Add one row to the table, or report what is wrong with it.
   subroutine add_row(line, has_two_columns, value, n, mistake)
     character(len=*), intent(in) :: line
     logical, intent(in) :: has_two_columns

@@ -1,6 +1,6 @@
 !> Reads an LMGC90 DATBOX folder of rigid bodies, of the plane or of space, into a scene (doc/guide/datbox.md).
 !!
-!! All mistakes of all files are told at once, as far as one does not follow from another. What a folder holds
+!! All mistakes of all files are reported at once, as far as one does not follow from another. What a folder holds
 !! and we do not do yet is a mistake when the scene would differ without it, and a warning when it would not.
 module sg_datbox
   use sg_ascending, only: distinct
@@ -22,7 +22,7 @@ module sg_datbox
   private
   public :: read_datbox, read_datbox_share
 
-  !> Files that LMGC90 knows and that say nothing about the scene of rigid bodies
+  !> Files that LMGC90 reads and that hold nothing about the scene of rigid bodies
   character(len=14), parameter :: files_not_read(8) = [character(len=14) :: 'COMMAND.DAT', 'POSTPRO.DAT', 'PREPRO.DAT', &
                                                        'SAMPLE.DAT', 'BEHAVIOURS.DAT', 'MODELS.DAT', 'GPV.INI', 'MP_DEM.DAT']
 
@@ -42,7 +42,7 @@ contains
   subroutine read_datbox_share(folder, scene, share, diagnostics)
     character(len=*), intent(in) :: folder !! DATBOX folder
     type(scene_t), intent(inout) :: scene !! empty scene to fill
-    type(share_t), intent(inout) :: share !! knows the ranks, and which bodies all keep beside those that the folder drives
+    type(share_t), intent(inout) :: share !! the ranks, and the bodies that all keep besides those that the folder drives
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
     type(datbox_file_t) :: bodies, bulk, tact
     type(other_law_t), allocatable :: other_bulk(:), other_laws(:)
@@ -96,7 +96,7 @@ contains
     share%common = distinct(driven)
   end subroutine keep_driven
 
-  !> Is there such a folder? If not, say so, with a hint when its DATBOX may be meant.
+  !> Is there such a folder? If not, report it, with a hint when its DATBOX may be meant.
   logical function is_folder(folder, diagnostics)
     character(len=*), intent(in) :: folder
     type(diagnostics_t), intent(inout) :: diagnostics

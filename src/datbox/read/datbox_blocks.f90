@@ -1,4 +1,4 @@
-!> What a body's block of BODIES.DAT says before it is turned into the scene's terms, and the numbers such blocks hold.
+!> What a body's block of BODIES.DAT holds before it is turned into the scene's terms, and the numbers such blocks hold.
 module sg_datbox_blocks
   use sg_datbox_lines, only: complain, datbox_file_t, go_to, next_data_line, real_field
   use sg_error, only: diagnostics_t
@@ -11,7 +11,7 @@ module sg_datbox_blocks
   !> Columns of up to three numbers of a line
   integer, parameter :: triple(3) = [35, 56, 77]
 
-  !> What a body's block says
+  !> What a body's block holds
   type :: block_t
     !> Number in order of appearance, body of the scene that it becomes, and line on which the block begins
     integer :: number = 0, body = 0, line = 0
@@ -87,7 +87,7 @@ contains
     end if
   end subroutine read_point
 
-  !> Tell a mistake about a body as a whole, at its first line.
+  !> Report a mistake about a body as a whole, at its first line.
   subroutine complain_block(file, block, message, diagnostics)
     type(datbox_file_t), intent(inout) :: file !! BODIES.DAT; its place stays
     type(block_t), intent(in) :: block !! the body's block

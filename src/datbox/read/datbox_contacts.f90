@@ -23,7 +23,7 @@ contains
   subroutine read_start_contacts(folder, scene, share, diagnostics)
     character(len=*), intent(in) :: folder !! DATBOX folder
     type(scene_t), intent(inout) :: scene !! gets the contacts, with the numbers of the whole scene
-    type(share_t), intent(inout) :: share !! knows the contactors of all bodies
+    type(share_t), intent(inout) :: share !! holds the contactors of all bodies
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(datbox_file_t) :: file
     type(start_contact_t) :: contact
@@ -321,7 +321,7 @@ contains
     end do
   end subroutine split
 
-  !> Our status for LMGC90's; the first letter W, M or C tells of wet, Mohr and cohesive laws.
+  !> Our status for LMGC90's; the first letter W, M or C stands for wet, Mohr and cohesive laws.
   integer(i1) function status_of(file, word, column, diagnostics) result(status)
     type(datbox_file_t), intent(inout) :: file
     character(len=*), intent(in) :: word

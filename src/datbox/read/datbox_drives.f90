@@ -187,7 +187,7 @@ contains
                 //'LMGC90', 9, diagnostics)
   end subroutine drop_earlier
 
-  !> Read the line that says which body a block speaks of; 0 and a mistake when there is no such body.
+  !> Read the line with the number of the body that a block describes; 0 and a mistake when there is no such body.
   subroutine read_body_number(file, dimension, n_bodies, body, diagnostics)
     type(datbox_file_t), intent(inout) :: file !! file at $bdyty
     integer, intent(in) :: dimension !! 2 or 3

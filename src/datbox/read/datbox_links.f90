@@ -124,7 +124,7 @@ contains
 
     associate (distance => distance_of(scene, points, ends))
       if (.not. bond(2) > 0 .or. abs(bond(2) - distance) <= slack*distance) return
-      call remark(file, 'length', 'this link is '//to_text(distance, 4)//' m long where its line says '//to_text(bond(2), 4)// &
+      call remark(file, 'length', 'this link is '//to_text(distance, 4)//' m long, but its line gives '//to_text(bond(2), 4)// &
                   ' m', 1, diagnostics)
     end associate
   end subroutine check_reference

@@ -165,7 +165,7 @@ contains
     do i = 1, size(triangles, 2)
       associate (a => vertices(:, triangles(1, i)), b => vertices(:, triangles(2, i)), c => vertices(:, triangles(3, i)))
         normal = cross(b - a, c - a)
-        ! The plane of a narrow triangle says nothing.
+        ! The plane of a narrow triangle is lost in rounding.
         if (norm2(normal) <= tolerance*max(norm2(b - a), norm2(c - a), norm2(c - b))) cycle
         normal = normal/norm2(normal)
         heights = 0

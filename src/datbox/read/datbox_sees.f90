@@ -163,7 +163,7 @@ contains
                 //''': the see table is left out', first, diagnostics)
   end function contactor_kind
 
-  !> Our kind of a contactor that see tables know by this name; 0 when there is none.
+  !> Our kind of a contactor that see tables call by this name; 0 when there is none.
   pure integer function datbox_kind(name, dimension) result(kind)
     character(len=*), intent(in) :: name !! LMGC90's name
     integer, intent(in) :: dimension !! of space

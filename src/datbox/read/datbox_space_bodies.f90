@@ -285,7 +285,7 @@ contains
     end do
   end function is_diagonal
 
-  !> Given moments say that the shapes are given along the principal axes: warn where they are not, with round caps or without.
+  !> Given moments mean that the shapes are given along the principal axes: warn where they are not, with round caps or without.
   subroutine check_given_frame(file, block, solid, filled, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     type(block_t), intent(in) :: block

@@ -116,7 +116,7 @@ contains
 
     ok = .true.
     call read_triple(file, displacement, ok, diagnostics)
-    ! The rotations are summed up there and say nothing that the frame does not say better.
+    ! The rotations are summed up there and hold nothing that the frame does not hold better.
     if (ok) call read_point(file, 'a rotation', rotation, ok, diagnostics)
     if (ok) call read_point(file, 'a velocity', velocity(1:3), ok, diagnostics)
     if (ok) call read_point(file, 'a spin', velocity(4:6), ok, diagnostics)

@@ -31,7 +31,7 @@ contains
                       '# tolerance = 1.0e-4'//nl, error)
   end subroutine write_datbox_deck
 
-  !> A path as a deck must say it: relative to the deck's own folder.
+  !> A path as a deck must give it: relative to the deck's own folder.
   function path_from(deck, path) result(seen)
     character(len=*), intent(in) :: deck, path
     character(len=:), allocatable :: seen

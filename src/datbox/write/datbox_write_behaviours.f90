@@ -114,7 +114,7 @@ contains
       example((scene%contactors%colour(c) - 1)*n_kinds + scene%contactors%kind(c)) = c
     end do
     do s = 1, size(scene%sees)
-      ! The second turn serves lines that name the two sides in the other order than LMGC90 knows.
+      ! The second turn serves lines that name the two sides in the order that LMGC90 does not use.
       do turn = 1, 2
         do i = 1, size(example)
           do j = 1, size(example)

@@ -123,7 +123,7 @@ contains
     integer :: c
 
     node = [scene%bodies%position(:, body), angle_of(scene%bodies, body)]
-    ! A segment has no angle of its own there: its body turns with it, which nothing else can tell.
+    ! A segment has no angle of its own there: its body turns with it, which nothing else records.
     if (first(body + 1) > first(body)) then
       c = list(first(body))
       if (scene%contactors%kind(c) == kind_segment) node(3) = node(3) + scene%contactors%segment_size(3, scene%contactors%row(c))

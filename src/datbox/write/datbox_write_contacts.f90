@@ -44,10 +44,10 @@ module sg_datbox_write_contacts
 
 contains
 
-  !> The contacts that a scene knows at its start, and all its links, of which the file is to hold the lengths; normals, gaps and
+  !> The contacts that a scene holds at its start, and all its links, of which the file is to hold the lengths; normals, gaps and
   !! velocities are not known and zero.
   function contacts_at_start(scene) result(contacts)
-    type(scene_t), intent(in) :: scene !! scene that may know contacts
+    type(scene_t), intent(in) :: scene !! scene that may hold contacts
     type(datbox_contacts_t) :: contacts
     integer :: i, l, n, known
 

@@ -1,6 +1,6 @@
 !> Writes the links of a scene into a DATBOX: see tables for their points, and a network file that lists them.
 !!
-!! By its see tables alone LMGC90 links all points that are near. The network file says which ones are meant; the script has to
+!! By its see tables alone LMGC90 links all points that are near. The network file lists those that are meant; the script has to
 !! call PTPT2_LoadNetwork or PTPT3_LoadNetwork, and PTPT2_LoadParams or PTPT3_LoadParams where there are NARD rods.
 module sg_datbox_write_links
   use sg_contactors, only: kind_point

@@ -1,7 +1,7 @@
 !> Writes the bodies of space, their contactors and their state for BODIES.DAT and DOF.INI.
 !!
-!! Shapes are written in the frame of the principal axes, which DOF.INI turns into the world; the principal moments stand
-!! beside them and say so. A plane, cylinder or hollow cylinder that is alone is written upright, as LMGC90 wants it.
+!! Shapes are written in the frame of the principal axes, which DOF.INI turns into the world; the principal moments
+!! next to them show it. A plane, cylinder or hollow cylinder that is alone is written upright, as LMGC90 wants it.
 module sg_datbox_write_space
   use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_point, kind_polyhedron, kind_sphere
   use sg_datbox_output, only: as_written, labelled, output_t, put, solid_node_head
@@ -224,7 +224,7 @@ contains
     end associate
   end subroutine put_solid_contactor
 
-  !> Write frame and shift of a contactor where there is something to say.
+  !> Write frame and shift of a contactor where they differ from the body's own.
   subroutine put_local_frame(output, frame, shift)
     type(output_t), intent(inout) :: output
     real(wp), intent(in) :: frame(3, 3), shift(3)

@@ -16,7 +16,7 @@ module sg_separation
     real(wp) :: normal(3) = 0, separation = -huge(1.0_wp)
     !> The vertex of each that lies nearest to the other along the axis
     integer :: vertex_c = 0, vertex_a = 0
-    !> Faces that face the other body, 0 where the axis does not say which
+    !> Faces that face the other body, 0 where the axis does not determine which
     integer :: face_c = 0, face_a = 0
     !> The two edges to which the axis is perpendicular, 0 where it comes from elsewhere
     integer :: edge_c = 0, edge_a = 0
@@ -62,7 +62,7 @@ contains
     axis%separation = dot_product(normal, (c%world_vertex(:, i) - a%world_vertex(:, j)) - offset)
   end subroutine measure_axis
 
-  !> Lengths below which nothing can be told [m]: separations that differ by less are as good, points nearer are one.
+  !> Lengths below which rounding hides all differences [m]: separations that differ by less are as good, points nearer are one.
   !!
   !! It holds what coordinates lose far from the origin (some units in the last place) and a share of the smaller shape
   !! that no impulse notices, so that of two faces in contact always the same gives the normal.

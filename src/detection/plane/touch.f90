@@ -21,7 +21,7 @@ module sg_touch
     real(wp) :: point(2, 2) = 0
     !> Gaps [m], negative where the shapes overlap
     real(wp) :: gap(2) = 0
-    !> Keys that tell the points of a pair apart, the same from step to step; 0 for disks
+    !> Keys that distinguish the points of a pair, the same from step to step; 0 for disks
     integer(i4) :: feature(2) = 0
   end type touch_t
 

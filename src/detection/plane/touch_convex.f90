@@ -23,7 +23,7 @@ module sg_touch_convex
   private
   public :: touch_convex
 
-  !> Points nearer than this fraction of the shorter edge are one: two would only say the same twice
+  !> Points nearer than this fraction of the shorter edge are one: a second one would add nothing
   real(wp), parameter :: same_point = 1e-6_wp
   !> Vertices nearer than this fraction of the shorter edge are at one place, so that the name outlives small slips
   real(wp), parameter :: same_corner = 0.01_wp

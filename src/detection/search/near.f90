@@ -1,4 +1,4 @@
-!> Can two contactors be near each other? Cheap lower bounds of the gap decide who becomes a neighbour.
+!> Can two contactors be near each other? Cheap lower bounds of the gap decide which pairs become neighbours.
 module sg_near
   use sg_contactors, only: contactors_t, kind_hollow, kind_hollow_cylinder, kind_plane, kind_segment
   use sg_kinds, only: wp, i4
@@ -48,7 +48,7 @@ contains
     else if (is_bounding(contactors%kind(i))) then
       is_near = near_bounding(contactors, i, -apart, contactors%reach(j), period, distance)
     else
-      ! Most are far: a square tells, without a root. Where rounding might matter the distance itself decides.
+      ! Most are far: a square decides, without a root. Where rounding might matter the distance itself decides.
       limit = rounded*max(0.0_wp, contactors%reach(i) + contactors%reach(j) + distance)
       is_near = apart(1)**2 + apart(2)**2 + apart(3)**2 <= limit**2
       if (is_near) is_near = norm2(apart) - contactors%reach(i) - contactors%reach(j) < distance

@@ -39,7 +39,7 @@ contains
     type(polyhedron_t), intent(in) :: a !! antagonist, in the world
     real(wp), intent(in) :: offset(3) !! added to the antagonist's coordinates [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
-    real(wp), intent(in) :: rounding !! lengths below which nothing can be told [m]
+    real(wp), intent(in) :: rounding !! lengths below which rounding hides all differences [m]
     type(axis_t), intent(in) :: axis !! axis of contact
     type(touch_space_t), intent(inout) :: touch !! points found
     type(axis_t) :: facing
@@ -104,7 +104,7 @@ contains
     type(polyhedron_t), intent(in) :: a !! antagonist, in the world
     real(wp), intent(in) :: offset(3) !! added to the antagonist's coordinates [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
-    real(wp), intent(in) :: rounding !! lengths below which nothing can be told [m]
+    real(wp), intent(in) :: rounding !! lengths below which rounding hides all differences [m]
     type(axis_t), intent(in) :: axis !! axis of contact, with both faces
     real(wp), intent(in) :: nearest(3) !! point of the candidate nearest to the antagonist [m]
     integer, intent(in) :: room !! columns of the working space
@@ -141,7 +141,7 @@ contains
     type(polyhedron_t), intent(in) :: c !! candidate, in the world
     type(polyhedron_t), intent(in) :: a !! antagonist, in the world
     real(wp), intent(in) :: offset(3) !! added to the antagonist's coordinates [m]
-    real(wp), intent(in) :: rounding !! lengths below which nothing can be told [m]
+    real(wp), intent(in) :: rounding !! lengths below which rounding hides all differences [m]
     type(axis_t), intent(in) :: axis !! axis of contact, with both faces
     integer, intent(in) :: room !! columns of the working space
     real(wp), intent(out) :: corner(4, room, 2) !! corners, in (:, :, 1)
@@ -227,7 +227,7 @@ contains
 
   !> Cut the incident face along the sides of the reference, seen along a direction.
   !!
-  !! Each corner knows who owns the side that leaves it: side k of the incident face (k > 0) or side k of the reference (-k).
+  !! Each corner records the owner of the side that leaves it: side k of the incident face (k > 0) or side k of the reference (-k).
   pure subroutine shared_polygon(r, face_r, s, face_s, shift, up, rounding, room, corner, owner, n)
     type(polyhedron_t), intent(in) :: r !! polyhedron of the reference
     integer, intent(in) :: face_r !! reference face

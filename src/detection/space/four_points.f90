@@ -10,7 +10,7 @@ contains
 
   !> Choose the deepest point, the farthest from it, the farthest from their line, and the one that adds most area to these.
   !!
-  !! Points that add less than `same` in length say nothing new: a line has two points, a spot one. Of points that add as much the
+  !! Points that add less than `same` in length add nothing new: a line has two points, a spot one. Of points that add as much the
   !! deeper is chosen, so that the choice does not hang on the order of the corners.
   pure subroutine choose_points(n, point, normal, rounding, same, n_chosen, chosen)
     integer, intent(in) :: n !! number of points, one at least

@@ -1,6 +1,6 @@
 !> The point nearest to the origin of a simplex of up to four points.
 !!
-!! The walk towards the nearest points of two bodies (polyhedra_apart.f90) needs it. Regions are told by trial, from
+!! The walk towards the nearest points of two bodies (polyhedra_apart.f90) needs it. Regions are found by trial, from
 !! the inside to the edges, and the nearest of all wins: slower than a tree of cases, but nothing is lost on slivers.
 module sg_nearest_simplex
   use sg_kinds, only: wp
@@ -27,7 +27,7 @@ module sg_nearest_simplex
     integer :: n = 0, corner(3) = 0
   end type trial_t
 
-  !> A tetrahedron flatter than this share of its length does not say what is inside
+  !> A tetrahedron flatter than this share of its length does not determine what is inside
   real(wp), parameter :: flat = 1e-13_wp
 
 contains

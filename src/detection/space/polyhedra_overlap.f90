@@ -207,7 +207,7 @@ contains
       normal = normal/sign(sqrt(length2), dot_product(normal, left_a + right_a))
       i = near%edge(k)
       if (dot_product(normal, (c%world_vertex(:, c%edge(1, i)) - a%world_vertex(:, a%edge(1, j))) - offset) < bar) cycle
-      ! What rounding makes of short edges is no axis unless all vertices say so.
+      ! What rounding makes of short edges is no axis unless all vertices confirm it.
       call measure_axis(c, a, offset, normal, trial)
       if (trial%separation < bar) cycle
       axis = trial

@@ -7,7 +7,7 @@ module sg_touch_axis
 
 contains
 
-  !> A unit vector perpendicular to an axis, always the same one: where nothing else tells a direction.
+  !> A unit vector perpendicular to an axis, always the same one: where nothing else gives a direction.
   pure function perpendicular(axis)
     real(wp), intent(in) :: axis(3) !! unit vector
     real(wp) :: perpendicular(3), unit(3)

@@ -20,7 +20,7 @@ module sg_touch_space
     real(wp) :: point(3, most_points)
     !> Gaps [m], negative where the shapes overlap
     real(wp) :: gap(most_points)
-    !> Keys that tell the points of a pair apart, the same from step to step; 0 where a pair has one point only
+    !> Keys that distinguish the points of a pair, the same from step to step; 0 where a pair has one point only
     integer(i4) :: feature(most_points)
   end type touch_space_t
 

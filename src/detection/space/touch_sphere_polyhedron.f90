@@ -48,7 +48,7 @@ contains
           square = dot_product(way, way)
         end do
         distance = sqrt(square)
-        ! Nearer than rounding the direction of an edge or vertex says nothing: the face keeps it.
+        ! Nearer than rounding the direction of an edge or vertex is lost: the face keeps it.
         if (distance > 16*epsilon(distance)*(a%reach + maxval(abs(place)))) normal = best/distance
       end if
     end if

@@ -48,7 +48,7 @@ module sg_blocks
     !> Numbers of the bodies that have a name, ascending, and their names
     integer, allocatable :: named(:)
     type(text_t), allocatable :: names(:)
-    !> Which of how many ranks reads: of the bodies it keeps a share, and knows of the others what stands in `absent`
+    !> The rank that reads, and the number of ranks: of the bodies it keeps a share; `absent` describes the others
     integer :: rank = 0, ranks = 1
     type(census_t) :: absent
     !> Points of all bodies, and the number of all contactors, whoever keeps them

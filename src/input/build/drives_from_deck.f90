@@ -21,7 +21,7 @@ module sg_drives_from_deck
 
 contains
 
-  !> Add drives and pressures to those that the scene has, and say which bodies are no grains.
+  !> Add drives and pressures to those that the scene has, and mark the bodies that are no grains.
   subroutine drives_from_deck(deck, scene, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     type(scene_t), intent(inout) :: scene !! scene with its bodies
@@ -98,7 +98,7 @@ contains
 
   !> Numbers of the bodies that hold still where nothing drives them.
   subroutine bodies_held(deck, held)
-    type(deck_t), intent(in) :: deck !! checked deck; its blocks know their bodies
+    type(deck_t), intent(in) :: deck !! checked deck; its blocks hold their bodies
     integer(i4), allocatable, intent(out) :: held(:) !! numbers
     integer :: b, i, n, pass
 

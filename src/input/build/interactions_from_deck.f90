@@ -40,7 +40,7 @@ contains
       scene%sees = [see]
       call warn_of_blind(deck, deck%block_of('law'), scene, diagnostics)
     else if (n == 0 .and. size(contact_laws) > 1) then
-      call deck%complain(diagnostics, 'there are several laws: [[interaction]] must say which pairs they hold between', &
+      call deck%complain(diagnostics, 'there are several laws: [[interaction]] must give the pairs that each applies to', &
                          deck%block_of('law'))
     else if (size(contact_laws) == 0 .and. scene%bodies%n + deck%absent%n > 1) then
       call deck%warn(diagnostics, 'the deck has no [[law]] of contact: bodies pass through each other', deck%block_of('scene'))

@@ -1,4 +1,4 @@
-!> Names of bodies: all ranks know all of them while a deck is read, whoever keeps the bodies.
+!> Names of bodies: all ranks hold all of them while a deck is read, whichever rank keeps the bodies.
 module sg_named_bodies
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
@@ -17,7 +17,7 @@ contains
 
   !> List the names that blocks give to bodies.
   subroutine list_names(deck, period, diagnostics)
-    type(deck_t), intent(inout) :: deck !! checked deck; its blocks know their bodies
+    type(deck_t), intent(inout) :: deck !! checked deck; its blocks hold their bodies
     real(wp), intent(in) :: period(2) !! periods in x and y [m], zero where there is none
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(text_t), allocatable :: names(:)

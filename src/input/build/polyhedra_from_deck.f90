@@ -123,7 +123,7 @@ contains
     end if
   end subroutine read_vertices
 
-  !> A polyhedron from a file. What is wrong in the file is told with its line there, at the key of the deck.
+  !> A polyhedron from a file. A mistake in the file is reported with its line there, at the key of the deck.
   subroutine read_mesh_file(deck, b, shape, diagnostics)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b

@@ -48,7 +48,7 @@ contains
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: block !! block of the sample
     real(wp), intent(in) :: period(2) !! periods in x and y [m], 0 for none
-    logical, intent(in) :: may_stream !! need a rank know no grain but its own?
+    logical, intent(in) :: may_stream !! can a rank do without the grains of others?
     type(sample_t), intent(out) :: sample !! the grains
     type(census_t), intent(inout) :: census !! learns about grains that are not listed
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found

@@ -1,7 +1,7 @@
 !> Walls from the blocks wall, segments of the plane or planes in space, and the sides of the boxes that the blocks container
 !! describe.
 !!
-!! The frame of a plane's body has the axes of the world; the plane lies in it as the normal says.
+!! The frame of a plane's body has the axes of the world; the normal gives the direction of the plane in it.
 module sg_walls_from_deck
   use sg_blocks, only: deck_t
   use sg_contactors, only: add_segment

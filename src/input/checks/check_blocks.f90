@@ -91,7 +91,7 @@ contains
     sentence(1:1) = lower(sentence(1:1))
   end function first_sentence
 
-  !> Has a key that is given a meaning here? Not told when the word that decides is itself wrong.
+  !> Has a key that is given a meaning here? Not reported when the word that decides is itself wrong.
   subroutine check_use(deck, block, key, message)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: block

@@ -37,7 +37,7 @@ contains
     call check_trace(deck, deck%block_of('report'), diagnostics)
   end subroutine check_sense
 
-  !> Does a value say what its default says, as in effective decks?
+  !> Does a value equal its default, as in effective decks?
   pure logical function is_default(deck, value)
     type(deck_t), intent(in) :: deck
     type(value_t), intent(in) :: value
@@ -64,7 +64,7 @@ contains
                    trim(key%name), kind='unusual '//trim(key%name))
   end subroutine check_size
 
-  !> Warn of a key that is ignored for what another key says.
+  !> Warn of a key that is ignored because of another key.
   subroutine check_switch(deck, b, key, diagnostics)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b

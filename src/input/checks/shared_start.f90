@@ -75,7 +75,7 @@ contains
     if (allocated(known)) call move_alloc(known, scene%start_contacts)
   end subroutine order_share
 
-  !> Every grain lies within the period, and none is wider: of grains that one rank alone holds the first one is told.
+  !> Every grain lies within the period, and none is wider: of grains that one rank alone holds the first one is reported.
   subroutine check_shared_range(deck, scene, comm, diagnostics)
     type(deck_t), intent(in) :: deck
     type(scene_t), intent(in) :: scene

@@ -63,7 +63,7 @@ contains
     end associate
   end function lies_outside
 
-  !> Say that a grain is wider than the period.
+  !> Report a grain that is wider than the period.
   subroutine complain_of_wide(deck, number, reach, period, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: number !! number of the body in the whole scene
@@ -75,7 +75,7 @@ contains
                        to_text(period, 6)//' m', deck%block_of_body(number))
   end subroutine complain_of_wide
 
-  !> Say that a grain lies outside of the period.
+  !> Report a grain that lies outside of the period.
   subroutine complain_of_outside(deck, scene, number, axis, coordinate, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     type(scene_t), intent(in) :: scene !! scene with its period

@@ -16,7 +16,7 @@ module sg_lattice_slice
   private
   public :: sizes_t, slice_t, take_slice, shift_grain
 
-  !> Bits of a place on the curve by which pieces are told apart: this many buckets are counted
+  !> Bits of a place on the curve by which pieces are distinguished: this many buckets are counted
   integer, parameter :: bucket_bits = 18
 
   !> How grains are drawn

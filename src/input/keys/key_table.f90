@@ -22,7 +22,7 @@ module sg_key_table
                         value_pair = 6, value_range = 7, value_box = 8, value_points = 9, value_sides = 10, &
                         value_body = 11, value_bodies = 12, value_vector = 13, value_turn = 14, value_triple = 15, &
                         value_faces = 16, value_counts = 17
-  !> Words for them in the plane, as the reference and messages say it
+  !> Words for them in the plane, as in the reference and in messages
   character(len=29), parameter :: plane_names(17) = [character(len=29) :: 'an integer', 'a number', 'true or false', &
     'a string', 'one of the words', 'a list of 2 numbers', 'a number or a list of 2', 'a list of 4 numbers', &
     'a list of [x, y]', 'an integer or a list of 2', 'the name or number of a body', 'a list of 2 bodies', &
@@ -35,7 +35,7 @@ module sg_key_table
   !> Where a key or a section has a meaning: in scenes of both dimensions, of two, of three
   integer, parameter :: in_both = 0, in_plane = 2, in_space = 3
 
-  !> Angles beyond a full turn are hardly meant [rad]; rounded up, for those who write 6.3
+  !> Angles beyond a full turn are hardly meant [rad]; rounded up, so that 6.3 is accepted
   real(wp), parameter :: full_turn = 6.3_wp
 
   !> One key of the table

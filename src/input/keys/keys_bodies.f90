@@ -67,7 +67,7 @@ contains
     character(len=*), intent(in) :: colour !! default of the colour
 
     call table%add('material', value_text, 'Name of the material; default: the only one.')
-    call table%add('colour', value_text, 'Colour, by which interactions tell bodies apart.', default='"'//colour//'"')
+    call table%add('colour', value_text, 'Colour, by which interactions distinguish bodies.', default='"'//colour//'"')
   end subroutine add_common
 
   !> Sizes of a shape that another key chooses.

@@ -45,7 +45,7 @@ contains
     call next_word(text, has_words)
     if (has_words) has_words = lower(present_word(text, 6)) == 'solid'
     text%at = 1
-    ! Some files of bytes begin with "solid" too: the length tells.
+    ! Some files of bytes begin with "solid" too: the length decides.
     if (n >= 0 .and. length == header + record*n) then
       call read_bytes(text, int(n), mesh, error)
     else if (has_words) then

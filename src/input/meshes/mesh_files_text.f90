@@ -29,7 +29,7 @@ module sg_mesh_files_text
 
   !> A file with a place to read from
   type :: mesh_text_t
-    !> Path, as said in messages
+    !> Path, as messages give it
     character(len=:), allocatable :: path
     !> All bytes
     character(len=:), allocatable :: content
@@ -204,7 +204,7 @@ contains
     end if
   end subroutine parse_number
 
-  !> A number as digits times a power of ten; its sign is left alone. A status other than zero tells that it is none.
+  !> A number as digits times a power of ten; its sign is left alone. A status other than zero means that it is none.
   pure subroutine take_apart(word, digits, n_digits, power, status)
     character(len=*), intent(in) :: word
     integer(i8), intent(out) :: digits

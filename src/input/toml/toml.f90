@@ -52,7 +52,7 @@ module sg_toml
     procedure :: find => document_find
   end type document_t
 
-  !> What toml.cpp tells of an entry
+  !> What toml.cpp reports of an entry
   type, bind(c) :: c_entry_t
     integer(c_int32_t) :: kind, key_line, key_column, line, column
     integer(c_int64_t) :: parent, path_length, text_length, integer

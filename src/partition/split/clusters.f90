@@ -1,10 +1,10 @@
 !> Splitting by a graph over many ranks: grains are grouped into clusters, and only the graph of clusters is gathered.
 !!
-!! Each rank groups its own grains along Hilbert's curve, at least a few dozen clusters a part (`make_clusters`). Who knows the
-!! clusters of all bodies that its contacts touch, copies of others' grains among them, knows the edges that these contacts
-!! make (`cluster_edges`). The graph of clusters, small enough for every rank, is gathered and split alike on all of them;
-!! then parts are given to those ranks that have most of their weight already; or, where that does as well, the present split is
-!! mended (`split_clusters`).
+!! Each rank groups its own grains along Hilbert's curve, at least a few dozen clusters a part (`make_clusters`). A rank
+!! that holds the clusters of all bodies that its contacts touch, copies of others' grains among them, finds the edges that
+!! these contacts make (`cluster_edges`). The graph of clusters, small enough for every rank, is gathered and split alike on all
+!! of them; then parts are given to those ranks that have most of their weight already; or, where that does as well, the present
+!! split is mended (`split_clusters`).
 module sg_clusters
   use sg_comm, only: comm_t
   use sg_contact_graph, only: contact_graph_t, contact_weight, graph_from_edges
@@ -171,7 +171,7 @@ contains
 
   !> Rename parts so that little weight moves: the largest weight that a rank has of a part is settled first.
   pure subroutine keep_at_home(rank, weight, parts, part)
-    integer(i4), intent(in) :: rank(:) !! rank that each item is at, from 0; beyond the parts, it has no say
+    integer(i4), intent(in) :: rank(:) !! rank that each item is at, from 0; beyond the parts, it is not counted
     real(wp), intent(in) :: weight(:) !! weight of each item, a whole number
     integer, intent(in) :: parts !! number of parts
     integer(i4), intent(inout) :: part(:) !! part of each item, from 1

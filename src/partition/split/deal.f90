@@ -24,7 +24,7 @@ contains
   subroutine deal_grains(comm, options, subdomain, bodies, contacts, home, error)
     type(comm_t), intent(inout) :: comm !! the ranks
     type(partition_options_t), intent(in) :: options !! how to split
-    type(subdomain_t), intent(in) :: subdomain !! who shares which bodies now
+    type(subdomain_t), intent(in) :: subdomain !! which ranks share which bodies now
     type(bodies_t), intent(in) :: bodies !! bodies of this rank's scene, with homes and numbers
     type(contacts_t), intent(in) :: contacts !! contacts that this rank owns
     integer(i4), allocatable, intent(out) :: home(:) !! new home of each body of this rank, -1 for wide ones, shape (n_home)

@@ -154,7 +154,7 @@ contains
         n = n + 1
         edges(n) = int(minval(home), i8)*int(parts, i8) + int(maxval(home), i8)
         borrowed = contacts%body(merge(2, 1, home(1) + 1 == owner(k)), k)
-        ! A grain lent to several parts is told apart by the borrower; its home follows from the grain.
+        ! A grain lent to several parts is distinguished by the borrower; its home follows from the grain.
         loans(n) = int(borrowed, i8)*int(parts, i8) + int(owner(k) - 1, i8)
       end associate
     end do
