@@ -45,7 +45,7 @@ contains
   end if
   call h5pset_fapl_mpio_f(access, self%ranks%handle(), self%ranks%no_hints(), status)
   call check(self, status, 'cannot share files between ranks')
-  ! Ranks that write what they know of the file one by one may wait for each other for ever.
+  ! Ranks that write the file's metadata one by one may wait for each other for ever.
   call h5pset_coll_metadata_write_f(access, .true., status)
   call check(self, status, 'cannot share files between ranks')
   end procedure share_access

@@ -1,5 +1,5 @@
 !> HDF5 files by the HDF5 library (1.10.7 or later), through its serial driver: MPI need not be started. Files that
-!! ranks share go through its driver for MPI, which hdf5_sharing_with_mpio knows.
+!! ranks share go through its driver for MPI (hdf5_sharing_with_mpio).
 !!
 !! Files and failures are here; datasets and attributes in submodules of this one.
 submodule(sg_hdf5) hdf5_with_hdf5
@@ -18,7 +18,7 @@ submodule(sg_hdf5) hdf5_with_hdf5
   !> By how much files in memory grow [byte]
   integer(c_size_t), parameter :: piece_of_memory = 2_c_size_t**16
 
-  !> What the library's stack of errors tells of one failure
+  !> What the library's stack of errors holds of one failure
   type, bind(c) :: stacked_error_t
     integer(c_int64_t) :: class, major, minor
     integer(c_int) :: line
@@ -92,7 +92,7 @@ contains
 
   call start(self, name, access, comm)
   if (present(is_checked)) self%is_checked = is_checked
-  ! The format of 1.10 has check sums over all that says where and what the datasets are.
+  ! The format of 1.10 has check sums over its metadata: where and what the datasets are.
   if (self%is_checked) call h5pset_libver_bounds_f(access, h5f_libver_v110_f, h5f_libver_v110_f, status)
   if (self%ranks%size > 1) call share_access(self, access, .true.)
   if (present(is_in_memory)) then
@@ -163,8 +163,8 @@ contains
     call settle(self)
   end subroutine opened
 
-  !> Have the disk promise room for a dataset of so many bytes, and for what the library needs to know of it: when it is
-  !! told of a full disk by some ranks alone, the others may wait for ever.
+  !> Have the disk promise room for a dataset of so many bytes, and for the library's metadata of it: when the disk is
+  !! full for some ranks alone, the others may wait for ever.
   subroutine reserve(self, bytes)
     class(hdf5_file_t), intent(inout) :: self
     integer(i8), intent(in) :: bytes

@@ -21,7 +21,7 @@ contains
   call refuse(self, name)
   end procedure file_open
 
-  !> Say why there are no files of this kind.
+  !> Report why there are no files of this kind.
   subroutine refuse(self, name)
     class(hdf5_file_t), intent(inout) :: self
     character(len=*), intent(in) :: name

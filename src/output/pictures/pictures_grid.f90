@@ -1,7 +1,7 @@
 !> One VTKHDF file: a single unstructured grid that changes with time, one part a step.
 !!
 !! A step goes: `part` (cells, where they change), `place` (points), `put` (arrays), `finish`. A step's rows follow
-!! those of the steps before, and /VTKHDF/Steps tells where each begins. `NSteps` is set last, after all else has
+!! those of the steps before, and /VTKHDF/Steps holds where each begins. `NSteps` is set last, after all else has
 !! been flushed, so that a reader that looks on, or comes after a kill, finds whole steps. doc/guide/files.md lists
 !! the datasets.
 !!
@@ -49,7 +49,7 @@ module sg_pictures_grid
 
   !> A file of this kind
   type :: grid_file_t
-    !> The HDF5 file; its `error` tells of the first failure
+    !> The HDF5 file; its `error` holds the first failure
     type(hdf5_file_t) :: file
     !> Complete steps
     integer(i8) :: n_steps = 0
@@ -241,7 +241,7 @@ contains
     call self%file%cut(grid_root//name, rows)
   end subroutine keep
 
-  !> Say that a file to go on with lacks rows.
+  !> Report that a file to go on with lacks rows.
   subroutine not_whole(self, name)
     type(grid_file_t), intent(inout) :: self
     character(len=*), intent(in) :: name
@@ -435,7 +435,7 @@ contains
     if (array%where == on_field) call keep(self, 'Steps/FieldDataSizes/'//array%name, self%n_steps)
   end subroutine find_array
 
-  !> End the step: tell where its rows begin, flush, and only then count it.
+  !> End the step: store where its rows begin, flush, and only then count it.
   subroutine grid_finish(self, time, step)
     class(grid_file_t), intent(inout) :: self
     real(wp), intent(in) :: time !! [s]

@@ -1,7 +1,7 @@
 !> The shapes of a scene that ranks share, in pieces: each rank draws a block of all points and a block of all cells.
 !!
 !! Points, cells and corners are numbered as one rank would write them, contactor by contactor. Shapes never change, so
-!! they come to those who draw them once; at each picture only the motion of their bodies follows.
+!! they come once to the ranks that draw them; at each picture only the motion of their bodies follows.
 module sg_pictures_pieces
   use sg_block_distribution, only: block_distribution_t, wanted_t
   use sg_bodies, only: bodies_t, make_bodies_like
@@ -35,7 +35,7 @@ module sg_pictures_pieces
 
 contains
 
-  !> Bring all shapes to those who draw them.
+  !> Bring all shapes to the ranks that draw them.
   subroutine pieces_plan(self, scene, is_mine, body_rows, mesh, comm)
     class(pieces_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! scene of this rank
@@ -127,7 +127,7 @@ contains
     end do
   end function starts_of
 
-  !> Bring the shapes of this rank's own contactors to those who draw them.
+  !> Bring the shapes of this rank's own contactors to the ranks that draw them.
   subroutine spread_mesh(comm, start, number, mesh, topology)
     type(comm_t), intent(inout) :: comm
     integer(i8), intent(in) :: start(:, :) !! points, cells and corners of all ranks before those of each contactor

@@ -102,7 +102,7 @@ contains
       text = text//topology(self, grid)//geometry(self, grid)
     end if
     do a = 1, size(grid%arrays)
-      ! XDMF knows no quaternions, and its matrices are read in more than one way.
+      ! XDMF has no quaternions, and its matrices are read in more than one way.
       if (grid%arrays(a)%where == on_field .or. grid%arrays(a)%components > 3) cycle
       text = text//attribute(self, grid, grid%arrays(a))
     end do
@@ -117,7 +117,7 @@ contains
     self%end = self%end + len(text, kind=i8)
   end subroutine xdmf_add
 
-  !> A step without cells: a line of no length, since XDMF knows no empty grid.
+  !> A step without cells: a line of no length, since XDMF has no empty grid.
   function nothing() result(text)
     character(len=:), allocatable :: text
 
