@@ -16,40 +16,43 @@ module sg_pack_bodies
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: pack_body, order_records, rebuild_scene, drop_bodies, drop_step_state
+  public :: pack_bodies, order_records, rebuild_scene, drop_bodies, drop_step_state
 
   !> Places of values in a record
-  integer, parameter :: place_length = 1, place_number = 2, place_home = 3, place_contactors = 4
+  integer, parameter :: place_length = 1, place_number = 2, place_home = 3
+  !> Bodies whose fields are moved in one visit: few enough to stay in the cache
+  integer, parameter :: per_visit = 256
 
 contains
 
-  !> Append the record of a body with its contactors.
-  subroutine pack_body(scene, body, first, list, home, least, parcel)
+  !> Append the records of bodies with their contactors.
+  subroutine pack_bodies(scene, body, first, list, home, least, parcel)
     type(scene_t), intent(in) :: scene !! whole scene, or the part of this rank
-    integer, intent(in) :: body !! body of that scene
+    integer(i4), intent(in) :: body(:) !! bodies of that scene
     integer(i4), intent(in) :: first(:) !! contactors of body b are list(first(b):first(b + 1) - 1)
     integer(i4), intent(in) :: list(:) !! see `contactors_of_bodies`
-    integer, intent(in) :: home !! rank that is or becomes its home; -1 for wide bodies
-    integer, intent(in) :: least !! `sync_on_copy` where the record is of a copy, else `sync_on_owner`
-    type(parcel_t), intent(inout) :: parcel !! takes the record
+    integer(i4), intent(in) :: home(:) !! rank that is or becomes the home of each; -1 for wide bodies
+    integer, intent(in) :: least !! `sync_on_copy` where the records are of copies, else `sync_on_owner`
+    type(parcel_t), intent(inout) :: parcel !! takes the records
     real(wp), allocatable :: values(:, :)
-    integer :: start, number, k
+    integer(i4) :: number
+    integer :: start, i, k, n
 
-    number = body
-    if (allocated(scene%bodies%id)) number = scene%bodies%id(body)
-    start = parcel%n + 1
-    call parcel%put(0) ! the length, known at the end
-    call parcel%put(number)
-    call parcel%put(home)
-    call parcel%put(first(body + 1) - first(body))
-    call parcel%put(least)
-    call scene%bodies%pack([int(body, i4)], values, least)
-    call parcel%put(values)
-    do k = first(body), first(body + 1) - 1
-      call pack_contactor(scene%contactors, list(k), parcel)
+    do i = 1, size(body)
+      n = modulo(i - 1, per_visit) + 1
+      if (n == 1) call scene%bodies%pack(body(i:min(i + per_visit - 1, size(body))), values, least)
+      number = body(i)
+      if (allocated(scene%bodies%id)) number = scene%bodies%id(body(i))
+      start = parcel%n + 1
+      call parcel%put(0) ! the length, known at the end
+      call parcel%put([number, home(i), first(body(i) + 1) - first(body(i)), int(least, i4)])
+      call parcel%put(values(:, n))
+      do k = first(body(i)), first(body(i) + 1) - 1
+        call pack_contactor(scene%contactors, list(k), parcel)
+      end do
+      parcel%value(start) = real(parcel%n - start + 1, wp)
     end do
-    parcel%value(start) = real(parcel%n - start + 1, wp)
-  end subroutine pack_body
+  end subroutine pack_bodies
 
   !> Where the records of a parcel begin, in the order of a rank's bodies: first those it counts as its own, then copies of
   !! others', both by ascending number. No body may stand in the parcel twice.
@@ -139,28 +142,69 @@ contains
     integer, intent(in) :: start(:)
     type(bodies_t), intent(inout) :: bodies
     type(contactors_t), intent(inout) :: contactors
+    integer(i4) :: rule(size(start)), carried(size(start))
+    integer :: behind(size(start)), least, b, width
+
+    do b = 1, size(start)
+      parcel%at = start(b) + place_number - 2
+      call parcel%take(bodies%id(b))
+      call parcel%take(bodies%home(b))
+      call parcel%take(carried(b))
+      call parcel%take(rule(b))
+      behind(b) = parcel%at
+    end do
+    do least = sync_never, sync_always
+      width = bodies%width(least)
+      call unpack_fields(parcel, behind, pack([(int(b, i4), b=1, size(start))], rule == least), width, least, bodies)
+      where (rule == least) behind = behind + width
+    end do
+    call unpack_contactors(parcel, behind, carried, bodies%dimension, contactors)
+  end subroutine unpack_bodies
+
+  !> Read the fields of some bodies, which stand behind a value of each record.
+  subroutine unpack_fields(parcel, behind, body, width, least, bodies)
+    type(parcel_t), intent(in) :: parcel
+    integer, intent(in) :: behind(:), width, least
+    integer(i4), intent(in) :: body(:)
+    type(bodies_t), intent(inout) :: bodies
+    real(wp) :: values(width, min(per_visit, size(body)))
+    integer :: b, i, n
+
+    do b = 1, size(body), per_visit
+      n = min(per_visit, size(body) - b + 1)
+      do i = 1, n
+        associate (at => behind(body(b + i - 1)))
+          values(:, i) = parcel%value(at + 1:at + width)
+        end associate
+      end do
+      call bodies%unpack(body(b:b + n - 1), values(:, :n), least)
+    end do
+  end subroutine unpack_fields
+
+  !> Read the contactors that stand behind a value of each record, by ascending number.
+  subroutine unpack_contactors(parcel, behind, carried, dimension, contactors)
+    type(parcel_t), intent(inout) :: parcel
+    integer, intent(in) :: behind(:), dimension
+    integer(i4), intent(in) :: carried(:) !! contactors of each body
+    type(contactors_t), intent(inout) :: contactors
     integer, allocatable :: before(:)
     integer(i4), allocatable :: body(:), order(:)
     integer(i8), allocatable :: number(:)
-    integer(i4) :: n_contactors, kind, vertices, one
-    integer :: b, c, k, n, n_rows(n_kinds), n_vertices, width(sync_never:sync_always)
+    integer(i4) :: kind, vertices, one
+    integer :: b, c, k, n, n_rows(n_kinds), n_vertices
 
-    n = 0
-    do b = 1, size(start)
-      n = n + nint(parcel%value(start(b) + place_contactors - 1))
-    end do
+    n = sum(carried)
     allocate (before(n), body(n), number(n))
-    width = [(bodies%width(k), k=sync_never, sync_always)]
     n_rows = 0
     n_vertices = 0
     c = 0
-    do b = 1, size(start)
-      call unpack_body(parcel, start(b), width, bodies, b, n_contactors)
-      do k = 1, n_contactors
+    do b = 1, size(behind)
+      parcel%at = behind(b)
+      do k = 1, carried(b)
         c = c + 1
         before(c) = parcel%at
-        body(c) = b
-        call unpack_size(parcel, bodies%dimension, one, kind, vertices)
+        body(c) = int(b, i4)
+        call unpack_size(parcel, dimension, one, kind, vertices)
         number(c) = int(one, i8)
         n_rows(kind) = n_rows(kind) + 1
         n_vertices = n_vertices + vertices
@@ -168,30 +212,10 @@ contains
     end do
     order = sort_permutation(number)
     deallocate (number)
-    call make_room_for_shapes(contactors, bodies%dimension, n_rows, n_vertices)
+    call make_room_for_shapes(contactors, dimension, n_rows, n_vertices)
     do c = 1, n
       parcel%at = before(order(c))
       call unpack_contactor(contactors, c, body(order(c)), parcel)
     end do
-  end subroutine unpack_bodies
-
-  !> Read what a record says of its body; the parcel is left before its contactors.
-  subroutine unpack_body(parcel, start, width, bodies, b, n_contactors)
-    type(parcel_t), intent(inout) :: parcel
-    integer, intent(in) :: start, width(sync_never:) !! values of the fields, by the lowest rule
-    type(bodies_t), intent(inout) :: bodies
-    integer, intent(in) :: b
-    integer(i4), intent(out) :: n_contactors
-    integer(i4) :: least
-
-    parcel%at = start + place_number - 2
-    call parcel%take(bodies%id(b))
-    call parcel%take(bodies%home(b))
-    call parcel%take(n_contactors)
-    call parcel%take(least)
-    associate (n => width(least))
-      call bodies%unpack([int(b, i4)], reshape(parcel%value(parcel%at + 1:parcel%at + n), [n, 1]), least)
-      parcel%at = parcel%at + n
-    end associate
-  end subroutine unpack_body
+  end subroutine unpack_contactors
 end module sg_pack_bodies

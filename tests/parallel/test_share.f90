@@ -14,7 +14,7 @@ program test_share
   use sg_kinds, only: wp, i4
   use sg_laws, only: status_stick
   use sg_local_numbers, only: contactors_of_bodies
-  use sg_pack_bodies, only: pack_body
+  use sg_pack_bodies, only: pack_bodies
   use sg_parcels, only: parcel_t
   use sg_plan, only: make_plan, plan_t
   use sg_run_options, only: run_options_t
@@ -244,8 +244,8 @@ contains
       one%n = 0
       other%n = 0
       least = merge(sync_on_owner, sync_on_copy, b <= share%bodies%n_home)
-      call pack_body(share, b, first, list, 0, least, one)
-      call pack_body(whole, int(share%bodies%id(b)), all_first, all_list, 0, least, other)
+      call pack_bodies(share, [int(b, i4)], first, list, [0_i4], least, one)
+      call pack_bodies(whole, share%bodies%id(b:b), all_first, all_list, [0_i4], least, other)
       if (one%n /= other%n) cycle
       if (same(one%value(:one%n), other%value(:one%n))) n_same = n_same + 1
     end do

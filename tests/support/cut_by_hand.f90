@@ -8,7 +8,7 @@ module cut_by_hand
   use sg_homes, only: owner_of
   use sg_kinds, only: i4
   use sg_local_numbers, only: contactors_of_bodies
-  use sg_pack_bodies, only: order_records, pack_body, rebuild_scene
+  use sg_pack_bodies, only: order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
   use sg_subdomain, only: subdomain_t
@@ -32,7 +32,7 @@ contains
     type(parcel_t) :: parcel
     integer :: place(whole%bodies%n), seat(whole%contactors%n), n_home, i
     integer, allocatable :: start(:), kept(:)
-    integer(i4), allocatable :: first(:), list(:)
+    integer(i4), allocatable :: first(:), list(:), held(:)
     logical :: is_held(whole%bodies%n, 0:size_of_all - 1)
 
     home = merge(part, -1_i4, whole%bodies%is_grain)
@@ -40,9 +40,8 @@ contains
       is_held(:, i) = held_by(i, home, contacts)
     end do
     call contactors_of_bodies(whole%contactors, whole%bodies%n, first, list)
-    do i = 1, whole%bodies%n
-      if (is_held(i, rank)) call pack_body(whole, i, first, list, int(home(i)), sync_on_owner, parcel)
-    end do
+    held = pack([(int(i, i4), i=1, whole%bodies%n)], is_held(:, rank))
+    call pack_bodies(whole, held, first, list, home(held), sync_on_owner, parcel)
     call order_records(parcel, rank, size_of_all, start, n_home)
     local = whole
     call rebuild_scene(local, parcel, start, n_home)

@@ -9,7 +9,7 @@ module rank_parts
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_iqs_g0
   use sg_local_numbers, only: contactors_of_bodies, local_body, local_contactor
-  use sg_pack_bodies, only: order_records, pack_body, rebuild_scene
+  use sg_pack_bodies, only: order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
@@ -188,7 +188,7 @@ contains
     type(scene_t), intent(out) :: scene !! its scene
     type(contacts_t), intent(out) :: contacts !! its contacts
     type(parcel_t) :: parcel
-    integer(i4), allocatable :: first(:), list(:)
+    integer(i4), allocatable :: first(:), list(:), held(:)
     integer, allocatable :: start(:)
     logical :: is_held(whole%bodies%n)
     integer :: b, n_home
@@ -205,9 +205,8 @@ contains
       end associate
     end do
     call contactors_of_bodies(whole%contactors, whole%bodies%n, first, list)
-    do b = 1, whole%bodies%n
-      if (is_held(b)) call pack_body(whole, b, first, list, int(home(b)), sync_on_owner, parcel)
-    end do
+    held = pack([(int(b, i4), b=1, whole%bodies%n)], is_held)
+    call pack_bodies(whole, held, first, list, home(held), sync_on_owner, parcel)
     call order_records(parcel, rank, ranks, start, n_home)
     scene = whole
     call rebuild_scene(scene, parcel, start, n_home)

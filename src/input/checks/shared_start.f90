@@ -10,7 +10,7 @@ module sg_shared_start
   use sg_halo, only: make_halo
   use sg_kinds, only: wp, i4
   use sg_local_numbers, only: contactors_of_bodies
-  use sg_pack_bodies, only: drop_step_state, order_records, pack_body, rebuild_scene
+  use sg_pack_bodies, only: drop_step_state, order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t, start_contact_t
   use sg_start_checks, only: complain_of_outside, complain_of_wide, first_wide, lies_outside
@@ -66,9 +66,7 @@ contains
     if (allocated(scene%start_contacts)) call move_alloc(scene%start_contacts, known)
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     call drop_step_state(scene)
-    do b = 1, scene%bodies%n
-      call pack_body(scene, b, first, list, int(scene%bodies%home(b)), sync_on_owner, bodies)
-    end do
+    call pack_bodies(scene, [(int(b, i4), b=1, scene%bodies%n)], first, list, scene%bodies%home, sync_on_owner, bodies)
     call order_records(bodies, comm%rank, comm%size, start, n_home)
     call rebuild_scene(scene, bodies, start, n_home)
     call localise(whole, scene)

@@ -8,7 +8,7 @@ module sg_halo
   use sg_link_copies, only: link_copies_t
   use sg_lists, only: reserve
   use sg_local_numbers, only: contactors_of_bodies, local_body
-  use sg_pack_bodies, only: order_records, pack_body, rebuild_scene
+  use sg_pack_bodies, only: order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
   use sg_sorting, only: group_items, sort_permutation
@@ -60,7 +60,7 @@ contains
     type(parcel_t), intent(inout) :: bodies, holders
     type(territory_t) :: territory
     real(wp) :: reach(scene%bodies%n_home)
-    integer(i4), allocatable :: first(:), list(:)
+    integer(i4), allocatable :: first(:), list(:), kept(:)
     integer :: sent(0:comm%size - 1), told(0:comm%size - 1), r, b, i
     type(copies_t) :: copies
     type(link_copies_t) :: linked
@@ -74,21 +74,22 @@ contains
     do r = 0, comm%size - 1
       sent(r) = records%n
       told(r) = words%n
-      do i = copies%first(r), copies%first(r + 1) - 1
-        b = copies%body(i)
-        call pack_body(scene, b, first, list, int(scene%bodies%home(b)), sync_on_copy, records)
-        call put_holders(scene%bodies%id(b), copies, b, words)
-      end do
+      associate (copied => copies%body(copies%first(r):copies%first(r + 1) - 1))
+        call pack_bodies(scene, copied, first, list, scene%bodies%home(copied), sync_on_copy, records)
+        do i = 1, size(copied)
+          call put_holders(scene%bodies%id(copied(i)), copies, int(copied(i)), words)
+        end do
+      end associate
       sent(r) = records%n - sent(r)
       told(r) = words%n - told(r)
     end do
     call swap_parcel(records, sent, comm, bodies)
     call swap_parcel(words, told, comm, holders)
     ! Own bodies and wide ones stay; what this rank tells itself is who else holds its own.
-    do b = 1, scene%bodies%n
-      if (b > scene%bodies%n_home .and. scene%bodies%home(b) >= 0) cycle
-      call pack_body(scene, b, first, list, int(scene%bodies%home(b)), sync_on_owner, bodies)
-      if (b > scene%bodies%n_home) cycle
+    kept = [(int(b, i4), b=1, scene%bodies%n)]
+    kept = pack(kept, kept <= scene%bodies%n_home .or. scene%bodies%home(kept) < 0)
+    call pack_bodies(scene, kept, first, list, scene%bodies%home(kept), sync_on_owner, bodies)
+    do b = 1, scene%bodies%n_home
       if (copies%start(b + 1) > copies%start(b)) call put_holders(scene%bodies%id(b), copies, b, holders)
     end do
   end subroutine gather_records

@@ -5,7 +5,7 @@ module sg_migrate
   use sg_kinds, only: wp, i4
   use sg_lists, only: reserve
   use sg_local_numbers, only: contactors_of_bodies
-  use sg_pack_bodies, only: drop_bodies, drop_step_state, order_records, pack_body, rebuild_scene
+  use sg_pack_bodies, only: drop_bodies, drop_step_state, order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
   use sg_sorting, only: group_items
@@ -21,27 +21,30 @@ contains
     integer(i4), intent(in) :: home(:) !! new home of each own body, -1 for wide ones, shape (at least n_home)
     type(comm_t), intent(inout) :: comm !! the ranks
     integer, parameter :: sample = 256
-    type(parcel_t) :: leaving, bodies
+    type(parcel_t) :: leaving, bodies, some
     real(wp), allocatable :: values(:)
+    real(wp) :: expected
     integer, allocatable :: received(:), first_leaver(:), leaver(:), start(:)
-    integer(i4), allocatable :: first(:), list(:)
-    integer :: sent(0:comm%size - 1), r, i, b, n_home
+    integer(i4), allocatable :: first(:), list(:), wide(:)
+    integer :: sent(0:comm%size - 1), r, b, n_home
 
     call drop_step_state(scene)
     call group_items(home(:scene%bodies%n_home) + 1_i4, comm%size, first_leaver, leaver)
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
-    allocate (leaving%value(0))
+    wide = pack([(int(b, i4), b=1, scene%bodies%n)], scene%bodies%home(:scene%bodies%n) < 0)
+    ! Room for all, judged by some: a list that grows by and by would for moments need it twice.
+    associate (body => leaver(:min(sample, size(leaver))))
+      call pack_bodies(scene, body, first, list, home(body), sync_on_owner, some)
+      expected = 1.05_wp*real(some%n, wp)*real(size(leaver), wp)/real(max(1, size(body)), wp)
+    end associate
+    if (expected < real(huge(1), wp)) call reserve(leaving%value, int(expected))
     do r = 0, comm%size - 1
       sent(r) = leaving%n
-      do i = first_leaver(r + 1), first_leaver(r + 2) - 1
-        call pack_body(scene, leaver(i), first, list, r, sync_on_owner, leaving)
-        ! Room for all, judged by the first ones: a list that grows by and by would for moments need it twice.
-        if (i == sample) call make_room(leaving, real(size(leaver), wp)/real(sample, wp))
-      end do
+      associate (body => leaver(first_leaver(r + 1):first_leaver(r + 2) - 1))
+        call pack_bodies(scene, body, first, list, home(body), sync_on_owner, leaving)
+      end associate
       ! Wide bodies stay: what a rank sends to itself.
-      do b = 1, merge(scene%bodies%n, 0, r == comm%rank)
-        if (scene%bodies%home(b) < 0) call pack_body(scene, b, first, list, -1, sync_on_owner, leaving)
-      end do
+      if (r == comm%rank) call pack_bodies(scene, wide, first, list, scene%bodies%home(wide), sync_on_owner, leaving)
       sent(r) = leaving%n - sent(r)
     end do
     deallocate (first, list, leaver)
@@ -52,14 +55,4 @@ contains
     call order_records(bodies, comm%rank, comm%size, start, n_home)
     call rebuild_scene(scene, bodies, start, n_home)
   end subroutine migrate
-
-  !> Make room for some times the values that a parcel has, and a little more.
-  subroutine make_room(parcel, times)
-    type(parcel_t), intent(inout) :: parcel
-    real(wp), intent(in) :: times
-    real(wp) :: expected
-
-    expected = 1.05_wp*real(parcel%n, wp)*times
-    if (expected < real(huge(1), wp)) call reserve(parcel%value, int(expected))
-  end subroutine make_room
 end module sg_migrate

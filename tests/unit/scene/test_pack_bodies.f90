@@ -14,7 +14,7 @@ program test_pack_bodies
   use sg_kinds, only: wp, i4, pi
   use sg_local_numbers, only: contactors_of_bodies, local_body, local_contactor
   use sg_neighbours, only: neighbours_t
-  use sg_pack_bodies, only: order_records, pack_body, rebuild_scene
+  use sg_pack_bodies, only: order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_polyhedron, only: polyhedron_t
   use sg_random, only: random_t
@@ -24,7 +24,7 @@ program test_pack_bodies
   use sg_text, only: to_text
   use sg_whole, only: keep_whole, localise, whole_t
   implicit none
-  integer, parameter :: n_bodies = 120, n_wide = 6
+  integer, parameter :: n_bodies = 600, n_wide = 6
   type(tests_t) :: t
 
   call test_parcel()
@@ -252,14 +252,13 @@ contains
     type(scene_t) :: local
     type(parcel_t) :: parcel
     type(whole_t) :: whole
-    integer(i4), allocatable :: first(:), list(:)
+    integer(i4), allocatable :: first(:), list(:), backwards(:)
     integer, allocatable :: start(:)
     integer :: b, n_home
 
     call contactors_of_bodies(scene%contactors, n_bodies, first, list)
-    do b = n_bodies, 1, -1
-      call pack_body(scene, b, first, list, home=merge(0, -1, scene%bodies%is_grain(b)), least=sync_on_owner, parcel=parcel)
-    end do
+    backwards = [(int(b, i4), b=n_bodies, 1, -1)]
+    call pack_bodies(scene, backwards, first, list, merge(0_i4, -1_i4, scene%bodies%is_grain(backwards)), sync_on_owner, parcel)
     call order_records(parcel, 0, 1, start, n_home)
     call t%equal(n_home, n_bodies, name//', whole: all are at home')
     local = scene
@@ -345,7 +344,7 @@ contains
     type(scene_t) :: local, again
     type(parcel_t) :: parcel, next
     type(whole_t) :: whole
-    integer(i4), allocatable :: first(:), list(:)
+    integer(i4), allocatable :: first(:), list(:), backwards(:)
     integer, allocatable :: start(:)
     integer :: rank, i, b, n_home, n, total
 
@@ -356,10 +355,10 @@ contains
       parcel%n = 0
       n = 0
       do i = 1, n_bodies
-        b = modulo(i*78, n_bodies + 1) ! each body once: 78 and 121 share no factor
+        b = modulo(i*78, n_bodies + 1) ! each body once: 601 is a prime
         if (home_of(scene, b) == modulo(rank + 1, 3) .and. modulo(b, 3) > 0) cycle
         if (home_of(scene, b) == modulo(rank + 2, 3)) cycle
-        call pack_body(scene, b, first, list, home_of(scene, b), sync_on_owner, parcel)
+        call pack_bodies(scene, [int(b, i4)], first, list, [int(home_of(scene, b), i4)], sync_on_owner, parcel)
         n = n + 1
       end do
       call order_records(parcel, rank, 3, start, n_home)
@@ -373,9 +372,8 @@ contains
       call check_localised(scene, local, name)
       next%n = 0
       call contactors_of_bodies(local%contactors, local%bodies%n, first, list)
-      do b = local%bodies%n, 1, -1
-        call pack_body(local, b, first, list, int(local%bodies%home(b)), sync_on_owner, next)
-      end do
+      backwards = [(int(b, i4), b=local%bodies%n, 1, -1)]
+      call pack_bodies(local, backwards, first, list, local%bodies%home(backwards), sync_on_owner, next)
       call order_records(next, rank, 3, start, n_home)
       again = local
       call rebuild_scene(again, next, start, n_home)
@@ -432,12 +430,10 @@ contains
 
     call contactors_of_bodies(local%contactors, local%bodies%n, first, list)
     do b = 1, local%bodies%n
-      call pack_body(local, b, first, list, 5, sync_on_owner, got)
+      call pack_bodies(local, [int(b, i4)], first, list, [5_i4], sync_on_owner, got)
     end do
     call contactors_of_bodies(scene%contactors, n_bodies, first, list)
-    do b = 1, local%bodies%n
-      call pack_body(scene, int(local%bodies%id(b)), first, list, 5, sync_on_owner, expected)
-    end do
+    call pack_bodies(scene, local%bodies%id, first, list, spread(5_i4, 1, local%bodies%n), sync_on_owner, expected)
     call t%check(same(got%value(:got%n), expected%value(:expected%n)), name//', parts: records')
     call t%check(same(local%bodies%position, scene%bodies%position(:, local%bodies%id)), name//', parts: positions')
   end subroutine check_records
@@ -481,7 +477,7 @@ contains
     call localise(whole, empty)
     call t%equal(empty%bodies%n + empty%contactors%n + empty%bodies%n_home + size(empty%drives), 0, name//', empty: nothing')
     call contactors_of_bodies(scene%contactors, n_bodies, first, list)
-    call pack_body(scene, 9, first, list, 1, sync_on_owner, parcel)
+    call pack_bodies(scene, [9_i4], first, list, [1_i4], sync_on_owner, parcel)
     call order_records(parcel, 1, 2, start, n_home)
     local = empty
     call rebuild_scene(local, parcel, start, n_home)
