@@ -44,6 +44,8 @@ module sg_neighbours
     real(wp) :: skin = 0
     !> Skin of the next list, where all ranks of a decomposed scene must have the same; 0 where it is free to choose [m]
     real(wp) :: asked_skin = 0
+    !> Are only shapes sought that touch, whatever the alert distances are?
+    logical :: without_alert = .false.
     !> Rank whose contacts are sought, in a decomposed scene: each contact belongs to one rank
     integer :: rank = 0
     !> Memory that the list may grow in, and wall time at which its making ends; 0 for none [s]
@@ -263,7 +265,8 @@ contains
       end do
       reach(i) = scene%contactors%reach(order(i))
     end do
-    margin = pairs%skin + widest_alert(scene%sees)
+    margin = pairs%skin
+    if (.not. pairs%without_alert) margin = margin + widest_alert(scene%sees)
     call build_cells(cells, centre, reach, margin, period)
     pairs%n = 0
     pairs%is_cut = .false.
@@ -425,7 +428,7 @@ contains
     integer(i4), intent(in) :: table(:, :), i, j
     integer, intent(in) :: image(2) !! periods by which j is moved, in x and y
     integer(i4) :: see
-    real(wp) :: period(3)
+    real(wp) :: period(3), margin
     integer :: side
 
     associate (contactors => scene%contactors)
@@ -436,7 +439,9 @@ contains
         if (owner_of(scene%bodies%home([contactors%body(i), contactors%body(j)])) /= pairs%rank) return
       end if
       period = [scene%period, scene%period_y, 0.0_wp]
-      if (.not. is_near(contactors, i, j, period*real([image, 0], wp), period, scene%sees(see)%alert + pairs%skin)) return
+      margin = pairs%skin
+      if (.not. pairs%without_alert) margin = scene%sees(see)%alert + pairs%skin
+      if (.not. is_near(contactors, i, j, period*real([image, 0], wp), period, margin)) return
       side = merge(1, -1, candidate_first(contactors, i, j))
       call add_pair(pairs, scene%dimension, merge([i, j], [j, i], side == 1), int(side*image, i4), int(see))
     end associate

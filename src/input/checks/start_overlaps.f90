@@ -53,6 +53,7 @@ contains
       pairs%built = bodies%middle
     end associate
     pairs%rank = rank
+    pairs%without_alert = .true.
     call find_neighbours(pairs, scene)
     do p = 1, pairs%n
       image = int(pairs%image(p), i4)
