@@ -21,6 +21,8 @@ module sg_method_shares
     !> Least share of plain sweeps, with a margin for effort that takes longer than counted; that of each other method that is not
     !! ahead
     real(wp) :: plain = 0.55_wp, other = 0.025_wp
+    !> Least share of accelerated sweeps where sweeps stall and no method that factorises promises half of the least e1
+    real(wp) :: accelerated = 0.15_wp
     !> Sweeps stall where e1 is above `stall` of that at the part `window` of their effort
     real(wp) :: stall = 0.9_wp, window = 0.7_wp
     !> A method is far behind where its e1 is so many times that of the best
@@ -127,6 +129,7 @@ contains
     next = plain
     m = method_on_trial(shares, methods, promised, total)
     if (m > 0) then
+      if (.not. promised(m) < minval(methods%e1)/2 .and. methods(accelerated)%operations < shares%accelerated*total) m = accelerated
       if (has_place(m)) next = m
       return
     end if
