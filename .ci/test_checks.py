@@ -246,3 +246,47 @@ def test_references(project):
     page.write_text("- **[Jean1999]** M. Jean\n- **[Moreau1988]** J. J. Moreau\n")
     status, printed = run("check_words", project)
     assert status == 1 and "references.md:2: no file cites [Moreau1988]" in printed
+
+
+PAGE = """# The page
+
+## How `work` works
+
+The step `work` of `text.f90` (`src/base/text.f90`, [here](#how-work-works), [there](other.md#the-page)), and
+`src/<room>/text.f90`; `sim%step` and `PTPT2_LoadNetwork`.
+
+<!-- where -->
+| thing | file | names |
+|---|---|---|
+| the work | `src/base/text.f90` | `work` |
+<!-- end -->
+
+```
+src/base/text  calls any_thing of `the_kind`
+```
+"""
+
+
+@pytest.mark.parametrize("old, new, finding", [
+    ("", "", ""),
+    ("The step `work`", "The step `works`", "page.md:5: no source holds the name works"),
+    ("`text.f90` (", "`texts.f90` (", "page.md:5: no file texts.f90"),
+    ("(`src/base/text.f90`", "(`src/base/texts.f90`", "page.md:5: no file src/base/texts.f90"),
+    ("`src/<room>/text", "`src/<room>/step/text", "page.md:6: no file src/<room>/step/text.f90"),
+    ("other.md", "others.md", "page.md:5: no file others.md"),
+    ("(#how-work-works)", "(#how-it-works)", "page.md:5: no heading #how-it-works"),
+    ("#the-page", "#no-page", "page.md:5: no heading #no-page in other.md"),
+    ("sim%step", "simulation%step", "page.md:6: no source holds the name simulation%step"),
+    ("| `work` |", "| `sim` |", "page.md:11: src/base/text.f90 does not define sim"),
+    ("src/base/text  calls", "src/base/no_text  calls", "page.md:15: no file src/base/no_text"),
+])  # fmt: skip
+def test_pages(project, old, new, finding):
+    write(project, "src/base/text.f90", code="sim%step = 1 ! works")
+    for name in ("page", "other"):
+        (project / "doc").mkdir(exist_ok=True)
+        (project / "doc" / f"{name}.md").write_text(PAGE)
+    page = project / "doc/page.md"
+    assert old in PAGE
+    page.write_text(PAGE.replace(old, new, 1) if old else PAGE)
+    status, printed = run("check_docs", project)
+    assert (status, finding in printed) == (int(bool(finding)), True), printed
