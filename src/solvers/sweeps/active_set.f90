@@ -25,7 +25,7 @@ module sg_active_set
 
 contains
 
-  !> Begin a solve: all contacts are to be visited.
+  !> Begin a solve: all contacts are to be visited, and no order holds them yet.
   pure subroutine active_set_begin(self, n)
     class(active_set_t), intent(inout) :: self
     integer, intent(in) :: n !! contacts
@@ -39,7 +39,7 @@ contains
       allocate (self%closing(room), self%is_wanted(room), self%is_ordered(room))
     end if
     self%is_wanted(:n) = .true.
-    self%is_ordered(:n) = .true.
+    self%is_ordered(:n) = .false.
   end subroutine active_set_begin
 
   !> Choose by the velocities that were found when errors were measured.

@@ -8,7 +8,7 @@ module sg_contact_sets
   use sg_report, only: report_t
   use sg_run_options, only: solver_options_t
   use sg_solved_clusters, only: solved_clusters_t
-  use sg_sweep_order, only: give_impulses, list_order, set_order, sweep_order_t, update_order
+  use sg_sweep_order, only: give_impulses, list_order, sweep_order_t, update_order
   use sg_sweeps, only: sweep
   use sg_tables, only: per_contact, tables_t
   implicit none
@@ -86,29 +86,40 @@ contains
     end do
   end subroutine sets_split
 
-  !> Copy the active contacts into the orders of their sets.
+  !> Copy the active contacts into the orders of their sets, or bring these up to date with the active set.
   subroutine sets_arrange(self, problem)
     class(contact_sets_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem with its present impulses; it comes back unchanged
+    logical, allocatable :: is_ordered(:)
     integer :: s
+
+    if (.not. self%is_arranged) call empty_orders(self)
+    associate (n => problem%n_contacts, active_set => self%active_set)
+      if (self%n == 1) then
+        call update_order(self%order(1), problem, active_set%is_wanted(:n), active_set%is_ordered(:n), self%options)
+        return
+      end if
+      call swap_records(self, problem)
+      do s = 1, self%n
+        is_ordered = active_set%is_ordered(:n) .and. self%set_of == s
+        call update_order(self%order(s), problem, active_set%is_wanted(:n) .and. self%set_of == s, is_ordered, self%options)
+        where (self%set_of == s) active_set%is_ordered(:n) = is_ordered
+      end do
+      call swap_records(self, problem)
+    end associate
+  end subroutine sets_arrange
+
+  !> One order per set, without contacts; the room of orders is kept.
+  pure subroutine empty_orders(self)
+    class(contact_sets_t), intent(inout) :: self
 
     if (allocated(self%order)) then
       if (size(self%order) /= self%n) deallocate (self%order)
     end if
     if (.not. allocated(self%order)) allocate (self%order(self%n))
+    self%order%n = 0
     self%is_arranged = .true.
-    associate (is_ordered => self%active_set%is_ordered(:problem%n_contacts))
-      if (self%n == 1) then
-        call set_order(self%order(1), problem, is_ordered, self%options)
-        return
-      end if
-      call swap_records(self, problem)
-      do s = 1, self%n
-        call set_order(self%order(s), problem, is_ordered .and. self%set_of == s, self%options)
-      end do
-      call swap_records(self, problem)
-    end associate
-  end subroutine sets_arrange
+  end subroutine empty_orders
 
   !> Exchange the records of contacts of divided bodies with those for whole masses.
   subroutine swap_records(self, problem)
@@ -137,36 +148,9 @@ contains
         call self%clusters%leave_out(problem, report%sweeps, asked, active_set%is_wanted(:n), self%shared)
         self%clusters%are_sought = .false.
       end if
-      if (self%is_arranged) then
-        call update_orders(self, problem)
-      else
-        active_set%is_ordered(:n) = active_set%is_wanted(:n)
-        call self%arrange(problem)
-      end if
     end associate
+    call self%arrange(problem)
   end subroutine sets_choose
-
-  !> Bring the orders of all sets up to date with the active set.
-  subroutine update_orders(self, problem)
-    class(contact_sets_t), intent(inout) :: self
-    type(problem_t), intent(inout) :: problem
-    logical, allocatable :: is_ordered(:)
-    integer :: s
-
-    associate (n => problem%n_contacts, active_set => self%active_set)
-      if (self%n == 1) then
-        call update_order(self%order(1), problem, active_set%is_wanted(:n), active_set%is_ordered(:n), self%options)
-        return
-      end if
-      call swap_records(self, problem)
-      do s = 1, self%n
-        is_ordered = active_set%is_ordered(:n) .and. self%set_of == s
-        call update_order(self%order(s), problem, active_set%is_wanted(:n) .and. self%set_of == s, is_ordered, self%options)
-        where (self%set_of == s) active_set%is_ordered(:n) = is_ordered
-      end do
-      call swap_records(self, problem)
-    end associate
-  end subroutine update_orders
 
   !> Update the contacts of a set once.
   subroutine sets_sweep(self, set, problem, relaxation, report)

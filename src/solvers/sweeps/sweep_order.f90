@@ -99,6 +99,7 @@ contains
   end subroutine set_order
 
   !> Bring an order up to date with a new choice: where little has changed it stays, with the contacts that it missed at its end.
+  !! An empty order is set.
   pure subroutine update_order(order, problem, is_wanted, is_ordered, options)
     type(sweep_order_t), intent(inout) :: order !! order to change; its impulses are those of the problem
     type(problem_t), intent(in) :: problem !! problem being swept
@@ -110,7 +111,7 @@ contains
 
     wanted = count(is_wanted)
     missed = count(is_wanted .and. .not. is_ordered)
-    if (wanted >= order%n - order%n/slack) then
+    if (order%n > 0 .and. wanted >= order%n - order%n/slack) then
       if (missed == 0) return
       if (missed <= order%n/slack .and. options%order == 'groups') then
         call append(order, problem, is_wanted .and. .not. is_ordered, is_done)
