@@ -1,14 +1,11 @@
 !> The default: all methods in turns, of which the one that is ahead gets most (doc/theory/solvers_sweeps.md).
 module sg_block_automatic
-  use sg_accelerated_nlgs, only: anderson_t
   use sg_block_progress, only: progress_t
   use sg_block_scaling, only: scale_problem
-  use sg_interior_point, only: interior_point_t
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_solver_t
   use sg_method_turns, only: take_turns, turns_t
-  use sg_proximal_newton, only: proximal_t
   use sg_report, only: report_t
   implicit none
   private
@@ -16,9 +13,6 @@ module sg_block_automatic
 
   !> The solver; an iteration is a sweep, or a step with one factorisation
   type, extends(matrix_solver_t) :: block_automatic_t
-    type(anderson_t) :: anderson
-    type(proximal_t) :: proximal
-    type(interior_point_t) :: interior
     type(turns_t) :: turns
   contains
     procedure :: solve => block_automatic_solve
@@ -39,7 +33,7 @@ contains
     if (.not. progress%is_over) then
       allocate (scale(problem%n))
       call scale_problem(problem, scaled, scale)
-      call take_turns(self%turns, self%anderson, self%interior, self%proximal, problem, scaled, scale, progress)
+      call take_turns(self%turns, problem, scaled, scale, progress)
     end if
     call progress%finish(problem, report)
   end subroutine block_automatic_solve

@@ -21,6 +21,10 @@ module sg_method_turns
   !> Settings
   type :: turns_t
     type(shares_t) :: shares
+    !> Settings of each method
+    type(anderson_t) :: anderson
+    type(proximal_t) :: proximal
+    type(interior_point_t) :: interior
     !> Accelerated sweeps go on alone, to this number at most, while each doubling of their number lowers e1 to `fall` of it
     integer :: opening = 320
     real(wp) :: fall = 0.5_wp
@@ -28,7 +32,7 @@ module sg_method_turns
     real(wp) :: first_sweeps = 10
   end type turns_t
 
-  !> What each method keeps between two turns, beside its impulses
+  !> What each method keeps between two turns, apart from its impulses
   type :: states_t
     type(accelerated_state_t) :: sweeps
     type(approach_t) :: approach
@@ -40,11 +44,8 @@ module sg_method_turns
 contains
 
   !> Turns until the solve is over; the best answer is kept in the progress.
-  subroutine take_turns(turns, anderson, interior_points, proximal_points, problem, scaled, scale, progress)
-    type(turns_t), intent(in) :: turns !! how effort is shared
-    type(anderson_t), intent(in) :: anderson !! settings of accelerated sweeps
-    type(interior_point_t), intent(in) :: interior_points !! of interior points
-    type(proximal_t), intent(in) :: proximal_points !! of proximal points
+  subroutine take_turns(turns, problem, scaled, scale, progress)
+    type(turns_t), intent(in) :: turns !! how effort is shared, and settings of each method
     type(matrix_problem_t), intent(in) :: problem !! problem to solve, with the impulses to start from
     type(matrix_problem_t), intent(inout) :: scaled !! the same without units
     real(wp), intent(in), contiguous :: scale(:) !! impulse [N s] that 1 stands for
@@ -57,7 +58,7 @@ contains
     methods(plain)%r = problem%r
     methods(plain)%e1 = progress%best
     methods(proximal:)%price = turns%first_sweeps*progress%sweep_operations
-    call open_alone(turns, anderson, problem, scaled, scale, states%sweeps, methods(accelerated), progress)
+    call open_alone(turns, problem, scaled, scale, states%sweeps, methods(accelerated), progress)
     do while (.not. progress%is_over)
       before = progress%operations
       call choose_turn(turns%shares, methods, before, progress%sweep_operations, m, length)
@@ -68,14 +69,7 @@ contains
         ! A factorisation that takes more would leave plain sweeps less than their share.
         most = (1 + 1e-9_wp)*(methods(plain)%operations/turns%shares%plain - before)
         call choose_start(turns, methods(m), m, scaled, scale, states, progress)
-        select case (m)
-        case (accelerated)
-          call sweep_accelerated(anderson, problem, scaled, scale, huge(1), states%sweeps, progress)
-        case (proximal)
-          call proximal_turn(proximal_points, most, problem, scaled, scale, states, methods(m), progress)
-        case (interior)
-          call interior_turn(interior_points, most, problem, scaled, scale, states, methods(m), progress)
-        end select
+        call matrix_turn(turns, m, most, problem, scaled, scale, states, methods(m), progress)
         methods(m)%r = scaled%r
       end if
       methods(m)%e1 = min(methods(m)%e1, progress%turn_e1)
@@ -87,9 +81,8 @@ contains
   end subroutine take_turns
 
   !> Accelerated sweeps alone, as long as they lower e1 fast.
-  subroutine open_alone(turns, anderson, problem, scaled, scale, state, method, progress)
+  subroutine open_alone(turns, problem, scaled, scale, state, method, progress)
     type(turns_t), intent(in) :: turns
-    type(anderson_t), intent(in) :: anderson
     type(matrix_problem_t), intent(in) :: problem
     type(matrix_problem_t), intent(inout) :: scaled
     real(wp), intent(in), contiguous :: scale(:)
@@ -103,7 +96,7 @@ contains
     more = turns%shares%sweeps/2
     do while (.not. progress%is_over .and. sweeps < turns%opening)
       before = progress%best
-      call sweep_accelerated(anderson, problem, scaled, scale, more, state, progress)
+      call sweep_accelerated(turns%anderson, problem, scaled, scale, more, state, progress)
       method%e1 = progress%best
       method%operations = progress%operations
       call add_mark(method)
@@ -160,9 +153,11 @@ contains
     end do
   end subroutine sweep_turn
 
-  !> Proximal points until the turn is over, or a factorisation too dear.
-  subroutine proximal_turn(settings, most, problem, scaled, scale, states, method, progress)
-    type(proximal_t), intent(in) :: settings
+  !> Accelerated sweeps, proximal points or interior points until the turn is over, a factorisation exceeds its share, or the path
+  !! of interior points is blocked.
+  subroutine matrix_turn(turns, m, most, problem, scaled, scale, states, method, progress)
+    type(turns_t), intent(in) :: turns
+    integer, intent(in) :: m
     real(wp), intent(in) :: most !! effort that a factorisation may take
     type(matrix_problem_t), intent(in) :: problem
     type(matrix_problem_t), intent(inout) :: scaled
@@ -170,36 +165,30 @@ contains
     type(states_t), intent(inout) :: states
     type(method_t), intent(inout) :: method
     type(progress_t), intent(inout) :: progress
+    real(wp) :: price
 
-    associate (factors => states%approach%factors)
-      factors%most_operations = most
-      call approach(settings, problem, scaled, scale, states%approach, progress, method%is_possible)
-      if (factors%price > 0) method%price = factors%price
-    end associate
-  end subroutine proximal_turn
-
-  !> Interior points until the turn is over, a factorisation too dear, or the path blocked.
-  subroutine interior_turn(settings, most, problem, scaled, scale, states, method, progress)
-    type(interior_point_t), intent(in) :: settings
-    real(wp), intent(in) :: most !! effort that a factorisation may take
-    type(matrix_problem_t), intent(in) :: problem
-    type(matrix_problem_t), intent(inout) :: scaled
-    real(wp), intent(in), contiguous :: scale(:)
-    type(states_t), intent(inout) :: states
-    type(method_t), intent(inout) :: method
-    type(progress_t), intent(inout) :: progress
-
-    associate (system => states%system)
-      if (.not. states%is_prepared) then
-        call system%prepare(problem, scaled)
+    price = 0
+    associate (factors => states%approach%factors, system => states%system)
+      select case (m)
+      case (accelerated)
+        call sweep_accelerated(turns%anderson, problem, scaled, scale, huge(1), states%sweeps, progress)
+      case (proximal)
+        factors%most_operations = most
+        call approach(turns%proximal, problem, scaled, scale, states%approach, progress, method%is_possible)
+        price = factors%price
+      case (interior)
+        if (.not. states%is_prepared) call system%prepare(problem, scaled)
         states%is_prepared = .true.
-        method%is_possible = system%is_possible(has_sparse_library())
-        if (.not. method%is_possible) return
-      end if
-      system%factor%most_operations = most
-      call follow_path(settings, problem, scaled, scale, system, states%path, progress)
-      if (system%factor%price > 0) method%price = system%factor%price
-      method%is_possible = .not. states%path%is_blocked
+        system%factor%most_operations = most
+        if (system%is_possible(has_sparse_library())) then
+          call follow_path(turns%interior, problem, scaled, scale, system, states%path, progress)
+        else
+          states%path%is_blocked = .true.
+        end if
+        method%is_possible = .not. states%path%is_blocked
+        price = system%factor%price
+      end select
     end associate
-  end subroutine interior_turn
+    if (price > 0) method%price = price
+  end subroutine matrix_turn
 end module sg_method_turns
