@@ -269,6 +269,9 @@ src/base/text  calls any_thing of `the_kind`
 
 @pytest.mark.parametrize("old, new, finding", [
     ("", "", ""),
+    ("# The page", "# The page\n" + 60 * "so " + "on", "page.md:2: 182 columns, more than 120"),
+    ("# The page", "# The page\n| " + 60 * "so " + "|", ""),
+    ("calls any_thing", "calls any_thing" + 110 * " " + "on", ""),
     ("The step `work`", "The step `works`", "page.md:5: no source holds the name works"),
     ("`text.f90` (", "`texts.f90` (", "page.md:5: no file texts.f90"),
     ("(`src/base/text.f90`", "(`src/base/texts.f90`", "page.md:5: no file src/base/texts.f90"),

@@ -11,6 +11,8 @@ module sg_reference_text
   public :: reference_text
 
   character(len=*), parameter :: nl = new_line('a')
+  !> Width of lines of text; rows of tables may be longer
+  integer, parameter :: columns = 120
 
 contains
 
@@ -22,15 +24,15 @@ contains
 
     table = all_keys()
     text = '# Deck reference'//nl//nl// &
-      'Generated from the key table by `splitgrain reference`; do not edit.'//nl//nl// &
+      'Generated from the key table by `splitgrain reference`; do not edit.'//nl//nl//wrapped( &
       'A deck is a TOML text. Sections and keys may come in any order; an unknown word is an error. `[name]` stands once '// &
       'or not at all, `[[name]]` as often as wanted. Units are SI, angles in radians; masses of planar scenes are per metre of '// &
       'depth. What is in space belongs to scenes with `scene.dimension = 3`. '// &
       'Paths are relative to the folder of the deck. Lists are written `[1.0, 2.0]`. `--set section.key=value` lays a '// &
       'value over the deck, for every block of a section or, as `section[2].key=value`, for one of them, counted from 1; '// &
-      'words need no quotes there.'//nl//nl// &
-      'The effective deck, with all defaults filled in, is written beside the results, and its hash stands in every '// &
-      'output.'//nl
+      'words need no quotes there.')//nl//nl// &
+      wrapped('The effective deck, with all defaults filled in, is written next to the results, and its hash stands in every '// &
+              'output.')//nl
     do s = 1, size(table%sections)
       text = text//section_lines(table, table%sections(s))
     end do
@@ -45,9 +47,9 @@ contains
 
     text = trim(section%name)
     if (section%is_list) text = '['//text//']'
-    text = nl//'## `['//text//']`'//nl//nl//trim(section%sentence)
-    if (section%name == '') text = nl//'## Top of the deck'//nl//nl//trim(section%sentence)
-    if (section%dimension /= in_both) text = text//' Only in space.'
+    text = nl//'## `['//text//']`'//nl//nl
+    if (section%name == '') text = nl//'## Top of the deck'//nl//nl
+    text = text//wrapped(trim(section%sentence)//trim(merge('               ', ' Only in space.', section%dimension == in_both)))
     text = text//nl//nl// &
            '| key | value | unit | default | meaning |'//nl//'| --- | --- | --- | --- | --- |'//nl
     do k = section%first, section%last
@@ -57,6 +59,18 @@ contains
       end associate
     end do
   end function section_lines
+
+  !> A sentence in lines of 120 columns at most, each broken at its last blank.
+  pure recursive function wrapped(sentence) result(text)
+    character(len=*), intent(in) :: sentence
+    character(len=:), allocatable :: text
+    integer :: cut
+
+    text = sentence
+    if (len(sentence) <= columns) return
+    cut = index(sentence(:columns + 1), ' ', back=.true.)
+    text = sentence(:cut - 1)//nl//wrapped(sentence(cut + 1:))
+  end function wrapped
 
   !> Kind of value with its range or choices.
   function what_may(key) result(words)
