@@ -48,6 +48,8 @@ module sg_field_visitor
     integer :: task = task_describe
     !> Only fields that are sent by this rule or a higher one; only the field of this place, if above 0
     integer :: least = sync_never, only = 0
+    !> Only fields of this table, where the items of a type stand in several tables
+    integer :: table = 0
     !> Items to make room for
     integer :: n = 0
     !> Are values read from fields, and written into fields? From and to these items

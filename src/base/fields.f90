@@ -1,5 +1,5 @@
 !> Types that list their fields: arrays with values of each item. Room, messages between ranks, restart files and the memory report
-!! follow from the list.
+!! follow from the list. A type whose items stand in several tables (contactors: one per kind of shape) lists them table by table.
 module sg_fields
   use sg_field_visitor, only: bytes_of_kind, field_t, field_visitor_t, task_clear, task_count, task_keep, task_move, &
                               task_resize
@@ -37,11 +37,14 @@ module sg_fields
 contains
 
   !> What each field is, in the order of the list.
-  function fields_described(self) result(list)
+  function fields_described(self, table) result(list)
     class(fields_t), intent(in) :: self
+    integer, intent(in), optional :: table !! table of the fields, 0 unless given
     type(field_t), allocatable :: list(:)
     type(field_visitor_t) :: visitor
 
+    if (present(table)) visitor%table = table
+    allocate (visitor%list(0))
     call self%visit(visitor)
     call move_alloc(visitor%list, list)
   end function fields_described
@@ -56,13 +59,14 @@ contains
   end function fields_bytes_per_item
 
   !> Add all fields to a memory report.
-  subroutine fields_note(self, tables)
+  subroutine fields_note(self, tables, table)
     class(fields_t), intent(in) :: self
     type(tables_t), intent(inout) :: tables !! list to add to
+    integer, intent(in), optional :: table !! table of the fields, 0 unless given
     type(field_t), allocatable :: list(:)
     integer :: i
 
-    list = self%described()
+    list = self%described(table)
     do i = 1, size(list)
       call tables%add(list(i)%name, list(i)%bytes)
     end do
@@ -70,12 +74,14 @@ contains
 
   !> Make room for exactly `n` items, each with the components that the scene needs. What fits stays, and fields that the scene does
   !! not need are given back.
-  subroutine fields_resize(self, n)
+  subroutine fields_resize(self, n, table)
     class(fields_t), intent(inout) :: self
     integer, intent(in) :: n !! items
+    integer, intent(in), optional :: table !! table of the fields, 0 unless given
     type(field_visitor_t) :: visitor
 
     visitor = field_visitor_t(task=task_resize, n=n)
+    if (present(table)) visitor%table = table
     call self%visit(visitor)
   end subroutine fields_resize
 
@@ -101,27 +107,31 @@ contains
   end subroutine fields_keep
 
   !> Values per item in the fields that are sent by some rule or a higher one.
-  integer function fields_width(self, least) result(width)
+  integer function fields_width(self, least, table) result(width)
     class(fields_t), intent(in) :: self
     integer, intent(in) :: least !! lowest rule, one of `sync_*`
+    integer, intent(in), optional :: table !! table of the fields, 0 unless given
     type(field_visitor_t) :: visitor
 
     visitor = field_visitor_t(task=task_count, least=least)
+    if (present(table)) visitor%table = table
     call self%visit(visitor)
     width = visitor%last
   end function fields_width
 
   !> Write values of some items into a table.
-  subroutine fields_pack(self, item, values, least, only)
+  subroutine fields_pack(self, item, values, least, only, table)
     class(fields_t), intent(in) :: self
     integer(i4), intent(in) :: item(:) !! items
     real(wp), allocatable, intent(out) :: values(:, :) !! shape (`width`, items)
     integer, intent(in) :: least !! lowest rule of the fields written, one of `sync_*`
     integer, intent(in), optional :: only !! place of the only field to write
+    integer, intent(in), optional :: table !! table of the fields, 0 unless given
     type(field_visitor_t) :: visitor, mover
 
     visitor = field_visitor_t(task=task_count, least=least)
     if (present(only)) visitor%only = only
+    if (present(table)) visitor%table = table
     mover = visitor
     call self%visit(visitor)
     mover%task = task_move
@@ -133,16 +143,18 @@ contains
   end subroutine fields_pack
 
   !> Read what `pack` wrote.
-  subroutine fields_unpack(self, item, values, least, only)
+  subroutine fields_unpack(self, item, values, least, only, table)
     class(fields_t), intent(inout) :: self
     integer(i4), intent(in) :: item(:) !! items
     real(wp), intent(in) :: values(:, :) !! shape (`width`, items)
     integer, intent(in) :: least !! lowest rule of the fields read, one of `sync_*`
     integer, intent(in), optional :: only !! place of the only field to read
+    integer, intent(in), optional :: table !! table of the fields, 0 unless given
     type(field_visitor_t) :: visitor
 
     visitor = field_visitor_t(task=task_move, least=least, is_written=.true., to=item, value=values)
     if (present(only)) visitor%only = only
+    if (present(table)) visitor%table = table
     call self%visit(visitor)
   end subroutine fields_unpack
 end module sg_fields

@@ -3,8 +3,10 @@
 !! A body may carry several contactors (a cluster). A contactor has a kind, a body, a row in the table of its
 !! kind, a colour, and a centre in the body's frame. A kind that a scene does not hold has no table.
 module sg_contactors
+  use sg_field_visitor, only: field_t, field_visitor_t, sync_never, sync_on_copy
+  use sg_fields, only: fields_t
   use sg_kinds, only: wp, i4
-  use sg_lists, only: reserve
+  use sg_lists, only: room_for
   use sg_shape_kinds, only: is_round, kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_names, kind_plane, &
                             kind_point, kind_polygon, kind_polyhedron, kind_segment, kind_sphere, n_kinds
   use sg_space_shapes, only: place_in_space, space_shapes_t
@@ -13,9 +15,13 @@ module sg_contactors
   public :: contactors_t, kind_disk, kind_segment, kind_hollow, kind_polygon, kind_point, kind_names, n_kinds
   public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
   public :: add_disk, add_segment, add_hollow, add_polygon, add_point, add_contactor, drop_contactors, place_contactors
+  public :: make_rows, table_all, table_vertices
+
+  !> Tables of fields: of all contactors; of each kind of shape, by its number; of the vertices of all polygons
+  integer, parameter :: table_all = 0, table_vertices = n_kinds + 1
 
   !> All contactors of a scene
-  type :: contactors_t
+  type, extends(fields_t) :: contactors_t
     !> Dimension of space
     integer :: dimension = 2
     !> Number of contactors
@@ -39,6 +45,8 @@ module sg_contactors
 
     !> Number of rows of each table
     integer :: n_rows(n_kinds) = 0
+    !> Items that each table has room for
+    integer :: room(table_all:table_vertices) = 0
     !> Disks: radius [m]
     real(wp), allocatable :: disk_radius(:)
     !> Rounded segments: half length of the axis, half thickness (radius of the caps) [m], angle in the body's frame [rad]
@@ -55,9 +63,64 @@ module sg_contactors
     real(wp), allocatable :: polygon_world(:, :)
     !> Shapes in space; nothing of it is allocated in the plane
     type(space_shapes_t) :: space
+  contains
+    procedure :: visit => contactors_visit
   end type contactors_t
 
 contains
+
+  !> The list of fields, table by table. A field of a contactor is a line here, and its declaration above; tables of shapes in space
+  !! are listed in sg_space_shapes.
+  subroutine contactors_visit(self, visitor)
+    class(contactors_t) :: self
+    type(field_visitor_t), intent(inout) :: visitor !! what the visit does
+
+    select case (visitor%table)
+    case (table_all)
+      ! Messages hold kind and number before the fields; the body that carries a contactor and its row are the receiver's.
+      call visitor%visit(field_t('kind', sync_never), self%kind)
+      call visitor%visit(field_t('id', sync_never, is_there=allocated(self%id)), self%id)
+      call visitor%visit(field_t('body', sync_never), self%body)
+      call visitor%visit(field_t('row', sync_never), self%row)
+      call visitor%visit(field_t('colour', sync_on_copy), self%colour)
+      call visitor%visit(field_t('shift', sync_on_copy, self%dimension), self%shift)
+      call visitor%visit(field_t('reach', sync_on_copy), self%reach)
+      call visitor%visit(field_t('centre', sync_never, self%dimension), self%centre)
+    case (kind_disk)
+      call visitor%visit(field_t('disk_radius', sync_on_copy), self%disk_radius)
+    case (kind_segment)
+      call visitor%visit(field_t('segment_size', sync_on_copy, 3), self%segment_size)
+      call visitor%visit(field_t('segment_axis', sync_never, 2), self%segment_axis)
+    case (kind_hollow)
+      call visitor%visit(field_t('hollow_radius', sync_on_copy), self%hollow_radius)
+    case (kind_polygon)
+      call visitor%visit(field_t('polygon_first', sync_never, first=1.0_wp), self%polygon_first)
+    case (table_vertices)
+      call visitor%visit(field_t('polygon_vertex', sync_on_copy, 2), self%polygon_vertex)
+      call visitor%visit(field_t('polygon_world', sync_never, 2), self%polygon_world)
+    case default
+      call self%space%visit(visitor)
+    end select
+  end subroutine contactors_visit
+
+  !> Make room for exactly `n` items of a table.
+  subroutine make_rows(contactors, table, n)
+    type(contactors_t), intent(inout) :: contactors !! contactors to make room in
+    integer, intent(in) :: table !! the table
+    integer, intent(in) :: n !! items
+
+    contactors%room(table) = n
+    call contactors%resize(n, table)
+  end subroutine make_rows
+
+  !> Make room for at least `n` items of a table.
+  subroutine reserve_rows(contactors, table, n)
+    type(contactors_t), intent(inout) :: contactors !! contactors to make room in
+    integer, intent(in) :: table !! the table
+    integer, intent(in) :: n !! items wanted
+
+    if (n > contactors%room(table)) call make_rows(contactors, table, room_for(n, contactors%room(table)))
+  end subroutine reserve_rows
 
   !> Add a disk; with a shift from the body's centre it is a shifted disk (DISKb).
   subroutine add_disk(contactors, body, colour, radius, shift)
@@ -69,7 +132,6 @@ contains
     integer :: row
 
     call add_contactor(contactors, kind_disk, body, colour, shift, radius, row)
-    call reserve(contactors%disk_radius, row)
     contactors%disk_radius(row) = radius
   end subroutine add_disk
 
@@ -85,8 +147,6 @@ contains
     integer :: row
 
     call add_contactor(contactors, kind_segment, body, colour, shift, half_length + half_thickness, row)
-    call reserve(contactors%segment_size, 3, row)
-    call reserve(contactors%segment_axis, 2, row)
     contactors%segment_size(:, row) = [half_length, half_thickness, angle]
   end subroutine add_segment
 
@@ -100,7 +160,6 @@ contains
     integer :: row
 
     call add_contactor(contactors, kind_hollow, body, colour, shift, radius, row)
-    call reserve(contactors%hollow_radius, row)
     contactors%hollow_radius(row) = radius
   end subroutine add_hollow
 
@@ -115,12 +174,10 @@ contains
 
     n = size(vertices, 2)
     call add_contactor(contactors, kind_polygon, body, colour, shift, sqrt(maxval(sum(vertices**2, 1))), row)
-    call reserve(contactors%polygon_first, row + 1)
-    if (row == 1) contactors%polygon_first(1) = 1
+    call reserve_rows(contactors, kind_polygon, row + 1)
     first = contactors%polygon_first(row)
     contactors%polygon_first(row + 1) = first + n
-    call reserve(contactors%polygon_vertex, 2, first + n - 1)
-    call reserve(contactors%polygon_world, 2, first + n - 1)
+    call reserve_rows(contactors, table_vertices, first + n - 1)
     contactors%polygon_vertex(:, first:first + n - 1) = vertices
   end subroutine add_polygon
 
@@ -148,15 +205,10 @@ contains
 
     n = contactors%n + 1
     contactors%n = n
-    call reserve(contactors%kind, n)
-    call reserve(contactors%body, n)
-    call reserve(contactors%row, n)
-    call reserve(contactors%colour, n)
-    call reserve(contactors%reach, n)
-    call reserve(contactors%shift, contactors%dimension, n)
-    call reserve(contactors%centre, contactors%dimension, n)
-    contactors%n_rows(kind) = contactors%n_rows(kind) + 1
-    row = contactors%n_rows(kind)
+    row = contactors%n_rows(kind) + 1
+    contactors%n_rows(kind) = row
+    call reserve_rows(contactors, table_all, n)
+    call reserve_rows(contactors, kind, row)
     contactors%kind(n) = kind
     contactors%body(n) = body
     contactors%row(n) = row

@@ -1,88 +1,92 @@
 !> Contactors as records of reals: nothing of a shape is recomputed from its record, so that all copies agree bit by bit.
 !!
-!! A record is its length, then number in the whole scene, kind, colour, shift, reach, and the sizes of the shape in the
-!! body's frame. What detection places in the world is no part of it.
+!! A record is its length, number in the whole scene and kind; the fields of all contactors that are sent, then those of the kind
+!! (lists of fields in sg_contactors and sg_space_shapes); of a polygon its vertices, of a polyhedron its tables.
 module sg_pack_shapes
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_plane, kind_polygon, &
-                           kind_polyhedron, kind_segment, kind_sphere, n_kinds
+  use sg_contactors, only: contactors_t, kind_polygon, kind_polyhedron, make_rows, n_kinds, table_all, table_vertices
+  use sg_field_visitor, only: sync_on_copy
   use sg_kinds, only: wp, i4
   use sg_parcels, only: parcel_t
   use sg_polyhedron, only: polyhedron_t
-  use sg_space_shapes, only: space_shapes_t
   implicit none
   private
-  public :: pack_contactor, unpack_contactor, unpack_size, make_room_for_shapes
+  public :: pack_contactors, unpack_contactors
+
+  !> Places of values in a record, and values before the fields
+  integer, parameter :: place_length = 1, place_number = 2, place_kind = 3, n_head = 3
+  !> Contactors whose fields are moved in one visit: few enough to stay in the cache
+  integer, parameter :: per_visit = 256
 
 contains
 
-  !> Append the record of a contactor.
-  subroutine pack_contactor(contactors, c, parcel)
+  !> Append the records of some contactors.
+  subroutine pack_contactors(contactors, item, parcel, start)
     type(contactors_t), intent(in) :: contactors !! all contactors of a scene
-    integer, intent(in) :: c !! contactor to pack
-    type(parcel_t), intent(inout) :: parcel !! takes the record
-    integer :: start, number
+    integer(i4), intent(in) :: item(:) !! contactors to pack
+    type(parcel_t), intent(inout) :: parcel !! takes the records
+    integer, allocatable, intent(out) :: start(:) !! first value of each record, and the place behind the last one
+    real(wp), allocatable :: fields(:, :)
+    integer(i4) :: kind(size(item)), number(size(item)), row(size(item))
+    integer :: i, width(n_kinds)
 
-    number = c
-    if (allocated(contactors%id)) number = contactors%id(c)
-    start = parcel%n + 1
-    call parcel%put(0) ! the length, known at the end
-    call parcel%put(number)
-    call parcel%put(contactors%kind(c))
-    call parcel%put(contactors%colour(c))
-    call parcel%put(contactors%shift(:, c))
-    call parcel%put(contactors%reach(c))
-    if (contactors%dimension == 2) then
-      call pack_planar(contactors, contactors%kind(c), contactors%row(c), parcel)
-    else
-      call pack_spatial(contactors%space, contactors%kind(c), contactors%row(c), parcel)
-    end if
-    parcel%value(start) = real(parcel%n - start + 1, wp)
-  end subroutine pack_contactor
+    kind = contactors%kind(item)
+    row = contactors%row(item)
+    number = item
+    if (allocated(contactors%id)) number = contactors%id(item)
+    width = widths(contactors)
+    call pack_fields(contactors, item, kind, row, width, fields)
+    allocate (start(size(item) + 1))
+    do i = 1, size(item)
+      start(i) = parcel%n + 1
+      call parcel%put([0_i4, number(i), kind(i)]) ! the length is known at the end
+      call parcel%put(fields(:width(kind(i)), i))
+      if (kind(i) == kind_polygon) &
+        call parcel%put(contactors%polygon_vertex(:, contactors%polygon_first(row(i)):contactors%polygon_first(row(i) + 1) - 1))
+      if (kind(i) == kind_polyhedron) call pack_polyhedron(contactors%space%polyhedra(row(i)), parcel)
+      parcel%value(start(i)) = real(parcel%n + 1 - start(i), wp)
+    end do
+    start(size(start)) = parcel%n + 1
+  end subroutine pack_contactors
 
-  !> Sizes of a shape in the plane.
-  subroutine pack_planar(contactors, kind, row, parcel)
+  !> Values of fields in the record of each kind.
+  function widths(contactors) result(width)
     type(contactors_t), intent(in) :: contactors
-    integer(i4), intent(in) :: kind, row
-    type(parcel_t), intent(inout) :: parcel
+    integer :: width(n_kinds), k
 
-    select case (kind)
-    case (kind_disk)
-      call parcel%put(contactors%disk_radius(row))
-    case (kind_segment)
-      call parcel%put(contactors%segment_size(:, row))
-    case (kind_hollow)
-      call parcel%put(contactors%hollow_radius(row))
-    case (kind_polygon)
-      associate (first => contactors%polygon_first(row), last => contactors%polygon_first(row + 1) - 1)
-        call parcel%put(last - first + 1)
-        call parcel%put(contactors%polygon_vertex(:, first:last))
-      end associate
-    end select
-  end subroutine pack_planar
+    width = contactors%width(sync_on_copy, table_all) + [(contactors%width(sync_on_copy, k), k=1, n_kinds)]
+  end function widths
 
-  !> Sizes of a shape in space.
-  subroutine pack_spatial(space, kind, row, parcel)
-    type(space_shapes_t), intent(in) :: space
-    integer(i4), intent(in) :: kind, row
-    type(parcel_t), intent(inout) :: parcel
+  !> Fields of contactors as they stand in their records, shape (largest width, contactors).
+  subroutine pack_fields(contactors, item, kind, row, width, fields)
+    type(contactors_t), intent(in) :: contactors
+    integer(i4), intent(in) :: item(:), kind(:), row(:)
+    integer, intent(in) :: width(n_kinds)
+    real(wp), allocatable, intent(out) :: fields(:, :)
+    real(wp), allocatable :: values(:, :)
+    integer, allocatable :: members(:)
+    integer :: k, shared
 
-    select case (kind)
-    case (kind_sphere)
-      call parcel%put(space%sphere_radius(row))
-    case (kind_plane)
-      call parcel%put(space%plane_half(:, row))
-      call parcel%put(space%plane_rim(row))
-      call parcel%put(space%plane_frame(:, row))
-    case (kind_cylinder)
-      call parcel%put(space%cylinder_size(:, row))
-      call parcel%put(space%cylinder_axis(:, row))
-    case (kind_hollow_cylinder)
-      call parcel%put(space%hollow_size(:, row))
-      call parcel%put(space%hollow_axis(:, row))
-    case (kind_polyhedron)
-      call pack_polyhedron(space%polyhedra(row), parcel)
-    end select
-  end subroutine pack_spatial
+    call contactors%pack(item, values, sync_on_copy, table=table_all)
+    shared = size(values, 1)
+    allocate (fields(maxval(width), size(item)))
+    fields(:shared, :) = values
+    do k = 1, n_kinds
+      members = members_of(kind, k)
+      if (width(k) == shared .or. size(members) == 0) cycle
+      call contactors%pack(row(members), values, sync_on_copy, table=k)
+      fields(shared + 1:width(k), members) = values
+    end do
+  end subroutine pack_fields
+
+  !> Places of one kind in a list of kinds.
+  pure function members_of(kind, wanted) result(members)
+    integer(i4), intent(in) :: kind(:)
+    integer, intent(in) :: wanted
+    integer, allocatable :: members(:)
+    integer :: i
+
+    members = pack([(i, i=1, size(kind))], kind == wanted)
+  end function members_of
 
   !> A polyhedron with all its tables.
   subroutine pack_polyhedron(shape, parcel)
@@ -98,164 +102,89 @@ contains
     call parcel%put(shape%edge)
   end subroutine pack_polyhedron
 
-  !> Number, kind and vertices of the contactor whose record stands next; the parcel is left behind that record.
-  pure subroutine unpack_size(parcel, dimension, number, kind, n_vertices)
+  !> Read contactors, with just the room that they need.
+  subroutine unpack_contactors(contactors, parcel, start, body)
+    type(contactors_t), intent(inout) :: contactors !! of the dimension of the scene, with nothing allocated
     type(parcel_t), intent(inout) :: parcel !! parcel to read
-    integer, intent(in) :: dimension !! of space
-    integer(i4), intent(out) :: number !! in the whole scene
-    integer(i4), intent(out) :: kind !! kind of shape
-    integer(i4), intent(out) :: n_vertices !! vertices of a polygon, 0 for other kinds
-    integer(i4) :: length
-    integer :: start
+    integer, intent(in) :: start(:) !! first value of each record, by ascending number
+    integer(i4), intent(in) :: body(:) !! body that carries each contactor
+    integer :: i, k, n, n_vertices, width(n_kinds)
 
-    start = parcel%at
-    call parcel%take(length)
-    call parcel%take(number)
-    call parcel%take(kind)
-    n_vertices = 0
-    if (kind == kind_polygon) then
-      parcel%at = start + 5 + dimension
-      call parcel%take(n_vertices)
-    end if
-    parcel%at = start + length
-  end subroutine unpack_size
-
-  !> Make room for just so many contactors, with no row in any table yet.
-  subroutine make_room_for_shapes(contactors, dimension, n_rows, n_vertices)
-    type(contactors_t), intent(inout) :: contactors !! contactors with nothing allocated
-    integer, intent(in) :: dimension !! of space
-    integer, intent(in) :: n_rows(n_kinds) !! contactors of each kind
-    integer, intent(in) :: n_vertices !! vertices of all polygons
-    integer :: n
-
-    n = sum(n_rows)
-    contactors%dimension = dimension
+    n = size(start)
     contactors%n = n
-    contactors%n_rows = 0
-    allocate (contactors%kind(n), contactors%body(n), contactors%row(n), contactors%colour(n), contactors%id(n), source=0_i4)
-    allocate (contactors%shift(dimension, n), contactors%centre(dimension, n), source=0.0_wp)
-    allocate (contactors%reach(n), source=0.0_wp)
-    call allocate_list(n_rows(kind_disk), contactors%disk_radius)
-    call allocate_table(3, n_rows(kind_segment), contactors%segment_size)
-    call allocate_table(2, n_rows(kind_segment), contactors%segment_axis)
-    call allocate_list(n_rows(kind_hollow), contactors%hollow_radius)
-    if (n_rows(kind_polygon) > 0) then
-      allocate (contactors%polygon_first(n_rows(kind_polygon) + 1), source=1_i4)
-      call allocate_table(2, n_vertices, contactors%polygon_vertex)
-      call allocate_table(2, n_vertices, contactors%polygon_world)
-    end if
-    call make_room_in_space(contactors%space, n_rows)
-  end subroutine make_room_for_shapes
+    allocate (contactors%id(0))
+    call make_rows(contactors, table_all, n)
+    contactors%id(:) = nint(parcel%value(start + place_number - 1), i4)
+    contactors%kind(:) = nint(parcel%value(start + place_kind - 1), i4)
+    contactors%body(:) = body
+    width = widths(contactors)
+    n_vertices = 0
+    do i = 1, n
+      k = contactors%kind(i)
+      contactors%n_rows(k) = contactors%n_rows(k) + 1
+      contactors%row(i) = int(contactors%n_rows(k), i4)
+      if (k == kind_polygon) n_vertices = n_vertices + vertices_of(parcel, start(i), width(k))
+    end do
+    do k = 1, n_kinds
+      if (contactors%n_rows(k) > 0) call make_rows(contactors, k, contactors%n_rows(k) + merge(1, 0, k == kind_polygon))
+    end do
+    if (n_vertices > 0) call make_rows(contactors, table_vertices, n_vertices)
+    if (contactors%n_rows(kind_polyhedron) > 0) allocate (contactors%space%polyhedra(contactors%n_rows(kind_polyhedron)))
+    do i = 1, n, per_visit
+      call unpack_fields(contactors, i, parcel, start(i:min(i + per_visit - 1, n)), width)
+    end do
+    do i = 1, n
+      k = contactors%kind(i)
+      parcel%at = start(i) + n_head + width(k) - 1
+      if (k == kind_polygon) &
+        call unpack_vertices(contactors, int(contactors%row(i)), vertices_of(parcel, start(i), width(k)), parcel)
+      if (k == kind_polyhedron) call unpack_polyhedron(contactors%space%polyhedra(contactors%row(i)), parcel)
+    end do
+  end subroutine unpack_contactors
 
-  !> The same for the tables in space.
-  subroutine make_room_in_space(space, n_rows)
-    type(space_shapes_t), intent(inout) :: space
-    integer, intent(in) :: n_rows(n_kinds)
+  !> Vertices in the record of a polygon.
+  pure integer function vertices_of(parcel, start, width) result(n)
+    type(parcel_t), intent(in) :: parcel
+    integer, intent(in) :: start, width
 
-    call allocate_list(n_rows(kind_sphere), space%sphere_radius)
-    call allocate_table(3, n_rows(kind_plane), space%plane_half)
-    call allocate_list(n_rows(kind_plane), space%plane_rim)
-    call allocate_table(9, n_rows(kind_plane), space%plane_frame)
-    call allocate_table(9, n_rows(kind_plane), space%plane_world)
-    call allocate_table(2, n_rows(kind_cylinder), space%cylinder_size)
-    call allocate_table(3, n_rows(kind_cylinder), space%cylinder_axis)
-    call allocate_table(3, n_rows(kind_cylinder), space%cylinder_world)
-    call allocate_table(2, n_rows(kind_hollow_cylinder), space%hollow_size)
-    call allocate_table(3, n_rows(kind_hollow_cylinder), space%hollow_axis)
-    call allocate_table(3, n_rows(kind_hollow_cylinder), space%hollow_world)
-    if (n_rows(kind_polyhedron) > 0) allocate (space%polyhedra(n_rows(kind_polyhedron)))
-  end subroutine make_room_in_space
+    n = (nint(parcel%value(start + place_length - 1)) - n_head - width)/2
+  end function vertices_of
 
-  !> A list of zeros, where there is something to list.
-  subroutine allocate_list(n, list)
-    integer, intent(in) :: n
-    real(wp), allocatable, intent(inout) :: list(:)
-
-    if (n > 0) allocate (list(n), source=0.0_wp)
-  end subroutine allocate_list
-
-  !> A table of zeros, where there is something to tabulate.
-  subroutine allocate_table(components, n, table)
-    integer, intent(in) :: components, n
-    real(wp), allocatable, intent(inout) :: table(:, :)
-
-    if (n > 0) allocate (table(components, n), source=0.0_wp)
-  end subroutine allocate_table
-
-  !> Read a contactor into its place; its row is the next one of its kind. Room must have been made.
-  subroutine unpack_contactor(contactors, c, body, parcel)
-    type(contactors_t), intent(inout) :: contactors !! contactors with room
-    integer, intent(in) :: c !! place of the contactor
-    integer(i4), intent(in) :: body !! body that carries it
-    type(parcel_t), intent(inout) :: parcel !! parcel to read
-    integer(i4) :: length, kind
-    integer :: row
-
-    call parcel%take(length)
-    call parcel%take(contactors%id(c))
-    call parcel%take(kind)
-    call parcel%take(contactors%colour(c))
-    call parcel%take(contactors%shift(:, c))
-    call parcel%take(contactors%reach(c))
-    row = contactors%n_rows(kind) + 1
-    contactors%n_rows(kind) = row
-    contactors%kind(c) = kind
-    contactors%body(c) = body
-    contactors%row(c) = row
-    if (contactors%dimension == 2) then
-      call unpack_planar(contactors, kind, row, parcel)
-    else
-      call unpack_spatial(contactors%space, kind, row, parcel)
-    end if
-  end subroutine unpack_contactor
-
-  !> Read the sizes of a shape in the plane.
-  subroutine unpack_planar(contactors, kind, row, parcel)
+  !> Read the fields of some contactors, one behind the other in all tables.
+  subroutine unpack_fields(contactors, first, parcel, start, width)
     type(contactors_t), intent(inout) :: contactors
-    integer(i4), intent(in) :: kind
-    integer, intent(in) :: row
-    type(parcel_t), intent(inout) :: parcel
-    integer(i4) :: first, n
+    integer, intent(in) :: first, start(:), width(n_kinds)
+    type(parcel_t), intent(in) :: parcel
+    integer(i4) :: kind(size(start)), row(size(start))
+    real(wp) :: fields(maxval(width), size(start))
+    integer, allocatable :: members(:)
+    integer :: i, k, shared
 
-    select case (kind)
-    case (kind_disk)
-      call parcel%take(contactors%disk_radius(row))
-    case (kind_segment)
-      call parcel%take(contactors%segment_size(:, row))
-    case (kind_hollow)
-      call parcel%take(contactors%hollow_radius(row))
-    case (kind_polygon)
-      call parcel%take(n)
-      first = contactors%polygon_first(row)
-      contactors%polygon_first(row + 1) = first + n
+    kind = contactors%kind(first:first + size(start) - 1)
+    row = contactors%row(first:first + size(start) - 1)
+    do i = 1, size(start)
+      fields(:width(kind(i)), i) = parcel%value(start(i) + n_head:start(i) + n_head + width(kind(i)) - 1)
+    end do
+    shared = contactors%width(sync_on_copy, table_all)
+    call contactors%unpack([(int(i, i4), i=first, first + size(start) - 1)], fields(:shared, :), sync_on_copy, table=table_all)
+    do k = 1, n_kinds
+      members = members_of(kind, k)
+      if (width(k) == shared .or. size(members) == 0) cycle
+      call contactors%unpack(row(members), fields(shared + 1:width(k), members), sync_on_copy, table=k)
+    end do
+  end subroutine unpack_fields
+
+  !> Read the vertices of a polygon; those of the polygons before it are read.
+  subroutine unpack_vertices(contactors, row, n, parcel)
+    type(contactors_t), intent(inout) :: contactors
+    integer, intent(in) :: row, n
+    type(parcel_t), intent(inout) :: parcel
+
+    associate (first => contactors%polygon_first(row))
+      contactors%polygon_first(row + 1) = int(first + n, i4)
       call parcel%take(contactors%polygon_vertex(:, first:first + n - 1))
-    end select
-  end subroutine unpack_planar
-
-  !> Read the sizes of a shape in space.
-  subroutine unpack_spatial(space, kind, row, parcel)
-    type(space_shapes_t), intent(inout) :: space
-    integer(i4), intent(in) :: kind
-    integer, intent(in) :: row
-    type(parcel_t), intent(inout) :: parcel
-
-    select case (kind)
-    case (kind_sphere)
-      call parcel%take(space%sphere_radius(row))
-    case (kind_plane)
-      call parcel%take(space%plane_half(:, row))
-      call parcel%take(space%plane_rim(row))
-      call parcel%take(space%plane_frame(:, row))
-    case (kind_cylinder)
-      call parcel%take(space%cylinder_size(:, row))
-      call parcel%take(space%cylinder_axis(:, row))
-    case (kind_hollow_cylinder)
-      call parcel%take(space%hollow_size(:, row))
-      call parcel%take(space%hollow_axis(:, row))
-    case (kind_polyhedron)
-      call unpack_polyhedron(space%polyhedra(row), parcel)
-    end select
-  end subroutine unpack_spatial
+    end associate
+  end subroutine unpack_vertices
 
   !> Read a polyhedron.
   subroutine unpack_polyhedron(shape, parcel)

@@ -3,7 +3,6 @@ module sg_space_contactors
   use sg_contactors, only: add_contactor, contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, &
                            kind_sphere
   use sg_kinds, only: wp
-  use sg_lists, only: reserve
   use sg_polyhedron, only: polyhedron_t
   implicit none
   private
@@ -21,7 +20,6 @@ contains
     integer :: row
 
     call add_contactor(contactors, kind_sphere, body, colour, shift, radius, row)
-    call reserve(contactors%space%sphere_radius, row)
     contactors%space%sphere_radius(row) = radius
   end subroutine add_sphere
 
@@ -41,11 +39,7 @@ contains
     rim = 0
     if (present(has_rim)) rim = merge(half(3), 0.0_wp, has_rim)
     call add_contactor(contactors, kind_plane, body, colour, shift, max(norm2(half), norm2(half(:2)) + rim), row)
-    call reserve(contactors%space%plane_rim, row)
     contactors%space%plane_rim(row) = rim
-    call reserve(contactors%space%plane_half, 3, row)
-    call reserve(contactors%space%plane_frame, 9, row)
-    call reserve(contactors%space%plane_world, 9, row)
     contactors%space%plane_half(:, row) = half
     contactors%space%plane_frame(:, row) = reshape(frame, [9])
   end subroutine add_plane
@@ -62,9 +56,6 @@ contains
     integer :: row
 
     call add_contactor(contactors, kind_cylinder, body, colour, shift, half_height + radius, row)
-    call reserve(contactors%space%cylinder_size, 2, row)
-    call reserve(contactors%space%cylinder_axis, 3, row)
-    call reserve(contactors%space%cylinder_world, 3, row)
     contactors%space%cylinder_size(:, row) = [half_height, radius]
     contactors%space%cylinder_axis(:, row) = axis
   end subroutine add_cylinder
@@ -81,9 +72,6 @@ contains
     integer :: row
 
     call add_contactor(contactors, kind_hollow_cylinder, body, colour, shift, norm2([half_height, radius]), row)
-    call reserve(contactors%space%hollow_size, 2, row)
-    call reserve(contactors%space%hollow_axis, 3, row)
-    call reserve(contactors%space%hollow_world, 3, row)
     contactors%space%hollow_size(:, row) = [half_height, radius]
     contactors%space%hollow_axis(:, row) = axis
   end subroutine add_hollow_cylinder

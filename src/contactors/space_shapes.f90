@@ -2,16 +2,18 @@
 !!
 !! A kind that a scene does not hold has no table.
 module sg_space_shapes
+  use sg_field_visitor, only: field_t, field_visitor_t, sync_never, sync_on_copy
+  use sg_fields, only: fields_t
   use sg_kinds, only: wp, i4
   use sg_polyhedron, only: place_polyhedron, polyhedron_t
   use sg_rotations, only: frame_of, turned_by
-  use sg_shape_kinds, only: kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron
+  use sg_shape_kinds, only: kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, kind_sphere
   implicit none
   private
   public :: space_shapes_t, place_in_space
 
   !> Shapes in space
-  type :: space_shapes_t
+  type, extends(fields_t) :: space_shapes_t
     !> Spheres: radius [m]
     real(wp), allocatable :: sphere_radius(:)
     !> Planes: half axes of the box [m], shape (3, row); grains are meant to touch the face at +half(3)
@@ -29,9 +31,35 @@ module sg_space_shapes
     real(wp), allocatable :: hollow_size(:, :), hollow_axis(:, :), hollow_world(:, :)
     !> Convex polyhedra
     type(polyhedron_t), allocatable :: polyhedra(:)
+  contains
+    procedure :: visit => space_shapes_visit
   end type space_shapes_t
 
 contains
+
+  !> The list of fields, one table per kind. A field of a shape is a line here, and its declaration above.
+  subroutine space_shapes_visit(self, visitor)
+    class(space_shapes_t) :: self
+    type(field_visitor_t), intent(inout) :: visitor !! what the visit does
+
+    select case (visitor%table)
+    case (kind_sphere)
+      call visitor%visit(field_t('sphere_radius', sync_on_copy), self%sphere_radius)
+    case (kind_plane)
+      call visitor%visit(field_t('plane_half', sync_on_copy, 3), self%plane_half)
+      call visitor%visit(field_t('plane_rim', sync_on_copy), self%plane_rim)
+      call visitor%visit(field_t('plane_frame', sync_on_copy, 9), self%plane_frame)
+      call visitor%visit(field_t('plane_world', sync_never, 9), self%plane_world)
+    case (kind_cylinder)
+      call visitor%visit(field_t('cylinder_size', sync_on_copy, 2), self%cylinder_size)
+      call visitor%visit(field_t('cylinder_axis', sync_on_copy, 3), self%cylinder_axis)
+      call visitor%visit(field_t('cylinder_world', sync_never, 3), self%cylinder_world)
+    case (kind_hollow_cylinder)
+      call visitor%visit(field_t('hollow_size', sync_on_copy, 2), self%hollow_size)
+      call visitor%visit(field_t('hollow_axis', sync_on_copy, 3), self%hollow_axis)
+      call visitor%visit(field_t('hollow_world', sync_never, 3), self%hollow_world)
+    end select
+  end subroutine space_shapes_visit
 
   !> Put contactors where their bodies are.
   pure subroutine place_in_space(n, kind, body, row, shift, middle, centre, space)

@@ -3,14 +3,13 @@
 !! What grows neither with the bodies nor with the contacts is left out, and so is what a step makes and gives back. That nothing
 !! else is left out shows where the sum is compared with the memory that the program has in use (tests/cli/test_needs.py).
 module sg_inventory
-  use sg_contactors, only: contactors_t
+  use sg_contactors, only: contactors_t, table_all, table_vertices
   use sg_history, only: history_t
   use sg_kinds, only: wp, i8
   use sg_neighbours, only: neighbours_t
   use sg_polyhedron, only: polyhedron_t
   use sg_problem, only: growth_of_problem, problem_t
   use sg_simulation, only: simulation_t
-  use sg_space_shapes, only: space_shapes_t
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none
   private
@@ -41,7 +40,6 @@ contains
     call tables%begin('plan', per_body)
     call tables%note('radius', sim%plan%radius)
     call list_contactors(sim%scene%contactors, tables)
-    call list_space(sim%scene%contactors%space, tables)
     call list_pairs(sim%pairs, tables)
     call tables%begin('contacts', per_contact)
     call sim%contacts%note(tables)
@@ -55,57 +53,26 @@ contains
     call tables%note('guess_body', sim%guess_body)
   end subroutine list_tables
 
-  !> Tables of shapes in the plane, and of what all shapes have.
+  !> Tables of contactors and of their shapes.
   subroutine list_contactors(contactors, tables)
     type(contactors_t), intent(in) :: contactors
-    type(tables_t), intent(inout) :: tables
-
-    call tables%begin('contactors', per_body)
-    call tables%note('kind', contactors%kind)
-    call tables%note('body', contactors%body)
-    call tables%note('row', contactors%row)
-    call tables%note('colour', contactors%colour)
-    call tables%note('shift', contactors%shift)
-    call tables%note('reach', contactors%reach)
-    call tables%note('centre', contactors%centre)
-    call tables%note('id', contactors%id)
-    call tables%note('disk_radius', contactors%disk_radius)
-    call tables%note('segment_size', contactors%segment_size)
-    call tables%note('segment_axis', contactors%segment_axis)
-    call tables%note('hollow_radius', contactors%hollow_radius)
-    call tables%note('polygon_first', contactors%polygon_first)
-    call tables%note('polygon_vertex', contactors%polygon_vertex)
-    call tables%note('polygon_world', contactors%polygon_world)
-  end subroutine list_contactors
-
-  !> Tables of shapes in space.
-  subroutine list_space(space, tables)
-    type(space_shapes_t), intent(in) :: space
     type(tables_t), intent(inout) :: tables
     integer(i8) :: bytes
     integer :: i
 
-    call tables%begin('space', per_body)
-    call tables%note('sphere_radius', space%sphere_radius)
-    call tables%note('plane_half', space%plane_half)
-    call tables%note('plane_rim', space%plane_rim)
-    call tables%note('plane_frame', space%plane_frame)
-    call tables%note('plane_world', space%plane_world)
-    call tables%note('cylinder_size', space%cylinder_size)
-    call tables%note('cylinder_axis', space%cylinder_axis)
-    call tables%note('cylinder_world', space%cylinder_world)
-    call tables%note('hollow_size', space%hollow_size)
-    call tables%note('hollow_axis', space%hollow_axis)
-    call tables%note('hollow_world', space%hollow_world)
+    call tables%begin('contactors', per_body)
+    do i = table_all, table_vertices
+      call contactors%note(tables, i)
+    end do
     bytes = -1
-    if (allocated(space%polyhedra)) then
+    if (allocated(contactors%space%polyhedra)) then
       bytes = 0
-      do i = 1, size(space%polyhedra)
-        bytes = bytes + bytes_of(space%polyhedra(i))
+      do i = 1, size(contactors%space%polyhedra)
+        bytes = bytes + bytes_of(contactors%space%polyhedra(i))
       end do
     end if
     call tables%add('polyhedra', bytes)
-  end subroutine list_space
+  end subroutine list_contactors
 
   !> Bytes of a polyhedron, with those of its own tables.
   integer(i8) function bytes_of(polyhedron) result(bytes)

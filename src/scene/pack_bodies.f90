@@ -5,12 +5,12 @@
 !! of detection) is no part of it.
 module sg_pack_bodies
   use sg_bodies, only: bodies_t, make_bodies_like, no_bodies_like
-  use sg_contactors, only: contactors_t, n_kinds
+  use sg_contactors, only: contactors_t
   use sg_field_visitor, only: sync_always, sync_never
   use sg_homes, only: counts_on
   use sg_kinds, only: wp, i4, i8
   use sg_links, only: locate_links
-  use sg_pack_shapes, only: make_room_for_shapes, pack_contactor, unpack_contactor, unpack_size
+  use sg_pack_shapes, only: pack_contactors, unpack_contactors
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
   use sg_sorting, only: sort_permutation
@@ -18,7 +18,7 @@ module sg_pack_bodies
   private
   public :: pack_bodies, order_records, rebuild_scene, drop_bodies, drop_step_state
 
-  !> Places of values in a record
+  !> Places of values in a record; the first two are those of a record of a contactor too
   integer, parameter :: place_length = 1, place_number = 2, place_home = 3
   !> Bodies whose fields are moved in one visit: few enough to stay in the cache
   integer, parameter :: per_visit = 256
@@ -34,25 +34,44 @@ contains
     integer(i4), intent(in) :: home(:) !! rank that is or becomes the home of each; -1 for wide bodies
     integer, intent(in) :: least !! `sync_on_copy` where the records are of copies, else `sync_on_owner`
     type(parcel_t), intent(inout) :: parcel !! takes the records
-    real(wp), allocatable :: values(:, :)
-    integer(i4) :: number
-    integer :: start, i, k, n
+    integer :: b
 
-    do i = 1, size(body)
-      n = modulo(i - 1, per_visit) + 1
-      if (n == 1) call scene%bodies%pack(body(i:min(i + per_visit - 1, size(body))), values, least)
-      number = body(i)
-      if (allocated(scene%bodies%id)) number = scene%bodies%id(body(i))
-      start = parcel%n + 1
-      call parcel%put(0) ! the length, known at the end
-      call parcel%put([number, home(i), first(body(i) + 1) - first(body(i)), int(least, i4)])
-      call parcel%put(values(:, n))
-      do k = first(body(i)), first(body(i) + 1) - 1
-        call pack_contactor(scene%contactors, list(k), parcel)
-      end do
-      parcel%value(start) = real(parcel%n - start + 1, wp)
+    do b = 1, size(body), per_visit
+      associate (some => body(b:min(b + per_visit - 1, size(body))))
+        call pack_some(scene, some, first, list, home(b:b + size(some) - 1), least, parcel)
+      end associate
     end do
   end subroutine pack_bodies
+
+  !> Append the records of a few bodies.
+  subroutine pack_some(scene, body, first, list, home, least, parcel)
+    type(scene_t), intent(in) :: scene
+    integer(i4), intent(in) :: body(:), first(:), list(:), home(:)
+    integer, intent(in) :: least
+    type(parcel_t), intent(inout) :: parcel
+    type(parcel_t) :: shapes
+    real(wp), allocatable :: values(:, :)
+    integer, allocatable :: shape_start(:)
+    integer(i4) :: number(size(body)), carried(size(body))
+    integer :: start, i, c, k
+
+    number = body
+    if (allocated(scene%bodies%id)) number = scene%bodies%id(body)
+    carried = first(body + 1) - first(body)
+    call scene%bodies%pack(body, values, least)
+    call pack_contactors(scene%contactors, [(list(first(body(i)):first(body(i) + 1) - 1), i=1, size(body))], shapes, shape_start)
+    c = 1
+    do i = 1, size(body)
+      start = parcel%n + 1
+      call parcel%put(0) ! the length, known at the end
+      call parcel%put([number(i), home(i), carried(i), int(least, i4)])
+      call parcel%put(values(:, i))
+      k = c + carried(i)
+      if (k > c) call parcel%put(shapes%value(shape_start(c):shape_start(k) - 1))
+      c = k
+      parcel%value(start) = real(parcel%n - start + 1, wp)
+    end do
+  end subroutine pack_some
 
   !> Where the records of a parcel begin, in the order of a rank's bodies: first those it counts as its own, then copies of
   !! others', both by ascending number. No body may stand in the parcel twice.
@@ -158,7 +177,7 @@ contains
       call unpack_fields(parcel, behind, pack([(int(b, i4), b=1, size(start))], rule == least), width, least, bodies)
       where (rule == least) behind = behind + width
     end do
-    call unpack_contactors(parcel, behind, carried, bodies%dimension, contactors)
+    call unpack_shapes(parcel, behind, carried, contactors)
   end subroutine unpack_bodies
 
   !> Read the fields of some bodies, which stand behind a value of each record.
@@ -182,40 +201,30 @@ contains
   end subroutine unpack_fields
 
   !> Read the contactors that stand behind a value of each record, by ascending number.
-  subroutine unpack_contactors(parcel, behind, carried, dimension, contactors)
+  subroutine unpack_shapes(parcel, behind, carried, contactors)
     type(parcel_t), intent(inout) :: parcel
-    integer, intent(in) :: behind(:), dimension
+    integer, intent(in) :: behind(:)
     integer(i4), intent(in) :: carried(:) !! contactors of each body
     type(contactors_t), intent(inout) :: contactors
-    integer, allocatable :: before(:)
+    integer, allocatable :: start(:)
     integer(i4), allocatable :: body(:), order(:)
     integer(i8), allocatable :: number(:)
-    integer(i4) :: kind, vertices, one
-    integer :: b, c, k, n, n_rows(n_kinds), n_vertices
+    integer :: at, b, c, k
 
-    n = sum(carried)
-    allocate (before(n), body(n), number(n))
-    n_rows = 0
-    n_vertices = 0
+    allocate (start(sum(carried)), body(sum(carried)), number(sum(carried)))
     c = 0
     do b = 1, size(behind)
-      parcel%at = behind(b)
+      at = behind(b) + 1
       do k = 1, carried(b)
         c = c + 1
-        before(c) = parcel%at
+        start(c) = at
         body(c) = int(b, i4)
-        call unpack_size(parcel, dimension, one, kind, vertices)
-        number(c) = int(one, i8)
-        n_rows(kind) = n_rows(kind) + 1
-        n_vertices = n_vertices + vertices
+        number(c) = nint(parcel%value(at + place_number - 1), i8)
+        at = at + nint(parcel%value(at + place_length - 1))
       end do
     end do
     order = sort_permutation(number)
     deallocate (number)
-    call make_room_for_shapes(contactors, dimension, n_rows, n_vertices)
-    do c = 1, n
-      parcel%at = before(order(c))
-      call unpack_contactor(contactors, c, body(order(c)), parcel)
-    end do
-  end subroutine unpack_contactors
+    call unpack_contactors(contactors, parcel, start(order), body(order))
+  end subroutine unpack_shapes
 end module sg_pack_bodies

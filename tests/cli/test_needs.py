@@ -59,7 +59,7 @@ history.contactor history.image history.first history.feature history.impulse hi
 problem.pair problem.record problem.impulse problem.body
 order.contact order.chosen order.groups_of active_set.closing active_set.is_wanted active_set.is_ordered"""
 PLANE = "contactors.segment_size contactors.segment_axis"
-SPACE = "bodies.crossings_y space.plane_half space.plane_rim space.plane_frame space.plane_world pairs.image_y contacts.image_y"
+SPACE = "bodies.crossings_y contactors.plane_half contactors.plane_rim contactors.plane_frame contactors.plane_world pairs.image_y contacts.image_y"
 POLYGONS = "contactors.polygon_first contactors.polygon_vertex contactors.polygon_world"
 ONE_BY_ONE = "order.pair order.record order.impulse"
 BALL_LANES = "order.group_size order.lane_pair order.lane_record order.lane_impulse"
@@ -77,13 +77,13 @@ SCENES = {
     "disks, no friction": (in_plane("disk", 0.0), f"{PLANE} {ONE_BY_ONE} bodies.angle bodies.inertia contactors.disk_radius", [], 330, 420),
     "disks": (in_plane("disk", 0.3), f"{PLANE} {ONE_BY_ONE} bodies.angle bodies.inertia plan.radius contactors.disk_radius", [], 430, 530),
     "polygons": (in_plane("polygon", 0.3), f"{PLANE} {ONE_BY_ONE} {POLYGONS} bodies.angle bodies.inertia", [], 730, 730),
-    "spheres, no friction": (in_space("sphere", 0.0), f"{SPACE} {ONE_BY_ONE} bodies.principal space.sphere_radius", [], 470, 620),
+    "spheres, no friction": (in_space("sphere", 0.0), f"{SPACE} {ONE_BY_ONE} bodies.principal contactors.sphere_radius", [], 470, 620),
     "spheres": (
         in_space("sphere", 0.3),
-        f"{SPACE} {BALL_LANES} bodies.orientation bodies.principal plan.radius space.sphere_radius", [], 740, 900,
+        f"{SPACE} {BALL_LANES} bodies.orientation bodies.principal plan.radius contactors.sphere_radius", [], 740, 900,
     ),
     "polyhedra": (
-        in_space("polyhedron", 0.3), f"{SPACE} {SOLID_LANES} bodies.orientation bodies.principal space.polyhedra", ["Qhull"],
+        in_space("polyhedron", 0.3), f"{SPACE} {SOLID_LANES} bodies.orientation bodies.principal contactors.polyhedra", ["Qhull"],
         5700, 1600,
     ),
 }  # fmt: skip

@@ -6,11 +6,10 @@
 module sg_share
   use sg_ascending, only: first_at_least, place_in
   use sg_census, only: census_t
-  use sg_contactors, only: contactors_t, drop_contactors, kind_point, n_kinds
+  use sg_contactors, only: contactors_t, drop_contactors, kind_point, make_rows, table_all
   use sg_kinds, only: i4, i8
   use sg_link_network, only: place_of_point, points_t
   use sg_lists, only: reserve
-  use sg_pack_shapes, only: make_room_for_shapes
   use sg_scene, only: scene_t
   implicit none
   private
@@ -95,7 +94,6 @@ contains
         n = n + 1
         scene%bodies%id(n) = int(self%made, i4)
         scene%bodies%home(n) = int(merge(-1, self%rank, is_common), i4)
-        call reserve(scene%contactors%id, scene%contactors%n)
         do c = self%before + 1, scene%contactors%n
           scene%contactors%id(c) = int(self%contactors + c - self%before, i4)
         end do
@@ -141,7 +139,6 @@ contains
     class(share_t), intent(in) :: self
     type(scene_t), intent(inout) :: scene !! scene with its bodies
     integer, intent(in) :: n !! bodies kept
-    integer, parameter :: none(n_kinds) = 0
     type(contactors_t) :: nothing
 
     if (n < scene%bodies%n) then
@@ -152,8 +149,10 @@ contains
     if (self%ranks == 1) return
     scene%contactors%id = scene%contactors%id(:scene%contactors%n)
     if (scene%contactors%n > 0) return
+    nothing%dimension = scene%dimension
     scene%contactors = nothing
-    call make_room_for_shapes(scene%contactors, scene%dimension, none, 0)
+    allocate (scene%contactors%id(0))
+    call make_rows(scene%contactors, table_all, 0)
   end subroutine share_finish
 
   !> Note how many contactors the next body has.
