@@ -279,6 +279,7 @@ src/base/text  calls any_thing of `the_kind`
     ("other.md", "others.md", "page.md:5: no file others.md"),
     ("(#how-work-works)", "(#how-it-works)", "page.md:5: no heading #how-it-works"),
     ("#the-page", "#no-page", "page.md:5: no heading #no-page in other.md"),
+    ("[there]", "[Jean1999]]", "page.md:5: no second bracket before [Jean1999]]("),
     ("sim%step", "simulation%step", "page.md:6: no source holds the name simulation%step"),
     ("| `work` |", "| `sim` |", "page.md:11: src/base/text.f90 does not define sim"),
     ("src/base/text  calls", "src/base/no_text  calls", "page.md:15: no file src/base/no_text"),

@@ -79,7 +79,7 @@ contains
     do b = 1, deck%n
       do i = 1, size(own_sections)
         if (deck%is_in(b, trim(own_sections(i)))) call deck%complain(diagnostics, deck%heading(deck%blocks(b)%section)// &
-                                                       ' cannot stand beside scene.datbox, which holds all of its kind', b)
+                                                       ' cannot stand next to scene.datbox, which holds all of its kind', b)
       end do
     end do
     folder = path_in_deck(deck, deck%word(block, 'datbox'))

@@ -62,10 +62,10 @@ def main():
     predicted = whole - (1 - visited) * told[prefix + "sweep_seconds"]
     print(f"{chosen.deck}: {told['contacts']} contacts, {chosen.ranks} ranks, {chosen.gluing}")
     print(f"a rank updates {updates:.0f} contacts per iteration, {100 * visited:.1f} % of those it owns")
-    print(f"predicted  {1e3 * predicted:.4f} ms an iteration ({1e3 * whole:.4f} ms with all contacts): updates "
+    print(f"predicted  {1e3 * predicted:.4f} ms per iteration ({1e3 * whole:.4f} ms with all contacts): updates "
           f"{1e3 * visited * told[prefix + 'sweep_seconds']:.4f}, gluing {1e3 * told[prefix + 'glue_seconds']:.4f}, "
           f"messages {1e3 * told[prefix + 'message_seconds']:.4f}")
-    print(f"measured   {1e3 * wall:.4f} ms wall, {1e3 * cpu:.4f} ms CPU a rank")
+    print(f"measured   {1e3 * wall:.4f} ms wall, {1e3 * cpu:.4f} ms CPU per rank")
     print(f"measured over predicted: {wall / predicted:.3f} wall, {cpu / predicted:.3f} CPU")
 
 

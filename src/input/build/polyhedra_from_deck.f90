@@ -81,7 +81,7 @@ contains
       call deck%complain(diagnostics, 'a polyhedron needs either "vertices" or "file"', b, 'file')
     else if (deck%is_given(b, 'file')) then
       if (deck%is_given(b, 'faces')) &
-        call deck%complain(diagnostics, '"faces" has no meaning beside "file", which holds its own', b, 'faces')
+        call deck%complain(diagnostics, '"faces" is refused next to "file", which holds its own', b, 'faces')
       call read_mesh_file(deck, b, shape, diagnostics)
     else
       do i = 1, size(of_files)

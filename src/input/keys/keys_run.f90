@@ -129,7 +129,7 @@ contains
                    default=quoted(trim(default%guard%energy)), choices=choices_of(energy_guards))
     call table%add('energy_tolerance', value_real, 'Error of the balance over its largest term above which it counts as open.', &
                    default=short_real(default%guard%energy_tolerance), above=0.0_wp, used_for='energy=warn|stop')
-    call table%open_section('report', 'What is worked out of a run beside its record.')
+    call table%open_section('report', 'Indicators that a run computes in addition to its record.')
     call table%add('spectrum', value_logical, 'Sample energy and momentum of the grains and wall forces at every step and '// &
                    'write their power spectra, spectrum.csv, at the end; needs FFTW.', default=true_or_false(default%has_spectrum))
     call table%add('structure', value_logical, 'Write the structure of the packing at the end: radial distribution g(r) and '// &

@@ -445,7 +445,7 @@ contains
     call put_lines('bad.obj', ['v 0 0 0', 'v 2 0 0', 'v 2 2 0', 'v 0 2 0', 'v 1 1 2', 'f 1 2 5', 'f 2 3 5', 'f 3 4 5', 'f 4 1 5'])
     call bad('an open mesh', solid//'"bad.obj"'//nl, 'edge', 12)
     call bad('a file and vertices', solid//'"bad.obj"'//nl//'vertices = [[0, 0, 0]]'//nl, 'either "vertices" or "file"', 12)
-    call bad('a file and faces', solid//'"bad.obj"'//nl//'faces = [[1, 2, 3]]'//nl, '"faces" has no meaning beside "file"', 13)
+    call bad('a file and faces', solid//'"bad.obj"'//nl//'faces = [[1, 2, 3]]'//nl, '"faces" is refused next to "file"', 13)
   end subroutine bad_meshes
 
   subroutine bad_generators()
