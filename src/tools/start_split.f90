@@ -10,13 +10,13 @@ module sg_start_split
   use sg_detect, only: detect
   use sg_error, only: diagnostics_t, error_t, fail
   use sg_graph_split, only: split_graph
-  use sg_interface_blocks, only: block_structure, block_structure_t
+  use sg_interface_blocks, only: block_structure_t, interface_blocks_t
   use sg_kinds, only: wp, i4
   use sg_limits, only: check_limits
   use sg_load, only: measured_weights
   use sg_motion, only: predict
   use sg_pictures, only: pictures_t
-  use sg_problem_records, only: contact_of, contact_record_t
+  use sg_problem, only: is_active
   use sg_simulation, only: simulation_t, start_simulation
   use sg_split_report, only: report_split, split_report_t
   use sg_text, only: to_text
@@ -139,7 +139,7 @@ contains
     type(simulation_t), intent(inout) :: sim
     integer(i4), intent(in) :: part(:)
     type(block_structure_t), intent(out) :: blocks
-    type(contact_record_t) :: contact
+    type(interface_blocks_t) :: rows
     integer :: chosen(sim%contacts%n), k, n
 
     call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%step, sim%problem)
@@ -148,12 +148,12 @@ contains
       associate (ends => part(sim%contacts%body(:, k)))
         if (any(ends == 0) .or. ends(1) == ends(2)) cycle
       end associate
-      contact = contact_of(sim%problem, k)
-      if (.not. contact%is_active) cycle
+      if (.not. is_active(sim%problem, k)) cycle
       n = n + 1
       chosen(n) = k
     end do
-    blocks = block_structure(sim%problem, chosen(:n))
+    call rows%build(sim%problem, chosen(:n))
+    blocks = rows%structure()
   end subroutine look_at_interface
 
   !> Draw the scene into a folder that exists; each body has the number of its part, from 0, as its rank.

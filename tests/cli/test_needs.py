@@ -91,12 +91,12 @@ SCENES = {
 # What ranks hold beside that: which body is which in the whole scene and whose, who shares what, messages about it; and by gluing.
 # Contacts stand in several sets.
 ON_RANKS = """bodies.id bodies.home contactors.id subdomain.neighbour subdomain.first subdomain.body subdomain.home subdomain.wide
-halo.placed shared_bodies.is_here shared_bodies.is_there shared_bodies.slot shared_bodies.multiplicity shared_bodies.item
-shared_bodies.first shared_bodies.activity contact_sets.set_of contact_sets.shared"""
+halo.placed interface.is_here interface.is_there interface.slot interface.multiplicity interface.item interface.first
+interface.contact interface.is_between interface.activity contact_sets.set_of contact_sets.shared
+gluing.before gluing.change gluing.jump"""
 GLUINGS = {
-    "dual": """shared_bodies.send_slots shared_bodies.receive_slots shared_bodies.last contact_sets.contact contact_sets.record
-masses.divided masses.whole
-gluing.before gluing.change gluing.jump gluing.messages""",
+    "dual": """interface.total interface.sums interface.send_slots interface.receive_slots interface.to_idle
+contact_sets.contact contact_sets.record masses.divided masses.whole""",
     "primal": "edges.colour edges.lent_first edges.lent edges.borrowed_first edges.borrowed edges.messages",
 }
 

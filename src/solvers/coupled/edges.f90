@@ -7,10 +7,10 @@
 module sg_edges
   use sg_comm, only: comm_t
   use sg_exchange, only: exchange_t
+  use sg_interface, only: interface_t
   use sg_kinds, only: wp, i8
   use sg_problem, only: problem_t
   use sg_records, only: first_inverse
-  use sg_shared_bodies, only: shared_bodies_t
   use sg_subdomain, only: subdomain_t
   use sg_tables, only: per_body, tables_t
   implicit none
@@ -41,16 +41,16 @@ module sg_edges
 contains
 
   !> Find the edges of a problem and prepare their messages: number `all_edges`, and number c for those of colour c.
-  subroutine edges_prepare(self, problem, coupling, shared, comm)
+  subroutine edges_prepare(self, problem, coupling, interface, comm)
     class(edges_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! this rank's part
     type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
-    type(shared_bodies_t), intent(in) :: shared !! on which bodies ranks have contacts
+    type(interface_t), intent(in) :: interface !! on which bodies ranks have contacts
     type(comm_t), intent(inout) :: comm !! the ranks
     integer :: c
 
     self%width = first_inverse(problem%kind) - 1
-    call list_loans(self, coupling, shared)
+    call list_loans(self, coupling, interface)
     call colour_all(self, coupling, comm)
     call release_all(self)
     allocate (self%lend(0:self%n_colours), self%give_back(0:self%n_colours))
@@ -60,10 +60,10 @@ contains
   end subroutine edges_prepare
 
   !> List what is lent and borrowed on each edge.
-  subroutine list_loans(self, coupling, shared)
+  subroutine list_loans(self, coupling, interface)
     class(edges_t), intent(inout) :: self
     type(subdomain_t), intent(in) :: coupling
-    type(shared_bodies_t), intent(in) :: shared
+    type(interface_t), intent(in) :: interface
     integer :: i, e
 
     self%lent = [integer ::]
@@ -73,9 +73,9 @@ contains
     do i = 1, size(coupling%neighbour)
       associate (entries => [(e, e=coupling%first(i), coupling%first(i + 1) - 1)])
         self%lent = [self%lent, coupling%body(pack(entries, coupling%home(entries) == coupling%rank .and. &
-                                                      shared%is_there(entries)))]
+                                                      interface%is_there(entries)))]
         self%borrowed = [self%borrowed, coupling%body(pack(entries, coupling%home(entries) == coupling%neighbour(i) .and. &
-                                                            shared%is_here(entries)))]
+                                                            interface%is_here(entries)))]
       end associate
       self%lent_first(i + 1) = size(self%lent) + 1
       self%borrowed_first(i + 1) = size(self%borrowed) + 1

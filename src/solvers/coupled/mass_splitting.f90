@@ -51,37 +51,22 @@ contains
     type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
     type(comm_t), intent(inout) :: comm !! the ranks
     logical :: is_mean
+    integer(i4), allocatable :: set(:)
 
     call self%begin_coupled(problem)
     call self%rule(is_mean, self%relaxation)
     self%may_diverge = .not. is_mean
-    call self%gluing%prepare(problem, coupling, is_mean, comm)
-    associate (shared => self%gluing%shared)
-      associate (slot => [shared%slot, shared%replicated%slot], copies => [shared%multiplicity, shared%replicated%multiplicity])
-        call self%divide_masses(problem, slot, merge(copies, 1, is_mean))
-        call add_impulses(problem)
-        call self%gluing%begin(problem, comm)
-        call self%sets%split(problem, sets_of(problem, slot), 2, is_mean, slot)
-      end associate
+    call self%gluing%prepare(problem, coupling, is_mean, .false., comm)
+    associate (interface => self%gluing%interface)
+      call self%divide_masses(problem, interface%slot, merge(interface%multiplicity, 1, is_mean))
+      call add_impulses(problem)
+      call self%gluing%begin(problem, comm)
+      allocate (set(problem%n_contacts), source=int(inner_set, i4))
+      set(interface%contact) = shared_set
+      call self%sets%split(problem, set, 2, is_mean, interface%slot)
     end associate
     call self%gluing%finish(problem, comm)
   end subroutine splitting_open
-
-  !> Set of each contact: does it touch a shared body?
-  pure function sets_of(problem, shared) result(set)
-    type(problem_t), intent(in) :: problem
-    integer, intent(in) :: shared(:) !! slots of shared bodies
-    integer(i4) :: set(problem%n_contacts)
-    logical :: is_shared(problem%n_bodies)
-    integer :: k
-
-    is_shared = .false.
-    is_shared(shared) = .true.
-    do k = 1, problem%n_contacts
-      set(k) = inner_set
-      if (is_shared(problem%pair(1, k)) .or. is_shared(problem%pair(2, k))) set(k) = shared_set
-    end do
-  end function sets_of
 
   !> Sweep contacts of shared bodies, so that their messages travel while the others are swept.
   subroutine splitting_begin_round(self, problem, report)
@@ -144,7 +129,7 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
 
     call self%make_masses_whole(problem)
-    call self%gluing%shared%broadcast_velocities(problem, coupling, comm)
+    call self%gluing%interface%update_idle(problem%body, coupling, comm)
   end subroutine splitting_close
 
   !> List the tables of the gluing.

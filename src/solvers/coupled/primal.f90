@@ -10,11 +10,11 @@ module sg_primal
   use sg_contact_sets, only: inner_set, shared_set
   use sg_coupled_solver, only: coupled_solver_t
   use sg_edges, only: all_edges, edges_t
+  use sg_gluing, only: gluing_t
   use sg_home_sum, only: copy_from_home
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t
   use sg_report, only: report_t
-  use sg_shared_bodies, only: shared_bodies_t
   use sg_subdomain, only: subdomain_t
   use sg_tables, only: tables_t
   implicit none
@@ -23,7 +23,8 @@ module sg_primal
 
   !> The primal method
   type, extends(coupled_solver_t) :: primal_t
-    type(shared_bodies_t), private :: shared
+    type(gluing_t), private :: gluing
+    integer, allocatable, private :: replicated(:)
     type(edges_t), private :: edges
   contains
     procedure :: open => primal_open
@@ -45,16 +46,19 @@ contains
     real(wp), allocatable :: before(:, :)
 
     call self%begin_coupled(problem)
-    call self%shared%find(problem, coupling, comm)
-    call self%edges%prepare(problem, coupling, self%shared, comm)
-    call self%divide_masses(problem, self%shared%replicated%slot, self%shared%replicated%multiplicity)
+    call self%gluing%prepare(problem, coupling, .true., .true., comm)
+    associate (interface => self%gluing%interface)
+      call self%edges%prepare(problem, coupling, interface, comm)
+      self%replicated = interface%slot(interface%n_shared + 1:)
+      call self%divide_masses(problem, self%replicated, interface%multiplicity(interface%n_shared + 1:))
+    end associate
     allocate (before(self%width, size(self%edges%borrowed)))
     before(:, :) = problem%body(:self%width, self%edges%borrowed)
     call add_impulses(problem)
     call self%edges%return_changes(before, problem, comm)
-    call self%shared%replicated%glue(problem, .true., comm)
+    call self%gluing%glue_replicated(problem, comm)
     call self%sets%split(problem, sets_of(self, problem), inner_set + size(coupling%neighbour), .true., &
-                         [self%edges%lent, self%edges%borrowed, self%shared%replicated%slot])
+                         [self%edges%lent, self%edges%borrowed, self%replicated])
   end subroutine primal_open
 
   !> Set of each contact: 1 where a replicated body moves, 2 within this rank, 2 + i on the edge with neighbour i.
@@ -69,7 +73,7 @@ contains
       set_of_slot(self%edges%borrowed(self%edges%borrowed_first(i):self%edges%borrowed_first(i + 1) - 1)) = &
         int(inner_set + i, i4)
     end do
-    set_of_slot(self%shared%replicated%slot) = shared_set
+    set_of_slot(self%replicated) = shared_set
     do k = 1, problem%n_contacts
       set(k) = maxval(set_of_slot(problem%pair(:, k)))
       if (set(k) == inner_set .and. any(set_of_slot(problem%pair(:, k)) == shared_set)) set(k) = shared_set
@@ -98,7 +102,7 @@ contains
       if (i > 1) call self%begin_round(problem, report)
       call self%sets%sweep(inner_set, problem, self%options%relaxation, report)
     end do
-    call self%shared%replicated%glue(problem, .true., comm)
+    call self%gluing%glue_replicated(problem, comm)
     do c = 1, merge(0, self%edges%n_colours, is_cut)
       call sweep_edge(self, c, problem, comm, report)
     end do
@@ -151,7 +155,7 @@ contains
     type(tables_t), intent(inout) :: tables !! list to add to
 
     call self%list_masses(tables)
-    call self%shared%list_tables(tables)
+    call self%gluing%list_tables(tables)
     call self%edges%list_tables(tables)
   end subroutine primal_list_shared
 end module sg_primal

@@ -1,7 +1,7 @@
 !> Blocks of the Delassus matrix of some contacts, worked out by hand.
 program test_interface_blocks
   use harness, only: tests_t
-  use sg_interface_blocks, only: block_structure, block_structure_t
+  use sg_interface_blocks, only: block_structure_t, interface_blocks_t
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t, reserve_problem
   use sg_records, only: arm_frictionless, ball_frictional, ball_inverse_wnn, normal_x, normal_z, round_frictionless
@@ -30,18 +30,18 @@ contains
       problem%pair(:, i) = int([i, i + 1], i4)
       problem%record(:, i) = [1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp]
     end do
-    blocks = block_structure(problem, [1, 2, 3, 4])
+    blocks = structure_of(problem, [1, 2, 3, 4])
     call t%check(blocks%contacts == 4 .and. blocks%alone == 0, 'every contact shares a disk')
     call t%near(blocks%mean_couplings, 1.5_wp, 1e-15_wp, 'one neighbour at the ends, two within')
     call t%check(blocks%groups == 1 .and. blocks%largest_group == 4 .and. blocks%most_couplings == 2, 'one chain')
     call t%near(blocks%off_diagonal, sqrt(6*0.25_wp/4), 1e-15_wp, 'six blocks of one half, four of one')
-    blocks = block_structure(problem, [4, 1, 2])
+    blocks = structure_of(problem, [4, 1, 2])
     call t%check(blocks%alone == 1 .and. blocks%groups == 2 .and. blocks%largest_group == 2, 'a contact left out cuts the chain')
     call t%near(blocks%off_diagonal, sqrt(2*0.25_wp/3), 1e-15_wp, 'whose rows are gone')
     problem%body(:, 2) = 0
-    blocks = block_structure(problem, [1, 2])
+    blocks = structure_of(problem, [1, 2])
     call t%check(blocks%alone == 2 .and. blocks%groups == 2, 'a body that cannot move couples nothing')
-    blocks = block_structure(problem, [integer ::])
+    blocks = structure_of(problem, [integer ::])
     call t%check(blocks%contacts == 0 .and. blocks%groups == 0, 'no contacts')
   end subroutine test_chain
 
@@ -63,7 +63,7 @@ contains
     w(1, 1) = 1.5_wp + 2*0.09_wp + 3*0.04_wp
     w(2, 2) = 1.5_wp + 2*0.16_wp + 3*0.01_wp
     w(1, 2) = 1.5_wp - 2*0.3_wp*0.4_wp - 3*0.2_wp*0.1_wp
-    blocks = block_structure(problem, [1, 2])
+    blocks = structure_of(problem, [1, 2])
     call t%check(blocks%groups == 1 .and. blocks%most_couplings == 1, 'one other contact, though two bodies are shared')
     call t%near(blocks%off_diagonal, sqrt(2*w(1, 2)**2/(w(1, 1)**2 + w(2, 2)**2)), 1e-14_wp, 'sum over both bodies')
   end subroutine test_two_points
@@ -85,7 +85,7 @@ contains
     problem%record(normal_x:normal_z, 1) = [1.0_wp, 0.0_wp, 0.0_wp]
     problem%record(normal_x:normal_z, 2) = [0.0_wp, 1.0_wp, 0.0_wp]
     problem%record(ball_inverse_wnn, :2) = 1
-    blocks = block_structure(problem, [1, 2])
+    blocks = structure_of(problem, [1, 2])
     ! Diagonal: 2 along the normal, 2 + 2 (5/2) = 7 along each tangent.
     call t%near(blocks%off_diagonal, sqrt(2*off_squares()/(2*(4 + 2*49.0_wp))), 1e-14_wp, 'W of two balls on a third')
   end subroutine test_balls
@@ -105,4 +105,14 @@ contains
       off_squares = off_squares + sum(velocity**2)
     end do
   end function off_squares
+
+  !> Figures of the blocks of some contacts.
+  type(block_structure_t) function structure_of(problem, chosen) result(structure)
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: chosen(:)
+    type(interface_blocks_t) :: blocks
+
+    call blocks%build(problem, chosen)
+    structure = blocks%structure()
+  end function structure_of
 end program test_interface_blocks
