@@ -1,6 +1,6 @@
 !> The interface of each rank compared with tables of the whole scene: sharers, multiplicities and interface contacts, sums over all
-!! copies to the last bit, and W_Gamma with H^T M^-1 H built column by column. Run by any number of ranks; one rank has no interface,
-!! and there all contacts are the rows of W.
+!! copies to the last bit, and W_Gamma with H^T M^-1 H built column by column. Run by any number of ranks; one rank has no
+!! interface, and there all contacts are the rows of W.
 program test_interface
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack

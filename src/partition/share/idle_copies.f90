@@ -1,5 +1,5 @@
-!> Copies without a contact on their rank: they take no part while a problem is solved, and get the velocity found at the end, from the
-!! home of the body or, where home has no contact on it either, from the lowest rank that has.
+!> Copies without a contact on their rank: they take no part while a problem is solved, and get the velocity found at the end, from
+!! the home of the body or, where home has no contact on it either, from the lowest rank that has.
 module sg_idle_copies
   use sg_comm, only: comm_t
   use sg_exchange, only: exchange_t

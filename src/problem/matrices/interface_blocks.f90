@@ -188,7 +188,8 @@ contains
     end do
   end subroutine blocks_couple
 
-  !> Product with W_Gamma of the rows of all ranks: what other ranks' impulses do to shared bodies is summed over copies. Collective.
+  !> Product with W_Gamma of the rows of all ranks: impulses of other ranks act through sums over copies of shared bodies.
+  !! Collective.
   subroutine blocks_multiply_shared(self, interface, r, v, comm)
     class(interface_blocks_t), intent(in) :: self
     type(interface_t), intent(inout) :: interface !! coupled, its sums prepared
