@@ -4,7 +4,7 @@ module sg_words
   use sg_text, only: text_t, to_text
   implicit none
   private
-  public :: short_real, quoted_string, choices_of, is_choice, list_choices, choice_index
+  public :: short_real, quoted_string, true_or_false, choices_of, is_choice, list_choices, choice_index
 
 contains
 
@@ -82,6 +82,14 @@ contains
     end do
     quoted = quoted//'"'
   end function quoted_string
+
+  !> A logical as TOML writes it.
+  pure function true_or_false(flag) result(word)
+    logical, intent(in) :: flag !! the logical
+    character(len=:), allocatable :: word
+
+    word = trim(merge('true ', 'false', flag))
+  end function true_or_false
 
   !> Words with a bar between two, as the key table writes choices.
   pure function choices_of(words) result(choices)

@@ -28,12 +28,19 @@ contains
     type(deck_t), intent(inout) :: deck !! deck to fill
     type(key_table_t), intent(in) :: table !! what it may hold
     integer, intent(in) :: n !! blocks to make room for, besides those that stand once
-    integer :: i
+    character(len=:), allocatable :: name
+    integer :: i, parent
 
     deck%table = table
     allocate (deck%blocks(n + size(table%sections)))
     do i = 1, size(table%sections)
-      if (.not. table%sections(i)%is_list) call add_block(deck, i, 0, max(0, table%sections(i)%last - table%sections(i)%first + 1))
+      associate (section => table%sections(i))
+        if (section%is_list) cycle
+        name = trim(section%name)
+        parent = 0
+        if (index(name, '.') > 0) parent = deck%block_of(name(:index(name, '.') - 1))
+        call add_block(deck, i, parent, max(0, section%last - section%first + 1))
+      end associate
     end do
     allocate (deck%defaults(size(table%keys)))
     do i = 1, size(table%keys)
@@ -244,17 +251,27 @@ contains
     type(role_t), intent(inout) :: role
     type(diagnostics_t), intent(inout) :: diagnostics
     character(len=:), allocatable :: name, outer
-    integer :: section, key
+    integer :: section, key, former
 
     associate (entry => document%entries(i), block => deck%blocks(parent%block))
       name = entry%path(len(document%entries(entry%parent)%path) + 2:)
       outer = trim(deck%table%sections(block%section)%name)
       section = deck%table%find_section(outer//'.'//name)
       key = deck%table%find_key(block%section, name)
+      former = 0
+      if (key == 0) former = deck%table%find_former(outer//'.'//name)
       if (section > 0 .and. holds_tables(document, i)) then
         role%role = is_blocks
         role%section = section
         role%block = parent%block
+      else if (section > 0 .and. entry%kind == toml_table) then
+        role%role = is_block
+        role%block = deck%block_of(outer//'.'//name)
+        deck%blocks(role%block)%line = entry%line
+        deck%blocks(role%block)%column = entry%column
+      else if (former > 0) then
+        call take_value(entry, deck, former, deck%block_of(trim(deck%table%keys(former)%section)), role, diagnostics)
+        if (role%role == is_value) deck%blocks(role%block)%values(role%value)%former = outer//'.'//name
       else if (key == 0) then
         call at_key(deck, entry, 'unknown key "'//name//'" in '//deck%heading(block%section)// &
                     deck%table%nearest_key(block%section, name), diagnostics)
@@ -271,15 +288,21 @@ contains
     integer, intent(in) :: key, block
     type(role_t), intent(inout) :: role
     type(diagnostics_t), intent(inout) :: diagnostics
+    type(value_t) :: value
+    integer :: n
 
-    associate (here => deck%blocks(block))
-      here%n = here%n + 1
-      here%values(here%n)%key = key
-      here%values(here%n)%origin = from_deck
-      role%role = is_value
-      role%block = block
-      role%value = here%n
-    end associate
+    value%key = key
+    value%origin = from_deck
+    n = deck%blocks(block)%n
+    call deck%put(block, value)
+    if (deck%blocks(block)%n == n) then
+      call at_key(deck, entry, '"'//trim(deck%table%keys(key)%name)//'" is given twice: it is the former key "'// &
+                  trim(deck%table%keys(key)%former_key)//'"', diagnostics)
+      return
+    end if
+    role%role = is_value
+    role%block = block
+    role%value = deck%blocks(block)%n
     call take(entry, deck, role, diagnostics)
   end subroutine take_value
 

@@ -37,6 +37,7 @@ contains
     type(deck_t), intent(inout) :: deck
     character(len=:), allocatable, intent(out) :: message
     type(value_t) :: value
+    character(len=:), allocatable :: path
     integer :: equals, section, number, key, i, n
 
     equals = index(setting, '=')
@@ -44,15 +45,17 @@ contains
       message = '"'//setting//'" is not of the form section.key=value'
       return
     end if
-    call find_target(trim(adjustl(setting(:equals - 1))), deck, section, number, key, message)
+    path = trim(adjustl(setting(:equals - 1)))
+    call find_target(path, deck, section, number, key, message)
     if (allocated(message)) return
     call set_value(as_toml(trim(adjustl(setting(equals + 1:)))), deck%table%keys(key), value, message)
     if (allocated(message)) then
-      message = '"'//trim(adjustl(setting(:equals - 1)))//'" '//message
+      message = '"'//path//'" '//message
       return
     end if
     value%key = key
     value%origin = from_setting
+    if (path == deck%table%keys(key)%former_key) value%former = path
     n = 0
     do i = 1, deck%n
       if (deck%blocks(i)%section /= section) cycle
@@ -96,6 +99,8 @@ contains
       message = 'unknown section ['//name//']'//deck%table%nearest_section(name)
     else
       key = deck%table%find_key(section, path(dot + 1:))
+      if (key == 0) key = deck%table%find_former(path)
+      if (key > 0) section = deck%table%find_section(trim(deck%table%keys(key)%section))
       if (key == 0) message = 'unknown key "'//path(dot + 1:)//'" in '//deck%heading(section)// &
                               deck%table%nearest_key(section, path(dot + 1:))
     end if

@@ -46,8 +46,14 @@ contains
         if (.not. allocated(message)) call finish_value(value, key, deck%dimension, message)
         if (.not. allocated(message)) call check_use(deck, b, key, message)
         if (allocated(message)) call deck%complain(diagnostics, '"'//trim(key%name)//'" '//message, b, trim(key%name))
-        if (allocated(value%former)) call deck%warn(diagnostics, '"'//value%former//'" is a former word: it is "'// &
-                                                    value%words(1)%s//'" now', b, trim(key%name), kind='former word')
+        if (.not. allocated(value%former)) cycle
+        if (value%former == key%former_key) then
+          call deck%warn(diagnostics, '"'//value%former//'" is a former key: it is "'//trim(key%section)//'.'// &
+                         trim(key%name)//'" now', b, trim(key%name), kind='former key '//value%former)
+        else
+          call deck%warn(diagnostics, '"'//value%former//'" is a former word: it is "'//value%words(1)%s//'" now', b, &
+                         trim(key%name), kind='former word')
+        end if
       end associate
     end do
   end subroutine check_values

@@ -9,7 +9,7 @@ module sg_sense_checks
   use sg_kinds, only: wp
   use sg_text, only: to_text
   use sg_values, only: value_t
-  use sg_words, only: is_choice, short_real
+  use sg_words, only: is_choice, short_real, true_or_false
   implicit none
   private
   public :: check_sense
@@ -71,13 +71,21 @@ contains
     type(key_t), intent(in) :: key
     type(diagnostics_t), intent(inout) :: diagnostics
     character(len=:), allocatable :: word, shown
+    integer :: k, block
 
-    associate (switch => deck%table%keys(deck%table%find_key(deck%blocks(b)%section, trim(key%switch))))
+    ! The key that decides stands in the same block or in the one around it.
+    block = b
+    k = deck%table%find_key(deck%blocks(b)%section, trim(key%switch))
+    if (k == 0) then
+      block = deck%blocks(b)%parent
+      k = deck%table%find_key(deck%blocks(block)%section, trim(key%switch))
+    end if
+    associate (switch => deck%table%keys(k))
       if (switch%kind == value_logical) then
-        word = trim(merge('true ', 'false', deck%flag(b, trim(switch%name))))
+        word = true_or_false(deck%flag(block, trim(switch%name)))
         shown = word
       else
-        word = deck%word(b, trim(switch%name))
+        word = deck%word(block, trim(switch%name))
         shown = '"'//word//'"'
       end if
     end associate

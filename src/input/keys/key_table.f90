@@ -5,7 +5,9 @@
 module sg_key_table
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_kinds, only: wp
-  use sg_text, only: nearest_word, text_t
+  use sg_options, only: option_t, option_visitor_t
+  use sg_text, only: nearest_word, text_t, to_text
+  use sg_words, only: quoted_string, short_real, true_or_false
   implicit none
   private
   public :: key_t, section_t, key_table_t, value_name
@@ -62,19 +64,21 @@ module sg_key_table
     character(len=400) :: choices = '', space_choices = ''
     !> A former word, still read with a note, and the present one: `former=present`
     character(len=48) :: former = ''
+    !> The key of older decks that this one replaces, still read with a note: `section.key`, empty for none
+    character(len=48) :: former_key = ''
     !> When it applies: another key of the section, empty for always, and its words for which it does; without words the other key
     !! must be given
     character(len=24) :: selector = ''
     character(len=400) :: only = ''
-    !> When it has an effect: another key of the section, empty for always, and its words for which it has. Else it is ignored,
-    !! with a warning
+    !> When it has an effect: another key of the section, or of the one around it, empty for always, and its words for which it
+    !! has. Else it is ignored, with a warning
     character(len=24) :: switch = ''
     character(len=48) :: used_for = ''
     !> Size above which a number is probably a mistake, and a hint at what was meant
     real(wp) :: usual = huge(1.0_wp)
     character(len=100) :: hint = ''
     !> What it is, one sentence
-    character(len=280) :: sentence = ''
+    character(len=480) :: sentence = ''
   end type key_t
 
   !> One section of the table
@@ -87,19 +91,27 @@ module sg_key_table
     integer :: dimension = in_both
     !> What it is, one sentence
     character(len=400) :: sentence = ''
+    !> When its keys have an effect, as in `key_t`; empty for always
+    character(len=48) :: used_for = ''
     !> Its keys in the table: first and last
     integer :: first = 1, last = 0
   end type section_t
 
   !> The whole table
-  type :: key_table_t
+  type, extends(option_visitor_t) :: key_table_t
     type(section_t), allocatable :: sections(:)
     type(key_t), allocatable :: keys(:)
   contains
+    procedure :: integer_option
+    procedure :: real_option
+    procedure :: flag_option
+    procedure :: word_option
     procedure :: open_section
+    procedure :: close_section
     procedure :: add
     procedure :: find_section
     procedure :: find_key
+    procedure :: find_former
     procedure :: nearest_key
     procedure :: nearest_section
   end type key_table_t
@@ -107,12 +119,13 @@ module sg_key_table
 contains
 
   !> Begin a section; the keys added next belong to it.
-  subroutine open_section(self, name, sentence, is_list, dimension)
+  subroutine open_section(self, name, sentence, is_list, dimension, used_for)
     class(key_table_t), intent(inout) :: self
     character(len=*), intent(in) :: name !! name of the section
     character(len=*), intent(in) :: sentence !! what it is
     logical, intent(in), optional :: is_list !! is it written `[[name]]`?
     integer, intent(in), optional :: dimension !! where it has a meaning, one of `in_*`
+    character(len=*), intent(in), optional :: used_for !! when its keys are looked at, `key=word|word`
     type(section_t) :: section
 
     if (.not. allocated(self%sections)) allocate (self%sections(0), self%keys(0))
@@ -120,14 +133,22 @@ contains
     call put(section%sentence, sentence)
     if (present(is_list)) section%is_list = is_list
     if (present(dimension)) section%dimension = dimension
+    if (present(used_for)) call put(section%used_for, used_for)
     section%first = size(self%keys) + 1
     section%last = size(self%keys)
     self%sections = [self%sections, section]
   end subroutine open_section
 
+  !> Take the section opened last away again: it has no key.
+  subroutine close_section(self)
+    class(key_table_t), intent(inout) :: self
+
+    self%sections = self%sections(:size(self%sections) - 1)
+  end subroutine close_section
+
   !> Add a key to the section opened last.
   subroutine add(self, name, kind, sentence, unit, default, is_required, least, above, most, choices, only, space_default, &
-                 space_choices, former, dimension, twin, why_most, used_for, usual, hint)
+                 space_choices, former, former_key, dimension, twin, why_most, used_for, usual, hint)
     class(key_table_t), intent(inout) :: self
     character(len=*), intent(in) :: name !! name of the key
     integer, intent(in) :: kind !! kind of value
@@ -143,6 +164,7 @@ contains
     character(len=*), intent(in), optional :: space_default !! default in space, where it is another
     character(len=*), intent(in), optional :: space_choices !! words to choose from in space, where they are others
     character(len=*), intent(in), optional :: former !! a word of older decks and what it is now, `former=present`
+    character(len=*), intent(in), optional :: former_key !! the key of older decks, `section.key`
     integer, intent(in), optional :: dimension !! where it has a meaning, one of `in_*`
     character(len=*), intent(in), optional :: twin !! key to use in its place in the other dimension
     character(len=*), intent(in), optional :: why_most !! why larger numbers are refused
@@ -154,6 +176,7 @@ contains
     associate (section => self%sections(size(self%sections)))
       key%section = section%name
       section%last = size(self%keys) + 1
+      call put_condition(trim(section%used_for), key%switch, key%used_for)
     end associate
     call put(key%name, name)
     key%kind = kind
@@ -170,6 +193,7 @@ contains
     if (present(space_default)) call put(key%space_default, space_default)
     if (present(space_choices)) call put(key%space_choices, space_choices)
     if (present(former)) call put(key%former, former)
+    if (present(former_key)) call put(key%former_key, former_key)
     if (present(dimension)) key%dimension = dimension
     if (present(twin)) call put(key%twin, twin)
     if (present(only)) call put_condition(only, key%selector, key%only)
@@ -182,6 +206,57 @@ contains
     if (present(hint)) call put(key%hint, hint)
     self%keys = [self%keys, key]
   end subroutine add
+
+  !> Add a whole number of a method, whose value is the default, as key.
+  subroutine integer_option(self, option, value)
+    class(key_table_t), intent(inout) :: self
+    type(option_t), intent(in) :: option !! its key
+    integer, intent(inout) :: value !! component of the method
+
+    call add_option(self, option, value_integer, to_text(value))
+  end subroutine integer_option
+
+  !> Add a number of a method as key.
+  subroutine real_option(self, option, value)
+    class(key_table_t), intent(inout) :: self
+    type(option_t), intent(in) :: option !! its key
+    real(wp), intent(inout) :: value !! component of the method
+
+    call add_option(self, option, value_real, short_real(value))
+  end subroutine real_option
+
+  !> Add a logical of a method as key.
+  subroutine flag_option(self, option, value)
+    class(key_table_t), intent(inout) :: self
+    type(option_t), intent(in) :: option !! its key
+    logical, intent(inout) :: value !! component of the method
+
+    call add_option(self, option, value_logical, true_or_false(value))
+  end subroutine flag_option
+
+  !> Add a word of a method as key.
+  subroutine word_option(self, option, value)
+    class(key_table_t), intent(inout) :: self
+    type(option_t), intent(in) :: option !! its key
+    character(len=*), intent(inout) :: value !! component of the method
+
+    call add_option(self, option, value_choice, quoted_string(trim(value)))
+  end subroutine word_option
+
+  !> Add an option of a method as key.
+  subroutine add_option(table, option, kind, default)
+    class(key_table_t), intent(inout) :: table
+    type(option_t), intent(in) :: option
+    integer, intent(in) :: kind
+    character(len=*), intent(in) :: default
+
+    call table%add(trim(option%name), kind, trim(option%sentence), unit=trim(option%unit), default=default, least=option%least, &
+                   most=option%most, choices=trim(option%choices), former_key=trim(option%former))
+    associate (key => table%keys(size(table%keys)))
+      key%is_open = option%above > option%least
+      if (key%is_open) key%lowest = option%above
+    end associate
+  end subroutine add_option
 
   !> What a value may be, in words: in the plane, in space, or (dimension 0) in both.
   pure function value_name(kind, dimension) result(words)
@@ -239,6 +314,14 @@ contains
     end do
     found = 0
   end function find_key
+
+  !> Index of the key that replaces one of older decks; 0 when there is none.
+  pure integer function find_former(self, path) result(found)
+    class(key_table_t), intent(in) :: self
+    character(len=*), intent(in) :: path !! `section.key`
+
+    found = findloc(self%keys%former_key == path, .true., 1)
+  end function find_former
 
   !> `; did you mean "word"?` for the key of a section nearest to a word; empty when none is near.
   pure function nearest_key(self, section, word) result(hint)
