@@ -6,6 +6,7 @@ module sg_help
   use sg_fourier, only: fourier_is_available
   use sg_graph_split, only: graph_splits
   use sg_hdf5, only: hdf5_is_available
+  use sg_methods, only: robust_solver
   use sg_print, only: print_line
   use sg_sparse_factor, only: has_sparse_library
   use sg_version, only: commit, compiler_flags, version
@@ -114,7 +115,7 @@ contains
   subroutine help_on_solve()
     call lines([character(len=110) :: &
                 'splitgrain solve FILE... [options]    solve contact problems in FCLIB files (HDF5)', &
-                '  --solver NAME           solver (default: auto); all for all; may be given several times', &
+                '  --solver NAME           solver (default: '//robust_solver//'); all for all; may be given several times', &
                 '  --tolerance X           e1 to reach (default 1e-8)', &
                 '  --iterations N          most iterations (default 100000)', &
                 '  --seconds S             most CPU seconds for each problem (default 60)', &

@@ -2,13 +2,14 @@
 module sg_solve
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_arguments, only: arguments_t
-  use sg_choose_matrix_solver, only: choose_matrix_solver, matrix_solver_names
+  use sg_choose_solver, only: choose_matrix_solver
   use sg_error, only: error_t, exit_bad_input, exit_done, exit_not_converged, fail
   use sg_fclib_read, only: read_fclib
   use sg_fclib_write, only: write_solution
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
+  use sg_methods, only: robust_solver, solver_names
   use sg_print, only: print_line
   use sg_report, only: report_t
   use sg_solve_rows, only: json_of_error, json_row, judge, solve_row_t, table_head, table_row, trace_head, trace_rows
@@ -120,15 +121,17 @@ contains
   subroutine list_solvers(arguments, solvers)
     type(arguments_t), intent(in) :: arguments
     type(text_t), allocatable, intent(out) :: solvers(:)
+    character(len=16), allocatable :: names(:)
     integer :: i
 
     solvers = arguments%all_of('solver')
     if (size(solvers) == 0) then
-      call append_word(solvers, trim(matrix_solver_names(1)))
+      call append_word(solvers, robust_solver)
     else if (arguments%get('solver', '') == 'all') then
       deallocate (solvers)
-      do i = 1, size(matrix_solver_names)
-        call append_word(solvers, trim(matrix_solver_names(i)))
+      names = solver_names()
+      do i = 1, size(names)
+        call append_word(solvers, trim(names(i)))
       end do
     end if
   end subroutine list_solvers

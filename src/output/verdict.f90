@@ -2,6 +2,7 @@
 module sg_verdict
   use sg_columns, only: fixed
   use sg_kinds, only: wp, i8
+  use sg_methods, only: find_method, is_swept, list_couplings, method_t, quoted_names, robust_solver
   use sg_print, only: print_line
   use sg_run_summary, only: run_summary_t, shared_cost_t
   use sg_system, only: peak_memory_bytes
@@ -55,7 +56,7 @@ contains
                   ' of the weight')
       end if
       call line('cost', fixed(totals%clock%cpu, 2)//' s CPU ('//phase_words(totals)//'), '//fixed(totals%clock%wall, 2)//' s wall')
-      call line('solver', effort_words(totals, summary%method == 'nlgs'))
+      call line('solver', effort_words(totals, is_swept(summary%method)))
       if (summary%ranks > 1) then
         call line('ranks', to_text(summary%ranks)//' by '//split_words(summary%shared))
         call line('gluing', gluing_words(summary%shared))
@@ -78,27 +79,41 @@ contains
   end subroutine print_verdict
 
   !> What may help where steps did not converge.
-  pure function advice(summary) result(words)
+  function advice(summary) result(words)
     type(run_summary_t), intent(in) :: summary
     character(len=:), allocatable :: words
 
-    if (summary%ranks > 1 .and. summary%shared%gluing == 'momentum') then
-      words = 'partition.gluing = "dual" or "primal": "momentum" may stall where bodies hold each other in many ways; '// &
-              'or a smaller partition.relaxation'
-    else if (summary%ranks > 1) then
-      words = 'a larger solver.maximum_sweeps or a shorter time step'
-      if (.not. summary%has_bonds) words = words//'; on one rank solver.method = "auto"'
+    if (summary%ranks > 1) then
+      words = coupling_advice(summary%shared%gluing)
+      if (.not. summary%has_bonds) words = words//'; on one rank solver.method = "'//robust_solver//'"'
     else if (summary%has_bonds) then
       ! Their scenes are swept, whatever the method.
       words = 'a larger solver.maximum_sweeps'
-    else if (summary%method == 'nlgs') then
-      words = 'solver.method = "auto", which goes on where sweeps stall, or a larger solver.maximum_sweeps'
+    else if (is_swept(summary%method)) then
+      words = 'solver.method = "'//robust_solver//'", which goes on where sweeps stall, or a larger solver.maximum_sweeps'
     else
       words = 'a larger solver.maximum_sweeps (iterations), or a shorter time step'
     end if
     if (summary%has_bonds) words = words//'; a shorter time.step where the damage of bonds does not settle, or, of '// &
                                    '"IQS_MAC_CZM", a larger damage_viscosity'
   end function advice
+
+  !> The same on several ranks.
+  function coupling_advice(gluing) result(words)
+    character(len=*), intent(in) :: gluing
+    character(len=:), allocatable :: words
+    type(method_t), allocatable :: couplings(:)
+    integer :: i
+
+    call list_couplings(couplings)
+    i = find_method(couplings, gluing)
+    if (couplings(i)%caution == '') then
+      words = 'a larger solver.maximum_sweeps or a shorter time step'
+    else
+      words = 'partition.gluing = '//quoted_names(couplings, couplings%caution == '')//': "'//gluing//'" '// &
+              trim(couplings(i)%caution)
+    end if
+  end function coupling_advice
 
   !> How the scene was split, and how evenly.
   pure function split_words(shared) result(words)

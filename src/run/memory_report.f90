@@ -12,6 +12,7 @@ module sg_memory_report
   use sg_kinds, only: wp, i8
   use sg_library, only: heap_bytes, is_open
   use sg_library_files, only: library_file, on_demand
+  use sg_methods, only: is_swept
   use sg_motion, only: predict
   use sg_print, only: print_line
   use sg_simulation, only: simulation_t
@@ -50,7 +51,7 @@ contains
     needs%libraries = opened_libraries()
     needs%messages = real(sim%comm%traffic%messages, wp)
     if (sim%comm%size > 1) call add_ranks(needs, sim)
-    if (sim%comm%size == 1 .and. sim%options%solver%method == 'nlgs' .and. sim%step > 0) then
+    if (sim%comm%size == 1 .and. is_swept(sim%options%solver%method) .and. sim%step > 0) then
       call measure_cost(sim, needs%cost)
     end if
     if (sim%comm%rank == 0) then

@@ -11,6 +11,7 @@ module sg_simulate
   use sg_failure, only: is_of_the_step, keep_failed_step, save_dump, trace_last
   use sg_kinds, only: wp
   use sg_memory_report, only: report_memory
+  use sg_methods, only: is_swept
   use sg_tunnelling, only: warn_of_tunnelling
   use sg_plan, only: describe_plan
   use sg_print, only: print_line
@@ -90,7 +91,7 @@ contains
                           trim(options%partition%gluing)//new_line('a')
     text = text//'solver     '//trim(options%solver%method)//' until '//trim(criterion_names(options%solver%criterion))//' <= ' &
            //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps) &
-           //trim(merge(' sweeps    ', ' iterations', options%solver%method == 'nlgs'))//new_line('a') &
+           //trim(merge(' sweeps    ', ' iterations', is_swept(options%solver%method)))//new_line('a') &
            //'outputs    '//every('record', options%record_every)//', '//every('pictures', options%output_every)//', ' &
            //every('checkpoints', options%restart_every)//at_end//new_line('a')//'time       ' &
            //to_text(options%steps)//' steps of '//to_text(options%step, 4)//' s; results in '//options%folder

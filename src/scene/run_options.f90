@@ -1,12 +1,13 @@
 !> What to do with a scene: time, solver, what to write and when. Filled by the deck, changed by no one.
 module sg_run_options
   use sg_kinds, only: wp
+  use sg_options, only: option_values_t
   use sg_text, only: text_t
   implicit none
   private
-  public :: run_options_t, solver_options_t, partition_options_t, guard_options_t, split_names, gluing_names, energy_guards
+  public :: run_options_t, solver_options_t, partition_options_t, guard_options_t, split_names, energy_guards
   public :: criterion_e1, criterion_e2, criterion_e8, criterion_violation, criterion_quad, criterion_maxm, criterion_qm16
-  public :: criterion_estimate, criterion_names, method_names
+  public :: criterion_estimate, criterion_names
 
   !> Stopping criteria (doc/theory/errors.md)
   integer, parameter :: criterion_e1 = 1, criterion_e2 = 2, criterion_e8 = 3, criterion_violation = 4, &
@@ -15,13 +16,8 @@ module sg_run_options
   character(len=9), parameter :: criterion_names(8) = &
     [character(len=9) :: 'e1', 'e2', 'e8', 'violation', 'quad', 'maxm', 'qm16', 'estimate']
 
-  !> Solvers: sweeps over compact records first, then those of matrices (sg_choose_matrix_solver)
-  character(len=11), parameter :: method_names(5) = &
-    [character(len=11) :: 'nlgs', 'interior', 'proximal', 'accelerated', 'auto']
-
-  !> How grains are split over ranks, and how their parts are glued
-  character(len=8), parameter :: split_names(2) = [character(len=8) :: 'boxes', 'graph'], &
-                                 gluing_names(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
+  !> How grains are split over ranks
+  character(len=8), parameter :: split_names(2) = [character(len=8) :: 'boxes', 'graph']
 
   !> What is done when the energy balance does not close
   character(len=6), parameter :: energy_guards(3) = [character(len=6) :: 'ignore', 'warn', 'stop']
@@ -36,16 +32,14 @@ module sg_run_options
 
   !> How a scene is decomposed when there is more than one rank
   type :: partition_options_t
-    !> How grains are distributed, one of `split_names`, and how their parts are glued, one of `gluing_names`
-    character(len=8) :: split = 'boxes', gluing = 'dual'
+    !> How grains are distributed, one of `split_names`, and how their parts are glued, one of `coupling_names` (sg_methods)
+    character(len=16) :: split = 'boxes', gluing = 'dual'
     !> Boxes along x, y and z, as many together as ranks; 0 where the program chooses
     integer :: boxes(3) = 0
     !> Sweeps of a subdomain between two gluings: one number for all, or one for each
     integer, allocatable :: sweeps(:)
-    !> Sweeps over the contacts between subdomains at each gluing (primal)
-    integer :: interface_sweeps = 1
-    !> Share of each new impulse taken by contacts of shared grains (momentum)
-    real(wp) :: relaxation = 0.8_wp
+    !> Options of this gluing alone, as far as the deck was read; defaults stand in its file
+    type(option_values_t) :: own
     !> Steps between splits, 0 for never; and the imbalance (largest load over the mean one) from
     !! which it is
     integer :: every = 0
@@ -57,7 +51,7 @@ module sg_run_options
 
   !> How the contact problem of a step is solved
   type :: solver_options_t
-    !> Method, one of `method_names`
+    !> Method, one of `solver_names` (sg_methods)
     character(len=16) :: method = 'nlgs'
     !> Stopping criterion, one of `criterion_*`
     integer :: criterion = criterion_estimate

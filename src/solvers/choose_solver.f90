@@ -1,23 +1,22 @@
-!> From the options of a deck to the solver of a run: the one list of all methods and what each needs.
+!> From a name to the solver, by the list of methods (sg_methods).
 !!
 !! Sweeps over compact records run on any number of ranks, coupled by the method that `partition.gluing` names; solvers of matrices
-!! run on one rank, some of them with a sparse library (sg_choose_matrix_solver).
+!! run on one rank.
 module sg_choose_solver
   use sg_by_matrices, only: solve_by_matrices_t
-  use sg_choose_matrix_solver, only: choose_matrix_solver
   use sg_coupled_solver, only: coupled_solver_t
-  use sg_dual, only: dual_t
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp
-  use sg_matrix_solver, only: matrix_options_t
-  use sg_momentum, only: momentum_t
+  use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
+  use sg_methods, only: find_method, list_couplings, list_solvers, method_t, quoted_names
   use sg_nlgs, only: nlgs_t
-  use sg_primal, only: primal_t
+  use sg_options, only: option_values_t
   use sg_run_options, only: partition_options_t, solver_options_t
   use sg_solver, only: solver_t
+  use sg_text, only: append_word, joined, nearest_word, text_t
   implicit none
   private
-  public :: choose_solver
+  public :: choose_solver, choose_matrix_solver
 
   !> Make the solver that the options name: for one rank, or for several
   interface choose_solver
@@ -30,9 +29,10 @@ contains
   subroutine choose_for_one(options, solver)
     type(solver_options_t), intent(in) :: options !! of the deck; its reader has refused methods that cannot be had
     class(solver_t), allocatable, intent(out) :: solver !! the solver
+    type(partition_options_t) :: whole
     type(error_t), allocatable :: error
 
-    call choose_for_ranks(options, partition_options_t(), 1, solver, error)
+    call choose_for_ranks(options, whole, 1, solver, error)
   end subroutine choose_for_one
 
   !> Make the solver of some ranks.
@@ -42,23 +42,28 @@ contains
     integer, intent(in) :: ranks !! number of ranks that share the scene
     class(solver_t), allocatable, intent(out) :: solver !! the solver
     type(error_t), allocatable, intent(out) :: error !! set when the method does not run on so many ranks, or lacks a library
-    type(nlgs_t) :: nlgs
+    type(method_t), allocatable :: methods(:)
+    class(nlgs_t), allocatable :: sweeps
+    integer :: i
 
-    if (options%method /= 'nlgs') then
-      if (ranks > 1) then
-        call fail(error, 'solver "'//trim(options%method)//'" does not run on several ranks; use method = "nlgs"')
-      else
-        call make_matrix_solver(options, solver, error)
-      end if
+    call list_solvers(methods)
+    if (ranks > 1 .and. methods(find_method(methods, options%method))%runs_alone()) then
+      call fail(error, 'solver "'//trim(options%method)//'" does not run on several ranks; use method = '// &
+                quoted_names(methods, [(.not. methods(i)%runs_alone(), i=1, size(methods))]))
     else if (ranks > 1) then
       call make_coupled(options, partition, solver)
     else
-      nlgs%options = options
-      allocate (solver, source=nlgs)
+      call move_alloc(methods(find_method(methods, options%method))%sweeps, sweeps)
+      if (.not. allocated(sweeps)) then
+        call make_matrix_solver(options, solver, error)
+      else
+        sweeps%options = options
+        call move_alloc(sweeps, solver)
+      end if
     end if
   end subroutine choose_for_ranks
 
-  !> Make a solver of matrices.
+  !> Make a solver of matrices for the problems of a run.
   subroutine make_matrix_solver(options, solver, error)
     type(solver_options_t), intent(in) :: options
     class(solver_t), allocatable, intent(out) :: solver
@@ -74,23 +79,59 @@ contains
     call move_alloc(by_matrices, solver)
   end subroutine make_matrix_solver
 
-  !> Make the solver of a decomposed scene, by the deck's word for its gluing.
+  !> Make the solver of a decomposed scene, with the options that the deck gives for its coupling.
   subroutine make_coupled(options, partition, solver)
     type(solver_options_t), intent(in) :: options
     type(partition_options_t), intent(in) :: partition
     class(solver_t), allocatable, intent(out) :: solver
+    type(method_t), allocatable :: couplings(:)
     class(coupled_solver_t), allocatable :: coupled
+    type(option_values_t) :: values
 
-    select case (partition%gluing)
-    case ('primal')
-      allocate (primal_t :: coupled)
-    case ('momentum')
-      allocate (momentum_t :: coupled)
-    case default
-      allocate (dual_t :: coupled)
-    end select
+    call list_couplings(couplings)
+    call move_alloc(couplings(find_method(couplings, partition%gluing))%coupled, coupled)
     coupled%options = options
     coupled%partition = partition
+    values = partition%own
+    call coupled%visit_options(values)
     call move_alloc(coupled, solver)
   end subroutine make_coupled
+
+  !> Make the solver of problems given by matrices of a name.
+  subroutine choose_matrix_solver(name, options, solver, error)
+    character(len=*), intent(in) :: name !! one of `solver_names`
+    type(matrix_options_t), intent(in) :: options !! when to stop
+    class(matrix_solver_t), allocatable, intent(out) :: solver !! the solver
+    type(error_t), allocatable, intent(out) :: error !! set when there is no solver of this name, or no library for it
+    type(method_t), allocatable :: methods(:)
+    integer :: i
+
+    call list_solvers(methods)
+    i = find_method(methods, name)
+    if (i == 0) then
+      call refuse(name, methods, error)
+    else
+      call methods(i)%find_library(error)
+      if (allocated(error)) return
+      call move_alloc(methods(i)%matrices, solver)
+      solver%options = options
+    end if
+  end subroutine choose_matrix_solver
+
+  !> Refuse an unknown name with the list of solvers.
+  subroutine refuse(name, methods, error)
+    character(len=*), intent(in) :: name
+    type(method_t), intent(in) :: methods(:)
+    type(error_t), allocatable, intent(out) :: error
+    type(text_t), allocatable :: known(:)
+    character(len=:), allocatable :: near
+    integer :: i
+
+    do i = 1, size(methods)
+      call append_word(known, trim(methods(i)%name))
+    end do
+    near = nearest_word(name, known)
+    if (len(near) > 0) near = '; did you mean "'//near//'"?'
+    call fail(error, 'there is no solver "'//name//'" of contact problems; there are '//joined(known, ', ')//near)
+  end subroutine refuse
 end module sg_choose_solver

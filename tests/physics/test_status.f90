@@ -7,10 +7,11 @@ program test_status
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
   use sg_kinds, only: wp, i1, pi
   use sg_laws, only: law_mohr, status_bonded, status_stick
+  use sg_methods, only: solver_names
   use sg_random, only: random_t
   use sg_records, only: arm_frictional, ball_frictional, round_frictional, solid_frictional
   use sg_rotations, only: normalised, turned_by
-  use sg_run_options, only: criterion_estimate, method_names
+  use sg_run_options, only: criterion_estimate
   use sg_simulation, only: simulation_t
   use sg_time_functions, only: time_function_t
   implicit none
@@ -120,18 +121,20 @@ contains
   !> A body at 1 m/s is braked by the dynamic coefficient in each of 100 steps: 0.8 m/s are left.
   subroutine test_braking()
     type(simulation_t) :: sim
+    character(len=16), allocatable :: methods(:)
     integer :: i, method, direction
 
+    methods = solver_names()
     do i = 1, size(kinds)
-      do method = 1, size(method_names)
+      do method = 1, size(methods)
         do direction = 1, 5
           call make(sim, kinds(i), turns=is_box(kinds(i)))
           call set_sliding(sim, 0.0_wp, 1.0_wp)
-          sim%options%solver%method = method_names(method)
+          sim%options%solver%method = methods(method)
           call begin_run(sim, h, 1e-10_wp)
           call run(sim, 100)
           call t%equal(sim%problem%kind, kinds(i), 'braking: kind of problem')
-          call t%near(speed_of(sim), 0.8_wp, same, 'braking: '//trim(method_names(method)))
+          call t%near(speed_of(sim), 0.8_wp, same, 'braking: '//trim(methods(method)))
           ! Of the corners of a box one may carry nothing.
           call t%check(.not. any(sim%contacts%status(:sim%contacts%n) == status_stick), 'braking: nothing sticks')
         end do

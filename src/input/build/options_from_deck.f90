@@ -3,8 +3,10 @@ module sg_options_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t, error_t
   use sg_fourier, only: find_fourier
+  use sg_kinds, only: wp
+  use sg_methods, only: find_method, list_solvers, method_t
+  use sg_options, only: option_values_t
   use sg_run_options, only: criterion_names, partition_options_t, run_options_t, solver_options_t
-  use sg_sparse_factor, only: find_sparse_library
   use sg_text, only: to_text
   use sg_threads, only: threads_are_available
   use sg_values, only: value_t
@@ -22,6 +24,7 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics !! what this program cannot do
     type(error_t), allocatable :: error
     type(value_t) :: value
+    type(method_t), allocatable :: solvers(:)
     integer :: b
 
     b = deck%block_of('')
@@ -33,7 +36,8 @@ contains
     options%theta = deck%number(b, 'theta')
     b = deck%block_of('solver')
     options%solver%method = deck%word(b, 'method')
-    if (any(options%solver%method == [character(len=16) :: 'auto', 'proximal', 'interior'])) call find_sparse_library(error)
+    call list_solvers(solvers)
+    call solvers(find_method(solvers, options%solver%method))%find_library(error)
     if (allocated(error)) call deck%complain(diagnostics, error%message, b, 'method')
     if (allocated(error)) deallocate (error)
     options%solver%criterion = choice_index(deck%word(b, 'criterion'), choices_of(criterion_names))
@@ -141,9 +145,30 @@ contains
     end if
     value = deck%value(b, 'sweeps')
     options%sweeps = nint(value%numbers(:value%n))
-    options%interface_sweeps = deck%integer(b, 'interface_sweeps')
-    options%relaxation = deck%number(b, 'relaxation')
     options%every = deck%integer(b, 'every')
     options%imbalance = deck%number(b, 'imbalance')
+    call own_options(deck, deck%block_of('partition.'//trim(options%gluing)), options%own)
   end subroutine partition_from_deck
+
+  !> Values of the options that a method alone has, for the method itself.
+  subroutine own_options(deck, block, values)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: block !! its block; 0 where it has no options
+    type(option_values_t), intent(inout) :: values
+    type(value_t) :: value
+    real(wp) :: number
+    integer :: k
+
+    if (block == 0) return
+    associate (section => deck%table%sections(deck%blocks(block)%section))
+      do k = section%first, section%last
+        associate (name => deck%table%keys(k)%name)
+          value = deck%value(block, trim(name))
+          number = 0
+          if (value%n > 0) number = value%numbers(1)
+          call values%put(trim(name), number, deck%word(block, trim(name)))
+        end associate
+      end do
+    end associate
+  end subroutine own_options
 end module sg_options_from_deck

@@ -3,9 +3,10 @@ module sg_keys_run
   use sg_key_table, only: key_table_t, value_box, value_choice, value_counts, value_integer, value_logical, &
                           value_real
   use sg_kinds, only: wp
-  use sg_run_options, only: criterion_names, energy_guards, gluing_names, method_names, run_options_t, split_names
+  use sg_methods, only: coupling_names, list_couplings, list_solvers, method_t, solver_names
+  use sg_run_options, only: criterion_names, energy_guards, run_options_t, split_names
   use sg_text, only: to_text
-  use sg_words, only: choices_of, short_real
+  use sg_words, only: choices_of, quoted_string, short_real, true_or_false
   implicit none
   private
   public :: add_run_keys
@@ -38,17 +39,20 @@ contains
   subroutine add_solver(table)
     type(key_table_t), intent(inout) :: table
     type(run_options_t) :: run
-    character(len=*), parameter :: sweeps = 'method=nlgs'
+    integer :: i
+    type(method_t), allocatable :: solvers(:)
+    character(len=:), allocatable :: sweeps
 
+    call list_solvers(solvers)
+    sweeps = 'method='//choices_of(pack(solver_names(), [(allocated(solvers(i)%sweeps), i=1, size(solvers))]))
     associate (default => run%solver)
       call table%open_section('solver', 'How the contact problem of a step is solved, and when it counts as solved.')
-      call table%add('method', value_choice, 'Solver: nonlinear Gauss-Seidel sweeps; or, by matrices, interior points, '// &
-                     'proximal points, accelerated sweeps, or the last two in turns (auto).', default=quoted(default%method), &
-                     choices=choices_of(method_names))
+      call table%add('method', value_choice, 'Solver: '//described(solvers)//'.', &
+                     default=quoted_string(trim(default%method)), choices=choices_of(solver_names()))
       call table%add('criterion', value_choice, 'What must fall below the tolerance: the estimated error of the impulses, '// &
                      'a residual (e1, e2, e8), the velocity violation, or the increments that LMGC90 looks at (quad, maxm, '// &
                      'qm16).', &
-                     default=quoted(criterion_names(default%criterion)), choices=choices_of(criterion_names))
+                     default=quoted_string(trim(criterion_names(default%criterion))), choices=choices_of(criterion_names))
       call table%add('tolerance', value_real, 'Value of the criterion at which the solver stops.', &
                      default=short_real(default%tolerance), above=0.0_wp, most=1.0_wp)
       call table%add('check_every', value_integer, 'Sweeps between two tests of the criterion.', &
@@ -63,7 +67,7 @@ contains
                      'no other.', default=true_or_false(default%leave_solved), used_for=sweeps)
       call table%add('order', value_choice, 'Order of the sweep: natural (spatial), coloured groups that overlap, '// &
                      'coloured blocks of such groups, which threads can share, or shuffled (random, slower, for studies of '// &
-                     'what order does).', default=quoted(default%order), choices='natural|groups|coloured|shuffled', &
+                     'what order does).', default=quoted_string(trim(default%order)), choices='natural|groups|coloured|shuffled', &
                      used_for=sweeps)
       call table%add('order_seed', value_integer, 'Seed of the shuffled order.', default=to_text(default%order_seed), &
                      used_for='order=shuffled')
@@ -78,31 +82,51 @@ contains
   subroutine add_partition(table)
     type(key_table_t), intent(inout) :: table
     type(run_options_t) :: run
+    type(method_t), allocatable :: couplings(:)
+    integer :: i, first
 
+    call list_couplings(couplings)
     associate (default => run%partition)
       call table%open_section('partition', 'How grains are split over ranks, and how their parts are glued; without a meaning '// &
                               'where there is one rank.')
       call table%add('split', value_choice, 'How grains are dealt to ranks: boxes of equal load, or METIS on the graph of '// &
-                     'contacts.', default=quoted(default%split), choices=choices_of(split_names))
+                     'contacts.', default=quoted_string(trim(default%split)), choices=choices_of(split_names))
       call table%add('boxes', value_counts, 'Boxes along x, y and z, as many together as ranks; 0, or none given, where the '// &
                      'program chooses.', least=0.0_wp, most=1e6_wp, used_for='split=boxes')
-      call table%add('gluing', value_choice, 'How parts are glued: shared grains brought to one velocity (dual), contacts '// &
-                     'between parts solved as a part of their own (primal), or contacts dealt to ranks that exchange the '// &
-                     'momentum of shared grains (momentum).', default=quoted(default%gluing), choices=choices_of(gluing_names), &
+      call table%add('gluing', value_choice, 'How parts are glued: '//described(couplings)//'.', &
+                     default=quoted_string(trim(default%gluing)), choices=choices_of(coupling_names()), &
                      former='contacts=momentum')
       call table%add('sweeps', value_counts, 'Sweeps of a part between two gluings: one number for all parts, or one for each.', &
                      default='1', least=1.0_wp)
-      call table%add('interface_sweeps', value_integer, 'Sweeps over the contacts between parts at each gluing; primal alone.', &
-                     default=to_text(default%interface_sweeps), least=1.0_wp, used_for='gluing='//trim(gluing_names(2)))
-      call table%add('relaxation', value_real, 'Share of each new impulse that contacts of shared grains take; momentum alone.', &
-                     default=short_real(default%relaxation), above=0.0_wp, most=1.0_wp, &
-                     used_for='gluing='//trim(gluing_names(3)))
       call table%add('every', value_integer, 'Steps between repartitions; 0 for never, unless the imbalance asks '// &
                      'for it.', default=to_text(default%every), least=0.0_wp)
       call table%add('imbalance', value_real, 'Largest load of a rank over the mean one from which grains are repartitioned.', &
                      default=short_real(default%imbalance), above=1.0_wp)
     end associate
+    do i = 1, size(couplings)
+      first = size(table%keys)
+      call table%open_section('partition.'//trim(couplings(i)%name), 'Options of this gluing alone.', &
+                              used_for='gluing='//trim(couplings(i)%name))
+      call couplings(i)%coupled%visit_options(table)
+      if (size(table%keys) == first) call table%close_section()
+    end do
   end subroutine add_partition
+
+  !> Methods with what each is and needs: `nlgs (sweeps), auto (all others in turns; on one rank; with UMFPACK)`.
+  function described(methods) result(words)
+    type(method_t), intent(in) :: methods(:)
+    character(len=:), allocatable :: words
+    integer :: i
+
+    words = ''
+    do i = 1, size(methods)
+      if (i > 1) words = words//', '
+      words = words//trim(methods(i)%name)//' ('//trim(methods(i)%sentence)
+      if (methods(i)%runs_alone()) words = words//'; on one rank'
+      if (methods(i)%needs_factors) words = words//', with UMFPACK'
+      words = words//')'
+    end do
+  end function described
 
   !> Sections output, restart, guard and report.
   subroutine add_output(table)
@@ -126,7 +150,7 @@ contains
     call table%open_section('guard', 'What a run watches itself for; a value that is not finite always ends it.')
     call table%add('energy', value_choice, 'What to do when the energy balance does not close, looked at in each recorded '// &
                    'step: nothing, warn once (where theta is 0.5), or stop with exit code 6.', &
-                   default=quoted(trim(default%guard%energy)), choices=choices_of(energy_guards))
+                   default=quoted_string(trim(default%guard%energy)), choices=choices_of(energy_guards))
     call table%add('energy_tolerance', value_real, 'Error of the balance over its largest term above which it counts as open.', &
                    default=short_real(default%guard%energy_tolerance), above=0.0_wp, used_for='energy=warn|stop')
     call table%open_section('report', 'Indicators that a run computes in addition to its record.')
@@ -144,20 +168,4 @@ contains
     call table%add('trace_steps', value_counts, 'Steps to trace; some spread over the run where none are given.', least=1.0_wp, &
                    used_for='trace=true')
   end subroutine add_output
-
-  !> A word as TOML string.
-  pure function quoted(word)
-    character(len=*), intent(in) :: word
-    character(len=:), allocatable :: quoted
-
-    quoted = '"'//trim(word)//'"'
-  end function quoted
-
-  !> A logical as TOML writes it.
-  pure function true_or_false(flag) result(word)
-    logical, intent(in) :: flag
-    character(len=:), allocatable :: word
-
-    word = trim(merge('true ', 'false', flag))
-  end function true_or_false
 end module sg_keys_run

@@ -4,6 +4,7 @@ module sg_coupled_solver
   use sg_delassus, only: share_mass
   use sg_kinds, only: wp
   use sg_nlgs, only: nlgs_t
+  use sg_options, only: option_visitor_t
   use sg_problem, only: problem_t
   use sg_records, only: first_inverse
   use sg_run_options, only: partition_options_t
@@ -22,6 +23,7 @@ module sg_coupled_solver
     integer, allocatable, private :: divided(:)
     real(wp), allocatable, private :: whole(:, :)
   contains
+    procedure :: visit_options => coupled_visit_options
     procedure :: begin_coupled => coupled_begin
     procedure :: divide_masses => coupled_divide_masses
     procedure :: make_masses_whole => coupled_make_masses_whole
@@ -29,6 +31,12 @@ module sg_coupled_solver
   end type coupled_solver_t
 
 contains
+
+  !> Options that the method alone has: none.
+  subroutine coupled_visit_options(self, visitor)
+    class(coupled_solver_t), intent(inout) :: self
+    class(option_visitor_t), intent(inout) :: visitor !! key table, or values of a deck
+  end subroutine coupled_visit_options
 
   !> Begin a solve: how rounds are counted, and how long a velocity is.
   subroutine coupled_begin(self, problem)

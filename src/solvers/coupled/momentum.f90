@@ -6,17 +6,30 @@
 module sg_momentum
   use sg_kinds, only: wp
   use sg_mass_splitting, only: mass_splitting_t
+  use sg_options, only: option_t, option_visitor_t
   implicit none
   private
   public :: momentum_t
 
   !> The method that exchanges momentum
   type, extends(mass_splitting_t) :: momentum_t
+    !> Share of each new impulse that contacts of shared grains take
+    real(wp) :: share_taken = 0.8_wp
   contains
+    procedure :: visit_options => momentum_visit_options
     procedure :: rule => momentum_rule
   end type momentum_t
 
 contains
+
+  !> Options of the exchange of momentum.
+  subroutine momentum_visit_options(self, visitor)
+    class(momentum_t), intent(inout) :: self
+    class(option_visitor_t), intent(inout) :: visitor !! key table, or values of a deck
+
+    call visitor%option(option_t('relaxation', 'Share of each new impulse that contacts of shared grains take.', above=0.0_wp, &
+                                 most=1.0_wp, former='partition.relaxation'), self%share_taken)
+  end subroutine momentum_visit_options
 
   !> Keep masses whole, add up the changes, and relax.
   pure subroutine momentum_rule(self, is_mean, relaxation)
@@ -25,6 +38,6 @@ contains
     real(wp), intent(out) :: relaxation !! that of all sweeps times the share of the deck
 
     is_mean = .false.
-    relaxation = self%options%relaxation*self%partition%relaxation
+    relaxation = self%options%relaxation*self%share_taken
   end subroutine momentum_rule
 end module sg_momentum

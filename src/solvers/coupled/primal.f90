@@ -13,6 +13,7 @@ module sg_primal
   use sg_gluing, only: gluing_t
   use sg_home_sum, only: copy_from_home
   use sg_kinds, only: wp, i4
+  use sg_options, only: option_t, option_visitor_t
   use sg_problem, only: problem_t
   use sg_report, only: report_t
   use sg_subdomain, only: subdomain_t
@@ -23,10 +24,13 @@ module sg_primal
 
   !> The primal method
   type, extends(coupled_solver_t) :: primal_t
+    !> Sweeps over the contacts between subdomains at each gluing
+    integer :: interface_sweeps = 1
     type(gluing_t), private :: gluing
     integer, allocatable, private :: replicated(:)
     type(edges_t), private :: edges
   contains
+    procedure :: visit_options => primal_visit_options
     procedure :: open => primal_open
     procedure :: begin_round => primal_begin_round
     procedure :: finish_round => primal_finish_round
@@ -36,6 +40,15 @@ module sg_primal
   end type primal_t
 
 contains
+
+  !> Options of the primal method.
+  subroutine primal_visit_options(self, visitor)
+    class(primal_t), intent(inout) :: self
+    class(option_visitor_t), intent(inout) :: visitor !! key table, or values of a deck
+
+    call visitor%option(option_t('interface_sweeps', 'Sweeps over the contacts between parts at each gluing.', least=1.0_wp, &
+                                 former='partition.interface_sweeps'), self%interface_sweeps)
+  end subroutine primal_visit_options
 
   !> Find edges and replicated bodies that move, divide the mass of these, and let the guess act.
   subroutine primal_open(self, problem, coupling, comm)
@@ -121,7 +134,7 @@ contains
     if (i == 0) return
     call self%edges%carry(c, .false., problem, comm)
     if (self%edges%borrowed_first(i + 1) > self%edges%borrowed_first(i)) then
-      do j = 1, self%partition%interface_sweeps
+      do j = 1, self%interface_sweeps
         call self%sets%sweep(inner_set + i, problem, self%options%relaxation, report)
       end do
     end if

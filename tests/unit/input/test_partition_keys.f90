@@ -4,9 +4,10 @@ program test_partition_keys
   use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
+  use sg_primal, only: primal_t
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
-  use sg_text, only: text_t
+  use sg_text, only: append_word, text_t
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   character(len=*), parameter :: head = '[time]'//nl//'step = 1e-3'//nl//'steps = 10'//nl//'[[material]]'//nl// &
@@ -14,19 +15,20 @@ program test_partition_keys
     'box = [0.0, 0.0, 1.0, 1.0]'//nl//'count = 4'//nl//'radius = 0.05'//nl//'[partition]'//nl
   type(tests_t) :: t
   type(run_options_t) :: options
+  character(len=:), allocatable :: warning
+  integer :: n_warnings
 
   call read_keys('', '')
   associate (p => options%partition)
     call t%check(p%split == 'boxes' .and. p%gluing == 'dual' .and. all(p%boxes == 0), 'defaults')
-    call t%check(all(p%sweeps == [1]) .and. p%interface_sweeps == 1 .and. p%every == 0, 'defaults of numbers')
+    call t%check(all(p%sweeps == [1]) .and. p%every == 0, 'defaults of numbers')
   end associate
-  call read_keys('split = "graph"'//nl//'gluing = "primal"'//nl//'sweeps = [800, 400, 100]'//nl//'interface_sweeps = 7'//nl// &
-                 'relaxation = 0.5'//nl//'every = 20'//nl//'imbalance = 1.5', '')
+  call read_keys('split = "graph"'//nl//'gluing = "primal"'//nl//'sweeps = [800, 400, 100]'//nl//'every = 20'//nl// &
+                 'imbalance = 1.5', '')
   associate (p => options%partition)
     call t%check(p%split == 'graph' .and. p%gluing == 'primal', 'words')
     call t%check(all(p%sweeps == [800, 400, 100]), 'sweeps one by one')
-    call t%check(p%interface_sweeps == 7 .and. p%every == 20, 'whole numbers')
-    call t%near(p%relaxation, 0.5_wp, 0.0_wp, 'relaxation')
+    call t%equal(p%every, 20, 'a whole number')
     call t%near(p%imbalance, 1.5_wp, 0.0_wp, 'imbalance')
     call t%check(index(options%deck_text, 'sweeps = [800, 400, 100]') > 0, 'the effective deck repeats a list')
   end associate
@@ -41,25 +43,72 @@ program test_partition_keys
   call read_keys('sweeps = 0', 'must be at least 1')
   call read_keys('split = "graphs"', 'did you mean "graph"?')
   call read_keys('imbalance = 1.0', 'must be larger than 1')
-  call read_keys('relaxation = 1.5', 'must be at most 1')
+  call test_own_keys()
   call t%finish()
 
 contains
 
+  !> Options of one gluing, by their keys and by those of older decks: the same deck, with a note. Those of another are ignored,
+  !! with a warning; the effective deck holds the present keys.
+  subroutine test_own_keys()
+    character(len=*), parameter :: here = 'gluing = "primal"'//nl//'[partition.primal]'//nl//'interface_sweeps = 7'
+    character(len=*), parameter :: former(2) = [character(len=60) :: 'gluing = "primal"'//nl//'interface_sweeps = 7', &
+                                                'interface_sweeps = 7'//nl//'gluing = "primal"']
+    character(len=:), allocatable :: effective
+    integer :: i
+
+    call read_keys(here, '')
+    call t%equal(own_sweeps(), 7, 'interface sweeps')
+    call t%equal(n_warnings, 0, 'no note')
+    effective = options%deck_text
+    call t%check(index(effective, '[partition.primal]'//nl//'interface_sweeps = 7'//nl) > 0, 'the effective deck')
+    do i = 1, size(former)
+      call read_keys(trim(former(i)), '')
+      call t%equal(own_sweeps(), 7, 'interface sweeps of an older deck')
+      call t%equal(n_warnings, 1, 'one note')
+      call t%check(index(warning, '"partition.primal.interface_sweeps" now') > 0, 'the note: '//warning)
+      call t%check(options%deck_text == effective, 'the same effective deck')
+    end do
+    call read_keys('gluing = "primal"', '', 'partition.interface_sweeps=7')
+    call t%check(own_sweeps() == 7 .and. n_warnings == 1 .and. options%deck_text == effective, 'the same by a setting')
+    call read_keys('gluing = "dual"'//nl//'[partition.primal]'//nl//'interface_sweeps = 7', '')
+    call t%check(index(warning, 'is ignored with gluing = "dual"') > 0, 'a warning: '//warning)
+    call read_keys(here//nl//'[partition.momentum]'//nl//'relaxation = 0.5', '')
+    call t%check(index(warning, '"relaxation" is ignored with gluing = "primal"') > 0, 'a warning: '//warning)
+    call read_keys('interface_sweeps = 7'//nl//'[partition.primal]'//nl//'interface_sweeps = 7', 'is given twice')
+    call read_keys('[partition.momentum]'//nl//'relaxation = 1.5', 'must be at most 1')
+    call read_keys('relaxation = 1.5', '"relaxation" must be at most 1')
+    call read_keys('[partition.primal]'//nl//'interface_sweep = 1', 'did you mean "interface_sweeps"?')
+    call read_keys('[partition.dual]'//nl//'sweeps = 1', 'unknown key "dual" in [partition]')
+  end subroutine test_own_keys
+
+  !> Interface sweeps of the method that the options make.
+  integer function own_sweeps() result(sweeps)
+    type(primal_t) :: primal
+
+    call primal%visit_options(options%partition%own)
+    sweeps = primal%interface_sweeps
+  end function own_sweeps
+
   !> Read a deck with these keys: no mistake, or one that says so.
-  subroutine read_keys(keys, mistake)
+  subroutine read_keys(keys, mistake, setting)
     character(len=*), intent(in) :: keys, mistake
+    character(len=*), intent(in), optional :: setting
     type(scene_t) :: scene
     type(diagnostics_t) :: diagnostics
-    type(text_t) :: none(0)
+    type(text_t), allocatable :: settings(:)
     integer :: unit
 
     open (newunit=unit, file='test_partition_keys.toml', access='stream', form='unformatted', status='replace')
     write (unit) head//keys//nl
     close (unit)
-    if (allocated(options%partition%sweeps)) deallocate (options%partition%sweeps)
-    options%partition%boxes = 0
-    call read_deck('test_partition_keys.toml', none, scene, options, diagnostics)
+    allocate (settings(0))
+    if (present(setting)) call append_word(settings, setting)
+    call read_deck('test_partition_keys.toml', settings, scene, options, diagnostics)
+    n_warnings = 0
+    if (allocated(diagnostics%warnings)) n_warnings = size(diagnostics%warnings)
+    warning = ''
+    if (n_warnings > 0) warning = diagnostics%warnings(n_warnings)%message
     if (mistake == '') then
       call t%equal(diagnostics%count(), 0, 'no mistake in '//keys)
     else

@@ -38,7 +38,7 @@ program test_dump
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, g, put_disk, put_wall, run
   use sg_advance, only: advance
-  use sg_choose_matrix_solver, only: choose_matrix_solver
+  use sg_choose_solver, only: choose_matrix_solver
   use sg_dump, only: finish_dump, is_listed, read_steps
   use sg_error, only: error_t, exit_broken
   use sg_fclib_read, only: read_fclib

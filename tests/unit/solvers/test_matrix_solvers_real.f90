@@ -2,7 +2,7 @@
 !! solves them all to e1 = 1e-8, and what the solvers say of their answers is true.
 program test_matrix_solvers_real
   use harness, only: tests_t
-  use sg_choose_matrix_solver, only: choose_matrix_solver, matrix_solver_names
+  use sg_choose_solver, only: choose_matrix_solver
   use sg_error, only: error_t
   use sg_fclib_read, only: read_fclib
   use sg_hdf5, only: hdf5_is_available
@@ -10,6 +10,7 @@ program test_matrix_solvers_real
   use sg_matrix_errors, only: errors_of, matrix_errors_t
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
+  use sg_methods, only: robust_solver
   use sg_report, only: report_t
   use sg_system, only: file_exists
   use written_files, only: shared_folder
@@ -62,6 +63,6 @@ contains
       call tests%near(report%e1, errors%e1, 1e-3_wp*errors%e1, name//': error told by '//solvers(s))
       call tests%check(report%is_converged .eqv. errors%e1 <= 1e-8_wp, name//': convergence told by '//solvers(s))
     end do
-    call tests%check(matrix_solver_names(1) == solvers(1), 'the default is '//solvers(1))
+    call tests%check(robust_solver == solvers(1), 'the default is '//solvers(1))
   end subroutine try_all
 end program test_matrix_solvers_real

@@ -3,13 +3,14 @@
 program test_matrix_verdicts
   use harness, only: tests_t
   use matrices, only: sparse
-  use sg_choose_matrix_solver, only: choose_matrix_solver, matrix_solver_names
+  use sg_choose_solver, only: choose_matrix_solver
   use sg_condense, only: set_local_form
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_matrix_errors, only: find_worst_contact, most_share
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
+  use sg_methods, only: solver_names
   use sg_random, only: random_t
   use sg_report, only: report_t
   use sg_text, only: to_text
@@ -44,18 +45,20 @@ contains
     type(report_t) :: report
     real(wp), allocatable :: w(:, :)
     character(len=:), allocatable :: name
+    character(len=16), allocatable :: methods(:)
     integer :: k
 
+    methods = solver_names()
     call draw_problem(number, start, w)
     options%tolerance = merge(1e-8_wp, 1e-4_wp, modulo(number, 3) > 0)
     options%maximum_iterations = 400
     options%maximum_seconds = 1
-    do k = 1, size(matrix_solver_names)
-      call choose_matrix_solver(trim(matrix_solver_names(k)), options, solver, error)
+    do k = 1, size(methods)
+      call choose_matrix_solver(trim(methods(k)), options, solver, error)
       if (allocated(error)) cycle
       problem = start
       call solver%solve(problem, report)
-      name = 'problem '//to_text(number)//' by '//trim(matrix_solver_names(k))
+      name = 'problem '//to_text(number)//' by '//trim(methods(k))
       solved = solved + 1
       if (report%is_converged) then
         converged = converged + 1

@@ -9,6 +9,7 @@ program test_verdicts
   use sg_detect, only: detect
   use sg_kinds, only: wp
   use sg_laws, only: law_wet
+  use sg_methods, only: solver_names
   use sg_motion, only: predict
   use sg_problem, only: problem_t
   use sg_problem_records, only: body_of, body_record_t, contact_of, contact_record_t
@@ -16,7 +17,7 @@ program test_verdicts
   use sg_records, only: first_inverse
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_names, criterion_violation, &
-                            method_names, solver_options_t
+                            solver_options_t
   use sg_simulation, only: simulation_t, start_simulation
   use sg_solver, only: solver_t
   use sg_text, only: to_text
@@ -52,12 +53,14 @@ contains
     type(solver_options_t) :: options
     type(report_t) :: report
     character(len=:), allocatable :: name
+    character(len=16), allocatable :: methods(:)
     integer :: m, c
 
+    methods = solver_names()
     call draw_pile(number, sim, start)
-    do m = 1, size(method_names)
+    do m = 1, size(methods)
       do c = 1, size(criterion_names)
-        options%method = method_names(m)
+        options%method = methods(m)
         options%criterion = c
         options%tolerance = merge(1e-2_wp, 1e-6_wp, modulo(number + c + m, 2) == 0)
         options%maximum_sweeps = 300
@@ -65,7 +68,7 @@ contains
         call choose_solver(options, solver)
         problem = start
         call solver%solve(problem, report)
-        name = 'pile '//to_text(number)//' by '//trim(method_names(m))//' to '//trim(criterion_names(c))
+        name = 'pile '//to_text(number)//' by '//trim(methods(m))//' to '//trim(criterion_names(c))
         call check_report(name, options, report)
         solved = solved + 1
         if (report%is_converged) then
