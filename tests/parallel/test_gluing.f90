@@ -11,11 +11,11 @@ program test_gluing
   use sg_contacts, only: normal_impulse
   use sg_error, only: error_t
   use sg_kinds, only: wp
+  use sg_methods, only: coupling_names
   use sg_measures, only: measure, measures_t
   use sg_simulation, only: decompose, simulation_t
   implicit none
-  character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum'], &
-                                 splits(2) = [character(len=8) :: 'boxes', 'graph']
+  character(len=8), parameter :: splits(2) = [character(len=8) :: 'boxes', 'graph']
   !> Steps of one rank after which packs carry their weight, and steps of all ranks after that: few, so that chaos has no
   !! time to grow from what solvers leave
   integer, parameter :: alone = 150, together = 4
@@ -23,8 +23,10 @@ program test_gluing
                                              'momentum_x', 'floor_share', 'pressure']
   type(tests_t) :: t
   type(comm_t) :: comm
+  character(len=16), allocatable :: gluings(:)
 
   call comm%start()
+  gluings = coupling_names()
   call test_all('frictionless disks', is_unique=.true.)
   call test_all('disks')
   call test_all('polygons')

@@ -38,7 +38,7 @@ contains
       table = table//', '//to_text(800 - 100*r)
     end do
     call start_pack(t, comm, name, pack_deck(name)//'[partition]'//nl//'gluing = "primal"'//nl//'sweeps = ['//table//']'//nl// &
-                    'interface_sweeps = '//to_text(interface_sweeps)//nl, 1e-3_wp, sim)
+                    '[partition.primal]'//nl//'interface_sweeps = '//to_text(interface_sweeps)//nl, 1e-3_wp, sim)
     do r = 0, comm%size - 1
       call t%equal(sim%options%partition%sweeps_of(r), 800 - 100*r, name//': sweeps asked for')
     end do
