@@ -1,14 +1,14 @@
 !> The decomposition of a scene over ranks, from its beginning on: the owner of each body, and how that changes with the motion.
 !!
-!! Bodies keep their homes until the split is renewed (every so many steps, or when the loads are uneven). Lists of neighbours
+!! Bodies keep their homes until grains are repartitioned (every so many steps, or when the loads are uneven). Lists of neighbours
 !! are rebuilt on all ranks at once; copies with them when grains have moved through the margin of the last ones: then contacts
 !! with their impulses follow their owners. Gluing impulses are no state: they follow from the impulses of the contacts
 !! (doc/theory/decomposition.md).
 module sg_decomposition
   use sg_boxes, only: choose_boxes, split_boxes
   use sg_comm, only: comm_t
+  use sg_contact_migration, only: distribute_contacts, distribute_start_contacts, send_contacts, unpack_contacts
   use sg_contacts, only: contacts_t
-  use sg_deal, only: deal_grains
   use sg_error, only: error_t
   use sg_halo, only: make_halo
   use sg_halo_margin, only: halo_margin_t
@@ -21,14 +21,14 @@ module sg_decomposition
   use sg_migrate, only: migrate
   use sg_neighbours, only: fitting_skin, neighbours_are_stale, neighbours_t
   use sg_parcels, only: parcel_t
+  use sg_rank_bounds, only: body_reach
   use sg_renumber, only: renumber_contacts
+  use sg_repartition, only: repartition_grains
   use sg_run_options, only: partition_options_t
   use sg_scene, only: scene_t, start_contact_t
   use sg_share, only: piece_of
   use sg_subdomain, only: subdomain_t
   use sg_tables, only: per_contact, tables_t
-  use sg_territory, only: body_reach
-  use sg_travel, only: deal_contacts, deal_start_contacts, send_contacts, unpack_contacts
   use sg_whole, only: keep_whole, localise, whole_t
   implicit none
   private
@@ -56,7 +56,7 @@ module sg_decomposition
     logical, private :: is_first = .true., is_resumed = .false.
   contains
     procedure :: begin => decomposition_begin
-    procedure :: renew => decomposition_renew
+    procedure :: update => decomposition_update
     procedure :: list_tables => decomposition_list_tables
   end type decomposition_t
 
@@ -84,9 +84,9 @@ contains
     if (allocated(scene%start_contacts)) call move_alloc(scene%start_contacts, self%start_contacts)
     call migrate(scene, home, comm)
     self%is_resumed = is_resumed
-    if (is_resumed) call deal_contacts(contacts, scene, self%subdomain%all_contactors, comm, self%resumed)
+    if (is_resumed) call distribute_contacts(contacts, scene, self%subdomain%all_contactors, comm, self%resumed)
     if (allocated(self%start_contacts)) &
-      call deal_start_contacts(self%start_contacts, scene, self%subdomain%all_contactors, comm)
+      call distribute_start_contacts(self%start_contacts, scene, self%subdomain%all_contactors, comm)
     call localise(self%whole, scene)
     self%subdomain%splits = 1
   end subroutine decomposition_begin
@@ -168,22 +168,22 @@ contains
   end subroutine find_wide
 
   !> Bring the part of this rank up to date where any rank's list of neighbours is stale. Collective.
-  subroutine decomposition_renew(self, scene, pairs, history, contacts, step, comm, is_renewed, error)
+  subroutine decomposition_update(self, scene, pairs, history, contacts, step, comm, is_rebuilt, error)
     class(decomposition_t), intent(inout) :: self
-    type(scene_t), intent(inout) :: scene !! this rank's part, predicted; replaced when renewed
-    type(neighbours_t), intent(inout) :: pairs !! its list of neighbours; forgotten when renewed
+    type(scene_t), intent(inout) :: scene !! this rank's part, predicted; replaced when rebuilt
+    type(neighbours_t), intent(inout) :: pairs !! its list of neighbours; forgotten when rebuilt
     type(history_t), intent(inout) :: history !! contacts of the last step
     type(contacts_t), intent(inout) :: contacts !! the same
     real(wp), intent(in) :: step !! time step [s]
     type(comm_t), intent(inout) :: comm !! the ranks
-    logical, intent(out) :: is_renewed !! was the part rebuilt? Then predict again
+    logical, intent(out) :: is_rebuilt !! was the part rebuilt? Then predict again
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the graph cannot be split
     integer(i4), allocatable :: home(:), former(:)
-    type(parcel_t) :: travelling
+    type(parcel_t) :: migrating
     real(wp) :: skin
     logical :: is_split
 
-    is_renewed = .false.
+    is_rebuilt = .false.
     if (self%subdomain%size == 1) return
     self%age = self%age + 1
     if (.not. comm%any(self%is_first .or. must_split(self) .or. neighbours_are_stale(pairs, scene))) return
@@ -191,14 +191,14 @@ contains
     call forget_pairs(pairs, skin)
     if (.not. self%is_first) self%imbalance = imbalance(comm, real(contacts%n, wp))
     is_split = must_split(self)
-    is_renewed = self%is_first .or. is_split
-    if (.not. is_renewed) is_renewed = .not. self%margin%holds(scene, skin, comm)
-    if (.not. is_renewed) return
+    is_rebuilt = self%is_first .or. is_split
+    if (.not. is_rebuilt) is_rebuilt = .not. self%margin%holds(scene, skin, comm)
+    if (.not. is_rebuilt) return
     call self%margin%choose(scene, skin, comm)
     if (is_split) then
       call new_homes(self, scene, contacts, comm, home, error)
       if (allocated(error)) return
-      call send_contacts(contacts, scene, home, comm, travelling)
+      call send_contacts(contacts, scene, home, comm, migrating)
       call migrate(scene, home, comm)
     else
       former = scene%contactors%id(:scene%contactors%n)
@@ -207,13 +207,13 @@ contains
     if (self%is_first) then
       call start_contacts_here(self, scene, history, contacts, step)
     else
-      if (is_split) call unpack_contacts(travelling, scene, contacts)
+      if (is_split) call unpack_contacts(migrating, scene, contacts)
       if (.not. is_split) call renumber_contacts(contacts, former, scene)
       call resume_history(history, contacts)
     end if
     call self%margin%start(scene)
     self%is_first = .false.
-  end subroutine decomposition_renew
+  end subroutine decomposition_update
 
   !> Is a new split due: by its age, by the loads found last, or because there had been no graph to split yet? The same on all
   !! ranks.
@@ -248,7 +248,7 @@ contains
     integer(i8) :: moved
     integer :: n
 
-    call deal_grains(comm, self%options, self%subdomain, scene%bodies, contacts, home, error)
+    call repartition_grains(comm, self%options, self%subdomain, scene%bodies, contacts, home, error)
     if (allocated(error)) return
     n = scene%bodies%n_home
     moved = count(home(:n) /= scene%bodies%home(:n), kind=i8)

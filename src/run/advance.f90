@@ -11,13 +11,13 @@ module sg_advance
   use sg_limits, only: check_limits
   use sg_link_contacts, only: finish_links
   use sg_motion, only: predict, update
-  use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls
   use sg_penetration, only: deepest_penetration
   use sg_plan, only: set_radii
   use sg_simulation, only: simulation_t
   use sg_solve_step, only: solve_step
   use sg_timed, only: timed
   use sg_totals, only: phase_assemble, phase_detect, phase_measure, phase_predict, phase_solve, phase_update
+  use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls
   implicit none
   private
   public :: advance
@@ -36,17 +36,17 @@ contains
     call timed(update_bodies, sim, phase_update, error)
   end subroutine advance
 
-  !> Free velocities, and bodies in the middle of the step; again for bodies that arrive where this rank's part is renewed.
+  !> Free velocities, and bodies in the middle of the step; again for bodies that arrive where this rank's part is rebuilt.
   subroutine predict_bodies(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
-    logical :: is_renewed
+    logical :: is_rebuilt
 
     associate (h => sim%options%step)
       call find_crossed_contacts(sim%tunnelling, sim%scene, sim%contacts, sim%plan, sim%history%is_loaded, sim%step + 1, h)
       call predict(sim%scene, sim%time(), h, sim%options%theta)
-      call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_renewed, error)
-      if (allocated(error) .or. .not. is_renewed) return
+      call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_rebuilt, error)
+      if (allocated(error) .or. .not. is_rebuilt) return
       call set_radii(sim%scene, sim%plan)
       call predict(sim%scene, sim%time(), h, sim%options%theta)
     end associate

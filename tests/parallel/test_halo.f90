@@ -87,14 +87,14 @@ contains
     type(error_t), allocatable :: error
     real(wp), allocatable :: before(:, :, :), after(:, :, :)
     integer :: k
-    logical :: is_renewed
+    logical :: is_rebuilt
 
     call tabulate(sim, whole%contactors%n, before)
     sim%decomposition%options%boxes = [1, comm%size, 1]
     sim%decomposition%options%every = 1
     call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
-    call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, sim%options%step, sim%comm, is_renewed, error)
-    call t%check(is_renewed .and. .not. allocated(error), name//' is split again')
+    call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, sim%options%step, sim%comm, is_rebuilt, error)
+    call t%check(is_rebuilt .and. .not. allocated(error), name//' is split again')
     sim%decomposition%options%every = 0
     call set_radii(sim%scene, sim%plan)
     call tabulate(sim, whole%contactors%n, after)

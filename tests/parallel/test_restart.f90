@@ -8,6 +8,7 @@ program test_restart
   use sg_bodies, only: drop_rotation
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
   use sg_comm, only: comm_t
+  use sg_contact_migration, only: distribute_contacts, unpack_contacts
   use sg_contacts, only: contacts_t
   use sg_error, only: diagnostics_t, error_t, exit_output
   use sg_field_visitor, only: field_t
@@ -22,7 +23,6 @@ program test_restart
   use sg_signature, only: n_signature, signature_of
   use sg_simulation, only: simulation_t, start_simulation
   use sg_system, only: file_exists, make_folder, remove_file
-  use sg_travel, only: deal_contacts, unpack_contacts
   implicit none
   type(tests_t) :: t
   type(comm_t) :: comm
@@ -307,7 +307,7 @@ contains
         end associate
       end do
     end associate
-    call deal_contacts(sim%contacts, sim%scene, fresh%contactors%n, comm, parcel)
+    call distribute_contacts(sim%contacts, sim%scene, fresh%contactors%n, comm, parcel)
     own%dimension = dimension
     own%n_components = sim%contacts%n_components
     own%n_internal = sim%contacts%n_internal

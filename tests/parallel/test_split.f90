@@ -7,7 +7,6 @@ program test_split
   use sg_clusters, only: cluster_edges, clusters_t, make_clusters, split_clusters
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
-  use sg_deal, only: deal_grains
   use sg_detect, only: detect
   use sg_error, only: error_t
   use sg_graph_split, only: graph_splits
@@ -16,6 +15,7 @@ program test_split
   use sg_load, only: imbalance, measured_weights
   use sg_motion, only: predict
   use sg_random, only: random_t
+  use sg_repartition, only: repartition_grains
   use sg_run_options, only: partition_options_t
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t, start_simulation
@@ -311,12 +311,12 @@ contains
     call choose_boxes(alone, position, comm%size, [0, 0, 0], counts, error)
     call split_boxes(alone, position, load(2:), numbers(n) + 1_i4, counts, part)
     part = [0_i4, part]
-    call deal_grains(comm, options, subdomain, local%bodies, contacts, home, error)
+    call repartition_grains(comm, options, subdomain, local%bodies, contacts, home, error)
     call t%check(.not. allocated(error), 'grains are dealt to boxes')
     associate (id => local%bodies%id(:local%bodies%n_home))
       call t%check(all(home == part(id) - 1), 'as one rank would')
       options%split = 'graph'
-      call deal_grains(comm, options, subdomain, local%bodies, contacts, home, error)
+      call repartition_grains(comm, options, subdomain, local%bodies, contacts, home, error)
       call t%check(allocated(error) .neqv. graph_splits(), 'grains are dealt by the graph where there is METIS')
       if (.not. allocated(error)) call check_homes(home, id, load, sim%contacts)
     end associate

@@ -138,12 +138,12 @@ contains
     type(simulation_t), intent(inout) :: sim !! the run
     type(problem_t), intent(out) :: problem !! problem that is not solved yet
     type(error_t), allocatable :: error
-    logical :: is_renewed
+    logical :: is_rebuilt
 
     associate (h => sim%options%step)
       call predict(sim%scene, sim%time(), h, sim%options%theta)
-      call sim%decomposition%renew(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_renewed, error)
-      if (is_renewed) then
+      call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_rebuilt, error)
+      if (is_rebuilt) then
         call set_radii(sim%scene, sim%plan)
         call predict(sim%scene, sim%time(), h, sim%options%theta)
       end if

@@ -5,7 +5,7 @@
 !!
 !! Ranks that share a scene write one file together, in the same layout: bodies by number, contacts rank by rank. Any
 !! number of ranks can go on from it. Then none reads it whole: each takes the rows of the bodies that it holds, and a piece of the
-!! contacts, as many as the others, which it sends to their owners when the scene is split (sg_travel).
+!! contacts, as many as the others, which it sends to their owners when the scene is split (sg_contact_migration).
 module sg_restart
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_bodies, only: bodies_t

@@ -10,10 +10,10 @@ module sg_halo
   use sg_local_numbers, only: contactors_of_bodies, local_body
   use sg_pack_bodies, only: order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
+  use sg_rank_bounds, only: body_reach, rank_bounds_t
   use sg_scene, only: scene_t
   use sg_sorting, only: group_items, sort_permutation
   use sg_subdomain, only: subdomain_t
-  use sg_territory, only: body_reach, territory_t
   use sg_whole, only: localise, whole_t
   implicit none
   private
@@ -58,7 +58,7 @@ contains
     real(wp), intent(in) :: margin
     type(comm_t), intent(inout) :: comm
     type(parcel_t), intent(inout) :: bodies, holders
-    type(territory_t) :: territory
+    type(rank_bounds_t) :: bounds
     real(wp) :: reach(scene%bodies%n_home)
     integer(i4), allocatable :: first(:), list(:), kept(:)
     integer :: sent(0:comm%size - 1), told(0:comm%size - 1), r, b, i
@@ -67,9 +67,9 @@ contains
     type(parcel_t) :: records, words
 
     reach = body_reach(scene, scene%bodies%n_home)
-    call territory%survey(scene, reach, margin, comm)
+    call bounds%survey(scene, reach, margin, comm)
     call linked%find(scene, comm)
-    call find_copies(scene, territory, reach, linked, comm, copies)
+    call find_copies(scene, bounds, reach, linked, comm, copies)
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     do r = 0, comm%size - 1
       sent(r) = records%n
@@ -95,9 +95,9 @@ contains
   end subroutine gather_records
 
   !> Which ranks hold a copy of which own grains: only ranks whose grains come near, or are linked, are looked at.
-  subroutine find_copies(scene, territory, reach, linked, comm, copies)
+  subroutine find_copies(scene, bounds, reach, linked, comm, copies)
     type(scene_t), intent(in) :: scene
-    type(territory_t), intent(in) :: territory
+    type(rank_bounds_t), intent(in) :: bounds
     real(wp), intent(in) :: reach(:)
     type(link_copies_t), intent(in) :: linked
     type(comm_t), intent(in) :: comm
@@ -109,7 +109,7 @@ contains
     do r = 0, comm%size - 1
       copies%first(r) = copies%n + 1
       if (r == comm%rank) cycle
-      is_near = territory%first(r + 1) > territory%first(r)
+      is_near = bounds%first(r + 1) > bounds%first(r)
       call linked%mark(r, is_linked)
       if (.not. (is_near .or. any(is_linked))) cycle
       ! All contacts between two ranks belong to one of them: the other needs no copies.
@@ -118,7 +118,7 @@ contains
         if (scene%bodies%home(b) < 0) cycle
         if (.not. is_linked(b)) then
           if (.not. is_near) cycle
-          if (.not. territory%is_near(r, scene%bodies%position(:, b), reach(b))) cycle
+          if (.not. bounds%is_near(r, scene%bodies%position(:, b), reach(b))) cycle
         end if
         copies%n = copies%n + 1
         call reserve(copies%body, copies%n)

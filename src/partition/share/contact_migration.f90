@@ -1,8 +1,8 @@
-!> Contacts that travel: with the numbers of the whole scene, from the rank that had them to the rank that will.
+!> Contact migration: contacts, with the numbers of the whole scene, move from the rank that owned them to the rank that will.
 !!
 !! A record is the fields of a contact that are sent when its owner changes (sg_field_visitor), so that impulses are neither lost
 !! nor doubled when grains move. Contacts of one pair stay together.
-module sg_travel
+module sg_contact_migration
   use sg_block_distribution, only: block_distribution_t, wanted_t
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
@@ -17,13 +17,13 @@ module sg_travel
   use sg_sorting, only: group_items
   implicit none
   private
-  public :: deal_contacts, deal_start_contacts, send_contacts, unpack_contacts
+  public :: distribute_contacts, distribute_start_contacts, send_contacts, unpack_contacts
 
 contains
 
   !> Send contacts to the ranks that will own them, which those that have them do not know: homes are asked for by number.
   !! Collective.
-  subroutine deal_contacts(contacts, scene, all_contactors, comm, parcel)
+  subroutine distribute_contacts(contacts, scene, all_contactors, comm, parcel)
     type(contacts_t), intent(in) :: contacts !! some of all contacts on each rank, with the numbers of the whole scene
     type(scene_t), intent(in) :: scene !! this rank's part, without copies
     integer, intent(in) :: all_contactors !! contactors of the whole scene
@@ -31,10 +31,10 @@ contains
     type(parcel_t), intent(inout) :: parcel !! records of the contacts that this rank will own
 
     call send_records(contacts, owners_of(contacts%contactor(:, :contacts%n), scene, all_contactors, comm), comm, parcel)
-  end subroutine deal_contacts
+  end subroutine distribute_contacts
 
   !> Send contacts known at the start to the ranks that will own them; those of one pair keep their order. Collective.
-  subroutine deal_start_contacts(contacts, scene, all_contactors, comm)
+  subroutine distribute_start_contacts(contacts, scene, all_contactors, comm)
     type(start_contact_t), allocatable, intent(inout) :: contacts(:) !! a piece of all on each rank, with the numbers of the whole
     !! scene; afterwards those that this rank will own
     type(scene_t), intent(in) :: scene !! this rank's part, without copies
@@ -68,7 +68,7 @@ contains
       record = [real(contact%contactor, wp), contact%point, contact%force, real(contact%status, wp), &
                 merge(1.0_wp, 0.0_wp, [contact%is_vector, contact%has_internal]), contact%internal]
     end function record_of
-  end subroutine deal_start_contacts
+  end subroutine distribute_start_contacts
 
   !> The ranks that will own contacts of some pairs of contactors. Collective.
   function owners_of(pair, scene, all_contactors, comm) result(owner)
@@ -149,4 +149,4 @@ contains
     contacts%n = n
     call keep_present(contacts, scene)
   end subroutine unpack_contacts
-end module sg_travel
+end module sg_contact_migration

@@ -1,5 +1,5 @@
 !> New homes for the grains of a decomposed scene, by boxes or by the graph of contacts.
-module sg_deal
+module sg_repartition
   use sg_bodies, only: bodies_t
   use sg_boxes, only: choose_boxes, split_boxes
   use sg_clusters, only: cluster_edges, clusters_t, make_clusters, most_clusters, split_clusters
@@ -13,7 +13,7 @@ module sg_deal
   use sg_subdomain, only: subdomain_t
   implicit none
   private
-  public :: deal_grains
+  public :: repartition_grains
 
   !> Largest load of a part over the mean one that is asked of a split of the graph
   real(wp), parameter :: imbalance = 1.03_wp
@@ -21,14 +21,14 @@ module sg_deal
 contains
 
   !> Repartition the grains of a scene over the ranks, by their cost in the last step. Collective; nothing moves yet.
-  subroutine deal_grains(comm, options, subdomain, bodies, contacts, home, error)
+  subroutine repartition_grains(comm, options, subdomain, bodies, contacts, home, error)
     type(comm_t), intent(inout) :: comm !! the ranks
     type(partition_options_t), intent(in) :: options !! how to split
     type(subdomain_t), intent(in) :: subdomain !! which ranks share which bodies now
     type(bodies_t), intent(in) :: bodies !! bodies of this rank's scene, with homes and numbers
     type(contacts_t), intent(in) :: contacts !! contacts that this rank owns
     integer(i4), allocatable, intent(out) :: home(:) !! new home of each body of this rank, -1 for wide ones, shape (n_home)
-    type(error_t), allocatable, intent(out) :: error !! set on all ranks when the grains cannot be dealt so
+    type(error_t), allocatable, intent(out) :: error !! set on all ranks when the split is impossible
     integer(i4), allocatable :: own(:), part(:)
     real(wp), allocatable :: load(:, :), position(:, :)
     integer :: counts(3), b
@@ -39,7 +39,7 @@ contains
     own = pack([(int(b, i4), b=1, bodies%n_home)], bodies%home(:bodies%n_home) >= 0)
     position = bodies%position(:, own)
     if (options%split == 'graph') then
-      call deal_clusters(comm, subdomain, bodies, contacts, own, load(1, own), part, error)
+      call split_graph_of_clusters(comm, subdomain, bodies, contacts, own, load(1, own), part, error)
     else
       call choose_boxes(comm, position, comm%size, options%boxes, counts, error)
       if (.not. allocated(error)) call split_boxes(comm, position, load(1, own), bodies%id(own), counts, part)
@@ -47,10 +47,10 @@ contains
     if (allocated(error)) return
     allocate (home(bodies%n_home), source=-1_i4)
     home(own) = part - 1_i4
-  end subroutine deal_grains
+  end subroutine repartition_grains
 
   !> Parts of this rank's grains by the graph of all ranks' clusters.
-  subroutine deal_clusters(comm, subdomain, bodies, contacts, own, load, part, error)
+  subroutine split_graph_of_clusters(comm, subdomain, bodies, contacts, own, load, part, error)
     type(comm_t), intent(inout) :: comm
     type(subdomain_t), intent(in) :: subdomain
     type(bodies_t), intent(in) :: bodies
@@ -69,5 +69,5 @@ contains
     call copy_from_home(subdomain, comm, cluster)
     call cluster_edges(contacts, nint(cluster(1, :), i4), edges)
     call split_clusters(comm, clusters, edges, comm%size, imbalance, part, error)
-  end subroutine deal_clusters
-end module sg_deal
+  end subroutine split_graph_of_clusters
+end module sg_repartition

@@ -1,18 +1,18 @@
-!> Where a rank's grains are: boxes about groups of them, by which other ranks tell which of their grains come near.
-module sg_territory
+!> Rank bounds: boxes about groups of a rank's grains, by which other ranks find which of their own grains come near.
+module sg_rank_bounds
   use sg_comm, only: comm_t
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
   use sg_sorting, only: hilbert_order
   implicit none
   private
-  public :: territory_t, body_reach
+  public :: rank_bounds_t, body_reach
 
-  !> Most boxes that a rank tells its neighbours
+  !> Most boxes that a rank sends to its neighbours
   integer, parameter :: most_boxes = 128
 
   !> Boxes of this rank, and of the ranks that may come near
-  type :: territory_t
+  type :: rank_bounds_t
     !> Boxes of rank r are `box(:, first(r):first(r + 1) - 1)`, ranks from 0: low corner, high corner [m], shape (6, boxes)
     integer, allocatable :: first(:)
     real(wp), allocatable :: box(:, :)
@@ -21,9 +21,9 @@ module sg_territory
     !> Periods in x and y [m], 0 where there is none
     real(wp) :: period(2) = 0
   contains
-    procedure :: survey => territory_survey
-    procedure :: is_near => territory_is_near
-  end type territory_t
+    procedure :: survey => rank_bounds_survey
+    procedure :: is_near => rank_bounds_is_near
+  end type rank_bounds_t
 
 contains
 
@@ -42,9 +42,9 @@ contains
     end do
   end function body_reach
 
-  !> Draw boxes about all grains of this rank and learn those of ranks that may come near. Collective.
-  subroutine territory_survey(self, scene, reach, margin, comm)
-    class(territory_t), intent(inout) :: self
+  !> Draw boxes about all grains of this rank, and receive those of ranks that may come near. Collective.
+  subroutine rank_bounds_survey(self, scene, reach, margin, comm)
+    class(rank_bounds_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! this rank's part
     real(wp), intent(in) :: reach(:) !! of its own bodies [m]
     real(wp), intent(in) :: margin !! how near counts [m]
@@ -57,8 +57,8 @@ contains
     if (allocated(self%outline)) deallocate (self%outline)
     allocate (self%outline(6, 0:comm%size - 1))
     self%outline(:, :) = outline
-    call learn_boxes(self, own, comm)
-  end subroutine territory_survey
+    call swap_boxes(self, own, comm)
+  end subroutine rank_bounds_survey
 
   !> Boxes about groups of grains along Hilbert's curve, widened by the margin.
   subroutine draw_boxes(scene, reach, margin, box)
@@ -91,9 +91,9 @@ contains
     end do
   end subroutine draw_boxes
 
-  !> Tell the boxes to ranks whose outline comes near, and learn theirs.
-  subroutine learn_boxes(self, own, comm)
-    class(territory_t), intent(inout) :: self
+  !> Send the boxes to ranks whose outline comes near, and receive theirs.
+  subroutine swap_boxes(self, own, comm)
+    class(rank_bounds_t), intent(inout) :: self
     real(wp), intent(in) :: own(:, :)
     type(comm_t), intent(inout) :: comm
     real(wp), allocatable :: send(:), receive(:)
@@ -116,11 +116,11 @@ contains
     do r = 0, comm%size - 1
       self%first(r + 1) = self%first(r) + received(lbound(received, 1) + r)/6
     end do
-  end subroutine learn_boxes
+  end subroutine swap_boxes
 
   !> Does a body come near the grains of another rank?
-  pure logical function territory_is_near(self, r, centre, reach)
-    class(territory_t), intent(in) :: self
+  pure logical function rank_bounds_is_near(self, r, centre, reach)
+    class(rank_bounds_t), intent(in) :: self
     integer, intent(in) :: r !! rank
     real(wp), intent(in) :: centre(:) !! of the body [m], shape (dimension)
     real(wp), intent(in) :: reach !! radius that holds it [m]
@@ -130,13 +130,13 @@ contains
     own = 0
     own(:size(centre)) = centre - reach
     own(4:3 + size(centre)) = centre + reach
-    territory_is_near = .false.
+    rank_bounds_is_near = .false.
     if (.not. overlap(own, self%outline(:, r), self%period)) return
     do i = self%first(r), self%first(r + 1) - 1
-      territory_is_near = overlap(own, self%box(:, i), self%period)
-      if (territory_is_near) return
+      rank_bounds_is_near = overlap(own, self%box(:, i), self%period)
+      if (rank_bounds_is_near) return
     end do
-  end function territory_is_near
+  end function rank_bounds_is_near
 
   !> Do two boxes overlap, or an image of one with the other?
   pure logical function overlap(a, b, period)
@@ -155,4 +155,4 @@ contains
       end do
     end do
   end function overlap
-end module sg_territory
+end module sg_rank_bounds
