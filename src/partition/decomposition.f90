@@ -29,20 +29,20 @@ module sg_decomposition
   use sg_share, only: piece_of
   use sg_subdomain, only: subdomain_t
   use sg_tables, only: per_contact, tables_t
-  use sg_whole, only: keep_whole, localise, whole_t
+  use sg_replicated_data, only: keep_replicated, localise, replicated_data_t
   implicit none
   private
   public :: decomposition_t
 
-  !> A body that is no grain is wide when it reaches farther than so many mean grains
-  real(wp), parameter :: wide_reach = 8
+  !> A body that is no grain is replicated, held by all ranks, when it reaches farther than so many mean grains
+  real(wp), parameter :: replicated_reach = 8
 
   !> One rank's side of the decomposition
   type :: decomposition_t
     !> The ranks that share each body
     type(subdomain_t) :: subdomain
-    !> What all ranks keep of the whole scene
-    type(whole_t) :: whole
+    !> Drives and pressures of the whole scene, which all ranks keep
+    type(replicated_data_t) :: replicated
     !> Options of the deck
     type(partition_options_t) :: options
     !> Steps since the split was made, largest load of a rank over the mean one at the last look
@@ -78,7 +78,7 @@ contains
     self%subdomain%size = comm%size
     if (.not. allocated(scene%bodies%id)) call hold_everywhere(scene, comm)
     call count_all(self%subdomain, scene, comm)
-    call keep_whole(scene, self%whole)
+    call keep_replicated(scene, self%replicated)
     call first_homes(scene, options, comm, home, error)
     if (allocated(error)) return
     if (allocated(scene%start_contacts)) call move_alloc(scene%start_contacts, self%start_contacts)
@@ -87,7 +87,7 @@ contains
     if (is_resumed) call distribute_contacts(contacts, scene, self%subdomain%all_contactors, comm, self%resumed)
     if (allocated(self%start_contacts)) &
       call distribute_start_contacts(self%start_contacts, scene, self%subdomain%all_contactors, comm)
-    call localise(self%whole, scene)
+    call localise(self%replicated, scene)
     self%subdomain%splits = 1
   end subroutine decomposition_begin
 
@@ -118,23 +118,23 @@ contains
     subdomain%all_contactors = most(2)
   end subroutine count_all
 
-  !> First homes of the bodies that this rank counts as its own, by boxes about grains of one weight each; -1 of wide bodies, and
+  !> First homes of the bodies that this rank counts as its own, by boxes about grains of one weight each; -1 of replicated bodies, and
   !! of others that all ranks hold so far and another one counts.
   subroutine first_homes(scene, options, comm, home, error)
-    type(scene_t), intent(inout) :: scene !! the wide ones of its bodies are marked
+    type(scene_t), intent(inout) :: scene !! the replicated ones of its bodies are marked
     type(partition_options_t), intent(in) :: options
     type(comm_t), intent(inout) :: comm
     integer(i4), allocatable, intent(out) :: home(:)
     type(error_t), allocatable, intent(out) :: error
-    logical, allocatable :: is_wide(:)
+    logical, allocatable :: is_replicated(:)
     integer(i4), allocatable :: own(:), part(:)
     integer :: i, counts(3)
 
-    call find_wide(scene, comm, is_wide)
+    call find_replicated(scene, comm, is_replicated)
     associate (bodies => scene%bodies)
       own = pack([(int(i, i4), i=1, bodies%n)], [(counts_on(comm%rank, comm%size, bodies%home(i), bodies%id(i)) .and. &
-                                                   .not. is_wide(i), i=1, bodies%n)])
-      where (bodies%home < 0 .and. .not. is_wide) bodies%home = int(comm%rank, i4)
+                                                   .not. is_replicated(i), i=1, bodies%n)])
+      where (bodies%home < 0 .and. .not. is_replicated) bodies%home = int(comm%rank, i4)
       call choose_boxes(comm, bodies%position(:, own), comm%size, options%boxes, counts, error)
       if (allocated(error)) return
       call split_boxes(comm, bodies%position(:, own), [(1.0_wp, i=1, size(own))], bodies%id(own), counts, part)
@@ -145,10 +145,10 @@ contains
 
   !> Bodies that all ranks go on to hold: those that carry a pressure or bound a pressed length, and large ones that are no
   !! grains.
-  subroutine find_wide(scene, comm, is_wide)
+  subroutine find_replicated(scene, comm, is_replicated)
     type(scene_t), intent(in) :: scene
     type(comm_t), intent(inout) :: comm
-    logical, allocatable, intent(out) :: is_wide(:)
+    logical, allocatable, intent(out) :: is_replicated(:)
     real(wp) :: reach(scene%bodies%n), sums(2)
     integer :: i
 
@@ -159,13 +159,13 @@ contains
         if (bodies%is_grain(i) .and. counts_on(comm%rank, comm%size, bodies%home(i), bodies%id(i))) sums = sums + [1.0_wp, reach(i)]
       end do
       call comm%sum(sums)
-      is_wide = bodies%home < 0 .and. .not. bodies%is_grain .and. reach > wide_reach*sums(2)/max(1.0_wp, sums(1))
+      is_replicated = bodies%home < 0 .and. .not. bodies%is_grain .and. reach > replicated_reach*sums(2)/max(1.0_wp, sums(1))
     end associate
     do i = 1, size(scene%pressures)
-      is_wide(scene%pressures(i)%body) = .true.
-      if (all(scene%pressures(i)%between > 0)) is_wide(scene%pressures(i)%between) = .true.
+      is_replicated(scene%pressures(i)%body) = .true.
+      if (all(scene%pressures(i)%between > 0)) is_replicated(scene%pressures(i)%between) = .true.
     end do
-  end subroutine find_wide
+  end subroutine find_replicated
 
   !> Bring the part of this rank up to date where any rank's list of neighbours is stale. Collective.
   subroutine decomposition_update(self, scene, pairs, history, contacts, step, comm, is_rebuilt, error)
@@ -203,7 +203,7 @@ contains
     else
       former = scene%contactors%id(:scene%contactors%n)
     end if
-    call make_halo(scene, self%whole, self%subdomain, self%margin%width, comm)
+    call make_halo(scene, self%replicated, self%subdomain, self%margin%width, comm)
     if (self%is_first) then
       call start_contacts_here(self, scene, history, contacts, step)
     else

@@ -31,7 +31,7 @@ contains
     integer(i4), intent(in) :: body(:) !! bodies of that scene
     integer(i4), intent(in) :: first(:) !! contactors of body b are list(first(b):first(b + 1) - 1)
     integer(i4), intent(in) :: list(:) !! see `contactors_of_bodies`
-    integer(i4), intent(in) :: home(:) !! rank that is or becomes the home of each; -1 for wide bodies
+    integer(i4), intent(in) :: home(:) !! rank that is or becomes the home of each; -1 for replicated bodies
     integer, intent(in) :: least !! `sync_on_copy` where the records are of copies, else `sync_on_owner`
     type(parcel_t), intent(inout) :: parcel !! takes the records
     integer :: b
@@ -76,7 +76,7 @@ contains
   !> Where the records of a parcel begin, in the order of a rank's bodies: first those it counts as its own, then copies of
   !! others', both by ascending number. No body may stand in the parcel twice.
   !!
-  !! Of wide bodies each rank counts as its own those whose number modulo the number of ranks is its own.
+  !! Of replicated bodies each rank counts as its own those whose number modulo the number of ranks is its own.
   pure subroutine order_records(parcel, rank, ranks, start, n_home)
     type(parcel_t), intent(in) :: parcel !! records of bodies and nothing else
     integer, intent(in) :: rank !! rank whose bodies they are

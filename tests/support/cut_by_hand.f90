@@ -18,11 +18,11 @@ module cut_by_hand
 
 contains
 
-  !> Cut a rank's part: its own bodies, all wide ones, and all grains that its own grains or its contacts touch.
+  !> Cut a rank's part: its own bodies, all replicated ones, and all grains that its own grains or its contacts touch.
   subroutine cut_scene(whole, contacts, part, rank, size_of_all, local, local_contacts, subdomain)
     type(scene_t), intent(in) :: whole !! the scene
     type(contacts_t), intent(in) :: contacts !! all its contacts
-    integer(i4), intent(in) :: part(:) !! rank of each grain; of wide bodies it does not count
+    integer(i4), intent(in) :: part(:) !! rank of each grain; of replicated bodies it does not count
     integer, intent(in) :: rank !! whose part
     integer, intent(in) :: size_of_all !! number of ranks
     type(scene_t), intent(out) :: local !! its scene
@@ -93,7 +93,7 @@ contains
     end do
   end subroutine keep_contacts
 
-  !> Name the grains shared with each neighbour, and the wide bodies.
+  !> Name the grains shared with each neighbour, and the replicated bodies.
   subroutine name_neighbours(is_held, home, place, rank, subdomain)
     logical, intent(in) :: is_held(:, 0:)
     integer(i4), intent(in) :: home(:)
@@ -115,6 +115,6 @@ contains
       subdomain%home = [subdomain%home, pack(int(home), is_held(:, r) .and. is_held(:, rank) .and. home >= 0)]
       subdomain%first = [subdomain%first, size(subdomain%body) + 1]
     end do
-    subdomain%wide = pack(place, home < 0)
+    subdomain%replicated = pack(place, home < 0)
   end subroutine name_neighbours
 end module cut_by_hand

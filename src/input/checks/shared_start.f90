@@ -16,7 +16,7 @@ module sg_shared_start
   use sg_start_checks, only: complain_of_outside, complain_of_wide, first_wide, lies_outside
   use sg_start_overlaps, only: add_overlap, find_overlaps, most_pairs, overlaps_t, report_overlaps
   use sg_subdomain, only: subdomain_t
-  use sg_whole, only: keep_whole, localise, whole_t
+  use sg_replicated_data, only: keep_replicated, localise, replicated_data_t
   implicit none
   private
   public :: check_shared_start
@@ -31,7 +31,7 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings, the same on all ranks
     type(overlaps_t) :: found
     type(subdomain_t) :: subdomain
-    type(whole_t) :: whole
+    type(replicated_data_t) :: replicated
 
     if (.not. allocated(scene%bodies%id)) return
     ! Of a DATBOX one rank does not ask more either.
@@ -44,8 +44,8 @@ contains
     subdomain%rank = comm%rank
     subdomain%size = comm%size
     subdomain%all_bodies = scene%bodies%n + deck%absent%n
-    call keep_whole(scene, whole)
-    call make_halo(scene, whole, subdomain, 0.0_wp, comm)
+    call keep_replicated(scene, replicated)
+    call make_halo(scene, replicated, subdomain, 0.0_wp, comm)
     call find_overlaps(scene, comm%rank, found)
     call gather_overlaps(found, comm)
     call report_overlaps(deck, found, diagnostics)
@@ -56,20 +56,20 @@ contains
     type(scene_t), intent(inout) :: scene
     type(comm_t), intent(in) :: comm
     type(start_contact_t), allocatable :: known(:)
-    type(whole_t) :: whole
+    type(replicated_data_t) :: replicated
     type(parcel_t) :: bodies
     integer(i4), allocatable :: first(:), list(:)
     integer, allocatable :: start(:)
     integer :: b, n_home
 
-    call keep_whole(scene, whole)
+    call keep_replicated(scene, replicated)
     if (allocated(scene%start_contacts)) call move_alloc(scene%start_contacts, known)
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     call drop_step_state(scene)
     call pack_bodies(scene, [(int(b, i4), b=1, scene%bodies%n)], first, list, scene%bodies%home, sync_on_owner, bodies)
     call order_records(bodies, comm%rank, comm%size, start, n_home)
     call rebuild_scene(scene, bodies, start, n_home)
-    call localise(whole, scene)
+    call localise(replicated, scene)
     if (allocated(known)) call move_alloc(known, scene%start_contacts)
   end subroutine order_share
 

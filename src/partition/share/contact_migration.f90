@@ -87,7 +87,7 @@ contains
       number = pack(contactors%id(:n), [(scene%bodies%home(contactors%body(k)) == comm%rank, k=1, n)])
     end associate
     call rows%plan(comm, number, all_contactors)
-    ! Ranks count from 1 here: wide bodies have no home, and the blocks hold zero for them.
+    ! Ranks count from 1 here: replicated bodies have no home, and the blocks hold zero for them.
     call rows%order(comm, reshape([(real(comm%rank + 1, wp), k=1, size(number))], [1, size(number)]), block)
     call wanted%plan(comm, rows, reshape(pair, [size(pair)]))
     call wanted%fetch(comm, block, home)
@@ -100,7 +100,7 @@ contains
   subroutine send_contacts(contacts, scene, home, comm, parcel)
     type(contacts_t), intent(inout) :: contacts !! contacts of the last step; with the numbers of the whole scene afterwards
     type(scene_t), intent(in) :: scene !! this rank's part, as it was in that step
-    integer(i4), intent(in) :: home(:) !! home of each body of it from now on, -1 for wide ones
+    integer(i4), intent(in) :: home(:) !! home of each body of it from now on, -1 for replicated ones
     type(comm_t), intent(inout) :: comm !! the ranks
     type(parcel_t), intent(inout) :: parcel !! records of the contacts that this rank will own
     integer(i4) :: owner(contacts%n)

@@ -1,4 +1,4 @@
-!> The part of a scene that one rank holds: its own bodies, all wide ones, and copies of those that may touch its own
+!> The part of a scene that one rank holds: its own bodies, all replicated ones, and copies of those that may touch its own
 !! before the next search for neighbours, or are linked to them; and who shares which of them (doc/theory/decomposition.md).
 module sg_halo
   use sg_comm, only: comm_t
@@ -14,7 +14,7 @@ module sg_halo
   use sg_scene, only: scene_t
   use sg_sorting, only: group_items, sort_permutation
   use sg_subdomain, only: subdomain_t
-  use sg_whole, only: localise, whole_t
+  use sg_replicated_data, only: localise, replicated_data_t
   implicit none
   private
   public :: make_halo
@@ -32,11 +32,11 @@ module sg_halo
 
 contains
 
-  !> Rebuild the copies of a rank: bodies of the scene that are its own, and wide ones, stay; all other copies are replaced.
+  !> Rebuild the copies of a rank: bodies of the scene that are its own, and replicated ones, stay; all other copies are replaced.
   !! Collective.
-  subroutine make_halo(scene, whole, subdomain, margin, comm)
+  subroutine make_halo(scene, replicated, subdomain, margin, comm)
     type(scene_t), intent(inout) :: scene !! this rank's part, replaced
-    type(whole_t), intent(in) :: whole !! drives, pressures and names of the whole scene
+    type(replicated_data_t), intent(in) :: replicated !! drives, pressures and names of the whole scene
     type(subdomain_t), intent(inout) :: subdomain !! lists of shared bodies, rebuilt
     real(wp), intent(in) :: margin !! how near another rank's grains a body must come to be copied there [m]
     type(comm_t), intent(inout) :: comm !! the ranks
@@ -47,7 +47,7 @@ contains
     call gather_records(scene, margin, comm, bodies, holders)
     call order_records(bodies, comm%rank, comm%size, start, n_home)
     call rebuild_scene(scene, bodies, start, n_home)
-    call localise(whole, scene)
+    call localise(replicated, scene)
     call read_holders(holders, share)
     call list_shares(scene, share, comm%rank, subdomain)
   end subroutine make_halo
@@ -85,7 +85,7 @@ contains
     end do
     call swap_parcel(records, sent, comm, bodies)
     call swap_parcel(words, told, comm, holders)
-    ! Own bodies and wide ones stay; what this rank tells itself is who else holds its own.
+    ! Own bodies and replicated ones stay; what this rank tells itself is who else holds its own.
     kept = [(int(b, i4), b=1, scene%bodies%n)]
     kept = pack(kept, kept <= scene%bodies%n_home .or. scene%bodies%home(kept) < 0)
     call pack_bodies(scene, kept, first, list, scene%bodies%home(kept), sync_on_owner, bodies)
@@ -209,8 +209,8 @@ contains
       subdomain%first = [pack([(i, i=1, size(entry, 2))], [(is_first(i), i=1, size(entry, 2))]), size(entry, 2) + 1]
       subdomain%body = [(local_body(bodies, int(entry(2, i), i4)), i=1, size(entry, 2))]
       subdomain%home = int(bodies%home(subdomain%body))
-      subdomain%wide = pack([(b, b=1, bodies%n)], bodies%home < 0)
-      subdomain%wide = subdomain%wide(sort_permutation(int(bodies%id(subdomain%wide), i8)))
+      subdomain%replicated = pack([(b, b=1, bodies%n)], bodies%home < 0)
+      subdomain%replicated = subdomain%replicated(sort_permutation(int(bodies%id(subdomain%replicated), i8)))
     end associate
     subdomain%serial = subdomain%serial + 1
   contains

@@ -1,7 +1,7 @@
 !> Values of bodies that several ranks hold: added up at the body's home, or copied from there.
 !!
 !! Two ranks that share bodies name the same ones in the same order, so a message holds those values alone whose home is
-!! the receiver, or the sender. Wide bodies are at home everywhere: their values are summed over all ranks.
+!! the receiver, or the sender. Replicated bodies are at home everywhere: their values are summed over all ranks.
 module sg_home_sum
   use sg_comm, only: comm_t
   use sg_exchange, only: exchange_t
@@ -13,22 +13,22 @@ module sg_home_sum
 
 contains
 
-  !> Add what all ranks say of a body; the total stands at its home, that of a wide body on all ranks.
+  !> Add what all ranks say of a body; the total stands at its home, that of a replicated body on all ranks.
   subroutine add_at_home(subdomain, comm, values)
     type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(inout) :: values(:, :) !! of this rank, shape (any, bodies); then totals at home
-    real(wp), allocatable :: wide(:)
+    real(wp), allocatable :: replicated(:)
 
     if (comm%size == 1) return
     call add_grains_at_home(subdomain, comm, values)
-    if (size(subdomain%wide) == 0) return
-    wide = reshape(values(:, subdomain%wide), [size(values, 1)*size(subdomain%wide)])
-    call comm%sum(wide)
-    values(:, subdomain%wide) = reshape(wide, [size(values, 1), size(subdomain%wide)])
+    if (size(subdomain%replicated) == 0) return
+    replicated = reshape(values(:, subdomain%replicated), [size(values, 1)*size(subdomain%replicated)])
+    call comm%sum(replicated)
+    values(:, subdomain%replicated) = reshape(replicated, [size(values, 1), size(subdomain%replicated)])
   end subroutine add_at_home
 
-  !> The same for grains alone, between neighbours alone: values of wide bodies stay those of this rank.
+  !> The same for grains alone, between neighbours alone: values of replicated bodies stay those of this rank.
   subroutine add_grains_at_home(subdomain, comm, values)
     type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
     type(comm_t), intent(inout) :: comm !! the ranks
@@ -48,7 +48,7 @@ contains
     call plan%release()
   end subroutine add_grains_at_home
 
-  !> Give all copies of a grain the values that stand at its home; those of wide bodies stay as they are.
+  !> Give all copies of a grain the values that stand at its home; those of replicated bodies stay as they are.
   subroutine copy_from_home(subdomain, comm, values)
     type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
     type(comm_t), intent(inout) :: comm !! the ranks

@@ -15,23 +15,23 @@ module sg_migrate
 
 contains
 
-  !> Move bodies to their new homes; afterwards a rank holds its own bodies and the wide ones, and no copies. Collective.
+  !> Move bodies to their new homes; afterwards a rank holds its own bodies and the replicated ones, and no copies. Collective.
   subroutine migrate(scene, home, comm)
     type(scene_t), intent(inout) :: scene !! this rank's part, replaced
-    integer(i4), intent(in) :: home(:) !! new home of each own body, -1 for wide ones, shape (at least n_home)
+    integer(i4), intent(in) :: home(:) !! new home of each own body, -1 for replicated ones, shape (at least n_home)
     type(comm_t), intent(inout) :: comm !! the ranks
     integer, parameter :: sample = 256
     type(parcel_t) :: leaving, bodies, some
     real(wp), allocatable :: values(:)
     real(wp) :: expected
     integer, allocatable :: received(:), first_leaver(:), leaver(:), start(:)
-    integer(i4), allocatable :: first(:), list(:), wide(:)
+    integer(i4), allocatable :: first(:), list(:), replicated(:)
     integer :: sent(0:comm%size - 1), r, b, n_home
 
     call drop_step_state(scene)
     call group_items(home(:scene%bodies%n_home) + 1_i4, comm%size, first_leaver, leaver)
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
-    wide = pack([(int(b, i4), b=1, scene%bodies%n)], scene%bodies%home(:scene%bodies%n) < 0)
+    replicated = pack([(int(b, i4), b=1, scene%bodies%n)], scene%bodies%home(:scene%bodies%n) < 0)
     ! Room for all, judged by some: a list that grows by and by would for moments need it twice.
     associate (body => leaver(:min(sample, size(leaver))))
       call pack_bodies(scene, body, first, list, home(body), sync_on_owner, some)
@@ -43,8 +43,8 @@ contains
       associate (body => leaver(first_leaver(r + 1):first_leaver(r + 2) - 1))
         call pack_bodies(scene, body, first, list, home(body), sync_on_owner, leaving)
       end associate
-      ! Wide bodies stay: what a rank sends to itself.
-      if (r == comm%rank) call pack_bodies(scene, wide, first, list, scene%bodies%home(wide), sync_on_owner, leaving)
+      ! Replicated bodies stay: what a rank sends to itself.
+      if (r == comm%rank) call pack_bodies(scene, replicated, first, list, scene%bodies%home(replicated), sync_on_owner, leaving)
       sent(r) = leaving%n - sent(r)
     end do
     deallocate (first, list, leaver)

@@ -1,7 +1,7 @@
 !> One rank's view of the decomposition: the bodies that it shares, the ranks that share them, and their owners.
 !!
 !! Every body has one home. A rank holds its own bodies, copies of others' that may touch them before the list of
-!! neighbours is made again, and all *wide* bodies (walls). A contact belongs to one rank, `owner_of` its two bodies'
+!! neighbours is made again, and all *replicated* bodies (walls). A contact belongs to one rank, `owner_of` its two bodies'
 !! homes (sg_homes). Lists of two neighbours name the same bodies in the same order (ascending number), so that messages
 !! carry values alone (doc/theory/decomposition.md).
 module sg_subdomain
@@ -22,8 +22,8 @@ module sg_subdomain
     !> Bodies (local) shared with neighbour i: `body(first(i):first(i + 1) - 1)`, by ascending number, and their homes; wide
     !! bodies left out
     integer, allocatable :: first(:), body(:), home(:)
-    !> Wide bodies (local), which all ranks hold, by ascending number
-    integer, allocatable :: wide(:)
+    !> Replicated bodies (local), which all ranks hold, by ascending number
+    integer, allocatable :: replicated(:)
     !> Times that these lists were made; splits made since the start, and bodies that changed home in all of them
     integer :: serial = 0, splits = 0
     real(wp) :: moved = 0
@@ -46,7 +46,7 @@ contains
     coupling%first = self%first
     coupling%body = slot_of(self%body)
     coupling%home = self%home
-    coupling%wide = slot_of(self%wide)
+    coupling%replicated = slot_of(self%replicated)
     coupling%serial = self%serial
   end function subdomain_by_slot
 
@@ -60,6 +60,6 @@ contains
     call tables%note('first', self%first)
     call tables%note('body', self%body)
     call tables%note('home', self%home)
-    call tables%note('wide', self%wide)
+    call tables%note('replicated', self%replicated)
   end subroutine subdomain_list_tables
 end module sg_subdomain

@@ -27,7 +27,7 @@ contains
     type(subdomain_t), intent(in) :: subdomain !! which ranks share which bodies now
     type(bodies_t), intent(in) :: bodies !! bodies of this rank's scene, with homes and numbers
     type(contacts_t), intent(in) :: contacts !! contacts that this rank owns
-    integer(i4), allocatable, intent(out) :: home(:) !! new home of each body of this rank, -1 for wide ones, shape (n_home)
+    integer(i4), allocatable, intent(out) :: home(:) !! new home of each body of this rank, -1 for replicated ones, shape (n_home)
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the split is impossible
     integer(i4), allocatable :: own(:), part(:)
     real(wp), allocatable :: load(:, :), position(:, :)

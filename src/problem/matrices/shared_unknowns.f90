@@ -1,7 +1,7 @@
 !> The unknown velocities of a contact problem that several ranks hold: those of bodies that any rank's contacts push, where they
 !! are not driven, numbered through all ranks.
 !!
-!! A body's unknowns belong to its home, those of wide bodies to rank 0. Numbers, masses and the axes in which masses are diagonal
+!! A body's unknowns belong to its home, those of replicated bodies to rank 0. Numbers, masses and the axes in which masses are diagonal
 !! come from there: those that ranks find for themselves may differ in the last digits, and axes by much more.
 module sg_shared_unknowns
   use sg_comm, only: comm_t
@@ -54,11 +54,11 @@ contains
     end do
     call fill_sent(unknowns, is_own, slot_of, comm, sent)
     call copy_from_home(subdomain, comm, sent)
-    call copy_wide(subdomain, comm, sent)
+    call copy_replicated(subdomain, comm, sent)
     call place_unknowns(unknowns, is_own, is_pushed, slot_of, sent)
   end subroutine number_unknowns
 
-  !> Which bodies are at home here; wide ones are on rank 0.
+  !> Which bodies are at home here; replicated ones are on rank 0.
   pure function are_own(subdomain, comm, n) result(is_own)
     type(subdomain_t), intent(in) :: subdomain
     type(comm_t), intent(in) :: comm
@@ -71,7 +71,7 @@ contains
     do i = 1, size(subdomain%body)
       if (subdomain%home(i) /= comm%rank) is_own(subdomain%body(i)) = .false.
     end do
-    if (comm%rank > 0) is_own(subdomain%wide) = .false.
+    if (comm%rank > 0) is_own(subdomain%replicated) = .false.
   end function are_own
 
   !> Number the unknowns of a rank's own bodies, and fill what other ranks receive of these.
@@ -100,19 +100,19 @@ contains
     where (sent(:6, :) > 0) sent(:6, :) = sent(:6, :) + real(unknowns%before, wp)
   end subroutine fill_sent
 
-  !> Give all ranks what rank 0 has of wide bodies.
-  subroutine copy_wide(subdomain, comm, sent)
+  !> Give all ranks what rank 0 has of replicated bodies.
+  subroutine copy_replicated(subdomain, comm, sent)
     type(subdomain_t), intent(in) :: subdomain
     type(comm_t), intent(inout) :: comm
     real(wp), intent(inout) :: sent(:, :)
-    real(wp), allocatable :: wide(:)
+    real(wp), allocatable :: replicated(:)
 
     if (comm%size == 1) return
-    if (size(subdomain%wide) == 0) return
-    wide = reshape(sent(:, subdomain%wide), [n_sent*size(subdomain%wide)])
-    call comm%broadcast(wide, 0)
-    sent(:, subdomain%wide) = reshape(wide, [n_sent, size(subdomain%wide)])
-  end subroutine copy_wide
+    if (size(subdomain%replicated) == 0) return
+    replicated = reshape(sent(:, subdomain%replicated), [n_sent*size(subdomain%replicated)])
+    call comm%broadcast(replicated, 0)
+    sent(:, subdomain%replicated) = reshape(replicated, [n_sent, size(subdomain%replicated)])
+  end subroutine copy_replicated
 
   !> List the unknowns: own ones by their numbers, then those of others' bodies that contacts push here.
   pure subroutine place_unknowns(unknowns, is_own, is_pushed, slot_of, sent)

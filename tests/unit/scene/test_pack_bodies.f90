@@ -22,7 +22,7 @@ program test_pack_bodies
   use sg_scene, only: colour_index, scene_t
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_text, only: to_text
-  use sg_whole, only: keep_whole, localise, whole_t
+  use sg_replicated_data, only: keep_replicated, localise, replicated_data_t
   implicit none
   integer, parameter :: n_bodies = 600, n_wide = 6
   type(tests_t) :: t
@@ -251,7 +251,7 @@ contains
     character(len=*), intent(in) :: name
     type(scene_t) :: local
     type(parcel_t) :: parcel
-    type(whole_t) :: whole
+    type(replicated_data_t) :: replicated
     integer(i4), allocatable :: first(:), list(:), backwards(:)
     integer, allocatable :: start(:)
     integer :: b, n_home
@@ -263,8 +263,8 @@ contains
     call t%equal(n_home, n_bodies, name//', whole: all are at home')
     local = scene
     call rebuild_scene(local, parcel, start, n_home)
-    call keep_whole(scene, whole)
-    call localise(whole, local)
+    call keep_replicated(scene, replicated)
+    call localise(replicated, local)
     call t%check(same_bodies(local%bodies, scene%bodies), name//', whole: bodies')
     call t%check(all(local%bodies%id == [(b, b=1, n_bodies)]), name//', whole: numbers of bodies')
     call t%check(all(local%bodies%home == merge(0, -1, scene%bodies%is_grain)), name//', whole: homes')
@@ -343,12 +343,12 @@ contains
     character(len=*), intent(in) :: name
     type(scene_t) :: local, again
     type(parcel_t) :: parcel, next
-    type(whole_t) :: whole
+    type(replicated_data_t) :: replicated
     integer(i4), allocatable :: first(:), list(:), backwards(:)
     integer, allocatable :: start(:)
     integer :: rank, i, b, n_home, n, total
 
-    call keep_whole(scene, whole)
+    call keep_replicated(scene, replicated)
     total = 0
     do rank = 0, 2
       call contactors_of_bodies(scene%contactors, n_bodies, first, list)
@@ -365,7 +365,7 @@ contains
       call t%equal(size(start), n, name//', parts: bodies')
       local = scene
       call rebuild_scene(local, parcel, start, n_home)
-      call localise(whole, local)
+      call localise(replicated, local)
       total = total + n_home
       call check_numbers(scene, local, rank, name)
       call check_records(scene, local, name)
@@ -465,7 +465,7 @@ contains
     character(len=*), intent(in) :: name
     type(scene_t) :: empty, local
     type(parcel_t) :: parcel
-    type(whole_t) :: whole
+    type(replicated_data_t) :: replicated
     integer(i4), allocatable :: first(:), list(:)
     integer, allocatable :: start(:)
     integer :: n_home
@@ -473,8 +473,8 @@ contains
     call order_records(parcel, 1, 2, start, n_home)
     empty = scene
     call rebuild_scene(empty, parcel, start, n_home)
-    call keep_whole(scene, whole)
-    call localise(whole, empty)
+    call keep_replicated(scene, replicated)
+    call localise(replicated, empty)
     call t%equal(empty%bodies%n + empty%contactors%n + empty%bodies%n_home + size(empty%drives), 0, name//', empty: nothing')
     call contactors_of_bodies(scene%contactors, n_bodies, first, list)
     call pack_bodies(scene, [9_i4], first, list, [1_i4], sync_on_owner, parcel)

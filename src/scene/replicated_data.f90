@@ -1,45 +1,45 @@
-!> What every rank of a decomposed scene keeps of the whole: drives and pressures, with the numbers of the whole scene.
-module sg_whole
+!> Replicated data: drives and pressures, which every rank of a decomposed scene keeps with the numbers of the whole scene.
+module sg_replicated_data
   use sg_drives, only: drive_t, pressure_t
   use sg_local_numbers, only: local_body
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: whole_t, keep_whole, localise
+  public :: replicated_data_t, keep_replicated, localise
 
   !> Few things, however many bodies there are
-  type :: whole_t
+  type :: replicated_data_t
     !> Imposed velocities and forces
     type(drive_t), allocatable :: drives(:)
     !> Pressed walls
     type(pressure_t), allocatable :: pressures(:)
-  end type whole_t
+  end type replicated_data_t
 
 contains
 
-  !> Keep what a rank needs of the whole scene.
-  subroutine keep_whole(scene, whole)
+  !> Keep the data of a scene that all ranks need.
+  subroutine keep_replicated(scene, replicated)
     type(scene_t), intent(in) :: scene !! the whole scene, or a part with all bodies that are driven or pressed
-    type(whole_t), intent(out) :: whole !! what is kept
+    type(replicated_data_t), intent(out) :: replicated !! what is kept
     integer :: i, n
 
     n = 0
     if (allocated(scene%drives)) n = size(scene%drives)
-    allocate (whole%drives(n))
+    allocate (replicated%drives(n))
     do i = 1, n
-      whole%drives(i) = scene%drives(i)
-      whole%drives(i)%body = number_of(scene, scene%drives(i)%body)
+      replicated%drives(i) = scene%drives(i)
+      replicated%drives(i)%body = number_of(scene, scene%drives(i)%body)
     end do
     n = 0
     if (allocated(scene%pressures)) n = size(scene%pressures)
-    allocate (whole%pressures(n))
+    allocate (replicated%pressures(n))
     do i = 1, n
-      whole%pressures(i) = scene%pressures(i)
-      whole%pressures(i)%body = number_of(scene, scene%pressures(i)%body)
-      whole%pressures(i)%between(1) = number_of(scene, scene%pressures(i)%between(1))
-      whole%pressures(i)%between(2) = number_of(scene, scene%pressures(i)%between(2))
+      replicated%pressures(i) = scene%pressures(i)
+      replicated%pressures(i)%body = number_of(scene, scene%pressures(i)%body)
+      replicated%pressures(i)%between(1) = number_of(scene, scene%pressures(i)%between(1))
+      replicated%pressures(i)%between(2) = number_of(scene, scene%pressures(i)%between(2))
     end do
-  end subroutine keep_whole
+  end subroutine keep_replicated
 
   !> Number of a body in the whole scene; zero stays zero.
   pure integer function number_of(scene, body) result(number)
@@ -52,41 +52,41 @@ contains
 
   !> Give the scene of a rank its drives and pressures: those of bodies that are here, in the order of the whole. Names are of use
   !! while a deck is read alone, and dropped.
-  subroutine localise(whole, local)
-    type(whole_t), intent(in) :: whole !! what was kept of the whole scene
+  subroutine localise(replicated, local)
+    type(replicated_data_t), intent(in) :: replicated !! drives and pressures of the whole scene
     type(scene_t), intent(inout) :: local !! scene of the rank; its drives and pressures are set
     integer :: i, n
 
     if (allocated(local%drives)) deallocate (local%drives)
     if (allocated(local%pressures)) deallocate (local%pressures)
     n = 0
-    do i = 1, size(whole%drives)
-      if (local_body(local%bodies, whole%drives(i)%body) > 0) n = n + 1
+    do i = 1, size(replicated%drives)
+      if (local_body(local%bodies, replicated%drives(i)%body) > 0) n = n + 1
     end do
     allocate (local%drives(n))
     n = 0
-    do i = 1, size(whole%drives)
-      if (local_body(local%bodies, whole%drives(i)%body) == 0) cycle
+    do i = 1, size(replicated%drives)
+      if (local_body(local%bodies, replicated%drives(i)%body) == 0) cycle
       n = n + 1
-      local%drives(n) = whole%drives(i)
-      local%drives(n)%body = local_body(local%bodies, whole%drives(i)%body)
+      local%drives(n) = replicated%drives(i)
+      local%drives(n)%body = local_body(local%bodies, replicated%drives(i)%body)
     end do
     n = 0
-    do i = 1, size(whole%pressures)
-      if (local_body(local%bodies, whole%pressures(i)%body) > 0) n = n + 1
+    do i = 1, size(replicated%pressures)
+      if (local_body(local%bodies, replicated%pressures(i)%body) > 0) n = n + 1
     end do
     allocate (local%pressures(n))
     n = 0
-    do i = 1, size(whole%pressures)
-      if (local_body(local%bodies, whole%pressures(i)%body) == 0) cycle
+    do i = 1, size(replicated%pressures)
+      if (local_body(local%bodies, replicated%pressures(i)%body) == 0) cycle
       n = n + 1
-      local%pressures(n) = whole%pressures(i)
+      local%pressures(n) = replicated%pressures(i)
       call localise_pressure(local, local%pressures(n)%body, local%pressures(n)%between)
     end do
     if (allocated(local%names)) deallocate (local%names)
   end subroutine localise
 
-  !> Numbers of the whole scene become local ones; zero stays zero. What bounds a pressed length is wide, so it is here.
+  !> Numbers of the whole scene become local ones; zero stays zero. What bounds a pressed length is replicated, so it is here.
   pure subroutine localise_pressure(local, body, between)
     type(scene_t), intent(in) :: local
     integer, intent(inout) :: body, between(2)
@@ -97,4 +97,4 @@ contains
       between(k) = local_body(local%bodies, between(k))
     end do
   end subroutine localise_pressure
-end module sg_whole
+end module sg_replicated_data
