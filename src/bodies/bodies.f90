@@ -17,7 +17,7 @@ module sg_bodies
     !> Number of bodies
     integer :: n = 0
     !> Number of bodies that this rank counts as its own: the first ones; all of them where the scene is not decomposed
-    integer :: n_home = 0
+    integer :: n_own = 0
     !> Dimension of space
     integer :: dimension = 2
     !> Velocity components of a body: 3 (x, y, rotation) or 6 (x, y, z, spin); 2 or 3 where nothing turns
@@ -56,9 +56,9 @@ module sg_bodies
     logical, allocatable :: is_grain(:)
     !> Bulk material, index into the scene's materials, shape (n)
     integer(i4), allocatable :: material(:)
-    !> In a decomposed scene: number of the body in the whole scene, and the rank that is its home; shape (n). The bodies of
+    !> In a decomposed scene: number of the body in the whole scene, and the rank that owns it; shape (n). The bodies of
     !! this rank come first, then copies of others'; both by ascending number. Unallocated elsewhere
-    integer(i4), allocatable :: id(:), home(:)
+    integer(i4), allocatable :: id(:), owner(:)
   contains
     procedure :: allocate => bodies_allocate
     procedure :: visit => bodies_visit
@@ -96,9 +96,9 @@ contains
     call visitor%visit(field_t('crossings_y', sync_on_copy, is_there=is_space, in_files=.true.), self%crossings_y)
     call visitor%visit(field_t('is_grain', sync_on_copy, first=1.0_wp), self%is_grain)
     call visitor%visit(field_t('material', sync_on_copy), self%material)
-    ! Messages hold these two before the fields: a body may be numbered, or change its home, when it is sent.
+    ! Messages hold these two before the fields: a body may be numbered, or change its owner, when it is sent.
     call visitor%visit(field_t('id', sync_never, is_there=is_numbered), self%id)
-    call visitor%visit(field_t('home', sync_never, is_there=is_numbered), self%home)
+    call visitor%visit(field_t('owner', sync_never, is_there=is_numbered), self%owner)
   end subroutine bodies_visit
 
   !> Make room for `n` bodies at rest at the origin.
@@ -108,7 +108,7 @@ contains
     integer, intent(in), optional :: dimension !! of space, 2 unless given
 
     self%n = n
-    self%n_home = n
+    self%n_own = n
     self%dimension = 2
     if (present(dimension)) self%dimension = dimension
     self%n_velocity = merge(3, 6, self%dimension == 2)
@@ -136,7 +136,7 @@ contains
     bodies%has_orientation = template%has_orientation
   end function no_bodies_like
 
-  !> Make room for `n` bodies at rest at the origin, with numbers and homes, and with the components of others.
+  !> Make room for `n` bodies at rest at the origin, with numbers and owners, and with the components of others.
   subroutine make_bodies_like(template, n, bodies)
     type(bodies_t), intent(in) :: template !! bodies of the same scene
     integer, intent(in) :: n !! number of bodies
@@ -144,8 +144,8 @@ contains
 
     bodies = no_bodies_like(template)
     bodies%n = n
-    bodies%n_home = n
-    allocate (bodies%id(0), bodies%home(0))
+    bodies%n_own = n
+    allocate (bodies%id(0), bodies%owner(0))
     call bodies%resize(n)
   end subroutine make_bodies_like
 

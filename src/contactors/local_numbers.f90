@@ -21,10 +21,10 @@ contains
       body = merge(number, 0, number >= 1 .and. number <= bodies%n)
       return
     end if
-    body = place_in(bodies%id(:bodies%n_home), number)
+    body = place_in(bodies%id(:bodies%n_own), number)
     if (body > 0) return
-    body = place_in(bodies%id(bodies%n_home + 1:bodies%n), number)
-    if (body > 0) body = bodies%n_home + body
+    body = place_in(bodies%id(bodies%n_own + 1:bodies%n), number)
+    if (body > 0) body = bodies%n_own + body
   end function local_body
 
   !> Contactor here that has a number in the whole scene; 0 when it is not here.

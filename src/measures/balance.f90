@@ -80,7 +80,7 @@ contains
     integer :: i
 
     momentum = 0
-    do i = 1, bodies%n_home
+    do i = 1, bodies%n_own
       if (bodies%is_grain(i)) momentum = momentum + bodies%mass(i)*bodies%velocity(:bodies%dimension, i)
     end do
   end function momentum

@@ -60,9 +60,9 @@ contains
     integer :: i, n
 
     associate (bodies => scene%bodies)
-      allocate (centres%point(3, count(bodies%is_grain(:bodies%n_home))), source=0.0_wp)
+      allocate (centres%point(3, count(bodies%is_grain(:bodies%n_own))), source=0.0_wp)
       n = 0
-      do i = 1, bodies%n_home
+      do i = 1, bodies%n_own
         if (.not. bodies%is_grain(i)) cycle
         n = n + 1
         centres%point(:bodies%dimension, n) = bodies%position(:, i)

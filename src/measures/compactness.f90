@@ -40,7 +40,7 @@ contains
     box(:, 1) = huge(box)
     box(:, 2) = -huge(box)
     do c = 1, scene%contactors%n
-      if (scene%contactors%body(c) > scene%bodies%n_home) cycle
+      if (scene%contactors%body(c) > scene%bodies%n_own) cycle
       if (.not. scene%bodies%is_grain(scene%contactors%body(c))) cycle
       if (scene%dimension == 3) then
         corner = extent_in_space(scene%contactors, c)

@@ -37,7 +37,7 @@ contains
     real(wp) :: sums(n_coordination_sums)
 
     if (tally%pass == pass_sums) then
-      call tally%sums%put('coordination', coordination_sums(touching, bodies%is_grain, bodies%n_home, neighbours))
+      call tally%sums%put('coordination', coordination_sums(touching, bodies%is_grain, bodies%n_own, neighbours))
     else if (tally%pass == pass_columns) then
       sums = tally%sums%get('coordination', n_coordination_sums)
       if (bodies%dimension == 2) sums(3) = sums(3) + sums(4)
@@ -76,10 +76,10 @@ contains
 
   !> What this rank adds: pairs by one to four points, its grains and how many of them are carried, neighbours of its grains,
   !! and grains in pairs without rattlers.
-  pure function coordination_sums(touching, is_grain, n_home, neighbours) result(sums)
+  pure function coordination_sums(touching, is_grain, n_own, neighbours) result(sums)
     type(touching_t), intent(in) :: touching
     logical, intent(in) :: is_grain(:)
-    integer, intent(in) :: n_home
+    integer, intent(in) :: n_own
     real(wp), intent(in) :: neighbours(:)
     real(wp) :: sums(n_coordination_sums)
     logical :: carries(size(is_grain))
@@ -90,9 +90,9 @@ contains
     end do
     sums(4) = real(count(touching%points >= 4), wp)
     carries = is_grain .and. neighbours > 1.5_wp
-    sums(5) = real(count(is_grain(:n_home)), wp)
-    sums(6) = real(count(carries(:n_home)), wp)
-    sums(7) = sum(neighbours(:n_home), mask=is_grain(:n_home))
+    sums(5) = real(count(is_grain(:n_own)), wp)
+    sums(6) = real(count(carries(:n_own)), wp)
+    sums(7) = sum(neighbours(:n_own), mask=is_grain(:n_own))
     sums(8) = 0
     do i = 1, size(touching%points)
       associate (pair => touching%body(:, i))

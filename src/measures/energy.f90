@@ -160,7 +160,7 @@ contains
 
     work = 0
     associate (bodies => scene%bodies)
-      do i = 1, bodies%n_home
+      do i = 1, bodies%n_own
         work = work + h*(dot_product(bodies%force(:, i), mean(:, i)) &
                          - bodies%mass(i)*dot_product(scene%gravity(:scene%dimension), mean(:scene%dimension, i)))
       end do
@@ -174,7 +174,7 @@ contains
     integer :: i, c
 
     work = 0
-    do i = 1, bodies%n_home
+    do i = 1, bodies%n_own
       do c = 1, bodies%n_velocity
         work = work + driven(c, i)*(inertia_of(bodies, c, i)*(bodies%free_velocity(c, i) - bodies%velocity(c, i)) &
                                     - h*bodies%force(c, i))
@@ -216,7 +216,7 @@ contains
     integer :: i, c
 
     kinetic = 0
-    do i = 1, bodies%n_home
+    do i = 1, bodies%n_own
       do c = 1, bodies%n_velocity
         kinetic = kinetic + inertia_of(bodies, c, i)*bodies%velocity(c, i)**2/2
       end do
@@ -229,7 +229,7 @@ contains
     integer :: i
 
     potential = 0
-    do i = 1, scene%bodies%n_home
+    do i = 1, scene%bodies%n_own
       potential = potential - potential_drop(scene, i)
     end do
   end function potential_energy
@@ -288,7 +288,7 @@ contains
     elastic = energy_of_links(scene, contacts)
     sums(1:2) = [kinetic_energy(scene%bodies), potential_energy(scene) + sum(elastic)]
     sums(3) = 0
-    do i = 1, scene%bodies%n_home
+    do i = 1, scene%bodies%n_own
       sums(3) = sums(3) + abs(potential_drop(scene, i))
     end do
     sums(4:) = [energy%kinetic_start, energy%potential_start, energy%external_work, energy%drive_work, &

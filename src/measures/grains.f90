@@ -54,7 +54,7 @@ contains
     integer :: i
 
     sums = 0
-    do i = 1, bodies%n_home
+    do i = 1, bodies%n_own
       if (.not. bodies%is_grain(i)) cycle
       sums(1) = sums(1) + 1
       sums(2) = sums(2) + bodies%mass(i)

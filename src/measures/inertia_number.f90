@@ -95,18 +95,18 @@ contains
 
     sums = 0
     d = bodies%dimension
-    n = count(bodies%is_grain(:bodies%n_home))
+    n = count(bodies%is_grain(:bodies%n_own))
     if (n == 0) return
     centre = 0
     drift = 0
-    do i = 1, bodies%n_home
+    do i = 1, bodies%n_own
       if (.not. bodies%is_grain(i)) cycle
       centre = centre + bodies%position(:, i)/real(n, wp)
       drift = drift + bodies%velocity(:d, i)/real(n, wp)
     end do
     spread = 0
     mixed = 0
-    do i = 1, bodies%n_home
+    do i = 1, bodies%n_own
       if (.not. bodies%is_grain(i)) cycle
       x = bodies%position(:, i) - centre
       v = bodies%velocity(:d, i) - drift

@@ -12,10 +12,10 @@ module sg_measures
   use sg_coordination, only: measure_coordination, measure_rattlers, neighbours_of, touching_pairs, touching_t
   use sg_energy, only: energy_t, measure_energy
   use sg_grains, only: sum_grains
-  use sg_home_sum, only: add_grains_at_home, copy_from_home
   use sg_inertia_number, only: measure_inertia, measure_shear_rate
   use sg_internal_values, only: bond_slip
   use sg_kinds, only: wp
+  use sg_owner_sums, only: add_grains_at_owner, copy_from_owner
   use sg_penetration, only: measure_penetration
   use sg_scene, only: scene_t
   use sg_stress, only: measure_pressure, measure_stress
@@ -82,8 +82,8 @@ contains
     touching = touching_pairs(contacts, scene%bodies%n)
     neighbours(1, :) = neighbours_of(touching, scene%bodies%n)
     if (tally%is_shared) then
-      call add_grains_at_home(subdomain, comm, neighbours)
-      call copy_from_home(subdomain, comm, neighbours)
+      call add_grains_at_owner(subdomain, comm, neighbours)
+      call copy_from_owner(subdomain, comm, neighbours)
     end if
     do while (tally%pass <= pass_columns)
       call visit_indicators(scene, contacts, energy, touching, neighbours(1, :), tally)

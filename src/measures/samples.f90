@@ -70,7 +70,7 @@ contains
     integer :: i
 
     energy = 0
-    do i = 1, bodies%n_home
+    do i = 1, bodies%n_own
       if (.not. bodies%is_grain(i)) cycle
       if (bodies%dimension == 2) then
         energy = energy + (bodies%mass(i)*sum(bodies%velocity(1:2, i)**2) + bodies%inertia(i)*spin_of(bodies, i)**2)/2

@@ -21,7 +21,7 @@ contains
     if (tally%pass == pass_largest) then
       total = 0
       largest = 0
-      do i = 1, bodies%n_home
+      do i = 1, bodies%n_own
         if (.not. bodies%is_grain(i)) cycle
         speed = norm2(bodies%velocity(:bodies%dimension, i))
         total = total + speed

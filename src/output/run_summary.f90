@@ -27,7 +27,7 @@ module sg_run_summary
   type :: shared_cost_t
     !> How grains were split and how their parts were glued, in the deck's words
     character(len=:), allocatable :: split, gluing
-    !> Splits made, and bodies that changed home in all of them
+    !> Splits made, and bodies that changed owner in all of them
     integer :: splits = 0
     real(wp) :: moved = 0
     !> Gluings of all steps
@@ -103,7 +103,7 @@ contains
     self%fall_speed = norm2(scene%gravity)*options%step
     self%steps_asked = options%steps
     self%time = scene%start_time
-    self%bodies = scene%bodies%n_home
+    self%bodies = scene%bodies%n_own
     self%ranks = comm%size
     if (allocated(scene%bodies%id)) then
       call comm%sum(self%bodies)

@@ -1,6 +1,6 @@
 !> The decomposition of a scene over ranks, from its beginning on: the owner of each body, and how that changes with the motion.
 !!
-!! Bodies keep their homes until grains are repartitioned (every so many steps, or when the loads are uneven). Lists of neighbours
+!! Bodies keep their owners until grains are repartitioned (every so many steps, or when the loads are uneven). Lists of neighbours
 !! are rebuilt on all ranks at once; copies with them when grains have moved through the margin of the last ones: then contacts
 !! with their impulses follow their owners. Gluing impulses are no state: they follow from the impulses of the contacts
 !! (doc/theory/decomposition.md).
@@ -13,23 +13,23 @@ module sg_decomposition
   use sg_halo, only: make_halo
   use sg_halo_margin, only: halo_margin_t
   use sg_history, only: history_t, resume_history, start_history
-  use sg_home_sum, only: copy_from_home
-  use sg_homes, only: counts_on
   use sg_kinds, only: wp, i4, i8
   use sg_load, only: imbalance
   use sg_local_numbers, only: local_contactor
   use sg_migrate, only: migrate
   use sg_neighbours, only: fitting_skin, neighbours_are_stale, neighbours_t
+  use sg_owner_sums, only: copy_from_owner
+  use sg_owners, only: counts_on
   use sg_parcels, only: parcel_t
   use sg_rank_bounds, only: body_reach
   use sg_renumber, only: renumber_contacts
   use sg_repartition, only: repartition_grains
+  use sg_replicated_data, only: keep_replicated, localise, replicated_data_t
   use sg_run_options, only: partition_options_t
   use sg_scene, only: scene_t, start_contact_t
   use sg_share, only: piece_of
   use sg_subdomain, only: subdomain_t
   use sg_tables, only: per_contact, tables_t
-  use sg_replicated_data, only: keep_replicated, localise, replicated_data_t
   implicit none
   private
   public :: decomposition_t
@@ -65,13 +65,13 @@ contains
   !> Split a scene that all ranks hold whole, or of which each holds a share: afterwards each holds its part. Collective.
   subroutine decomposition_begin(self, scene, contacts, is_resumed, options, comm, error)
     class(decomposition_t), intent(inout) :: self
-    type(scene_t), intent(inout) :: scene !! the whole scene, or a part with homes; replaced by this rank's part
+    type(scene_t), intent(inout) :: scene !! the whole scene, or a part with owners; replaced by this rank's part
     type(contacts_t), intent(in) :: contacts !! of a restart file, each on one rank, with numbers of the whole scene; or none
     logical, intent(in) :: is_resumed !! does the run go on from a restart file?
     type(partition_options_t), intent(in) :: options !! how to split
     type(comm_t), intent(inout) :: comm !! the ranks
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the deck asks for an impossible split
-    integer(i4), allocatable :: home(:)
+    integer(i4), allocatable :: owner(:)
 
     self%options = options
     self%subdomain%rank = comm%rank
@@ -79,10 +79,10 @@ contains
     if (.not. allocated(scene%bodies%id)) call hold_everywhere(scene, comm)
     call count_all(self%subdomain, scene, comm)
     call keep_replicated(scene, self%replicated)
-    call first_homes(scene, options, comm, home, error)
+    call first_owners(scene, options, comm, owner, error)
     if (allocated(error)) return
     if (allocated(scene%start_contacts)) call move_alloc(scene%start_contacts, self%start_contacts)
-    call migrate(scene, home, comm)
+    call migrate(scene, owner, comm)
     self%is_resumed = is_resumed
     if (is_resumed) call distribute_contacts(contacts, scene, self%subdomain%all_contactors, comm, self%resumed)
     if (allocated(self%start_contacts)) &
@@ -99,7 +99,7 @@ contains
 
     scene%bodies%id = [(int(i, i4), i=1, scene%bodies%n)]
     scene%contactors%id = [(int(i, i4), i=1, scene%contactors%n)]
-    allocate (scene%bodies%home(scene%bodies%n), source=-1_i4)
+    allocate (scene%bodies%owner(scene%bodies%n), source=-1_i4)
     if (.not. allocated(scene%start_contacts)) return
     piece = piece_of(size(scene%start_contacts), comm%rank, comm%size)
     scene%start_contacts = scene%start_contacts(piece(1):piece(2))
@@ -118,13 +118,13 @@ contains
     subdomain%all_contactors = most(2)
   end subroutine count_all
 
-  !> First homes of the bodies that this rank counts as its own, by boxes about grains of one weight each; -1 of replicated bodies, and
-  !! of others that all ranks hold so far and another one counts.
-  subroutine first_homes(scene, options, comm, home, error)
+  !> First owners of the bodies that this rank counts as its own, by boxes about grains of one weight each; -1 of replicated
+  !! bodies, and of others that all ranks hold so far and another one counts.
+  subroutine first_owners(scene, options, comm, owner, error)
     type(scene_t), intent(inout) :: scene !! the replicated ones of its bodies are marked
     type(partition_options_t), intent(in) :: options
     type(comm_t), intent(inout) :: comm
-    integer(i4), allocatable, intent(out) :: home(:)
+    integer(i4), allocatable, intent(out) :: owner(:)
     type(error_t), allocatable, intent(out) :: error
     logical, allocatable :: is_replicated(:)
     integer(i4), allocatable :: own(:), part(:)
@@ -132,16 +132,16 @@ contains
 
     call find_replicated(scene, comm, is_replicated)
     associate (bodies => scene%bodies)
-      own = pack([(int(i, i4), i=1, bodies%n)], [(counts_on(comm%rank, comm%size, bodies%home(i), bodies%id(i)) .and. &
+      own = pack([(int(i, i4), i=1, bodies%n)], [(counts_on(comm%rank, comm%size, bodies%owner(i), bodies%id(i)) .and. &
                                                    .not. is_replicated(i), i=1, bodies%n)])
-      where (bodies%home < 0 .and. .not. is_replicated) bodies%home = int(comm%rank, i4)
+      where (bodies%owner < 0 .and. .not. is_replicated) bodies%owner = int(comm%rank, i4)
       call choose_boxes(comm, bodies%position(:, own), comm%size, options%boxes, counts, error)
       if (allocated(error)) return
       call split_boxes(comm, bodies%position(:, own), [(1.0_wp, i=1, size(own))], bodies%id(own), counts, part)
-      allocate (home(bodies%n), source=-1_i4)
+      allocate (owner(bodies%n), source=-1_i4)
     end associate
-    home(own) = part - 1_i4
-  end subroutine first_homes
+    owner(own) = part - 1_i4
+  end subroutine first_owners
 
   !> Bodies that all ranks go on to hold: those that carry a pressure or bound a pressed length, and large ones that are no
   !! grains.
@@ -156,10 +156,11 @@ contains
     associate (bodies => scene%bodies)
       sums = 0
       do i = 1, bodies%n
-        if (bodies%is_grain(i) .and. counts_on(comm%rank, comm%size, bodies%home(i), bodies%id(i))) sums = sums + [1.0_wp, reach(i)]
+        if (bodies%is_grain(i) .and. counts_on(comm%rank, comm%size, bodies%owner(i), bodies%id(i))) &
+          sums = sums + [1.0_wp, reach(i)]
       end do
       call comm%sum(sums)
-      is_replicated = bodies%home < 0 .and. .not. bodies%is_grain .and. reach > replicated_reach*sums(2)/max(1.0_wp, sums(1))
+      is_replicated = bodies%owner < 0 .and. .not. bodies%is_grain .and. reach > replicated_reach*sums(2)/max(1.0_wp, sums(1))
     end associate
     do i = 1, size(scene%pressures)
       is_replicated(scene%pressures(i)%body) = .true.
@@ -178,7 +179,7 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
     logical, intent(out) :: is_rebuilt !! was the part rebuilt? Then predict again
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the graph cannot be split
-    integer(i4), allocatable :: home(:), former(:)
+    integer(i4), allocatable :: owner(:), former(:)
     type(parcel_t) :: migrating
     real(wp) :: skin
     logical :: is_split
@@ -196,10 +197,10 @@ contains
     if (.not. is_rebuilt) return
     call self%margin%choose(scene, skin, comm)
     if (is_split) then
-      call new_homes(self, scene, contacts, comm, home, error)
+      call new_owners(self, scene, contacts, comm, owner, error)
       if (allocated(error)) return
-      call send_contacts(contacts, scene, home, comm, migrating)
-      call migrate(scene, home, comm)
+      call send_contacts(contacts, scene, owner, comm, migrating)
+      call migrate(scene, owner, comm)
     else
       former = scene%contactors%id(:scene%contactors%n)
     end if
@@ -237,41 +238,41 @@ contains
     call comm%maximum(skin)
   end function common_skin
 
-  !> New homes of this rank's bodies and of its copies.
-  subroutine new_homes(self, scene, contacts, comm, home, error)
+  !> New owners of this rank's bodies and of its copies.
+  subroutine new_owners(self, scene, contacts, comm, owner, error)
     class(decomposition_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     type(comm_t), intent(inout) :: comm
-    integer(i4), allocatable, intent(out) :: home(:)
+    integer(i4), allocatable, intent(out) :: owner(:)
     type(error_t), allocatable, intent(out) :: error
     integer(i8) :: moved
     integer :: n
 
-    call repartition_grains(comm, self%options, self%subdomain, scene%bodies, contacts, home, error)
+    call repartition_grains(comm, self%options, self%subdomain, scene%bodies, contacts, owner, error)
     if (allocated(error)) return
-    n = scene%bodies%n_home
-    moved = count(home(:n) /= scene%bodies%home(:n), kind=i8)
+    n = scene%bodies%n_own
+    moved = count(owner(:n) /= scene%bodies%owner(:n), kind=i8)
     call comm%sum(moved)
-    home = [home(:n), scene%bodies%home(n + 1:)]
-    call tell_copies(self%subdomain, home, comm)
+    owner = [owner(:n), scene%bodies%owner(n + 1:)]
+    call send_to_copies(self%subdomain, owner, comm)
     self%subdomain%moved = self%subdomain%moved + real(moved, wp)
     self%subdomain%splits = self%subdomain%splits + 1
     self%age = 0
     self%imbalance = 1
-  end subroutine new_homes
+  end subroutine new_owners
 
   !> Send a whole number of each own body to all ranks that hold copies of it.
-  subroutine tell_copies(subdomain, number, comm)
+  subroutine send_to_copies(subdomain, number, comm)
     type(subdomain_t), intent(in) :: subdomain
     integer(i4), intent(inout) :: number(:) !! of own bodies; set for copies
     type(comm_t), intent(inout) :: comm
     real(wp) :: values(1, size(number))
 
     values(1, :) = real(number, wp)
-    call copy_from_home(subdomain, comm, values)
+    call copy_from_owner(subdomain, comm, values)
     number = nint(values(1, :), i4)
-  end subroutine tell_copies
+  end subroutine send_to_copies
 
   !> The past of the first step, when copies have been made: contacts of a restart file, or those of the deck.
   subroutine start_contacts_here(self, scene, history, contacts, step)

@@ -29,8 +29,8 @@ contains
 
     sums = 0
     n = 0
-    counts = [(b <= scene%bodies%n_home, b=1, scene%bodies%n)]
-    if (present(is_common) .and. allocated(scene%bodies%home)) counts = scene%bodies%home < 0
+    counts = [(b <= scene%bodies%n_own, b=1, scene%bodies%n)]
+    if (present(is_common) .and. allocated(scene%bodies%owner)) counts = scene%bodies%owner < 0
     associate (bodies => scene%bodies, contactors => scene%contactors)
       do b = 1, bodies%n
         if (.not. counts(b)) cycle

@@ -107,7 +107,7 @@ contains
       walls = pack([(c, c=1, contactors%n)], .not. bodies%is_grain(contactors%body(:contactors%n)))
       do c = 1, contactors%n
         ! Each rank checks its own grains, not copies.
-        if (.not. bodies%is_grain(contactors%body(c)) .or. contactors%body(c) > bodies%n_home) cycle
+        if (.not. bodies%is_grain(contactors%body(c)) .or. contactors%body(c) > bodies%n_own) cycle
         do i = 1, size(walls)
           associate (b => [int(contactors%body(c)), int(contactors%body(walls(i)))])
             displacement = share*h*(bodies%velocity(:n, b(1)) - bodies%velocity(:n, b(2)))

@@ -1,15 +1,15 @@
 !> Bodies as records of reals, with their contactors, and scenes made of such records: how bodies travel between ranks.
 !!
-!! A record is its length, number in the whole scene, home, number of contactors, and the lowest rule of the fields that it holds
+!! A record is its length, number in the whole scene, owner, number of contactors, and the lowest rule of the fields that it holds
 !! (sg_fields); those fields; then the records of its contactors. What a step recomputes (forces, free velocities, the configuration
 !! of detection) is no part of it.
 module sg_pack_bodies
   use sg_bodies, only: bodies_t, make_bodies_like, no_bodies_like
   use sg_contactors, only: contactors_t
   use sg_field_visitor, only: sync_always, sync_never
-  use sg_homes, only: counts_on
   use sg_kinds, only: wp, i4, i8
   use sg_links, only: locate_links
+  use sg_owners, only: counts_on
   use sg_pack_shapes, only: pack_contactors, unpack_contactors
   use sg_parcels, only: parcel_t
   use sg_scene, only: scene_t
@@ -19,34 +19,34 @@ module sg_pack_bodies
   public :: pack_bodies, order_records, rebuild_scene, drop_bodies, drop_step_state
 
   !> Places of values in a record; the first two are those of a record of a contactor too
-  integer, parameter :: place_length = 1, place_number = 2, place_home = 3
+  integer, parameter :: place_length = 1, place_number = 2, place_owner = 3
   !> Bodies whose fields are moved in one visit: few enough to stay in the cache
   integer, parameter :: per_visit = 256
 
 contains
 
   !> Append the records of bodies with their contactors.
-  subroutine pack_bodies(scene, body, first, list, home, least, parcel)
+  subroutine pack_bodies(scene, body, first, list, owner, least, parcel)
     type(scene_t), intent(in) :: scene !! whole scene, or the part of this rank
     integer(i4), intent(in) :: body(:) !! bodies of that scene
     integer(i4), intent(in) :: first(:) !! contactors of body b are list(first(b):first(b + 1) - 1)
     integer(i4), intent(in) :: list(:) !! see `contactors_of_bodies`
-    integer(i4), intent(in) :: home(:) !! rank that is or becomes the home of each; -1 for replicated bodies
+    integer(i4), intent(in) :: owner(:) !! rank that owns each, or will; -1 for replicated bodies
     integer, intent(in) :: least !! `sync_on_copy` where the records are of copies, else `sync_on_owner`
     type(parcel_t), intent(inout) :: parcel !! takes the records
     integer :: b
 
     do b = 1, size(body), per_visit
       associate (some => body(b:min(b + per_visit - 1, size(body))))
-        call pack_some(scene, some, first, list, home(b:b + size(some) - 1), least, parcel)
+        call pack_some(scene, some, first, list, owner(b:b + size(some) - 1), least, parcel)
       end associate
     end do
   end subroutine pack_bodies
 
   !> Append the records of a few bodies.
-  subroutine pack_some(scene, body, first, list, home, least, parcel)
+  subroutine pack_some(scene, body, first, list, owner, least, parcel)
     type(scene_t), intent(in) :: scene
-    integer(i4), intent(in) :: body(:), first(:), list(:), home(:)
+    integer(i4), intent(in) :: body(:), first(:), list(:), owner(:)
     integer, intent(in) :: least
     type(parcel_t), intent(inout) :: parcel
     type(parcel_t) :: shapes
@@ -64,7 +64,7 @@ contains
     do i = 1, size(body)
       start = parcel%n + 1
       call parcel%put(0) ! the length, known at the end
-      call parcel%put([number(i), home(i), carried(i), int(least, i4)])
+      call parcel%put([number(i), owner(i), carried(i), int(least, i4)])
       call parcel%put(values(:, i))
       k = c + carried(i)
       if (k > c) call parcel%put(shapes%value(shape_start(c):shape_start(k) - 1))
@@ -77,15 +77,15 @@ contains
   !! others', both by ascending number. No body may stand in the parcel twice.
   !!
   !! Of replicated bodies each rank counts as its own those whose number modulo the number of ranks is its own.
-  pure subroutine order_records(parcel, rank, ranks, start, n_home)
+  pure subroutine order_records(parcel, rank, ranks, start, n_own)
     type(parcel_t), intent(in) :: parcel !! records of bodies and nothing else
     integer, intent(in) :: rank !! rank whose bodies they are
     integer, intent(in) :: ranks !! number of ranks
     integer, allocatable, intent(out) :: start(:) !! first value of each record, shape (bodies)
-    integer, intent(out) :: n_home !! bodies that the rank counts as its own
+    integer, intent(out) :: n_own !! bodies that the rank counts as its own
     integer(i8), allocatable :: keys(:)
     integer(i8) :: last
-    integer :: at, n, home, number
+    integer :: at, n, owner, number
 
     n = 0
     at = 1
@@ -96,16 +96,16 @@ contains
       at = at + nint(parcel%value(at + place_length - 1))
     end do
     allocate (start(n), keys(n))
-    n_home = 0
+    n_own = 0
     at = 1
     do n = 1, size(start)
       start(n) = at
       number = nint(parcel%value(at + place_number - 1))
-      home = nint(parcel%value(at + place_home - 1))
+      owner = nint(parcel%value(at + place_owner - 1))
       keys(n) = int(number, i8) + last
-      if (counts_on(rank, ranks, int(home, i4), int(number, i4))) then
+      if (counts_on(rank, ranks, int(owner, i4), int(number, i4))) then
         keys(n) = int(number, i8)
-        n_home = n_home + 1
+        n_own = n_own + 1
       end if
       at = at + nint(parcel%value(at + place_length - 1))
     end do
@@ -117,11 +117,11 @@ contains
   !!
   !! Forces, free velocities and the configuration of detection are zero. Drives, pressures and names (see `localise`) and contacts
   !! known at the start are dropped; all else stays.
-  subroutine rebuild_scene(scene, parcel, start, n_home)
+  subroutine rebuild_scene(scene, parcel, start, n_own)
     type(scene_t), intent(inout) :: scene !! any scene of the run, whole or in part, of any bodies
     type(parcel_t), intent(inout) :: parcel !! records of bodies; used up
     integer, intent(in) :: start(:) !! first value of the record of each body, shape (bodies)
-    integer, intent(in) :: n_home !! bodies that the rank counts as its own: the first ones
+    integer, intent(in) :: n_own !! bodies that the rank counts as its own: the first ones
 
     call drop_bodies(scene)
     if (allocated(scene%drives)) deallocate (scene%drives)
@@ -129,7 +129,7 @@ contains
     if (allocated(scene%start_contacts)) deallocate (scene%start_contacts)
     if (allocated(scene%names)) deallocate (scene%names)
     call make_bodies_like(no_bodies_like(scene%bodies), size(start), scene%bodies)
-    scene%bodies%n_home = n_home
+    scene%bodies%n_own = n_own
     call unpack_bodies(parcel, start, scene%bodies, scene%contactors)
     call locate_links(scene%links, scene%contactors)
     if (allocated(parcel%value)) deallocate (parcel%value)
@@ -167,7 +167,7 @@ contains
     do b = 1, size(start)
       parcel%at = start(b) + place_number - 2
       call parcel%take(bodies%id(b))
-      call parcel%take(bodies%home(b))
+      call parcel%take(bodies%owner(b))
       call parcel%take(carried(b))
       call parcel%take(rule(b))
       behind(b) = parcel%at

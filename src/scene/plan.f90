@@ -152,10 +152,10 @@ contains
     integer :: c
 
     counts = 0
-    counts(1) = scene%bodies%n_home
-    counts(2) = count(scene%bodies%is_grain(:scene%bodies%n_home))
+    counts(1) = scene%bodies%n_own
+    counts(2) = count(scene%bodies%is_grain(:scene%bodies%n_own))
     do c = 1, scene%contactors%n
-      if (scene%contactors%body(c) > scene%bodies%n_home) cycle
+      if (scene%contactors%body(c) > scene%bodies%n_own) cycle
       associate (same => counts(2 + scene%contactors%kind(c)))
         same = same + 1
       end associate

@@ -43,7 +43,7 @@ contains
     call find_contacts(sim, error)
     if (allocated(error)) return
     associate (bodies => sim%scene%bodies)
-      load = measured_weights(sim%contacts, bodies%is_grain, bodies%n_home)
+      load = measured_weights(sim%contacts, bodies%is_grain, bodies%n_own)
     end associate
     call split_bodies(sim, load, parts, boxes, part, error)
     if (allocated(error)) return

@@ -113,7 +113,7 @@ contains
                   name//': '//trim(names(i)))
     end do
     worst = 0
-    do b = 1, part%scene%bodies%n_home
+    do b = 1, part%scene%bodies%n_own
       associate (own => part%scene%bodies%position(:, b), there => whole%scene%bodies%position(:, part%scene%bodies%id(b)))
         worst = max(worst, maxval(abs(own - there)))
       end associate

@@ -9,8 +9,8 @@ program test_dual
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
   use sg_comm, only: comm_t
   use sg_compact, only: add_impulses
-  use sg_delassus, only: share_mass
   use sg_contact_sets, only: contact_sets_t, inner_set, shared_set
+  use sg_delassus, only: share_mass
   use sg_dual, only: dual_t
   use sg_error, only: error_t
   use sg_kinds, only: wp
@@ -193,7 +193,7 @@ contains
       call comm%sum(ranks)
       explicit%slot = pack([(s, s=1, problem%n_bodies)], &
                            [(is_touched(s) .and. any(problem%body(explicit%width + 1:, s) > 0) .and. &
-                             (nint(ranks(id(s))) > 1 .or. sim%scene%bodies%home(sim%pairs%body_of(s)) < 0), &
+                             (nint(ranks(id(s))) > 1 .or. sim%scene%bodies%owner(sim%pairs%body_of(s)) < 0), &
                              s=1, problem%n_bodies)])
       explicit%id = int(id(explicit%slot))
     end associate

@@ -6,10 +6,10 @@ program test_halo
   use sg_bodies, only: bodies_t
   use sg_comm, only: comm_t
   use sg_error, only: error_t
-  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4
   use sg_motion, only: predict
   use sg_neighbours, only: build_neighbours, neighbours_t
+  use sg_owners, only: contact_owner
   use sg_plan, only: set_radii
   use sg_scene, only: scene_t
   use sg_simulation, only: decompose, simulation_t
@@ -101,7 +101,7 @@ contains
     call t%check(sum(before(:, :, 1)) > 5 .and. any(abs(before(:, :, 3:)) > 0), name//': contacts carry')
     call t%check(.not. any(abs(after - before) > 0), name//': contacts, statuses and impulses are kept')
     do k = 1, sim%contacts%n
-      call t%equal(owner_of(sim%scene%bodies%home(sim%contacts%body(:, k))), comm%rank, name//': owner of a contact')
+      call t%equal(contact_owner(sim%scene%bodies%owner(sim%contacts%body(:, k))), comm%rank, name//': owner of a contact')
     end do
     call t%check(sim%decomposition%subdomain%moved > 0.2_wp*real(count(whole%bodies%is_grain), wp), name//': grains have moved')
   end subroutine split_anew
@@ -141,7 +141,7 @@ contains
 
     width = size(sim%pairs%built, 1)
     allocate (built(width*whole%bodies%n), source=0.0_wp)
-    do b = 1, sim%scene%bodies%n_home
+    do b = 1, sim%scene%bodies%n_own
       built((sim%scene%bodies%id(b) - 1)*width + 1:sim%scene%bodies%id(b)*width) = sim%pairs%built(:, b)
     end do
     call comm%sum(built)
@@ -174,34 +174,34 @@ contains
     end do
   end subroutine tabulate_pairs
 
-  !> All copies of a body have the same state, bit by bit, and all bodies are at home once.
+  !> All copies of a body have the same state, bit by bit, and all bodies have one owner each.
   subroutine check_copies(name, sim, n)
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     integer, intent(in) :: n !! bodies of the whole scene
-    real(wp), allocatable :: most(:), least(:), homes(:)
+    real(wp), allocatable :: most(:), least(:), owners(:)
     real(wp) :: copies(1)
     integer :: width, b, at
 
     width = size(state_bits(sim%scene%bodies, 1))
     allocate (most(width*n), source=-huge(1.0_wp))
     allocate (least(width*n), source=huge(1.0_wp))
-    allocate (homes(n), source=0.0_wp)
+    allocate (owners(n), source=0.0_wp)
     associate (bodies => sim%scene%bodies)
       do b = 1, bodies%n
         at = (bodies%id(b) - 1)*width
         most(at + 1:at + width) = state_bits(bodies, b)
         least(at + 1:at + width) = most(at + 1:at + width)
-        if (b <= bodies%n_home) homes(bodies%id(b)) = 1
+        if (b <= bodies%n_own) owners(bodies%id(b)) = 1
       end do
-      copies = real(count(bodies%home(bodies%n_home + 1:) >= 0), wp)
+      copies = real(count(bodies%owner(bodies%n_own + 1:) >= 0), wp)
     end associate
     call comm%maximum(most)
     call comm%minimum(least)
-    call comm%sum(homes)
+    call comm%sum(owners)
     call comm%sum(copies)
     call t%check(copies(1) > 3, name//': there are copies')
-    call t%check(all(nint(homes) == 1), name//': every body is at home once')
+    call t%check(all(nint(owners) == 1), name//': every body has one owner')
     call t%check(.not. any(abs(most - least) > 0), name//': copies are one body')
   end subroutine check_copies
 

@@ -12,11 +12,11 @@ program test_measures
   use sg_drives, only: pressure_t
   use sg_energy, only: energy_t
   use sg_grains, only: count_grains, grains_t
-  use sg_home_sum, only: add_at_home, copy_from_home
   use sg_kinds, only: wp, i4, i8
   use sg_laws, only: law_restitution
   use sg_measures, only: measure, measures_t
   use sg_motion, only: predict, update
+  use sg_owner_sums, only: add_at_owner, copy_from_owner
   use sg_penetration, only: deepest_penetration
   use sg_random, only: random_t
   use sg_records, only: solid_frictional
@@ -198,7 +198,7 @@ contains
     difference = maxval(abs(got - wanted))/max(1.0_wp, maxval(abs(wanted)))
   end function largest_difference
 
-  !> Every rank says (rank + 1) (k + number) of each body it holds: the sum over its holders stands at its home, then everywhere.
+  !> Every rank says (rank + 1) (k + number) of each body it holds: the sum over its holders stands on its owner rank, then on all.
   subroutine check_sums(local, subdomain, what)
     type(scene_t), intent(in) :: local
     type(subdomain_t), intent(in) :: subdomain
@@ -216,14 +216,14 @@ contains
     do b = 1, local%bodies%n
       wanted(:, b) = [(holders(local%bodies%id(b))*real(k + local%bodies%id(b), wp), k=1, 2)]
     end do
-    call add_at_home(subdomain, comm, values)
-    do b = 1, local%bodies%n_home
-      call t%near(maxval(abs(values(:, b) - wanted(:, b))), 0.0_wp, 0.0_wp, what//': sum at home')
+    call add_at_owner(subdomain, comm, values)
+    do b = 1, local%bodies%n_own
+      call t%near(maxval(abs(values(:, b) - wanted(:, b))), 0.0_wp, 0.0_wp, what//': sum on the owner rank')
     end do
     do b = 1, local%bodies%n
-      if (local%bodies%home(b) /= -1 .and. local%bodies%home(b) /= comm%rank) values(:, b) = -1
+      if (local%bodies%owner(b) /= -1 .and. local%bodies%owner(b) /= comm%rank) values(:, b) = -1
     end do
-    call copy_from_home(subdomain, comm, values)
+    call copy_from_owner(subdomain, comm, values)
     call t%near(largest_difference(values, wanted), 0.0_wp, 0.0_wp, what//': all copies know it')
   end subroutine check_sums
 

@@ -2,7 +2,7 @@
 !! are the same ones; a run is taken up by other numbers of ranks; a full disk is one error on all ranks.
 program test_output
   use harness, only: tests_t
-  use rank_parts, only: chain_of_contacts, draw_homes, plane_scene, shake, space_scene, take_part
+  use rank_parts, only: chain_of_contacts, draw_owners, plane_scene, shake, space_scene, take_part
   use sg_bodies, only: drop_rotation
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t
@@ -145,13 +145,13 @@ contains
     type(scene_t) :: scene
     type(contacts_t) :: contacts, none
     type(error_t), allocatable :: error
-    integer(i4), allocatable :: home(:)
+    integer(i4), allocatable :: owner(:)
 
     none%dimension = whole%dimension
     none%n_components = whole%dimension
     call random%seed(9)
-    call draw_homes(whole, comm%size, random, home)
-    call take_part(whole, none, home, comm%rank, comm%size, scene, contacts)
+    call draw_owners(whole, comm%size, random, owner)
+    call take_part(whole, none, owner, comm%rank, comm%size, scene, contacts)
     call pictures%open(scene, options, 1, error, comm)
     if (.not. allocated(error)) call pictures%write(scene, contacts, 2*options%step, 2, error)
     call t%check(allocated(error), 'ranks do not go on with a compressed file')
@@ -174,7 +174,7 @@ contains
     type(scene_t) :: now, scene
     type(contacts_t) :: all_contacts, contacts
     type(error_t), allocatable :: error
-    integer(i4), allocatable :: home(:)
+    integer(i4), allocatable :: owner(:)
     integer :: step
 
     now = whole
@@ -184,9 +184,9 @@ contains
       call chain_of_contacts(now, merge(0, min(1 + step, now%contactors%n - 1), step == empty_step), random, all_contacts)
       if (step < first - 1) cycle
       ! Bodies move between ranks from step to step.
-      call draw_homes(now, ranks%size, random, home)
-      if (way == 2) home = merge(-1, ranks%size - 1, home < 0)
-      call take_part(now, all_contacts, home, ranks%rank, ranks%size, scene, contacts)
+      call draw_owners(now, ranks%size, random, owner)
+      if (way == 2) owner = merge(-1, ranks%size - 1, owner < 0)
+      call take_part(now, all_contacts, owner, ranks%rank, ranks%size, scene, contacts)
       if (step == max(0, first - 1)) then
         call pictures%open(scene, options, first - 1, error, ranks)
         call t%check(.not. allocated(error), 'files of '//options%folder//' are opened')

@@ -73,8 +73,8 @@ contains
     inner = 0
     outer = 0
     do k = 1, sim%contacts%n
-      associate (home => sim%scene%bodies%home(sim%contacts%body(:, k)))
-        if (all(home == comm%rank .or. home < 0)) then
+      associate (owner => sim%scene%bodies%owner(sim%contacts%body(:, k)))
+        if (all(owner == comm%rank .or. owner < 0)) then
           inner = inner + 1
         else
           outer = outer + 1

@@ -52,7 +52,7 @@ contains
     end if
     call advance_pack(t, 'falling', sim, steps)
     worst = 0
-    do b = 1, sim%scene%bodies%n_home
+    do b = 1, sim%scene%bodies%n_own
       associate (place => sim%scene%bodies%position(:, b))
         height = merge(0.1045_wp, 0.1_wp, nint(place(1)) == 1)
         if (.not. sim%scene%bodies%is_grain(b)) cycle

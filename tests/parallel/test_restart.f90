@@ -3,7 +3,7 @@
 !! file stays whole when a new one cannot be written.
 program test_restart
   use harness, only: tests_t
-  use rank_parts, only: chain_of_contacts, draw_homes, plane_scene, shake, space_scene, take_part
+  use rank_parts, only: chain_of_contacts, draw_owners, plane_scene, shake, space_scene, take_part
   use sg_block_distribution, only: block_distribution_t, wanted_t
   use sg_bodies, only: drop_rotation
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
@@ -13,8 +13,8 @@ program test_restart
   use sg_error, only: diagnostics_t, error_t, exit_output
   use sg_field_visitor, only: field_t
   use sg_hdf5, only: hdf5_file_t, hdf5_is_available, hdf5_is_parallel
-  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4, i8
+  use sg_owners, only: contact_owner
   use sg_parcels, only: parcel_t
   use sg_random, only: random_t
   use sg_restart_fields, only: fields_in_files
@@ -120,7 +120,7 @@ contains
     type(simulation_t) :: whole, part
     type(random_t) :: random
     type(error_t), allocatable :: error
-    integer(i4), allocatable :: home(:)
+    integer(i4), allocatable :: owner(:)
     real(wp) :: signature(n_signature)
     integer :: serial
 
@@ -146,8 +146,8 @@ contains
       part%options%folder = name//'_all'
       part%comm = comm
       part%signature = signature
-      call draw_homes(whole%scene, comm%size, random, home)
-      call take_part(whole%scene, whole%contacts, home, comm%rank, comm%size, part%scene, part%contacts)
+      call draw_owners(whole%scene, comm%size, random, owner)
+      call take_part(whole%scene, whole%contacts, owner, comm%rank, comm%size, part%scene, part%contacts)
       if (comm%size > 1) then
         call part%energy%leave_to_first(comm)
         call part%totals%leave_to_first(comm)
@@ -280,7 +280,7 @@ contains
     type(error_t), allocatable :: error
     type(parcel_t) :: parcel
     type(random_t) :: random
-    integer(i4), allocatable :: home(:)
+    integer(i4), allocatable :: owner(:)
     real(wp) :: total(1)
     integer :: b, k
 
@@ -288,8 +288,8 @@ contains
     fresh = sim%scene
     none%dimension = dimension
     call random%seed(22)
-    call draw_homes(fresh, comm%size, random, home)
-    call take_part(fresh, none, home, comm%rank, comm%size, sim%scene, own)
+    call draw_owners(fresh, comm%size, random, owner)
+    call take_part(fresh, none, owner, comm%rank, comm%size, sim%scene, own)
     sim%comm = comm
     call load_checkpoint(sim, folder, warnings, error)
     call t%check(.not. allocated(error), folder//' is read by shares')
@@ -317,7 +317,7 @@ contains
     call t%equal(nint(total(1)), whole%contacts%n, 'each contact comes to one rank')
     do k = 1, own%n
       associate (number => own%feature(k)/7)
-        call t%equal(owner_of(home(own%body(:, k))), comm%rank, 'which owns it')
+        call t%equal(contact_owner(owner(own%body(:, k))), comm%rank, 'which owns it')
         call t%check(all(own%contactor(:, k) == whole%contacts%contactor(:, number)), 'its contactors')
         call t%near(norm2(own%impulse(:, k) - whole%contacts%impulse(:, number)), 0.0_wp, 0.0_wp, 'its impulse')
         call t%equal(int(own%image(k)), int(whole%contacts%image(number)), 'its image')
@@ -390,15 +390,15 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(scene_t) :: whole
     type(contacts_t) :: contacts, none
-    integer(i4), allocatable :: home(:)
+    integer(i4), allocatable :: owner(:)
     integer :: b
 
     whole = sim%scene
     none%dimension = 2
-    allocate (home(whole%bodies%n), source=-1_i4)
+    allocate (owner(whole%bodies%n), source=-1_i4)
     do b = 1, whole%bodies%n
-      if (whole%bodies%is_grain(b)) home(b) = int(modulo(b, comm%size), i4)
+      if (whole%bodies%is_grain(b)) owner(b) = int(modulo(b, comm%size), i4)
     end do
-    call take_part(whole, none, home, comm%rank, comm%size, sim%scene, contacts)
+    call take_part(whole, none, owner, comm%rank, comm%size, sim%scene, contacts)
   end subroutine give_numbers
 end program test_restart

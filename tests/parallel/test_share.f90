@@ -7,8 +7,8 @@ program test_share
   use sg_blocks, only: deck_t
   use sg_comm, only: comm_t
   use sg_convex_hull, only: hull_is_available
-  use sg_deck, only: read_deck, read_share
   use sg_datbox_write, only: contacts_at_start, write_datbox
+  use sg_deck, only: read_deck, read_share
   use sg_error, only: diagnostics_t, error_t
   use sg_field_visitor, only: sync_on_copy, sync_on_owner
   use sg_kinds, only: wp, i4
@@ -216,11 +216,11 @@ contains
       call t%equal(share%bodies%n, whole%bodies%n, name//': bodies of one rank')
       return
     end if
-    own = real(count(share%bodies%home == comm%rank), wp)
+    own = real(count(share%bodies%owner == comm%rank), wp)
     call t%check(own(1) <= unevenness*real(whole%bodies%n, wp)/real(comm%size, wp) + 2, name//': grains of a share')
     call t%check(share%bodies%n <= nint(own(1)) + 8, name//': bodies that all ranks hold')
     call comm%sum(own)
-    call t%equal(nint(own(1)) + count(share%bodies%home < 0), whole%bodies%n, name//': bodies of all shares')
+    call t%equal(nint(own(1)) + count(share%bodies%owner < 0), whole%bodies%n, name//': bodies of all shares')
     call compare_bodies(name, share, whole)
     call t%check(same([share%sees%alert], [whole%sees%alert]), name//': alert distances')
     call check_shared_start(deck, share, comm, diagnostics)
@@ -229,7 +229,7 @@ contains
     call compare_plans(name, share, whole)
   end subroutine test_shares
 
-  !> Each body of a share is one of the whole scene, with its contactors, bit for bit; its home alone is new.
+  !> Each body of a share is one of the whole scene, with its contactors, bit for bit; its owner alone is new.
   subroutine compare_bodies(name, share, whole)
     character(len=*), intent(in) :: name
     type(scene_t), intent(in) :: share, whole
@@ -243,7 +243,7 @@ contains
     do b = 1, share%bodies%n
       one%n = 0
       other%n = 0
-      least = merge(sync_on_owner, sync_on_copy, b <= share%bodies%n_home)
+      least = merge(sync_on_owner, sync_on_copy, b <= share%bodies%n_own)
       call pack_bodies(share, [int(b, i4)], first, list, [0_i4], least, one)
       call pack_bodies(whole, share%bodies%id(b:b), all_first, all_list, [0_i4], least, other)
       if (one%n /= other%n) cycle

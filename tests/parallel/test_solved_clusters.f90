@@ -92,7 +92,7 @@ contains
     subdomain%neighbour = pack([comm%rank - 1, comm%rank + 1], [comm%rank > 0, comm%rank < comm%size - 1])
     subdomain%first = [(r, r=1, size(subdomain%neighbour) + 1)]
     subdomain%body = pack([problem%n_bodies, storey + 1], [comm%rank > 0, comm%rank < comm%size - 1])
-    subdomain%home = pack([comm%rank - 1, comm%rank], [comm%rank > 0, comm%rank < comm%size - 1])
+    subdomain%owner = pack([comm%rank - 1, comm%rank], [comm%rank > 0, comm%rank < comm%size - 1])
     subdomain%replicated = [integer ::]
     if (comm%rank == 0) return
     problem%pair(2, 1) = int(problem%n_bodies, i4)

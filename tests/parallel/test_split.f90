@@ -10,10 +10,10 @@ program test_split
   use sg_detect, only: detect
   use sg_error, only: error_t
   use sg_graph_split, only: graph_splits
-  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4
   use sg_load, only: imbalance, measured_weights
   use sg_motion, only: predict
+  use sg_owners, only: contact_owner
   use sg_random, only: random_t
   use sg_repartition, only: repartition_grains
   use sg_run_options, only: partition_options_t
@@ -240,12 +240,12 @@ contains
 
     home_b = -1
     if (b <= side**2) home_b = rank_of(b, side**2, 2)
-    if (owner_of(int([rank_of(a, side**2, 2), home_b], i4)) /= comm%rank) return
+    if (contact_owner(int([rank_of(a, side**2, 2), home_b], i4)) /= comm%rank) return
     contacts%n = contacts%n + 1
     contacts%body(:, contacts%n) = int([a, b], i4)
   end subroutine add_contact
 
-  !> Parts are even, cut few contacts, and stay at home where they can.
+  !> Parts are even, cut few contacts, and stay on the owner's rank where they can.
   subroutine split_lattice(clusters, edges, own, parts)
     type(clusters_t), intent(in) :: clusters
     integer(i4), intent(in) :: edges(:, :), own(:)
@@ -276,10 +276,10 @@ contains
     sums = [real(count(part == comm%rank + 1), wp), 1.0_wp]
     call comm%sum(sums)
     ! A part's best rank has at least 1/ranks of it; the greedy choice keeps more in all than chance.
-    call t%check(sums(1) >= real(side**2, wp)/real(parts*comm%size, wp), 'weight stays at home')
+    call t%check(sums(1) >= real(side**2, wp)/real(parts*comm%size, wp), 'weight stays with its owner')
   end subroutine split_lattice
 
-  !> Rows of disks on a floor in parts that make no sense: new homes are those that one rank would choose.
+  !> Rows of disks on a floor in parts that make no sense: new owners are those that one rank would choose.
   subroutine test_deal()
     integer, parameter :: columns = 24, n = columns*10
     type(simulation_t) :: sim
@@ -289,7 +289,7 @@ contains
     type(partition_options_t) :: options
     type(error_t), allocatable :: error
     type(comm_t) :: alone
-    integer(i4), allocatable :: home(:), part(:)
+    integer(i4), allocatable :: owner(:), part(:)
     real(wp), allocatable :: load(:), position(:, :)
     integer :: i, counts(3)
 
@@ -311,35 +311,35 @@ contains
     call choose_boxes(alone, position, comm%size, [0, 0, 0], counts, error)
     call split_boxes(alone, position, load(2:), numbers(n) + 1_i4, counts, part)
     part = [0_i4, part]
-    call repartition_grains(comm, options, subdomain, local%bodies, contacts, home, error)
+    call repartition_grains(comm, options, subdomain, local%bodies, contacts, owner, error)
     call t%check(.not. allocated(error), 'grains are dealt to boxes')
-    associate (id => local%bodies%id(:local%bodies%n_home))
-      call t%check(all(home == part(id) - 1), 'as one rank would')
+    associate (id => local%bodies%id(:local%bodies%n_own))
+      call t%check(all(owner == part(id) - 1), 'as one rank would')
       options%split = 'graph'
-      call repartition_grains(comm, options, subdomain, local%bodies, contacts, home, error)
+      call repartition_grains(comm, options, subdomain, local%bodies, contacts, owner, error)
       call t%check(allocated(error) .neqv. graph_splits(), 'grains are dealt by the graph where there is METIS')
-      if (.not. allocated(error)) call check_homes(home, id, load, sim%contacts)
+      if (.not. allocated(error)) call check_homes(owner, id, load, sim%contacts)
     end associate
   end subroutine test_deal
 
-  !> New homes by the graph: every grain has one, loads are even, and few contacts are cut.
-  subroutine check_homes(home, id, load, contacts)
-    integer(i4), intent(in) :: home(:), id(:)
+  !> New owners by the graph: every grain has one, loads are even, and few contacts are cut.
+  subroutine check_homes(owner, id, load, contacts)
+    integer(i4), intent(in) :: owner(:), id(:)
     real(wp), intent(in) :: load(:)
     type(contacts_t), intent(in) :: contacts
-    real(wp) :: homes(size(load)), shares(comm%size)
+    real(wp) :: owners(size(load)), shares(comm%size)
     integer :: k, cut, r
 
-    homes = 0
-    homes(id) = real(home, wp)
-    call comm%sum(homes)
-    call t%check(nint(homes(1)) == -1 .and. all(homes(2:) >= 0), 'every grain has a home, the wall has none')
-    shares = [(sum(load, mask=nint(homes) == r), r=0, comm%size - 1)]
+    owners = 0
+    owners(id) = real(owner, wp)
+    call comm%sum(owners)
+    call t%check(nint(owners(1)) == -1 .and. all(owners(2:) >= 0), 'every grain has an owner, the wall has none')
+    shares = [(sum(load, mask=nint(owners) == r), r=0, comm%size - 1)]
     ! METIS may pass the bound of 1.03 by some of the 60 clusters of a part.
     call t%check(maxval(shares) <= 1.1_wp*sum(shares)/real(comm%size, wp), 'loads are even')
     cut = 0
     do k = 1, contacts%n
-      associate (ends => nint(homes(contacts%body(:, k))))
+      associate (ends => nint(owners(contacts%body(:, k))))
         if (all(ends >= 0) .and. ends(1) /= ends(2)) cut = cut + 1
       end associate
     end do

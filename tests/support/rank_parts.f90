@@ -5,10 +5,10 @@ module rank_parts
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: error_t
   use sg_field_visitor, only: sync_on_owner
-  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_iqs_g0
   use sg_local_numbers, only: contactors_of_bodies, local_body, local_contactor
+  use sg_owners, only: contact_owner
   use sg_pack_bodies, only: order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_polyhedron, only: polyhedron_t
@@ -19,7 +19,7 @@ module rank_parts
   use sg_text, only: to_text
   implicit none
   private
-  public :: plane_scene, space_scene, shake, chain_of_contacts, draw_homes, take_part
+  public :: plane_scene, space_scene, shake, chain_of_contacts, draw_owners, take_part
 
   real(wp), parameter :: origin(2) = 0, origin_in_space(3) = 0
 
@@ -164,25 +164,25 @@ contains
     end do
   end subroutine chain_of_contacts
 
-  !> Homes of all bodies, drawn at random; -1 of those that are no grains.
-  subroutine draw_homes(scene, ranks, random, home)
+  !> Owners of all bodies, drawn at random; -1 of those that are no grains.
+  subroutine draw_owners(scene, ranks, random, owner)
     type(scene_t), intent(in) :: scene !! whole scene
     integer, intent(in) :: ranks !! ranks among which grains are dealt out
     type(random_t), intent(inout) :: random !! the same on all ranks
-    integer(i4), allocatable, intent(out) :: home(:) !! rank of each body
+    integer(i4), allocatable, intent(out) :: owner(:) !! rank of each body
     integer :: b
 
-    allocate (home(scene%bodies%n), source=-1_i4)
+    allocate (owner(scene%bodies%n), source=-1_i4)
     do b = 1, scene%bodies%n
-      if (scene%bodies%is_grain(b)) home(b) = min(int(real(ranks, wp)*random%uniform(), i4), int(ranks, i4) - 1_i4)
+      if (scene%bodies%is_grain(b)) owner(b) = min(int(real(ranks, wp)*random%uniform(), i4), int(ranks, i4) - 1_i4)
     end do
-  end subroutine draw_homes
+  end subroutine draw_owners
 
   !> The part of a rank: its bodies, all that are no grains, and the bodies that its contacts touch.
-  subroutine take_part(whole, all_contacts, home, rank, ranks, scene, contacts)
+  subroutine take_part(whole, all_contacts, owner, rank, ranks, scene, contacts)
     type(scene_t), intent(in) :: whole !! whole scene
     type(contacts_t), intent(in) :: all_contacts !! its contacts
-    integer(i4), intent(in) :: home(:) !! rank of each body, -1 of those that are no grains
+    integer(i4), intent(in) :: owner(:) !! rank of each body, -1 of those that are no grains
     integer, intent(in) :: rank !! whose part
     integer, intent(in) :: ranks !! number of ranks
     type(scene_t), intent(out) :: scene !! its scene
@@ -191,41 +191,41 @@ contains
     integer(i4), allocatable :: first(:), list(:), held(:)
     integer, allocatable :: start(:)
     logical :: is_held(whole%bodies%n)
-    integer :: b, n_home
+    integer :: b, n_own
 
     if (ranks == 1) then
       scene = whole
       contacts = all_contacts
       return
     end if
-    is_held = home == rank .or. home < 0
+    is_held = owner == rank .or. owner < 0
     do b = 1, all_contacts%n
       associate (pair => all_contacts%body(:, b))
-        if (owner_of(home(pair)) == rank) is_held(pair) = .true.
+        if (contact_owner(owner(pair)) == rank) is_held(pair) = .true.
       end associate
     end do
     call contactors_of_bodies(whole%contactors, whole%bodies%n, first, list)
     held = pack([(int(b, i4), b=1, whole%bodies%n)], is_held)
-    call pack_bodies(whole, held, first, list, home(held), sync_on_owner, parcel)
-    call order_records(parcel, rank, ranks, start, n_home)
+    call pack_bodies(whole, held, first, list, owner(held), sync_on_owner, parcel)
+    call order_records(parcel, rank, ranks, start, n_own)
     scene = whole
-    call rebuild_scene(scene, parcel, start, n_home)
+    call rebuild_scene(scene, parcel, start, n_own)
     allocate (scene%drives(0), scene%pressures(0))
     scene%bodies%middle(:whole%dimension, :) = scene%bodies%position
-    call take_contacts(all_contacts, home, rank, scene, contacts)
+    call take_contacts(all_contacts, owner, rank, scene, contacts)
   end subroutine take_part
 
   !> The contacts of a rank, with the numbers that bodies and contactors have there.
-  subroutine take_contacts(whole, home, rank, scene, contacts)
+  subroutine take_contacts(whole, owner, rank, scene, contacts)
     type(contacts_t), intent(in) :: whole
-    integer(i4), intent(in) :: home(:)
+    integer(i4), intent(in) :: owner(:)
     integer, intent(in) :: rank
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(inout) :: contacts
     integer(i4), allocatable :: kept(:)
     integer :: k, i
 
-    kept = pack([(int(k, i4), k=1, whole%n)], [(owner_of(home(whole%body(:, k))) == rank, k=1, whole%n)])
+    kept = pack([(int(k, i4), k=1, whole%n)], [(contact_owner(owner(whole%body(:, k))) == rank, k=1, whole%n)])
     contacts = whole
     contacts%n = size(kept)
     if (size(kept) > 0) call contacts%keep(kept)

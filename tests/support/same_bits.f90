@@ -15,7 +15,7 @@ module same_bits
 
 contains
 
-  !> Fields that are sent with a body, and presence of the others; numbers in the whole scene and homes do not count.
+  !> Fields that are sent with a body, and presence of the others; numbers in the whole scene and owners do not count.
   logical function same_bodies(a, b)
     type(bodies_t), intent(in) :: a, b
     type(field_t), allocatable :: of_a(:), of_b(:)
@@ -25,7 +25,7 @@ contains
     of_a = a%described()
     of_b = b%described()
     same_bodies = a%n == b%n .and. all(of_a%components == of_b%components) .and. &
-                  all(of_a%bytes == of_b%bytes .or. of_a%name == 'id' .or. of_a%name == 'home')
+                  all(of_a%bytes == of_b%bytes .or. of_a%name == 'id' .or. of_a%name == 'owner')
     if (.not. same_bodies) return
     call a%pack([(int(i, i4), i=1, a%n)], one, sync_on_owner)
     call b%pack([(int(i, i4), i=1, b%n)], other, sync_on_owner)

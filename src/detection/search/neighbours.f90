@@ -11,8 +11,8 @@ module sg_neighbours
   use sg_links, only: link_image
   use sg_lists, only: reserve, room_for
   use sg_memory, only: memory_t
-  use sg_homes, only: owner_of
   use sg_near, only: candidate_first, is_near, turning_arm
+  use sg_owners, only: contact_owner
   use sg_scene, only: scene_t
   use sg_sees, only: see_between, widest_alert
   use sg_shape_kinds, only: is_bounding
@@ -291,8 +291,8 @@ contains
     do l = 1, scene%links%n
       associate (ends => scene%links%contactor(:, l))
         if (any(ends == 0)) cycle
-        if (allocated(scene%bodies%home)) then
-          if (owner_of(scene%bodies%home(scene%contactors%body(ends))) /= pairs%rank) cycle
+        if (allocated(scene%bodies%owner)) then
+          if (contact_owner(scene%bodies%owner(scene%contactors%body(ends))) /= pairs%rank) cycle
         end if
         image = image_of_link(scene, l, scene%contactors%body(ends))
         call add_pair(pairs, scene%dimension, ends, image, 0)
@@ -435,8 +435,8 @@ contains
       if (contactors%body(i) == contactors%body(j)) return
       see = table(class_of(contactors, i), class_of(contactors, j))
       if (see == 0) return
-      if (allocated(scene%bodies%home)) then
-        if (owner_of(scene%bodies%home([contactors%body(i), contactors%body(j)])) /= pairs%rank) return
+      if (allocated(scene%bodies%owner)) then
+        if (contact_owner(scene%bodies%owner([contactors%body(i), contactors%body(j)])) /= pairs%rank) return
       end if
       period = [scene%period, scene%period_y, 0.0_wp]
       margin = pairs%skin

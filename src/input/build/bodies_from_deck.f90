@@ -7,8 +7,8 @@ module sg_bodies_from_deck
   use sg_blocks, only: deck_t
   use sg_census, only: census_t
   use sg_contactors, only: add_disk, add_polygon, kind_names
-  use sg_error, only: diagnostics_t, error_t
   use sg_drives_from_deck, only: bodies_held, numbers_called
+  use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp, i4
   use sg_laws_from_deck, only: material_of
   use sg_lists, only: reserve
@@ -19,8 +19,8 @@ module sg_bodies_from_deck
   use sg_rotations, only: frame_of, no_rotation, rotation_by, turned_back
   use sg_samples_from_deck, only: generate_sample, grain_polygon, grain_polyhedron, sample_t
   use sg_scene, only: colour_index, scene_t
-  use sg_share, only: share_t
   use sg_shapes_from_deck, only: add_shape
+  use sg_share, only: share_t
   use sg_space_contactors, only: add_sphere
   use sg_space_generators, only: random_rotation
   use sg_walls_from_deck, only: add_container, add_wall_body, planes_of_container
@@ -226,7 +226,7 @@ contains
         call add_grain(deck, sample, i, scene, n, material, colour, error)
         if (deck%ranks > 1) then
           scene%bodies%id(n) = int(before + i, i4)
-          scene%bodies%home(n) = int(merge(-1, deck%rank, is_called), i4)
+          scene%bodies%owner(n) = int(merge(-1, deck%rank, is_called), i4)
           call reserve(scene%contactors%id, scene%contactors%n)
           scene%contactors%id(scene%contactors%n) = int(share%contactors + before - share%all + i, i4)
         end if

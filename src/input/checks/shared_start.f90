@@ -12,11 +12,11 @@ module sg_shared_start
   use sg_local_numbers, only: contactors_of_bodies
   use sg_pack_bodies, only: drop_step_state, order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
+  use sg_replicated_data, only: keep_replicated, localise, replicated_data_t
   use sg_scene, only: scene_t, start_contact_t
   use sg_start_checks, only: complain_of_outside, complain_of_wide, first_wide, lies_outside
   use sg_start_overlaps, only: add_overlap, find_overlaps, most_pairs, overlaps_t, report_overlaps
   use sg_subdomain, only: subdomain_t
-  use sg_replicated_data, only: keep_replicated, localise, replicated_data_t
   implicit none
   private
   public :: check_shared_start
@@ -60,15 +60,15 @@ contains
     type(parcel_t) :: bodies
     integer(i4), allocatable :: first(:), list(:)
     integer, allocatable :: start(:)
-    integer :: b, n_home
+    integer :: b, n_own
 
     call keep_replicated(scene, replicated)
     if (allocated(scene%start_contacts)) call move_alloc(scene%start_contacts, known)
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     call drop_step_state(scene)
-    call pack_bodies(scene, [(int(b, i4), b=1, scene%bodies%n)], first, list, scene%bodies%home, sync_on_owner, bodies)
-    call order_records(bodies, comm%rank, comm%size, start, n_home)
-    call rebuild_scene(scene, bodies, start, n_home)
+    call pack_bodies(scene, [(int(b, i4), b=1, scene%bodies%n)], first, list, scene%bodies%owner, sync_on_owner, bodies)
+    call order_records(bodies, comm%rank, comm%size, start, n_own)
+    call rebuild_scene(scene, bodies, start, n_own)
     call localise(replicated, scene)
     if (allocated(known)) call move_alloc(known, scene%start_contacts)
   end subroutine order_share
@@ -99,7 +99,7 @@ contains
       end if
       do b = 1, scene%bodies%n
         if (.not. lies_outside(scene, b, axis)) cycle
-        if (scene%bodies%home(b) < 0) then
+        if (scene%bodies%owner(b) < 0) then
           call complain_of_outside(deck, scene, int(scene%bodies%id(b)), axis, scene%bodies%position(axis, b), diagnostics)
         else if (number == huge(1)) then
           number = scene%bodies%id(b)

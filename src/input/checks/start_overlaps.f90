@@ -2,11 +2,11 @@
 module sg_start_overlaps
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
-  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4
   use sg_named_bodies, only: name_of
   use sg_near, only: candidate_first
   use sg_neighbours, only: find_neighbours, neighbours_t
+  use sg_owners, only: contact_owner
   use sg_pair_gap, only: pair_gap
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
@@ -82,8 +82,8 @@ contains
         do c = 1, contactors%n
           pair = int([c, hollow], i4)
           if (see_between(scene, c, hollow) == 0) cycle
-          if (allocated(scene%bodies%home)) then
-            if (owner_of(scene%bodies%home(contactors%body(pair))) /= rank) cycle
+          if (allocated(scene%bodies%owner)) then
+            if (contact_owner(scene%bodies%owner(contactors%body(pair))) /= rank) cycle
           end if
           apart = contactors%centre(:, c) - contactors%centre(:, hollow)
           image = 0

@@ -65,14 +65,14 @@ contains
   end subroutine pictures_open
 
   !> Add the end of a step to all files.
-  subroutine pictures_write(self, scene, contacts, time, step, error, home)
+  subroutine pictures_write(self, scene, contacts, time, step, error, owner)
     class(pictures_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! what to show, at the end of the step; where ranks share it, the part of this one
     type(contacts_t), intent(in) :: contacts !! contacts of the step, with their impulses
     real(wp), intent(in) :: time !! [s]
     integer, intent(in) :: step !! number of the step
     type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
-    integer(i4), intent(in), optional :: home(:) !! of a scene that is not shared: rank to show for each body, 0 when absent
+    integer(i4), intent(in), optional :: owner(:) !! of a scene that is not shared: rank to show for each body, 0 when absent
     type(bodies_t) :: block
     type(block_distribution_t) :: rows
 
@@ -83,7 +83,7 @@ contains
       if (allocated(error)) return
       call self%bodies%write(scene, block, time, step)
     else
-      call self%bodies%write(scene, scene%bodies, time, step, home)
+      call self%bodies%write(scene, scene%bodies, time, step, owner)
     end if
     call self%shapes%write(scene, block, time, step)
     call self%contacts%write(scene, contacts, time, step)

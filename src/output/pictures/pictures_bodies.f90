@@ -56,13 +56,13 @@ contains
   end subroutine bodies_open
 
   !> Add a step.
-  subroutine bodies_write(self, scene, bodies, time, step, home)
+  subroutine bodies_write(self, scene, bodies, time, step, owner)
     class(bodies_picture_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! what to show
     type(bodies_t), intent(in) :: bodies !! the bodies that this rank draws
     real(wp), intent(in) :: time !! [s]
     integer, intent(in) :: step !! number of the step
-    integer(i4), intent(in), optional :: home(:) !! rank to show for each body, that of the bodies or 0 when absent
+    integer(i4), intent(in), optional :: owner(:) !! rank to show for each body, that of the bodies or 0 when absent
     integer(i8) :: before, total
     integer :: b, n
 
@@ -75,10 +75,10 @@ contains
     call self%grid%put(on_points, 'velocity', in_space(bodies%velocity(1:scene%dimension, :)))
     call write_turning(self%grid, bodies)
     call self%grid%put(on_points, 'displacement', unwrapped(scene, bodies) - self%start)
-    if (present(home)) then
-      call self%grid%put(on_points, 'rank', home)
-    else if (allocated(bodies%home)) then
-      call self%grid%put(on_points, 'rank', bodies%home)
+    if (present(owner)) then
+      call self%grid%put(on_points, 'rank', owner)
+    else if (allocated(bodies%owner)) then
+      call self%grid%put(on_points, 'rank', bodies%owner)
     else
       call self%grid%put(on_points, 'rank', spread(0_i4, 1, n))
     end if

@@ -39,9 +39,9 @@ contains
   subroutine pieces_plan(self, scene, is_mine, body_rows, mesh, comm)
     class(pieces_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! scene of this rank
-    logical, intent(in) :: is_mine(:) !! is each contactor on a body at home?
+    logical, intent(in) :: is_mine(:) !! is each contactor on a body of this rank?
     type(block_distribution_t), intent(in) :: body_rows !! the blocks of bodies
-    type(mesh_t), intent(inout) :: mesh !! shapes of the contactors at home; afterwards what this rank draws
+    type(mesh_t), intent(inout) :: mesh !! shapes of the contactors of own bodies; afterwards what this rank draws
     type(comm_t), intent(inout) :: comm !! the ranks
     type(block_distribution_t) :: rows
     type(wanted_t) :: drawn

@@ -52,7 +52,7 @@ contains
     integer(i8) :: total
 
     ! Points have nothing to draw: links are drawn as contacts.
-    is_mine = scene%contactors%body(:scene%contactors%n) <= scene%bodies%n_home .and. &
+    is_mine = scene%contactors%body(:scene%contactors%n) <= scene%bodies%n_own .and. &
               scene%contactors%kind(:scene%contactors%n) /= kind_point
     call trace(scene, is_mine, comm, self%mesh)
     if (comm%size > 1) call self%pieces%plan(scene, is_mine, rows, self%mesh, comm)

@@ -7,10 +7,10 @@ module sg_contact_migration
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_field_visitor, only: sync_on_owner
-  use sg_homes, only: owner_of
   use sg_internal_values, only: most_internal
   use sg_kinds, only: wp, i1, i4
   use sg_local_numbers, only: local_contactor
+  use sg_owners, only: contact_owner
   use sg_parcels, only: parcel_t
   use sg_renumber, only: keep_present
   use sg_scene, only: scene_t, start_contact_t
@@ -21,7 +21,7 @@ module sg_contact_migration
 
 contains
 
-  !> Send contacts to the ranks that will own them, which those that have them do not know: homes are asked for by number.
+  !> Send contacts to the ranks that will own them, which those that have them do not know: owners are asked for by number.
   !! Collective.
   subroutine distribute_contacts(contacts, scene, all_contactors, comm, parcel)
     type(contacts_t), intent(in) :: contacts !! some of all contacts on each rank, with the numbers of the whole scene
@@ -80,34 +80,34 @@ contains
     type(block_distribution_t) :: rows
     type(wanted_t) :: wanted
     integer(i4), allocatable :: number(:)
-    real(wp), allocatable :: block(:, :), home(:, :)
+    real(wp), allocatable :: block(:, :), body_owner(:, :)
     integer :: k
 
     associate (contactors => scene%contactors, n => scene%contactors%n)
-      number = pack(contactors%id(:n), [(scene%bodies%home(contactors%body(k)) == comm%rank, k=1, n)])
+      number = pack(contactors%id(:n), [(scene%bodies%owner(contactors%body(k)) == comm%rank, k=1, n)])
     end associate
     call rows%plan(comm, number, all_contactors)
-    ! Ranks count from 1 here: replicated bodies have no home, and the blocks hold zero for them.
+    ! Ranks count from 1 here: replicated bodies have no owner, and the blocks hold zero for them.
     call rows%order(comm, reshape([(real(comm%rank + 1, wp), k=1, size(number))], [1, size(number)]), block)
     call wanted%plan(comm, rows, reshape(pair, [size(pair)]))
-    call wanted%fetch(comm, block, home)
+    call wanted%fetch(comm, block, body_owner)
     do k = 1, size(owner)
-      owner(k) = int(owner_of(nint(home(1, wanted%place(pair(:, k))), i4) - 1_i4), i4)
+      owner(k) = int(contact_owner(nint(body_owner(1, wanted%place(pair(:, k))), i4) - 1_i4), i4)
     end do
   end function owners_of
 
   !> Send contacts to the ranks that will own them. Collective.
-  subroutine send_contacts(contacts, scene, home, comm, parcel)
+  subroutine send_contacts(contacts, scene, body_owner, comm, parcel)
     type(contacts_t), intent(inout) :: contacts !! contacts of the last step; with the numbers of the whole scene afterwards
     type(scene_t), intent(in) :: scene !! this rank's part, as it was in that step
-    integer(i4), intent(in) :: home(:) !! home of each body of it from now on, -1 for replicated ones
+    integer(i4), intent(in) :: body_owner(:) !! owner of each body of it from now on, -1 for replicated ones
     type(comm_t), intent(inout) :: comm !! the ranks
     type(parcel_t), intent(inout) :: parcel !! records of the contacts that this rank will own
     integer(i4) :: owner(contacts%n)
     integer :: k
 
     do k = 1, contacts%n
-      owner(k) = int(owner_of(home(scene%contactors%body(contacts%contactor(:, k)))), i4)
+      owner(k) = int(contact_owner(body_owner(scene%contactors%body(contacts%contactor(:, k)))), i4)
       contacts%contactor(:, k) = scene%contactors%id(contacts%contactor(:, k))
     end do
     call send_records(contacts, owner, comm, parcel)

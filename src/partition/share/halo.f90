@@ -3,18 +3,18 @@
 module sg_halo
   use sg_comm, only: comm_t
   use sg_field_visitor, only: sync_on_copy, sync_on_owner
-  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4, i8
   use sg_link_copies, only: link_copies_t
   use sg_lists, only: reserve
   use sg_local_numbers, only: contactors_of_bodies, local_body
+  use sg_owners, only: contact_owner
   use sg_pack_bodies, only: order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_rank_bounds, only: body_reach, rank_bounds_t
+  use sg_replicated_data, only: localise, replicated_data_t
   use sg_scene, only: scene_t
   use sg_sorting, only: group_items, sort_permutation
   use sg_subdomain, only: subdomain_t
-  use sg_replicated_data, only: localise, replicated_data_t
   implicit none
   private
   public :: make_halo
@@ -42,11 +42,11 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
     type(parcel_t) :: bodies, holders
     integer, allocatable :: start(:), share(:, :)
-    integer :: n_home
+    integer :: n_own
 
     call gather_records(scene, margin, comm, bodies, holders)
-    call order_records(bodies, comm%rank, comm%size, start, n_home)
-    call rebuild_scene(scene, bodies, start, n_home)
+    call order_records(bodies, comm%rank, comm%size, start, n_own)
+    call rebuild_scene(scene, bodies, start, n_own)
     call localise(replicated, scene)
     call read_holders(holders, share)
     call list_shares(scene, share, comm%rank, subdomain)
@@ -59,14 +59,14 @@ contains
     type(comm_t), intent(inout) :: comm
     type(parcel_t), intent(inout) :: bodies, holders
     type(rank_bounds_t) :: bounds
-    real(wp) :: reach(scene%bodies%n_home)
+    real(wp) :: reach(scene%bodies%n_own)
     integer(i4), allocatable :: first(:), list(:), kept(:)
     integer :: sent(0:comm%size - 1), told(0:comm%size - 1), r, b, i
     type(copies_t) :: copies
     type(link_copies_t) :: linked
     type(parcel_t) :: records, words
 
-    reach = body_reach(scene, scene%bodies%n_home)
+    reach = body_reach(scene, scene%bodies%n_own)
     call bounds%survey(scene, reach, margin, comm)
     call linked%find(scene, comm)
     call find_copies(scene, bounds, reach, linked, comm, copies)
@@ -75,7 +75,7 @@ contains
       sent(r) = records%n
       told(r) = words%n
       associate (copied => copies%body(copies%first(r):copies%first(r + 1) - 1))
-        call pack_bodies(scene, copied, first, list, scene%bodies%home(copied), sync_on_copy, records)
+        call pack_bodies(scene, copied, first, list, scene%bodies%owner(copied), sync_on_copy, records)
         do i = 1, size(copied)
           call put_holders(scene%bodies%id(copied(i)), copies, int(copied(i)), words)
         end do
@@ -87,9 +87,9 @@ contains
     call swap_parcel(words, told, comm, holders)
     ! Own bodies and replicated ones stay; what this rank tells itself is who else holds its own.
     kept = [(int(b, i4), b=1, scene%bodies%n)]
-    kept = pack(kept, kept <= scene%bodies%n_home .or. scene%bodies%home(kept) < 0)
-    call pack_bodies(scene, kept, first, list, scene%bodies%home(kept), sync_on_owner, bodies)
-    do b = 1, scene%bodies%n_home
+    kept = pack(kept, kept <= scene%bodies%n_own .or. scene%bodies%owner(kept) < 0)
+    call pack_bodies(scene, kept, first, list, scene%bodies%owner(kept), sync_on_owner, bodies)
+    do b = 1, scene%bodies%n_own
       if (copies%start(b + 1) > copies%start(b)) call put_holders(scene%bodies%id(b), copies, b, holders)
     end do
   end subroutine gather_records
@@ -102,7 +102,7 @@ contains
     type(link_copies_t), intent(in) :: linked
     type(comm_t), intent(in) :: comm
     type(copies_t), intent(out) :: copies
-    logical :: is_linked(scene%bodies%n_home), is_near
+    logical :: is_linked(scene%bodies%n_own), is_near
     integer :: r, b
 
     allocate (copies%first(0:comm%size), source=1)
@@ -113,9 +113,9 @@ contains
       call linked%mark(r, is_linked)
       if (.not. (is_near .or. any(is_linked))) cycle
       ! All contacts between two ranks belong to one of them: the other needs no copies.
-      if (owner_of(int([comm%rank, r], i4)) /= r) cycle
-      do b = 1, scene%bodies%n_home
-        if (scene%bodies%home(b) < 0) cycle
+      if (contact_owner(int([comm%rank, r], i4)) /= r) cycle
+      do b = 1, scene%bodies%n_own
+        if (scene%bodies%owner(b) < 0) cycle
         if (.not. is_linked(b)) then
           if (.not. is_near) cycle
           if (.not. bounds%is_near(r, scene%bodies%position(:, b), reach(b))) cycle
@@ -129,10 +129,10 @@ contains
     end do
     copies%first(comm%size) = copies%n + 1
     if (.not. allocated(copies%body)) allocate (copies%body(0), copies%rank(0))
-    call group_items(copies%body(:copies%n), scene%bodies%n_home, copies%start, copies%of_body)
+    call group_items(copies%body(:copies%n), scene%bodies%n_own, copies%start, copies%of_body)
   end subroutine find_copies
 
-  !> Append who holds a body beside its home: number, number of ranks, ranks.
+  !> Append the ranks that hold a body next to its owner: number, number of ranks, ranks.
   subroutine put_holders(number, copies, body, holders)
     integer(i4), intent(in) :: number
     type(copies_t), intent(in) :: copies
@@ -162,7 +162,7 @@ contains
   end subroutine swap_parcel
 
   !> Read who holds what, as pairs of rank and body number: a body with its holders and, of those that are not our own, its
-  !! home, which is looked up later.
+  !! owner, which is looked up later.
   subroutine read_holders(holders, share)
     type(parcel_t), intent(inout) :: holders
     integer, allocatable, intent(out) :: share(:, :) !! rank and number of the body, shape (2, shares)
@@ -194,22 +194,22 @@ contains
     integer, allocatable :: entry(:, :)
     integer :: b, i, n
 
-    ! A copy is shared with its home too.
+    ! A copy is shared with its owner too.
     associate (bodies => scene%bodies)
       entry = share(:, pack([(i, i=1, size(share, 2))], share(1, :) /= rank))
       n = size(entry, 2)
-      entry = reshape([reshape(entry, [2*n]), [([int(bodies%home(b)), int(bodies%id(b))], b=bodies%n_home + 1, bodies%n)]], &
-                      [2, n + bodies%n - bodies%n_home])
+      entry = reshape([reshape(entry, [2*n]), [([int(bodies%owner(b)), int(bodies%id(b))], b=bodies%n_own + 1, bodies%n)]], &
+                      [2, n + bodies%n - bodies%n_own])
       entry = entry(:, pack([(i, i=1, size(entry, 2))], entry(1, :) >= 0))
       allocate (keys(size(entry, 2)))
       keys = int(entry(1, :), i8)*int(subdomain%all_bodies + 1, i8) + int(entry(2, :), i8)
       entry = entry(:, sort_permutation(keys))
-      if (allocated(subdomain%neighbour)) deallocate (subdomain%neighbour, subdomain%first, subdomain%body, subdomain%home)
+      if (allocated(subdomain%neighbour)) deallocate (subdomain%neighbour, subdomain%first, subdomain%body, subdomain%owner)
       subdomain%neighbour = pack(entry(1, :), [(is_first(i), i=1, size(entry, 2))])
       subdomain%first = [pack([(i, i=1, size(entry, 2))], [(is_first(i), i=1, size(entry, 2))]), size(entry, 2) + 1]
       subdomain%body = [(local_body(bodies, int(entry(2, i), i4)), i=1, size(entry, 2))]
-      subdomain%home = int(bodies%home(subdomain%body))
-      subdomain%replicated = pack([(b, b=1, bodies%n)], bodies%home < 0)
+      subdomain%owner = int(bodies%owner(subdomain%body))
+      subdomain%replicated = pack([(b, b=1, bodies%n)], bodies%owner < 0)
       subdomain%replicated = subdomain%replicated(sort_permutation(int(bodies%id(subdomain%replicated), i8)))
     end associate
     subdomain%serial = subdomain%serial + 1

@@ -17,7 +17,7 @@ module sg_halo_margin
   type :: halo_margin_t
     !> How near another rank's grains a body is copied there [m]
     real(wp) :: width = 0
-    !> Own bodies when copies were made, shape (dimension, n_home)
+    !> Own bodies when copies were made, shape (dimension, n_own)
     real(wp), allocatable, private :: placed(:, :)
   contains
     procedure :: choose => margin_choose
@@ -43,7 +43,7 @@ contains
     class(halo_margin_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! this rank's part, with its copies
 
-    self%placed = scene%bodies%position(:, :scene%bodies%n_home)
+    self%placed = scene%bodies%position(:, :scene%bodies%n_own)
   end subroutine margin_start
 
   !> Do the copies still hold all that may touch before the list after the next one? The same on all ranks. Collective.

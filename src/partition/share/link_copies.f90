@@ -1,13 +1,13 @@
 !> Bodies that links ask to be copied: at the far end of a link, however far it is (doc/theory/decomposition.md).
 !!
-!! All ranks keep all links, but no rank holds the homes of all bodies. So homes of the ends of all links are gathered
+!! All ranks keep all links, but no rank holds the owners of all bodies. So owners of the ends of all links are gathered
 !! whenever copies are made: two reals per link.
 module sg_link_copies
   use sg_comm, only: comm_t
-  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4
   use sg_lists, only: reserve
   use sg_local_numbers, only: local_contactor
+  use sg_owners, only: contact_owner
   use sg_scene, only: scene_t
   use sg_sorting, only: group_items
   implicit none
@@ -30,26 +30,26 @@ contains
     class(link_copies_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! this rank's part, with its links
     type(comm_t), intent(inout) :: comm !! the ranks
-    integer, allocatable :: home(:)
+    integer, allocatable :: owner(:)
     integer, allocatable :: item(:)
     integer(i4), allocatable :: own(:), rank(:), body(:)
     integer :: l, side, e, n, far
 
     n = 0
-    allocate (home(2*scene%links%n), source=0)
+    allocate (owner(2*scene%links%n), source=0)
     allocate (own(2*scene%links%n))
     do e = 1, size(own)
       own(e) = own_body(scene, scene%links%number(1 + modulo(e - 1, 2), (e + 1)/2), comm%rank)
       ! Ranks count from 1 here; bodies that all ranks hold have zero.
-      if (own(e) > 0) home(e) = comm%rank + 1
+      if (own(e) > 0) owner(e) = comm%rank + 1
     end do
-    if (size(own) > 0) call comm%maximum(home)
+    if (size(own) > 0) call comm%maximum(owner)
     do l = 1, scene%links%n
       do side = 1, 2
         e = 2*(l - 1) + side
-        far = home(2*l + 1 - side) - 1
+        far = owner(2*l + 1 - side) - 1
         if (own(e) == 0 .or. far < 0 .or. far == comm%rank) cycle
-        if (owner_of(int([comm%rank, far], i4)) /= far) cycle
+        if (contact_owner(int([comm%rank, far], i4)) /= far) cycle
         n = n + 1
         call reserve(rank, n)
         call reserve(body, n)
@@ -82,6 +82,6 @@ contains
     body = 0
     c = local_contactor(scene%contactors, number)
     if (c == 0) return
-    if (scene%bodies%home(scene%contactors%body(c)) == rank) body = scene%contactors%body(c)
+    if (scene%bodies%owner(scene%contactors%body(c)) == rank) body = scene%contactors%body(c)
   end function own_body
 end module sg_link_copies

@@ -1,4 +1,4 @@
-!> Bodies that change their home: every rank sends what leaves it and keeps what stays.
+!> Bodies that change their owner: every rank sends what leaves it and keeps what stays.
 module sg_migrate
   use sg_comm, only: comm_t
   use sg_field_visitor, only: sync_on_owner
@@ -15,10 +15,10 @@ module sg_migrate
 
 contains
 
-  !> Move bodies to their new homes; afterwards a rank holds its own bodies and the replicated ones, and no copies. Collective.
-  subroutine migrate(scene, home, comm)
+  !> Move bodies to their new owners; afterwards a rank holds its own bodies and the replicated ones, and no copies. Collective.
+  subroutine migrate(scene, owner, comm)
     type(scene_t), intent(inout) :: scene !! this rank's part, replaced
-    integer(i4), intent(in) :: home(:) !! new home of each own body, -1 for replicated ones, shape (at least n_home)
+    integer(i4), intent(in) :: owner(:) !! new owner of each own body, -1 for replicated ones, shape (at least n_own)
     type(comm_t), intent(inout) :: comm !! the ranks
     integer, parameter :: sample = 256
     type(parcel_t) :: leaving, bodies, some
@@ -26,25 +26,25 @@ contains
     real(wp) :: expected
     integer, allocatable :: received(:), first_leaver(:), leaver(:), start(:)
     integer(i4), allocatable :: first(:), list(:), replicated(:)
-    integer :: sent(0:comm%size - 1), r, b, n_home
+    integer :: sent(0:comm%size - 1), r, b, n_own
 
     call drop_step_state(scene)
-    call group_items(home(:scene%bodies%n_home) + 1_i4, comm%size, first_leaver, leaver)
+    call group_items(owner(:scene%bodies%n_own) + 1_i4, comm%size, first_leaver, leaver)
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
-    replicated = pack([(int(b, i4), b=1, scene%bodies%n)], scene%bodies%home(:scene%bodies%n) < 0)
+    replicated = pack([(int(b, i4), b=1, scene%bodies%n)], scene%bodies%owner(:scene%bodies%n) < 0)
     ! Room for all, judged by some: a list that grows by and by would for moments need it twice.
     associate (body => leaver(:min(sample, size(leaver))))
-      call pack_bodies(scene, body, first, list, home(body), sync_on_owner, some)
+      call pack_bodies(scene, body, first, list, owner(body), sync_on_owner, some)
       expected = 1.05_wp*real(some%n, wp)*real(size(leaver), wp)/real(max(1, size(body)), wp)
     end associate
     if (expected < real(huge(1), wp)) call reserve(leaving%value, int(expected))
     do r = 0, comm%size - 1
       sent(r) = leaving%n
       associate (body => leaver(first_leaver(r + 1):first_leaver(r + 2) - 1))
-        call pack_bodies(scene, body, first, list, home(body), sync_on_owner, leaving)
+        call pack_bodies(scene, body, first, list, owner(body), sync_on_owner, leaving)
       end associate
       ! Replicated bodies stay: what a rank sends to itself.
-      if (r == comm%rank) call pack_bodies(scene, replicated, first, list, scene%bodies%home(replicated), sync_on_owner, leaving)
+      if (r == comm%rank) call pack_bodies(scene, replicated, first, list, scene%bodies%owner(replicated), sync_on_owner, leaving)
       sent(r) = leaving%n - sent(r)
     end do
     deallocate (first, list, leaver)
@@ -52,7 +52,7 @@ contains
     call comm%swap(leaving%value(:leaving%n), sent, values, received)
     deallocate (leaving%value)
     call bodies%adopt(values)
-    call order_records(bodies, comm%rank, comm%size, start, n_home)
-    call rebuild_scene(scene, bodies, start, n_home)
+    call order_records(bodies, comm%rank, comm%size, start, n_own)
+    call rebuild_scene(scene, bodies, start, n_own)
   end subroutine migrate
 end module sg_migrate

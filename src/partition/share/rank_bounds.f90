@@ -70,7 +70,7 @@ contains
     integer :: i, b, n, d, group
 
     d = scene%dimension
-    grain = pack([(i, i=1, scene%bodies%n_home)], scene%bodies%home(:scene%bodies%n_home) >= 0)
+    grain = pack([(i, i=1, scene%bodies%n_own)], scene%bodies%owner(:scene%bodies%n_own) >= 0)
     n = size(grain)
     group = max(16, (n + most_boxes - 1)/most_boxes)
     allocate (box(6, (n + group - 1)/group))

@@ -61,7 +61,7 @@ contains
     if (self%kept() < n .and. more == 0) room = room + 1
     call scene%bodies%allocate(room, scene%dimension)
     if (self%ranks == 1) return
-    allocate (scene%bodies%id(room), scene%bodies%home(room), source=-1_i4)
+    allocate (scene%bodies%id(room), scene%bodies%owner(room), source=-1_i4)
     allocate (scene%contactors%id(0))
   end subroutine share_begin
 
@@ -93,7 +93,7 @@ contains
       if (is_common .or. (self%made - below >= self%piece(1) .and. self%made - below <= self%piece(2))) then
         n = n + 1
         scene%bodies%id(n) = int(self%made, i4)
-        scene%bodies%home(n) = int(merge(-1, self%rank, is_common), i4)
+        scene%bodies%owner(n) = int(merge(-1, self%rank, is_common), i4)
         do c = self%before + 1, scene%contactors%n
           scene%contactors%id(c) = int(self%contactors + c - self%before, i4)
         end do
@@ -143,7 +143,7 @@ contains
 
     if (n < scene%bodies%n) then
       scene%bodies%n = n
-      scene%bodies%n_home = n
+      scene%bodies%n_own = n
       call scene%bodies%resize(n)
     end if
     if (self%ranks == 1) return

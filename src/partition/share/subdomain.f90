@@ -1,8 +1,8 @@
 !> One rank's view of the decomposition: the bodies that it shares, the ranks that share them, and their owners.
 !!
-!! Every body has one home. A rank holds its own bodies, copies of others' that may touch them before the list of
-!! neighbours is made again, and all *replicated* bodies (walls). A contact belongs to one rank, `owner_of` its two bodies'
-!! homes (sg_homes). Lists of two neighbours name the same bodies in the same order (ascending number), so that messages
+!! Every body has one owner. A rank holds its own bodies, copies of others' that may touch them before the list of
+!! neighbours is made again, and all *replicated* bodies (walls). A contact belongs to one rank, `contact_owner` its two bodies'
+!! owners (sg_owners). Lists of two neighbours name the same bodies in the same order (ascending number), so that messages
 !! carry values alone (doc/theory/decomposition.md).
 module sg_subdomain
   use sg_kinds, only: wp, i4
@@ -19,12 +19,12 @@ module sg_subdomain
     integer :: all_bodies = 0, all_contactors = 0
     !> Ranks that share bodies with this one, ascending
     integer, allocatable :: neighbour(:)
-    !> Bodies (local) shared with neighbour i: `body(first(i):first(i + 1) - 1)`, by ascending number, and their homes; wide
+    !> Bodies (local) shared with neighbour i: `body(first(i):first(i + 1) - 1)`, by ascending number, and their owners; replicated
     !! bodies left out
-    integer, allocatable :: first(:), body(:), home(:)
+    integer, allocatable :: first(:), body(:), owner(:)
     !> Replicated bodies (local), which all ranks hold, by ascending number
     integer, allocatable :: replicated(:)
-    !> Times that these lists were made; splits made since the start, and bodies that changed home in all of them
+    !> Times that these lists were made; splits made since the start, and bodies that changed owner in all of them
     integer :: serial = 0, splits = 0
     real(wp) :: moved = 0
   contains
@@ -45,7 +45,7 @@ contains
     coupling%neighbour = self%neighbour
     coupling%first = self%first
     coupling%body = slot_of(self%body)
-    coupling%home = self%home
+    coupling%owner = self%owner
     coupling%replicated = slot_of(self%replicated)
     coupling%serial = self%serial
   end function subdomain_by_slot
@@ -59,7 +59,7 @@ contains
     call tables%note('neighbour', self%neighbour)
     call tables%note('first', self%first)
     call tables%note('body', self%body)
-    call tables%note('home', self%home)
+    call tables%note('owner', self%owner)
     call tables%note('replicated', self%replicated)
   end subroutine subdomain_list_tables
 end module sg_subdomain

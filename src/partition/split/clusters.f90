@@ -17,7 +17,7 @@ module sg_clusters
   use sg_sorting, only: sort_permutation
   implicit none
   private
-  public :: clusters_t, most_clusters, make_clusters, cluster_edges, split_clusters, keep_at_home
+  public :: clusters_t, most_clusters, make_clusters, cluster_edges, split_clusters, keep_with_owner
 
   !> Clusters that any machine can gather and split in no time, and clusters a part where that makes more
   integer, parameter :: always = 20000, per_part = 63
@@ -124,7 +124,7 @@ contains
     call comm%agree(error)
     if (allocated(error)) return
     if (comm%size > 1) then
-      call keep_at_home(rank, real(graph%weight, wp), parts, cluster_part)
+      call keep_with_owner(rank, real(graph%weight, wp), parts, cluster_part)
       kept = min(rank, int(parts, i4) - 1_i4) + 1_i4
       call refine_split(graph, parts, imbalance, kept)
       if (is_good(kept)) cluster_part = kept
@@ -170,7 +170,7 @@ contains
   end subroutine gather_graph
 
   !> Rename parts so that little weight moves: the largest weight that a rank has of a part is settled first.
-  pure subroutine keep_at_home(rank, weight, parts, part)
+  pure subroutine keep_with_owner(rank, weight, parts, part)
     integer(i4), intent(in) :: rank(:) !! rank that each item is at, from 0; beyond the parts, it is not counted
     real(wp), intent(in) :: weight(:) !! weight of each item, a whole number
     integer, intent(in) :: parts !! number of parts
@@ -219,5 +219,5 @@ contains
       is_taken(r) = .true.
     end do
     part = int(new_name(part), i4)
-  end subroutine keep_at_home
+  end subroutine keep_with_owner
 end module sg_clusters

@@ -4,8 +4,8 @@
 !! contacts between two parts are an edge; the part that owns them borrows the other one's grains (doc/theory/partition.md).
 module sg_interfaces
   use sg_contacts, only: contacts_t
-  use sg_homes, only: owner_of
   use sg_kinds, only: i4, i8
+  use sg_owners, only: contact_owner
   use sg_sorting, only: sort_permutation
   implicit none
   private
@@ -48,7 +48,7 @@ contains
     allocate (owner(contacts%n), found%owned(parts), found%inner(parts), source=0)
     do k = 1, contacts%n
       associate (home => part(contacts%body(:, k)) - 1_i4)
-        owner(k) = int(owner_of(home), i4) + 1_i4
+        owner(k) = int(contact_owner(home), i4) + 1_i4
         found%owned(owner(k)) = found%owned(owner(k)) + 1
         if (any(home < 0) .or. home(1) == home(2)) found%inner(owner(k)) = found%inner(owner(k)) + 1
       end associate

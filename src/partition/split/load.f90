@@ -15,16 +15,16 @@ contains
   !> Cost of each body from the contacts of a step [half contacts], whole numbers, zero for walls.
   !!
   !! In a decomposed scene each rank has the contacts that it owns: what they cost copies of others' grains is to be added
-  !! at their homes.
-  pure function measured_weights(contacts, is_grain, n_home) result(weight)
+  !! on their owner ranks.
+  pure function measured_weights(contacts, is_grain, n_own) result(weight)
     type(contacts_t), intent(in) :: contacts !! contacts of a step
     logical, intent(in) :: is_grain(:) !! is a body a grain?, shape (bodies)
-    integer, intent(in) :: n_home !! bodies that this rank counts as its own: the first ones
+    integer, intent(in) :: n_own !! bodies that this rank counts as its own: the first ones
     real(wp), allocatable :: weight(:)
     integer :: k
 
     allocate (weight(size(is_grain)), source=0.0_wp)
-    where (is_grain(:n_home)) weight(:n_home) = 1
+    where (is_grain(:n_own)) weight(:n_own) = 1
     do k = 1, contacts%n
       associate (a => contacts%body(1, k), b => contacts%body(2, k))
         if (is_grain(a) .and. is_grain(b)) then

@@ -1,12 +1,12 @@
 !> What a split is worth: sizes of the parts, imbalance, what a primal split cuts and what a dual split shares.
 !!
 !! Primal: contacts between grains of two parts are the interface, a subdomain of their own. Dual: each contact belongs to one
-!! part (`owner_of`), which holds copies of grains whose home is another one (doc/theory/partition.md).
+!! part (`contact_owner`), which holds copies of grains whose owner is another one (doc/theory/partition.md).
 module sg_split_report
   use sg_ascending, only: distinct
   use sg_contacts, only: contacts_t
-  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4, i8
+  use sg_owners, only: contact_owner
   implicit none
   private
   public :: split_report_t, report_split
@@ -74,23 +74,23 @@ contains
     is_cut = .false.
     n = 0
     do k = 1, contacts%n
-      associate (body => contacts%body(:, k), home => part(contacts%body(:, k)) - 1)
-        owner = owner_of(home) + 1
+      associate (body => contacts%body(:, k), body_owner => part(contacts%body(:, k)) - 1)
+        owner = contact_owner(body_owner) + 1
         report%part_owned(owner) = report%part_owned(owner) + 1
-        if (any(home < 0)) then
+        if (any(body_owner < 0)) then
           report%wall_contacts = report%wall_contacts + 1
         else
           report%contacts = report%contacts + 1
         end if
-        if (any(home < 0) .or. home(1) == home(2)) then
+        if (any(body_owner < 0) .or. body_owner(1) == body_owner(2)) then
           report%part_inner(owner) = report%part_inner(owner) + 1
           cycle
         end if
         is_cut(body) = .true.
         n = n + 1
-        side = merge(2, 1, home(1) + 1 == owner)
+        side = merge(2, 1, body_owner(1) + 1 == owner)
         copies(n) = int(body(side), i8)*int(parts, i8) + int(owner - 1, i8)
-        joined(2*n - 1:2*n) = int(home, i8)*int(parts, i8) + int(home([2, 1]), i8)
+        joined(2*n - 1:2*n) = int(body_owner, i8)*int(parts, i8) + int(body_owner([2, 1]), i8)
       end associate
     end do
     report%cut_contacts = n

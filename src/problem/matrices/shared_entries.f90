@@ -41,7 +41,7 @@ contains
     integer, allocatable :: counts(:), pass_counts(:)
     integer :: i
 
-    call send_home(own, unknowns, comm, received, counts)
+    call send_to_owners(own, unknowns, comm, received, counts)
     call pass_on(received, counts/n_sent, unknowns, comm, passed, pass_counts, pushed)
     others%n = size(passed)/n_passed
     allocate (others%row(others%n), others%column(others%n), others%value(others%n), others%impulse(others%n), &
@@ -58,7 +58,7 @@ contains
   end subroutine exchange_entries
 
   !> Send the entries to the owners of their unknowns.
-  subroutine send_home(own, unknowns, comm, received, counts)
+  subroutine send_to_owners(own, unknowns, comm, received, counts)
     type(entries_t), intent(in) :: own
     type(shared_unknowns_t), intent(in) :: unknowns
     type(comm_t), intent(inout) :: comm
@@ -83,7 +83,7 @@ contains
                                            own%value(e), own%impulse(e), own%cohesion(e)]
     end do
     call comm%swap(send, n_sent*(first(2:) - first(:comm%size)), received, counts)
-  end subroutine send_home
+  end subroutine send_to_owners
 
   !> Sum what the entries received do to their unknowns, and send each to all ranks that have others of its unknown.
   subroutine pass_on(received, from, unknowns, comm, passed, counts, pushed)

@@ -1,12 +1,12 @@
 !> The unknown velocities of a contact problem that several ranks hold: those of bodies that any rank's contacts push, where they
 !! are not driven, numbered through all ranks.
 !!
-!! A body's unknowns belong to its home, those of replicated bodies to rank 0. Numbers, masses and the axes in which masses are diagonal
-!! come from there: those that ranks find for themselves may differ in the last digits, and axes by much more.
+!! A body's unknowns belong to its owner, those of replicated bodies to rank 0. Numbers, masses and the axes in which masses are
+!! diagonal come from there: those that ranks find for themselves may differ in the last digits, and axes by much more.
 module sg_shared_unknowns
   use sg_comm, only: comm_t
-  use sg_home_sum, only: add_at_home, copy_from_home
   use sg_kinds, only: wp, i4, i8
+  use sg_owner_sums, only: add_at_owner, copy_from_owner
   use sg_problem, only: problem_t
   use sg_problem_records, only: body_of, body_record_t
   use sg_subdomain, only: subdomain_t
@@ -26,7 +26,7 @@ module sg_shared_unknowns
     integer(i4), allocatable :: number(:), slot(:), component(:)
     !> Place of each component of the velocity of a slot's body among them, 0 where there is none, shape (6, slots)
     integer(i4), allocatable :: of_slot(:, :)
-    !> Bodies by slot, in their homes' axes; of those that have unknowns
+    !> Bodies by slot, in their owners' axes; of those that have unknowns
     type(body_record_t), allocatable :: body(:)
   end type shared_unknowns_t
 
@@ -47,18 +47,18 @@ contains
     allocate (unknowns%body(problem%n_bodies))
     is_own = are_own(subdomain, comm, size(slot_of))
     pushes(1, :) = merge(1.0_wp, 0.0_wp, is_pushed(slot_of))
-    call add_at_home(subdomain, comm, pushes)
+    call add_at_owner(subdomain, comm, pushes)
     is_own = is_own .and. pushes(1, :) > 0.5_wp
     do b = 1, size(slot_of)
       if (is_own(b) .or. is_pushed(slot_of(b))) unknowns%body(slot_of(b)) = body_of(problem, int(slot_of(b)))
     end do
     call fill_sent(unknowns, is_own, slot_of, comm, sent)
-    call copy_from_home(subdomain, comm, sent)
+    call copy_from_owner(subdomain, comm, sent)
     call copy_replicated(subdomain, comm, sent)
     call place_unknowns(unknowns, is_own, is_pushed, slot_of, sent)
   end subroutine number_unknowns
 
-  !> Which bodies are at home here; replicated ones are on rank 0.
+  !> Which bodies are owned by this rank; replicated ones are on rank 0.
   pure function are_own(subdomain, comm, n) result(is_own)
     type(subdomain_t), intent(in) :: subdomain
     type(comm_t), intent(in) :: comm
@@ -69,7 +69,7 @@ contains
     is_own = .true.
     if (comm%size == 1) return
     do i = 1, size(subdomain%body)
-      if (subdomain%home(i) /= comm%rank) is_own(subdomain%body(i)) = .false.
+      if (subdomain%owner(i) /= comm%rank) is_own(subdomain%body(i)) = .false.
     end do
     if (comm%rank > 0) is_own(subdomain%replicated) = .false.
   end function are_own
@@ -147,7 +147,7 @@ contains
     end do
   end subroutine place_unknowns
 
-  !> Take the axes and inverse masses of a body's home.
+  !> Take the axes and inverse masses of a body's owner.
   pure subroutine turn_axes(axes, inverse_mass, body)
     real(wp), intent(in) :: axes(3, 3), inverse_mass(6)
     type(body_record_t), intent(inout) :: body

@@ -2,7 +2,7 @@
 !! drums, periods, and pairs dealt out to ranks.
 program test_start_overlaps
   use harness, only: tests_t
-  use rank_parts, only: draw_homes, plane_scene, shake, space_scene
+  use rank_parts, only: draw_owners, plane_scene, shake, space_scene
   use sg_contactors, only: place_contactors
   use sg_kinds, only: wp, i4
   use sg_near, only: candidate_first, has_one_image
@@ -48,7 +48,7 @@ contains
     call t%check(all(abs(scene%bodies%position - before) <= 0), name//': no body moves')
     call t%check(found%n > 20, name//': there are overlaps')
     call compare(scene, found, name)
-    call draw_homes(scene, ranks, random, scene%bodies%home)
+    call draw_owners(scene, ranks, random, scene%bodies%owner)
     total = 0
     do r = 0, ranks - 1
       of_rank = overlaps_t()

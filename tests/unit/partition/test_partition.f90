@@ -1,8 +1,8 @@
-!> Splits: loads, the contact graph and boxes by hand, METIS on lattices, the figures of a split, parts kept at home.
+!> Splits: loads, the contact graph and boxes by hand, METIS on lattices, the figures of a split, parts kept by their owners.
 program test_partition
   use harness, only: tests_t
   use sg_boxes, only: choose_boxes, split_boxes
-  use sg_clusters, only: keep_at_home
+  use sg_clusters, only: keep_with_owner
   use sg_comm, only: comm_t
   use sg_contact_graph, only: build_contact_graph, contact_graph_t, contact_weight
   use sg_contacts, only: contacts_t, reserve_contacts
@@ -172,7 +172,7 @@ contains
     call t%check(all(report%part_neighbours == [1, 2, 1]), 'part 2 lies between the others')
     report = report_split(contacts, [1_i4, 0_i4, 1_i4, 1_i4, 1_i4], measured_weights(contacts, is_grain, 5), 1)
     call t%check(report%cut_contacts == 0 .and. all(report%multiplicity == [4]), 'one part cuts nothing')
-    ! Grain 3 is at home in part 1; parts 2 and 3 own its contacts with grains 1 and 4.
+    ! Grain 3 is owned by part 1; parts 2 and 3 own its contacts with grains 1 and 4.
     report = report_split(contacts, [3_i4, 0_i4, 1_i4, 2_i4, 2_i4], measured_weights(contacts, is_grain, 5), 3)
     call t%check(all(report%part_owned == [2, 1, 3]), 'of ranks 0 and 2 the higher one owns, of 0 and 1 the lower')
     call t%check(all(report%multiplicity == [2, 2]), 'grain 3 in part 3, grain 4 in part 1')
@@ -203,13 +203,13 @@ contains
     integer(i4) :: part(6)
 
     part = [2_i4, 2_i4, 3_i4, 3_i4, 1_i4, 1_i4]
-    call keep_at_home([0_i4, 0_i4, 1_i4, 1_i4, 2_i4, 2_i4], spread(1.0_wp, 1, 6), 3, part)
+    call keep_with_owner([0_i4, 0_i4, 1_i4, 1_i4, 2_i4, 2_i4], spread(1.0_wp, 1, 6), 3, part)
     call t%check(all(part == [1, 1, 2, 2, 3, 3]), 'what did not move has its old name')
     part = [2_i4, 2_i4, 2_i4, 1_i4, 1_i4, 1_i4]
-    call keep_at_home([0_i4, 0_i4, 1_i4, 1_i4, 1_i4, 0_i4], [1.0_wp, 1.0_wp, 9.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], 2, part)
+    call keep_with_owner([0_i4, 0_i4, 1_i4, 1_i4, 1_i4, 0_i4], [1.0_wp, 1.0_wp, 9.0_wp, 1.0_wp, 1.0_wp, 1.0_wp], 2, part)
     call t%check(all(part == [2, 2, 2, 1, 1, 1]), 'the heaviest share decides')
     part = [3_i4, 1_i4, 2_i4, 2_i4, 1_i4, 3_i4]
-    call keep_at_home(spread(0_i4, 1, 6), spread(1.0_wp, 1, 6), 3, part)
+    call keep_with_owner(spread(0_i4, 1, 6), spread(1.0_wp, 1, 6), 3, part)
     call t%check(all(part(:3) == part([6, 5, 4])) .and. sum(part(:3)) == 6, 'parts stay parts, each with a name of its own')
   end subroutine test_home
 

@@ -18,11 +18,11 @@ program test_pack_bodies
   use sg_parcels, only: parcel_t
   use sg_polyhedron, only: polyhedron_t
   use sg_random, only: random_t
+  use sg_replicated_data, only: keep_replicated, localise, replicated_data_t
   use sg_rotations, only: frame_of
   use sg_scene, only: colour_index, scene_t
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
   use sg_text, only: to_text
-  use sg_replicated_data, only: keep_replicated, localise, replicated_data_t
   implicit none
   integer, parameter :: n_bodies = 600, n_wide = 6
   type(tests_t) :: t
@@ -236,14 +236,14 @@ contains
     scene%pressures(2)%length = 2.5_wp
   end subroutine add_drives
 
-  !> Where a body is at home when three ranks share the scene.
-  pure integer function home_of(scene, b)
+  !> The owner of a body when three ranks share the scene.
+  pure integer function owner_of_body(scene, b)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: b
 
-    home_of = -1
-    if (scene%bodies%is_grain(b)) home_of = modulo(b/4, 3)
-  end function home_of
+    owner_of_body = -1
+    if (scene%bodies%is_grain(b)) owner_of_body = modulo(b/4, 3)
+  end function owner_of_body
 
   !> All bodies on one rank: the scene as it was.
   subroutine test_whole(scene, name)
@@ -254,20 +254,20 @@ contains
     type(replicated_data_t) :: replicated
     integer(i4), allocatable :: first(:), list(:), backwards(:)
     integer, allocatable :: start(:)
-    integer :: b, n_home
+    integer :: b, n_own
 
     call contactors_of_bodies(scene%contactors, n_bodies, first, list)
     backwards = [(int(b, i4), b=n_bodies, 1, -1)]
     call pack_bodies(scene, backwards, first, list, merge(0_i4, -1_i4, scene%bodies%is_grain(backwards)), sync_on_owner, parcel)
-    call order_records(parcel, 0, 1, start, n_home)
-    call t%equal(n_home, n_bodies, name//', whole: all are at home')
+    call order_records(parcel, 0, 1, start, n_own)
+    call t%equal(n_own, n_bodies, name//', whole: all are owned')
     local = scene
-    call rebuild_scene(local, parcel, start, n_home)
+    call rebuild_scene(local, parcel, start, n_own)
     call keep_replicated(scene, replicated)
     call localise(replicated, local)
     call t%check(same_bodies(local%bodies, scene%bodies), name//', whole: bodies')
     call t%check(all(local%bodies%id == [(b, b=1, n_bodies)]), name//', whole: numbers of bodies')
-    call t%check(all(local%bodies%home == merge(0, -1, scene%bodies%is_grain)), name//', whole: homes')
+    call t%check(all(local%bodies%owner == merge(0, -1, scene%bodies%is_grain)), name//', whole: owners')
     call t%check(all(local%contactors%id == [(b, b=1, scene%contactors%n)]), name//', whole: numbers of contactors')
     call t%check(same_contactors(local%contactors, scene%contactors), name//', whole: contactors')
     if (scene%dimension == 2) call t%check(same_planar(local%contactors, scene%contactors), name//', whole: shapes')
@@ -346,7 +346,7 @@ contains
     type(replicated_data_t) :: replicated
     integer(i4), allocatable :: first(:), list(:), backwards(:)
     integer, allocatable :: start(:)
-    integer :: rank, i, b, n_home, n, total
+    integer :: rank, i, b, n_own, n, total
 
     call keep_replicated(scene, replicated)
     total = 0
@@ -356,27 +356,27 @@ contains
       n = 0
       do i = 1, n_bodies
         b = modulo(i*78, n_bodies + 1) ! each body once: 601 is a prime
-        if (home_of(scene, b) == modulo(rank + 1, 3) .and. modulo(b, 3) > 0) cycle
-        if (home_of(scene, b) == modulo(rank + 2, 3)) cycle
-        call pack_bodies(scene, [int(b, i4)], first, list, [int(home_of(scene, b), i4)], sync_on_owner, parcel)
+        if (owner_of_body(scene, b) == modulo(rank + 1, 3) .and. modulo(b, 3) > 0) cycle
+        if (owner_of_body(scene, b) == modulo(rank + 2, 3)) cycle
+        call pack_bodies(scene, [int(b, i4)], first, list, [int(owner_of_body(scene, b), i4)], sync_on_owner, parcel)
         n = n + 1
       end do
-      call order_records(parcel, rank, 3, start, n_home)
+      call order_records(parcel, rank, 3, start, n_own)
       call t%equal(size(start), n, name//', parts: bodies')
       local = scene
-      call rebuild_scene(local, parcel, start, n_home)
+      call rebuild_scene(local, parcel, start, n_own)
       call localise(replicated, local)
-      total = total + n_home
+      total = total + n_own
       call check_numbers(scene, local, rank, name)
       call check_records(scene, local, name)
       call check_localised(scene, local, name)
       next%n = 0
       call contactors_of_bodies(local%contactors, local%bodies%n, first, list)
       backwards = [(int(b, i4), b=local%bodies%n, 1, -1)]
-      call pack_bodies(local, backwards, first, list, local%bodies%home(backwards), sync_on_owner, next)
-      call order_records(next, rank, 3, start, n_home)
+      call pack_bodies(local, backwards, first, list, local%bodies%owner(backwards), sync_on_owner, next)
+      call order_records(next, rank, 3, start, n_own)
       again = local
-      call rebuild_scene(again, next, start, n_home)
+      call rebuild_scene(again, next, start, n_own)
       call t%check(same_bodies(again%bodies, local%bodies) .and. same_contactors(again%contactors, local%contactors), &
                    name//', parts: the same from a part')
     end do
@@ -394,9 +394,9 @@ contains
     wrong = 0
     associate (bodies => local%bodies, contactors => local%contactors)
       do b = 1, bodies%n
-        is_own = bodies%home(b) == rank .or. (bodies%home(b) < 0 .and. modulo(bodies%id(b), 3_i4) == rank)
-        if (is_own .neqv. b <= bodies%n_home) wrong = wrong + 1
-        if (b == 1 .or. b == bodies%n_home + 1) cycle
+        is_own = bodies%owner(b) == rank .or. (bodies%owner(b) < 0 .and. modulo(bodies%id(b), 3_i4) == rank)
+        if (is_own .neqv. b <= bodies%n_own) wrong = wrong + 1
+        if (b == 1 .or. b == bodies%n_own + 1) cycle
         if (bodies%id(b) <= bodies%id(b - 1)) wrong = wrong + 1
       end do
       call t%equal(wrong, 0, name//', parts: order of bodies')
@@ -468,20 +468,20 @@ contains
     type(replicated_data_t) :: replicated
     integer(i4), allocatable :: first(:), list(:)
     integer, allocatable :: start(:)
-    integer :: n_home
+    integer :: n_own
 
-    call order_records(parcel, 1, 2, start, n_home)
+    call order_records(parcel, 1, 2, start, n_own)
     empty = scene
-    call rebuild_scene(empty, parcel, start, n_home)
+    call rebuild_scene(empty, parcel, start, n_own)
     call keep_replicated(scene, replicated)
     call localise(replicated, empty)
-    call t%equal(empty%bodies%n + empty%contactors%n + empty%bodies%n_home + size(empty%drives), 0, name//', empty: nothing')
+    call t%equal(empty%bodies%n + empty%contactors%n + empty%bodies%n_own + size(empty%drives), 0, name//', empty: nothing')
     call contactors_of_bodies(scene%contactors, n_bodies, first, list)
     call pack_bodies(scene, [9_i4], first, list, [1_i4], sync_on_owner, parcel)
-    call order_records(parcel, 1, 2, start, n_home)
+    call order_records(parcel, 1, 2, start, n_own)
     local = empty
-    call rebuild_scene(local, parcel, start, n_home)
-    call t%check(local%bodies%n == 1 .and. n_home == 1 .and. same(local%bodies%velocity(:, 1), scene%bodies%velocity(:, 9)), &
+    call rebuild_scene(local, parcel, start, n_own)
+    call t%check(local%bodies%n == 1 .and. n_own == 1 .and. same(local%bodies%velocity(:, 1), scene%bodies%velocity(:, 9)), &
                  name//', empty: one body comes')
     call t%check(allocated(local%bodies%angle) .eqv. allocated(scene%bodies%angle), name//', empty: angles')
     call t%check(allocated(local%bodies%orientation) .eqv. allocated(scene%bodies%orientation), name//', empty: orientations')

@@ -2,8 +2,8 @@
 program test_edges
   use harness, only: tests_t
   use sg_edges, only: colour_edges
-  use sg_homes, only: owner_of
   use sg_kinds, only: wp, i4
+  use sg_owners, only: contact_owner
   use sg_random, only: random_t
   implicit none
   type(tests_t) :: t
@@ -74,16 +74,16 @@ contains
 
     owned = 0
     do a = 0, ranks - 1
-      call t%equal(owner_of([a, a]), int(a), 'inner contacts stay at home')
-      call t%equal(owner_of([a, -1_i4]), int(a), 'a wall is touched by its grain')
-      call t%equal(owner_of([-1_i4, a]), int(a), 'whichever is named first')
+      call t%equal(contact_owner([a, a]), int(a), 'inner contacts stay with their owner')
+      call t%equal(contact_owner([a, -1_i4]), int(a), 'a wall is touched by its grain')
+      call t%equal(contact_owner([-1_i4, a]), int(a), 'whichever is named first')
       do b = 0, ranks - 1
-        call t%equal(owner_of([a, b]), owner_of([b, a]), 'owners are symmetric')
-        call t%check(any(owner_of([a, b]) == [a, b]), 'one of the two owns')
-        if (a < b) owned(owner_of([a, b])) = owned(owner_of([a, b])) + 1
+        call t%equal(contact_owner([a, b]), contact_owner([b, a]), 'owners are symmetric')
+        call t%check(any(contact_owner([a, b]) == [a, b]), 'one of the two owns')
+        if (a < b) owned(contact_owner([a, b])) = owned(contact_owner([a, b])) + 1
       end do
     end do
-    call t%equal(owner_of([-1_i4, -1_i4]), 0, 'between walls')
+    call t%equal(contact_owner([-1_i4, -1_i4]), 0, 'between walls')
     ! 15 pairs per rank, of which half are its own.
     call t%check(all(owned >= 7 .and. owned <= 8), 'owners are even')
   end subroutine test_owners

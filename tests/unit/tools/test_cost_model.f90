@@ -3,10 +3,10 @@ program test_cost_model
   use harness, only: tests_t
   use sg_contacts, only: contacts_t
   use sg_cost_model, only: dual_iteration, iteration_t, machine_t, primal_iteration
-  use sg_homes, only: owner_of
   use sg_interfaces, only: find_interfaces, interfaces_t
   use sg_kinds, only: wp, i4
   use sg_message_costs, only: given_messages, message_costs_t
+  use sg_owners, only: contact_owner
   use sg_random, only: random_t
   use sg_sorting, only: group_items
   implicit none
@@ -60,7 +60,7 @@ contains
     integer(i4) :: part(grains + 1)
     integer(i4), allocatable :: owner(:)
     logical :: holds(grains + 1, parts), lends(grains + 1, parts)
-    integer :: edge(parts, parts), k, p, q, i, home(2)
+    integer :: edge(parts, parts), k, p, q, i, pair(2)
 
     call random%seed(grains)
     part(grains + 1) = 0
@@ -78,13 +78,13 @@ contains
     end do
     call find_interfaces(contacts, part, parts, owner, found)
     do k = 1, n
-      home = part(contacts%body(:, k))
-      p = owner_of(int(home - 1, i4)) + 1
+      pair = part(contacts%body(:, k))
+      p = contact_owner(int(pair - 1, i4)) + 1
       call t%check(owner(k) == p, 'owner')
       holds(contacts%body(:, k), p) = .true.
-      if (any(home == 0) .or. home(1) == home(2)) cycle
-      edge(minval(home), maxval(home)) = edge(minval(home), maxval(home)) + 1
-      lends(contacts%body(merge(2, 1, home(1) == p), k), p) = .true.
+      if (any(pair == 0) .or. pair(1) == pair(2)) cycle
+      edge(minval(pair), maxval(pair)) = edge(minval(pair), maxval(pair)) + 1
+      lends(contacts%body(merge(2, 1, owner(1) == p), k), p) = .true.
     end do
     holds(grains + 1, :) = .false.
     call t%check(all(found%owned == [(count(owner == p), p=1, parts)]), 'contacts owned')

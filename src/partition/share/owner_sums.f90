@@ -1,38 +1,38 @@
-!> Values of bodies that several ranks hold: added up at the body's home, or copied from there.
+!> Values of bodies that several ranks hold: added up on the owner rank of the body, or copied from there.
 !!
-!! Two ranks that share bodies name the same ones in the same order, so a message holds those values alone whose home is
-!! the receiver, or the sender. Replicated bodies are at home everywhere: their values are summed over all ranks.
-module sg_home_sum
+!! Two ranks that share bodies name the same ones in the same order, so a message holds those values alone whose owner is
+!! the receiver, or the sender. Replicated bodies are owned by all ranks: their values are summed over all ranks.
+module sg_owner_sums
   use sg_comm, only: comm_t
   use sg_exchange, only: exchange_t
   use sg_kinds, only: wp
   use sg_subdomain, only: subdomain_t
   implicit none
   private
-  public :: add_at_home, add_grains_at_home, copy_from_home
+  public :: add_at_owner, add_grains_at_owner, copy_from_owner
 
 contains
 
-  !> Add what all ranks say of a body; the total stands at its home, that of a replicated body on all ranks.
-  subroutine add_at_home(subdomain, comm, values)
+  !> Add what all ranks say of a body; the total stands on its owner rank, that of a replicated body on all ranks.
+  subroutine add_at_owner(subdomain, comm, values)
     type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp), intent(inout) :: values(:, :) !! of this rank, shape (any, bodies); then totals at home
+    real(wp), intent(inout) :: values(:, :) !! of this rank, shape (any, bodies); then totals on the owner's rank
     real(wp), allocatable :: replicated(:)
 
     if (comm%size == 1) return
-    call add_grains_at_home(subdomain, comm, values)
+    call add_grains_at_owner(subdomain, comm, values)
     if (size(subdomain%replicated) == 0) return
     replicated = reshape(values(:, subdomain%replicated), [size(values, 1)*size(subdomain%replicated)])
     call comm%sum(replicated)
     values(:, subdomain%replicated) = reshape(replicated, [size(values, 1), size(subdomain%replicated)])
-  end subroutine add_at_home
+  end subroutine add_at_owner
 
   !> The same for grains alone, between neighbours alone: values of replicated bodies stay those of this rank.
-  subroutine add_grains_at_home(subdomain, comm, values)
+  subroutine add_grains_at_owner(subdomain, comm, values)
     type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp), intent(inout) :: values(:, :) !! of this rank, shape (any, bodies); then totals at home
+    real(wp), intent(inout) :: values(:, :) !! of this rank, shape (any, bodies); then totals on the owner's rank
     type(exchange_t), target :: plan
     integer, allocatable :: own(:), theirs(:)
     integer :: i
@@ -46,13 +46,13 @@ contains
       values(:, own(i)) = values(:, own(i)) + plan%receive(:, i)
     end do
     call plan%release()
-  end subroutine add_grains_at_home
+  end subroutine add_grains_at_owner
 
-  !> Give all copies of a grain the values that stand at its home; those of replicated bodies stay as they are.
-  subroutine copy_from_home(subdomain, comm, values)
+  !> Give all copies of a grain the values that stand on its owner rank; those of replicated bodies stay as they are.
+  subroutine copy_from_owner(subdomain, comm, values)
     type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp), intent(inout) :: values(:, :) !! right for bodies at home here, shape (any, bodies); then for all
+    real(wp), intent(inout) :: values(:, :) !! right for bodies owned here, shape (any, bodies); then for all
     type(exchange_t), target :: plan
     integer, allocatable :: own(:), theirs(:)
 
@@ -63,15 +63,15 @@ contains
     call plan%finish(comm)
     values(:, theirs) = plan%receive
     call plan%release()
-  end subroutine copy_from_home
+  end subroutine copy_from_owner
 
-  !> Plan of an exchange between homes and copies: bodies at home here that neighbours hold, once a neighbour, and copies of
-  !! bodies at home there.
-  subroutine prepare(subdomain, comm, width, is_homeward, plan, own, theirs)
+  !> Plan of an exchange between owners and copies: bodies owned here that neighbours hold, once per neighbour, and copies of
+  !! bodies owned there.
+  subroutine prepare(subdomain, comm, width, is_to_owner, plan, own, theirs)
     type(subdomain_t), intent(in) :: subdomain
     type(comm_t), intent(in) :: comm
     integer, intent(in) :: width
-    logical, intent(in) :: is_homeward
+    logical, intent(in) :: is_to_owner
     type(exchange_t), intent(inout), target :: plan
     integer, allocatable, intent(out) :: own(:), theirs(:)
     integer, dimension(size(subdomain%neighbour)) :: n_own, n_theirs
@@ -80,16 +80,16 @@ contains
     do i = 1, size(subdomain%neighbour)
       associate (first => subdomain%first(i), last => subdomain%first(i + 1) - 1)
         shared_with(first:last) = subdomain%neighbour(i)
-        n_own(i) = count(subdomain%home(first:last) == comm%rank)
-        n_theirs(i) = count(subdomain%home(first:last) == subdomain%neighbour(i))
+        n_own(i) = count(subdomain%owner(first:last) == comm%rank)
+        n_theirs(i) = count(subdomain%owner(first:last) == subdomain%neighbour(i))
       end associate
     end do
-    own = pack(subdomain%body, subdomain%home == comm%rank)
-    theirs = pack(subdomain%body, subdomain%home == shared_with)
-    if (is_homeward) then
+    own = pack(subdomain%body, subdomain%owner == comm%rank)
+    theirs = pack(subdomain%body, subdomain%owner == shared_with)
+    if (is_to_owner) then
       call plan%prepare(comm, width, subdomain%neighbour, n_theirs, n_own)
     else
       call plan%prepare(comm, width, subdomain%neighbour, n_own, n_theirs)
     end if
   end subroutine prepare
-end module sg_home_sum
+end module sg_owner_sums
