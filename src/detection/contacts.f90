@@ -3,7 +3,7 @@
 !! A contact lies between a candidate and an antagonist contactor. Its normal points from the antagonist to the
 !! candidate, its tangent in the plane is t = (n_y, -n_x); a positive normal impulse pushes the two apart. In space no
 !! tangents are kept: an impulse is the vector that the candidate feels, in the world's axes. Contacts stand in spatial
-!! order. A pair of polygons may have two contacts, one of polyhedra four, told apart by their feature key.
+!! order. A pair of polygons may have two contacts, one of polyhedra four, distinguished by their feature key.
 module sg_contacts
   use sg_field_visitor, only: field_t, field_visitor_t, sync_never, sync_on_owner
   use sg_fields, only: fields_t

@@ -90,7 +90,7 @@ SCENES = {
 
 # What ranks hold beside that: which body is which in the whole scene and whose, who shares what, messages about it; and by gluing.
 # Contacts stand in several sets.
-ON_RANKS = """bodies.id bodies.home contactors.id subdomain.neighbour subdomain.first subdomain.body subdomain.home subdomain.wide
+ON_RANKS = """bodies.id bodies.owner contactors.id subdomain.neighbour subdomain.first subdomain.body subdomain.owner subdomain.replicated
 halo.placed interface.is_here interface.is_there interface.slot interface.multiplicity interface.item interface.first
 interface.contact interface.is_between interface.activity contact_sets.set_of contact_sets.shared
 gluing.before gluing.change gluing.jump"""

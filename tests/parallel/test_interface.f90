@@ -25,8 +25,8 @@ program test_interface
     character(len=:), allocatable :: name
     type(problem_t) :: problem
     type(subdomain_t) :: coupling
-    !> Number and home of the body of each slot; bodies of the scene, components of a velocity
-    integer, allocatable :: id(:), home(:)
+    !> Number and owner of the body of each slot; bodies of the scene, components of a velocity
+    integer, allocatable :: id(:), owner(:)
     integer :: n_bodies = 0, width = 0
     !> Has a rank a contact on a body? shape (bodies, 0:ranks-1)
     logical, allocatable :: touches(:, :)
@@ -104,7 +104,7 @@ contains
     one%width = first_inverse(one%problem%kind) - 1
     one%coupling = sim%decomposition%subdomain%by_slot(sim%pairs%slot_of)
     one%id = int(sim%scene%bodies%id(sim%pairs%body_of))
-    one%home = int(sim%scene%bodies%home(sim%pairs%body_of))
+    one%owner = int(sim%scene%bodies%owner(sim%pairs%body_of))
     allocate (one%touches(n_bodies, 0:comm%size - 1), source=.false.)
     do k = 1, one%problem%n_contacts
       one%touches(one%id(one%problem%pair(:, k)), comm%rank) = .true.
@@ -144,8 +144,8 @@ contains
 
     do s = 1, size(one%id)
       associate (ranks => one%touches(one%id(s), :))
-        is_wanted(s) = one%home(s) >= 0 .and. one%touches(one%id(s), comm%rank) .and. count(ranks) > 1
-        if (one%home(s) < 0) is_wanted(s) = any(one%problem%body(one%width + 1:, s) > 0)
+        is_wanted(s) = one%owner(s) >= 0 .and. one%touches(one%id(s), comm%rank) .and. count(ranks) > 1
+        if (one%owner(s) < 0) is_wanted(s) = any(one%problem%body(one%width + 1:, s) > 0)
       end associate
     end do
     is_listed = .false.
@@ -182,7 +182,7 @@ contains
         n = n + 1
         if (n > size(interface%contact)) cycle
         call t%equal(interface%contact(n), k, one%name//': interface contact')
-        call t%check(interface%is_between(n) .eqv. (all(one%home(slot) >= 0) .and. one%home(slot(1)) /= one%home(slot(2))), &
+        call t%check(interface%is_between(n) .eqv. (all(one%owner(slot) >= 0) .and. one%owner(slot(1)) /= one%owner(slot(2))), &
                      one%name//': between grains of two subdomains')
         if (interface%is_between(n)) between = between + 1
       end associate

@@ -30,7 +30,7 @@ module sg_restart
   private
   public :: restart_t, keep_state, restore_state, write_restart, read_restart
 
-  !> What says that a file is one of these, and in which layout
+  !> Attributes that mark a restart file and its layout
   character(len=*), parameter :: format_name = 'SplitGrain restart'
   integer(i8), parameter :: format_version = 2
   !> Largest error of the length of a unit quaternion
@@ -224,7 +224,7 @@ contains
     call get_fields(file, '/contacts', contacts, like, state%contacts)
   end subroutine read_file
 
-  !> Is an open file one of ours, in a layout that we know?
+  !> Is an open file a restart file, in a layout that can be read?
   subroutine check_format(file)
     type(hdf5_file_t), intent(inout) :: file
     character(len=:), allocatable :: word
@@ -259,7 +259,7 @@ contains
     end associate
   end function misfit_of
 
-  !> What no run can have written; empty when all is well. Of `totals` each part is looked at by those who know it.
+  !> Values that no run can have written; empty when all is well. Parts of `totals` are checked by the modules that own them.
   pure function fault_of(state) result(fault)
     type(restart_t), intent(in) :: state
     character(len=:), allocatable :: fault

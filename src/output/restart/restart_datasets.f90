@@ -60,7 +60,7 @@ contains
     integer :: i
 
     rows = file%rows('/contacts/feature')
-    ! Of these the scene does not say how many there are; each takes at least four bytes of the file.
+    ! Their number does not follow from the scene; each takes at least four bytes of the file.
     inquire (file=file%name, size=bytes)
     if (max(rows, file%rows('/totals')) > bytes/4) then
       if (.not. allocated(file%error)) call fail(file%error, 'it is cut off', file=file%name, code=exit_output)

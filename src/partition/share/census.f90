@@ -1,4 +1,4 @@
-!> What a rank knows of the bodies that it does not keep while a deck is read: each rank goes through all of them, so that all
+!> Census of bodies that a rank does not keep while a deck is read: each rank goes through all of them, so that all
 !! come to the same defaults and the same warnings without a message.
 module sg_census
   use sg_contactors, only: contactors_t
@@ -19,7 +19,7 @@ module sg_census
     real(wp) :: speed = 0
     !> Kinds of shape and colours that they have, and the first and last body of each, shape (4, any)
     integer, allocatable :: looks(:, :)
-    !> What tells apart the files that a deck names, and bodies made of them: a mix of all, the same on all ranks
+    !> Hash of the files that a deck names, and of bodies made of them: a mix of all, the same on all ranks
     integer(i8) :: digest = 0
   contains
     procedure :: note => census_note
@@ -83,7 +83,7 @@ contains
     call move_alloc(more, self%looks)
   end subroutine census_note_look
 
-  !> Mix a word into what tells files apart.
+  !> Mix a word into the hash of files.
   pure subroutine census_mix(self, word)
     class(census_t), intent(inout) :: self
     integer(i8), intent(in) :: word !! any bits

@@ -21,7 +21,7 @@ module sg_contact_migration
 
 contains
 
-  !> Send contacts to the ranks that will own them, which those that have them do not know: owners are asked for by number.
+  !> Send contacts to the ranks that will own them. Owners of bodies of other ranks are asked for by number.
   !! Collective.
   subroutine distribute_contacts(contacts, scene, all_contactors, comm, parcel)
     type(contacts_t), intent(in) :: contacts !! some of all contacts on each rank, with the numbers of the whole scene

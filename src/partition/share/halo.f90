@@ -1,5 +1,5 @@
 !> The part of a scene that one rank holds: its own bodies, all replicated ones, and copies of those that may touch its own
-!! before the next search for neighbours, or are linked to them; and who shares which of them (doc/theory/decomposition.md).
+!! before the next search for neighbours, or are linked to them; and the ranks that share them (doc/theory/decomposition.md).
 module sg_halo
   use sg_comm, only: comm_t
   use sg_field_visitor, only: sync_on_copy, sync_on_owner
@@ -52,7 +52,7 @@ contains
     call list_shares(scene, share, comm%rank, subdomain)
   end subroutine make_halo
 
-  !> Records of all bodies that this rank is to hold, and who holds which of the shared ones.
+  !> Records of all bodies that this rank is to hold, and the ranks that hold the shared ones.
   subroutine gather_records(scene, margin, comm, bodies, holders)
     type(scene_t), intent(in) :: scene
     real(wp), intent(in) :: margin
@@ -61,7 +61,7 @@ contains
     type(rank_bounds_t) :: bounds
     real(wp) :: reach(scene%bodies%n_own)
     integer(i4), allocatable :: first(:), list(:), kept(:)
-    integer :: sent(0:comm%size - 1), told(0:comm%size - 1), r, b, i
+    integer :: sent(0:comm%size - 1), n_words(0:comm%size - 1), r, b, i
     type(copies_t) :: copies
     type(link_copies_t) :: linked
     type(parcel_t) :: records, words
@@ -73,7 +73,7 @@ contains
     call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     do r = 0, comm%size - 1
       sent(r) = records%n
-      told(r) = words%n
+      n_words(r) = words%n
       associate (copied => copies%body(copies%first(r):copies%first(r + 1) - 1))
         call pack_bodies(scene, copied, first, list, scene%bodies%owner(copied), sync_on_copy, records)
         do i = 1, size(copied)
@@ -81,11 +81,11 @@ contains
         end do
       end associate
       sent(r) = records%n - sent(r)
-      told(r) = words%n - told(r)
+      n_words(r) = words%n - n_words(r)
     end do
     call swap_parcel(records, sent, comm, bodies)
-    call swap_parcel(words, told, comm, holders)
-    ! Own bodies and replicated ones stay; what this rank tells itself is who else holds its own.
+    call swap_parcel(words, n_words, comm, holders)
+    ! Own bodies and replicated ones stay; the words that this rank sends to itself name the other holders of its own.
     kept = [(int(b, i4), b=1, scene%bodies%n)]
     kept = pack(kept, kept <= scene%bodies%n_own .or. scene%bodies%owner(kept) < 0)
     call pack_bodies(scene, kept, first, list, scene%bodies%owner(kept), sync_on_owner, bodies)
@@ -161,7 +161,7 @@ contains
     call receive%adopt(values)
   end subroutine swap_parcel
 
-  !> Read who holds what, as pairs of rank and body number: a body with its holders and, of those that are not our own, its
+  !> Read the holders of bodies, as pairs of rank and body number: a body with its holders and, of those that are not our own, its
   !! owner, which is looked up later.
   subroutine read_holders(holders, share)
     type(parcel_t), intent(inout) :: holders

@@ -1,5 +1,5 @@
 !> Copies without a contact on their rank: they take no part while a problem is solved, and get the velocity found at the end, from
-!! the home of the body or, where home has no contact on it either, from the lowest rank that has.
+!! the owner of the body or, where the owner has no contact on it either, from the lowest rank that has.
 module sg_idle_copies
   use sg_comm, only: comm_t
   use sg_exchange, only: exchange_t
@@ -44,7 +44,7 @@ contains
     end do
   end subroutine idle_update
 
-  !> List which rank sends the result for a body, and which receive it: the home sends if it has contacts on the body, else the
+  !> List which rank sends the result for a body, and which receive it: the owner sends if it has contacts on the body, else the
   !! lowest rank that has.
   subroutine list_messages(self, coupling, is_here, is_there, n_slots, width, comm)
     class(idle_copies_t), intent(inout) :: self
@@ -59,8 +59,8 @@ contains
     allocate (sender(n_slots), source=huge(1))
     do i = 1, size(coupling%neighbour)
       do e = coupling%first(i), coupling%first(i + 1) - 1
-        if (is_here(e)) call propose(sender(slot(e)), coupling%rank, coupling%home(e))
-        if (is_there(e)) call propose(sender(slot(e)), coupling%neighbour(i), coupling%home(e))
+        if (is_here(e)) call propose(sender(slot(e)), coupling%rank, coupling%owner(e))
+        if (is_there(e)) call propose(sender(slot(e)), coupling%neighbour(i), coupling%owner(e))
       end do
     end do
     if (allocated(self%send_slots)) deallocate (self%send_slots, self%receive_slots)
@@ -86,13 +86,13 @@ contains
     self%receive_slots = self%receive_slots(:n_receive)
     call self%messages%prepare(comm, width, coupling%neighbour, sent, received)
   contains
-    !> The home sends if it has contacts, else the lowest rank.
-    pure subroutine propose(sender, rank, home)
+    !> The owner sends if it has contacts, else the lowest rank.
+    pure subroutine propose(sender, rank, owner)
       integer, intent(inout) :: sender
-      integer, intent(in) :: rank, home
+      integer, intent(in) :: rank, owner
 
-      if (sender == home) return
-      if (rank == home .or. rank < sender) sender = rank
+      if (sender == owner) return
+      if (rank == owner .or. rank < sender) sender = rank
     end subroutine propose
   end subroutine list_messages
 

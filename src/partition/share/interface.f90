@@ -71,7 +71,7 @@ contains
     self%is_here = is_touched(coupling%body)
     call share_activity(self, coupling, comm)
     call list_shared(self, coupling, size(body, 2))
-    call add_replicated(self, coupling%wide, is_touched, body, comm)
+    call add_replicated(self, coupling%replicated, is_touched, body, comm)
     call list_contacts(self, pair, coupling, size(body, 2))
   end subroutine interface_find
 
@@ -144,7 +144,7 @@ contains
     self%multiplicity = [self%multiplicity(:self%n_shared), touching]
   end subroutine add_replicated
 
-  !> List the contacts on shared bodies. Those between grains of two subdomains are on a body whose home is another rank.
+  !> List the contacts on shared bodies. Those between grains of two subdomains are on a body whose owner is another rank.
   subroutine list_contacts(self, pair, coupling, n_slots)
     class(interface_t), intent(inout) :: self
     integer(i4), intent(in) :: pair(:, :)
@@ -156,7 +156,7 @@ contains
     is_shared = .false.
     is_shared(self%slot) = .true.
     is_foreign = .false.
-    is_foreign(pack(coupling%body, coupling%home /= coupling%rank)) = .true.
+    is_foreign(pack(coupling%body, coupling%owner /= coupling%rank)) = .true.
     self%contact = pack([(k, k=1, size(pair, 2))], [(any(is_shared(pair(:, k))), k=1, size(pair, 2))])
     self%is_between = [(any(is_foreign(pair(:, self%contact(k)))), k=1, size(self%contact))]
   end subroutine list_contacts

@@ -13,9 +13,9 @@ module sg_owner_sums
 
 contains
 
-  !> Add what all ranks say of a body; the total stands on its owner rank, that of a replicated body on all ranks.
+  !> Add the values of a body on all ranks; the total stands on its owner rank, that of a replicated body on all ranks.
   subroutine add_at_owner(subdomain, comm, values)
-    type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
+    type(subdomain_t), intent(in) :: subdomain !! ranks that share each body
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(inout) :: values(:, :) !! of this rank, shape (any, bodies); then totals on the owner's rank
     real(wp), allocatable :: replicated(:)
@@ -30,7 +30,7 @@ contains
 
   !> The same for grains alone, between neighbours alone: values of replicated bodies stay those of this rank.
   subroutine add_grains_at_owner(subdomain, comm, values)
-    type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
+    type(subdomain_t), intent(in) :: subdomain !! ranks that share each body
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(inout) :: values(:, :) !! of this rank, shape (any, bodies); then totals on the owner's rank
     type(exchange_t), target :: plan
@@ -50,7 +50,7 @@ contains
 
   !> Give all copies of a grain the values that stand on its owner rank; those of replicated bodies stay as they are.
   subroutine copy_from_owner(subdomain, comm, values)
-    type(subdomain_t), intent(in) :: subdomain !! who shares which bodies
+    type(subdomain_t), intent(in) :: subdomain !! ranks that share each body
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), intent(inout) :: values(:, :) !! right for bodies owned here, shape (any, bodies); then for all
     type(exchange_t), target :: plan

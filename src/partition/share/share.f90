@@ -46,7 +46,7 @@ contains
 
   !> Make room for the bodies that this rank keeps.
   subroutine share_begin(self, scene, n, more)
-    class(share_t), intent(inout) :: self !! knows the ranks, and which bodies all keep
+    class(share_t), intent(inout) :: self !! with the ranks, and the bodies that all keep set
     type(scene_t), intent(inout) :: scene !! scene with its dimension and no bodies
     integer, intent(in) :: n !! bodies to be made one by one, of all ranks
     integer, intent(in) :: more !! other bodies for which there is to be room

@@ -47,10 +47,10 @@ contains
 
     allocate (owner(contacts%n), found%owned(parts), found%inner(parts), source=0)
     do k = 1, contacts%n
-      associate (home => part(contacts%body(:, k)) - 1_i4)
-        owner(k) = int(contact_owner(home), i4) + 1_i4
+      associate (pair => part(contacts%body(:, k)) - 1_i4)
+        owner(k) = int(contact_owner(pair), i4) + 1_i4
         found%owned(owner(k)) = found%owned(owner(k)) + 1
-        if (any(home < 0) .or. home(1) == home(2)) found%inner(owner(k)) = found%inner(owner(k)) + 1
+        if (any(pair < 0) .or. pair(1) == pair(2)) found%inner(owner(k)) = found%inner(owner(k)) + 1
       end associate
     end do
     call mark_shared(contacts, part, owner, is_shared)
@@ -149,12 +149,12 @@ contains
     allocate (edges(n), loans(n))
     n = 0
     do k = 1, contacts%n
-      associate (home => part(contacts%body(:, k)) - 1_i4)
-        if (any(home < 0) .or. home(1) == home(2)) cycle
+      associate (pair => part(contacts%body(:, k)) - 1_i4)
+        if (any(pair < 0) .or. pair(1) == pair(2)) cycle
         n = n + 1
-        edges(n) = int(minval(home), i8)*int(parts, i8) + int(maxval(home), i8)
-        borrowed = contacts%body(merge(2, 1, home(1) + 1 == owner(k)), k)
-        ! A grain lent to several parts is distinguished by the borrower; its home follows from the grain.
+        edges(n) = int(minval(pair), i8)*int(parts, i8) + int(maxval(pair), i8)
+        borrowed = contacts%body(merge(2, 1, pair(1) + 1 == owner(k)), k)
+        ! A grain lent to several parts is distinguished by the borrower; its owner follows from the grain.
         loans(n) = int(borrowed, i8)*int(parts, i8) + int(owner(k) - 1, i8)
       end associate
     end do
@@ -162,8 +162,8 @@ contains
     call count_runs(loans, distinct, times)
     do k = 1, size(distinct)
       n = int(modulo(distinct(k), int(parts, i8)))
-      associate (home => part(int(distinct(k)/int(parts, i8))) - 1)
-        distinct(k) = int(min(home, n), i8)*int(parts, i8) + int(max(home, n), i8)
+      associate (lender => part(int(distinct(k)/int(parts, i8))) - 1)
+        distinct(k) = int(min(lender, n), i8)*int(parts, i8) + int(max(lender, n), i8)
       end associate
     end do
     call list_pairs(distinct, parts, lent)

@@ -72,9 +72,9 @@ contains
     allocate (self%lent_first(size(coupling%neighbour) + 1), self%borrowed_first(size(coupling%neighbour) + 1), source=1)
     do i = 1, size(coupling%neighbour)
       associate (entries => [(e, e=coupling%first(i), coupling%first(i + 1) - 1)])
-        self%lent = [self%lent, coupling%body(pack(entries, coupling%home(entries) == coupling%rank .and. &
+        self%lent = [self%lent, coupling%body(pack(entries, coupling%owner(entries) == coupling%rank .and. &
                                                       interface%is_there(entries)))]
-        self%borrowed = [self%borrowed, coupling%body(pack(entries, coupling%home(entries) == coupling%neighbour(i) .and. &
+        self%borrowed = [self%borrowed, coupling%body(pack(entries, coupling%owner(entries) == coupling%neighbour(i) .and. &
                                                             interface%is_here(entries)))]
       end associate
       self%lent_first(i + 1) = size(self%lent) + 1

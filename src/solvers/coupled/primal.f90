@@ -11,9 +11,9 @@ module sg_primal
   use sg_coupled_solver, only: coupled_solver_t
   use sg_edges, only: all_edges, edges_t
   use sg_gluing, only: gluing_t
-  use sg_home_sum, only: copy_from_home
   use sg_kinds, only: wp, i4
   use sg_options, only: option_t, option_visitor_t
+  use sg_owner_sums, only: copy_from_owner
   use sg_problem, only: problem_t
   use sg_report, only: report_t
   use sg_subdomain, only: subdomain_t
@@ -151,7 +151,7 @@ contains
     call self%edges%carry(all_edges, .false., problem, comm)
   end subroutine primal_collect
 
-  !> Make masses whole, and give the velocities found to all copies: those of a grain stand at its home.
+  !> Make masses whole, and give the velocities found to all copies: those of a grain stand on its owner rank.
   subroutine primal_close(self, problem, coupling, comm)
     class(primal_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! this rank's part
@@ -159,7 +159,7 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
 
     call self%make_masses_whole(problem)
-    call copy_from_home(coupling, comm, problem%body(:self%width, :))
+    call copy_from_owner(coupling, comm, problem%body(:self%width, :))
   end subroutine primal_close
 
   !> List the tables of replicated bodies and of edges.

@@ -84,7 +84,7 @@ contains
       holds(contacts%body(:, k), p) = .true.
       if (any(pair == 0) .or. pair(1) == pair(2)) cycle
       edge(minval(pair), maxval(pair)) = edge(minval(pair), maxval(pair)) + 1
-      lends(contacts%body(merge(2, 1, owner(1) == p), k), p) = .true.
+      lends(contacts%body(merge(2, 1, pair(1) == p), k), p) = .true.
     end do
     holds(grains + 1, :) = .false.
     call t%check(all(found%owned == [(count(owner == p), p=1, parts)]), 'contacts owned')
