@@ -294,3 +294,21 @@ def test_pages(project, old, new, finding):
     page.write_text(PAGE.replace(old, new, 1) if old else PAGE)
     status, printed = run("check_docs", project)
     assert (status, finding in printed) == (int(bool(finding)), True), printed
+
+
+@pytest.mark.parametrize("line, finding", [
+    ("def plot(ax: int, *, size: int = 1) -> None: ...", ""),
+    ("def _plot(ax): ...", ""),
+    ("def plot(ax, size: int = 1) -> None: ...", "page.py:1: plot has no hint for ax"),
+    ("def plot(ax: int, *sizes) -> None: ...", "page.py:1: plot has no hint for sizes"),
+    ("def plot(ax: int): ...", "page.py:1: plot has no hint for its result"),
+    ("class Page:\n  def __init__(self, ax): ...", "page.py:2: __init__ has no hint for ax"),
+    ("class Page:\n  def plot(self, ax: int) -> None: ...", ""),
+    ("class _Page:\n  def plot(self, ax): ...", ""),
+])  # fmt: skip
+def test_hints(tmp_path, line, finding):
+    page = tmp_path / "postpro/splitgrain_postpro/study/page.py"
+    page.parent.mkdir(parents=True)
+    page.write_text(line + "\n")
+    status, printed = run("check_hints", tmp_path)
+    assert (status, finding in printed) == (int(bool(finding)), True), printed

@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from . import figures, spectra
@@ -26,7 +27,7 @@ COMMANDS = {
 }
 
 
-def parser():
+def parser() -> ArgumentParser:
     """The command line."""
     top = argparse.ArgumentParser(prog="splitgrain-postpro", description="Draw the results of a SplitGrain run.")
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -56,7 +57,7 @@ def parser():
     return top
 
 
-def draw(arguments):
+def draw(arguments: Namespace) -> tuple[Results, list[str], Path]:
     """Make the page of a command; returns the results read and what was not there."""
     results = Results(arguments.results)
     picture = -1
@@ -85,7 +86,7 @@ def draw(arguments):
     return results, missing, output
 
 
-def main(words=None):
+def main(words: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     arguments = parser().parse_args(words)
     if arguments.command == "study":

@@ -1,8 +1,12 @@
 """The pages that the commands write."""
 
+from matplotlib.figure import Figure
+
 from . import plots, traces
 from .errors import ResultsError
+from .results import Results
 from .scene import draw_scene, draw_split, proportions
+from .space import View
 from .style import new_figure, say_nothing_there
 from .text import headline
 
@@ -10,7 +14,7 @@ from .text import headline
 WIDE = 1.9
 
 
-def scene_figure(results, picture=-1, quantity="speed", view=None):
+def scene_figure(results: Results, picture: int = -1, quantity: str = "speed", view: View | None = None) -> tuple[Figure, list[str]]:
     """The scene alone; its page has the proportions of the scene."""
     scene = results.scene(picture)
     figure, ax = _page_of(scene, results, view)
@@ -18,7 +22,7 @@ def scene_figure(results, picture=-1, quantity="speed", view=None):
     return figure, missing
 
 
-def split_figure(results, picture=-1, view=None):
+def split_figure(results: Results, picture: int = -1, view: View | None = None) -> tuple[Figure, list[str]]:
     """The scene by ranks; its page has the proportions of the scene."""
     scene = results.scene(picture)
     figure, ax = _page_of(scene, results, view)
@@ -33,7 +37,7 @@ def _page_of(scene, results, view):
     return figure, figure.add_subplot()
 
 
-def energy_figure(results):
+def energy_figure(results: Results) -> tuple[Figure, list[str]]:
     """Energies, and how far their balance is from closing."""
     _need_record(results)
     figure = new_figure(8, 7)
@@ -44,7 +48,7 @@ def energy_figure(results):
     return figure, []
 
 
-def solver_figure(results):
+def solver_figure(results: Results) -> tuple[Figure, list[str]]:
     """What the solver did: sweeps, contacts, residuals, cost by phase."""
     _need_record(results)
     figure = new_figure(11, 7.5)
@@ -57,7 +61,7 @@ def solver_figure(results):
     return figure, []
 
 
-def trace_figure(results):
+def trace_figure(results: Results) -> tuple[Figure, list[str]]:
     """Errors against CPU time and against contact updates within traced steps, and what these steps cost."""
     points, steps = results.trace
     if not points or not len(points["step"]):
@@ -72,7 +76,7 @@ def trace_figure(results):
     return figure, []
 
 
-def summary_figure(results, picture=-1):
+def summary_figure(results: Results, picture: int = -1) -> tuple[Figure, list[str]]:
     """One page: the scene with its force chains, energies, effort, residuals, error against cost."""
     scene = results.scene(picture) if len(results.picture_times) else None
     figure = new_figure(15, 8.4)

@@ -1,6 +1,7 @@
 """Curves of a run from record.csv: energies, effort of the solver, residuals."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.ticker import StrMethodFormatter
 
 from .style import (
@@ -49,7 +50,7 @@ def _finish(ax, drawn, x_label, y_label, title, **legend):
         ax.legend(**legend)
 
 
-def draw_energies(ax, record, is_in_space=False):
+def draw_energies(ax: Axes, record: dict[str, np.ndarray], is_in_space: bool = False) -> None:
     """Kinetic and potential energy, works and losses, each since the start of the record."""
     if _is_empty(ax, record):
         return
@@ -75,7 +76,7 @@ def draw_energies(ax, record, is_in_space=False):
     _finish(ax, drawn, TIME, "energy [J]" if is_in_space else "energy [J per m of depth]", "Energies", loc="best")
 
 
-def draw_closure(ax, record):
+def draw_closure(ax: Axes, record: dict[str, np.ndarray]) -> None:
     """How far the energy balance is from closing."""
     if _is_empty(ax, record):
         return
@@ -84,7 +85,7 @@ def draw_closure(ax, record):
     _finish(ax, drawn, TIME, "defect over largest term [-]", "Energy balance")
 
 
-def draw_contacts(ax, record):
+def draw_contacts(ax: Axes, record: dict[str, np.ndarray]) -> None:
     """Contacts, and those that carry force."""
     if _is_empty(ax, record):
         return
@@ -96,7 +97,7 @@ def draw_contacts(ax, record):
     _finish(ax, drawn, TIME, "contacts [-]", "Contacts", **ABOVE)
 
 
-def draw_sweeps(ax, record):
+def draw_sweeps(ax: Axes, record: dict[str, np.ndarray]) -> None:
     """Sweeps of the solver a step; steps that did not converge are marked."""
     if _is_empty(ax, record):
         return
@@ -109,7 +110,7 @@ def draw_sweeps(ax, record):
     _finish(ax, drawn, TIME, "sweeps per step [-]", "Solver effort", **ABOVE)
 
 
-def draw_effort(ax, record):
+def draw_effort(ax: Axes, record: dict[str, np.ndarray]) -> None:
     """Sweeps and contacts in one panel with two scales, for the summary."""
     draw_sweeps(ax, record)
     if not ax.axison:
@@ -131,7 +132,7 @@ def draw_effort(ax, record):
     other.legend(handles[0][0] + handles[1][0], handles[0][1] + handles[1][1], **ABOVE)
 
 
-def draw_residuals(ax, record, against="time"):
+def draw_residuals(ax: Axes, record: dict[str, np.ndarray], against: str = "time") -> None:
     """Residuals E1, E2 and E8 against simulated time or against CPU time."""
     if _is_empty(ax, record):
         return
@@ -152,7 +153,7 @@ def draw_residuals(ax, record, against="time"):
         _finish(ax, drawn, "CPU time since the start [s]", "residual [-]", "Error against cost", **ABOVE)
 
 
-def draw_phases(ax, record):
+def draw_phases(ax: Axes, record: dict[str, np.ndarray]) -> None:
     """CPU time by phase, stacked, against simulated time."""
     if _is_empty(ax, record):
         return

@@ -7,8 +7,9 @@ import numpy as np
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 
 from .errors import ResultsError
+from .results import Scene
 from .style import FILL, KINDS, number
-from .vtkhdf import VTK_LINE
+from .vtkhdf import VTK_LINE, Grid
 
 LABELS = {
     "speed": "speed [m/s]", "displacement": "displacement [m]", "start_height": "height at the start [m]", "material": "material", "coordination": "contacts that carry force",
@@ -35,7 +36,7 @@ class Colouring:
     note: str = ""
 
 
-def colouring(values, quantity, fill=FILL):
+def colouring(values: np.ndarray, quantity: str, fill: Colormap = FILL) -> Colouring:
     """The colours of these values, which are finite."""
     label = LABELS.get(quantity, "force [N]")
     if quantity in LABEL_QUANTITIES:
@@ -61,7 +62,7 @@ def _colouring_of_labels(values, label):
     return Colouring(label, colours, Normalize(low - 0.5, high + 0.5), ticks)
 
 
-def is_in_space(scene):
+def is_in_space(scene: Scene) -> bool:
     """Is this the picture of a scene in three dimensions?"""
     return any(
         grid is not None and name in data(grid)
@@ -73,7 +74,7 @@ def is_in_space(scene):
     )
 
 
-def of_bodies(scene, quantity):
+def of_bodies(scene: Scene, quantity: str) -> np.ndarray | None:
     """A quantity of every body; None when the run did not write what it needs."""
     data = scene.bodies.point_data if scene.bodies is not None else {}
     if quantity == "coordination":
@@ -86,7 +87,7 @@ def of_bodies(scene, quantity):
     return np.linalg.norm(values, axis=1) if values is not None and values.ndim == 2 else values
 
 
-def of_shapes(scene, quantity, default):
+def of_shapes(scene: Scene, quantity: str, default: float) -> np.ndarray:
     """A quantity of the bodies, for every cell of the shapes."""
     shapes = scene.shapes
     values = of_bodies(scene, quantity)
@@ -139,7 +140,7 @@ def _forces(contacts):
     return data["force_normal"][:, None] * normal + data["force_tangential"][:, None] * tangent
 
 
-def rows_of(ids, wanted):
+def rows_of(ids: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     """Where in `ids` each wanted id stands."""
     order = np.argsort(ids, kind="stable")
     found = np.searchsorted(ids, wanted, sorter=order)
@@ -149,7 +150,7 @@ def rows_of(ids, wanted):
     return rows
 
 
-def between_ranks(scene):
+def between_ranks(scene: Scene) -> tuple[np.ndarray, int]:
     """Cells that are contacts of two grains of different ranks, and the number of contacts between grains."""
     data, contacts = scene.bodies.point_data, scene.contacts
     ends = np.column_stack([contacts.cell_data["candidate"], contacts.cell_data["antagonist"]])
@@ -160,14 +161,14 @@ def between_ranks(scene):
     return cells[grains & (ranks[:, 0] != ranks[:, 1])], int(grains.sum())
 
 
-def links(contacts):
+def links(contacts: Grid) -> tuple[np.ndarray, np.ndarray]:
     """Cells that are links, and their tensions; none where the scene has no links."""
     number = np.asarray(contacts.cell_data.get("link", np.zeros(len(contacts.types))))
     cells = np.flatnonzero((contacts.types == VTK_LINE) & (number > 0))
     return cells, np.asarray(contacts.cell_data["tension"], dtype=float)[cells] if len(cells) else np.zeros(0)
 
 
-def bonds(contacts):
+def bonds(contacts: Grid) -> tuple[np.ndarray, np.ndarray]:
     """Cells that hold bonds of cohesive zones, the most damaged ones last, and their damages; none where there are no such laws."""
     damage = np.asarray(contacts.cell_data.get("damage", np.full(len(contacts.types), -1.0)), dtype=float)
     cells = np.flatnonzero((contacts.types == VTK_LINE) & (damage >= 0))
@@ -175,7 +176,7 @@ def bonds(contacts):
     return cells, damage[cells]
 
 
-def carrying(contacts):
+def carrying(contacts: Grid) -> np.ndarray:
     """Which cells are contacts that carry a normal force worth drawing."""
     force = np.abs(contacts.cell_data["force_normal"])
     is_contact = contacts.types == VTK_LINE

@@ -4,6 +4,8 @@ Shapes are given in the axes of the camera: u to the right, v up, w towards the 
 pixel keeps the nearest point: how near, of which item, which way its surface faces. Light and edges come last.
 """
 
+from collections.abc import Collection, Iterable, Sequence
+
 import numpy as np
 
 NOTHING = -1
@@ -16,7 +18,7 @@ class Canvas:
 
     FINE = 2
 
-    def __init__(self, box, pixels):
+    def __init__(self, box: Sequence[float] | np.ndarray, pixels: int):
         """box: (u low, u high, v low, v high) [m]; pixels: of the longer side."""
         self.box = box
         self.scale = self.FINE * pixels / max(box[1] - box[0], box[3] - box[2])
@@ -46,7 +48,7 @@ class Canvas:
         self.piece[window][nearer] = self.pieces
         self.normal[window][nearer] = normal if np.ndim(normal) == 1 else normal[nearer]
 
-    def add_spheres(self, centres, radii, items):
+    def add_spheres(self, centres: np.ndarray, radii: np.ndarray, items: np.ndarray) -> None:
         """Spheres; items are the numbers by which they are coloured."""
         for centre, radius, item in zip(centres, radii, items, strict=True):
             self.pieces += 1
@@ -63,7 +65,7 @@ class Canvas:
             normal = np.stack(np.broadcast_arrays(u, v, w), axis=-1)
             self._paint(window, np.where(inside, centre[2] + radius * w, -np.inf), normal, item)
 
-    def add_polygons(self, polygons, items, smooth=()):
+    def add_polygons(self, polygons: Sequence[np.ndarray], items: np.ndarray, smooth: Collection[int] = ()) -> None:
         """Plane convex polygons, corners counter-clockwise seen from outside; seen from inside they are left out.
 
         smooth: of each polygon, whether it goes on into the one before it without an edge.
@@ -93,7 +95,7 @@ class Canvas:
         depth = w0 - (normal[0] / normal[2]) * (u - u0) - (normal[1] / normal[2]) * (v - v0)
         return window, np.where(inside, depth, -np.inf), normal
 
-    def hidden_by(self, polygons):
+    def hidden_by(self, polygons: Iterable[np.ndarray]) -> int:
         """How many pixels of what is painted these polygons would hide."""
         hidden = 0
         for corners in polygons:
@@ -103,7 +105,7 @@ class Canvas:
                 hidden += np.count_nonzero((self.item[window] != NOTHING) & (depth > self.depth[window]))
         return hidden
 
-    def sees(self, points, slack):
+    def sees(self, points: np.ndarray, slack: float) -> np.ndarray:
         """Which points nothing hides that is nearer by more than `slack` [m]; points outside of the picture are not seen."""
         columns, rows = ((points[:, k] - self.box[2 * k]) * self.scale for k in (0, 1))
         columns, rows = columns.astype(int), rows.astype(int)
@@ -111,7 +113,7 @@ class Canvas:
         inside[inside] = self.depth[rows[inside], columns[inside]] <= points[inside, 2] + slack
         return inside
 
-    def add_tubes(self, starts, ends, radii, items):
+    def add_tubes(self, starts: np.ndarray, ends: np.ndarray, radii: np.ndarray, items: np.ndarray) -> None:
         """Round bars with round ends."""
         for start, end, radius, item in zip(starts, ends, radii, items, strict=True):
             self.pieces += 1
@@ -145,7 +147,7 @@ class Canvas:
         normal = np.stack(np.broadcast_arrays(u, v, w), axis=-1) - place[..., None] * axis
         self._paint(window, np.where(inside, start[2] + w, -np.inf), normal / radius, item)
 
-    def image(self, colours, reach, edge=0.6):
+    def image(self, colours: np.ndarray, reach: float, edge: float = 0.6) -> np.ndarray:
         """Red, green, blue and opacity; colours: one row an item; reach: how far shadows of corners go [m]."""
         covered = self.item != NOTHING
         light = LIGHT / np.linalg.norm(LIGHT)
@@ -193,7 +195,7 @@ class Canvas:
         return np.repeat(np.repeat(open_, self.FINE, axis=0), self.FINE, axis=1)
 
 
-def normal_of(corners):
+def normal_of(corners: np.ndarray) -> np.ndarray:
     """Unit normal of a polygon by the sum over its edges; zero for one without area."""
     # Much quicker than numpy's cross product for the few corners of a face.
     first, *others = corners.tolist()

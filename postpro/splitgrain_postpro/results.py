@@ -5,6 +5,7 @@ import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +40,7 @@ class Results:
         return self.folder.resolve().name
 
     @cached_property
-    def run(self) -> dict[str, object]:
+    def run(self) -> dict[str, Any]:
         """run.json; empty when the run has not written it yet."""
         path = self.folder / "run.json"
         if not path.exists():

@@ -1,17 +1,22 @@
 """Draw the scene: grains filled by a quantity, walls grey, force chains as lines as wide as the force they carry."""
 
+from collections.abc import Callable
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 
 from . import space
 from .quantities import QUANTITIES, between_ranks, bonds, carrying, colouring, is_in_space, links, of_bodies, of_shapes
+from .results import Scene
+from .space import View
 from .style import BLACK, BLUE, GRAIN, VERMILION, WALL, draw_bonds, number
 from .vtkhdf import VTK_POLY_LINE, VTK_POLYGON
 
 __all__ = ["QUANTITIES", "draw_scene", "draw_split", "proportions"]
 
 
-def draw_split(ax, scene, periods=(0.0, 0.0), view=None):
+def draw_split(ax: Axes, scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: View | None = None) -> list[str]:
     """Draw grains in the colours of their ranks and, in the plane, the contacts between ranks as lines."""
     missing = draw_scene(ax, scene, "rank", periods, view, draw_contacts=_draw_interface)
     data = scene.bodies.point_data if scene.bodies is not None else {}
@@ -23,7 +28,10 @@ def draw_split(ax, scene, periods=(0.0, 0.0), view=None):
     return missing
 
 
-def draw_scene(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None, draw_contacts=None):
+def draw_scene(
+    ax: Axes, scene: Scene, quantity: str = "speed", periods: tuple[float, float] = (0.0, 0.0), view: View | None = None,
+    draw_contacts: Callable | None = None,
+) -> list[str]:
     """Draw one picture of a run; returns sentences about what is not there to draw."""
     if is_in_space(scene):
         return space.draw_space(ax, scene, quantity, periods, view)
@@ -50,7 +58,7 @@ def draw_scene(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None, draw_
     return missing
 
 
-def proportions(scene, periods=(0.0, 0.0), view=None):
+def proportions(scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: View | None = None) -> float:
     """Width over height of what is shown, within what fits on a page."""
     if is_in_space(scene):
         return space.proportions(scene, periods, view)

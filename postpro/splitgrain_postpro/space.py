@@ -7,6 +7,7 @@ box about the scene.
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.collections import LineCollection
@@ -15,6 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from .errors import ResultsError
 from .quantities import bonds, carrying, colouring, links, of_bodies, of_shapes, rows_of
 from .raster import Canvas, normal_of
+from .results import Scene
 from .style import BLACK, BLUE, VERMILION, draw_bonds, number
 from .vtkhdf import VTK_POLYGON, VTK_VERTEX
 
@@ -38,7 +40,7 @@ class View:
     forces: bool = False  # forces between grains, which are pale then
     cut: tuple | None = None  # (axis, place [m]): grains on the viewer's side are left out
 
-    def axes(self):
+    def axes(self) -> np.ndarray:
         """Unit vectors to the right, up and towards the viewer, as rows."""
         a, e = np.radians([self.azimuth, self.elevation])
         right = np.array([-np.sin(a), np.cos(a), 0])
@@ -55,7 +57,9 @@ class Solids:
     polygons: tuple  # corners, bodies, shapes, kinds
 
 
-def draw_space(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None):
+def draw_space(
+    ax: Axes, scene: Scene, quantity: str = "speed", periods: tuple[float, float] = (0.0, 0.0), view: View | None = None,
+) -> list[str]:
     """Draw one picture; returns sentences about what is not there to draw."""
     view = view or View()
     axes = view.axes()
@@ -97,7 +101,7 @@ def draw_space(ax, scene, quantity="speed", periods=(0.0, 0.0), view=None):
     return missing
 
 
-def proportions(scene, periods=(0.0, 0.0), view=None):
+def proportions(scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: View | None = None) -> float:
     """Width over height of what is shown, within what fits on a page."""
     if scene.bodies is None:
         return 1.0

@@ -1,9 +1,10 @@
 """Figures of frequencies and wave numbers: spectra of a run, structure of its packing."""
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from .errors import ResultsError
-from .results import read_record
+from .results import Results, read_record
 from .structure import centres_of, radial_distribution, structure_factor
 from .style import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILION, new_figure, say_nothing_there
 
@@ -14,7 +15,7 @@ MANY_LINES = 4000
 PEAK, NAMED, ABOUT = 30.0, 6, 40
 
 
-def spectrum_figure(results):
+def spectrum_figure(results: Results) -> tuple[Figure, list[str]]:
     """Power spectra of what the run sampled: wall forces, momentum and kinetic energy of the grains."""
     path = results.folder / "spectrum.csv"
     if not path.exists():
@@ -56,7 +57,7 @@ def _draw_spectra(ax, table, stem, unit):
                     ha="left", fontsize=7, color="#444444", rotation=30)
 
 
-def peaks(power):
+def peaks(power: np.ndarray) -> list[int]:
     """Places of the highest lines that stand out of those about them, at most six, in order of frequency."""
     places = []
     for place in np.argsort(power)[::-1][:200]:
@@ -69,7 +70,7 @@ def peaks(power):
     return sorted(places)
 
 
-def structure_figure(results, picture=-1):
+def structure_figure(results: Results, picture: int = -1) -> tuple[Figure, list[str]]:
     """Radial distribution and structure factor of a picture, and what the run itself wrote at that step."""
     scene = results.scene(picture)
     if scene.bodies is None or "is_grain" not in scene.bodies.point_data:

@@ -9,6 +9,8 @@ from itertools import product
 
 import numpy as np
 
+from .vtkhdf import Grid
+
 #: Bins of g, and their reach in diameters; how much of a period and of a box with ends they may take.
 BINS, DIAMETERS, OF_PERIOD, OF_WIDTH = 200, 5.0, 1 / 3, 1 / 4
 #: Bins of S and the largest k times the diameter.
@@ -36,7 +38,7 @@ class Centres:
         return self.high - self.low
 
 
-def centres_of(bodies, periods, diameter, is_in_space):
+def centres_of(bodies: Grid, periods: tuple[float, float], diameter: float, is_in_space: bool) -> Centres:
     """Centres of the grains of a picture; the box is the period where there is one, and ends with the grains otherwise."""
     dimension = 3 if is_in_space else 2
     points = np.array(bodies.points[np.asarray(bodies.point_data["is_grain"], bool), :dimension], dtype=float)

@@ -1,7 +1,10 @@
 """How all figures look: fonts that can be read in print, colours that colour-blind people tell apart."""
 
+from contextlib import AbstractContextManager
+
 import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
@@ -28,17 +31,19 @@ MANY_ROWS = 1200
 WINDOWS = 400
 
 
-def styled():
+def styled() -> AbstractContextManager[None]:
     """A context in which figures have the common look."""
     return matplotlib.rc_context(SETTINGS)
 
 
-def new_figure(width, height):
+def new_figure(width: float, height: float) -> Figure:
     """A figure of this size [inch] that arranges its parts itself."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def draw_series(ax, x, y, colour, label=None, log=False, dashed=False):
+def draw_series(
+    ax: Axes, x: np.ndarray, y: np.ndarray, colour: str, label: str | None = None, log: bool = False, dashed: bool = False,
+) -> bool:
     """A line; a long series as its mean over windows, with its range as a shade. Returns whether anything is drawn."""
     known = np.isfinite(x) & np.isfinite(y)
     if log:
@@ -61,18 +66,18 @@ def draw_series(ax, x, y, colour, label=None, log=False, dashed=False):
     return True
 
 
-def draw_bonds(ax, points, damage, size):
+def draw_bonds(ax: Axes, points: np.ndarray, damage: np.ndarray, size: float) -> None:
     """Bonds of cohesive zones as dots of a size [pt], pale where whole and red where broken, and what they mean."""
     ax.scatter(*points.T, s=size**2, c=damage, cmap="YlOrRd", vmin=0, vmax=1, edgecolors=BLACK, linewidths=0.4, zorder=5)
     ax.text(0.01, 0.99, "dots: bonds, from whole (pale) to broken (red)", transform=ax.transAxes, va="top", fontsize=8)
 
 
-def say_nothing_there(ax, sentence):
+def say_nothing_there(ax: Axes, sentence: str) -> None:
     """An empty panel that says what is not there."""
     ax.set_axis_off()
     ax.text(0.5, 0.5, sentence, ha="center", va="center", transform=ax.transAxes, color="#666666", wrap=True)
 
 
-def number(value):
+def number(value: float) -> str:
     """A number in four digits, without trailing zeros."""
     return f"{value:.4g}"

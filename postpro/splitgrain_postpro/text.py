@@ -1,7 +1,11 @@
 """The short text about a run: from run.json, or from the record when the run has not ended."""
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 
+from .results import Results
 from .style import number
 
 # Name in run.json, words, unit.
@@ -33,7 +37,7 @@ LINES = [
 ]
 
 
-def facts(results):
+def facts(results: Results) -> dict[str, Any]:
     """What is known at the end of the run, or at the last row of the record while it goes on."""
     record = results.record
     known = {name: float(column[-1]) for name, column in record.items() if len(column)}
@@ -49,7 +53,7 @@ def facts(results):
     return known
 
 
-def state(results):
+def state(results: Results) -> str:
     """How the run stands; run.json is there when the run has ended."""
     run = results.run
     if not run:
@@ -58,7 +62,7 @@ def state(results):
     return status if status == "done" else f"{status}: {run.get('reason') or 'no reason given'}"
 
 
-def headline(results):
+def headline(results: Results) -> str:
     """One line for the top of a page."""
     known = facts(results)
     parts = [results.name]
@@ -74,7 +78,7 @@ def headline(results):
     return "   |   ".join(parts)
 
 
-def summary_text(results, missing=()):
+def summary_text(results: Results, missing: Iterable[str] = ()) -> str:
     """The text that `summary` prints and saves: one fact a line."""
     known = facts(results)
     rows = [("run", f"{results.name}, {state(results)}")]

@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 
 from .plots import PHASES
 from .style import say_nothing_there
@@ -11,7 +12,7 @@ WORK = {"cpu_seconds": "CPU time of the solve [s]", "contact_updates": "contact 
 MOST_NAMED = 10
 
 
-def draw_history(ax, points, error, work):
+def draw_history(ax: Axes, points: dict[str, np.ndarray], error: str, work: str) -> None:
     """An error within each traced step against work; both start at zero, which logarithms cannot show, so time is linear."""
     numbers = np.unique(points["step"])
     colours = colormaps["viridis"](np.linspace(0, 0.9, len(numbers)))
@@ -33,7 +34,7 @@ def draw_history(ax, points, error, work):
         ax.legend(fontsize=7, handlelength=1.2)
 
 
-def draw_costs(ax, steps):
+def draw_costs(ax: Axes, steps: dict[str, np.ndarray]) -> None:
     """CPU time of traced steps by phase, stacked."""
     ax.set_title("Where the time of these steps went")
     places = np.arange(len(steps["step"]))

@@ -1,9 +1,11 @@
 """The blocks of a study file: [[case]], [[variant]], [[measure]]."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from .expressions import evaluate
-from .model import Case, Measure, Variant
+from .model import Case, Measure, Study, Variant
+from .study_file import StudyFile
 
 # Key: kinds allowed. A list is of numbers, a table of settings.
 CASE = {"name": (str,), "files": (str, list), "deck": (str,), "dump": (int, list), "set": (dict,), "from": (int,), "steps": (int,),
@@ -14,7 +16,7 @@ MEASURE = {"name": (str,), "column": (str,), "below": (int, float), "body": (int
 OVER = ("end", "mean", "largest")
 
 
-def cases_of(file, block, number):
+def cases_of(file: StudyFile, block: dict, number: int) -> list[Case]:
     """The cases of a block: one for each file, or for each step that is dumped."""
     file.table_of(block, CASE, "case", number)
     if ("files" in block) == ("deck" in block):
@@ -36,7 +38,7 @@ def cases_of(file, block, number):
     return [Case(name if len(steps) == 1 else f"{name}, step {step}", deck, step, block.get("set", {}), kind=kind) for step in steps]
 
 
-def cases_of_files(file, block, number):
+def cases_of_files(file: StudyFile, block: dict, number: int) -> list[Case]:
     """A case for every file that the patterns find."""
     patterns = block["files"] if isinstance(block["files"], list) else [block["files"]]
     for key in ("dump", "set", "from", "steps"):
@@ -55,7 +57,7 @@ def cases_of_files(file, block, number):
     return [Case(name if name and len(found) == 1 else f"{name} {path.stem}".strip(), path, kind=kind) for path in found]
 
 
-def variant_of(file, block, number, of_problems, values=()):
+def variant_of(file: StudyFile, block: dict, number: int, of_problems: bool, values: Sequence[float] = ()) -> Variant:
     """One variant; `values` are those of the axis."""
     file.table_of(block, VARIANT, "variant", number)
     for key in ("set", "ranks") if of_problems else ("solver", "guess", "iterations"):
@@ -73,7 +75,7 @@ def variant_of(file, block, number, of_problems, values=()):
                    block.get("set", {}), block.get("ranks", 1), block.get("values", []))  # fmt: skip
 
 
-def measure_of(file, block, number, study):
+def measure_of(file: StudyFile, block: dict, number: int, study: Study) -> Measure:
     """One measure."""
     file.table_of(block, MEASURE, "measure", number)
     if study.of_problems:

@@ -8,12 +8,14 @@ best. All numbers of this stand in the study before it is run.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from .jobs import finer_variant
 from .measures import rms_of_bodies
+from .model import Case, Measure, Study, Table
 
 
 @dataclass
@@ -31,17 +33,17 @@ class Setting:
     is_best: bool = False
 
     @property
-    def within(self):
+    def within(self) -> float:
         """Share of cases within the limit."""
         return sum(ratio <= 1 for ratio in self.ratios) / len(self.ratios)
 
     @property
-    def worst(self):
+    def worst(self) -> float:
         """Largest error over its limit."""
         return max(self.ratios)
 
 
-def choose(study, table):
+def choose(study: Study, table: Table) -> tuple[list[Setting], dict[str, tuple[float | None, float | None]]]:
     """All settings, judged; and the limit and the error of the time step of each case."""
     place = [measure.name for measure in study.measures].index(study.choice["measure"])
     measure = study.measures[place]
@@ -70,7 +72,10 @@ def choose(study, table):
     return settings, limits
 
 
-def limit_of(study, case, measure, table, reference, value):
+def limit_of(
+    study: Study, case: Case, measure: Measure, table: Table, reference: np.ndarray | None,
+    value: Callable[[str, str, float], np.ndarray | None],
+) -> tuple[float | None, float | None]:
     """The limit of a case, and the error of its time step; None where a run is missing."""
     finer = value(case.name, finer_variant(study, case).name, min(study.values))
     if reference is None or finer is None:
@@ -80,12 +85,12 @@ def limit_of(study, case, measure, table, reference, value):
     return max(study.choice["share"] * step, study.choice["least"] * radius), step
 
 
-def difference(measure, one, other):
+def difference(measure: Measure, one: np.ndarray, other: np.ndarray) -> float:
     """Difference of a measure between two runs."""
     return rms_of_bodies(one - other) if measure.bodies else float(abs(one[-1] - other[-1]))
 
 
-def judge(settings, choice):
+def judge(settings: list[Setting], choice: dict) -> None:
     """Which settings are fit, what each costs over the cheapest fit one, and which is best."""
     for setting in settings:
         setting.is_fit = setting.within >= choice["cases"] and setting.worst <= choice["worst"]

@@ -1,19 +1,22 @@
 """The choice of a study as a figure, tables and lines to print."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from ..style import VERMILION, new_figure, say_nothing_there
 from . import page
 from .choice import choose
 from .drawings import SIZE, look
+from .model import Section, Study, Table
 
 # Ratios below this are drawn here: no error at all has no logarithm.
 LEAST_RATIO = 1e-3
 
 
-def choice_section(study, table, save):
+def choice_section(study: Study, table: Table, save: Callable[[Figure, str, str], str]) -> tuple[Section, list[str]]:
     """The section of the page, and the lines to print; `save` takes a figure, a name and words."""
     settings, limits = choose(study, table)
     picture = save(_figure(study, settings), "choice", "Error over its limit against CPU time, a point a tolerance")

@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+from argparse import Namespace, _SubParsersAction
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from .verdict_study import do_verdicts
 EXIT_DONE, EXIT_FAILED, EXIT_STOPPED = 0, 1, 75
 
 
-def add_command(commands):
+def add_command(commands: _SubParsersAction) -> None:
     """The command line of `study`."""
     sentence = "run a study: cases x variants x tolerances, time steps or subdomains; error against work"
     command = commands.add_parser("study", help=sentence, description=sentence, prog="splitgrain study")
@@ -29,7 +30,7 @@ def add_command(commands):
     command.add_argument("--program", metavar="PATH", help="the splitgrain to run")
 
 
-def run_study(arguments):
+def run_study(arguments: Namespace) -> int:
     """Do a study; returns the exit code."""
     try:
         return _study(arguments)
@@ -104,7 +105,7 @@ def _verdict(jobs, results):
     return EXIT_FAILED
 
 
-def workers_of(jobs):
+def workers_of(jobs: int | str) -> int:
     """How many runs go on at a time."""
     if jobs == "all":
         return len(os.sched_getaffinity(0))

@@ -2,12 +2,13 @@
 
 import csv
 import io
+from collections.abc import Iterable
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """How a cell begins that a spreadsheet may compute"""
 
 
-def csv_text(rows):
+def csv_text(rows: Iterable[Iterable]) -> str:
     """Rows as the text of a CSV file. A text that begins like a formula gets an apostrophe before it; numbers stay numbers."""
     text = io.StringIO()
     csv.writer(text).writerows([_cell(cell) for cell in row] for row in rows)

@@ -3,8 +3,10 @@
 import tomllib
 from html import escape
 
+from .model import Case, Section
 
-def deck_section(cases):
+
+def deck_section(cases: list[Case]) -> list[Section]:
     """A section of the page with the titles of the decks, each once; none where no deck has one."""
     lines = []
     for path in dict.fromkeys(case.file for case in cases if case.file.suffix == ".toml"):

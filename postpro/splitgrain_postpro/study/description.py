@@ -1,5 +1,7 @@
 """What a study file says, checked: every mistake is one sentence with its line."""
 
+from pathlib import Path
+
 from .blocks import cases_of, measure_of, variant_of
 from .expressions import evaluate
 from .model import AXES, Study
@@ -20,7 +22,7 @@ CHOICE = {"measure": (str,), "finer": (int,), "share": (int, float), "least": (i
 class Reader(StudyFile):
     """Reads one study file."""
 
-    def study(self):
+    def study(self) -> Study:
         """The study."""
         table = self.table
         self.check(table, TOP)
@@ -46,7 +48,7 @@ class Reader(StudyFile):
         self.check_whole(study)
         return study
 
-    def axis(self):
+    def axis(self) -> tuple[str, list[float]]:
         """What is varied: the one list of numbers that is there."""
         given = [name for name in AXES if name in self.table]
         if len(given) != 1:
@@ -59,7 +61,7 @@ class Reader(StudyFile):
             self.fail(f"'{given[0]}' should be a list of {'whole ' if whole else ''}numbers above 0", key=given[0])
         return given[0], sorted(set(values), reverse=not whole)
 
-    def constants(self):
+    def constants(self) -> dict[str, float]:
         """Constants, each an expression of those before it."""
         known = {}
         for name, text in self.table.get("constants", {}).items():
@@ -69,7 +71,7 @@ class Reader(StudyFile):
                 self.fail(str(error), "constants", 1, name)
         return known
 
-    def reference(self):
+    def reference(self) -> dict:
         """Solver and tolerance of reference solutions."""
         block = self.table.get("reference", {})
         self.check(block, REFERENCE, "reference")
@@ -77,7 +79,7 @@ class Reader(StudyFile):
             self.fail("'tolerance' of [reference] should be above 0", "reference", 1, "tolerance")
         return {"solver": "auto", "tolerance": 1e-12} | block if block else {}
 
-    def choice(self, study):
+    def choice(self, study: Study) -> dict:
         """What a choice among variants and tolerances is made by; empty without one."""
         if "choice" not in self.table:
             return {}
@@ -96,7 +98,7 @@ class Reader(StudyFile):
             self.fail("'present' of [choice] should be the name of a variant and a tolerance", "choice", 1, "present")
         return {"measure": names[0], "finer": 4, "share": 0.3, "least": 1e-4, "cases": 0.9, "worst": 10.0, "present": []} | block
 
-    def check_whole(self, study):
+    def check_whole(self, study: Study) -> None:
         """What only shows when all is known."""
         jobs = study.jobs
         if jobs != "all" and (isinstance(jobs, str) or jobs < 1):
@@ -114,6 +116,6 @@ class Reader(StudyFile):
                     self.fail(f"the duration {study.duration:g} s is no whole number of time steps {step:g} s", key="time_steps")
 
 
-def read_study(path):
+def read_study(path: Path) -> Study:
     """Read and check a study file."""
     return Reader(path).study()

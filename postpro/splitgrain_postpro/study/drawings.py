@@ -1,9 +1,11 @@
 """Figures of a study, each of one panel, so that it can be read on a narrow page too."""
 
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
 from ..style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, new_figure, say_nothing_there
+from .model import Case, Curves, Study
 
 LOOKS = list(zip((BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK), "os^Dvp*", strict=True))
 SIZE = (4.7, 3.7)
@@ -15,7 +17,7 @@ CLOCKS = {"cpu_seconds": "CPU time [s]", "contact_updates": "contact updates [-]
 CPU, UPDATES, BYTES = CLOCKS
 
 
-def look(study, variant):
+def look(study: Study, variant: str) -> tuple[str, str]:
     """Colour and marker of a variant, the same in all figures."""
     names = [other.name for other in study.variants]
     number = names.index(variant)
@@ -23,7 +25,7 @@ def look(study, variant):
     return LOOKS[number % len(LOOKS)][0], LOOKS[(number + number // len(LOOKS)) % len(LOOKS)][1]
 
 
-def work_precision(study, case, curves, clock, error_label, title):
+def work_precision(study: Study, case: Case, curves: Curves, clock: str, error_label: str, title: str) -> Figure:
     """Error against work: `curves[variant]` lists (work, error, is it as asked?), by falling tolerance."""
     figure = new_figure(*SIZE)
     ax = figure.add_subplot()
@@ -41,7 +43,7 @@ def work_precision(study, case, curves, clock, error_label, title):
     return figure
 
 
-def traces(study, curves, title):
+def traces(study: Study, curves: Curves, title: str) -> Figure:
     """Error against CPU time within one run of each variant: `curves[variant]` lists (seconds, e1, e8)."""
     figure = new_figure(*SIZE)
     ax = figure.add_subplot()
@@ -56,7 +58,7 @@ def traces(study, curves, title):
     return figure
 
 
-def profiles(study, ratios, count, title):
+def profiles(study: Study, ratios: dict[str, list[float]], count: int, title: str) -> Figure:
     """Share of problems solved within tau times the fastest: steps, drawn to a common end."""
     figure = new_figure(*SIZE)
     ax = figure.add_subplot()
@@ -73,7 +75,7 @@ def profiles(study, ratios, count, title):
     return figure
 
 
-def convergence(study, curves, orders, label, title):
+def convergence(study: Study, curves: Curves, orders: dict[str, float | None], label: str, title: str) -> Figure:
     """Error of a measure, or what it took, against the axis; over time steps with lines of orders one and two."""
     figure = new_figure(*SIZE)
     ax = figure.add_subplot()

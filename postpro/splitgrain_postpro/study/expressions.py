@@ -18,7 +18,7 @@ LONGEST = 2000
 """Characters of an expression at most: its parse takes time and memory"""
 
 
-def evaluate(text, names):
+def evaluate(text: str | float, names: dict[str, float]) -> float:
     """The value of an expression with these names; ValueError says what is wrong with it."""
     if len(str(text)) > LONGEST:
         raise ValueError(f"an expression has {LONGEST} characters at most, not {len(str(text))}")

@@ -4,8 +4,9 @@ import hashlib
 import json
 import tomllib
 from dataclasses import dataclass, field
+from pathlib import Path
 
-from .model import Case, Variant
+from .model import Case, Study, Variant
 
 # Raise this when what a result file holds changes its meaning.
 FORMAT = 1
@@ -16,7 +17,7 @@ class Job:
     """One run: a case by a variant at a value of the axis. Repeat 0 is that which is traced and not timed."""
 
     case: Case
-    variant: Variant
+    variant: Variant | None
     value: float
     repeat: int
     content: str
@@ -26,18 +27,18 @@ class Job:
     reference: str = ""
 
     @property
-    def key(self):
+    def key(self) -> str:
         """Name of the result file: the same for the same work."""
         what = [FORMAT, self.program, self.content, self.case.dump, self.settings, self.reference, self.repeat, self.seconds]
         return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:20]
 
     @property
-    def label(self):
+    def label(self) -> str:
         """What is said while it runs."""
         return f"{self.case.name}, {self.variant.name}, {self.value:g}" + ("" if self.repeat else ", trace")
 
 
-def jobs_of(study, program):
+def jobs_of(study: Study, program: str) -> list[Job]:
     """All jobs of a study, in the order in which they are best done; contents are read once a file."""
     contents = {}
     for case in study.cases:
@@ -67,21 +68,21 @@ def jobs_of(study, program):
     return jobs
 
 
-def finer_variant(study, case):
+def finer_variant(study: Study, case: Case) -> Variant:
     """The first variant at a finer time step, which tells what the time step of the deck costs in accuracy."""
     first, finer = study.variants[0], study.choice["finer"]
     settings = {"time.step": step_of(case) / finer, "time.steps": case.start + finer * case.steps}
     return Variant(f"time step / {finer}", settings=first.settings | settings)
 
 
-def step_of(case):
+def step_of(case: Case) -> float:
     """The time step of a case."""
     if "time.step" in case.settings:
         return float(case.settings["time.step"])
     return float(tomllib.loads(case.file.read_text())["time"]["step"])
 
 
-def settings_of(study, case, variant, value):
+def settings_of(study: Study, case: Case, variant: Variant, value: float) -> dict:
     """What a run is told beside its file."""
     if study.of_problems:
         return {"solver": variant.solver, "guess": variant.guess, "iterations": variant.iterations, "tolerance": value,
@@ -114,7 +115,7 @@ def _at_the_end(study):
     return all(measure.over == "end" for measure in study.measures if measure.body)
 
 
-def fingerprint(path):
+def fingerprint(path: Path) -> str:
     """Hash of a file, and of the files and folders that it names when it is a deck."""
     digest = hashlib.sha256()
     if path.is_dir():

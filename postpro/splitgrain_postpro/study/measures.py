@@ -3,9 +3,10 @@
 import numpy as np
 
 from .expressions import evaluate
+from .model import Study, Table
 
 
-def errors_of(study, table, measure_number):
+def errors_of(study: Study, table: Table, measure_number: int) -> dict[tuple[str, str], list[tuple[float, float]]]:
     """Error of a measure by case, variant and value: a dictionary of (case, variant) to a list of (value, error)."""
     measure = study.measures[measure_number]
     finest = study.values[-1] if study.axis != "subdomains" else 1
@@ -36,17 +37,17 @@ def errors_of(study, table, measure_number):
     return found
 
 
-def rms_of_bodies(differences):
+def rms_of_bodies(differences: np.ndarray) -> float:
     """Root mean square over the bodies of differences that hold three components of each."""
     return float(np.sqrt(3 * np.mean(np.square(differences))))
 
 
-def norm(errors, over):
+def norm(errors: np.ndarray, over: str) -> float:
     """Errors over time as one number."""
     return float({"end": lambda e: e[-1], "mean": np.mean, "largest": np.max}[over](errors))
 
 
-def order_of(points):
+def order_of(points: list[tuple[float, float]]) -> float | None:
     """Slope of log(error) against log(value) by least squares; None with fewer than two errors above zero."""
     points = [(value, error) for value, error in points if error > 0 and np.isfinite(error)]
     if len({value for value, _ in points}) < 2:

@@ -2,7 +2,14 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
+# What a run gave, by name; the results of all runs, by case, variant and value.
+Result = dict[str, Any]
+Table = dict[tuple[str, str, float], Result]
+# Points of a diagram, by variant; and a section of the page: heading, is it open (None: it does not fold), content in HTML.
+Curves = dict[str, list[tuple]]
+Section = tuple[str, bool | None, str]
 # The lists that a study can vary, and the name of one value of each.
 AXES = {"tolerances": "tolerance", "time_steps": "time step", "subdomains": "subdomain"}
 

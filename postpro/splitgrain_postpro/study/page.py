@@ -1,7 +1,10 @@
 """One HTML page with everything in it: it opens without a network and needs no scripts."""
 
 import base64
+from collections.abc import Iterable, Sequence
 from html import escape
+
+from .model import Section
 
 STYLE = """
 :root { color-scheme: light; }
@@ -19,7 +22,7 @@ details { border-top: 1px solid #ddd; padding: .4rem 0; } summary { cursor: poin
 """
 
 
-def page(title, about, facts, sections):
+def page(title: str, about: str, facts: str, sections: list[Section]) -> str:
     """The page: `sections` are (heading, is it open?, content in HTML); None for those that do not fold."""
     body = [f"<h1>{escape(title)}</h1>"]
     body += [f"<p>{escape(part)}</p>" for part in about.strip().split("\n\n") if part]
@@ -36,18 +39,18 @@ def page(title, about, facts, sections):
     )
 
 
-def picture(png, words):
+def picture(png: bytes, words: str) -> str:
     """A figure with its picture inside."""
     data = base64.b64encode(png).decode()
     return f'<figure><img alt="{escape(words, quote=True)}" src="data:image/png;base64,{data}"></figure>'
 
 
-def pictures(items):
+def pictures(items: Iterable[str]) -> str:
     """Figures side by side as far as there is room."""
     return f'<div class="figures">{"".join(items)}</div>'
 
 
-def table(names, rows):
+def table(names: Sequence[str], rows: Sequence[Sequence]) -> str:
     """A table that scrolls by itself."""
     kinds = [words(cell) for cell in rows[0]] if rows else [""] * len(names)
     head = "".join(f"<th{kind}>{escape(str(name))}</th>" for name, kind in zip(names, kinds, strict=True))
@@ -56,12 +59,12 @@ def table(names, rows):
             + "".join(f"<tr>{line}</tr>" for line in lines) + "</tbody></table></div>")
 
 
-def words(cell):
+def words(cell: object) -> str:
     """Texts stand at the left."""
     return ' class="words"' if isinstance(cell, str) else ""
 
 
-def shown(cell):
+def shown(cell: object) -> str:
     """A cell as text: numbers in three digits, nothing for what is not known."""
     if cell is None:
         return ""

@@ -1,18 +1,29 @@
 """Contact problems: made by decks where they are not there, solved once for reference, and by every variant."""
 
+from __future__ import annotations
+
 import csv
 import json
 import os
 import shutil
 import threading
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
 from ..errors import StudyError
 from .jobs import Job, fingerprint
-from .program import json_lines, settings_words
+from .model import Case, Result, Study
+from .program import Program, json_lines, settings_words
 
+if TYPE_CHECKING:
+    from .runner import Store
+
+# Impulses and velocities of contacts, by name.
+Answer = dict[str, np.ndarray]
 # Points of a trace that are kept.
 TRACE_POINTS = 80
 
@@ -20,17 +31,17 @@ TRACE_POINTS = 80
 class ProblemRunner:
     """Solves the problems of a study."""
 
-    def __init__(self, study, store, program):
+    def __init__(self, study: Study, store: Store, program: Program):
         self.study, self.store, self.program = study, store, program
         self.files, self.answers, self.lock = {}, {}, threading.Lock()
 
-    def prepare(self, case):
+    def prepare(self, case: Case) -> None:
         """Have the file of a case, and its reference solution."""
         self.files[case.name] = self.dumped(case) if case.dump else case.file
         if self.study.reference:
             self.answers[case.name] = self.reference(case)
 
-    def dumped(self, case):
+    def dumped(self, case: Case) -> Path:
         """The problem that a deck meets at a step, in local form."""
         name = Job(case, None, 0, 0, fingerprint(case.file), 0, self.program.digest, case.settings).key
         target = self.store.folder / "problems" / f"{name}.hdf5"
@@ -47,7 +58,7 @@ class ProblemRunner:
             os.replace(made, target)
         return target
 
-    def reference(self, case):
+    def reference(self, case: Case) -> Answer | None:
         """Impulses and velocities of the reference solution, solved once; None where it does not arrive."""
         asked = self.study.reference
         what = json.dumps(asked, sort_keys=True)
@@ -61,7 +72,7 @@ class ProblemRunner:
             self.store.save(job.key, kept)
         return {name: np.array(values) for name, values in kept["answer"].items()} or None
 
-    def solve(self, job):
+    def solve(self, job: Job) -> Result:
         """Solve a problem by a variant."""
         variant, options = job.variant, []
         if variant.guess:
@@ -77,7 +88,9 @@ class ProblemRunner:
         numbers["distance"] = distance(answer, self.answers.get(job.case.name))
         return {"status": status, "reason": said, **numbers, "trace": row.get("trace", [])}
 
-    def call(self, case, solver, tolerance, seconds, options=(), with_trace=False):
+    def call(
+        self, case: Case, solver: str, tolerance: float, seconds: float, options: Sequence = (), with_trace: bool = False,
+    ) -> tuple[Result, Answer, str, str]:
         """Solve a copy of a problem; what is printed of it, its answer, how it ended and why."""
         with self.store.scratch() as place:
             copy = place / "problem.hdf5"
@@ -98,7 +111,7 @@ class ProblemRunner:
             return row, answer_of(copy), "solved" if row["converged"] else "not solved", ""
 
 
-def answer_of(path):
+def answer_of(path: Path) -> Answer:
     """Impulses and velocities of the solution in a file, and the free velocities of its contacts, where they are given."""
     found = {}
     with h5py.File(path) as file:
@@ -108,7 +121,7 @@ def answer_of(path):
     return found
 
 
-def distance(answer, reference):
+def distance(answer: Answer, reference: Answer | None) -> float | None:
     """Energy norm of the difference of velocities, sqrt(dr.du), over that of what contacts change; None where not known."""
     if not reference or not {"r", "u"} <= answer.keys() or not {"r", "u", "q"} <= reference.keys():
         return None
@@ -117,7 +130,7 @@ def distance(answer, reference):
     return float(np.sqrt(abs(difference) / scale)) if np.isfinite(difference) and scale > 0 else None
 
 
-def trace_of(path):
+def trace_of(path: Path) -> list[list[float]]:
     """CPU seconds, e1 and e8 of a trace, thinned."""
     with open(path, newline="") as file:
         points = [[float(row[name]) for name in ("cpu_seconds", "e1", "e8")] for row in csv.DictReader(file)]

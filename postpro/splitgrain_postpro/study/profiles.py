@@ -2,8 +2,10 @@
 
 import math
 
+from .model import Case, Study, Table
 
-def profile(times):
+
+def profile(times: dict[str, dict[str, float]]) -> tuple[dict[str, list[float]], int]:
     """Profiles of solvers from `times[solver][problem]`, infinite where unsolved.
 
     Returns for each solver the ratios to the fastest at which its share of problems grows, sorted: the share at tau is the number
@@ -18,12 +20,14 @@ def profile(times):
     return ratios, len(problems)
 
 
-def share(ratios, count, tau):
+def share(ratios: list[float], count: int, tau: float) -> float:
     """Share of problems that a solver solves within tau times the time of the fastest."""
     return sum(ratio <= tau for ratio in ratios) / count if count else 0.0
 
 
-def times_of(study, table, tolerance, cases=None, clock="cpu_seconds", least=1e-6):
+def times_of(
+    study: Study, table: Table, tolerance: float, cases: list[Case] | None = None, clock: str = "cpu_seconds", least: float = 1e-6,
+) -> dict[str, dict[str, float]]:
     """Time of each variant on each problem to reach a tolerance on e1, measured from the answer; infinite where it does not.
 
     `cases` are those that count, all unless given.

@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import StudyError
@@ -18,7 +19,7 @@ ROOT_IS_MEANT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"
 class Program:
     """splitgrain, and the processes of it that are running."""
 
-    def __init__(self, path=None):
+    def __init__(self, path: str | None = None):
         found = path or os.environ.get("SPLITGRAIN_PROGRAM") or shutil.which("splitgrain")
         if not found or not shutil.which(found):
             raise StudyError(f"there is no program {found}" if found else
@@ -33,7 +34,7 @@ class Program:
         self.version = " ".join([lines[0], *(line.split()[1] for line in lines if line.startswith("commit"))])
         self.running, self.lock, self.is_stopped = set(), threading.Lock(), False
 
-    def call(self, words, seconds, ranks=1):
+    def call(self, words: Sequence, seconds: float, ranks: int = 1) -> tuple[int | None, str, str]:
         """Run the program; exit code (None when CPU time ran out), what it printed, and the first line of its errors, warnings left out."""
         words = [self.path, *map(str, words)]
         if ranks > 1:
@@ -64,7 +65,7 @@ class Program:
         lines = [line for line in errors.strip().splitlines() if "warning:" not in line]
         return None if is_out_of_time else process.returncode, printed, lines[0] if lines else ""
 
-    def stop(self):
+    def stop(self) -> None:
         """End all that runs; nothing starts any more."""
         with self.lock:
             self.is_stopped = True
@@ -72,7 +73,7 @@ class Program:
                 end(process)
 
 
-def end(process):
+def end(process: subprocess.Popen) -> None:
     """End a process and those that it started."""
     try:
         os.killpg(process.pid, signal.SIGKILL)
@@ -80,7 +81,7 @@ def end(process):
         pass
 
 
-def json_lines(printed):
+def json_lines(printed: str) -> list[dict]:
     """Objects that were printed, one a line; other lines are left out."""
     found = []
     for line in printed.splitlines():
@@ -93,7 +94,7 @@ def json_lines(printed):
     return found
 
 
-def settings_words(settings):
+def settings_words(settings: dict) -> list[str]:
     """Settings as options of `run`."""
     words = []
     for name, value in settings.items():

@@ -2,15 +2,21 @@
 
 import io
 import math
+from collections.abc import Callable
+from typing import Any
+
+from matplotlib.figure import Figure
 
 from ..style import styled
 from . import drawings, page
 from .choice_report import choice_section
 from .csv_text import csv_text
 from .deck_titles import deck_section
+from .jobs import Job
 from .measures import errors_of, order_of
-from .model import AXES
+from .model import AXES, Case, Curves, Measure, Result, Section, Study, Table
 from .profiles import profile, share, times_of
+from .runner import Store
 
 COLUMNS = ("case", "variant", "axis", "value", "repeat", "status", "reason", "contacts", "iterations", "sweeps", "factorisations",
            "steps", "unconverged_steps", "cpu_seconds", "contact_updates", "bytes", "e1", "e2", "e8", "distance")  # fmt: skip
@@ -22,13 +28,13 @@ OPEN = 4
 class Report:
     """All that is made of the results of a study."""
 
-    def __init__(self, study, jobs, results, store, version):
+    def __init__(self, study: Study, jobs: list[Job], results: list[Result], store: Store, version: str):
         self.study, self.jobs, self.results, self.store, self.version = study, jobs, results, store, version
         self.figures, self.lines = 0, []
         self.table, self.traces = merged(jobs, results)
         self.errors = [errors_of(study, self.table, number) for number in range(len(study.measures))]
 
-    def write(self):
+    def write(self) -> list[str]:
         """Write everything; returns the lines to print."""
         self.write_csv()
         sections = []
@@ -50,7 +56,7 @@ class Report:
         self.store.write(self.store.folder / "study.html", text.encode())
         return self.lines
 
-    def facts(self):
+    def facts(self) -> str:
         """What was done, in one line."""
         failed = sum(result["status"] not in GOOD for result in self.results)
         clock = f", the shortest of {self.study.repeats} taken" if self.study.repeats > 1 else ""
@@ -59,7 +65,7 @@ class Report:
                 f": {len(self.jobs)} runs{clock}, {failed} without an answer as asked. {self.version}; at most "
                 f"{self.study.seconds:g} CPU s a run.")
 
-    def legend(self):
+    def legend(self) -> str:
         """How to read the diagrams."""
         if self.study.of_problems:
             words = ("One point a tolerance; below and left is better. Hollow: the tolerance was not reached. Errors are measured from "
@@ -70,7 +76,7 @@ class Report:
             return f'<p class="quiet">{words}</p>'
         return '<p class="quiet">One point a run; below and left is better. E1 is that of the worst step.</p>'
 
-    def write_csv(self):
+    def write_csv(self) -> None:
         """All results, one row a run."""
         names = list(COLUMNS) + [f"error of {measure.name}" for measure in self.study.measures]
         rows = [names]
@@ -81,11 +87,11 @@ class Report:
             rows.append(cells)
         self.store.write(self.store.folder / "results.csv", csv_text(rows).encode())
 
-    def errors_at(self, case, variant, value):
+    def errors_at(self, case: str, variant: str, value: float) -> list:
         """Errors of all measures of a run."""
         return [dict(errors.get((case, variant), [])).get(value) for errors in self.errors]
 
-    def profiles(self):
+    def profiles(self) -> list[Section]:
         """A profile for each tolerance, and the figures behind it."""
         figures, rows = [], []
         for tolerance in self.study.values:
@@ -104,7 +110,7 @@ class Report:
         names = ("E1", "variant", "fastest", "within 2 times", "within 10 times", "solved")
         return [("Performance profiles", None, words + page.pictures(figures) + "<p></p>" + page.table(names, rows))]
 
-    def profiles_of_kinds(self, tolerance):
+    def profiles_of_kinds(self, tolerance: float) -> list[str]:
         """Profiles of the cases of each kind alone, where there are several."""
         kinds = dict.fromkeys(case.kind for case in self.study.cases)
         figures = []
@@ -116,7 +122,7 @@ class Report:
                                      f"Performance profile of {kind or 'others'} to E1 {tolerance:g}"))  # fmt: skip
         return figures
 
-    def convergence(self, number):
+    def convergence(self, number: int) -> list[Section]:
         """A figure for each case: error of a measure against the axis, with its order."""
         measure, figures = self.study.measures[number], []
         for place, case in enumerate(self.study.cases, 1):
@@ -138,7 +144,7 @@ class Report:
         words = f'<p class="quiet">Difference from {against}, {over}.</p>'
         return [(measure.name[0].upper() + measure.name[1:], None, words + page.pictures(figures))]
 
-    def of_case(self, case, number):
+    def of_case(self, case: Case, number: int) -> list[str]:
         """Work-precision diagrams of a case."""
         figures, clocks = [], [drawings.CPU, drawings.UPDATES]
         wanted = [(name, clock) for name in drawings.ERRORS for clock in (clocks if name == "e1" else clocks[:1])]
@@ -167,7 +173,7 @@ class Report:
             figures.append(self.save(figure, f"case-{number}-trace", f"Traces of {case.name}"))
         return figures
 
-    def efforts(self, case, number):
+    def efforts(self, case: Case, number: int) -> list[str]:
         """What several subdomains take: CPU time of all, bytes that they exchange, sweeps."""
         figures = []
         for name, label in (drawings.CLOCKS | {"sweeps": "sweeps [-]"}).items():
@@ -178,13 +184,13 @@ class Report:
             figures.append(self.save(figure, f"case-{number}-subdomains-{name}", f"{label} of {case.name} against subdomains"))
         return figures
 
-    def work(self, case, number, curves, clock, label, name):
+    def work(self, case: Case, number: int, curves: Curves, clock: str, label: str, name: str) -> str:
         """One work-precision diagram."""
         figure = drawings.work_precision(self.study, case, curves, clock, label, case.name)
         against = {drawings.CPU: "", drawings.UPDATES: "-updates", drawings.BYTES: "-bytes"}[clock]
         return self.save(figure, f"case-{number}-{name}{against}", f"{label} against {drawings.CLOCKS[clock]} of {case.name}")
 
-    def curves(self, case, error_of, clock):
+    def curves(self, case: Case, error_of: Callable[[Result, tuple[str, str, float]], float | None], clock: str) -> Curves:
         """Points of every variant: work, error, and whether it arrived."""
         found = {}
         for variant in self.names():
@@ -196,11 +202,11 @@ class Report:
             found[variant] = points
         return found
 
-    def names(self):
+    def names(self) -> list[str]:
         """Names of the variants."""
         return [variant.name for variant in self.study.variants]
 
-    def rows(self):
+    def rows(self) -> tuple[list[str], list[list]]:
         """The table of the page: the shortest of the repeats."""
         kept = [name for name in COLUMNS[5:] if name != "reason" and any(r.get(name) is not None for r in self.table.values())]
         rows = [[case, variant, value, *(result.get(name) for name in kept), *self.errors_at(case, variant, value)]
@@ -208,7 +214,7 @@ class Report:
         names = ["case", "variant", AXES[self.study.axis], *(name.replace("_", " ") for name in kept)]
         return names + [f"error of {measure.name}" for measure in self.study.measures], rows
 
-    def save(self, figure, name, words):
+    def save(self, figure: Figure, name: str, words: str) -> str:
         """Write a figure as PNG; returns it for the page."""
         file = io.BytesIO()
         figure.savefig(file, format="png", dpi=130)
@@ -218,13 +224,13 @@ class Report:
         return page.picture(file.getvalue(), words)
 
 
-def label_of(measure):
+def label_of(measure: Measure) -> str:
     """The error of a measure as an axis names it: the measure itself where it should be zero."""
     name = measure.name if measure.closed_form in ("0", "0.0") else f"error of {measure.name}"
     return name + (f" [{measure.unit}]" if measure.unit else "")
 
 
-def merged(jobs, results):
+def merged(jobs: list[Job], results: list[Result]) -> tuple[Table, dict[tuple[str, str], Any]]:
     """Results by (case, variant, value), the fastest repeat of each; and traces by (case, variant)."""
     table, traces = {}, {}
     for job, result in zip(jobs, results, strict=True):

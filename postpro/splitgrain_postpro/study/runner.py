@@ -4,14 +4,18 @@ import json
 import os
 import shutil
 import tempfile
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import StudyError
+from .model import Result, Study
 from .problems import ProblemRunner
+from .program import Program
 from .simulations import run_simulation
 from .states import prepare_states
+from .verdict_file import VerdictStudy
 
 EXIT_OUTPUT = 5
 
@@ -19,13 +23,13 @@ EXIT_OUTPUT = 5
 class Store:
     """The folder of a study: results in runs/, problems made by decks in problems/."""
 
-    def __init__(self, folder):
+    def __init__(self, folder: str | Path):
         self.folder = Path(folder)
         with writing(self.folder):
             for name in ("runs", "problems"):
                 (self.folder / name).mkdir(parents=True, exist_ok=True)
 
-    def load(self, key):
+    def load(self, key: str) -> Result | None:
         """A result, or None when it is not there or not whole."""
         try:
             result = json.loads((self.folder / "runs" / f"{key}.json").read_text())
@@ -33,11 +37,11 @@ class Store:
             return None
         return result if isinstance(result, dict) and result.get("key") == key else None
 
-    def save(self, key, result):
+    def save(self, key: str, result: Result) -> None:
         """Write a result: a reader finds it whole or not at all."""
         self.write(self.folder / "runs" / f"{key}.json", (json.dumps(result | {"key": key}) + "\n").encode())
 
-    def write(self, path, content):
+    def write(self, path: Path, content: bytes) -> None:
         """Write a file under another name, then give it its own."""
         with writing(path):
             other = path.with_name(f".{path.name}.{os.getpid()}")
@@ -45,7 +49,7 @@ class Store:
             os.replace(other, path)
 
     @contextmanager
-    def scratch(self):
+    def scratch(self) -> Iterator[Path]:
         """A folder for a run, gone afterwards."""
         with writing(self.folder):
             place = Path(tempfile.mkdtemp(prefix=".run-", dir=self.folder))
@@ -56,7 +60,7 @@ class Store:
 
 
 @contextmanager
-def writing(path):
+def writing(path: Path) -> Iterator[None]:
     """Say what cannot be written."""
     try:
         yield
@@ -64,7 +68,10 @@ def writing(path):
         raise StudyError(f"cannot write: {error.strerror or error}", path, code=EXIT_OUTPUT) from error
 
 
-def run_jobs(study, jobs, store, program, workers, say, run=run_simulation):
+def run_jobs(
+    study: Study | VerdictStudy, jobs: Sequence, store: Store, program: Program, workers: int, say: Callable[[str], None],
+    run: Callable[..., Result] = run_simulation,
+) -> list[Result]:
     """Do all jobs; returns their results, in order. Finished ones are read, failed ones tried again; `run` does one that is a run."""
     results = {job.key: result for job in jobs if (result := store.load(job.key))}
     todo = list({job.key: job for job in jobs if job.key not in results}.values())
@@ -97,7 +104,7 @@ def _do(job, problems, store, program, run):
     return result
 
 
-def told(result):
+def told(result: Result) -> str:
     """A result in a few words."""
     reason = f", {result['reason']}" if result.get("reason") else ""
     return f"{result['status']}{reason}, {result.get('cpu_seconds') or 0:.3g} CPU s"

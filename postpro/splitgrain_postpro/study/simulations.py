@@ -1,13 +1,22 @@
 """Simulations: a deck run through the program, and what is kept of it."""
 
+from __future__ import annotations
+
 import json
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import ResultsError
 from ..results import Results
-from .program import settings_words
+from .jobs import Job
+from .model import Result
+from .program import Program, settings_words
 from .states import state_folder
+
+if TYPE_CHECKING:
+    from .runner import Store
 
 # What is kept of run.json beside the measures.
 NUMBERS = ("contact_updates", "sweeps", "steps", "unconverged_steps", "bytes_per_gluing", "gluings", "time", "mean_radius", "contacts")
@@ -17,7 +26,7 @@ SUMS = ("contact_updates", "sweeps", "steps", "unconverged_steps")
 PHASES = ("cpu_predict", "cpu_detect", "cpu_assemble", "cpu_solve", "cpu_update")
 
 
-def run_simulation(job, store, program):
+def run_simulation(job: Job, store: Store, program: Program) -> Result:
     """Run a deck; how it ended, its cost, its errors, and what its measures need."""
     settings = {name: value for name, value in job.settings.items() if name not in ("ranks", "measures", "start")}
     ranks = job.settings.get("ranks", 1)
@@ -48,7 +57,7 @@ def run_simulation(job, store, program):
         return {"status": status, "reason": run.get("reason") or "", **numbers, "series": series}
 
 
-def read_run(folder):
+def read_run(folder: Path) -> dict:
     """run.json, empty when there is none."""
     try:
         return json.loads((folder / "run.json").read_text())
@@ -56,7 +65,7 @@ def read_run(folder):
         return {}
 
 
-def worst_errors(run, folder, goes_on):
+def worst_errors(run: dict, folder: Path, goes_on: bool) -> dict[str, float | None]:
     """Errors of the worst step; of a run that goes on, of the worst step recorded."""
     if not goes_on:
         return {name: run.get(f"worst_{name}") for name in ("e1", "e2", "e8")}
@@ -64,7 +73,7 @@ def worst_errors(run, folder, goes_on):
     return {name: float(np.max(record[name])) for name in ("e1", "e2", "e8") if len(record.get(name, ()))}
 
 
-def series_of(results, measure):
+def series_of(results: Results, measure: dict) -> list[list]:
     """Times and values of a measure: those of the end alone where this is all that is asked for."""
     if measure["bodies"]:
         return all_bodies(results, measure["bodies"])
@@ -87,7 +96,7 @@ def series_of(results, measure):
     return [np.asarray(times, float)[keep].tolist(), np.asarray(values, float)[keep].tolist()]
 
 
-def time_below(record, column, limit):
+def time_below(record: dict[str, np.ndarray], column: str, limit: float) -> float:
     """The time from which a column stays below a limit, to a step; that of the end where it does not."""
     if column not in record or not len(record[column]):
         raise ResultsError(f"there is no column '{column}' in record.csv, or no row")
@@ -97,7 +106,7 @@ def time_below(record, column, limit):
     return float(record["time"][min(above[-1] + 1, len(record["time"]) - 1)])
 
 
-def all_bodies(results, what):
+def all_bodies(results: Results, what: str) -> list[list]:
     """Positions or velocities of all bodies at the end, by number, one after the other."""
     if results.bodies is None:
         raise ResultsError("no picture was taken: is this a build without HDF5?")
@@ -107,7 +116,7 @@ def all_bodies(results, what):
     return [[float(grid.time)], [np.asarray(values, float)[order].ravel().tolist()]]
 
 
-def positions(results, body, component):
+def positions(results: Results, body: int, component: int) -> tuple[list[float], list[float]]:
     """Where the pictures show a body."""
     if results.bodies is None:
         raise ResultsError("no picture was taken: is this a build without HDF5?")

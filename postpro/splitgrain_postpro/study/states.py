@@ -1,21 +1,33 @@
 """States of decks from which the runs of a study go on: each is made once, by the deck's own settings."""
 
+from __future__ import annotations
+
 import hashlib
 import json
 import os
+from collections.abc import Iterable
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import StudyError
-from .program import settings_words
+from .jobs import Job
+from .model import Study
+from .program import Program, settings_words
+from .verdict_file import VerdictStudy
+
+if TYPE_CHECKING:
+    from .runner import Store
 
 
-def prepare_states(study, jobs, store, program, pool):
+def prepare_states(study: Study | VerdictStudy, jobs: Iterable, store: Store, program: Program, pool: Executor) -> None:
     """Make all states that jobs begin from and that are not there yet."""
     first = {state_folder(job, store): job for job in jobs if job.case.start}
     todo = [(folder, job) for folder, job in first.items() if not (folder / "run.json").exists()]
     list(pool.map(lambda item: _make(*item, study, store, program), todo))
 
 
-def state_folder(job, store):
+def state_folder(job: Job, store: Store) -> Path:
     """Where the state of a job is: the same for the same work."""
     what = [job.program, job.content, job.case.start, job.case.settings]
     return store.folder / "states" / hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:20]

@@ -3,6 +3,7 @@
 import difflib
 import tomllib
 from pathlib import Path
+from typing import NoReturn
 
 from ..errors import StudyError
 from .toml_lines import line_of
@@ -11,7 +12,7 @@ from .toml_lines import line_of
 class StudyFile:
     """A study file that is open for reading."""
 
-    def __init__(self, path):
+    def __init__(self, path: str | Path):
         self.path = Path(path)
         try:
             self.text = self.path.read_text()
@@ -25,13 +26,13 @@ class StudyFile:
         except UnicodeDecodeError as error:
             raise StudyError("the study is no text in UTF-8", self.path) from error
 
-    def fail(self, sentence, section="", number=1, key=""):
+    def fail(self, sentence: str, section: str = "", number: int = 1, key: str = "") -> NoReturn:
         """Say what is wrong, and where."""
         line = line_of(self.text, section, number, key)
         # At the top a key may be the head of a section.
         raise StudyError(sentence, self.path, line_of(self.text, key) if line == 1 and key and not section else line)
 
-    def check(self, table, known, section="", number=1):
+    def check(self, table: dict, known: dict[str, tuple], section: str = "", number: int = 1) -> None:
         """Are all keys known and of their kind?"""
         where = f" of [{section}]" if section else ""
         for key, value in table.items():
@@ -45,14 +46,14 @@ class StudyFile:
                          list: "a list", dict: "a table"}  # fmt: skip
                 self.fail(f"'{key}'{where} should be {' or '.join(names[kind] for kind in kinds)}", section, number, key)
 
-    def positive(self, key, default):
+    def positive(self, key: str, default: float) -> float:
         """A number above 0."""
         value = self.table.get(key, default)
         if key in self.table and not 0 < value < 1e300:
             self.fail(f"'{key}' should be above 0", key=key)
         return value
 
-    def table_of(self, block, known, section, number):
+    def table_of(self, block: dict, known: dict[str, tuple], section: str, number: int) -> None:
         """Is a block a table with known keys, and are its settings single values?"""
         if not isinstance(block, dict):
             self.fail(f"'{section}' should be written as [[{section}]]", key=section)

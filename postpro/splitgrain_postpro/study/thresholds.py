@@ -1,9 +1,11 @@
 """Where a verdict changes along a parameter, found by bisection."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
-from .verdict_file import distance, middle
-from .verdicts import judge
+from .model import Result
+from .verdict_file import VerdictStudy, distance, middle
+from .verdicts import Point, VerdictJob, judge
 
 
 @dataclass
@@ -19,7 +21,7 @@ class Change:
     """Why the side that does not hold does not"""
 
 
-def changes_of(study, points):
+def changes_of(study: VerdictStudy, points: list[Point]) -> list[Change]:
     """Changes among the points of a case by a variant: `points` lists (job, result, verdict) in rising order of the value."""
     found = []
     for (job, _, verdict), (other, _, next_verdict) in zip(points, points[1:], strict=False):
@@ -29,7 +31,7 @@ def changes_of(study, points):
     return found
 
 
-def sharpen(study, points, run):
+def sharpen(study: VerdictStudy, points: list[Point], run: Callable[[float], tuple[VerdictJob, Result]]) -> list[Point]:
     """Bisect every change among `points` until its ends are near enough; returns the points, with those in between."""
     points = sorted(points, key=lambda point: point[0].value)
     if study.until is None:
@@ -47,7 +49,7 @@ def sharpen(study, points, run):
     return sorted(points, key=lambda point: point[0].value)
 
 
-def sentence(study, points):
+def sentence(study: VerdictStudy, points: list[Point]) -> str:
     """How far a case by a variant holds, in one sentence."""
     first, last = points[0], points[-1]
     head = f"{first[0].case.name}, {first[0].variant.name}: "

@@ -5,7 +5,7 @@ import re
 HEADER = re.compile(r"^\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(#.*)?$")
 
 
-def line_of(text, section="", number=1, key=""):
+def line_of(text: str, section: str = "", number: int = 1, key: str = "") -> int:
     """Line of a key of a section, of the section's head where the key is not there, else 1.
 
     `number` counts sections of one name from 1. A key "set.solver.order" is found as `set`, or in a section [case.set].

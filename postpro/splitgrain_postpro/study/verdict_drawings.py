@@ -1,14 +1,18 @@
 """Figures of verdicts: where along a parameter runs hold, or which cases hold by which variants."""
 
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..style import BLUE, VERMILION, new_figure
+from .model import Case
 from .thresholds import changes_of
+from .verdict_file import VerdictStudy
+from .verdicts import Point, Verdicts
 
 GREY = "#777777"
 
 
-def thresholds(study, case, table):
+def thresholds(study: VerdictStudy, case: Case, table: dict[str, list[Point]]) -> Figure:
     """One row a variant along the parameter: dots hold, crosses do not; a number where the verdict changes."""
     figure = new_figure(5.2, 1.5 + 0.42 * len(table))
     ax = figure.add_subplot()
@@ -37,7 +41,7 @@ def thresholds(study, case, table):
     return figure
 
 
-def matrix(study, table):
+def matrix(study: VerdictStudy, table: Verdicts) -> Figure:
     """One row a case, one column a variant."""
     cases, variants = [case.name for case in study.cases], [variant.name for variant in study.variants]
     figure = new_figure(2.6 + 0.9 * len(variants), 1.3 + 0.24 * len(cases))

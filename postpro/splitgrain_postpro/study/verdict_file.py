@@ -3,9 +3,11 @@
 import math
 import re
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from .blocks import cases_of, variant_of
 from .expressions import evaluate
+from .model import Case, Variant
 from .study_file import StudyFile
 
 # Key: kinds allowed.
@@ -51,7 +53,7 @@ class Expectation:
 class VerdictStudy:
     """A whole study that gives verdicts."""
 
-    path: object
+    path: Path
     title: str
     about: str
     seconds: float
@@ -68,29 +70,29 @@ class VerdictStudy:
     expectations: list
     of_problems: bool = False
 
-    def names(self, value):
+    def names(self, value: float | None) -> dict[str, float]:
         """Constants at a value of the parameter, which is p."""
         known = {} if value is None else {"p": value}
         for name, text in self.constants.items():
             known[name] = evaluate(text, known)
         return known
 
-    def settings(self, case, variant, value):
+    def settings(self, case: Case, variant: Variant, value: float | None) -> dict:
         """Settings of a run: what stands in braces is worked out."""
         known = self.names(value)
         return {name: filled(text, known) for name, text in {**case.settings, **variant.settings}.items()}
 
-    def expectations_of(self, case):
+    def expectations_of(self, case: Case) -> list[Expectation]:
         """What is known of a case."""
         return [item for item in self.expectations if not item.cases or case.name in item.cases]
 
-    def bodies(self, case):
+    def bodies(self, case: Case) -> list[int]:
         """Numbers of bodies whose place or velocity at the end is asked for."""
         texts = " ".join(f"{item.value} {item.expected} {item.within}" for item in self.expectations_of(case))
         return sorted({int(match[2]) for match in OF_BODY.finditer(texts)})
 
 
-def filled(text, known):
+def filled(text: object, known: dict[str, float]) -> object:
     """A setting with what stands in braces worked out."""
     if not isinstance(text, str):
         return text
@@ -100,7 +102,7 @@ def filled(text, known):
 class VerdictReader(StudyFile):
     """Reads one study file that gives verdicts."""
 
-    def study(self):
+    def study(self) -> VerdictStudy:
         """The study."""
         table = self.table
         self.check(table, TOP)
@@ -123,7 +125,7 @@ class VerdictReader(StudyFile):
         self.check_whole(study)
         return study
 
-    def parameter(self):
+    def parameter(self) -> tuple[str, str, list, bool]:
         """Name, unit, values in rising order, and whether its scale is logarithmic; one value that is none where it is not there."""
         block = self.table.get("parameter")
         if block is None:
@@ -136,7 +138,7 @@ class VerdictReader(StudyFile):
             self.fail("'scale' of [parameter] should be log or linear", "parameter", 1, "scale")
         return block.get("name", "p"), block.get("unit", "-"), sorted(set(values)), block.get("scale", "log") == "log"
 
-    def until(self):
+    def until(self) -> float | None:
         """How far thresholds are bisected; None where none is asked for."""
         block = self.table.get("threshold")
         if block is None:
@@ -146,13 +148,13 @@ class VerdictReader(StudyFile):
             self.fail("'until' of [threshold] should be above 0", "threshold", 1, "until")
         return float(block.get("until", 0.1))
 
-    def bounds(self):
+    def bounds(self) -> Bounds:
         """The bounds."""
         block = self.table.get("verdict", {})
         self.check(block, VERDICT, "verdict")
         return Bounds(**block)
 
-    def expectation(self, block, number, cases):
+    def expectation(self, block: dict, number: int, cases: list[Case]) -> Expectation:
         """What is known of some cases."""
         self.table_of(block, EXPECT, "expect", number)
         for key in ("value", "is", "within"):
@@ -164,7 +166,7 @@ class VerdictReader(StudyFile):
         return Expectation(block.get("name", block["value"]), block["value"], str(block["is"]), str(block["within"]),
                            block.get("cases", []))  # fmt: skip
 
-    def check_whole(self, study):
+    def check_whole(self, study: VerdictStudy) -> None:
         """What only shows when all is known: names, and that what stands in braces has a value."""
         for name, items in (("case", study.cases), ("variant", study.variants)):
             names = [item.name for item in items]
@@ -186,16 +188,16 @@ class VerdictReader(StudyFile):
             self.fail("a threshold needs two values or more", "parameter", 1, "values")
 
 
-def gives_verdicts(table):
+def gives_verdicts(table: dict) -> bool:
     """Is a study file one that gives verdicts?"""
     return any(name in table for name in ("verdict", "parameter", "threshold", "expect"))
 
 
-def middle(low, high, is_log):
+def middle(low: float, high: float, is_log: bool) -> float:
     """The value between two of a parameter: geometric on a logarithmic scale, where both are above zero."""
     return math.sqrt(low * high) if is_log and low > 0 else (low + high) / 2
 
 
-def distance(low, high, is_log):
+def distance(low: float, high: float, is_log: bool) -> float:
     """How far two values are apart: in decades on a logarithmic scale, where both are above zero."""
     return math.log10(high / low) if is_log and low > 0 else high - low

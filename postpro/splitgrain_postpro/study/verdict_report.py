@@ -1,12 +1,19 @@
 """From verdicts to CSV, figures, lines and the page."""
 
 import io
+from collections.abc import Iterator
+
+from matplotlib.figure import Figure
 
 from ..style import styled
 from . import page, verdict_drawings
 from .csv_text import csv_text
 from .deck_titles import deck_section
+from .model import Result
+from .runner import Store
 from .thresholds import changes_of, sentence
+from .verdict_file import VerdictStudy
+from .verdicts import Point, Verdicts
 
 COLUMNS = ("case", "variant", "value", "held", "status", "exit", "finite", "unconverged", "energy", "penetration", "right",
            "steps", "sweeps", "worst_e1", "worst_e8", "cpu_seconds", "why")  # fmt: skip
@@ -21,10 +28,10 @@ LEGEND = (
 class VerdictReport:
     """All that is made of verdicts: `table` has the points (job, result, verdict) of each (case, variant)."""
 
-    def __init__(self, study, table, store, version):
+    def __init__(self, study: VerdictStudy, table: Verdicts, store: Store, version: str):
         self.study, self.table, self.store, self.version, self.figures = study, table, store, version, 0
 
-    def write(self):
+    def write(self) -> list[str]:
         """Write everything; returns the lines to print."""
         rows = [row_of(point) for points in self.table.values() for point in points]
         self.write_csv(rows)
@@ -40,19 +47,19 @@ class VerdictReport:
         self.store.write(self.store.folder / "study.html", text.encode())
         return lines
 
-    def facts(self, count):
+    def facts(self, count: int) -> str:
         """What was done, in one line."""
         bounds = self.study.bounds
         return (f"{len(self.study.cases)} cases x {len(self.study.variants)} variants, {count} runs. Bounds: {bounds.unconverged:g} of the "
                 f"steps unconverged, {bounds.energy:g} of the energy created, penetration {bounds.penetration:g} of the mean radius. "
                 f"{self.version}; at most {self.study.seconds:g} CPU s a run.")
 
-    def write_csv(self, rows):
+    def write_csv(self, rows: list[Result]) -> None:
         """All verdicts, one row a run."""
         text = csv_text([COLUMNS, *([row[name] for name in COLUMNS] for row in rows)])
         self.store.write(self.store.folder / "results.csv", text.encode())
 
-    def drawn(self):
+    def drawn(self) -> Iterator[tuple[Figure, str, str]]:
         """Figures with their names and words."""
         if not self.study.parameter:
             yield verdict_drawings.matrix(self.study, self.table), "verdicts", "Verdicts of all cases by all variants"
@@ -61,7 +68,7 @@ class VerdictReport:
             chosen = {variant: points for (name, variant), points in self.table.items() if name == case.name}
             yield verdict_drawings.thresholds(self.study, case, chosen), f"thresholds-{number}", f"Verdicts of {case.name}"
 
-    def thresholds(self):
+    def thresholds(self) -> str:
         """A table of the values between which verdicts change."""
         rows = []
         for (case, variant), points in self.table.items():
@@ -75,7 +82,7 @@ class VerdictReport:
                 rows.append([case, variant, span if held else "", "" if held else span, points[0][2]["why"]])
         return page.table(["case", "variant", "holds at", "does not hold at", "why"], rows)
 
-    def save(self, figure, name, words):
+    def save(self, figure: Figure, name: str, words: str) -> str:
         """Write a figure as PNG; returns it for the page."""
         file = io.BytesIO()
         figure.savefig(file, format="png", dpi=130)
@@ -84,7 +91,7 @@ class VerdictReport:
         return page.picture(file.getvalue(), words)
 
 
-def row_of(point):
+def row_of(point: Point) -> Result:
     """A run and its verdict as one row."""
     job, result, verdict = point
     numbers = result.get("numbers", {})
@@ -93,6 +100,6 @@ def row_of(point):
                           name: numbers.get(name) for name in ("steps", "sweeps", "worst_e1", "worst_e8")}  # fmt: skip
 
 
-def cell(value):
+def cell(value: object) -> object:
     """A cell of the table: yes and no for logicals."""
     return {True: "yes", False: "no"}[value] if isinstance(value, bool) else value

@@ -1,15 +1,21 @@
 """A study that gives verdicts, from its file to its report: all values first, then thresholds between them."""
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
-from .runner import run_jobs
+from .model import Result
+from .program import Program
+from .runner import Store, run_jobs
 from .thresholds import sharpen
-from .verdict_file import VerdictReader
+from .verdict_file import VerdictReader, VerdictStudy
 from .verdict_report import VerdictReport
-from .verdicts import job_of, judge, run_verdict
+from .verdicts import VerdictJob, Verdicts, job_of, judge, run_verdict
 
 
-def do_verdicts(path, jobs, store_of, program, say):
+def do_verdicts(
+    path: Path, jobs: Callable[[VerdictStudy], int], store_of: Callable[[], Store], program: Program, say: Callable[[str], None],
+) -> tuple[VerdictReport, list[tuple[VerdictJob, Result]]]:
     """Do a study that gives verdicts; returns its report and all (job, result)."""
     study = VerdictReader(path).study()
     workers, store = jobs(study), store_of()
@@ -25,7 +31,7 @@ def do_verdicts(path, jobs, store_of, program, say):
     return VerdictReport(study, table, store, program.version), points
 
 
-def sharpen_all(study, table, store, program, workers, say):
+def sharpen_all(study: VerdictStudy, table: Verdicts, store: Store, program: Program, workers: int, say: Callable[[str], None]) -> None:
     """Bisect the changes of all cases by all variants; those of one follow each other, others go on beside."""
 
     def one(place):

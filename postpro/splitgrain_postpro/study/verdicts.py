@@ -11,8 +11,11 @@ from ..errors import ResultsError
 from ..results import Results
 from .expressions import evaluate
 from .jobs import fingerprint
-from .program import settings_words
+from .model import Case, Result, Variant
+from .program import Program, settings_words
+from .runner import Store
 from .simulations import PHASES, read_run
+from .verdict_file import VerdictStudy
 
 # Raise this when what a result file holds changes its meaning.
 FORMAT = "verdict 2"
@@ -25,8 +28,8 @@ WORKS = ("external_work", "drive_work")
 class VerdictJob:
     """One run whose verdict is wanted."""
 
-    case: object
-    variant: object
+    case: Case
+    variant: Variant
     value: float | None
     settings: dict
     bodies: list
@@ -35,24 +38,29 @@ class VerdictJob:
     content: str
 
     @property
-    def key(self):
+    def key(self) -> str:
         """Name of the result file: the same for the same work."""
         what = [FORMAT, self.program, self.content, self.settings, self.bodies, self.seconds]
         return hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:20]
 
     @property
-    def label(self):
+    def label(self) -> str:
         """What is said while it runs."""
         return f"{self.case.name}, {self.variant.name}" + ("" if self.value is None else f", {self.value:g}")
 
 
-def job_of(study, case, variant, value, program):
+# A run with its result and its verdict; all of them, by case and variant.
+Point = tuple[VerdictJob, Result, Result]
+Verdicts = dict[tuple[str, str], list[Point]]
+
+
+def job_of(study: VerdictStudy, case: Case, variant: Variant, value: float | None, program: Program) -> VerdictJob:
     """The run of a case by a variant at a value of the parameter."""
     return VerdictJob(case, variant, value, study.settings(case, variant, value), study.bodies(case), study.seconds,
                       program.digest, fingerprint(case.file))  # fmt: skip
 
 
-def run_verdict(job, store, program):
+def run_verdict(job: VerdictJob, store: Store, program: Program) -> Result:
     """Run a deck and keep what verdicts are made of."""
     settings = dict(job.settings)
     if job.bodies:
@@ -81,7 +89,7 @@ def run_verdict(job, store, program):
             return {"status": "failed", "reason": str(error).replace(str(place / "run"), "the run"), "code": code}
 
 
-def of_record(record):
+def of_record(record: dict[str, np.ndarray]) -> Result:
     """Of a record: is all of it finite, how much energy was created, and least and largest value of every column."""
     if not record or not len(record["step"]):
         return {"finite": True, "created": 0.0, "ranges": {}}
@@ -90,7 +98,7 @@ def of_record(record):
     return {"finite": bool(finite), "created": created(record) if finite else None, "ranges": ranges}
 
 
-def created(record):
+def created(record: dict[str, np.ndarray]) -> float:
     """Most energy that appeared between two rows and that no force or drive had brought, over the largest energy of the run.
 
     Potential energy counts from the origin of the deck, so that of what rests on a floor at zero is that of falling there.
@@ -103,7 +111,7 @@ def created(record):
     return float(gain / scale) if scale > 0 else 0.0
 
 
-def of_bodies(results, numbers):
+def of_bodies(results: Results, numbers: list[int]) -> dict[str, float]:
     """Where bodies are in the last picture, and how they move."""
     if not numbers:
         return {}
@@ -123,7 +131,7 @@ def of_bodies(results, numbers):
     return found
 
 
-def judge(study, job, result):
+def judge(study: VerdictStudy, job: VerdictJob, result: Result) -> Result:
     """Does a run hold? The verdict: `held`, each of its parts, and why not, in one sentence."""
     bounds, numbers = study.bounds, result.get("numbers", {})
     verdict = {"held": False, "finite": None, "unconverged": None, "energy": None, "penetration": None, "right": None, "why": ""}
@@ -149,7 +157,7 @@ def judge(study, job, result):
     return verdict | {"held": not faults and not wrong, "why": "; ".join(faults + wrong)}
 
 
-def compare(study, job, result):
+def compare(study: VerdictStudy, job: VerdictJob, result: Result) -> tuple[list[str], float | None]:
     """Hold a run against what is known: sentences on what is wrong, and the largest difference over what is allowed."""
     wanted = study.expectations_of(job.case)
     if not wanted:
