@@ -19,7 +19,7 @@ from biaxial import biaxial
 from biaxial_causes import biaxial_orders, biaxial_overlaps, biaxial_tight
 from runs import BLUE, GREEN, VERMILION, Runner, newest, record, summary
 
-METHODS = {"dual": (BLUE, "o"), "primal": (GREEN, "s"), "contacts": (VERMILION, "^")}
+METHODS = {"dual": (BLUE, "o"), "primal": (GREEN, "s"), "momentum": (VERMILION, "^")}
 
 # epsilon_0 of the packing, the mean of the diagonal of W [1/kg]: of disks 2/m along a normal and 6/m along a tangent,
 # with 1/m = 1/(pi rho r_least r_most) in the mean over radii that are spread evenly.
@@ -131,7 +131,7 @@ RESIDUALS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3)
 def residuals(runner):
     """Sweeps to falling residuals on 16 subdomains, with friction."""
     rows = []
-    for method, ranks in (("one", 1), ("dual", 16), ("primal", 16), ("contacts", 16)):
+    for method, ranks in (("one", 1), ("dual", 16), ("primal", 16), ("momentum", 16)):
         line = {"gluing": method, "ranks": ranks}
         for tolerance in RESIDUALS:
             found = one_step(runner, name_of("residual", method, tolerance), "friction 0.5", ranks, {"tolerance": tolerance},
@@ -167,7 +167,7 @@ def relaxation(runner):
     for law in ("no friction", "friction 0.5"):
         for share in (1.0, 0.9, 0.8, 0.6, 0.4):
             found = one_step(runner, name_of("relaxation", law, share), law, 16, {"maximum_sweeps": 3000},
-                             {"gluing": '"momentum"', "relaxation": share, "boxes": [4, 4]})
+                             {"gluing": '"momentum"', "momentum.relaxation": share, "boxes": [4, 4]})
             rows.append({"law": law, "relaxation": share, "sweeps": found["sweeps"], "converged": found["converged"],
                          "e8": f"{found['e8']:.1e}", "violation": f"{found['violation']:.1e}"})
     runner.write("relaxation", rows)

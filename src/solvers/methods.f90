@@ -32,6 +32,8 @@ module sg_methods
     !> Name, as decks write it, and what it is
     character(len=len_of_name) :: name = ''
     character(len=80) :: sentence = ''
+    !> Its name in older decks, still read with a note; empty for none
+    character(len=len_of_name) :: former = ''
     !> Does it need a library that factorises sparse matrices?
     logical :: needs_factors = .false.
     !> Where it may fail, and what then helps; empty for methods that always converge
@@ -76,7 +78,7 @@ contains
     call add(list, method_t('dual', 'shared grains brought to one velocity'), coupled=dual)
     call add(list, method_t('primal', 'contacts between parts solved as a part of their own'), coupled=primal)
     call add(list, method_t('momentum', 'contacts dealt to ranks that exchange the momentum of shared grains', &
-                            caution='may stall where bodies hold each other in many ways; a smaller '// &
+                            former='contacts', caution='may stall where bodies hold each other in many ways; a smaller '// &
                             'partition.momentum.relaxation may help'), coupled=momentum)
   end subroutine list_couplings
 

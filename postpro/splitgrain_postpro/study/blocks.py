@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from .expressions import evaluate
-from .model import Case, Measure, Study, Variant
+from .model import DEFAULT_SOLVER, Case, Measure, Study, Variant
 from .study_file import StudyFile
 
 # Key: kinds allowed. A list is of numbers, a table of settings.
@@ -71,7 +71,7 @@ def variant_of(file: StudyFile, block: dict, number: int, of_problems: bool, val
         file.fail("'values' of [variant] should be some of those that are varied", "variant", number, "values")
     if block.get("ranks", 1) < 1:
         file.fail("'ranks' of [variant] should be above 0", "variant", number, "ranks")
-    return Variant(name, block.get("solver", "auto"), block.get("guess", False), block.get("iterations", 0),
+    return Variant(name, block.get("solver", DEFAULT_SOLVER), block.get("guess", False), block.get("iterations", 0),
                    block.get("set", {}), block.get("ranks", 1), block.get("values", []))  # fmt: skip
 
 

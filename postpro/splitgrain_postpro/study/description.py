@@ -4,7 +4,7 @@ from pathlib import Path
 
 from .blocks import cases_of, measure_of, variant_of
 from .expressions import evaluate
-from .model import AXES, Study
+from .model import AXES, DEFAULT_SOLVER, Study
 from .study_file import StudyFile
 
 # Key: kinds allowed. A list is of numbers, a table of settings.
@@ -77,7 +77,7 @@ class Reader(StudyFile):
         self.check(block, REFERENCE, "reference")
         if not 0 < block.get("tolerance", 1) < 1e300:
             self.fail("'tolerance' of [reference] should be above 0", "reference", 1, "tolerance")
-        return {"solver": "auto", "tolerance": 1e-12} | block if block else {}
+        return {"solver": DEFAULT_SOLVER, "tolerance": 1e-12} | block if block else {}
 
     def choice(self, study: Study) -> dict:
         """What a choice among variants and tolerances is made by; empty without one."""

@@ -10,6 +10,8 @@ Table = dict[tuple[str, str, float], Result]
 # Points of a diagram, by variant; and a section of the page: heading, is it open (None: it does not fold), content in HTML.
 Curves = dict[str, list[tuple]]
 Section = tuple[str, bool | None, str]
+# The default of `splitgrain solve`.
+DEFAULT_SOLVER = "auto"
 # The lists that a study can vary, and the name of one value of each.
 AXES = {"tolerances": "tolerance", "time_steps": "time step", "subdomains": "subdomain"}
 
@@ -33,7 +35,7 @@ class Variant:
     """A solver of contact problems with its options, or settings of a run."""
 
     name: str
-    solver: str = "auto"
+    solver: str = DEFAULT_SOLVER
     guess: bool = False
     iterations: int = 0
     settings: dict = field(default_factory=dict)

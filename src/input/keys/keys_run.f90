@@ -95,7 +95,7 @@ contains
                      'program chooses.', least=0.0_wp, most=1e6_wp, used_for='split=boxes')
       call table%add('gluing', value_choice, 'How parts are glued: '//described(couplings)//'.', &
                      default=quoted_string(trim(default%gluing)), choices=choices_of(coupling_names()), &
-                     former='contacts=momentum')
+                     former=former_name(couplings))
       call table%add('sweeps', value_counts, 'Sweeps of a part between two gluings: one number for all parts, or one for each.', &
                      default='1', least=1.0_wp)
       call table%add('every', value_integer, 'Steps between repartitions; 0 for never, unless the imbalance asks '// &
@@ -111,6 +111,16 @@ contains
       if (size(table%keys) == first) call table%close_section()
     end do
   end subroutine add_partition
+
+  !> The name of older decks that one of the methods has, as the key table writes it.
+  pure function former_name(methods) result(rule)
+    type(method_t), intent(in) :: methods(:)
+    character(len=:), allocatable :: rule
+    integer :: i
+
+    i = findloc(methods%former /= '', .true., 1)
+    rule = trim(methods(i)%former)//'='//trim(methods(i)%name)
+  end function former_name
 
   !> Methods with what each is and needs: `nlgs (sweeps), auto (all others in turns; on one rank; with UMFPACK)`.
   function described(methods) result(words)
