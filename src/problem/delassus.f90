@@ -8,9 +8,9 @@ module sg_delassus
                         arm_frictionless_inverse_wnn, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, &
                         arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_relief_nn, arm_relief_tt, &
                         arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, arm_wtt, ball_frictional, ball_frictionless, &
-                        ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, &
-                        ball_inverse_i, ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, first_inverse, normal_x, normal_y, &
-                        normal_z, plain_kind, record_length, round_frictional, round_frictionless, &
+                        ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, ball_inverse_i, &
+                        ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, first_inverse, least_active, least_normal, normal_x, &
+                        normal_y, normal_z, plain_kind, record_length, round_frictional, round_frictionless, &
                         round_frictionless_inverse_wnn, round_inverse_i, round_inverse_wnn, round_inverse_wtt, solid_arm_ax, &
                         solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bonded, solid_compliance_n, solid_compliance_t, &
                         solid_frictional, solid_frictionless, solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, &
@@ -81,7 +81,7 @@ contains
                           + record(arm_moment_na)*record(arm_moment_ta)*a(arm_inverse_i)
         record(arm_wtt) = n(2)**2*mx + n(1)**2*my + record(arm_moment_tc)**2*c(arm_inverse_i) &
                           + record(arm_moment_ta)**2*a(arm_inverse_i) + record(arm_compliance_t)
-        if (record(arm_law) > 2.5_wp) record(arm_wnt:arm_wtt) = 0
+        if (record(arm_law) > least_normal) record(arm_wnt:arm_wtt) = 0
         if (.not. record(arm_wnn) > tiny(1.0_wp)) record(arm_law) = 0
         if (kind == arm_bonded) call stiffen_plane_block(record)
       case (ball_frictionless)
@@ -138,9 +138,9 @@ contains
     c = 1
     d = 0
     if (.not. w(1, 1) > tiny(1.0_wp)) record(solid_law) = 0
-    if (record(solid_law) > 0.5_wp .or. maxval(stiffness) > 0) then
+    if (record(solid_law) > least_active .or. maxval(stiffness) > 0) then
       s = w(2:3, 2:3)
-      if (record(solid_law) > 0.5_wp) s = s - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
+      if (record(solid_law) > least_active) s = s - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
       angle = 0.5_wp*atan2(2*s(1, 2), s(1, 1) - s(2, 2))
       c = cos(angle)
       d = sin(angle)
@@ -156,7 +156,7 @@ contains
                        max(least, c**2*s(1, 1) + 2*c*d*s(1, 2) + d**2*s(2, 2)), &
                        max(least, d**2*s(1, 1) - 2*c*d*s(1, 2) + c**2*s(2, 2))]
     end associate
-    if (record(solid_law) > 0.5_wp) record(solid_inverse_lambda) = 1/largest_eigenvalue(w)
+    if (record(solid_law) > least_active) record(solid_inverse_lambda) = 1/largest_eigenvalue(w)
   end subroutine set_solid_block
 
   !> Turn the block of W of a bonded contact of the plane into that which its unilateral impulse sees.

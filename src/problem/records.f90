@@ -22,7 +22,7 @@ module sg_records
   public :: round_bias_n, round_bias_t, round_inverse_wnn, round_inverse_wtt, round_friction
   public :: arm_frictionless_moment_c, arm_frictionless_moment_a, arm_frictionless_bias, arm_frictionless_inverse_wnn
   public :: arm_moment_nc, arm_moment_tc, arm_moment_na, arm_moment_ta, arm_bias_n, arm_bias_t, arm_wnn, arm_wnt, arm_wtt
-  public :: arm_friction, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_law
+  public :: arm_friction, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_law, least_active, least_linear, least_normal
   public :: arm_stiffness_n, arm_stiffness_t, arm_slip, arm_relief_nn, arm_relief_tn, arm_relief_nt, arm_relief_tt
   public :: ball_frictionless_bias, ball_frictionless_inverse_wnn
   public :: ball_bias_x, ball_bias_y, ball_bias_z, ball_inverse_wnn, ball_inverse_wtt, ball_friction
@@ -72,6 +72,8 @@ module sg_records
   !! contact takes no part, 1 for a unilateral law, 2 for a linear one, 3 for one that is linear along the normal and carries
   !! nothing along tangents
   integer, parameter :: arm_friction = 12, arm_cohesion = 13, arm_compliance_n = 14, arm_compliance_t = 15, arm_law = 16
+  !> Least kinds, halfway between two, of local laws that take part; that are linear; that are linear along the normal alone
+  real(wp), parameter :: least_active = 0.5_wp, least_linear = 1.5_wp, least_normal = 2.5_wp
 
   !> The same contact with bonds: stiffness of the bond times the square of the step [kg], and its slip over the step [m/s]; the
   !! block is (W^-1 + K)^-1, with K those stiffnesses, and the relief (I + K W)^-1 is what the bond leaves of an impulse

@@ -11,9 +11,10 @@ module sg_residuals
                         arm_frictional, arm_frictionless, arm_frictionless_bias, arm_frictionless_inverse_wnn, &
                         arm_frictionless_moment_a, arm_frictionless_moment_c, arm_law, arm_moment_na, arm_moment_nc, &
                         arm_moment_ta, arm_moment_tc, arm_slip, arm_spin, arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, &
-                        arm_wtt, body_length, friction_place, is_in_space, normal_x, normal_y, record_length, round_bias_n, &
-                        round_bias_t, round_friction, round_frictional, round_frictionless, round_frictionless_bias, &
-                        round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt, round_spin, velocity_x, velocity_y
+                        arm_wtt, body_length, friction_place, is_in_space, least_active, least_linear, least_normal, normal_x, &
+                        normal_y, record_length, round_bias_n, round_bias_t, round_friction, round_frictional, round_frictionless, &
+                        round_frictionless_bias, round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt, round_spin, &
+                        velocity_x, velocity_y
   use sg_report, only: ratio, report_t
   use sg_residuals_space, only: add_normal_parts, add_space_contacts, find_worst_in_space, keep_bonds, n_error_sums, note_closing
   implicit none
@@ -272,18 +273,18 @@ contains
         a%u_t(i) = record(normal_y, i)*x - record(normal_x, i)*y + record(arm_moment_tc, i)*body(arm_spin, c) &
                    - record(arm_moment_ta, i)*body(arm_spin, d) + record(arm_bias_t, i) + record(arm_compliance_t, i)*r(2, i)
       end associate
-      a%r_n(i) = r(1, i) + merge(record(arm_cohesion, i), 0.0_wp, record(arm_law, i) > 0.5_wp)
+      a%r_n(i) = r(1, i) + merge(record(arm_cohesion, i), 0.0_wp, record(arm_law, i) > least_active)
       a%r_t(i) = r(2, i)
       a%friction(i) = record(arm_friction, i)
     end do
     do i = 1, n
       largest = (record(arm_wnn, i) + record(arm_wtt, i))/2 + sqrt((record(arm_wnn, i) - record(arm_wtt, i))**2/4 &
                 + record(arm_wnt, i)**2)
-      a%rho(i) = merge(1/max(largest, tiny(1.0_wp)), 0.0_wp, record(arm_law, i) > 0.5_wp)
-      a%linear(i) = merge(1.0_wp, 0.0_wp, record(arm_law, i) > 1.5_wp)
+      a%rho(i) = merge(1/max(largest, tiny(1.0_wp)), 0.0_wp, record(arm_law, i) > least_active)
+      a%linear(i) = merge(1.0_wp, 0.0_wp, record(arm_law, i) > least_linear)
     end do
     do i = 1, n
-      if (record(arm_law, i) > 2.5_wp) a%u_t(i) = a%r_t(i)/a%rho(i)
+      if (record(arm_law, i) > least_normal) a%u_t(i) = a%r_t(i)/a%rho(i)
     end do
   end subroutine gather_arm_frictional
 end module sg_residuals

@@ -6,10 +6,10 @@ module sg_residuals_space
   use sg_problem, only: problem_t
   use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_friction, ball_frictional, ball_frictionless, &
                         ball_frictionless_bias, ball_frictionless_inverse_wnn, ball_inverse_wnn, ball_inverse_wtt, ball_spin_x, &
-                        ball_spin_y, ball_spin_z, body_length, friction_place, normal_x, normal_y, normal_z, record_length, &
-                        solid_arm_ax, solid_arm_ay, solid_arm_az, solid_arm_cx, solid_arm_cy, solid_arm_cz, solid_bias_x, &
-                        solid_bias_y, solid_bias_z, solid_bonded, solid_cohesion, solid_compliance_n, solid_compliance_t, &
-                        solid_friction, solid_frictional, solid_frictionless, solid_frictionless_bias, &
+                        ball_spin_y, ball_spin_z, body_length, friction_place, least_active, least_linear, least_normal, normal_x, &
+                        normal_y, normal_z, record_length, solid_arm_ax, solid_arm_ay, solid_arm_az, solid_arm_cx, solid_arm_cy, &
+                        solid_arm_cz, solid_bias_x, solid_bias_y, solid_bias_z, solid_bonded, solid_cohesion, solid_compliance_n, &
+                        solid_compliance_t, solid_friction, solid_frictional, solid_frictionless, solid_frictionless_bias, &
                         solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, solid_frictionless_moment_ay, &
                         solid_frictionless_moment_az, solid_frictionless_moment_cx, solid_frictionless_moment_cy, &
                         solid_frictionless_moment_cz, solid_inverse_lambda, solid_law, solid_slip_x, solid_slip_z, solid_spin_x, &
@@ -330,7 +330,7 @@ contains
                     + body(solid_spin_y, d)*record(solid_arm_ax, i) + record(solid_bias_z, i) &
                     + record(solid_compliance_t, i)*r(3, i) + yielding*record(normal_z, i)
       end associate
-      cohesion = merge(record(solid_cohesion, i), 0.0_wp, record(solid_law, i) > 0.5_wp)
+      cohesion = merge(record(solid_cohesion, i), 0.0_wp, record(solid_law, i) > least_active)
       a%normal(i, 1) = record(normal_x, i)
       a%normal(i, 2) = record(normal_y, i)
       a%normal(i, 3) = record(normal_z, i)
@@ -339,10 +339,10 @@ contains
       a%r(i, 3) = r(3, i) + cohesion*record(normal_z, i)
       a%friction(i) = record(solid_friction, i)
       a%rho(i) = record(solid_inverse_lambda, i)
-      a%linear(i) = merge(1.0_wp, 0.0_wp, record(solid_law, i) > 1.5_wp)
+      a%linear(i) = merge(1.0_wp, 0.0_wp, record(solid_law, i) > least_linear)
     end do
     do i = 1, n
-      if (.not. record(solid_law, i) > 2.5_wp) cycle
+      if (.not. record(solid_law, i) > least_normal) cycle
       call take_impulse_across(record(normal_x:normal_z, i), r(:, i), record(solid_inverse_lambda, i), a%u(i, :))
     end do
   end subroutine gather_solids

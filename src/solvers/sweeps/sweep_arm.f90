@@ -6,7 +6,8 @@ module sg_sweep_arm
                         arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, arm_inverse_mx, arm_inverse_my, &
                         arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_relief_nn, arm_relief_nt, &
                         arm_relief_tn, arm_relief_tt, arm_slip, arm_spin, arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, &
-                        arm_wtt, body_length, normal_x, normal_y, record_length, velocity_x, velocity_y
+                        arm_wtt, body_length, least_active, least_linear, least_normal, normal_x, normal_y, record_length, &
+                        velocity_x, velocity_y
   implicit none
   private
   public :: sweep_arm_frictionless, sweep_arm_frictional, sweep_arm_bonded
@@ -58,7 +59,7 @@ contains
     real(wp) :: x, y, dx, dy, q_n, q_t, r_n, r_t, old_n, old_t, p_x, p_y, determinant
 
     do k = 1, n
-      if (record(arm_law, k) < 0.5_wp) cycle
+      if (record(arm_law, k) < least_active) cycle
       c = pair(1, k)
       a = pair(2, k)
       x = record(normal_x, k)
@@ -73,9 +74,9 @@ contains
             - record(arm_wnt, k)*old_t
       q_t = y*dx - x*dy + record(arm_moment_tc, k)*body(arm_spin, c) - record(arm_moment_ta, k)*body(arm_spin, a) &
             + record(arm_bias_t, k) + record(arm_compliance_t, k)*old_t - record(arm_wnt, k)*old_n - record(arm_wtt, k)*old_t
-      if (record(arm_law, k) < 1.5_wp) then
+      if (record(arm_law, k) < least_linear) then
         call coulomb_step(record(arm_wnn, k), record(arm_wnt, k), record(arm_wtt, k), record(arm_friction, k), q_n, q_t, r_n, r_t)
-      else if (record(arm_law, k) > 2.5_wp) then
+      else if (record(arm_law, k) > least_normal) then
         r_n = -q_n/record(arm_wnn, k)
         r_t = 0
       else
@@ -110,10 +111,10 @@ contains
     real(wp), intent(inout) :: body(body_length(arm_frictional), n_bodies) !! records of bodies; their velocities change
     integer :: k
     integer(i4) :: c, a
-    real(wp) :: dx, dy, u_n, u_t, q_n, q_t, old_n, old_t, r_n, r_t, p_x, p_y
+    real(wp) :: dx, dy, u_n, u_t, q_n, q_t, old_n, old_t, r_n, r_t, change_n, change_t, p_x, p_y
 
     do k = 1, n
-      if (.not. max(record(arm_stiffness_n, k), record(arm_stiffness_t, k)) > 0 .and. record(arm_law, k) > 0.5_wp) then
+      if (.not. max(record(arm_stiffness_n, k), record(arm_stiffness_t, k)) > 0 .and. record(arm_law, k) > least_active) then
         call sweep_arm_frictional(1, n_bodies, pair(:, k), record(:record_length(arm_frictional), k), relaxation, &
                                   impulse(:, k), body)
         cycle
@@ -131,7 +132,7 @@ contains
       old_t = impulse(2, k) + record(arm_stiffness_t, k)*(u_t + record(arm_slip, k))
       q_n = u_n - record(arm_wnn, k)*old_n - record(arm_wnt, k)*old_t
       q_t = u_t - record(arm_wnt, k)*old_n - record(arm_wtt, k)*old_t
-      if (record(arm_law, k) > 0.5_wp) then
+      if (record(arm_law, k) > least_active) then
         call coulomb_step(record(arm_wnn, k), record(arm_wnt, k), record(arm_wtt, k), record(arm_friction, k), q_n, q_t, r_n, r_t)
       else
         ! Nothing moves along the normal: the bond acts alone, does not push, and carries nothing once it is broken.
@@ -139,10 +140,10 @@ contains
         r_t = 0
       end if
       ! The bond gives way to the change.
-      q_n = relaxation*(r_n - old_n)
-      q_t = relaxation*(r_t - old_t)
-      r_n = record(arm_relief_nn, k)*q_n + record(arm_relief_nt, k)*q_t
-      r_t = record(arm_relief_tn, k)*q_n + record(arm_relief_tt, k)*q_t
+      change_n = relaxation*(r_n - old_n)
+      change_t = relaxation*(r_t - old_t)
+      r_n = record(arm_relief_nn, k)*change_n + record(arm_relief_nt, k)*change_t
+      r_t = record(arm_relief_tn, k)*change_n + record(arm_relief_tt, k)*change_t
       impulse(1, k) = impulse(1, k) + r_n
       impulse(2, k) = impulse(2, k) + r_t
       p_x = record(normal_x, k)*r_n + record(normal_y, k)*r_t

@@ -1,17 +1,17 @@
 !> Gauss-Seidel sweeps over solid problems (bodies of any shape in space), see doc/theory/nlgs.md.
 module sg_sweep_solid
   use sg_kinds, only: wp, i4
-  use sg_records, only: body_length, normal_x, normal_y, normal_z, record_length, solid_arm_ax, solid_arm_ay, solid_arm_az, &
-                        solid_arm_cx, solid_arm_cy, solid_arm_cz, solid_bias_x, solid_bias_y, solid_bias_z, solid_bonded, &
-                        solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, solid_frictional, &
-                        solid_frictionless, solid_frictionless_bias, solid_frictionless_inverse_wnn, &
+  use sg_records, only: body_length, least_active, least_linear, normal_x, normal_y, normal_z, record_length, solid_arm_ax, &
+                        solid_arm_ay, solid_arm_az, solid_arm_cx, solid_arm_cy, solid_arm_cz, solid_bias_x, solid_bias_y, &
+                        solid_bias_z, solid_bonded, solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, &
+                        solid_frictional, solid_frictionless, solid_frictionless_bias, solid_frictionless_inverse_wnn, &
                         solid_frictionless_moment_ax, solid_frictionless_moment_ay, solid_frictionless_moment_az, &
                         solid_frictionless_moment_cx, solid_frictionless_moment_cy, solid_frictionless_moment_cz, &
                         solid_inverse_mx, solid_inverse_my, solid_inverse_mz, solid_inverse_xx, solid_inverse_xy, &
                         solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, solid_inverse_zz, solid_law, solid_relief_22, &
-                        solid_relief_nn, solid_s1, solid_s2, solid_slip_x, solid_slip_z, solid_spin_x, solid_spin_y, &
-                        solid_spin_z, solid_stiffness_n, solid_stiffness_t, solid_tangent_x, solid_tangent_y, solid_tangent_z, &
-                        solid_wn1, solid_wn2, solid_wnn, velocity_x, velocity_y, velocity_z
+                        solid_relief_nn, solid_s1, solid_s2, solid_slip_x, solid_slip_z, solid_spin_x, solid_spin_y, solid_spin_z, &
+                        solid_stiffness_n, solid_stiffness_t, solid_tangent_x, solid_tangent_y, solid_tangent_z, solid_wn1, &
+                        solid_wn2, solid_wnn, velocity_x, velocity_y, velocity_z
   use sg_vectors, only: cross
   implicit none
   private
@@ -70,7 +70,7 @@ contains
     real(wp) :: q_n, q_1, q_2, r_n, r_1, r_2, old_n, old_1, old_2, lead, slip, square, inverse, g_1, g_2
 
     do k = 1, n
-      if (record(solid_law, k) < 0.5_wp) cycle
+      if (record(solid_law, k) < least_active) cycle
       c = pair(1, k)
       a = pair(2, k)
       x = record(normal_x, k)
@@ -115,7 +115,7 @@ contains
       q_1 = q_1 - record(solid_wn1, k)*lead
       q_2 = q_2 - record(solid_wn2, k)*lead
       call local_step(inverse, g_1, g_2, record(solid_s1, k), record(solid_s2, k), record(solid_friction, k), &
-                      record(solid_law, k) > 1.5_wp, q_n, q_1, q_2, slip, square, r_n, r_1, r_2)
+                      record(solid_law, k) > least_linear, q_n, q_1, q_2, slip, square, r_n, r_1, r_2)
       r_n = relaxation*(r_n - old_n)
       r_1 = relaxation*(r_1 - old_1)
       r_2 = relaxation*(r_2 - old_2)
@@ -144,11 +144,11 @@ contains
     real(wp), intent(inout) :: body(body_length(solid_frictional), n_bodies) !! records of bodies; their velocities change
     integer :: k
     integer(i4) :: c, a
-    real(wp) :: frame(3, 3), relief(3, 3), w(3), u(3), old(3), new(3), slip(3), q(3), change(3), lead, inverse
+    real(wp) :: frame(3, 3), relief(3, 3), w(3), u(3), slip(3), q(3), unilateral(3), solved(3), change(3), moment(3), lead, inverse
     logical :: is_active
 
     do k = 1, n
-      if (.not. max(record(solid_stiffness_n, k), record(solid_stiffness_t, k)) > 0 .and. record(solid_law, k) > 0.5_wp) then
+      if (.not. max(record(solid_stiffness_n, k), record(solid_stiffness_t, k)) > 0 .and. record(solid_law, k) > least_active) then
         call sweep_solid_frictional(1, n_bodies, pair(:, k), record(:record_length(solid_frictional), k), relaxation, &
                                     impulse(:, k), body)
         cycle
@@ -165,31 +165,31 @@ contains
       slip = matmul(record(solid_slip_x:solid_slip_z, k), frame)
       slip(1) = 0
       ! The unilateral impulse, and the velocity without it but with the bond: W r is W_nn lead, w lead + S r_t.
-      old = matmul(impulse(:, k), frame)
-      new = old + record([solid_stiffness_n, solid_stiffness_t, solid_stiffness_t], k)*(u + slip)
-      is_active = record(solid_law, k) > 0.5_wp
+      unilateral = matmul(impulse(:, k), frame) + record([solid_stiffness_n, solid_stiffness_t, solid_stiffness_t], k)*(u + slip)
+      is_active = record(solid_law, k) > least_active
       inverse = 0
       if (is_active) inverse = 1/record(solid_wnn, k)
       w = record(solid_wnn:solid_wn2, k)
-      lead = dot_product(w, new)*inverse
-      q = u - w*lead - [0.0_wp, record(solid_s1, k), record(solid_s2, k)]*new
+      lead = dot_product(w, unilateral)*inverse
+      q = u - w*lead - [0.0_wp, record(solid_s1, k), record(solid_s2, k)]*unilateral
       if (is_active) then
         call local_step(inverse, w(2)*inverse, w(3)*inverse, record(solid_s1, k), record(solid_s2, k), record(solid_friction, k), &
-                        .false., q(1), q(2), q(3), u(2)**2 + u(3)**2, new(2)**2 + new(3)**2, change(1), change(2), change(3))
+                        .false., q(1), q(2), q(3), u(2)**2 + u(3)**2, unilateral(2)**2 + unilateral(3)**2, &
+                        solved(1), solved(2), solved(3))
       else
         ! Nothing moves along the normal: the bond acts alone, does not push, and carries nothing once it is broken.
-        change = [min(0.0_wp, record(solid_stiffness_n, k)*u(1)), 0.0_wp, 0.0_wp]
+        solved = [min(0.0_wp, record(solid_stiffness_n, k)*u(1)), 0.0_wp, 0.0_wp]
       end if
       ! The bond gives way to the change.
       relief = reshape(record(solid_relief_nn:solid_relief_22, k), [3, 3])
-      change = matmul(frame, relaxation*matmul(relief, change - new))
+      change = matmul(frame, relaxation*matmul(relief, solved - unilateral))
       ! What is broken and moves nothing along the normal carries nothing, to the last bit.
       if (.not. max(record(solid_stiffness_n, k), record(solid_stiffness_t, k)) > 0) change = -relaxation*impulse(:, k)
       impulse(:, k) = impulse(:, k) + change
-      old = cross(record(solid_arm_cx:solid_arm_cz, k), change)
-      call push(body(:, c), change(1), change(2), change(3), old(1), old(2), old(3))
-      old = cross(record(solid_arm_ax:solid_arm_az, k), change)
-      call push(body(:, a), -change(1), -change(2), -change(3), -old(1), -old(2), -old(3))
+      moment = cross(record(solid_arm_cx:solid_arm_cz, k), change)
+      call push(body(:, c), change(1), change(2), change(3), moment(1), moment(2), moment(3))
+      moment = cross(record(solid_arm_ax:solid_arm_az, k), change)
+      call push(body(:, a), -change(1), -change(2), -change(3), -moment(1), -moment(2), -moment(3))
     end do
   end subroutine sweep_solid_bonded
 

@@ -5,9 +5,9 @@
 module sg_sweep_solid_order
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
-  use sg_records, only: first_inverse, normal_x, normal_z, record_length, solid_arm_az, solid_bias_x, solid_bias_y, solid_bias_z, &
-                        solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, solid_frictional, solid_law, &
-                        solid_s1, solid_tangent_x, solid_tangent_z, solid_wn1, solid_wn2, solid_wnn
+  use sg_records, only: first_inverse, least_active, least_linear, normal_x, normal_z, record_length, solid_arm_az, solid_bias_x, &
+                        solid_bias_y, solid_bias_z, solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, &
+                        solid_frictional, solid_law, solid_s1, solid_tangent_x, solid_tangent_z, solid_wn1, solid_wn2, solid_wnn
   use sg_vectors, only: cross
   implicit none
   private
@@ -259,7 +259,7 @@ contains
     real(wp), intent(inout) :: row(lanes, row_length)
     real(wp) :: inverse
 
-    if (record(solid_law) < 0.5_wp) then
+    if (record(solid_law) < least_active) then
       call clear_lane(i, row)
       return
     end if
@@ -278,7 +278,7 @@ contains
     row(i, row_g1) = record(solid_wn1)*inverse
     row(i, row_g2) = record(solid_wn2)*inverse
     row(i, row_s1:row_friction) = record(solid_s1:solid_friction)
-    if (record(solid_law) > 1.5_wp) row(i, row_friction) = -1
+    if (record(solid_law) > least_linear) row(i, row_friction) = -1
   end subroutine fill_lane
 
   !> Write a lane to spare: no direction, so that nothing changes.
@@ -323,7 +323,7 @@ contains
     real(wp), intent(inout) :: impulse(3)
     real(wp) :: n(3), t(3), normal
 
-    if (record(solid_law) < 0.5_wp) return
+    if (record(solid_law) < least_active) return
     normal = row(i, row_impulse_n) - record(solid_cohesion)
     n = row(i, row_normal_x:row_normal_z)
     t = row(i, row_tangent_x:row_tangent_z)
