@@ -35,6 +35,8 @@ module sg_field_visitor
     logical :: in_files = .false.
     !> First component of a new item; the others are zero
     real(wp) :: first = 0
+    !> May a restart file be without it, or hold another number of components? Then its values start as those of new items
+    logical :: is_optional = .false.
     !> Set by a visit: place in the list, kind of values, is it an array of one dimension, bytes in use or -1 where unallocated
     integer :: place = 0
     integer :: kind = kind_real

@@ -22,6 +22,8 @@ module sg_bodies
     integer :: dimension = 2
     !> Velocity components of a body: 3 (x, y, rotation) or 6 (x, y, z, spin); 2 or 3 where nothing turns
     integer :: n_velocity = 3
+    !> Values of each copy that the solver's method carries from step to step (sg_solver); 0 where it carries none
+    integer :: n_carried = 0
     !> Is there an orientation of each body? Where nothing turns, only if a body is turned at the start
     logical :: has_orientation = .true.
     !> Centre of mass [m], shape (dimension, n), at the beginning of the step; in a periodic scene within the period
@@ -56,6 +58,8 @@ module sg_bodies
     logical, allocatable :: is_grain(:)
     !> Bulk material, index into the scene's materials, shape (n)
     integer(i4), allocatable :: material(:)
+    !> Values that the solver's method carries, those of this rank's copy, shape (n_carried, n)
+    real(wp), allocatable :: carried(:, :)
     !> In a decomposed scene: number of the body in the whole scene, and the rank that owns it; shape (n). The bodies of
     !! this rank come first, then copies of others'; both by ascending number. Unallocated elsewhere
     integer(i4), allocatable :: id(:), owner(:)
@@ -96,6 +100,8 @@ contains
     call visitor%visit(field_t('crossings_y', sync_on_copy, is_there=is_space, in_files=.true.), self%crossings_y)
     call visitor%visit(field_t('is_grain', sync_on_copy, first=1.0_wp), self%is_grain)
     call visitor%visit(field_t('material', sync_on_copy), self%material)
+    call visitor%visit(field_t('carried', sync_on_owner, self%n_carried, self%n_carried > 0, .true., is_optional=.true.), &
+                       self%carried)
     ! Messages hold these two before the fields: a body may be numbered, or change its owner, when it is sent.
     call visitor%visit(field_t('id', sync_never, is_there=is_numbered), self%id)
     call visitor%visit(field_t('owner', sync_never, is_there=is_numbered), self%owner)
@@ -133,6 +139,7 @@ contains
 
     bodies%dimension = template%dimension
     bodies%n_velocity = template%n_velocity
+    bodies%n_carried = template%n_carried
     bodies%has_orientation = template%has_orientation
   end function no_bodies_like
 

@@ -24,6 +24,8 @@ module sg_contacts
     integer :: n_components = 2
     !> Internal values that the laws in use keep of a contact (sg_internal_values); 0 where none keeps any
     integer :: n_internal = 0
+    !> Values of a contact that the solver's method carries from step to step (sg_solver); 0 where it carries none
+    integer :: n_carried = 0
     !> Contactors, candidate and antagonist, shape (2, n)
     integer(i4), allocatable :: contactor(:, :)
     !> Bodies, candidate and antagonist, shape (2, n)
@@ -46,6 +48,8 @@ module sg_contacts
     integer(i1), allocatable :: status(:)
     !> What the law of the contact keeps from step to step, shape (n_internal, n)
     real(wp), allocatable :: internal(:, :)
+    !> Values that the solver's method carries, shape (n_carried, n)
+    real(wp), allocatable :: carried(:, :)
     !> Memory that detection may grow in, and did it end early because there was none? Contacts found before
     type(memory_t) :: memory
     logical :: is_cut = .false.
@@ -75,6 +79,8 @@ contains
     call visitor%visit(field_t('impulse', sync_on_owner, self%n_components, in_files=.true.), self%impulse)
     call visitor%visit(field_t('status', sync_on_owner, in_files=.true.), self%status)
     call visitor%visit(field_t('internal', sync_on_owner, self%n_internal, in_files=.true.), self%internal)
+    call visitor%visit(field_t('carried', sync_on_owner, self%n_carried, self%n_carried > 0, .true., is_optional=.true.), &
+                       self%carried)
   end subroutine contacts_visit
 
   !> Make room for `n` contacts where there is memory; else `is_cut` is set.

@@ -3,7 +3,7 @@ module sg_detect
   use sg_contactors, only: contactors_t, kind_polygon, kind_polyhedron, kind_sphere, place_contactors
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_hand_over, only: hand_over
-  use sg_history, only: history_t, keep_contacts, keep_pairs, match_pairs, past_pair, recall, unwrap_images
+  use sg_history, only: carried_of, history_t, keep_contacts, keep_pairs, match_pairs, past_pair, recall, unwrap_images
   use sg_internal_values, only: first_internal, keeps_gap, n_internal_of, not_recorded
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, law_bond, law_mohr, status_bonded, status_broken, status_new
@@ -339,6 +339,7 @@ contains
     end if
     if (history%is_start) contacts%status(k) = status_at_start(scene, contacts%law(k), contacts%status(k))
     if (contacts%n_internal > 0) call recall_internal(scene, history, past, k, contacts)
+    if (contacts%n_carried > 0) contacts%carried(:, k) = carried_of(history, past, contacts%n_carried)
   end subroutine add_contact
 
   !> Internal values of a contact from its past. A contact whose values no file holds takes those that its law gives to contacts

@@ -14,7 +14,7 @@ module sg_history
   implicit none
   private
   public :: history_t, start_history, resume_history, keep_contacts, keep_pairs, unwrap_images, match_pairs, revive
-  public :: past_pair, recall
+  public :: carried_of, past_pair, recall
 
   !> Contacts of the last detection, as much as the next one needs
   type :: history_t
@@ -35,6 +35,8 @@ module sg_history
     integer(i1), allocatable :: status(:)
     !> Internal values of each contact, shape (n_internal, contacts)
     real(wp), allocatable :: internal(:, :)
+    !> Values of each contact that the solver's method carries, shape (n_carried, contacts)
+    real(wp), allocatable :: carried(:, :)
     !> Past pair of each present one, 0 where there is none; unused while the list of neighbours stays
     integer(i4), allocatable :: past(:)
     !> Must pairs be matched, because the list of neighbours is another one?
@@ -183,6 +185,8 @@ contains
     call reserve(history%status, n)
     call reserve(history%impulse, contacts%n_components, n)
     call reserve(history%internal, contacts%n_internal, n)
+    if (allocated(history%carried)) deallocate (history%carried)
+    if (contacts%n_carried > 0) history%carried = contacts%carried(:, :n)
     if (n == 0) return
     history%feature(:n) = contacts%feature(:n)
     history%status(:n) = contacts%status(:n)
@@ -329,6 +333,18 @@ contains
     end do
   end function recall
 
+  !> Values that the solver's method carries of a contact of the past; zero where there is none, or another method carried others.
+  pure function carried_of(history, past, n) result(carried)
+    type(history_t), intent(in) :: history !! past
+    integer, intent(in) :: past !! contact of the past, 0 for a new one
+    integer, intent(in) :: n !! values of a contact
+    real(wp) :: carried(n)
+
+    carried = 0
+    if (past == 0 .or. .not. allocated(history%carried)) return
+    if (size(history%carried, 1) == n) carried = history%carried(:, past)
+  end function carried_of
+
   !> Bring the past back as contacts, when the step after it failed: what a restart needs of them.
   subroutine revive(history, pairs, contacts)
     type(history_t), intent(in) :: history !! past
@@ -347,6 +363,7 @@ contains
         contacts%impulse(:, k) = history%impulse(:, k)
         contacts%status(k) = history%status(k)
         if (contacts%n_internal > 0) contacts%internal(:, k) = history%internal(:, k)
+        if (contacts%n_carried > 0) contacts%carried(:, k) = carried_of(history, k, contacts%n_carried)
         contacts%image(k) = 0
         if (contacts%dimension == 3) contacts%image_y(k) = 0
         contacts%law(k) = 1

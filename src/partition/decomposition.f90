@@ -6,6 +6,7 @@
 !! (doc/theory/decomposition.md).
 module sg_decomposition
   use sg_boxes, only: choose_boxes, split_boxes
+  use sg_carried_copies, only: carried_copies_t
   use sg_comm, only: comm_t
   use sg_contact_migration, only: distribute_contacts, distribute_start_contacts, send_contacts, unpack_contacts
   use sg_contacts, only: contacts_t
@@ -83,6 +84,8 @@ contains
     if (allocated(error)) return
     if (allocated(scene%start_contacts)) call move_alloc(scene%start_contacts, self%start_contacts)
     call migrate(scene, owner, comm)
+    ! Of a file's values of a replicated body one copy has them.
+    if (scene%bodies%n_carried > 0) scene%bodies%carried(:, scene%bodies%n_own + 1:) = 0
     self%is_resumed = is_resumed
     if (is_resumed) call distribute_contacts(contacts, scene, self%subdomain%all_contactors, comm, self%resumed)
     if (allocated(self%start_contacts)) &
@@ -181,6 +184,7 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the graph cannot be split
     integer(i4), allocatable :: owner(:), former(:)
     type(parcel_t) :: migrating
+    type(carried_copies_t) :: carried
     real(wp) :: skin
     logical :: is_split
 
@@ -196,6 +200,7 @@ contains
     if (.not. is_rebuilt) is_rebuilt = .not. self%margin%holds(scene, skin, comm)
     if (.not. is_rebuilt) return
     call self%margin%choose(scene, skin, comm)
+    call carried%take(scene%bodies)
     if (is_split) then
       call new_owners(self, scene, contacts, comm, owner, error)
       if (allocated(error)) return
@@ -205,6 +210,7 @@ contains
       former = scene%contactors%id(:scene%contactors%n)
     end if
     call make_halo(scene, self%replicated, self%subdomain, self%margin%width, comm)
+    call carried%give(scene%bodies)
     if (self%is_first) then
       call start_contacts_here(self, scene, history, contacts, step)
     else

@@ -46,6 +46,10 @@ contains
     call list_history(sim%history, tables)
     call list_problem(sim%problem, tables)
     call sim%solver%list_tables(tables)
+    call tables%begin('solver', per_body)
+    call tables%note('carried_body', sim%solver%carried_body)
+    call tables%begin('solver', per_contact)
+    call tables%note('carried_contact', sim%solver%carried_contact)
     call sim%decomposition%list_tables(tables)
     call tables%begin('trace', per_contact)
     call tables%note('guess_impulse', sim%guess_impulse)
@@ -120,6 +124,7 @@ contains
     call tables%note('point', history%point)
     call tables%note('status', history%status)
     call tables%note('internal', history%internal)
+    call tables%note('carried', history%carried)
     call tables%note('past', history%past)
   end subroutine list_history
 

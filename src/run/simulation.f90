@@ -25,7 +25,7 @@ module sg_simulation
   use sg_writers, only: writers_t
   implicit none
   private
-  public :: simulation_t, start_simulation, decompose
+  public :: simulation_t, start_simulation, reserve_carried, decompose
 
   !> One run: two of them fit in one program
   type :: simulation_t
@@ -81,6 +81,7 @@ contains
   !! each rank of `sim%comm` has a part of the scene.
   subroutine start_simulation(sim)
     type(simulation_t), intent(inout) :: sim !! its scene and options are set
+    type(error_t), allocatable :: refused
 
     call make_plan(sim%scene, sim%plan, sim%comm, sim%omissions)
     sim%signature = signature_of(sim%scene, sim%comm)
@@ -94,9 +95,31 @@ contains
     ! Contacts known to a scene that is held in part travel first, see `decompose`.
     if (.not. allocated(sim%scene%bodies%id)) &
       call start_history(sim%history, sim%scene, sim%options%step, sim%contacts%n_components, sim%contacts%n_internal)
-    call choose_solver(sim%options%solver, sim%solver)
+    ! What a method carries must be known before a restart file is read; a method that these ranks cannot have is refused later.
+    call choose_solver(sim%options%solver, sim%options%partition, sim%comm%size, sim%solver, refused)
+    if (allocated(refused)) call choose_solver(sim%options%solver, sim%solver)
+    call reserve_carried(sim)
     call sim%totals%clock%start()
   end subroutine start_simulation
+
+  !> Make room for what the solver's method carries from step to step; values of another number of columns are dropped.
+  subroutine reserve_carried(sim)
+    type(simulation_t), intent(inout) :: sim !! its solver is chosen
+    integer :: columns(2), room
+
+    columns = [sim%solver%carried_velocities*sim%scene%bodies%n_velocity, sim%solver%carried_impulses*sim%contacts%n_components]
+    if (sim%scene%bodies%n_carried /= columns(1)) then
+      sim%scene%bodies%n_carried = columns(1)
+      if (allocated(sim%scene%bodies%carried)) deallocate (sim%scene%bodies%carried)
+      call sim%scene%bodies%resize(sim%scene%bodies%n)
+    end if
+    if (sim%contacts%n_carried == columns(2)) return
+    sim%contacts%n_carried = columns(2)
+    if (allocated(sim%contacts%carried)) deallocate (sim%contacts%carried)
+    room = 0
+    if (allocated(sim%contacts%gap)) room = size(sim%contacts%gap)
+    if (room > 0) call sim%contacts%resize(room)
+  end subroutine reserve_carried
 
   !> Split a started simulation over the ranks of `sim%comm`, where there are several: each keeps its part. Collective.
   subroutine decompose(sim, error)
@@ -109,6 +132,7 @@ contains
     if (allocated(error)) return
     call choose_solver(sim%options%solver, sim%options%partition, sim%comm%size, sim%solver, error)
     if (allocated(error)) return
+    call reserve_carried(sim)
     call sim%decomposition%begin(sim%scene, sim%contacts, sim%step > 0, sim%options%partition, sim%comm, error)
     if (allocated(error)) return
     if (allocated(sim%pairs%built)) deallocate (sim%pairs%built)

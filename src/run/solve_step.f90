@@ -107,7 +107,13 @@ contains
     before = sim%comm%traffic
     coupling = sim%decomposition%subdomain%by_slot(sim%pairs%slot_of)
     sim%solver%with_trace = sim%is_traced
-    call sim%solver%solve(sim%problem, coupling, sim%comm, sim%report)
+    associate (bodies => sim%scene%bodies, contacts => sim%contacts, solver => sim%solver)
+      if (bodies%n_carried > 0) solver%carried_body = bodies%carried(:, sim%pairs%body_of)
+      if (contacts%n_carried > 0) solver%carried_contact = contacts%carried(:, :contacts%n)
+      call solver%solve(sim%problem, coupling, sim%comm, sim%report)
+      if (bodies%n_carried > 0) bodies%carried(:, sim%pairs%body_of) = solver%carried_body
+      if (contacts%n_carried > 0) contacts%carried(:, :contacts%n) = solver%carried_contact
+    end associate
     sim%gluings = sim%gluings + int(sim%report%gluings, i8)
     sim%own_updates = sim%own_updates + sim%report%contact_updates
     sim%gluing_traffic%messages = sim%gluing_traffic%messages + sim%comm%traffic%messages - before%messages

@@ -168,7 +168,7 @@ contains
     end do
   end subroutine check_sharers
 
-  !> Interface contacts touch a shared body; those between two subdomains touch bodies of two homes.
+  !> Interface contacts touch a shared body; those between two subdomains touch bodies of two owners.
   subroutine check_contacts(one, interface)
     type(case_t), intent(in) :: one
     type(interface_t), intent(in) :: interface

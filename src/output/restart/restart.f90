@@ -146,7 +146,7 @@ contains
 
   !> Read a state and see whether it fits the scene; that another deck wrote it is only a warning.
   subroutine read_restart(name, scene, deck_hash, comm, state, diagnostics, bodies, contactors, components, internal, &
-                          is_damaged)
+                          is_damaged, carried)
     character(len=*), intent(in) :: name !! path of the file
     type(scene_t), intent(in) :: scene !! scene that it must fit, or the part of a rank
     character(len=*), intent(in) :: deck_hash !! hash of the present deck
@@ -158,6 +158,7 @@ contains
     integer, intent(in), optional :: components !! of an impulse, as many as dimensions unless given
     integer, intent(in), optional :: internal !! internal values of a contact, none unless given
     logical, intent(out), optional :: is_damaged !! is the file itself at fault, and not of another scene?
+    integer, intent(in), optional :: carried !! values of a contact that the solver's method carries, none unless given
     type(hdf5_file_t) :: file
     character(len=:), allocatable :: misfit
     type(contacts_t) :: contacts
@@ -170,11 +171,12 @@ contains
     contacts%n_components = scene%dimension
     if (present(components)) contacts%n_components = components
     if (present(internal)) contacts%n_internal = internal
+    if (present(carried)) contacts%n_carried = carried
     call file%open(name, is_read_only=.true.)
     call check_format(file)
     misfit = scene_misfit(file, scene, whole(1), contacts%n_internal)
     if (len(misfit) == 0) call check_shapes(file, scene, whole(1), contacts)
-    call check_seals(file, dataset_paths(scene, contacts), comm)
+    call check_seals(file, dataset_paths(file, scene, contacts), comm)
     if (len(misfit) == 0 .and. .not. allocated(file%error)) call read_file(file, scene, contacts, comm, state)
     call file%close()
     if (present(is_damaged)) is_damaged = allocated(file%error)

@@ -66,7 +66,7 @@ contains
       if (.not. allocated(file%error)) call fail(file%error, 'it is cut off', file=file%name, code=exit_output)
       return
     end if
-    list = datasets(scene, contacts, int(bodies, i8), rows)
+    list = datasets(file, scene, contacts, int(bodies, i8), rows)
     do i = 1, size(list)
       wanted = [int(list(i)%components, i8), list(i)%rows]
       found = file%shape(trim(list(i)%path))
@@ -81,14 +81,15 @@ contains
   end subroutine check_shapes
 
   !> Paths of all datasets of a file.
-  function dataset_paths(scene, contacts) result(paths)
+  function dataset_paths(file, scene, contacts) result(paths)
+    type(hdf5_file_t), intent(inout) :: file !! open restart file of this scene
     type(scene_t), intent(in) :: scene !! the scene, or the part of a rank
     type(contacts_t), intent(in) :: contacts !! contacts with the components of the scene
     type(text_t), allocatable :: paths(:)
     type(dataset_t), allocatable :: list(:)
     integer :: i
 
-    list = datasets(scene, contacts, 0_i8, 0_i8)
+    list = datasets(file, scene, contacts, 0_i8, 0_i8)
     allocate (paths(0))
     do i = 1, size(list)
       call append_word(paths, trim(list(i)%path))
@@ -97,18 +98,21 @@ contains
   end function dataset_paths
 
   !> The datasets whose shape follows from the scene.
-  function datasets(scene, contacts, n_bodies, n_contacts) result(list)
+  function datasets(file, scene, contacts, n_bodies, n_contacts) result(list)
+    type(hdf5_file_t), intent(inout) :: file
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer(i8), intent(in) :: n_bodies, n_contacts
     type(dataset_t), allocatable :: list(:)
 
     list = [dataset_t('/time'), dataset_t('/built', size(scene%bodies%middle, 1), n_bodies), &
-            datasets_of('/bodies/', scene%bodies, n_bodies), datasets_of('/contacts/', contacts, n_contacts)]
+            datasets_of(file, '/bodies', scene%bodies, n_bodies), &
+            datasets_of(file, '/contacts', contacts, n_contacts)]
   end function datasets
 
   !> The datasets of a group, one per field that files hold.
-  function datasets_of(group, things, rows) result(list)
+  function datasets_of(file, group, things, rows) result(list)
+    type(hdf5_file_t), intent(inout) :: file
     character(len=*), intent(in) :: group
     class(fields_t), intent(in) :: things
     integer(i8), intent(in) :: rows
@@ -116,7 +120,7 @@ contains
     type(field_t), allocatable :: fields(:)
     integer :: i
 
-    fields = fields_in_files(things)
-    list = [(dataset_t(group//fields(i)%name, fields(i)%components, rows), i=1, size(fields))]
+    fields = fields_in_files(things, group, file)
+    list = [(dataset_t(group//'/'//fields(i)%name, fields(i)%components, rows), i=1, size(fields))]
   end function datasets_of
 end module sg_restart_datasets

@@ -3,7 +3,7 @@ module sg_restart_fields
   use sg_field_visitor, only: field_t, kind_real, sync_never
   use sg_fields, only: fields_t
   use sg_hdf5, only: hdf5_file_t
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp, i4, i8
   use sg_picked_rows, only: picked_rows_t
   use sg_sealed_datasets, only: put_sealed
   implicit none
@@ -20,13 +20,27 @@ module sg_restart_fields
 
 contains
 
-  !> Fields that files hold.
-  function fields_in_files(things) result(list)
+  !> Fields that files hold; or of those that one file holds, which may be without optional ones.
+  function fields_in_files(things, group, file) result(list)
     class(fields_t), intent(in) :: things !! bodies or contacts; their arrays need not be allocated
+    character(len=*), intent(in), optional :: group !! path of the group
+    type(hdf5_file_t), intent(inout), optional :: file !! open file
     type(field_t), allocatable :: list(:), all_fields(:)
+    logical, allocatable :: is_held(:)
+    integer(i8) :: found(2)
+    integer :: i
 
     all_fields = things%described()
     list = pack(all_fields, all_fields%in_files .and. all_fields%is_there .and. all_fields%components > 0)
+    if (.not. present(file)) return
+    is_held = .not. list%is_optional
+    do i = 1, size(list)
+      if (is_held(i)) cycle
+      is_held(i) = file%has(group//'/'//trim(list(i)%name))
+      if (is_held(i)) found = file%shape(group//'/'//trim(list(i)%name))
+      if (is_held(i)) is_held(i) = found(1) == int(list(i)%components, i8)
+    end do
+    list = pack(list, is_held)
   end function fields_in_files
 
   !> Copy the fields that files hold.
@@ -87,7 +101,7 @@ contains
     type(kept_field_t), allocatable, intent(out) :: kept(:) !! values read
     integer :: i
 
-    kept = empty_fields(fields_in_files(things))
+    kept = empty_fields(fields_in_files(things, group, file))
     do i = 1, size(kept)
       call rows%get(file, group//'/'//trim(kept(i)%field%name), kept(i)%values)
     end do

@@ -1,6 +1,7 @@
 !> Base type of all solvers of contact problems: options once, then one problem after the other.
 module sg_solver
   use sg_comm, only: comm_t
+  use sg_kinds, only: wp
   use sg_problem, only: problem_t
   use sg_report, only: report_t
   use sg_subdomain, only: subdomain_t
@@ -13,6 +14,12 @@ module sg_solver
   type, abstract :: solver_t
     !> Keep the history of errors of the next solves?
     logical :: with_trace = .false.
+    !> Vectors that the method carries from step to step: per body copy, each as long as a velocity; per contact, each as long as an
+    !! impulse. Set where the solver is chosen
+    integer :: carried_velocities = 0, carried_impulses = 0
+    !> Their values where there are any, by slot of this rank's copies and by contact of the problem: those of the last step when a
+    !! solve begins, zero for new copies and contacts
+    real(wp), allocatable :: carried_body(:, :), carried_contact(:, :)
   contains
     procedure(solve_coupled), deferred :: solve_coupled
     procedure :: solve_alone
