@@ -155,7 +155,7 @@ def curves_figure(runner, ones, splits):
 
 
 def over_band(ax, strain, band, splits, curve, shown):
-    """The band, its first run, and the first run of each split; `shown` says what of a curve is drawn."""
+    """The band, its first run, and the first run of each split; `shown` names what of a curve is drawn."""
     ax.fill_between(strain, shown(band.min(0)), shown(band.max(0)), color="#CFCFCF", lw=0,
                     label=f"1 subdomain: band of {len(band)} orders of the sweep")  # fmt: skip
     for run in band[1:]:

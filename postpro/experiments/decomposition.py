@@ -44,7 +44,7 @@ def packing(runner, law):
 
 
 def tolerance_of(law):
-    """The e8 that is asked for: links are so much easier than contacts that a few sweeps would tell nothing."""
+    """The e8 that is asked for: links are so much easier than contacts that a few sweeps would show nothing."""
     return 1e-6 if law.startswith("linear") else 1e-3
 
 
@@ -56,12 +56,12 @@ def one_step(runner, name, law, ranks, solver, partition):
     results = runner.run(name, "decomposition/packing.toml", ranks, restart, time={"steps": steps + 1},
                          solver=keys | solver, partition=partition, output={"record_every": 1}, restart={"every": 0},
                          anywhere=LAWS[law])
-    row, said = np.atleast_1d(record(results))[-1], summary(results)
+    row, message = np.atleast_1d(record(results))[-1], summary(results)
     return {
-        "sweeps": int(row["sweeps"]), "gluings": said.get("gluings", 0) if ranks > 1 else 0, "e8": float(row["e8"]),
+        "sweeps": int(row["sweeps"]), "gluings": message.get("gluings", 0) if ranks > 1 else 0, "e8": float(row["e8"]),
         "violation": float(row["violation"]), "converged": bool(row["converged"]), "contacts": int(row["contacts"]),
-        "updates": int(row["contact_updates"]), "imbalance": said.get("imbalance", 1.0),
-        "messages": said.get("messages_per_gluing", 0.0), "bytes": said.get("bytes_per_gluing", 0.0),
+        "updates": int(row["contact_updates"]), "imbalance": message.get("imbalance", 1.0),
+        "messages": message.get("messages_per_gluing", 0.0), "bytes": message.get("bytes_per_gluing", 0.0),
     }  # fmt: skip
 
 

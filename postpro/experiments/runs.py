@@ -11,7 +11,7 @@ import numpy as np
 DECKS = Path(__file__).resolve().parents[2] / "input_decks"
 ROOT_IS_MEANT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
-# Okabe and Ito (2008): told apart by colour-blind people.
+# Okabe and Ito (2008): distinguished by colour-blind people.
 BLACK, ORANGE, GREEN, BLUE, VERMILION = "#000000", "#E69F00", "#009E73", "#0072B2", "#D55E00"
 
 
@@ -56,7 +56,7 @@ def record(results):
 
 
 def summary(results):
-    """What a run says of itself."""
+    """Summary of a run."""
     return json.loads((results / "run.json").read_text())
 
 

@@ -35,7 +35,7 @@ def parser() -> ArgumentParser:
         command = commands.add_parser(name, help=sentence, description=sentence)
         command.add_argument("results", metavar="RESULTS", help="folder that the run wrote")
         command.add_argument("--output", metavar="PNG", type=Path, help=f"file to write (default RESULTS/{name}.png)")
-        command.add_argument("--dpi", metavar="N", type=int, default=150, help="dots an inch (default 150)")
+        command.add_argument("--dpi", metavar="N", type=int, default=150, help="dots per inch (default 150)")
         if name in ("summary", "scene", "split", "structure"):
             command.add_argument("--step", metavar="N", type=int,
                                  help="show the last picture at or before time step N (default: the last picture)")
@@ -81,7 +81,7 @@ def draw(arguments: Namespace) -> tuple[Results, list[str], Path]:
         else:
             figure, missing = figures.solver_figure(results)
         output = arguments.output or results.folder / f"{arguments.command}.png"
-        figure.draw_without_rendering()  # the first layout does not know yet how a fixed aspect shifts labels
+        figure.draw_without_rendering()  # the first layout ignores how a fixed aspect shifts labels
         _write(output, lambda: figure.savefig(output, format="png", dpi=arguments.dpi))
     return results, missing, output
 
@@ -125,7 +125,7 @@ def _view(arguments):
 
 
 def _write(path, write):
-    """Write a file, or say why it cannot be written."""
+    """Write a file, or report why it cannot be written."""
     try:
         write()
     except OSError as error:

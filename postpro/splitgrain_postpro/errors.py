@@ -17,6 +17,6 @@ class StudyError(ResultsError):
         self.file, self.line, self.code = file, line, code
 
     def report(self) -> str:
-        """`file:line: error: sentence`, as the program says it."""
+        """`file:line: error: sentence`, as the program prints it."""
         place = f"{self.file}:{self.line}: " if self.file and self.line else f"{self.file}: " if self.file else ""
         return f"{place}error: {self}"

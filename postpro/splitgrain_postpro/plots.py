@@ -32,7 +32,7 @@ def _column(record, name):
 
 
 def _is_empty(ax, record):
-    """Say so in the panel when there is no row to draw."""
+    """State it in the panel when there is no row to draw."""
     if record and len(next(iter(record.values()))):
         return False
     say_nothing_there(ax, "no record.csv" if not record else "record.csv has no row yet")
@@ -40,7 +40,7 @@ def _is_empty(ax, record):
 
 
 def _finish(ax, drawn, x_label, y_label, title, **legend):
-    """Labels and legend; a panel without any curve says so."""
+    """Labels and legend; a panel without any curve states it."""
     ax.set_title(title)
     if not drawn:
         say_nothing_there(ax, "all zero or not recorded")
@@ -98,7 +98,7 @@ def draw_contacts(ax: Axes, record: dict[str, np.ndarray]) -> None:
 
 
 def draw_sweeps(ax: Axes, record: dict[str, np.ndarray]) -> None:
-    """Sweeps of the solver a step; steps that did not converge are marked."""
+    """Sweeps of the solver per step; steps that did not converge are marked."""
     if _is_empty(ax, record):
         return
     time, sweeps = _column(record, "time"), _column(record, "sweeps")

@@ -26,7 +26,7 @@ SMALL_FORCE = 1e-3
 
 @dataclass
 class Colouring:
-    """How values become colours; without a map all are equal, and `note` says so."""
+    """How values become colours; without a map all are equal, and `note` states it."""
 
     label: str
     map: Colormap | None = None

@@ -148,7 +148,7 @@ class Canvas:
         self._paint(window, np.where(inside, start[2] + w, -np.inf), normal / radius, item)
 
     def image(self, colours: np.ndarray, reach: float, edge: float = 0.6) -> np.ndarray:
-        """Red, green, blue and opacity; colours: one row an item; reach: how far shadows of corners go [m]."""
+        """Red, green, blue and opacity; colours: one row per item; reach: how far shadows of corners go [m]."""
         covered = self.item != NOTHING
         light = LIGHT / np.linalg.norm(LIGHT)
         facing = np.clip(self.normal @ light.astype(np.float32), 0, 1)

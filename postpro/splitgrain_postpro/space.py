@@ -193,7 +193,7 @@ def _face(shapes, cell):
 
 
 def _corners(box):
-    """The eight corners of a box; bit k of their number tells on which side of axis k."""
+    """The eight corners of a box; bit k of their number gives the side of axis k."""
     return np.array([[box[(i >> k) & 1, k] for k in range(3)] for i in range(8)])
 
 

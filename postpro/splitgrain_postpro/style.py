@@ -1,4 +1,4 @@
-"""How all figures look: fonts that can be read in print, colours that colour-blind people tell apart."""
+"""How all figures look: fonts that can be read in print, colours that colour-blind people distinguish."""
 
 from contextlib import AbstractContextManager
 
@@ -73,7 +73,7 @@ def draw_bonds(ax: Axes, points: np.ndarray, damage: np.ndarray, size: float) ->
 
 
 def say_nothing_there(ax: Axes, sentence: str) -> None:
-    """An empty panel that says what is not there."""
+    """An empty panel that names what is not there."""
     ax.set_axis_off()
     ax.text(0.5, 0.5, sentence, ha="center", va="center", transform=ax.transAxes, color="#666666", wrap=True)
 

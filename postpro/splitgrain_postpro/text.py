@@ -46,7 +46,7 @@ def facts(results: Results) -> dict[str, Any]:
         for name in ("e1", "e2", "e8"):
             if name in record and np.isfinite(record[name]).any():
                 known["worst_" + name] = float(np.nanmax(record[name]))
-        # A row tells of its own step: what it cannot sum up for the run is not said.
+        # A row is about its own step: what it cannot sum up for the run is left out.
         for name in ("sweeps", "contact_updates"):
             known.pop(name, None)
     known.update(results.run)
@@ -79,7 +79,7 @@ def headline(results: Results) -> str:
 
 
 def summary_text(results: Results, missing: Iterable[str] = ()) -> str:
-    """The text that `summary` prints and saves: one fact a line."""
+    """The text that `summary` prints and saves: one fact per line."""
     known = facts(results)
     rows = [("run", f"{results.name}, {state(results)}")]
     rows += [(words, f"{_words(known[name])} {unit}".rstrip()) for name, words, unit in LINES if _is_known(known, name)]

@@ -40,7 +40,7 @@ class Grid:
         return np.array(self.kind_names)[np.asarray(self.cell_data["kind"], dtype=int) - 1]
 
     def outlines(self, cells: np.ndarray) -> list[np.ndarray]:
-        """Corners (x, y) of these cells, one array a cell."""
+        """Corners (x, y) of these cells, one array per cell."""
         corners = self.points[self.connectivity, :2]
         return [corners[self.offsets[c] : self.offsets[c + 1]] for c in cells]
 
@@ -100,12 +100,12 @@ class _Root:
 
 
 def _short(error):
-    """The first line of what a library says."""
+    """The first line of a library's message."""
     return str(error).strip("'\"").splitlines()[0]
 
 
 def _grid(root, step, time):
-    """Read one step; its counts and offsets tell where in the long arrays it lies."""
+    """Read one step; its counts and offsets give its place in the long arrays."""
     steps = root["Steps"]
     part = int(steps["PartOffsets"][step])
     n_points = int(root["NumberOfPoints"][part])

@@ -166,7 +166,7 @@ def test_a_state_goes_on_as_the_straight_run(tmp_path, capsys):
 
 
 @with_program
-def test_a_choice_is_told(tmp_path, capsys):
+def test_a_choice_is_reported(tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["study", str(written(tmp_path, STUDY)), "--output", str(out)]) == 0
     printed = capsys.readouterr().out

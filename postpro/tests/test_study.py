@@ -237,13 +237,13 @@ def test_mistakes_outside_the_file(tmp_path, capsys, monkeypatch):
     binary = tmp_path / "binary.toml"
     binary.write_bytes(b"\xff\xfe")
     monkeypatch.setenv("SPLITGRAIN_PROGRAM", "/bin/true")
-    for words, said in (
+    for words, message in (
         ([tmp_path / "none.toml"], "No such file"), ([binary], "no text in UTF-8"), ([good, "--jobs", "0"], "--jobs needs"),
         ([good, "--program", "no-such-program"], "there is no program no-such-program"), ([good], "is no splitgrain"),
     ):  # fmt: skip
         assert main(["study", *map(str, words), "--output", str(tmp_path / "out")]) == 2
         printed = capsys.readouterr().err
-        assert said in printed and printed.count("\n") == 1
+        assert message in printed and printed.count("\n") == 1
 
 
 def test_lines_of_keys():
@@ -378,8 +378,8 @@ def test_stopped_and_gone_on(tmp_path):
     while len(list((tmp_path / "out" / "runs").glob("*.json"))) < 2 and time.monotonic() < end and study.poll() is None:
         time.sleep(0.05)
     study.send_signal(signal.SIGTERM)
-    _, said = study.communicate(timeout=60)
-    assert study.returncode == 75 and "the same command goes on" in said and said.count("\n") == 1
+    _, message = study.communicate(timeout=60)
+    assert study.returncode == 75 and "the same command goes on" in message and message.count("\n") == 1
     runs = list((tmp_path / "out" / "runs").iterdir())
     assert len(runs) == 2 and all(json.loads(run.read_text())["status"] == "done" for run in runs)
     path = written(tmp_path, BOUNCES)
@@ -426,8 +426,8 @@ def test_what_fails_is_told_and_tried_again(tmp_path, capsys):
 @with_program
 def test_program_hands_over(tmp_path):
     path = written(tmp_path, GOOD.replace("repeats", "repeat"), "with a blank.toml")
-    said = subprocess.run([PROGRAM, "study", str(path)], capture_output=True, text=True, timeout=120, cwd=tmp_path)
-    assert said.returncode == 2 and said.stderr.startswith(f"{path}:2: error: unknown key 'repeat'")
+    message = subprocess.run([PROGRAM, "study", str(path)], capture_output=True, text=True, timeout=120, cwd=tmp_path)
+    assert message.returncode == 2 and message.stderr.startswith(f"{path}:2: error: unknown key 'repeat'")
 
 
 @with_program

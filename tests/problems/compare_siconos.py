@@ -190,7 +190,7 @@ def best(runs):
 
 def tables(problems, seconds):
     """All tables in Markdown."""
-    yield (f"Measured {time.strftime('%Y-%m-%d')} on {processor()}, one core, at most {seconds:g} CPU s a solve. CPU seconds to "
+    yield (f"Measured {time.strftime('%Y-%m-%d')} on {processor()}, one core, at most {seconds:g} CPU s per solve. CPU seconds to "
            f"e1 <= {TOLERANCE:g}, recomputed; in parentheses the lowest e1 where that was not reached.\n")
     yield "### The best of both\n"
     yield table(["problem", "contacts", "our default", "our best", "best of Siconos", "best of both codes"],

@@ -24,7 +24,7 @@ class Setting:
 
     variant: str
     tolerance: float
-    # Error over the limit, and CPU seconds, a case; infinite where a run did not end well.
+    # Error over the limit, and CPU seconds, per case; infinite where a run did not end well.
     ratios: list
     seconds: list
     # CPU time over that of the fastest fit setting, geometric mean over the cases.

@@ -19,7 +19,7 @@ LEAST_RATIO = 1e-3
 def choice_section(study: Study, table: Table, save: Callable[[Figure, str, str], str]) -> tuple[Section, list[str]]:
     """The section of the page, and the lines to print; `save` takes a figure, a name and words."""
     settings, limits = choose(study, table)
-    picture = save(_figure(study, settings), "choice", "Error over its limit against CPU time, a point a tolerance")
+    picture = save(_figure(study, settings), "choice", "Error over its limit against CPU time, a point per tolerance")
     choice, lines = study.choice, []
     best = next((setting for setting in settings if setting.is_best), None)
     if best:

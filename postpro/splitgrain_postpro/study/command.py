@@ -26,7 +26,7 @@ def add_command(commands: _SubParsersAction) -> None:
     command = commands.add_parser("study", help=sentence, description=sentence, prog="splitgrain study")
     command.add_argument("study", metavar="STUDY.toml", type=Path, help="what to run (doc/guide/studies.md)")
     command.add_argument("--output", metavar="DIR", type=Path, help="folder of the study (default: NAME.study here)")
-    command.add_argument("--jobs", metavar="N", help="runs at a time, or all for one a core (default: as the study says)")
+    command.add_argument("--jobs", metavar="N", help="runs at a time, or all for one per core (default: that of the study)")
     command.add_argument("--program", metavar="PATH", help="the splitgrain to run")
 
 
@@ -54,7 +54,7 @@ def _study(arguments):
     store = _store(arguments)
     with _stopped_by_term():
         jobs = jobs_of(study, program.digest)
-        results = run_jobs(study, jobs, store, program, workers, _say)
+        results = run_jobs(study, jobs, store, program, workers, _show)
     return _conclude(Report(study, jobs, results, store, program.version), store, jobs, results)
 
 
@@ -64,7 +64,7 @@ def _verdicts(arguments):
     with _stopped_by_term():
         report, points = do_verdicts(
             arguments.study, lambda study: workers_of(arguments.jobs if arguments.jobs is not None else study.jobs),
-            lambda: _store(arguments), program, _say)  # fmt: skip
+            lambda: _store(arguments), program, _show)  # fmt: skip
     return _conclude(report, report.store, *zip(*points, strict=True))
 
 
@@ -73,7 +73,7 @@ def _store(arguments):
     return Store(arguments.output or Path(f"{arguments.study.stem}.study"))
 
 
-def _say(line):
+def _show(line):
     print(line, flush=True)
 
 
@@ -88,7 +88,7 @@ def _stopped_by_term():
 
 
 def _conclude(report, store, jobs, results):
-    """Write the report and say what came out."""
+    """Write the report and print what came out."""
     for line in report.write():
         print(line)
     print(f"wrote {store.folder / 'study.html'}, results.csv and {report.figures} figures")
@@ -96,7 +96,7 @@ def _conclude(report, store, jobs, results):
 
 
 def _verdict(jobs, results):
-    """Say which runs failed."""
+    """Print which runs failed."""
     failed = [(job, result) for job, result in zip(jobs, results, strict=True) if result["status"] in ("failed", "crashed")]
     if not failed:
         return EXIT_DONE

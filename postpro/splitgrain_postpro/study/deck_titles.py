@@ -1,4 +1,4 @@
-"""Titles of the decks of a study, and what they say that they are for."""
+"""Titles of the decks of a study, and their purposes."""
 
 import tomllib
 from html import escape

@@ -1,4 +1,4 @@
-"""What a study file says, checked: every mistake is one sentence with its line."""
+"""What a study file holds, checked: every mistake is one sentence with its line."""
 
 from pathlib import Path
 

@@ -19,7 +19,7 @@ LONGEST = 2000
 
 
 def evaluate(text: str | float, names: dict[str, float]) -> float:
-    """The value of an expression with these names; ValueError says what is wrong with it."""
+    """The value of an expression with these names; ValueError has what is wrong with it."""
     if len(str(text)) > LONGEST:
         raise ValueError(f"an expression has {LONGEST} characters at most, not {len(str(text))}")
     try:

@@ -1,4 +1,4 @@
-"""The single runs of a study, each with a key that tells whether it has been done: content, settings, program."""
+"""The single runs of a study, each with a key by which finished ones are found: content, settings, program."""
 
 import hashlib
 import json
@@ -34,7 +34,7 @@ class Job:
 
     @property
     def label(self) -> str:
-        """What is said while it runs."""
+        """What is printed while it runs."""
         return f"{self.case.name}, {self.variant.name}, {self.value:g}" + ("" if self.repeat else ", trace")
 
 
@@ -69,7 +69,7 @@ def jobs_of(study: Study, program: str) -> list[Job]:
 
 
 def finer_variant(study: Study, case: Case) -> Variant:
-    """The first variant at a finer time step, which tells what the time step of the deck costs in accuracy."""
+    """The first variant at a finer time step, which shows what the time step of the deck costs in accuracy."""
     first, finer = study.variants[0], study.choice["finer"]
     settings = {"time.step": step_of(case) / finer, "time.steps": case.start + finer * case.steps}
     return Variant(f"time step / {finer}", settings=first.settings | settings)
@@ -83,7 +83,7 @@ def step_of(case: Case) -> float:
 
 
 def settings_of(study: Study, case: Case, variant: Variant, value: float) -> dict:
-    """What a run is told beside its file."""
+    """Settings of a run in addition to its file."""
     if study.of_problems:
         return {"solver": variant.solver, "guess": variant.guess, "iterations": variant.iterations, "tolerance": value,
                 "deck": case.settings}  # fmt: skip
@@ -111,7 +111,7 @@ def settings_of(study: Study, case: Case, variant: Variant, value: float) -> dic
 
 
 def _at_the_end(study):
-    """Is it enough to know where bodies are at the end?"""
+    """Are places of bodies asked for at the end alone?"""
     return all(measure.over == "end" for measure in study.measures if measure.body)
 
 
@@ -129,7 +129,7 @@ def fingerprint(path: Path) -> str:
         try:
             table = tomllib.loads(content.decode())
         except ValueError:
-            return digest.hexdigest()  # the program will say what is wrong
+            return digest.hexdigest()  # the program will report what is wrong
         for name in sorted(set(_texts(table))):
             other = path.parent / name
             if name and len(name) < 200 and other != path and other.exists() and other.resolve() != path.parent.resolve():

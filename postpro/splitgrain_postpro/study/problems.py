@@ -50,10 +50,10 @@ class ProblemRunner:
         with self.store.scratch() as place:
             words = ["run", case.file.resolve(), "--output", place / "run", "--quiet", "--force", "--dump", case.dump, "--set",
                      f"time.steps={case.dump}", "--set", "output.every=0"]  # fmt: skip
-            code, _, said = self.program.call(words + settings_words(case.settings), 20 * self.study.seconds)
+            code, _, message = self.program.call(words + settings_words(case.settings), 20 * self.study.seconds)
             made = place / "run" / f"dump-{case.dump}-local.hdf5"
             if not made.exists():
-                raise StudyError(f"step {case.dump} of {case.file.name} made no contact problem: {said or f'exit code {code}'}",
+                raise StudyError(f"step {case.dump} of {case.file.name} made no contact problem: {message or f'exit code {code}'}",
                                  self.study.path)  # fmt: skip
             os.replace(made, target)
         return target
@@ -79,14 +79,14 @@ class ProblemRunner:
             options += ["--guess"]
         if variant.iterations:
             options += ["--iterations", variant.iterations]
-        row, answer, status, said = self.call(job.case, variant.solver, job.value, job.seconds, options, job.repeat == 0)
+        row, answer, status, message = self.call(job.case, variant.solver, job.value, job.seconds, options, job.repeat == 0)
         numbers = {name: row.get(name) for name in ("contacts", "iterations", "sweeps", "factorisations", "cpu_seconds", "e1",
                                                     "e2", "e8")}  # fmt: skip
-        # Where factorisations do the work, contact updates would not tell it.
+        # Where factorisations do the work, contact updates would not measure it.
         updates = (row.get("sweeps") or 0) * (row.get("contacts") or 0)
         numbers["contact_updates"] = updates if updates and not row.get("factorisations") else None
         numbers["distance"] = distance(answer, self.answers.get(job.case.name))
-        return {"status": status, "reason": said, **numbers, "trace": row.get("trace", [])}
+        return {"status": status, "reason": message, **numbers, "trace": row.get("trace", [])}
 
     def call(
         self, case: Case, solver: str, tolerance: float, seconds: float, options: Sequence = (), with_trace: bool = False,
@@ -100,12 +100,12 @@ class ProblemRunner:
             if with_trace:
                 words += ["--trace", place / "trace.csv"]
             # Reading and condensing the problem is beside the solver's own limit.
-            code, printed, said = self.program.call(words, 2 * seconds + 10)
+            code, printed, message = self.program.call(words, 2 * seconds + 10)
             row = next(iter(json_lines(printed)), {})
             if code is None:
-                return row, {}, "time limit", said
+                return row, {}, "time limit", message
             if code not in (0, 3) or "error" in row:
-                return row, {}, "failed", row.get("error") or said or f"exit code {code}"
+                return row, {}, "failed", row.get("error") or message or f"exit code {code}"
             if with_trace:
                 row["trace"] = trace_of(place / "trace.csv")
             return row, answer_of(copy), "solved" if row["converged"] else "not solved", ""

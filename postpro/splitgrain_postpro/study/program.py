@@ -30,7 +30,7 @@ class Program:
         done = subprocess.run([self.path, "--version"], capture_output=True, text=True)
         lines = done.stdout.splitlines()
         if done.returncode or not lines or not lines[0].startswith("splitgrain"):
-            raise StudyError(f"{self.path} is no splitgrain: it does not tell its version")
+            raise StudyError(f"{self.path} is no splitgrain: it prints no version")
         self.version = " ".join([lines[0], *(line.split()[1] for line in lines if line.startswith("commit"))])
         self.running, self.lock, self.is_stopped = set(), threading.Lock(), False
 
@@ -82,7 +82,7 @@ def end(process: subprocess.Popen) -> None:
 
 
 def json_lines(printed: str) -> list[dict]:
-    """Objects that were printed, one a line; other lines are left out."""
+    """Objects that were printed, one per line; other lines are left out."""
     found = []
     for line in printed.splitlines():
         try:

@@ -63,21 +63,21 @@ class Report:
         counts = ((self.study.cases, "case"), (self.study.variants, "variant"), (self.study.values, AXES[self.study.axis]))
         return (" x ".join(f"{len(items)} {name}{'s' if len(items) > 1 else ''}" for items, name in counts) +
                 f": {len(self.jobs)} runs{clock}, {failed} without an answer as asked. {self.version}; at most "
-                f"{self.study.seconds:g} CPU s a run.")
+                f"{self.study.seconds:g} CPU s per run.")
 
     def legend(self) -> str:
         """How to read the diagrams."""
         if self.study.of_problems:
-            words = ("One point a tolerance; below and left is better. Hollow: the tolerance was not reached. Errors are measured from "
+            words = ("One point per tolerance; below and left is better. Hollow: the tolerance was not reached. Errors are measured from "
                      "the answers by the program (E1, E2, E8).")
             if self.study.reference:
                 words += (" The distance to the reference is the energy norm of the difference of velocities over that of what contacts "
-                          "change; where impulses are not unique it cannot be told from zero below about 1e-8.")
+                          "change; where impulses are not unique it cannot be distinguished from zero below about 1e-8.")
             return f'<p class="quiet">{words}</p>'
-        return '<p class="quiet">One point a run; below and left is better. E1 is that of the worst step.</p>'
+        return '<p class="quiet">One point per run; below and left is better. E1 is that of the worst step.</p>'
 
     def write_csv(self) -> None:
-        """All results, one row a run."""
+        """All results, one row per run."""
         names = list(COLUMNS) + [f"error of {measure.name}" for measure in self.study.measures]
         rows = [names]
         for job, result in zip(self.jobs, self.results, strict=True):

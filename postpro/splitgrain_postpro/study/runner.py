@@ -61,7 +61,7 @@ class Store:
 
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
-    """Say what cannot be written."""
+    """Report what cannot be written."""
     try:
         yield
     except OSError as error:
@@ -69,13 +69,13 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def run_jobs(
-    study: Study | VerdictStudy, jobs: Sequence, store: Store, program: Program, workers: int, say: Callable[[str], None],
+    study: Study | VerdictStudy, jobs: Sequence, store: Store, program: Program, workers: int, show: Callable[[str], None],
     run: Callable[..., Result] = run_simulation,
 ) -> list[Result]:
     """Do all jobs; returns their results, in order. Finished ones are read, failed ones tried again; `run` does one that is a run."""
     results = {job.key: result for job in jobs if (result := store.load(job.key))}
     todo = list({job.key: job for job in jobs if job.key not in results}.values())
-    say(f"{len(todo)} of {len(jobs)} runs to do" + (f", {len(jobs) - len(todo)} done before" if len(todo) < len(jobs) else ""))
+    show(f"{len(todo)} of {len(jobs)} runs to do" + (f", {len(jobs) - len(todo)} done before" if len(todo) < len(jobs) else ""))
     problems = ProblemRunner(study, store, program) if study.of_problems else None
     pool = ThreadPoolExecutor(workers)
     try:
@@ -87,7 +87,7 @@ def run_jobs(
         for count, done in enumerate(as_completed(waiting), 1):
             job = waiting[done]
             results[job.key] = done.result()
-            say(f"{count}/{len(todo)} {job.label}: {told(results[job.key])}")
+            show(f"{count}/{len(todo)} {job.label}: {in_words(results[job.key])}")
     except BaseException:
         program.stop()
         raise
@@ -104,7 +104,7 @@ def _do(job, problems, store, program, run):
     return result
 
 
-def told(result: Result) -> str:
+def in_words(result: Result) -> str:
     """A result in a few words."""
     reason = f", {result['reason']}" if result.get("reason") else ""
     return f"{result['status']}{reason}, {result.get('cpu_seconds') or 0:.3g} CPU s"

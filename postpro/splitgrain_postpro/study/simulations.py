@@ -37,12 +37,12 @@ def run_simulation(job: Job, store: Store, program: Program) -> Result:
             state = state_folder(job, store)
             words += ["--restart", state]
             before = read_run(state)
-        code, _, said = program.call(words, job.seconds, ranks)
+        code, _, message = program.call(words, job.seconds, ranks)
         run = read_run(place / "run")
         if code is None:
-            return {"status": "time limit", "reason": said, "cpu_seconds": None}
+            return {"status": "time limit", "reason": message, "cpu_seconds": None}
         if code not in (0, 3, 4) or not run:
-            return {"status": "failed", "reason": said or f"exit code {code}", "cpu_seconds": None}
+            return {"status": "failed", "reason": message or f"exit code {code}", "cpu_seconds": None}
         numbers = {name: run.get(name) for name in NUMBERS} | worst_errors(run, place / "run", bool(before))
         numbers |= {name: run[name] - before[name] for name in SUMS if name in run and name in before}
         numbers["cpu_seconds"] = sum((run.get(phase) or 0.0) - (before.get(phase) or 0.0) for phase in PHASES)

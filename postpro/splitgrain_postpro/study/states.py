@@ -39,8 +39,8 @@ def _make(folder, job, study, store, program):
     settings = job.case.settings | {"time.steps": start, "restart.every": start, "output.every": 0, "output.record_every": 0}
     with store.scratch() as place:
         words = ["run", job.case.file.resolve(), "--output", place / "state", "--quiet", "--force"] + settings_words(settings)
-        code, _, said = program.call(words, 20 * study.seconds)
+        code, _, message = program.call(words, 20 * study.seconds)
         if code != 0 or not list((place / "state").glob("restart_*.h5")):
-            raise StudyError(f"{job.case.file.name} makes no state at step {start}: {said or f'exit code {code}'}", study.path)
+            raise StudyError(f"{job.case.file.name} makes no state at step {start}: {message or f'exit code {code}'}", study.path)
         folder.parent.mkdir(exist_ok=True)
         os.replace(place / "state", folder)

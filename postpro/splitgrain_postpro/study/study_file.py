@@ -27,7 +27,7 @@ class StudyFile:
             raise StudyError("the study is no text in UTF-8", self.path) from error
 
     def fail(self, sentence: str, section: str = "", number: int = 1, key: str = "") -> NoReturn:
-        """Say what is wrong, and where."""
+        """Report what is wrong, and where."""
         line = line_of(self.text, section, number, key)
         # At the top a key may be the head of a section.
         raise StudyError(sentence, self.path, line_of(self.text, key) if line == 1 and key and not section else line)

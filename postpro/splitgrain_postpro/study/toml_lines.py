@@ -1,4 +1,4 @@
-"""Where in a TOML text a key stands: the library that reads it tells no lines."""
+"""Where in a TOML text a key stands: the library that reads it reports no lines."""
 
 import re
 

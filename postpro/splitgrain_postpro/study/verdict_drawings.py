@@ -13,7 +13,7 @@ GREY = "#777777"
 
 
 def thresholds(study: VerdictStudy, case: Case, table: dict[str, list[Point]]) -> Figure:
-    """One row a variant along the parameter: dots hold, crosses do not; a number where the verdict changes."""
+    """One row per variant along the parameter: dots hold, crosses do not; a number where the verdict changes."""
     figure = new_figure(5.2, 1.5 + 0.42 * len(table))
     ax = figure.add_subplot()
     values = [point[0].value for points in table.values() for point in points]
@@ -42,7 +42,7 @@ def thresholds(study: VerdictStudy, case: Case, table: dict[str, list[Point]]) -
 
 
 def matrix(study: VerdictStudy, table: Verdicts) -> Figure:
-    """One row a case, one column a variant."""
+    """One row per case, one column per variant."""
     cases, variants = [case.name for case in study.cases], [variant.name for variant in study.variants]
     figure = new_figure(2.6 + 0.9 * len(variants), 1.3 + 0.24 * len(cases))
     ax = figure.add_subplot()

@@ -52,10 +52,10 @@ class VerdictReport:
         bounds = self.study.bounds
         return (f"{len(self.study.cases)} cases x {len(self.study.variants)} variants, {count} runs. Bounds: {bounds.unconverged:g} of the "
                 f"steps unconverged, {bounds.energy:g} of the energy created, penetration {bounds.penetration:g} of the mean radius. "
-                f"{self.version}; at most {self.study.seconds:g} CPU s a run.")
+                f"{self.version}; at most {self.study.seconds:g} CPU s per run.")
 
     def write_csv(self, rows: list[Result]) -> None:
-        """All verdicts, one row a run."""
+        """All verdicts, one row per run."""
         text = csv_text([COLUMNS, *([row[name] for name in COLUMNS] for row in rows)])
         self.store.write(self.store.folder / "results.csv", text.encode())
 

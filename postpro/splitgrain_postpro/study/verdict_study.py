@@ -14,24 +14,24 @@ from .verdicts import VerdictJob, Verdicts, job_of, judge, run_verdict
 
 
 def do_verdicts(
-    path: Path, jobs: Callable[[VerdictStudy], int], store_of: Callable[[], Store], program: Program, say: Callable[[str], None],
+    path: Path, jobs: Callable[[VerdictStudy], int], store_of: Callable[[], Store], program: Program, show: Callable[[str], None],
 ) -> tuple[VerdictReport, list[tuple[VerdictJob, Result]]]:
     """Do a study that gives verdicts; returns its report and all (job, result)."""
     study = VerdictReader(path).study()
     workers, store = jobs(study), store_of()
     todo = [job_of(study, case, variant, value, program) for case in study.cases for variant in study.variants
             for value in study.values]  # fmt: skip
-    results = run_jobs(study, todo, store, program, workers, say, run_verdict)
+    results = run_jobs(study, todo, store, program, workers, show, run_verdict)
     table = {}
     for job, result in zip(todo, results, strict=True):
         table.setdefault((job.case.name, job.variant.name), []).append((job, result, judge(study, job, result)))
     if study.until is not None:
-        sharpen_all(study, table, store, program, workers, say)
+        sharpen_all(study, table, store, program, workers, show)
     points = [point[:2] for points in table.values() for point in points]
     return VerdictReport(study, table, store, program.version), points
 
 
-def sharpen_all(study: VerdictStudy, table: Verdicts, store: Store, program: Program, workers: int, say: Callable[[str], None]) -> None:
+def sharpen_all(study: VerdictStudy, table: Verdicts, store: Store, program: Program, workers: int, show: Callable[[str], None]) -> None:
     """Bisect the changes of all cases by all variants; those of one follow each other, others go on beside."""
 
     def one(place):
@@ -44,7 +44,7 @@ def sharpen_all(study: VerdictStudy, table: Verdicts, store: Store, program: Pro
                 result = run_verdict(job, store, program)
                 if result["status"] != "failed":
                     store.save(job.key, result)
-                say(f"between: {job.label}: {result['status']}")
+                show(f"between: {job.label}: {result['status']}")
             return job, result
 
         table[place] = sharpen(study, table[place], run)

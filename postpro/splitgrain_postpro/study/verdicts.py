@@ -45,7 +45,7 @@ class VerdictJob:
 
     @property
     def label(self) -> str:
-        """What is said while it runs."""
+        """What is printed while it runs."""
         return f"{self.case.name}, {self.variant.name}" + ("" if self.value is None else f", {self.value:g}")
 
 
@@ -67,17 +67,17 @@ def run_verdict(job: VerdictJob, store: Store, program: Program) -> Result:
         settings.setdefault("output.every", 1000000000)
     with store.scratch() as place:
         words = ["run", job.case.file.resolve(), "--output", place / "run", "--quiet", "--force"] + settings_words(settings)
-        code, _, said = program.call(words, job.seconds)
+        code, _, message = program.call(words, job.seconds)
         run = read_run(place / "run")
         if code is None:
             return {"status": "time limit", "reason": f"{job.seconds:g} CPU seconds were not enough", "code": None}
-        said = said.replace(str(place), "").removeprefix("error: ")
+        message = message.replace(str(place), "").removeprefix("error: ")
         if code < 0 or code not in STATUS and code > 5:
-            return {"status": "crashed", "reason": said or f"ended by signal {-code}", "code": code}
+            return {"status": "crashed", "reason": message or f"ended by signal {-code}", "code": code}
         if code == 2:
-            return {"status": "refused", "reason": said, "code": code}
+            return {"status": "refused", "reason": message, "code": code}
         if code not in STATUS or not run:
-            return {"status": "failed", "reason": said or f"exit code {code}", "code": code}
+            return {"status": "failed", "reason": message or f"exit code {code}", "code": code}
         try:
             results = Results(place / "run")
             return {"status": STATUS[code], "code": code, "reason": run.get("reason") or "",
