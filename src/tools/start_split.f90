@@ -50,7 +50,7 @@ contains
     report = report_split(sim%contacts, part, load, parts)
     report%method = trim(sim%options%partition%split)
     report%boxes = boxes
-    call look_at_interface(sim, part, blocks)
+    call look_at_interface(sim, report%interfaces%cut, blocks)
   end subroutine split_at_start
 
   !> Bring a simulation to its start, or to the state of a restart file where its options name one, and seek contacts.
@@ -135,24 +135,15 @@ contains
   end subroutine split_by_graph
 
   !> Work out the matrix of those contacts between parts that can carry an impulse.
-  subroutine look_at_interface(sim, part, blocks)
+  subroutine look_at_interface(sim, cut, blocks)
     type(simulation_t), intent(inout) :: sim
-    integer(i4), intent(in) :: part(:)
+    integer, intent(in) :: cut(:)
     type(block_structure_t), intent(out) :: blocks
     type(interface_blocks_t) :: rows
-    integer :: chosen(sim%contacts%n), k, n
+    integer :: k
 
     call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%step, sim%problem)
-    n = 0
-    do k = 1, sim%contacts%n
-      associate (ends => part(sim%contacts%body(:, k)))
-        if (any(ends == 0) .or. ends(1) == ends(2)) cycle
-      end associate
-      if (.not. is_active(sim%problem, k)) cycle
-      n = n + 1
-      chosen(n) = k
-    end do
-    call rows%build(sim%problem, chosen(:n))
+    call rows%build(sim%problem, pack(cut, [(is_active(sim%problem, cut(k)), k=1, size(cut))]))
     blocks = rows%structure()
   end subroutine look_at_interface
 

@@ -23,6 +23,8 @@ module sg_interfaces
   type :: interfaces_t
     !> Contacts that each part owns, and those within each part, shape (parts)
     integer, allocatable :: owned(:), inner(:)
+    !> Contacts between grains of two parts; grains of others that each part borrows for them; parts that borrow each body
+    integer, allocatable :: cut(:), borrowed(:), copies(:)
     !> Grains held by more than one part, and how many of them each part holds, shape (parts)
     integer :: shared_grains = 0
     integer, allocatable :: shared(:)
@@ -42,7 +44,6 @@ contains
     integer, intent(in) :: parts !! number of parts
     integer(i4), allocatable, intent(out) :: owner(:) !! part that owns each contact, from 1, shape (contacts)
     type(interfaces_t), intent(out) :: found !! what the parts own and share
-    logical, allocatable :: is_shared(:)
     integer :: k
 
     allocate (owner(contacts%n), found%owned(parts), found%inner(parts), source=0)
@@ -50,88 +51,55 @@ contains
       associate (pair => part(contacts%body(:, k)) - 1_i4)
         owner(k) = int(contact_owner(pair), i4) + 1_i4
         found%owned(owner(k)) = found%owned(owner(k)) + 1
-        if (any(pair < 0) .or. pair(1) == pair(2)) found%inner(owner(k)) = found%inner(owner(k)) + 1
+        if (.not. is_between(pair + 1_i4)) found%inner(owner(k)) = found%inner(owner(k)) + 1
       end associate
     end do
-    call mark_shared(contacts, part, owner, is_shared)
-    call pair_sharers(contacts, owner, is_shared, parts, found)
+    found%cut = pack([(k, k=1, contacts%n)], [(is_between(part(contacts%body(:, k))), k=1, contacts%n)])
+    call pair_sharers(contacts, part, owner, parts, found)
     call pair_edges(contacts, part, owner, parts, found)
   end subroutine find_interfaces
 
-  !> Grains on which more than one part owns contacts.
-  pure subroutine mark_shared(contacts, part, owner, is_shared)
+  !> Does a contact lie between grains of two parts?
+  pure logical function is_between(part)
+    integer(i4), intent(in) :: part(2)
+
+    is_between = all(part > 0) .and. part(1) /= part(2)
+  end function is_between
+
+  !> Count the grains on which more than one part owns contacts, by part and by pair of parts.
+  pure subroutine pair_sharers(contacts, part, owner, parts, found)
     type(contacts_t), intent(in) :: contacts
     integer(i4), intent(in) :: part(:), owner(:)
-    logical, allocatable, intent(out) :: is_shared(:)
-    integer(i4), allocatable :: first(:)
-    integer :: k, side, b
-
-    allocate (is_shared(size(part)), source=.false.)
-    allocate (first(size(part)), source=0_i4)
-    do k = 1, contacts%n
-      do side = 1, 2
-        b = contacts%body(side, k)
-        if (part(b) == 0) cycle
-        if (first(b) == 0) first(b) = owner(k)
-        if (first(b) /= owner(k)) is_shared(b) = .true.
-      end do
-    end do
-  end subroutine mark_shared
-
-  !> Count the grains that pairs of parts share.
-  pure subroutine pair_sharers(contacts, owner, is_shared, parts, found)
-    type(contacts_t), intent(in) :: contacts
-    integer(i4), intent(in) :: owner(:)
-    logical, intent(in) :: is_shared(:)
     integer, intent(in) :: parts
     type(interfaces_t), intent(inout) :: found
-    integer(i8), allocatable :: keys(:), copies(:), pairs(:)
-    integer, allocatable :: times(:)
-    integer :: k, side, n, i, j, last, pass
+    integer(i8), allocatable :: copies(:), pairs(:)
+    integer, allocatable :: times(:), first(:)
+    integer :: k, side, n, b, pass
 
-    n = 0
-    do k = 1, contacts%n
-      n = n + count(is_shared(contacts%body(:, k)))
-    end do
-    allocate (keys(n))
-    n = 0
-    do k = 1, contacts%n
-      do side = 1, 2
-        if (.not. is_shared(contacts%body(side, k))) cycle
-        n = n + 1
-        keys(n) = int(contacts%body(side, k), i8)*int(parts, i8) + int(owner(k) - 1, i8)
-      end do
-    end do
-    call count_runs(keys, copies, times)
+    ! Copies of grains: body and part as one number; grains come one after the other.
+    call count_runs([((int(contacts%body(side, k), i8)*int(parts, i8) + int(owner(k) - 1, i8), side=1, 2), k=1, contacts%n)], &
+                    copies, times)
+    copies = pack(copies, part(int(copies/int(parts, i8))) > 0)
+    first = [pack([(k, k=1, size(copies))], [(k == 1 .or. copies(k)/int(parts, i8) /= copies(max(1, k - 1))/int(parts, i8), &
+                                              k=1, size(copies))]), size(copies) + 1]
     allocate (found%shared(parts), source=0)
-    found%shared_grains = count(is_shared)
     do pass = 1, 2
       n = 0
-      i = 1
-      do while (i <= size(copies))
-        last = i
-        do while (last < size(copies))
-          if (copies(last + 1)/int(parts, i8) /= copies(i)/int(parts, i8)) exit
-          last = last + 1
-        end do
-        do k = i, last
-          if (pass == 1) found%shared(part_of(copies(k)) + 1) = found%shared(part_of(copies(k)) + 1) + 1
-          do j = k + 1, last
-            n = n + 1
-            if (pass == 2) pairs(n) = int(part_of(copies(k)), i8)*int(parts, i8) + int(part_of(copies(j)), i8)
+      do b = 1, size(first) - 1
+        associate (sharer => int(modulo(copies(first(b):first(b + 1) - 1), int(parts, i8))))
+          if (size(sharer) > 1 .and. pass == 1) then
+            found%shared_grains = found%shared_grains + 1
+            found%shared(sharer + 1) = found%shared(sharer + 1) + 1
+          end if
+          do k = 1, size(sharer)
+            if (pass == 2) pairs(n + 1:n + size(sharer) - k) = int(sharer(k), i8)*int(parts, i8) + int(sharer(k + 1:), i8)
+            n = n + size(sharer) - k
           end do
-        end do
-        i = last + 1
+        end associate
       end do
       if (pass == 1) allocate (pairs(n))
     end do
     call list_pairs(pairs, parts, found%common)
-  contains
-    pure integer function part_of(copy)
-      integer(i8), intent(in) :: copy
-
-      part_of = int(modulo(copy, int(parts, i8)))
-    end function part_of
   end subroutine pair_sharers
 
   !> Count the contacts between pairs of parts, and the grains lent for them.
@@ -143,25 +111,25 @@ contains
     integer(i8), allocatable :: edges(:), loans(:), distinct(:)
     integer, allocatable :: times(:)
     type(pairs_t) :: lent
-    integer :: k, n, borrowed
+    integer :: k, n
 
-    n = sum(found%owned) - sum(found%inner)
-    allocate (edges(n), loans(n))
-    n = 0
-    do k = 1, contacts%n
-      associate (pair => part(contacts%body(:, k)) - 1_i4)
-        if (any(pair < 0) .or. pair(1) == pair(2)) cycle
-        n = n + 1
+    allocate (edges(size(found%cut)), loans(size(found%cut)))
+    do n = 1, size(found%cut)
+      associate (k => found%cut(n), pair => part(contacts%body(:, found%cut(n))) - 1_i4)
         edges(n) = int(minval(pair), i8)*int(parts, i8) + int(maxval(pair), i8)
-        borrowed = contacts%body(merge(2, 1, pair(1) + 1 == owner(k)), k)
         ! A grain lent to several parts is distinguished by the borrower; its owner follows from the grain.
-        loans(n) = int(borrowed, i8)*int(parts, i8) + int(owner(k) - 1, i8)
+        loans(n) = int(contacts%body(merge(2, 1, pair(1) + 1 == owner(k)), k), i8)*int(parts, i8) + int(owner(k) - 1, i8)
       end associate
     end do
     call list_pairs(edges, parts, found%edge)
     call count_runs(loans, distinct, times)
+    allocate (found%borrowed(parts), found%copies(size(part)), source=0)
     do k = 1, size(distinct)
       n = int(modulo(distinct(k), int(parts, i8)))
+      found%borrowed(n + 1) = found%borrowed(n + 1) + 1
+      associate (copies => found%copies(int(distinct(k)/int(parts, i8))))
+        copies = copies + 1
+      end associate
       associate (lender => part(int(distinct(k)/int(parts, i8))) - 1)
         distinct(k) = int(min(lender, n), i8)*int(parts, i8) + int(max(lender, n), i8)
       end associate
