@@ -2,13 +2,12 @@
 module sg_partition
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_arguments, only: arguments_t
-  use sg_benchmark_scenes, only: check_lattice, lattice_shapes, make_lattice
+  use sg_benchmark_scenes, only: check_lattice, make_lattice
   use sg_comm, only: comm_t
   use sg_cost_model, only: machine_t, prediction_t
   use sg_cost_text, only: costs_json, print_costs
   use sg_deck, only: read_deck
-  use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, exit_output, fail
-  use sg_former_results, only: has_results
+  use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, fail
   use sg_interface_blocks, only: block_structure_t
   use sg_kinds, only: wp, i4
   use sg_message_costs, only: given_messages, measure_messages
@@ -20,7 +19,6 @@ module sg_partition
   use sg_split_report, only: split_report_t
   use sg_split_text, only: print_split, split_json
   use sg_start_split, only: draw_split, split_at_start
-  use sg_system, only: make_folder
   implicit none
   private
   public :: partition_command
@@ -65,7 +63,8 @@ contains
       return
     end if
     if (.not. allocated(error)) call split_at_start(sim, parts, part, report, blocks, error)
-    if (.not. allocated(error) .and. arguments%has('picture')) call draw(sim, part, arguments%get('picture', ''), error)
+    if (.not. allocated(error) .and. arguments%has('picture')) &
+      call draw_split(sim, part, arguments%get('picture', ''), error)
     if (allocated(error)) return
     if (arguments%has('json')) then
       call print_line(split_json(report, blocks))
@@ -84,10 +83,7 @@ contains
 
     shape = arguments%get('shape', 'disk')
     call arguments%whole('lattice', 0, 12, contacts, error)
-    if (.not. allocated(error) .and. all(lattice_shapes /= shape)) then
-      call fail(error, 'lattices are of the shapes disk, sphere and polyhedron, not "'//shape//'"')
-    end if
-    if (.not. allocated(error)) call check_lattice(contacts, error)
+    if (.not. allocated(error)) call check_lattice(shape, contacts, error)
     if (allocated(error)) return
     call make_lattice(sim%scene, shape, contacts, 0.3_wp)
     sim%options%step = 1e-4_wp
@@ -179,20 +175,4 @@ contains
       boxes = 1
     end if
   end subroutine read_boxes
-
-  !> Draw the split into a folder, made where it is missing.
-  subroutine draw(sim, part, folder, error)
-    type(simulation_t), intent(inout) :: sim
-    integer(i4), intent(in) :: part(:)
-    character(len=*), intent(in) :: folder
-    type(error_t), allocatable, intent(out) :: error
-
-    if (has_results(folder)) then
-      call fail(error, 'this folder holds results of a run: --picture must name another one', file=folder)
-    else if (make_folder(folder)) then
-      call draw_split(sim, part, folder, error)
-    else
-      call fail(error, 'cannot make the folder of the pictures', file=folder, code=exit_output)
-    end if
-  end subroutine draw
 end module sg_partition

@@ -14,7 +14,7 @@ module sg_benchmark_scenes
   use sg_text, only: to_text
   implicit none
   private
-  public :: make_lattice, lattice_shapes, check_lattice
+  public :: make_lattice, check_lattice
 
   !> Shapes of grains that lattices are made of
   character(len=10), parameter :: lattice_shapes(3) = [character(len=10) :: 'disk', 'sphere', 'polyhedron']
@@ -25,14 +25,19 @@ module sg_benchmark_scenes
 
 contains
 
-  !> Is there memory for a lattice of about so many contacts?
-  subroutine check_lattice(contacts, error)
+  !> Can a lattice be made of this shape, and is there memory for about so many contacts?
+  subroutine check_lattice(shape, contacts, error)
+    character(len=*), intent(in) :: shape !! shape wanted
     integer, intent(in) :: contacts !! contacts wanted
-    type(error_t), allocatable, intent(out) :: error !! set when there is not
+    type(error_t), allocatable, intent(out) :: error !! set when it cannot
     type(memory_t) :: memory
     character(len=:), allocatable :: limit
     integer(i8) :: left
 
+    if (all(lattice_shapes /= shape)) then
+      call fail(error, 'lattices are of the shapes disk, sphere and polyhedron, not "'//shape//'"')
+      return
+    end if
     if (memory%fits(bytes_per_contact*int(contacts, i8))) return
     call memory%left(left, limit)
     call fail(error, to_text(contacts)//' contacts need about '//gigabytes(real(bytes_per_contact, wp)*real(contacts, wp))// &

@@ -8,7 +8,8 @@ module sg_start_split
   use sg_contact_graph, only: build_contact_graph, contact_graph_t
   use sg_curve_order, only: curve_order
   use sg_detect, only: detect
-  use sg_error, only: diagnostics_t, error_t, fail
+  use sg_error, only: diagnostics_t, error_t, exit_output, fail
+  use sg_former_results, only: has_results
   use sg_graph_split, only: split_graph
   use sg_interface_blocks, only: block_structure_t, interface_blocks_t
   use sg_kinds, only: wp, i4
@@ -19,6 +20,7 @@ module sg_start_split
   use sg_problem, only: is_active
   use sg_simulation, only: simulation_t, start_simulation
   use sg_split_report, only: report_split, split_report_t
+  use sg_system, only: make_folder
   use sg_text, only: to_text
   implicit none
   private
@@ -147,7 +149,7 @@ contains
     blocks = rows%structure()
   end subroutine look_at_interface
 
-  !> Draw the scene into a folder that exists; each body has the number of its part, from 0, as its rank.
+  !> Draw the scene into a folder, made where it is missing; each body has the number of its part, from 0, as its rank.
   subroutine draw_split(sim, part, folder, error)
     type(simulation_t), intent(inout) :: sim !! simulation that was split
     integer(i4), intent(in) :: part(:) !! part of each body, from 1; 0 for walls
@@ -155,6 +157,12 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
     type(pictures_t) :: pictures
 
+    if (has_results(folder)) then
+      call fail(error, 'this folder holds results of a run: --picture must name another one', file=folder)
+    else if (.not. make_folder(folder)) then
+      call fail(error, 'cannot make the folder of the pictures', file=folder, code=exit_output)
+    end if
+    if (allocated(error)) return
     sim%options%folder = folder
     call pictures%open(sim%scene, sim%options, -1, error)
     if (.not. allocated(error)) call pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, error, part - 1_i4)
