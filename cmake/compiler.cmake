@@ -17,8 +17,8 @@ endif()
 if(SPLITGRAIN_NATIVE)
   target_compile_options(splitgrain_flags INTERFACE -march=native)
 endif()
-if(SPLITGRAIN_OPENMP AND CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
-  # Procedures that threads run side by side look like recursive ones to this check.
+if(CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
+  # Procedures that threads run side by side, or coroutines in turns, look like recursive ones to this check.
   target_compile_options(splitgrain_flags INTERFACE $<$<AND:$<COMPILE_LANGUAGE:Fortran>,$<CONFIG:Debug>>:-fcheck=no-recursion>)
 endif()
 if(SPLITGRAIN_SANITIZE)

@@ -1,9 +1,10 @@
 !> Stopwatches as objects: CPU and wall seconds of one phase of a run.
 module sg_timers
+  use, intrinsic :: iso_c_binding, only: c_double
   use sg_kinds, only: wp, i8
   implicit none
   private
-  public :: timer_t, wall_now, cpu_now
+  public :: timer_t, wall_now, idle_now, cpu_now
 
   !> One stopwatch: start and stop it as often as wanted
   type :: timer_t
@@ -16,6 +17,13 @@ module sg_timers
     procedure :: add => timer_add
     procedure :: hand_over => timer_hand_over
   end type timer_t
+
+  interface
+    function c_elsewhere() bind(c, name='splitgrain_elsewhere') result(seconds)
+      import :: c_double
+      real(c_double) :: seconds
+    end function c_elsewhere
+  end interface
 
 contains
 
@@ -55,12 +63,18 @@ contains
     call other%add(part)
   end subroutine timer_hand_over
 
-  !> CPU seconds of this process.
+  !> CPU seconds of this process; of a coroutine without those that others have used since it began (sg_coroutines).
   function cpu_now() result(seconds)
     real(wp) :: seconds
 
     call cpu_time(seconds)
+    seconds = seconds - real(c_elsewhere(), wp)
   end function cpu_now
+
+  !> Wall seconds without CPU seconds that other coroutines have used: what passes between two calls is work or waiting.
+  real(wp) function idle_now() result(seconds)
+    seconds = wall_now() - real(c_elsewhere(), wp)
+  end function idle_now
 
   !> Wall seconds since some fixed moment.
   function wall_now() result(seconds)
