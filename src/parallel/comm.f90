@@ -5,7 +5,8 @@
 module sg_comm
   use sg_error, only: error_t
   use sg_kinds, only: i1, i4, i8, wp
-  use sg_ranks, only: by_maximum, by_minimum, by_sum, ranks_t, traffic_t
+  use sg_ranks, only: by_maximum, by_minimum, by_sum, traffic_t
+  use sg_virtual_ranks, only: virtual_ranks_t
   implicit none
   private
   public :: comm_t, traffic_t
@@ -15,7 +16,7 @@ module sg_comm
   integer, parameter :: bytes_of_i4 = storage_size(0_i4)/8, bytes_of_i8 = storage_size(0_i8)/8, bytes_of_wp = storage_size(0.0_wp)/8
 
   !> A group of ranks that work on one scene
-  type, extends(ranks_t) :: comm_t
+  type, extends(virtual_ranks_t) :: comm_t
   contains
     procedure, private :: sum_integer, sum_long, sum_real, sum_integers, sum_longs, sum_reals
     procedure, private :: maximum_integer, maximum_long, maximum_real, maximum_integers, maximum_longs, maximum_reals

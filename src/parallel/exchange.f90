@@ -2,10 +2,13 @@
 !!
 !! Items are columns of reals, all of one width. The items for neighbour i are `send(:, send_first(i):send_first(i+1)-1)`,
 !! those from it `receive(:, receive_first(i):receive_first(i+1)-1)`; both sides agree on their number and order.
-!! Between `begin` and `finish` other work may go on; neither list may be touched.
+!! Between `begin` and `finish` other work may go on; neither list may be touched. Neighbours in other processes get messages of
+!! the library (`exchange_with_mpi`), other subdomains of this process letters (sg_board).
 module sg_exchange
   use sg_comm, only: comm_t
+  use sg_coroutines, only: note_progress, yield
   use sg_kinds, only: wp, i8
+  use sg_timers, only: idle_now
   implicit none
   private
   public :: exchange_t
@@ -20,6 +23,9 @@ module sg_exchange
     real(wp), allocatable :: send(:, :), receive(:, :)
     !> Handles of prepared messages
     integer, allocatable, private :: request(:)
+    !> Is each neighbour a subdomain of this process, and the letter that is expected from it: 0 where there is none
+    logical, allocatable, private :: is_here(:)
+    integer(i8), allocatable, private :: letter(:)
     !> Messages and bytes that one exchange sends
     integer :: messages = 0, bytes = 0
   contains
@@ -30,33 +36,108 @@ module sg_exchange
     procedure :: table_bytes => exchange_table_bytes
   end type exchange_t
 
+  ! Messages of a library, between processes.
   interface
-    !> Make the plan from the numbers of items that each rank and its neighbours will send. Neighbours without items get no message.
-    module subroutine exchange_prepare(self, comm, width, rank, send_count, receive_count)
+    !> Prepare all messages that carry something.
+    module subroutine open_messages(self, comm)
       class(exchange_t), intent(inout), target :: self
-      type(comm_t), intent(in) :: comm !! the ranks
-      integer, intent(in) :: width !! reals an item
-      integer, intent(in) :: rank(:) !! neighbours, ascending
-      integer, intent(in) :: send_count(:) !! items to each
-      integer, intent(in) :: receive_count(:) !! items from each
-    end subroutine exchange_prepare
-    !> Start sending what is in `send`.
-    module subroutine exchange_begin(self, comm)
+      type(comm_t), intent(in) :: comm
+    end subroutine open_messages
+    !> Start all messages.
+    module subroutine start_messages(self)
       class(exchange_t), intent(inout), target :: self
-      type(comm_t), intent(inout) :: comm !! its traffic grows
-    end subroutine exchange_begin
-    !> Wait until all has arrived in `receive` and `send` may be filled again.
-    module subroutine exchange_finish(self, comm)
+    end subroutine start_messages
+    !> Wait for all messages, or look whether they have come.
+    module subroutine finish_messages(self, may_wait, have_come)
       class(exchange_t), intent(inout), target :: self
-      type(comm_t), intent(inout) :: comm !! its traffic grows
-    end subroutine exchange_finish
-    !> Give back what the plan holds.
-    module subroutine exchange_release(self)
+      logical, intent(in) :: may_wait
+      logical, intent(out) :: have_come
+    end subroutine finish_messages
+    !> Give back the handles.
+    module subroutine close_messages(self)
       class(exchange_t), intent(inout), target :: self
-    end subroutine exchange_release
+    end subroutine close_messages
   end interface
 
 contains
+
+  !> Make the plan from the numbers of items that each rank and its neighbours will send. Neighbours without items get no message.
+  subroutine exchange_prepare(self, comm, width, rank, send_count, receive_count)
+    class(exchange_t), intent(inout), target :: self
+    type(comm_t), intent(in) :: comm !! the ranks
+    integer, intent(in) :: width !! reals an item
+    integer, intent(in) :: rank(:) !! neighbours, ascending
+    integer, intent(in) :: send_count(:) !! items to each
+    integer, intent(in) :: receive_count(:) !! items from each
+    integer :: i
+
+    call self%release()
+    allocate (self%rank(size(rank)), self%send_first(size(rank) + 1), self%receive_first(size(rank) + 1))
+    self%rank = rank
+    self%send_first(1) = 1
+    self%receive_first(1) = 1
+    do i = 1, size(rank)
+      self%send_first(i + 1) = self%send_first(i) + send_count(i)
+      self%receive_first(i + 1) = self%receive_first(i) + receive_count(i)
+    end do
+    allocate (self%send(width, self%send_first(size(rank) + 1) - 1), &
+              self%receive(width, self%receive_first(size(rank) + 1) - 1), source=0.0_wp)
+    self%messages = count(send_count > 0)
+    self%bytes = 8*size(self%send)
+    self%is_here = [(comm%is_here(rank(i)), i=1, size(rank))]
+    allocate (self%letter(size(rank)), source=0_i8)
+    call open_messages(self, comm)
+  end subroutine exchange_prepare
+
+  !> Start sending what is in `send`.
+  subroutine exchange_begin(self, comm)
+    class(exchange_t), intent(inout), target :: self
+    type(comm_t), intent(inout) :: comm !! its traffic grows
+    integer :: i
+
+    call start_messages(self)
+    do i = 1, size(self%rank)
+      if (.not. self%is_here(i)) cycle
+      if (self%send_first(i + 1) > self%send_first(i)) &
+        call comm%post(self%rank(i), self%send(:, self%send_first(i):self%send_first(i + 1) - 1))
+      if (self%receive_first(i + 1) > self%receive_first(i)) self%letter(i) = comm%expect(self%rank(i))
+    end do
+    comm%traffic%messages = comm%traffic%messages + int(self%messages, i8)
+    comm%traffic%bytes = comm%traffic%bytes + int(self%bytes, i8)
+  end subroutine exchange_begin
+
+  !> Wait until all has arrived in `receive` and `send` may be filled again.
+  subroutine exchange_finish(self, comm)
+    class(exchange_t), intent(inout), target :: self
+    type(comm_t), intent(inout) :: comm !! its traffic grows
+    logical :: have_come
+    integer :: i
+    real(wp) :: start
+
+    start = idle_now()
+    do
+      call finish_messages(self, .not. comm%is_virtual(), have_come)
+      do i = 1, size(self%rank)
+        if (self%letter(i) == 0) cycle
+        if (comm%take(self%rank(i), self%letter(i), self%receive(:, self%receive_first(i):self%receive_first(i + 1) - 1))) &
+          self%letter(i) = 0
+      end do
+      if (have_come .and. all(self%letter == 0)) exit
+      ! What comes from another process is no event that this one could see.
+      if (.not. have_come) call note_progress()
+      call yield()
+    end do
+    comm%traffic%wait_seconds = comm%traffic%wait_seconds + idle_now() - start
+  end subroutine exchange_finish
+
+  !> Give back what the plan holds.
+  subroutine exchange_release(self)
+    class(exchange_t), intent(inout), target :: self
+
+    call close_messages(self)
+    if (allocated(self%rank)) deallocate (self%rank, self%send_first, self%receive_first, self%send, self%receive, self%is_here, &
+                                          self%letter)
+  end subroutine exchange_release
 
   !> Bytes that a plan holds; negative where there is none.
   pure integer(i8) function exchange_table_bytes(self) result(bytes)

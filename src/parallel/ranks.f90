@@ -38,7 +38,7 @@ module sg_ranks
     procedure, nopass :: handle => ranks_handle
     procedure, nopass :: no_hints => ranks_no_hints
     procedure :: ranks_here => ranks_here
-    procedure, private :: reduced_integers, reduced_longs, reduced_reals
+    procedure :: reduced_integers, reduced_longs, reduced_reals
     !> Values combined over the ranks, each with those in its place
     generic :: reduced => reduced_integers, reduced_longs, reduced_reals
     procedure :: of_root => bytes_of_root
