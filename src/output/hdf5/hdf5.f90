@@ -6,11 +6,12 @@
 !!
 !! Ranks share a file that they make or open together. Then all of them make all calls, in the same order; each stores its
 !! own rows, which follow those of lower ranks, or all have the same ones (`is_common`), which are stored once. A
-!! failure of one is a failure of all.
+!! failure of one is a failure of all. Where ranks are subdomains of a process, the first one of each process writes for all of
+!! them, and all read through its handle: with one process the serial library is enough.
 module sg_hdf5
   use sg_comm, only: comm_t
   use sg_error, only: error_t
-  use sg_kinds, only: wp, i4, i8
+  use sg_kinds, only: i1, i4, i8, wp
   use sg_text, only: text_t
   implicit none
   private

@@ -5,7 +5,7 @@ submodule(sg_hdf5:hdf5_with_hdf5) hdf5_attributes_with_hdf5
                   h5oclose_f, h5oopen_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5screate_simple_f, &
                   h5sget_simple_extent_npoints_f, h5t_c_s1, h5t_integer_f, h5t_std_i64le, h5t_str_nullpad_f, h5t_string_f, &
                   h5tclose_f, h5tcopy_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, h5tset_size_f, h5tset_strpad_f, &
-                  hsize_t, size_t
+                  size_t
   implicit none
 
 contains
@@ -71,19 +71,21 @@ contains
 
     call reserve(self, 0_i8)
     if (allocated(self%error)) return
-    call h5oopen_f(int(self%id, hid_t), path, object, status)
-    call check(self, status, 'cannot find '//path)
-    call h5aexists_f(object, name, exists, status)
-    if (exists) then
-      call h5aopen_f(object, name, attribute, status)
-    else
-      call h5acreate_f(object, name, stored_type, space, attribute, status)
+    if (self%ranks%leads_process()) then
+      call h5oopen_f(int(self%id, hid_t), path, object, status)
+      call check(self, status, 'cannot find '//path)
+      call h5aexists_f(object, name, exists, status)
+      if (exists) then
+        call h5aopen_f(object, name, attribute, status)
+      else
+        call h5acreate_f(object, name, stored_type, space, attribute, status)
+      end if
+      call check(self, status, 'cannot make the attribute '//name)
+      call h5awrite_f(attribute, memory_type, address, status)
+      call check(self, status, 'cannot write the attribute '//name)
+      call h5aclose_f(attribute, status)
+      call h5oclose_f(object, status)
     end if
-    call check(self, status, 'cannot make the attribute '//name)
-    call h5awrite_f(attribute, memory_type, address, status)
-    call check(self, status, 'cannot write the attribute '//name)
-    call h5aclose_f(attribute, status)
-    call h5oclose_f(object, status)
     call h5sclose_f(space, status)
     call settle(self)
   end subroutine set_block

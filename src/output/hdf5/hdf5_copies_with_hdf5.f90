@@ -4,7 +4,7 @@ submodule(sg_hdf5:hdf5_with_hdf5) hdf5_copies_with_hdf5
   use hdf5, only: h5_index_name_f, h5_iter_inc_f, h5aclose_f, h5acreate_f, h5aget_name_f, h5aget_num_attrs_f, h5aget_space_f, &
                   h5aget_type_f, h5aopen_by_idx_f, h5aread_f, h5awrite_f, h5ocopy_f, h5sclose_f, &
                   h5sget_simple_extent_npoints_f, h5t_dir_ascend_f, h5tclose_f, h5tget_native_type_f, h5tget_size_f, &
-                  hsize_t, size_t
+                  size_t
   use sg_error, only: exit_bad_input
   implicit none
 

@@ -3,12 +3,11 @@ submodule(sg_hdf5:hdf5_with_hdf5) hdf5_datasets_with_hdf5
   ! gfortran 12 refuses to use again what the parent uses already: the kinds and some constants come from there.
   use, intrinsic :: iso_c_binding, only: c_null_ptr
   use hdf5, only: h5d_alloc_time_early_f, h5dclose_f, h5dcreate_f, h5dget_create_plist_f, h5dget_space_f, h5dopen_f, h5dread_f, &
-                  h5dset_extent_f, h5dwrite_f, h5p_dataset_create_f, h5p_dataset_xfer_f, h5pget_nfilters_f, h5pset_alloc_time_f, &
-                  h5pset_chunk_f, h5pset_deflate_f, h5pset_fletcher32_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, &
-                  h5screate_simple_f, &
+                  h5dset_extent_f, h5p_dataset_create_f, h5pget_nfilters_f, h5pset_alloc_time_f, h5pset_chunk_f, &
+                  h5pset_deflate_f, h5pset_fletcher32_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, &
                   h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
-                  h5sselect_hyperslab_f, h5sselect_none_f, h5t_ieee_f32le, h5t_ieee_f64le, h5t_native_integer, h5t_std_i32le, &
-                  h5t_std_i64le, h5t_std_u8le, hsize_t
+                  h5sselect_hyperslab_f, h5t_ieee_f32le, h5t_ieee_f64le, h5t_native_integer, h5t_std_i32le, h5t_std_i64le, &
+                  h5t_std_u8le
   implicit none
 
   !> gzip level: beyond it files hardly shrink, and writing takes longer
@@ -19,38 +18,47 @@ submodule(sg_hdf5:hdf5_with_hdf5) hdf5_datasets_with_hdf5
 contains
 
   module procedure file_declare
-  integer :: status, rank
-  integer(hid_t) :: space, list, dataset
-  integer(hsize_t) :: shape(2), most(2)
-
   if (allocated(self%error)) return
   call reserve(self, 0_i8)
   if (allocated(self%error)) return
-  rank = merge(2, 1, components > 0)
-  shape = int(max(1, components), hsize_t)
-  shape(rank) = 0
-  most = shape
-  most(rank) = h5s_unlimited_f
-  call h5screate_simple_f(rank, shape, space, status, most)
-  shape(rank) = int(chunk, hsize_t)
-  call h5pcreate_f(h5p_dataset_create_f, list, status)
-  call h5pset_chunk_f(list, rank, shape, status)
-  ! HDF5 compresses what ranks write together only where file and memory hold the same type, and 1.10 not safely then: cutting
-  ! rows off a compressed chunk leaves one that cannot be read, and other ranks wait for ever.
-  if (is_compressed .and. self%ranks%size == 1) then
-    call h5pset_deflate_f(list, gzip_level, status)
-  else
-    ! Ranks can go on with a file only where chunks get their place as the dataset grows, also when one rank made it.
-    call h5pset_alloc_time_f(list, h5d_alloc_time_early_f, status)
-  end if
-  call check(self, status, 'cannot compress '//path)
-  call h5dcreate_f(int(self%id, hid_t), path, file_type(storage), space, dataset, status, list)
-  call check(self, status, 'cannot make '//path)
-  call h5dclose_f(dataset, status)
-  call h5pclose_f(list, status)
-  call h5sclose_f(space, status)
+  if (self%ranks%leads_process()) call make_growing(self, path, storage, components, chunk, is_compressed)
   call settle(self)
   end procedure file_declare
+
+  !> Make a growing dataset without rows.
+  subroutine make_growing(self, path, storage, components, chunk, is_compressed)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer, intent(in) :: storage, components, chunk
+    logical, intent(in) :: is_compressed
+    integer :: status, rank
+    integer(hid_t) :: space, list, dataset
+    integer(hsize_t) :: shape(2), most(2)
+
+    rank = merge(2, 1, components > 0)
+    shape = int(max(1, components), hsize_t)
+    shape(rank) = 0
+    most = shape
+    most(rank) = h5s_unlimited_f
+    call h5screate_simple_f(rank, shape, space, status, most)
+    shape(rank) = int(chunk, hsize_t)
+    call h5pcreate_f(h5p_dataset_create_f, list, status)
+    call h5pset_chunk_f(list, rank, shape, status)
+    ! HDF5 compresses what ranks write together only where file and memory hold the same type, and 1.10 not safely then: cutting
+    ! rows off a compressed chunk leaves one that cannot be read, and other ranks wait for ever.
+    if (is_compressed .and. self%ranks%n_processes() == 1) then
+      call h5pset_deflate_f(list, gzip_level, status)
+    else
+      ! Ranks can go on with a file only where chunks get their place as the dataset grows, also when one rank made it.
+      call h5pset_alloc_time_f(list, h5d_alloc_time_early_f, status)
+    end if
+    call check(self, status, 'cannot compress '//path)
+    call h5dcreate_f(int(self%id, hid_t), path, file_type(storage), space, dataset, status, list)
+    call check(self, status, 'cannot make '//path)
+    call h5dclose_f(dataset, status)
+    call h5pclose_f(list, status)
+    call h5sclose_f(space, status)
+  end subroutine make_growing
 
   !> Type of numbers in the file.
   integer(hid_t) function file_type(storage)
@@ -93,14 +101,6 @@ contains
     end if
   end subroutine count_rows
 
-  !> Are rows the same on all ranks?
-  pure logical function are_common(is_common)
-    logical, intent(in), optional :: is_common
-
-    are_common = .false.
-    if (present(is_common)) are_common = is_common
-  end function are_common
-
   module procedure file_rows
   integer :: status
   integer(hid_t) :: dataset
@@ -134,7 +134,7 @@ contains
 
   if (allocated(self%error)) return
   call open_dataset(self, path, dataset, shape)
-  if (shape(2) > rows) call resize(self, path, dataset, shape(1), int(rows, hsize_t))
+  if (shape(2) > rows .and. self%ranks%leads_process()) call resize(self, path, dataset, shape(1), int(rows, hsize_t))
   call h5dclose_f(dataset, status)
   call settle(self)
   end procedure file_cut
@@ -204,15 +204,15 @@ contains
     if (allocated(self%error)) return
     if (n == 0 .and. self%ranks%size == 1) return
     call open_dataset(self, path, dataset, shape)
-    if (self%ranks%size > 1) call refuse_compressed(self, path, dataset)
+    if (self%ranks%n_processes() > 1) call refuse_compressed(self, path, dataset)
     call settle(self)
     if (allocated(self%error)) return
     call count_rows(self, int(int(n, hsize_t)/shape(1)), is_common, before, total)
     ! Chunks are made whole, and a compressed one may be rewritten: room for twice the rows.
     call reserve(self, 16*shape(1)*total)
     if (total > 0 .and. .not. allocated(self%error)) then
-      call resize(self, path, dataset, shape(1), shape(2) + total)
-      call write_rows(self, path, dataset, memory_type, shape(1), shape(2), before, total, n, address)
+      if (self%ranks%leads_process()) call resize(self, path, dataset, shape(1), shape(2) + total)
+      call write_rows(self, path, dataset, memory_type, shape(1), shape(2), before, total, n, address, is_common)
     end if
     call h5dclose_f(dataset, status)
     call check(self, status, 'cannot write '//path)
@@ -233,40 +233,6 @@ contains
     if (n > 0) call note(self, 'cannot go on with this file on several ranks, move it away: '//path//' is compressed')
     call h5pclose_f(list, status)
   end subroutine refuse_compressed
-
-  !> Write the rows of this rank: `n` numbers at an address, `before` of `total` rows after the first `first` of a dataset.
-  subroutine write_rows(self, path, dataset, memory_type, components, first, before, total, n, address)
-    class(hdf5_file_t), intent(inout) :: self
-    character(len=*), intent(in) :: path
-    integer(hid_t), intent(in) :: dataset, memory_type
-    integer(hsize_t), intent(in) :: components, first
-    integer(i8), intent(in) :: before, total
-    integer, intent(in) :: n
-    type(c_ptr), intent(in) :: address
-    integer :: status, rank
-    integer(hid_t) :: space, memory, list
-    integer(hsize_t) :: origin(2), count(2)
-
-    ! Of rows that all ranks have only rank 0 has none of lower ranks before it.
-    count = [components, merge(int(n, hsize_t)/components, 0_hsize_t, before < total)]
-    origin = [0_hsize_t, first + before]
-    call h5dget_space_f(dataset, space, status)
-    call h5sget_simple_extent_ndims_f(space, rank, status)
-    call h5screate_simple_f(1, [max(1_hsize_t, product(count))], memory, status)
-    if (product(count) > 0) then
-      call h5sselect_hyperslab_f(space, h5s_select_set_f, origin(3 - rank:), count(3 - rank:), status)
-    else
-      call h5sselect_none_f(space, status)
-      call h5sselect_none_f(memory, status)
-    end if
-    call h5pcreate_f(h5p_dataset_xfer_f, list, status)
-    if (self%ranks%size > 1) call share_transfer(self, list)
-    call h5dwrite_f(dataset, memory_type, address, status, memory, space, list)
-    call check(self, status, 'cannot write '//path)
-    call h5pclose_f(list, status)
-    call h5sclose_f(memory, status)
-    call h5sclose_f(space, status)
-  end subroutine write_rows
 
   module procedure append_reals
   call append_block(self, path, h5t_native_double, size(values), address_of_reals(values, size(values)), is_common)
@@ -297,7 +263,7 @@ contains
     type(c_ptr), intent(in) :: address
     logical, intent(in), optional :: is_common
     integer :: status, rank
-    integer(hid_t) :: dataset, space, list
+    integer(hid_t) :: dataset
     integer(hsize_t) :: whole(2)
     integer(i8) :: before, total
 
@@ -308,20 +274,36 @@ contains
     ! The last of several chunks that have check sums is stored whole.
     call reserve(self, 8*whole(1)*merge(whole(2) + checked_rows, whole(2), whole(2) > checked_rows))
     if (allocated(self%error)) return
+    if (self%ranks%leads_process()) call make_fixed(self, path, stored_type, rank, whole, dataset)
+    call settle(self)
+    if (product(whole) > 0 .and. .not. allocated(self%error)) &
+      call write_rows(self, path, dataset, memory_type, whole(1), 0_hsize_t, before, total, product(shape), address, is_common)
+    if (self%ranks%leads_process()) then
+      call h5dclose_f(dataset, status)
+      call check(self, status, 'cannot write '//path)
+    end if
+    call settle(self)
+  end subroutine put_block
+
+  !> Make a dataset of fixed size.
+  subroutine make_fixed(self, path, stored_type, rank, whole, dataset)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(hid_t), intent(in) :: stored_type
+    integer, intent(in) :: rank
+    integer(hsize_t), intent(in) :: whole(2)
+    integer(hid_t), intent(out) :: dataset
+    integer :: status
+    integer(hid_t) :: space, list
+
     call h5screate_simple_f(rank, whole(3 - rank:), space, status)
     call h5pcreate_f(h5p_dataset_create_f, list, status)
     if (self%is_checked .and. product(whole) > 0) call add_check_sums(self, list, rank, whole)
     call h5dcreate_f(int(self%id, hid_t), path, stored_type, space, dataset, status, list)
     call check(self, status, 'cannot make '//path)
     call h5pclose_f(list, status)
-    call settle(self)
-    if (product(whole) > 0 .and. .not. allocated(self%error)) &
-      call write_rows(self, path, dataset, memory_type, whole(1), 0_hsize_t, before, total, product(shape), address)
-    call h5dclose_f(dataset, status)
-    call check(self, status, 'cannot write '//path)
     call h5sclose_f(space, status)
-    call settle(self)
-  end subroutine put_block
+  end subroutine make_fixed
 
   !> Have a dataset stored in chunks, each with a check sum, which is looked at when it is read.
   subroutine add_check_sums(self, list, rank, whole)

@@ -43,6 +43,7 @@ contains
     call settle(self)
     if (allocated(self%error)) return
   end if
+  if (.not. self%ranks%leads_process()) return
   call h5pset_fapl_mpio_f(access, self%ranks%handle(), self%ranks%no_hints(), status)
   call check(self, status, 'cannot share files between ranks')
   ! Ranks that write the file's metadata one by one may wait for each other for ever.

@@ -35,8 +35,10 @@ contains
   integer :: status
 
   if (allocated(self%error)) return
-  call h5ldelete_f(int(self%id, hid_t), path, status)
-  call check(self, status, 'cannot remove '//path)
+  if (self%ranks%leads_process()) then
+    call h5ldelete_f(int(self%id, hid_t), path, status)
+    call check(self, status, 'cannot remove '//path)
+  end if
   call settle(self)
   end procedure file_remove
 
@@ -48,22 +50,24 @@ contains
   if (allocated(self%error)) return
   call reserve(self, size(letters, kind=i8))
   if (allocated(self%error)) return
-  letters = c_null_char
-  do i = 1, len(text)
-    letters(i) = text(i:i)
-  end do
-  call h5tcopy_f(h5t_c_s1, text_type, status)
-  call h5tset_size_f(text_type, size(letters, kind=size_t), status)
-  call h5tset_strpad_f(text_type, h5t_str_nullterm_f, status)
-  call h5screate_f(h5s_scalar_f, space, status)
-  call h5dcreate_f(int(self%id, hid_t), path, text_type, space, dataset, status)
-  call check(self, status, 'cannot make '//path)
-  ! The text is the same on all ranks.
-  if (self%ranks%rank == 0) call h5dwrite_f(dataset, text_type, c_loc(letters), status)
-  call check(self, status, 'cannot write '//path)
-  call h5dclose_f(dataset, status)
-  call h5sclose_f(space, status)
-  call h5tclose_f(text_type, status)
+  if (self%ranks%leads_process()) then
+    letters = c_null_char
+    do i = 1, len(text)
+      letters(i) = text(i:i)
+    end do
+    call h5tcopy_f(h5t_c_s1, text_type, status)
+    call h5tset_size_f(text_type, size(letters, kind=size_t), status)
+    call h5tset_strpad_f(text_type, h5t_str_nullterm_f, status)
+    call h5screate_f(h5s_scalar_f, space, status)
+    call h5dcreate_f(int(self%id, hid_t), path, text_type, space, dataset, status)
+    call check(self, status, 'cannot make '//path)
+    ! The text is the same on all ranks.
+    if (self%ranks%rank == 0) call h5dwrite_f(dataset, text_type, c_loc(letters), status)
+    call check(self, status, 'cannot write '//path)
+    call h5dclose_f(dataset, status)
+    call h5sclose_f(space, status)
+    call h5tclose_f(text_type, status)
+  end if
   call settle(self)
   end procedure put_text
 

@@ -9,7 +9,7 @@ submodule(sg_hdf5) hdf5_with_hdf5
                   h5f_close_strong_f, h5f_libver_earliest_f, h5f_libver_v110_f, h5f_scope_global_f, h5fclose_f, h5fcreate_f, &
                   h5fflush_f, h5fopen_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, h5kind_to_type, h5lexists_f, h5open_f, &
                   h5p_file_access_f, h5pclose_f, h5pcreate_f, h5pset_fapl_core_f, h5pset_fclose_degree_f, h5pset_libver_bounds_f, &
-                  h5t_native_double, hid_t
+                  h5t_native_double, hid_t, hsize_t
   use sg_c_library, only: c_strlen
   use sg_error, only: exit_output, fail
   use sg_settle_file, only: settle_file
@@ -29,6 +29,20 @@ submodule(sg_hdf5) hdf5_with_hdf5
   type, bind(c) :: reason_t
     character(kind=c_char) :: text(400) = c_null_char
   end type reason_t
+
+  interface
+    !> Write the rows of this rank into a dataset: `n` numbers at an address, `before` of `total` rows after the first `first`.
+    module subroutine write_rows(self, path, dataset, memory_type, components, first, before, total, n, address, is_common)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path
+      integer(hid_t), intent(in) :: dataset, memory_type
+      integer(hsize_t), intent(in) :: components, first
+      integer(i8), intent(in) :: before, total
+      integer, intent(in) :: n
+      type(c_ptr), intent(in) :: address
+      logical, intent(in), optional :: is_common
+    end subroutine write_rows
+  end interface
 
   ! What only a library made for MPI has; bodies in hdf5_sharing_with_mpio or hdf5_sharing_without_mpio.
   interface
@@ -94,11 +108,11 @@ contains
   if (present(is_checked)) self%is_checked = is_checked
   ! The format of 1.10 has check sums over its metadata: where and what the datasets are.
   if (self%is_checked) call h5pset_libver_bounds_f(access, h5f_libver_v110_f, h5f_libver_v110_f, status)
-  if (self%ranks%size > 1) call share_access(self, access, .true.)
+  if (self%ranks%n_processes() > 1) call share_access(self, access, .true.)
   if (present(is_in_memory)) then
     if (is_in_memory) call h5pset_fapl_core_f(access, piece_of_memory, .true., status)
   end if
-  if (.not. allocated(self%error)) then
+  if (self%ranks%leads_process() .and. .not. allocated(self%error)) then
     call h5fcreate_f(name, h5f_acc_trunc_f, id, status, access_prp=access)
     call check(self, status, 'cannot create the file')
   end if
@@ -111,8 +125,8 @@ contains
   integer(hid_t) :: access, id
 
   call start(self, name, access, comm)
-  if (self%ranks%size > 1) call share_access(self, access, .false.)
-  if (.not. allocated(self%error)) then
+  if (self%ranks%n_processes() > 1) call share_access(self, access, .false.)
+  if (self%ranks%leads_process() .and. .not. allocated(self%error)) then
     call h5fopen_f(name, merge(h5f_acc_rdonly_f, h5f_acc_rdwr_f, is_read_only), id, status, access_prp=access)
     call check(self, status, 'cannot open the file')
   end if
@@ -125,6 +139,7 @@ contains
     character(len=*), intent(in) :: name
     integer(hid_t), intent(out) :: access
     type(comm_t), intent(in), optional :: comm
+    type(comm_t) :: alone
     integer :: status
     logical :: is_open
 
@@ -134,8 +149,7 @@ contains
     self%is_checked = .false.
     self%most_bytes = 0
     self%reserved = 0
-    self%ranks%rank = 0
-    self%ranks%size = 1
+    self%ranks = alone
     if (present(comm)) self%ranks = comm
     ! At exit the library would try once more to flush a file for which the disk had no room, and crash.
     call h5dont_atexit_f(status)
@@ -152,15 +166,20 @@ contains
     call check(self, status, 'cannot start HDF5')
   end subroutine start
 
-  !> Keep the handle of a file that could be opened.
+  !> Keep the handle of a file that could be opened: that of the first subdomain of a process is one for all of them.
   subroutine opened(self, id, access)
     class(hdf5_file_t), intent(inout) :: self
     integer(hid_t), intent(in) :: id, access
     integer :: status
+    type(comm_t) :: here
 
-    if (.not. allocated(self%error)) self%id = id
+    if (self%ranks%leads_process() .and. .not. allocated(self%error)) self%id = id
     call h5pclose_f(access, status)
     call settle(self)
+    if (self%ranks%n_here() == 1 .or. allocated(self%error)) return
+    here = self%ranks
+    call here%stay_here()
+    call here%broadcast(self%id, 0)
   end subroutine opened
 
   !> Have the disk promise room for a dataset of so many bytes, and for the library's metadata of it: when the disk is
@@ -170,7 +189,7 @@ contains
     integer(i8), intent(in) :: bytes
 
     if (self%ranks%size == 1) return
-    call reserve_room(self, bytes)
+    if (self%ranks%n_processes() > 1) call reserve_room(self, bytes)
     call settle(self)
   end subroutine reserve
 
@@ -185,8 +204,10 @@ contains
   integer :: status
 
   if (allocated(self%error)) return
-  call h5fflush_f(int(self%id, hid_t), h5f_scope_global_f, status)
-  call check(self, status, 'cannot write')
+  if (self%ranks%leads_process()) then
+    call h5fflush_f(int(self%id, hid_t), h5f_scope_global_f, status)
+    call check(self, status, 'cannot write')
+  end if
   ! The file has been cut to what it holds, and with it what was reserved.
   self%most_bytes = 0
   self%reserved = 0
@@ -204,10 +225,12 @@ contains
   integer :: status
 
   if (self%id < 0) return
-  call h5fclose_f(int(self%id, hid_t), status)
+  if (self%ranks%leads_process()) then
+    call h5fclose_f(int(self%id, hid_t), status)
+    call check(self, status, 'cannot write')
+  end if
   self%id = -1
-  call check(self, status, 'cannot write')
-  if (self%ranks%size > 1) call release_room(self)
+  if (self%ranks%n_processes() > 1) call release_room(self)
   call settle(self)
   end procedure file_close
 
@@ -218,9 +241,11 @@ contains
   if (allocated(self%error)) return
   call reserve(self, 0_i8)
   if (allocated(self%error)) return
-  call h5gcreate_f(int(self%id, hid_t), path, group, status)
-  call check(self, status, 'cannot make '//path)
-  call h5gclose_f(group, status)
+  if (self%ranks%leads_process()) then
+    call h5gcreate_f(int(self%id, hid_t), path, group, status)
+    call check(self, status, 'cannot make '//path)
+    call h5gclose_f(group, status)
+  end if
   call settle(self)
   end procedure file_group
 
@@ -232,6 +257,14 @@ contains
   call h5lexists_f(int(self%id, hid_t), path, has, status)
   has = has .and. status >= 0
   end procedure file_has
+
+  !> Are rows the same on all ranks?
+  pure logical function are_common(is_common)
+    logical, intent(in), optional :: is_common
+
+    are_common = .false.
+    if (present(is_common)) are_common = is_common
+  end function are_common
 
   !> Type of long integers in memory.
   integer(hid_t) function long_type()
