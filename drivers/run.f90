@@ -5,7 +5,7 @@ module sg_run
   use sg_arguments, only: arguments_t
   use sg_blocks, only: deck_t
   use sg_comm, only: comm_t
-  use sg_deck, only: read_share
+  use sg_deck, only: parts_of_deck, read_share
   use sg_deck_inputs, only: deck_inputs
   use sg_dump, only: read_steps
   use sg_effective, only: fingerprint
@@ -19,6 +19,7 @@ module sg_run
   use sg_signature, only: signature_of
   use sg_simulate, only: simulate
   use sg_simulation, only: simulation_t
+  use sg_subdomain_runs, only: run_subdomains, subdomain_program_t
   use sg_system, only: catch_signals, file_exists, make_folder
   use sg_text, only: to_text
   use sg_timers, only: wall_now
@@ -26,14 +27,63 @@ module sg_run
   private
   public :: run_command
 
+  !> The run of one of several subdomains: command line, and results, which are the same for all
+  type, extends(subdomain_program_t) :: subdomain_run_t
+    type(arguments_t) :: arguments
+    integer :: code = exit_done
+    type(error_t), allocatable :: error
+  contains
+    procedure :: run => run_subdomain
+  end type subdomain_run_t
+
 contains
 
-  !> Run a deck.
+  !> Run a deck: on the ranks there are, or as so many subdomains as it asks for.
   subroutine run_command(arguments, comm, code, error)
     type(arguments_t), intent(in) :: arguments !! the command line
     type(comm_t), intent(in) :: comm !! the ranks
     integer, intent(out) :: code !! exit code when there is no error
     type(error_t), allocatable, intent(out) :: error !! error of the command
+    type(subdomain_run_t) :: program
+    type(comm_t) :: ranks
+    integer, allocatable :: all_parts(:)
+    integer :: parts
+
+    parts = 0
+    if (size(arguments%words) == 1) parts = parts_of_deck(arguments%words(1)%s, arguments%all_of('set'))
+    ! The messages of a run are counted from its beginning.
+    ranks = comm
+    call ranks%gather(parts, all_parts)
+    if (any(all_parts /= parts)) then
+      call fail(error, 'the ranks do not share one run: partition.parts differs between them')
+    else if (parts < max(2, comm%size)) then
+      call run_scene(arguments, comm, code, error)
+    else
+      program%arguments = arguments
+      call run_subdomains(program, parts, comm)
+      code = program%code
+      if (allocated(program%error)) call move_alloc(program%error, error)
+    end if
+  end subroutine run_command
+
+  !> Run a deck as one of several subdomains.
+  subroutine run_subdomain(self, comm)
+    class(subdomain_run_t), intent(inout) :: self
+    type(comm_t), intent(in) :: comm !! the subdomains, as ranks
+    type(error_t), allocatable :: error
+    integer :: code
+
+    call run_scene(self%arguments, comm, code, error)
+    self%code = code
+    if (allocated(error)) self%error = error
+  end subroutine run_subdomain
+
+  !> Run a deck as one of several ranks.
+  subroutine run_scene(arguments, comm, code, error)
+    type(arguments_t), intent(in) :: arguments
+    type(comm_t), intent(in) :: comm
+    integer, intent(out) :: code
+    type(error_t), allocatable, intent(out) :: error
     type(simulation_t) :: sim
     real(wp) :: walltime, deadline
     integer, allocatable :: dump_steps(:, :)
@@ -43,7 +93,7 @@ contains
     call arguments%expect('set output restart force walltime dump needs quiet', 1, 1, &
                           'run DECK [options]; see splitgrain run --help', error)
     if (.not. allocated(error)) call arguments%number('walltime', 0.0_wp, 0.0_wp, walltime, error)
-    if (.not. allocated(error) .and. comm%size > 1) call check_for_ranks(error)
+    if (.not. allocated(error) .and. comm%n_processes() > 1) call check_for_ranks(error)
     if (.not. allocated(error) .and. arguments%has('dump')) call read_steps(arguments%get('dump', ''), dump_steps, error)
     if (.not. allocated(error) .and. arguments%has('dump') .and. .not. hdf5_is_available()) then
       call fail(error, 'this build has no HDF5, which dumps are written with')
@@ -74,7 +124,7 @@ contains
       if (.not. allocated(error)) return
       if (.not. allocated(error%file) .and. error%code == exit_bad_input) error%file = deck
     end associate
-  end subroutine run_command
+  end subroutine run_scene
 
   !> Read the deck, of several ranks each its share of the scene, and print its mistakes. Collective.
   subroutine read_scene(arguments, file, sim, is_bad, error)

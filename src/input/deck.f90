@@ -19,7 +19,7 @@ module sg_deck
   use sg_toml_pieces, only: find_pieces
   implicit none
   private
-  public :: read_deck, read_share
+  public :: read_deck, read_share, parts_of_deck
 
 contains
 
@@ -58,6 +58,26 @@ contains
     if (diagnostics%count() > 0) return
     call effective_deck(deck, options%deck_text, options%deck_hash)
   end subroutine read_share
+
+  !> Subdomains that a deck asks for; 0 for one per rank, and where the deck has mistakes, which are reported when it is read as a
+  !! whole. A deck without the word is not taken apart.
+  integer function parts_of_deck(file, settings) result(parts)
+    character(len=*), intent(in) :: file !! path of the deck
+    type(text_t), intent(in) :: settings(:) !! settings laid over it
+    character(len=*), parameter :: word = 'parts'
+    type(deck_t) :: deck
+    type(diagnostics_t) :: diagnostics
+    type(error_t), allocatable :: error
+    character(len=:), allocatable :: content
+    integer :: i
+
+    parts = 0
+    call read_content(file, content, error)
+    if (allocated(error)) return
+    if (index(content, word) == 0 .and. .not. any([(index(settings(i)%s, word) > 0, i=1, size(settings))])) return
+    call read_blocks(file, settings, deck, diagnostics)
+    if (diagnostics%count() == 0) parts = deck%integer(deck%block_of('partition'), word)
+  end function parts_of_deck
 
   !> Read a deck as blocks of checked values.
   subroutine read_blocks(file, settings, deck, diagnostics)

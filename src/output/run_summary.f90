@@ -10,13 +10,13 @@ module sg_run_summary
   use sg_scene, only: scene_t
   use sg_system, only: peak_memory_bytes
   use sg_tally, only: column_t
-  use sg_text, only: text_t
+  use sg_text, only: counted, text_t, to_text
   use sg_text_files, only: replace_file
   use sg_totals, only: n_phases, phase_names, totals_t
   use sg_version, only: commit, version
   implicit none
   private
-  public :: run_summary_t, shared_cost_t, write_run_summary, run_done, run_failed, run_stopped, run_not_converged
+  public :: run_summary_t, shared_cost_t, write_run_summary, ranks_words, run_done, run_failed, run_stopped, run_not_converged
 
   !> Words for how a run ended: all steps done, an error, stopped on request with a checkpoint, and ended because a
   !! step did not converge
@@ -32,11 +32,11 @@ module sg_run_summary
     real(wp) :: moved = 0
     !> Gluings of all steps
     integer(i8) :: gluings = 0
-    !> Contact updates of a rank: fewest, mean and most; imbalance: most over mean
+    !> Contact updates of a subdomain: fewest, mean and most; imbalance: most over mean
     real(wp) :: least_updates = 0, mean_updates = 0, most_updates = 0, imbalance = 1
-    !> Messages and bytes that all ranks together send at a gluing, in the mean
+    !> Messages and bytes that all subdomains together send at a gluing, in the mean
     real(wp) :: messages = 0, bytes = 0
-    !> Wall seconds that a rank waited for others: mean and most
+    !> Wall seconds that a subdomain waited for others: mean and most
     real(wp) :: mean_wait = 0, most_wait = 0
     !> Largest memory of a rank, and of all ranks together [byte]
     real(wp) :: most_memory = 0, all_memory = 0
@@ -58,8 +58,8 @@ module sg_run_summary
     real(wp) :: fall_speed = 0
     !> Tolerance of the stopping criterion
     real(wp) :: tolerance = 0
-    !> Dimension of space, number of ranks, bodies, and steps asked
-    integer :: dimension = 2, ranks = 1, bodies = 0, steps_asked = 0
+    !> Dimension of space, number of ranks and of the subdomains that they share, bodies, and steps asked
+    integer :: dimension = 2, ranks = 1, subdomains = 1, bodies = 0, steps_asked = 0
     !> Are there cohesive zones?
     logical :: has_bonds = .false.
     !> The grains
@@ -104,7 +104,8 @@ contains
     self%steps_asked = options%steps
     self%time = scene%start_time
     self%bodies = scene%bodies%n_own
-    self%ranks = comm%size
+    self%ranks = comm%n_processes()
+    self%subdomains = comm%size
     if (allocated(scene%bodies%id)) then
       call comm%sum(self%bodies)
       call count_grains(scene%bodies, self%grains, comm)
@@ -123,8 +124,8 @@ contains
     integer(i8), intent(in) :: bytes !! sent by this rank in all gluings
     real(wp), allocatable :: all(:, :)
 
-    call comm%gather([real(contact_updates, wp), comm%traffic%wait_seconds, real(peak_memory_bytes(), wp), &
-                      real(messages, wp), real(bytes, wp)], all)
+    call comm%gather([real(contact_updates, wp), comm%traffic%wait_seconds, &
+                      merge(real(peak_memory_bytes(), wp), 0.0_wp, comm%leads_process()), real(messages, wp), real(bytes, wp)], all)
     self%gluings = gluings
     self%least_updates = minval(all(1, :))
     self%mean_updates = sum(all(1, :))/real(comm%size, wp)
@@ -138,6 +139,16 @@ contains
     self%messages = sum(all(4, :))/real(max(1_i8, gluings), wp)
     self%bytes = sum(all(5, :))/real(max(1_i8, gluings), wp)
   end subroutine cost_collect
+
+  !> Number of ranks, and of subdomains where they have several.
+  pure function ranks_words(subdomains, ranks) result(words)
+    integer, intent(in) :: subdomains !! subdomains of all ranks
+    integer, intent(in) :: ranks !! ranks that share them
+    character(len=:), allocatable :: words
+
+    words = to_text(ranks)
+    if (subdomains > ranks) words = to_text(subdomains)//' subdomains on '//counted(ranks, 'rank')
+  end function ranks_words
 
   !> Name a file that was written.
   subroutine summary_add_file(self, key, file)
@@ -203,7 +214,7 @@ contains
     if (.not. summary%is_root) return
     call add_identity(json, summary)
     call add_totals(json, summary%totals)
-    if (summary%ranks > 1) call add_shared(json, summary%shared)
+    if (summary%subdomains > 1) call add_shared(json, summary%shared)
     columns = summary%columns()
     do i = 1, size(columns)
       if (columns(i)%is_count) then
@@ -238,6 +249,7 @@ contains
     call json%add('tolerance', summary%tolerance)
     call json%add('dimension', summary%dimension)
     call json%add('ranks', summary%ranks)
+    call json%add('subdomains', summary%subdomains)
     call json%add('bodies', summary%bodies)
     call json%add('grains', summary%grains%n)
     call json%add('mean_radius', summary%grains%mean_radius)

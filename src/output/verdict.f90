@@ -4,7 +4,7 @@ module sg_verdict
   use sg_kinds, only: wp, i8
   use sg_methods, only: find_method, is_swept, list_couplings, method_t, quoted_names, robust_solver
   use sg_print, only: print_line
-  use sg_run_summary, only: run_summary_t, shared_cost_t
+  use sg_run_summary, only: ranks_words, run_summary_t
   use sg_system, only: peak_memory_bytes
   use sg_text, only: counted, joined, text_t, to_text
   use sg_totals, only: n_phases, phase_names, phase_solve, totals_t, worst_contact_words
@@ -57,9 +57,9 @@ contains
       end if
       call line('cost', fixed(totals%clock%cpu, 2)//' s CPU ('//phase_words(totals)//'), '//fixed(totals%clock%wall, 2)//' s wall')
       call line('solver', effort_words(totals, is_swept(summary%method)))
-      if (summary%ranks > 1) then
-        call line('ranks', to_text(summary%ranks)//' by '//split_words(summary%shared))
-        call line('gluing', gluing_words(summary%shared))
+      if (summary%subdomains > 1) then
+        call line('ranks', ranks_words(summary%subdomains, summary%ranks)//' by '//split_words(summary))
+        call line('gluing', gluing_words(summary))
       end if
       call line('memory', memory_words(summary)//', '//to_text(nint(totals%bytes_per_contact))// &
                 ' bytes per contact in the contact problem')
@@ -83,7 +83,7 @@ contains
     type(run_summary_t), intent(in) :: summary
     character(len=:), allocatable :: words
 
-    if (summary%ranks > 1) then
+    if (summary%subdomains > 1) then
       words = coupling_advice(summary%shared%gluing)
       if (.not. summary%has_bonds) words = words//'; on one rank solver.method = "'//robust_solver//'"'
     else if (summary%has_bonds) then
@@ -116,28 +116,39 @@ contains
   end function coupling_advice
 
   !> How the scene was split, and how evenly.
-  pure function split_words(shared) result(words)
-    type(shared_cost_t), intent(in) :: shared
+  pure function split_words(summary) result(words)
+    type(run_summary_t), intent(in) :: summary
     character(len=:), allocatable :: words
 
     words = ''
-    if (allocated(shared%split)) words = shared%split
-    words = words//', '//counted(shared%splits, 'split')//', '//to_text(nint(shared%moved, i8))//' bodies moved; '// &
-            'contact updates '//to_text(nint(shared%least_updates, i8))//' to '//to_text(nint(shared%most_updates, i8))// &
-            ' per rank, imbalance '//fixed(shared%imbalance, 2)
+    associate (shared => summary%shared)
+      if (allocated(shared%split)) words = shared%split
+      words = words//', '//counted(shared%splits, 'split')//', '//to_text(nint(shared%moved, i8))//' bodies moved; '// &
+              'contact updates '//to_text(nint(shared%least_updates, i8))//' to '//to_text(nint(shared%most_updates, i8))// &
+              ' per '//trim(unit_word(summary))//', imbalance '//fixed(shared%imbalance, 2)
+    end associate
   end function split_words
 
   !> What gluing cost.
-  pure function gluing_words(shared) result(words)
-    type(shared_cost_t), intent(in) :: shared
+  pure function gluing_words(summary) result(words)
+    type(run_summary_t), intent(in) :: summary
     character(len=:), allocatable :: words
 
     words = ''
-    if (allocated(shared%gluing)) words = shared%gluing//', '
-    words = words//to_text(shared%gluings)//' gluings of '//fixed(shared%messages, 1)//' messages and '// &
-            fixed(shared%bytes/1e3_wp, 1)//' kB; a rank waited '//fixed(shared%mean_wait, 2)//' s in the mean, '// &
-            fixed(shared%most_wait, 2)//' s at most'
+    associate (shared => summary%shared)
+      if (allocated(shared%gluing)) words = shared%gluing//', '
+      words = words//to_text(shared%gluings)//' gluings of '//fixed(shared%messages, 1)//' messages and '// &
+              fixed(shared%bytes/1e3_wp, 1)//' kB; a '//trim(unit_word(summary))//' waited '//fixed(shared%mean_wait, 2)// &
+              ' s in the mean, '//fixed(shared%most_wait, 2)//' s at most'
+    end associate
   end function gluing_words
+
+  !> What shares the work: ranks, or their subdomains.
+  pure character(len=9) function unit_word(summary)
+    type(run_summary_t), intent(in) :: summary
+
+    unit_word = merge('rank     ', 'subdomain', summary%ranks == summary%subdomains)
+  end function unit_word
 
   !> Memory of the program, or of the largest rank and of all.
   function memory_words(summary) result(words)

@@ -82,6 +82,7 @@ contains
       call sim%comm%sum(list%bytes)
       list%is_there = sim%comm%any(list%is_there)
     end associate
+    if (.not. sim%comm%leads_process()) needs%heap = 0
     call sim%comm%sum(needs%heap)
     call sim%comm%sum(needs%messages)
   end subroutine add_ranks
@@ -181,7 +182,7 @@ contains
         if (table%is_there) call json%add(trim(table%owner)//'.'//trim(table%name), table%bytes)
       end associate
     end do
-    call json%add('ranks', sim%comm%size)
+    call json%add('ranks', sim%comm%n_processes())
     call json%add('steps', sim%step)
     call json%add('grains', needs%grains)
     call json%add('contacts', needs%contacts)

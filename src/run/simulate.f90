@@ -7,6 +7,7 @@ module sg_simulate
   use sg_checkpoint, only: load_checkpoint, save_once
   use sg_claim, only: claim_folder, leave_folder
   use sg_end_of_run, only: finish_run, print_end
+  use sg_comm, only: comm_t
   use sg_error, only: diagnostics_t, error_t, exit_done, exit_not_converged, exit_stopped
   use sg_failure, only: is_of_the_step, keep_failed_step, save_dump, trace_last
   use sg_kinds, only: wp
@@ -17,6 +18,7 @@ module sg_simulate
   use sg_print, only: print_line
   use sg_run_files, only: close_files, open_files, remove_former
   use sg_run_options, only: criterion_names, run_options_t
+  use sg_run_summary, only: ranks_words
   use sg_simulation, only: decompose, simulation_t, start_simulation
   use sg_system, only: stop_signal
   use sg_text, only: to_text
@@ -75,20 +77,21 @@ contains
       if (sim%options%title /= '') call print_line('title      '//sim%options%title)
     end if
     call print_line(describe_plan(sim%plan, sim%scene, sim%comm%size))
-    call print_line(describe_run(sim%options, sim%comm%size))
+    call print_line(describe_run(sim%options, sim%comm))
   end subroutine print_opening
 
   !> Solver, outputs and number of steps, in a few lines.
-  function describe_run(options, ranks) result(text)
+  function describe_run(options, comm) result(text)
     type(run_options_t), intent(in) :: options
-    integer, intent(in) :: ranks
+    type(comm_t), intent(in) :: comm
     character(len=:), allocatable :: text, at_end
 
     at_end = ''
     if (options%restart_at_end) at_end = trim(merge(' and at the end       ', ' except one at the end', options%restart_every > 0))
     text = ''
-    if (ranks > 1) text = 'ranks      '//to_text(ranks)//', split by '//trim(options%partition%split)//', coupled by '// &
-                          trim(options%partition%gluing)//new_line('a')
+    if (comm%size > 1) &
+      text = 'ranks      '//ranks_words(comm%size, comm%n_processes())//', split by '//trim(options%partition%split)// &
+             ', coupled by '//trim(options%partition%gluing)//new_line('a')
     text = text//'solver     '//trim(options%solver%method)//' until '//trim(criterion_names(options%solver%criterion))//' <= ' &
            //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps) &
            //trim(merge(' sweeps    ', ' iterations', is_swept(options%solver%method)))//new_line('a') &

@@ -87,6 +87,7 @@ contains
     sim%signature = signature_of(sim%scene, sim%comm)
     call fix_driven(sim%scene%drives, sim%scene%bodies)
     sim%pairs%memory%sharers = sim%comm%ranks_here()
+    sim%pairs%memory%subdomains = sim%comm%n_here()
     sim%pairs%deadline = sim%options%deadline
     sim%contacts%memory = sim%pairs%memory
     sim%contacts%dimension = sim%scene%dimension

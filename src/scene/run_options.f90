@@ -32,6 +32,8 @@ module sg_run_options
 
   !> How a scene is decomposed when there is more than one rank
   type :: partition_options_t
+    !> Subdomains that the ranks share; 0 for one per rank
+    integer :: parts = 0
     !> How grains are distributed, one of `split_names`, and how their parts are glued, one of `coupling_names` (sg_methods)
     character(len=16) :: split = 'boxes', gluing = 'dual'
     !> Boxes along x, y and z, as many together as ranks; 0 where the program chooses

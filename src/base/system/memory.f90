@@ -22,8 +22,10 @@ module sg_memory
 
   !> What a process may take
   type :: memory_t
-    !> Processes on this machine that take alike, and share what it has
+    !> Processes and subdomains on this machine that take alike, and share what it has
     integer :: sharers = 1
+    !> Subdomains that share this process
+    integer :: subdomains = 1
   contains
     procedure :: fits => memory_fits
     procedure :: left => memory_left
@@ -69,8 +71,8 @@ contains
     if (room(1) < 0) room(1) = huge(room)
     room(2) = left_of_groups()
     room(:2) = room(:2)/int(max(1, self%sharers), i8)
-    room(3) = left_of_limit(rlimit_as, 'VmSize:')
-    room(4) = left_of_limit(rlimit_data, 'VmData:')
+    room(3) = left_of_limit(rlimit_as, 'VmSize:')/int(self%subdomains, i8)
+    room(4) = left_of_limit(rlimit_data, 'VmData:')/int(self%subdomains, i8)
     nearest = minloc(room, 1)
     bytes = max(0_i8, room(nearest))
     if (.not. present(limit)) return

@@ -132,6 +132,10 @@ contains
     integer :: b
 
     b = deck%block_of('partition')
+    options%parts = deck%integer(b, 'parts')
+    if (options%parts > 0 .and. options%parts < deck%ranks) &
+      call deck%complain(diagnostics, to_text(options%parts)//' subdomains cannot be dealt to '//to_text(deck%ranks)// &
+                         ' ranks: each needs one', b, 'parts')
     options%split = deck%word(b, 'split')
     options%gluing = deck%word(b, 'gluing')
     value = deck%value(b, 'boxes')

@@ -88,7 +88,10 @@ contains
     call list_couplings(couplings)
     associate (default => run%partition)
       call table%open_section('partition', 'How grains are split over ranks, and how their parts are glued; without a meaning '// &
-                              'where there is one rank.')
+                              'where there is one subdomain.')
+      call table%add('parts', value_integer, 'Subdomains, dealt to the ranks in blocks of about equal numbers: any number of '// &
+                     'ranks up to that gives the same answer, bit for bit; 0 for one per rank.', &
+                     default=to_text(default%parts), least=0.0_wp, most=4096.0_wp)
       call table%add('split', value_choice, 'How grains are dealt to ranks: boxes of equal load, or METIS on the graph of '// &
                      'contacts.', default=quoted_string(trim(default%split)), choices=choices_of(split_names))
       call table%add('boxes', value_counts, 'Boxes along x, y and z, as many together as ranks; 0, or none given, where the '// &
