@@ -146,7 +146,7 @@ contains
                 'splitgrain: nonsmooth contact dynamics of rigid grains', &
                 '', &
                 'splitgrain run DECK          simulate', &
-                'splitgrain check DECK        everything but the run: counts, memory, parts needed, every error', &
+                'splitgrain check DECK        everything but the run: counts, memory, features used, every error', &
                 'splitgrain reference         print the deck reference', &
                 'splitgrain convert FROM TO   LMGC90 DATBOX folder to a deck, or a deck to DATBOX files', &
                 'splitgrain bench             measure the sweeps', &

@@ -217,7 +217,7 @@ def wider(deck):
 
 def print_table():
     """Print a table of all scenes in Markdown; the cost of an update is the least of three runs."""
-    print("| scene | bytes per grain | per contact | libraries | bare kernel, ns | sweeps | whole solver | sweeps a solve |")
+    print("| scene | bytes per grain | per contact | libraries | bare kernel, ns | sweeps | whole solver | sweeps per solve |")
     print("|---|---|---|---|---|---|---|---|")
     case = Needs()
     for name, (deck, _, libraries, *_) in SCENES.items():
