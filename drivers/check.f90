@@ -50,7 +50,7 @@ contains
       call print_line(file//': no mistakes')
       if (options%title /= '') call print_line('title      '//options%title)
       call print_line('deck       '//options%deck_hash)
-      call print_line('time       '//to_text(options%steps)//' steps of '//to_text(options%step, 4)//' s')
+      call print_line('time       '//to_text(options%steps)//' steps of '//to_text(options%time_step, 4)//' s')
       call print_line('rules      '//counted(size(scene%laws), 'contact law')//', '// &
         counted(size(scene%sees), 'interaction rule'))
       call print_line('imposed    '//counted(size(scene%drives), 'component')//', '//counted(size(scene%pressures), 'pressure'))

@@ -86,7 +86,7 @@ contains
     if (.not. allocated(error)) call check_lattice(shape, contacts, error)
     if (allocated(error)) return
     call make_lattice(sim%scene, shape, contacts, 0.3_wp)
-    sim%options%step = 1e-4_wp
+    sim%options%time_step = 1e-4_wp
   end subroutine make_scene
 
   !> Predict what iterations cost on more and more ranks, and print it.

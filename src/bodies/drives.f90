@@ -76,25 +76,25 @@ contains
   end subroutine fix_driven
 
   !> Add imposed forces and pressures of a step that begins at `time`: (1 - theta) f(t) + theta f(t + h).
-  pure subroutine drive_forces(drives, pressures, bodies, time, step, theta)
+  pure subroutine drive_forces(drives, pressures, bodies, time, time_step, theta)
     type(drive_t), intent(in) :: drives(:) !! all drives of the scene
     type(pressure_t), intent(in) :: pressures(:) !! all pressures of the scene
     type(bodies_t), intent(inout) :: bodies !! forces to add to
     real(wp), intent(in) :: time !! beginning of the step [s]
-    real(wp), intent(in) :: step !! length of the step [s]
+    real(wp), intent(in) :: time_step !! length of the step [s]
     real(wp), intent(in) :: theta !! weight of the end of the step
     integer :: i, n
     real(wp) :: mean
 
     do i = 1, size(drives)
       if (drives(i)%is_velocity .or. drives(i)%component > bodies%n_velocity) cycle
-      mean = (1 - theta)*drives(i)%value%at(time) + theta*drives(i)%value%at(time + step)
+      mean = (1 - theta)*drives(i)%value%at(time) + theta*drives(i)%value%at(time + time_step)
       associate (force => bodies%force(drives(i)%component, drives(i)%body))
         force = force + mean
       end associate
     end do
     do i = 1, size(pressures)
-      mean = (1 - theta)*pressures(i)%value%at(time) + theta*pressures(i)%value%at(time + step)
+      mean = (1 - theta)*pressures(i)%value%at(time) + theta*pressures(i)%value%at(time + time_step)
       n = bodies%dimension
       associate (force => bodies%force(:n, pressures(i)%body))
         force = force + mean*pressed_length(pressures(i), bodies)*pressures(i)%direction(:n)

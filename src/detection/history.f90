@@ -54,10 +54,10 @@ module sg_history
 contains
 
   !> Take the contacts known at the start of a scene for the past.
-  subroutine start_history(history, scene, step, n_components, n_internal)
+  subroutine start_history(history, scene, time_step, n_components, n_internal)
     type(history_t), intent(inout) :: history !! past to fill
     type(scene_t), intent(in) :: scene !! scene with its contacts at the start
-    real(wp), intent(in) :: step !! time step, turns forces into impulses [s]
+    real(wp), intent(in) :: time_step !! time step, turns forces into impulses [s]
     integer, intent(in) :: n_components !! components of an impulse
     integer, intent(in) :: n_internal !! internal values of a contact
     type(contacts_t) :: contacts
@@ -76,7 +76,7 @@ contains
       associate (known => scene%start_contacts(order(k)))
         contacts%contactor(:, k) = oriented(scene, known%contactor)
         contacts%point(:, k) = known%point(:contacts%dimension)
-        contacts%impulse(:, k) = step*force_of(known, contacts%contactor(:, k), n_components)
+        contacts%impulse(:, k) = time_step*force_of(known, contacts%contactor(:, k), n_components)
         contacts%status(k) = known%status
         contacts%internal(:, k) = known%internal(:n_internal)
         if (n_internal > 0 .and. .not. known%has_internal) contacts%internal(1, k) = not_recorded

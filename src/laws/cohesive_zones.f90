@@ -16,22 +16,22 @@ module sg_cohesive_zones
 contains
 
   !> The local problem of a contact under a cohesive law, at the integrity that its internal values hold.
-  pure function zone_law(law, gap, step, status, surface, internal) result(local)
+  pure function zone_law(law, gap, time_step, status, surface, internal) result(local)
     type(law_t), intent(in) :: law !! law of the contact
     real(wp), intent(in) :: gap !! at the detection configuration [m]
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     integer(i1), intent(in) :: status !! what the contact did in the last step
     real(wp), intent(in) :: surface !! of the contact [m2; m in the plane]
     real(wp), intent(in) :: internal(:) !! internal values of the contact
     type(local_law_t) :: local
     integer :: n
 
-    local%bias(1) = max(0.0_wp, gap/step)
+    local%bias(1) = max(0.0_wp, gap/time_step)
     local%friction = merge(law%dynamic_friction, law%static_friction, status == status_slide)*(1 - internal(bond_integrity))
     if (.not. internal(bond_integrity) > 0) return
-    local%stiffness = step**2*surface*stiffness_share(law, internal(bond_integrity))*law%zone_stiffness
+    local%stiffness = time_step**2*surface*stiffness_share(law, internal(bond_integrity))*law%zone_stiffness
     n = min(3, size(internal) - bond_slip + 1)
-    local%slip(:n) = internal(bond_slip:bond_slip + n - 1)/step
+    local%slip(:n) = internal(bond_slip:bond_slip + n - 1)/time_step
   end function zone_law
 
   !> A slip laid into the plane across a normal that has turned since: its size stays [m].
@@ -54,12 +54,12 @@ contains
   end function stiffness_share
 
   !> Integrity of a bond after a step that ends with this opening and slip; it never grows.
-  pure real(wp) function integrity_after(law, opening, slip, before, step) result(integrity)
+  pure real(wp) function integrity_after(law, opening, slip, before, time_step) result(integrity)
     type(law_t), intent(in) :: law !! law of the bond
     real(wp), intent(in) :: opening !! of the two sides along the normal [m]
     real(wp), intent(in) :: slip !! size of the displacement along the tangents [m]
     real(wp), intent(in) :: before !! integrity at the beginning of the step
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     real(wp) :: jump, share(2)
 
     integrity = before
@@ -70,7 +70,7 @@ contains
     share = (share/jump)**2
     select case (law%kind)
     case (law_mac)
-      integrity = adhesion(law, jump**2*dot_product(law%zone_stiffness, share), before, step)
+      integrity = adhesion(law, jump**2*dot_product(law%zone_stiffness, share), before, time_step)
     case (law_mal)
       integrity = parabolic(law, jump, share)
     case (law_th)
@@ -93,14 +93,14 @@ contains
   end function mixed
 
   !> Monerie, Acary and Cangemi: b d(beta)/dt = w - beta Y where that is negative, Y = c_n u_n^2 + c_t u_t^2, by an implicit step.
-  pure real(wp) function adhesion(law, release, before, step) result(integrity)
+  pure real(wp) function adhesion(law, release, before, time_step) result(integrity)
     type(law_t), intent(in) :: law
     real(wp), intent(in) :: release !! Y [J/m2]
-    real(wp), intent(in) :: before, step
+    real(wp), intent(in) :: before, time_step
 
     integrity = before
     if (law%zone_energy(1) > before*release) return
-    integrity = (step*law%zone_energy(1) + law%zone_viscosity*before)/(law%zone_viscosity + step*release)
+    integrity = (time_step*law%zone_energy(1) + law%zone_viscosity*before)/(law%zone_viscosity + time_step*release)
   end function adhesion
 
   !> Stress that falls along a parabola.

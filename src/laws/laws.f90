@@ -95,10 +95,10 @@ module sg_laws
 contains
 
   !> The local problem of one contact in one step.
-  pure function local_law(law, gap, step, before, status, internal, surface) result(local)
+  pure function local_law(law, gap, time_step, before, status, internal, surface) result(local)
     type(law_t), intent(in) :: law !! law of the contact
     real(wp), intent(in) :: gap !! at the detection configuration [m]
-    real(wp), intent(in) :: step !! time step h [s]
+    real(wp), intent(in) :: time_step !! time step h [s]
     real(wp), intent(in) :: before(3) !! relative velocity at the beginning of the step, normal and tangential [m/s]
     integer(i1), intent(in) :: status !! what the contact did in the last step
     real(wp), intent(in), optional :: internal(:) !! internal values of the contact, for laws that keep some
@@ -114,42 +114,42 @@ contains
     local%friction = merge(law%static_friction, law%dynamic_friction, status == status_stick .or. status == status_bonded)
     select case (law%kind)
     case (law_iqs)
-      local%bias(1) = max(0.0_wp, gap/step)
+      local%bias(1) = max(0.0_wp, gap/time_step)
     case (law_gap)
-      local%bias(1) = gap/step
+      local%bias(1) = gap/time_step
     case (law_iqs_g0)
-      local%bias(1) = max(0.0_wp, (gap - reference)/step)
+      local%bias(1) = max(0.0_wp, (gap - reference)/time_step)
     case (law_gap_g0)
-      local%bias(1) = (gap - reference)/step
+      local%bias(1) = (gap - reference)/time_step
     case (law_gap_shifted)
-      local%bias(1) = (gap + law%gap_shift)/step
+      local%bias(1) = (gap + law%gap_shift)/time_step
     case (law_velocity)
       local%is_active = gap <= 0
     case (law_restitution)
       local%is_active = gap <= 0
       local%bias = before*[law%normal_restitution, law%tangential_restitution, law%tangential_restitution]
     case (law_wet)
-      local%bias(1) = max(0.0_wp, gap/step)
-      if (gap <= law%wet_thickness) local%cohesion = law%normal_cohesion*step
+      local%bias(1) = max(0.0_wp, gap/time_step)
+      if (gap <= law%wet_thickness) local%cohesion = law%normal_cohesion*time_step
     case (law_mohr)
-      local%bias(1) = max(0.0_wp, gap/step)
+      local%bias(1) = max(0.0_wp, gap/time_step)
       if (status /= status_bonded) return
-      local%cohesion = law%normal_cohesion*step
+      local%cohesion = law%normal_cohesion*time_step
       ! A bond slides where its tangential cohesion is passed.
       if (law%tangential_cohesion > 0) local%friction = law%tangential_cohesion/law%normal_cohesion
       if (.not. present(surface) .or. .not. needs_surface(law)) return
-      local%cohesion = surface*law%normal_strength*step
+      local%cohesion = surface*law%normal_strength*time_step
       if (law%normal_strength > 0) local%friction = law%tangential_strength/law%normal_strength
     case (law_elastic)
-      local%bias(1) = gap/step
-      local%compliance(1) = 1/(law%stiffness*step**2)
+      local%bias(1) = gap/time_step
+      local%compliance(1) = 1/(law%stiffness*time_step**2)
     case (law_elastic_g0)
-      local%bias(1) = (gap - reference)/step
-      local%compliance(1) = 1/(law%stiffness*step**2)
+      local%bias(1) = (gap - reference)/time_step
+      local%compliance(1) = 1/(law%stiffness*time_step**2)
     case (law_viscoelastic)
       local%is_active = gap <= 0
-      local%bias(1) = law%stiffness*gap/(law%stiffness*step + law%viscosity)
-      local%compliance(1) = 1/(law%stiffness*step**2 + law%viscosity*step)
+      local%bias(1) = law%stiffness*gap/(law%stiffness*time_step + law%viscosity)
+      local%compliance(1) = 1/(law%stiffness*time_step**2 + law%viscosity*time_step)
     case (law_linear)
       local%is_linear = .true.
       local%compliance = law%epsilon

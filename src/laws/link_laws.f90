@@ -13,13 +13,13 @@ module sg_link_laws
 contains
 
   !> What the law of a link asks in one step.
-  pure function link_law(law, length, rest, bond, state, step, status) result(local)
+  pure function link_law(law, length, rest, bond, state, time_step, status) result(local)
     type(law_t), intent(in) :: law !! law of the link
     real(wp), intent(in) :: length !! at the detection configuration [m]
     real(wp), intent(in) :: rest !! length at rest [m]
     real(wp), intent(in) :: bond(2) !! cross section [m2] and mass [kg] of a bond
     real(wp), intent(in) :: state(3) !! of a bond: first length, displacement along both tangents at the beginning of the step [m]
-    real(wp), intent(in) :: step !! time step h [s]
+    real(wp), intent(in) :: time_step !! time step h [s]
     integer(i1), intent(in) :: status !! what the link did in the last step
     type(local_law_t) :: local
     real(wp) :: stiffness, stretch
@@ -28,18 +28,18 @@ contains
     select case (law%kind)
     case (law_rod, law_wire)
       ! Force k (L + h u - l)/l0 + eta u/l0, with l the length without force.
-      stiffness = (law%axial_stiffness*step + law%axial_damping)/rest
+      stiffness = (law%axial_stiffness*time_step + law%axial_damping)/rest
       stretch = law%axial_stiffness/rest*(length - (1 + law%prestrain)*rest)/stiffness
-      local%compliance(1) = 1/(stiffness*step)
+      local%compliance(1) = 1/(stiffness*time_step)
       local%bias(1) = stretch
       local%is_linear = law%kind == law_rod
       local%is_along_normal = local%is_linear
       if (law%kind == law_wire) local%bias(1) = -stretch
     case (law_rigid_wire)
-      local%bias(1) = (rest - length)/step
+      local%bias(1) = (rest - length)/time_step
     case (law_bond)
       local%is_linear = .true.
-      call bond_law(law, length, rest, bond, state, step, local)
+      call bond_law(law, length, rest, bond, state, time_step, local)
     case (law_linear)
       local%is_linear = .true.
       local%compliance = law%epsilon
@@ -47,16 +47,16 @@ contains
   end function link_law
 
   !> A bond: spring and dashpot along the normal and along the tangents.
-  pure subroutine bond_law(law, length, rest, bond, state, step, local)
+  pure subroutine bond_law(law, length, rest, bond, state, time_step, local)
     type(law_t), intent(in) :: law
-    real(wp), intent(in) :: length, rest, bond(2), state(3), step
+    real(wp), intent(in) :: length, rest, bond(2), state(3), time_step
     type(local_law_t), intent(inout) :: local
     real(wp) :: stiffness(2), damping(2), both(2)
 
     stiffness = stiffness_of_bond(law, rest, bond)
     damping = damping_of_bond(law, rest, bond)
-    both = stiffness*step + damping
-    local%compliance = 1/(both*step)
+    both = stiffness*time_step + damping
+    local%compliance = 1/(both*time_step)
     local%bias = [stiffness(1)*(length - state(1))/both(1), stiffness(2)*state(2:)/both(2)]
   end subroutine bond_law
 

@@ -39,8 +39,8 @@ module sg_totals
     real(wp) :: worst_penetration = 0
     !> Steps in which a body moved farther than the smallest alert distance, so that a contact may have been missed
     integer :: fast_steps = 0
-    !> Times that two bodies passed through each other within a step
-    integer :: passings = 0
+    !> Tunnelling: times that two bodies passed through each other within a step
+    integer :: tunnellings = 0
     !> Worst step of those that did not converge, 0 for none: the two bodies of the contact that breaks its law by the largest
     !! velocity, and that velocity [m/s]
     integer :: worst_step = 0, worst_bodies(2) = 0
@@ -145,7 +145,7 @@ contains
   end subroutine totals_tick
 
   !> From the totals of each rank to those of the run: contacts, updates and CPU seconds are summed; of sweeps, worst errors,
-  !! most contacts, fast steps, passings and wall seconds the largest counts.
+  !! most contacts, fast steps, tunnellings and wall seconds the largest counts.
   subroutine totals_reduce(self, comm)
     class(totals_t), intent(inout) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
@@ -157,7 +157,7 @@ contains
     call comm%sum(counts)
     sums = [self%bytes_per_contact*real(self%contacts, wp), self%phase%cpu, self%clock%cpu]
     call comm%sum(sums)
-    most = [self%sweeps, int([self%fast_steps, self%most_contacts, self%passings], i8)]
+    most = [self%sweeps, int([self%fast_steps, self%most_contacts, self%tunnellings], i8)]
     call comm%maximum(most)
     largest = [self%phase%wall, self%clock%wall]
     worst = [self%worst_e1, self%worst_e2, self%worst_e8, self%worst_violation, self%worst_penetration]
@@ -171,7 +171,7 @@ contains
     self%sweeps = most(1)
     self%fast_steps = int(most(2))
     self%most_contacts = max(int(most(3)), self%contacts)
-    self%passings = int(most(4))
+    self%tunnellings = int(most(4))
     self%phase%wall = largest(:n_phases)
     self%clock%wall = largest(n_phases + 1)
     self%worst_e1 = worst(1)
@@ -235,7 +235,7 @@ contains
                        self%worst_e1, self%worst_e2, self%worst_e8, self%worst_violation, &
                        real(self%sweeps, wp), real(self%contact_updates, wp), real(self%contacts, wp), &
                        real(self%active_contacts, wp), real(self%most_contacts, wp), self%bytes_per_contact, &
-                       real(self%fast_steps, wp), self%worst_penetration, real(self%passings, wp), &
+                       real(self%fast_steps, wp), self%worst_penetration, real(self%tunnellings, wp), &
                        real(self%worst_step, wp), real(self%worst_bodies, wp), self%worst_speed]
     values(n_sums + 1:) = [self%phase%cpu, self%phase%wall, self%clock%cpu, self%clock%wall]
   end function totals_pack
@@ -271,7 +271,7 @@ contains
     self%bytes_per_contact = values(13)
     self%fast_steps = nint(values(14))
     self%worst_penetration = values(15)
-    self%passings = nint(values(16))
+    self%tunnellings = nint(values(16))
     self%worst_step = nint(values(17))
     self%worst_bodies = nint(values(18:19))
     self%worst_speed = values(20)

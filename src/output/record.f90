@@ -4,7 +4,7 @@ module sg_record
   use sg_kinds, only: wp
   use sg_measures, only: measures_t, unmeasured
   use sg_report, only: report_t
-  use sg_step_rows, only: cell, resume_rows
+  use sg_step_csv, only: cell, resume_rows
   use sg_text, only: to_text
   use sg_text_files, only: append_text, replace_file
   use sg_totals, only: n_phases, phase_names, totals_t

@@ -100,7 +100,7 @@ contains
     self%criterion = trim(criterion_names(options%solver%criterion))
     self%tolerance = options%solver%tolerance
     self%dimension = scene%dimension
-    self%fall_speed = norm2(scene%gravity)*options%step
+    self%fall_speed = norm2(scene%gravity)*options%time_step
     self%steps_asked = options%steps
     self%time = scene%start_time
     self%bodies = scene%bodies%n_own
@@ -267,7 +267,7 @@ contains
     call json%add('converged_steps', totals%converged_steps)
     call json%add('unconverged_steps', totals%unconverged_steps)
     call json%add('fast_steps', totals%fast_steps)
-    call json%add('passings', totals%passings)
+    call json%add('passings', totals%tunnellings)
     call json%add('worst_e1', totals%worst_e1)
     call json%add('worst_e2', totals%worst_e2)
     call json%add('worst_e8', totals%worst_e8)

@@ -6,11 +6,11 @@ module sg_run_trace
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_report, only: report_t
-  use sg_step_rows, only: cell, resume_rows
+  use sg_step_csv, only: cell, resume_rows
   use sg_text, only: to_text
   use sg_text_files, only: append_text, replace_file
   use sg_totals, only: n_phases, phase_names, reduce_report, totals_t
-  use sg_trace_rows, only: point_cells, point_names
+  use sg_trace_csv, only: point_cells, point_names
   implicit none
   private
   public :: run_trace_t, traced_steps, trace_file, steps_file

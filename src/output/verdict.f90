@@ -43,8 +43,9 @@ contains
         call line('too fast', 'in '//to_text(totals%fast_steps)//' steps a body moved farther than the alert distance: '// &
                   'contacts may have been missed; take shorter steps or a larger alert')
       end if
-      if (totals%passings > 0) then
-        call line('passed', to_text(totals%passings)//' times two bodies went through each other within a step: take shorter ones')
+      if (totals%tunnellings > 0) then
+        call line('passed', &
+                  to_text(totals%tunnellings)//' times two bodies went through each other within a step: take shorter ones')
       end if
       call line('energy', to_text(measures%get('kinetic_energy'), 3)//' J kinetic, balance closed to '// &
                 to_text(measures%get('energy_closure'), 2)//' of its largest term')

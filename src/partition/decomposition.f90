@@ -172,13 +172,13 @@ contains
   end subroutine find_replicated
 
   !> Bring the part of this rank up to date where any rank's list of neighbours is stale. Collective.
-  subroutine decomposition_update(self, scene, pairs, history, contacts, step, comm, is_rebuilt, error)
+  subroutine decomposition_update(self, scene, pairs, history, contacts, time_step, comm, is_rebuilt, error)
     class(decomposition_t), intent(inout) :: self
     type(scene_t), intent(inout) :: scene !! this rank's part, predicted; replaced when rebuilt
     type(neighbours_t), intent(inout) :: pairs !! its list of neighbours; forgotten when rebuilt
     type(history_t), intent(inout) :: history !! contacts of the last step
     type(contacts_t), intent(inout) :: contacts !! the same
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     type(comm_t), intent(inout) :: comm !! the ranks
     logical, intent(out) :: is_rebuilt !! was the part rebuilt? Then predict again
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the graph cannot be split
@@ -212,7 +212,7 @@ contains
     call make_halo(scene, self%replicated, self%subdomain, self%margin%width, comm)
     call carried%give(scene%bodies)
     if (self%is_first) then
-      call start_contacts_here(self, scene, history, contacts, step)
+      call start_contacts_here(self, scene, history, contacts, time_step)
     else
       if (is_split) call unpack_contacts(migrating, scene, contacts)
       if (.not. is_split) call renumber_contacts(contacts, former, scene)
@@ -281,12 +281,12 @@ contains
   end subroutine send_to_copies
 
   !> The past of the first step, when copies have been made: contacts of a restart file, or those of the deck.
-  subroutine start_contacts_here(self, scene, history, contacts, step)
+  subroutine start_contacts_here(self, scene, history, contacts, time_step)
     class(decomposition_t), intent(inout) :: self
     type(scene_t), intent(inout) :: scene
     type(history_t), intent(inout) :: history
     type(contacts_t), intent(inout) :: contacts
-    real(wp), intent(in) :: step
+    real(wp), intent(in) :: time_step
     integer :: k, side
 
     if (self%is_resumed) then
@@ -305,7 +305,7 @@ contains
     end do
     scene%start_contacts = pack(self%start_contacts, [(all(self%start_contacts(k)%contactor > 0), k=1, size(self%start_contacts))])
     deallocate (self%start_contacts)
-    call start_history(history, scene, step, contacts%n_components, contacts%n_internal)
+    call start_history(history, scene, time_step, contacts%n_components, contacts%n_internal)
   end subroutine start_contacts_here
 
   !> Request a new list of neighbours, with a given skin.

@@ -1,15 +1,15 @@
 !> From contacts to a contact problem: local frames, lever arms, Delassus blocks, biases, the guess; and back.
 module sg_assemble
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use sg_bodies, only: bodies_t
   use sg_assemble_space, only: load_space_bodies, space_record, unload_space_bodies
+  use sg_bodies, only: bodies_t
   use sg_compact, only: compact_velocity
   use sg_contact_laws, only: law_of_contact
   use sg_contact_status, only: rest_speed, status_of
   use sg_contacts, only: contacts_t
   use sg_delassus, only: set_block
-  use sg_kinds, only: wp, i1, i4
   use sg_internal_values, only: bond_integrity
+  use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, kind_of_local_law, law_mohr, local_law_t, status_bonded, status_slide, status_stick
   use sg_link_contacts, only: is_link
   use sg_mapping, only: arms_of
@@ -38,12 +38,12 @@ module sg_assemble
 contains
 
   !> Make the contact problem of a step; `bodies%velocity` is the beginning's, `bodies%free_velocity` the free one.
-  subroutine assemble(scene, plan, pairs, contacts, step, problem)
+  subroutine assemble(scene, plan, pairs, contacts, time_step, problem)
     type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
     type(plan_t), intent(in) :: plan !! kind of problem, and radii of round bodies
     type(neighbours_t), intent(in) :: pairs !! bodies of slots, and slots of bodies
     type(contacts_t), intent(in) :: contacts !! contacts with the guess of their impulses
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     type(problem_t), intent(inout) :: problem !! the problem made
     real(wp) :: q(3), squares, held
     type(local_law_t) :: law
@@ -62,7 +62,7 @@ contains
     problem%most_friction = 0
     do k = 1, contacts%n
       problem%pair(:, k) = pairs%slot_of(contacts%body(:, k))
-      law = law_of_contact(scene, contacts, k, step)
+      law = law_of_contact(scene, contacts, k, time_step)
       if (is_in_space(kind)) then
         call space_record(scene, contacts, k, kind, law, problem%record(:, k))
       else if (is_compact(kind)) then
@@ -81,7 +81,7 @@ contains
       problem%impulse(:, k) = contacts%impulse(:, k)
     end do
     problem%free_norm = sqrt(squares)
-    problem%fall_speed = norm2(scene%gravity)*step
+    problem%fall_speed = norm2(scene%gravity)*time_step
     ! Without gravity, bodies that cohesion holds and nothing moves have no velocity but what the tolerance leaves.
     if (.not. problem%fall_speed > 0) problem%closing_speed = max(problem%closing_speed, held_share*held)
     problem%velocity_scale = problem%fall_speed
@@ -216,11 +216,11 @@ contains
   end subroutine arm_record
 
   !> Bring the solution back: impulses and statuses of contacts, velocities of bodies (into `free_velocity`).
-  subroutine disassemble(problem, plan, pairs, step, violation, scene, contacts)
+  subroutine disassemble(problem, plan, pairs, time_step, violation, scene, contacts)
     type(problem_t), intent(in) :: problem !! solved problem
     type(plan_t), intent(in) :: plan !! radii of round bodies
     type(neighbours_t), intent(in) :: pairs !! bodies of slots
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     real(wp), intent(in) :: violation !! velocity error of the solution over the velocity scale of the problem
     type(scene_t), intent(inout) :: scene !! scene whose bodies move on
     type(contacts_t), intent(inout) :: contacts !! contacts that carry the impulses to the next step
@@ -234,7 +234,7 @@ contains
     if (is_finite(problem, violation)) then
       rest = rest_speed(problem, violation)
       do k = 1, contacts%n
-        contacts%status(k) = status_after(scene, problem, contacts, k, step, rest)
+        contacts%status(k) = status_after(scene, problem, contacts, k, time_step, rest)
       end do
     end if
     if (is_in_space(problem%kind)) then
@@ -264,12 +264,12 @@ contains
   end function is_finite
 
   !> What a contact did in this step. A bond that slips or opens is broken for good.
-  pure integer(i1) function status_after(scene, problem, contacts, k, step, rest) result(status)
+  pure integer(i1) function status_after(scene, problem, contacts, k, time_step, rest) result(status)
     type(scene_t), intent(in) :: scene
     type(problem_t), intent(in) :: problem
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k
-    real(wp), intent(in) :: step, rest
+    real(wp), intent(in) :: time_step, rest
     logical :: is_bonded
     real(wp) :: stretch
 
@@ -283,7 +283,7 @@ contains
     end if
     is_bonded = contacts%status(k) == status_bonded .and. scene%laws(contacts%law(k))%kind == law_mohr
     stretch = 0
-    if (is_bonded) stretch = (largest_stretch*minval(scene%contactors%reach(contacts%contactor(:, k))) - contacts%gap(k))/step
+    if (is_bonded) stretch = (largest_stretch*minval(scene%contactors%reach(contacts%contactor(:, k))) - contacts%gap(k))/time_step
     status = status_of(problem, k, is_bonded, stretch, rest)
     if (status == status_stick .and. is_bonded) status = status_bonded
   end function status_after

@@ -47,10 +47,10 @@ contains
   end subroutine damage_begin
 
   !> Find the integrity of all bonds from the opening and slip at the end of the step, as its solution has them now.
-  pure subroutine damage_find(self, scene, step, problem, contacts, change)
+  pure subroutine damage_find(self, scene, time_step, problem, contacts, change)
     class(damage_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! scene
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     type(problem_t), intent(in) :: problem !! solved problem
     type(contacts_t), intent(in) :: contacts !! contacts with the integrity that it was solved for
     real(wp), intent(out) :: change !! largest change of an integrity
@@ -60,8 +60,8 @@ contains
     do k = 1, contacts%n
       if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
       if (.not. self%before(k) > 0) cycle
-      jump = jump_after(problem, contacts, k, step)
-      self%wanted(k) = integrity_after(scene%laws(contacts%law(k)), jump(1), norm2(jump(2:)), self%before(k), step)
+      jump = jump_after(problem, contacts, k, time_step)
+      self%wanted(k) = integrity_after(scene%laws(contacts%law(k)), jump(1), norm2(jump(2:)), self%before(k), time_step)
     end do
     change = 0
     if (contacts%n > 0) change = maxval(abs(self%wanted - contacts%internal(bond_integrity, :contacts%n)))
@@ -99,17 +99,17 @@ contains
   end subroutine damage_accept
 
   !> Put the present integrity of all bonds into the records of their contacts.
-  subroutine refresh_bonds(scene, contacts, step, problem)
+  subroutine refresh_bonds(scene, contacts, time_step, problem)
     type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
     type(contacts_t), intent(in) :: contacts !! contacts of the step
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     type(problem_t), intent(inout) :: problem !! problem of the step; its bodies have whole masses
     type(local_law_t) :: law
     integer :: k
 
     do k = 1, contacts%n
       if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
-      law = law_of_contact(scene, contacts, k, step)
+      law = law_of_contact(scene, contacts, k, time_step)
       problem%most_friction = max(problem%most_friction, law%friction)
       problem%record(friction_place(problem%kind), k) = law%friction
       if (problem%kind == arm_bonded) then
@@ -122,31 +122,31 @@ contains
   end subroutine refresh_bonds
 
   !> Opening, and slip, at the end of a step [m]; in the plane the slip has one component.
-  pure function jump_after(problem, contacts, k, step) result(jump)
+  pure function jump_after(problem, contacts, k, time_step) result(jump)
     type(problem_t), intent(in) :: problem
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k
-    real(wp), intent(in) :: step
+    real(wp), intent(in) :: time_step
     real(wp) :: jump(4), u(3)
 
     jump = 0
     ! The velocity holds the gap as a bias: what opens is the gap at the end of the step.
     u = compact_velocity(problem, k)
     if (contacts%dimension == 2) then
-      jump(1:2) = [step*u(1), contacts%internal(bond_slip, k) + step*u(2)]
+      jump(1:2) = [time_step*u(1), contacts%internal(bond_slip, k) + time_step*u(2)]
     else
       associate (n => contacts%normal(:, k))
-        jump(1) = step*dot_product(n, u)
-        jump(2:) = slip_across(contacts%internal(bond_slip:bond_slip + 2, k), n) + step*(u - dot_product(n, u)*n)
+        jump(1) = time_step*dot_product(n, u)
+        jump(2:) = slip_across(contacts%internal(bond_slip:bond_slip + 2, k), n) + time_step*(u - dot_product(n, u)*n)
       end associate
     end if
     jump(1) = max(0.0_wp, jump(1))
   end function jump_after
 
   !> Note opening, slip and surface of all bonds at the end of a step, and when they began to fail.
-  subroutine finish_bonds(scene, step, time, problem, contacts)
+  subroutine finish_bonds(scene, time_step, time, problem, contacts)
     type(scene_t), intent(in) :: scene !! scene
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     real(wp), intent(in) :: time !! at the end of the step [s]
     type(problem_t), intent(in) :: problem !! solved problem
     type(contacts_t), intent(inout) :: contacts !! contacts whose internal values are set
@@ -156,7 +156,7 @@ contains
     last = contacts%n_internal
     do k = 1, contacts%n
       if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
-      jump = jump_after(problem, contacts, k, step)
+      jump = jump_after(problem, contacts, k, time_step)
       associate (values => contacts%internal(:, k))
         values(bond_surface) = contact_surface(scene%contactors, contacts, k)
         values(bond_opening) = jump(1)
@@ -167,16 +167,16 @@ contains
   end subroutine finish_bonds
 
   !> Impulse of a bond on the candidate over a step whose end is noted [N s], components as impulses of contacts have them.
-  pure function bond_impulse(law, contacts, k, step) result(impulse)
+  pure function bond_impulse(law, contacts, k, time_step) result(impulse)
     type(law_t), intent(in) :: law !! law of the contact, a cohesive zone
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     real(wp) :: impulse(contacts%n_components)
     real(wp) :: share
 
     associate (values => contacts%internal(:, k), c => law%zone_stiffness)
-      share = -step*values(bond_surface)*stiffness_share(law, values(bond_integrity))
+      share = -time_step*values(bond_surface)*stiffness_share(law, values(bond_integrity))
       if (contacts%dimension == 2) then
         impulse = share*c*values([bond_opening, bond_slip])
       else

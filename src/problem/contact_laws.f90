@@ -16,16 +16,16 @@ module sg_contact_laws
 contains
 
   !> What the law of a contact asks in this step.
-  pure function law_of_contact(scene, contacts, k, step) result(law)
+  pure function law_of_contact(scene, contacts, k, time_step) result(law)
     type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     type(local_law_t) :: law
     real(wp) :: before(3), surface
 
     if (is_link(scene, contacts, k)) then
-      law = law_of_link(scene, contacts, k, step)
+      law = law_of_link(scene, contacts, k, time_step)
       return
     end if
     before = 0
@@ -33,7 +33,7 @@ contains
     associate (own => scene%laws(contacts%law(k)))
       if (needs_surface(own)) surface = contact_surface(scene%contactors, contacts, k)
       if (is_cohesive_zone(own)) then
-        law = zone_law(own, contacts%gap(k), step, contacts%status(k), surface, contacts%internal(:, k))
+        law = zone_law(own, contacts%gap(k), time_step, contacts%status(k), surface, contacts%internal(:, k))
         return
       end if
       if (max(abs(own%normal_restitution), abs(own%tangential_restitution)) > 0) then
@@ -43,7 +43,7 @@ contains
           before = velocity_before(scene, contacts, k)
         end if
       end if
-      law = local_law(own, contacts%gap(k), step, before, contacts%status(k), contacts%internal(:, k), surface)
+      law = local_law(own, contacts%gap(k), time_step, before, contacts%status(k), contacts%internal(:, k), surface)
     end associate
   end function law_of_contact
 end module sg_contact_laws

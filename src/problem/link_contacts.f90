@@ -38,11 +38,11 @@ contains
   end function tension
 
   !> What the law of a link asks in this step.
-  pure function law_of_link(scene, contacts, k, step) result(law)
+  pure function law_of_link(scene, contacts, k, time_step) result(law)
     type(scene_t), intent(in) :: scene !! scene with its links
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact, a link
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     type(local_law_t) :: law
     real(wp) :: state(3), t(3)
 
@@ -56,16 +56,16 @@ contains
         state(2:) = [dot_product(t, contacts%internal(2:4, k)), &
                      dot_product(cross(contacts%normal(:, k), t), contacts%internal(2:4, k))]
       end if
-      law = link_law(own, contacts%gap(k), links%length(l), [links%area(l), links%mass(l)], state, step, contacts%status(k))
+      law = link_law(own, contacts%gap(k), links%length(l), [links%area(l), links%mass(l)], state, time_step, contacts%status(k))
     end associate
   end function law_of_link
 
   !> Set what the links did in a step that is solved: nothing (a slack wire), something, or that they broke; and how far the ends of
   !! bonds moved across them.
-  pure subroutine finish_links(scene, contacts, step)
+  pure subroutine finish_links(scene, contacts, time_step)
     type(scene_t), intent(in) :: scene !! scene with its links, `free_velocity` that of the end of the step
     type(contacts_t), intent(inout) :: contacts !! contacts of the step, solved
-    real(wp), intent(in) :: step !! time step [s]
+    real(wp), intent(in) :: time_step !! time step [s]
     integer :: k
 
     if (scene%links%n == 0) return
@@ -74,26 +74,26 @@ contains
       if (contacts%status(k) == status_broken) cycle
       contacts%status(k) = status_none
       if (any(abs(contacts%impulse(:, k)) > 0)) contacts%status(k) = status_stick
-      if (tears(scene%laws(contacts%law(k)), tension(scene, contacts, k)/step)) contacts%status(k) = status_broken
-      if (scene%laws(contacts%law(k))%kind == law_bond) call move_across(scene, contacts, k, step)
+      if (tears(scene%laws(contacts%law(k)), tension(scene, contacts, k)/time_step)) contacts%status(k) = status_broken
+      if (scene%laws(contacts%law(k))%kind == law_bond) call move_across(scene, contacts, k, time_step)
     end do
   end subroutine finish_links
 
   !> Add to the displacement across a bond what its ends moved in the step.
-  pure subroutine move_across(scene, contacts, k, step)
+  pure subroutine move_across(scene, contacts, k, time_step)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(inout) :: contacts
     integer, intent(in) :: k
-    real(wp), intent(in) :: step
+    real(wp), intent(in) :: time_step
     real(wp) :: u(3)
 
     if (scene%dimension == 2) then
       u(:2) = relative_velocity(contacts, k, scene%bodies%middle, scene%period, scene%bodies%free_velocity)
-      contacts%internal(2, k) = contacts%internal(2, k) + step*u(2)
+      contacts%internal(2, k) = contacts%internal(2, k) + time_step*u(2)
     else
       u = space_relative_velocity(scene, contacts, k, scene%bodies%free_velocity)
       associate (n => contacts%normal(:, k))
-        contacts%internal(2:4, k) = contacts%internal(2:4, k) + step*(u - dot_product(u, n)*n)
+        contacts%internal(2:4, k) = contacts%internal(2:4, k) + time_step*(u - dot_product(u, n)*n)
       end associate
     end if
   end subroutine move_across

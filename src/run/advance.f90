@@ -42,7 +42,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical :: is_rebuilt
 
-    associate (h => sim%options%step)
+    associate (h => sim%options%time_step)
       call find_crossed_contacts(sim%tunnelling, sim%scene, sim%contacts, sim%plan, sim%history%is_loaded, sim%step + 1, h)
       call predict(sim%scene, sim%time(), h, sim%options%theta)
       call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_rebuilt, error)
@@ -59,7 +59,7 @@ contains
 
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
     ! Before the first detection bodies are where they start.
-    call find_crossed_walls(sim%tunnelling, sim%scene, sim%step + 1, sim%options%step, &
+    call find_crossed_walls(sim%tunnelling, sim%scene, sim%step + 1, sim%options%time_step, &
                             merge(1 - sim%options%theta, 1.0_wp, sim%step == 0), sim%plan%thinnest)
   end subroutine detect_contacts
 
@@ -69,7 +69,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call check_limits(sim, error)
-    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%step, sim%problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, sim%problem)
     call check_input(sim, error)
     if (allocated(error) .or. .not. allocated(sim%options%dump_steps)) return
     if (is_listed(sim%options%dump_steps, sim%step + 1)) &
@@ -97,7 +97,7 @@ contains
     call store_solution(sim, error)
     call timed(count_step, sim, phase_measure, error)
     if (allocated(error)) return
-    call update(sim%scene%bodies, sim%options%step, sim%options%theta)
+    call update(sim%scene%bodies, sim%options%time_step, sim%options%theta)
     sim%step = sim%step + 1
   end subroutine update_bodies
 
@@ -108,7 +108,7 @@ contains
     integer(i1), allocatable :: status(:)
 
     status = sim%contacts%status(:sim%contacts%n)
-    associate (h => sim%options%step)
+    associate (h => sim%options%time_step)
       call disassemble(sim%problem, sim%plan, sim%pairs, h, sim%report%violation, sim%scene, sim%contacts)
       call finish_links(sim%scene, sim%contacts, h)
       if (sim%plan%has_bonds) call finish_bonds(sim%scene, h, sim%time(sim%step + 1), sim%problem, sim%contacts)
@@ -138,11 +138,11 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
 
-    call sim%energy%add_step(sim%scene, sim%contacts, sim%options%step)
+    call sim%energy%add_step(sim%scene, sim%contacts, sim%options%time_step)
     sim%tunnelling%deepest = deepest_penetration(sim%contacts)
     call sim%totals%add(sim%report, sim%contacts%n, sim%tunnelling%deepest, sim%all_contacts)
     if (.not. sim%report%is_converged) call note_unconverged(sim)
     if (sim%tunnelling%exceeds_alert) sim%totals%fast_steps = sim%totals%fast_steps + 1
-    sim%totals%passings = sim%totals%passings + sim%tunnelling%n
+    sim%totals%tunnellings = sim%totals%tunnellings + sim%tunnelling%n
   end subroutine count_step
 end module sg_advance

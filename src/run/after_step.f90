@@ -119,7 +119,7 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
 
-    call sim%writers%samples%add(sim%scene, sim%contacts, sim%options%step)
+    call sim%writers%samples%add(sim%scene, sim%contacts, sim%options%time_step)
   end subroutine sample_now
 
   !> Add the present structure to its files, unless it is in them. Collective.
@@ -160,6 +160,7 @@ contains
     type(simulation_t), intent(inout) :: sim !! after a step; its measures are set
     type(error_t), allocatable, intent(out) :: error !! never set
 
-    call measure(sim%scene, sim%contacts, sim%options%step, sim%energy, sim%writers%measures, sim%decomposition%subdomain, sim%comm)
+    call measure(sim%scene, sim%contacts, sim%options%time_step, sim%energy, sim%writers%measures, &
+                 sim%decomposition%subdomain, sim%comm)
   end subroutine measure_now
 end module sg_after_step

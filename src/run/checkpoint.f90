@@ -204,6 +204,6 @@ contains
     real(wp), intent(in) :: time !! of the file [s]
 
     if (abs(sim%time() - time) <= 16*epsilon(1.0_wp)*max(abs(time), abs(sim%scene%start_time))) return
-    sim%scene%start_time = time - sim%options%step*real(sim%step, wp)
+    sim%scene%start_time = time - sim%options%time_step*real(sim%step, wp)
   end subroutine keep_time
 end module sg_checkpoint

@@ -5,6 +5,7 @@ module sg_run_files
   use sg_error, only: error_t
   use sg_former_results, only: remove_results
   use sg_hdf5, only: hdf5_is_available
+  use sg_numbers, only: write_numbers
   use sg_restart_files, only: newest_restart
   use sg_run_options, only: criterion_names
   use sg_run_summary, only: write_run_summary
@@ -12,7 +13,6 @@ module sg_run_files
   use sg_simulation, only: simulation_t
   use sg_spectrum_file, only: write_spectrum
   use sg_system, only: is_terminal, remove_file
-  use sg_numbers, only: write_numbers
   use sg_text_files, only: replace_file
   implicit none
   private
@@ -115,7 +115,7 @@ contains
     end if
     if (sim%options%has_spectrum) call sim%writers%samples%reduce(sim%comm)
     if (sim%writers%samples%n > 0 .and. sim%writers%is_root) then
-      call write_spectrum(sim%writers%samples, sim%options%step, sim%options%folder//'/spectrum.csv', next)
+      call write_spectrum(sim%writers%samples, sim%options%time_step, sim%options%folder//'/spectrum.csv', next)
       if (.not. allocated(next)) call sim%writers%summary%add_file('spectrum', 'spectrum.csv')
       if (.not. allocated(error) .and. allocated(next)) call move_alloc(next, error)
     end if

@@ -13,7 +13,6 @@ module sg_simulate
   use sg_kinds, only: wp
   use sg_memory_report, only: report_memory
   use sg_methods, only: is_swept
-  use sg_tunnelling, only: warn_of_tunnelling
   use sg_plan, only: describe_plan
   use sg_print, only: print_line
   use sg_run_files, only: close_files, open_files, remove_former
@@ -23,6 +22,7 @@ module sg_simulate
   use sg_system, only: stop_signal
   use sg_text, only: to_text
   use sg_timers, only: wall_now
+  use sg_tunnelling, only: warn_of_tunnelling
   implicit none
   private
   public :: simulate
@@ -97,7 +97,7 @@ contains
            //trim(merge(' sweeps    ', ' iterations', is_swept(options%solver%method)))//new_line('a') &
            //'outputs    '//every('record', options%record_every)//', '//every('pictures', options%output_every)//', ' &
            //every('checkpoints', options%restart_every)//at_end//new_line('a')//'time       ' &
-           //to_text(options%steps)//' steps of '//to_text(options%step, 4)//' s; results in '//options%folder
+           //to_text(options%steps)//' steps of '//to_text(options%time_step, 4)//' s; results in '//options%folder
   contains
     pure function every(what, steps)
       character(len=*), intent(in) :: what

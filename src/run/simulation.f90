@@ -95,7 +95,7 @@ contains
     sim%contacts%n_internal = sim%plan%n_internal
     ! Contacts known to a scene that is held in part travel first, see `decompose`.
     if (.not. allocated(sim%scene%bodies%id)) &
-      call start_history(sim%history, sim%scene, sim%options%step, sim%contacts%n_components, sim%contacts%n_internal)
+      call start_history(sim%history, sim%scene, sim%options%time_step, sim%contacts%n_components, sim%contacts%n_internal)
     ! What a method carries must be known before a restart file is read; a method that these ranks cannot have is refused later.
     call choose_solver(sim%options%solver, sim%options%partition, sim%comm%size, sim%solver, refused)
     if (allocated(refused)) call choose_solver(sim%options%solver, sim%solver)
@@ -161,6 +161,6 @@ contains
 
     number = self%step
     if (present(step)) number = step
-    time = self%scene%start_time + self%options%step*real(number, wp)
+    time = self%scene%start_time + self%options%time_step*real(number, wp)
   end function simulation_time
 end module sg_simulation

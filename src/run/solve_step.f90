@@ -52,13 +52,13 @@ contains
       call solve_once(sim)
       if (.not. sim%report%is_converged) unsolved = unsolved + 1
       if (round > 1) call add_effort(before, sim%report)
-      call damage%find(sim%scene, sim%options%step, sim%problem, sim%contacts, change)
+      call damage%find(sim%scene, sim%options%time_step, sim%problem, sim%contacts, change)
       call sim%comm%maximum(change)
       if (.not. change > settled .or. round == most_rounds .or. unsolved == most_unsolved) exit
       before = sim%report
       sim%problem%body = free
       call damage%approach(settled, sim%contacts)
-      call refresh_bonds(sim%scene, sim%contacts, sim%options%step, sim%problem)
+      call refresh_bonds(sim%scene, sim%contacts, sim%options%time_step, sim%problem)
     end do
     call damage%accept(sim%contacts)
     if (change > settled) call judge_unsettled(sim)
@@ -72,7 +72,7 @@ contains
     real(wp) :: own
 
     allocate (solved, source=sim%problem%record)
-    call refresh_bonds(sim%scene, sim%contacts, sim%options%step, sim%problem)
+    call refresh_bonds(sim%scene, sim%contacts, sim%options%time_step, sim%problem)
     call find_worst(sim%problem, sim%report%worst_contact, own)
     call move_alloc(solved, sim%problem%record)
     sim%report%worst_speed = own

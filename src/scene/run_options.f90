@@ -82,7 +82,7 @@ module sg_run_options
   !> All options of a run
   type :: run_options_t
     !> Time step [s], number of steps, and weight of the end of the step
-    real(wp) :: step = 0
+    real(wp) :: time_step = 0
     integer :: steps = 0
     real(wp) :: theta = 0.5_wp
     !> The solver

@@ -10,7 +10,7 @@ module sg_solve_files
   use sg_matrix_solver, only: matrix_options_t, matrix_solver_t
   use sg_print, only: print_line
   use sg_report, only: report_t
-  use sg_solve_rows, only: json_of_error, json_row, judge, solve_row_t, table_head, table_row, trace_head, trace_rows
+  use sg_solve_table, only: json_of_error, json_row, judge, solve_row_t, table_head, table_row, trace_head, trace_rows
   use sg_system, only: real_path
   use sg_text, only: text_t, to_text
   use sg_text_files, only: append_text, replace_file

@@ -93,7 +93,7 @@ contains
     call choose_solver(whole%options%solver, whole%solver)
     part = whole
     call advance_pack(t, name, whole, steps)
-    call measure(whole%scene, whole%contacts, whole%options%step, whole%energy, of_whole)
+    call measure(whole%scene, whole%contacts, whole%options%time_step, whole%energy, of_whole)
     call t%check(whole%report%is_converged, name//': the last step has converged')
     call t%check(of_whole%get('damaged_bonds') > 0 .and. of_whole%get('bonds') > 0, name//': some bonds are damaged, some hold')
     call t%near(of_whole%get('energy_closure'), 0.0_wp, 1e-8_wp, name//': the balance closes')
@@ -105,7 +105,7 @@ contains
     call t%check(.not. allocated(error), name//' is split')
     if (allocated(error)) return
     call advance_pack(t, name, part, steps)
-    call measure(part%scene, part%contacts, part%options%step, part%energy, of_parts, part%decomposition%subdomain, part%comm)
+    call measure(part%scene, part%contacts, part%options%time_step, part%energy, of_parts, part%decomposition%subdomain, part%comm)
     call t%check(part%report%is_converged, name//': and on ranks')
     do i = 1, size(names)
       ! Impulses to 1e-9, and damage to 1e-8 in each of 12 steps.

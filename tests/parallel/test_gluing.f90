@@ -11,8 +11,8 @@ program test_gluing
   use sg_contacts, only: normal_impulse
   use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_methods, only: coupling_names
   use sg_measures, only: measure, measures_t
+  use sg_methods, only: coupling_names
   use sg_simulation, only: decompose, simulation_t
   implicit none
   character(len=8), parameter :: splits(2) = [character(len=8) :: 'boxes', 'graph']
@@ -90,7 +90,7 @@ contains
     type(measures_t) :: measures
     integer :: i
 
-    call measure(sim%scene, sim%contacts, sim%options%step, sim%energy, measures)
+    call measure(sim%scene, sim%contacts, sim%options%time_step, sim%energy, measures)
     do i = 1, size(names)
       values(i) = measures%get(trim(names(i)))
     end do
@@ -120,8 +120,8 @@ contains
     call part%energy%leave_to_first(part%comm)
     call advance_pack(t, name, part, together)
     call t%check(part%report%e8 <= part%options%solver%tolerance, name//': residual of the whole')
-    call measure(whole%scene, whole%contacts, whole%options%step, whole%energy, of_whole)
-    call measure(part%scene, part%contacts, part%options%step, part%energy, of_parts, part%decomposition%subdomain, part%comm)
+    call measure(whole%scene, whole%contacts, whole%options%time_step, whole%energy, of_whole)
+    call measure(part%scene, part%contacts, part%options%time_step, part%energy, of_parts, part%decomposition%subdomain, part%comm)
     contact = 2/real(count(whole%scene%bodies%is_grain), wp)
     do i = 1, size(names)
       ! A pack at rest has no energy and no momentum to compare.

@@ -92,8 +92,9 @@ contains
     call tabulate(sim, whole%contactors%n, before)
     sim%decomposition%options%boxes = [1, comm%size, 1]
     sim%decomposition%options%every = 1
-    call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
-    call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, sim%options%step, sim%comm, is_rebuilt, error)
+    call predict(sim%scene, sim%time(), sim%options%time_step, sim%options%theta)
+    call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, sim%options%time_step, sim%comm, &
+                                  is_rebuilt, error)
     call t%check(is_rebuilt .and. .not. allocated(error), name//' is split again')
     sim%decomposition%options%every = 0
     call set_radii(sim%scene, sim%plan)

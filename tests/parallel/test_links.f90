@@ -85,7 +85,7 @@ contains
     sim%scene%gravity(dimension) = -9.81_wp
     if (kind == 1) sim%scene%period = 6
     call make_net(sim%scene%dimension, kind, sim)
-    sim%options%step = 2e-3_wp
+    sim%options%time_step = 2e-3_wp
     sim%options%partition%gluing = gluing
     sim%options%partition%imbalance = 1e3_wp
     sim%options%solver%criterion = criterion_e8

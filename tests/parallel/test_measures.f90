@@ -103,7 +103,7 @@ contains
     real(wp) :: deepest(1), n(1)
     integer :: i
 
-    sim%options%step = h
+    sim%options%time_step = h
     sim%options%solver%method = 'nlgs'
     sim%options%solver%maximum_sweeps = 50
     call start_simulation(sim)
@@ -139,11 +139,11 @@ contains
   subroutine solve_step(sim)
     type(simulation_t), intent(inout) :: sim
 
-    call predict(sim%scene, sim%time(), sim%options%step, sim%options%theta)
+    call predict(sim%scene, sim%time(), sim%options%time_step, sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%step, sim%problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, sim%problem)
     call sim%solver%solve(sim%problem, sim%report)
-    call disassemble(sim%problem, sim%plan, sim%pairs, sim%options%step, 0.0_wp, sim%scene, sim%contacts)
+    call disassemble(sim%problem, sim%plan, sim%pairs, sim%options%time_step, 0.0_wp, sim%scene, sim%contacts)
   end subroutine solve_step
 
   !> Ranks of the bodies: slabs, in turns, or none for the last rank.
@@ -275,7 +275,7 @@ contains
       call totals%add(report, (r + 1)*merge(2, 1, step == 1), 0.1_wp*real(r, wp), n*(n + 1)/2*merge(2, 1, step == 1))
     end do
     totals%fast_steps = 1
-    totals%passings = 2
+    totals%tunnellings = 2
     totals%phase(phase_solve)%cpu = 1
     totals%clock%wall = real(r, wp)
     call totals%reduce(comm)
@@ -293,7 +293,7 @@ contains
       call t%near(totals%phase(phase_solve)%cpu, real(n, wp), 0.0_wp, 'CPU seconds add up')
       call t%near(totals%clock%wall, real(n - 1, wp), 0.0_wp, 'wall seconds do not')
       call t%equal(totals%fast_steps, 1, 'fast steps')
-      call t%equal(totals%passings, 2, 'passings')
+      call t%equal(totals%tunnellings, 2, 'passings')
       ! Kept in a restart file and read back by all, they are the same.
       call totals%leave_to_first(comm)
       call totals%reduce(comm)

@@ -107,7 +107,7 @@ contains
     if (dimension == 2) call plane_scene(whole, n)
     if (dimension == 3) call space_scene(whole, n)
     if (.not. turns) call drop_rotation(whole%bodies, keep_orientation=dimension == 3)
-    options%step = 0.01_wp
+    options%time_step = 0.01_wp
     options%deck_hash = 'cafe'
     options%output_compressed = is_compressed
     options%folder = name//'_one'
@@ -153,7 +153,7 @@ contains
     call draw_owners(whole, comm%size, random, owner)
     call take_part(whole, none, owner, comm%rank, comm%size, scene, contacts)
     call pictures%open(scene, options, 1, error, comm)
-    if (.not. allocated(error)) call pictures%write(scene, contacts, 2*options%step, 2, error)
+    if (.not. allocated(error)) call pictures%write(scene, contacts, 2*options%time_step, 2, error)
     call t%check(allocated(error), 'ranks do not go on with a compressed file')
     if (allocated(error)) call t%check(index(error%message, 'is compressed') > 0, 'and say why: '//error%message)
     call pictures%close(error)
@@ -193,7 +193,7 @@ contains
         if (allocated(error)) write (*, '(a)') error%report()
       end if
       if (step < first) cycle
-      call pictures%write(scene, contacts, real(step, wp)*options%step, step, error)
+      call pictures%write(scene, contacts, real(step, wp)*options%time_step, step, error)
       call t%check(.not. allocated(error), 'step '//to_text(step)//' of '//options%folder//' is written')
       if (allocated(error)) write (*, '(a)') error%report()
     end do

@@ -93,7 +93,7 @@ contains
     if (dimension == 2) call plane_scene(sim%scene, n)
     if (dimension == 3) call space_scene(sim%scene, n)
     sim%scene%bodies%inverse_mass = 1
-    sim%options%step = 0.01_wp
+    sim%options%time_step = 0.01_wp
     sim%options%deck_hash = 'cafe'
     sim%options%folder = name
     call start_simulation(sim)

@@ -298,7 +298,7 @@ contains
     do i = 1, n
       call put_disk(sim%scene, i + 1, 0.5_wp, real([modulo(i, columns), (i - 1)/columns], wp))
     end do
-    sim%options%step = 1e-3_wp
+    sim%options%time_step = 1e-3_wp
     call start_simulation(sim)
     call predict(sim%scene, 0.0_wp, 0.0_wp, 0.5_wp)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)

@@ -6,8 +6,8 @@ program test_cohesive_zones
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, density, put_disk, put_wall, run
   use scenes_space, only: begin_space_scene, put_plane, put_sphere
-  use sg_choose_solver, only: choose_solver
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
+  use sg_choose_solver, only: choose_solver
   use sg_contacts, only: impulse_vector
   use sg_error, only: diagnostics_t, error_t
   use sg_hdf5, only: hdf5_is_available
@@ -360,7 +360,7 @@ contains
     worst = 0
     do step = 1, 400
       call run(sim, 1)
-      call measure(sim%scene, sim%contacts, sim%options%step, sim%energy, measures)
+      call measure(sim%scene, sim%contacts, sim%options%time_step, sim%energy, measures)
       worst = max(worst, measures%get('energy_closure'))
     end do
     call t%near(worst, 0.0_wp, 1e-11_wp, 'the balance of energy closes')

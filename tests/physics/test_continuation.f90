@@ -104,7 +104,7 @@ contains
     end if
     sim%options%folder = folder
     sim%options%deck_hash = 'cafe'
-    sim%options%step = 2e-3_wp
+    sim%options%time_step = 2e-3_wp
     ! Bit for bit, converged or not.
     sim%options%solver%maximum_sweeps = 100
     call start_simulation(sim)

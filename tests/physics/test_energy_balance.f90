@@ -36,7 +36,7 @@ contains
     integer :: step
 
     call make_box(sim%scene, with_squares)
-    sim%options%step = 1e-3_wp
+    sim%options%time_step = 1e-3_wp
     sim%options%steps = steps
     ! Few sweeps and a tolerance far away: the balance holds for a solution that is not converged, too.
     sim%options%solver%maximum_sweeps = 20
@@ -49,7 +49,7 @@ contains
       sim%energy = restored
     end do
     call t%check(.not. allocated(error), name//': the run ends')
-    call measure(sim%scene, sim%contacts, sim%options%step, sim%energy, measures)
+    call measure(sim%scene, sim%contacts, sim%options%time_step, sim%energy, measures)
     call t%near(measures%get('energy_closure'), 0.0_wp, rounding, name//': the balance closes')
     call t%check(min(measures%get('friction_loss'), measures%get('impact_loss')) > 0.01_wp*measures%get('kinetic_energy'), &
                  name//': contacts take energy')

@@ -44,7 +44,7 @@ contains
     type(energy_t) :: restored
     integer :: i
 
-    sim%options%step = step
+    sim%options%time_step = step
     call start_simulation(sim)
     do i = 1, steps
       call advance(sim, error)

@@ -154,7 +154,7 @@ contains
       end associate
     end do
     solid = solid/(period**2*(high - low))
-    weight = density*4*pi*radius**3/3*g*sim%options%step
+    weight = density*4*pi*radius**3/3*g*sim%options%time_step
     presses = 0
     do k = 1, sim%contacts%n
       if (normal_impulse(sim%contacts, k) <= 1e-3_wp*weight) cycle

@@ -50,7 +50,7 @@ contains
     do k = 1, sim%contacts%n
       lower = minval(modulo(sim%contacts%body(:, k), n + 1))
       above = sum(sim%scene%bodies%mass(lower + 1:n))*g
-      worst = max(worst, abs(sim%contacts%impulse(1, k)/sim%options%step/above - 1))
+      worst = max(worst, abs(sim%contacts%impulse(1, k)/sim%options%time_step/above - 1))
     end do
     ! e8 is 10^-10 of the norm of all impulses; errors of a chain are n^2 larger, and relative to the least loaded contact.
     call t%near(worst, 0.0_wp, 1e-10_wp*real(n, wp)**3, 'column: each contact carries the weight above')
@@ -76,7 +76,7 @@ contains
       sim%scene%bodies%velocity(1:2, b) = 0.1_wp*[random%uniform(-1.0_wp, 1.0_wp), random%uniform(-1.0_wp, 1.0_wp)]
     end do
     call put_wall(sim%scene, n + 1, 1.0_wp, 0.01_wp, [0.2_wp, -0.01_wp], 0.0_wp)
-    sim%options%step = 5e-4_wp
+    sim%options%time_step = 5e-4_wp
     call start_simulation(sim)
     call run(sim, 1600)
     settling = sim%totals%steps - sim%totals%converged_steps
@@ -84,7 +84,7 @@ contains
     mean = 0
     do i = 1, last
       call run(sim, 1)
-      measures = measures_of(sim%scene, sim%contacts, sim%options%step)
+      measures = measures_of(sim%scene, sim%contacts, sim%options%time_step)
       mean = mean + measures%get('floor_share')/last
     end do
     force = force_on(sim, n + 1)
@@ -130,7 +130,7 @@ contains
     call choose_solver(options, sim%solver)
     call run(sim, 1)
     call t%check(sim%report%is_converged, 'cold step: converged')
-    measures = measures_of(sim%scene, sim%contacts, sim%options%step)
+    measures = measures_of(sim%scene, sim%contacts, sim%options%time_step)
     cold_share = measures%get('floor_share')
   end function cold_share
 
@@ -182,7 +182,7 @@ contains
     sinking = sim%scene%bodies%mass(1)*g/stiffness
     call run(sim, 4000)
     call t%near((0.5_wp - sim%scene%bodies%position(2, 1))/sinking, 1.0_wp, 1e-6_wp, 'spring: static penetration')
-    call t%near(sim%contacts%impulse(1, 1)/sim%options%step, sim%scene%bodies%mass(1)*g, 1e-6_wp*sim%scene%bodies%mass(1)*g, &
+    call t%near(sim%contacts%impulse(1, 1)/sim%options%time_step, sim%scene%bodies%mass(1)*g, 1e-6_wp*sim%scene%bodies%mass(1)*g, &
                 'spring: static force')
   end subroutine test_spring
 
@@ -233,14 +233,14 @@ contains
       sim%scene%laws(1)%normal_cohesion = weight/shares(i)
       sim%scene%laws(1)%wet_thickness = 0.01_wp
       call begin_run(sim, 1e-3_wp, 1e-13_wp)
-      call run(sim, nint(time/sim%options%step))
+      call run(sim, nint(time/sim%options%time_step))
       fall = -1 - sim%scene%bodies%position(2, 2)
       if (shares(i) < 1) then
         call t%near(fall, 0.0_wp, 1e-12_wp, name//': cohesion holds less than its force')
-        call t%near(sim%contacts%impulse(1, 1)/sim%options%step, -weight, 1e-9_wp*weight, name//': the pull is the weight')
+        call t%near(sim%contacts%impulse(1, 1)/sim%options%time_step, -weight, 1e-9_wp*weight, name//': the pull is the weight')
       else if (kind == law_mohr) then
         ! Broken in the first step, which feels the cohesion still; free fall from then on.
-        call t%near(fall, g*time**2/2, 2*g*sim%options%step*time, name//': the disk falls once its bond is broken')
+        call t%near(fall, g*time**2/2, 2*g*sim%options%time_step*time, name//': the disk falls once its bond is broken')
       else
         ! Drawn back within the thickness, it falls with what is left, then freely: never slower than with the former.
         call t%check(fall > (1 - 1/shares(i))*g*time**2/2*0.99_wp, name//': the disk falls when it is too heavy')

@@ -4,10 +4,10 @@ module link_scenes
   use sg_contactors, only: add_point
   use sg_kinds, only: wp
   use sg_laws, only: law_t
+  use sg_link_contacts, only: tension
   use sg_links, only: add_link, locate_links
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
-  use sg_link_contacts, only: tension
   implicit none
   private
   public :: begin_links, put_mass, link, tension_of
@@ -71,6 +71,6 @@ contains
     integer :: k
 
     k = findloc(sim%contacts%feature(:sim%contacts%n), l, 1)
-    tension_of = tension(sim%scene, sim%contacts, k)/sim%options%step
+    tension_of = tension(sim%scene, sim%contacts, k)/sim%options%time_step
   end function tension_of
 end module link_scenes

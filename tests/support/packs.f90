@@ -140,7 +140,7 @@ contains
     type(error_t), allocatable :: error
     logical :: is_rebuilt
 
-    associate (h => sim%options%step)
+    associate (h => sim%options%time_step)
       call predict(sim%scene, sim%time(), h, sim%options%theta)
       call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_rebuilt, error)
       if (is_rebuilt) then

@@ -138,7 +138,7 @@ contains
     real(wp), intent(in) :: step !! time step [s]
     real(wp), intent(in) :: tolerance !! of the criterion e8
 
-    sim%options%step = step
+    sim%options%time_step = step
     sim%options%solver%criterion = criterion_e8
     sim%options%solver%tolerance = tolerance
     sim%options%solver%check_every = 1
@@ -174,7 +174,7 @@ contains
       n = sim%contacts%normal(:, k)
       p = sim%contacts%impulse(1, k)*n
       if (sim%contacts%n_components == 2) p = p + sim%contacts%impulse(2, k)*[n(2), -n(1)]
-      force = force + merge(p, -p, sim%contacts%body(1, k) == body)/sim%options%step
+      force = force + merge(p, -p, sim%contacts%body(1, k) == body)/sim%options%time_step
     end do
   end function force_on
 end module scenes

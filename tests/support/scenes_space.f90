@@ -2,8 +2,8 @@
 module scenes_space
   use scenes, only: begin_scene, density, drive, hold
   use sg_contacts, only: impulse_vector
-  use sg_kinds, only: wp
   use sg_error, only: error_t
+  use sg_kinds, only: wp
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
@@ -247,8 +247,8 @@ contains
 
     force = 0
     do k = 1, sim%contacts%n
-      if (sim%contacts%body(1, k) == body) force = force + impulse_vector(sim%contacts, k)/sim%options%step
-      if (sim%contacts%body(2, k) == body) force = force - impulse_vector(sim%contacts, k)/sim%options%step
+      if (sim%contacts%body(1, k) == body) force = force + impulse_vector(sim%contacts, k)/sim%options%time_step
+      if (sim%contacts%body(2, k) == body) force = force - impulse_vector(sim%contacts, k)/sim%options%time_step
     end do
   end function force_in_space
 end module scenes_space

@@ -78,7 +78,7 @@ contains
     type(run_options_t) :: options
 
     options%folder = folder
-    options%step = step
+    options%time_step = step
     options%deck_hash = '0123456789abcdef'
     call t%check(make_folder(folder), 'the folder '//folder//' is there')
   end function options_of

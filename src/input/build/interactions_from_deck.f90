@@ -48,7 +48,7 @@ contains
     do b = 1, deck%n
       if (.not. deck%is_in(b, 'interaction')) cycle
       call read_interaction(deck, b, scene, alert, see, diagnostics)
-      call warn_of_short(deck, b, options%step*speed_at_start(scene, deck%absent), see%alert, diagnostics)
+      call warn_of_short(deck, b, options%time_step*speed_at_start(scene, deck%absent), see%alert, diagnostics)
       scene%sees = [scene%sees, see]
       call warn_of_blind(deck, b, scene, diagnostics)
     end do
@@ -165,7 +165,7 @@ contains
     end associate
     ! Fastest free fall: through the whole scene. The number of steps has no part in it: a longer run is the same run.
     fall = sqrt(2*norm2(scene%gravity)*height)
-    alert = max(smallest/10, options%step*(speed_at_start(scene, absent) + fall))
+    alert = max(smallest/10, options%time_step*(speed_at_start(scene, absent) + fall))
   end function default_alert
 
   !> Largest speed of a body at the start or driven [m/s].

@@ -31,7 +31,7 @@ contains
     options%title = on_one_line(deck%word(b, 'title'))
     options%about = deck%word(b, 'about')
     b = deck%block_of('time')
-    options%step = deck%number(b, 'step')
+    options%time_step = deck%number(b, 'step')
     options%steps = deck%integer(b, 'steps')
     options%theta = deck%number(b, 'theta')
     b = deck%block_of('solver')

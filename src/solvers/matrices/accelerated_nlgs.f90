@@ -4,10 +4,10 @@ module sg_accelerated_nlgs
   use sg_block_map, only: project_all
   use sg_block_progress, only: progress_t
   use sg_block_scaling, only: scale_problem
-  use sg_block_sweeps, only: sweep
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_solver_t
+  use sg_matrix_sweeps, only: sweep
   use sg_report, only: report_t
   implicit none
   private

@@ -1,10 +1,10 @@
 !> Nonlinear Gauss-Seidel on a stored W (doc/theory/solvers_sweeps.md).
 module sg_block_nlgs
   use sg_block_progress, only: progress_t
-  use sg_block_sweeps, only: sweep
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_solver_t
+  use sg_matrix_sweeps, only: sweep
   use sg_report, only: report_t
   implicit none
   private

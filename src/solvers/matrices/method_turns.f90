@@ -6,11 +6,11 @@
 module sg_method_turns
   use sg_accelerated_nlgs, only: accelerated_state_t, anderson_t, sweep_accelerated
   use sg_block_progress, only: progress_t
-  use sg_block_sweeps, only: sweep
   use sg_interior_point, only: follow_path, interior_point_t, path_t, take_best
   use sg_interior_point_system, only: contact_system_t
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
+  use sg_matrix_sweeps, only: sweep
   use sg_method_shares, only: accelerated, add_mark, choose_turn, interior, method_t, n_methods, plain, proximal, shares_t
   use sg_proximal_newton, only: approach, approach_t, proximal_t
   use sg_sparse_factor, only: has_sparse_library

@@ -9,11 +9,11 @@ module sg_proximal_newton
   use sg_block_map, only: natural_map, project_all
   use sg_block_progress, only: progress_t
   use sg_block_scaling, only: scale_problem
-  use sg_block_sweeps, only: sweep
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_matrix_solver, only: matrix_solver_t
+  use sg_matrix_sweeps, only: sweep
   use sg_newton_map, only: newton_step, newton_sweeps
   use sg_report, only: report_t
   use sg_sparse, only: multiply

@@ -14,7 +14,7 @@ module sg_sweep_order
   use sg_random, only: random_t
   use sg_records, only: ball_friction, ball_frictional, first_inverse, is_compact, normal_x, record_length, solid_frictional
   use sg_run_options, only: solver_options_t
-  use sg_sweep_blocks, only: colour_blocks, sweep_blocks_t
+  use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, solid_lanes_t
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none
@@ -52,7 +52,7 @@ module sg_sweep_order
     !> Groups of pairs of solids with friction, side by side
     type(solid_lanes_t) :: solids
     !> Blocks that may be swept side by side, in coloured order; and by how many threads
-    type(sweep_blocks_t) :: blocks
+    type(sweep_colouring_t) :: blocks
     integer :: threads = 1
     !> Room for dealing: contacts chosen, and groups of each body as bits
     integer(i4), allocatable, private :: chosen(:)

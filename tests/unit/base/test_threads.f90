@@ -17,7 +17,7 @@ program test_threads
   use sg_run_options, only: criterion_e8, criterion_quad, run_options_t, solver_options_t
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
-  use sg_sweep_blocks, only: colour_blocks, sweep_blocks_t
+  use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
   use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
   use sg_sweeps, only: sweep, sweep_impulses
   use sg_text, only: text_t, to_text
@@ -47,7 +47,7 @@ contains
   !> Contacts between bodies near in number, several of a pair in a row, and walls that many touch.
   subroutine test_colours(n_bodies, n, n_walls)
     integer, intent(in) :: n_bodies, n, n_walls
-    type(sweep_blocks_t) :: blocks
+    type(sweep_colouring_t) :: blocks
     type(random_t) :: random
     integer(i4) :: pair(2, n), chosen(n)
     integer(i8) :: colours_of(n_bodies)

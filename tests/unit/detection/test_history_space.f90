@@ -262,7 +262,7 @@ contains
     end do
     sim%options%folder = folder
     sim%options%deck_hash = 'cafe'
-    sim%options%step = 4e-3_wp
+    sim%options%time_step = 4e-3_wp
     ! Bit for bit, converged or not.
     sim%options%solver%maximum_sweeps = 60
     call start_simulation(sim)

@@ -26,12 +26,12 @@ program test_guard
   call put_wall(sim%scene, 3, 10.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
   call begin_run(sim, 1e-3_wp, 1e-8_wp)
   call run(sim, 3)
-  call find_broken(sim%scene, sim%contacts, 4, sim%options%step, .true., error)
+  call find_broken(sim%scene, sim%contacts, 4, sim%options%time_step, .true., error)
   call t%check(.not. allocated(error), 'finite velocities are no fault')
   call t%equal(sim%contacts%n, 2, 'both disks lie on the floor')
 
   sim%scene%bodies%free_velocity(2, 2) = ieee_value(1.0_wp, ieee_positive_inf)
-  call find_broken(sim%scene, sim%contacts, 4, sim%options%step, .true., error)
+  call find_broken(sim%scene, sim%contacts, 4, sim%options%time_step, .true., error)
   call t%check(allocated(error), 'an infinity is found')
   if (allocated(error)) then
     call t%equal(error%code, exit_broken, 'exit code')
@@ -42,7 +42,7 @@ program test_guard
 
   ! In a decomposed scene bodies go by their numbers in the whole one.
   sim%scene%bodies%id = [21, 22, 40]
-  call find_broken(sim%scene, sim%contacts, 4, sim%options%step, .true., error)
+  call find_broken(sim%scene, sim%contacts, 4, sim%options%time_step, .true., error)
   if (allocated(error)) then
     call t%check(index(error%message, 'of bodies 22;') > 0, 'the number in the whole scene: '//error%message)
     call t%check(index(error%message, ' 22-40 ') > 0, 'of the contact too: '//error%message)
@@ -122,12 +122,12 @@ contains
     character(len=:), allocatable :: warning
 
     other = sim
-    call measure(other%scene, other%contacts, other%options%step, other%energy, measures)
+    call measure(other%scene, other%contacts, other%options%time_step, other%energy, measures)
     call judge_energy(measures, other%options%guard, 7, .false., warning, error)
     call t%check(.not. allocated(error) .and. warning == '', 'a balance that closes')
     ! Work that no force did.
     other%energy%external_work = other%energy%external_work + 1e6_wp
-    call measure(other%scene, other%contacts, other%options%step, other%energy, measures)
+    call measure(other%scene, other%contacts, other%options%time_step, other%energy, measures)
     call judge_energy(measures, other%options%guard, 7, .false., warning, error)
     call t%check(.not. allocated(error) .and. index(warning, 'step 7: the energy balance is open by 1.0E+00') > 0, warning)
     call judge_energy(measures, other%options%guard, 7, .true., warning, error)

@@ -13,10 +13,10 @@ program test_tunnelling
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t
-  use sg_simulation, only: simulation_t
-  use sg_swept_shapes, only: goes_through
   use sg_rotations, only: rotation_by, turned_by
+  use sg_simulation, only: simulation_t
   use sg_space_contactors, only: add_cylinder, add_hollow_cylinder, add_plane, add_polyhedron, add_sphere
+  use sg_swept_shapes, only: goes_through
   use sg_time_functions, only: time_function_t
   implicit none
   type(tests_t) :: t
@@ -119,7 +119,7 @@ contains
     type(simulation_t) :: sim
 
     call fly(sim, law_velocity, 0.72_wp, 1)
-    call t%equal(sim%totals%passings, 1, 'a ball has passed another one')
+    call t%equal(sim%totals%tunnellings, 1, 'a ball has passed another one')
     call t%check(allocated(sim%tunnelling%first), 'with a message')
     if (allocated(sim%tunnelling%first)) then
       call t%check(index(sim%tunnelling%first%message, 'step 2: bodies 1 and 2 pass through each other, at 5.00E+02 m/s') == 1, &
@@ -130,13 +130,13 @@ contains
     end if
     call t%near(sim%scene%bodies%velocity(1, 1), 500.0_wp, 0.0_wp, 'it flies on')
     call fly(sim, law_velocity, 0.78_wp, 1)
-    call t%equal(sim%totals%passings, 0, 'one that is found deep has not passed')
+    call t%equal(sim%totals%tunnellings, 0, 'one that is found deep has not passed')
     call t%check(sim%totals%worst_penetration > 0.1_wp, 'deep it is')
     call t%near(sim%scene%bodies%velocity(1, 1), 250.0_wp, 1e-6_wp, 'it has hit')
     call fly(sim, law_iqs, 0.72_wp, 1)
-    call t%equal(sim%totals%passings, 0, 'a law that sees gaps lets nothing pass')
+    call t%equal(sim%totals%tunnellings, 0, 'a law that sees gaps lets nothing pass')
     call fly(sim, law_velocity, 0.72_wp, 5)
-    call t%equal(sim%totals%passings, 0, 'nor do shorter steps')
+    call t%equal(sim%totals%tunnellings, 0, 'nor do shorter steps')
   end subroutine test_balls
 
   !> A ball and a wall: the sum of radius and half thickness, 0.15, is what counts.
@@ -144,9 +144,9 @@ contains
     type(simulation_t) :: sim
 
     call fly(sim, law_velocity, 0.72_wp, 1, 0.05_wp)
-    call t%equal(sim%totals%passings, 1, 'a ball has passed a wall')
+    call t%equal(sim%totals%tunnellings, 1, 'a ball has passed a wall')
     call fly(sim, law_velocity, 0.78_wp, 1, 0.05_wp)
-    call t%equal(sim%totals%passings, 0, 'and has not')
+    call t%equal(sim%totals%tunnellings, 0, 'and has not')
   end subroutine test_wall
 
   !> Make a disk fly at another one, or at a wall, for three milliseconds.
@@ -198,9 +198,9 @@ contains
         call run(sim, i - 1)
         ! A restart file holds no gaps of contacts.
         if (j == 1 .and. i > 1) call resume_history(sim%history, sim%contacts)
-        call t%equal(sim%totals%passings, 0, 'not yet')
+        call t%equal(sim%totals%tunnellings, 0, 'not yet')
         call run(sim, 4 - i)
-        call t%equal(sim%totals%passings, 1, 'beyond a wall at its first detection')
+        call t%equal(sim%totals%tunnellings, 1, 'beyond a wall at its first detection')
         call t%check(allocated(sim%tunnelling%first), 'with a message')
         if (.not. allocated(sim%tunnelling%first)) cycle
         associate (message => sim%tunnelling%first%message)
@@ -250,7 +250,7 @@ contains
       end if
       call begin_run(sim, 1e-3_wp, 1e-12_wp)
       call run(sim, 4)
-      call t%equal(sim%totals%passings, 1, 'through a wall in space')
+      call t%equal(sim%totals%tunnellings, 1, 'through a wall in space')
     end do
   end subroutine test_walls_in_space
 
@@ -298,7 +298,7 @@ contains
     sim%scene%bodies%velocity(:size(velocity), 1) = velocity
     call begin_run(sim, 1e-3_wp, 1e-12_wp)
     call run(sim, 4)
-    call t%equal(sim%totals%passings, passings, name)
+    call t%equal(sim%totals%tunnellings, passings, name)
   end subroutine fly_on
 
   !> Hold the second body in space.
@@ -342,7 +342,7 @@ contains
           sim%scene%bodies%velocity(:sim%scene%dimension, 1) = 500*along(:sim%scene%dimension)
           call begin_run(sim, 1e-3_wp, 1e-12_wp)
           call run(sim, 3)
-          call t%equal(sim%totals%passings, 1 - beside, 'through the image of a wall')
+          call t%equal(sim%totals%tunnellings, 1 - beside, 'through the image of a wall')
         end do
       end do
     end do
@@ -415,7 +415,7 @@ contains
       end if
       call begin_run(sim, 1e-3_wp, 1e-12_wp)
       call run(sim, 5)
-      call t%equal(sim%totals%passings, 0, 'nothing has passed')
+      call t%equal(sim%totals%tunnellings, 0, 'nothing has passed')
     end do
     call t%check(sim%scene%bodies%position(1, 1) < 0, 'the last one was stopped')
   end subroutine test_no_false_alarm
@@ -431,9 +431,9 @@ contains
     sim%scene%drives(5)%value = time_function_t(constant=-40.0_wp)
     call begin_run(sim, 2e-4_wp, 1e-12_wp)
     call run(sim, 10)
-    call t%equal(sim%totals%passings, 0, 'squeezed, not yet beyond the middle')
+    call t%equal(sim%totals%tunnellings, 0, 'squeezed, not yet beyond the middle')
     call run(sim, 20)
-    call t%check(sim%totals%passings > 0, 'squeezed out')
+    call t%check(sim%totals%tunnellings > 0, 'squeezed out')
     if (allocated(sim%tunnelling%first)) call t%check(index(sim%tunnelling%first%message, 'are pressed through each other') > 0, &
                                                    sim%tunnelling%first%message)
   end subroutine test_squeezed

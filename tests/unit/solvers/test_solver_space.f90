@@ -69,7 +69,7 @@ contains
         solver = solver_of(criterion_e8, 1e-13_wp, 100000)
         call solver%solve(problem, report)
         call t%check(report%is_converged, name//': converged')
-        call disassemble(problem, sim%plan, sim%pairs, sim%options%step, 0.0_wp, sim%scene, sim%contacts)
+        call disassemble(problem, sim%plan, sim%pairs, sim%options%time_step, 0.0_wp, sim%scene, sim%contacts)
         ! Masses, radii and velocities are of order one.
         call t%near(worst_map(sim), 0.0_wp, 1e-10_wp, name//': impulses and velocities obey the law')
         call test_warm(sim, problem, name)

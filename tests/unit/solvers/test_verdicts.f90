@@ -132,7 +132,7 @@ contains
       sim%scene%bodies%inverse_mass(:, b) = sim%scene%bodies%inverse_mass(:, b)/factor
     end do
     call load_pile(number, sim)
-    sim%options%step = h
+    sim%options%time_step = h
     call start_simulation(sim)
     call predict(sim%scene, 0.0_wp, h, 0.5_wp)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
@@ -177,7 +177,7 @@ contains
     end do
     sim%scene%bodies%velocity(3, n_bodies) = 0.1_wp
     sim%scene%gravity = 0
-    sim%options%step = h
+    sim%options%time_step = h
     call start_simulation(sim)
     call predict(sim%scene, 0.0_wp, h, 0.5_wp)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)

@@ -1,7 +1,7 @@
 !> Histories of errors as text: the columns of one point, for every file that holds some.
-module sg_trace_rows
+module sg_trace_csv
   use sg_report, only: trace_point_t
-  use sg_step_rows, only: cell
+  use sg_step_csv, only: cell
   use sg_text, only: to_text
   implicit none
   private
@@ -20,4 +20,4 @@ contains
     text = to_text(point%iteration)//','//to_text(point%contact_updates)//','//cell(point%cpu_seconds)//','//cell(point%e1)// &
            ','//cell(point%e2)//','//cell(point%e8)
   end function point_cells
-end module sg_trace_rows
+end module sg_trace_csv

@@ -1,7 +1,7 @@
 !> Gauss-Seidel sweeps over a stored W of d by d blocks: each contact in turn solves its local problem, the others held.
 !!
 !! W is used whole, row by row, so that it need not be symmetric. Kernels: numbers in, numbers out.
-module sg_block_sweeps
+module sg_matrix_sweeps
   use sg_kinds, only: wp, i4
   use sg_local_coulomb, only: solve_local_2, solve_local_3
   use sg_matrix_problem, only: matrix_problem_t
@@ -75,4 +75,4 @@ contains
       call solve_local_3(block(:, :, diagonal(a)), u, friction(a), r(:, a))
     end do
   end subroutine sweep_3
-end module sg_block_sweeps
+end module sg_matrix_sweeps

@@ -1,5 +1,5 @@
 !> CSV files of which each row belongs to a step, named in the first column: taking them up again, and the cells of reals.
-module sg_step_rows
+module sg_step_csv
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_is_negative
   use sg_error, only: error_t, exit_output, fail
   use sg_kinds, only: wp
@@ -73,4 +73,4 @@ contains
       word = trim(merge('-inf', 'inf ', ieee_is_negative(value)))
     end if
   end function cell
-end module sg_step_rows
+end module sg_step_csv

@@ -1,5 +1,5 @@
 !> Results of `splitgrain solve` for one problem and one solver: a row of a table, a line of JSON, the trace as CSV.
-module sg_solve_rows
+module sg_solve_table
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_positive_inf, ieee_value
   use sg_columns, only: padded, right
   use sg_json, only: json_t
@@ -8,7 +8,7 @@ module sg_solve_rows
   use sg_matrix_problem, only: matrix_problem_t
   use sg_report, only: report_t
   use sg_text, only: to_text
-  use sg_trace_rows, only: point_cells, point_names
+  use sg_trace_csv, only: point_cells, point_names
   implicit none
   private
   public :: solve_row_t, judge, table_head, table_row, json_row, json_of_error, trace_head, trace_rows
@@ -177,4 +177,4 @@ contains
     end do
     field = field//'"'
   end function csv_field
-end module sg_solve_rows
+end module sg_solve_table

@@ -3,11 +3,11 @@
 !!
 !! Bodies that many blocks touch (walls) would need as many colours: their contacts come in blocks of their own, after all
 !! others. Bodies that nothing moves count like all others: threads do not even write the same value to the same place.
-module sg_sweep_blocks
+module sg_sweep_colouring
   use sg_kinds, only: i4, i8
   implicit none
   private
-  public :: sweep_blocks_t, colour_blocks
+  public :: sweep_colouring_t, colour_blocks
 
   !> Blocks of a large problem per colour and their size in contacts. Small blocks fill a colour with work for many threads,
   !! large ones keep the spatial order and lanes full.
@@ -18,7 +18,7 @@ module sg_sweep_blocks
   integer, parameter :: most_colours = 63
 
   !> Blocks, colour by colour
-  type :: sweep_blocks_t
+  type :: sweep_colouring_t
     !> Number of blocks; none where sweeps have no colours
     integer :: n = 0
     !> Number of colours
@@ -27,13 +27,13 @@ module sg_sweep_blocks
     integer, allocatable :: last(:), last_group(:), last_solid_group(:), last_row(:)
     !> Last block of each colour; the first place, 0, is zero
     integer, allocatable :: last_of_colour(:)
-  end type sweep_blocks_t
+  end type sweep_colouring_t
 
 contains
 
   !> Cut contacts into coloured blocks, and bring them into their order.
   pure subroutine colour_blocks(blocks, pair, colours_of, chosen)
-    type(sweep_blocks_t), intent(inout) :: blocks !! blocks to make
+    type(sweep_colouring_t), intent(inout) :: blocks !! blocks to make
     integer(i4), intent(in), contiguous :: pair(:, :) !! slots of all contacts
     integer(i8), intent(inout) :: colours_of(:) !! room, by slot; zero before and after
     integer(i4), intent(inout), contiguous :: chosen(:) !! contacts to sweep in spatial order; then block by block
@@ -147,7 +147,7 @@ contains
 
   !> Put blocks in the order of their colours, those of one colour in spatial order.
   pure subroutine arrange(blocks, last, colour, chosen)
-    type(sweep_blocks_t), intent(inout) :: blocks
+    type(sweep_colouring_t), intent(inout) :: blocks
     integer, intent(in) :: last(:), colour(:)
     integer(i4), intent(inout), contiguous :: chosen(:)
     integer(i4), allocatable :: arranged(:)
@@ -177,4 +177,4 @@ contains
     end do
     chosen(:) = arranged
   end subroutine arrange
-end module sg_sweep_blocks
+end module sg_sweep_colouring
