@@ -294,6 +294,8 @@ def test_pages(project, old, new, finding):
     page.write_text(PAGE.replace(old, new, 1) if old else PAGE)
     status, printed = run("check_docs", project)
     assert (status, finding in printed) == (int(bool(finding)), True), printed
+    write(project, "src/base/text.f90", code="sim%step = 1 ! doc/page.md, doc/theory/pages.md")
+    assert "src/base/text.f90:12: no file doc/theory/pages.md" in run("check_docs", project)[1]
 
 
 @pytest.mark.parametrize("line, finding", [
