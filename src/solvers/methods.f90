@@ -141,9 +141,12 @@ contains
   logical function is_swept(solver)
     character(len=*), intent(in) :: solver !! its name
     type(method_t), allocatable :: list(:)
+    integer :: i
 
     call list_solvers(list)
-    is_swept = allocated(list(find_method(list, solver))%sweeps)
+    i = find_method(list, solver)
+    is_swept = .false.
+    if (i > 0) is_swept = allocated(list(i)%sweeps)
   end function is_swept
 
   !> Names of some methods as a message lists them: `"dual" or "primal"`.

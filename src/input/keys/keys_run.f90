@@ -122,7 +122,8 @@ contains
     integer :: i
 
     i = findloc(methods%former /= '', .true., 1)
-    rule = trim(methods(i)%former)//'='//trim(methods(i)%name)
+    rule = ''
+    if (i > 0) rule = trim(methods(i)%former)//'='//trim(methods(i)%name)
   end function former_name
 
   !> Methods with what each is and needs: `nlgs (sweeps), auto (all others in turns; on one rank; with UMFPACK)`.

@@ -3,11 +3,14 @@ program test_partition_keys
   use harness, only: tests_t
   use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t
+  use sg_key_table, only: key_table_t, value_integer
+  use sg_keys, only: all_keys
   use sg_kinds, only: wp
   use sg_primal, only: primal_t
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
-  use sg_text, only: append_word, text_t
+  use sg_text, only: append_word, text_t, to_text
+  use sg_words, only: short_real
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   character(len=*), parameter :: head = '[time]'//nl//'step = 1e-3'//nl//'steps = 10'//nl//'[[material]]'//nl// &
@@ -44,6 +47,7 @@ program test_partition_keys
   call read_keys('split = "graphs"', 'did you mean "graph"?')
   call read_keys('imbalance = 1.0', 'must be larger than 1')
   call test_own_keys()
+  call test_former_keys()
   call t%finish()
 
 contains
@@ -81,6 +85,33 @@ contains
     call read_keys('[partition.primal]'//nl//'interface_sweep = 1', 'did you mean "interface_sweeps"?')
     call read_keys('[partition.dual]'//nl//'sweeps = 1', 'unknown key "dual" in [partition]')
   end subroutine test_own_keys
+
+  !> Each key of older decks that the table has: its values are those of the present key, to the letter of the effective deck.
+  subroutine test_former_keys()
+    type(key_table_t) :: table
+    character(len=:), allocatable :: effective, word
+    real(wp) :: low, high
+    integer :: k, n
+
+    table = all_keys()
+    n = 0
+    do k = 1, size(table%keys)
+      associate (key => table%keys(k))
+        if (key%former_key == '') cycle
+        n = n + 1
+        low = max(key%lowest, -100.0_wp)
+        high = min(key%highest, low + 100)
+        word = short_real(low + 0.75_wp*(high - low))
+        if (key%kind == value_integer) word = to_text(nint(low + 0.75_wp*(high - low)))
+        call read_keys('', '', trim(key%section)//'.'//trim(key%name)//'='//word)
+        effective = options%deck_text
+        call t%check(index(effective, trim(key%name)//' = '//word//nl) > 0, trim(key%name)//' = '//word)
+        call read_keys('', '', trim(key%former_key)//'='//word)
+        call t%check(options%deck_text == effective, trim(key%former_key)//' is '//trim(key%section)//'.'//trim(key%name))
+      end associate
+    end do
+    call t%check(n >= 2, 'there are keys of older decks')
+  end subroutine test_former_keys
 
   !> Interface sweeps of the method that the options make.
   integer function own_sweeps() result(sweeps)
