@@ -394,7 +394,7 @@ contains
     call t%equal(diagnostics%count(), 0, 'drives beside a DATBOX: '//first(diagnostics))
     call t%check(.not. any(scene%bodies%is_grain(7:8)), 'what is driven or pressed is no grain')
     call read_deck_text(text//'[[law]]'//nl, scene, options, diagnostics)
-    call t%check(index(first(diagnostics), 'beside scene.datbox') > 0, 'no law beside a DATBOX')
+    call t%check(index(first(diagnostics), 'next to scene.datbox') > 0, 'no law beside a DATBOX')
   end subroutine test_datbox
 
   !> The table has whole sentences and sound defaults; the committed reference is the generated one.
