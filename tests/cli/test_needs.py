@@ -92,11 +92,11 @@ SCENES = {
 # Contacts stand in several sets.
 ON_RANKS = """bodies.id bodies.owner contactors.id subdomain.neighbour subdomain.first subdomain.body subdomain.owner subdomain.replicated
 halo.placed interface.is_here interface.is_there interface.slot interface.multiplicity interface.item interface.first
-interface.contact interface.is_between interface.activity contact_sets.set_of contact_sets.shared
-gluing.before gluing.change gluing.jump"""
+interface.contact interface.is_between interface.activity contact_sets.set_of contact_sets.shared"""
 GLUINGS = {
     "dual": """interface.total interface.sums interface.send_slots interface.receive_slots interface.to_idle
-contact_sets.contact contact_sets.record masses.divided masses.whole""",
+contact_sets.contact contact_sets.record masses.divided masses.whole
+gluing.before gluing.change gluing.jump""",
     "primal": "edges.colour edges.lent_first edges.lent edges.borrowed_first edges.borrowed edges.messages",
 }
 

@@ -205,23 +205,21 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
 
     call self%sums%finish(before, values, comm)
-    call self%sum_replicated(before, values, comm)
+    call self%sum_replicated(before(:, self%n_shared + 1:), values(:, self%n_shared + 1:), comm)
   end subroutine interface_finish_sum
 
   !> Sum the changes of replicated bodies over all ranks.
   subroutine interface_sum_replicated(self, before, values, comm)
     class(interface_t), intent(in) :: self
-    real(wp), intent(in) :: before(:, :) !! values that changes are counted from
-    real(wp), intent(inout) :: values(:, :) !! columns of replicated bodies change; as before where this rank has no contact
+    real(wp), intent(in) :: before(:, :) !! values that changes are counted from, columns of replicated bodies alone
+    real(wp), intent(inout) :: values(:, :) !! the same columns, as before where this rank has no contact; then the sums
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), allocatable :: list(:)
 
-    associate (n => self%n_shared)
-      if (size(self%slot) == n) return
-      list = reshape(values(:, n + 1:) - before(:, n + 1:), [size(values(:, n + 1:))])
-      call comm%sum(list)
-      values(:, n + 1:) = reshape(list, shape(values(:, n + 1:)))
-    end associate
+    if (size(self%slot) == self%n_shared) return
+    list = reshape(values - before, [size(values)])
+    call comm%sum(list)
+    values(:, :) = reshape(list, shape(values))
   end subroutine interface_sum_replicated
 
   !> Share some bodies as if one neighbour held a copy of each, with the same values: for timings.

@@ -22,10 +22,9 @@ module sg_gluing
     integer, private :: first = 1
     !> Take the mean of copies, or add up their changes?
     logical :: is_mean = .true.
-    !> Velocities at the beginning of the round; those at its end, then the sums of changes over copies, shape (width, bodies of the
-    !! interface)
+    !> Velocities at the beginning of the round; those at its end, then sums of changes over copies, shape (width, glued bodies)
     real(wp), allocatable :: before(:, :), change(:, :)
-    !> Sum of what gluing has added to the velocity of each shared copy of this rank [m/s], shape (width, bodies of the interface):
+    !> Sum of what gluing has added to the velocity of each shared copy of this rank [m/s], shape (width, glued bodies):
     !! times its part of the mass this is F_Gamma
     real(wp), allocatable :: jump(:, :)
     integer, private :: width = 0
@@ -63,10 +62,10 @@ contains
     type(problem_t), intent(in) :: problem
 
     if (allocated(self%before)) deallocate (self%before, self%change, self%jump)
-    associate (slot => self%interface%slot)
-      allocate (self%before(self%width, size(slot)), self%change(self%width, size(slot)), self%jump(self%width, size(slot)), &
-                source=0.0_wp)
-      self%before(:, :) = problem%body(:self%width, slot)
+    associate (slot => self%interface%slot, first => self%first)
+      allocate (self%before(self%width, first:size(slot)), self%change(self%width, first:size(slot)), &
+                self%jump(self%width, first:size(slot)), source=0.0_wp)
+      self%before(:, :) = problem%body(:self%width, slot(first:))
     end associate
   end subroutine reserve
 
