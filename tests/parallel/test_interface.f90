@@ -19,6 +19,8 @@ program test_interface
   implicit none
   !> Rounding of sums of some ten products, over the largest of them
   real(wp), parameter :: rounding = 1e-13_wp
+  !> One of so many rows has an impulse: each costs a sum over ranks
+  integer, parameter :: one_of = 3
 
   !> The problem of a step and tables of the whole scene
   type :: case_t
@@ -240,7 +242,7 @@ contains
     table = reshape(list, shape(table))
   end function table_of
 
-  !> Columns of W by unit impulses on one row after the other, of one rank after the other.
+  !> Columns of W by unit impulses on some rows one after the other, of one rank after the other.
   subroutine compare_blocks(one, blocks, interface)
     type(case_t), intent(in) :: one
     type(interface_blocks_t), intent(in) :: blocks
@@ -258,11 +260,14 @@ contains
     far = 0
     scale = maxval([0.0_wp, abs(blocks%block)])
     call comm%maximum(scale)
-    r = reshape([(random%uniform(-1.0_wp, 1.0_wp), j=1, size(r))], shape(r))
+    r = 0
+    do j = 1, rows, one_of
+      r(:, j) = [(random%uniform(-1.0_wp, 1.0_wp), c=1, blocks%d)]
+    end do
     do rank = 0, comm%size - 1
       rows = size(blocks%contact)
       call comm%broadcast(rows, rank)
-      do j = 1, rows
+      do j = 1, rows, one_of
         do c = 1, blocks%d
           unit = 0
           unit(c) = 1
