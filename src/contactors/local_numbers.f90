@@ -6,6 +6,7 @@ module sg_local_numbers
   use sg_bodies, only: bodies_t
   use sg_contactors, only: contactors_t
   use sg_kinds, only: i4
+  use sg_sorting, only: group_items
   implicit none
   private
   public :: local_body, local_contactor, contactors_of_bodies
@@ -45,23 +46,8 @@ contains
     integer, intent(in) :: n_bodies !! number of bodies
     integer(i4), allocatable, intent(out) :: first(:) !! shape (n_bodies + 1)
     integer(i4), allocatable, intent(out) :: list(:) !! shape (contactors)
-    integer(i4), allocatable :: next(:)
-    integer :: c, b
+    integer :: c
 
-    allocate (first(n_bodies + 1), source=0_i4)
-    allocate (list(contactors%n))
-    do c = 1, contactors%n
-      first(contactors%body(c) + 1) = first(contactors%body(c) + 1) + 1
-    end do
-    first(1) = 1
-    do b = 1, n_bodies
-      first(b + 1) = first(b + 1) + first(b)
-    end do
-    next = first
-    do c = 1, contactors%n
-      b = contactors%body(c)
-      list(next(b)) = int(c, i4)
-      next(b) = next(b) + 1
-    end do
+    call group_items([(contactors%body(c), c=1, contactors%n)], n_bodies, first, list)
   end subroutine contactors_of_bodies
 end module sg_local_numbers

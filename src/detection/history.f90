@@ -10,7 +10,7 @@ module sg_history
   use sg_near, only: candidate_first, has_one_image
   use sg_neighbours, only: neighbours_t
   use sg_scene, only: scene_t, start_contact_t
-  use sg_sorting, only: sort_permutation
+  use sg_sorting, only: group_items, sort_permutation
   implicit none
   private
   public :: history_t, start_history, resume_history, keep_contacts, keep_pairs, unwrap_images, match_pairs, revive
@@ -274,27 +274,11 @@ contains
     type(history_t), intent(in) :: history
     integer, intent(in) :: n_contactors
     integer(i4), allocatable, intent(out) :: first(:), member(:)
-    integer(i4), allocatable :: next(:)
-    integer :: p, c
+    integer(i4), allocatable :: candidate(:)
+    integer :: p
 
-    allocate (first(n_contactors + 1), source=0_i4)
-    allocate (member(history%n_pairs))
-    do p = 1, history%n_pairs
-      if (history%first(p + 1) == history%first(p)) cycle
-      c = history%contactor(1, p)
-      first(c + 1) = first(c + 1) + 1
-    end do
-    first(1) = 1
-    do c = 1, n_contactors
-      first(c + 1) = first(c) + first(c + 1)
-    end do
-    next = first
-    do p = 1, history%n_pairs
-      if (history%first(p + 1) == history%first(p)) cycle
-      c = history%contactor(1, p)
-      member(next(c)) = int(p, i4)
-      next(c) = next(c) + 1
-    end do
+    candidate = [(merge(history%contactor(1, p), 0_i4, history%first(p + 1) > history%first(p)), p=1, history%n_pairs)]
+    call group_items(candidate, n_contactors, first, member)
   end subroutine list_by_candidate
 
   !> Pair of the last detection that a present pair is; 0 where it is new.

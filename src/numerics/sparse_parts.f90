@@ -3,6 +3,7 @@ module sg_sparse_parts
   use sg_dense_factor, only: dense_factorise, dense_solve
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i4
+  use sg_sorting, only: group_items
   use sg_sparse, only: sparse_from_triplets, sparse_t
   use sg_text, only: to_text
   implicit none
@@ -55,10 +56,10 @@ contains
   pure subroutine find_parts(a, first, member, local)
     type(sparse_t), intent(in) :: a
     integer(i4), allocatable, intent(out) :: first(:), member(:), local(:)
-    integer(i4), allocatable :: root(:), part_of(:), next(:)
+    integer(i4), allocatable :: root(:), part_of(:)
     integer :: i, e, parts
 
-    allocate (root(a%n_rows), part_of(a%n_rows), local(a%n_rows), member(a%n_rows))
+    allocate (root(a%n_rows), part_of(a%n_rows), local(a%n_rows))
     root = [(int(i, i4), i=1, a%n_rows)]
     do i = 1, a%n_rows
       do e = a%first(i), a%first(i + 1) - 1
@@ -73,20 +74,10 @@ contains
         part_of(i) = int(parts, i4)
       end if
     end do
-    allocate (first(parts + 1), source=0_i4)
-    do i = 1, a%n_rows
-      part_of(i) = part_of(root(i))
-      first(part_of(i) + 1) = first(part_of(i) + 1) + 1
-    end do
-    first(1) = 1
-    do i = 2, parts + 1
-      first(i) = first(i) + first(i - 1)
-    end do
-    next = first
-    do i = 1, a%n_rows
-      member(next(part_of(i))) = int(i, i4)
-      local(i) = next(part_of(i)) - first(part_of(i)) + 1
-      next(part_of(i)) = next(part_of(i)) + 1
+    part_of = part_of(root)
+    call group_items(part_of, parts, first, member)
+    do i = 1, parts
+      local(member(first(i):first(i + 1) - 1)) = [(int(e, i4), e=1, first(i + 1) - first(i))]
     end do
   end subroutine find_parts
 

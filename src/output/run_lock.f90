@@ -3,7 +3,7 @@
 !! A run that was killed leaves its lock. On the same host it is recognised by its process, which has ended; on another host
 !! its process cannot be examined, and the user decides (`--force`).
 module sg_run_lock
-  use sg_error, only: error_t, exit_bad_input, exit_output, fail
+  use sg_error, only: error_t, fail
   use sg_processes, only: host_name, is_alive, own_process, start_of
   use sg_system, only: file_exists, remove_file, rename_file
   use sg_text, only: read_lines, text_t, to_text

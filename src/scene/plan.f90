@@ -6,7 +6,6 @@ module sg_plan
   use sg_bodies, only: are_turned, drop_rotation
   use sg_comm, only: comm_t
   use sg_contactors, only: kind_disk, kind_hollow, kind_names, kind_sphere, n_kinds
-  use sg_drives, only: drive_t
   use sg_half_width, only: half_width
   use sg_internal_values, only: n_internal_of
   use sg_kinds, only: wp

@@ -21,28 +21,20 @@ contains
   subroutine keep_replicated(scene, replicated)
     type(scene_t), intent(in) :: scene !! the whole scene, or a part with all bodies that are driven or pressed
     type(replicated_data_t), intent(out) :: replicated !! what is kept
-    integer :: i, n
+    integer :: k
 
-    n = 0
-    if (allocated(scene%drives)) n = size(scene%drives)
-    allocate (replicated%drives(n))
-    do i = 1, n
-      replicated%drives(i) = scene%drives(i)
-      replicated%drives(i)%body = number_of(scene, scene%drives(i)%body)
-    end do
-    n = 0
-    if (allocated(scene%pressures)) n = size(scene%pressures)
-    allocate (replicated%pressures(n))
-    do i = 1, n
-      replicated%pressures(i) = scene%pressures(i)
-      replicated%pressures(i)%body = number_of(scene, scene%pressures(i)%body)
-      replicated%pressures(i)%between(1) = number_of(scene, scene%pressures(i)%between(1))
-      replicated%pressures(i)%between(2) = number_of(scene, scene%pressures(i)%between(2))
+    allocate (replicated%drives(0), replicated%pressures(0))
+    if (allocated(scene%drives)) replicated%drives = scene%drives
+    if (allocated(scene%pressures)) replicated%pressures = scene%pressures
+    replicated%drives%body = number_of(scene, replicated%drives%body)
+    replicated%pressures%body = number_of(scene, replicated%pressures%body)
+    do k = 1, 2
+      replicated%pressures%between(k) = number_of(scene, replicated%pressures%between(k))
     end do
   end subroutine keep_replicated
 
   !> Number of a body in the whole scene; zero stays zero.
-  pure integer function number_of(scene, body) result(number)
+  elemental integer function number_of(scene, body) result(number)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: body
 
@@ -55,46 +47,24 @@ contains
   subroutine localise(replicated, local)
     type(replicated_data_t), intent(in) :: replicated !! drives and pressures of the whole scene
     type(scene_t), intent(inout) :: local !! scene of the rank; its drives and pressures are set
-    integer :: i, n
+    integer :: k
 
-    if (allocated(local%drives)) deallocate (local%drives)
-    if (allocated(local%pressures)) deallocate (local%pressures)
-    n = 0
-    do i = 1, size(replicated%drives)
-      if (local_body(local%bodies, replicated%drives(i)%body) > 0) n = n + 1
-    end do
-    allocate (local%drives(n))
-    n = 0
-    do i = 1, size(replicated%drives)
-      if (local_body(local%bodies, replicated%drives(i)%body) == 0) cycle
-      n = n + 1
-      local%drives(n) = replicated%drives(i)
-      local%drives(n)%body = local_body(local%bodies, replicated%drives(i)%body)
-    end do
-    n = 0
-    do i = 1, size(replicated%pressures)
-      if (local_body(local%bodies, replicated%pressures(i)%body) > 0) n = n + 1
-    end do
-    allocate (local%pressures(n))
-    n = 0
-    do i = 1, size(replicated%pressures)
-      if (local_body(local%bodies, replicated%pressures(i)%body) == 0) cycle
-      n = n + 1
-      local%pressures(n) = replicated%pressures(i)
-      call localise_pressure(local, local%pressures(n)%body, local%pressures(n)%between)
+    local%drives = pack(replicated%drives, place_of(local, replicated%drives%body) > 0)
+    local%drives%body = place_of(local, local%drives%body)
+    local%pressures = pack(replicated%pressures, place_of(local, replicated%pressures%body) > 0)
+    local%pressures%body = place_of(local, local%pressures%body)
+    do k = 1, 2
+      ! What bounds a pressed length is replicated, so it is here.
+      local%pressures%between(k) = place_of(local, local%pressures%between(k))
     end do
     if (allocated(local%names)) deallocate (local%names)
   end subroutine localise
 
-  !> Numbers of the whole scene become local ones; zero stays zero. What bounds a pressed length is replicated, so it is here.
-  pure subroutine localise_pressure(local, body, between)
+  !> Place here of a body of the whole scene; zero where there is none.
+  elemental integer function place_of(local, number)
     type(scene_t), intent(in) :: local
-    integer, intent(inout) :: body, between(2)
-    integer :: k
+    integer, intent(in) :: number
 
-    body = local_body(local%bodies, body)
-    do k = 1, 2
-      between(k) = local_body(local%bodies, between(k))
-    end do
-  end subroutine localise_pressure
+    place_of = local_body(local%bodies, number)
+  end function place_of
 end module sg_replicated_data

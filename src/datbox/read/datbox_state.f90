@@ -1,14 +1,14 @@
 !> DOF.INI of a DATBOX: step number, time, displacements and velocities; in space the frames of the bodies too.
 module sg_datbox_state
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_plane
+  use sg_contactors, only: kind_cylinder, kind_plane
   use sg_datbox_blocks, only: read_point, read_triple, triple
   use sg_datbox_drives, only: read_body_number
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, integer_field, keyword, name_field, &
+  use sg_datbox_lines, only: complain_once, datbox_file_t, digest_of, integer_field, keyword, name_field, &
                              next_in_block, next_line, open_datbox_file, pass_over, real_field
   use sg_datbox_space_bodies, only: read_frame
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
-  use sg_local_numbers, only: local_body
+  use sg_local_numbers, only: contactors_of_bodies, local_body
   use sg_rotations, only: frame_of, quaternion_of
   use sg_scene, only: scene_t
   use sg_share, only: share_t
@@ -27,7 +27,7 @@ contains
     type(share_t), intent(inout) :: share !! what this rank keeps of them
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(datbox_file_t) :: file
-    integer(i4), allocatable :: first(:)
+    integer(i4), allocatable :: first(:), list(:)
     real(wp), allocatable :: moved(:, :)
     logical :: ok
 
@@ -36,7 +36,7 @@ contains
     if (file%n == 0) then
       call diagnostics%warn('no state: the file is missing or empty, bodies start at rest', file=file%path)
     end if
-    call first_contactors(scene%contactors, scene%bodies%n, first)
+    call contactors_of_bodies(scene%contactors, scene%bodies%n, first, list)
     allocate (moved(3, scene%bodies%n), source=0.0_wp)
     do while (next_line(file))
       select case (keyword(file))
@@ -160,21 +160,4 @@ contains
       orientation = quaternion_of(frame)
     end associate
   end subroutine turn_to
-
-  !> First contactor of each body: bodies have theirs one after another.
-  subroutine first_contactors(contactors, n_bodies, first)
-    type(contactors_t), intent(in) :: contactors !! all contactors
-    integer, intent(in) :: n_bodies !! number of bodies
-    integer(i4), allocatable, intent(out) :: first(:) !! shape (n_bodies + 1)
-    integer :: c, b
-
-    allocate (first(n_bodies + 1), source=0_i4)
-    do c = 1, contactors%n
-      first(contactors%body(c) + 1) = first(contactors%body(c) + 1) + 1
-    end do
-    first(1) = 1
-    do b = 1, n_bodies
-      first(b + 1) = first(b + 1) + first(b)
-    end do
-  end subroutine first_contactors
 end module sg_datbox_state

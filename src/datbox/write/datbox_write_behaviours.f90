@@ -13,6 +13,7 @@ module sg_datbox_write_behaviours
   use sg_scene, only: scene_t, see_t
   use sg_sees, only: see_between
   use sg_shape_pairs, only: is_pair
+  use sg_sorting, only: group_items
   use sg_text, only: to_text
   use sg_time_functions, only: time_function_t
   implicit none
@@ -171,14 +172,15 @@ contains
     type(scene_t), intent(in) :: scene !! scene to write
     type(error_t), allocatable, intent(inout) :: error !! set when a file cannot be written
     type(output_t) :: output
-    integer(i4), allocatable :: order(:)
+    integer, allocatable :: first(:), order(:)
     integer :: i, body
 
     call start_file(output, folder, 'DRV_DOF.DAT')
     call put(output, '! DOF')
     if (size(scene%pressures) > 0) call put(output, '! Pressures are no part of a DATBOX: the scene has ' &
                                             //to_text(size(scene%pressures)))
-    call order_by_body(scene%drives, scene%bodies%n, order)
+    allocate (order(0))
+    if (allocated(scene%drives)) call group_items(int(scene%drives%body, i4), scene%bodies%n, first, order)
     body = 0
     do i = 1, size(order)
       associate (drive => scene%drives(order(i)))
@@ -193,29 +195,6 @@ contains
     if (body > 0) call put(output, '$$$$$$')
     call finish_file(output, error)
   end subroutine write_drives
-
-  !> Drives grouped by body, in their own order within a body.
-  subroutine order_by_body(drives, n_bodies, order)
-    type(drive_t), intent(in) :: drives(:)
-    integer, intent(in) :: n_bodies
-    integer(i4), allocatable, intent(out) :: order(:)
-    integer(i4), allocatable :: next(:)
-    integer :: i, b
-
-    allocate (order(size(drives)))
-    allocate (next(n_bodies + 1), source=0_i4)
-    do i = 1, size(drives)
-      next(drives(i)%body + 1) = next(drives(i)%body + 1) + 1
-    end do
-    next(1) = 1
-    do b = 1, n_bodies
-      next(b + 1) = next(b + 1) + next(b)
-    end do
-    do i = 1, size(drives)
-      order(next(drives(i)%body)) = int(i, i4)
-      next(drives(i)%body) = next(drives(i)%body) + 1
-    end do
-  end subroutine order_by_body
 
   !> Begin the drives of a body.
   subroutine put_driven_body(output, dimension, body)

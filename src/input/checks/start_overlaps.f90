@@ -4,7 +4,6 @@ module sg_start_overlaps
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
   use sg_named_bodies, only: name_of
-  use sg_near, only: candidate_first
   use sg_neighbours, only: find_neighbours, neighbours_t
   use sg_owners, only: contact_owner
   use sg_pair_gap, only: pair_gap

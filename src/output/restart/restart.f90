@@ -11,7 +11,7 @@ module sg_restart
   use sg_bodies, only: bodies_t
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
-  use sg_error, only: diagnostics_t, error_t, exit_output, fail
+  use sg_error, only: diagnostics_t, error_t, fail
   use sg_field_visitor, only: kind_byte
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: wp, i1, i4, i8

@@ -5,6 +5,7 @@
 !! others. Bodies that nothing moves count like all others: threads do not even write the same value to the same place.
 module sg_sweep_colouring
   use sg_kinds, only: i4, i8
+  use sg_sorting, only: group_items
   implicit none
   private
   public :: sweep_colouring_t, colour_blocks
@@ -151,25 +152,16 @@ contains
     integer, intent(in) :: last(:), colour(:)
     integer(i4), intent(inout), contiguous :: chosen(:)
     integer(i4), allocatable :: arranged(:)
-    integer, allocatable :: next(:), place(:)
-    integer :: b, c, n
+    integer, allocatable :: first(:), place(:)
+    integer :: b, n
 
     if (allocated(blocks%last)) deallocate (blocks%last, blocks%last_group, blocks%last_solid_group, blocks%last_row, &
                                             blocks%last_of_colour)
     allocate (blocks%last(0:blocks%n), blocks%last_group(0:blocks%n), blocks%last_solid_group(0:blocks%n), &
               blocks%last_row(0:blocks%n), blocks%last_of_colour(0:blocks%n_colours), source=0)
-    do b = 1, blocks%n
-      blocks%last_of_colour(colour(b)) = blocks%last_of_colour(colour(b)) + 1
-    end do
-    do c = 1, blocks%n_colours
-      blocks%last_of_colour(c) = blocks%last_of_colour(c) + blocks%last_of_colour(c - 1)
-    end do
-    next = blocks%last_of_colour(0:blocks%n_colours - 1) + 1
-    allocate (place(blocks%n), arranged(size(chosen)))
-    do b = 1, blocks%n
-      place(next(colour(b))) = b
-      next(colour(b)) = next(colour(b)) + 1
-    end do
+    call group_items(colour(:blocks%n), blocks%n_colours, first, place)
+    blocks%last_of_colour(:) = first - 1
+    allocate (arranged(size(chosen)))
     do b = 1, blocks%n
       n = last(place(b) + 1) - last(place(b))
       arranged(blocks%last(b - 1) + 1:blocks%last(b - 1) + n) = chosen(last(place(b)) + 1:last(place(b) + 1))
