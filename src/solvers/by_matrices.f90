@@ -134,8 +134,8 @@ contains
     call convergence%finish(report)
   end subroutine solve_matrices
 
-  !> Velocity that an impulse brings to a contact, typically, as a power of two, so that dividing by it rounds nothing; 1 where
-  !! it is not far from that [1/kg].
+  !> Velocity that an impulse brings to a contact, typically, as a power of four, so that neither dividing by it nor by its root
+  !! rounds anything; 1 where it is not far from that [1/kg].
   pure real(wp) function typical_mobility(matrices) result(mobility)
     type(matrix_problem_t), intent(in) :: matrices
     real(wp) :: total
@@ -150,7 +150,8 @@ contains
     end do
     mobility = 1
     total = total/real(max(1, matrices%d*matrices%n), wp)
-    if (total > far_from_one .or. (total > 0 .and. total < 1/far_from_one)) mobility = set_exponent(1.0_wp, exponent(total))
+    if (total > far_from_one .or. (total > 0 .and. total < 1/far_from_one)) &
+      mobility = set_exponent(1.0_wp, 2*(exponent(total)/2) + 1)
   end function typical_mobility
 
   !> Impulses of the matrices as the compact problem has them; contacts without any carry nothing.

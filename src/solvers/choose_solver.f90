@@ -44,16 +44,17 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when the method does not run on so many ranks, or lacks a library
     type(method_t), allocatable :: methods(:)
     class(nlgs_t), allocatable :: sweeps
-    integer :: i
+    integer :: i, method
 
     call list_solvers(methods)
-    if (ranks > 1 .and. methods(find_method(methods, options%method))%runs_alone()) then
+    method = find_method(methods, options%method)
+    if (ranks > 1 .and. methods(method)%runs_alone()) then
       call fail(error, 'solver "'//trim(options%method)//'" does not run on several ranks; use method = '// &
                 quoted_names(methods, [(.not. methods(i)%runs_alone(), i=1, size(methods))]))
     else if (ranks > 1) then
-      call make_coupled(options, partition, solver)
+      call make_coupled(options, methods(method)%sweeps%has_momentum, partition, solver)
     else
-      call move_alloc(methods(find_method(methods, options%method))%sweeps, sweeps)
+      call move_alloc(methods(method)%sweeps, sweeps)
       if (.not. allocated(sweeps)) then
         call make_matrix_solver(options, solver, error)
       else
@@ -80,8 +81,9 @@ contains
   end subroutine make_matrix_solver
 
   !> Make the solver of a decomposed scene, with the options that the deck gives for its coupling.
-  subroutine make_coupled(options, partition, solver)
+  subroutine make_coupled(options, has_momentum, partition, solver)
     type(solver_options_t), intent(in) :: options
+    logical, intent(in) :: has_momentum
     type(partition_options_t), intent(in) :: partition
     class(solver_t), allocatable, intent(out) :: solver
     type(method_t), allocatable :: couplings(:)
@@ -91,6 +93,7 @@ contains
     call list_couplings(couplings)
     call move_alloc(couplings(find_method(couplings, partition%gluing))%coupled, coupled)
     coupled%options = options
+    coupled%has_momentum = has_momentum
     coupled%partition = partition
     values = partition%own
     call coupled%visit_options(values)

@@ -5,6 +5,7 @@
 module sg_methods
   use sg_accelerated_nlgs, only: accelerated_nlgs_t
   use sg_block_automatic, only: block_automatic_t
+  use sg_block_nesterov, only: block_nesterov_t
   use sg_block_nlgs, only: block_nlgs_t
   use sg_coupled_solver, only: coupled_solver_t
   use sg_dual, only: dual_t
@@ -53,14 +54,17 @@ contains
   subroutine list_solvers(list)
     type(method_t), allocatable, intent(out) :: list(:) !! the solvers
     type(block_automatic_t) :: automatic
-    type(nlgs_t) :: nlgs
+    type(nlgs_t) :: nlgs, nesterov
     type(block_nlgs_t) :: block_nlgs
+    type(block_nesterov_t) :: block_nesterov
     type(accelerated_nlgs_t) :: accelerated
     type(proximal_newton_t) :: proximal
     type(interior_point_t) :: interior
 
     allocate (list(0))
     call add(list, method_t('nlgs', 'nonlinear Gauss-Seidel sweeps'), sweeps=nlgs, matrices=block_nlgs)
+    nesterov%has_momentum = .true.
+    call add(list, method_t('nesterov', 'sweeps with momentum'), sweeps=nesterov, matrices=block_nesterov)
     call add(list, method_t('interior', 'interior points', needs_factors=.true.), matrices=interior)
     call add(list, method_t('proximal', 'proximal points', needs_factors=.true.), matrices=proximal)
     call add(list, method_t('accelerated', 'accelerated sweeps'), matrices=accelerated)

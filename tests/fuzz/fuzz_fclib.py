@@ -17,7 +17,7 @@ from contact_problem import ContactProblem, errors  # noqa: E402
 DECK_STEPS = {"arch": 4, "arch_of_stones": 3, "spheres_at_rest": 3}
 NUMBERS = [0.0, -0.0, -1.0, 1e300, -1e300, 1e-300, 5e-324, 1e10, 1e-10, math.nan, math.inf, -math.inf, 3.0]
 WHOLE = [0, 1, -1, 2, 3, 4, 7, 2**31 - 1, -2**31, 1000]
-SOLVERS = ["nlgs", "auto", "accelerated", "proximal", "interior"]
+SOLVERS = ["nlgs", "nesterov", "auto", "accelerated", "proximal", "interior"]
 TOLERANCE = 1e-6
 HEADER_BYTES = 64
 """Bytes at the beginning of an object's header of HDF5, which say what it is made of"""

@@ -38,7 +38,7 @@ TOLERANCE = 1e-8
 RESOLUTION = 3e-4
 """CPU seconds that clocks tell apart"""
 LOCK = threading.Lock()
-OURS = ("auto", "nlgs", "accelerated", "proximal", "interior")
+OURS = ("auto", "nlgs", "nesterov", "accelerated", "proximal", "interior")
 # One thread each: both codes are measured in CPU seconds of one core.
 ENVIRONMENT = os.environ | dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 

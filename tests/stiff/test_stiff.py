@@ -154,13 +154,16 @@ class Units(Stiff):
                 "time__steps": steps}  # fmt: skip
 
     def compare_in_space(self, deck, *scales):
-        """Powers of two: all counts are equal. Scales that round: the same sweeps."""
+        """Powers of two: all counts are equal; but matrices stop on e1, which weighs impulses and velocities by one mobility, known
+        to a factor of four: a sweep in a hundred more or less. Scales that round: the same sweeps."""
         for method in ("nlgs", "auto"):
             runs = {k: self.run_deck(deck, solver__method=method, **self.scaled_in_space(2.0**k, *scales)) for k in (-20, 0, 20)}
             self.assertGreater(runs[0]["active_contacts"], 10)
             for k in (-20, 20):
-                for count in ("sweeps", "contacts", "active_contacts", "unconverged_steps", "contact_updates"):
+                for count in ("contacts", "active_contacts", "unconverged_steps"):
                     self.assertEqual(runs[k][count], runs[0][count], f"{deck}, {method}, 2^{k}, {count}")
+                for count in ("sweeps", "contact_updates"):
+                    self.assert_near(runs[k][count] / runs[0][count], 1, 0 if method == "nlgs" else 1e-2)
                 self.assertEqual(runs[k]["unconverged_steps"], 0)
                 self.assert_near(runs[k]["kinetic_energy"] / runs[0]["kinetic_energy"] / 2.0 ** (4 * k), 1,
                                  1e-12 if method == "nlgs" else 1e-6)
@@ -266,13 +269,14 @@ class Motions(Stiff):
             self.assertLess(run["worst_penetration"], 1e-9)
 
     def test_what_lies_on_a_slope_does_not_creep(self):
-        """A thousand steps: what moves is what the tolerance leaves, 1e-6 of gravity times the step, and is not summed."""
+        """A thousand steps: what moves is what the tolerance leaves, 1e-6 of gravity times the step, and is not summed. e8 is a root
+        mean square over the eight contacts, one of which may have all of it: sqrt(8) times as much."""
         tilt = [G * math.sin(0.3), 0.0, -G * math.cos(0.3)]
         for method in SOLVERS:
             for deck, more in (("block_on_slope", {"law__friction": 0.7}), ("two_boxes", {"scene__gravity": tilt})):
                 run = self.run_deck(deck, solver__method=method, time__steps=1000, **more)
                 self.assertEqual(run["unconverged_steps"], 0)
-                self.assertLess(run["max_velocity"], 1e-6 * G * 1e-3, f"{deck}, {method}")
+                self.assertLess(run["max_velocity"], math.sqrt(8) * 1e-6 * G * 1e-3, f"{deck}, {method}")
 
     def test_an_impact_that_crosses_a_grain_in_a_step(self):
         """At 300 m/s the ball moves by three radii a step: found late, it is stopped in the wall, and the report says how deep."""

@@ -60,7 +60,7 @@ contains
       call table%add('maximum_sweeps', value_integer, 'Sweeps after which the solver gives up on a step.', &
                      default=to_text(default%maximum_sweeps), least=1.0_wp)
       call table%add('relaxation', value_real, 'Share of each new impulse that is taken; 1 is plain Gauss-Seidel.', &
-                     default=short_real(default%relaxation), above=0.0_wp, most=2.0_wp, used_for=sweeps)
+                     default=short_real(default%relaxation), above=0.0_wp, most=2.0_wp, used_for='method=nlgs')
       call table%add('warm_start', value_logical, 'Start from the impulses of the last step.', &
                      default=true_or_false(default%warm_start))
       call table%add('leave_solved', value_logical, 'In long solves, leave out clusters of contacts that are solved and touch '// &

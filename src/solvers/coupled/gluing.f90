@@ -30,6 +30,7 @@ module sg_gluing
     integer, private :: width = 0
   contains
     procedure :: prepare => gluing_prepare
+    procedure :: mark => gluing_mark
     procedure :: begin => gluing_begin
     procedure :: finish => gluing_finish
     procedure :: glue_replicated => gluing_glue_replicated
@@ -65,9 +66,17 @@ contains
     associate (slot => self%interface%slot, first => self%first)
       allocate (self%before(self%width, first:size(slot)), self%change(self%width, first:size(slot)), &
                 self%jump(self%width, first:size(slot)), source=0.0_wp)
-      self%before(:, :) = problem%body(:self%width, slot(first:))
     end associate
+    call self%mark(problem)
   end subroutine reserve
+
+  !> Take the present velocities, the same in all copies, for those at the beginning of a round.
+  pure subroutine gluing_mark(self, problem)
+    class(gluing_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! problem with its velocities
+
+    self%before(:, :) = problem%body(:self%width, self%interface%slot(self%first:))
+  end subroutine gluing_mark
 
   !> Send the velocities of shared copies to the neighbours.
   subroutine gluing_begin(self, problem, comm)

@@ -24,6 +24,7 @@ module sg_mass_splitting
     logical, private :: may_diverge = .false.
   contains
     procedure :: open => splitting_open
+    procedure :: mark => splitting_mark
     procedure :: begin_round => splitting_begin_round
     procedure :: finish_round => splitting_finish_round
     procedure :: collect => splitting_collect
@@ -56,6 +57,8 @@ contains
     call self%begin_coupled(problem)
     call self%rule(is_mean, self%relaxation)
     self%may_diverge = .not. is_mean
+    ! Relaxed sweeps leave impulses outside their cones, and rounds that add up changes overshoot: neither bears momentum.
+    if (.not. is_mean) call self%sets%nesterov%begin(.false.)
     call self%gluing%prepare(problem, coupling, is_mean, .false., comm)
     associate (interface => self%gluing%interface)
       call self%divide_masses(problem, interface%slot, merge(interface%multiplicity, 1, is_mean))
@@ -67,6 +70,14 @@ contains
     end associate
     call self%gluing%finish(problem, comm)
   end subroutine splitting_open
+
+  !> Take the present velocities of copies for those that a round starts from.
+  subroutine splitting_mark(self, problem)
+    class(mass_splitting_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! this rank's part
+
+    call self%gluing%mark(problem)
+  end subroutine splitting_mark
 
   !> Sweep contacts of shared bodies, so that their messages travel while the others are swept.
   subroutine splitting_begin_round(self, problem, report)

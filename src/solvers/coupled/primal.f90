@@ -32,6 +32,7 @@ module sg_primal
   contains
     procedure :: visit_options => primal_visit_options
     procedure :: open => primal_open
+    procedure :: mark => primal_mark
     procedure :: begin_round => primal_begin_round
     procedure :: finish_round => primal_finish_round
     procedure :: collect => primal_collect
@@ -92,6 +93,14 @@ contains
       if (set(k) == inner_set .and. any(set_of_slot(problem%pair(:, k)) == shared_set)) set(k) = shared_set
     end do
   end function sets_of
+
+  !> Take the present velocities of replicated bodies for those that a round starts from.
+  subroutine primal_mark(self, problem)
+    class(primal_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! this rank's part
+
+    call self%gluing%mark(problem)
+  end subroutine primal_mark
 
   !> Sweep the contacts of replicated bodies that move.
   subroutine primal_begin_round(self, problem, report)

@@ -1,26 +1,26 @@
 !> Shares of several methods in the effort of one solve: which has the next turn (doc/theory/solvers_sweeps.md).
 !!
-!! Plain sweeps have at least half of all effort, so that the answer is never later than twice their time, whatever the others are
-!! worth. The other half goes to the method with the least forecast of e1. What is not ahead has a small share; methods that
-!! factorise are tried at length only where sweeps stall.
+!! Sweeps with momentum have at least half of all effort, so that the answer is never later than twice their time, whatever the
+!! others are worth. The other half goes to the method with the least forecast of e1. What is not ahead has a small share; methods
+!! that factorise are tried at length only where sweeps stall.
 module sg_method_shares
   use sg_kinds, only: wp
   implicit none
   private
   public :: shares_t, method_t, add_mark, choose_turn
-  public :: plain, accelerated, proximal, interior, n_methods
+  public :: nesterov, accelerated, proximal, interior, n_methods
 
   !> The methods
-  integer, parameter :: plain = 1, accelerated = 2, proximal = 3, interior = 4, n_methods = 4
+  integer, parameter :: nesterov = 1, accelerated = 2, proximal = 3, interior = 4, n_methods = 4
 
   !> How effort is shared
   type :: shares_t
     !> Sweeps of a turn at least, and effort of a turn over all effort so far
     integer :: sweeps = 40
     real(wp) :: length = 0.1_wp
-    !> Least share of plain sweeps, with a margin for effort that takes longer than counted; that of each other method that is not
-    !! ahead
-    real(wp) :: plain = 0.55_wp, other = 0.025_wp
+    !> Least share of sweeps with momentum, with a margin for effort that takes longer than counted; that of each other method that
+    !! is not ahead
+    real(wp) :: nesterov = 0.55_wp, other = 0.025_wp
     !> Least share of accelerated sweeps where sweeps stall and no method that factorises promises half of the least e1
     real(wp) :: accelerated = 0.15_wp
     !> Sweeps stall where e1 is above `stall` of that at the part `window` of their effort
@@ -33,8 +33,8 @@ module sg_method_shares
     real(wp) :: farthest = 4
   end type shares_t
 
-  !> One method: its impulses (without units, but those of plain sweeps), least e1, effort, that of its next turn at least, and
-  !! effort and least e1 after each turn
+  !> One method: its impulses without units (sweeps with momentum keep theirs), least e1, effort, that of its next turn at least,
+  !! and effort and least e1 after each turn
   type :: method_t
     logical :: is_possible = .true.
     real(wp), allocatable :: r(:, :)
@@ -120,27 +120,27 @@ contains
 
     least = max(real(shares%sweeps, wp)*sweep_operations, methods%price)
     operations = max(real(shares%sweeps, wp)*sweep_operations, shares%length*total)
-    ! After its turn a method must leave plain sweeps their share.
-    has_place = methods%is_possible .and. methods(plain)%operations >= shares%plain*(total + max(operations, least))
-    has_place(plain) = .true.
+    ! After its turn a method must leave sweeps with momentum their share.
+    has_place = methods%is_possible .and. methods(nesterov)%operations >= shares%nesterov*(total + max(operations, least))
+    has_place(nesterov) = .true.
     do m = 1, n_methods
       promised(m) = forecast(methods(m), total, shares%farthest)
     end do
-    next = plain
+    next = nesterov
     m = method_on_trial(shares, methods, promised, total)
     if (m > 0) then
       if (.not. promised(m) < minval(methods%e1)/2 .and. methods(accelerated)%operations < shares%accelerated*total) m = accelerated
       if (has_place(m)) next = m
       return
     end if
-    do m = plain + 1, n_methods
+    do m = nesterov + 1, n_methods
       if (.not. has_place(m) .or. methods(m)%operations + least(m) > shares%other*total) cycle
       next = m
       operations = max(least(m), shares%other*total - methods(m)%operations)
       return
     end do
     next = minloc(promised, 1, methods%is_possible)
-    if (.not. has_place(next)) next = plain
+    if (.not. has_place(next)) next = nesterov
   end subroutine choose_turn
 
   !> Do sweeps stall, of both kinds unless one is far behind?
@@ -150,9 +150,9 @@ contains
     real(wp) :: best
     integer :: m
 
-    best = minval(methods(plain:accelerated)%e1)
+    best = minval(methods(nesterov:accelerated)%e1)
     do_stall = .true.
-    do m = plain, accelerated
+    do m = nesterov, accelerated
       if (methods(m)%e1 > shares%behind*best) cycle
       do_stall = do_stall .and. methods(m)%e1 > shares%stall*e1_before(methods(m), shares%window)
     end do
@@ -175,7 +175,7 @@ contains
     do m = proximal, interior
       associate (method => methods(m))
         trial = real(shares%trial, wp)*method%price
-        if (.not. method%is_possible .or. real(shares%ready, wp)*method%price > shares%plain*total) cycle
+        if (.not. method%is_possible .or. real(shares%ready, wp)*method%price > shares%nesterov*total) cycle
         if (.not. stall .and. (method%operations <= 2*shares%other*total .or. method%operations >= trial)) cycle
         rank = promised(m)
         if (method%operations < trial) rank = method%operations/total - 1

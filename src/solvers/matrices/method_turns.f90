@@ -1,17 +1,18 @@
-!> Turns of several methods at one problem: accelerated sweeps alone as long as they converge fast, then plain ones, accelerated
-!! ones, proximal points and interior points, each from impulses of its own (doc/theory/solvers_sweeps.md).
+!> Turns of several methods at one problem: sweeps with momentum, accelerated ones, proximal points and interior points, each from
+!! impulses of its own (doc/theory/solvers_sweeps.md).
 !!
-!! Plain sweeps are those of `nlgs` to the last bit, and their share bounds how much later than these the answer may come
-!! (sg_method_shares). Effort is counted in operations, not in seconds: the same problem always takes the same turns.
+!! Sweeps with momentum are those of the solver of that name to the last bit, and their share bounds how much later than these the
+!! answer may come (sg_method_shares). Effort is counted in operations, not in seconds: the same problem always takes the same
+!! turns.
 module sg_method_turns
   use sg_accelerated_nlgs, only: accelerated_state_t, anderson_t, sweep_accelerated
+  use sg_block_nesterov, only: nesterov_state_t, sweep_nesterov
   use sg_block_progress, only: progress_t
   use sg_interior_point, only: follow_path, interior_point_t, path_t, take_best
   use sg_interior_point_system, only: contact_system_t
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
-  use sg_matrix_sweeps, only: sweep
-  use sg_method_shares, only: accelerated, add_mark, choose_turn, interior, method_t, n_methods, plain, proximal, shares_t
+  use sg_method_shares, only: accelerated, add_mark, choose_turn, interior, method_t, n_methods, nesterov, proximal, shares_t
   use sg_proximal_newton, only: approach, approach_t, proximal_t
   use sg_sparse_factor, only: has_sparse_library
   implicit none
@@ -25,15 +26,13 @@ module sg_method_turns
     type(anderson_t) :: anderson
     type(proximal_t) :: proximal
     type(interior_point_t) :: interior
-    !> Accelerated sweeps go on alone, to this number at most, while each doubling of their number lowers e1 to `fall` of it
-    integer :: opening = 320
-    real(wp) :: fall = 0.5_wp
     !> Price of the first turn of methods that factorise, in sweeps: the analysis shows what a factorisation takes
     real(wp) :: first_sweeps = 10
   end type turns_t
 
   !> What each method keeps between two turns, apart from its impulses
   type :: states_t
+    type(nesterov_state_t) :: nesterov
     type(accelerated_state_t) :: sweeps
     type(approach_t) :: approach
     type(contact_system_t) :: system
@@ -55,19 +54,18 @@ contains
     real(wp) :: before, length, most
     integer :: m
 
-    methods(plain)%r = problem%r
-    methods(plain)%e1 = progress%best
+    states%nesterov%r = problem%r
+    methods(nesterov)%e1 = progress%best
     methods(proximal:)%price = turns%first_sweeps*progress%sweep_operations
-    call open_alone(turns, problem, scaled, scale, states%sweeps, methods(accelerated), progress)
     do while (.not. progress%is_over)
       before = progress%operations
       call choose_turn(turns%shares, methods, before, progress%sweep_operations, m, length)
       call progress%begin_turn(length)
-      if (m == plain) then
-        call sweep_turn(problem, methods(m), progress)
+      if (m == nesterov) then
+        call sweep_turn(problem, states%nesterov, methods(m), progress)
       else
-        ! A factorisation that takes more would leave plain sweeps less than their share.
-        most = (1 + 1e-9_wp)*(methods(plain)%operations/turns%shares%plain - before)
+        ! A factorisation that takes more would leave sweeps with momentum less than their share.
+        most = (1 + 1e-9_wp)*(methods(nesterov)%operations/turns%shares%nesterov - before)
         call choose_start(turns, methods(m), m, scaled, scale, states, progress)
         call matrix_turn(turns, m, most, problem, scaled, scale, states, methods(m), progress)
         methods(m)%r = scaled%r
@@ -79,33 +77,6 @@ contains
     end do
     call states%system%free()
   end subroutine take_turns
-
-  !> Accelerated sweeps alone, as long as they lower e1 fast.
-  subroutine open_alone(turns, problem, scaled, scale, state, method, progress)
-    type(turns_t), intent(in) :: turns
-    type(matrix_problem_t), intent(in) :: problem
-    type(matrix_problem_t), intent(inout) :: scaled
-    real(wp), intent(in), contiguous :: scale(:)
-    type(accelerated_state_t), intent(inout) :: state
-    type(method_t), intent(inout) :: method
-    type(progress_t), intent(inout) :: progress
-    real(wp) :: before
-    integer :: sweeps, more
-
-    sweeps = 0
-    more = turns%shares%sweeps/2
-    do while (.not. progress%is_over .and. sweeps < turns%opening)
-      before = progress%best
-      call sweep_accelerated(turns%anderson, problem, scaled, scale, more, state, progress)
-      method%e1 = progress%best
-      method%operations = progress%operations
-      call add_mark(method)
-      if (sweeps > 0 .and. method%e1 > turns%fall*before) exit
-      sweeps = sweeps + more
-      more = sweeps
-    end do
-    method%r = scaled%r
-  end subroutine open_alone
 
   !> Where a method begins its turn: from its own impulses, or from the best answer where these are far behind.
   pure subroutine choose_start(turns, method, m, scaled, scale, states, progress)
@@ -132,24 +103,17 @@ contains
     if (m == proximal) call states%approach%drop_steps()
   end subroutine choose_start
 
-  !> Plain sweeps until the turn is over. Errors are measured as often as by `nlgs`, and at the end.
-  subroutine sweep_turn(problem, method, progress)
+  !> Sweeps with momentum until the turn is over. Errors are measured as often as where they are alone, and at the end.
+  subroutine sweep_turn(problem, state, method, progress)
     type(matrix_problem_t), intent(in) :: problem
-    type(method_t), intent(inout) :: method
+    type(nesterov_state_t), intent(inout) :: state
+    type(method_t), intent(in) :: method
     type(progress_t), intent(inout) :: progress
     real(wp) :: n
-    integer :: i
 
     do while (.not. progress%must_yield())
-      n = max(1.0_wp, min(method%operations/10, progress%turn_end - progress%operations)/progress%sweep_operations)
-      do i = 1, int(min(n, real(progress%options%maximum_iterations - progress%iterations, wp)))
-        call sweep(problem, method%r)
-        call progress%count_sweeps(1)
-        if (modulo(i, 20) == 0) then
-          if (progress%is_late()) exit
-        end if
-      end do
-      call progress%look(problem, method%r)
+      n = min(method%operations/10, progress%turn_end - progress%operations)/progress%sweep_operations
+      call sweep_nesterov(problem, max(1, int(min(n, 1e6_wp))), state, progress)
     end do
   end subroutine sweep_turn
 

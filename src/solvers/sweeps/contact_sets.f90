@@ -2,8 +2,10 @@
 !! leave; those of inner bodies, swept while messages travel; those on edges between subdomains. One rank alone has one set.
 module sg_contact_sets
   use sg_active_set, only: active_set_t
+  use sg_comm, only: comm_t
   use sg_delassus, only: set_block
   use sg_kinds, only: wp, i4, i8
+  use sg_nesterov, only: nesterov_t
   use sg_problem, only: problem_t
   use sg_report, only: report_t
   use sg_run_options, only: solver_options_t
@@ -32,6 +34,8 @@ module sg_contact_sets
     !> Slots of bodies on which other ranks act too, and clusters of others that are solved before the rest
     integer, allocatable, private :: shared(:)
     type(solved_clusters_t) :: clusters
+    !> Momentum from sweep to sweep
+    type(nesterov_t) :: nesterov
     type(solver_options_t), private :: options
     !> Do the orders hold contacts of this problem yet?
     logical :: is_arranged = .false.
@@ -40,6 +44,8 @@ module sg_contact_sets
     procedure :: split => sets_split
     procedure :: arrange => sets_arrange
     procedure :: choose => sets_choose
+    procedure :: go_on => sets_go_on
+    procedure :: restore => sets_restore
     procedure :: sweep => sets_sweep
     procedure :: give_impulses => sets_give_impulses
     procedure :: list_tables => sets_list_tables
@@ -141,16 +147,40 @@ contains
     type(problem_t), intent(inout) :: problem !! problem with its present impulses, from which new orders take them, and velocities
     type(report_t), intent(in) :: report !! errors of the whole problem
     real(wp), intent(in) :: asked !! mean over all contacts of the squares that are asked for; not used unless clusters are sought
+    logical :: goes_on
 
+    goes_on = self%nesterov%is_on .and. self%is_arranged
     associate (n => problem%n_contacts, active_set => self%active_set)
       call active_set%choose(n, report)
+      if (goes_on) then
+        call self%nesterov%carry(self%order, problem)
+        active_set%is_wanted(:n) = active_set%is_wanted(:n) .or. self%nesterov%is_moving(n)
+      end if
       if (self%clusters%are_sought) then
         call self%clusters%leave_out(problem, report%sweeps, asked, active_set%is_wanted(:n), self%shared)
         self%clusters%are_sought = .false.
       end if
     end associate
     call self%arrange(problem)
+    if (goes_on) call self%nesterov%resume(self%order, self%active_set%is_ordered(:problem%n_contacts), problem)
   end subroutine sets_choose
+
+  !> Let impulses and velocities go on before the next sweeps.
+  subroutine sets_go_on(self, problem, comm)
+    class(contact_sets_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! velocities change
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    call self%nesterov%go_on(self%order, problem, comm)
+  end subroutine sets_go_on
+
+  !> Take that back, with all sweeps since.
+  subroutine sets_restore(self, problem)
+    class(contact_sets_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! velocities change
+
+    call self%nesterov%restore(self%order, problem)
+  end subroutine sets_restore
 
   !> Update the contacts of a set once.
   subroutine sets_sweep(self, set, problem, relaxation, report)
@@ -191,6 +221,7 @@ contains
     end if
     call self%active_set%list_tables(tables)
     call self%clusters%list_tables(tables)
+    call self%nesterov%list_tables(tables)
   end subroutine sets_list_tables
 
   !> List the tables of contacts in several sets.

@@ -30,6 +30,8 @@ module sg_nlgs
   type, extends(solver_t) :: nlgs_t
     !> Options of the deck
     type(solver_options_t) :: options
+    !> Do sweeps take momentum (doc/theory/nesterov.md)?
+    logical :: has_momentum = .false.
     !> Contacts of this rank, set by set
     type(contact_sets_t) :: sets
     !> Do other ranks act on bodies of this one? Then sums of a test travel while the next round begins
@@ -51,6 +53,7 @@ module sg_nlgs
     procedure :: solve_coupled => nlgs_solve
     procedure :: list_tables => nlgs_list_tables
     procedure :: open => nlgs_open
+    procedure :: mark => nlgs_mark
     procedure :: begin_round => nlgs_begin_round
     procedure :: finish_round => nlgs_finish_round
     procedure :: collect => nlgs_collect
@@ -72,8 +75,11 @@ contains
     if (comm%size == 1 .and. problem%n_contacts == 0) return
     call self%trace%begin(self%with_trace)
     if (.not. self%options%warm_start) problem%impulse = 0
+    ! A relaxed sweep would leave outside of its cone what momentum takes there.
+    if (self%has_momentum) self%options%relaxation = 1
     self%damping = 1
     call self%sets%begin(problem%n_contacts, self%options)
+    call self%sets%nesterov%begin(self%has_momentum)
     call self%open(problem, coupling, comm)
     self%errors%criterion = self%options%criterion
     call self%errors%prepare(problem, comm)
@@ -121,18 +127,26 @@ contains
     type(problem_t), intent(inout) :: problem
     type(comm_t), intent(inout) :: comm
     type(report_t), intent(inout) :: report
-    logical :: is_tested, is_stuck
+    logical :: is_tested
     integer :: since_test
 
     is_tested = .false.
     since_test = 0
     do while (report%sweeps < self%options%maximum_sweeps)
       if (.not. self%is_coupled) call choose_again(self, problem, report)
+      if (self%sets%nesterov%is_on) then
+        call self%sets%go_on(problem, comm)
+        call self%mark(problem)
+      end if
       call self%begin_round(problem, report)
       if (is_tested) then
         call finish_test(self, comm, report)
-        call self%convergence%find_stuck(report, is_stuck)
-        if (is_stuck) self%damping = max(least_damping, self%damping/2)
+        call judge_fall(self, report)
+        if (report%is_converged .and. self%sets%nesterov%is_on) then
+          call self%sets%restore(problem)
+          call self%mark(problem)
+          return
+        end if
       end if
       call self%finish_round(problem, report%is_converged, comm, report)
       if (report%is_converged) return
@@ -149,12 +163,25 @@ contains
         call choose_again(self, problem, report)
       else
         call finish_test(self, comm, report)
+        if (self%sets%nesterov%is_on) call judge_fall(self, report)
         is_tested = .false.
         if (report%is_converged) return
       end if
     end do
     if (is_tested) call finish_test(self, comm, report)
   end subroutine iterate
+
+  !> Damp a method that may diverge, and pause momentum, where the error does not fall.
+  subroutine judge_fall(self, report)
+    class(nlgs_t), intent(inout) :: self
+    type(report_t), intent(in) :: report
+    logical :: is_stuck
+
+    call self%convergence%find_stuck(report, is_stuck)
+    if (.not. is_stuck) return
+    self%damping = max(least_damping, self%damping/2)
+    call self%sets%nesterov%rest()
+  end subroutine judge_fall
 
   !> Begin to sum the errors of all ranks.
   subroutine begin_test(self, problem, comm, report)
@@ -262,6 +289,12 @@ contains
 
     call add_impulses(problem)
   end subroutine nlgs_open
+
+  !> Take the present velocities of copies for those that a round starts from: there are none.
+  subroutine nlgs_mark(self, problem)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! this rank's part
+  end subroutine nlgs_mark
 
   !> Sweep contacts of shared bodies, the first part of a round: there are none.
   subroutine nlgs_begin_round(self, problem, report)

@@ -15,11 +15,11 @@ module sg_sweep_order
   use sg_records, only: ball_friction, ball_frictional, first_inverse, is_compact, normal_x, record_length, solid_frictional
   use sg_run_options, only: solver_options_t
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
-  use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, solid_lanes_t
+  use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, put_rows, solid_lanes_t
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none
   private
-  public :: sweep_order_t, set_order, update_order, give_impulses, list_order, lanes
+  public :: sweep_order_t, set_order, update_order, give_impulses, put_impulses, list_order, lanes
 
   !> Contacts of a group that balls with friction are swept by in vector registers
   integer, parameter :: lanes = 8
@@ -36,8 +36,8 @@ module sg_sweep_order
 
   !> Contacts in the order of the sweep
   type :: sweep_order_t
-    !> Number of contacts that a sweep visits
-    integer :: n = 0
+    !> Number of contacts that a sweep visits; and times that contacts were chosen or added
+    integer :: n = 0, serial = 0
     !> Their indices in the problem
     integer(i4), allocatable :: contact(:)
     !> Slots, records and impulses in that order; not where contacts stand side by side, unless the criterion looks at them
@@ -73,6 +73,7 @@ contains
 
     call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
     order%n = 0
+    order%serial = order%serial + 1
     order%n_groups = 0
     order%solids%n_groups = 0
     order%blocks%n = 0
@@ -137,6 +138,7 @@ contains
     is_done = order%n + count(is_added) <= size(order%contact)
     if (is_done .and. order%has_copies) is_done = order%n + count(is_added) <= size(order%pair, 2)
     if (.not. is_done) return
+    order%serial = order%serial + 1
     do k = 1, problem%n_contacts
       if (.not. is_added(k)) cycle
       order%n = order%n + 1
@@ -410,6 +412,26 @@ contains
       order%impulse(:, i) = problem%impulse(:, order%contact(i))
     end do
   end subroutine give_impulses
+
+  !> Copy impulses from the problem to the order, which holds its contacts already.
+  pure subroutine put_impulses(order, problem)
+    type(sweep_order_t), intent(inout) :: order !! its impulses are set
+    type(problem_t), intent(in) :: problem !! problem being swept
+    integer :: i, g, e
+
+    e = 0
+    do g = 1, order%n_groups
+      do i = 1, order%group_size(g)
+        e = e + 1
+        order%lane_impulse(i, :, g) = problem%impulse(1:3, order%contact(e))
+      end do
+    end do
+    if (order%solids%n_groups > 0) call put_rows(problem, order%contact(:order%n), order%solids)
+    if (.not. order%has_copies) return
+    do i = 1, order%n
+      order%impulse(:, i) = problem%impulse(:, order%contact(i))
+    end do
+  end subroutine put_impulses
 
   !> List the tables of an order.
   subroutine list_order(order, tables)

@@ -11,7 +11,8 @@ module sg_sweep_solid_order
   use sg_vectors, only: cross
   implicit none
   private
-  public :: solid_lanes_t, begin_rows, deal_chains, fill_rows, give_rows, lanes, row_length, special_length
+  public :: solid_lanes_t, begin_rows, deal_chains, fill_rows, give_rows, put_rows, lanes, row_length, special_length
+  public :: impulses_of_row
   public :: row_impulse_n, row_impulse_1, row_impulse_2, row_normal_x, row_normal_y, row_normal_z, row_tangent_x, row_tangent_y
   public :: row_tangent_z, row_arm_cx, row_arm_cy, row_arm_cz, row_arm_ax, row_arm_ay, row_arm_az, row_bias, row_inverse_wnn
   public :: row_g1, row_g2, row_s1, row_s2, row_friction, special_bias_1, special_bias_2, special_compliance_n, special_compliance_t
@@ -29,6 +30,8 @@ module sg_sweep_solid_order
   integer, parameter :: special_bias_1 = 1, special_bias_2 = 2, special_compliance_n = 3, special_compliance_t = 4
   !> Reals of a contact in a row, and of one with an uncommon law
   integer, parameter :: row_length = row_friction, special_length = special_compliance_t
+  !> Reals of the impulses of a row, which come first
+  integer, parameter :: impulses_of_row = lanes*row_impulse_2
   !> Contacts of a chain and chains of a block, at most
   integer, parameter :: most_points = 4, block_chains = 256
   !> Groups that a block may open (bits of an integer)
@@ -264,12 +267,9 @@ contains
       return
     end if
     inverse = 1/record(solid_wnn)
-    associate (n => record(normal_x:normal_z), t => record(solid_tangent_x:solid_tangent_z))
-      row(i, row_impulse_n) = n(1)*impulse(1) + n(2)*impulse(2) + n(3)*impulse(3) + record(solid_cohesion)
-      row(i, row_impulse_1) = t(1)*impulse(1) + t(2)*impulse(2) + t(3)*impulse(3)
-      row(i, row_impulse_2) = (n(2)*t(3) - n(3)*t(2))*impulse(1) + (n(3)*t(1) - n(1)*t(3))*impulse(2) &
-                              + (n(1)*t(2) - n(2)*t(1))*impulse(3)
-      row(i, row_normal_x:row_arm_az) = record(normal_x:solid_arm_az)
+    row(i, row_normal_x:row_arm_az) = record(normal_x:solid_arm_az)
+    call put_lane(record, impulse, i, row)
+    associate (n => record(normal_x:normal_z))
       ! Cohesion is in the impulse, but what yields to a law with compliance is the impulse without it.
       row(i, row_bias) = n(1)*record(solid_bias_x) + n(2)*record(solid_bias_y) + n(3)*record(solid_bias_z) &
                    - record(solid_compliance_n)*record(solid_cohesion)
@@ -280,6 +280,38 @@ contains
     row(i, row_s1:row_friction) = record(solid_s1:solid_friction)
     if (record(solid_law) > least_linear) row(i, row_friction) = -1
   end subroutine fill_lane
+
+  !> Copy impulses from the problem to the lanes.
+  pure subroutine put_rows(problem, contact, rows)
+    type(problem_t), intent(in) :: problem !! problem being swept
+    integer(i4), intent(in), contiguous :: contact(:) !! contacts in the order of the rows
+    type(solid_lanes_t), intent(inout) :: rows !! filled rows, whose impulses are set
+    integer :: row, i, e
+
+    e = 0
+    do row = 1, rows%n_rows
+      do i = 1, rows%row_size(row)
+        e = e + 1
+        associate (record => problem%record(:, contact(e)))
+          if (record(solid_law) >= 0.5_wp) call put_lane(record, problem%impulse(:, contact(e)), i, rows%row(:, :, row))
+        end associate
+      end do
+    end do
+  end subroutine put_rows
+
+  !> Write a contact's impulse, by the axes of its lane.
+  pure subroutine put_lane(record, impulse, i, row)
+    real(wp), intent(in) :: record(record_length(solid_frictional)), impulse(3)
+    integer, intent(in) :: i
+    real(wp), intent(inout) :: row(lanes, row_length)
+
+    associate (n => row(i, row_normal_x:row_normal_z), t => row(i, row_tangent_x:row_tangent_z))
+      row(i, row_impulse_n) = n(1)*impulse(1) + n(2)*impulse(2) + n(3)*impulse(3) + record(solid_cohesion)
+      row(i, row_impulse_1) = t(1)*impulse(1) + t(2)*impulse(2) + t(3)*impulse(3)
+      row(i, row_impulse_2) = (n(2)*t(3) - n(3)*t(2))*impulse(1) + (n(3)*t(1) - n(1)*t(3))*impulse(2) &
+                              + (n(1)*t(2) - n(2)*t(1))*impulse(3)
+    end associate
+  end subroutine put_lane
 
   !> Write a lane to spare: no direction, so that nothing changes.
   pure subroutine clear_lane(i, row)

@@ -1,11 +1,11 @@
-!> Solvers of contact problems given by matrices, all of them on the same problems: stacks of boxes with known velocities and
-!! resultants (their impulses are not unique), random bodies, friction from 0 to 100, one contact, none; and the parts of Newton's
-!! method.
+!> Solvers of contact problems given by matrices, all on the same problems: stacks of boxes with known velocities and resultants
+!! (impulses are not unique), random bodies, friction from 0 to 100, one contact, none; and the parts of Newton's method.
 program test_matrix_solvers
   use harness, only: tests_t
   use sg_accelerated_nlgs, only: accelerated_nlgs_t
   use sg_block_automatic, only: block_automatic_t
   use sg_block_map, only: natural_map
+  use sg_block_nesterov, only: block_nesterov_t
   use sg_block_nlgs, only: block_nlgs_t
   use sg_block_scaling, only: scale_problem
   use sg_condense, only: condense
@@ -22,7 +22,7 @@ program test_matrix_solvers
   use sg_sparse, only: multiply, sparse_from_triplets
   use sg_text, only: to_text
   implicit none
-  character(len=*), parameter :: names(4) = [character(len=12) :: 'nlgs', 'accelerated', 'proximal', 'auto']
+  character(len=12), parameter :: names(5) = [character(len=12) :: 'nlgs', 'nesterov', 'accelerated', 'proximal', 'auto']
   type(tests_t) :: tests
   type(random_t) :: random
   integer :: k, d
@@ -58,6 +58,8 @@ contains
     select case (name)
     case ('nlgs')
       allocate (block_nlgs_t :: solver)
+    case ('nesterov')
+      allocate (block_nesterov_t :: solver)
     case ('accelerated')
       allocate (accelerated_nlgs_t :: solver)
     case ('proximal')
@@ -227,7 +229,7 @@ contains
       if (errors%e1 <= solver%options%tolerance .and. report%is_converged) solved = solved + 1
       if (abs(errors%e1 - report%e1) <= 1e-3_wp*errors%e1) same = same + 1
     end do
-    if (name == 'nlgs' .or. name == 'accelerated') then
+    if (any(name == [character(len=12) :: 'nlgs', 'nesterov', 'accelerated'])) then
       ! With much friction sweeps can go round in circles for ever: they do in the plane, on the sixth.
       call tests%check(solved >= 9, name//': random problems solved')
     else
@@ -493,7 +495,6 @@ contains
       problem%r(:, a) = scale(a)*scaled%r(:, a)
     end do
     errors = errors_of(problem, problem%r)
-    ! e8 knows no units: the answer is as good as it was without them.
     call tests%near(errors%e8, 0.0_wp, 1e-8_wp, 'an answer brought back to its units')
   end subroutine units_are_left_behind
 end program test_matrix_solvers

@@ -37,7 +37,8 @@ contains
   !> One problem, by the default, by proximal points, and for ten thousand iterations by sweeps.
   subroutine try_all(name)
     character(len=*), intent(in) :: name
-    character(len=*), parameter :: solvers(4) = [character(len=12) :: 'auto', 'proximal', 'accelerated', 'nlgs']
+    character(len=*), parameter :: solvers(5) = &
+      [character(len=12) :: 'auto', 'proximal', 'accelerated', 'nesterov', 'nlgs']
     type(matrix_problem_t) :: problem
     type(matrix_options_t) :: options
     type(matrix_errors_t) :: errors

@@ -89,7 +89,7 @@ contains
       if (methods(i)%runs_alone()) then
         call t%check(allocated(error) .and. .not. allocated(solver), name//' does not run on two ranks')
         if (allocated(error)) call t%check(error%message == 'solver "'//name//'" does not run on several ranks; use method = '// &
-                                           '"nlgs"', name//': '//error%message)
+                                           '"nlgs" or "nesterov"', name//': '//error%message)
       else
         call check_made(name//' on two ranks', allocated(solver), error, .false.)
       end if

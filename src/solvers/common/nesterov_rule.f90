@@ -1,0 +1,68 @@
+!> Share of their last change by which sweeps with momentum go on: Nesterov's sequence [Nesterov1983] with restarts
+!! [ODonoghueCandes2015] (doc/theory/nesterov.md).
+!!
+!! x_k is the result of sweep k, y_k what it started from, g = x_k - y_k, d = x_k - x_(k-1). The next sweep starts from
+!! y_(k+1) = x_k + b d.
+module sg_nesterov_rule
+  use sg_kinds, only: wp
+  implicit none
+  private
+  public :: nesterov_rule_t
+
+  !> Growth of |g|, over the least since the last restart, that restarts: a contact has changed its status, or rounds overshoot
+  real(wp), parameter :: most_growth = 1.1_wp
+  !> Largest share: max(0.85, 1 - 6/sweeps). One near 1 after few sweeps drives slow modes beyond their goal, which e8 hardly shows
+  real(wp), parameter :: most_share = 0.85_wp, sweeps_to_one = 6
+  !> Sweeps of the first pause; each one is twice as long as the one before
+  integer, parameter :: first_pause = 40
+
+  !> Where the sequence stands
+  type :: nesterov_rule_t
+    private
+    !> Sweeps so far, those of the next pause, and those at which the present one ends
+    integer :: sweeps = 0, pause = first_pause, end_of_pause = 0
+    !> Nesterov's t, and the least square of a sweep's change since the last restart
+    real(wp) :: t = 1, least = huge(1.0_wp)
+  contains
+    procedure :: next => rule_next
+    procedure :: rest => rule_rest
+  end type nesterov_rule_t
+
+contains
+
+  !> The share by which the sweep after the last one starts further.
+  pure subroutine rule_next(self, sums, has_sums, share)
+    class(nesterov_rule_t), intent(inout) :: self
+    real(wp), intent(in) :: sums(2) !! sum of the squares of g, and of the products of g with d
+    logical, intent(in) :: has_sums !! are these sums known? Where they are not, the sequence goes on without a test
+    real(wp), intent(out) :: share !! b, at least 0 and below 1
+    real(wp) :: last
+
+    self%sweeps = self%sweeps + 1
+    share = 0
+    if (self%sweeps <= self%end_of_pause .or. (has_sums .and. must_restart(self%least, sums))) then
+      self%t = 1
+      self%least = huge(self%least)
+      return
+    end if
+    if (has_sums) self%least = min(self%least, sums(1))
+    last = self%t
+    self%t = (1 + sqrt(1 + 4*last**2))/2
+    share = min((last - 1)/self%t, max(most_share, 1 - sweeps_to_one/real(self%sweeps, wp)))
+  end subroutine rule_next
+
+  !> Has the change of a sweep grown, or does it point back?
+  pure logical function must_restart(least, sums)
+    real(wp), intent(in) :: least, sums(2)
+
+    must_restart = .not. (sums(1)/most_growth**2 <= least .and. sums(2) >= 0)
+  end function must_restart
+
+  !> Pause, since the error does not fall: plain sweeps have their turn.
+  pure subroutine rule_rest(self)
+    class(nesterov_rule_t), intent(inout) :: self
+
+    self%end_of_pause = self%sweeps + self%pause
+    self%pause = 2*self%pause
+  end subroutine rule_rest
+end module sg_nesterov_rule

@@ -1,0 +1,128 @@
+!> Sweeps with momentum beside plain ones, of one rank and of several: the same velocities from fewer sweeps, velocities that are
+!! those of the impulses, in all orders and through many choices of the active set; and plain sweeps where momentum is not taken.
+!! Run by any number of ranks.
+program test_nesterov
+  use harness, only: tests_t
+  use packs, only: advance_pack, can_be_made, next_problem, pack_deck, pack_names, start_pack
+  use sg_choose_solver, only: choose_solver
+  use sg_comm, only: comm_t
+  use sg_compact, only: add_impulses
+  use sg_error, only: error_t
+  use sg_kinds, only: wp
+  use sg_nlgs, only: nlgs_t
+  use sg_problem, only: problem_t
+  use sg_records, only: first_inverse
+  use sg_report, only: report_t
+  use sg_simulation, only: decompose, simulation_t
+  use sg_solver, only: solver_t
+  use sg_text, only: to_text
+  implicit none
+  real(wp), parameter :: tolerance = 1e-7_wp
+  type(tests_t) :: t
+  type(comm_t) :: comm
+  integer :: i
+
+  call comm%start()
+  do i = 1, size(pack_names)
+    if (can_be_made(trim(pack_names(i)))) call test_pack(trim(pack_names(i)))
+  end do
+  call t%finish(comm)
+
+contains
+
+  !> One problem of a settling pack: by the orders of one rank, or by the couplings of several.
+  subroutine test_pack(name)
+    character(len=*), intent(in) :: name
+    character(len=9), parameter :: orders(4) = [character(len=9) :: 'groups', 'natural', 'coloured', 'shuffled']
+    character(len=8), parameter :: gluings(2) = [character(len=8) :: 'dual', 'primal']
+    type(simulation_t) :: sim
+    type(problem_t) :: problem
+    type(error_t), allocatable :: error
+    integer :: i
+
+    call start_pack(t, comm, name, pack_deck(name), 1e-4_wp, sim)
+    call advance_pack(t, name, sim, 150)
+    sim%comm = comm
+    call decompose(sim, error)
+    call t%check(.not. allocated(error), name//': is split')
+    call next_problem(sim, problem)
+    if (comm%size == 1) then
+      do i = 1, size(orders)
+        sim%options%solver%order = orders(i)
+        call compare(name//', '//trim(orders(i)), sim, problem)
+      end do
+    else
+      do i = 1, size(gluings)
+        sim%options%partition%gluing = gluings(i)
+        call compare(name//', '//trim(gluings(i)), sim, problem)
+      end do
+    end if
+  end subroutine test_pack
+
+  !> Solve with and without momentum, from nothing, tested and chosen again every few sweeps.
+  subroutine compare(name, sim, problem)
+    character(len=*), intent(in) :: name
+    type(simulation_t), intent(inout) :: sim
+    type(problem_t), intent(in) :: problem
+    type(problem_t) :: plain, pushed
+    type(report_t) :: before, after
+    real(wp) :: speed, difference
+    logical :: has_corners
+
+    has_corners = index(name, 'poly') == 1
+    call solve(sim, 'nlgs', problem, plain, before)
+    call solve(sim, 'nesterov', problem, pushed, after)
+    call t%check(before%is_converged .and. after%is_converged, name//': both converge')
+    call t%check(after%e8 <= tolerance, name//': to the tolerance')
+    ! Pauses bound what momentum may cost where it does not help, as at angular grains to tight tolerances.
+    call t%check(after%sweeps <= merge(2, 1, has_corners)*before%sweeps + 7, name//': '//to_text(after%sweeps)// &
+                 ' sweeps instead of '//to_text(before%sweeps))
+    if (comm%size == 1) call check_velocities(name, problem, pushed)
+    associate (width => first_inverse(problem%kind) - 1)
+      speed = maxval([0.0_wp, abs(problem%body(:width, :))])
+      difference = maxval([0.0_wp, abs(plain%body(:width, :) - pushed%body(:width, :))])
+    end associate
+    call comm%maximum(speed)
+    call comm%maximum(difference)
+    ! e8 of 1e-7 through the condition of W of a few hundred grains, some 1e4; free velocities are about gravity times step.
+    ! Angular grains with friction have more than one.
+    if (.not. has_corners) call t%near(difference/speed, 0.0_wp, 1e-3_wp, name//': one solution')
+  end subroutine compare
+
+  !> Velocities are those that the impulses cause, up to the rounding of some thousand sweeps.
+  subroutine check_velocities(name, problem, solved)
+    character(len=*), intent(in) :: name
+    type(problem_t), intent(in) :: problem, solved
+    type(problem_t) :: again
+
+    again = solved
+    again%body = problem%body
+    call add_impulses(again)
+    call t%near(maxval(abs(again%body - solved%body)), 0.0_wp, 1e-10_wp, name//': velocities are those of the impulses')
+  end subroutine check_velocities
+
+  !> Solve a copy of a problem by a method of the list.
+  subroutine solve(sim, method, problem, solved, report)
+    type(simulation_t), intent(inout) :: sim
+    character(len=*), intent(in) :: method
+    type(problem_t), intent(in) :: problem
+    type(problem_t), intent(out) :: solved
+    type(report_t), intent(out) :: report
+    class(solver_t), allocatable :: solver
+    type(error_t), allocatable :: error
+
+    solved = problem
+    sim%options%solver%method = method
+    sim%options%solver%tolerance = tolerance
+    sim%options%solver%maximum_sweeps = 50000
+    sim%options%solver%check_every = 7
+    sim%options%solver%warm_start = .false.
+    call choose_solver(sim%options%solver, sim%options%partition, comm%size, solver, error)
+    select type (solver)
+    class is (nlgs_t)
+      call t%check(solver%has_momentum .eqv. method == 'nesterov', method//': momentum as the name says')
+    end select
+    if (comm%size == 1) call solver%solve(solved, report)
+    if (comm%size > 1) call solver%solve(solved, sim%decomposition%subdomain%by_slot(sim%pairs%slot_of), sim%comm, report)
+  end subroutine solve
+end program test_nesterov
