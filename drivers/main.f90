@@ -25,7 +25,7 @@ program splitgrain
   code = exit_done
   call survive_full_disks()
   call read_arguments(arguments, error)
-  ! A study is another program, and starts ranks itself: it begins before there are any.
+  ! A study is another program, which starts this one again: it begins before there are ranks.
   if (.not. allocated(error) .and. arguments%command == 'study' .and. .not. asks_for_help()) call study_command(error)
   call comm%start()
   call comm%agree(error)

@@ -125,7 +125,7 @@ def test_time_from_which_a_column_stays_below():
     ("[choice]", "[choice]\nmeasure = 'weight'", 4, "there is no measure 'weight'"),
     ('["twenty", 1e-2]', '["thirty", 1e-2]', 4, "'present' of [choice] should be"),
     ("values = [1e-2]", "values = [1e-3]", 19, "'values' of [variant] should be some of those that are varied"),
-    ("values = [1e-2]", "ranks = 0", 19, "'ranks' of [variant] should be above 0"),
+    ("values = [1e-2]", "parts = 0", 19, "'parts' of [variant] should be above 0"),
     ("tolerances = [1e-1, 1e-2, 1e-5]", "subdomains = [1, 2]", 3, "a choice is made among runs at several tolerances"),
 ])  # fmt: skip
 def test_mistakes(tmp_path, capsys, old, new, line, sentence):

@@ -395,8 +395,6 @@ def test_limit_of_time(tmp_path):
 
 @with_program
 def test_subdomains(tmp_path):
-    if not shutil.which("mpiexec") or "MPI       off" in subprocess.run([PROGRAM, "--version"], capture_output=True, text=True).stdout:
-        pytest.skip("no mpiexec, or a program built without MPI")
     deck = DECKS / "decomposition" / "packing.toml"
     text = f"""subdomains = [1, 2]
 [[case]]

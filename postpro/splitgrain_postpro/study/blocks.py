@@ -10,7 +10,7 @@ from .study_file import StudyFile
 # Key: kinds allowed. A list is of numbers, a table of settings.
 CASE = {"name": (str,), "files": (str, list), "deck": (str,), "dump": (int, list), "set": (dict,), "from": (int,), "steps": (int,),
         "kind": (str,)}  # fmt: skip
-VARIANT = {"name": (str,), "solver": (str,), "guess": (bool,), "iterations": (int,), "set": (dict,), "values": (list,), "ranks": (int,)}  # fmt: skip
+VARIANT = {"name": (str,), "solver": (str,), "guess": (bool,), "iterations": (int,), "set": (dict,), "values": (list,), "parts": (int,)}  # fmt: skip
 MEASURE = {"name": (str,), "column": (str,), "below": (int, float), "body": (int,), "component": (str,), "bodies": (str,),
            "closed_form": (str, int, float), "over": (str,), "unit": (str,), "against": (str,)}  # fmt: skip
 OVER = ("end", "mean", "largest")
@@ -60,7 +60,7 @@ def cases_of_files(file: StudyFile, block: dict, number: int) -> list[Case]:
 def variant_of(file: StudyFile, block: dict, number: int, of_problems: bool, values: Sequence[float] = ()) -> Variant:
     """One variant; `values` are those of the axis."""
     file.table_of(block, VARIANT, "variant", number)
-    for key in ("set", "ranks") if of_problems else ("solver", "guess", "iterations"):
+    for key in ("set", "parts") if of_problems else ("solver", "guess", "iterations"):
         if key in block:
             kind = "runs" if of_problems else "contact problems"
             file.fail(f"'{key}' belongs to variants of {kind}", "variant", number, key)
@@ -69,10 +69,10 @@ def variant_of(file: StudyFile, block: dict, number: int, of_problems: bool, val
         file.fail("a variant needs a name", "variant", number)
     if not set(block.get("values", [])) <= set(values):
         file.fail("'values' of [variant] should be some of those that are varied", "variant", number, "values")
-    if block.get("ranks", 1) < 1:
-        file.fail("'ranks' of [variant] should be above 0", "variant", number, "ranks")
+    if block.get("parts", 1) < 1:
+        file.fail("'parts' of [variant] should be above 0", "variant", number, "parts")
     return Variant(name, block.get("solver", DEFAULT_SOLVER), block.get("guess", False), block.get("iterations", 0),
-                   block.get("set", {}), block.get("ranks", 1), block.get("values", []))  # fmt: skip
+                   block.get("set", {}), block.get("parts", 1), block.get("values", []))  # fmt: skip
 
 
 def measure_of(file: StudyFile, block: dict, number: int, study: Study) -> Measure:

@@ -45,7 +45,7 @@ def run_study(arguments: Namespace) -> int:
 def _study(arguments):
     """Read, run, report."""
     if int(os.environ.get("OMPI_COMM_WORLD_SIZE", os.environ.get("PMI_SIZE", "1"))) > 1:
-        raise StudyError("a study starts ranks itself: call it without mpiexec")
+        raise StudyError("each run of a study is one process, also with several subdomains: call it without mpiexec")
     if gives_verdicts(StudyFile(arguments.study).table):
         return _verdicts(arguments)
     study = read_study(arguments.study)

@@ -105,7 +105,9 @@ def settings_of(study: Study, case: Case, variant: Variant, value: float) -> dic
         settings["output.record_every"] = 1
     if case.start:
         settings["start"] = [case.start, case.settings]
-    settings["ranks"] = int(value) if study.axis == "subdomains" else variant.ranks
+    parts = int(value) if study.axis == "subdomains" else variant.parts
+    if parts > 1:
+        settings["partition.parts"] = parts
     settings["measures"] = [vars(measure) | {"name": "", "unit": "", "closed_form": "", "against": ""} for measure in study.measures]
     return settings
 

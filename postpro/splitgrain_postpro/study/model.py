@@ -39,7 +39,7 @@ class Variant:
     guess: bool = False
     iterations: int = 0
     settings: dict = field(default_factory=dict)
-    ranks: int = 1
+    parts: int = 1
     # Values of the axis that it is run at; all where there are none.
     values: list = field(default_factory=list)
 

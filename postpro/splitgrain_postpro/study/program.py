@@ -13,7 +13,8 @@ from pathlib import Path
 
 from ..errors import StudyError
 
-ROOT_IS_MEANT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMP_WAIT_POLICY": "passive"}
+#: Threads that wait leave the processor to others
+IDLE_WAITING = {"OMP_WAIT_POLICY": "passive"}
 
 
 class Program:
@@ -34,24 +35,20 @@ class Program:
         self.version = " ".join([lines[0], *(line.split()[1] for line in lines if line.startswith("commit"))])
         self.running, self.lock, self.is_stopped = set(), threading.Lock(), False
 
-    def call(self, words: Sequence, seconds: float, ranks: int = 1) -> tuple[int | None, str, str]:
+    def call(self, words: Sequence, seconds: float) -> tuple[int | None, str, str]:
         """Run the program; exit code (None when CPU time ran out), what it printed, and the first line of its errors, warnings left out."""
         words = [self.path, *map(str, words)]
-        if ranks > 1:
-            words = ["mpiexec", "--oversubscribe", "-n", str(ranks), *words]
-        if not shutil.which(words[0]):
-            raise StudyError("there is no mpiexec, which several subdomains need")
         # The shell sets the limit and becomes the program.
         limit = ["/bin/sh", "-c", 'ulimit -t "$0" && exec "$@"', str(math.ceil(seconds))]
         with self.lock:
             if self.is_stopped:
                 raise InterruptedError
-            environment = {name: value for name, value in os.environ.items() if name != "TMPDIR"} | ROOT_IS_MEANT
+            environment = {name: value for name, value in os.environ.items() if name != "TMPDIR"} | IDLE_WAITING
             process = subprocess.Popen(limit + words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                        stdin=subprocess.DEVNULL, start_new_session=True, env=environment)  # fmt: skip
             self.running.add(process)
         try:
-            printed, errors = process.communicate(timeout=60 + 30 * ranks * seconds)
+            printed, errors = process.communicate(timeout=60 + 30 * seconds)
         except subprocess.TimeoutExpired:
             end(process)
             printed, errors = process.communicate()

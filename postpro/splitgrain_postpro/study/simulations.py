@@ -28,8 +28,7 @@ PHASES = ("cpu_predict", "cpu_detect", "cpu_assemble", "cpu_solve", "cpu_update"
 
 def run_simulation(job: Job, store: Store, program: Program) -> Result:
     """Run a deck; how it ended, its cost, its errors, and what its measures need."""
-    settings = {name: value for name, value in job.settings.items() if name not in ("ranks", "measures", "start")}
-    ranks = job.settings.get("ranks", 1)
+    settings = {name: value for name, value in job.settings.items() if name not in ("measures", "start")}
     with store.scratch() as place:
         words = ["run", job.case.file.resolve(), "--output", place / "run", "--quiet", "--force"] + settings_words(settings)
         before = {}
@@ -37,7 +36,7 @@ def run_simulation(job: Job, store: Store, program: Program) -> Result:
             state = state_folder(job, store)
             words += ["--restart", state]
             before = read_run(state)
-        code, _, message = program.call(words, job.seconds, ranks)
+        code, _, message = program.call(words, job.seconds * settings.get("partition.parts", 1))
         run = read_run(place / "run")
         if code is None:
             return {"status": "time limit", "reason": message, "cpu_seconds": None}
