@@ -92,7 +92,8 @@ contains
     case (task_resize)
       takes = .not. (field%is_there .and. all(now == [field%components, self%n]))
       self%from = [(int(i, i4), i=1, min(now(2), self%n))]
-      self%to = self%from
+      if (allocated(self%to)) deallocate (self%to)
+      allocate (self%to, source=self%from)
       self%is_read = size(self%from) > 0
       self%is_written = self%is_read .and. field%is_there
       call open_table(self, min(now(1), field%components))

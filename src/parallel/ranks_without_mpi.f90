@@ -51,7 +51,7 @@ contains
 
   module procedure ranks_begin_sum
   if (allocated(self%receiving)) deallocate (self%receiving)
-  self%receiving = values
+  allocate (self%receiving, source=values)
   end procedure ranks_begin_sum
 
   module procedure ranks_finish_sum

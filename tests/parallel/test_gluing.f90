@@ -33,6 +33,7 @@ program test_gluing
   call test_all('periodic disks')
   call test_all('spheres')
   if (can_be_made('polyhedra')) call test_all('polyhedra')
+  deallocate (gluings)
   call t%finish(comm)
 
 contains

@@ -84,6 +84,7 @@ program test_parts
     call test_deck('spheres_in_a_box', 4, 'partition.gluing=momentum partition.every=3', goes_on=.false.)
   end if
   call test_ranks()
+  deallocate (split)
   call t%finish(comm)
 
 contains

@@ -14,7 +14,7 @@ module sg_nesterov_rule
   !> Largest share: max(0.85, 1 - 6/sweeps). One near 1 after few sweeps drives slow modes beyond their goal, which e8 hardly shows
   real(wp), parameter :: most_share = 0.85_wp, sweeps_to_one = 6
   !> Sweeps of the first pause; each one is twice as long as the one before
-  integer, parameter :: first_pause = 40
+  integer, parameter :: first_pause = 40, longest_pause = 2**24
 
   !> Where the sequence stands
   type :: nesterov_rule_t
@@ -58,11 +58,12 @@ contains
     must_restart = .not. (sums(1)/most_growth**2 <= least .and. sums(2) >= 0)
   end function must_restart
 
-  !> Pause, since the error does not fall: plain sweeps have their turn.
+  !> Pause, since the error does not fall: plain sweeps have their turn. Nothing changes while they have it.
   pure subroutine rule_rest(self)
     class(nesterov_rule_t), intent(inout) :: self
 
+    if (self%sweeps < self%end_of_pause) return
     self%end_of_pause = self%sweeps + self%pause
-    self%pause = 2*self%pause
+    self%pause = min(2*self%pause, longest_pause)
   end subroutine rule_rest
 end module sg_nesterov_rule

@@ -48,6 +48,7 @@ program test_partition_keys
   call read_keys('imbalance = 1.0', 'must be larger than 1')
   call test_own_keys()
   call test_former_keys()
+  deallocate (warning)
   call t%finish()
 
 contains
