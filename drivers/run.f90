@@ -16,7 +16,7 @@ module sg_run
   use sg_run_lock, only: release_lock, take_lock
   use sg_run_summary, only: run_failed, run_summary_t, write_run_summary
   use sg_shared_start, only: check_shared_start
-  use sg_signature, only: signature_of
+  use sg_signature, only: signature_of_replicated
   use sg_simulate, only: simulate
   use sg_simulation, only: simulation_t
   use sg_subdomain_runs, only: run_subdomains, subdomain_program_t
@@ -198,7 +198,7 @@ contains
     integer :: i
 
     digits = fingerprint(sim%options%deck_text//sim%options%folder//restart)
-    own = [(real(iachar(digits(i:i)), wp), i=1, len(digits)), signature_of(sim%scene, is_common=.true.), &
+    own = [(real(iachar(digits(i:i)), wp), i=1, len(digits)), signature_of_replicated(sim%scene), &
            real(ibits(digest, 0, 32), wp), real(ibits(digest, 32, 32), wp)]
     first = own
     call sim%comm%broadcast(first, 0)

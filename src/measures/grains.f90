@@ -23,21 +23,34 @@ module sg_grains
     real(wp) :: mean_radius = 0
   end type grains_t
 
+  !> Count and weigh the grains that ranks share, or that one rank holds
+  interface count_grains
+    module procedure count_shared_grains, count_own_grains
+  end interface count_grains
+
 contains
 
-  !> Count and weigh all grains. Where ranks are given, those of all of them: collective.
-  subroutine count_grains(bodies, grains, comm)
+  !> Count and weigh the grains of all ranks. Collective.
+  subroutine count_shared_grains(bodies, grains, comm)
     type(bodies_t), intent(in) :: bodies !! bodies of this rank
     type(grains_t), intent(out) :: grains !! their grains
-    type(comm_t), intent(inout), optional :: comm !! the ranks of a decomposed scene
+    type(comm_t), intent(inout) :: comm !! the ranks
     type(tally_t) :: tally
 
     tally%pass = pass_sums
-    if (present(comm)) tally%is_shared = comm%size > 1
     call sum_grains(bodies, tally)
     call tally%reduce(comm)
     grains = grains_of(tally)
-  end subroutine count_grains
+  end subroutine count_shared_grains
+
+  !> Count and weigh the grains of one rank.
+  subroutine count_own_grains(bodies, grains)
+    type(bodies_t), intent(in) :: bodies !! bodies of this rank
+    type(grains_t), intent(out) :: grains !! their grains
+    type(comm_t) :: alone
+
+    call count_shared_grains(bodies, grains, alone)
+  end subroutine count_own_grains
 
   !> Sums over the grains, for indicators that are means over them.
   pure subroutine sum_grains(bodies, tally)

@@ -35,6 +35,11 @@ module sg_measures
     procedure :: get => measures_get
   end type measures_t
 
+  !> Measure a scene that ranks share, or that one rank holds
+  interface measure
+    module procedure measure_shared, measure_alone
+  end interface measure
+
 contains
 
   !> THE list: one line per indicator, in the order of columns (doc/guide/results.md has their meanings and units).
@@ -63,20 +68,20 @@ contains
     call measure_bonds(scene, contacts, tally)
   end subroutine visit_indicators
 
-  !> Measure everything. In a decomposed scene all ranks call this, and all get the measures of the whole scene.
-  subroutine measure(scene, contacts, h, energy, measures, subdomain, comm)
+  !> Measure everything. Collective: all ranks get the measures of the whole scene.
+  subroutine measure_shared(scene, contacts, h, energy, measures, subdomain, comm)
     type(scene_t), intent(in) :: scene !! scene after the update
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
     type(energy_t), intent(in) :: energy !! works since the start
     type(measures_t), intent(out) :: measures !! the indicators
-    type(subdomain_t), intent(in), optional :: subdomain !! which ranks hold which bodies; with `comm`
-    type(comm_t), intent(inout), optional :: comm !! the ranks of a decomposed scene
+    type(subdomain_t), intent(in) :: subdomain !! which ranks hold which bodies
+    type(comm_t), intent(inout) :: comm !! the ranks
     type(tally_t) :: tally
     type(touching_t) :: touching
     real(wp) :: neighbours(1, scene%bodies%n)
 
-    if (present(comm) .and. present(subdomain)) tally%is_shared = comm%size > 1
+    tally%is_shared = comm%size > 1
     tally%h = h
     tally%has_bonds = contacts%n_internal >= bond_slip
     touching = touching_pairs(contacts, scene%bodies%n)
@@ -90,7 +95,20 @@ contains
       call tally%reduce(comm)
     end do
     call move_alloc(tally%column, measures%column)
-  end subroutine measure
+  end subroutine measure_shared
+
+  !> Measure a scene that one rank holds.
+  subroutine measure_alone(scene, contacts, h, energy, measures)
+    type(scene_t), intent(in) :: scene !! scene after the update
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    real(wp), intent(in) :: h !! time step [s]
+    type(energy_t), intent(in) :: energy !! works since the start
+    type(measures_t), intent(out) :: measures !! the indicators
+    type(subdomain_t) :: undivided
+    type(comm_t) :: alone
+
+    call measure_shared(scene, contacts, h, energy, measures, undivided, alone)
+  end subroutine measure_alone
 
   !> Columns of a scene that is not measured yet: their values are zero.
   pure function unmeasured(dimension, has_bonds) result(measures)

@@ -99,10 +99,10 @@ contains
   !> End a visit: combine over all ranks what it has put, by one message, and go on to the next.
   subroutine tally_reduce(self, comm)
     class(tally_t), intent(inout) :: self
-    type(comm_t), intent(inout), optional :: comm !! the ranks of a decomposed scene
+    type(comm_t), intent(inout) :: comm !! the ranks
 
-    if (self%is_shared .and. self%pass == pass_largest) call comm%maximum(self%largest%value)
-    if (self%is_shared .and. self%pass == pass_sums) call comm%sum(self%sums%value)
+    if (comm%size > 1 .and. self%pass == pass_largest) call comm%maximum(self%largest%value)
+    if (comm%size > 1 .and. self%pass == pass_sums) call comm%sum(self%sums%value)
     self%pass = self%pass + 1
   end subroutine tally_reduce
 

@@ -8,53 +8,94 @@ module sg_signature
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: signature_of, n_signature
+  public :: signature_of, signature_of_replicated, n_signature
 
   !> Numbers of a scene's signature
   integer, parameter :: n_signature = 6
+  !> Those of them that are sums over the bodies
+  integer, parameter :: n_sums = 5
   !> Prime below 2^31: products of two remainders fit into a word
   integer(i8), parameter :: modulus = 2147483647_i8
 
+  !> Signature of a scene: numbers of bodies, contactors and drives, and sums over masses, moments of inertia and reaches
+  interface signature_of
+    module procedure signature_of_parts, signature_of_whole
+  end interface signature_of
+
 contains
 
-  !> Signature of a scene: numbers of bodies, contactors and drives, and sums over masses, moments of inertia and reaches.
-  function signature_of(scene, comm, is_common) result(signature)
-    type(scene_t), intent(in) :: scene !! whole scene, or the part of a rank
-    type(comm_t), intent(inout), optional :: comm !! ranks that share the scene, all of which call this
-    logical, intent(in), optional :: is_common !! do only bodies count that all ranks hold? Then one rank may call it alone
+  !> Signature of a scene of which each rank holds a part. Collective.
+  function signature_of_parts(scene, comm) result(signature)
+    type(scene_t), intent(in) :: scene !! part of this rank
+    type(comm_t), intent(inout) :: comm !! ranks that share the scene
     real(wp) :: signature(n_signature)
-    integer(i8) :: sums(3), n(2)
-    integer :: b, c
+    integer(i8) :: sums(n_sums)
+    integer :: b
+
+    call add_up(scene, [(b <= scene%bodies%n_own, b=1, scene%bodies%n)], sums)
+    if (allocated(scene%bodies%id)) call comm%sum(sums)
+    signature = joined(scene, sums)
+  end function signature_of_parts
+
+  !> Signature of a scene that one rank holds.
+  function signature_of_whole(scene) result(signature)
+    type(scene_t), intent(in) :: scene !! whole scene
+    real(wp) :: signature(n_signature)
+    type(comm_t) :: alone
+
+    signature = signature_of_parts(scene, alone)
+  end function signature_of_whole
+
+  !> Signature of the bodies that all ranks hold; of all own ones where a scene is not shared.
+  function signature_of_replicated(scene) result(signature)
+    type(scene_t), intent(in) :: scene !! whole scene, or the part of a rank
+    real(wp) :: signature(n_signature)
+    integer(i8) :: sums(n_sums)
     logical :: counts(scene%bodies%n)
+    integer :: b
+
+    counts = [(b <= scene%bodies%n_own, b=1, scene%bodies%n)]
+    if (allocated(scene%bodies%owner)) counts = scene%bodies%owner < 0
+    call add_up(scene, counts, sums)
+    signature = joined(scene, sums)
+  end function signature_of_replicated
+
+  !> Numbers of bodies and contactors, and sums over masses, moments of inertia and reaches, as remainders.
+  subroutine add_up(scene, counts, sums)
+    type(scene_t), intent(in) :: scene
+    logical, intent(in) :: counts(:) !! which bodies, with their contactors
+    integer(i8), intent(out) :: sums(n_sums)
+    integer :: b, c
 
     sums = 0
-    n = 0
-    counts = [(b <= scene%bodies%n_own, b=1, scene%bodies%n)]
-    if (present(is_common) .and. allocated(scene%bodies%owner)) counts = scene%bodies%owner < 0
     associate (bodies => scene%bodies, contactors => scene%contactors)
       do b = 1, bodies%n
         if (.not. counts(b)) cycle
-        n(1) = n(1) + 1
-        sums(1) = sums(1) + weighted(bodies%mass(b), number_of(bodies%id, b))
+        sums(1) = sums(1) + 1
+        sums(3) = sums(3) + weighted(bodies%mass(b), number_of(bodies%id, b))
         if (scene%dimension == 2) then
-          sums(2) = sums(2) + weighted(bodies%inertia(b), number_of(bodies%id, b))
+          sums(4) = sums(4) + weighted(bodies%inertia(b), number_of(bodies%id, b))
         else
-          sums(2) = sums(2) + weighted(sum(bodies%principal(:, b)), number_of(bodies%id, b))
+          sums(4) = sums(4) + weighted(sum(bodies%principal(:, b)), number_of(bodies%id, b))
         end if
       end do
       do c = 1, contactors%n
         if (.not. counts(contactors%body(c))) cycle
-        n(2) = n(2) + 1
-        sums(3) = sums(3) + weighted(contactors%reach(c), number_of(contactors%id, c))
+        sums(2) = sums(2) + 1
+        sums(5) = sums(5) + weighted(contactors%reach(c), number_of(contactors%id, c))
       end do
     end associate
-    sums = modulo(sums, modulus)
-    if (present(comm) .and. allocated(scene%bodies%id)) then
-      call comm%sum(n)
-      call comm%sum(sums)
-    end if
-    signature = [real(n, wp), real(modulo(sums, modulus), wp), real(size(scene%drives), wp)]
-  end function signature_of
+    sums(3:) = modulo(sums(3:), modulus)
+  end subroutine add_up
+
+  !> Signature from sums over all ranks.
+  pure function joined(scene, sums) result(signature)
+    type(scene_t), intent(in) :: scene
+    integer(i8), intent(in) :: sums(n_sums)
+    real(wp) :: signature(n_signature)
+
+    signature = [real(sums(:2), wp), real(modulo(sums(3:), modulus), wp), real(size(scene%drives), wp)]
+  end function joined
 
   !> A value as a remainder, weighted.
   pure integer(i8) function weighted(value, weight)

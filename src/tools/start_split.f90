@@ -156,6 +156,7 @@ contains
     character(len=*), intent(in) :: folder !! folder for the pictures
     type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
     type(pictures_t) :: pictures
+    type(comm_t) :: alone
 
     if (has_results(folder)) then
       call fail(error, 'this folder holds results of a run: --picture must name another one', file=folder)
@@ -164,7 +165,7 @@ contains
     end if
     if (allocated(error)) return
     sim%options%folder = folder
-    call pictures%open(sim%scene, sim%options, -1, error)
+    call pictures%open(sim%scene, sim%options, -1, error, alone)
     if (.not. allocated(error)) call pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, error, part - 1_i4)
     if (.not. allocated(error)) call pictures%close(error)
   end subroutine draw_split

@@ -44,7 +44,7 @@ contains
     type(hdf5_file_t) :: file
 
     if (ranks%rank == 0) call remove_file(part_of(name))
-    call create(file, part_of(name), ranks)
+    call file%create(part_of(name), ranks)
     if (is_global) call write_global(file, pieces, title, description)
     if (.not. is_global) call write_local(file, pieces, title, description)
     call write_states(file, pieces, is_global)
@@ -53,19 +53,6 @@ contains
     if (ranks%rank == 0) call settle_file(part_of(name), name, error)
     call ranks%agree(error)
   end subroutine write_form
-
-  !> Make a file, which several ranks share.
-  subroutine create(file, name, comm)
-    type(hdf5_file_t), intent(inout) :: file
-    character(len=*), intent(in) :: name
-    type(comm_t), intent(in) :: comm
-
-    if (comm%size == 1) then
-      call file%create(name)
-    else
-      call file%create(name, comm)
-    end if
-  end subroutine create
 
   !> Write the local form.
   subroutine write_local(file, pieces, title, description)

@@ -47,11 +47,11 @@ contains
     type(run_options_t), intent(in) :: options !! folder, precision, compression, hash of the deck, time step
     integer, intent(in) :: resumed_step !! step of the checkpoint, after which pictures are dropped; negative for a new run
     type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
-    type(comm_t), intent(in), optional :: comm !! ranks that share the scene; absent where it is not shared
+    type(comm_t), intent(in) :: comm !! ranks that share the scene
     type(bodies_t) :: block
     type(block_distribution_t) :: rows
 
-    if (present(comm)) self%comm = comm
+    self%comm = comm
     if (self%comm%size > 1) then
       call order_bodies(scene%bodies, self%comm, rows, block, error)
       if (allocated(error)) return

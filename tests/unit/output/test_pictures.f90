@@ -5,6 +5,7 @@
 program test_pictures
   use harness, only: tests_t
   use sg_bodies, only: drop_rotation
+  use sg_comm, only: comm_t
   use sg_contactors, only: add_disk, add_hollow, add_polygon, add_segment
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: error_t, exit_output
@@ -20,6 +21,7 @@ program test_pictures
   !> Period of the scene [m], time step [s], and velocity of the grains [m/s]
   real(wp), parameter :: period = 10, h = 0.01_wp, velocity = 2
   type(tests_t) :: t
+  type(comm_t) :: alone
 
   if (command_argument_count() > 0) call write_endlessly()
   if (hdf5_is_available()) then
@@ -131,7 +133,7 @@ contains
     options%output_single = is_single
     options%output_compressed = is_compressed
     scene = some_scene()
-    call pictures%open(scene, options, -1, error)
+    call pictures%open(scene, options, -1, error, alone)
     call t%check(.not. allocated(error), 'the files are made')
     call write_steps(pictures, scene, 0, 10)
     call pictures%close(error)
@@ -150,7 +152,7 @@ contains
 
     call get_command_argument(1, folder)
     scene = some_scene()
-    call pictures%open(scene, options_of(t, trim(folder), h), -1, error)
+    call pictures%open(scene, options_of(t, trim(folder), h), -1, error, alone)
     step = 0
     do while (.not. allocated(error))
       step = step + 1
@@ -233,12 +235,12 @@ contains
 
     options = options_of(t, 'pictures_resumed', h)
     scene = some_scene()
-    call pictures%open(scene, options, -1, error)
+    call pictures%open(scene, options, -1, error, alone)
     call write_steps(pictures, scene, 0, 5)
     checkpoint = scene
     call write_steps(pictures, scene, 6, 8)
     call pictures%close(error)
-    call resumed%open(checkpoint, options, 5, error)
+    call resumed%open(checkpoint, options, 5, error, alone)
     call t%check(.not. allocated(error), 'the files are opened again')
     call write_steps(resumed, checkpoint, 6, 10)
     call resumed%close(error)
@@ -269,7 +271,7 @@ contains
     contacts%n = 1
     contacts%body(:, 1) = [1_i4, 2_i4]
     contacts%impulse(1, 1) = 7*h
-    call pictures%open(scene, options_of(t, 'pictures_disks', h), -1, error)
+    call pictures%open(scene, options_of(t, 'pictures_disks', h), -1, error, alone)
     call move(scene)
     call pictures%write(scene, contacts, h, 1, error)
     call t%check(.not. allocated(error), 'a scene without rotation is written')
@@ -308,7 +310,7 @@ contains
     call t%check(index(file%error%message, 'No space left on device') > 0, 'and said: '//file%error%message)
     call t%equal(file%error%code, exit_output, 'and has its exit code')
     scene = some_scene()
-    call pictures%open(scene, options_of(t, 'pictures', h), 10, error)
+    call pictures%open(scene, options_of(t, 'pictures', h), 10, error, alone)
     call t%check(.not. allocated(error), 'other files can be opened afterwards')
     call pictures%close(error)
   end subroutine test_full_disk
@@ -326,11 +328,11 @@ contains
     open (newunit=unit, file='pictures_foreign/bodies.vtkhdf', status='replace')
     write (unit, '(a)') 'no pictures'
     close (unit)
-    call pictures%open(scene, options, 3, error)
+    call pictures%open(scene, options, 3, error, alone)
     call t%check(allocated(error), 'a foreign file is no file to go on with')
     call pictures%close(error)
     options%folder = 'no/such/folder'
-    call others%open(scene, options, -1, error)
+    call others%open(scene, options, -1, error, alone)
     call t%check(allocated(error), 'a folder must exist')
     if (.not. allocated(error)) return
     call t%check(index(error%message, 'No such file or directory') > 0, 'and what is wrong is said: '//error%message)
@@ -347,7 +349,7 @@ contains
 
     write (*, '(a)') 'built without HDF5: the files themselves are not tested'
     scene = some_scene()
-    call pictures%open(scene, options_of(t, 'pictures', h), -1, error)
+    call pictures%open(scene, options_of(t, 'pictures', h), -1, error, alone)
     call t%check(allocated(error), 'pictures need HDF5')
     if (.not. allocated(error)) return
     call t%check(index(error%message, 'HDF5') > 0, 'and the error says so')

@@ -6,6 +6,7 @@ program test_pictures_space
   use scenes, only: place_bodies
   use scenes_space, only: begin_space_scene, put_box, put_capsule, put_drum, put_dumbbell, put_plane, put_sphere
   use sg_bodies, only: drop_rotation
+  use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, reserve_contacts
   use sg_error, only: error_t
   use sg_hdf5, only: hdf5_file_t, hdf5_is_available
@@ -26,6 +27,7 @@ program test_pictures_space
   !> Positions of 10 m in double precision
   real(wp), parameter :: tight = 1e-13_wp
   type(tests_t) :: t
+  type(comm_t) :: alone
 
   if (hdf5_is_available()) then
     call test_run('pictures_space', -1)
@@ -138,7 +140,7 @@ contains
     type(error_t), allocatable :: error
 
     scene = some_scene()
-    call pictures%open(scene, options_of(t, folder, h), -1, error)
+    call pictures%open(scene, options_of(t, folder, h), -1, error, alone)
     call t%check(.not. allocated(error), 'the files are made')
     call write_steps(pictures, scene, 0, max(stop_at, 0))
     checkpoint = scene
@@ -146,7 +148,7 @@ contains
     call pictures%close(error)
     call t%check(.not. allocated(error), 'the files are closed')
     if (stop_at > 0) then
-      call resumed%open(checkpoint, options_of(t, folder, h), stop_at, error)
+      call resumed%open(checkpoint, options_of(t, folder, h), stop_at, error, alone)
       call t%check(.not. allocated(error), 'the files are opened again')
       call write_steps(resumed, checkpoint, stop_at + 1, 5)
       call resumed%close(error)
@@ -314,7 +316,7 @@ contains
     contacts%body(:, 1) = [1_i4, 2_i4]
     contacts%normal(:, 1) = [0.0_wp, 0.6_wp, 0.8_wp]
     contacts%impulse(1, 1) = 7*h
-    call pictures%open(scene, options_of(t, 'pictures_space_balls', h), -1, error)
+    call pictures%open(scene, options_of(t, 'pictures_space_balls', h), -1, error, alone)
     call move(scene)
     call pictures%write(scene, contacts, h, 1, error)
     call t%check(.not. allocated(error), 'a scene without rotation is written')
