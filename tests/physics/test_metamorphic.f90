@@ -55,6 +55,7 @@ program test_metamorphic
   do kind = 1, size(methods)
     call t%check(n_unconverged(kind) <= 1 + n_scenes/20, 'steps are solved by '//trim(methods(kind)))
   end do
+  deallocate (methods, n_unconverged)
   call t%finish()
 
 contains
