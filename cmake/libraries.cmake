@@ -40,7 +40,7 @@ function(on_demand name library)
   set(${name}_FILE "${file}" PARENT_SCOPE)
 endfunction()
 
-foreach(name METIS FFTW UMFPACK QHULL)
+foreach(name METIS FFTW UMFPACK CHOLMOD QHULL)
   set(${name}_FILE "not in this build")
 endforeach()
 
@@ -103,6 +103,11 @@ if(SPLITGRAIN_SUITESPARSE)
   find_library(UMFPACK_LIBRARY umfpack REQUIRED)
   find_file(UMFPACK_HEADER umfpack.h PATH_SUFFIXES suitesparse REQUIRED)
   on_demand(UMFPACK ${UMFPACK_LIBRARY})
+  find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
+  find_path(CHOLMOD_HEADERS cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
+  on_demand(CHOLMOD ${CHOLMOD_LIBRARY})
+  set_source_files_properties(${PROJECT_SOURCE_DIR}/src/numerics/cholmod_with_suitesparse.c
+                              PROPERTIES INCLUDE_DIRECTORIES ${CHOLMOD_HEADERS})
 endif()
 choose(suitesparse "${SPLITGRAIN_SUITESPARSE}")
 

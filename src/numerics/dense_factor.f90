@@ -1,9 +1,9 @@
-!> LU factors of a full matrix with partial pivoting: for small systems, and for builds without a sparse library.
+!> Factors of a full matrix, LU with partial pivoting or Cholesky: for small systems, and for builds without a sparse library.
 module sg_dense_factor
   use sg_kinds, only: wp
   implicit none
   private
-  public :: dense_factorise, dense_solve
+  public :: dense_factorise, dense_solve, dense_cholesky, dense_cholesky_solve
 
 contains
 
@@ -58,4 +58,41 @@ contains
       x(:k - 1) = x(:k - 1) - x(k)*a(:k - 1, k)
     end do
   end subroutine dense_solve
+
+  !> Replace the lower triangle of a symmetric positive definite matrix by L of A = L L^T; the rest is not read.
+  pure subroutine dense_cholesky(a, lost)
+    real(wp), intent(inout), contiguous :: a(:, :) !! matrix, then L, shape (n, n)
+    integer, intent(out) :: lost !! column at which the matrix proves not to be positive definite; 0 where it is
+    integer :: n, k, j
+
+    n = size(a, 1)
+    lost = 0
+    do k = 1, n
+      if (.not. a(k, k) > 0) then
+        lost = k
+        return
+      end if
+      a(k, k) = sqrt(a(k, k))
+      a(k + 1:, k) = a(k + 1:, k)/a(k, k)
+      do j = k + 1, n
+        if (abs(a(j, k)) > 0) a(j:, j) = a(j:, j) - a(j, k)*a(j:, k)
+      end do
+    end do
+  end subroutine dense_cholesky
+
+  !> Solve A x = b by L.
+  pure subroutine dense_cholesky_solve(a, x)
+    real(wp), intent(in), contiguous :: a(:, :) !! L in the lower triangle, shape (n, n)
+    real(wp), intent(inout), contiguous :: x(:) !! b, then x, shape (n)
+    integer :: k, n
+
+    n = size(a, 1)
+    do k = 1, n
+      x(k) = x(k)/a(k, k)
+      x(k + 1:) = x(k + 1:) - x(k)*a(k + 1:, k)
+    end do
+    do k = n, 1, -1
+      x(k) = (x(k) - dot_product(a(k + 1:, k), x(k + 1:)))/a(k, k)
+    end do
+  end subroutine dense_cholesky_solve
 end module sg_dense_factor

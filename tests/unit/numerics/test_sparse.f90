@@ -1,12 +1,13 @@
 !> Sparse matrices: triplets, products, transposes, blocks; and factors of them, against full matrices.
 program test_sparse
   use harness, only: tests_t
-  use sg_dense_factor, only: dense_factorise, dense_solve
+  use sg_dense_factor, only: dense_cholesky, dense_cholesky_solve, dense_factorise, dense_solve
   use sg_error, only: error_t
   use sg_kinds, only: wp, i4
   use sg_random, only: random_t
   use sg_sparse, only: blocks_t, multiply, multiply_transposed, sparse_from_triplets, sparse_t, transposed
   use sg_sparse_factor, only: has_sparse_library, largest_full, sparse_factor_t
+  use sg_text, only: to_text
   implicit none
   ! Sums of at most some hundred terms of order one.
   real(wp), parameter :: rounding = 1e-13_wp
@@ -21,6 +22,8 @@ program test_sparse
   call test_factors()
   call test_singular()
   call test_large()
+  call test_cholesky()
+  call test_indefinite()
   call t%finish()
 
 contains
@@ -130,6 +133,35 @@ contains
     call t%equal(factor%n, 0, 'freed, even twice')
   end subroutine test_factors
 
+  !> Cholesky factors, for several right-hand sides, against full factors: small and large patterns, each twice, and LU factors by
+  !! the same object between.
+  subroutine test_cholesky()
+    type(sparse_factor_t) :: factor
+    type(random_t) :: random
+    type(sparse_t) :: a
+    integer :: k
+
+    call random%seed(17)
+    factor%is_definite = .true.
+    do k = 1, 12
+      call definite(random_index(random, merge(8, 400, k < 4)), random, a)
+      call check_columns(factor, a, 1 + modulo(k, 5), random, 'definite matrix '//to_text(k))
+      a%value = 3*a%value
+      call check_columns(factor, a, 2, random, 'same pattern '//to_text(k))
+    end do
+    call t%equal(factor%analyses, 12, 'each pattern is analysed once')
+    call t%equal(factor%factorisations, 24, 'and factorised twice')
+    call check_price(factor, a)
+    factor%is_definite = .false.
+    factor%most_operations = huge(factor%most_operations)
+    call check_columns(factor, a, 3, random, 'the same by LU')
+    factor%is_definite = .true.
+    call check_columns(factor, a, 3, random, 'and by Cholesky again')
+    call factor%free()
+    call factor%free()
+    call t%equal(factor%n, 0, 'freed, even twice')
+  end subroutine test_cholesky
+
   !> A factorisation above the effort allowed is refused before it is made, and its price counts where it is made.
   subroutine check_price(factor, a)
     type(sparse_factor_t), intent(inout) :: factor
@@ -190,6 +222,97 @@ contains
     end if
     call factor%free()
   end subroutine test_large
+
+  !> Matrices that are not positive definite end in an error that names the column, and the factors serve for other matrices.
+  subroutine test_indefinite()
+    type(sparse_factor_t) :: factor
+    type(random_t) :: random
+    type(sparse_t) :: a
+    type(error_t), allocatable :: error
+    integer :: k, n, bad, e
+
+    call random%seed(19)
+    factor%is_definite = .true.
+    do k = 1, 12
+      n = 1 + random_index(random, merge(6, 300, k < 6))
+      call definite(n, random, a)
+      bad = random_index(random, n)
+      ! Zero or negative on the diagonal: no positive definite matrix has that.
+      do e = a%first(bad), a%first(bad + 1) - 1
+        if (a%column(e) == bad) a%value(e) = merge(0.0_wp, -a%value(e), modulo(k, 2) == 0)
+      end do
+      call factor%factorise(a, error)
+      call t%check(allocated(error), 'an indefinite matrix has no Cholesky factors: '//to_text(k))
+      call t%check(factor%failed_column >= 1 .and. factor%failed_column <= n, 'the column is known')
+      if (allocated(error)) call t%check(index(error%message, 'not positive definite: column '// &
+                                               to_text(factor%failed_column)) > 0, 'and the message holds it: '//error%message)
+      call definite(n, random, a)
+      call check_columns(factor, a, 1, random, 'after an indefinite matrix')
+    end do
+    call sparse_from_triplets(3, 3, [1_i4, 2_i4, 3_i4], [1_i4, 2_i4, 3_i4], [1.0_wp, -1.0_wp, 1.0_wp], a)
+    call factor%factorise(a, error)
+    call t%equal(factor%failed_column, 2, 'the negative one of a diagonal')
+    call factor%free()
+  end subroutine test_indefinite
+
+  !> Factorise a definite matrix and solve for k right-hand sides; compare with full factors, and take the residual.
+  subroutine check_columns(factor, a, k, random, what)
+    type(sparse_factor_t), intent(inout) :: factor
+    type(sparse_t), intent(in) :: a
+    integer, intent(in) :: k
+    type(random_t), intent(inout) :: random
+    character(len=*), intent(in) :: what
+    type(error_t), allocatable :: error
+    real(wp) :: full(a%n_rows, a%n_rows), b(a%n_rows, k), x(a%n_rows, k), y(a%n_rows), residual
+    integer :: i, lost
+
+    call factor%factorise(a, error)
+    call t%check(.not. allocated(error), what//': factorised')
+    if (allocated(error)) return
+    full = 0
+    do i = 1, a%n_rows
+      full(i, a%column(a%first(i):a%first(i + 1) - 1)) = a%value(a%first(i):a%first(i + 1) - 1)
+      call fill(random, b(i, :))
+    end do
+    call factor%solve(b, x)
+    residual = maxval(abs(matmul(full, x) - b))
+    call t%near(residual, 0.0_wp, solved*maxval(abs(full)), what//': residual')
+    call dense_cholesky(full, lost)
+    call t%equal(lost, 0, what//': definite for full factors too')
+    y = b(:, k)
+    call dense_cholesky_solve(full, y)
+    call t%near(maxval(abs(y - x(:, k))), 0.0_wp, solved, what//': as by full factors')
+  end subroutine check_columns
+
+  !> A random symmetric positive definite matrix whose diagonal is above the sum of its row; some are full.
+  subroutine definite(n, random, a)
+    integer, intent(in) :: n
+    type(random_t), intent(inout) :: random
+    type(sparse_t), intent(out) :: a
+    integer(i4), allocatable :: row(:), column(:)
+    real(wp), allocatable :: value(:), sums(:)
+    integer :: e, i, pairs
+
+    pairs = random_index(random, 1 + n*random_index(random, max(1, n/8)))
+    allocate (row(2*pairs + n), column(2*pairs + n), value(2*pairs + n))
+    allocate (sums(n), source=1.0_wp)
+    call fill(random, value)
+    do e = 1, pairs
+      row(e) = random_index(random, n)
+      column(e) = random_index(random, n)
+      row(pairs + e) = column(e)
+      column(pairs + e) = row(e)
+      value(pairs + e) = value(e)
+      sums(row(e)) = sums(row(e)) + abs(value(e))
+      sums(column(e)) = sums(column(e)) + abs(value(e))
+    end do
+    do i = 1, n
+      row(2*pairs + i) = int(i, i4)
+      column(2*pairs + i) = int(i, i4)
+      value(2*pairs + i) = sums(i)
+    end do
+    call sparse_from_triplets(n, n, row, column, value, a)
+  end subroutine definite
 
   !> Factorise, solve for a right-hand side of known solution, compare.
   subroutine check_solution(factor, a, random, what)
