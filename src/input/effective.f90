@@ -1,7 +1,6 @@
 !> The effective deck: all that a run was asked to do, defaults filled in, as a deck that can be read again.
 module sg_effective
   use sg_blocks, only: deck_t
-  use sg_check_blocks, only: applies
   use sg_kinds, only: i8
   use sg_values, only: from_nowhere, value_as_toml, value_t
   implicit none
@@ -48,7 +47,7 @@ contains
       do k = section%first, section%last
         associate (key => deck%table%keys(k))
           value = deck%value(b, trim(key%name))
-          if (value%origin == from_nowhere .or. .not. applies(deck, b, key)) cycle
+          if (value%origin == from_nowhere .or. .not. deck%applies(b, key)) cycle
           call write_line(trim(key%name)//' = '//value_as_toml(value, key), room, length)
         end associate
       end do

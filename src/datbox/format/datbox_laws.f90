@@ -2,13 +2,12 @@
 !!
 !! One table serves the reader and the writer of TACT_BEHAV.DAT.
 module sg_datbox_laws
-  use sg_kinds, only: wp
   use sg_laws, only: law_t, law_elastic, law_elastic_g0, law_gap, law_gap_g0, law_gap_shifted, law_iqs, law_iqs_g0, &
                      law_abp, law_bond, law_expo, law_linear, law_mac, law_mal, law_mohr, law_restitution, &
                      law_rigid_wire, law_rod, law_th, law_velocity, law_viscoelastic, law_wet, law_wire
   implicit none
   private
-  public :: law_forms, labels_of, form_of_name, form_of_law, why_no_form, set_parameter, get_parameter
+  public :: law_forms, labels_of, form_of_name, form_of_law, why_no_form
 
   !> How LMGC90 writes one law
   type :: law_form_t
@@ -117,145 +116,4 @@ contains
       reason = ': it has one coefficient of friction there'
     end if
   end function why_no_form
-
-  !> Set the parameter of a law that LMGC90 calls by this label.
-  pure subroutine set_parameter(law, label, value)
-    type(law_t), intent(inout) :: law !! law to complete
-    character(len=*), intent(in) :: label !! LMGC90's label
-    real(wp), intent(in) :: value !! its value, SI unit
-
-    select case (label)
-    case ('fric')
-      law%static_friction = value
-      law%dynamic_friction = value
-    case ('dyfr')
-      law%dynamic_friction = value
-    case ('stfr')
-      law%static_friction = value
-    case ('rstn')
-      law%normal_restitution = value
-    case ('rstt')
-      law%tangential_restitution = value
-    case ('cohn')
-      if (law%kind == law_mohr) law%normal_strength = value
-      if (law%kind /= law_mohr) law%normal_cohesion = value
-    case ('coht')
-      if (law%kind == law_mohr) law%tangential_strength = value
-      if (law%kind /= law_mohr) law%tangential_cohesion = value
-    case ('cn')
-      law%zone_stiffness(1) = value
-    case ('ct')
-      law%zone_stiffness(2) = value
-    case ('G1', 'dupr')
-      law%zone_energy(1) = value
-    case ('G2')
-      law%zone_energy(2) = value
-    case ('dp1')
-      law%zone_plateau(1) = value
-    case ('dp2')
-      law%zone_plateau(2) = value
-    case ('du1')
-      law%zone_opening(1) = value
-    case ('du2')
-      law%zone_opening(2) = value
-    case ('visc')
-      law%zone_viscosity = value
-    case ('phi')
-      law%zone_share = value
-    case ('eta')
-      law%zone_residual = value
-    case ('Wthk')
-      law%wet_thickness = value
-    case ('F/gp')
-      law%stiffness = value
-    case ('pgap')
-      law%gap_shift = value
-    case ('etan')
-      law%viscosity = value
-    case ('F/st')
-      law%axial_stiffness = value
-    case ('prst')
-      law%prestrain = value
-    case ('F/sr')
-      law%axial_damping = value
-    case ('Snmx')
-      law%breaking_force = value
-    case ('E')
-      law%young = value
-    case ('nu')
-      law%poisson = value
-    case ('s1')
-      law%normal_strength = value
-    case ('s2')
-      law%tangential_strength = value
-    end select
-  end subroutine set_parameter
-
-  !> The parameter of a law that LMGC90 calls by this label.
-  pure real(wp) function get_parameter(law, label) result(value)
-    type(law_t), intent(in) :: law !! law to look into
-    character(len=*), intent(in) :: label !! LMGC90's label
-
-    value = 0
-    select case (label)
-    case ('fric', 'stfr')
-      value = law%static_friction
-    case ('dyfr')
-      value = law%dynamic_friction
-    case ('rstn')
-      value = law%normal_restitution
-    case ('rstt')
-      value = law%tangential_restitution
-    case ('cohn')
-      value = merge(law%normal_strength, law%normal_cohesion, law%kind == law_mohr)
-    case ('coht')
-      value = merge(law%tangential_strength, law%tangential_cohesion, law%kind == law_mohr)
-    case ('cn')
-      value = law%zone_stiffness(1)
-    case ('ct')
-      value = law%zone_stiffness(2)
-    case ('G1', 'dupr')
-      value = law%zone_energy(1)
-    case ('G2')
-      value = law%zone_energy(2)
-    case ('dp1')
-      value = law%zone_plateau(1)
-    case ('dp2')
-      value = law%zone_plateau(2)
-    case ('du1')
-      value = law%zone_opening(1)
-    case ('du2')
-      value = law%zone_opening(2)
-    case ('visc')
-      value = law%zone_viscosity
-    case ('phi')
-      value = law%zone_share
-    case ('eta')
-      value = law%zone_residual
-    case ('Wthk')
-      value = law%wet_thickness
-    case ('F/gp')
-      value = law%stiffness
-    case ('pgap')
-      value = law%gap_shift
-    case ('etan')
-      value = law%viscosity
-    case ('F/st')
-      value = law%axial_stiffness
-    case ('prst')
-      value = law%prestrain
-    case ('F/sr')
-      value = law%axial_damping
-    case ('Snmx')
-      value = law%breaking_force
-    case ('E')
-      value = law%young
-    case ('nu')
-      value = law%poisson
-    case ('s1')
-      value = law%normal_strength
-    case ('s2')
-      value = law%tangential_strength
-    end select
-  end function get_parameter
 end module sg_datbox_laws

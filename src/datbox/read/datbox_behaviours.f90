@@ -1,11 +1,12 @@
 !> BULK_BEHAV.DAT (gravity, densities) and the contact laws of TACT_BEHAV.DAT of a DATBOX.
 module sg_datbox_behaviours
   use sg_cohesive_zones, only: zone_fault
-  use sg_datbox_laws, only: form_of_name, labels_of, law_forms, set_parameter
+  use sg_datbox_laws, only: form_of_name, labels_of, law_forms
   use sg_datbox_lines, only: complain, datbox_file_t, first_letter, go_to, is_real, keyword, name_field, next_data_line, &
                              next_line, open_datbox_file, pass_over, real_field, remark, step_back
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
+  use sg_law_parameters, only: set_parameter
   use sg_laws, only: is_cohesive_zone, largest_friction, law_t, law_restitution, why_largest_friction
   use sg_scene, only: law_index, material_index, material_t, scene_t
   use sg_text, only: to_text

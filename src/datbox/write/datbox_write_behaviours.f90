@@ -2,13 +2,14 @@
 module sg_datbox_write_behaviours
   use sg_contactors, only: n_kinds
   use sg_datbox_bodies, only: body_type
-  use sg_datbox_laws, only: form_of_law, get_parameter, labels_of, law_forms, why_no_form
+  use sg_datbox_laws, only: form_of_law, labels_of, law_forms, why_no_form
   use sg_datbox_output, only: finish_file, node_head, output_t, put, real_word, solid_node_head, start_file
   use sg_datbox_sees, only: datbox_kind_name
   use sg_datbox_write_links, only: put_link_sees
   use sg_drives, only: drive_t
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i4
+  use sg_law_parameters, only: get_parameter
   use sg_laws, only: law_t
   use sg_scene, only: scene_t, see_t
   use sg_sees, only: see_between

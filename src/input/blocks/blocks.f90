@@ -5,12 +5,13 @@
 module sg_blocks
   use sg_census, only: census_t
   use sg_error, only: diagnostics_t
-  use sg_key_table, only: key_table_t
+  use sg_key_table, only: in_both, key_t, key_table_t
   use sg_kinds, only: wp
   use sg_link_network, only: points_t
   use sg_text, only: nearest_word, text_t
   use sg_toml, only: line_of
   use sg_values, only: from_default, from_setting, value_t
+  use sg_words, only: is_choice
   implicit none
   private
   public :: block_t, deck_t
@@ -60,6 +61,7 @@ module sg_blocks
     procedure :: is_in
     procedure :: count_of
     procedure :: is_given
+    procedure :: applies
     procedure :: value => deck_value
     procedure :: number => deck_number
     procedure :: pair => deck_pair
@@ -138,6 +140,21 @@ contains
 
     is_given = given(self, block, name) > 0
   end function is_given
+
+  !> Does a key apply to a block, by the dimension and the word of its selector?
+  pure logical function applies(self, block, key)
+    class(deck_t), intent(in) :: self
+    integer, intent(in) :: block !! index of the block
+    type(key_t), intent(in) :: key !! line of the key table
+
+    applies = key%dimension == in_both .or. key%dimension == self%dimension
+    if (.not. applies .or. key%selector == '') return
+    if (key%only == '') then
+      applies = self%is_given(block, trim(key%selector))
+    else
+      applies = is_choice(self%word(block, trim(key%selector)), trim(key%only))
+    end if
+  end function applies
 
   !> Value of a key: as given, or its default, or empty.
   pure function deck_value(self, block, name) result(value)

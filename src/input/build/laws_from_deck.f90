@@ -4,13 +4,11 @@ module sg_laws_from_deck
   use sg_cohesive_zones, only: zone_fault
   use sg_error, only: diagnostics_t
   use sg_keys_scene, only: law_kinds
-  use sg_kinds, only: wp
-  use sg_laws, only: is_cohesive_zone, is_link_law, law_abp, law_bond, law_elastic, law_elastic_g0, law_expo, &
-                     law_gap_shifted, law_linear, law_mac, law_mohr, law_restitution, law_rod, law_t, law_th, &
-                     law_viscoelastic, law_wet, law_wire, &
-                     needs_surface
+  use sg_law_parameters, only: set_parameter
+  use sg_laws, only: is_cohesive_zone, law_mohr, law_t, needs_surface
   use sg_scene, only: law_index, material_index, material_t, scene_t
   use sg_text, only: text_t
+  use sg_values, only: value_t
   use sg_words, only: choice_index, choices_of
   implicit none
   private
@@ -69,91 +67,21 @@ contains
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b
     type(law_t), intent(out) :: law
+    type(value_t) :: value
+    integer :: k
 
     law%name = deck%word(b, 'name')
     law%kind = choice_index(deck%word(b, 'kind'), choices_of(law_kinds))
-    if (is_link_law(law)) then
-      call read_link_law(deck, b, law)
-      return
-    else if (law%kind /= law_linear) then
-      law%static_friction = deck%number(b, 'friction')
-      law%dynamic_friction = law%static_friction
-      if (deck%is_given(b, 'static_friction')) law%static_friction = deck%number(b, 'static_friction')
-      if (deck%is_given(b, 'dynamic_friction')) law%dynamic_friction = deck%number(b, 'dynamic_friction')
-    end if
-    select case (law%kind)
-    case (law_restitution)
-      law%normal_restitution = deck%number(b, 'normal_restitution')
-      law%tangential_restitution = deck%number(b, 'tangential_restitution')
-    case (law_wet)
-      law%wet_thickness = deck%number(b, 'wet_thickness')
-    case (law_gap_shifted)
-      law%gap_shift = deck%number(b, 'gap_shift')
-    case (law_elastic, law_elastic_g0, law_viscoelastic)
-      law%stiffness = deck%number(b, 'stiffness')
-      if (law%kind == law_viscoelastic) law%viscosity = deck%number(b, 'viscosity')
-    case (law_linear)
-      law%epsilon = deck%number(b, 'epsilon')
-    end select
-    if (law%kind == law_wet .or. law%kind == law_mohr) then
-      law%normal_cohesion = deck%number(b, 'normal_cohesion')
-    end if
-    if (law%kind == law_mohr) then
-      if (deck%is_given(b, 'tangential_cohesion')) law%tangential_cohesion = deck%number(b, 'tangential_cohesion')
-      if (deck%is_given(b, 'normal_bond_stress')) law%normal_strength = deck%number(b, 'normal_bond_stress')
-      if (deck%is_given(b, 'tangential_bond_stress')) law%tangential_strength = deck%number(b, 'tangential_bond_stress')
-    end if
-    if (is_cohesive_zone(law)) call read_zone(deck, b, law)
+    associate (section => deck%table%sections(deck%blocks(b)%section))
+      do k = section%first, section%last
+        associate (key => deck%table%keys(k))
+          if (.not. deck%applies(b, key)) cycle
+          value = deck%value(b, trim(key%name))
+          if (value%n > 0) call set_parameter(law, trim(key%name), value%numbers(1))
+        end associate
+      end do
+    end associate
   end subroutine read_law
-
-  !> What a cohesive zone has.
-  subroutine read_zone(deck, b, law)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b
-    type(law_t), intent(inout) :: law
-
-    law%zone_stiffness = pair_of('stiffness')
-    if (law%kind == law_mac) then
-      law%zone_energy(1) = deck%number(b, 'adhesion_energy')
-      law%zone_viscosity = deck%number(b, 'damage_viscosity')
-      return
-    end if
-    law%normal_strength = deck%number(b, 'normal_strength')
-    law%tangential_strength = deck%number(b, 'tangential_strength')
-    law%zone_energy = pair_of('energy')
-    if (law%kind == law_th) law%zone_plateau = pair_of('plateau')
-    if (law%kind == law_abp) law%zone_opening = pair_of('opening')
-    if (law%kind == law_abp) law%zone_share = deck%number(b, 'knee_share')
-    if (law%kind == law_expo) law%zone_residual = deck%number(b, 'cut_off')
-  contains
-    !> Numbers of the normal and of tangents.
-    function pair_of(what) result(pair)
-      character(len=*), intent(in) :: what
-      real(wp) :: pair(2)
-
-      pair = [deck%number(b, 'normal_'//what), deck%number(b, 'tangential_'//what)]
-    end function pair_of
-  end subroutine read_zone
-
-  !> What a law of rods, wires or bonds has.
-  subroutine read_link_law(deck, b, law)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b
-    type(law_t), intent(inout) :: law
-
-    select case (law%kind)
-    case (law_rod, law_wire)
-      law%axial_stiffness = deck%number(b, 'axial_stiffness')
-      law%axial_damping = deck%number(b, 'axial_damping')
-      law%prestrain = deck%number(b, 'prestrain')
-      if (law%kind == law_wire) law%breaking_force = deck%number(b, 'breaking_force')
-    case (law_bond)
-      law%young = deck%number(b, 'young')
-      law%poisson = deck%number(b, 'poisson')
-      law%normal_strength = deck%number(b, 'normal_strength')
-      law%tangential_strength = deck%number(b, 'tangential_strength')
-    end select
-  end subroutine read_link_law
 
   !> Material of a block: the one it names, or the only one; 0 after a mistake.
   integer function material_of(deck, b, scene, diagnostics) result(material)

@@ -8,7 +8,7 @@ module sg_check_blocks
   use sg_words, only: is_choice
   implicit none
   private
-  public :: check_blocks, applies
+  public :: check_blocks
 
 contains
 
@@ -80,7 +80,7 @@ contains
       do k = section%first, section%last
         associate (key => deck%table%keys(k))
           if (.not. key%is_required) cycle
-          if (deck%is_given(b, trim(key%name)) .or. .not. applies(deck, b, key)) cycle
+          if (deck%is_given(b, trim(key%name)) .or. .not. deck%applies(b, key)) cycle
           call deck%complain(diagnostics, deck%heading(deck%blocks(b)%section)//' lacks the key "'//trim(key%name)//'": '// &
                              first_sentence(key%sentence), b)
         end associate
@@ -106,7 +106,7 @@ contains
     character(len=:), allocatable :: selector, word
     integer :: k
 
-    if (applies(deck, block, key)) return
+    if (deck%applies(block, key)) return
     selector = trim(key%selector)
     word = deck%word(block, selector)
     k = deck%table%find_key(deck%blocks(block)%section, selector)
@@ -116,19 +116,4 @@ contains
       message = 'has no meaning for '//selector//' = "'//word//'"'
     end if
   end subroutine check_use
-
-  !> Does a key apply to a block, by the dimension and the word of its selector?
-  pure logical function applies(deck, block, key)
-    type(deck_t), intent(in) :: deck !! the deck
-    integer, intent(in) :: block !! index of the block
-    type(key_t), intent(in) :: key !! line of the key table
-
-    applies = key%dimension == in_both .or. key%dimension == deck%dimension
-    if (.not. applies .or. key%selector == '') return
-    if (key%only == '') then
-      applies = deck%is_given(block, trim(key%selector))
-    else
-      applies = is_choice(deck%word(block, trim(key%selector)), trim(key%only))
-    end if
-  end function applies
 end module sg_check_blocks

@@ -3,7 +3,6 @@
 !! What cannot be meant is a mistake; what is unusual, or has no effect, is a warning.
 module sg_sense_checks
   use sg_blocks, only: deck_t
-  use sg_check_blocks, only: applies
   use sg_error, only: diagnostics_t
   use sg_key_table, only: key_t, value_logical
   use sg_kinds, only: wp
@@ -117,7 +116,7 @@ contains
     character(len=*), parameter :: keys(2) = [character(len=16) :: 'static_friction', 'dynamic_friction']
     integer :: i
 
-    if (.not. applies(deck, b, deck%table%keys(deck%table%find_key(deck%blocks(b)%section, trim(keys(1)))))) return
+    if (.not. deck%applies(b, deck%table%keys(deck%table%find_key(deck%blocks(b)%section, trim(keys(1)))))) return
     do i = 1, 2
       friction(i) = deck%number(b, 'friction')
       if (deck%is_given(b, trim(keys(i)))) friction(i) = deck%number(b, trim(keys(i)))

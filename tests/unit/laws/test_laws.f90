@@ -2,8 +2,12 @@
 program test_laws
   use harness, only: tests_t
   use sg_compact, only: compact_velocity
+  use sg_datbox_laws, only: labels_of, law_forms
   use sg_internal_values, only: first_internal, n_internal_of
+  use sg_key_table, only: key_table_t, value_real
+  use sg_keys, only: all_keys
   use sg_kinds, only: wp, i1
+  use sg_law_parameters, only: get_parameter, set_parameter
   use sg_laws, only: law_elastic, law_gap, law_iqs, law_linear, law_mohr, law_restitution, law_t, law_velocity, law_wet
   use sg_laws, only: law_bond, law_elastic_g0, law_gap_g0, law_gap_shifted, law_iqs_g0, law_viscoelastic
   use sg_laws, only: is_frictionless, is_plain, local_law, local_law_t
@@ -29,6 +33,7 @@ program test_laws
   call test_friction()
   call test_shifted_gaps()
   call test_kinds()
+  call test_names()
   call test_one_contact()
   call test_one_round_contact()
   call test_natural_map()
@@ -91,6 +96,42 @@ contains
     local = local_law(mohr, 0.0_wp, h, still, status_stick)
     call t%near(local%cohesion, 0.0_wp, 0.0_wp, 'Mohr: a broken bond never pulls again')
   end subroutine test_cohesion
+
+  !> Each number of a law can be set and read by its key in decks, and by its label in LMGC90's files; no other name can.
+  subroutine test_names()
+    type(key_table_t) :: table
+    integer :: section, k, form, at
+    character(len=9) :: labels(6)
+
+    table = all_keys()
+    section = table%find_section('law')
+    do k = table%sections(section)%first, table%sections(section)%last
+      if (table%keys(k)%kind == value_real) call t%check(is_parameter(law_iqs, trim(table%keys(k)%name)), &
+                                                         'names: the law has '//trim(table%keys(k)%name))
+    end do
+    do form = 1, size(law_forms)
+      labels = labels_of(form)
+      do k = 1, size(labels)
+        do at = 1, 6, 5
+          if (labels(k) (at:at + 3) == '') cycle
+          call t%check(is_parameter(law_forms(form)%kind, labels(k) (at:at + 3)), &
+                       'names: '//trim(law_forms(form)%name)//' has '//labels(k) (at:at + 3))
+        end do
+      end do
+    end do
+    call t%check(.not. is_parameter(law_iqs, 'frictoin'), 'names: another name is none of a parameter')
+  end subroutine test_names
+
+  !> Can a parameter be set and read by this name?
+  logical function is_parameter(kind, name)
+    integer, intent(in) :: kind
+    character(len=*), intent(in) :: name
+    type(law_t) :: law
+
+    law%kind = kind
+    call set_parameter(law, name, 0.125_wp)
+    is_parameter = .not. abs(get_parameter(law, name) - 0.125_wp) > 0
+  end function is_parameter
 
   !> Elastic repulsion r_n = h k penetration at the end of the step, and the linear law.
   subroutine test_compliant()
