@@ -46,6 +46,7 @@ module sg_ranks
     procedure :: begin_sum => ranks_begin_sum
     procedure :: finish_sum => ranks_finish_sum
     procedure :: swap => ranks_swap
+    procedure :: collect => ranks_collect
   end type ranks_t
 
   interface
@@ -132,4 +133,18 @@ module sg_ranks
       integer, allocatable, intent(out) :: receive_count(:) !! reals from each rank, shape (0:size-1)
     end subroutine ranks_swap
   end interface
+
+contains
+
+  !> Add the traffic that a copy of the group has counted; the copy counts from zero again.
+  pure subroutine ranks_collect(self, copy)
+    class(ranks_t), intent(inout) :: self
+    class(ranks_t), intent(inout) :: copy !! the copy
+
+    self%traffic%messages = self%traffic%messages + copy%traffic%messages
+    self%traffic%bytes = self%traffic%bytes + copy%traffic%bytes
+    self%traffic%collectives = self%traffic%collectives + copy%traffic%collectives
+    self%traffic%wait_seconds = self%traffic%wait_seconds + copy%traffic%wait_seconds
+    copy%traffic = traffic_t()
+  end subroutine ranks_collect
 end module sg_ranks

@@ -46,7 +46,7 @@ contains
 
     associate (writers => sim%writers)
       if (writers%has_pictures .and. (is_due(sim, sim%options%output_every) .or. is_last(sim))) &
-        call writers%pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, error)
+        call writers%pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, sim%comm, error)
       if (.not. allocated(error) .and. writers%has_checkpoints) then
         if (is_due(sim, sim%options%restart_every) .or. (is_last(sim) .and. sim%options%restart_at_end) .or. &
             sim%comm%any(checkpoint_requested())) call save_once(sim, error)

@@ -70,7 +70,7 @@ contains
     call sim%writers%summary%add_file('bodies', 'bodies.vtkhdf')
     call sim%writers%summary%add_file('shapes', 'shapes.vtkhdf')
     call sim%writers%summary%add_file('contacts', 'contacts.vtkhdf')
-    if (.not. resumes) call sim%writers%pictures%write(sim%scene, sim%contacts, sim%time(), 0, error)
+    if (.not. resumes) call sim%writers%pictures%write(sim%scene, sim%contacts, sim%time(), 0, sim%comm, error)
   end subroutine open_pictures
 
   !> Begin the record, or go on with it, and name it in the summary.
@@ -108,7 +108,7 @@ contains
     type(error_t), allocatable :: next
     character(len=:), allocatable :: file
 
-    if (sim%writers%has_pictures) call sim%writers%pictures%close(error)
+    if (sim%writers%has_pictures) call sim%writers%pictures%close(sim%comm, error)
     if (sim%writers%saved_step >= 0) then
       file = newest_restart(sim%options%folder)
       call sim%writers%summary%add_file('restart', file(len(sim%options%folder) + 2:))

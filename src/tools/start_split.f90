@@ -166,7 +166,7 @@ contains
     if (allocated(error)) return
     sim%options%folder = folder
     call pictures%open(sim%scene, sim%options, -1, error, alone)
-    if (.not. allocated(error)) call pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, error, part - 1_i4)
-    if (.not. allocated(error)) call pictures%close(error)
+    if (.not. allocated(error)) call pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, alone, error, part - 1_i4)
+    if (.not. allocated(error)) call pictures%close(alone, error)
   end subroutine draw_split
 end module sg_start_split

@@ -19,7 +19,7 @@ program test_output
   !> Steps that are drawn, from 0; contacts of one of them are missing
   integer, parameter :: last_step = 4, empty_step = 2
   type(tests_t) :: t
-  type(comm_t) :: comm
+  type(comm_t) :: comm, alone
   type(random_t) :: random
 
   call comm%start()
@@ -45,13 +45,15 @@ contains
     integer(i8), allocatable :: longs(:)
     character(len=:), allocatable :: text
     real(wp), allocatable :: own(:)
+    integer(i8) :: before
     integer :: i, r, n
 
     r = comm%rank
     ! Rank r has r numbers: rank 0 none.
     own = [(real(100*r + i, wp), i=1, r)]
     n = comm%size*(comm%size - 1)/2
-    call file%create('shared.h5', comm)
+    call file%share(comm)
+    call file%create('shared.h5')
     call file%group('/a')
     call file%put('/a/list', own)
     call file%put('/a/table', reshape([own, own], [2, r]))
@@ -67,6 +69,11 @@ contains
     call t%equal(int(file%total(r)), n, 'rows of all ranks')
     call file%close()
     call t%check(.not. allocated(file%error), 'ranks write a file together')
+    before = comm%traffic%collectives
+    call comm%collect(file%ranks)
+    ! All ranks settle after each of the 13 calls that write.
+    if (comm%size > 1) call t%check(comm%traffic%collectives - before >= 13, 'the traffic of a file is counted')
+    if (comm%size == 1) call t%equal(int(comm%traffic%collectives - before), 0, 'one rank has no traffic')
     if (allocated(file%error)) then
       write (*, '(a)') file%error%report()
       return
@@ -89,7 +96,8 @@ contains
     call t%check(text == 'some words', 'a text')
     call again%close()
     call t%check(.not. allocated(again%error), 'and it is read')
-    call file%create('no/such/folder/shared.h5', comm)
+    call file%share(comm)
+    call file%create('no/such/folder/shared.h5')
     call t%check(allocated(file%error), 'a folder must exist')
     if (allocated(file%error)) call t%check(index(file%error%message, 'No such file or directory') > 0, 'and that is said')
     call file%put('/list', own)
@@ -112,7 +120,7 @@ contains
     options%output_compressed = is_compressed
     options%folder = name//'_one'
     call t%check(make_folder(options%folder), 'a folder')
-    if (comm%rank == 0) call draw(whole, options, 0, last_step, comm_alone(), 1)
+    if (comm%rank == 0) call draw(whole, options, 0, last_step, alone, 1)
     options%folder = name//'_all'
     call t%check(make_folder(options%folder), 'a folder')
     call draw(whole, options, 0, last_step, comm, 1)
@@ -126,14 +134,14 @@ contains
     ! Begun by one rank, gone on with by all, ended by one.
     options%folder = name//'_mixed'
     call t%check(make_folder(options%folder), 'a folder')
-    if (comm%rank == 0) call draw(whole, options, 0, 1, comm_alone(), 1)
+    if (comm%rank == 0) call draw(whole, options, 0, 1, alone, 1)
     if (comm%any(.false.)) return
     if (is_compressed .and. comm%size > 1) then
       call check_refused(whole, options)
       return
     end if
     call draw(whole, options, 2, 3, comm, 1)
-    if (comm%rank == 0) call draw(whole, options, 4, last_step, comm_alone(), 1)
+    if (comm%rank == 0) call draw(whole, options, 4, last_step, alone, 1)
     call compare(name, name//'_mixed')
   end subroutine test_scene
 
@@ -153,28 +161,24 @@ contains
     call draw_owners(whole, comm%size, random, owner)
     call take_part(whole, none, owner, comm%rank, comm%size, scene, contacts)
     call pictures%open(scene, options, 1, error, comm)
-    if (.not. allocated(error)) call pictures%write(scene, contacts, 2*options%time_step, 2, error)
+    if (.not. allocated(error)) call pictures%write(scene, contacts, 2*options%time_step, 2, comm, error)
     call t%check(allocated(error), 'ranks do not go on with a compressed file')
     if (allocated(error)) call t%check(index(error%message, 'is compressed') > 0, 'and say why: '//error%message)
-    call pictures%close(error)
+    call pictures%close(comm, error)
   end subroutine check_refused
-
-  !> One rank alone.
-  type(comm_t) function comm_alone()
-    comm_alone%size = 1
-  end function comm_alone
 
   !> Draw some steps; a first step beyond 0 goes on with what is there.
   subroutine draw(whole, options, first, last, ranks, way)
     type(scene_t), intent(in) :: whole
     type(run_options_t), intent(in) :: options
     integer, intent(in) :: first, last, way
-    type(comm_t), intent(in) :: ranks
+    type(comm_t), intent(inout) :: ranks
     type(pictures_t) :: pictures
     type(scene_t) :: now, scene
     type(contacts_t) :: all_contacts, contacts
     type(error_t), allocatable :: error
     integer(i4), allocatable :: owner(:)
+    integer(i8) :: before
     integer :: step
 
     now = whole
@@ -193,11 +197,14 @@ contains
         if (allocated(error)) write (*, '(a)') error%report()
       end if
       if (step < first) cycle
-      call pictures%write(scene, contacts, real(step, wp)*options%time_step, step, error)
+      before = ranks%traffic%collectives
+      call pictures%write(scene, contacts, real(step, wp)*options%time_step, step, ranks, error)
+      ! Three files with more than twenty datasets, after each of which the ranks settle.
+      if (ranks%size > 1) call t%check(ranks%traffic%collectives - before >= 20, 'the traffic of pictures is counted')
       call t%check(.not. allocated(error), 'step '//to_text(step)//' of '//options%folder//' is written')
       if (allocated(error)) write (*, '(a)') error%report()
     end do
-    call pictures%close(error)
+    call pictures%close(ranks, error)
     call t%check(.not. allocated(error), 'files of '//options%folder//' are closed')
   end subroutine draw
 
@@ -349,7 +356,8 @@ contains
     call get_environment_variable('SPLITGRAIN_SMALL_DISK', folder, length)
     if (length == 0) return
     allocate (rows(2, 10000), source=0.0_wp)
-    call file%create(trim(folder)//'/full.h5', comm)
+    call file%share(comm)
+    call file%create(trim(folder)//'/full.h5')
     call t%check(.not. allocated(file%error), 'a file is begun on a small disk')
     call file%group('/a')
     call file%declare('/a/rows', 1, 2, 1000, .false.)
@@ -364,7 +372,8 @@ contains
       call t%equal(file%error%code, exit_output, 'with its exit code')
     end if
     call file%close()
-    call file%create(trim(folder)//'/more.h5', comm)
+    call file%share(comm)
+    call file%create(trim(folder)//'/more.h5')
     call t%check(allocated(file%error), 'then no other file can be begun')
   end subroutine test_full_disk
 
@@ -373,7 +382,8 @@ contains
     type(hdf5_file_t) :: file
 
     if (comm%rank == 0) write (*, '(a)') 'this build cannot share files between ranks: they are not tested'
-    call file%create('shared.h5', comm)
+    call file%share(comm)
+    call file%create('shared.h5')
     call t%check(allocated(file%error), 'a file cannot be shared')
   end subroutine test_without_sharing
 end program test_output

@@ -44,11 +44,13 @@ contains
     type(hdf5_file_t) :: file
 
     if (ranks%rank == 0) call remove_file(part_of(name))
-    call file%create(part_of(name), ranks)
+    call file%share(ranks)
+    call file%create(part_of(name))
     if (is_global) call write_global(file, pieces, title, description)
     if (.not. is_global) call write_local(file, pieces, title, description)
     call write_states(file, pieces, is_global)
     call file%close()
+    call ranks%collect(file%ranks)
     if (allocated(file%error)) call move_alloc(file%error, error)
     if (ranks%rank == 0) call settle_file(part_of(name), name, error)
     call ranks%agree(error)

@@ -9,7 +9,7 @@
 !! failure of one is a failure of all. Where ranks are subdomains of a process, the first one of each process writes for all of
 !! them, and all read through its handle: with one process the serial library is enough.
 module sg_hdf5
-  use sg_comm, only: comm_t
+  use sg_comm, only: comm_t, traffic_t
   use sg_error, only: error_t
   use sg_kinds, only: i1, i4, i8, wp
   use sg_text, only: text_t
@@ -27,7 +27,7 @@ module sg_hdf5
     character(len=:), allocatable :: name
     !> First failure since it was opened; unallocated while all is well
     type(error_t), allocatable :: error
-    !> The ranks that share it: one where it is not shared
+    !> The ranks that share it, and their traffic by it so far; one rank where it is not shared
     type(comm_t) :: ranks
     !> Handle of the library; negative when closed
     integer(i8) :: id = -1
@@ -36,6 +36,7 @@ module sg_hdf5
     !> Of a shared file: bytes that it may have by now, and for which the disk has promised room
     integer(i8), private :: most_bytes = 0, reserved = 0
   contains
+    procedure :: share => file_share
     procedure :: create => file_create
     procedure :: open => file_open
     procedure :: flush => file_flush
@@ -81,20 +82,18 @@ module sg_hdf5
     end function hdf5_is_parallel
 
     !> Make a file; an old one of the same name is replaced.
-    module subroutine file_create(self, name, comm, is_checked, is_in_memory)
+    module subroutine file_create(self, name, is_checked, is_in_memory)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: name !! path
-      type(comm_t), intent(in), optional :: comm !! ranks that share the file; absent where it is not shared
       logical, intent(in), optional :: is_checked !! with check sums over all that it holds, false unless given
       logical, intent(in), optional :: is_in_memory !! not shared, held in memory and written when it is closed? False unless given
     end subroutine file_create
 
     !> Open a file that exists.
-    module subroutine file_open(self, name, is_read_only, comm)
+    module subroutine file_open(self, name, is_read_only)
       class(hdf5_file_t), intent(inout) :: self
       character(len=*), intent(in) :: name !! path
       logical, intent(in) :: is_read_only !! open for reading alone?
-      type(comm_t), intent(in), optional :: comm !! ranks that share the file; absent where it is not shared
     end subroutine file_open
 
     !> Hand all that was written to the operating system.
@@ -347,4 +346,15 @@ module sg_hdf5
       character(len=:), allocatable, intent(out) :: value !! its value
     end subroutine look_text
   end interface
+
+contains
+
+  !> Share the file between ranks, from when it is made or opened next.
+  subroutine file_share(self, comm)
+    class(hdf5_file_t), intent(inout) :: self
+    type(comm_t), intent(in) :: comm !! the ranks
+
+    self%ranks = comm
+    self%ranks%traffic = traffic_t()
+  end subroutine file_share
 end module sg_hdf5

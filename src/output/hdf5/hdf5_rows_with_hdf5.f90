@@ -37,6 +37,7 @@ contains
     integer :: r, first
 
     here = self%ranks
+    here%traffic = traffic_t()
     call here%stay_here()
     padded = 0_i1
     if (n > 0) then
@@ -46,6 +47,7 @@ contains
     call here%gather(n, bytes)
     words = [size(padded)/word, spread(0, 1, here%size - 1)]
     call here%swap(transfer(padded, [0.0_wp]), words, came, counts)
+    call self%ranks%collect(here)
     allocate (all(merge(sum(bytes), 0, here%rank == 0)))
     if (here%rank > 0) return
     do r = 0, here%size - 1

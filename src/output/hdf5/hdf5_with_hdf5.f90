@@ -104,7 +104,7 @@ contains
   integer :: status
   integer(hid_t) :: access, id
 
-  call start(self, name, access, comm)
+  call start(self, name, access)
   if (present(is_checked)) self%is_checked = is_checked
   ! The format of 1.10 has check sums over its metadata: where and what the datasets are.
   if (self%is_checked) call h5pset_libver_bounds_f(access, h5f_libver_v110_f, h5f_libver_v110_f, status)
@@ -124,7 +124,7 @@ contains
   integer :: status
   integer(hid_t) :: access, id
 
-  call start(self, name, access, comm)
+  call start(self, name, access)
   if (self%ranks%n_processes() > 1) call share_access(self, access, .false.)
   if (self%ranks%leads_process() .and. .not. allocated(self%error)) then
     call h5fopen_f(name, merge(h5f_acc_rdonly_f, h5f_acc_rdwr_f, is_read_only), id, status, access_prp=access)
@@ -134,12 +134,10 @@ contains
   end procedure file_open
 
   !> Forget earlier failures, silence the library, and choose how files are opened.
-  subroutine start(self, name, access, comm)
+  subroutine start(self, name, access)
     class(hdf5_file_t), intent(inout) :: self
     character(len=*), intent(in) :: name
     integer(hid_t), intent(out) :: access
-    type(comm_t), intent(in), optional :: comm
-    type(comm_t) :: alone
     integer :: status
     logical :: is_open
 
@@ -149,8 +147,6 @@ contains
     self%is_checked = .false.
     self%most_bytes = 0
     self%reserved = 0
-    self%ranks = alone
-    if (present(comm)) self%ranks = comm
     ! At exit the library would try once more to flush a file for which the disk had no room, and crash.
     call h5dont_atexit_f(status)
     ! The types of the library's Fortran side exist once it has been opened; each opening would make new ones.
@@ -178,8 +174,10 @@ contains
     call settle(self)
     if (self%ranks%n_here() == 1 .or. allocated(self%error)) return
     here = self%ranks
+    here%traffic = traffic_t()
     call here%stay_here()
     call here%broadcast(self%id, 0)
+    call self%ranks%collect(here)
   end subroutine opened
 
   !> Have the disk promise room for a dataset of so many bytes, and for the library's metadata of it: when the disk is

@@ -30,8 +30,6 @@ module sg_pictures
     type(shapes_picture_t) :: shapes
     !> What they do to each other
     type(contacts_picture_t) :: contacts
-    !> Ranks that share the scene
-    type(comm_t) :: comm
   contains
     procedure :: open => pictures_open
     procedure :: write => pictures_write
@@ -47,39 +45,39 @@ contains
     type(run_options_t), intent(in) :: options !! folder, precision, compression, hash of the deck, time step
     integer, intent(in) :: resumed_step !! step of the checkpoint, after which pictures are dropped; negative for a new run
     type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
-    type(comm_t), intent(in) :: comm !! ranks that share the scene
+    type(comm_t), intent(inout) :: comm !! ranks that share the scene
     type(bodies_t) :: block
     type(block_distribution_t) :: rows
 
-    self%comm = comm
-    if (self%comm%size > 1) then
-      call order_bodies(scene%bodies, self%comm, rows, block, error)
+    if (comm%size > 1) then
+      call order_bodies(scene%bodies, comm, rows, block, error)
       if (allocated(error)) return
-      call self%bodies%open(scene, block, options, resumed_step, self%comm)
+      call self%bodies%open(scene, block, options, resumed_step, comm)
     else
-      call self%bodies%open(scene, scene%bodies, options, resumed_step, self%comm)
+      call self%bodies%open(scene, scene%bodies, options, resumed_step, comm)
     end if
-    call self%shapes%open(scene, rows, options, resumed_step, self%comm)
-    call self%contacts%open(options, resumed_step, self%comm)
-    call agree_on_error(self, error)
+    call self%shapes%open(scene, rows, options, resumed_step, comm)
+    call self%contacts%open(options, resumed_step, comm)
+    call agree_on_error(self, comm, error)
   end subroutine pictures_open
 
   !> Add the end of a step to all files.
-  subroutine pictures_write(self, scene, contacts, time, step, error, owner)
+  subroutine pictures_write(self, scene, contacts, time, step, comm, error, owner)
     class(pictures_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! what to show, at the end of the step; where ranks share it, the part of this one
     type(contacts_t), intent(in) :: contacts !! contacts of the step, with their impulses
     real(wp), intent(in) :: time !! [s]
     integer, intent(in) :: step !! number of the step
+    type(comm_t), intent(inout) :: comm !! ranks that share the scene
     type(error_t), allocatable, intent(out) :: error !! set when a file cannot be written
     integer(i4), intent(in), optional :: owner(:) !! of a scene that is not shared: rank to show for each body, 0 when absent
     type(bodies_t) :: block
     type(block_distribution_t) :: rows
 
-    call agree_on_error(self, error)
+    call agree_on_error(self, comm, error)
     if (allocated(error)) return
-    if (self%comm%size > 1) then
-      call order_bodies(scene%bodies, self%comm, rows, block, error)
+    if (comm%size > 1) then
+      call order_bodies(scene%bodies, comm, rows, block, error)
       if (allocated(error)) return
       call self%bodies%write(scene, block, time, step)
     else
@@ -87,27 +85,32 @@ contains
     end if
     call self%shapes%write(scene, block, time, step)
     call self%contacts%write(scene, contacts, time, step)
-    call agree_on_error(self, error)
+    call agree_on_error(self, comm, error)
   end subroutine pictures_write
 
   !> Close all files.
-  subroutine pictures_close(self, error)
+  subroutine pictures_close(self, comm, error)
     class(pictures_t), intent(inout) :: self
+    type(comm_t), intent(inout) :: comm !! ranks that share the scene
     type(error_t), allocatable, intent(out) :: error !! set when a file could not be written to its end
 
     call self%bodies%grid%close()
     call self%shapes%grid%close()
     call self%contacts%grid%close()
-    call agree_on_error(self, error)
+    call agree_on_error(self, comm, error)
   end subroutine pictures_close
 
-  !> The first failure of any file on any rank.
-  subroutine agree_on_error(self, error)
+  !> The first failure of any file on any rank; the traffic of all files is counted.
+  subroutine agree_on_error(self, comm, error)
     type(pictures_t), intent(inout) :: self
+    type(comm_t), intent(inout) :: comm
     type(error_t), allocatable, intent(out) :: error
 
+    call comm%collect(self%bodies%grid%file%ranks)
+    call comm%collect(self%shapes%grid%file%ranks)
+    call comm%collect(self%contacts%grid%file%ranks)
     call first_error(self, error)
-    call self%comm%agree(error)
+    call comm%agree(error)
   end subroutine agree_on_error
 
   !> The first failure of any file.

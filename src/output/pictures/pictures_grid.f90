@@ -96,11 +96,12 @@ contains
     self%path = path
     inquire (file=path, exist=exists)
     call comm%broadcast(exists, 0)
-    if (exists .and. resumed_step >= 0) call resume(self, path, resumed_step, comm)
+    call self%file%share(comm)
+    if (exists .and. resumed_step >= 0) call resume(self, path, resumed_step)
     if (allocated(self%file%error) .or. self%n_steps > 0) return
     call self%file%close()
     if (comm%rank == 0) call remove_file(part_of(path))
-    call self%file%create(part_of(path), comm)
+    call self%file%create(part_of(path))
     call make_header(self, options)
   end subroutine grid_open
 
@@ -157,16 +158,15 @@ contains
   end subroutine declare_large
 
   !> Open an old file and drop what came after a step.
-  subroutine resume(self, path, resumed_step, comm)
+  subroutine resume(self, path, resumed_step)
     type(grid_file_t), intent(inout) :: self
     character(len=*), intent(in) :: path
     integer, intent(in) :: resumed_step
-    type(comm_t), intent(in) :: comm
     integer(i8) :: n_steps, real_bytes
     integer(i4), allocatable :: step(:)
     character(len=*), parameter :: steps = grid_root//'Steps'
 
-    call self%file%open(path, is_read_only=.false., comm=comm)
+    call self%file%open(path, is_read_only=.false.)
     if (is_link(path) .and. .not. allocated(self%file%error)) &
       call fail(self%file%error, 'cannot go on with this file: it is a symbolic link', file=path, code=exit_output)
     if (allocated(self%file%error)) &

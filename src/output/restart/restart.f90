@@ -122,11 +122,12 @@ contains
     character(len=*), intent(in) :: name
     type(restart_t), intent(in) :: state
     integer(i8), intent(in) :: serial
-    type(comm_t), intent(in) :: ranks
+    type(comm_t), intent(inout) :: ranks
     type(error_t), allocatable, intent(out) :: error
     type(hdf5_file_t) :: file
 
-    call file%create(name, ranks, is_checked=.true.)
+    call file%share(ranks)
+    call file%create(name, is_checked=.true.)
     call file%set('/', 'format', format_name)
     call file%set('/', 'format_version', format_version)
     call file%set('/', 'program', 'SplitGrain '//version//' ('//commit//')')
@@ -141,6 +142,7 @@ contains
     ! Other ranks may sit on other machines, whose part is brought to the disk from there.
     if (ranks%size > 1) call file%flush()
     call file%close()
+    call ranks%collect(file%ranks)
     if (allocated(file%error)) call move_alloc(file%error, error)
   end subroutine write_file
 

@@ -115,7 +115,7 @@ contains
       ! Contacts are found before the first grain leaves on the right, where the second is its neighbour's image.
       image = merge(1_i1, 0_i1, scene%bodies%crossings(1) == 0)
       if (step > 0) call move(scene)
-      call pictures%write(scene, some_contacts(step, image), real(step, wp)*h, step, error)
+      call pictures%write(scene, some_contacts(step, image), real(step, wp)*h, step, alone, error)
       call t%check(.not. allocated(error), 'a step is written')
     end do
   end subroutine write_steps
@@ -136,7 +136,7 @@ contains
     call pictures%open(scene, options, -1, error, alone)
     call t%check(.not. allocated(error), 'the files are made')
     call write_steps(pictures, scene, 0, 10)
-    call pictures%close(error)
+    call pictures%close(alone, error)
     call t%check(.not. allocated(error), 'the files are closed')
     ! Single precision keeps 24 bits of a position of 10 m.
     call check_files(folder, merge(1e-6_wp, 1e-14_wp, is_single))
@@ -156,10 +156,10 @@ contains
     step = 0
     do while (.not. allocated(error))
       step = step + 1
-      call pictures%write(scene, some_contacts(step, 1_i1), real(step, wp)*h, step, error)
+      call pictures%write(scene, some_contacts(step, 1_i1), real(step, wp)*h, step, alone, error)
     end do
     write (*, '(a)') error%report()
-    call pictures%close(error)
+    call pictures%close(alone, error)
     stop 1
   end subroutine write_endlessly
 
@@ -239,11 +239,11 @@ contains
     call write_steps(pictures, scene, 0, 5)
     checkpoint = scene
     call write_steps(pictures, scene, 6, 8)
-    call pictures%close(error)
+    call pictures%close(alone, error)
     call resumed%open(checkpoint, options, 5, error, alone)
     call t%check(.not. allocated(error), 'the files are opened again')
     call write_steps(resumed, checkpoint, 6, 10)
-    call resumed%close(error)
+    call resumed%close(alone, error)
     call check_files('pictures_resumed', 1e-14_wp)
     call t%check(are_same('pictures', 'pictures_resumed'), 'contacts are those of a run of one piece')
     do j = 1, size(files)
@@ -273,9 +273,9 @@ contains
     contacts%impulse(1, 1) = 7*h
     call pictures%open(scene, options_of(t, 'pictures_disks', h), -1, error, alone)
     call move(scene)
-    call pictures%write(scene, contacts, h, 1, error)
+    call pictures%write(scene, contacts, h, 1, alone, error)
     call t%check(.not. allocated(error), 'a scene without rotation is written')
-    call pictures%close(error)
+    call pictures%close(alone, error)
     call file%open('pictures_disks/contacts.vtkhdf', is_read_only=.true.)
     call file%get('/VTKHDF/CellData/force_normal', values)
     call t%near(values(1), 7.0_wp, 1e-14_wp, 'force of one component')
@@ -312,7 +312,7 @@ contains
     scene = some_scene()
     call pictures%open(scene, options_of(t, 'pictures', h), 10, error, alone)
     call t%check(.not. allocated(error), 'other files can be opened afterwards')
-    call pictures%close(error)
+    call pictures%close(alone, error)
   end subroutine test_full_disk
 
   !> Files that are missing, foreign, or of another scene.
@@ -330,15 +330,15 @@ contains
     close (unit)
     call pictures%open(scene, options, 3, error, alone)
     call t%check(allocated(error), 'a foreign file is no file to go on with')
-    call pictures%close(error)
+    call pictures%close(alone, error)
     options%folder = 'no/such/folder'
     call others%open(scene, options, -1, error, alone)
     call t%check(allocated(error), 'a folder must exist')
     if (.not. allocated(error)) return
     call t%check(index(error%message, 'No such file or directory') > 0, 'and what is wrong is said: '//error%message)
-    call others%write(scene, some_contacts(1, 1_i1), h, 1, error)
+    call others%write(scene, some_contacts(1, 1_i1), h, 1, alone, error)
     call t%check(allocated(error), 'the failure stays')
-    call others%close(error)
+    call others%close(alone, error)
   end subroutine test_foreign_file
 
   !> Without the library there is one clear error.
@@ -353,8 +353,8 @@ contains
     call t%check(allocated(error), 'pictures need HDF5')
     if (.not. allocated(error)) return
     call t%check(index(error%message, 'HDF5') > 0, 'and the error says so')
-    call pictures%write(scene, some_contacts(1, 1_i1), h, 1, error)
+    call pictures%write(scene, some_contacts(1, 1_i1), h, 1, alone, error)
     call t%check(allocated(error), 'the failure stays')
-    call pictures%close(error)
+    call pictures%close(alone, error)
   end subroutine test_without_library
 end program test_pictures

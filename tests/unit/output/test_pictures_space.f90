@@ -126,7 +126,7 @@ contains
     do step = first, last
       contacts = some_contacts(scene, step)
       if (step > 0) call move(scene)
-      call pictures%write(scene, contacts, real(step, wp)*h, step, error)
+      call pictures%write(scene, contacts, real(step, wp)*h, step, alone, error)
       call t%check(.not. allocated(error), 'a step is written')
     end do
   end subroutine write_steps
@@ -145,13 +145,13 @@ contains
     call write_steps(pictures, scene, 0, max(stop_at, 0))
     checkpoint = scene
     call write_steps(pictures, scene, max(stop_at, 0) + 1, 5)
-    call pictures%close(error)
+    call pictures%close(alone, error)
     call t%check(.not. allocated(error), 'the files are closed')
     if (stop_at > 0) then
       call resumed%open(checkpoint, options_of(t, folder, h), stop_at, error, alone)
       call t%check(.not. allocated(error), 'the files are opened again')
       call write_steps(resumed, checkpoint, stop_at + 1, 5)
-      call resumed%close(error)
+      call resumed%close(alone, error)
     end if
     call check_bodies(folder)
     call check_shapes(folder, scene)
@@ -318,9 +318,9 @@ contains
     contacts%impulse(1, 1) = 7*h
     call pictures%open(scene, options_of(t, 'pictures_space_balls', h), -1, error, alone)
     call move(scene)
-    call pictures%write(scene, contacts, h, 1, error)
+    call pictures%write(scene, contacts, h, 1, alone, error)
     call t%check(.not. allocated(error), 'a scene without rotation is written')
-    call pictures%close(error)
+    call pictures%close(alone, error)
     call file%open('pictures_space_balls/contacts.vtkhdf', is_read_only=.true.)
     call file%get('/VTKHDF/CellData/force', vectors)
     call near(vectors(:, 1), 7*[0.0_wp, 0.6_wp, 0.8_wp], 1e-12_wp, 'force along the normal')
