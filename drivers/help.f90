@@ -97,7 +97,8 @@ contains
   !> Help of `partition`.
   subroutine help_on_partition()
     call lines([character(len=110) :: &
-                'splitgrain partition DECK --parts N [options]   split the grains of a deck as it starts, without a run', &
+                'splitgrain partition DECK [options]   split the grains of a deck as it starts, without a run', &
+                '  --parts N               number of parts (default: partition.parts of the deck)', &
                 '  --restart FILE|DIR      in the state of a restart file, or of the newest one of a folder of results', &
                 '  --method boxes|graph    boxes of equal weight, or METIS on the graph of contacts (default: the deck''s)', &
                 '  --boxes 2x2x1           boxes along x, y and z, 0 for any number (default: the deck''s)', &

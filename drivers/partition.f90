@@ -57,6 +57,8 @@ contains
     end if
     ! The command line goes before the deck.
     call choose_split(arguments, sim%options%partition, parts, error)
+    if (parts == 0) parts = sim%options%partition%parts
+    if (parts == 0 .and. .not. allocated(error)) call fail(error, 'how many parts? Give --parts N')
     if (arguments%has('restart')) sim%options%restart_file = arguments%get('restart', '')
     if (.not. allocated(error) .and. arguments%has('predict')) then
       call predict(arguments, sim, parts, comm, error)
@@ -123,7 +125,7 @@ contains
     end if
   end subroutine predict
 
-  !> Take method, boxes and number of parts from the command line.
+  !> Take method, boxes and number of parts, 0 where it gives none, from the command line.
   subroutine choose_split(arguments, options, parts, error)
     type(arguments_t), intent(in) :: arguments
     type(partition_options_t), intent(inout) :: options
@@ -143,11 +145,7 @@ contains
     end if
     if (allocated(error)) return
     options%split = method
-    if (arguments%has('parts')) then
-      call arguments%whole('parts', 0, 1, parts, error)
-    else if (parts == 0) then
-      call fail(error, 'how many parts? Give --parts N')
-    end if
+    if (arguments%has('parts')) call arguments%whole('parts', 0, 1, parts, error)
   end subroutine choose_split
 
   !> Numbers of boxes as they are written, 2x3 or 2x3x1.

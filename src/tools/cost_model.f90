@@ -4,7 +4,8 @@
 !! Dual: the slowest rank sweeps its contacts, glues its shared grains and exchanges them with each neighbour, one after the
 !! other. Primal: the slowest rank sweeps within its part; then edges take their turns by colours, and the slowest edge of a
 !! colour holds up all that follow: grains are lent, contacts swept, grains given back. A test of convergence adds a
-!! reduction, log2 of the ranks messages deep. Messages are counted as if nothing was swept while they travel.
+!! reduction, log2 of the ranks messages deep. Messages are counted as if nothing was swept while they travel. Parts of one rank
+!! take turns, and need no message.
 module sg_cost_model
   use sg_edges, only: colour_edges
   use sg_interfaces, only: interfaces_t
@@ -51,65 +52,82 @@ module sg_cost_model
 contains
 
   !> An iteration of the dual method with one sweep a gluing.
-  pure function dual_iteration(machine, split, parts) result(iteration)
+  pure function dual_iteration(machine, split, rank) result(iteration)
     type(machine_t), intent(in) :: machine !! costs of the pieces
     type(interfaces_t), intent(in) :: split !! contacts and grains that subdomains own and share
-    integer, intent(in) :: parts !! number of parts, one a rank
+    integer, intent(in) :: rank(:) !! rank of each part, from 0
     type(iteration_t) :: iteration
-    real(wp) :: message(parts), total(parts), seconds
-    integer :: neighbours(parts), i, slowest
+    real(wp) :: message(0:maxval(rank)), total(0:maxval(rank)), seconds
+    integer :: neighbours(0:maxval(rank)), i, slowest
 
     message = 0
     neighbours = 0
     do i = 1, size(split%common%items)
-      associate (ends => split%common%part(:, i) + 1)
-        seconds = machine%messages%of(machine%item_bytes*real(split%common%items(i), wp))
+      associate (ends => rank(split%common%part(:, i) + 1), items => split%common%items(i))
+        if (ends(1) == ends(2)) cycle
+        seconds = machine%messages%of(machine%item_bytes*real(items, wp))
         message(ends) = message(ends) + seconds
         neighbours(ends) = neighbours(ends) + 1
+        iteration%messages = iteration%messages + 2
+        iteration%bytes = iteration%bytes + 2*machine%item_bytes*real(items, wp)
       end associate
     end do
-    total = machine%update*real(split%owned, wp) + machine%glue*real(split%shared, wp) + message
-    slowest = maxloc(total, 1)
-    iteration%sweep = machine%update*real(split%owned(slowest), wp)
-    iteration%glue = machine%glue*real(split%shared(slowest), wp)
+    total = machine%update*by_rank(split%owned, rank) + machine%glue*by_rank(split%shared, rank) + message
+    slowest = maxloc(total, 1) - 1
+    iteration%sweep = machine%update*real(sum(split%owned, rank == slowest), wp)
+    iteration%glue = machine%glue*real(sum(split%shared, rank == slowest), wp)
     iteration%message = message(slowest)
-    iteration%reduction = reduction(machine, parts)
+    iteration%reduction = reduction(machine, size(total))
     iteration%seconds = total(slowest) + iteration%reduction
-    iteration%messages = 2*size(split%common%items)
-    iteration%bytes = 2*machine%item_bytes*real(sum(split%common%items), wp)
     iteration%most_neighbours = maxval(neighbours)
   end function dual_iteration
 
   !> An iteration of the primal method with one sweep within parts and one over the edges.
-  pure function primal_iteration(machine, split, parts) result(iteration)
+  pure function primal_iteration(machine, split, rank) result(iteration)
     type(machine_t), intent(in) :: machine !! costs of the pieces
     type(interfaces_t), intent(in) :: split !! contacts and grains that subdomains own and share
-    integer, intent(in) :: parts !! number of parts, one a rank
+    integer, intent(in) :: rank(:) !! rank of each part, from 0
     type(iteration_t) :: iteration
-    integer :: neighbours(parts), colour(size(split%edge%items)), i
-    real(wp), allocatable :: turn(:), message(:)
+    integer :: neighbours(0:maxval(rank)), colour(size(split%edge%items)), i
+    real(wp), allocatable :: turn(:, :), message(:, :)
     real(wp) :: loan
 
-    colour = colour_edges(split%edge%part, parts)
+    colour = colour_edges(split%edge%part, size(rank))
     if (size(colour) > 0) iteration%colours = maxval(colour)
-    allocate (turn(iteration%colours), message(iteration%colours), source=0.0_wp)
+    allocate (turn(0:maxval(rank), iteration%colours), message(0:maxval(rank), iteration%colours), source=0.0_wp)
     neighbours = 0
     do i = 1, size(colour)
-      associate (ends => split%edge%part(:, i) + 1, c => colour(i))
-        neighbours(ends) = neighbours(ends) + 1
+      associate (ends => rank(split%edge%part(:, i) + 1), c => colour(i), sweep => machine%update*real(split%edge%items(i), wp))
+        if (ends(1) == ends(2)) then
+          turn(ends(1), c) = turn(ends(1), c) + sweep
+          cycle
+        end if
         loan = 2*machine%messages%of(machine%item_bytes*real(split%lent(i), wp))
-        turn(c) = max(turn(c), loan + machine%update*real(split%edge%items(i), wp))
-        message(c) = max(message(c), loan)
+        turn(ends, c) = turn(ends, c) + loan + sweep
+        message(ends, c) = message(ends, c) + loan
+        neighbours(ends) = neighbours(ends) + 1
+        iteration%messages = iteration%messages + 2
+        iteration%bytes = iteration%bytes + 2*machine%item_bytes*real(split%lent(i), wp)
       end associate
     end do
-    iteration%message = sum(message)
-    iteration%reduction = reduction(machine, parts)
-    iteration%sweep = machine%update*real(maxval(split%inner), wp) + sum(turn - message)
-    iteration%seconds = machine%update*real(maxval(split%inner), wp) + sum(turn) + iteration%reduction
-    iteration%messages = 2*size(colour)
-    iteration%bytes = 2*machine%item_bytes*real(sum(split%lent), wp)
+    iteration%message = sum(maxval(message, 1))
+    iteration%reduction = reduction(machine, size(neighbours))
+    iteration%seconds = machine%update*maxval(by_rank(split%inner, rank)) + sum(maxval(turn, 1)) + iteration%reduction
+    iteration%sweep = iteration%seconds - iteration%message - iteration%reduction
     iteration%most_neighbours = maxval(neighbours)
   end function primal_iteration
+
+  !> Numbers of parts, summed by rank.
+  pure function by_rank(numbers, rank) result(sums)
+    integer, intent(in) :: numbers(:), rank(:)
+    real(wp) :: sums(0:maxval(rank))
+    integer :: i
+
+    sums = 0
+    do i = 1, size(numbers)
+      sums(rank(i)) = sums(rank(i)) + real(numbers(i), wp)
+    end do
+  end function by_rank
 
   !> Seconds of a reduction's share of an iteration.
   pure real(wp) function reduction(machine, ranks)

@@ -10,6 +10,7 @@ module sg_predict_cost
   use sg_kinds, only: wp, i4
   use sg_load, only: measured_weights
   use sg_problem, only: problem_t
+  use sg_process_swap, only: first_subdomain
   use sg_records, only: first_inverse
   use sg_residuals, only: n_error_sums, sum_errors
   use sg_run_options, only: solver_options_t
@@ -28,7 +29,8 @@ module sg_predict_cost
 
 contains
 
-  !> Predict the cost of an iteration on 1, 2, 4, ... ranks up to a number, and on that number.
+  !> Predict the cost of an iteration on 1, 2, 4, ... ranks up to a number, and on that number. Where the options ask for so many
+  !! subdomains, it is their number at most, and the ranks share them.
   !!
   !! All ranks that the program was started on measure at the same time, as in a run they would; the slowest counts.
   subroutine predict_cost(sim, most, comm, machine, predictions, error)
@@ -41,7 +43,7 @@ contains
     integer, allocatable :: ranks(:)
     real(wp), allocatable :: load(:)
     real(wp) :: check
-    integer :: i
+    integer :: i, last
 
     call find_contacts(sim, error)
     if (allocated(error)) return
@@ -53,7 +55,9 @@ contains
     check = check_seconds(sim%problem)/real(machine%check_every, wp)
     call comm%maximum(machine%glue)
     call comm%maximum(check)
-    ranks = [pack([(2**i, i=0, 30)], [(2**i < most, i=0, 30)]), most]
+    last = most
+    if (sim%options%partition%parts > 0) last = min(most, sim%options%partition%parts)
+    ranks = [pack([(2**i, i=0, 30)], [(2**i < last, i=0, 30)]), last]
     allocate (predictions(size(ranks)))
     do i = 1, size(ranks)
       call predict_split(sim, load, ranks(i), check, comm, machine, predictions(i), error)
@@ -66,7 +70,7 @@ contains
     end do
   end subroutine predict_cost
 
-  !> Split into so many parts, time updates on the largest, and put the cost together.
+  !> Split into parts, time updates on the largest, and put the cost on so many ranks together.
   subroutine predict_split(sim, load, ranks, check, comm, machine, prediction, error)
     type(simulation_t), intent(inout) :: sim
     real(wp), intent(in) :: load(:), check
@@ -77,21 +81,24 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(interfaces_t) :: split
     integer(i4), allocatable :: part(:), owner(:)
-    integer :: boxes(3)
+    integer, allocatable :: rank(:)
+    integer :: boxes(3), parts, r
 
-    call split_bodies(sim, load, ranks, boxes, part, error)
+    parts = max(ranks, sim%options%partition%parts)
+    call split_bodies(sim, load, parts, boxes, part, error)
     if (allocated(error)) return
-    call find_interfaces(sim%contacts, part, ranks, owner, split)
+    call find_interfaces(sim%contacts, part, parts, owner, split)
+    rank = [(spread(r, 1, first_subdomain(r + 1, ranks, parts) - first_subdomain(r, ranks, parts)), r=0, ranks - 1)]
     prediction%ranks = ranks
     prediction%contacts = sim%contacts%n
-    prediction%largest = maxval(split%owned)
+    prediction%largest = maxval([(sum(split%owned, rank == r), r=0, ranks - 1)])
     prediction%shared_grains = split%shared_grains
     machine%update = update_seconds(sim%problem, owner == maxloc(split%owned, 1), sim%options%solver)
     call comm%maximum(machine%update)
     machine%update = machine%update + check
     prediction%update = machine%update
-    prediction%dual = dual_iteration(machine, split, ranks)
-    prediction%primal = primal_iteration(machine, split, ranks)
+    prediction%dual = dual_iteration(machine, split, rank)
+    prediction%primal = primal_iteration(machine, split, rank)
   end subroutine predict_split
 
   !> CPU seconds of an update, when some contacts are swept again and again.

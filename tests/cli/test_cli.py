@@ -246,6 +246,20 @@ class Partition(Cli):
         table = self.run_program("partition", "--lattice", "3000", "--parts", "8", "--predict").stdout
         self.assertEqual([line.split()[0] for line in table.splitlines()[-4:]], ["1", "2", "4", "8"])
 
+    def test_subdomains_of_the_deck(self):
+        self.assertEqual(self.partition("--set", "partition.parts=4")["parts"], 4)
+        self.assertEqual(self.partition("--set", "partition.parts=4", "--parts", "2")["parts"], 2)
+        # Four subdomains are shared by at most four ranks; the split is the same for all of them, and one rank needs no message.
+        costs = self.partition("--set", "partition.parts=4", "--parts", "8", "--predict")
+        self.assertNotIn("ranks_8_largest", costs)
+        shared = {costs[f"ranks_{ranks}_shared_grains"] for ranks in (1, 2, 4)}
+        self.assertEqual(len(shared), 1)
+        self.assertEqual(costs["ranks_1_dual_messages"], 0)
+        self.assertEqual(costs["ranks_1_largest"], costs["contacts"])
+        alone = self.partition("--parts", "4", "--predict")
+        self.assertEqual(costs["ranks_4_shared_grains"], alone["ranks_4_shared_grains"])
+        self.assertEqual(alone["ranks_1_shared_grains"], 0)
+
     def test_graph_needs_metis(self):
         if self.has_library("METIS"):
             self.assertEqual(self.partition("--parts", "3", "--method", "graph")["parts"], 3)

@@ -132,19 +132,28 @@ contains
     split%edge = split%common
     split%edge%items = [3, 3]
     split%lent = [2, 1]
-    iteration = dual_iteration(machine, split, 3)
+    iteration = dual_iteration(machine, split, [0, 1, 2])
     ! Part 1: 40 updates, 3 grains, messages of 100 + 2000 and 100 + 1000; the reduction is log2(3) latencies in 4 rounds.
     call t%near(iteration%seconds, 40 + 30 + 3200 + 25*log(3.0_wp)/log(2.0_wp), 1e-12_wp, 'dual')
     call t%check(iteration%messages == 4 .and. iteration%most_neighbours == 2, 'its messages')
     call t%near(iteration%bytes, 144.0_wp, tolerance, 'its bytes')
-    iteration = primal_iteration(machine, split, 3)
+    iteration = primal_iteration(machine, split, [0, 1, 2])
     ! Two turns, as part 1 has two edges: 47 updates, then 3 and two messages each.
     call t%near(iteration%seconds, 47 + (3 + 2*2100) + (3 + 2*1100) + 25*log(3.0_wp)/log(2.0_wp), 1e-12_wp, 'primal')
     call t%check(iteration%colours == 2, 'its turns')
-    iteration = dual_iteration(machine, split, 3)
+    iteration = dual_iteration(machine, split, [0, 0, 1])
+    ! Rank 0 has two parts: 50 + 40 updates, 2 + 3 grains, one message of 100 + 1000; the reduction is one latency in 4 rounds.
+    call t%near(iteration%seconds, 1265.0_wp, 1e-12_wp, 'dual, two parts on a rank')
+    call t%check(iteration%messages == 2 .and. iteration%most_neighbours == 1, 'messages between ranks alone')
+    call t%near(iteration%bytes, 48.0_wp, tolerance, 'and their bytes')
+    iteration = primal_iteration(machine, split, [0, 0, 1])
+    ! 47 + 40 updates, 3 in the turn of the edge within the rank, 3 and two messages in the other turn.
+    call t%near(iteration%seconds, 2318.0_wp, 1e-12_wp, 'primal, two parts on a rank')
+    call t%check(iteration%messages == 2 .and. iteration%most_neighbours == 1, 'its messages')
+    iteration = dual_iteration(machine, split, [0, 1, 2])
     machine%messages = given_messages(0.0_wp, 1e30_wp)
     machine%glue = 0
-    iteration = dual_iteration(machine, split, 3)
+    iteration = dual_iteration(machine, split, [0, 1, 2])
     call t%near(iteration%seconds, 50.0_wp, 1e-12_wp, 'where nothing but updates costs, the largest part counts')
   end subroutine test_iterations
 end program test_cost_model
