@@ -63,6 +63,7 @@ contains
     call visit(wanted, 'viscosity', 'etan', law%viscosity)
     call visit(wanted, 'gap_shift', 'pgap', law%gap_shift)
     call visit(wanted, 'epsilon', '-', law%epsilon)
+    call visit(wanted, 'relative_epsilon', '-', law%relative_epsilon)
     call visit(wanted, 'axial_stiffness', 'F/st', law%axial_stiffness)
     call visit(wanted, 'axial_damping', 'F/sr', law%axial_damping)
     call visit(wanted, 'prestrain', 'prst', law%prestrain)

@@ -10,7 +10,7 @@ module sg_laws
   use sg_kinds, only: wp, i1
   implicit none
   private
-  public :: law_t, local_law_t, local_law
+  public :: law_t, local_law_t, local_law, linear_law
   public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
   public :: law_rod, law_wire, law_rigid_wire, law_bond, is_link_law
   public :: law_iqs_g0, law_gap_g0, law_elastic_g0, law_gap_shifted, law_viscoelastic
@@ -58,8 +58,10 @@ module sg_laws
     real(wp) :: stiffness = 0, viscosity = 0
     !> Length added to the gap by the shifted law [m]
     real(wp) :: gap_shift = 0
-    !> Velocity per impulse of the linear law r = -(1/epsilon) v [1/kg]
-    real(wp) :: epsilon = 0
+    !> Velocity per impulse of the linear law r = -(1/epsilon) v [1/kg]; or what it is of the mean diagonal term of W, where
+    !! that is not zero (sg_relative_epsilon); and does it act along the normal alone?
+    real(wp) :: epsilon = 0, relative_epsilon = 0
+    logical :: is_along_normal = .false.
     !> Links: force per strain of rods and wires [N], and per rate of strain [N s]; strain at rest
     real(wp) :: axial_stiffness = 0, axial_damping = 0, prestrain = 0
     !> Tension that breaks a wire [N]; none where it is zero
@@ -151,10 +153,20 @@ contains
       local%bias(1) = law%stiffness*gap/(law%stiffness*time_step + law%viscosity)
       local%compliance(1) = 1/(law%stiffness*time_step**2 + law%viscosity*time_step)
     case (law_linear)
-      local%is_linear = .true.
-      local%compliance = law%epsilon
+      local = linear_law(law)
     end select
   end function local_law
+
+  !> The linear law, r = -(1/epsilon) v in all directions or along the normal, of contacts and links. A relative epsilon is set
+  !! when the problem is assembled.
+  pure function linear_law(law) result(local)
+    type(law_t), intent(in) :: law !! the law
+    type(local_law_t) :: local
+
+    local%is_linear = .true.
+    local%is_along_normal = law%is_along_normal
+    local%compliance = law%epsilon
+  end function linear_law
 
   !> Kind of a local law, as records of contacts hold it: 0 where it takes no part, 1 unilateral, 2 linear, 3 linear along the
   !! normal.
@@ -208,7 +220,7 @@ contains
   pure logical function is_frictionless(law)
     type(law_t), intent(in) :: law !! law to look at
 
-    is_frictionless = .not. max(law%static_friction, law%dynamic_friction) > 0 .and. law%kind /= law_linear .and. &
-                      law%kind /= law_bond .and. .not. is_cohesive_zone(law)
+    is_frictionless = .not. max(law%static_friction, law%dynamic_friction) > 0 .and. law%kind /= law_bond .and. &
+                      (law%kind /= law_linear .or. law%is_along_normal) .and. .not. is_cohesive_zone(law)
   end function is_frictionless
 end module sg_laws

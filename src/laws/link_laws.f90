@@ -42,6 +42,7 @@ contains
       call bond_law(law, length, rest, bond, state, time_step, local)
     case (law_linear)
       local%is_linear = .true.
+      local%is_along_normal = law%is_along_normal
       local%compliance = law%epsilon
     end select
   end function link_law
@@ -90,7 +91,7 @@ contains
   pure logical function holds_across(law)
     type(law_t), intent(in) :: law !! law of a link
 
-    holds_across = law%kind == law_bond .or. law%kind == law_linear
+    holds_across = law%kind == law_bond .or. (law%kind == law_linear .and. .not. law%is_along_normal)
   end function holds_across
 
   !> Does a wire break under what it carried in a step?

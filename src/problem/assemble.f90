@@ -79,6 +79,9 @@ contains
       if (closes(kind, law, problem%record(:, k), q)) problem%closing_speed = max(problem%closing_speed, norm2(q))
       held = max(held, held_speed(kind, law, problem%record(:, k)))
       problem%impulse(:, k) = contacts%impulse(:, k)
+      ! The normal may have turned since the guess was found; that of links is turned at detection.
+      if (law%is_along_normal .and. plain_kind(kind) == solid_frictional .and. .not. is_link(scene, contacts, k)) &
+        problem%impulse(:, k) = dot_product(contacts%normal(:, k), contacts%impulse(:, k))*contacts%normal(:, k)
     end do
     problem%free_norm = sqrt(squares)
     problem%fall_speed = norm2(scene%gravity)*time_step

@@ -13,6 +13,7 @@ module sg_advance
   use sg_motion, only: predict, update
   use sg_penetration, only: deepest_penetration
   use sg_plan, only: set_radii
+  use sg_relative_epsilon, only: set_relative_epsilon
   use sg_simulation, only: simulation_t
   use sg_solve_step, only: solve_step
   use sg_timed, only: timed
@@ -70,6 +71,7 @@ contains
 
     call check_limits(sim, error)
     call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, sim%problem)
+    call set_relative_epsilon(sim%scene, sim%contacts, sim%comm, sim%problem)
     call check_input(sim, error)
     if (allocated(error) .or. .not. allocated(sim%options%dump_steps)) return
     if (is_listed(sim%options%dump_steps, sim%step + 1)) &

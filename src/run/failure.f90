@@ -14,6 +14,7 @@ module sg_failure
   use sg_kinds, only: wp, i1
   use sg_motion, only: predict
   use sg_problem, only: problem_t
+  use sg_relative_epsilon, only: set_relative_epsilon
   use sg_report, only: unsolved
   use sg_simulation, only: simulation_t
   use sg_text, only: to_text
@@ -92,6 +93,7 @@ contains
 
     if (sim%dump%is_begun) return
     call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, problem)
+    call set_relative_epsilon(sim%scene, sim%contacts, sim%comm, problem)
     call dump(sim, problem)
   end subroutine dump_again
 

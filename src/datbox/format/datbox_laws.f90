@@ -90,7 +90,7 @@ contains
     do form = 1, size(law_forms)
       if (law_forms(form)%kind /= law%kind) cycle
       ! COUPLED_DOF is the linear law whose compliance vanishes.
-      if (law%kind == law_linear .and. law%epsilon > 0) cycle
+      if (law%kind == law_linear .and. (max(law%epsilon, law%relative_epsilon) > 0 .or. law%is_along_normal)) cycle
       if (law%axial_damping > 0 .and. .not. any(law_forms(form)%labels == 'F/sr')) cycle
       if (law%breaking_force > 0 .and. .not. any(law_forms(form)%labels == 'Snmx')) cycle
       ! There the cohesions of a bond are stresses.

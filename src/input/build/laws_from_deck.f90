@@ -5,7 +5,7 @@ module sg_laws_from_deck
   use sg_error, only: diagnostics_t
   use sg_keys_scene, only: law_kinds
   use sg_law_parameters, only: set_parameter
-  use sg_laws, only: is_cohesive_zone, law_mohr, law_t, needs_surface
+  use sg_laws, only: is_cohesive_zone, law_linear, law_mohr, law_t, needs_surface
   use sg_scene, only: law_index, material_index, material_t, scene_t
   use sg_text, only: text_t
   use sg_values, only: value_t
@@ -49,6 +49,10 @@ contains
       call read_law(deck, b, law)
       if (is_cohesive_zone(law)) then
         if (len(zone_fault(law)) > 0) call deck%complain(diagnostics, zone_fault(law), b, 'normal_stiffness')
+      else if (law%kind == law_linear .and. deck%is_given(b, 'epsilon') .and. deck%is_given(b, 'relative_epsilon')) then
+        call deck%complain(diagnostics, 'the velocity per impulse is given both in 1/kg and as a multiple', b, 'relative_epsilon')
+      else if (law%kind == law_linear .and. .not. (deck%is_given(b, 'epsilon') .or. deck%is_given(b, 'relative_epsilon'))) then
+        call deck%complain(diagnostics, 'a LINEAR law needs the key "epsilon" or "relative_epsilon"', b)
       else if (max(law%normal_cohesion, law%tangential_cohesion) > 0 .and. needs_surface(law)) then
         call deck%complain(diagnostics, 'the cohesion is given both as a force and as a stress', b, 'normal_bond_stress')
       else if (law%tangential_cohesion > 0 .and. .not. law%normal_cohesion > 0) then
@@ -81,6 +85,7 @@ contains
         end associate
       end do
     end associate
+    law%is_along_normal = deck%word(b, 'directions') == 'normal'
   end subroutine read_law
 
   !> Material of a block: the one it names, or the only one; 0 after a mistake.

@@ -91,8 +91,11 @@ contains
     call table%add('viscosity', value_real, 'Force per velocity while shapes overlap.', unit='N s/m', default='0.0', &
                    least=0.0_wp, only='kind=VISCO_ELASTIC_REPELL_CLB')
     call table%add('gap_shift', value_real, 'Length added to the gap.', unit='m', default='0.0', only='kind=preGAP_SGR_CLB')
-    call table%add('epsilon', value_real, 'Velocity per impulse.', unit='1/kg', is_required=.true., &
-                   above=0.0_wp, only='kind=LINEAR')
+    call table%add('epsilon', value_real, 'Velocity per impulse.', unit='1/kg', above=0.0_wp, only='kind=LINEAR')
+    call table%add('relative_epsilon', value_real, 'In place of epsilon: velocity per impulse over the mean diagonal term of '// &
+                   'the matrix W of contacts with such laws.', above=0.0_wp, only='kind=LINEAR')
+    call table%add('directions', value_choice, 'Directions in which it acts: all, or the normal alone.', default='"all"', &
+                   choices='all|normal', only='kind=LINEAR')
 
     call add_link_law_keys(table, softening)
     call add_zone_keys(table, zones, softening)

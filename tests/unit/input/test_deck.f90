@@ -30,6 +30,7 @@ program test_deck
   call test_effective()
   call test_settings()
   call test_laws()
+  call test_linear_laws()
   call test_cluster()
   call test_mass()
   call test_walls_and_drives()
@@ -238,6 +239,35 @@ contains
     call t%equal(scene%sees(1)%law, 3, 'an interaction names its law')
     call t%near(scene%sees(1)%alert, 0.25_wp, 0.0_wp, 'and its alert')
   end subroutine test_laws
+
+  !> A linear law has one epsilon, absolute or relative, above zero.
+  subroutine test_linear_laws()
+    type(scene_t) :: scene
+
+    call read_linear('relative_epsilon = 0.02'//nl//'directions = "normal"'//nl, '', scene)
+    call t%near(scene%laws(1)%relative_epsilon, 0.02_wp, 0.0_wp, 'relative epsilon')
+    call t%check(scene%laws(1)%is_along_normal, 'along the normal')
+    call read_linear('epsilon = 0.5'//nl, '', scene)
+    call t%near(scene%laws(1)%epsilon, 0.5_wp, 0.0_wp, 'epsilon')
+    call t%check(.not. scene%laws(1)%is_along_normal, 'in all directions')
+    call read_linear('', 'needs the key "epsilon" or "relative_epsilon"', scene)
+    call read_linear('epsilon = 1'//nl//'relative_epsilon = 1'//nl, 'is given both in 1/kg and as a multiple', scene)
+    call read_linear('epsilon = 0'//nl, 'larger than 0 1/kg', scene)
+    call read_linear('relative_epsilon = -1'//nl, 'larger than 0', scene)
+  end subroutine test_linear_laws
+
+  !> Read a linear law with these keys; its first mistake must hold a fragment, none where that is empty.
+  subroutine read_linear(keys, fragment, scene)
+    character(len=*), intent(in) :: keys, fragment
+    type(scene_t), intent(out) :: scene
+    type(run_options_t) :: options
+    type(diagnostics_t) :: diagnostics
+
+    call read_deck_text(head//'[[law]]'//nl//'kind = "LINEAR"'//nl//keys//'[[body]]'//nl//'shape = "disk"'//nl// &
+                        'radius = 0.5'//nl, scene, options, diagnostics)
+    call t%check((diagnostics%count() > 0) .eqv. len(fragment) > 0, 'linear law: '//first(diagnostics))
+    if (diagnostics%count() > 0) call t%check(index(first(diagnostics), fragment) > 0, first(diagnostics))
+  end subroutine read_linear
 
   !> Two disks and a bar: centre, mass and inertia by hand.
   subroutine test_cluster()
