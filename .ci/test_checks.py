@@ -70,6 +70,7 @@ def test_empty_project_fails(tmp_path, check):
     ("src/base/fourier_with_metis.f90", "", "call fftw_destroy_plan(plan)", "outside a file *_with_fftw.f90"),
     ("src/base/sparse_factor.f90", "", "call umfpack_di_free_numeric(numeric)", "outside a file *_with_suitesparse.f90"),
     ("src/base/convex_hull.f90", "", "code = splitgrain_hull(n, points)", "outside a file *_with_qhull.f90"),
+    ("src/base/eigenvalues.f90", "", "call dgeev(job, job, n)", "outside a file *_with_lapack.f90"),
     ("src/unheard/plan.f90", "", "", "'unheard' is not in the order"),
     ("src/input/kitchen/plan.f90", "", "", "'input/kitchen' is not in the order"),
     ("src/base/system.f90", "use sg_alarm, only: work", "", "base uses sg_alarm of the later room base/system"),

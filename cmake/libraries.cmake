@@ -40,7 +40,7 @@ function(on_demand name library)
   set(${name}_FILE "${file}" PARENT_SCOPE)
 endfunction()
 
-foreach(name METIS FFTW UMFPACK CHOLMOD QHULL)
+foreach(name METIS FFTW UMFPACK CHOLMOD QHULL LAPACK)
   set(${name}_FILE "not in this build")
 endforeach()
 
@@ -117,6 +117,12 @@ if(SPLITGRAIN_QHULL)
   on_demand(QHULL ${QHULL_LIBRARY})
 endif()
 choose(qhull "${SPLITGRAIN_QHULL}")
+
+if(SPLITGRAIN_LAPACK)
+  find_library(LAPACK_LIBRARY lapack REQUIRED)
+  on_demand(LAPACK ${LAPACK_LIBRARY})
+endif()
+choose(lapack "${SPLITGRAIN_LAPACK}")
 
 if(SPLITGRAIN_OPENMP)
   # Files with directives of OpenMP: all others are compiled as without it.

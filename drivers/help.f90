@@ -3,6 +3,7 @@ module sg_help
   use, intrinsic :: iso_fortran_env, only: compiler_version
   use sg_comm, only: comm_t
   use sg_convex_hull, only: hull_is_available
+  use sg_eigenvalues, only: eigenvalues_are_available
   use sg_fourier, only: fourier_is_available
   use sg_graph_split, only: graph_splits
   use sg_hdf5, only: hdf5_is_available
@@ -35,6 +36,8 @@ contains
       call help_on_partition()
     case ('solve')
       call help_on_solve()
+    case ('spectrum')
+      call help_on_spectrum()
     case ('study')
       call help_on_study()
     case default
@@ -128,6 +131,20 @@ contains
                 '            3 a problem not solved to the tolerance, 5 an answer or the trace cannot be written.'])
   end subroutine help_on_solve
 
+  !> Help of `spectrum`.
+  subroutine help_on_spectrum()
+    call lines([character(len=110) :: &
+                'splitgrain spectrum DECK [options]    rate of convergence of interface iterations on the first contact problem', &
+                '  --parts N               subdomains (default: those of the deck)', &
+                '  --epsilon X             linear interactions: velocity per impulse over the mean diagonal term of W', &
+                '                          (default: that of the deck); may be given several times', &
+                '  --points N              search directions eta per decade, from 1e-4 to 1e4 of that mean (default 20)', &
+                '  --csv FILE              write the spectral radius against eta', &
+                '  --restart FILE|DIR      in the state of a restart file, or of the newest one of a folder of results', &
+                '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
+                'Linear interactions: r = -v/epsilon. Otherwise contact: near the solution, contacts keep their statuses.'])
+  end subroutine help_on_spectrum
+
   !> Help of `study`.
   subroutine help_on_study()
     call lines([character(len=110) :: &
@@ -153,6 +170,7 @@ contains
                 'splitgrain bench             measure the sweeps', &
                 'splitgrain partition DECK    split the grains into parts: sizes, imbalance, interface', &
                 'splitgrain solve FILE...     solve contact problems in FCLIB files, from this program or others', &
+                'splitgrain spectrum DECK     spectral radius of the dual and the enriched interface on a small scene', &
                 'splitgrain study FILE        error against work: many runs, diagrams, one page', &
                 'splitgrain --version         version, commit, compiler, flags, libraries', &
                 '', &
@@ -180,7 +198,8 @@ contains
     call print_line('splitgrain '//version//nl//'commit    '//commit//nl//'compiler  '//compiler_version()//nl// &
       'flags     '//compiler_flags//nl//'MPI       '//library//nl//'HDF5      '//on_or_off(hdf5_is_available())//nl// &
       'METIS     '//on_or_off(graph_splits())//nl//'FFTW      '//on_or_off(fourier_is_available())//nl// &
-      'UMFPACK   '//on_or_off(has_sparse_library())//nl//'Qhull     '//on_or_off(hull_is_available()))
+      'UMFPACK   '//on_or_off(has_sparse_library())//nl//'Qhull     '//on_or_off(hull_is_available())//nl// &
+      'LAPACK    '//on_or_off(eigenvalues_are_available()))
   end subroutine print_version
 
   !> Is a library in?

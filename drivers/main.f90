@@ -13,6 +13,7 @@ program splitgrain
   use sg_reference_text, only: reference_text
   use sg_run, only: run_command
   use sg_solve, only: solve_command
+  use sg_spectra, only: spectrum_command
   use sg_study, only: study_command
   use sg_system, only: end_program, survive_full_disks
   use sg_text, only: append_word, nearest_word, text_t
@@ -118,6 +119,8 @@ contains
       call partition_command(arguments, alone, code, error)
     case ('solve')
       call solve_command(arguments, code, error)
+    case ('spectrum')
+      call spectrum_command(arguments, code, error)
     case ('')
       call print_help('')
       code = exit_bad_input
@@ -128,8 +131,8 @@ contains
 
   !> Print that there is no such subcommand.
   subroutine unknown_command()
-    character(len=*), parameter :: commands(8) = [character(len=9) :: 'run', 'check', 'reference', 'convert', 'bench', &
-                                                  'partition', 'solve', 'study']
+    character(len=*), parameter :: commands(9) = [character(len=9) :: 'run', 'check', 'reference', 'convert', 'bench', &
+                                                  'partition', 'solve', 'spectrum', 'study']
     type(text_t), allocatable :: known(:)
     character(len=:), allocatable :: near
     integer :: i

@@ -7,9 +7,9 @@ module sg_problem_records
                         arm_frictionless, arm_frictionless_bias, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_law, &
                         arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_stiffness_n, arm_stiffness_t, ball_bias_x, &
                         ball_bias_z, ball_frictional, ball_frictionless, ball_frictionless_bias, first_inverse, free_axes, &
-                        is_in_space, least_linear, normal_x, normal_y, normal_z, plain_kind, round_bias_n, round_bias_t, &
-                        round_frictional, round_frictionless, round_frictionless_bias, solid_arm_ax, solid_arm_az, solid_arm_cx, &
-                        solid_arm_cz, solid_bias_x, solid_bias_z, solid_bonded, solid_cohesion, solid_compliance_n, &
+                        is_in_space, least_linear, least_normal, normal_x, normal_y, normal_z, plain_kind, round_bias_n, &
+                        round_bias_t, round_frictional, round_frictionless, round_frictionless_bias, solid_arm_ax, solid_arm_az, &
+                        solid_arm_cx, solid_arm_cz, solid_bias_x, solid_bias_z, solid_bonded, solid_cohesion, solid_compliance_n, &
                         solid_compliance_t, solid_frictional, solid_frictionless, solid_frictionless_bias, &
                         solid_frictionless_moment_ax, solid_frictionless_moment_az, solid_frictionless_moment_cx, &
                         solid_frictionless_moment_cz, solid_law, solid_stiffness_n, solid_stiffness_t, solid_tangent_x, &
@@ -92,6 +92,7 @@ contains
         contact%cohesion = record(arm_cohesion)
         contact%compliance(1:2) = record(arm_compliance_n:arm_compliance_t)
         contact%is_linear = record(arm_law) > least_linear
+        contact%has_tangent = record(arm_law) < least_normal
         if (kind == arm_bonded) contact%is_bonded = any(record(arm_stiffness_n:arm_stiffness_t) > 0)
       end select
     end associate
@@ -140,6 +141,7 @@ contains
       contact%cohesion = record(solid_cohesion)
       contact%compliance = record([solid_compliance_n, solid_compliance_t, solid_compliance_t])
       contact%is_linear = record(solid_law) > least_linear
+      contact%has_tangent = record(solid_law) < least_normal
       if (kind == solid_bonded) contact%is_bonded = any(record(solid_stiffness_n:solid_stiffness_t) > 0)
     end select
   end function space_contact

@@ -74,11 +74,11 @@ class Cli(ProgramCase):
 class Commands(Cli):
     def test_version_names_compiler_and_libraries(self):
         printed = self.run_program("--version").stdout
-        for word in ("splitgrain", "commit", "compiler", "flags", "MPI", "HDF5", "METIS", "FFTW", "UMFPACK", "Qhull"):
+        for word in ("splitgrain", "commit", "compiler", "flags", "MPI", "HDF5", "METIS", "FFTW", "UMFPACK", "Qhull", "LAPACK"):
             self.assertIn(word, printed)
 
     def test_help_everywhere(self):
-        for command in ("run", "check", "reference", "convert", "bench", "partition", "solve"):
+        for command in ("run", "check", "reference", "convert", "bench", "partition", "solve", "spectrum"):
             self.assertIn(command, self.run_program(command, "--help").stdout)
         self.assertIn("run DECK", self.run_program("--help").stdout)
 

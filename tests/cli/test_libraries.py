@@ -18,8 +18,9 @@ from program_case import ProgramCase, take_program
 ON_DEMAND = {
     "METIS": "metis",
     "FFTW": "fftw3",
-    "UMFPACK": "umfpack|cholmod|amd|camd|colamd|ccolamd|suitesparseconfig|blas|openblas|lapack",
+    "UMFPACK": "umfpack|cholmod|amd|camd|colamd|ccolamd|suitesparseconfig",
     "Qhull": "qhull",
+    "LAPACK": "lapack|blas|openblas",
     "MPI plugins": "mca_",
 }
 
@@ -46,6 +47,8 @@ def sample(shape, box, more=""):
 DISKS = COMMON + FLOOR + sample("disk", [0.0, 0.0, 0.4, 0.3])
 POLYGONS = COMMON + FLOOR + sample("polygon", [0.0, 0.0, 0.4, 0.3])
 IN_SPACE = COMMON.replace("[time]", "[scene]\ndimension = 3\n[time]") + "[[container]]\nsize = [0.3, 0.3, 0.5]\n"
+LINEAR = COMMON.replace("friction = 0.3", 'kind = "LINEAR"\nepsilon = 0.1\n[[interaction]]\nalert = 0.05')
+SQUARE = LINEAR + sample("disk", [0.0, 0.0, 0.4, 0.3])
 SPHERES = IN_SPACE + sample("sphere", [0.0, 0.0, 0.0, 0.3, 0.3, 0.5])
 POLYHEDRA = IN_SPACE + sample("polyhedron", [0.0, 0.0, 0.0, 0.3, 0.3, 0.5])
 
@@ -87,9 +90,9 @@ class Libraries(ProgramCase):
         }
         if ranks:
             loaded.discard("MPI plugins")
-        # CHOLMOD, which UMFPACK brings, brings METIS on some systems.
+        # CHOLMOD, which UMFPACK brings, brings LAPACK, and METIS on some systems.
         if "UMFPACK" in expected:
-            loaded.discard("METIS")
+            loaded -= {"LAPACK", "METIS"}
         self.assertEqual(loaded, {library for library in expected if self.has_library(library)}, sorted(names))
 
     def test_what_needs_nothing_loads_nothing(self):
@@ -120,6 +123,11 @@ class Libraries(ProgramCase):
         if not self.has_library("Qhull"):
             self.skipTest("built without Qhull")
         self.loads(["Qhull"], "run", "deck.toml", "--quiet", "--force", deck=POLYHEDRA)
+
+    def test_eigenvalues_load_lapack(self):
+        if not self.has_library("LAPACK"):
+            self.skipTest("built without LAPACK")
+        self.loads(["LAPACK"], "spectrum", "deck.toml", "--parts", "2", deck=SQUARE)
 
     def test_ranks_load_metis_where_they_split_a_graph(self):
         if self.launcher is None:
