@@ -9,6 +9,7 @@ module sg_methods
   use sg_block_nlgs, only: block_nlgs_t
   use sg_coupled_solver, only: coupled_solver_t
   use sg_dual, only: dual_t
+  use sg_enriched, only: enriched_t
   use sg_error, only: error_t
   use sg_interior_point, only: interior_point_t
   use sg_matrix_solver, only: matrix_solver_t
@@ -77,6 +78,7 @@ contains
     type(dual_t) :: dual
     type(primal_t) :: primal
     type(momentum_t) :: momentum
+    type(enriched_t) :: enriched
 
     allocate (list(0))
     call add(list, method_t('dual', 'shared grains brought to one velocity'), coupled=dual)
@@ -84,6 +86,8 @@ contains
     call add(list, method_t('momentum', 'contacts dealt to ranks that exchange the momentum of shared grains', &
                             former='contacts', caution='may stall where bodies hold each other in many ways; a smaller '// &
                             'partition.momentum.relaxation may help'), coupled=momentum)
+    call add(list, method_t('enriched', 'as dual, with interface impulses that foresee what contacts answer', &
+                            needs_factors=.true.), coupled=enriched)
   end subroutine list_couplings
 
   !> Add a method to a list.

@@ -4,7 +4,7 @@ module sg_options_from_deck
   use sg_error, only: diagnostics_t, error_t
   use sg_fourier, only: find_fourier
   use sg_kinds, only: wp
-  use sg_methods, only: find_method, list_solvers, method_t
+  use sg_methods, only: find_method, list_couplings, list_solvers, method_t
   use sg_options, only: option_values_t
   use sg_run_options, only: criterion_names, partition_options_t, run_options_t, solver_options_t
   use sg_text, only: to_text
@@ -129,6 +129,8 @@ contains
     type(partition_options_t), intent(inout) :: options
     type(diagnostics_t), intent(inout) :: diagnostics
     type(value_t) :: value
+    type(method_t), allocatable :: couplings(:)
+    type(error_t), allocatable :: error
     integer :: b
 
     b = deck%block_of('partition')
@@ -138,6 +140,9 @@ contains
                          ' ranks: each needs one', b, 'parts')
     options%split = deck%word(b, 'split')
     options%gluing = deck%word(b, 'gluing')
+    call list_couplings(couplings)
+    call couplings(find_method(couplings, options%gluing))%find_library(error)
+    if (allocated(error)) call deck%complain(diagnostics, error%message, b, 'gluing')
     value = deck%value(b, 'boxes')
     if (value%n > deck%dimension) then
       call deck%complain(diagnostics, 'boxes has '//to_text(value%n)//' numbers, but there are '//to_text(deck%dimension)// &

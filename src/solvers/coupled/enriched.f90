@@ -1,0 +1,333 @@
+!> The enriched interface (doc/theory/enriched.md): the dual method with interface impulses that foresee what contacts answer.
+!!
+!! Step 1 sweeps each subdomain with given interface impulses, as the dual method does. Step 2 lets impulses of contacts that carry
+!! follow relative velocities, r~ - r = -(v~ - v)/eta, so that the interface feels subdomains stiffened by their contacts,
+!! M_eta,E = M_E + H_E H_E^T/eta, and X_eta dF = sum A_E V_E is solved by conjugate gradients. Copies of a body then have velocities
+!! of their own, V_E = M_E^-1 (R_E^d + H_E r_E - A_E^T F). Tests and results take their mean, which is the velocity of the whole
+!! body under all impulses, since masses of copies are equal and A_E^T F add up to nothing.
+module sg_enriched
+  use sg_comm, only: comm_t
+  use sg_contact_sets, only: inner_set
+  use sg_dual, only: dual_t
+  use sg_error, only: error_t
+  use sg_interface_cg, only: interface_cg_t
+  use sg_kinds, only: wp, i4
+  use sg_options, only: option_t, option_visitor_t
+  use sg_problem, only: is_active, problem_t
+  use sg_problem_matrices, only: mapping_entries
+  use sg_problem_records, only: body_of, body_record_t, contact_of, contact_record_t
+  use sg_records, only: is_in_space
+  use sg_report, only: report_t
+  use sg_sparse, only: multiply_transposed, sparse_from_triplets, sparse_t
+  use sg_subdomain, only: subdomain_t
+  use sg_subdomain_factor, only: preconditioner_names, subdomain_factor_t
+  use sg_tables, only: per_body, tables_t
+  use sg_words, only: choice_index
+  implicit none
+  private
+  public :: enriched_t
+
+  !> What a contact does: nothing, sticks, slides
+  integer, parameter :: is_open = 0, sticks = 1, slides = 2
+  !> A tangential impulse above this share of the friction limit slides
+  real(wp), parameter :: at_limit = 1 - 1e-6_wp
+
+  !> The enriched interface
+  type, extends(dual_t) :: enriched_t
+    !> Search direction of contacts that carry, and what it is relative to: each contact, their mean, or nothing
+    real(wp) :: eta = 0.1_wp
+    character(len=16) :: scale = 'contact'
+    !> Options of the interface system
+    character(len=16) :: preconditioner = 'dirichlet'
+    real(wp) :: tolerance = 1e-2_wp
+    !> Share of contacts of a subdomain that may open, close, stick or slide before it is factorised again
+    real(wp) :: changes = 0.02_wp
+    type(subdomain_factor_t), private :: factor
+    type(interface_cg_t), private :: cg
+    !> Contacts with impulses, unit of eta at each [1/kg], and what each did when the factor was made
+    integer(i4), allocatable, private :: contact(:)
+    real(wp), allocatable, private :: unit(:)
+    integer, allocatable, private :: state(:)
+    !> Eta of the factor; velocities of this rank's copies, kept while the problem holds their mean
+    real(wp), private :: eta_of_factor = 0
+    logical, private :: is_collected = .false.
+    real(wp), allocatable, private :: own(:, :)
+  contains
+    procedure :: visit_options => enriched_visit_options
+    procedure :: open => enriched_open
+    procedure :: begin_round => enriched_begin_round
+    procedure :: finish_round => enriched_finish_round
+    procedure :: collect => enriched_collect
+    procedure :: close => enriched_close
+    procedure :: list_shared => enriched_list_shared
+  end type enriched_t
+
+contains
+
+  !> Options of the enriched interface.
+  subroutine enriched_visit_options(self, visitor)
+    class(enriched_t), intent(inout) :: self
+    class(option_visitor_t), intent(inout) :: visitor !! key table, or values of a deck
+
+    call visitor%option(option_t('eta', 'Search direction: a change of relative velocity du changes impulses of contacts that '// &
+                                 'carry by -du/eta. Small numbers expect stiff contacts.', above=0.0_wp), self%eta)
+    call visitor%option(option_t('scale', 'Unit of eta: the mean of the diagonal of W at each contact, or over all contacts, '// &
+                                 'to which compliance of the law is added; or 1/kg.', choices='contact|mean|absolute'), &
+                        self%scale)
+    call visitor%option(option_t('preconditioner', 'Preconditioner of the interface: masses of shared bodies, with '// &
+                                 'contacts on them, or with all that they move.', &
+                                 choices=preconditioner_names), self%preconditioner)
+    call visitor%option(option_t('tolerance', 'Differences between copies that conjugate gradients leave of those after a '// &
+                                 'round.', above=0.0_wp, most=1.0_wp), self%tolerance)
+    call visitor%option(option_t('changes', 'Share of the contacts of a subdomain that may open, close, stick or slide '// &
+                                 'before its matrix is factorised again.', least=0.0_wp), self%changes)
+  end subroutine enriched_visit_options
+
+  !> Begin as the dual method does, and take the matrices of this subdomain.
+  subroutine enriched_open(self, problem, coupling, comm)
+    class(enriched_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's part
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    call self%dual_t%open(problem, coupling, comm)
+    call self%sets%nesterov%begin(.false.)
+    self%cg%preconditioner = choice_index(trim(self%preconditioner), preconditioner_names)
+    self%cg%tolerance = self%tolerance
+    self%cg%iterations = 0
+    call take_matrices(self, problem, comm)
+    self%is_collected = .false.
+    self%eta_of_factor = 0
+    if (allocated(self%own)) deallocate (self%own)
+    allocate (self%own(self%width, size(self%gluing%interface%slot)), source=0.0_wp)
+    call update_factor(self, problem)
+  end subroutine enriched_open
+
+  !> Number the unknown velocities of this subdomain, and take H_E and M_E with divided masses.
+  subroutine take_matrices(self, problem, comm)
+    class(enriched_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
+    type(comm_t), intent(inout) :: comm
+    type(contact_record_t), allocatable :: contacts(:)
+    type(body_record_t), allocatable :: bodies(:)
+    integer(i4), allocatable :: unknown(:, :), row(:), column(:)
+    real(wp), allocatable :: mass(:), value(:), offset(:), axes(:, :, :)
+    type(sparse_t) :: h
+    integer :: k, n, d, i
+
+    self%contact = pack([(int(k, i4), k=1, problem%n_contacts)], [(is_active(problem, k), k=1, problem%n_contacts)])
+    n = size(self%contact)
+    contacts = [(contact_of(problem, int(self%contact(k))), k=1, n)]
+    call number_unknowns(problem, self%contact, bodies, unknown, mass)
+    call mapping_entries(problem, contacts, self%contact, bodies, unknown, row, column, value, offset)
+    d = merge(3, 2, is_in_space(problem%kind))
+    call sparse_from_triplets(size(mass), d*n, row, column, value, h)
+    associate (slot => self%gluing%interface%slot)
+      if (self%width == 6) then
+        allocate (axes(3, 3, size(slot)))
+        do i = 1, size(slot)
+          axes(:, :, i) = bodies(slot(i))%axes
+        end do
+        call self%factor%prepare(mass, h, d, int(unknown(:self%width, slot)), axes)
+      else
+        call self%factor%prepare(mass, h, d, int(unknown(:self%width, slot)))
+      end if
+    end associate
+    call set_units(self, contacts, mass, h, comm)
+    self%state = [(-1, k=1, n)]
+  end subroutine take_matrices
+
+  !> Set the unit of eta at each contact. Collective.
+  subroutine set_units(self, contacts, mass, h, comm)
+    class(enriched_t), intent(inout) :: self
+    type(contact_record_t), intent(in) :: contacts(:)
+    real(wp), intent(in) :: mass(:)
+    type(sparse_t), intent(in) :: h
+    type(comm_t), intent(inout) :: comm
+    type(sparse_t) :: squares
+    real(wp) :: w(h%n_columns), sums(2)
+    integer :: k, d
+
+    self%unit = [(1.0_wp, k=1, size(contacts))]
+    if (self%scale == 'absolute') return
+    squares = h
+    squares%value = h%value**2
+    call multiply_transposed(squares, 1/mass, w)
+    sums = 0
+    do k = 1, size(contacts)
+      d = h%n_columns/size(contacts)
+      associate (first => d*(k - 1) + 1, last => d*(k - 1) + merge(d, 1, contacts(k)%has_tangent))
+        self%unit(k) = sum(w(first:last))/real(last - first + 1, wp)
+        sums = sums + [sum(w(first:last)), real(last - first + 1, wp)]
+      end associate
+    end do
+    if (self%scale == 'contact') return
+    call comm%sum(sums)
+    self%unit = sums(1)/max(1.0_wp, sums(2))
+  end subroutine set_units
+
+  !> Number the velocities that contacts can change, and list their masses.
+  pure subroutine number_unknowns(problem, contact, bodies, unknown, mass)
+    type(problem_t), intent(in) :: problem
+    integer(i4), intent(in) :: contact(:)
+    type(body_record_t), allocatable, intent(out) :: bodies(:) !! by slot; of those with contacts
+    integer(i4), allocatable, intent(out) :: unknown(:, :) !! number of each unknown velocity or 0, shape (6, slots)
+    real(wp), allocatable, intent(out) :: mass(:)
+    integer :: k, side, c, n
+
+    allocate (bodies(problem%n_bodies), mass(6*problem%n_bodies))
+    allocate (unknown(6, problem%n_bodies), source=0_i4)
+    n = 0
+    do k = 1, size(contact)
+      do side = 1, 2
+        associate (slot => problem%pair(side, contact(k)))
+          if (bodies(slot)%n > 0) cycle
+          bodies(slot) = body_of(problem, int(slot))
+          do c = 1, bodies(slot)%n
+            if (.not. bodies(slot)%inverse_mass(c) > 0) cycle
+            n = n + 1
+            unknown(c, slot) = int(n, i4)
+            mass(n) = 1/bodies(slot)%inverse_mass(c)
+          end do
+        end associate
+      end do
+    end do
+    mass = mass(:n)
+  end subroutine number_unknowns
+
+  !> Factorise again where contacts have changed what they do, or eta has changed.
+  subroutine update_factor(self, problem)
+    class(enriched_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! its impulses are those of the last test
+    type(contact_record_t) :: contact
+    type(error_t), allocatable :: error
+    real(wp), allocatable :: blocks(:, :, :)
+    integer :: state(size(self%contact)), k, i, d
+    real(wp) :: eta
+
+    eta = self%eta/self%damping
+    d = merge(3, 2, is_in_space(problem%kind))
+    allocate (blocks(d, d, size(self%contact)), source=0.0_wp)
+    do k = 1, size(self%contact)
+      contact = contact_of(problem, int(self%contact(k)))
+      state(k) = state_of(contact)
+      if (state(k) == is_open .or. .not. self%unit(k) > 0) cycle
+      do i = 1, merge(d, 1, contact%has_tangent .and. state(k) == sticks)
+        blocks(i, i, k) = 1/(eta*self%unit(k) + merge(0.0_wp, contact%compliance(i), self%scale == 'absolute'))
+      end do
+    end do
+    if (.not. abs(eta - self%eta_of_factor) > 0 .and. &
+        real(count(state /= self%state), wp) <= self%changes*real(max(1, size(state)), wp)) return
+    self%state = state
+    self%eta_of_factor = eta
+    call self%factor%factorise(blocks, error)
+  end subroutine update_factor
+
+  !> What a contact does under its impulse.
+  pure integer function state_of(contact) result(state)
+    type(contact_record_t), intent(in) :: contact
+
+    associate (r => contact%impulse)
+      if (contact%is_linear) then
+        ! Some are linear along the normal alone.
+        state = merge(slides, sticks, abs(r(1)) > 0 .and. .not. any(abs(r(2:)) > 0) .and. .not. any(contact%compliance(2:) > 0))
+      else if (.not. any(abs(r) > 0)) then
+        state = is_open
+      else if (norm2(r(2:)) < at_limit*contact%friction*(r(1) + contact%cohesion)) then
+        state = sticks
+      else
+        state = slides
+      end if
+    end associate
+  end function state_of
+
+  !> Give copies their own velocities back, and sweep contacts of shared bodies.
+  subroutine enriched_begin_round(self, problem, report)
+    class(enriched_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's part
+    type(report_t), intent(inout) :: report !! contact updates are counted
+
+    integer :: i
+
+    if (self%is_collected) then
+      do i = 1, size(self%own, 2)
+        if (self%factor%takes_part(i)) problem%body(:self%width, self%gluing%interface%slot(i)) = self%own(:, i)
+      end do
+      self%is_collected = .false.
+      call update_factor(self, problem)
+    end if
+    call self%dual_t%begin_round(problem, report)
+  end subroutine enriched_begin_round
+
+  !> Sweep the others, as often as the options ask, and update the interface impulses.
+  subroutine enriched_finish_round(self, problem, is_cut, comm, report)
+    class(enriched_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's part
+    logical, intent(in) :: is_cut !! leave the round as it is
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(report_t), intent(inout) :: report !! contact updates are counted
+    integer :: i
+
+    if (is_cut) return
+    do i = 1, self%partition%sweeps_of(comm%rank)
+      if (i > 1) call self%dual_t%begin_round(problem, report)
+      call self%sets%sweep(inner_set, problem, self%options%relaxation, report)
+    end do
+    call update_impulses(self, problem, comm)
+    report%iterations = self%cg%iterations
+    report%factorisations = self%factor%factorisations
+  end subroutine enriched_finish_round
+
+  !> Step 2: interface impulses that would make velocities of copies agree if contacts followed the search direction.
+  subroutine update_impulses(self, problem, comm)
+    class(enriched_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! velocities of copies change
+    type(comm_t), intent(inout) :: comm
+    real(wp), allocatable :: velocity(:, :), impulse(:, :)
+
+    associate (interface => self%gluing%interface)
+      velocity = problem%body(:self%width, interface%slot) - self%gluing%before
+      allocate (impulse, mold=velocity)
+      call self%cg%solve(interface, self%factor, velocity, impulse, comm)
+      call self%factor%apply_inverse_mass(impulse)
+      problem%body(:self%width, interface%slot) = problem%body(:self%width, interface%slot) - impulse
+    end associate
+  end subroutine update_impulses
+
+  !> Collect the impulses in the problem, and give all copies of a body their mean velocity; own ones come back with the next round.
+  subroutine enriched_collect(self, problem, comm)
+    class(enriched_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's part
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    call self%sets%give_impulses(problem)
+    if (self%is_collected) return
+    associate (gluing => self%gluing)
+      self%own(:, :) = problem%body(:self%width, gluing%interface%slot)
+      call gluing%begin(problem, comm)
+      call gluing%finish(problem, comm)
+    end associate
+    self%is_collected = .true.
+  end subroutine enriched_collect
+
+  !> Give the factors back, make masses whole, and give the velocities found to the copies that took no part.
+  subroutine enriched_close(self, problem, coupling, comm)
+    class(enriched_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's part, collected
+    type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    call self%factor%free()
+    call self%dual_t%close(problem, coupling, comm)
+  end subroutine enriched_close
+
+  !> List the tables of the gluing, and velocities of copies.
+  subroutine enriched_list_shared(self, tables)
+    class(enriched_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call self%dual_t%list_shared(tables)
+    call tables%begin('enriched', per_body)
+    call tables%note('own', self%own)
+  end subroutine enriched_list_shared
+end module sg_enriched

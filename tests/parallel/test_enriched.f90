@@ -1,0 +1,150 @@
+!> The enriched interface in packs on any number of ranks: velocities of the answer are those of whole bodies under the impulses
+!! of all ranks, one update solves linear interactions exactly (doc/theory/enriched.md), and matrices are factorised after tests
+!! alone.
+program test_enriched
+  use harness, only: tests_t
+  use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
+  use sg_comm, only: comm_t
+  use sg_dual, only: dual_t
+  use sg_enriched, only: enriched_t
+  use sg_error, only: error_t
+  use sg_kinds, only: wp
+  use sg_problem, only: problem_t
+  use sg_records, only: first_inverse
+  use sg_report, only: report_t
+  use sg_run_options, only: criterion_e8
+  use sg_simulation, only: decompose, simulation_t
+  use sg_subdomain, only: subdomain_t
+  implicit none
+  !> Compliance of linear interactions [1/kg], about W of two disks
+  real(wp), parameter :: epsilon = 0.6_wp
+  type(tests_t) :: t
+  type(comm_t) :: comm
+
+  call comm%start()
+  call test_pack('disks')
+  call test_pack('pressed disks')
+  call test_pack('polygons')
+  call test_pack('spheres')
+  if (can_be_made('polyhedra')) call test_pack('polyhedra')
+  call test_linear()
+  call t%finish(comm)
+
+contains
+
+  !> A pack at rest, split along x.
+  subroutine test_pack(name)
+    character(len=*), intent(in) :: name
+    type(simulation_t) :: sim
+    type(problem_t) :: problem, solved
+    type(subdomain_t) :: coupling
+    type(enriched_t) :: enriched
+    type(report_t) :: report
+    character(len=9), parameter :: preconditioners(3) = [character(len=9) :: 'mass', 'lumped', 'dirichlet']
+    integer :: i
+
+    call split_pack(name, pack_deck(name), 120, sim)
+    if (comm%size == 1) return
+    call next_problem(sim, problem)
+    coupling = sim%decomposition%subdomain%by_slot(sim%pairs%slot_of)
+    enriched%options = sim%options%solver
+    enriched%options%criterion = criterion_e8
+    enriched%options%tolerance = 1e-5_wp
+    enriched%options%maximum_sweeps = 20000
+    enriched%partition%sweeps = [5]
+    do i = merge(1, size(preconditioners), name == 'pressed disks' .or. name == 'spheres'), size(preconditioners)
+      enriched%preconditioner = preconditioners(i)
+      solved = problem
+      call enriched%solve(solved, coupling, sim%comm, report)
+      call t%check(report%is_converged, name//' converges, '//trim(preconditioners(i)))
+      call check_velocities(name//', '//trim(preconditioners(i)), problem, solved, coupling, sim)
+      call t%check(report%iterations > 0 .and. report%factorisations > 0, name//': effort is counted')
+      call t%check(report%factorisations <= 2*(report%checks + 1), name//': factors are made after tests alone')
+    end do
+  end subroutine test_pack
+
+  !> Velocities are those that the dual method finds under the same impulses.
+  subroutine check_velocities(name, problem, solved, coupling, sim)
+    character(len=*), intent(in) :: name
+    type(problem_t), intent(in) :: problem, solved
+    type(subdomain_t), intent(in) :: coupling
+    type(simulation_t), intent(inout) :: sim
+    ! Rounding of sums of interface impulses over some hundred rounds.
+    real(wp), parameter :: rounding = 1e-10_wp
+    type(problem_t) :: under
+    type(dual_t) :: dual
+    real(wp) :: largest
+    integer :: w, k
+
+    under = problem
+    under%impulse(:, :) = solved%impulse
+    dual%options = sim%options%solver
+    call dual%sets%begin(under%n_contacts, dual%options)
+    call dual%open(under, coupling, sim%comm)
+    call dual%close(under, coupling, sim%comm)
+    w = first_inverse(problem%kind) - 1
+    largest = maxval(abs(problem%body(:w, :problem%n_bodies)))
+    call comm%maximum(largest)
+    do k = 1, problem%n_contacts
+      call t%check(all(abs(solved%body(:w, problem%pair(:, k)) - under%body(:w, problem%pair(:, k))) <= rounding*largest), &
+                   name//': velocities under all impulses')
+    end do
+  end subroutine check_velocities
+
+  !> Disks whose pairs all resist their relative velocity: when each subdomain is solved to rounding, and eta is the compliance
+  !! of the interactions, the second round begins with the exact interface impulses. The dual method is far from them then.
+  subroutine test_linear()
+    character(len=*), parameter :: law = 'friction = 0.0'
+    type(simulation_t) :: sim
+    type(problem_t) :: problem, solved
+    type(subdomain_t) :: coupling
+    type(enriched_t) :: enriched
+    type(dual_t) :: dual
+    type(report_t) :: report, of_dual
+    character(len=:), allocatable :: deck
+    integer :: at
+
+    deck = pack_deck('frictionless disks')
+    at = index(deck, law)
+    deck = deck(:at - 1)//'kind = "LINEAR"'//new_line('a')//'epsilon = 0.6'//deck(at + len(law):)
+    call split_pack('linear interactions', deck, 5, sim)
+    if (comm%size == 1) return
+    call next_problem(sim, problem)
+    problem%impulse = 0
+    coupling = sim%decomposition%subdomain%by_slot(sim%pairs%slot_of)
+    enriched%partition%sweeps = [2000]
+    enriched%options = sim%options%solver
+    enriched%options%maximum_sweeps = 2*enriched%partition%most_sweeps()
+    enriched%options%check_every = enriched%options%maximum_sweeps + 1
+    enriched%options%criterion = criterion_e8
+    enriched%options%tolerance = tiny(1.0_wp)
+    enriched%eta = epsilon
+    enriched%scale = 'absolute'
+    enriched%tolerance = 1e-14_wp
+    solved = problem
+    call enriched%solve(solved, coupling, sim%comm, report)
+    dual%partition = enriched%partition
+    dual%options = enriched%options
+    solved = problem
+    call dual%solve(solved, coupling, sim%comm, of_dual)
+    call t%equal(report%gluings, 2, 'linear interactions: rounds')
+    call t%check(report%e8 <= 1e-12_wp, 'linear interactions: one update solves them')
+    call t%check(of_dual%e8 > 1e-6_wp, 'linear interactions: the dual method takes more')
+  end subroutine test_linear
+
+  !> A pack after some steps on one rank, split along x.
+  subroutine split_pack(name, deck, steps, sim)
+    character(len=*), intent(in) :: name, deck
+    integer, intent(in) :: steps
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable :: error
+
+    call start_pack(t, comm, name, deck, 1e-3_wp, sim)
+    call advance_pack(t, name, sim, steps)
+    if (comm%size == 1) return
+    sim%comm = comm
+    sim%options%partition%boxes = [comm%size, 1, 1]
+    call decompose(sim, error)
+    call advance_pack(t, name, sim, 2)
+  end subroutine split_pack
+end program test_enriched
