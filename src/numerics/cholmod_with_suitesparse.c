@@ -16,6 +16,9 @@ struct cholmod {
                 cholmod_dense **, cholmod_dense **, cholmod_common *);
   int (*free_factor)(cholmod_factor **, cholmod_common *);
   int (*free_dense)(cholmod_dense **, cholmod_common *);
+  /* OpenMP's nested regions that run in parallel; both null in a CHOLMOD without OpenMP. */
+  int (*levels)(void);
+  void (*set_levels)(int);
 };
 
 /* Factors of one matrix, with the memory of their solutions. */
@@ -94,10 +97,16 @@ int splitgrain_cholmod_analyse(const struct cholmod *call, int n, int *first, in
 /* Factorise; where the matrix is not positive definite, `lost` is the column, from 1, at which that shows. */
 int splitgrain_cholmod_factorise(struct factors *self, int n, int *first, int *column, double *value, int *lost) {
   cholmod_sparse a = view(n, first, column, value);
-  int is_done, status;
+  int is_done, status, levels = 0;
 
   *lost = 0;
+  /* CHOLMOD asks for four threads wherever it can, whose waiting costs more than they gain: no region is parallel here. */
+  if (self->call.levels) {
+    levels = self->call.levels();
+    self->call.set_levels(0);
+  }
   is_done = self->call.factorize(&a, self->l, &self->common);
+  if (self->call.levels) self->call.set_levels(levels);
   status = answer(&self->common);
   if (status == done && is_done && self->l->minor == self->l->n) return done;
   if (status != no_memory && self->l->minor < self->l->n) {

@@ -13,6 +13,8 @@ module sg_cholmod_with_suitesparse
   !> CHOLMOD's procedures in the order of `struct cholmod` in cholmod_with_suitesparse.c
   character(len=*), parameter :: names(7) = [character(len=19) :: 'cholmod_start', 'cholmod_finish', 'cholmod_analyze', &
                                              'cholmod_factorize', 'cholmod_solve2', 'cholmod_free_factor', 'cholmod_free_dense']
+  !> What follows them: procedures of OpenMP, which CHOLMOD may bring
+  character(len=*), parameter :: openmp_names(2) = [character(len=25) :: 'omp_get_max_active_levels', 'omp_set_max_active_levels']
   !> Answers of cholmod_with_suitesparse.c
   integer(c_int), parameter :: is_done = 0, not_definite = 1, no_memory = 2
 
@@ -63,13 +65,15 @@ contains
     real(wp), intent(out) :: entries !! entries of the factor
     real(wp), intent(out) :: flops !! floating-point operations of a factorisation
     type(error_t), allocatable, intent(out) :: error !! what failed
-    type(c_funptr) :: call_of(size(names))
+    type(c_funptr) :: call_of(size(names) + size(openmp_names))
+    type(error_t), allocatable :: has_none
 
     factors = c_null_ptr
     entries = 0
     flops = 0
-    call find_procedures('CHOLMOD, which factorises large systems,', cholmod_file, names, call_of, error)
+    call find_procedures('CHOLMOD, which factorises large systems,', cholmod_file, names, call_of(:size(names)), error)
     if (allocated(error)) return
+    call find_procedures('OpenMP', cholmod_file, openmp_names, call_of(size(names) + 1:), has_none)
     call check(splitgrain_cholmod_analyse(call_of, int(size(first) - 1, c_int), first, column, factors, entries, flops), &
                size(first) - 1, 0, error)
   end subroutine cholmod_analyse

@@ -10,7 +10,7 @@ submodule(sg_sparse_factor) sparse_factor_with_suitesparse
   implicit none
 
   !> Time of the work in operations of a sweep (0.19 ns where both were measured: doc/verification_solvers.md, "What operations
-  !! cost"), of a price list per library: UMFPACK, CHOLMOD
+  !! cost"), by library
   type :: prices_t
     !> Analysis per entry of the matrix
     real(wp) :: per_analysed
@@ -22,7 +22,7 @@ submodule(sg_sparse_factor) sparse_factor_with_suitesparse
 
   !> Opening a library, once per process, is left out
   type(prices_t), parameter :: of_umfpack = prices_t(130.0_wp, [2100.0_wp, 95.0_wp, 0.14_wp], [500.0_wp, 14.0_wp]), &
-                               of_cholmod = prices_t(130.0_wp, [2100.0_wp, 95.0_wp, 0.14_wp], [500.0_wp, 14.0_wp])
+                               of_cholmod = prices_t(200.0_wp, [140.0_wp, 68.0_wp, 0.085_wp], [0.0_wp, 5.0_wp])
 
   abstract interface
     subroutine openblas_set_num_threads(n) bind(c)

@@ -69,7 +69,7 @@ contains
       call set_blocks(point, a, first_metric*identity(point%m(a)), identity(point%m(a))/first_metric, system%is_global)
       point%missing(point%m(a) + 1:, a) = 0
     end do
-    call system%factorise(scaled, point%a, point%b, error)
+    call system%factorise(scaled, .true., point%a, point%b, error)
     is_done = .not. allocated(error)
     if (.not. is_done) return
     call system%solve(point%missing, point%r)
@@ -147,7 +147,7 @@ contains
 
     length = 0
     call linearise(scaled, system%is_global, point)
-    call system%factorise(scaled, point%a, point%b, error)
+    call system%factorise(scaled, .not. (point%has_shift .and. any(point%m > 1)), point%a, point%b, error)
     is_done = .not. allocated(error)
     if (.not. is_done) return
     allocate (dx, ds, dx_try, ds_try, mold=point%x)

@@ -214,10 +214,12 @@ contains
     self%h = self%h(:, :last)
   end subroutine gather_dofs
 
-  !> Factorise A W + B; in the global form B^-1 is asked for instead of B.
-  subroutine system_factorise(self, scaled, a, b, error)
+  !> Factorise A W + B; in the global form B^-1 is asked for instead of B. Where A is 1 the factors are those of Cholesky, unless
+  !! rounding or the W of a file leaves the matrix indefinite.
+  subroutine system_factorise(self, scaled, has_identity, a, b, error)
     class(contact_system_t), intent(inout) :: self
     type(matrix_problem_t), intent(in) :: scaled !! problem without units
+    logical, intent(in) :: has_identity !! is A 1 at all contacts?
     real(wp), intent(in), contiguous :: a(:, :, :) !! A, shape (d, d, n)
     real(wp), intent(in), contiguous :: b(:, :, :) !! B, or B^-1 in the global form, shape (d, d, n)
     type(error_t), allocatable, intent(out) :: error !! why there are no factors
@@ -227,10 +229,14 @@ contains
     else
       call fill_local(self, scaled%w, a, b)
     end if
+    self%factor%is_definite = has_identity .and. (self%is_global .or. scaled%is_symmetric)
+    call self%factor%factorise(self%matrix, error)
+    if (self%factor%failed_column == 0) return
+    self%factor%is_definite = .false.
     call self%factor%factorise(self%matrix, error)
   end subroutine system_factorise
 
-  !> Entries of A W + B.
+  !> Entries of A W + B; columns of impulses that stay zero, where the diagonal of A is 0, are left out as their rows are.
   pure subroutine fill_local(self, w, a, b)
     class(contact_system_t), intent(inout) :: self
     type(blocks_t), intent(in) :: w
@@ -242,6 +248,9 @@ contains
       do e = self%first(i), self%first(i + 1) - 1
         block = 0
         if (self%source(e) > 0) block = matmul(a(:, :, i), w%block(:, :, self%source(e)))
+        do k = 1, w%d
+          if (.not. abs(a(k, k, self%column(e))) > 0) block(:, k) = 0
+        end do
         if (self%column(e) == i) block = block + b(:, :, i)
         do row = 1, w%d
           k = self%matrix%first(w%d*(i - 1) + row) + w%d*(e - self%first(i))

@@ -96,17 +96,29 @@ contains
     allocate (a(d, d, problem%n), b(d, d, problem%n), b_inverse(d, d, problem%n), g(d, problem%n))
     allocate (dr, u, left, mold=g)
     do k = 1, problem%n
-      a(:, :, k) = 0.2_wp*matrix(d, random) + one(d)
       b(:, :, k) = metric_of(one_column(d), real(k, wp), .false.)
       b_inverse(:, :, k) = metric_of(one_column(d), real(k, wp), .true.)
       g(:, k) = vector(d, random)
     end do
-    do form = 1, 2
-      problem%has_global = form == 2
+    ! First without a shift, by Cholesky, and every third contact without friction; then with one.
+    do form = 1, 4
+      problem%has_global = modulo(form, 2) == 0
+      do k = 1, problem%n
+        a(:, :, k) = one(d)
+        if (form > 2) then
+          a(:, :, k) = a(:, :, k) + 0.2_wp*matrix(d, random)
+        else if (modulo(k, 3) == 0) then
+          a(2:, :, k) = 0
+          b(:, :, k) = one(d)
+          b_inverse(:, :, k) = one(d)
+          g(2:, k) = 0
+        end if
+      end do
       call system%prepare(problem, problem)
-      call t%check(system%is_global .eqv. form == 2, 'the form that is smaller is taken')
-      call system%factorise(problem, a, merge(b_inverse, b, system%is_global), error)
+      call t%check(system%is_global .eqv. problem%has_global, 'the form that is smaller is taken')
+      call system%factorise(problem, form <= 2, a, merge(b_inverse, b, system%is_global), error)
       call t%check(.not. allocated(error), 'the system has factors')
+      call t%check(system%factor%is_definite .eqv. form <= 2, 'by Cholesky where it is symmetric')
       if (allocated(error)) return
       call system%solve(g, dr)
       call multiply(problem%w, dr, u)
