@@ -1,15 +1,14 @@
 !> Virtual ranks: several subdomains of a scene in one process, each of which sees the others as ranks.
 !!
-!! The subdomains of a process are coroutines (sg_coroutines) and share a board (sg_board); those of process p of P are the
-!! block of numbers from p n/P to (p + 1) n/P - 1. An operation of all ranks is a round: each brings its contribution, the
-!! last one makes the one call between processes, and all take the result. Sums of reals are added in the order of the subdomains,
-!! so that they do not depend on the number of processes. Without a board a rank is a process, and all operations are those of
-!! `ranks_t`. After Adaptive MPI [HuangLawlorKale2003].
+!! An operation of all ranks is a round on the board of each process: each brings its contribution, the last one makes the one
+!! call between processes, and all take the result. Sums of reals are added in the order of the subdomains, so that they do not
+!! depend on the number of processes. Without a board all operations are those of `ranks_t`. After Adaptive MPI
+!! [HuangLawlorKale2003].
 module sg_virtual_ranks
-  use sg_board, only: board_t
   use sg_kinds, only: i1, i4, i8, wp
-  use sg_process_swap, only: first_subdomain, swap_processes
-  use sg_ranks, only: by_maximum, by_minimum, by_sum, ranks_t
+  use sg_process_swap, only: swap_processes
+  use sg_ranks, only: by_maximum, by_minimum, by_sum
+  use sg_subdomain_group, only: subdomain_group_t
   use sg_timers, only: idle_now
   implicit none
   private
@@ -20,28 +19,11 @@ module sg_virtual_ranks
   !> Bytes that each subdomain brings to one round of a reduction, at most; a multiple of 8
   integer, parameter :: most_bytes_each = 2**18
 
-  !> Ranks that may be subdomains of few processes
-  type, extends(ranks_t) :: virtual_ranks_t
-    !> The board of this process, its subdomains by their places on it, and the processes
-    type(board_t), pointer, private :: board => null()
-    integer, private :: place = 0
-    type(ranks_t), private :: processes
+  !> Ranks that may be subdomains of few processes, and what they do together
+  type, extends(subdomain_group_t) :: virtual_ranks_t
     !> Summands of a reduction that has begun
     real(wp), allocatable, private :: summands(:)
   contains
-    procedure :: is_virtual => virtual_is_virtual
-    procedure :: n_processes => virtual_n_processes
-    procedure :: n_here => virtual_n_here
-    procedure :: leads_process => virtual_leads_process
-    procedure :: join => virtual_join
-    procedure :: stay_here => virtual_stay_here
-    procedure :: process_group => virtual_process_group
-    procedure :: is_here => virtual_is_here
-    procedure :: process_of => virtual_process_of
-    procedure :: tag_between => virtual_tag_between
-    procedure :: post => virtual_post
-    procedure :: expect => virtual_expect
-    procedure :: take => virtual_take
     procedure :: ranks_here => virtual_ranks_here
     procedure :: reduced_integers => virtual_reduced_integers
     procedure :: reduced_longs => virtual_reduced_longs
@@ -51,148 +33,10 @@ module sg_virtual_ranks
     procedure :: begin_sum => virtual_begin_sum
     procedure :: finish_sum => virtual_finish_sum
     procedure :: swap => virtual_swap
-    procedure, private :: first_of, reduced_bytes, brought, gather_processes, note
+    procedure, private :: reduced_bytes, brought, gather_processes, note
   end type virtual_ranks_t
 
 contains
-
-  !> Are the ranks subdomains that share processes, or may share them?
-  pure logical function virtual_is_virtual(self) result(is_virtual)
-    class(virtual_ranks_t), intent(in) :: self
-
-    is_virtual = associated(self%board)
-  end function virtual_is_virtual
-
-  !> Number of processes.
-  pure integer function virtual_n_processes(self) result(n)
-    class(virtual_ranks_t), intent(in) :: self
-
-    n = self%size
-    if (associated(self%board)) n = self%processes%size
-  end function virtual_n_processes
-
-  !> Number of ranks of this process.
-  pure integer function virtual_n_here(self) result(n)
-    class(virtual_ranks_t), intent(in) :: self
-
-    n = 1
-    if (associated(self%board)) n = self%board%n
-  end function virtual_n_here
-
-  !> Is this the first rank of its process?
-  pure logical function virtual_leads_process(self) result(leads)
-    class(virtual_ranks_t), intent(in) :: self
-
-    leads = self%place == 0
-  end function virtual_leads_process
-
-  !> Become a subdomain of this process.
-  subroutine virtual_join(self, board, place, processes, n)
-    class(virtual_ranks_t), intent(inout) :: self
-    type(board_t), intent(in), target :: board !! board of the process; it must stay where it is
-    integer, intent(in) :: place !! which of the subdomains of this process, from 0
-    class(ranks_t), intent(in) :: processes !! the processes
-    integer, intent(in) :: n !! subdomains of all processes
-
-    self%board => board
-    self%place = place
-    self%processes%rank = processes%rank
-    self%processes%size = processes%size
-    self%size = n
-    self%rank = self%first_of(processes%rank) + place
-  end subroutine virtual_join
-
-  !> Narrow the group to the subdomains of this process; to this rank alone where a rank is a process.
-  subroutine virtual_stay_here(self)
-    class(virtual_ranks_t), intent(inout) :: self
-
-    self%rank = self%place
-    self%size = 1
-    if (associated(self%board)) self%size = self%board%n
-    self%processes%rank = 0
-    self%processes%size = 1
-  end subroutine virtual_stay_here
-
-  !> Widen the group to processes, each of which is one rank; one subdomain of each takes part.
-  subroutine virtual_process_group(self)
-    class(virtual_ranks_t), intent(inout) :: self
-
-    if (.not. associated(self%board)) return
-    self%rank = self%processes%rank
-    self%size = self%processes%size
-    self%place = 0
-    nullify (self%board)
-  end subroutine virtual_process_group
-
-  !> First subdomain of a process of this group.
-  pure integer function first_of(self, process) result(first)
-    class(virtual_ranks_t), intent(in) :: self
-    integer, intent(in) :: process
-
-    first = first_subdomain(process, self%processes%size, self%size)
-  end function first_of
-
-  !> Process of a rank.
-  pure integer function virtual_process_of(self, rank) result(process)
-    class(virtual_ranks_t), intent(in) :: self
-    integer, intent(in) :: rank !! any rank
-
-    process = rank
-    if (.not. associated(self%board)) return
-    process = int(int(rank, i8)*int(self%processes%size, i8)/int(self%size, i8))
-    do while (self%first_of(process + 1) <= rank)
-      process = process + 1
-    end do
-  end function virtual_process_of
-
-  !> Is a rank another subdomain of this process?
-  pure logical function virtual_is_here(self, rank) result(is_here)
-    class(virtual_ranks_t), intent(in) :: self
-    integer, intent(in) :: rank !! any rank
-
-    is_here = associated(self%board)
-    if (is_here) is_here = self%process_of(rank) == self%processes%rank
-  end function virtual_is_here
-
-  !> Tag of messages from one rank to another, one for each pair of subdomains of two processes.
-  pure integer function virtual_tag_between(self, from, to) result(tag)
-    class(virtual_ranks_t), intent(in) :: self
-    integer, intent(in) :: from !! sender
-    integer, intent(in) :: to !! receiver
-    integer :: most
-
-    tag = 1
-    if (.not. associated(self%board)) return
-    most = self%size/self%processes%size + 1
-    tag = 1 + (from - self%first_of(self%process_of(from)))*most + to - self%first_of(self%process_of(to))
-  end function virtual_tag_between
-
-  !> Send items to another subdomain of this process.
-  subroutine virtual_post(self, to, items)
-    class(virtual_ranks_t), intent(in) :: self
-    integer, intent(in) :: to !! its rank
-    real(wp), intent(in) :: items(:, :) !! what to send; it is copied
-
-    call self%board%post(self%place, to - self%rank + self%place, items)
-  end subroutine virtual_post
-
-  !> Number of the letter that this rank expects next from another subdomain of this process.
-  integer(i8) function virtual_expect(self, from) result(number)
-    class(virtual_ranks_t), intent(in) :: self
-    integer, intent(in) :: from !! its rank
-
-    number = self%board%expect(from - self%rank + self%place, self%place)
-  end function virtual_expect
-
-  !> Take a letter from another subdomain of this process, where it has come.
-  logical function virtual_take(self, from, number, items) result(has_come)
-    class(virtual_ranks_t), intent(in) :: self
-    integer, intent(in) :: from !! its rank
-    integer(i8), intent(in) :: number !! number of the letter
-    real(wp), intent(inout) :: items(:, :) !! what was sent, unchanged where nothing has come
-
-    has_come = self%board%take(from - self%rank + self%place, self%place, number, items)
-  end function virtual_take
 
   !> Number of ranks on this machine, this one included.
   integer function virtual_ranks_here(self) result(ranks_here)

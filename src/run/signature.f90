@@ -17,16 +17,12 @@ module sg_signature
   !> Prime below 2^31: products of two remainders fit into a word
   integer(i8), parameter :: modulus = 2147483647_i8
 
-  !> Signature of a scene: numbers of bodies, contactors and drives, and sums over masses, moments of inertia and reaches
-  interface signature_of
-    module procedure signature_of_parts, signature_of_whole
-  end interface signature_of
-
 contains
 
-  !> Signature of a scene of which each rank holds a part. Collective.
-  function signature_of_parts(scene, comm) result(signature)
-    type(scene_t), intent(in) :: scene !! part of this rank
+  !> Signature of a scene: numbers of bodies, contactors and drives, and sums over masses, moments of inertia and reaches.
+  !! Collective where ranks share the scene.
+  function signature_of(scene, comm) result(signature)
+    type(scene_t), intent(in) :: scene !! whole scene, or part of this rank
     type(comm_t), intent(inout) :: comm !! ranks that share the scene
     real(wp) :: signature(n_signature)
     integer(i8) :: sums(n_sums)
@@ -35,16 +31,7 @@ contains
     call add_up(scene, [(b <= scene%bodies%n_own, b=1, scene%bodies%n)], sums)
     if (allocated(scene%bodies%id)) call comm%sum(sums)
     signature = joined(scene, sums)
-  end function signature_of_parts
-
-  !> Signature of a scene that one rank holds.
-  function signature_of_whole(scene) result(signature)
-    type(scene_t), intent(in) :: scene !! whole scene
-    real(wp) :: signature(n_signature)
-    type(comm_t) :: alone
-
-    signature = signature_of_parts(scene, alone)
-  end function signature_of_whole
+  end function signature_of
 
   !> Signature of the bodies that all ranks hold; of all own ones where a scene is not shared.
   function signature_of_replicated(scene) result(signature)

@@ -51,7 +51,7 @@ module sg_hdf5
     procedure :: rows => file_rows
     procedure :: shape => file_shape
     procedure :: cut => file_cut
-    procedure, private :: append_reals, append_real_records, append_integers, append_longs, append_long_records
+    procedure, private :: append_reals, append_real_records, append_integers, append_longs
     procedure, private :: put_reals, put_real_records, put_integers, put_integer_records, put_text
     procedure :: total => file_total
     procedure :: get_rows => file_get_rows
@@ -59,7 +59,7 @@ module sg_hdf5
     procedure, private :: set_long, set_longs, set_text
     procedure, private :: look_long, look_text
     !> Add rows to a growing dataset
-    generic :: append => append_reals, append_real_records, append_integers, append_longs, append_long_records
+    generic :: append => append_reals, append_real_records, append_integers, append_longs
     !> Make a dataset of fixed size and fill it
     generic :: put => put_reals, put_real_records, put_integers, put_integer_records, put_text
     !> Read a whole dataset
@@ -223,14 +223,6 @@ module sg_hdf5
       integer(i8), intent(in), contiguous, target :: values(:) !! numbers to add
       logical, intent(in), optional :: is_common !! the same on all ranks, to be stored once?
     end subroutine append_longs
-
-    !> Add records of long integers.
-    module subroutine append_long_records(self, path, values, is_common)
-      class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: path !! path within the file
-      integer(i8), intent(in), contiguous, target :: values(:, :) !! records to add, shape (components, rows)
-      logical, intent(in), optional :: is_common !! the same on all ranks, to be stored once?
-    end subroutine append_long_records
 
     !> Store a list of reals.
     module subroutine put_reals(self, path, values, is_common)

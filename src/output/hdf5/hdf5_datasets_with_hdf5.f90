@@ -250,10 +250,6 @@ contains
   call append_block(self, path, long_type(), size(values), address_of_longs(values, size(values)), is_common)
   end procedure append_longs
 
-  module procedure append_long_records
-  call append_block(self, path, long_type(), size(values), address_of_longs(values, size(values)), is_common)
-  end procedure append_long_records
-
   !> Make a dataset of fixed size and fill it from an address.
   subroutine put_block(self, path, stored_type, memory_type, shape, address, is_common)
     class(hdf5_file_t), intent(inout) :: self

@@ -91,9 +91,6 @@ contains
   module procedure append_longs
   end procedure append_longs
 
-  module procedure append_long_records
-  end procedure append_long_records
-
   module procedure put_reals
   end procedure put_reals
 
