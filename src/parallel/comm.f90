@@ -5,11 +5,11 @@
 module sg_comm
   use sg_error, only: error_t
   use sg_kinds, only: i1, i4, i8, wp
-  use sg_ranks, only: by_maximum, by_minimum, by_sum, traffic_t
+  use sg_ranks, only: by_maximum, by_minimum, by_sum, sum_of_sweep, sum_of_test, traffic_t
   use sg_virtual_ranks, only: virtual_ranks_t
   implicit none
   private
-  public :: comm_t, traffic_t
+  public :: comm_t, traffic_t, sum_of_sweep, sum_of_test
 
   !> Mould of transferred values, and its size for each kind
   integer(i1), parameter :: bytes(1) = 0

@@ -7,10 +7,19 @@ module sg_ranks
   use sg_kinds, only: i1, i4, i8, wp
   implicit none
   private
-  public :: ranks_t, traffic_t, by_sum, by_maximum, by_minimum
+  public :: ranks_t, traffic_t, by_sum, by_maximum, by_minimum, sum_of_test, sum_of_sweep
 
   !> Operations of a reduction
   integer, parameter :: by_sum = 1, by_maximum = 2, by_minimum = 3
+
+  !> Sums that may be under way at once: of the errors of a test, and of the momentum of a sweep
+  integer, parameter :: sum_of_test = 1, sum_of_sweep = 2
+
+  !> A sum under way: its handle, summands and sums
+  type :: pending_sum_t
+    integer :: request = 0
+    real(wp), allocatable :: sending(:), receiving(:)
+  end type pending_sum_t
 
   !> Messages sent by a rank, and its time of waiting, since its start
   type :: traffic_t
@@ -28,9 +37,7 @@ module sg_ranks
     integer :: rank = 0, size = 1
     !> Messages, bytes and waiting so far
     type(traffic_t) :: traffic
-    !> Handle of a reduction that has begun, and its values
-    integer, private :: request = 0
-    real(wp), allocatable, private :: sending(:), receiving(:)
+    type(pending_sum_t), private :: pending(2)
   contains
     procedure :: start => ranks_start
     procedure :: finish => ranks_finish
@@ -113,14 +120,16 @@ module sg_ranks
       integer(i1) :: bytes(sum(length))
     end function bytes_side_by_side
 
-    !> Begin to sum over the ranks; nothing else may be begun before it is finished, but other operations may go on.
-    module subroutine ranks_begin_sum(self, values)
+    !> Begin to sum over the ranks, while other operations go on.
+    module subroutine ranks_begin_sum(self, which, values)
       class(ranks_t), intent(inout) :: self
+      integer, intent(in) :: which !! one of `sum_of_*`; not begun already
       real(wp), intent(in) :: values(:) !! summands of this rank
     end subroutine ranks_begin_sum
-    !> Finish the sum that was begun.
-    module subroutine ranks_finish_sum(self, values)
+    !> Finish a sum that was begun.
+    module subroutine ranks_finish_sum(self, which, values)
       class(ranks_t), intent(inout) :: self
+      integer, intent(in) :: which !! the same
       real(wp), intent(out) :: values(:) !! sums, of the size that was begun
     end subroutine ranks_finish_sum
 

@@ -146,13 +146,12 @@ contains
   module procedure ranks_begin_sum
   type(mpi_request) :: request
 
-  if (allocated(self%sending)) deallocate (self%sending)
-  if (allocated(self%receiving)) deallocate (self%receiving)
-  self%sending = values
-  self%receiving = values
+  self%pending(which)%sending = values
+  self%pending(which)%receiving = values
   if (self%size == 1) return
-  call mpi_iallreduce(self%sending, self%receiving, size(values), mpi_double_precision, mpi_sum, mpi_comm_world, request)
-  self%request = request%mpi_val
+  call mpi_iallreduce(self%pending(which)%sending, self%pending(which)%receiving, size(values), mpi_double_precision, mpi_sum, &
+                      mpi_comm_world, request)
+  self%pending(which)%request = request%mpi_val
   end procedure ranks_begin_sum
 
   module procedure ranks_finish_sum
@@ -161,11 +160,11 @@ contains
 
   if (self%size > 1) then
     start = wall_now()
-    request%mpi_val = self%request
+    request%mpi_val = self%pending(which)%request
     call mpi_wait(request, mpi_status_ignore)
     call note_collective(self, start)
   end if
-  values = self%receiving
+  values = self%pending(which)%receiving
   end procedure ranks_finish_sum
 
   module procedure ranks_swap

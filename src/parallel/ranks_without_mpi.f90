@@ -50,12 +50,11 @@ contains
   end procedure bytes_side_by_side
 
   module procedure ranks_begin_sum
-  if (allocated(self%receiving)) deallocate (self%receiving)
-  allocate (self%receiving, source=values)
+  self%pending(which)%receiving = values
   end procedure ranks_begin_sum
 
   module procedure ranks_finish_sum
-  values = self%receiving
+  values = self%pending(which)%receiving
   end procedure ranks_finish_sum
 
   module procedure ranks_swap

@@ -19,10 +19,15 @@ module sg_virtual_ranks
   !> Bytes that each subdomain brings to one round of a reduction, at most; a multiple of 8
   integer, parameter :: most_bytes_each = 2**18
 
+  !> Summands of one sum
+  type :: summands_t
+    real(wp), allocatable :: values(:)
+  end type summands_t
+
   !> Ranks that may be subdomains of few processes, and what they do together
   type, extends(subdomain_group_t) :: virtual_ranks_t
-    !> Summands of a reduction that has begun
-    real(wp), allocatable, private :: summands(:)
+    !> Summands of sums that have begun
+    type(summands_t), private :: summands(2)
   contains
     procedure :: ranks_here => virtual_ranks_here
     procedure :: reduced_integers => virtual_reduced_integers
@@ -259,26 +264,28 @@ contains
 
   !> Begin to sum over the ranks. Of virtual ranks the sum is made when it is finished: sums that run beside other work hide the
   !! time of messages, of which there are few.
-  subroutine virtual_begin_sum(self, values)
+  subroutine virtual_begin_sum(self, which, values)
     class(virtual_ranks_t), intent(inout) :: self
+    integer, intent(in) :: which !! one of `sum_of_*`; not begun already
     real(wp), intent(in) :: values(:) !! summands of this rank
 
     if (associated(self%board)) then
-      self%summands = values
+      self%summands(which)%values = values
     else
-      call self%ranks_t%begin_sum(values)
+      call self%ranks_t%begin_sum(which, values)
     end if
   end subroutine virtual_begin_sum
 
-  !> Finish the sum that was begun.
-  subroutine virtual_finish_sum(self, values)
+  !> Finish a sum that was begun.
+  subroutine virtual_finish_sum(self, which, values)
     class(virtual_ranks_t), intent(inout) :: self
+    integer, intent(in) :: which !! the same
     real(wp), intent(out) :: values(:) !! sums, of the size that was begun
 
     if (associated(self%board)) then
-      values = self%reduced(self%summands, by_sum)
+      values = self%reduced(self%summands(which)%values, by_sum)
     else
-      call self%ranks_t%finish_sum(values)
+      call self%ranks_t%finish_sum(which, values)
     end if
   end subroutine virtual_finish_sum
 

@@ -2,7 +2,7 @@
 program test_comm
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use harness, only: tests_t
-  use sg_comm, only: comm_t
+  use sg_comm, only: comm_t, sum_of_sweep, sum_of_test
   use sg_error, only: error_t, exit_broken, fail
   use sg_kinds, only: i4, i8, wp
   use sg_text, only: to_text
@@ -242,25 +242,30 @@ contains
     call t%check(error%file == file .and. error%text == text, 'file and text say the same')
   end subroutine expect
 
-  !> A sum is under way while other operations go on; a second one of another size follows.
+  !> Two sums of other sizes are under way at once, while other operations go on, and end in either order.
   subroutine test_sum_meanwhile()
-    real(wp) :: values(3), sums(3), other(1), one(1)
+    real(wp) :: values(3), sums(3), other(1), pair(2), both(2), one(1)
     integer :: i
     real(wp) :: n
 
     n = real(comm%size, wp)
     values = [1.0_wp, 2.0_wp, real(comm%rank, wp)]
-    call comm%begin_sum(values)
+    pair = [1.0_wp, real(-comm%rank, wp)]
+    call comm%begin_sum(sum_of_test, values)
+    call comm%begin_sum(sum_of_sweep, pair)
     values = -1
+    pair = -1
     other = 1
     do i = 1, 10
       call comm%sum(other)
     end do
-    call comm%finish_sum(sums)
+    call comm%finish_sum(sum_of_sweep, both)
+    call comm%finish_sum(sum_of_test, sums)
+    call t%near(maxval(abs(both - [n, -n*(n - 1)/2])), 0.0_wp, 0.0_wp, 'a sum that was begun second, and is finished first')
     call t%near(maxval(abs(sums - [n, 2*n, n*(n - 1)/2])), 0.0_wp, 0.0_wp, 'a sum that was begun before others')
     call t%near(other(1), n**10, 0.0_wp, 'and the others')
-    call comm%begin_sum([real(comm%rank + 1, wp)])
-    call comm%finish_sum(one)
+    call comm%begin_sum(sum_of_sweep, [real(comm%rank + 1, wp)])
+    call comm%finish_sum(sum_of_sweep, one)
     call t%near(one(1), n*(n + 1)/2, 0.0_wp, 'another one')
   end subroutine test_sum_meanwhile
 

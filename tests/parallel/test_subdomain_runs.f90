@@ -2,7 +2,7 @@
 !! whatever order the subdomains of a process come to it.
 module subdomain_operations
   use harness, only: tests_t
-  use sg_comm, only: comm_t
+  use sg_comm, only: comm_t, sum_of_sweep, sum_of_test
   use sg_coroutines, only: note_progress, yield
   use sg_error, only: error_t, fail
   use sg_exchange, only: exchange_t
@@ -77,7 +77,7 @@ contains
     type(comm_t), intent(inout) :: comm
     integer, intent(in) :: round
     type(random_t), intent(inout) :: random
-    real(wp) :: values(3), begun(3), expected(3), largest
+    real(wp) :: values(3), begun(3), second(2), expected(3), largest
     integer(i8) :: long
     integer :: number, r, k
 
@@ -86,17 +86,21 @@ contains
     do r = 0, comm%size - 1
       expected = expected + [(summand(r, k, round), k=1, 3)]
     end do
-    call comm%begin_sum(values)
+    call comm%begin_sum(sum_of_test, values)
     call dawdle(comm, random)
+    call comm%begin_sum(sum_of_sweep, values(:2))
     number = comm%rank*round
     call comm%sum(number)
     call t%equal(number, round*comm%size*(comm%size - 1)/2, 'sum of integers, one is begun')
     call dawdle(comm, random)
-    call comm%finish_sum(begun)
+    call comm%finish_sum(sum_of_test, begun)
+    call dawdle(comm, random)
+    call comm%finish_sum(sum_of_sweep, second)
     call comm%sum(values)
     if (comm%is_virtual()) then
       call t%check(all(abs(values - expected) <= 0), 'sums in the order of subdomains, bit for bit')
       call t%check(all(abs(begun - expected) <= 0), 'sums that were begun, bit for bit')
+      call t%check(all(abs(second - expected(:2)) <= 0), 'a second sum that was begun, bit for bit')
     else
       ! Sums of ranks may be added in any order: an error of rounding for each of their terms.
       call t%check(all(abs(values - expected) <= 1e-16_wp*1e9_wp*real(comm%size**2, wp)), 'sums')

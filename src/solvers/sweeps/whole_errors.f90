@@ -1,6 +1,6 @@
 !> Errors of the whole problem from those of the ranks: sums that travel while sweeps go on.
 module sg_whole_errors
-  use sg_comm, only: comm_t
+  use sg_comm, only: comm_t, sum_of_test
   use sg_contact_sets, only: contact_sets_t
   use sg_convergence, only: looks_at_errors, scales_of, scales_t
   use sg_increments, only: increment_value, increments_t, n_increment_maxima, n_increment_sums
@@ -109,7 +109,7 @@ contains
     if (.not. looks_at_errors(self%criterion)) call measure_increments(self, problem, sets, increments)
     self%with_e1 = with_e1
     self%active = nint(sums(6))
-    call comm%begin_sum([sums, increments])
+    call comm%begin_sum(sum_of_test, [sums, increments])
   end subroutine errors_begin
 
   !> What all contacts of this rank ask: in the order of sweep where there is one, else in their natural order.
@@ -138,7 +138,7 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp) :: sums(n_error_sums + 1 + n_increment_sums)
 
-    call comm%finish_sum(sums)
+    call comm%finish_sum(sum_of_test, sums)
     report%is_finite = .not. sums(n_error_sums + 1) > 0
     if (.not. looks_at_errors(self%criterion)) then
       if (self%criterion /= criterion_quad) call comm%maximum(self%maxima)
