@@ -24,7 +24,7 @@ contains
     integer :: contacts
     character(len=:), allocatable :: shape
 
-    call arguments%expect('shape contacts friction order threads check-every sweeps json', 0, 0, 'bench [options]', error)
+    call arguments%expect('shape contacts friction order threads check-every sweeps momentum json', 0, 0, 'bench [options]', error)
     if (.not. allocated(error)) call arguments%whole('contacts', 100000, 12, contacts, error)
     if (.not. allocated(error)) call arguments%number('friction', 0.3_wp, 0.0_wp, friction, error)
     if (.not. allocated(error)) call arguments%whole('check-every', (options%check_every), 1, options%check_every, error)
@@ -46,6 +46,7 @@ contains
     call check_lattice(shape, contacts, error)
     if (allocated(error)) return
     options%check_every = min(options%check_every, options%maximum_sweeps)
+    if (arguments%has('momentum')) options%method = 'nesterov'
     call run_benchmark(shape, contacts, friction, options, figures)
     call print_figures(shape, figures, options, arguments%has('json'))
   end subroutine bench_command

@@ -94,6 +94,7 @@ contains
                 '  --threads N             threads that share the sweeps, in coloured order (default 1)', &
                 '  --check-every N         sweeps between two tests (default as in decks)', &
                 '  --sweeps N              sweeps to do (default: about a second''s work)', &
+                '  --momentum              sweeps with Nesterov''s momentum', &
                 '  --json                  one flat JSON object'])
   end subroutine help_on_bench
 

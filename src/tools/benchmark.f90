@@ -90,6 +90,7 @@ contains
       figures%assemble_seconds = min(figures%assemble_seconds, cpu_now() - start)
     end do
     solver%options = options
+    solver%has_momentum = options%method == 'nesterov'
     solver%options%tolerance = 0
     start = wall_now()
     call solver%solve(problem, report)

@@ -24,11 +24,36 @@ module sg_nesterov_rule
     !> Nesterov's t, and the least square of a sweep's change since the last restart
     real(wp) :: t = 1, least = huge(1.0_wp)
   contains
+    procedure :: begin => rule_begin
     procedure :: next => rule_next
     procedure :: rest => rule_rest
+    procedure :: is_resting => rule_is_resting
   end type nesterov_rule_t
 
 contains
+
+  !> Begin with some plain sweeps. The sequence goes on meanwhile: they save the passes over iterates alone.
+  pure subroutine rule_begin(self, sweeps)
+    class(nesterov_rule_t), intent(inout) :: self
+    integer, intent(in) :: sweeps !! to begin with
+    integer :: k
+
+    self%sweeps = 0
+    self%pause = first_pause
+    self%end_of_pause = sweeps
+    self%least = huge(self%least)
+    self%t = 1
+    do k = 1, sweeps
+      self%t = following(self%t)
+    end do
+  end subroutine rule_begin
+
+  !> The number after t in Nesterov's sequence.
+  pure real(wp) function following(t)
+    real(wp), intent(in) :: t
+
+    following = (1 + sqrt(1 + 4*t**2))/2
+  end function following
 
   !> The share by which the sweep after the last one starts further.
   pure subroutine rule_next(self, sums, has_sums, share)
@@ -40,14 +65,15 @@ contains
 
     self%sweeps = self%sweeps + 1
     share = 0
-    if (self%sweeps <= self%end_of_pause .or. (has_sums .and. must_restart(self%least, sums))) then
+    if (self%sweeps <= self%end_of_pause) return
+    if (has_sums .and. must_restart(self%least, sums)) then
       self%t = 1
       self%least = huge(self%least)
       return
     end if
     if (has_sums) self%least = min(self%least, sums(1))
     last = self%t
-    self%t = (1 + sqrt(1 + 4*last**2))/2
+    self%t = following(last)
     share = min((last - 1)/self%t, max(most_share, 1 - sweeps_to_one/real(self%sweeps, wp)))
   end subroutine rule_next
 
@@ -65,5 +91,14 @@ contains
     if (self%sweeps < self%end_of_pause) return
     self%end_of_pause = self%sweeps + self%pause
     self%pause = min(2*self%pause, longest_pause)
+    self%t = 1
+    self%least = huge(self%least)
   end subroutine rule_rest
+
+  !> Is the next sweep one of a pause?
+  pure logical function rule_is_resting(self) result(is_resting)
+    class(nesterov_rule_t), intent(in) :: self
+
+    is_resting = self%sweeps < self%end_of_pause
+  end function rule_is_resting
 end module sg_nesterov_rule

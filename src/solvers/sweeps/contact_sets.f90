@@ -154,7 +154,7 @@ contains
       call active_set%choose(n, report)
       if (goes_on) then
         call self%nesterov%carry(self%order, problem)
-        active_set%is_wanted(:n) = active_set%is_wanted(:n) .or. self%nesterov%is_moving(n)
+        call self%nesterov%keep_moving(active_set%is_wanted(:n))
       end if
       if (self%clusters%are_sought) then
         call self%clusters%leave_out(problem, report%sweeps, asked, active_set%is_wanted(:n), self%shared)

@@ -3,18 +3,25 @@
 !!
 !! x is what a sweep leaves, y what it starts from. Impulses and velocities go on together, so that V = V_free + M^-1 H r holds for
 !! y as it does for x; that y may leave the cones does no harm, since a local solve does not depend on the contact's own impulse.
+!! The passes over iterates are as short as vector registers allow (doc/performance.md): bodies have two records, which change
+!! places, and first sweeps and pauses have no pass at all.
 module sg_nesterov
-  use sg_comm, only: comm_t
+  use sg_comm, only: comm_t, sum_of_sweep
   use sg_kinds, only: wp
   use sg_nesterov_rule, only: nesterov_rule_t
   use sg_problem, only: problem_t
   use sg_records, only: first_inverse
   use sg_sweep_order, only: give_impulses, put_impulses, sweep_order_t
-  use sg_sweep_solid_order, only: impulses_of_row
+  use sg_sweep_solid_order, only: impulses_of_row, lanes, row_length
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none
   private
   public :: nesterov_t
+
+  !> Sweeps of a solve before the first with momentum: a solve that ends with its first test pays nothing
+  integer, parameter :: first_sweeps = 5
+  !> Reals of impulses that a pass takes at once: those of a row of solids
+  integer, parameter :: run = impulses_of_row
 
   !> The last iterates of one order, as it stores impulses: results of the sweep before, and what the last sweep started from
   type :: iterates_t
@@ -27,25 +34,28 @@ module sg_nesterov
   type :: nesterov_t
     !> Do sweeps take it?
     logical :: is_on = .false.
-    !> Has a sweep begun? And the rule that gives the share
-    logical, private :: has_begun = .false.
+    !> Did the last sweep start from y? Then x before it is held
+    logical :: has_stepped = .false.
+    !> The rule that gives the share
     type(nesterov_rule_t), private :: rule
     !> Is the start of the last sweep held, and were the sums of the last pass made with one?
     logical, private :: has_start = .false., has_sums = .false.
-    !> Square of a sweep's change x - y, and its product with the change of x from sweep to sweep
+    !> Square of a sweep's change x - y, and its product with the change of x from sweep to sweep; are they being summed over ranks?
     real(wp), private :: sums(2) = 0
-    !> Iterates of each order, and velocities of x before the last sweep, shape (components, bodies)
+    logical, private :: is_pending = .false.
+    !> Iterates of each order, and records of bodies with the velocities of x before the last sweep
     type(iterates_t), allocatable, private :: past(:)
-    real(wp), allocatable, private :: velocity(:, :)
-    !> Impulses of the sweep before, by contact, while orders change
-    real(wp), allocatable, private :: carried(:, :)
+    real(wp), allocatable, private :: body(:, :)
+    !> Impulses of the sweep before and present ones, by contact, while orders change
+    real(wp), allocatable, private :: carried(:, :), present(:, :)
   contains
     procedure :: begin => nesterov_begin
     procedure :: go_on => nesterov_go_on
     procedure :: restore => nesterov_restore
+    procedure :: finish => nesterov_finish
     procedure :: rest => nesterov_rest
     procedure :: carry => nesterov_carry
-    procedure :: is_moving => nesterov_is_moving
+    procedure :: keep_moving => nesterov_keep_moving
     procedure :: resume => nesterov_resume
     procedure :: list_tables => nesterov_list_tables
   end type nesterov_t
@@ -58,10 +68,8 @@ contains
     logical, intent(in) :: is_on !! do sweeps take momentum?
 
     self%is_on = is_on
-    self%has_begun = .false.
-    self%rule = nesterov_rule_t()
-    self%has_start = .false.
-    self%has_sums = .false.
+    self%has_stepped = .false.
+    call self%rule%begin(first_sweeps)
   end subroutine nesterov_begin
 
   !> Pause, since the error of the tests does not fall: plain sweeps have their turn.
@@ -71,35 +79,53 @@ contains
     call self%rule%rest()
   end subroutine nesterov_rest
 
-  !> Let impulses and velocities go on before a sweep: x becomes y.
+  !> Let impulses and velocities go on before a sweep: x becomes y. First sweeps, and those of a pause, start from x.
   subroutine nesterov_go_on(self, orders, problem, comm)
     class(nesterov_t), intent(inout) :: self
     type(sweep_order_t), intent(inout) :: orders(:) !! all contacts that are swept
     type(problem_t), intent(inout) :: problem !! its velocities are those of the impulses in the orders
     type(comm_t), intent(inout) :: comm !! the ranks, which take the same share
     real(wp) :: share
-    integer :: s, width
+    real(wp), allocatable :: body(:, :)
+    integer :: s
 
-    width = first_inverse(problem%kind) - 1
-    if (.not. self%has_begun) call begin_past(self, orders, problem%body(:width, :))
-    share = 0
-    call comm%sum(self%sums)
-    if (self%has_begun) call self%rule%next(self%sums, self%has_sums, share)
-    self%has_begun = .true.
+    call self%finish(comm)
+    if (self%rule%is_resting()) then
+      call self%rule%next(self%sums, .false., share)
+      self%has_stepped = .false.
+      return
+    end if
+    if (.not. self%has_stepped) call begin_past(self, orders, problem%body)
+    call self%rule%next(self%sums, self%has_sums, share)
     self%sums = 0
     do s = 1, size(orders)
       call step_order(orders(s), share, self%past(s), self%sums)
     end do
     self%has_sums = self%has_start
     self%has_start = .true.
-    call step_bodies(width, problem%n_bodies, size(problem%body, 1), share, self%velocity, problem%body)
+    self%is_pending = comm%size > 1
+    if (self%is_pending) call comm%begin_sum(sum_of_sweep, self%sums)
+    call step_bodies(size(problem%body, 1)*problem%n_bodies, share, problem%body, self%body)
+    call move_alloc(self%body, body)
+    call move_alloc(problem%body, self%body)
+    call move_alloc(body, problem%body)
+    self%has_stepped = .true.
   end subroutine nesterov_go_on
 
+  !> Finish the sums of the last pass: over the ranks they travel while the sweep goes on.
+  subroutine nesterov_finish(self, comm)
+    class(nesterov_t), intent(inout) :: self
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    if (self%is_pending) call comm%finish_sum(sum_of_sweep, self%sums)
+    self%is_pending = .false.
+  end subroutine nesterov_finish
+
   !> Take the present impulses and velocities for those of the sweep before.
-  subroutine begin_past(self, orders, velocity)
+  subroutine begin_past(self, orders, body)
     class(nesterov_t), intent(inout) :: self
     type(sweep_order_t), intent(in) :: orders(:)
-    real(wp), intent(in) :: velocity(:, :)
+    real(wp), intent(in) :: body(:, :)
     integer :: s
 
     if (allocated(self%past)) then
@@ -109,7 +135,10 @@ contains
     do s = 1, size(orders)
       call hold(orders(s), self%past(s))
     end do
-    self%velocity = velocity
+    self%body = body
+    self%has_start = .false.
+    self%has_sums = .false.
+    self%sums = 0
   end subroutine begin_past
 
   !> Hold the impulses of an order as those of the sweep before.
@@ -195,70 +224,66 @@ contains
     real(wp), intent(in) :: share
     type(iterates_t), intent(inout) :: past
     real(wp), intent(inout) :: sums(2)
-    integer :: row, first
 
     if (order%n_groups > 0) then
-      call step(stored(order), share, order%lane_impulse, past%before, past%start, sums)
+      call step(stored(order), run, share, order%lane_impulse, past%before, past%start, sums)
     else if (order%solids%n_groups > 0) then
-      do row = 1, order%solids%n_rows
-        first = (row - 1)*impulses_of_row + 1
-        call step(impulses_of_row, share, order%solids%row(1, 1, row), past%before(first), past%start(first), sums)
-      end do
+      call step(stored(order), lanes*row_length, share, order%solids%row, past%before, past%start, sums)
     else if (order%n > 0) then
-      call step(stored(order), share, order%impulse, past%before, past%start, sums)
+      call step(stored(order), run, share, order%impulse, past%before, past%start, sums)
     end if
   end subroutine step_order
 
-  !> One pass over the iterates: sums of g = x - y and d = x - x_before, then y = x + share d. Four sums each, since one alone
-  !! waits for itself.
-  pure subroutine step(n, share, x, before, start, sums)
+  !> One pass over the iterates: sums of g = x - y and d = x - x_before, then y = x + share d. As many sums as reals of a run, which
+  !! vector registers take side by side.
+  pure subroutine step(n, stride, share, x, before, start, sums)
     integer, intent(in) :: n !! reals
+    integer, intent(in) :: stride !! reals from the begin of a run of them to the next in x
     real(wp), intent(in) :: share !! of the change to go on by
-    real(wp), intent(inout) :: x(n) !! result of the last sweep, then the start of the next
-    real(wp), intent(inout) :: before(n) !! result of the sweep before, then of the last
-    real(wp), intent(inout) :: start(n) !! start of the last sweep, then of the next
+    real(wp), intent(inout) :: x(stride, *) !! result of the last sweep, then the start of the next
+    real(wp), intent(inout) :: before(run, *) !! result of the sweep before, then of the last
+    real(wp), intent(inout) :: start(run, *) !! start of the last sweep, then of the next
     real(wp), intent(inout) :: sums(2) !! sums of g^2 and g d grow
-    real(wp) :: g(4), d(4), gg(4), gd(4)
-    integer :: i, last
+    real(wp) :: g, d, gg(run), gd(run)
+    integer :: i, j
 
     gg = 0
     gd = 0
-    last = n - modulo(n, 4)
-    do i = 1, last, 4
-      g = x(i:i + 3) - start(i:i + 3)
-      d = x(i:i + 3) - before(i:i + 3)
-      gg = gg + g*g
-      gd = gd + g*d
-      before(i:i + 3) = x(i:i + 3)
-      x(i:i + 3) = x(i:i + 3) + share*d
-      start(i:i + 3) = x(i:i + 3)
+    do j = 1, n/run
+      do i = 1, run
+        g = x(i, j) - start(i, j)
+        d = x(i, j) - before(i, j)
+        gg(i) = gg(i) + g*g
+        gd(i) = gd(i) + g*d
+        before(i, j) = x(i, j)
+        x(i, j) = x(i, j) + share*d
+        start(i, j) = x(i, j)
+      end do
+    end do
+    j = n/run + 1
+    do i = 1, modulo(n, run)
+      g = x(i, j) - start(i, j)
+      d = x(i, j) - before(i, j)
+      gg(i) = gg(i) + g*g
+      gd(i) = gd(i) + g*d
+      before(i, j) = x(i, j)
+      x(i, j) = x(i, j) + share*d
+      start(i, j) = x(i, j)
     end do
     sums = sums + [sum(gg), sum(gd)]
-    do i = last + 1, n
-      g(1) = x(i) - start(i)
-      d(1) = x(i) - before(i)
-      sums = sums + [g(1)*g(1), g(1)*d(1)]
-      before(i) = x(i)
-      x(i) = x(i) + share*d(1)
-      start(i) = x(i)
-    end do
   end subroutine step
 
-  !> Let the velocities of bodies go on.
-  pure subroutine step_bodies(width, n, length, share, before, body)
-    integer, intent(in) :: width, n, length !! components of a velocity, bodies, reals of a body's record
+  !> Velocities of y, from those of x and of the sweep before. All reals of a record are passed alike: others than velocities are
+  !! the same in both.
+  pure subroutine step_bodies(n, share, body, before)
+    integer, intent(in) :: n !! reals of all records
     real(wp), intent(in) :: share !! of the change to go on by
-    real(wp), intent(inout) :: before(width, n) !! velocities of the sweep before, then of the last
-    real(wp), intent(inout) :: body(length, n) !! velocities come first
-    real(wp) :: v
-    integer :: b, i
+    real(wp), intent(in) :: body(n) !! records of bodies with the velocities of x
+    real(wp), intent(inout) :: before(n) !! those of the sweep before, then those of y
+    integer :: i
 
-    do b = 1, n
-      do i = 1, width
-        v = body(i, b)
-        body(i, b) = v + share*(v - before(i, b))
-        before(i, b) = v
-      end do
+    do i = 1, n
+      before(i) = body(i) + share*(body(i) - before(i))
     end do
   end subroutine step_bodies
 
@@ -272,7 +297,7 @@ contains
     do s = 1, size(orders)
       call exchange_order(orders(s), self%past(s))
     end do
-    problem%body(:size(self%velocity, 1), :) = self%velocity
+    problem%body(:, :) = self%body
     call self%begin(self%is_on)
   end subroutine nesterov_restore
 
@@ -283,27 +308,43 @@ contains
     type(problem_t), intent(inout) :: problem !! its impulses are those in the orders, and come back so
     integer :: s
 
-    if (.not. self%has_begun) return
+    if (.not. self%has_stepped) return
     do s = 1, size(orders)
       call exchange_order(orders(s), self%past(s))
       call give_impulses(orders(s), problem)
       call exchange_order(orders(s), self%past(s))
     end do
-    self%carried = problem%impulse(:, :problem%n_contacts)
+    call keep(problem, self%carried)
     do s = 1, size(orders)
       call give_impulses(orders(s), problem)
     end do
   end subroutine nesterov_carry
 
-  !> Which contacts carried an impulse one sweep ago? They stay in the orders, since velocities go on by the change of theirs.
-  pure function nesterov_is_moving(self, n) result(is_moving)
-    class(nesterov_t), intent(in) :: self
-    integer, intent(in) :: n !! contacts
-    logical :: is_moving(n)
+  !> Copy the impulses of a problem by contact.
+  pure subroutine keep(problem, impulse)
+    type(problem_t), intent(in) :: problem
+    real(wp), allocatable, intent(inout) :: impulse(:, :)
 
-    is_moving = .false.
-    if (self%has_begun) is_moving = any(abs(self%carried) > 0, 1)
-  end function nesterov_is_moving
+    associate (n => problem%n_contacts)
+      if (allocated(impulse)) then
+        if (size(impulse, 2) < n .or. size(impulse, 1) /= size(problem%impulse, 1)) deallocate (impulse)
+      end if
+      if (.not. allocated(impulse)) allocate (impulse(size(problem%impulse, 1), n + n/8))
+      impulse(:, :n) = problem%impulse(:, :n)
+    end associate
+  end subroutine keep
+
+  !> Keep contacts that carried an impulse one sweep ago, since velocities go on by the change of theirs.
+  pure subroutine nesterov_keep_moving(self, is_wanted)
+    class(nesterov_t), intent(in) :: self
+    logical, intent(inout) :: is_wanted(:) !! contacts to visit, shape (contacts)
+    integer :: k
+
+    if (.not. self%has_stepped) return
+    do k = 1, size(is_wanted)
+      if (.not. is_wanted(k)) is_wanted(k) = any(abs(self%carried(:, k)) > 0)
+    end do
+  end subroutine nesterov_keep_moving
 
   !> Give changed orders what the sweep before left. The bodies of contacts that have left the orders with a change, those of
   !! solved clusters, stay where they are.
@@ -312,24 +353,22 @@ contains
     type(sweep_order_t), intent(inout) :: orders(:) !! all contacts that are swept
     logical, intent(in) :: is_ordered(:) !! are contacts in one of the orders?
     type(problem_t), intent(inout) :: problem !! its impulses are those of the orders
-    real(wp), allocatable :: now(:, :)
-    integer :: s, k
+    integer :: s, k, n
 
-    if (.not. self%has_begun) return
+    if (.not. self%has_stepped) return
     if (all(orders%serial == self%past%serial)) return
-    do k = 1, problem%n_contacts
+    n = problem%n_contacts
+    do k = 1, n
       if (is_ordered(k)) cycle
       if (.not. any(abs(problem%impulse(:, k) - self%carried(:, k)) > 0)) cycle
-      associate (width => size(self%velocity, 1))
-        self%velocity(:, problem%pair(:, k)) = problem%body(:width, problem%pair(:, k))
-      end associate
+      self%body(:, problem%pair(:, k)) = problem%body(:, problem%pair(:, k))
     end do
-    now = problem%impulse(:, :problem%n_contacts)
+    call keep(problem, self%present)
     do s = 1, size(orders)
-      problem%impulse(:, :problem%n_contacts) = self%carried
+      problem%impulse(:, :n) = self%carried(:, :n)
       call put_impulses(orders(s), problem)
       call hold(orders(s), self%past(s))
-      problem%impulse(:, :problem%n_contacts) = now
+      problem%impulse(:, :n) = self%present(:, :n)
       call put_impulses(orders(s), problem)
     end do
     self%has_start = .false.
@@ -343,6 +382,7 @@ contains
 
     call tables%begin('nesterov', per_contact)
     call tables%note('carried', self%carried)
+    call tables%note('present', self%present)
     if (allocated(self%past)) then
       do s = 1, size(self%past)
         call tables%note('before', self%past(s)%before)
@@ -350,6 +390,6 @@ contains
       end do
     end if
     call tables%begin('nesterov', per_body)
-    call tables%note('velocity', self%velocity)
+    call tables%note('body', self%body)
   end subroutine nesterov_list_tables
 end module sg_nesterov

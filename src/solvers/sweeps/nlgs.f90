@@ -93,6 +93,7 @@ contains
       call confirm(self, problem, comm, report)
       if (report%is_converged .or. report%sweeps >= self%options%maximum_sweeps) exit
     end do
+    call self%sets%nesterov%finish(comm)
     if (.not. report%is_converged) call self%errors%find_worst(problem, comm, report)
     call self%convergence%finish(report)
     call self%close(problem, coupling, comm)
@@ -136,13 +137,13 @@ contains
       if (.not. self%is_coupled) call choose_again(self, problem, report)
       if (self%sets%nesterov%is_on) then
         call self%sets%go_on(problem, comm)
-        call self%mark(problem)
+        if (self%sets%nesterov%has_stepped) call self%mark(problem)
       end if
       call self%begin_round(problem, report)
       if (is_tested) then
         call finish_test(self, comm, report)
         call judge_fall(self, report)
-        if (report%is_converged .and. self%sets%nesterov%is_on) then
+        if (report%is_converged .and. self%sets%nesterov%has_stepped) then
           call self%sets%restore(problem)
           call self%mark(problem)
           return
