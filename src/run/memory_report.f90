@@ -96,7 +96,7 @@ contains
     call predict(sim%scene, sim%time(), sim%options%time_step, sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
     call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, sim%problem)
-    batch = sim%options%solver%check_every
+    batch = sim%options%solver%typical_gap()
     n_sweeps = nint(real(sim%totals%sweeps, wp)/real(max(1, sim%totals%steps)*batch, wp))*batch
     call compare_cost(sim%problem, sim%options%solver, max(batch, n_sweeps), cost)
   end subroutine measure_cost

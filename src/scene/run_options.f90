@@ -59,7 +59,7 @@ module sg_run_options
     integer :: criterion = criterion_estimate
     !> Value of the criterion at which the solver stops
     real(wp) :: tolerance = 2e-2_wp
-    !> Sweeps between two tests
+    !> Sweeps between two tests; 0 for tests that come where the criterion is expected to be reached
     integer :: check_every = 20
     !> Sweeps after which the solver gives up
     integer :: maximum_sweeps = 5000
@@ -77,6 +77,8 @@ module sg_run_options
     integer :: threads = 1
     !> End the run when a step does not converge
     logical :: stop_unconverged = .false.
+  contains
+    procedure :: typical_gap => solver_typical_gap
   end type solver_options_t
 
   !> All options of a run
@@ -127,6 +129,14 @@ module sg_run_options
   end type run_options_t
 
 contains
+
+  !> Sweeps between two tests, typically where these come by the fall of the criterion.
+  pure integer function solver_typical_gap(self) result(gap)
+    class(solver_options_t), intent(in) :: self
+
+    gap = self%check_every
+    if (gap == 0) gap = 20
+  end function solver_typical_gap
 
   !> Sweeps of a rank between two gluings.
   pure integer function partition_sweeps_of(self, rank) result(sweeps)

@@ -99,7 +99,7 @@ contains
     real(wp), allocatable :: free(:, :)
     real(wp) :: before, mobility
 
-    call convergence%begin(scales_of(problem))
+    call convergence%begin(self%options, .false., scales_of(problem))
     allocate (free, source=problem%body)
     mobility = 1
     if (self%options%criterion /= criterion_e1) mobility = typical_mobility(matrices)

@@ -49,7 +49,7 @@ contains
     if (allocated(error)) return
     call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, sim%problem)
     load = measured_weights(sim%contacts, sim%scene%bodies%is_grain, sim%scene%bodies%n_own)
-    machine%check_every = sim%options%solver%check_every
+    machine%check_every = sim%options%solver%typical_gap()
     machine%item_bytes = 8*real(first_inverse(sim%problem%kind) - 1, wp)
     machine%glue = glue_seconds(sim%problem)
     check = check_seconds(sim%problem)/real(machine%check_every, wp)

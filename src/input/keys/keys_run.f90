@@ -55,8 +55,9 @@ contains
                      default=quoted_string(trim(criterion_names(default%criterion))), choices=choices_of(criterion_names))
       call table%add('tolerance', value_real, 'Value of the criterion at which the solver stops.', &
                      default=short_real(default%tolerance), above=0.0_wp, most=1.0_wp)
-      call table%add('check_every', value_integer, 'Sweeps between two tests of the criterion.', &
-                     default=to_text(default%check_every), least=1.0_wp, used_for=sweeps)
+      call table%add('check_every', value_integer, 'Sweeps between two tests of the criterion; 0 for tests that '// &
+                     'come where the fall of the criterion lets it be reached.', default=to_text(default%check_every), &
+                     least=0.0_wp, used_for=sweeps)
       call table%add('maximum_sweeps', value_integer, 'Sweeps after which the solver gives up on a step.', &
                      default=to_text(default%maximum_sweeps), least=1.0_wp)
       call table%add('relaxation', value_real, 'Share of each new impulse that is taken; 1 is plain Gauss-Seidel.', &

@@ -23,6 +23,8 @@ module sg_nesterov_rule
     integer :: sweeps = 0, pause = first_pause, end_of_pause = 0
     !> Nesterov's t, and the least square of a sweep's change since the last restart
     real(wp) :: t = 1, least = huge(1.0_wp)
+    !> Plain sweeps that those so far are worth beyond their number: (1 + b)/(1 - b) - 1 each
+    real(wp), public :: gain = 0
   contains
     procedure :: begin => rule_begin
     procedure :: next => rule_next
@@ -42,6 +44,7 @@ contains
     self%pause = first_pause
     self%end_of_pause = sweeps
     self%least = huge(self%least)
+    self%gain = 0
     self%t = 1
     do k = 1, sweeps
       self%t = following(self%t)
@@ -75,6 +78,7 @@ contains
     last = self%t
     self%t = following(last)
     share = min((last - 1)/self%t, max(most_share, 1 - sweeps_to_one/real(self%sweeps, wp)))
+    self%gain = self%gain + 2*share/(1 - share)
   end subroutine rule_next
 
   !> Has the change of a sweep grown, or does it point back?

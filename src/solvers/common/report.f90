@@ -39,6 +39,8 @@ module sg_report
     real(wp) :: e1 = 0, e2 = 0, e8 = 0, violation = 0
     !> What the violation is relative to [m/s]
     real(wp) :: velocity_scale = 0
+    !> What sweeps with momentum have changed the impulses by, over them, at most 1
+    real(wp) :: change = 0
     !> Estimated relative error of the impulses, from e8 and the rate at which it fell
     real(wp) :: estimate = 0
     !> Where not converged: velocity by which the worst contact of all breaks its law [m/s], and its number where this rank has it

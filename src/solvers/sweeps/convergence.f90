@@ -2,11 +2,11 @@
 module sg_convergence
   use sg_kinds, only: wp
   use sg_law_violation, only: most_hidden
-  use sg_lists, only: reserve
   use sg_problem, only: problem_t
   use sg_records, only: is_in_space, velocity_y, velocity_z
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_violation, solver_options_t
+  use sg_check_history, only: check_history_t
   implicit none
   private
   public :: convergence_t, scales_t, looks_at_errors, scales_of
@@ -16,6 +16,11 @@ module sg_convergence
   real(wp), parameter :: stalled = 0.95_wp
   !> Share of the scale of a step that a single contact may break its law by where a solve counts as converged
   real(wp), parameter :: most_broken = 0.5_wp
+
+  !> Estimate that a solve without a guess has to reach whatever the criterion: the default of decks
+  real(wp), parameter :: cold_tolerance = 2e-2_wp
+  !> Fewest sweeps before the first choice after that of the guess, where tests adapt
+  integer, parameter :: first_choice = 20
 
   !> Scales of the problem of a step, over all ranks
   type :: scales_t
@@ -36,18 +41,23 @@ module sg_convergence
     logical :: is_contested = .false.
     !> Is nothing left but rounding, while the criterion is above its tolerance?
     logical, private :: is_rounding = .false.
+    !> Has the estimate to be small whatever the criterion?
+    logical, private :: is_cold = .false.
     !> Scales of the problem, and the velocity error that rounding leaves [m/s]
     type(scales_t), private :: scales
     real(wp), private :: rounding = 0
     !> Sweeps at which the active set was last chosen, and the criterion of the last test
     integer, private :: last_choice = 0
     real(wp), private :: last_criterion = huge(1.0_wp)
-    !> Test at which e8 was last found not to fall
+    !> Sweeps at which e8 was last found not to fall
     integer, private :: last_stuck = 0
-    !> e8 at each test so far
-    real(wp), allocatable, private :: past_e8(:)
+    !> The tests so far, what the last one found over what is asked for, and the sweeps at which the next one is due
+    type(check_history_t), private :: history
+    real(wp), private :: last_excess = huge(1.0_wp)
+    integer :: next_test = 0
   contains
     procedure :: begin => convergence_begin
+    procedure, private :: plan_test => convergence_plan_test
     procedure :: judge => convergence_judge
     procedure :: decide => convergence_decide
     procedure :: must_look => convergence_must_look
@@ -79,11 +89,15 @@ contains
   end function scales_of
 
   !> Begin a solve.
-  pure subroutine convergence_begin(self, scales)
+  pure subroutine convergence_begin(self, options, is_cold, scales)
     class(convergence_t), intent(inout) :: self
+    type(solver_options_t), intent(in) :: options !! sweeps between two tests, or none for those that the errors ask for
+    logical, intent(in) :: is_cold !! no impulse is guessed, and the estimate has to be small whatever the criterion
     type(scales_t), intent(in) :: scales !! of the problem
 
+    self%is_cold = is_cold
     self%last_choice = 0
+    if (options%check_every == 0) self%last_choice = first_choice/2
     self%last_criterion = huge(1.0_wp)
     self%scales = scales
     self%rounding = 16*epsilon(1.0_wp)*max(scales%fastest, scales%velocity)
@@ -91,27 +105,66 @@ contains
     self%is_contested = .false.
     self%last_stuck = 0
     self%is_rounding = .false.
+    self%history%n = 0
+    self%last_excess = huge(1.0_wp)
+    call self%plan_test(options, 0, huge(1.0_wp))
   end subroutine convergence_begin
 
   !> Judge a test of sweeps: sets the estimate, the criterion, and whether that is reached. Where `must_look` is true, `confirm`
   !! decides.
-  subroutine convergence_judge(self, options, report, increments)
+  subroutine convergence_judge(self, options, gain, report, increments)
     class(convergence_t), intent(inout) :: self
     type(solver_options_t), intent(in) :: options !! criterion, tolerance, sweeps between two tests
+    real(wp), intent(in) :: gain !! plain sweeps that those done are worth beyond their number
     type(report_t), intent(inout) :: report !! its errors are measured
     real(wp), intent(in) :: increments !! value of a criterion that looks at increments; not used for others
 
     report%checks = report%checks + 1
-    call reserve(self%past_e8, report%checks)
-    self%past_e8(report%checks) = report%e8
-    report%estimate = estimated_error(self%past_e8(:report%checks), options%check_every)
+    call self%history%add(report%sweeps, real(report%sweeps, wp) + gain, report%e8)
+    report%estimate = self%history%estimate(report%change)
     call self%decide(options, report, increments)
     self%is_choice_due = .not. report%is_converged .and. &
                          (report%sweeps >= 2*self%last_choice .or. (report%criterion > stalled*self%last_criterion .and. &
                                                                     report%sweeps >= self%last_choice + self%last_choice/4))
     if (self%is_choice_due) self%last_choice = report%sweeps
+    call self%plan_test(options, report%sweeps, excess(self, options, report))
     self%last_criterion = report%criterion
   end subroutine convergence_judge
+
+  !> Plan the next test: as many sweeps on as the options ask for, or where the criterion is expected to reach its tolerance.
+  pure subroutine convergence_plan_test(self, options, sweeps, now)
+    class(convergence_t), intent(inout) :: self
+    type(solver_options_t), intent(in) :: options !! sweeps between two tests
+    integer, intent(in) :: sweeps !! done before the last test
+    real(wp), intent(in) :: now !! excess there
+
+    if (options%check_every > 0) then
+      self%next_test = sweeps + options%check_every
+    else
+      self%next_test = self%history%next_test(now, self%last_excess)
+    end if
+    self%last_excess = now
+  end subroutine convergence_plan_test
+
+  !> Value of the criterion over its tolerance; where no impulse was guessed, of the estimate over its tolerance where that is more.
+  !!
+  !! Other criteria hardly weigh the slow modes of a tall packing: e8 of 1e-4 may leave a fifth of its weight.
+  pure real(wp) function excess(self, options, report)
+    type(convergence_t), intent(in) :: self
+    type(solver_options_t), intent(in) :: options
+    type(report_t), intent(in) :: report
+
+    excess = report%criterion/options%tolerance
+    if (must_be_small(self, options)) excess = max(excess, report%estimate/cold_tolerance)
+  end function excess
+
+  !> Has the estimate to be small, while another criterion is asked for?
+  pure logical function must_be_small(self, options)
+    type(convergence_t), intent(in) :: self
+    type(solver_options_t), intent(in) :: options
+
+    must_be_small = self%is_cold .and. options%criterion /= criterion_estimate
+  end function must_be_small
 
   !> Set the criterion of a report with measured errors, and whether it is reached, or nothing but rounding is left.
   pure subroutine convergence_decide(self, options, report, increments)
@@ -121,7 +174,8 @@ contains
     real(wp), intent(in) :: increments !! value of a criterion that looks at increments
 
     report%criterion = criterion_value(options%criterion, report, increments)
-    report%is_converged = report%criterion <= options%tolerance
+    report%is_converged = report%criterion <= options%tolerance .and. &
+                          (report%estimate <= cold_tolerance .or. .not. must_be_small(self, options))
     self%is_rounding = .not. report%is_converged .and. report%violation*self%scales%velocity <= self%rounding
     report%is_converged = report%is_converged .or. self%is_rounding
   end subroutine convergence_decide
@@ -162,15 +216,18 @@ contains
     if (self%is_choice_due) self%last_choice = report%sweeps
   end subroutine convergence_confirm
 
-  !> Is e8 no less than two tests before, and was that not so in the last two?
-  pure subroutine convergence_find_stuck(self, report, is_stuck)
+  !> Is e8 no less than two tests, or their sweeps, before, and was that not so in the sweeps between?
+  pure subroutine convergence_find_stuck(self, options, sweeps, is_stuck)
     class(convergence_t), intent(inout) :: self
-    type(report_t), intent(in) :: report !! judged
+    type(solver_options_t), intent(in) :: options !! sweeps between two tests
+    integer, intent(in) :: sweeps !! done before the last test
     logical, intent(out) :: is_stuck !! does the error not fall?
+    integer :: gap
 
-    is_stuck = report%checks > self%last_stuck + 2
-    if (is_stuck) is_stuck = .not. self%past_e8(report%checks) < self%past_e8(report%checks - 2)
-    if (is_stuck) self%last_stuck = report%checks
+    gap = 2*options%typical_gap()
+    is_stuck = sweeps > self%last_stuck + gap
+    if (is_stuck) is_stuck = self%history%has_not_fallen(gap)
+    if (is_stuck) self%last_stuck = sweeps
   end subroutine convergence_find_stuck
 
   !> End a solve: errors that are nothing but rounding are none, since what they are relative to is rounding as well.
@@ -208,30 +265,4 @@ contains
       value = increments
     end select
   end function criterion_value
-
-  !> Error of the impulses, estimated from e8 and the rate at which it falls (doc/theory/errors.md).
-  !!
-  !! e8 is about what one more sweep would change. Where it falls by the factor s a sweep, all sweeps to come change
-  !! e8/(1 - s): on tall packings thousands of times more. The rate is taken over the last half of the sweeps. It is
-  !! never taken for faster than one over the number of sweeps, nor than one over `fewest`: the fall after a cold start is
-  !! that of the grains' neighbourhoods, not of the whole, and a few sweeps carry no information, however often they are tested.
-  pure real(wp) function estimated_error(past_e8, check_every) result(estimate)
-    real(wp), intent(in) :: past_e8(:) !! e8 at each test, the last one now
-    integer, intent(in) :: check_every !! sweeps between two tests
-    real(wp), parameter :: fewest = 100
-    integer :: n, base
-    real(wp) :: sweeps_to_fall
-
-    n = size(past_e8)
-    base = n/2
-    sweeps_to_fall = max(fewest, real(check_every*n, wp))
-    if (base > 0) then
-      if (past_e8(n) > 0 .and. past_e8(base) > past_e8(n)) then
-        sweeps_to_fall = max(sweeps_to_fall, real(check_every*(n - base), wp)/log(past_e8(base)/past_e8(n)))
-      else if (past_e8(n) > 0) then
-        sweeps_to_fall = 100*sweeps_to_fall
-      end if
-    end if
-    estimate = past_e8(n)*sweeps_to_fall
-  end function estimated_error
 end module sg_convergence

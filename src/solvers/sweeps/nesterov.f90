@@ -37,7 +37,7 @@ module sg_nesterov
     !> Did the last sweep start from y? Then x before it is held
     logical :: has_stepped = .false.
     !> The rule that gives the share
-    type(nesterov_rule_t), private :: rule
+    type(nesterov_rule_t) :: rule
     !> Is the start of the last sweep held, and were the sums of the last pass made with one?
     logical, private :: has_start = .false., has_sums = .false.
     !> Square of a sweep's change x - y, and its product with the change of x from sweep to sweep; are they being summed over ranks?

@@ -82,11 +82,12 @@ contains
     call self%sets%nesterov%begin(self%has_momentum)
     call self%open(problem, coupling, comm)
     self%errors%criterion = self%options%criterion
+    self%errors%with_change = self%has_momentum
     call self%errors%prepare(problem, comm)
     if (self%errors%contacts == 0) return
     report%is_converged = .false.
     call choose_first(self, problem, comm, report)
-    call self%convergence%begin(self%errors%scales)
+    call self%convergence%begin(self%options, self%has_momentum .and. .not. self%errors%is_guessed, self%errors%scales)
     self%now = self%trace%seconds()
     do
       call iterate(self, problem, comm, report)
@@ -129,10 +130,8 @@ contains
     type(comm_t), intent(inout) :: comm
     type(report_t), intent(inout) :: report
     logical :: is_tested
-    integer :: since_test
 
     is_tested = .false.
-    since_test = 0
     do while (report%sweeps < self%options%maximum_sweeps)
       if (.not. self%is_coupled) call choose_again(self, problem, report)
       if (self%sets%nesterov%is_on) then
@@ -154,11 +153,9 @@ contains
       report%sweeps = report%sweeps + self%sweeps_per_round
       if (self%is_coupled) report%gluings = report%gluings + 1
       if (self%trace%is_due(report%sweeps)) call note(self, problem, comm, report)
-      since_test = since_test + self%sweeps_per_round
-      is_tested = since_test >= self%options%check_every .or. &
+      is_tested = report%sweeps >= self%convergence%next_test .or. &
                   merge(self%convergence%is_choice_due, report%sweeps >= self%options%maximum_sweeps, self%is_coupled)
       if (.not. is_tested) cycle
-      since_test = 0
       call begin_test(self, problem, comm, report)
       if (self%is_coupled) then
         call choose_again(self, problem, report)
@@ -178,7 +175,7 @@ contains
     type(report_t), intent(in) :: report
     logical :: is_stuck
 
-    call self%convergence%find_stuck(report, is_stuck)
+    call self%convergence%find_stuck(self%options, report%sweeps, is_stuck)
     if (.not. is_stuck) return
     self%damping = max(least_damping, self%damping/2)
     call self%sets%nesterov%rest()
@@ -212,7 +209,8 @@ contains
     call lap(self, report%cpu_sweeps)
     call self%errors%finish(report, comm)
     self%mean_square = self%errors%mean_square
-    call self%convergence%judge(self%options, report, self%errors%increments)
+    call self%convergence%judge(self%options, real(self%sweeps_per_round, wp)*self%sets%nesterov%rule%gain, report, &
+                                self%errors%increments)
     call lap(self, report%cpu_checks)
   end subroutine finish_test
 

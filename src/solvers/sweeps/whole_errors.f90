@@ -6,11 +6,11 @@ module sg_whole_errors
   use sg_increments, only: increment_value, increments_t, n_increment_maxima, n_increment_sums
   use sg_kinds, only: wp
   use sg_problem, only: problem_t
-  use sg_report, only: report_t
+  use sg_report, only: ratio, report_t
   use sg_residuals, only: find_worst, n_error_sums, set_errors, sum_errors
   use sg_run_options, only: criterion_estimate, criterion_quad, solver_options_t
   use sg_sweep_order, only: list_order, set_order, sweep_order_t
-  use sg_tables, only: tables_t
+  use sg_tables, only: per_contact, tables_t
   implicit none
   private
   public :: whole_errors_t
@@ -36,6 +36,10 @@ module sg_whole_errors
     type(increments_t), private :: asked
     type(sweep_order_t), private :: order
     real(wp), private :: maxima(n_increment_maxima) = 0
+    !> Does the estimate need what the solve has changed impulses by? And the impulses that it starts from, shape (components,
+    !> contacts)
+    logical :: with_change = .false.
+    real(wp), allocatable, private :: start(:, :)
   contains
     procedure :: prepare => errors_prepare
     procedure :: begin => errors_begin
@@ -46,6 +50,19 @@ module sg_whole_errors
 
 contains
 
+  !> Sum of the squares of what a solve has changed impulses by [N2 s2], where the estimate needs it.
+  pure real(wp) function square_of_change(self, problem) result(square)
+    type(whole_errors_t), intent(in) :: self
+    type(problem_t), intent(in) :: problem
+    integer :: k
+
+    square = 0
+    if (.not. self%with_change) return
+    do k = 1, problem%n_contacts
+      square = square + sum((problem%impulse(:, k) - self%start(:, k))**2)
+    end do
+  end function square_of_change
+
   !> Find the scales of a problem that is about to be solved. Collective.
   subroutine errors_prepare(self, problem, comm)
     class(whole_errors_t), intent(inout) :: self
@@ -54,6 +71,7 @@ contains
     real(wp) :: sums(2), largest(4)
 
     self%scales = scales_of(problem)
+    if (self%with_change) self%start = problem%impulse(:, :problem%n_contacts)
     self%contacts = problem%n_contacts
     self%free_norm = problem%free_norm
     largest = [self%scales%fastest, 0.0_wp, self%scales%closing, self%scales%friction]
@@ -96,7 +114,7 @@ contains
     logical, intent(in) :: with_e1 !! measure e1 and e2 too, and look for velocities that are not finite
     type(contact_sets_t), intent(inout) :: sets !! its contacts; closing speeds and, where sought, squares are set
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: sums(n_error_sums + 1), increments(n_increment_sums)
+    real(wp) :: sums(n_error_sums + 2), increments(n_increment_sums)
 
     sums(n_error_sums + 1) = 0
     if (sets%clusters%are_sought) then
@@ -105,6 +123,7 @@ contains
       call sum_errors(problem, with_e1, sums(:n_error_sums), closing=sets%active_set%closing)
     end if
     if (with_e1) sums(n_error_sums + 1) = merge(0.0_wp, 1.0_wp, all(abs(problem%body) <= huge(1.0_wp)))
+    sums(n_error_sums + 2) = square_of_change(self, problem)
     increments = 0
     if (.not. looks_at_errors(self%criterion)) call measure_increments(self, problem, sets, increments)
     self%with_e1 = with_e1
@@ -136,24 +155,28 @@ contains
     class(whole_errors_t), intent(inout) :: self
     type(report_t), intent(inout) :: report !! errors of all ranks' contacts and active contacts of this one are set
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: sums(n_error_sums + 1 + n_increment_sums)
+    real(wp) :: sums(n_error_sums + 2 + n_increment_sums)
 
     call comm%finish_sum(sum_of_test, sums)
     report%is_finite = .not. sums(n_error_sums + 1) > 0
     if (.not. looks_at_errors(self%criterion)) then
       if (self%criterion /= criterion_quad) call comm%maximum(self%maxima)
-      self%increments = increment_value(self%criterion, sums(n_error_sums + 2:), self%maxima)
+      self%increments = increment_value(self%criterion, sums(n_error_sums + 3:), self%maxima)
     end if
     call set_errors(sums(:n_error_sums), self%contacts, self%free_norm, self%scales%velocity, self%with_e1, report)
+    report%change = min(1.0_wp, ratio(sqrt(sums(n_error_sums + 2)), sqrt(sums(4))))
     self%mean_square = sums(2)/real(max(1, self%contacts), wp)
     report%active_contacts = self%active
   end subroutine errors_finish
 
-  !> List the tables of criteria that look at increments; those of an order of its own are listed with the others.
+  !> List the tables of the estimate and of criteria that look at increments; those of an order of its own are listed with the
+  !! others.
   subroutine errors_list_tables(self, tables)
     class(whole_errors_t), intent(in) :: self
     type(tables_t), intent(inout) :: tables !! list to add to
 
+    call tables%begin('errors', per_contact)
+    call tables%note('start', self%start)
     call list_order(self%order, tables)
     call self%asked%list_tables(tables)
   end subroutine errors_list_tables
