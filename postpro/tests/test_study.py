@@ -33,6 +33,8 @@ DECKS = Path(__file__).resolve().parents[2] / "input_decks"
 PROGRAM = os.environ.get("SPLITGRAIN_PROGRAM")
 with_program = pytest.mark.skipif(not PROGRAM, reason="SPLITGRAIN_PROGRAM names no program to run")
 
+# Studies of the talk.
+TALK = ("network", "shear_methods")
 BOUNCES = f"""time_steps = [1e-2, 1e-3, 1e-4]
 duration = 0.75
 [constants]
@@ -274,7 +276,7 @@ def test_keys_tell_work_apart_and_not_names(tmp_path):
 
 
 def test_shipped_studies_are_right():
-    paths = sorted((DECKS / "studies").glob("*.toml"))
+    paths = [*sorted((DECKS / "studies").glob("*.toml")), *(DECKS / "talk" / f"{name}.toml" for name in TALK)]
     assert len(paths) >= 3
     for path in paths:
         if path.name == "solvers_of_others.toml":
@@ -409,6 +411,35 @@ column = "kinetic_energy"
     one, two = rows_of(out)
     assert code == 0 and one["bytes"] == "" and float(two["bytes"]) > 0
     assert one["error of kinetic_energy"] == "" and float(two["error of kinetic_energy"]) >= 0
+
+
+@with_program
+def test_network_of_the_talk(tmp_path):
+    """A small one: states by the deck's own law, then one cold step by another law, traced; linear interactions converge by every
+    method, and on four subdomains to the same answer."""
+    small = """set = { "sample.count" = 150, "sample.box" = [0.0, 0.0, 0.25, 1.0], "wall[3].from" = [0.35, -0.2],
+"wall[3].to" = [0.35, 3.5]"""
+    text = (DECKS / "talk" / "network.toml").read_text()
+    text = re.sub(r"subdomains = .*", "subdomains = [1, 4]", text).replace('"network_packing', f'"{DECKS}/talk/network_packing')
+    small = small.replace("\n", " ")
+    text = text.replace('set = { "law[1]', small + ', "law[1]').replace("from = 1000", "from = 300")
+    text = text.replace("steps = 1\nthen", f"steps = 1\n{small} }}\nthen")
+    text += '[[measure]]\nbodies = "velocity"\nagainst = "first"\n'
+    # Two of the four interactions, three of the methods.
+    left_out = [f'name = "{name}' for name in ("linear, epsilon_0", "frictionless", "primal", "exchange")]
+    head, *blocks = text.split("[[")
+    text = "[[".join([head, *(block for block in blocks if not any(name in block for name in left_out))])
+    code, out = done(tmp_path, written(tmp_path, text))
+    assert code == 0
+    rows = [row for row in rows_of(out) if row["case"].startswith("linear")]
+    assert len(rows) == 6 and all(float(row["e8"]) < 1e-8 for row in rows)
+    assert all(float(row["error of velocity of bodies"] or 0) < 1e-6 for row in rows)
+    with open(out / "histories.csv", newline="") as file:
+        starts = [row for row in csv.DictReader(file) if row["iteration"] == "0"]
+    assert len(starts) == 12 and all(float(row["e8"]) == 1.0 for row in starts)
+    assert len(list(out.glob("case-1-history-*.png"))) == 6
+    with pytest.raises(StudyError, match="settings of runs that go on"):
+        read_study(written(tmp_path, re.sub("from = .*\nsteps.*", "", text)))
 
 
 @with_program

@@ -2,6 +2,7 @@
 """Spectral radii of interface iterations: against the rate that the real solver shows, and what `splitgrain spectrum` refuses."""
 
 import csv
+import re
 import sys
 import unittest
 from pathlib import Path
@@ -26,15 +27,15 @@ class Spectrum(ProgramCase):
         with open(self.place / "radii.csv", newline="") as file:
             return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
 
-    def observed_rate(self, deck, *settings):
-        """Rate per round at the end of a real solve, from e8 of the whole problem while rounding is far below it."""
+    def observed_rate(self, deck, *settings, fall=1e4):
+        """Rate per round at the end of a real solve, over such a fall of e8 of the whole problem, while rounding is far below it."""
         self.run_program("run", deck, "--output", "run", "--force", "--quiet",
                          *(word for setting in settings for word in ("--set", setting)))  # fmt: skip
         with open(self.place / "run/trace.csv", newline="") as file:
             rows = [(int(row["iteration"]), float(row["e8"])) for row in csv.DictReader(file)]
         sweeps = rows[1][0]
         last = max(i for i, row in enumerate(rows) if row[1] > 1e-11)
-        first = max(i for i, row in enumerate(rows) if row[1] > 1e4 * rows[last][1])
+        first = max(i for i, row in enumerate(rows) if row[1] > fall * rows[last][1])
         rounds = (rows[last][0] - rows[first][0]) / sweeps
         return (rows[last][1] / rows[first][1]) ** (1 / rounds)
 
@@ -47,6 +48,30 @@ class Spectrum(ProgramCase):
                 radius = self.radii(file, "--epsilon", epsilon, "--points", 1)[0]["dual"]
                 rate = self.observed_rate(file, f"law[1].relative_epsilon={epsilon}")
                 self.assertAlmostEqual(rate / radius, 1, delta=5e-4)
+
+    def test_observed_rate_of_the_enriched_interface(self):
+        """The same for the enriched interface, its systems solved to rounding, with eta below and above epsilon."""
+        for deck, place in (("four", 9), ("eight", 5), ("eight", 7), ("twelve", 9)):
+            with self.subTest(deck=deck, place=place):
+                file = TALK / f"{deck}_disks.toml"
+                row = self.radii(file, "--epsilon", 0.1, "--points", 2)[place]
+                text = self.run_program("spectrum", file, "--points", 1).stdout
+                epsilon_0 = float(re.search(r"epsilon_0\s+(\S+)", text)[1])
+                rate = self.observed_rate(file, "law[1].relative_epsilon=0.1", 'partition.gluing="enriched"',
+                                          'partition.enriched.scale="absolute"', "partition.enriched.tolerance=1e-12",
+                                          f"partition.enriched.eta={row['eta'] * epsilon_0}")  # fmt: skip
+                self.assertAlmostEqual(rate / row["enriched"], 1, delta=1e-3)
+
+    def test_rate_with_momentum(self):
+        """Sweeps with momentum, which restarts in each half period of the slowest mode: 1 - rate is no more than the theory's
+        square root of 1 - lambda, with the rate lambda of plain rounds, and at least half of it."""
+        for deck, parts in (("eight", 2), ("twelve", 0), ("twelve", 2)):
+            with self.subTest(deck=deck, parts=parts):
+                words = TALK / f"{deck}_disks.toml", "law[1].relative_epsilon=0.02", "partition.sweeps=1", f"partition.parts={parts}"
+                plain = self.observed_rate(*words)
+                rate = self.observed_rate(*words, 'solver.method="nesterov"', fall=1e8)
+                self.assertLess(0.5, (1 - rate) / (1 - plain) ** 0.5)
+                self.assertLess((1 - rate) / (1 - plain) ** 0.5, 1)
 
     def test_one_iteration(self):
         """With eta = epsilon nothing is left after one iteration; a large eta is the dual method."""

@@ -9,7 +9,7 @@ from .study_file import StudyFile
 
 # Key: kinds allowed. A list is of numbers, a table of settings.
 CASE = {"name": (str,), "files": (str, list), "deck": (str,), "dump": (int, list), "set": (dict,), "from": (int,), "steps": (int,),
-        "kind": (str,)}  # fmt: skip
+        "then": (dict,), "kind": (str,)}  # fmt: skip
 VARIANT = {"name": (str,), "solver": (str,), "guess": (bool,), "iterations": (int,), "set": (dict,), "values": (list,), "parts": (int,)}  # fmt: skip
 MEASURE = {"name": (str,), "column": (str,), "below": (int, float), "body": (int,), "component": (str,), "bodies": (str,),
            "closed_form": (str, int, float), "over": (str,), "unit": (str,), "against": (str,)}  # fmt: skip
@@ -31,7 +31,9 @@ def cases_of(file: StudyFile, block: dict, number: int) -> list[Case]:
         start, steps = block.get("from", 0), block.get("steps", 0)
         if start < 0 or steps < 0 or (start and not steps):
             file.fail("'from' of [case] is a time step, from which every variant goes on by so many 'steps'", "case", number, "from")
-        return [Case(name, deck, -1, block.get("set", {}), start, steps, kind)]
+        if "then" in block and not start:
+            file.fail("'then' of [case] holds settings of runs that go on 'from' a time step", "case", number, "then")
+        return [Case(name, deck, -1, block.get("set", {}), start, steps, kind, block.get("then", {}))]
     steps = block["dump"] if isinstance(block["dump"], list) else [block["dump"]]
     if not steps or any(type(step) is not int or step < 1 for step in steps):
         file.fail("'dump' of [case] should be a time step or a list of them, from 1", "case", number, "dump")
@@ -41,7 +43,7 @@ def cases_of(file: StudyFile, block: dict, number: int) -> list[Case]:
 def cases_of_files(file: StudyFile, block: dict, number: int) -> list[Case]:
     """A case for every file that the patterns find."""
     patterns = block["files"] if isinstance(block["files"], list) else [block["files"]]
-    for key in ("dump", "set", "from", "steps"):
+    for key in ("dump", "set", "from", "steps", "then"):
         if key in block:
             file.fail(f"'{key}' belongs to cases with a deck", "case", number, key)
     found = []

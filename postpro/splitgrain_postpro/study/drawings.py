@@ -58,6 +58,16 @@ def traces(study: Study, curves: Curves, title: str) -> Figure:
     return figure
 
 
+def histories(curves: dict[str, list[tuple[float, float]]], label: str, title: str) -> Figure:
+    """Error of the whole problem within one step, on different numbers of subdomains: `curves[name]` lists (iterations or seconds, E8)."""
+    figure = new_figure(*SIZE)
+    ax = figure.add_subplot()
+    for number, (name, points) in enumerate(curves.items()):
+        ax.plot(*zip(*points, strict=True), color=LOOKS[number % len(LOOKS)][0], label=name, lw=1)
+    _finish(ax, bool(curves), label, ERRORS["e8"], title)
+    return figure
+
+
 def profiles(study: Study, ratios: dict[str, list[float]], count: int, title: str) -> Figure:
     """Share of problems solved within tau times the fastest: steps, drawn to a common end."""
     figure = new_figure(*SIZE)

@@ -87,7 +87,8 @@ def settings_of(study: Study, case: Case, variant: Variant, value: float) -> dic
     if study.of_problems:
         return {"solver": variant.solver, "guess": variant.guess, "iterations": variant.iterations, "tolerance": value,
                 "deck": case.settings}  # fmt: skip
-    settings = {**case.settings, **({"time.steps": case.start + case.steps} if case.steps else {}), **variant.settings}
+    settings = {**case.settings, **({"time.steps": case.start + case.steps} if case.steps else {}), **case.then,
+                **variant.settings}
     if study.axis == "tolerances":
         settings["solver.tolerance"] = value
     if study.axis == "time_steps":

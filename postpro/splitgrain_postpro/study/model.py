@@ -28,6 +28,8 @@ class Case:
     start: int = 0
     steps: int = 0
     kind: str = ""
+    # Settings of the runs that go on alone, not of the state that they go on from.
+    then: dict = field(default_factory=dict)
 
 
 @dataclass

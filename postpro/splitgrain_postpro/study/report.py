@@ -37,6 +37,7 @@ class Report:
     def write(self) -> list[str]:
         """Write everything; returns the lines to print."""
         self.write_csv()
+        self.write_histories()
         sections = []
         with styled():
             if self.study.choice:
@@ -86,6 +87,13 @@ class Report:
             cells = [(result | row).get(name) for name in COLUMNS] + self.errors_at(job.case.name, job.variant.name, job.value)
             rows.append(cells)
         self.store.write(self.store.folder / "results.csv", csv_text(rows).encode())
+
+    def write_histories(self) -> None:
+        """Errors within traced steps, one row per point, where there are any."""
+        rows = [[*place, *point] for place, result in self.table.items() for point in result.get("history", [])]
+        if rows:
+            names = ["case", "variant", AXES[self.study.axis], "iteration", "cpu_seconds", "e8"]
+            self.store.write(self.store.folder / "histories.csv", csv_text([names, *rows]).encode())
 
     def errors_at(self, case: str, variant: str, value: float) -> list:
         """Errors of all measures of a run."""
@@ -166,7 +174,7 @@ class Report:
                 if clock == drawings.CPU or any(point[0] and point[1] for points in curves.values() for point in points):
                     figures.append(self.work(case, number, curves, clock, label, f"measure-{index + 1}"))
         if self.study.axis == "subdomains":
-            figures += self.efforts(case, number)
+            figures += self.efforts(case, number) + self.histories(case, number)
         found = {variant: self.traces[case.name, variant] for variant in self.names() if self.traces.get((case.name, variant))}
         if found:
             figure = drawings.traces(self.study, found, f"Within one run, to {min(self.study.values):g}")
@@ -182,6 +190,20 @@ class Report:
                       for variant in self.names()}  # fmt: skip
             figure = drawings.convergence(self.study, curves, {}, label, case.name)
             figures.append(self.save(figure, f"case-{number}-subdomains-{name}", f"{label} of {case.name} against subdomains"))
+        return figures
+
+    def histories(self, case: Case, number: int) -> list[str]:
+        """Error against iterations and CPU time within a traced step, a figure for each variant and clock."""
+        figures = []
+        for place, variant in enumerate(self.names(), 1):
+            found = {f"{value:g}": result["history"] for value in self.study.values
+                     if (result := self.table.get((case.name, variant, value))) and result.get("history")}  # fmt: skip
+            for column, label in enumerate(("iterations [-]", drawings.CLOCKS[drawings.CPU])) if found else ():
+                curves = {name: [(point[column], point[2]) for point in points if point[column] > 0 and point[2] > 0]
+                          for name, points in found.items()}  # fmt: skip
+                figure = drawings.histories({name: points for name, points in curves.items() if points}, label, f"{case.name}, {variant}")
+                clock = ("iterations", "cpu")[column]
+                figures.append(self.save(figure, f"case-{number}-history-{place}-{clock}", f"E8 within a step of {case.name}, {variant}"))
         return figures
 
     def work(self, case: Case, number: int, curves: Curves, clock: str, label: str, name: str) -> str:

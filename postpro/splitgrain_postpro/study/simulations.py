@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -48,6 +49,8 @@ def run_simulation(job: Job, store: Store, program: Program) -> Result:
         numbers["cpu_solve"] = (run.get("cpu_solve") or 0.0) - (before.get("cpu_solve") or 0.0)
         if run.get("bytes_per_gluing") and run.get("gluings"):
             numbers["bytes"] = run["bytes_per_gluing"] * run["gluings"]
+        if history := history_of(place / "run"):
+            numbers["history"] = history
         status = {0: "done", 3: "not converged", 4: "not finite"}[code]
         try:
             series = [series_of(Results(place / "run"), measure) for measure in job.settings["measures"]] if code == 0 else []
@@ -62,6 +65,16 @@ def read_run(folder: Path) -> dict:
         return json.loads((folder / "run.json").read_text())
     except (OSError, ValueError):
         return {}
+
+
+def history_of(folder: Path) -> list[list[float]]:
+    """Iterations, CPU seconds and E8 of the whole problem within the last step that was traced; nothing where none was."""
+    try:
+        with open(folder / "trace.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+    except OSError:
+        return []
+    return [[int(row["iteration"]), float(row["cpu_seconds"]), float(row["e8"])] for row in rows if row["step"] == rows[-1]["step"]]
 
 
 def worst_errors(run: dict, folder: Path, goes_on: bool) -> dict[str, float | None]:

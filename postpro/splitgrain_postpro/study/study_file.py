@@ -58,7 +58,8 @@ class StudyFile:
         if not isinstance(block, dict):
             self.fail(f"'{section}' should be written as [[{section}]]", key=section)
         self.check(block, known, section, number)
-        for key, value in block.get("set", {}).items():
-            if isinstance(value, dict):
-                self.fail(f"a setting is written \"section.key\" = value, with quotes, not as the table '{key}'",
-                          section, number, "set")  # fmt: skip
+        for name in ("set", "then"):
+            for key, value in block.get(name, {}).items():
+                if isinstance(value, dict):
+                    self.fail(f"a setting is written \"section.key\" = value, with quotes, not as the table '{key}'",
+                              section, number, name)  # fmt: skip
