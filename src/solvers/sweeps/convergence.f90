@@ -58,6 +58,7 @@ module sg_convergence
   contains
     procedure :: begin => convergence_begin
     procedure, private :: plan_test => convergence_plan_test
+    procedure :: asked => convergence_asked
     procedure :: judge => convergence_judge
     procedure :: decide => convergence_decide
     procedure :: must_look => convergence_must_look
@@ -148,7 +149,7 @@ contains
 
   !> Value of the criterion over its tolerance; where no impulse was guessed, of the estimate over its tolerance where that is more.
   !!
-  !! Other criteria hardly weigh the slow modes of a tall packing: e8 of 1e-4 may leave a fifth of its weight.
+  !! Other criteria hardly weigh the slow modes of a tall packing: at an e8 of 1e-4 the floor may miss half of its weight.
   pure real(wp) function excess(self, options, report)
     type(convergence_t), intent(in) :: self
     type(solver_options_t), intent(in) :: options
@@ -157,6 +158,16 @@ contains
     excess = report%criterion/options%tolerance
     if (must_be_small(self, options)) excess = max(excess, report%estimate/cold_tolerance)
   end function excess
+
+  !> Tolerance of the criterion over its value, or of the estimate where that asks for more.
+  pure real(wp) function convergence_asked(self, options, report) result(asked)
+    class(convergence_t), intent(in) :: self
+    type(solver_options_t), intent(in) :: options !! criterion and tolerance
+    type(report_t), intent(in) :: report !! judged, and not converged
+
+    asked = options%tolerance/report%criterion
+    if (must_be_small(self, options)) asked = min(asked, cold_tolerance/report%estimate)
+  end function convergence_asked
 
   !> Has the estimate to be small, while another criterion is asked for?
   pure logical function must_be_small(self, options)

@@ -222,7 +222,7 @@ contains
 
     if (.not. self%convergence%is_choice_due) return
     if (self%convergence%is_contested) self%sets%clusters%are_sought = .false.
-    call self%sets%choose(problem, report, (self%options%tolerance/report%criterion)**2*self%mean_square)
+    call self%sets%choose(problem, report, self%convergence%asked(self%options, report)**2*self%mean_square)
     self%convergence%is_choice_due = .false.
     call lap(self, report%cpu_checks)
   end subroutine choose_again
