@@ -39,6 +39,8 @@ module sg_contraction
     !> Owner of each contact, multiplicity of each body and first interface unknown of its copies, by slot; unknown of each
     !! component of the body in the present subdomain
     integer, allocatable, private :: owner(:), multiplicity(:), first(:), unknown(:, :)
+    !> Has a subdomain contacts on a body, shape (subdomains, bodies)
+    logical, allocatable, private :: touches(:, :)
     type(body_record_t), allocatable, private :: body(:)
   contains
     procedure :: build => contraction_build
@@ -57,17 +59,16 @@ contains
     type(problem_t), intent(in) :: problem !! whole problem of a step, masses whole
     integer(i4), intent(in) :: body_owner(:) !! subdomain that owns each body, from 0, by slot; -1 for replicated bodies
     integer, intent(in) :: n_subdomains !! subdomains
-    logical, allocatable :: touches(:, :)
     integer :: k, s, e
 
     self%contacts = problem%n_contacts
     self%owner = [(contact_owner(body_owner(problem%pair(:, k))) + 1, k=1, problem%n_contacts)]
     self%body = [(body_of(problem, s), s=1, problem%n_bodies)]
-    allocate (touches(n_subdomains, problem%n_bodies), source=.false.)
+    allocate (self%touches(n_subdomains, problem%n_bodies), source=.false.)
     do k = 1, problem%n_contacts
-      touches(self%owner(k), problem%pair(:, k)) = .true.
+      self%touches(self%owner(k), problem%pair(:, k)) = .true.
     end do
-    self%multiplicity = count(touches, 1)
+    self%multiplicity = count(self%touches, 1)
     allocate (self%first(problem%n_bodies), source=0)
     do s = 1, problem%n_bodies
       if (self%multiplicity(s) < 2 .or. n_free(self%body(s)) == 0) cycle
@@ -77,8 +78,8 @@ contains
     end do
     allocate (self%subdomain(n_subdomains), self%unknown(6, problem%n_bodies))
     do e = 1, n_subdomains
-      call number_unknowns(self, touches(e, :))
-      call set_copies(self, touches, e, self%subdomain(e))
+      call number_unknowns(self, e)
+      call set_copies(self, e, self%subdomain(e))
       call set_mapping(self, problem, e, self%subdomain(e)%h)
     end do
     self%epsilon_0 = mean_diagonal(self, problem)
@@ -92,15 +93,15 @@ contains
   end function n_free
 
   !> Number the unknowns of a subdomain: movable components of the bodies that it has contacts on.
-  pure subroutine number_unknowns(self, is_touched)
+  pure subroutine number_unknowns(self, e)
     class(contraction_t), intent(inout) :: self
-    logical, intent(in) :: is_touched(:)
+    integer, intent(in) :: e
     integer :: s, j, n
 
     self%unknown = 0
     n = 0
     do s = 1, size(self%body)
-      if (.not. is_touched(s)) cycle
+      if (.not. self%touches(e, s)) cycle
       do j = 1, self%body(s)%n
         if (.not. self%body(s)%inverse_mass(j) > 0) cycle
         n = n + 1
@@ -110,9 +111,8 @@ contains
   end subroutine number_unknowns
 
   !> Masses of the copies of a subdomain, and its differences to other copies: copy 1 minus copy c, for each c from 2.
-  pure subroutine set_copies(self, touches, e, matrices)
+  pure subroutine set_copies(self, e, matrices)
     class(contraction_t), intent(in) :: self
-    logical, intent(in) :: touches(:, :)
     integer, intent(in) :: e
     type(subdomain_matrices_t), intent(inout) :: matrices
     integer :: s, j, n, copy, c, row
@@ -120,7 +120,7 @@ contains
     n = maxval(self%unknown)
     allocate (matrices%inverse_mass(n), matrices%a(self%unknowns, n), source=0.0_wp)
     do s = 1, size(self%body)
-      copy = count(touches(:e, s))
+      copy = count(self%touches(:e, s))
       n = 0
       do j = 1, self%body(s)%n
         associate (i => self%unknown(j, s))
@@ -229,8 +229,7 @@ contains
 
     self%holding = count(holds)
     do e = 1, size(self%subdomain)
-      call number_unknowns(self, [(any([(self%owner(k) == e .and. any(problem%pair(:, k) == i), k=1, self%contacts)]), &
-                                   i=1, size(self%body))])
+      call number_unknowns(self, e)
       associate (matrices => self%subdomain(e))
         allocate (matrices%held_impulse(size(matrices%inverse_mass), 0), matrices%held_velocity(size(matrices%inverse_mass), 0))
         do k = 1, problem%n_contacts
@@ -309,17 +308,14 @@ contains
     allocate (b(self%unknowns, self%unknowns), x(self%unknowns, self%unknowns), source=0.0_wp)
     do e = 1, size(self%subdomain)
       associate (s => self%subdomain(e))
-        ! r = (W + epsilon)^-1 H^T M^-1 A^T F
+        ! r = (W + epsilon)^-1 H^T M^-1 A^T F.
         impulse = moved(s, transpose(s%a))
         impulse = matmul(transpose(s%h), impulse)
         stiff = matmul(transpose(s%h), moved(s, s%h))
         call add_diagonal(stiff, epsilon)
         call divide(stiff, impulse, error)
         if (allocated(error)) return
-        ! A M_eta^-1
-        stiff = matmul(s%h, transpose(s%h))/eta + diagonal(1/s%inverse_mass)
-        left = transpose(s%a)
-        call divide(stiff, left, error)
+        call foresee(s, eta, left, error)
         if (allocated(error)) return
         b = b + (1 - epsilon/eta)*matmul(transpose(left), matmul(s%h, impulse))
         x = x + matmul(s%a, left)
@@ -347,7 +343,7 @@ contains
     real(wp), intent(in) :: eta !! search direction [1/kg], above zero
     real(wp), allocatable, intent(out) :: b(:, :) !! the matrix
     type(error_t), allocatable, intent(out) :: error !! set where a matrix is singular
-    real(wp), allocatable :: x(:, :), stiff(:, :), left(:, :)
+    real(wp), allocatable :: x(:, :), left(:, :)
     integer :: e
 
     call response_held(self, b, error)
@@ -356,9 +352,7 @@ contains
     allocate (x(self%unknowns, self%unknowns), source=0.0_wp)
     do e = 1, size(self%subdomain)
       associate (s => self%subdomain(e))
-        stiff = matmul(s%h, transpose(s%h))/eta + diagonal(1/s%inverse_mass)
-        left = transpose(s%a)
-        call divide(stiff, left, error)
+        call foresee(s, eta, left, error)
         if (allocated(error)) return
         x = x + matmul(s%a, left)
       end associate
@@ -397,6 +391,23 @@ contains
     call divide(w, r, error)
     if (.not. allocated(error)) y = y + matmul(s%a, moved(s, matmul(impulse, r)))
   end subroutine add_response
+
+  !> M_eta^-1 A^T of a subdomain, with M_eta = M + H H^T/eta.
+  subroutine foresee(s, eta, velocities, error)
+    type(subdomain_matrices_t), intent(in) :: s
+    real(wp), intent(in) :: eta
+    real(wp), allocatable, intent(out) :: velocities(:, :)
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: mass(:, :)
+    integer :: i
+
+    mass = matmul(s%h, transpose(s%h))/eta
+    do i = 1, size(mass, 1)
+      mass(i, i) = mass(i, i) + 1/s%inverse_mass(i)
+    end do
+    velocities = transpose(s%a)
+    call divide(mass, velocities, error)
+  end subroutine foresee
 
   !> X = sum over subdomains of A M^-1 A^T.
   pure function mobility(self) result(x)
@@ -450,16 +461,4 @@ contains
       matrix(i, i) = matrix(i, i) + number
     end do
   end subroutine add_diagonal
-
-  !> Diagonal matrix.
-  pure function diagonal(values) result(matrix)
-    real(wp), intent(in) :: values(:)
-    real(wp) :: matrix(size(values), size(values))
-    integer :: i
-
-    matrix = 0
-    do i = 1, size(values)
-      matrix(i, i) = values(i)
-    end do
-  end function diagonal
 end module sg_contraction
