@@ -61,7 +61,27 @@ contains
       call t%check(report%iterations > 0 .and. report%factorisations > 0, name//': effort is counted')
       call t%check(report%factorisations <= 2*(report%checks + 1), name//': factors are made after tests alone')
     end do
+    call test_overshoot(name, enriched, problem, coupling, sim)
   end subroutine test_pack
+
+  !> An eta for much stiffer contacts than one sweep per round answers with: rounds overshoot, and converge all the same.
+  subroutine test_overshoot(name, enriched, problem, coupling, sim)
+    character(len=*), intent(in) :: name
+    type(enriched_t), intent(inout) :: enriched
+    type(problem_t), intent(in) :: problem
+    type(subdomain_t), intent(in) :: coupling
+    type(simulation_t), intent(inout) :: sim
+    type(problem_t) :: solved
+    type(report_t) :: report
+
+    enriched%partition%sweeps = [1]
+    enriched%eta = 1e-3_wp
+    enriched%is_automatic = .false.
+    solved = problem
+    call enriched%solve(solved, coupling, sim%comm, report)
+    call t%check(report%is_converged, name//' converges after overshooting')
+    call check_velocities(name//', overshooting', problem, solved, coupling, sim)
+  end subroutine test_overshoot
 
   !> Velocities are those that the dual method finds under the same impulses.
   subroutine check_velocities(name, problem, solved, coupling, sim)

@@ -10,7 +10,7 @@ module sg_enriched
   use sg_contact_sets, only: inner_set
   use sg_dual, only: dual_t
   use sg_error, only: error_t
-  use sg_interface_cg, only: interface_cg_t
+  use sg_interface_cg, only: interface_cg_t, project
   use sg_kinds, only: wp, i4
   use sg_options, only: option_t, option_visitor_t
   use sg_problem, only: is_active, problem_t
@@ -29,14 +29,24 @@ module sg_enriched
 
   !> What a contact does: nothing, sticks, slides
   integer, parameter :: is_open = 0, sticks = 1, slides = 2
+  !> Shares of differences between copies that interface impulses take in so many rounds: automatic eta doubles above the first and
+  !! halves below the second
+  real(wp), parameter :: most_taken = 1.2_wp, least_taken = 0.3_wp
+  integer, parameter :: rounds_observed = 10
+  !> Damping below which the rest of a step is left to the dual method: errors did not fall four times
+  real(wp), parameter :: least_damping = 0.1_wp
+  !> Growth of their energy at which rounds diverge, also where impulses overshoot so much; bounds of the change of eta
+  real(wp), parameter :: most_growth = 100, little_growth = 4, overshooting = 1.9_wp, most_change = 1e6_wp, least_change = 1e-2_wp
   !> A tangential impulse above this share of the friction limit slides
   real(wp), parameter :: at_limit = 1 - 1e-6_wp
 
   !> The enriched interface
   type, extends(dual_t) :: enriched_t
     !> Search direction of contacts that carry, and what it is relative to: each contact, their mean, or nothing
-    real(wp) :: eta = 0.1_wp
+    real(wp) :: eta = 1
     character(len=16) :: scale = 'contact'
+    !> Let eta follow what interface impulses have done to differences between copies?
+    logical :: is_automatic = .false.
     !> Options of the interface system
     character(len=16) :: preconditioner = 'dirichlet'
     real(wp) :: tolerance = 1e-2_wp
@@ -48,6 +58,13 @@ module sg_enriched
     integer(i4), allocatable, private :: contact(:)
     real(wp), allocatable, private :: unit(:)
     integer, allocatable, private :: state(:)
+    !> Eta over that of the options, and least of that, which divergence raises for the rest of the step
+    real(wp), private :: factor_of_eta = 1, least_factor = least_change
+    !> Products of interface impulses with differences between copies, in the last rounds: with what they took away, and with all.
+    !! Least of the latter in a round [N m]
+    real(wp), private :: taken = 0, meant = 0, least = huge(1.0_wp)
+    integer, private :: rounds = 0
+    real(wp), allocatable, private :: last_impulse(:, :), last_difference(:, :)
     !> Eta of the factor; velocities of this rank's copies, kept while the problem holds their mean
     real(wp), private :: eta_of_factor = 0
     logical, private :: is_collected = .false.
@@ -74,6 +91,8 @@ contains
     call visitor%option(option_t('scale', 'Unit of eta: the mean of the diagonal of W at each contact, or over all contacts, '// &
                                  'to which compliance of the law is added; or 1/kg.', choices='contact|mean|absolute'), &
                         self%scale)
+    call visitor%option(option_t('automatic', 'Let eta double where interface impulses overshoot, and halve where they take '// &
+                                 'less than 0.3 of the differences between copies?'), self%is_automatic)
     call visitor%option(option_t('preconditioner', 'Preconditioner of the interface: masses of shared bodies, with '// &
                                  'contacts on them, or with all that they move.', &
                                  choices=preconditioner_names), self%preconditioner)
@@ -98,6 +117,13 @@ contains
     call take_matrices(self, problem, comm)
     self%is_collected = .false.
     self%eta_of_factor = 0
+    self%factor_of_eta = 1
+    self%least_factor = least_change
+    self%rounds = 0
+    self%taken = 0
+    self%meant = 0
+    self%least = huge(1.0_wp)
+    if (allocated(self%last_impulse)) deallocate (self%last_impulse, self%last_difference)
     if (allocated(self%own)) deallocate (self%own)
     allocate (self%own(self%width, size(self%gluing%interface%slot)), source=0.0_wp)
     call update_factor(self, problem)
@@ -205,7 +231,9 @@ contains
     integer :: state(size(self%contact)), k, i, d
     real(wp) :: eta
 
-    eta = self%eta/self%damping
+    eta = self%eta*self%factor_of_eta
+    ! Where errors did not fall again and again the rest of the step is left to the dual method, which always converges.
+    if (self%damping < least_damping) eta = huge(1.0_wp)/1e30_wp
     d = merge(3, 2, is_in_space(problem%kind))
     allocate (blocks(d, d, size(self%contact)), source=0.0_wp)
     do k = 1, size(self%contact)
@@ -254,6 +282,7 @@ contains
         if (self%factor%takes_part(i)) problem%body(:self%width, self%gluing%interface%slot(i)) = self%own(:, i)
       end do
       self%is_collected = .false.
+      if (self%is_automatic) call adapt_eta(self)
       call update_factor(self, problem)
     end if
     call self%dual_t%begin_round(problem, report)
@@ -278,6 +307,19 @@ contains
     report%factorisations = self%factor%factorisations
   end subroutine enriched_finish_round
 
+  !> Let eta follow the Rayleigh quotient of the pencil (X, X_eta) at the interface impulses of some rounds: the share of the
+  !! differences between copies that they have taken away, 1 where the contacts answered as foreseen.
+  pure subroutine adapt_eta(self)
+    class(enriched_t), intent(inout) :: self
+
+    if (self%rounds < rounds_observed) return
+    if (self%taken > most_taken*self%meant) self%factor_of_eta = min(most_change, 2*self%factor_of_eta)
+    if (self%taken < least_taken*self%meant) self%factor_of_eta = max(self%least_factor, self%factor_of_eta/2)
+    self%rounds = 0
+    self%taken = 0
+    self%meant = 0
+  end subroutine adapt_eta
+
   !> Step 2: interface impulses that would make velocities of copies agree if contacts followed the search direction.
   subroutine update_impulses(self, problem, comm)
     class(enriched_t), intent(inout) :: self
@@ -287,12 +329,44 @@ contains
 
     associate (interface => self%gluing%interface)
       velocity = problem%body(:self%width, interface%slot) - self%gluing%before
+      call project(interface, self%factor, velocity, comm)
+      call observe(self, problem, velocity, comm)
       allocate (impulse, mold=velocity)
       call self%cg%solve(interface, self%factor, velocity, impulse, comm)
+      self%last_impulse = impulse
       call self%factor%apply_inverse_mass(impulse)
       problem%body(:self%width, interface%slot) = problem%body(:self%width, interface%slot) - impulse
     end associate
   end subroutine update_impulses
+
+  !> Observe what the last interface impulses have done to differences between copies; where rounds diverge eta grows at once.
+  subroutine observe(self, problem, difference, comm)
+    class(enriched_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
+    real(wp), intent(in) :: difference(:, :)
+    type(comm_t), intent(inout) :: comm
+    real(wp) :: products(2)
+
+    if (allocated(self%last_impulse)) then
+      products = [sum(self%last_impulse*(self%last_difference - difference)), sum(self%last_impulse*self%last_difference)]
+      call comm%sum(products)
+      self%rounds = self%rounds + 1
+      self%taken = self%taken + products(1)
+      self%meant = self%meant + products(2)
+      self%least = min(self%least, products(2))
+      if (products(2) > most_growth*self%least .or. &
+          (products(2) > little_growth*self%least .and. products(1) > overshooting*products(2))) then
+        self%factor_of_eta = min(most_change, 4*self%factor_of_eta)
+        self%least_factor = self%factor_of_eta
+        self%rounds = 0
+        self%taken = 0
+        self%meant = 0
+        self%least = huge(1.0_wp)
+        call update_factor(self, problem)
+      end if
+    end if
+    self%last_difference = difference
+  end subroutine observe
 
   !> Collect the impulses in the problem, and give all copies of a body their mean velocity; own ones come back with the next round.
   subroutine enriched_collect(self, problem, comm)

@@ -12,7 +12,7 @@ module sg_interface_cg
   use sg_subdomain_factor, only: by_schur, subdomain_factor_t
   implicit none
   private
-  public :: interface_cg_t
+  public :: interface_cg_t, project
 
   !> Conjugate gradients for interface impulses
   type :: interface_cg_t
@@ -33,7 +33,7 @@ contains
     class(interface_cg_t), intent(inout) :: self
     type(interface_t), intent(inout) :: interface !! shared bodies; its sums are prepared
     type(subdomain_factor_t), intent(inout) :: factor !! of this subdomain
-    real(wp), intent(inout) :: velocity(:, :) !! of this rank's copies; then the difference that is left
+    real(wp), intent(inout) :: velocity(:, :) !! differences between copies, projected; then those that are left
     real(wp), intent(out) :: impulse(:, :) !! l_E: taken off, they make velocities of copies agree
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), dimension(size(velocity, 1), size(velocity, 2)) :: z, p, q
@@ -41,7 +41,6 @@ contains
     integer :: k
 
     impulse = 0
-    call project(interface, factor, velocity, comm)
     call precondition(self, interface, factor, velocity, z, comm)
     energy = product_of(velocity, z, comm)
     first = energy
@@ -78,12 +77,12 @@ contains
     call project(interface, factor, z, comm)
   end subroutine precondition
 
-  !> Take off the mean over copies; copies without contacts, and components that nothing moves, have no share in it.
+  !> Take off the mean over copies; copies without contacts, and components that nothing moves, have no share in it. Collective.
   subroutine project(interface, factor, values, comm)
-    type(interface_t), intent(inout) :: interface
-    type(subdomain_factor_t), intent(in) :: factor
-    real(wp), intent(inout) :: values(:, :)
-    type(comm_t), intent(inout) :: comm
+    type(interface_t), intent(inout) :: interface !! shared bodies; its sums are prepared
+    type(subdomain_factor_t), intent(in) :: factor !! of this subdomain
+    real(wp), intent(inout) :: values(:, :) !! of this rank's copies
+    type(comm_t), intent(inout) :: comm !! the ranks
     integer :: i
 
     do i = 1, size(values, 2)
