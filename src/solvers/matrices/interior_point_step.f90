@@ -6,12 +6,11 @@
 !! change; epsilon^2 falls with the complementarity.
 module sg_interior_point_step
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use sg_cone_system, only: cone_system_t
   use sg_error, only: error_t
   use sg_interior_point_cones, only: determinant, find_scaling, longest_step, metric_of, product_of, quotient_of, scaled_by
-  use sg_interior_point_system, only: contact_system_t
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
-  use sg_sparse, only: multiply
   implicit none
   private
   public :: point_t, start_point, take_step
@@ -31,8 +30,9 @@ module sg_interior_point_step
   type :: point_t
     !> Is the shift of Coulomb's law there?
     logical :: has_shift = .false.
-    !> Average complementarity x.s of a contact
+    !> Average complementarity x.s of a contact, and number of contacts
     real(wp) :: tau = 0
+    real(wp), private :: contacts = 0
     !> Impulses r and velocities u of the problem without units, shape (d, n)
     real(wp), allocatable :: r(:, :), u(:, :)
     !> The same in their cones; entries beyond m are zero
@@ -51,11 +51,11 @@ contains
   !> A point inside all cones, near the solution of W r + q = 0.
   subroutine start_point(scaled, system, point, is_done)
     type(matrix_problem_t), intent(in) :: scaled !! problem without units
-    type(contact_system_t), intent(inout) :: system !! system, prepared
+    class(cone_system_t), intent(inout) :: system !! system, prepared
     type(point_t), intent(out) :: point !! the point
     logical, intent(out) :: is_done !! could the system be solved?
     type(error_t), allocatable :: error
-    real(wp) :: work, rise
+    real(wp) :: sums(4), rises(2)
     integer :: a, k, d
 
     d = scaled%d
@@ -72,56 +72,77 @@ contains
     call system%factorise(scaled, .true., point%a, point%b, error)
     is_done = .not. allocated(error)
     if (.not. is_done) return
-    call system%solve(point%missing, point%r)
-    call multiply(scaled%w, point%r, point%u)
+    call system%solve(scaled, point%missing, point%r, point%u)
     point%u = point%u + scaled%q
     do a = 1, scaled%n
       k = point%m(a)
       point%x(:k, a) = raised(point%r(:k, a), point%lift(a))
       point%s(:k, a) = raised(point%u(:k, a), 1/point%lift(a))
     end do
-    call move_inside(point%x, point%s, work)
-    is_done = ieee_is_finite(work)
+    call move_inside(system, point%x, point%s, sums)
+    is_done = ieee_is_finite(sums(1))
     if (.not. is_done) return
-    rise = max(work/sum(point%s(1, :))/2, epsilon(work))
-    work = max(work/sum(point%x(1, :))/2, epsilon(work))
-    point%x(1, :) = point%x(1, :) + rise
-    point%s(1, :) = point%s(1, :) + work
-    call set_impulses(scaled, point)
+    point%contacts = sums(4)
+    rises = max(sums(1)/sums(3:2:-1)/2, epsilon(sums))
+    point%x(1, :) = point%x(1, :) + rises(1)
+    point%s(1, :) = point%s(1, :) + rises(2)
+    call set_impulses(scaled, system, point)
   end subroutine start_point
 
-  !> Raise the first entries until all vectors are in their cones, and return how complementary they are then.
-  pure subroutine move_inside(x, s, work)
+  !> Raise the first entries until all vectors are in their cones, and return how complementary they are then, the sums of first
+  !! entries, and the number of contacts.
+  subroutine move_inside(system, x, s, sums)
+    class(cone_system_t), intent(inout) :: system
     real(wp), intent(inout) :: x(:, :), s(:, :)
-    real(wp), intent(out) :: work
+    real(wp), intent(out) :: sums(4)
     real(wp) :: lowest(2)
-    integer :: a
+    integer :: a, k
 
     lowest = 0
     do a = 1, size(x, 2)
       lowest(1) = min(lowest(1), x(1, a) - norm2(x(2:, a)))
       lowest(2) = min(lowest(2), s(1, a) - norm2(s(2:, a)))
     end do
+    do k = 1, 2
+      call system%find_least(lowest(k))
+    end do
     x(1, :) = x(1, :) - 1.5_wp*lowest(1)
     s(1, :) = s(1, :) - 1.5_wp*lowest(2)
-    if (.not. sum(x(1, :)) > 0) x(1, :) = 1
-    if (.not. sum(s(1, :)) > 0) s(1, :) = 1
-    work = sum(x*s)
+    do k = 1, 2
+      sums = [sum(x*s), sum(x(1, :)), sum(s(1, :)), real(size(x, 2), wp)]
+      call system%add_up(sums)
+      if (sums(2) > 0 .and. sums(3) > 0) exit
+      if (.not. sums(2) > 0) x(1, :) = 1
+      if (.not. sums(3) > 0) s(1, :) = 1
+    end do
   end subroutine move_inside
 
   !> r, u and the complementarity of a point.
-  pure subroutine set_impulses(scaled, point)
+  subroutine set_impulses(scaled, system, point)
     type(matrix_problem_t), intent(in) :: scaled
+    class(cone_system_t), intent(inout) :: system
     type(point_t), intent(inout) :: point
     integer :: a
 
     do a = 1, scaled%n
       point%r(:, a) = raised(point%x(:, a), 1/point%lift(a))
     end do
-    call multiply(scaled%w, point%r, point%u)
+    call system%multiply(scaled, point%r, point%u)
     point%u = point%u + scaled%q
-    point%tau = sum(point%x*point%s)/real(scaled%n, wp)
+    point%tau = average(system, point, point%x, point%s)
   end subroutine set_impulses
+
+  !> Average complementarity of a contact.
+  real(wp) function average(system, point, x, s)
+    class(cone_system_t), intent(inout) :: system
+    type(point_t), intent(in) :: point
+    real(wp), intent(in) :: x(:, :), s(:, :)
+    real(wp) :: sums(1)
+
+    sums = sum(x*s)
+    call system%add_up(sums)
+    average = sums(1)/point%contacts
+  end function average
 
   !> A vector with its first entry multiplied.
   pure function raised(v, lift) result(y)
@@ -135,7 +156,7 @@ contains
   !> One step towards the solution.
   subroutine take_step(scaled, system, point, length, is_done)
     type(matrix_problem_t), intent(in) :: scaled !! problem without units
-    type(contact_system_t), intent(inout) :: system !! system, prepared
+    class(cone_system_t), intent(inout) :: system !! system, prepared
     type(point_t), intent(inout) :: point !! the point
     real(wp), intent(out) :: length !! part of the step that was taken
     logical, intent(out) :: is_done !! could the system be solved?
@@ -154,26 +175,26 @@ contains
     dx_try = 0
     ds_try = 0
     call direction(scaled, system, point, 0.0_wp, dx_try, ds_try, dx, ds)
-    tried = min(1.0_wp, longest(point, dx, ds))
-    centre = sum((point%x + tried*dx)*(point%s + tried*ds))/real(scaled%n, wp)/point%tau
+    tried = min(1.0_wp, longest(system, point, dx, ds))
+    centre = average(system, point, point%x + tried*dx, point%s + tried*ds)/point%tau
     centre = min(1.0_wp, max(1e-6_wp, centre**3))
     call direction(scaled, system, point, centre, dx, ds, dx_try, ds_try)
     call move_alloc(dx_try, dx)
     call move_alloc(ds_try, ds)
-    length = min(1.0_wp, part_of_way*longest(point, dx, ds))
+    length = min(1.0_wp, part_of_way*longest(system, point, dx, ds))
     if (length < short) then
       allocate (dx_try, ds_try, mold=point%x)
       do i = 1, size(plainer)
         call direction(scaled, system, point, plainer(i), 0*dx, 0*ds, dx_try, ds_try)
-        tried = min(1.0_wp, part_of_way*longest(point, dx_try, ds_try))
+        tried = min(1.0_wp, part_of_way*longest(system, point, dx_try, ds_try))
         if (.not. tried > 1.5_wp*length) cycle
         length = tried
         dx = dx_try
         ds = ds_try
       end do
     end if
-    is_done = ieee_is_finite(sum(dx) + sum(ds))
-    if (is_done) call move(scaled, point, dx, ds, length)
+    is_done = ieee_is_finite(average(system, point, dx, dx) + average(system, point, ds, ds))
+    if (is_done) call move(scaled, system, point, dx, ds, length)
   end subroutine take_step
 
   !> Scalings, blocks and the missing part of s at a point.
@@ -236,16 +257,16 @@ contains
   !! second-order terms.
   subroutine direction(scaled, system, point, centre, dx_second, ds_second, dx, ds)
     type(matrix_problem_t), intent(in) :: scaled
-    type(contact_system_t), intent(inout) :: system
+    class(cone_system_t), intent(inout) :: system
     type(point_t), intent(in) :: point
     real(wp), intent(in) :: centre
     real(wp), intent(in), contiguous :: dx_second(:, :), ds_second(:, :)
     real(wp), intent(out), contiguous :: dx(:, :), ds(:, :)
-    real(wp), allocatable :: g(:, :), dr(:, :)
+    real(wp), allocatable :: g(:, :), dr(:, :), du(:, :)
     real(wp) :: wanted(scaled%d)
     integer :: a, m
 
-    allocate (g, dr, mold=point%x)
+    allocate (g, dr, du, mold=point%x)
     g = 0
     do a = 1, scaled%n
       m = point%m(a)
@@ -257,19 +278,19 @@ contains
         g(1, a) = point%lift(a)*g(1, a)
       end associate
     end do
-    call system%solve(g, dr)
-    call multiply(scaled%w, dr, g)
+    call system%solve(scaled, g, dr, du)
     dx = 0
     ds = 0
     do a = 1, scaled%n
       m = point%m(a)
       dx(:m, a) = raised(dr(:m, a), point%lift(a))
-      ds(:m, a) = raised(matmul(point%a(:m, :m, a), g(:m, a)), 1/point%lift(a)) + point%missing(:m, a)
+      ds(:m, a) = raised(matmul(point%a(:m, :m, a), du(:m, a)), 1/point%lift(a)) + point%missing(:m, a)
     end do
   end subroutine direction
 
   !> Longest step that keeps all cones.
-  pure real(wp) function longest(point, dx, ds) result(length)
+  real(wp) function longest(system, point, dx, ds) result(length)
+    class(cone_system_t), intent(inout) :: system
     type(point_t), intent(in) :: point
     real(wp), intent(in), contiguous :: dx(:, :), ds(:, :)
     integer :: a, m
@@ -279,36 +300,43 @@ contains
       m = point%m(a)
       length = min(length, longest_step(point%x(:m, a), dx(:m, a)), longest_step(point%s(:m, a), ds(:m, a)))
     end do
+    call system%find_least(length)
   end function longest
 
   !> Go the step, or as much of it as keeps the contacts centred.
-  subroutine move(scaled, point, dx, ds, length)
+  subroutine move(scaled, system, point, dx, ds, length)
     type(matrix_problem_t), intent(in) :: scaled
+    class(cone_system_t), intent(inout) :: system
     type(point_t), intent(inout) :: point
     real(wp), intent(in), contiguous :: dx(:, :), ds(:, :)
     real(wp), intent(inout) :: length
     real(wp), allocatable :: x(:, :), s(:, :)
+    real(wp) :: tau, centred
     integer :: i
 
     do i = 1, 40
       x = point%x + length*dx
       s = point%s + length*ds
-      if (is_centred(point%m, x, s)) exit
+      tau = average(system, point, x, s)
+      centred = merge(1.0_wp, 0.0_wp, is_centred(point%m, x, s, tau))
+      call system%find_least(centred)
+      if (centred > 0) exit
       length = 0.8_wp*length
     end do
     point%x = x
     point%s = s
-    call set_impulses(scaled, point)
+    call set_impulses(scaled, system, point)
   end subroutine move
 
   !> Is every contact inside its cones, and none far ahead of the others?
-  pure logical function is_centred(m, x, s)
+  pure logical function is_centred(m, x, s, tau)
     integer, intent(in) :: m(:)
     real(wp), intent(in), contiguous :: x(:, :), s(:, :)
+    real(wp), intent(in) :: tau
     real(wp) :: least, dets(2)
     integer :: a
 
-    least = (centrality*sum(x*s)/real(size(m), wp))**2
+    least = (centrality*tau)**2
     is_centred = .false.
     do a = 1, size(m)
       dets = [determinant(x(:m(a), a)), determinant(s(:m(a), a))]

@@ -5,19 +5,18 @@
 !! (doc/theory/interior_point.md).
 module sg_interior_point_system
   use sg_ascending, only: first_at_least
+  use sg_cone_system, only: cone_system_t
   use sg_error, only: error_t
   use sg_kinds, only: wp, i4
   use sg_matrix_problem, only: matrix_problem_t
-  use sg_sparse, only: blocks_t, sparse_from_triplets, sparse_t, transposed
+  use sg_sparse, only: blocks_t, multiply, sparse_from_triplets, sparse_t, transposed
   use sg_sparse_factor, only: largest_full, sparse_factor_t
   implicit none
   private
   public :: contact_system_t
 
   !> One system, its places of entries found once
-  type :: contact_system_t
-    !> Are the unknowns the velocities of the bodies, rather than the impulses of the contacts?
-    logical :: is_global = .false.
+  type, extends(cone_system_t) :: contact_system_t
     !> Unknowns
     integer :: n = 0
     !> The matrix and its factors
@@ -38,6 +37,7 @@ module sg_interior_point_system
     procedure :: is_possible => system_is_possible
     procedure :: factorise => system_factorise
     procedure :: solve => system_solve
+    procedure :: multiply => system_multiply
     procedure :: free => system_free
   end type contact_system_t
 
@@ -286,20 +286,51 @@ contains
   end subroutine fill_global
 
   !> Solve (A W + B) dr = g.
-  subroutine system_solve(self, g, dr)
+  subroutine system_solve(self, scaled, g, dr, du)
     class(contact_system_t), intent(inout) :: self
+    type(matrix_problem_t), intent(in) :: scaled !! problem without units
     real(wp), intent(in), contiguous :: g(:, :) !! right-hand side, shape (d, n)
     real(wp), intent(out), contiguous :: dr(:, :) !! solution, shape (d, n)
+    real(wp), intent(out), contiguous :: du(:, :) !! W dr, shape (d, n)
+
+    if (self%is_global) then
+      call solve_global(self, g, dr)
+    else
+      call solve_local(self, g, dr)
+    end if
+    call multiply(scaled%w, dr, du)
+  end subroutine system_solve
+
+  !> Product u = W r.
+  subroutine system_multiply(self, scaled, r, u)
+    class(contact_system_t), intent(inout) :: self
+    type(matrix_problem_t), intent(in) :: scaled !! problem without units
+    real(wp), intent(in), contiguous :: r(:, :) !! impulses, shape (d, n)
+    real(wp), intent(out), contiguous :: u(:, :) !! relative velocities, shape (d, n)
+
+    call multiply(scaled%w, r, u)
+  end subroutine system_multiply
+
+  !> Solve for the impulses of the contacts.
+  subroutine solve_local(self, g, dr)
+    class(contact_system_t), intent(inout) :: self
+    real(wp), intent(in), contiguous :: g(:, :)
+    real(wp), intent(out), contiguous :: dr(:, :)
+    real(wp) :: x(self%n)
+
+    call self%factor%solve(reshape(g, [self%n]), x)
+    dr = reshape(x, shape(dr))
+  end subroutine solve_local
+
+  !> Solve by the velocities of the bodies.
+  subroutine solve_global(self, g, dr)
+    class(contact_system_t), intent(inout) :: self
+    real(wp), intent(in), contiguous :: g(:, :)
+    real(wp), intent(out), contiguous :: dr(:, :)
     real(wp), allocatable :: right(:), dv(:)
     integer :: a, i
 
     allocate (right(self%n), dv(self%n))
-    if (.not. self%is_global) then
-      right = reshape(g, [self%n])
-      call self%factor%solve(right, dv)
-      dr = reshape(dv, shape(dr))
-      return
-    end if
     right = 0
     do a = 1, size(g, 2)
       dr(:, a) = matmul(self%inverse(:, :, a), g(:, a))
@@ -313,7 +344,7 @@ contains
         dr(:, a) = dr(:, a) - matmul(self%path(:, :, a), self%h(:, i))*dv(self%dof(i))
       end do
     end do
-  end subroutine system_solve
+  end subroutine solve_global
 
   !> Give the factors back.
   subroutine system_free(self)

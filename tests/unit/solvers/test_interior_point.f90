@@ -120,8 +120,9 @@ contains
       call t%check(.not. allocated(error), 'the system has factors')
       call t%check(system%factor%is_definite .eqv. form <= 2, 'by Cholesky where it is symmetric')
       if (allocated(error)) return
-      call system%solve(g, dr)
-      call multiply(problem%w, dr, u)
+      call system%solve(problem, g, dr, u)
+      call multiply(problem%w, dr, left)
+      call t%near(maxval(abs(left - u)), 0.0_wp, rounding, 'with W dr')
       do k = 1, problem%n
         left(:, k) = matmul(a(:, :, k), u(:, k)) + matmul(b(:, :, k), dr(:, k)) - g(:, k)
       end do
