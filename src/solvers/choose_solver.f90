@@ -1,7 +1,7 @@
 !> From a name to the solver, by the list of methods (sg_methods).
 !!
-!! Sweeps over compact records run on any number of ranks, coupled by the method that `partition.gluing` names; solvers of matrices
-!! run on one rank.
+!! Sweeps over compact records run on any number of ranks, coupled by the method that `partition.gluing` names. Solvers of matrices
+!! run on one rank; one that has a coupled solver of its own runs on several, too.
 module sg_choose_solver
   use sg_by_matrices, only: solve_by_matrices_t
   use sg_coupled_solver, only: coupled_solver_t
@@ -44,6 +44,7 @@ contains
     type(error_t), allocatable, intent(out) :: error !! set when the method does not run on so many ranks, or lacks a library
     type(method_t), allocatable :: methods(:)
     class(nlgs_t), allocatable :: sweeps
+    class(coupled_solver_t), allocatable :: coupled
     integer :: i, method
 
     call list_solvers(methods)
@@ -51,6 +52,11 @@ contains
     if (ranks > 1 .and. methods(method)%runs_alone()) then
       call fail(error, 'solver "'//trim(options%method)//'" does not run on several ranks; use method = '// &
                 quoted_names(methods, [(.not. methods(i)%runs_alone(), i=1, size(methods))]))
+    else if (ranks > 1 .and. allocated(methods(method)%coupled)) then
+      call methods(method)%find_library(error)
+      if (allocated(error)) return
+      call move_alloc(methods(method)%coupled, coupled)
+      call couple(options, .true., partition, coupled, solver)
     else if (ranks > 1) then
       call make_coupled(options, methods(method)%sweeps%has_momentum, partition, solver)
     else
@@ -92,13 +98,24 @@ contains
 
     call list_couplings(couplings)
     call move_alloc(couplings(find_method(couplings, partition%gluing))%coupled, coupled)
+    values = partition%own
+    call coupled%visit_options(values)
+    call couple(options, has_momentum, partition, coupled, solver)
+  end subroutine make_coupled
+
+  !> Give a coupled solver the options of the deck.
+  subroutine couple(options, has_momentum, partition, coupled, solver)
+    type(solver_options_t), intent(in) :: options
+    logical, intent(in) :: has_momentum
+    type(partition_options_t), intent(in) :: partition
+    class(coupled_solver_t), allocatable, intent(inout) :: coupled
+    class(solver_t), allocatable, intent(out) :: solver
+
     coupled%options = options
     coupled%has_momentum = has_momentum
     coupled%partition = partition
-    values = partition%own
-    call coupled%visit_options(values)
     call move_alloc(coupled, solver)
-  end subroutine make_coupled
+  end subroutine couple
 
   !> Make the solver of problems given by matrices of a name.
   subroutine choose_matrix_solver(name, options, solver, error)

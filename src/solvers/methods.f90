@@ -12,6 +12,7 @@ module sg_methods
   use sg_enriched, only: enriched_t
   use sg_error, only: error_t
   use sg_interior_point, only: interior_point_t
+  use sg_interior_point_ranks, only: interior_ranks_t
   use sg_matrix_solver, only: matrix_solver_t
   use sg_momentum, only: momentum_t
   use sg_nlgs, only: nlgs_t
@@ -61,12 +62,13 @@ contains
     type(accelerated_nlgs_t) :: accelerated
     type(proximal_newton_t) :: proximal
     type(interior_point_t) :: interior
+    type(interior_ranks_t) :: interior_ranks
 
     allocate (list(0))
     call add(list, method_t('nlgs', 'nonlinear Gauss-Seidel sweeps'), sweeps=nlgs, matrices=block_nlgs)
     nesterov%has_momentum = .true.
     call add(list, method_t('nesterov', 'sweeps with momentum'), sweeps=nesterov, matrices=block_nesterov)
-    call add(list, method_t('interior', 'interior points', needs_factors=.true.), matrices=interior)
+    call add(list, method_t('interior', 'interior points', needs_factors=.true.), matrices=interior, coupled=interior_ranks)
     call add(list, method_t('proximal', 'proximal points', needs_factors=.true.), matrices=proximal)
     call add(list, method_t('accelerated', 'accelerated sweeps'), matrices=accelerated)
     call add(list, method_t('auto', 'all others in turns', needs_factors=.true.), matrices=automatic)

@@ -17,7 +17,7 @@ class Refusals(Ranks):
             (2, "nowhere.toml", "nowhere.toml: error: cannot read the file", []),
             (2, good, "partition.sweeps has 3 numbers; .* for each of the 2 ranks", ["--set", "partition.sweeps=[1, 2, 3]"]),
             (4, good, r"boxes 3 x 2 .* cannot make 4 parts", ["--set", "partition.boxes=[3, 2]"]),
-            (2, good, 'solver "interior" does not run on several ranks', ["--set", 'solver.method="interior"']),
+            (2, good, 'solver "proximal" does not run on several ranks', ["--set", 'solver.method="proximal"']),
             (2, good, "unknown option --outptu", ["--outptu=x"]),
             (2, good, "--walltime needs a value", ["--walltime"]),
         ):  # fmt: skip

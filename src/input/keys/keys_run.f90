@@ -127,7 +127,7 @@ contains
     if (i > 0) rule = trim(methods(i)%former)//'='//trim(methods(i)%name)
   end function former_name
 
-  !> Methods with what each is and needs: `nlgs (sweeps), auto (all others in turns; on one rank; with UMFPACK)`.
+  !> Methods with what each is and needs: `nlgs (sweeps), auto (all others in turns; on one rank; with SuiteSparse)`.
   function described(methods) result(words)
     type(method_t), intent(in) :: methods(:)
     character(len=:), allocatable :: words
@@ -138,7 +138,7 @@ contains
       if (i > 1) words = words//', '
       words = words//trim(methods(i)%name)//' ('//trim(methods(i)%sentence)
       if (methods(i)%runs_alone()) words = words//'; on one rank'
-      if (methods(i)%needs_factors) words = words//', with UMFPACK'
+      if (methods(i)%needs_factors) words = words//', with SuiteSparse'
       words = words//')'
     end do
   end function described

@@ -13,14 +13,14 @@ module sg_enriched
   use sg_interface_cg, only: interface_cg_t, project
   use sg_kinds, only: wp, i4
   use sg_options, only: option_t, option_visitor_t
-  use sg_problem, only: is_active, problem_t
-  use sg_problem_matrices, only: mapping_entries
-  use sg_problem_records, only: body_of, body_record_t, contact_of, contact_record_t
+  use sg_problem, only: problem_t
+  use sg_problem_records, only: contact_of, contact_record_t
   use sg_records, only: is_in_space
   use sg_report, only: report_t
-  use sg_sparse, only: multiply_transposed, sparse_from_triplets, sparse_t
+  use sg_sparse, only: multiply_transposed, sparse_t
   use sg_subdomain, only: subdomain_t
   use sg_subdomain_factor, only: preconditioner_names, subdomain_factor_t
+  use sg_subdomain_matrices, only: subdomain_matrices_t
   use sg_tables, only: per_body, tables_t
   use sg_words, only: choice_index
   implicit none
@@ -129,38 +129,18 @@ contains
     call update_factor(self, problem)
   end subroutine enriched_open
 
-  !> Number the unknown velocities of this subdomain, and take H_E and M_E with divided masses.
+  !> Take H_E and M_E with divided masses, and set the units of eta. Collective.
   subroutine take_matrices(self, problem, comm)
     class(enriched_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
     type(comm_t), intent(inout) :: comm
-    type(contact_record_t), allocatable :: contacts(:)
-    type(body_record_t), allocatable :: bodies(:)
-    integer(i4), allocatable :: unknown(:, :), row(:), column(:)
-    real(wp), allocatable :: mass(:), value(:), offset(:), axes(:, :, :)
-    type(sparse_t) :: h
-    integer :: k, n, d, i
+    type(subdomain_matrices_t) :: matrices
 
-    self%contact = pack([(int(k, i4), k=1, problem%n_contacts)], [(is_active(problem, k), k=1, problem%n_contacts)])
-    n = size(self%contact)
-    contacts = [(contact_of(problem, int(self%contact(k))), k=1, n)]
-    call number_unknowns(problem, self%contact, bodies, unknown, mass)
-    call mapping_entries(problem, contacts, self%contact, bodies, unknown, row, column, value, offset)
-    d = merge(3, 2, is_in_space(problem%kind))
-    call sparse_from_triplets(size(mass), d*n, row, column, value, h)
-    associate (slot => self%gluing%interface%slot)
-      if (self%width == 6) then
-        allocate (axes(3, 3, size(slot)))
-        do i = 1, size(slot)
-          axes(:, :, i) = bodies(slot(i))%axes
-        end do
-        call self%factor%prepare(mass, h, d, int(unknown(:self%width, slot)), axes)
-      else
-        call self%factor%prepare(mass, h, d, int(unknown(:self%width, slot)))
-      end if
-    end associate
-    call set_units(self, contacts, mass, h, comm)
-    self%state = [(-1, k=1, n)]
+    call matrices%take(problem)
+    call matrices%prepare_factor(self%gluing%interface%slot, self%width, self%factor)
+    self%contact = matrices%contact
+    call set_units(self, matrices%contacts, matrices%mass, matrices%h, comm)
+    self%state = 0*self%contact - 1
   end subroutine take_matrices
 
   !> Set the unit of eta at each contact. Collective.
@@ -191,35 +171,6 @@ contains
     call comm%sum(sums)
     self%unit = sums(1)/max(1.0_wp, sums(2))
   end subroutine set_units
-
-  !> Number the velocities that contacts can change, and list their masses.
-  pure subroutine number_unknowns(problem, contact, bodies, unknown, mass)
-    type(problem_t), intent(in) :: problem
-    integer(i4), intent(in) :: contact(:)
-    type(body_record_t), allocatable, intent(out) :: bodies(:) !! by slot; of those with contacts
-    integer(i4), allocatable, intent(out) :: unknown(:, :) !! number of each unknown velocity or 0, shape (6, slots)
-    real(wp), allocatable, intent(out) :: mass(:)
-    integer :: k, side, c, n
-
-    allocate (bodies(problem%n_bodies), mass(6*problem%n_bodies))
-    allocate (unknown(6, problem%n_bodies), source=0_i4)
-    n = 0
-    do k = 1, size(contact)
-      do side = 1, 2
-        associate (slot => problem%pair(side, contact(k)))
-          if (bodies(slot)%n > 0) cycle
-          bodies(slot) = body_of(problem, int(slot))
-          do c = 1, bodies(slot)%n
-            if (.not. bodies(slot)%inverse_mass(c) > 0) cycle
-            n = n + 1
-            unknown(c, slot) = int(n, i4)
-            mass(n) = 1/bodies(slot)%inverse_mass(c)
-          end do
-        end associate
-      end do
-    end do
-    mass = mass(:n)
-  end subroutine number_unknowns
 
   !> Factorise again where contacts have changed what they do, or eta has changed.
   subroutine update_factor(self, problem)

@@ -46,6 +46,8 @@ module sg_subdomain_factor
     procedure :: apply_inverse => factor_apply_inverse
     procedure :: apply_inverse_mass => factor_apply_inverse_mass
     procedure :: precondition => factor_precondition
+    procedure :: spread => spread_values
+    procedure :: gather => gather_values
     procedure :: free => factor_free
   end type subdomain_factor_t
 
@@ -187,8 +189,8 @@ contains
   !> Values of shared bodies as a vector of all unknowns.
   pure subroutine spread_values(self, values, vector)
     class(subdomain_factor_t), intent(in) :: self
-    real(wp), intent(in) :: values(:, :)
-    real(wp), intent(out) :: vector(:)
+    real(wp), intent(in) :: values(:, :) !! of shared bodies
+    real(wp), intent(out) :: vector(:) !! of all unknowns; zero for other bodies
     real(wp) :: column(size(values, 1))
     integer :: i, c
 
@@ -205,8 +207,8 @@ contains
   !> Values of shared bodies from a vector of all unknowns; zero where there is no unknown.
   pure subroutine gather_values(self, vector, values)
     class(subdomain_factor_t), intent(in) :: self
-    real(wp), intent(in) :: vector(:)
-    real(wp), intent(out) :: values(:, :)
+    real(wp), intent(in) :: vector(:) !! of all unknowns
+    real(wp), intent(out) :: values(:, :) !! of shared bodies
     integer :: i, c
 
     values = 0

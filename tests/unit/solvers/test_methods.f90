@@ -89,9 +89,9 @@ contains
       if (methods(i)%runs_alone()) then
         call t%check(allocated(error) .and. .not. allocated(solver), name//' does not run on two ranks')
         if (allocated(error)) call t%check(error%message == 'solver "'//name//'" does not run on several ranks; use method = '// &
-                                           '"nlgs" or "nesterov"', name//': '//error%message)
+                                           '"nlgs" or "nesterov" or "interior"', name//': '//error%message)
       else
-        call check_made(name//' on two ranks', allocated(solver), error, .false.)
+        call check_made(name//' on two ranks', allocated(solver), error, methods(i)%needs_factors .and. allocated(missing))
       end if
       call choose_matrix_solver(name, matrix_options_t(), matrices, error)
       call check_made(name//' for matrices', allocated(matrices), error, methods(i)%needs_factors .and. allocated(missing))
