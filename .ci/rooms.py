@@ -50,7 +50,8 @@ ROOMS = {
     "output": "record, run.json, tagged numbers, traces, progress, verdict, lock of a folder",
     "run": "a simulation: the step, the loop over steps, guards, limits, checkpoints, dumps, memory report",
     "tools": "`bench`, `partition` and `solve` behind their subcommands: benchmarks, cost model, tables",
-    "drivers": "the program: one file per subcommand, no physics",
+    "commands": "what subcommands share: command line, help, the scene and the run that a command line asks for",
+    "drivers": "the program: one file per subcommand, under 80 lines: arguments, objects, one call, exit code",
 }
 
 #: Names that a folder may hold: what fits on one screen

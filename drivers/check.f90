@@ -1,15 +1,16 @@
 !> `splitgrain check`: plan and expected memory of a run, and all mistakes of its deck, without the run.
 module sg_check
-  use, intrinsic :: iso_fortran_env, only: error_unit
-  use sg_deck, only: read_deck
-  use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done
+  use sg_arguments, only: arguments_t
+  use sg_comm, only: comm_t
+  use sg_error, only: error_t, exit_done
   use sg_inventory, only: expected_memory
   use sg_memory, only: gigabytes
   use sg_plan, only: describe_plan
   use sg_print, only: print_line
+  use sg_scene_argument, only: read_scene_argument
   use sg_simulation, only: simulation_t
   use sg_start_split, only: find_contacts
-  use sg_text, only: counted, text_t, to_text
+  use sg_text, only: counted, to_text
   implicit none
   private
   public :: check_command
@@ -17,27 +18,23 @@ module sg_check
 contains
 
   !> Check a deck and print what it holds.
-  subroutine check_command(file, settings, code)
-    character(len=*), intent(in) :: file !! deck
-    type(text_t), intent(in) :: settings(:) !! settings laid over it
-    integer, intent(out) :: code !! exit code
+  subroutine check_command(arguments, comm, code, error)
+    type(arguments_t), intent(in) :: arguments !! the command line
+    type(comm_t), intent(in) :: comm !! this rank alone
+    integer, intent(out) :: code !! exit code when there is no error
+    type(error_t), allocatable, intent(out) :: error !! error of the command
     type(simulation_t) :: sim
-    type(diagnostics_t) :: diagnostics
-    type(error_t), allocatable :: error
 
-    call read_deck(file, settings, sim%scene, sim%options, diagnostics)
-    call diagnostics%print(error_unit)
-    code = exit_bad_input
-    if (diagnostics%count() > 0) return
+    code = exit_done
+    call arguments%expect('set', 1, 1, 'check DECK [--set section.key=value]', error)
+    if (.not. allocated(error)) call read_scene_argument(arguments, comm, sim%scene, sim%options, code, error)
+    if (allocated(error) .or. code /= exit_done) return
     call find_contacts(sim, error)
     if (allocated(error)) then
-      error%file = file
-      write (error_unit, '(a)') error%report()
-      code = error%code
+      error%file = arguments%words(1)%s
       return
     end if
-    code = exit_done
-    call print_counts(file, sim)
+    call print_counts(arguments%words(1)%s, sim)
     call print_line(describe_plan(sim%plan, sim%scene, ranks=1))
   end subroutine check_command
 

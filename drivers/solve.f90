@@ -32,17 +32,15 @@ contains
     type(solve_request_t), intent(out) :: request
     type(error_t), allocatable, intent(out) :: error
     class(matrix_solver_t), allocatable :: solver
-    real(wp) :: tolerance, seconds
     integer :: i
 
     request%trace = arguments%get('trace', '')
     associate (options => request%options)
-      tolerance = options%tolerance
-      seconds = options%maximum_seconds
       call arguments%expect('solver tolerance iterations seconds guess trace write force json', 1, huge(1), &
                             'solve FILE... [options]; see splitgrain solve --help', error)
-      if (.not. allocated(error)) call arguments%number('tolerance', tolerance, 0.0_wp, options%tolerance, error)
-      if (.not. allocated(error)) call arguments%number('seconds', seconds, 0.0_wp, options%maximum_seconds, error)
+      if (.not. allocated(error)) call arguments%number('tolerance', (options%tolerance), 0.0_wp, options%tolerance, error)
+      if (.not. allocated(error)) &
+        call arguments%number('seconds', (options%maximum_seconds), 0.0_wp, options%maximum_seconds, error)
       if (.not. allocated(error)) &
         call arguments%whole('iterations', (options%maximum_iterations), 1, options%maximum_iterations, error)
       if (allocated(error)) return
@@ -63,7 +61,6 @@ contains
   subroutine list_solvers(arguments, solvers)
     type(arguments_t), intent(in) :: arguments
     type(text_t), allocatable, intent(out) :: solvers(:)
-    character(len=16), allocatable :: names(:)
     integer :: i
 
     solvers = arguments%all_of('solver')
@@ -71,10 +68,11 @@ contains
       call append_word(solvers, robust_solver)
     else if (arguments%get('solver', '') == 'all') then
       deallocate (solvers)
-      names = solver_names()
-      do i = 1, size(names)
-        call append_word(solvers, trim(names(i)))
-      end do
+      associate (names => solver_names())
+        do i = 1, size(names)
+          call append_word(solvers, trim(names(i)))
+        end do
+      end associate
     end if
   end subroutine list_solvers
 end module sg_solve

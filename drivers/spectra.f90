@@ -1,13 +1,13 @@
 !> `splitgrain spectrum`: spectral radii of interface iterations on the first contact problem of a deck.
 module sg_spectra
-  use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_arguments, only: arguments_t
+  use sg_comm, only: comm_t
   use sg_contraction, only: contraction_t
-  use sg_deck, only: read_deck
-  use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done, fail
+  use sg_error, only: error_t, exit_done, fail
   use sg_kinds, only: wp
   use sg_numerals, only: read_real
   use sg_print, only: print_line
+  use sg_scene_argument, only: read_scene_argument
   use sg_simulation, only: simulation_t
   use sg_spectral_radii, only: first_problem, radii_of, spectral_radii_t
   use sg_spectral_text, only: contraction_text, search_directions, spectral_csv, spectral_table
@@ -20,12 +20,12 @@ module sg_spectra
 contains
 
   !> Find the radii, print a table, and write them against eta.
-  subroutine spectrum_command(arguments, code, error)
+  subroutine spectrum_command(arguments, comm, code, error)
     type(arguments_t), intent(in) :: arguments !! the command line
+    type(comm_t), intent(in) :: comm !! this rank alone
     integer, intent(out) :: code !! exit code when there is no error
     type(error_t), allocatable, intent(out) :: error !! error of the command
     type(simulation_t) :: sim
-    type(diagnostics_t) :: diagnostics
     type(contraction_t) :: contraction
     type(spectral_radii_t), allocatable :: radii(:)
     real(wp), allocatable :: epsilon(:)
@@ -37,15 +37,9 @@ contains
     call arguments%expect('parts epsilon points csv restart set', 1, 1, 'spectrum DECK [options]', error)
     if (.not. allocated(error)) call arguments%whole('points', 20, 1, points, error)
     if (.not. allocated(error)) call read_epsilons(arguments%all_of('epsilon'), epsilon, error)
-    if (allocated(error)) return
-    call read_deck(arguments%words(1)%s, arguments%all_of('set'), sim%scene, sim%options, diagnostics)
-    call diagnostics%print(error_unit)
-    if (diagnostics%count() > 0) then
-      code = exit_bad_input
-      return
-    end if
+    if (.not. allocated(error)) call read_scene_argument(arguments, comm, sim%scene, sim%options, code, error)
+    if (allocated(error) .or. code /= exit_done) return
     call arguments%whole('parts', max(2, sim%options%partition%parts), 2, parts, error)
-    if (arguments%has('restart')) sim%options%restart_file = arguments%get('restart', '')
     if (.not. allocated(error)) call first_problem(sim, parts, contraction, is_linear, own, error)
     if (allocated(error)) return
     epsilon = epsilon*contraction%epsilon_0

@@ -7,21 +7,25 @@ module sg_cost_text
   use sg_text, only: to_text
   implicit none
   private
-  public :: print_costs, costs_json
+  public :: print_costs
 
 contains
 
-  !> Print the costs of the pieces, then one line for each number of ranks.
-  subroutine print_costs(unit, machine, are_messages_measured, predictions)
-    integer, intent(in) :: unit !! open unit
+  !> Print the costs of the pieces, then one line for each number of ranks; or one flat JSON object.
+  subroutine print_costs(machine, are_messages_measured, predictions, as_json)
     type(machine_t), intent(in) :: machine !! costs of the pieces
     logical, intent(in) :: are_messages_measured !! by this run, or given?
     type(prediction_t), intent(in) :: predictions(:) !! one for each number of ranks
+    logical, intent(in) :: as_json !! as JSON?
     character(len=*), parameter :: nl = new_line('a')
     character(len=:), allocatable :: text
     character(len=200) :: row
     integer :: i
 
+    if (as_json) then
+      call print_line(costs_json(machine, are_messages_measured, predictions))
+      return
+    end if
     text = trim(merge('measured', 'assumed ', are_messages_measured))
     call print_line( &
       'contacts     '//to_text(predictions(1)%contacts)//nl// &
@@ -31,14 +35,14 @@ contains
         ' bytes per grain; a test every '//to_text(machine%check_every)//' iterations'//nl// &
       '                contacts              shared  neigh-                     ns per      dual                primal'//nl// &
       '   ranks per rank  largest  imbal.    grains  bours  messages       bytes  update        ms  efficiency        ms  '// &
-        'efficiency  turns', unit)
+        'efficiency  turns')
     do i = 1, size(predictions)
       associate (p => predictions(i))
         write (row, '(i8,1x,i8,1x,i8,1x,f7.3,1x,i9,1x,i6,1x,i9,1x,i11,1x,f7.2,2(1x,f9.4,1x,f11.3),1x,i6)') &
           p%ranks, p%contacts/p%ranks, p%largest, imbalance(p), p%shared_grains, p%dual%most_neighbours, p%dual%messages, &
           nint(p%dual%bytes), 1e9_wp*p%update, 1e3_wp*p%dual%seconds, p%dual_efficiency, 1e3_wp*p%primal%seconds, &
           p%primal_efficiency, p%primal%colours
-        call print_line(trim(row), unit)
+        call print_line(trim(row))
       end associate
     end do
   end subroutine print_costs
@@ -52,9 +56,9 @@ contains
 
   !> The whole as one flat object; members of a number of ranks begin with it.
   function costs_json(machine, are_messages_measured, predictions) result(text)
-    type(machine_t), intent(in) :: machine !! costs of the pieces
-    logical, intent(in) :: are_messages_measured !! by this run, or given?
-    type(prediction_t), intent(in) :: predictions(:) !! one for each number of ranks
+    type(machine_t), intent(in) :: machine
+    logical, intent(in) :: are_messages_measured
+    type(prediction_t), intent(in) :: predictions(:)
     character(len=:), allocatable :: text
     type(json_t) :: json
     character(len=:), allocatable :: ranks

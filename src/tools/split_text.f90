@@ -9,20 +9,24 @@ module sg_split_text
   use sg_text, only: to_text
   implicit none
   private
-  public :: print_split, split_json
+  public :: print_split
 
 contains
 
-  !> Print the whole, then one line per part.
-  subroutine print_split(unit, report, blocks)
-    integer, intent(in) :: unit !! open unit
+  !> Print the whole, then one line per part; or one flat JSON object.
+  subroutine print_split(report, blocks, as_json)
     type(split_report_t), intent(in) :: report !! figures of the split
     type(block_structure_t), intent(in) :: blocks !! the matrix of the primal interface
+    logical, intent(in) :: as_json !! as JSON?
     character(len=*), parameter :: nl = new_line('a')
     character(len=:), allocatable :: text
     character(len=75) :: row
     integer :: i
 
+    if (as_json) then
+      call print_line(split_json(report, blocks))
+      return
+    end if
     text = 'split        '//to_text(report%grains)//' grains into '//to_text(size(report%part_grains))//' parts by '// &
            report%method
     if (all(report%boxes > 0)) then
@@ -34,24 +38,24 @@ contains
       'imbalance    '//fixed(report%imbalance, 3)//' largest over mean load, '//fixed(report%contact_imbalance, 3)// &
         ' of contacts owned'//nl// &
       'primal       '//to_text(report%cut_contacts)//' of '//to_text(report%contacts)//' contacts between parts ('// &
-        percent(report%cut_contacts, report%contacts)//'), of '//to_text(report%interface_grains)//' grains', unit)
+        percent(report%cut_contacts, report%contacts)//'), of '//to_text(report%interface_grains)//' grains')
     if (blocks%contacts > 0) then
       call print_line( &
         'W_gamma      off-diagonal blocks per row: mean '//fixed(blocks%mean_couplings, 3)//', max '// &
           to_text(blocks%most_couplings)//'; none in '//percent(blocks%alone, blocks%contacts)//' of rows'//nl// &
         '             '//to_text(blocks%groups)//' independent groups of contacts, the largest of '// &
           to_text(blocks%largest_group)//'; norm of off-diagonal blocks over that of diagonal ones '// &
-          fixed(blocks%off_diagonal, 3), unit)
+          fixed(blocks%off_diagonal, 3))
     end if
     text = 'dual         '//to_text(report%multiplicity(1))//' grains in 1 part'
     do i = 2, size(report%multiplicity)
       text = text//', '//to_text(report%multiplicity(i))//' in '//to_text(i)
     end do
-    call print_line(text//nl//'     part     grains       load      inner      owned       held neighbours', unit)
+    call print_line(text//nl//'     part     grains       load      inner      owned       held neighbours')
     do i = 1, size(report%part_grains)
       write (row, '(i9,6(2x,i9))') i, report%part_grains(i), nint(report%part_load(i)), report%part_inner(i), &
         report%part_owned(i), report%part_held(i), report%part_neighbours(i)
-      call print_line(row, unit)
+      call print_line(row)
     end do
   end subroutine print_split
 
@@ -65,8 +69,8 @@ contains
 
   !> The whole as one flat object; parts by their extremes.
   function split_json(report, blocks) result(text)
-    type(split_report_t), intent(in) :: report !! figures of the split
-    type(block_structure_t), intent(in) :: blocks !! the matrix of the primal interface
+    type(split_report_t), intent(in) :: report
+    type(block_structure_t), intent(in) :: blocks
     character(len=:), allocatable :: text
     type(json_t) :: json
     integer :: i

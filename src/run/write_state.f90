@@ -1,9 +1,11 @@
-!> The scene of a deck in the state of a restart file, with its contacts: for writers of other formats.
-module sg_scene_at_restart
+!> Writer of a scene as DATBOX files, at its start or in the state of a restart file.
+module sg_write_state
+  use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_bodies, only: angle_of
   use sg_checkpoint, only: load_checkpoint
   use sg_contacts, only: impulse_vector
-  use sg_datbox_write_contacts, only: datbox_contacts_t
+  use sg_datbox_write, only: write_datbox
+  use sg_datbox_write_contacts, only: contacts_at_start, datbox_contacts_t
   use sg_detect, only: detect
   use sg_error, only: diagnostics_t, error_t
   use sg_internal_values, only: most_internal
@@ -16,30 +18,55 @@ module sg_scene_at_restart
   use sg_simulation, only: simulation_t, start_simulation
   implicit none
   private
-  public :: scene_at_restart
+  public :: write_state
 
 contains
+
+  !> Write a scene as DATBOX files, in the state of a restart file where the options name one. Print what the files do not hold.
+  subroutine write_state(options, scene, folder, error)
+    type(run_options_t), intent(in) :: options !! options of the deck
+    type(scene_t), intent(inout) :: scene !! scene as the deck has it; brought to the state
+    character(len=*), intent(in) :: folder !! folder of the DATBOX files
+    type(error_t), allocatable, intent(out) :: error !! set when a file cannot be used or written
+    type(datbox_contacts_t) :: contacts
+    real(wp) :: time
+    integer :: step
+
+    time = scene%start_time
+    step = 0
+    if (allocated(options%restart_file)) then
+      call scene_at_restart(options, scene, contacts, time, step, error)
+      if (allocated(error)) return
+    else
+      contacts = contacts_at_start(scene)
+    end if
+    call write_datbox(folder, scene, contacts, time, scene%start_step + step, error)
+    if (scene%period > 0) write (error_unit, '(a)') 'note: a DATBOX does not hold the period in x'
+    if (scene%links%n > 0) write (error_unit, '(a)') 'note: the script of LMGC90 must call '// &
+      merge('PTPT2', 'PTPT3', scene%dimension == 2)//'_LoadNetwork, and LoadParams where there are NARD rods'
+    if (size(scene%pressures) > 0) write (error_unit, '(a)') 'note: a DATBOX does not hold pressures'
+  end subroutine write_state
 
   !> Bring a scene to the state of a restart file.
   !!
   !! Contacts are those that the next step would find, with the impulses of the last one.
-  subroutine scene_at_restart(file, options, scene, contacts, time, step, warnings, error)
-    character(len=*), intent(in) :: file !! restart file, or a folder of results for its newest one
-    type(run_options_t), intent(in) :: options !! options of the deck
-    type(scene_t), intent(inout) :: scene !! scene as the deck has it; brought to the state
-    type(datbox_contacts_t), intent(out) :: contacts !! its contacts
-    real(wp), intent(out) :: time !! [s]
-    integer, intent(out) :: step !! steps done
-    type(diagnostics_t), intent(inout) :: warnings !! gets findings that are odd but harmless
-    type(error_t), allocatable, intent(out) :: error !! set when the file cannot be used
+  subroutine scene_at_restart(options, scene, contacts, time, step, error)
+    type(run_options_t), intent(in) :: options
+    type(scene_t), intent(inout) :: scene
+    type(datbox_contacts_t), intent(out) :: contacts
+    real(wp), intent(out) :: time
+    integer, intent(out) :: step
+    type(error_t), allocatable, intent(out) :: error
     type(simulation_t) :: sim
+    type(diagnostics_t) :: warnings
 
     time = 0
     step = 0
     sim%scene = scene
     sim%options = options
     call start_simulation(sim)
-    call load_checkpoint(sim, file, warnings, error)
+    call load_checkpoint(sim, options%restart_file, warnings, error)
+    call warnings%print(error_unit)
     if (allocated(error)) return
     time = sim%time()
     step = sim%step
@@ -97,4 +124,4 @@ contains
       end if
     end do
   end subroutine take_contacts
-end module sg_scene_at_restart
+end module sg_write_state

@@ -18,12 +18,14 @@ module sg_arguments
     !> Which of them are switches to which a value was given
     logical, allocatable :: is_overfed(:)
   contains
+    procedure :: task => arguments_task
     procedure :: has => arguments_has
     procedure :: get => arguments_get
     procedure :: all_of => arguments_all_of
     procedure :: number => arguments_number
     procedure :: whole => arguments_whole
     procedure :: expect => arguments_expect
+    procedure :: refuse_command => arguments_refuse_command
   end type arguments_t
 
   !> Options that are followed by a value; all others are switches
@@ -100,6 +102,16 @@ contains
     allocate (character(len=length) :: word)
     call get_command_argument(i, word)
   end function argument
+
+  !> What is asked for: `--help` and `--version`, which go before any subcommand, or else the subcommand.
+  pure function arguments_task(self) result(task)
+    class(arguments_t), intent(in) :: self
+    character(len=:), allocatable :: task
+
+    task = self%command
+    if (self%has('version')) task = '--version'
+    if (self%has('help') .or. self%has('h') .or. self%command == 'help') task = '--help'
+  end function arguments_task
 
   !> Was an option given?
   pure logical function arguments_has(self, name) result(has)
@@ -213,6 +225,18 @@ contains
     end do
     if (size(self%words) < fewest .or. size(self%words) > most) call fail(error, 'usage: splitgrain '//usage)
   end subroutine arguments_expect
+
+  !> Refuse a subcommand that is none of those known.
+  subroutine arguments_refuse_command(self, known, error)
+    class(arguments_t), intent(in) :: self
+    character(len=*), intent(in) :: known !! names of the subcommands, with a blank between two
+    type(error_t), allocatable, intent(out) :: error !! set always
+    character(len=:), allocatable :: near
+
+    near = nearest_word(self%command, split(known))
+    if (len(near) > 0) near = '; did you mean "'//near//'"?'
+    call fail(error, 'unknown command "'//self%command//'"'//near)
+  end subroutine arguments_refuse_command
 
   !> Words of a text.
   pure function split(text) result(words)
