@@ -219,6 +219,18 @@ def test_style(project, old, new, finding):
     assert status == 1 and finding in printed
 
 
+@pytest.mark.parametrize("lines, status", [(79, 0), (80, 1)])
+def test_drivers_are_short(project, lines, status):
+    text = GOOD.format(name="run", use="", code="print *, 1")
+    write(project, "drivers/run.f90", text=text + (lines - text.count("\n")) * "!\n")
+    assert run("check_style", project)[0] == status
+
+
+def test_drivers_have_docstrings(project):
+    write(project, "drivers/run.f90", text=GOOD.replace("  !> Do the work.\n", ""))
+    assert "work has no '!>' line" in run("check_style", project)[1]
+
+
 def test_trailing_blank(project):
     path = write(project, "src/base/plan.f90")
     path.write_text(path.read_text() + " \n")
