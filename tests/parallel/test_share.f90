@@ -257,8 +257,9 @@ contains
     character(len=*), intent(in) :: name
     type(scene_t), intent(inout) :: share, whole
     type(plan_t) :: one, other
+    type(comm_t) :: alone
 
-    call t%check(.not. any(abs(signature_of(share, comm) - signature_of(whole)) > 0), name//': signature')
+    call t%check(.not. any(abs(signature_of(share, comm) - signature_of(whole, alone)) > 0), name//': signature')
     call make_plan(share, one, comm)
     call make_plan(whole, other, comm)
     call t%check((one%is_round .eqv. other%is_round) .and. (one%has_tangent .eqv. other%has_tangent) .and. &
