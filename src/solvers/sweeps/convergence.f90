@@ -155,7 +155,9 @@ contains
     type(solver_options_t), intent(in) :: options
     type(report_t), intent(in) :: report
 
-    excess = report%criterion/options%tolerance
+    ! A tolerance of 0 is never reached: benchmarks sweep to their last.
+    excess = huge(1.0_wp)
+    if (report%criterion < min(1.0_wp, options%tolerance)*huge(1.0_wp)) excess = report%criterion/options%tolerance
     if (must_be_small(self, options)) excess = max(excess, report%estimate/cold_tolerance)
   end function excess
 
