@@ -112,7 +112,7 @@ class Stops(Ranks):
         if not self.has_hdf5():
             return
         for ranks in (2, 4, 1):
-            self.run_ranks(ranks, "deck.toml", "--restart", "out", "--walltime", "0.2", "--set", "time.steps=100000000", code=75)
+            self.run_until_walltime(self.run_ranks, ranks, "deck.toml", "--restart", "out", "--set", "time.steps=100000000")
             self.assertTrue(all(math.isfinite(float(row["kinetic_energy"])) for row in self.rows()))
             steps = [int(row["step"]) for row in self.rows()]
             self.assertEqual(steps, sorted(set(steps)))
@@ -136,8 +136,8 @@ class Stops(Ranks):
 
     def test_walltime(self):
         deck = self.deck(FALL)
-        words = ["--set", "time.steps=100000000", "--set", "output.record_every=0", "--walltime", "0.5"]
-        done = self.run_ranks(3, deck, *words, code=75)
+        words = ["--set", "time.steps=100000000", "--set", "output.record_every=0"]
+        done = self.run_until_walltime(self.run_ranks, 3, deck, *words)
         self.assertEqual(done.stdout, "")
         run = self.run_json()
         self.assertEqual((run["status"], run["reason"]), ("stopped", f"stopped by the walltime after step {run['steps']}"))

@@ -120,7 +120,7 @@ class Others(Folders):
     def test_a_run_that_has_not_ended_is_not_begun_again_unasked(self):
         if not self.has_hdf5():
             self.skipTest("a build without HDF5 has no checkpoints")
-        self.run_deck(*LONG, "--walltime", "0.2", "--quiet", code=75)
+        self.run_until_walltime(self.run_deck, *LONG, "--quiet")
         self.refused("a run that has not ended: --restart out", *LONG, "--walltime", "0.2")
 
     def test_files_that_are_read_are_not_written_over(self):

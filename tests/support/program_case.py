@@ -25,6 +25,14 @@ class ProgramCase(unittest.TestCase):
         self.assertEqual(done.returncode, code, f"{words}\n{done.stdout}\n{done.stderr}")
         return done
 
+    def run_until_walltime(self, run, *words):
+        """Call `run`, which wants exit code 75, with a walltime that doubles while the machine is too busy for a first step."""
+        for seconds in (0.25 * 2**i for i in range(8)):
+            done = run(*words, "--walltime", str(seconds), code=75)
+            if "before the first step" not in done.stderr:
+                return done
+        self.fail(f"no step within {seconds} s")
+
     def has_library(self, name):
         return re.search(rf"^{name}\s+on", self.run_program("--version").stdout, re.M) is not None
 
