@@ -60,6 +60,7 @@ contains
       do i = 1, size(gluings)
         sim%options%partition%gluing = gluings(i)
         call compare(name//', '//trim(gluings(i)), sim, problem)
+        call check_shares(name//', '//trim(gluings(i)), sim, problem)
       end do
     end if
   end subroutine test_pack
@@ -93,6 +94,36 @@ contains
     ! Angular grains with friction have more than one.
     if (.not. has_corners) call t%near(difference/speed, 0.0_wp, 1e-3_wp, name//': one solution')
   end subroutine compare
+
+  !> Choices of contacts change the orders of some ranks alone; shares remain those of all ranks, to the last bit.
+  subroutine check_shares(name, sim, problem)
+    character(len=*), intent(in) :: name
+    type(simulation_t), intent(inout) :: sim
+    type(problem_t), intent(in) :: problem
+    type(problem_t) :: pushed
+    class(solver_t), allocatable :: solver
+    type(error_t), allocatable :: error
+    type(report_t) :: report
+    real(wp) :: least, most
+    integer :: sweeps
+
+    sim%options%solver%method = 'nesterov'
+    sim%options%solver%tolerance = 1e-30_wp
+    do sweeps = 20, 100, 20
+      sim%options%solver%maximum_sweeps = sweeps
+      call choose_solver(sim%options%solver, sim%options%partition, comm%size, solver, error)
+      pushed = problem
+      call solver%solve(pushed, sim%decomposition%subdomain%by_slot(sim%pairs%slot_of), sim%comm, report)
+      select type (solver)
+      class is (nlgs_t)
+        least = solver%sets%nesterov%rule%gain
+      end select
+      most = least
+      call comm%minimum(least)
+      call comm%maximum(most)
+      call t%check(most > 0 .and. .not. most > least, name//': one share on all ranks')
+    end do
+  end subroutine check_shares
 
   !> LMGC90's criteria measure what contacts still ask at x, not the change from sweep to sweep: their values are found again, up to
   !! rounding, from the impulses and velocities that are handed over.

@@ -22,6 +22,8 @@ module sg_nesterov
   integer, parameter :: first_sweeps = 5
   !> Reals of impulses that a pass takes at once: those of a row of solids
   integer, parameter :: run = impulses_of_row
+  !> Sums of a rank whose pass had no start
+  real(wp), parameter :: no_sums(3) = [0.0_wp, 0.0_wp, 1.0_wp]
 
   !> The last iterates of one order, as it stores impulses: results of the sweep before, and what the last sweep started from
   type :: iterates_t
@@ -38,10 +40,11 @@ module sg_nesterov
     logical :: has_stepped = .false.
     !> The rule that gives the share
     type(nesterov_rule_t) :: rule
-    !> Is the start of the last sweep held, and were the sums of the last pass made with one?
-    logical, private :: has_start = .false., has_sums = .false.
-    !> Square of a sweep's change x - y, and its product with the change of x from sweep to sweep; are they being summed over ranks?
-    real(wp), private :: sums(2) = 0
+    !> Is the start of the last sweep held?
+    logical, private :: has_start = .false.
+    !> Square of a sweep's change x - y, its product with the change of x from sweep to sweep, and number of ranks that lack a start
+    !! for them: orders change on some ranks alone, and all must ignore such sums alike. Are they being summed over ranks?
+    real(wp), private :: sums(3) = 0
     logical, private :: is_pending = .false.
     !> Iterates of each order, and records of bodies with the velocities of x before the last sweep
     type(iterates_t), allocatable, private :: past(:)
@@ -91,17 +94,17 @@ contains
 
     call self%finish(comm)
     if (self%rule%is_resting()) then
-      call self%rule%next(self%sums, .false., share)
+      call self%rule%next(self%sums(:2), .false., share)
       self%has_stepped = .false.
       return
     end if
     if (.not. self%has_stepped) call begin_past(self, orders, problem%body)
-    call self%rule%next(self%sums, self%has_sums, share)
+    call self%rule%next(self%sums(:2), .not. self%sums(3) > 0, share)
     self%sums = 0
     do s = 1, size(orders)
-      call step_order(orders(s), share, self%past(s), self%sums)
+      call step_order(orders(s), share, self%past(s), self%sums(:2))
     end do
-    self%has_sums = self%has_start
+    if (.not. self%has_start) self%sums = no_sums
     self%has_start = .true.
     self%is_pending = comm%size > 1
     if (self%is_pending) call comm%begin_sum(sum_of_sweep, self%sums)
@@ -137,8 +140,7 @@ contains
     end do
     self%body = body
     self%has_start = .false.
-    self%has_sums = .false.
-    self%sums = 0
+    self%sums = no_sums
   end subroutine begin_past
 
   !> Hold the impulses of an order as those of the sweep before.
