@@ -224,6 +224,10 @@ contains
     ! All ranks have its points at the same iterations.
     call comm%sum(report%trace%contact_updates)
     call comm%sum(report%trace%cpu_seconds)
+    call comm%sum(report%trace%messages)
+    call comm%sum(report%trace%bytes)
+    ! Collective operations are those of all ranks: each counts once.
+    call comm%maximum(report%trace%collectives)
   end subroutine reduce_report
 
   !> The totals as a list of reals, for restart files; counters are exact up to 2^53.

@@ -5,7 +5,7 @@ module sg_run_trace
   use sg_comm, only: comm_t
   use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_report, only: report_t
+  use sg_report, only: report_t, trace_point_t
   use sg_step_csv, only: cell, resume_rows
   use sg_text, only: to_text
   use sg_text_files, only: append_text, replace_file
@@ -19,6 +19,8 @@ module sg_run_trace
   integer, parameter :: some = 8
   !> Phases with less than this share of the CPU time have no column in the table
   real(wp), parameter :: least_share = 0.01_wp
+  !> Names of the columns of what ranks have sent, after those of a point
+  character(len=*), parameter :: message_names = ',messages,bytes,collectives'
   !> Names of the files in the folder of the results
   character(len=*), parameter :: trace_file = 'trace.csv', steps_file = 'trace_steps.csv'
 
@@ -63,7 +65,7 @@ contains
     self%steps = steps
     allocate (self%traced(0))
     if (.not. self%is_root) return
-    call open_file(folder//'/'//trace_file, 'step,time,'//point_names, done, error)
+    call open_file(folder//'/'//trace_file, 'step,time,'//point_names//message_names, done, error)
     if (.not. allocated(error)) call open_file(folder//'/'//steps_file, step_names(), done, error)
   end subroutine trace_open
 
@@ -136,7 +138,8 @@ contains
       points = ''
       if (allocated(report%trace)) then
         do i = 1, size(report%trace)
-          points = points//to_text(step)//','//cell(time)//','//point_cells(report%trace(i))//new_line('a')
+          points = points//to_text(step)//','//cell(time)//','//point_cells(report%trace(i))// &
+                   message_cells(report%trace(i))//new_line('a')
         end do
       end if
       call append_text(self%folder//'/'//trace_file, points, error)
@@ -144,6 +147,14 @@ contains
     end if
     call comm%agree(error)
   end subroutine trace_end_step
+
+  !> What all ranks had sent at a point, as cells of a row.
+  pure function message_cells(point) result(text)
+    type(trace_point_t), intent(in) :: point
+    character(len=:), allocatable :: text
+
+    text = ','//to_text(point%messages)//','//to_text(point%bytes)//','//to_text(point%collectives)
+  end function message_cells
 
   !> Names of the columns of traced steps.
   pure function step_names() result(names)

@@ -119,6 +119,21 @@ class Shares(Ranks):
                     self.assertEqual(points[-1][name], last[name], name)
                 self.assertEqual(points[0]["iteration"], "0")
                 self.assertLess(float(points[-1]["e1"]), 0.1 * float(points[0]["e1"]))
+                for name in ("messages", "bytes", "collectives"):
+                    counts = [int(point[name]) for point in points]
+                    self.assertEqual(counts, sorted(counts), name)
+                    self.assertGreater(counts[-1], counts[0], name)
+
+    def test_messages_of_traces_are_those_of_the_run(self):
+        deck = self.deck(PRESSED)
+        self.run_ranks(3, deck, "--set", "time.steps=12", "--set", "report.trace=true", "--set",
+                       f"report.trace_steps={list(range(1, 13))}", output="traced")
+        points = csv.DictReader((self.place / "traced/trace.csv").read_text().splitlines())
+        traced = sum({point["step"]: int(point["bytes"]) for point in points}.values())
+        run = self.run_json("traced")
+        # The test that ends a step comes after its last point, and sends once more; one rank of three has less than half.
+        self.assertLessEqual(traced, 1.000001 * run["bytes_per_gluing"] * run["gluings"])
+        self.assertGreater(traced, 0.5 * run["bytes_per_gluing"] * run["gluings"])
 
     def test_a_wall_under_pressure_is_where_one_rank_has_it(self):
         if not self.has_hdf5():

@@ -15,6 +15,8 @@ module sg_report
     real(wp) :: cpu_seconds = 0
     !> Errors of the whole problem there
     real(wp) :: e1 = 0, e2 = 0, e8 = 0
+    !> Messages to single ranks, their bytes, and collective operations since the start, likewise
+    integer(i8) :: messages = 0, bytes = 0, collectives = 0
   end type trace_point_t
 
   !> Report of one solve
@@ -28,6 +30,8 @@ module sg_report
     integer(i8) :: contact_updates = 0
     !> Times that the parts of a decomposed problem were glued
     integer :: gluings = 0
+    !> Messages to single ranks, their bytes, and collective operations
+    integer(i8) :: messages = 0, bytes = 0, collectives = 0
     !> Iterations of solvers that do not only sweep, and factorisations of their matrices
     integer :: iterations = 0, factorisations = 0
     !> Tests of the criterion

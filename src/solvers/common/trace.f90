@@ -93,13 +93,14 @@ contains
     report%apart = self%apart
   end subroutine trace_finish
 
-  !> A point with the errors and the updates of a report.
+  !> A point with the errors, the updates and the messages of a report.
   pure function point_of(iterations, report) result(point)
     integer, intent(in) :: iterations !! done so far
     type(report_t), intent(in) :: report !! its errors are measured
     type(trace_point_t) :: point
 
-    point = trace_point_t(iteration=iterations, contact_updates=report%contact_updates, e1=report%e1, e2=report%e2, e8=report%e8)
+    point = trace_point_t(iteration=iterations, contact_updates=report%contact_updates, e1=report%e1, e2=report%e2, e8=report%e8, &
+                          messages=report%messages, bytes=report%bytes, collectives=report%collectives)
   end function point_of
 
   !> Append a point.

@@ -49,6 +49,8 @@ module sg_nlgs
     !> History of the errors of this solve, and CPU seconds at the end of the last phase
     type(trace_t), private :: trace
     real(wp), private :: now = 0
+    !> Messages of this rank before this solve
+    type(traffic_t), private :: earlier
   contains
     procedure :: solve_coupled => nlgs_solve
     procedure :: list_tables => nlgs_list_tables
@@ -74,6 +76,7 @@ contains
     report%bytes_per_contact = bytes_per_contact(problem)
     if (comm%size == 1 .and. problem%n_contacts == 0) return
     call self%trace%begin(self%with_trace)
+    self%earlier = comm%traffic
     if (.not. self%options%warm_start) problem%impulse = 0
     ! A relaxed sweep would leave outside of its cone what momentum takes there.
     if (self%has_momentum) self%options%relaxation = 1
@@ -100,6 +103,7 @@ contains
     call self%close(problem, coupling, comm)
     call lap(self, report%cpu_checks)
     report%cpu_seconds = self%now
+    call count_messages(self, comm, report)
     call self%trace%finish(report%sweeps, report)
   end subroutine nlgs_solve
 
@@ -265,8 +269,20 @@ contains
     here%contact_updates = report%contact_updates
     call move_alloc(impulse, problem%impulse)
     comm%traffic = before
+    call count_messages(self, comm, here)
     call self%trace%add(point_of(report%sweeps, here))
   end subroutine note
+
+  !> Count what this rank has sent since the solve began.
+  pure subroutine count_messages(self, comm, report)
+    class(nlgs_t), intent(in) :: self
+    type(comm_t), intent(in) :: comm
+    type(report_t), intent(inout) :: report
+
+    report%messages = comm%traffic%messages - self%earlier%messages
+    report%bytes = comm%traffic%bytes - self%earlier%bytes
+    report%collectives = comm%traffic%collectives - self%earlier%collectives
+  end subroutine count_messages
 
   !> Add the CPU time since the last lap to a phase. Asking for the time costs as much as a small sweep: once per phase is enough.
   subroutine lap(self, phase)
