@@ -34,7 +34,7 @@ PROGRAM = os.environ.get("SPLITGRAIN_PROGRAM")
 with_program = pytest.mark.skipif(not PROGRAM, reason="SPLITGRAIN_PROGRAM names no program to run")
 
 # Studies of the talk.
-TALK = ("network", "shear_methods")
+TALK = ("network", "shear_methods", "reasonable")
 BOUNCES = f"""time_steps = [1e-2, 1e-3, 1e-4]
 duration = 0.75
 [constants]
@@ -437,9 +437,32 @@ def test_network_of_the_talk(tmp_path):
     with open(out / "histories.csv", newline="") as file:
         starts = [row for row in csv.DictReader(file) if row["iteration"] == "0"]
     assert len(starts) == 12 and all(float(row["e8"]) == 1.0 for row in starts)
-    assert len(list(out.glob("case-1-history-*.png"))) == 6
+    assert len(list(out.glob("case-1-history-*.png"))) == 6 and len(list(out.glob("case-1-effort-*.png"))) == 2
     with pytest.raises(StudyError, match="settings of runs that go on"):
         read_study(written(tmp_path, re.sub("from = .*\nsteps.*", "", text)))
+
+
+@with_program
+def test_what_a_solution_costs(tmp_path):
+    """The smallest scene of the study of the page, on one and four subdomains: messages of several only, more with every iteration, and
+    interior points that need none on one."""
+    text = (DECKS / "talk" / "reasonable.toml").read_text()
+    text = re.sub(r"subdomains = .*", "subdomains = [1, 4]", text).replace("values = [8, 64]", "values = [4]").replace("[1, 8]", "[1]")
+    head, *blocks = text.replace('"../', f'"{DECKS}/').split("[[")
+    kept = [block for block in blocks if block.startswith("variant") or "brick_wall" in block]
+    assert len(kept) < len(blocks)
+    kept[0] = kept[0].replace('"solver.maximum_sweeps" = 20000', '"solver.maximum_sweeps" = 400')
+    code, out = done(tmp_path, written(tmp_path, "[[".join([head, *kept])))
+    assert code == 0 and (out / "case-1-effort-4.png").exists()
+    with open(out / "histories.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    runs = {}
+    for row in rows:
+        runs.setdefault((row["variant"], row["subdomain"]), []).append([int(row[name]) for name in ("messages", "bytes", "collectives")])
+    assert len(runs) == 10
+    for (_, subdomains), counts in runs.items():
+        for column in zip(*counts, strict=True):
+            assert list(column) == sorted(column) and (column[-1] > 0) == (subdomains == "4")
 
 
 @with_program

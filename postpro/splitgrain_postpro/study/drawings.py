@@ -64,7 +64,31 @@ def histories(curves: dict[str, list[tuple[float, float]]], label: str, title: s
     ax = figure.add_subplot()
     for number, (name, points) in enumerate(curves.items()):
         ax.plot(*zip(*points, strict=True), color=LOOKS[number % len(LOOKS)][0], label=name, lw=1)
-    _finish(ax, bool(curves), label, ERRORS["e8"], title)
+    _finish(ax, bool(curves), label, ERRORS["e8"], title, legend="subdomains")
+    return figure
+
+
+def comparison(study: Study, histories: dict[str, list[dict[str, float]]], subdomains: int, title: str) -> Figure:
+    """Error of the whole problem within one step, by every variant, against CPU time and, of several subdomains, messages and bytes.
+    A collective operation counts as the messages of a tree, to one rank and back."""
+    efforts = {CPU: lambda point: point["cpu_seconds"]}
+    if subdomains > 1:
+        efforts["messages [-]"] = lambda point: point["messages"] + 2 * (subdomains - 1) * point["collectives"]
+        efforts[BYTES] = lambda point: point["bytes"]
+    figure = new_figure(*(SIZE if len(efforts) == 1 else (9.0, 3.6)))
+    axes = figure.subplots(1, len(efforts), sharey=True, squeeze=False)[0]
+    for ax, (label, effort) in zip(axes, efforts.items(), strict=True):
+        for variant, points in histories.items():
+            curve = [(effort(point), point["e8"]) for point in points]
+            curve = [(x, y) for x, y in curve if x > 0 and y > 0]
+            if curve:
+                ax.plot(*zip(*curve, strict=True), color=look(study, variant)[0], label=variant, lw=1)
+        ax.set(xscale="log", yscale="log", xlabel=label)
+    axes[0].set(ylabel=ERRORS["e8"])
+    axes[0].set_title(title)
+    # Room for the legend beneath the panels.
+    figure.get_layout_engine().set(rect=(0, 0.21, 1, 0.79))
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncols=4 if len(axes) > 1 else 2, title="method", handlelength=1.5)
     return figure
 
 
@@ -110,8 +134,8 @@ def convergence(study: Study, curves: Curves, orders: dict[str, float | None], l
     return figure
 
 
-def _finish(ax, drawn, x_label, y_label, title, scale="both"):
-    """Scales, labels, and the legend beneath the panel, where it hides nothing."""
+def _finish(ax, drawn, x_label, y_label, title, scale="both", legend=None):
+    """Scales, labels, and the legend, with its heading, beneath the panel, where it hides nothing."""
     ax.set_title(title)
     if not drawn:
         say_nothing_there(ax, "nothing to draw: no run arrived, or none has this number")
@@ -127,4 +151,5 @@ def _finish(ax, drawn, x_label, y_label, title, scale="both"):
     else:
         ax.xaxis.set_minor_formatter(NullFormatter())
     ax.set(xlabel=x_label, ylabel=y_label)
-    ax.legend(loc="upper center", bbox_to_anchor=(0.45, -0.17), ncols=3, handlelength=1.5, columnspacing=1.0)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.45, -0.17), ncols=3, handlelength=1.5, columnspacing=1.0,
+              title=legend)

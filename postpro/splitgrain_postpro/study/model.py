@@ -15,6 +15,9 @@ DEFAULT_SOLVER = "auto"
 # The lists that a study can vary, and the name of one value of each.
 AXES = {"tolerances": "tolerance", "time_steps": "time step", "subdomains": "subdomain"}
 
+# What a history within a step holds per point: columns of trace.csv.
+HISTORY = ("iteration", "cpu_seconds", "e8", "messages", "bytes", "collectives")
+
 
 @dataclass
 class Case:

@@ -14,7 +14,7 @@ from .csv_text import csv_text
 from .deck_titles import deck_section
 from .jobs import Job
 from .measures import errors_of, order_of
-from .model import AXES, Case, Curves, Measure, Result, Section, Study, Table
+from .model import AXES, HISTORY, Case, Curves, Measure, Result, Section, Study, Table
 from .profiles import profile, share, times_of
 from .runner import Store
 
@@ -92,7 +92,7 @@ class Report:
         """Errors within traced steps, one row per point, where there are any."""
         rows = [[*place, *point] for place, result in self.table.items() for point in result.get("history", [])]
         if rows:
-            names = ["case", "variant", AXES[self.study.axis], "iteration", "cpu_seconds", "e8"]
+            names = ["case", "variant", AXES[self.study.axis], *HISTORY]
             self.store.write(self.store.folder / "histories.csv", csv_text([names, *rows]).encode())
 
     def errors_at(self, case: str, variant: str, value: float) -> list:
@@ -174,7 +174,7 @@ class Report:
                 if clock == drawings.CPU or any(point[0] and point[1] for points in curves.values() for point in points):
                     figures.append(self.work(case, number, curves, clock, label, f"measure-{index + 1}"))
         if self.study.axis == "subdomains":
-            figures += self.efforts(case, number) + self.histories(case, number)
+            figures += self.efforts(case, number) + self.comparisons(case, number) + self.histories(case, number)
         found = {variant: self.traces[case.name, variant] for variant in self.names() if self.traces.get((case.name, variant))}
         if found:
             figure = drawings.traces(self.study, found, f"Within one run, to {min(self.study.values):g}")
@@ -190,6 +190,17 @@ class Report:
                       for variant in self.names()}  # fmt: skip
             figure = drawings.convergence(self.study, curves, {}, label, case.name)
             figures.append(self.save(figure, f"case-{number}-subdomains-{name}", f"{label} of {case.name} against subdomains"))
+        return figures
+
+    def comparisons(self, case: Case, number: int) -> list[str]:
+        """Error of all variants against CPU time, messages and bytes within a traced step, a figure for each number of subdomains."""
+        figures = []
+        for value in self.study.values:
+            found = {variant: [dict(zip(HISTORY, point, strict=True)) for point in result["history"]] for variant in self.names()
+                     if (result := self.table.get((case.name, variant, value))) and result.get("history")}  # fmt: skip
+            if len(found) > 1:
+                figure = drawings.comparison(self.study, found, value, f"{case.name}, {value:g} subdomain{'s' if value > 1 else ''}")
+                figures.append(self.save(figure, f"case-{number}-effort-{value:g}", f"E8 against effort on {value:g}: {case.name}"))
         return figures
 
     def histories(self, case: Case, number: int) -> list[str]:

@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import ResultsError
 from ..results import Results
 from .jobs import Job
-from .model import Result
+from .model import HISTORY, Result
 from .program import Program, settings_words
 from .states import state_folder
 
@@ -68,13 +68,14 @@ def read_run(folder: Path) -> dict:
 
 
 def history_of(folder: Path) -> list[list[float]]:
-    """Iterations, CPU seconds and E8 of the whole problem within the last step that was traced; nothing where none was."""
+    """Effort, E8 of the whole problem and messages (HISTORY) within the last step that was traced; nothing where none was."""
     try:
         with open(folder / "trace.csv", newline="") as file:
             rows = list(csv.DictReader(file))
     except OSError:
         return []
-    return [[int(row["iteration"]), float(row["cpu_seconds"]), float(row["e8"])] for row in rows if row["step"] == rows[-1]["step"]]
+    return [[float(row[name]) if name in ("cpu_seconds", "e8") else int(row[name]) for name in HISTORY] for row in rows
+            if row["step"] == rows[-1]["step"]]  # fmt: skip
 
 
 def worst_errors(run: dict, folder: Path, goes_on: bool) -> dict[str, float | None]:
