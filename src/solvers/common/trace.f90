@@ -116,9 +116,11 @@ contains
       longer(:self%n) = self%points
       call move_alloc(longer, self%points)
     end if
+    self%points(self%n + 1) = point
+    self%points(self%n + 1)%cpu_seconds = seconds
+    ! Where no time has passed, differences of clocks may fall by their rounding.
+    if (self%n > 0) self%points(self%n + 1)%cpu_seconds = max(seconds, self%points(self%n)%cpu_seconds)
     self%n = self%n + 1
-    self%points(self%n) = point
-    self%points(self%n)%cpu_seconds = seconds
     self%next = point%iteration + max(1, int(spacing*real(point%iteration, wp)))
   end subroutine append
 end module sg_trace
