@@ -4,6 +4,7 @@
 !! e8 is about what one more plain sweep would change. A sweep that goes on by a share b of the last change is worth
 !! (1 + b)/(1 - b) plain ones at the most: what a solve adds to its guess is estimated by these.
 module sg_check_history
+  use sg_ascending, only: first_at_least
   use sg_kinds, only: wp
   use sg_lists, only: reserve
   implicit none
@@ -62,25 +63,24 @@ contains
 
     base = last_until(self, self%sweeps(self%n)/2)
     associate (n => self%n)
-      estimate = self%e8(n)*max(fewest, to_fall(self, real(self%sweeps, wp), base), change*to_fall(self, self%worth, base))
+      estimate = self%e8(n)*max(fewest, to_fall(self, base, real(self%sweeps([max(1, base), n]), wp)), &
+                                change*to_fall(self, base, self%worth([max(1, base), n])))
     end associate
   end function history_estimate
 
   !> Sweeps, or plain sweeps that they are worth, in which e8 falls by e, by its fall since an earlier test.
-  pure real(wp) function to_fall(self, done, base)
+  pure real(wp) function to_fall(self, base, done)
     type(check_history_t), intent(in) :: self
-    real(wp), intent(in) :: done(:) !! sweeps of each test
     integer, intent(in) :: base !! the earlier test; 0 where there is none
+    real(wp), intent(in) :: done(2) !! sweeps of the earlier and of the last test
 
-    associate (n => self%n)
-      to_fall = done(n)
-      if (base == 0 .or. .not. self%e8(n) > 0) return
-      if (self%e8(base) > self%e8(n)) then
-        to_fall = max(to_fall, (done(n) - done(base))/log(self%e8(base)/self%e8(n)))
-      else
-        to_fall = standstill*max(fewest, to_fall)
-      end if
-    end associate
+    to_fall = done(2)
+    if (base == 0 .or. .not. self%e8(self%n) > 0) return
+    if (self%e8(base) > self%e8(self%n)) then
+      to_fall = max(to_fall, (done(2) - done(1))/log(self%e8(base)/self%e8(self%n)))
+    else
+      to_fall = standstill*max(fewest, to_fall)
+    end if
   end function to_fall
 
   !> The last test until a number of sweeps; 0 where there is none.
@@ -88,9 +88,7 @@ contains
     class(check_history_t), intent(in) :: self
     integer, intent(in) :: sweeps
 
-    do last_until = self%n, 1, -1
-      if (self%sweeps(last_until) <= sweeps) return
-    end do
+    last_until = first_at_least(self%sweeps(:self%n), sweeps + 1) - 1
   end function last_until
 
   !> Is e8 no less than at the last test that lies some sweeps back?
