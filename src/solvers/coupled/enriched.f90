@@ -136,7 +136,7 @@ contains
     type(comm_t), intent(inout) :: comm
     type(subdomain_matrices_t) :: matrices
 
-    call matrices%take(problem)
+    call matrices%take(problem, self%gluing%interface%slot)
     call matrices%prepare_factor(self%gluing%interface%slot, self%width, self%factor)
     self%contact = matrices%contact
     call set_units(self, matrices%contacts, matrices%mass, matrices%h, comm)

@@ -77,11 +77,14 @@ contains
 
     self%steps = 0
     self%iterations = 0
-    call matrices%take(problem)
+    associate (interface => self%system%interface)
+      call interface%find(problem%pair(:, :problem%n_contacts), problem%body(:, :problem%n_bodies), self%width, coupling, comm)
+      call matrices%take(problem, interface%slot)
+    end associate
     is_found = .not. comm%any(.not. is_convex(matrices)) .and. comm%any(size(matrices%contact) > 0)
     if (.not. is_found) return
     associate (system => self%system)
-      call begin_system(self, problem, coupling, matrices, comm)
+      call begin_system(self, coupling, matrices, comm)
       call scale_matrices(matrices, scaled, scale, system)
       system%h = matrices%h
       call matrices%prepare_factor(system%interface%slot, self%width, system%factor)
@@ -99,21 +102,18 @@ contains
     if (is_found) call bring_back(matrices, point%r, scale, impulse)
   end subroutine find_impulses
 
-  !> Take masses and ranks, and find the shared bodies. Collective.
-  subroutine begin_system(self, problem, coupling, matrices, comm)
+  !> Take masses and ranks, and prepare sums over copies.
+  subroutine begin_system(self, coupling, matrices, comm)
     class(interior_ranks_t), intent(inout) :: self
-    type(problem_t), intent(in) :: problem
     type(subdomain_t), intent(in) :: coupling
     type(subdomain_matrices_t), intent(in) :: matrices
-    type(comm_t), intent(inout) :: comm
+    type(comm_t), intent(in) :: comm
 
     associate (system => self%system)
       system%is_global = .true.
       system%width = self%width
       system%mass = matrices%mass
       system%cg%iterations = 0
-      call system%interface%find(problem%pair(:, :problem%n_contacts), problem%body(:, :problem%n_bodies), self%width, coupling, &
-                                 comm)
       call system%interface%prepare_sums(coupling, comm)
       system%comm = comm
     end associate

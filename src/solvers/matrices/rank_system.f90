@@ -8,7 +8,7 @@ module sg_rank_system
   use sg_cone_system, only: cone_system_t
   use sg_error, only: error_t, exit_failure, fail
   use sg_interface, only: interface_t
-  use sg_interface_cg, only: interface_cg_t
+  use sg_interface_cg, only: interface_cg_t, project
   use sg_kinds, only: wp
   use sg_matrix_problem, only: matrix_problem_t
   use sg_sparse, only: multiply, multiply_transposed, sparse_t
@@ -83,6 +83,7 @@ contains
     call multiply(self%h, reshape(dr, [size(dr)]), right)
     call self%factor%solve(right, v)
     call self%factor%gather(v, values)
+    call project(self%interface, self%factor, values, self%comm)
     call self%cg%solve(self%interface, self%factor, values, impulse, self%comm)
     call self%factor%spread(impulse, right)
     call self%factor%solve(right, correction)
