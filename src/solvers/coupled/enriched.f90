@@ -91,8 +91,8 @@ contains
     call visitor%option(option_t('scale', 'Unit of eta: the mean of the diagonal of W at each contact, or over all contacts, '// &
                                  'to which compliance of the law is added; or 1/kg.', choices='contact|mean|absolute'), &
                         self%scale)
-    call visitor%option(option_t('automatic', 'Let eta double where interface impulses overshoot, and halve where they take '// &
-                                 'less than 0.3 of the differences between copies?'), self%is_automatic)
+    call visitor%option(option_t('automatic', 'Eta doubles where interface impulses overshoot, and halves where they '// &
+                                 'take less than 0.3 of the differences between copies.'), self%is_automatic)
     call visitor%option(option_t('preconditioner', 'Preconditioner of the interface: masses of shared bodies, with '// &
                                  'contacts on them, or with all that they move.', &
                                  choices=preconditioner_names), self%preconditioner)
