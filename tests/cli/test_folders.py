@@ -121,7 +121,7 @@ class Others(Folders):
         if not self.has_hdf5():
             self.skipTest("a build without HDF5 has no checkpoints")
         self.run_until_walltime(self.run_deck, *LONG, "--quiet")
-        self.refused("a run that has not ended: --restart out", *LONG, "--walltime", "0.2")
+        self.refused("a run that has not ended: --restart out", *LONG, "--walltime", "60")
 
     def test_files_that_are_read_are_not_written_over(self):
         self.run_deck("--quiet")
