@@ -5,6 +5,7 @@
 !! Between `begin` and `finish` other work may go on; neither list may be touched. Neighbours in other processes get messages of
 !! the library (`exchange_with_mpi`), other subdomains of this process letters (sg_board).
 module sg_exchange
+  use, intrinsic :: iso_c_binding, only: c_associated, c_loc, c_null_ptr, c_ptr
   use sg_comm, only: comm_t
   use sg_coroutines, only: note_progress, yield
   use sg_kinds, only: wp, i8
@@ -13,7 +14,8 @@ module sg_exchange
   private
   public :: exchange_t
 
-  !> A plan of messages between neighbours; it must stay where it was made (no copy, no move) while it is in use
+  !> A plan of messages between neighbours. A copy prepares messages of its own when it first begins; a plan that gets a copy gives
+  !! its messages back by `release` first
   type :: exchange_t
     !> Neighbours: ranks, ascending
     integer, allocatable :: rank(:)
@@ -21,8 +23,9 @@ module sg_exchange
     integer, allocatable :: send_first(:), receive_first(:)
     !> Items, shape (width, items)
     real(wp), allocatable :: send(:, :), receive(:, :)
-    !> Handles of prepared messages
+    !> Handles of prepared messages, and where the plan lay that prepared them: their buffers are those of that plan
     integer, allocatable, private :: request(:)
+    type(c_ptr), private :: home = c_null_ptr
     !> Is each neighbour a subdomain of this process, and the letter that is expected from it: 0 where there is none
     logical, allocatable, private :: is_here(:)
     integer(i8), allocatable, private :: letter(:)
@@ -85,9 +88,33 @@ contains
     self%messages = count(send_count > 0)
     self%bytes = 8*size(self%send)
     self%is_here = [(comm%is_here(rank(i)), i=1, size(rank))]
-    allocate (self%letter(size(rank)), source=0_i8)
-    call open_messages(self, comm)
+    call own_messages(self, comm)
   end subroutine exchange_prepare
+
+  !> Prepare messages from and to the lists of this plan.
+  subroutine own_messages(self, comm)
+    class(exchange_t), intent(inout), target :: self
+    type(comm_t), intent(in) :: comm
+    integer :: i
+
+    self%letter = [(0_i8, i=1, size(self%rank))]
+    call open_messages(self, comm)
+    self%home = c_loc(self%send_first)
+  end subroutine own_messages
+
+  !> Were the messages prepared by the plan that this one is a copy of?
+  logical function is_copy(self)
+    class(exchange_t), intent(in), target :: self
+
+    is_copy = .not. c_associated(self%home, c_loc(self%send_first))
+  end function is_copy
+
+  !> Forget messages of the plan that this one is a copy of.
+  subroutine forget_messages(self)
+    class(exchange_t), intent(inout) :: self
+
+    if (allocated(self%request)) deallocate (self%request)
+  end subroutine forget_messages
 
   !> Start sending what is in `send`.
   subroutine exchange_begin(self, comm)
@@ -95,6 +122,10 @@ contains
     type(comm_t), intent(inout) :: comm !! its traffic grows
     integer :: i
 
+    if (is_copy(self)) then
+      call forget_messages(self)
+      call own_messages(self, comm)
+    end if
     call start_messages(self)
     do i = 1, size(self%rank)
       if (.not. self%is_here(i)) cycle
@@ -134,9 +165,10 @@ contains
   subroutine exchange_release(self)
     class(exchange_t), intent(inout), target :: self
 
+    if (.not. allocated(self%rank)) return
+    if (is_copy(self)) call forget_messages(self)
     call close_messages(self)
-    if (allocated(self%rank)) deallocate (self%rank, self%send_first, self%receive_first, self%send, self%receive, self%is_here, &
-                                          self%letter)
+    deallocate (self%rank, self%send_first, self%receive_first, self%send, self%receive, self%is_here, self%letter)
   end subroutine exchange_release
 
   !> Bytes that a plan holds; negative where there is none.

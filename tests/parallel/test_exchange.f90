@@ -11,6 +11,7 @@ program test_exchange
 
   call comm%start()
   call test_plan()
+  call test_copies()
   call test_one_way()
   call test_message_costs()
   call t%finish(comm)
@@ -53,6 +54,52 @@ contains
     call t%check(.not. allocated(plan%send), 'a plan that is given back')
     call plan%release()
   end subroutine test_plan
+
+  !> A copy of a plan, alone or in what holds it, has messages of its own: both send their own items, by turns or at once, and
+  !! each is given back without the other.
+  subroutine test_copies()
+    type :: holder_t
+      type(exchange_t) :: plan
+    end type holder_t
+    type(holder_t), target :: first, second
+    type(holder_t), allocatable, target :: third
+    integer, allocatable :: neighbour(:)
+    integer :: r
+
+    neighbour = pack([(r, r=0, comm%size - 1)], [(r /= comm%rank, r=0, comm%size - 1)])
+    call first%plan%prepare(comm, 2, neighbour, items(comm%rank, neighbour), items(neighbour, comm%rank))
+    second = first
+    allocate (third, source=first)
+    call fill(first%plan, 1)
+    call fill(second%plan, 2)
+    call second%plan%begin(comm)
+    call second%plan%finish(comm)
+    call look(second%plan, 2)
+    call first%plan%begin(comm)
+    call fill(third%plan, 3)
+    call third%plan%begin(comm)
+    call third%plan%finish(comm)
+    call first%plan%finish(comm)
+    call look(first%plan, 1)
+    call look(third%plan, 3)
+    call first%plan%release()
+    call fill(second%plan, 4)
+    call second%plan%begin(comm)
+    call second%plan%finish(comm)
+    call look(second%plan, 4)
+    call second%plan%release()
+    call third%plan%release()
+    deallocate (third)
+    ! A copy that never sent holds nothing to give back.
+    call first%plan%prepare(comm, 2, neighbour, items(comm%rank, neighbour), items(neighbour, comm%rank))
+    second = first
+    call second%plan%release()
+    call fill(first%plan, 5)
+    call first%plan%begin(comm)
+    call first%plan%finish(comm)
+    call look(first%plan, 5)
+    call first%plan%release()
+  end subroutine test_copies
 
   !> Items that one rank sends to another.
   elemental integer function items(from, to)
