@@ -6,6 +6,7 @@ module sg_run_summary
   use sg_json, only: json_t
   use sg_kinds, only: wp, i8
   use sg_measures, only: measures_t, unmeasured
+  use sg_report, only: coupled_effort_t
   use sg_run_options, only: criterion_names, run_options_t
   use sg_scene, only: scene_t
   use sg_system, only: peak_memory_bytes
@@ -30,8 +31,9 @@ module sg_run_summary
     !> Splits made, and bodies that changed owner in all of them
     integer :: splits = 0
     real(wp) :: moved = 0
-    !> Gluings of all steps
-    integer(i8) :: gluings = 0
+    !> Of all solves: gluings, iterations of the interface, interface systems without convergence; of all subdomains together,
+    !! factorisations of their matrices, and those that failed
+    integer(i8) :: solves = 0, gluings = 0, iterations = 0, failed_systems = 0, factorisations = 0, failed_factors = 0
     !> Contact updates of a subdomain: fewest, mean and most; imbalance: most over mean
     real(wp) :: least_updates = 0, mean_updates = 0, most_updates = 0, imbalance = 1
     !> Messages and bytes that all subdomains together send at a gluing, in the mean
@@ -115,18 +117,21 @@ contains
   end subroutine summary_describe
 
   !> Gather the cost of sharing from all ranks. Collective.
-  subroutine cost_collect(self, comm, contact_updates, gluings, messages, bytes)
+  subroutine cost_collect(self, comm, effort, messages, bytes)
     class(shared_cost_t), intent(inout) :: self
     type(comm_t), intent(inout) :: comm !! the ranks
-    integer(i8), intent(in) :: contact_updates !! of this rank
-    integer(i8), intent(in) :: gluings !! of all steps, the same on all ranks
+    type(coupled_effort_t), intent(in) :: effort !! of this rank
     integer(i8), intent(in) :: messages !! sent by this rank in all gluings
     integer(i8), intent(in) :: bytes !! sent by this rank in all gluings
     real(wp), allocatable :: all(:, :)
 
-    call comm%gather([real(contact_updates, wp), comm%traffic%wait_seconds, &
-                      merge(real(peak_memory_bytes(), wp), 0.0_wp, comm%leads_process()), real(messages, wp), real(bytes, wp)], all)
-    self%gluings = gluings
+    call comm%gather([real(effort%contact_updates, wp), comm%traffic%wait_seconds, &
+                      merge(real(peak_memory_bytes(), wp), 0.0_wp, comm%leads_process()), real(messages, wp), real(bytes, wp), &
+                      real([effort%factorisations, effort%failed_factors], wp)], all)
+    self%solves = effort%solves
+    self%gluings = effort%gluings
+    self%iterations = effort%iterations
+    self%failed_systems = effort%failed_systems
     self%least_updates = minval(all(1, :))
     self%mean_updates = sum(all(1, :))/real(comm%size, wp)
     self%most_updates = maxval(all(1, :))
@@ -136,8 +141,10 @@ contains
     self%most_wait = maxval(all(2, :))
     self%most_memory = maxval(all(3, :))
     self%all_memory = sum(all(3, :))
-    self%messages = sum(all(4, :))/real(max(1_i8, gluings), wp)
-    self%bytes = sum(all(5, :))/real(max(1_i8, gluings), wp)
+    self%messages = sum(all(4, :))/real(max(1_i8, self%gluings), wp)
+    self%bytes = sum(all(5, :))/real(max(1_i8, self%gluings), wp)
+    self%factorisations = nint(sum(all(6, :)), i8)
+    self%failed_factors = nint(sum(all(7, :)), i8)
   end subroutine cost_collect
 
   !> Number of ranks, and of subdomains where they have several.
@@ -304,6 +311,10 @@ contains
     call json%add('splits', shared%splits)
     call json%add('moved_bodies', shared%moved)
     call json%add('gluings', shared%gluings)
+    call json%add('interface_iterations', shared%iterations)
+    call json%add('factorisations', shared%factorisations)
+    call json%add('failed_systems', shared%failed_systems)
+    call json%add('failed_factors', shared%failed_factors)
     call json%add('rank_updates_min', shared%least_updates)
     call json%add('rank_updates_mean', shared%mean_updates)
     call json%add('rank_updates_max', shared%most_updates)

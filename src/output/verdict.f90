@@ -4,7 +4,7 @@ module sg_verdict
   use sg_kinds, only: wp, i8
   use sg_methods, only: find_method, is_swept, list_couplings, method_t, quoted_names, robust_solver
   use sg_print, only: print_line
-  use sg_run_summary, only: ranks_words, run_summary_t
+  use sg_run_summary, only: ranks_words, run_summary_t, shared_cost_t
   use sg_system, only: peak_memory_bytes
   use sg_text, only: counted, joined, text_t, to_text
   use sg_totals, only: n_phases, phase_names, phase_solve, totals_t, worst_contact_words
@@ -61,6 +61,7 @@ contains
       if (summary%subdomains > 1) then
         call line('ranks', ranks_words(summary%subdomains, summary%ranks)//' by '//split_words(summary))
         call line('gluing', gluing_words(summary))
+        if (summary%shared%factorisations > 0) call line('interface', interface_words(summary%shared, summary%subdomains))
       end if
       call line('memory', memory_words(summary)//', '//to_text(nint(totals%bytes_per_contact))// &
                 ' bytes per contact in the contact problem')
@@ -143,6 +144,21 @@ contains
               ' s in the mean, '//fixed(shared%most_wait, 2)//' s at most'
     end associate
   end function gluing_words
+
+  !> What systems of the interface cost, and how often they failed.
+  pure function interface_words(shared, subdomains) result(words)
+    type(shared_cost_t), intent(in) :: shared
+    integer, intent(in) :: subdomains
+    character(len=:), allocatable :: words
+
+    associate (solves => real(max(1_i8, shared%solves), wp))
+      words = fixed(real(shared%iterations, wp)/solves, 1)//' iterations and '// &
+              fixed(real(shared%factorisations, wp)/solves/real(subdomains, wp), 1)//' factorisations of a subdomain per step'
+    end associate
+    if (shared%failed_systems + shared%failed_factors == 0) return
+    words = words//'; '//to_text(shared%failed_systems)//' systems did not converge and '//to_text(shared%failed_factors)// &
+            ' matrices had no factor: the dual method went on there'
+  end function interface_words
 
   !> What shares the work: ranks, or their subdomains.
   pure character(len=9) function unit_word(summary)

@@ -69,7 +69,7 @@ contains
       shared%gluing = trim(sim%options%partition%gluing)
       shared%splits = subdomain%splits
       shared%moved = subdomain%moved
-      call shared%collect(sim%comm, sim%own_updates, sim%gluings, sim%gluing_traffic%messages, sim%gluing_traffic%bytes)
+      call shared%collect(sim%comm, sim%effort, sim%gluing_traffic%messages, sim%gluing_traffic%bytes)
     end associate
   end subroutine collect_costs
 

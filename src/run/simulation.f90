@@ -9,13 +9,13 @@ module sg_simulation
   use sg_energy, only: energy_t
   use sg_error, only: error_t, fail
   use sg_history, only: history_t, start_history
-  use sg_kinds, only: wp, i8
+  use sg_kinds, only: wp
   use sg_neighbours, only: neighbours_t
   use sg_tunnelling, only: tunnelling_t
   use sg_plan, only: make_plan, omissions_t, plan_t
   use sg_problem, only: problem_t
   use sg_records, only: impulse_length
-  use sg_report, only: report_t
+  use sg_report, only: coupled_effort_t, report_t
   use sg_run_options, only: partition_options_t, run_options_t
   use sg_scene, only: scene_t
   use sg_signature, only: n_signature, signature_of
@@ -66,9 +66,8 @@ module sg_simulation
     integer :: step = 0
     !> Contacts of the last step, of all ranks
     integer :: all_contacts = 0
-    !> Where ranks share the scene: gluings of this run, contact updates of this rank and its messages in them; signature of the
-    !! whole scene
-    integer(i8) :: gluings = 0, own_updates = 0
+    !> Where ranks share the scene: effort of this rank in this run, and its messages in solves; signature of the whole scene
+    type(coupled_effort_t) :: effort
     type(traffic_t) :: gluing_traffic
     real(wp) :: signature(n_signature) = 0
   contains

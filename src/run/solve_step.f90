@@ -3,7 +3,7 @@
 module sg_solve_step
   use sg_bonds, only: damage_t, refresh_bonds
   use sg_comm, only: traffic_t
-  use sg_kinds, only: wp, i8
+  use sg_kinds, only: wp
   use sg_report, only: report_t
   use sg_residuals, only: find_worst
   use sg_simulation, only: simulation_t
@@ -92,6 +92,8 @@ contains
     report%gluings = report%gluings + before%gluings
     report%iterations = report%iterations + before%iterations
     report%factorisations = report%factorisations + before%factorisations
+    report%failed_factors = report%failed_factors + before%failed_factors
+    report%failed_systems = report%failed_systems + before%failed_systems
     report%checks = report%checks + before%checks
     report%cpu_sweeps = report%cpu_sweeps + before%cpu_sweeps
     report%cpu_checks = report%cpu_checks + before%cpu_checks
@@ -114,8 +116,7 @@ contains
       if (bodies%n_carried > 0) bodies%carried(:, sim%pairs%body_of) = solver%carried_body
       if (contacts%n_carried > 0) contacts%carried(:, :contacts%n) = solver%carried_contact
     end associate
-    sim%gluings = sim%gluings + int(sim%report%gluings, i8)
-    sim%own_updates = sim%own_updates + sim%report%contact_updates
+    call sim%effort%add(sim%report)
     sim%gluing_traffic%messages = sim%gluing_traffic%messages + sim%comm%traffic%messages - before%messages
     sim%gluing_traffic%bytes = sim%gluing_traffic%bytes + sim%comm%traffic%bytes - before%bytes
   end subroutine solve_once

@@ -5,7 +5,7 @@ module sg_report
   use sg_timers, only: timer_t
   implicit none
   private
-  public :: report_t, trace_point_t, ratio, unsolved
+  public :: report_t, coupled_effort_t, trace_point_t, ratio, unsolved
 
   !> One point of the history of a solve: what had been done, and how far the answer was
   type :: trace_point_t
@@ -34,6 +34,9 @@ module sg_report
     integer(i8) :: messages = 0, bytes = 0, collectives = 0
     !> Iterations of solvers that do not only sweep, and factorisations of their matrices
     integer :: iterations = 0, factorisations = 0
+    !> Of a coupled method that goes on without them: matrices of this rank that have no factor, and interface systems whose
+    !! conjugate gradients do not converge
+    integer :: failed_factors = 0, failed_systems = 0
     !> Tests of the criterion
     integer :: checks = 0
     !> Last value of the stopping criterion
@@ -61,7 +64,29 @@ module sg_report
     real(wp) :: bytes_per_contact = 0
   end type report_t
 
+  !> Effort of this rank in all coupled solves of a run: the counts of their reports
+  type :: coupled_effort_t
+    integer(i8) :: solves = 0, gluings = 0, contact_updates = 0, iterations = 0, factorisations = 0, failed_factors = 0, &
+                   failed_systems = 0
+  contains
+    procedure :: add => effort_add
+  end type coupled_effort_t
+
 contains
+
+  !> Add the counts of a solve.
+  pure subroutine effort_add(self, report)
+    class(coupled_effort_t), intent(inout) :: self
+    type(report_t), intent(in) :: report !! of this rank
+
+    self%solves = self%solves + 1
+    self%gluings = self%gluings + int(report%gluings, i8)
+    self%contact_updates = self%contact_updates + report%contact_updates
+    self%iterations = self%iterations + int(report%iterations, i8)
+    self%factorisations = self%factorisations + int(report%factorisations, i8)
+    self%failed_factors = self%failed_factors + int(report%failed_factors, i8)
+    self%failed_systems = self%failed_systems + int(report%failed_systems, i8)
+  end subroutine effort_add
 
   !> Report for an unsolved problem: zero effort, errors not a number.
   pure function unsolved() result(report)

@@ -50,6 +50,7 @@ module sg_enriched
     !> Options of the interface system
     character(len=16) :: preconditioner = 'dirichlet'
     real(wp) :: tolerance = 1e-2_wp
+    integer :: most_iterations = 500
     !> Share of contacts of a subdomain that may open, close, stick or slide before it is factorised again
     real(wp) :: changes = 0.02_wp
     type(subdomain_factor_t), private :: factor
@@ -98,6 +99,8 @@ contains
                                  choices=preconditioner_names), self%preconditioner)
     call visitor%option(option_t('tolerance', 'Differences between copies that conjugate gradients leave of those after a '// &
                                  'round.', above=0.0_wp, most=1.0_wp), self%tolerance)
+    call visitor%option(option_t('most_iterations', 'Iterations within which they must get there; where they do not the '// &
+                                 'rest of the step is left to the dual method.', least=1.0_wp), self%most_iterations)
     call visitor%option(option_t('changes', 'Share of the contacts of a subdomain that may open, close, stick or slide '// &
                                  'before its matrix is factorised again.', least=0.0_wp), self%changes)
   end subroutine enriched_visit_options
@@ -113,7 +116,9 @@ contains
     call self%sets%nesterov%begin(.false.)
     self%cg%preconditioner = choice_index(trim(self%preconditioner), preconditioner_names)
     self%cg%tolerance = self%tolerance
+    self%cg%most_iterations = self%most_iterations
     self%cg%iterations = 0
+    self%cg%failures = 0
     call take_matrices(self, problem, comm)
     self%is_collected = .false.
     self%eta_of_factor = 0
@@ -181,16 +186,19 @@ contains
     real(wp), allocatable :: blocks(:, :, :)
     integer :: state(size(self%contact)), k, i, d
     real(wp) :: eta
+    logical :: is_enriched
 
-    eta = self%eta*self%factor_of_eta
-    ! Where errors did not fall again and again the rest of the step is left to the dual method, which always converges.
-    if (self%damping < least_damping) eta = huge(1.0_wp)/1e30_wp
+    ! Where errors did not fall again and again, or an interface system did not converge, the rest of the step is left to the dual
+    ! method, which always converges.
+    is_enriched = self%damping >= least_damping .and. self%cg%failures == 0
+    eta = huge(1.0_wp)
+    if (is_enriched) eta = self%eta*self%factor_of_eta
     d = merge(3, 2, is_in_space(problem%kind))
     allocate (blocks(d, d, size(self%contact)), source=0.0_wp)
     do k = 1, size(self%contact)
       contact = contact_of(problem, int(self%contact(k)))
       state(k) = state_of(contact)
-      if (state(k) == is_open .or. .not. self%unit(k) > 0) cycle
+      if (.not. is_enriched .or. state(k) == is_open .or. .not. self%unit(k) > 0) cycle
       do i = 1, merge(d, 1, contact%has_tangent .and. state(k) == sticks)
         blocks(i, i, k) = 1/(eta*self%unit(k) + merge(0.0_wp, contact%compliance(i), self%scale == 'absolute'))
       end do
@@ -256,6 +264,8 @@ contains
     call update_impulses(self, problem, comm)
     report%iterations = self%cg%iterations
     report%factorisations = self%factor%factorisations
+    report%failed_factors = self%factor%failures
+    report%failed_systems = self%cg%failures
   end subroutine enriched_finish_round
 
   !> Let eta follow the Rayleigh quotient of the pencil (X, X_eta) at the interface impulses of some rounds: the share of the
@@ -285,6 +295,7 @@ contains
       allocate (impulse, mold=velocity)
       call self%cg%solve(interface, self%factor, velocity, impulse, comm)
       self%last_impulse = impulse
+      if (self%cg%failures > 0) call update_factor(self, problem)
       call self%factor%apply_inverse_mass(impulse)
       problem%body(:self%width, interface%slot) = problem%body(:self%width, interface%slot) - impulse
     end associate

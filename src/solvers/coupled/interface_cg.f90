@@ -20,8 +20,8 @@ module sg_interface_cg
     integer :: preconditioner = by_schur
     real(wp) :: tolerance = 1e-2_wp
     integer :: most_iterations = 500
-    !> Iterations so far
-    integer :: iterations = 0
+    !> Iterations so far, and solves that ended above the tolerance
+    integer :: iterations = 0, failures = 0
   contains
     procedure :: solve => cg_solve
   end type interface_cg_t
@@ -46,7 +46,7 @@ contains
     first = energy
     p = z
     do k = 1, self%most_iterations
-      if (.not. energy > self%tolerance**2*first) exit
+      if (energy <= self%tolerance**2*first) exit
       q = p
       call factor%apply_inverse(q)
       call project(interface, factor, q, comm)
@@ -61,6 +61,7 @@ contains
       energy = product_of(velocity, z, comm)
       p = z + energy/before*p
     end do
+    if (.not. energy <= self%tolerance**2*first) self%failures = self%failures + 1
   end subroutine cg_solve
 
   !> Impulses that take velocities away approximately, and add up to nothing over copies.

@@ -36,9 +36,9 @@ module sg_subdomain_factor
     logical, allocatable, private :: is_shared(:)
     !> Has each shared body an unknown here?
     logical, allocatable :: takes_part(:)
-    logical, private :: is_stiff = .false., has_inner = .false.
-    !> Factorisations since `prepare`
-    integer :: factorisations = 0
+    logical, private :: is_stiff = .false., has_inner = .false., lacks_inner = .false.
+    !> Factorisations since `prepare`, and those that failed
+    integer :: factorisations = 0, failures = 0
   contains
     procedure :: prepare => factor_prepare
     procedure :: factorise => factor_factorise
@@ -79,6 +79,7 @@ contains
     self%is_stiff = .false.
     self%has_inner = .false.
     self%factorisations = 0
+    self%failures = 0
   end subroutine factor_prepare
 
   !> Factorise the matrix of some D; where that fails D is zero.
@@ -88,12 +89,14 @@ contains
     type(error_t), allocatable, intent(out) :: error !! why there is no factor
 
     self%has_inner = .false.
+    self%lacks_inner = .false.
     call self%congruence%fill(blocks)
     self%is_stiff = any(abs(blocks) > 0)
     if (.not. self%is_stiff) return
     call self%factor%factorise(self%congruence%matrix, error)
     self%factorisations = self%factorisations + 1
     if (.not. allocated(error)) return
+    self%failures = self%failures + 1
     self%is_stiff = .false.
     call self%congruence%fill(0*blocks)
   end subroutine factor_factorise
@@ -150,17 +153,14 @@ contains
     call gather_values(self, b, values)
   end subroutine factor_precondition
 
-  !> Let other bodies follow the shared ones without impulses on them.
+  !> Let other bodies follow the shared ones without impulses on them; where their matrix has no factor they stay.
   subroutine move_inner(self, x)
     type(subdomain_factor_t), intent(inout) :: self
     real(wp), intent(inout) :: x(:) !! velocities of shared bodies; those of others are set
-    type(error_t), allocatable :: error
     real(wp) :: b(self%n), y(self%n)
 
-    if (.not. self%has_inner) then
-      call factorise_inner(self, error)
-      if (allocated(error)) return
-    end if
+    if (.not. (self%has_inner .or. self%lacks_inner)) call factorise_inner(self)
+    if (self%lacks_inner) return
     call multiply(self%congruence%matrix, x, b)
     where (self%is_shared) b = 0
     call self%inner%solve(b, y)
@@ -168,9 +168,9 @@ contains
   end subroutine move_inner
 
   !> Factorise the matrix of unknowns of bodies that are not shared; the others have a diagonal of ones.
-  subroutine factorise_inner(self, error)
+  subroutine factorise_inner(self)
     type(subdomain_factor_t), intent(inout) :: self
-    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: error
     type(sparse_t) :: matrix
     integer :: i, e
 
@@ -184,6 +184,8 @@ contains
     call self%inner%factorise(matrix, error)
     self%factorisations = self%factorisations + 1
     self%has_inner = .not. allocated(error)
+    self%lacks_inner = allocated(error)
+    if (self%lacks_inner) self%failures = self%failures + 1
   end subroutine factorise_inner
 
   !> Values of shared bodies as a vector of all unknowns.
