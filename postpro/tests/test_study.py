@@ -21,9 +21,10 @@ from splitgrain_postpro.errors import StudyError
 from splitgrain_postpro.study.csv_text import csv_text
 from splitgrain_postpro.study.deck_titles import deck_section
 from splitgrain_postpro.study.description import read_study
+from splitgrain_postpro.study.drawings import comparison
 from splitgrain_postpro.study.expressions import evaluate
 from splitgrain_postpro.study.jobs import jobs_of
-from splitgrain_postpro.study.measures import order_of
+from splitgrain_postpro.study.measures import efforts_to_levels, order_of
 from splitgrain_postpro.study.model import Case
 from splitgrain_postpro.study.problems import distance
 from splitgrain_postpro.study.profiles import profile, share, times_of
@@ -442,24 +443,54 @@ def test_network_of_the_talk(tmp_path):
         read_study(written(tmp_path, re.sub("from = .*\nsteps.*", "", text)))
 
 
+def test_efforts_to_levels_by_hand():
+    """The first point at or below each level counts, though the error rises again; levels that are not reached have no row."""
+    names = ("iteration", "cpu_seconds", "e8", "messages", "bytes", "collectives")
+    points = [dict(zip(names, point, strict=True)) for point in
+              [(0, 0.5, 1.0, 0, 0, 1), (1, 1.0, 0.01, 10, 80, 2), (2, 2.0, 0.2, 20, 160, 3), (3, 3.0, 0.004, 30, 240, 4)]]  # fmt: skip
+    assert efforts_to_levels(points, 4) == [[0.1, 1, 1.0, 10 + 6 * 2, 80], [0.01, 1, 1.0, 22, 80]]
+    assert efforts_to_levels(points, 1)[0][3] == 10 and efforts_to_levels([], 4) == []
+
+
+def test_comparison_tells_all_methods_apart():
+    """A line of its own for every method of the shipped study, and a legend with a title that hides no panel and no label."""
+    study = read_study(DECKS / "talk" / "reasonable.toml")
+    points = [{"cpu_seconds": 10.0 ** -k, "e8": 10.0 ** (k - 6), "messages": 10**k, "collectives": k, "bytes": 100**k} for k in range(6)]
+    for subdomains in (1, 8):
+        figure = comparison(study, {variant.name: points for variant in study.variants}, subdomains, "a title")
+        figure.savefig(io.BytesIO())
+        assert len(figure.axes) == (1 if subdomains == 1 else 3) and all("[" in ax.get_xlabel() for ax in figure.axes)
+        for ax in figure.axes:
+            assert len({(line.get_color(), line.get_linestyle()) for line in ax.lines}) == len(study.variants)
+        legend = figure.legends[0]
+        assert legend.get_title().get_text() == "method"
+        box = legend.get_window_extent()
+        assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= figure.bbox.x1
+        assert not any(box.overlaps(ax.get_tightbbox()) for ax in figure.axes)
+
+
 @with_program
 def test_what_a_solution_costs(tmp_path):
     """The smallest scene of the study of the page, on one and four subdomains: messages of several only, more with every iteration, and
     interior points that need none on one."""
     text = (DECKS / "talk" / "reasonable.toml").read_text()
-    text = re.sub(r"subdomains = .*", "subdomains = [1, 4]", text).replace("values = [8, 64]", "values = [4]").replace("[1, 8]", "[1]")
+    text = re.sub(r"subdomains = .*", "subdomains = [1, 4]", text).replace("values = [8, 64]", "values = [4]").replace("= [8]", "= [4]")
+    text = text.replace('"solver.maximum_sweeps" = 60', '"solver.maximum_sweeps" = 6')
     head, *blocks = text.replace('"../', f'"{DECKS}/').split("[[")
     kept = [block for block in blocks if block.startswith("variant") or "brick_wall" in block]
     assert len(kept) < len(blocks)
     kept[0] = kept[0].replace('"solver.maximum_sweeps" = 20000', '"solver.maximum_sweeps" = 400')
     code, out = done(tmp_path, written(tmp_path, "[[".join([head, *kept])))
     assert code == 0 and (out / "case-1-effort-4.png").exists()
+    with open(out / "efforts.csv", newline="") as file:
+        efforts = {(row["variant"], row["subdomain"], row["level"]): row for row in csv.DictReader(file)}
+    assert all(int(efforts["dual", subdomains, "0.01"]["iteration"]) > 0 for subdomains in ("1", "4"))
     with open(out / "histories.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     runs = {}
     for row in rows:
         runs.setdefault((row["variant"], row["subdomain"]), []).append([int(row[name]) for name in ("messages", "bytes", "collectives")])
-    assert len(runs) == 10
+    assert len(runs) == 11
     for (_, subdomains), counts in runs.items():
         for column in zip(*counts, strict=True):
             assert list(column) == sorted(column) and (column[-1] > 0) == (subdomains == "4")

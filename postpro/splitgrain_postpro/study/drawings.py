@@ -5,10 +5,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
 from ..style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, new_figure, say_nothing_there
+from .measures import messages_of
 from .model import Case, Curves, Study
 
 LOOKS = list(zip((BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK), "os^Dvp*", strict=True))
 SIZE = (4.7, 3.7)
+PANEL = 2.9  # height of panels above a legend of their own
 ERRORS = {
     "e1": "error E1 [-]", "e2": "error E2 [-]", "e8": "error E8 [-]",
     "distance": "distance to the reference [-]",
@@ -23,6 +25,11 @@ def look(study: Study, variant: str) -> tuple[str, str]:
     number = names.index(variant)
     # Beyond the last look colours come again with other markers.
     return LOOKS[number % len(LOOKS)][0], LOOKS[(number + number // len(LOOKS)) % len(LOOKS)][1]
+
+
+def line_style(study: Study, variant: str) -> str:
+    """Line of a variant where there are no markers: dashed where a colour comes again."""
+    return "--" if [other.name for other in study.variants].index(variant) >= len(LOOKS) else "-"
 
 
 def work_precision(study: Study, case: Case, curves: Curves, clock: str, error_label: str, title: str) -> Figure:
@@ -69,27 +76,38 @@ def histories(curves: dict[str, list[tuple[float, float]]], label: str, title: s
 
 
 def comparison(study: Study, histories: dict[str, list[dict[str, float]]], subdomains: int, title: str) -> Figure:
-    """Error of the whole problem within one step, by every variant, against CPU time and, of several subdomains, messages and bytes.
-    A collective operation counts as the messages of a tree, to one rank and back."""
-    efforts = {CPU: lambda point: point["cpu_seconds"]}
+    """Error of the whole problem within one step, by every variant, against CPU time and, of several subdomains, messages and bytes."""
+    efforts = {CLOCKS[CPU]: lambda point: point["cpu_seconds"]}
     if subdomains > 1:
-        efforts["messages [-]"] = lambda point: point["messages"] + 2 * (subdomains - 1) * point["collectives"]
-        efforts[BYTES] = lambda point: point["bytes"]
-    figure = new_figure(*(SIZE if len(efforts) == 1 else (9.0, 3.6)))
+        efforts["messages [-]"] = lambda point: messages_of(point, subdomains)
+        efforts[CLOCKS[BYTES]] = lambda point: point["bytes"]
+    figure = new_figure(SIZE[0] if len(efforts) == 1 else 9.0, PANEL)
     axes = figure.subplots(1, len(efforts), sharey=True, squeeze=False)[0]
     for ax, (label, effort) in zip(axes, efforts.items(), strict=True):
         for variant, points in histories.items():
             curve = [(effort(point), point["e8"]) for point in points]
             curve = [(x, y) for x, y in curve if x > 0 and y > 0]
             if curve:
-                ax.plot(*zip(*curve, strict=True), color=look(study, variant)[0], label=variant, lw=1)
+                ax.plot(*zip(*curve, strict=True), color=look(study, variant)[0], ls=line_style(study, variant), label=variant, lw=1)
         ax.set(xscale="log", yscale="log", xlabel=label)
     axes[0].set(ylabel=ERRORS["e8"])
     axes[0].set_title(title)
-    # Room for the legend beneath the panels.
-    figure.get_layout_engine().set(rect=(0, 0.21, 1, 0.79))
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncols=4 if len(axes) > 1 else 2, title="method", handlelength=1.5)
+    _legend_beneath(figure, axes[0].get_legend_handles_labels(), "method")
     return figure
+
+
+def _legend_beneath(figure: Figure, entries: tuple[list, list], title: str) -> None:
+    """One legend for all panels, in as many columns as the figure has room for; the figure grows by its height."""
+    for columns in (4, 3, 2, 1):
+        legend = figure.legend(*entries, loc="lower center", ncols=columns, title=title, handlelength=1.5)
+        box = legend.get_window_extent()
+        if box.width <= figure.bbox.width or columns == 1:
+            break
+        legend.remove()
+    room = (box.height + 2 * box.y0) / figure.dpi
+    height = PANEL + room
+    figure.set_figheight(height)
+    figure.get_layout_engine().set(rect=(0, room / height, 1, PANEL / height))
 
 
 def profiles(study: Study, ratios: dict[str, list[float]], count: int, title: str) -> Figure:

@@ -5,6 +5,20 @@ import numpy as np
 from .expressions import evaluate
 from .model import Study, Table
 
+LEVELS = [10.0**-power for power in range(1, 11)]
+"""Levels of E8 within a step at which efforts are listed"""
+
+
+def messages_of(point: dict[str, float], subdomains: float) -> float:
+    """Messages up to a point of a history. A collective operation counts as those of a tree, to one rank and back."""
+    return point["messages"] + 2 * (subdomains - 1) * point["collectives"]
+
+
+def efforts_to_levels(points: list[dict[str, float]], subdomains: float) -> list[list[float]]:
+    """What a history took to bring E8 to each level for the first time: level, iterations, CPU seconds, messages, bytes."""
+    firsts = [(level, next((point for point in points if point["e8"] <= level), None)) for level in LEVELS]
+    return [[level, first["iteration"], first["cpu_seconds"], messages_of(first, subdomains), first["bytes"]] for level, first in firsts if first]
+
 
 def errors_of(study: Study, table: Table, measure_number: int) -> dict[tuple[str, str], list[tuple[float, float]]]:
     """Error of a measure by case, variant and value: a dictionary of (case, variant) to a list of (value, error)."""

@@ -13,7 +13,7 @@ from .choice_report import choice_section
 from .csv_text import csv_text
 from .deck_titles import deck_section
 from .jobs import Job
-from .measures import errors_of, order_of
+from .measures import efforts_to_levels, errors_of, order_of
 from .model import AXES, HISTORY, Case, Curves, Measure, Result, Section, Study, Table
 from .profiles import profile, share, times_of
 from .runner import Store
@@ -86,14 +86,23 @@ class Report:
                    "repeat": job.repeat or "trace"}  # fmt: skip
             cells = [(result | row).get(name) for name in COLUMNS] + self.errors_at(job.case.name, job.variant.name, job.value)
             rows.append(cells)
-        self.store.write(self.store.folder / "results.csv", csv_text(rows).encode())
+        self._write_rows("results.csv", rows)
 
     def write_histories(self) -> None:
-        """Errors within traced steps, one row per point, where there are any."""
-        rows = [[*place, *point] for place, result in self.table.items() for point in result.get("history", [])]
-        if rows:
-            names = ["case", "variant", AXES[self.study.axis], *HISTORY]
-            self.store.write(self.store.folder / "histories.csv", csv_text([names, *rows]).encode())
+        """Errors within traced steps, where there are any: one row per point, and one per level that a step reaches."""
+        traced = {place: result["history"] for place, result in self.table.items() if result.get("history")}
+        if not traced:
+            return
+        places, levels = ["case", "variant", AXES[self.study.axis]], ["level", "iteration", "cpu_seconds", "messages", "bytes"]
+        self._write_rows("histories.csv", [places + list(HISTORY)] + [[*place, *point] for place, points in traced.items() for point in points])
+        subdomains = self.study.axis == "subdomains"
+        self._write_rows("efforts.csv", [places + levels] + [
+            [*place, *row] for place, points in traced.items()
+            for row in efforts_to_levels([named_point(point) for point in points], place[2] if subdomains else 1)])  # fmt: skip
+
+    def _write_rows(self, name: str, rows: list[list]) -> None:
+        """A CSV file in the folder of the study."""
+        self.store.write(self.store.folder / name, csv_text(rows).encode())
 
     def errors_at(self, case: str, variant: str, value: float) -> list:
         """Errors of all measures of a run."""
@@ -196,7 +205,7 @@ class Report:
         """Error of all variants against CPU time, messages and bytes within a traced step, a figure for each number of subdomains."""
         figures = []
         for value in self.study.values:
-            found = {variant: [dict(zip(HISTORY, point, strict=True)) for point in result["history"]] for variant in self.names()
+            found = {variant: [named_point(point) for point in result["history"]] for variant in self.names()
                      if (result := self.table.get((case.name, variant, value))) and result.get("history")}  # fmt: skip
             if len(found) > 1:
                 figure = drawings.comparison(self.study, found, value, f"{case.name}, {value:g} subdomain{'s' if value > 1 else ''}")
@@ -255,6 +264,11 @@ class Report:
         self.store.write(taken, file.getvalue())
         self.figures += 1
         return page.picture(file.getvalue(), words)
+
+
+def named_point(point: list[float]) -> dict[str, float]:
+    """A point of a history by names of its columns."""
+    return dict(zip(HISTORY, point, strict=True))
 
 
 def label_of(measure: Measure) -> str:
