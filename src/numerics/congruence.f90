@@ -6,6 +6,7 @@ module sg_congruence
   use sg_ascending, only: first_at_least
   use sg_kinds, only: wp, i4
   use sg_sparse, only: sparse_from_triplets, sparse_t, transposed
+  use sg_sparse_algebra, only: rows_of
   implicit none
   private
   public :: congruence_t
@@ -16,8 +17,8 @@ module sg_congruence
     type(sparse_t) :: matrix
     !> Side of a block of D; rows of H in which block column a has entries are row(first(a)) to row(first(a + 1) - 1), with these
     integer, private :: d = 0
-    integer, allocatable, private :: first(:), row(:)
-    real(wp), allocatable, private :: h(:, :)
+    integer, allocatable :: first(:), row(:)
+    real(wp), allocatable :: h(:, :)
     !> Entry of the matrix to which each pair of these adds, and the matrix without them
     integer, allocatable, private :: place(:)
     real(wp), allocatable, private :: mass(:)
@@ -31,22 +32,22 @@ contains
   !> Find the places of all entries.
   subroutine congruence_prepare(self, mass, h, d)
     class(congruence_t), intent(inout) :: self
-    real(wp), intent(in) :: mass(:) !! diagonal of M, shape (n)
+    type(sparse_t), intent(in) :: mass !! M, shape (n, n)
     type(sparse_t), intent(in) :: h !! H, n rows, d columns per block
     integer, intent(in) :: d !! side of a block of D
     integer(i4), allocatable :: row(:), column(:)
     real(wp), allocatable :: value(:)
     integer :: a, i, j, k, n
 
-    n = size(mass)
+    n = size(mass%value)
     self%d = d
     call gather(self, transposed(h), h%n_columns/d)
     k = n + sum((self%first(2:) - self%first(:size(self%first) - 1))**2)
     allocate (row(k), column(k))
     allocate (value(k), source=0.0_wp)
-    row(:n) = [(int(i, i4), i=1, n)]
-    column(:n) = row(:n)
-    value(:n) = mass
+    row(:n) = rows_of(mass)
+    column(:n) = mass%column
+    value(:n) = mass%value
     k = n
     do a = 1, size(self%first) - 1
       do j = self%first(a), self%first(a + 1) - 1
@@ -57,7 +58,7 @@ contains
         end do
       end do
     end do
-    call sparse_from_triplets(n, n, row, column, value, self%matrix)
+    call sparse_from_triplets(mass%n_rows, mass%n_rows, row, column, value, self%matrix)
     self%mass = self%matrix%value
     self%place = [(entry_of(self%matrix, row(k), column(k)), k=n + 1, size(row))]
   end subroutine congruence_prepare

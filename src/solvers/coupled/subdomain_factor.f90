@@ -11,6 +11,7 @@ module sg_subdomain_factor
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_sparse, only: multiply, sparse_t
+  use sg_sparse_algebra, only: diagonal_matrix
   use sg_sparse_factor, only: sparse_factor_t
   implicit none
   private
@@ -71,7 +72,7 @@ contains
     if (allocated(self%axes)) deallocate (self%axes)
     if (present(axes)) self%axes = axes
     self%takes_part = [(any(unknown(:, i) > 0), i=1, size(unknown, 2))]
-    call self%congruence%prepare(mass, h, d)
+    call self%congruence%prepare(diagonal_matrix(mass), h, d)
     self%is_shared = [(.false., i=1, self%n)]
     do i = 1, size(unknown, 2)
       self%is_shared(pack(unknown(:, i), unknown(:, i) > 0)) = .true.

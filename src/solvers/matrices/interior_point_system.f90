@@ -4,12 +4,12 @@
 !! impulses, dv = M^-1 H dr turns it into (M + H B^-1 A H^T) dv = H B^-1 g: its entries link bodies
 !! (doc/theory/interior_point.md).
 module sg_interior_point_system
-  use sg_ascending, only: first_at_least
   use sg_cone_system, only: cone_system_t
+  use sg_congruence, only: congruence_t
   use sg_error, only: error_t
   use sg_kinds, only: wp, i4
   use sg_matrix_problem, only: matrix_problem_t
-  use sg_sparse, only: blocks_t, multiply, sparse_from_triplets, sparse_t, transposed
+  use sg_sparse, only: blocks_t, multiply, sparse_t
   use sg_sparse_factor, only: largest_full, sparse_factor_t
   implicit none
   private
@@ -24,13 +24,8 @@ module sg_interior_point_system
     type(sparse_factor_t) :: factor
     !> Local form: blocks of each block row with the diagonal one, and where in W each is (0: nowhere)
     integer, allocatable, private :: first(:), column(:), source(:)
-    !> Global form: degrees of freedom of contact a are dof(first(a)) to dof(first(a + 1) - 1), with their columns of H^T
-    integer, allocatable, private :: dof(:)
-    real(wp), allocatable, private :: h(:, :)
-    !> Global form: entry of the matrix to which each pair of these adds, and the matrix without them
-    integer, allocatable, private :: place(:)
-    real(wp), allocatable, private :: mass(:)
-    !> Global form: B^-1 and B^-1 A
+    !> Global form: M + H B^-1 A H^T, B^-1 and B^-1 A
+    type(congruence_t), private :: congruence
     real(wp), allocatable, private :: inverse(:, :, :), path(:, :, :)
   contains
     procedure :: prepare => system_prepare
@@ -116,49 +111,17 @@ contains
     sources(n) = source
   end subroutine append
 
-  !> Degrees of freedom of each contact, and the places to which their pairs add.
+  !> Places of M + H B^-1 A H^T.
   subroutine prepare_global(self, problem, scaled)
     class(contact_system_t), intent(inout) :: self
     type(matrix_problem_t), intent(in) :: problem, scaled
-    type(sparse_t) :: h_transposed
-    integer(i4), allocatable :: row(:), column(:)
-    real(wp), allocatable :: value(:), factor(:)
-    integer :: a, i, j, k, e
+    type(sparse_t) :: h
+    real(wp) :: factor(problem%n)
 
-    h_transposed = transposed(problem%h)
+    h = problem%h
     factor = scales_of(problem, scaled)
-    call gather_dofs(self, h_transposed, problem%d, problem%n, factor)
-    k = size(problem%mass%column)
-    do a = 1, problem%n
-      k = k + (self%first(a + 1) - self%first(a))**2
-    end do
-    allocate (row(k), column(k), self%place(k - size(problem%mass%column)))
-    allocate (value(k), source=0.0_wp)
-    do i = 1, problem%mass%n_rows
-      do e = problem%mass%first(i), problem%mass%first(i + 1) - 1
-        row(e) = int(i, i4)
-        column(e) = problem%mass%column(e)
-        value(e) = problem%mass%value(e)
-      end do
-    end do
-    k = size(problem%mass%column)
-    do a = 1, problem%n
-      do i = self%first(a), self%first(a + 1) - 1
-        do j = self%first(a), self%first(a + 1) - 1
-          k = k + 1
-          row(k) = int(self%dof(i), i4)
-          column(k) = int(self%dof(j), i4)
-        end do
-      end do
-    end do
-    call sparse_from_triplets(self%n, self%n, row, column, value, self%matrix)
-    self%mass = self%matrix%value
-    e = size(problem%mass%column)
-    do k = 1, size(self%place)
-      i = self%matrix%first(row(e + k))
-      j = self%matrix%first(row(e + k) + 1) - 1
-      self%place(k) = i - 1 + first_at_least(self%matrix%column(i:j), column(e + k))
-    end do
+    h%value = factor((h%column - 1)/problem%d + 1)*h%value
+    call self%congruence%prepare(problem%mass, h, problem%d)
     allocate (self%inverse(problem%d, problem%d, problem%n), self%path(problem%d, problem%d, problem%n))
   end subroutine prepare_global
 
@@ -183,37 +146,6 @@ contains
     end do
   end function scales_of
 
-  !> The degrees of freedom that each contact moves, with their columns of H^T.
-  pure subroutine gather_dofs(self, h_transposed, d, n, factor)
-    class(contact_system_t), intent(inout) :: self
-    type(sparse_t), intent(in) :: h_transposed
-    integer, intent(in) :: d, n
-    real(wp), intent(in) :: factor(:)
-    integer, allocatable :: seen(:)
-    integer :: a, e, k, last
-
-    allocate (seen(h_transposed%n_columns), source=0)
-    allocate (self%first(n + 1), self%dof(size(h_transposed%column)))
-    allocate (self%h(d, size(h_transposed%column)), source=0.0_wp)
-    last = 0
-    self%first(1) = 1
-    do a = 1, n
-      do k = 1, d
-        do e = h_transposed%first(d*(a - 1) + k), h_transposed%first(d*(a - 1) + k + 1) - 1
-          if (seen(h_transposed%column(e)) < self%first(a)) then
-            last = last + 1
-            seen(h_transposed%column(e)) = last
-            self%dof(last) = h_transposed%column(e)
-          end if
-          self%h(k, seen(h_transposed%column(e))) = factor(a)*h_transposed%value(e)
-        end do
-      end do
-      self%first(a + 1) = last + 1
-    end do
-    self%dof = self%dof(:last)
-    self%h = self%h(:, :last)
-  end subroutine gather_dofs
-
   !> Factorise A W + B; in the global form B^-1 is asked for instead of B. Where A is 1 the factors are those of Cholesky, unless
   !! rounding or the W of a file leaves the matrix indefinite.
   subroutine system_factorise(self, scaled, has_identity, a, b, error)
@@ -224,17 +156,27 @@ contains
     real(wp), intent(in), contiguous :: b(:, :, :) !! B, or B^-1 in the global form, shape (d, d, n)
     type(error_t), allocatable, intent(out) :: error !! why there are no factors
 
+    self%factor%is_definite = has_identity .and. (self%is_global .or. scaled%is_symmetric)
     if (self%is_global) then
       call fill_global(self, a, b)
+      call factorise_matrix(self%factor, self%congruence%matrix, error)
     else
       call fill_local(self, scaled%w, a, b)
+      call factorise_matrix(self%factor, self%matrix, error)
     end if
-    self%factor%is_definite = has_identity .and. (self%is_global .or. scaled%is_symmetric)
-    call self%factor%factorise(self%matrix, error)
-    if (self%factor%failed_column == 0) return
-    self%factor%is_definite = .false.
-    call self%factor%factorise(self%matrix, error)
   end subroutine system_factorise
+
+  !> Factorise a matrix, without symmetry where the factor of Cholesky breaks down.
+  subroutine factorise_matrix(factor, matrix, error)
+    type(sparse_factor_t), intent(inout) :: factor
+    type(sparse_t), intent(in) :: matrix
+    type(error_t), allocatable, intent(out) :: error
+
+    call factor%factorise(matrix, error)
+    if (factor%failed_column == 0) return
+    factor%is_definite = .false.
+    call factor%factorise(matrix, error)
+  end subroutine factorise_matrix
 
   !> Entries of A W + B; columns of impulses that stay zero, where the diagonal of A is 0, are left out as their rows are.
   pure subroutine fill_local(self, w, a, b)
@@ -264,25 +206,13 @@ contains
   pure subroutine fill_global(self, a, b_inverse)
     class(contact_system_t), intent(inout) :: self
     real(wp), intent(in), contiguous :: a(:, :, :), b_inverse(:, :, :)
-    real(wp) :: moved(size(a, 1))
-    integer :: n, i, j, k, size_n
+    integer :: n
 
-    self%matrix%value = self%mass
     self%inverse = b_inverse
-    k = 0
     do n = 1, size(a, 3)
       self%path(:, :, n) = matmul(b_inverse(:, :, n), a(:, :, n))
-      size_n = self%first(n + 1) - self%first(n)
-      do j = self%first(n), self%first(n + 1) - 1
-        moved = matmul(self%path(:, :, n), self%h(:, j))
-        do i = self%first(n), self%first(n + 1) - 1
-          associate (entry => self%place(k + (i - self%first(n))*size_n + j - self%first(n) + 1))
-            self%matrix%value(entry) = self%matrix%value(entry) + dot_product(self%h(:, i), moved)
-          end associate
-        end do
-      end do
-      k = k + size_n**2
     end do
+    call self%congruence%fill(self%path)
   end subroutine fill_global
 
   !> Solve (A W + B) dr = g.
@@ -332,18 +262,20 @@ contains
 
     allocate (right(self%n), dv(self%n))
     right = 0
-    do a = 1, size(g, 2)
-      dr(:, a) = matmul(self%inverse(:, :, a), g(:, a))
-      do i = self%first(a), self%first(a + 1) - 1
-        right(self%dof(i)) = right(self%dof(i)) + dot_product(self%h(:, i), dr(:, a))
+    associate (first => self%congruence%first, row => self%congruence%row, h => self%congruence%h)
+      do a = 1, size(g, 2)
+        dr(:, a) = matmul(self%inverse(:, :, a), g(:, a))
+        do i = first(a), first(a + 1) - 1
+          right(row(i)) = right(row(i)) + dot_product(h(:, i), dr(:, a))
+        end do
       end do
-    end do
-    call self%factor%solve(right, dv)
-    do a = 1, size(g, 2)
-      do i = self%first(a), self%first(a + 1) - 1
-        dr(:, a) = dr(:, a) - matmul(self%path(:, :, a), self%h(:, i))*dv(self%dof(i))
+      call self%factor%solve(right, dv)
+      do a = 1, size(g, 2)
+        do i = first(a), first(a + 1) - 1
+          dr(:, a) = dr(:, a) - matmul(self%path(:, :, a), h(:, i))*dv(row(i))
+        end do
       end do
-    end do
+    end associate
   end subroutine solve_global
 
   !> Give the factors back.

@@ -9,6 +9,7 @@ program test_enriched
   use sg_kinds, only: wp, i4
   use sg_random, only: random_t
   use sg_sparse, only: multiply, sparse_from_triplets, sparse_t
+  use sg_sparse_algebra, only: diagonal_matrix
   use sg_subdomain_factor, only: by_lump, by_mass, by_schur, subdomain_factor_t
   implicit none
 
@@ -264,7 +265,7 @@ contains
     real(wp) :: values(2, 2), y(2)
 
     h = sparse_of(reshape([1.0_wp, 2.0_wp], [2, 1]))
-    call congruence%prepare([3.0_wp, 4.0_wp], h, 1)
+    call congruence%prepare(diagonal_matrix([3.0_wp, 4.0_wp]), h, 1)
     call congruence%fill(reshape([0.5_wp], [1, 1, 1]))
     call multiply(congruence%matrix, [1.0_wp, 1.0_wp], y)
     call near(y, [4.5_wp, 7.0_wp], 'two freedoms by hand')
