@@ -25,7 +25,7 @@ contains
     type(error_t), allocatable :: error
     type(value_t) :: value
     type(method_t), allocatable :: solvers(:)
-    integer :: b
+    integer :: b, method
 
     b = deck%block_of('')
     options%title = on_one_line(deck%word(b, 'title'))
@@ -37,7 +37,8 @@ contains
     b = deck%block_of('solver')
     options%solver%method = deck%word(b, 'method')
     call list_solvers(solvers)
-    call solvers(find_method(solvers, options%solver%method))%find_library(error)
+    method = find_method(solvers, options%solver%method)
+    call solvers(method)%find_library(error)
     if (allocated(error)) call deck%complain(diagnostics, error%message, b, 'method')
     if (allocated(error)) deallocate (error)
     options%solver%criterion = choice_index(deck%word(b, 'criterion'), choices_of(criterion_names))
@@ -52,7 +53,7 @@ contains
     options%solver%threads = deck%integer(b, 'threads')
     if (options%solver%threads > 1) call check_threads(deck, options%solver, b, diagnostics)
     options%solver%stop_unconverged = deck%flag(b, 'stop_unconverged')
-    call partition_from_deck(deck, options%partition, diagnostics)
+    call partition_from_deck(deck, solvers(method), options%partition, diagnostics)
     b = deck%block_of('output')
     options%output_every = deck%integer(b, 'every')
     options%record_every = deck%integer(b, 'record_every')
@@ -124,14 +125,15 @@ contains
   end subroutine check_threads
 
   !> Fill the options of the decomposition.
-  subroutine partition_from_deck(deck, options, diagnostics)
+  subroutine partition_from_deck(deck, solver, options, diagnostics)
     type(deck_t), intent(in) :: deck
+    type(method_t), intent(in) :: solver
     type(partition_options_t), intent(inout) :: options
     type(diagnostics_t), intent(inout) :: diagnostics
     type(value_t) :: value
     type(method_t), allocatable :: couplings(:)
     type(error_t), allocatable :: error
-    integer :: b
+    integer :: b, gluing
 
     b = deck%block_of('partition')
     options%parts = deck%integer(b, 'parts')
@@ -141,8 +143,14 @@ contains
     options%split = deck%word(b, 'split')
     options%gluing = deck%word(b, 'gluing')
     call list_couplings(couplings)
-    call couplings(find_method(couplings, options%gluing))%find_library(error)
+    gluing = find_method(couplings, options%gluing)
+    call couplings(gluing)%find_library(error)
     if (allocated(error)) call deck%complain(diagnostics, error%message, b, 'gluing')
+    if (allocated(solver%coupled)) then
+      if (.not. extends_type_of(solver%coupled, couplings(gluing)%coupled)) &
+        call deck%warn(diagnostics, '"gluing" is ignored with solver.method = "'//trim(solver%name)// &
+                       '", which has a coupling of its own', b, 'gluing')
+    end if
     value = deck%value(b, 'boxes')
     if (value%n > deck%dimension) then
       call deck%complain(diagnostics, 'boxes has '//to_text(value%n)//' numbers, but there are '//to_text(deck%dimension)// &

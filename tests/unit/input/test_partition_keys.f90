@@ -2,13 +2,14 @@
 program test_partition_keys
   use harness, only: tests_t
   use sg_deck, only: read_deck
-  use sg_error, only: diagnostics_t
+  use sg_error, only: diagnostics_t, error_t
   use sg_key_table, only: key_table_t, value_integer
   use sg_keys, only: all_keys
   use sg_kinds, only: wp
   use sg_primal, only: primal_t
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
+  use sg_sparse_factor, only: find_sparse_library
   use sg_text, only: append_word, text_t, to_text
   use sg_words, only: short_real
   implicit none
@@ -19,6 +20,7 @@ program test_partition_keys
   type(tests_t) :: t
   type(run_options_t) :: options
   character(len=:), allocatable :: warning
+  type(error_t) :: warned
   integer :: n_warnings
 
   call read_keys('', '')
@@ -50,6 +52,7 @@ program test_partition_keys
   call read_keys('gluing = "enriched"'//nl//'[partition.enriched]'//nl//'eta = -1.0', 'must be larger than 0')
   call read_keys('gluing = "enriched"'//nl//'[partition.enriched]'//nl//'preconditioner = "schwarz"', 'dirichlet')
   call test_own_keys()
+  call test_own_coupling()
   call test_former_keys()
   deallocate (warning)
   call t%finish()
@@ -89,6 +92,27 @@ contains
     call read_keys('[partition.primal]'//nl//'interface_sweep = 1', 'did you mean "interface_sweeps"?')
     call read_keys('[partition.dual]'//nl//'sweeps = 1', 'unknown key "dual" in [partition]')
   end subroutine test_own_keys
+
+  !> A solver with a coupling of its own: a warning at any gluing but the one which that coupling goes on from.
+  subroutine test_own_coupling()
+    character(len=*), parameter :: others(3) = [character(len=8) :: 'primal', 'momentum', 'enriched']
+    type(error_t), allocatable :: error
+    integer :: i
+
+    call find_sparse_library(error)
+    if (allocated(error)) return
+    do i = 1, size(others)
+      call read_keys('gluing = "'//trim(others(i))//'"', '', 'solver.method="interior"')
+      call t%equal(n_warnings, 1, 'one warning')
+      call t%check(index(warning, '"gluing" is ignored with solver.method = "interior"') > 0, 'the warning: '//warning)
+      call t%check(warned%file == 'test_partition_keys.toml' .and. warned%line == 14 .and. warned%column == 10, 'its place')
+      call t%check(warned%text == 'gluing = "'//trim(others(i))//'"', 'its line: '//warned%text)
+    end do
+    call read_keys('gluing = "dual"', '', 'solver.method="interior"')
+    call t%equal(n_warnings, 0, 'no warning at the coupling that interior points go on from')
+    call read_keys('gluing = "primal"', '', 'solver.method="nesterov"')
+    call t%equal(n_warnings, 0, 'no warning where sweeps are coupled')
+  end subroutine test_own_coupling
 
   !> Each key of older decks that the table has: its values are those of the present key, to the letter of the effective deck.
   subroutine test_former_keys()
@@ -143,7 +167,10 @@ contains
     n_warnings = 0
     if (allocated(diagnostics%warnings)) n_warnings = size(diagnostics%warnings)
     warning = ''
-    if (n_warnings > 0) warning = diagnostics%warnings(n_warnings)%message
+    if (n_warnings > 0) then
+      warned = diagnostics%warnings(n_warnings)
+      warning = warned%message
+    end if
     if (mistake == '') then
       call t%equal(diagnostics%count(), 0, 'no mistake in '//keys)
     else
