@@ -1,6 +1,6 @@
 !> Sweeps with momentum beside plain ones, of one rank and of several: the same velocities from fewer sweeps, velocities that are
 !! those of the impulses, in all orders and through many choices of the active set; increments that are those of the result; and
-!! plain sweeps where momentum is not taken.
+!! plain sweeps where momentum is not taken. Where nothing closes, none at all.
 !! Run by any number of ranks.
 program test_nesterov
   use harness, only: tests_t
@@ -30,9 +30,55 @@ program test_nesterov
   do i = 1, size(pack_names)
     if (can_be_made(trim(pack_names(i)))) call test_pack(trim(pack_names(i)))
   end do
+  call test_free_fall()
   call t%finish(comm)
 
 contains
+
+  !> Grains that touch and fall together need no sweep, whatever the method and the ranks, and come back as they are; one that flies
+  !! into them takes some.
+  subroutine test_free_fall()
+    character(len=8), parameter :: methods(2) = [character(len=8) :: 'nlgs', 'nesterov']
+    character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
+    character(len=*), parameter :: nl = new_line('a'), fall = '[time]'//nl//'step = 1e-3'//nl//'steps = 9'//nl// &
+      '[[material]]'//nl//'name = "stone"'//nl//'density = 2600.0'//nl//'[[law]]'//nl//'friction = 0.5'//nl//'[[sample]]'//nl// &
+      'kind = "lattice"'//nl//'spacing = 1.0'//nl//'arrangement = "square"'//nl//'box = [0.0, 0.0, 0.6, 0.4]'//nl// &
+      'radius = [0.02, 0.02]'//nl
+    character(len=*), parameter :: bullet = '[[body]]'//nl//'position = [-0.02, 0.22]'//nl//'velocity = [1.0, 0.0]'//nl// &
+      '[[body.shape]]'//nl//'kind = "disk"'//nl//'radius = 0.02'//nl
+    type(simulation_t) :: falling, struck
+    type(problem_t) :: problem, solved
+    type(error_t), allocatable :: error
+    type(report_t) :: report
+    character(len=:), allocatable :: name
+    integer :: i, j
+    real(wp) :: most
+
+    call start_pack(t, comm, 'free fall', fall, tolerance, falling)
+    call start_pack(t, comm, 'bullet', fall//bullet, tolerance, struck)
+    falling%comm = comm
+    struck%comm = comm
+    call decompose(falling, error)
+    call decompose(struck, error)
+    do i = 1, size(methods)
+      do j = 1, merge(1, size(gluings), comm%size == 1)
+        name = 'free fall, '//trim(methods(i))//', '//trim(gluings(j))
+        falling%options%partition%gluing = gluings(j)
+        struck%options%partition%gluing = gluings(j)
+        call next_problem(falling, problem)
+        most = real(problem%n_contacts, wp)
+        call comm%maximum(most)
+        call t%check(most > 20, name//': grains touch')
+        call solve(falling, trim(methods(i)), problem, solved, report)
+        call t%check(report%is_converged .and. report%sweeps == 0 .and. report%gluings == 0, name//': no sweep')
+        call t%check(.not. any(abs(solved%impulse(:, :problem%n_contacts)) > 0), name//': no impulses')
+        call t%check(.not. any(abs(solved%body - problem%body) > 0), name//': the free velocities, bit for bit')
+        call next_problem(struck, problem)
+        call solve(struck, trim(methods(i)), problem, solved, report)
+        call t%check(report%is_converged .and. report%sweeps > 0, name//': a grain that flies into others takes sweeps')
+      end do
+    end do
+  end subroutine test_free_fall
 
   !> One problem of a settling pack: by the orders of one rank, or by the couplings of several.
   subroutine test_pack(name)

@@ -5,7 +5,7 @@ contacts count 1
 active_contacts count 1
 1.0000000000000000E+00
 sweeps effort 1
-9.8000000000000000E+02
+3.9000000000000000E+02
 kinetic_energy measure 1
 3.2856118454024312E+01
 potential_energy measure 1
