@@ -12,7 +12,7 @@ module sg_check_history
   public :: check_history_t
 
   !> Sweeps before the first test, and least and largest gap between two tests over the sweeps done
-  integer, parameter :: first_gap = 10
+  integer, parameter :: first_gap = 14
   real(wp), parameter :: least_gap = 0.125_wp, largest_gap = 1
   !> Fewest plain sweeps that an error is taken to fall in: fewer carry no information, however often they are tested
   real(wp), parameter :: fewest = 100
