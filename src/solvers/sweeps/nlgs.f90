@@ -11,7 +11,7 @@ module sg_nlgs
   use sg_kinds, only: wp
   use sg_problem, only: bytes_per_contact, problem_t
   use sg_report, only: report_t
-  use sg_run_options, only: criterion_e1, criterion_e2, solver_options_t
+  use sg_run_options, only: criterion_e1, criterion_e2, criterion_estimate, solver_options_t
   use sg_solver, only: solver_t
   use sg_subdomain, only: subdomain_t
   use sg_tables, only: tables_t
@@ -85,7 +85,7 @@ contains
     call self%sets%nesterov%begin(self%has_momentum)
     call self%open(problem, coupling, comm)
     self%errors%criterion = self%options%criterion
-    self%errors%with_change = self%has_momentum
+    self%errors%with_change = self%has_momentum .and. self%options%criterion == criterion_estimate
     call self%errors%prepare(problem, comm)
     if (self%errors%contacts == 0) return
     call find_free(self, problem, comm, report)

@@ -36,7 +36,7 @@ module sg_whole_errors
     type(increments_t), private :: asked
     type(sweep_order_t), private :: order
     real(wp), private :: maxima(n_increment_maxima) = 0
-    !> Does the estimate need what the solve has changed impulses by? And the impulses that it starts from, shape (components,
+    !> Does the criterion need what the solve has changed impulses by? Then the impulses that it starts from, shape (components,
     !> contacts)
     logical :: with_change = .false.
     real(wp), allocatable, private :: start(:, :)
@@ -164,7 +164,8 @@ contains
       self%increments = increment_value(self%criterion, sums(n_error_sums + 3:), self%maxima)
     end if
     call set_errors(sums(:n_error_sums), self%contacts, self%free_norm, self%scales%velocity, self%with_e1, report)
-    report%change = min(1.0_wp, ratio(sqrt(sums(n_error_sums + 2)), sqrt(sums(4))))
+    report%change = 1
+    if (self%with_change) report%change = min(1.0_wp, ratio(sqrt(sums(n_error_sums + 2)), sqrt(sums(4))))
     self%mean_square = sums(2)/real(max(1, self%contacts), wp)
     report%active_contacts = self%active
   end subroutine errors_finish
