@@ -11,8 +11,8 @@ module sg_check_history
   private
   public :: check_history_t
 
-  !> Sweeps before the first test, and least and largest gap between two tests over the sweeps done
-  integer, parameter :: first_gap = 14
+  !> Sweeps before the first test, and fewest between two tests; least and largest gap between two tests over the sweeps done
+  integer, parameter :: first_gap = 14, fewest_between = 7
   real(wp), parameter :: least_gap = 0.125_wp, largest_gap = 1
   !> Fewest plain sweeps that an error is taken to fall in: fewer carry no information, however often they are tested
   real(wp), parameter :: fewest = 100
@@ -103,8 +103,9 @@ contains
     if (base > 0) has_not = .not. self%e8(self%n) < self%e8(base)
   end function history_has_not_fallen
 
-  !> Sweeps at which the excess is expected to fall to 1, by its fall between the last two tests: at least an eighth of the sweeps
-  !! done from now, so that tests take a bounded share of the time, and before the sweeps have doubled.
+  !> Sweeps at which the excess is expected to fall to 1, by its fall between the last two tests, after the first as the square of
+  !! sweeps: at least an eighth of the sweeps done from now, so that tests take a bounded share of the time, and before the sweeps
+  !! have doubled.
   pure integer function history_next_test(self, excess, before) result(next)
     class(check_history_t), intent(in) :: self
     real(wp), intent(in) :: excess, before !! criterion over tolerance at the last test, and at the one before
@@ -114,9 +115,11 @@ contains
     if (self%n == 0) return
     done = real(self%sweeps(self%n), wp)
     gap = huge(gap)
-    if (excess > 1 .and. before > excess .and. self%n > 1) then
+    if (excess > 1 .and. self%n == 1) then
+      gap = done*(sqrt(excess) - 1)
+    else if (excess > 1 .and. before > excess) then
       gap = (done - real(self%sweeps(self%n - 1), wp))*log(excess)/log(before/excess)
     end if
-    next = self%sweeps(self%n) + ceiling(max(real(first_gap, wp), least_gap*done, min(largest_gap*done, gap)))
+    next = self%sweeps(self%n) + ceiling(max(real(fewest_between, wp), least_gap*done, min(largest_gap*done, gap)))
   end function history_next_test
 end module sg_check_history
