@@ -6,6 +6,7 @@ module sg_congruence
   use sg_ascending, only: first_at_least
   use sg_kinds, only: wp, i4
   use sg_sparse, only: sparse_from_triplets, sparse_t, transposed
+  use sg_tables, only: tables_t
   use sg_sparse_algebra, only: rows_of
   implicit none
   private
@@ -25,6 +26,7 @@ module sg_congruence
   contains
     procedure :: prepare => congruence_prepare
     procedure :: fill => congruence_fill
+    procedure :: note_tables => congruence_note_tables
   end type congruence_t
 
 contains
@@ -127,4 +129,19 @@ contains
       end do
     end do
   end subroutine congruence_fill
+
+  !> Add these tables to those of the owner that has begun.
+  subroutine congruence_note_tables(self, tables)
+    class(congruence_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call tables%note('matrix_first', self%matrix%first)
+    call tables%note('matrix_column', self%matrix%column)
+    call tables%note('matrix_value', self%matrix%value)
+    call tables%note('first', self%first)
+    call tables%note('row', self%row)
+    call tables%note('h', self%h)
+    call tables%note('place', self%place)
+    call tables%note('unstiffened', self%mass)
+  end subroutine congruence_note_tables
 end module sg_congruence

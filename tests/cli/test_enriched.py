@@ -74,6 +74,16 @@ class Enriched(ProgramCase):
                 self.assertRegex(printed, said + "[^;]*")
                 self.assertEqual(self.run_json("many")["unconverged_steps"], 0)
 
+    def test_memory_report(self):
+        """Matrices of subdomains are listed, with the entries that the mapping of contacts makes."""
+        self.run_deck(PRESSED, "listed", *GLUED, "--quiet", "--needs", "--set", "partition.parts=4")
+        needs = json.loads((self.place / "listed/needs.json").read_text())
+        values, columns, mass = (needs[f"subdomain factor.{name}"] for name in ("matrix_value", "matrix_column", "mass"))
+        self.assertEqual(values, 2 * columns)
+        self.assertGreater(values, mass)
+        self.assertGreater(mass, 0)
+        self.assertGreaterEqual(needs["table_bytes"], sum(size for name, size in needs.items() if "." in name))
+
     def test_refused(self):
         """Numbers out of range, with their place and a caret."""
         enriched = '[partition]\ngluing = "enriched"\n[partition.enriched]\n'

@@ -21,7 +21,7 @@ module sg_enriched
   use sg_subdomain, only: subdomain_t
   use sg_subdomain_factor, only: preconditioner_names, subdomain_factor_t
   use sg_subdomain_matrices, only: subdomain_matrices_t
-  use sg_tables, only: per_body, tables_t
+  use sg_tables, only: per_body, per_contact, tables_t
   use sg_words, only: choice_index
   implicit none
   private
@@ -52,7 +52,7 @@ module sg_enriched
     real(wp) :: tolerance = 1e-2_wp
     integer :: most_iterations = 500
     !> Share of contacts of a subdomain that may open, close, stick or slide before it is factorised again
-    real(wp) :: changes = 0.02_wp
+    real(wp) :: changes = 0.1_wp
     type(subdomain_factor_t), private :: factor
     type(interface_cg_t), private :: cg
     !> Contacts with impulses, unit of eta at each [1/kg], and what each did when the factor was made
@@ -357,7 +357,7 @@ contains
     call self%dual_t%close(problem, coupling, comm)
   end subroutine enriched_close
 
-  !> List the tables of the gluing, and velocities of copies.
+  !> List the tables of the gluing, of copies, and of the matrix of this subdomain.
   subroutine enriched_list_shared(self, tables)
     class(enriched_t), intent(in) :: self
     type(tables_t), intent(inout) :: tables !! list to add to
@@ -365,5 +365,13 @@ contains
     call self%dual_t%list_shared(tables)
     call tables%begin('enriched', per_body)
     call tables%note('own', self%own)
+    call tables%note('last_impulse', self%last_impulse)
+    call tables%note('last_difference', self%last_difference)
+    call tables%begin('enriched', per_contact)
+    call tables%note('contact', self%contact)
+    call tables%note('unit', self%unit)
+    call tables%note('state', self%state)
+    call tables%begin('subdomain factor', per_contact)
+    call self%factor%note_tables(tables)
   end subroutine enriched_list_shared
 end module sg_enriched

@@ -13,6 +13,7 @@ module sg_subdomain_factor
   use sg_sparse, only: multiply, sparse_t
   use sg_sparse_algebra, only: diagonal_matrix
   use sg_sparse_factor, only: sparse_factor_t
+  use sg_tables, only: tables_t
   implicit none
   private
   public :: subdomain_factor_t
@@ -50,6 +51,7 @@ module sg_subdomain_factor
     procedure :: spread => spread_values
     procedure :: gather => gather_values
     procedure :: free => factor_free
+    procedure :: note_tables => factor_note_tables
   end type subdomain_factor_t
 
 contains
@@ -232,4 +234,17 @@ contains
     self%is_stiff = .false.
     self%has_inner = .false.
   end subroutine factor_free
+
+  !> Add these tables to those of the owner that has begun; factors are given back with each step.
+  subroutine factor_note_tables(self, tables)
+    class(subdomain_factor_t), intent(in) :: self
+    type(tables_t), intent(inout) :: tables !! list to add to
+
+    call tables%note('mass', self%mass)
+    call tables%note('unknown', self%unknown)
+    call tables%note('axes', self%axes)
+    call tables%note('is_shared', self%is_shared)
+    call tables%note('takes_part', self%takes_part)
+    call self%congruence%note_tables(tables)
+  end subroutine factor_note_tables
 end module sg_subdomain_factor
