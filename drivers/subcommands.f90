@@ -6,9 +6,10 @@ module sg_subcommands
   use sg_comm, only: comm_t
   use sg_convert, only: convert_command
   use sg_error, only: error_t, exit_bad_input, exit_done
-  use sg_help, only: print_help, print_version
+  use sg_help, only: print_help
   use sg_partition, only: partition_command
   use sg_print, only: print_line
+  use sg_print_version, only: print_version
   use sg_reference_text, only: reference_text
   use sg_run, only: run_command
   use sg_solve, only: solve_command
