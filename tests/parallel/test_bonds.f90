@@ -10,6 +10,7 @@ program test_bonds
   use sg_measures, only: measure, measures_t
   use sg_simulation, only: decompose, simulation_t
   use sg_text, only: to_text
+  use subdomain_tests, only: on_subdomains
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
@@ -17,17 +18,22 @@ program test_bonds
                                               'kinetic_energy']
   integer, parameter :: steps = 12
   type(tests_t) :: t
-  type(comm_t) :: comm
-  integer :: g
 
-  call comm%start()
-  do g = 1, size(gluings)
-    call compare(trim(gluings(g))//', in the plane', plane_deck(), trim(gluings(g)))
-  end do
-  call compare('dual, in space', space_deck(), 'dual')
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
+
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+    integer :: g
+
+    do g = 1, size(gluings)
+      call compare(comm, trim(gluings(g))//', in the plane', plane_deck(), trim(gluings(g)))
+    end do
+    call compare(comm, 'dual, in space', space_deck(), 'dual')
+  end subroutine run_tests
 
   !> Time, material and a weak bond.
   function common_part() result(deck)
@@ -80,7 +86,8 @@ contains
   end function corner
 
   !> Run a deck on all ranks, repartitioned every four steps, and on one.
-  subroutine compare(name, deck, gluing)
+  subroutine compare(comm, name, deck, gluing)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name, deck, gluing
     type(simulation_t) :: whole, part
     type(measures_t) :: of_whole, of_parts

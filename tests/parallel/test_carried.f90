@@ -1,6 +1,6 @@
 !> Values that a method carries from step to step, compared with tables of the whole scene: they stay with the copies of bodies and
-!! with contacts through new neighbour lists, new splits and checkpoints, also of another number of ranks. Run by any number of
-!! ranks.
+!! with contacts through new neighbour lists, new splits and checkpoints, also of another number of ranks. Run on any number of
+!! subdomains.
 !!
 !! The methods here are those of runs, and add up what bodies and contacts did: velocities, impulses, steps. Each value is the sum
 !! of the same numbers in the same order as in the tables, so all are the same to the last bit.
@@ -16,6 +16,7 @@ program test_carried
   use sg_simulation, only: reserve_carried, simulation_t
   use sg_system, only: make_folder, remove_file
   use sg_text, only: to_text
+  use subdomain_tests, only: on_subdomains
   implicit none
 
   !> What all ranks carry after a step
@@ -30,18 +31,24 @@ program test_carried
   end type ledger_t
 
   type(tests_t) :: t
-  type(comm_t) :: comm
 
-  call comm%start()
-  call test_pack('disks')
-  call test_pack('pressed disks')
-  call test_pack('spheres')
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+
+    call test_pack(comm, 'disks')
+    call test_pack(comm, 'pressed disks')
+    call test_pack(comm, 'spheres')
+  end subroutine run_tests
+
   !> Steps with new splits, then checkpoints.
-  subroutine test_pack(name)
+  subroutine test_pack(comm, name)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t) :: sim
     type(ledger_t) :: before, after
@@ -70,7 +77,7 @@ contains
     if (comm%size > 1) call t%check(moved > 0, name//': bodies change their owners')
     if (comm%size > 1) call t%check(sim%decomposition%subdomain%splits > 4, name//': new splits')
     call t%check(any(abs(after%body) > 0) .and. maxval(after%contact(size(after%contact, 1), :)) > 7.5_wp, name//': values grow')
-    if (hdf5_is_available() .and. (hdf5_is_parallel() .or. comm%size == 1)) call test_checkpoints(name, sim, n_bodies, after)
+    if (hdf5_is_available() .and. (hdf5_is_parallel() .or. comm%size == 1)) call test_checkpoints(comm, name, sim, n_bodies, after)
   end subroutine test_pack
 
   !> Let the method of a run carry values.
@@ -219,7 +226,8 @@ contains
   end subroutine check_contacts
 
   !> Checkpoints of all ranks, read by all, by each alone, and without columns; and one that a rank alone has written, read by all.
-  subroutine test_checkpoints(name, sim, n_bodies, ledger)
+  subroutine test_checkpoints(comm, name, sim, n_bodies, ledger)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     integer, intent(in) :: n_bodies
@@ -229,18 +237,18 @@ contains
     type(comm_t) :: single
     type(error_t), allocatable :: error
 
-    owned = at_owners(ledger)
-    call save(name//'_all', sim)
-    call go_on(name, name//'_all', comm, n_bodies, owned, again)
-    call go_on(name, name//'_all', single, n_bodies, owned, alone)
-    call save(name//'_'//to_text(comm%rank), alone)
+    owned = at_owners(comm, ledger)
+    call save(comm, name//'_all', sim)
+    call go_on(comm, name, name//'_all', comm, n_bodies, owned, again)
+    call go_on(comm, name, name//'_all', single, n_bodies, owned, alone)
+    call save(comm, name//'_'//to_text(comm%rank), alone)
     call write_ledger(alone, n_bodies, owned)
-    call go_on(name, name//'_0', comm, n_bodies, owned, again)
+    call go_on(comm, name, name//'_0', comm, n_bodies, owned, again)
     ! A method that carries nothing reads the same file, and one that carries values reads a file without any.
     call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, other)
     call load(name//'_all', other, error)
     call t%check(.not. (allocated(error) .or. allocated(other%scene%bodies%carried)), name//': values that no method asks for')
-    call save(name//'_'//to_text(comm%rank), other)
+    call save(comm, name//'_'//to_text(comm%rank), other)
     call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, other)
     call carry_on(other, single)
     call load(name//'_'//to_text(comm%rank), other, error)
@@ -249,7 +257,8 @@ contains
   end subroutine test_checkpoints
 
   !> Read a checkpoint by some ranks, compare, and go on for a step.
-  subroutine go_on(name, folder, ranks, n_bodies, owned, sim)
+  subroutine go_on(comm, name, folder, ranks, n_bodies, owned, sim)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name, folder
     type(comm_t), intent(in) :: ranks
     integer, intent(in) :: n_bodies
@@ -299,7 +308,8 @@ contains
   end subroutine spread_owned
 
   !> The values that files hold: of each body those of its owner, of a replicated one those of the rank that counts it.
-  function at_owners(ledger) result(owned)
+  function at_owners(comm, ledger) result(owned)
+    type(comm_t), intent(inout) :: comm
     type(ledger_t), intent(in) :: ledger
     type(ledger_t) :: owned
     integer :: b, rank
@@ -315,7 +325,8 @@ contains
   end function at_owners
 
   !> Write a checkpoint into a folder.
-  subroutine save(folder, sim)
+  subroutine save(comm, folder, sim)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: folder
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable :: error

@@ -3,7 +3,7 @@
 !! The explicit form keeps F_Gamma for every copy of a shared body. A round finds the velocities of copies from nothing,
 !! V = V_free + M_c^-1 (H r_c + F_c), sweeps, and updates X F_Gamma = sum A M_E^-1 (R_E + R_E^d). Here all copies have one
 !! mass M_c and one free velocity, so that this is F_c = mean of all H r_c, less one's own. Shared bodies and sums over
-!! their copies are found by tables of the whole scene, apart from the lists of the solver. Run by any number of ranks.
+!! their copies are found by tables of the whole scene, apart from the lists of the solver. Run on any number of subdomains.
 program test_dual
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
@@ -19,6 +19,7 @@ program test_dual
   use sg_report, only: report_t
   use sg_run_options, only: criterion_quad
   use sg_simulation, only: decompose, simulation_t
+  use subdomain_tests, only: on_subdomains
   implicit none
 
   !> Bodies that several ranks have contacts on, and the gluing impulses of their copies here
@@ -33,20 +34,26 @@ program test_dual
   end type explicit_t
 
   type(tests_t) :: t
-  type(comm_t) :: comm
 
-  call comm%start()
-  call test_pack('disks', round_frictional)
-  call test_pack('pressed disks', round_frictional)
-  call test_pack('polygons', arm_frictional)
-  call test_pack('spheres', ball_frictional)
-  if (can_be_made('polyhedra')) call test_pack('polyhedra', solid_frictional)
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+
+    call test_pack(comm, 'disks', round_frictional)
+    call test_pack(comm, 'pressed disks', round_frictional)
+    call test_pack(comm, 'polygons', arm_frictional)
+    call test_pack(comm, 'spheres', ball_frictional)
+    if (can_be_made('polyhedra')) call test_pack(comm, 'polyhedra', solid_frictional)
+  end subroutine run_tests
+
   !> Compare both forms in a pack split along x, and again when it has been split along y.
-  subroutine test_pack(name, kind)
+  subroutine test_pack(comm, name, kind)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     integer, intent(in) :: kind !! of problem
     type(simulation_t) :: sim
@@ -62,29 +69,31 @@ contains
     sim%options%partition%boxes = [comm%size, 1, 1]
     call decompose(sim, error)
     call advance_pack(t, name, sim, 2)
-    call compare_all(name//', split', sim, n_bodies)
+    call compare_all(comm, name//', split', sim, n_bodies)
     sim%decomposition%options%boxes = [1, comm%size, 1]
     sim%decomposition%options%every = 1
-    call compare_all(name//', split again', sim, n_bodies)
+    call compare_all(comm, name//', split again', sim, n_bodies)
     call t%equal(sim%decomposition%subdomain%splits, 2, name//': splits')
   end subroutine test_pack
 
   !> One, two and five sweeps per gluing, and another number on each rank.
-  subroutine compare_all(name, sim, n_bodies)
+  subroutine compare_all(comm, name, sim, n_bodies)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     integer, intent(in) :: n_bodies
     type(problem_t) :: problem
 
     call next_problem(sim, problem)
-    call compare(name//', 1 sweep a gluing', sim, problem, [1], 6, n_bodies)
-    call compare(name//', 2 sweeps', sim, problem, [2], 4, n_bodies)
-    call compare(name//', 5 sweeps', sim, problem, [5], 3, n_bodies)
-    call compare(name//', sweeps by rank', sim, problem, [3, 1, 4, 2], 3, n_bodies)
+    call compare(comm, name//', 1 sweep a gluing', sim, problem, [1], 6, n_bodies)
+    call compare(comm, name//', 2 sweeps', sim, problem, [2], 4, n_bodies)
+    call compare(comm, name//', 5 sweeps', sim, problem, [5], 3, n_bodies)
+    call compare(comm, name//', sweeps by rank', sim, problem, [3, 1, 4, 2], 3, n_bodies)
   end subroutine compare_all
 
   !> Both forms after some gluings: velocities, impulses and F_Gamma agree, and F_Gamma of all copies vanish together.
-  subroutine compare(name, sim, problem, sweeps, gluings, n_bodies)
+  subroutine compare(comm, name, sim, problem, sweeps, gluings, n_bodies)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     type(problem_t), intent(in) :: problem
@@ -111,7 +120,7 @@ contains
     call t%equal(report%gluings, gluings, name//': gluings')
 
     plain = problem
-    call explicit_form(sim, dual%partition%sweeps_of(comm%rank), gluings, n_bodies, plain, explicit)
+    call explicit_form(comm, sim, dual%partition%sweeps_of(comm%rank), gluings, n_bodies, plain, explicit)
     associate (n => problem%n_contacts, w => explicit%width)
       largest = 0
       if (n > 0) largest(1) = maxval(abs(plain%impulse(:, :n)))
@@ -139,7 +148,8 @@ contains
   end subroutine compare
 
   !> Rounds of the explicit form: velocities, sweeps, F_Gamma.
-  subroutine explicit_form(sim, sweeps, gluings, n_bodies, problem, explicit)
+  subroutine explicit_form(comm, sim, sweeps, gluings, n_bodies, problem, explicit)
+    type(comm_t), intent(inout) :: comm
     type(simulation_t), intent(inout) :: sim
     integer, intent(in) :: sweeps, gluings, n_bodies
     type(problem_t), intent(inout) :: problem
@@ -150,7 +160,7 @@ contains
     integer :: i, k, round
 
     explicit%all_bodies = n_bodies
-    call find_shared(sim, problem, explicit)
+    call find_shared(comm, sim, problem, explicit)
     is_shared = .false.
     is_shared(explicit%slot) = .true.
     do i = 1, size(explicit%slot)
@@ -160,7 +170,7 @@ contains
     call sets%split(problem, [(merge(shared_set, inner_set, any(is_shared(problem%pair(:, k)))), k=1, problem%n_contacts)], 2, &
                     .true., explicit%slot)
     call sets%arrange(problem)
-    call update_forces(problem, explicit)
+    call update_forces(comm, problem, explicit)
     do round = 1, gluings
       call set_velocities(problem, explicit)
       do i = 1, sweeps
@@ -168,13 +178,14 @@ contains
         call sets%sweep(inner_set, problem, sim%options%solver%relaxation, report)
       end do
       call sets%give_impulses(problem)
-      call update_forces(problem, explicit)
+      call update_forces(comm, problem, explicit)
     end do
     call set_velocities(problem, explicit)
   end subroutine explicit_form
 
   !> Find the bodies on which several ranks have contacts and which impulses can move; walls are swept with them in any case.
-  subroutine find_shared(sim, problem, explicit)
+  subroutine find_shared(comm, sim, problem, explicit)
+    type(comm_t), intent(inout) :: comm
     type(simulation_t), intent(in) :: sim
     type(problem_t), intent(in) :: problem
     type(explicit_t), intent(inout) :: explicit
@@ -203,7 +214,8 @@ contains
   end subroutine find_shared
 
   !> X F_Gamma = sum A M_E^-1 (R_E + R_E^d): the mean over all copies of the impulses of contacts, less those of this copy.
-  subroutine update_forces(problem, explicit)
+  subroutine update_forces(comm, problem, explicit)
+    type(comm_t), intent(inout) :: comm
     type(problem_t), intent(in) :: problem
     type(explicit_t), intent(inout) :: explicit
     real(wp) :: own(explicit%width, size(explicit%slot)), sums(explicit%width*explicit%all_bodies)

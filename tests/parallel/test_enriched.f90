@@ -15,25 +15,32 @@ program test_enriched
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: decompose, simulation_t
   use sg_subdomain, only: subdomain_t
+  use subdomain_tests, only: on_subdomains
   implicit none
   !> Compliance of linear interactions [1/kg], about W of two disks
   real(wp), parameter :: epsilon = 0.6_wp
   type(tests_t) :: t
-  type(comm_t) :: comm
 
-  call comm%start()
-  call test_pack('disks')
-  call test_pack('pressed disks')
-  call test_pack('polygons')
-  call test_pack('spheres')
-  if (can_be_made('polyhedra')) call test_pack('polyhedra')
-  call test_linear()
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+
+    call test_pack(comm, 'disks')
+    call test_pack(comm, 'pressed disks')
+    call test_pack(comm, 'polygons')
+    call test_pack(comm, 'spheres')
+    if (can_be_made('polyhedra')) call test_pack(comm, 'polyhedra')
+    call test_linear(comm)
+  end subroutine run_tests
+
   !> A pack at rest, split along x.
-  subroutine test_pack(name)
+  subroutine test_pack(comm, name)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t) :: sim
     type(problem_t) :: problem, solved
@@ -43,7 +50,7 @@ contains
     character(len=9), parameter :: preconditioners(3) = [character(len=9) :: 'mass', 'lumped', 'dirichlet']
     integer :: i
 
-    call split_pack(name, pack_deck(name), 120, sim)
+    call split_pack(comm, name, pack_deck(name), 120, sim)
     if (comm%size == 1) return
     call next_problem(sim, problem)
     coupling = sim%decomposition%subdomain%by_slot(sim%pairs%slot_of)
@@ -57,19 +64,20 @@ contains
       solved = problem
       call enriched%solve(solved, coupling, sim%comm, report)
       call t%check(report%is_converged, name//' converges, '//trim(preconditioners(i)))
-      call check_velocities(name//', '//trim(preconditioners(i)), problem, solved, coupling, sim)
+      call check_velocities(comm, name//', '//trim(preconditioners(i)), problem, solved, coupling, sim)
       call t%check(report%iterations > 0 .and. report%factorisations > 0, name//': effort is counted')
       call t%check(report%factorisations <= 2*(report%checks + 1), name//': factors are made after tests alone')
     end do
     call t%check(report%failed_factors == 0 .and. report%failed_systems == 0, name//': nothing failed')
     ! Polyhedra that lose such contacts are no problem for a test: the dual method does not converge either.
-    if (name /= 'polyhedra') call test_inactive(name, enriched, problem, coupling, sim)
-    call test_failures(name, enriched, problem, coupling, sim)
-    call test_overshoot(name, enriched, problem, coupling, sim)
+    if (name /= 'polyhedra') call test_inactive(comm, name, enriched, problem, coupling, sim)
+    call test_failures(comm, name, enriched, problem, coupling, sim)
+    call test_overshoot(comm, name, enriched, problem, coupling, sim)
   end subroutine test_pack
 
   !> Contacts of one rank cannot carry impulses on some bodies that it shares: its copies have their part of the mass all the same.
-  subroutine test_inactive(name, enriched, problem, coupling, sim)
+  subroutine test_inactive(comm, name, enriched, problem, coupling, sim)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(enriched_t), intent(inout) :: enriched
     type(problem_t), intent(in) :: problem
@@ -95,12 +103,13 @@ contains
     solved = changed
     call enriched%solve(solved, coupling, sim%comm, report)
     call t%check(report%is_converged, name//' converges with inactive contacts')
-    call check_velocities(name//', inactive contacts', changed, solved, coupling, sim)
+    call check_velocities(comm, name//', inactive contacts', changed, solved, coupling, sim)
   end subroutine test_inactive
 
   !> An interface system that cannot converge leaves the rest of the step to the dual method, and an eta in which masses are lost to
   !! rounding leaves the subdomain without a factor: both are counted, and the step converges.
-  subroutine test_failures(name, enriched, problem, coupling, sim)
+  subroutine test_failures(comm, name, enriched, problem, coupling, sim)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(enriched_t), intent(in) :: enriched
     type(problem_t), intent(in) :: problem
@@ -119,7 +128,7 @@ contains
     call failing%solve(solved, coupling, sim%comm, report)
     call t%equal(report%failed_systems, 1, name//': one system does not converge')
     call t%check(report%is_converged, name//' converges without it')
-    call check_velocities(name//', without a system', problem, solved, coupling, sim)
+    call check_velocities(comm, name//', without a system', problem, solved, coupling, sim)
     failing%tolerance = enriched%tolerance
     failing%most_iterations = enriched%most_iterations
     failing%eta = 1e-30_wp
@@ -129,11 +138,12 @@ contains
     call comm%sum(failures)
     call t%check(failures > 0, name//': matrices have no factor')
     call t%check(report%is_converged, name//' converges without factors')
-    call check_velocities(name//', without factors', problem, solved, coupling, sim)
+    call check_velocities(comm, name//', without factors', problem, solved, coupling, sim)
   end subroutine test_failures
 
   !> An eta for much stiffer contacts than one sweep per round answers with: rounds overshoot, and converge all the same.
-  subroutine test_overshoot(name, enriched, problem, coupling, sim)
+  subroutine test_overshoot(comm, name, enriched, problem, coupling, sim)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(enriched_t), intent(inout) :: enriched
     type(problem_t), intent(in) :: problem
@@ -148,11 +158,12 @@ contains
     solved = problem
     call enriched%solve(solved, coupling, sim%comm, report)
     call t%check(report%is_converged, name//' converges after overshooting')
-    call check_velocities(name//', overshooting', problem, solved, coupling, sim)
+    call check_velocities(comm, name//', overshooting', problem, solved, coupling, sim)
   end subroutine test_overshoot
 
   !> Velocities are those that the dual method finds under the same impulses.
-  subroutine check_velocities(name, problem, solved, coupling, sim)
+  subroutine check_velocities(comm, name, problem, solved, coupling, sim)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(problem_t), intent(in) :: problem, solved
     type(subdomain_t), intent(in) :: coupling
@@ -181,7 +192,8 @@ contains
 
   !> Disks whose pairs all resist their relative velocity: when each subdomain is solved to rounding, and eta is the compliance
   !! of the interactions, the second round begins with the exact interface impulses. The dual method is far from them then.
-  subroutine test_linear()
+  subroutine test_linear(comm)
+    type(comm_t), intent(inout) :: comm
     character(len=*), parameter :: law = 'friction = 0.0'
     type(simulation_t) :: sim
     type(problem_t) :: problem, solved
@@ -195,7 +207,7 @@ contains
     deck = pack_deck('frictionless disks')
     at = index(deck, law)
     deck = deck(:at - 1)//'kind = "LINEAR"'//new_line('a')//'epsilon = 0.6'//deck(at + len(law):)
-    call split_pack('linear interactions', deck, 5, sim)
+    call split_pack(comm, 'linear interactions', deck, 5, sim)
     if (comm%size == 1) return
     call next_problem(sim, problem)
     problem%impulse = 0
@@ -221,7 +233,8 @@ contains
   end subroutine test_linear
 
   !> A pack after some steps on one rank, split along x.
-  subroutine split_pack(name, deck, steps, sim)
+  subroutine split_pack(comm, name, deck, steps, sim)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name, deck
     integer, intent(in) :: steps
     type(simulation_t), intent(inout) :: sim

@@ -1,6 +1,6 @@
 !> Whole runs on several ranks beside the same runs on one: every way of gluing, boxes and graph, in the plane and in space.
 !!
-!! Each rank also runs the whole scene alone. The residual of the undecomposed problem must reach the tolerance asked for.
+!! A pack settles once, and all runs go on from there. The residual of the undecomposed problem must reach the tolerance asked for.
 !! Dense packs carry their weight in many ways: of them measures must agree as closely as those of one rank that sweeps in other
 !! orders. Where forces are unique (frictionless round grains of many sizes) contacts agree one by one.
 program test_gluing
@@ -14,72 +14,87 @@ program test_gluing
   use sg_measures, only: measure, measures_t
   use sg_methods, only: coupling_names
   use sg_simulation, only: decompose, simulation_t
+  use subdomain_tests, only: on_subdomains
   implicit none
   character(len=8), parameter :: splits(2) = [character(len=8) :: 'boxes', 'graph']
   !> Steps of one rank after which packs carry their weight, and steps of all ranks after that: few, so that chaos has no
   !! time to grow from what solvers leave
-  integer, parameter :: alone = 150, together = 4
+  integer, parameter :: settling = 150, together = 4
   character(len=22), parameter :: names(6) = [character(len=22) :: 'kinetic_energy', 'compactness', 'coordination', &
                                              'momentum_x', 'floor_share', 'pressure']
-  type(tests_t) :: t
-  type(comm_t) :: comm
-  character(len=16), allocatable :: gluings(:)
 
-  call comm%start()
-  gluings = coupling_names()
+  !> A pack: its name, state at rest, run on one rank, and largest differences of measures between runs on one rank that sweep in
+  !! other orders
+  type :: pack_t
+    character(len=:), allocatable :: name
+    !> Are its forces unique?
+    logical :: is_unique = .false.
+    type(simulation_t) :: settled, whole
+    real(wp) :: spread(size(names)) = 0
+  end type pack_t
+
+  type(tests_t) :: t
+  type(pack_t), allocatable, save :: pack
+
   call test_all('frictionless disks', is_unique=.true.)
-  call test_all('disks')
-  call test_all('polygons')
-  call test_all('periodic disks')
-  call test_all('spheres')
-  if (can_be_made('polyhedra')) call test_all('polyhedra')
-  deallocate (gluings)
-  call t%finish(comm)
+  call test_all('disks', is_unique=.false.)
+  call test_all('polygons', is_unique=.false.)
+  call test_all('periodic disks', is_unique=.false.)
+  call test_all('spheres', is_unique=.false.)
+  if (can_be_made('polyhedra')) call test_all('polyhedra', is_unique=.false.)
+  call t%finish()
 
 contains
 
   !> One pack, glued in every way, split in both.
   subroutine test_all(name, is_unique)
     character(len=*), intent(in) :: name !! of the pack
-    logical, intent(in), optional :: is_unique !! are the forces?
-    type(simulation_t) :: whole
-    real(wp) :: spread(size(names))
-    integer :: g, s
-    logical :: unique
+    logical, intent(in) :: is_unique !! are the forces?
 
-    unique = .false.
-    if (present(is_unique)) unique = is_unique
-    call begin(name, pack_deck(name), 'dual', 'boxes', whole)
-    call advance_pack(t, name, whole, together)
-    call t%check(whole%report%e8 <= whole%options%solver%tolerance, name//': residual on one rank')
-    call t%check(count(any(abs(whole%contacts%impulse(:, :whole%contacts%n)) > 0, 1)) > 30, name//' carry')
-    if (comm%size == 1) return
-    spread = spread_of_orders(name, whole)
-    do s = 1, size(splits)
-      do g = 1, size(gluings)
-        call compare(name//', '//trim(gluings(g))//', '//trim(splits(s)), pack_deck(name), trim(gluings(g)), &
-                     trim(splits(s)), unique, whole, spread)
-      end do
-    end do
+    allocate (pack)
+    pack%name = name
+    pack%is_unique = is_unique
+    call settle(name, pack%settled)
+    pack%whole = pack%settled
+    call advance_pack(t, name, pack%whole, together)
+    call t%check(pack%whole%report%e8 <= pack%whole%options%solver%tolerance, name//': residual on one rank')
+    call t%check(count(any(abs(pack%whole%contacts%impulse(:, :pack%whole%contacts%n)) > 0, 1)) > 30, name//' carry')
+    pack%spread = spread_of_orders(pack)
+    call on_subdomains(glue_in_every_way)
+    deallocate (pack)
   end subroutine test_all
 
+  !> The pack glued in every way, split in both, as one of several subdomains.
+  subroutine glue_in_every_way(comm)
+    type(comm_t), intent(inout) :: comm
+    character(len=16), allocatable :: gluings(:)
+    integer :: g, s
+
+    if (comm%size == 1) return
+    gluings = coupling_names()
+    do s = 1, size(splits)
+      do g = 1, size(gluings)
+        call compare(comm, pack, trim(gluings(g)), trim(splits(s)))
+      end do
+    end do
+  end subroutine glue_in_every_way
+
   !> Largest differences of the measures of a run and those of runs on one rank that sweep in other orders.
-  function spread_of_orders(name, whole) result(spread)
-    character(len=*), intent(in) :: name
-    type(simulation_t), intent(in) :: whole
+  function spread_of_orders(pack) result(spread)
+    type(pack_t), intent(in) :: pack
     integer, parameter :: orders = 5
     real(wp) :: spread(size(names)), of_whole(size(names))
     type(simulation_t) :: other
     integer :: seed
 
-    of_whole = measures_of(whole)
+    of_whole = measures_of(pack%whole)
     spread = 0
     do seed = 1, orders
-      call begin(name, pack_deck(name), 'dual', 'boxes', other)
+      other = pack%settled
       other%options%solver%order = 'shuffled'
       other%options%solver%order_seed = seed
       call choose_solver(other%options%solver, other%solver)
-      call advance_pack(t, name, other, together)
+      call advance_pack(t, pack%name, other, together)
       spread = max(spread, abs(measures_of(other) - of_whole))
     end do
   end function spread_of_orders
@@ -97,14 +112,14 @@ contains
     end do
   end function measures_of
 
-  !> Run a deck on all ranks and compare it with the run on one.
-  subroutine compare(name, deck, gluing, split, is_unique, whole, spread)
-    character(len=*), intent(in) :: name, deck, gluing, split
-    logical, intent(in) :: is_unique
-    type(simulation_t), intent(in) :: whole
-    real(wp), intent(in) :: spread(:)
+  !> Split the pack at rest, go on, and compare it with the run on one rank.
+  subroutine compare(comm, pack, gluing, split)
+    type(comm_t), intent(in) :: comm
+    type(pack_t), intent(in) :: pack
+    character(len=*), intent(in) :: gluing, split
     type(simulation_t) :: part
     type(measures_t) :: of_whole, of_parts
+    character(len=:), allocatable :: name
     ! e8 of 1e-6 leaves impulses some hundred times that from the solution on packs this size, which few steps let grow.
     ! Friction lets forces spread in many ways, and a contact that carries next to nothing may count or not: orders of sweeps
     ! on one rank tell by how much. Five of them are a small sample, so twice their largest difference counts, and a contact
@@ -114,27 +129,34 @@ contains
     type(error_t), allocatable :: error
     integer :: i
 
-    call begin(name, deck, gluing, split, part)
+    name = pack%name//', '//gluing//', '//split
+    part = pack%settled
+    part%options%partition%gluing = gluing
+    part%options%partition%split = split
+    part%options%partition%every = 2
     part%comm = comm
     call decompose(part, error)
     call t%check(.not. allocated(error), name//' is split')
     call part%energy%leave_to_first(part%comm)
     call advance_pack(t, name, part, together)
     call t%check(part%report%e8 <= part%options%solver%tolerance, name//': residual of the whole')
-    call measure(whole%scene, whole%contacts, whole%options%time_step, whole%energy, of_whole)
-    call measure(part%scene, part%contacts, part%options%time_step, part%energy, of_parts, part%decomposition%subdomain, part%comm)
-    contact = 2/real(count(whole%scene%bodies%is_grain), wp)
-    do i = 1, size(names)
-      ! A pack at rest has no energy and no momentum to compare.
-      call t%near(of_parts%get(trim(names(i))), of_whole%get(trim(names(i))), &
-                  2*spread(i) + tolerance*max(abs(of_whole%get(trim(names(i)))), 1e-3_wp) + &
-                  merge(contact, 0.0_wp, names(i) == 'coordination'), name//': '//trim(names(i)))
-    end do
-    ! Exactly, except for bodies that tumble: there as well as on one rank.
-    call t%near(of_parts%get('energy_closure'), of_whole%get('energy_closure'), &
-                1e-11_wp + 1e-2_wp*of_whole%get('energy_closure'), name//': energy closes')
-    call t%equal(part%all_contacts, whole%contacts%n, name//': contacts')
-    if (is_unique) call compare_contacts(name, part, whole)
+    associate (whole => pack%whole)
+      call measure(whole%scene, whole%contacts, whole%options%time_step, whole%energy, of_whole)
+      call measure(part%scene, part%contacts, part%options%time_step, part%energy, of_parts, &
+                   part%decomposition%subdomain, part%comm)
+      contact = 2/real(count(whole%scene%bodies%is_grain), wp)
+      do i = 1, size(names)
+        ! A pack at rest has no energy and no momentum to compare.
+        call t%near(of_parts%get(trim(names(i))), of_whole%get(trim(names(i))), &
+                    2*pack%spread(i) + tolerance*max(abs(of_whole%get(trim(names(i)))), 1e-3_wp) + &
+                    merge(contact, 0.0_wp, names(i) == 'coordination'), name//': '//trim(names(i)))
+      end do
+      ! Exactly, except for bodies that tumble: there as well as on one rank.
+      call t%near(of_parts%get('energy_closure'), of_whole%get('energy_closure'), &
+                  1e-11_wp + 1e-2_wp*of_whole%get('energy_closure'), name//': energy closes')
+      call t%equal(part%all_contacts, whole%contacts%n, name//': contacts')
+    end associate
+    if (pack%is_unique) call compare_contacts(name, part, pack%whole)
   end subroutine compare
 
   !> Every contact of this rank has the impulse that it has in the run on one rank.
@@ -159,17 +181,15 @@ contains
   end subroutine compare_contacts
 
   !> Read a deck and let it settle on one rank.
-  subroutine begin(name, deck, gluing, split, sim)
-    character(len=*), intent(in) :: name, deck, gluing, split
+  subroutine settle(name, sim)
+    character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
+    type(comm_t) :: alone
 
-    call start_pack(t, comm, name, deck, 1e-3_wp, sim)
-    sim%options%partition%gluing = gluing
-    sim%options%partition%split = split
-    sim%options%partition%every = 2
-    call advance_pack(t, name, sim, alone)
+    call start_pack(t, alone, name, pack_deck(name), 1e-3_wp, sim)
+    call advance_pack(t, name, sim, settling)
     ! Sweeps over polygons that lie face on face stand above 1e-6 after 20,000 of them, on one rank too.
     sim%options%solver%tolerance = merge(1e-5_wp, 1e-6_wp, index(name, 'polygons') > 0)
     call choose_solver(sim%options%solver, sim%solver)
-  end subroutine begin
+  end subroutine settle
 end program test_gluing

@@ -1,5 +1,5 @@
 !> Copies on ranks: all pairs that a search of the whole scene finds exist on exactly one rank, all copies of a body are one
-!! body to the last bit, and contacts with their impulses survive a new split. Run by any number of ranks.
+!! body to the last bit, and contacts with their impulses survive a new split. Run on any number of subdomains.
 program test_halo
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, pack_deck, pack_names, start_pack
@@ -13,24 +13,32 @@ program test_halo
   use sg_plan, only: set_radii
   use sg_scene, only: scene_t
   use sg_simulation, only: decompose, simulation_t
+  use subdomain_tests, only: on_subdomains
   implicit none
   type(tests_t) :: t
-  type(comm_t) :: comm
-  integer :: i, lists_kept
 
-  call comm%start()
-  lists_kept = 0
-  do i = 1, size(pack_names)
-    if (can_be_made(trim(pack_names(i)))) call test_pack(trim(pack_names(i)))
-  end do
-  if (comm%size > 1) call t%check(lists_kept > size(pack_names), 'copies are kept for many lists')
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+    integer :: i, lists_kept
+
+    lists_kept = 0
+    do i = 1, size(pack_names)
+      if (can_be_made(trim(pack_names(i)))) call test_pack(comm, trim(pack_names(i)), lists_kept)
+    end do
+    if (comm%size > 1) call t%check(lists_kept > size(pack_names), 'copies are kept for many lists')
+  end subroutine run_tests
+
   !> A pack falls together on one rank, is split along x, moves on, and is split along y.
-  subroutine test_pack(name)
+  subroutine test_pack(comm, name, lists_kept)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
+    integer, intent(inout) :: lists_kept !! lists of neighbours for which copies were kept
     type(simulation_t) :: sim
     type(scene_t) :: whole
     type(error_t), allocatable :: error
@@ -46,21 +54,23 @@ contains
     call decompose(sim, error)
     call t%check(.not. allocated(error), name//' is split')
     call advance_pack(t, name, sim, 3)
-    call check_pairs(name//', split', sim, whole)
-    call check_copies(name//', split', sim, whole%bodies%n)
-    call check_kept_copies(name, sim, whole)
-    call split_anew(name, sim, whole)
+    call check_pairs(comm, name//', split', sim, whole)
+    call check_copies(comm, name//', split', sim, whole%bodies%n)
+    call check_kept_copies(comm, name, sim, whole, lists_kept)
+    call split_anew(comm, name, sim, whole)
     call advance_pack(t, name, sim, 3)
-    call check_pairs(name//', split again', sim, whole)
-    call check_copies(name//', split again', sim, whole%bodies%n)
+    call check_pairs(comm, name//', split again', sim, whole)
+    call check_copies(comm, name//', split again', sim, whole%bodies%n)
     call t%equal(sim%decomposition%subdomain%splits, 2, name//': splits')
   end subroutine test_pack
 
   !> Copies outlast lists of neighbours: those made with kept copies, too, hold every pair.
-  subroutine check_kept_copies(name, sim, whole)
+  subroutine check_kept_copies(comm, name, sim, whole, lists_kept)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     type(scene_t), intent(in) :: whole
+    integer, intent(inout) :: lists_kept
     integer, parameter :: steps = 40
     integer :: builds, serial, kept, renewed, i
 
@@ -73,14 +83,15 @@ contains
       if (sim%decomposition%subdomain%serial > serial) renewed = renewed + 1
       if (sim%pairs%builds == builds .or. sim%decomposition%subdomain%serial > serial) cycle
       kept = kept + 1
-      call check_pairs(name//', copies kept', sim, whole)
+      call check_pairs(comm, name//', copies kept', sim, whole)
     end do
     call t%check(kept >= renewed, name//': copies are kept for more lists than they are rebuilt for')
     lists_kept = lists_kept + kept
   end subroutine check_kept_copies
 
   !> Repartition all grains, across: contacts and their impulses are those before.
-  subroutine split_anew(name, sim, whole)
+  subroutine split_anew(comm, name, sim, whole)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     type(scene_t), intent(in) :: whole
@@ -89,7 +100,7 @@ contains
     integer :: k
     logical :: is_rebuilt
 
-    call tabulate(sim, whole%contactors%n, before)
+    call tabulate(comm, sim, whole%contactors%n, before)
     sim%decomposition%options%boxes = [1, comm%size, 1]
     sim%decomposition%options%every = 1
     call predict(sim%scene, sim%time(), sim%options%time_step, sim%options%theta)
@@ -98,7 +109,7 @@ contains
     call t%check(is_rebuilt .and. .not. allocated(error), name//' is split again')
     sim%decomposition%options%every = 0
     call set_radii(sim%scene, sim%plan)
-    call tabulate(sim, whole%contactors%n, after)
+    call tabulate(comm, sim, whole%contactors%n, after)
     call t%check(sum(before(:, :, 1)) > 5 .and. any(abs(before(:, :, 3:)) > 0), name//': contacts carry')
     call t%check(.not. any(abs(after - before) > 0), name//': contacts, statuses and impulses are kept')
     do k = 1, sim%contacts%n
@@ -109,7 +120,8 @@ contains
 
   !> Contacts of all ranks by pairs of contactors: their number, their statuses weighted by features, and their impulses, added
   !! up as they stand and weighted by features. All contacts of a pair are on one rank, so that sums are exact.
-  subroutine tabulate(sim, n, table)
+  subroutine tabulate(comm, sim, n, table)
+    type(comm_t), intent(inout) :: comm
     type(simulation_t), intent(inout) :: sim
     integer, intent(in) :: n !! contactors of the whole scene
     real(wp), allocatable, intent(out) :: table(:, :, :)
@@ -131,7 +143,8 @@ contains
   end subroutine tabulate
 
   !> The pairs of all ranks together are those that a search of the whole scene finds, in the state in which they were sought.
-  subroutine check_pairs(name, sim, whole)
+  subroutine check_pairs(comm, name, sim, whole)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     type(scene_t), intent(in) :: whole
@@ -176,7 +189,8 @@ contains
   end subroutine tabulate_pairs
 
   !> All copies of a body have the same state, bit by bit, and all bodies have one owner each.
-  subroutine check_copies(name, sim, n)
+  subroutine check_copies(comm, name, sim, n)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     integer, intent(in) :: n !! bodies of the whole scene

@@ -13,30 +13,37 @@ program test_increments_ranks
   use sg_run_options, only: criterion_maxm, criterion_names, criterion_qm16, criterion_quad, solver_options_t
   use sg_simulation, only: decompose, simulation_t
   use sg_sweep_order, only: set_order, sweep_order_t
+  use subdomain_tests, only: on_subdomains
   implicit none
   character(len=*), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
   integer, parameter :: criteria(3) = [criterion_quad, criterion_maxm, criterion_qm16]
   type(tests_t) :: t
-  type(comm_t) :: comm
-  integer :: i
 
-  call comm%start()
-  do i = 1, size(gluings)
-    call test_pack('disks', trim(gluings(i)))
-  end do
-  ! Not by `momentum`, which drops a trace of an impulse that the guess has, and so counts a contact less.
-  call test_pack('pressed disks', 'dual')
-  call test_pack('pressed disks', 'primal')
-  call test_pack('frictionless disks', 'dual')
-  call test_pack('polygons', 'primal')
-  call test_pack('spheres', 'dual')
-  if (can_be_made('polyhedra')) call test_pack('polyhedra', 'primal')
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+    integer :: i
+
+    do i = 1, size(gluings)
+      call test_pack(comm, 'disks', trim(gluings(i)))
+    end do
+    ! Not by `momentum`, which drops a trace of an impulse that the guess has, and so counts a contact less.
+    call test_pack(comm, 'pressed disks', 'dual')
+    call test_pack(comm, 'pressed disks', 'primal')
+    call test_pack(comm, 'frictionless disks', 'dual')
+    call test_pack(comm, 'polygons', 'primal')
+    call test_pack(comm, 'spheres', 'dual')
+    if (can_be_made('polyhedra')) call test_pack(comm, 'polyhedra', 'primal')
+  end subroutine run_tests
+
   !> Compare the criteria of the guess of a step.
-  subroutine test_pack(name, gluing)
+  subroutine test_pack(comm, name, gluing)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name, gluing
     type(simulation_t) :: sim
     type(problem_t) :: problem
@@ -51,7 +58,7 @@ contains
     sim%options%partition%gluing = gluing
     sim%options%partition%boxes = [comm%size, 1, 1]
     sim%options%solver%maximum_sweeps = 0
-    call values_of_one(name, values)
+    call values_of_one(comm, name, values)
     if (comm%size == 1) return
     call decompose(sim, error)
     call t%check(.not. allocated(error), name//': split')
@@ -68,7 +75,8 @@ contains
   end subroutine test_pack
 
   !> The same by one rank that holds all.
-  subroutine values_of_one(name, values)
+  subroutine values_of_one(comm, name, values)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     real(wp), intent(out) :: values(:)
     type(simulation_t) :: sim

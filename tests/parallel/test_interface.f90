@@ -1,5 +1,5 @@
 !> The interface of each rank compared with tables of the whole scene: sharers, multiplicities and interface contacts, sums over all
-!! copies to the last bit, and W_Gamma with H^T M^-1 H built column by column. Run by any number of ranks; one rank has no
+!! copies to the last bit, and W_Gamma with H^T M^-1 H built column by column. Run on any number of subdomains; one rank has no
 !! interface, and there all contacts are the rows of W.
 program test_interface
   use harness, only: tests_t
@@ -16,6 +16,7 @@ program test_interface
   use sg_records, only: first_inverse, impulse_length
   use sg_simulation, only: decompose, simulation_t
   use sg_subdomain, only: subdomain_t
+  use subdomain_tests, only: on_subdomains
   implicit none
   !> Rounding of sums of some ten products, over the largest of them
   real(wp), parameter :: rounding = 1e-13_wp
@@ -35,22 +36,28 @@ program test_interface
   end type case_t
 
   type(tests_t) :: t
-  type(comm_t) :: comm
 
-  call comm%start()
-  call test_pack('frictionless disks')
-  call test_pack('disks')
-  call test_pack('pressed disks')
-  call test_pack('polygons')
-  call test_pack('spheres')
-  call test_pack('frictionless spheres')
-  if (can_be_made('polyhedra')) call test_pack('polyhedra')
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+
+    call test_pack(comm, 'frictionless disks')
+    call test_pack(comm, 'disks')
+    call test_pack(comm, 'pressed disks')
+    call test_pack(comm, 'polygons')
+    call test_pack(comm, 'spheres')
+    call test_pack(comm, 'frictionless spheres')
+    if (can_be_made('polyhedra')) call test_pack(comm, 'polyhedra')
+  end subroutine run_tests
+
   !> A pack at rest, split along x and again along y.
-  subroutine test_pack(name)
+  subroutine test_pack(comm, name)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t) :: sim
     type(error_t), allocatable :: error
@@ -60,21 +67,22 @@ contains
     call advance_pack(t, name, sim, 120)
     n_bodies = sim%scene%bodies%n
     if (comm%size == 1) then
-      call test_alone(name, sim)
+      call test_alone(comm, name, sim)
       return
     end if
     sim%comm = comm
     sim%options%partition%boxes = [comm%size, 1, 1]
     call decompose(sim, error)
     call advance_pack(t, name, sim, 2)
-    call test_split(name//', split', sim, n_bodies)
+    call test_split(comm, name//', split', sim, n_bodies)
     sim%decomposition%options%boxes = [1, comm%size, 1]
     sim%decomposition%options%every = 1
-    call test_split(name//', split again', sim, n_bodies)
+    call test_split(comm, name//', split again', sim, n_bodies)
   end subroutine test_pack
 
   !> The blocks of all contacts of one rank.
-  subroutine test_alone(name, sim)
+  subroutine test_alone(comm, name, sim)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     type(case_t) :: one
@@ -87,11 +95,12 @@ contains
     one%id = [(k, k=1, one%problem%n_bodies)]
     one%n_bodies = size(one%id)
     call blocks%build(one%problem, [(k, k=1, one%problem%n_contacts)])
-    call compare_blocks(one, blocks)
+    call compare_blocks(comm, one, blocks)
   end subroutine test_alone
 
   !> The interface of the next step.
-  subroutine test_split(name, sim, n_bodies)
+  subroutine test_split(comm, name, sim, n_bodies)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     integer, intent(in) :: n_bodies
@@ -111,24 +120,25 @@ contains
     do k = 1, one%problem%n_contacts
       one%touches(one%id(one%problem%pair(:, k)), comm%rank) = .true.
     end do
-    call share_table(one%touches)
+    call share_table(comm, one%touches)
     associate (problem => one%problem)
       call interface%find(problem%pair(:, :problem%n_contacts), problem%body(:, :problem%n_bodies), one%width, one%coupling, comm)
     end associate
     shared = interface%n_shared
     call comm%sum(shared)
     call t%check(shared > 0, name//': bodies are shared')
-    call check_sharers(one, interface)
-    call check_contacts(one, interface)
+    call check_sharers(comm, one, interface)
+    call check_contacts(comm, one, interface)
     call interface%prepare_sums(one%coupling, comm)
-    call check_sums(one, interface)
+    call check_sums(comm, one, interface)
     call blocks%build(one%problem, interface%contact)
     call blocks%couple(interface)
-    call compare_blocks(one, blocks, interface)
+    call compare_blocks(comm, one, blocks, interface)
   end subroutine test_split
 
   !> Combine the tables of all ranks.
-  subroutine share_table(table)
+  subroutine share_table(comm, table)
+    type(comm_t), intent(inout) :: comm
     logical, intent(inout) :: table(:, :)
     integer, allocatable :: flags(:)
 
@@ -138,7 +148,8 @@ contains
   end subroutine share_table
 
   !> Shared bodies are those that several ranks touch, or that all hold and impulses can move; sharers stand in the message lists.
-  subroutine check_sharers(one, interface)
+  subroutine check_sharers(comm, one, interface)
+    type(comm_t), intent(inout) :: comm
     type(case_t), intent(in) :: one
     type(interface_t), intent(in) :: interface
     logical :: is_listed(size(one%id)), is_wanted(size(one%id)), shares(0:comm%size - 1)
@@ -171,7 +182,8 @@ contains
   end subroutine check_sharers
 
   !> Interface contacts touch a shared body; those between two subdomains touch bodies of two owners.
-  subroutine check_contacts(one, interface)
+  subroutine check_contacts(comm, one, interface)
+    type(comm_t), intent(inout) :: comm
     type(case_t), intent(in) :: one
     type(interface_t), intent(in) :: interface
     integer :: k, n, between
@@ -195,7 +207,8 @@ contains
   end subroutine check_contacts
 
   !> Sums over copies of whole numbers are exact, those of real numbers the same on all ranks; balanced values add up to nothing.
-  subroutine check_sums(one, interface)
+  subroutine check_sums(comm, one, interface)
+    type(comm_t), intent(inout) :: comm
     type(case_t), intent(in) :: one
     type(interface_t), intent(inout) :: interface
     type(random_t) :: random
@@ -211,7 +224,7 @@ contains
     end do
     sums = values
     call interface%sum(sums, comm)
-    table = table_of(one, interface, values)
+    table = table_of(comm, one, interface, values)
     call t%check(all(abs(sums - table(:, one%id(interface%slot))) <= 0), one%name//': sums over sharers')
     values = values/3
     largest = 0
@@ -224,12 +237,13 @@ contains
     do i = 1, size(interface%slot)
       if (.not. one%touches(one%id(interface%slot(i)), comm%rank)) values(:, i) = 0
     end do
-    table = table_of(one, interface, values)
+    table = table_of(comm, one, interface, values)
     call t%check(all(abs(table) <= 16*epsilon(1.0_wp)*largest), one%name//': balanced values')
   end subroutine check_sums
 
   !> Sums by body over the copies of all ranks.
-  function table_of(one, interface, values) result(table)
+  function table_of(comm, one, interface, values) result(table)
+    type(comm_t), intent(inout) :: comm
     type(case_t), intent(in) :: one
     type(interface_t), intent(in) :: interface
     real(wp), intent(in) :: values(:, :)
@@ -243,7 +257,8 @@ contains
   end function table_of
 
   !> Columns of W by unit impulses on some rows one after the other, of one rank after the other.
-  subroutine compare_blocks(one, blocks, interface)
+  subroutine compare_blocks(comm, one, blocks, interface)
+    type(comm_t), intent(inout) :: comm
     type(case_t), intent(in) :: one
     type(interface_blocks_t), intent(in) :: blocks
     type(interface_t), intent(inout), optional :: interface
@@ -271,8 +286,8 @@ contains
         do c = 1, blocks%d
           unit = 0
           unit(c) = 1
-          if (comm%rank == rank) call unit_column(one, blocks, j, unit, column)
-          if (comm%rank /= rank) call unit_column(one, blocks, 0, unit, column)
+          if (comm%rank == rank) call unit_column(comm, one, blocks, j, unit, column)
+          if (comm%rank /= rank) call unit_column(comm, one, blocks, 0, unit, column)
           if (comm%rank == rank) call check_column(one, blocks, j, c, column, scale)
           if (comm%rank == rank) unit = r(:, j)
           call comm%broadcast(unit, rank)
@@ -292,7 +307,8 @@ contains
   end subroutine compare_blocks
 
   !> What a unit impulse on a row of one rank does to the rows of this rank; row 0 where another rank has it.
-  subroutine unit_column(one, blocks, row, unit, column)
+  subroutine unit_column(comm, one, blocks, row, unit, column)
+    type(comm_t), intent(inout) :: comm
     type(case_t), intent(in) :: one
     type(interface_blocks_t), intent(in) :: blocks
     integer, intent(in) :: row

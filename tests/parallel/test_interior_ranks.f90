@@ -14,28 +14,35 @@ program test_interior_ranks
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: decompose, simulation_t
   use sg_subdomain, only: subdomain_t
+  use subdomain_tests, only: on_subdomains
   implicit none
   character(len=*), parameter :: law = 'friction = 0.0'
   type(tests_t) :: t
-  type(comm_t) :: comm
-  character(len=:), allocatable :: linear
-  integer :: at
 
-  call comm%start()
-  call test_pack('frictionless disks', pack_deck('frictionless disks'), 1e-10_wp, .true.)
-  call test_pack('disks', pack_deck('disks'), 1e-6_wp, .false.)
-  call test_pack('spheres', pack_deck('spheres'), 1e-6_wp, .false.)
-  linear = pack_deck('frictionless disks')
-  at = index(linear, law)
-  linear = linear(:at - 1)//'kind = "LINEAR"'//new_line('a')//'epsilon = 0.6'//linear(at + len(law):)
-  call test_pack('linear disks', linear, 1e-6_wp, .false.)
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+    character(len=:), allocatable :: linear
+    integer :: at
+
+    call test_pack(comm, 'frictionless disks', pack_deck('frictionless disks'), 1e-10_wp, .true.)
+    call test_pack(comm, 'disks', pack_deck('disks'), 1e-6_wp, .false.)
+    call test_pack(comm, 'spheres', pack_deck('spheres'), 1e-6_wp, .false.)
+    linear = pack_deck('frictionless disks')
+    at = index(linear, law)
+    linear = linear(:at - 1)//'kind = "LINEAR"'//new_line('a')//'epsilon = 0.6'//linear(at + len(law):)
+    call test_pack(comm, 'linear disks', linear, 1e-6_wp, .false.)
+  end subroutine run_tests
+
   !> A pack at rest, split along x, cold: converged, and where the problem is convex without a round beyond the first test, with the
   !! velocities that sweeps find.
-  subroutine test_pack(name, deck, tolerance, is_convex)
+  subroutine test_pack(comm, name, deck, tolerance, is_convex)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name, deck
     real(wp), intent(in) :: tolerance
     logical, intent(in) :: is_convex
@@ -48,7 +55,7 @@ contains
     real(wp) :: largest
     integer :: w, k
 
-    call split_pack(name, deck, 60, sim)
+    call split_pack(comm, name, deck, 60, sim)
     if (comm%size == 1) return
     call next_problem(sim, problem)
     problem%impulse = 0
@@ -78,7 +85,8 @@ contains
   end subroutine test_pack
 
   !> A pack after some steps on one rank, split along x.
-  subroutine split_pack(name, deck, steps, sim)
+  subroutine split_pack(comm, name, deck, steps, sim)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name, deck
     integer, intent(in) :: steps
     type(simulation_t), intent(inout) :: sim

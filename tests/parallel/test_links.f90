@@ -13,28 +13,35 @@ program test_links
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: decompose, simulation_t, start_simulation
   use sg_space_contactors, only: add_sphere
+  use subdomain_tests, only: on_subdomains
   implicit none
   !> Steps on all ranks, steps per repartition, and number of partitions
   integer, parameter :: steps = 60, every = 25, splits = 3
   character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
   type(tests_t) :: t
-  type(comm_t) :: comm
-  integer :: dimension, kind, g
 
-  call comm%start()
-  do dimension = 2, 3
-    do kind = 1, 4
-      do g = 1, size(gluings)
-        call test_net(dimension, kind, trim(gluings(g)))
-      end do
-    end do
-  end do
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+    integer :: dimension, kind, g
+
+    do dimension = 2, 3
+      do kind = 1, 4
+        do g = 1, size(gluings)
+          call test_net(comm, dimension, kind, trim(gluings(g)))
+        end do
+      end do
+    end do
+  end subroutine run_tests
+
   !> A net of masses, held at two ends.
-  subroutine test_net(dimension, kind, gluing)
+  subroutine test_net(comm, dimension, kind, gluing)
+    type(comm_t), intent(inout) :: comm
     integer, intent(in) :: dimension, kind
     character(len=*), intent(in) :: gluing
     type(simulation_t) :: whole, part

@@ -27,35 +27,42 @@ program test_measures
   use sg_subdomain, only: subdomain_t
   use sg_time_functions, only: time_function_t
   use sg_totals, only: phase_solve, reduce_report, totals_t
+  use subdomain_tests, only: on_subdomains
   implicit none
   ! Sums of some hundred terms of order one to hundred, in another order.
   real(wp), parameter :: rounding = 1e-12_wp
   type(tests_t) :: t
-  type(comm_t) :: comm
-  type(random_t) :: random
 
-  call comm%start()
-  call random%seed(11)
-  call test_plane(0.0_wp, 'a box')
-  call test_plane(1.1_wp, 'a periodic box')
-  call test_space()
-  call test_totals()
-  call test_report()
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+
+    call test_plane(comm, 0.0_wp, 'a box')
+    call test_plane(comm, 1.1_wp, 'a periodic box')
+    call test_space(comm)
+    call test_totals(comm)
+    call test_report(comm)
+  end subroutine run_tests
+
   !> Disks and squares between a floor, a side that pushes and a lid that is pressed and slides; the first quarter flies.
-  subroutine test_plane(period, what)
+  subroutine test_plane(comm, period, what)
+    type(comm_t), intent(inout) :: comm
     real(wp), intent(in) :: period
     character(len=*), intent(in) :: what
     real(wp), parameter :: square(2, 4) = &
                            0.04_wp*reshape([-1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp], [2, 4])
     integer, parameter :: n = 48, lid = n + 1
     type(simulation_t) :: sim
+    type(random_t) :: random
     real(wp) :: place(2)
     integer :: b
 
+    call random%seed(11 + nint(period))
     call begin_scene(sim%scene, n + 3, 0.4_wp, 0.02_wp)
     sim%scene%period = period
     do b = 1, n
@@ -77,19 +84,21 @@ contains
     call drive(sim%scene, n + 3, 1, time_function_t(constant=0.1_wp))
     call drive(sim%scene, n + 3, 2, time_function_t())
     call drive(sim%scene, n + 3, 3, time_function_t(constant=-0.5_wp))
-    call follow(sim, 2e-3_wp, 40, what)
+    call follow(comm, sim, 2e-3_wp, 40, what)
   end subroutine test_plane
 
   !> Shapes of all kinds that fly into one another through two periods.
-  subroutine test_space()
+  subroutine test_space(comm)
+    type(comm_t), intent(inout) :: comm
     type(simulation_t) :: sim
 
     call random_space_scene(sim%scene, solid_frictional, law_restitution, [3.4_wp, 3.4_wp], 3.4_wp, 40)
-    call follow(sim, 1e-3_wp, 6, 'a scene in space')
+    call follow(comm, sim, 1e-3_wp, 6, 'a scene in space')
   end subroutine test_space
 
   !> Run a scene whole and in parts; each step splits it again, so that bodies move from rank to rank.
-  subroutine follow(sim, h, steps, what)
+  subroutine follow(comm, sim, h, steps, what)
+    type(comm_t), intent(inout) :: comm
     type(simulation_t), intent(inout) :: sim
     real(wp), intent(in) :: h
     integer, intent(in) :: steps
@@ -110,14 +119,14 @@ contains
     do i = 1, steps
       call solve_step(sim)
       call sim%energy%add_step(sim%scene, sim%contacts, h)
-      call cut_scene(sim%scene, sim%contacts, split(sim%scene%bodies%n, i), comm%rank, comm%size, local, contacts, subdomain)
+      call cut_scene(sim%scene, sim%contacts, split(comm, sim%scene%bodies%n, i), comm%rank, comm%size, local, contacts, subdomain)
       call energy%add_step(local, contacts, h)
       call update(sim%scene%bodies, h, sim%options%theta)
       sim%step = i
       deepest = deepest_penetration(contacts)
       call comm%maximum(deepest)
       call t%near(deepest(1), deepest_penetration(sim%contacts), 0.0_wp, what//': deepest penetration of a step')
-      call cut_scene(sim%scene, sim%contacts, split(sim%scene%bodies%n, i), comm%rank, comm%size, local, contacts, subdomain)
+      call cut_scene(sim%scene, sim%contacts, split(comm, sim%scene%bodies%n, i), comm%rank, comm%size, local, contacts, subdomain)
       call samples%add(local, contacts, h)
       call all_samples%add(sim%scene, sim%contacts, h)
       call measure(sim%scene, sim%contacts, h, sim%energy, wanted)
@@ -130,9 +139,9 @@ contains
     call t%equal(nint(n(1)), sim%contacts%n, what//': each contact is on one rank')
     call samples%reduce(comm)
     call t%near(largest_difference(samples%value(:, :steps), all_samples%value(:, :steps)), 0.0_wp, rounding, what//': samples')
-    call check_sums(local, subdomain, what)
-    call check_energy(energy, sim%energy, what)
-    call check_grains(local, sim%scene, what)
+    call check_sums(comm, local, subdomain, what)
+    call check_energy(comm, energy, sim%energy, what)
+    call check_grains(comm, local, sim%scene, what)
   end subroutine follow
 
   !> A step without its update.
@@ -147,7 +156,8 @@ contains
   end subroutine solve_step
 
   !> Ranks of the bodies: slabs, in turns, or none for the last rank.
-  function split(n, step) result(part)
+  function split(comm, n, step) result(part)
+    type(comm_t), intent(inout) :: comm
     integer, intent(in) :: n, step
     integer(i4) :: part(n)
     integer :: b
@@ -199,7 +209,8 @@ contains
   end function largest_difference
 
   !> Every rank says (rank + 1) (k + number) of each body it holds: the sum over its holders stands on its owner rank, then on all.
-  subroutine check_sums(local, subdomain, what)
+  subroutine check_sums(comm, local, subdomain, what)
+    type(comm_t), intent(inout) :: comm
     type(scene_t), intent(in) :: local
     type(subdomain_t), intent(in) :: subdomain
     character(len=*), intent(in) :: what
@@ -228,7 +239,8 @@ contains
   end subroutine check_sums
 
   !> Works of the parts add up to those of the whole; what the first rank is left with adds up to the same.
-  subroutine check_energy(part, whole, what)
+  subroutine check_energy(comm, part, whole, what)
+    type(comm_t), intent(inout) :: comm
     type(energy_t), intent(in) :: part, whole
     character(len=*), intent(in) :: what
     type(energy_t) :: sum
@@ -243,7 +255,8 @@ contains
     call t%near(maxval(abs(sum%pack() - whole%pack())), 0.0_wp, rounding*maxval(abs(whole%pack())), what//': works, restarted')
   end subroutine check_energy
 
-  subroutine check_grains(local, whole, what)
+  subroutine check_grains(comm, local, whole, what)
+    type(comm_t), intent(inout) :: comm
     type(scene_t), intent(in) :: local, whole
     character(len=*), intent(in) :: what
     type(grains_t) :: got, wanted
@@ -256,7 +269,8 @@ contains
   end subroutine check_grains
 
   !> Contacts, updates and CPU seconds add up; of sweeps, errors and wall seconds the largest counts.
-  subroutine test_totals()
+  subroutine test_totals(comm)
+    type(comm_t), intent(inout) :: comm
     type(totals_t) :: totals
     type(report_t) :: report
     integer :: r, n, step
@@ -300,7 +314,8 @@ contains
     end do
   end subroutine test_totals
 
-  subroutine test_report()
+  subroutine test_report(comm)
+    type(comm_t), intent(inout) :: comm
     type(report_t) :: report
     integer :: n
 

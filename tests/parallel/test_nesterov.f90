@@ -1,7 +1,7 @@
 !> Sweeps with momentum beside plain ones, of one rank and of several: the same velocities from fewer sweeps, velocities that are
 !! those of the impulses, in all orders and through many choices of the active set; increments that are those of the result; and
 !! plain sweeps where momentum is not taken. Where nothing closes, none at all.
-!! Run by any number of ranks.
+!! Run on any number of subdomains.
 program test_nesterov
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, pack_names, start_pack
@@ -20,24 +20,31 @@ program test_nesterov
   use sg_solver, only: solver_t
   use sg_sweep_order, only: set_order, sweep_order_t
   use sg_text, only: to_text
+  use subdomain_tests, only: on_subdomains
   implicit none
   real(wp), parameter :: tolerance = 1e-7_wp
   type(tests_t) :: t
-  type(comm_t) :: comm
-  integer :: i
 
-  call comm%start()
-  do i = 1, size(pack_names)
-    if (can_be_made(trim(pack_names(i)))) call test_pack(trim(pack_names(i)))
-  end do
-  call test_free_fall()
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+    integer :: i
+
+    do i = 1, size(pack_names)
+      if (can_be_made(trim(pack_names(i)))) call test_pack(comm, trim(pack_names(i)))
+    end do
+    call test_free_fall(comm)
+  end subroutine run_tests
+
   !> Grains that touch and fall together need no sweep, whatever the method and the ranks, and come back as they are; one that flies
   !! into them takes some.
-  subroutine test_free_fall()
+  subroutine test_free_fall(comm)
+    type(comm_t), intent(inout) :: comm
     character(len=8), parameter :: methods(2) = [character(len=8) :: 'nlgs', 'nesterov']
     character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
     character(len=*), parameter :: nl = new_line('a'), fall = '[time]'//nl//'step = 1e-3'//nl//'steps = 9'//nl// &
@@ -69,19 +76,20 @@ contains
         most = real(problem%n_contacts, wp)
         call comm%maximum(most)
         call t%check(most > 20, name//': grains touch')
-        call solve(falling, trim(methods(i)), problem, solved, report)
+        call solve(comm, falling, trim(methods(i)), problem, solved, report)
         call t%check(report%is_converged .and. report%sweeps == 0 .and. report%gluings == 0, name//': no sweep')
         call t%check(.not. any(abs(solved%impulse(:, :problem%n_contacts)) > 0), name//': no impulses')
         call t%check(.not. any(abs(solved%body - problem%body) > 0), name//': the free velocities, bit for bit')
         call next_problem(struck, problem)
-        call solve(struck, trim(methods(i)), problem, solved, report)
+        call solve(comm, struck, trim(methods(i)), problem, solved, report)
         call t%check(report%is_converged .and. report%sweeps > 0, name//': a grain that flies into others takes sweeps')
       end do
     end do
   end subroutine test_free_fall
 
   !> One problem of a settling pack: by the orders of one rank, or by the couplings of several.
-  subroutine test_pack(name)
+  subroutine test_pack(comm, name)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     character(len=9), parameter :: orders(4) = [character(len=9) :: 'groups', 'natural', 'coloured', 'shuffled']
     character(len=8), parameter :: gluings(2) = [character(len=8) :: 'dual', 'primal']
@@ -99,20 +107,21 @@ contains
     if (comm%size == 1) then
       do i = 1, size(orders)
         sim%options%solver%order = orders(i)
-        call compare(name//', '//trim(orders(i)), sim, problem)
-        call check_increments(name//', '//trim(orders(i)), sim, problem)
+        call compare(comm, name//', '//trim(orders(i)), sim, problem)
+        call check_increments(comm, name//', '//trim(orders(i)), sim, problem)
       end do
     else
       do i = 1, size(gluings)
         sim%options%partition%gluing = gluings(i)
-        call compare(name//', '//trim(gluings(i)), sim, problem)
-        call check_shares(name//', '//trim(gluings(i)), sim, problem)
+        call compare(comm, name//', '//trim(gluings(i)), sim, problem)
+        call check_shares(comm, name//', '//trim(gluings(i)), sim, problem)
       end do
     end if
   end subroutine test_pack
 
   !> Solve with and without momentum, from nothing, tested and chosen again every few sweeps.
-  subroutine compare(name, sim, problem)
+  subroutine compare(comm, name, sim, problem)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     type(problem_t), intent(in) :: problem
@@ -122,8 +131,8 @@ contains
     logical :: has_corners
 
     has_corners = index(name, 'poly') == 1
-    call solve(sim, 'nlgs', problem, plain, before)
-    call solve(sim, 'nesterov', problem, pushed, after)
+    call solve(comm, sim, 'nlgs', problem, plain, before)
+    call solve(comm, sim, 'nesterov', problem, pushed, after)
     call t%check(before%is_converged .and. after%is_converged, name//': both converge')
     call t%check(after%e8 <= tolerance, name//': to the tolerance')
     ! Pauses bound what momentum may cost where it does not help, as at angular grains to tight tolerances.
@@ -142,7 +151,8 @@ contains
   end subroutine compare
 
   !> Choices of contacts change the orders of some ranks alone; shares remain those of all ranks, to the last bit.
-  subroutine check_shares(name, sim, problem)
+  subroutine check_shares(comm, name, sim, problem)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     type(problem_t), intent(in) :: problem
@@ -173,7 +183,8 @@ contains
 
   !> LMGC90's criteria measure what contacts still ask at x, not the change from sweep to sweep: their values are found again, up to
   !! rounding, from the impulses and velocities that are handed over.
-  subroutine check_increments(name, sim, problem)
+  subroutine check_increments(comm, name, sim, problem)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     type(problem_t), intent(in) :: problem
@@ -191,7 +202,7 @@ contains
     natural%order = 'natural'
     do i = 1, size(criteria)
       sim%options%solver%criterion = criteria(i)
-      call solve(sim, 'nesterov', problem, pushed, report, 1e-3_wp)
+      call solve(comm, sim, 'nesterov', problem, pushed, report, 1e-3_wp)
       call t%check(report%is_converged, name//': converges by increments')
       call set_order(order, pushed, is_wanted, natural)
       call asked%measure(pushed, order, sums, maxima)
@@ -214,7 +225,8 @@ contains
   end subroutine check_velocities
 
   !> Solve a copy of a problem by a method of the list.
-  subroutine solve(sim, method, problem, solved, report, other_tolerance)
+  subroutine solve(comm, sim, method, problem, solved, report, other_tolerance)
+    type(comm_t), intent(inout) :: comm
     type(simulation_t), intent(inout) :: sim
     character(len=*), intent(in) :: method
     type(problem_t), intent(in) :: problem

@@ -1,5 +1,5 @@
 !> The primal method sweeps each part, and the contacts between parts, as often as asked: the table of the talk, 800 sweeps in
-!! the first part, 700 in the second, ... Run by any number of ranks.
+!! the first part, 700 in the second, ... Run on any number of subdomains.
 program test_primal
   use harness, only: tests_t
   use packs, only: advance_pack, pack_deck, start_pack
@@ -11,21 +11,28 @@ program test_primal
   use sg_run_options, only: criterion_quad
   use sg_simulation, only: decompose, simulation_t
   use sg_text, only: to_text
+  use subdomain_tests, only: on_subdomains
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   type(tests_t) :: t
-  type(comm_t) :: comm
 
-  call comm%start()
-  call test_sweeps('disks', 3)
-  call test_sweeps('pressed disks', 1)
-  call test_sweeps('spheres', 2)
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+
+    call test_sweeps(comm, 'disks', 3)
+    call test_sweeps(comm, 'pressed disks', 1)
+    call test_sweeps(comm, 'spheres', 2)
+  end subroutine run_tests
+
   !> Count the updates of one gluing, and of three.
-  subroutine test_sweeps(name, interface_sweeps)
+  subroutine test_sweeps(comm, name, interface_sweeps)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     integer, intent(in) :: interface_sweeps
     type(simulation_t) :: sim
@@ -57,13 +64,14 @@ contains
       sim%options%solver%maximum_sweeps = gluings*800
       call choose_solver(sim%options%solver, sim%options%partition, comm%size, sim%solver, error)
       call advance(sim, error)
-      call check_updates(name, sim, interface_sweeps, gluings)
+      call check_updates(comm, name, sim, interface_sweeps, gluings)
     end do
   end subroutine test_sweeps
 
   !> Updates are those of the contacts within the part, as often as this rank was asked, and of the contacts with other parts
   !! that it owns.
-  subroutine check_updates(name, sim, interface_sweeps, gluings)
+  subroutine check_updates(comm, name, sim, interface_sweeps, gluings)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     integer, intent(in) :: interface_sweeps, gluings

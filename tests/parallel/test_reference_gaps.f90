@@ -8,17 +8,23 @@ program test_reference_gaps
   use sg_kinds, only: wp
   use sg_simulation, only: decompose, simulation_t
   use sg_text, only: to_text
+  use subdomain_tests, only: on_subdomains
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   integer, parameter :: grains = 8, steps = 200
   type(tests_t) :: t
-  type(comm_t) :: comm
 
-  call comm%start()
-  call compare()
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
+
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+
+    call compare(comm)
+  end subroutine run_tests
 
   !> Disks in a row that move towards a floor at 1 m/s, each a centimetre higher than the one before; nothing is in reach at first.
   function falling() result(deck)
@@ -36,7 +42,8 @@ contains
   end function falling
 
   !> The first grain stops at the edge of the alert distance, all others at the floor.
-  subroutine compare()
+  subroutine compare(comm)
+    type(comm_t), intent(inout) :: comm
     type(simulation_t) :: sim
     type(error_t), allocatable :: error
     integer :: b

@@ -1,5 +1,5 @@
 !> Clusters that are solved leave the sweeps of the rank within which they lie: fewer updates, as many gluings, the same answer. One
-!! of which another rank holds a part stays. Run by any number of ranks.
+!! of which another rank holds a part stays. Run on any number of subdomains.
 !!
 !! Every rank has short towers of its own and a storey of a tall one, whose other storeys stand on the other ranks.
 program test_solved_clusters
@@ -14,33 +14,40 @@ program test_solved_clusters
   use sg_run_options, only: criterion_e8, partition_options_t, solver_options_t
   use sg_solver, only: solver_t
   use sg_subdomain, only: subdomain_t
+  use subdomain_tests, only: on_subdomains
   use towers, only: make_towers
   implicit none
   !> Grains of a storey and of short towers, and number of short ones of a rank
   integer, parameter :: storey = 20, short = 3, n_short = 20
   real(wp), parameter :: tolerance = 1e-8_wp
   type(tests_t) :: t
-  type(comm_t) :: comm
 
-  call comm%start()
-  if (comm%size > 1) then
-    call test_gluing('dual')
-    call test_gluing('primal')
-    call test_gluing('momentum')
-  end if
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
-  subroutine test_gluing(name)
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+
+    if (comm%size > 1) then
+      call test_gluing(comm, 'dual')
+      call test_gluing(comm, 'primal')
+      call test_gluing(comm, 'momentum')
+    end if
+  end subroutine run_tests
+
+  subroutine test_gluing(comm, name)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(problem_t) :: with, without
     type(report_t) :: report, plain
     real(wp) :: near
     integer :: carried
 
-    call solve(name, .true., with, report)
-    call solve(name, .false., without, plain)
+    call solve(comm, name, .true., with, report)
+    call solve(comm, name, .false., without, plain)
     call t%check(report%is_converged .and. plain%is_converged, name//': both converge')
     ! e8 falls by the slowest mode of the tall tower, which so many sweeps take to fall to 1/e.
     near = tolerance*real(storey*comm%size, wp)**2*100
@@ -56,7 +63,8 @@ contains
   end subroutine test_gluing
 
   !> Solve the towers of all ranks.
-  subroutine solve(name, leaves_solved, problem, report)
+  subroutine solve(comm, name, leaves_solved, problem, report)
+    type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     logical, intent(in) :: leaves_solved
     type(problem_t), intent(out) :: problem
@@ -75,12 +83,13 @@ contains
     partition%gluing = name
     call choose_solver(options, partition, comm%size, solver, error)
     call t%check(.not. allocated(error), name//' can be had')
-    call make_storey(problem, subdomain)
+    call make_storey(comm, problem, subdomain)
     call solver%solve(problem, subdomain, comm, report)
   end subroutine solve
 
   !> The towers of a rank: its storey stands on the highest grain of the rank below, of which it holds a copy.
-  subroutine make_storey(problem, subdomain)
+  subroutine make_storey(comm, problem, subdomain)
+    type(comm_t), intent(inout) :: comm
     type(problem_t), intent(out) :: problem
     type(subdomain_t), intent(out) :: subdomain
     integer :: r

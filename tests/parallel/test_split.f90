@@ -1,5 +1,5 @@
 !> Splits over ranks: boxes are those of one rank whatever rank the grains are on, clusters cover the grains and make few and
-!! even parts, most of which stay where they are. Run by any number of ranks.
+!! even parts, most of which stay where they are. Run on any number of subdomains.
 program test_split
   use cut_by_hand, only: cut_scene
   use harness, only: tests_t
@@ -21,26 +21,33 @@ program test_split
   use sg_simulation, only: simulation_t, start_simulation
   use sg_subdomain, only: subdomain_t
   use scenes, only: begin_scene, put_disk, put_wall
+  use subdomain_tests, only: on_subdomains
   implicit none
   integer, parameter :: side = 48
   type(tests_t) :: t
-  type(comm_t) :: comm
 
-  call comm%start()
-  call test_boxes(2, is_lattice=.false.)
-  call test_boxes(2, is_lattice=.true.)
-  call test_boxes(3, is_lattice=.false.)
-  call test_boxes(3, is_lattice=.true.)
-  call test_extremes()
-  call test_imbalance()
-  call test_clusters()
-  if (comm%size > 1) call test_deal()
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+
+    call test_boxes(comm, 2, is_lattice=.false.)
+    call test_boxes(comm, 2, is_lattice=.true.)
+    call test_boxes(comm, 3, is_lattice=.false.)
+    call test_boxes(comm, 3, is_lattice=.true.)
+    call test_extremes(comm)
+    call test_imbalance(comm)
+    call test_clusters(comm)
+    if (comm%size > 1) call test_deal(comm)
+  end subroutine run_tests
+
   !> Rank of a grain: dealt in turns, in blocks, or all to the last rank.
-  pure integer function rank_of(i, n, way)
+  pure integer function rank_of(comm, i, n, way)
+    type(comm_t), intent(in) :: comm
     integer, intent(in) :: i, n, way
 
     select case (way)
@@ -54,7 +61,8 @@ contains
   end function rank_of
 
   !> All ways of dealing grains give the boxes of one rank that has them all.
-  subroutine test_boxes(dimension, is_lattice)
+  subroutine test_boxes(comm, dimension, is_lattice)
+    type(comm_t), intent(inout) :: comm
     integer, intent(in) :: dimension
     logical, intent(in) :: is_lattice
     integer, parameter :: n = 1728
@@ -71,7 +79,7 @@ contains
       call split_boxes(alone, position, weight, numbers(n), counts, whole)
       call check_shares(whole, weight, counts)
       do way = 1, 3
-        own = owned(n, way)
+        own = owned(comm, n, way)
         call split_boxes(comm, position(:, own), weight(own), own, counts, part)
         call t%check(all(part == whole(own)), 'boxes do not depend on who has the grains')
       end do
@@ -79,12 +87,13 @@ contains
   end subroutine test_boxes
 
   !> Grains of this rank.
-  function owned(n, way) result(own)
+  function owned(comm, n, way) result(own)
+    type(comm_t), intent(inout) :: comm
     integer, intent(in) :: n, way
     integer(i4), allocatable :: own(:)
     integer :: i
 
-    own = pack(numbers(n), [(rank_of(i, n, way) == comm%rank, i=1, n)])
+    own = pack(numbers(n), [(rank_of(comm, i, n, way) == comm%rank, i=1, n)])
   end function owned
 
   !> The numbers up to n.
@@ -131,7 +140,8 @@ contains
   end subroutine make_grains
 
   !> No grains at all, fewer grains than boxes, all at one place, and boxes that cannot be made.
-  subroutine test_extremes()
+  subroutine test_extremes(comm)
+    type(comm_t), intent(inout) :: comm
     type(error_t), allocatable :: error
     integer(i4), allocatable :: part(:), own(:)
     real(wp) :: position(2, 12), found(12)
@@ -140,13 +150,13 @@ contains
     call split_boxes(comm, position(:, 1:0), [real(wp) ::], [integer(i4) ::], [2, 2, 1], part)
     call t%equal(size(part), 0, 'no grains')
     position = 0.5_wp
-    own = owned(12, 1)
+    own = owned(comm, 12, 1)
     call split_boxes(comm, position(:, own), spread(1.0_wp, 1, size(own)), own, [2, 2, 1], part)
     found = 0
     found(own) = real(part, wp)
     call comm%sum(found)
     call t%check(all([(count(nint(found) == p) == 3, p=1, 4)]), 'grains at one place are dealt by number')
-    own = owned(3, 2)
+    own = owned(comm, 3, 2)
     call split_boxes(comm, position(:, own), spread(1.0_wp, 1, size(own)), own, [5, 1, 1], part)
     found = 0
     found(own) = real(part, wp)
@@ -159,7 +169,8 @@ contains
     call t%check(.not. allocated(error) .and. all(counts == [2, 3, 1]), 'what is asked for is kept')
   end subroutine test_extremes
 
-  subroutine test_imbalance()
+  subroutine test_imbalance(comm)
+    type(comm_t), intent(inout) :: comm
     real(wp) :: n, ratio
 
     n = real(comm%size, wp)
@@ -171,7 +182,8 @@ contains
   end subroutine test_imbalance
 
   !> A square lattice, dealt in blocks of rows: clusters, their edges, their split.
-  subroutine test_clusters()
+  subroutine test_clusters(comm)
+    type(comm_t), intent(inout) :: comm
     integer, parameter :: n = side**2
     type(clusters_t) :: clusters
     type(contacts_t) :: contacts
@@ -183,7 +195,7 @@ contains
     do i = 1, n
       position(:, i) = real([modulo(i - 1, side), (i - 1)/side], wp)
     end do
-    own = owned(n, 2)
+    own = owned(comm, n, 2)
     do parts = max(2, comm%size), 8, 3
       call make_clusters(comm, position(:, own), spread(2.0_wp, 1, size(own)), 63*parts, clusters)
       call t%check(clusters%all <= 63*parts + comm%size, 'few clusters')
@@ -197,11 +209,11 @@ contains
       call comm%sum(all_clusters)
       cluster = [nint(all_clusters, i4), 0_i4]
       call t%check(all(cluster(:n) >= 1) .and. maxval(cluster) == clusters%all, 'every grain has one')
-      call make_contacts(contacts)
+      call make_contacts(comm, contacts)
       call cluster_edges(contacts, cluster, edges)
       call t%equal(sum(edges(3, :)), joining(contacts, cluster), 'edges count contacts between clusters')
       call t%check(all(edges(1, :) < edges(2, :)), 'edges are written once')
-      if (graph_splits()) call split_lattice(clusters, edges, own, parts)
+      if (graph_splits()) call split_lattice(comm, clusters, edges, own, parts)
     end do
   end subroutine test_clusters
 
@@ -220,33 +232,36 @@ contains
   end function joining
 
   !> Contacts of the lattice that this rank owns; body side**2 + 1 is the floor.
-  subroutine make_contacts(contacts)
+  subroutine make_contacts(comm, contacts)
+    type(comm_t), intent(inout) :: comm
     type(contacts_t), intent(out) :: contacts
     integer :: i
 
     call reserve_contacts(contacts, 3*side**2)
     do i = 1, side**2
-      if (modulo(i, side) /= 0) call add_contact(contacts, i, i + 1)
-      if (i + side <= side**2) call add_contact(contacts, i, i + side)
-      if (i <= side) call add_contact(contacts, i, side**2 + 1)
+      if (modulo(i, side) /= 0) call add_contact(comm, contacts, i, i + 1)
+      if (i + side <= side**2) call add_contact(comm, contacts, i, i + side)
+      if (i <= side) call add_contact(comm, contacts, i, side**2 + 1)
     end do
   end subroutine make_contacts
 
   !> Add a contact, if this rank owns it.
-  subroutine add_contact(contacts, a, b)
+  subroutine add_contact(comm, contacts, a, b)
+    type(comm_t), intent(inout) :: comm
     type(contacts_t), intent(inout) :: contacts
     integer, intent(in) :: a, b
     integer :: home_b
 
     home_b = -1
-    if (b <= side**2) home_b = rank_of(b, side**2, 2)
-    if (contact_owner(int([rank_of(a, side**2, 2), home_b], i4)) /= comm%rank) return
+    if (b <= side**2) home_b = rank_of(comm, b, side**2, 2)
+    if (contact_owner(int([rank_of(comm, a, side**2, 2), home_b], i4)) /= comm%rank) return
     contacts%n = contacts%n + 1
     contacts%body(:, contacts%n) = int([a, b], i4)
   end subroutine add_contact
 
   !> Parts are even, cut few contacts, and stay on the owner's rank where they can.
-  subroutine split_lattice(clusters, edges, own, parts)
+  subroutine split_lattice(comm, clusters, edges, own, parts)
+    type(comm_t), intent(inout) :: comm
     type(clusters_t), intent(in) :: clusters
     integer(i4), intent(in) :: edges(:, :), own(:)
     integer, intent(in) :: parts
@@ -280,7 +295,8 @@ contains
   end subroutine split_lattice
 
   !> Rows of disks on a floor in parts that make no sense: new owners are those that one rank would choose.
-  subroutine test_deal()
+  subroutine test_deal(comm)
+    type(comm_t), intent(inout) :: comm
     integer, parameter :: columns = 24, n = columns*10
     type(simulation_t) :: sim
     type(scene_t) :: local
@@ -318,12 +334,13 @@ contains
       options%split = 'graph'
       call repartition_grains(comm, options, subdomain, local%bodies, contacts, owner, error)
       call t%check(allocated(error) .neqv. graph_splits(), 'grains are dealt by the graph where there is METIS')
-      if (.not. allocated(error)) call check_homes(owner, id, load, sim%contacts)
+      if (.not. allocated(error)) call check_homes(comm, owner, id, load, sim%contacts)
     end associate
   end subroutine test_deal
 
   !> New owners by the graph: every grain has one, loads are even, and few contacts are cut.
-  subroutine check_homes(owner, id, load, contacts)
+  subroutine check_homes(comm, owner, id, load, contacts)
+    type(comm_t), intent(inout) :: comm
     integer(i4), intent(in) :: owner(:), id(:)
     real(wp), intent(in) :: load(:)
     type(contacts_t), intent(in) :: contacts

@@ -8,29 +8,36 @@ program test_structure
   use sg_radial_distribution, only: radial_distribution, radial_distribution_t
   use sg_random, only: random_t
   use sg_structure_factor, only: structure_factor, structure_factor_t
+  use subdomain_tests, only: on_subdomains
   implicit none
   !> A mean of n waves of a random set is spread by one over the root of n: five times that is met once in a million
   real(wp), parameter :: spreads = 5
   type(tests_t) :: t
-  type(comm_t) :: comm
 
-  call comm%start()
-  call test_random(2, 5000)
-  call test_random(3, 8000)
-  call test_window(2, 70)
-  call test_window(3, 20)
-  call test_shaken(2, 80, 0.1_wp)
-  call test_shaken(3, 20, 0.1_wp)
-  call test_direct()
-  call test_lattice()
-  call test_nothing()
-  call test_far()
-  call t%finish(comm)
+  call on_subdomains(run_tests)
+  call t%finish()
 
 contains
 
+  !> All tests, as one of several subdomains.
+  subroutine run_tests(comm)
+    type(comm_t), intent(inout) :: comm
+
+    call test_random(comm, 2, 5000)
+    call test_random(comm, 3, 8000)
+    call test_window(comm, 2, 70)
+    call test_window(comm, 3, 20)
+    call test_shaken(comm, 2, 80, 0.1_wp)
+    call test_shaken(comm, 3, 20, 0.1_wp)
+    call test_direct(comm)
+    call test_lattice(comm)
+    call test_nothing(comm)
+    call test_far(comm)
+  end subroutine run_tests
+
   !> Points thrown at random into a periodic box: g = 1 and S = 1 everywhere.
-  subroutine test_random(dimension, n)
+  subroutine test_random(comm, dimension, n)
+    type(comm_t), intent(inout) :: comm
     integer, intent(in) :: dimension, n
     type(centres_t) :: centres
     type(radial_distribution_t) :: radial
@@ -46,7 +53,7 @@ contains
         points(a, i) = random%uniform(0.0_wp, 1.0_wp)
       end do
     end do
-    call share(dimension, points, [1.0_wp, 1.0_wp, 1.0_wp], .true., (1/real(n, wp))**(1/real(dimension, wp)), centres)
+    call share(comm, dimension, points, [1.0_wp, 1.0_wp, 1.0_wp], .true., (1/real(n, wp))**(1/real(dimension, wp)), centres)
     call radial_distribution(centres, comm, radial)
     call t%equal(radial%n, 200, 'distances')
     call t%near(radial%references, real(n, wp), 0.0_wp, 'all points of a periodic box count')
@@ -65,7 +72,8 @@ contains
   end subroutine test_random
 
   !> The same in a box with ends: the window hides them.
-  subroutine test_window(dimension, columns)
+  subroutine test_window(comm, dimension, columns)
+    type(comm_t), intent(inout) :: comm
     integer, intent(in) :: dimension, columns
     type(centres_t) :: centres
     type(structure_factor_t) :: factor
@@ -81,7 +89,7 @@ contains
         points(a, i) = random%uniform(-0.5_wp, 0.5_wp)*real(columns, wp)
       end do
     end do
-    call share(dimension, points, spread(real(columns, wp), 1, 3), .false., 1.0_wp, centres)
+    call share(comm, dimension, points, spread(real(columns, wp), 1, 3), .false., 1.0_wp, centres)
     centres%low(:dimension) = -real(columns, wp)/2
     centres%high(:dimension) = real(columns, wp)/2
     if (.not. fourier_is_available()) return
@@ -93,7 +101,8 @@ contains
   end subroutine test_window
 
   !> A lattice whose points are shifted by normal numbers of deviation s: S = 1 - exp(-(k s)^2) but at the waves of the lattice.
-  subroutine test_shaken(dimension, columns, deviation)
+  subroutine test_shaken(comm, dimension, columns, deviation)
+    type(comm_t), intent(inout) :: comm
     integer, intent(in) :: dimension, columns
     real(wp), intent(in) :: deviation
     type(centres_t) :: centres
@@ -112,7 +121,7 @@ contains
                               real(columns, wp))
       end do
     end do
-    call share(dimension, points, spread(real(columns, wp), 1, 3), .true., 1.0_wp, centres)
+    call share(comm, dimension, points, spread(real(columns, wp), 1, 3), .true., 1.0_wp, centres)
     if (.not. fourier_is_available()) return
     call structure_factor(centres, comm, factor)
     do i = 1, factor%n
@@ -126,7 +135,8 @@ contains
   end subroutine test_shaken
 
   !> Few points against the sum that defines S, bin by bin.
-  subroutine test_direct()
+  subroutine test_direct(comm)
+    type(comm_t), intent(inout) :: comm
     integer, parameter :: n = 60
     real(wp), parameter :: length = 8
     type(centres_t) :: centres
@@ -141,7 +151,7 @@ contains
     do i = 1, n
       points(:2, i) = [random%uniform(0.0_wp, length), random%uniform(0.0_wp, length)]
     end do
-    call share(2, points, [length, length, 0.0_wp], .true., 1.0_wp, centres)
+    call share(comm, 2, points, [length, length, 0.0_wp], .true., 1.0_wp, centres)
     call structure_factor(centres, comm, factor)
     width = 2*pi/length
     sums = 0
@@ -165,7 +175,8 @@ contains
   end subroutine test_direct
 
   !> A square lattice: four neighbours at one pitch, four at the diagonal, none before, in a periodic box and in one with ends.
-  subroutine test_lattice()
+  subroutine test_lattice(comm)
+    type(comm_t), intent(inout) :: comm
     integer, parameter :: columns = 40
     type(centres_t) :: centres
     type(radial_distribution_t) :: radial
@@ -177,7 +188,7 @@ contains
       points(:2, i) = [real(modulo(i - 1, columns), wp), real((i - 1)/columns, wp)] + 0.25_wp
     end do
     do b = 1, 2
-      call share(2, points, [40.0_wp, 40.0_wp, 0.0_wp], b == 1, 1.0_wp, centres)
+      call share(comm, 2, points, [40.0_wp, 40.0_wp, 0.0_wp], b == 1, 1.0_wp, centres)
       if (b == 2) centres%high(:2) = 39.75_wp
       if (b == 2) centres%low(:2) = -0.25_wp
       call radial_distribution(centres, comm, radial)
@@ -194,7 +205,8 @@ contains
   end subroutine test_lattice
 
   !> No grain, one grain, grains on a line: nothing to tell, and no harm.
-  subroutine test_nothing()
+  subroutine test_nothing(comm)
+    type(comm_t), intent(inout) :: comm
     type(centres_t) :: centres
     type(radial_distribution_t) :: radial
     type(structure_factor_t) :: factor
@@ -202,18 +214,19 @@ contains
 
     points = 0
     points(1, :) = [1.0_wp, 2.0_wp, 3.0_wp]
-    call share(2, points(:, :0), [0.0_wp, 0.0_wp, 0.0_wp], .false., 1.0_wp, centres)
+    call share(comm, 2, points(:, :0), [0.0_wp, 0.0_wp, 0.0_wp], .false., 1.0_wp, centres)
     call radial_distribution(centres, comm, radial)
     call structure_factor(centres, comm, factor)
     call t%check(radial%n == 0 .and. factor%n == 0, 'nothing of nothing')
-    call share(2, points, [3.0_wp, 0.0_wp, 0.0_wp], .false., 1.0_wp, centres)
+    call share(comm, 2, points, [3.0_wp, 0.0_wp, 0.0_wp], .false., 1.0_wp, centres)
     call radial_distribution(centres, comm, radial)
     call structure_factor(centres, comm, factor)
     call t%check(radial%n == 0 .and. factor%n == 0, 'nothing of a line')
   end subroutine test_nothing
 
   !> Grains 1e10 diameters apart: the longest waves are told, down to a 1e8th of the box, and there is an end.
-  subroutine test_far()
+  subroutine test_far(comm)
+    type(comm_t), intent(inout) :: comm
     type(centres_t) :: centres
     type(structure_factor_t) :: factor
     real(wp) :: points(3, 3)
@@ -222,7 +235,7 @@ contains
     points = 0
     points(2, :) = [0.0_wp, 5e9_wp, 1e10_wp]
     points(1, :) = [0.0_wp, 1.0_wp, 2.0_wp]
-    call share(2, points, [2.0_wp, 1e10_wp, 0.0_wp], .false., 1.0_wp, centres)
+    call share(comm, 2, points, [2.0_wp, 1e10_wp, 0.0_wp], .false., 1.0_wp, centres)
     call structure_factor(centres, comm, factor)
     call t%check(factor%n > 0, 'far apart: some waves')
     call t%check(all(factor%k > 0 .and. factor%k <= 8*pi .and. factor%s >= 0 .and. factor%s <= huge(1.0_wp)), 'far apart: finite')
@@ -241,7 +254,8 @@ contains
   end function shell
 
   !> Deal points to the ranks in turn.
-  subroutine share(dimension, points, high, is_periodic, diameter, centres)
+  subroutine share(comm, dimension, points, high, is_periodic, diameter, centres)
+    type(comm_t), intent(inout) :: comm
     integer, intent(in) :: dimension
     real(wp), intent(in) :: points(:, :), high(3), diameter
     logical, intent(in) :: is_periodic
