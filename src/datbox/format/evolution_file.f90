@@ -1,6 +1,6 @@
 !> Evolution files: two columns, time and value, as DATBOX folders and decks name them.
 module sg_evolution_file
-  use sg_datbox_lines, only: free_numbers
+  use sg_datbox_numbers, only: free_numbers
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
   use sg_text, only: read_lines, text_t

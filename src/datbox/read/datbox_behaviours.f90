@@ -2,8 +2,9 @@
 module sg_datbox_behaviours
   use sg_cohesive_zones, only: zone_fault
   use sg_datbox_laws, only: form_of_name, labels_of, law_forms
-  use sg_datbox_lines, only: complain, datbox_file_t, first_letter, go_to, is_real, keyword, name_field, next_data_line, &
-                             next_line, open_datbox_file, pass_over, real_field, remark, step_back
+  use sg_datbox_lines, only: complain, datbox_file_t, first_letter, go_to, keyword, name_field, next_data_line, next_line, &
+                             open_datbox_file, pass_over, remark, step_back
+  use sg_datbox_numbers, only: is_real, real_field
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_law_parameters, only: set_parameter

@@ -1,6 +1,7 @@
 !> What a body's block of BODIES.DAT holds before it is turned into the scene's terms, and the numbers such blocks hold.
 module sg_datbox_blocks
-  use sg_datbox_lines, only: complain, datbox_file_t, go_to, next_data_line, real_field
+  use sg_datbox_lines, only: complain, datbox_file_t, go_to, next_data_line
+  use sg_datbox_numbers, only: real_field
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_text, only: to_text

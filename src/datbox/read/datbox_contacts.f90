@@ -3,7 +3,8 @@ module sg_datbox_contacts
   use sg_datbox_blocks, only: read_point
   use sg_datbox_internal, only: internal_of_numbers, most_numbers, n_numbers_of
   use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, go_to, keyword, line_text, name_field, &
-                             is_real, next_data_line, next_line, open_datbox_file, real_field, remark, step_back
+                             next_data_line, next_line, open_datbox_file, remark, step_back
+  use sg_datbox_numbers, only: is_real, real_field
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i1
   use sg_laws, only: law_bond, law_linear, law_t, status_bonded, status_broken, status_new, status_none, status_slide, status_stick

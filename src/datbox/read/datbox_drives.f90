@@ -1,8 +1,9 @@
 !> DRV_DOF.DAT of a DATBOX: imposed velocities and forces, by formula or by an evolution file.
 module sg_datbox_drives
   use sg_datbox_bodies, only: body_type
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, go_to, integer_field, keyword, name_field, &
-                             next_data_line, next_in_block, next_line, open_datbox_file, pass_over, real_field, remark
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, digest_of, go_to, keyword, name_field, next_data_line, &
+                             next_in_block, next_line, open_datbox_file, pass_over, remark
+  use sg_datbox_numbers, only: integer_field, real_field
   use sg_drives, only: drive_t, mark_walls, pressure_t
   use sg_error, only: diagnostics_t
   use sg_evolution_file, only: read_evolution_file

@@ -4,7 +4,8 @@
 !! in space candidate, antagonist, periods in x and y, and a mark; then perhaps section, length and mass, and the reference
 !! distance, which is taken from the points instead. Points are numbered by rank through all bodies.
 module sg_datbox_links
-  use sg_datbox_lines, only: complain, datbox_file_t, free_numbers, go_to, keyword, line_text, next_line, open_datbox_file, remark
+  use sg_datbox_lines, only: complain, datbox_file_t, go_to, keyword, line_text, next_line, open_datbox_file, remark
+  use sg_datbox_numbers, only: free_numbers
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_laws, only: law_bond

@@ -5,7 +5,8 @@
 module sg_datbox_plane_bodies
   use sg_contactors, only: add_disk, add_hollow, add_point, add_polygon, add_segment, contactors_t, kind_polygon
   use sg_datbox_blocks, only: block_t, complain_block, read_point, read_size, read_triple, triple
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, integer_field, name_field, remark
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, go_to, name_field, remark
+  use sg_datbox_numbers, only: integer_field
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, pi
   use sg_moments, only: body_moments, polygon_moments

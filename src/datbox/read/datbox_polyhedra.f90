@@ -4,7 +4,8 @@
 module sg_datbox_polyhedra
   use sg_contactors, only: contactors_t
   use sg_datbox_blocks, only: read_point, triple
-  use sg_datbox_lines, only: complain, datbox_file_t, go_to, integer_field, next_data_line, remark
+  use sg_datbox_lines, only: complain, datbox_file_t, go_to, next_data_line, remark
+  use sg_datbox_numbers, only: integer_field
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp, i4
   use sg_polyhedron, only: polyhedron_t

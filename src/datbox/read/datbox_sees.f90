@@ -3,8 +3,9 @@ module sg_datbox_sees
   use sg_census, only: census_t
   use sg_datbox_behaviours, only: other_law, other_law_t, skip_data
   use sg_datbox_bodies, only: body_type
-  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, first_letter, go_to, keyword, name_field, &
-                             next_data_line, next_line, real_field, remark, step_back
+  use sg_datbox_lines, only: complain, complain_once, datbox_file_t, first_letter, go_to, keyword, name_field, next_data_line, &
+                             next_line, remark, step_back
+  use sg_datbox_numbers, only: real_field
   use sg_datbox_refused, only: reason_of
   use sg_error, only: diagnostics_t
   use sg_laws, only: is_link_law, law_linear

@@ -3,8 +3,9 @@ module sg_datbox_state
   use sg_contactors, only: kind_cylinder, kind_plane
   use sg_datbox_blocks, only: read_point, read_triple, triple
   use sg_datbox_drives, only: read_body_number
-  use sg_datbox_lines, only: complain_once, datbox_file_t, digest_of, integer_field, keyword, name_field, &
-                             next_in_block, next_line, open_datbox_file, pass_over, real_field
+  use sg_datbox_lines, only: complain_once, datbox_file_t, digest_of, keyword, name_field, next_in_block, next_line, &
+                             open_datbox_file, pass_over
+  use sg_datbox_numbers, only: integer_field, real_field
   use sg_datbox_space_bodies, only: read_frame
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
