@@ -490,7 +490,7 @@ def test_what_a_solution_costs(tmp_path):
     runs = {}
     for row in rows:
         runs.setdefault((row["variant"], row["subdomain"]), []).append([int(row[name]) for name in ("messages", "bytes", "collectives")])
-    assert len(runs) == 11
+    assert len(runs) == 13
     for (_, subdomains), counts in runs.items():
         for column in zip(*counts, strict=True):
             assert list(column) == sorted(column) and (column[-1] > 0) == (subdomains == "4")
