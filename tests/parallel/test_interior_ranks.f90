@@ -67,6 +67,9 @@ contains
     solved = problem
     call interior%solve(solved, coupling, sim%comm, report)
     call t%check(report%is_converged .and. report%e8 <= tolerance, name//' converges')
+    ! 17 at most were measured on 2 to 4 ranks, in space.
+    call t%check(report%iterations <= 25*report%factorisations, name//': iterations per factorisation are few')
+    call t%equal(report%failed_systems, 0, name//': all systems are solved')
     if (.not. is_convex) return
     call t%check(report%factorisations > 0 .and. report%factorisations < 40, name//': factorisations are few')
     call t%equal(report%sweeps, interior%options%check_every, name//': rounds have nothing left to do')

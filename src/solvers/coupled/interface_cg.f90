@@ -7,6 +7,7 @@
 !! sums over copies and two sums of one number over all ranks.
 module sg_interface_cg
   use sg_comm, only: comm_t
+  use sg_dense_factor, only: dense_cholesky, dense_cholesky_solve
   use sg_interface, only: interface_t
   use sg_kinds, only: wp
   use sg_subdomain_factor, only: by_schur, subdomain_factor_t
@@ -22,8 +23,12 @@ module sg_interface_cg
     integer :: most_iterations = 500
     !> Iterations so far, and solves that ended above the tolerance
     integer :: iterations = 0, failures = 0
+    !> Blocks of subdomains' matrices that belong to one shared body each, and Cholesky factors of their sums over copies, shape
+    !! (width, width, shared bodies); not allocated where all copies have the same weight
+    real(wp), allocatable, private :: block(:, :, :), total(:, :, :)
   contains
     procedure :: solve => cg_solve
+    procedure :: weigh => cg_weigh
   end type interface_cg_t
 
 contains
@@ -64,19 +69,76 @@ contains
     if (.not. energy <= self%tolerance**2*first) self%failures = self%failures + 1
   end subroutine cg_solve
 
-  !> Impulses that take velocities away approximately, and add up to nothing over copies.
+  !> Weigh copies by the blocks of their subdomains' matrices from here on. Collective.
+  subroutine cg_weigh(self, interface, factor, width, comm)
+    class(interface_cg_t), intent(inout) :: self
+    type(interface_t), intent(inout) :: interface !! shared bodies; its sums are prepared
+    type(subdomain_factor_t), intent(in) :: factor !! of this subdomain
+    integer, intent(in) :: width !! components of a velocity
+    type(comm_t), intent(inout) :: comm !! the ranks
+    integer :: i, c, n, lost
+
+    n = size(interface%slot)
+    if (allocated(self%block)) deallocate (self%block, self%total)
+    allocate (self%block(width, width, n), self%total(width, width, n))
+    call factor%shared_blocks(self%block)
+    self%total = self%block
+    do c = 1, width
+      call interface%sum(self%total(:, c, :), comm)
+    end do
+    do i = 1, n
+      do c = 1, width
+        if (.not. self%total(c, c, i) > 0) self%total(c, c, i) = 1
+      end do
+      call dense_cholesky(self%total(:, :, i), lost)
+    end do
+  end subroutine cg_weigh
+
+  !> Impulses that take velocities away approximately, and add up to nothing over copies: each subdomain answers to velocities
+  !! less their mean, and what it answers is dealt back to the others, both by the weights of copies.
   subroutine precondition(self, interface, factor, velocity, z, comm)
-    class(interface_cg_t), intent(in) :: self
+    type(interface_cg_t), intent(in) :: self
     type(interface_t), intent(inout) :: interface
     type(subdomain_factor_t), intent(inout) :: factor
     real(wp), intent(in) :: velocity(:, :)
     real(wp), intent(out) :: z(:, :)
     type(comm_t), intent(inout) :: comm
+    real(wp) :: mean(size(velocity, 1), size(velocity, 2))
+    integer :: i
 
     z = velocity
+    if (allocated(self%block)) then
+      do i = 1, size(z, 2)
+        mean(:, i) = matmul(self%block(:, :, i), z(:, i))
+      end do
+      call share_out(self, interface, mean, comm)
+      z = z - mean
+    end if
     call factor%precondition(self%preconditioner, z)
-    call project(interface, factor, z, comm)
+    if (allocated(self%block)) then
+      mean = z
+      call share_out(self, interface, mean, comm)
+      do i = 1, size(z, 2)
+        z(:, i) = z(:, i) - matmul(self%block(:, :, i), mean(:, i))
+      end do
+    else
+      call project(interface, factor, z, comm)
+    end if
   end subroutine precondition
+
+  !> Sum values over copies, and solve with the sum of their blocks. Collective.
+  subroutine share_out(self, interface, values, comm)
+    type(interface_cg_t), intent(in) :: self
+    type(interface_t), intent(inout) :: interface
+    real(wp), intent(inout) :: values(:, :)
+    type(comm_t), intent(inout) :: comm
+    integer :: i
+
+    call interface%sum(values, comm)
+    do i = 1, size(values, 2)
+      call dense_cholesky_solve(self%total(:, :, i), values(:, i))
+    end do
+  end subroutine share_out
 
   !> Take off the mean over copies; copies without contacts, and components that nothing moves, have no share in it. Collective.
   subroutine project(interface, factor, values, comm)

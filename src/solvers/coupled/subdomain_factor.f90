@@ -48,6 +48,7 @@ module sg_subdomain_factor
     procedure :: apply_inverse => factor_apply_inverse
     procedure :: apply_inverse_mass => factor_apply_inverse_mass
     procedure :: precondition => factor_precondition
+    procedure :: shared_blocks => factor_shared_blocks
     procedure :: spread => spread_values
     procedure :: gather => gather_values
     procedure :: free => factor_free
@@ -155,6 +156,28 @@ contains
     end if
     call gather_values(self, b, values)
   end subroutine factor_precondition
+
+  !> Blocks of the matrix that belong to one shared body each, in the world's axes; zero where there is no unknown.
+  pure subroutine factor_shared_blocks(self, blocks)
+    class(subdomain_factor_t), intent(in) :: self !! factorised
+    real(wp), intent(out), contiguous :: blocks(:, :, :) !! shape (width, width, shared bodies)
+    integer :: i, c, e
+
+    blocks = 0
+    associate (matrix => self%congruence%matrix)
+      do i = 1, size(self%unknown, 2)
+        do c = 1, size(self%unknown, 1)
+          if (self%unknown(c, i) == 0) cycle
+          do e = matrix%first(self%unknown(c, i)), matrix%first(self%unknown(c, i) + 1) - 1
+            where (self%unknown(:, i) == matrix%column(e)) blocks(:, c, i) = matrix%value(e)
+          end do
+        end do
+        if (.not. allocated(self%axes)) cycle
+        blocks(:, 4:6, i) = matmul(blocks(:, 4:6, i), transpose(self%axes(:, :, i)))
+        blocks(4:6, :, i) = matmul(self%axes(:, :, i), blocks(4:6, :, i))
+      end do
+    end associate
+  end subroutine factor_shared_blocks
 
   !> Let other bodies follow the shared ones without impulses on them; where their matrix has no factor they stay.
   subroutine move_inner(self, x)

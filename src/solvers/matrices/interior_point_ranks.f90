@@ -21,6 +21,8 @@ module sg_interior_point_ranks
 
   !> A step of a shorter length ends the path
   real(wp), parameter :: least_length = 1e-3_wp
+  !> Where a step leaves more of the complementarity, directions are to be more accurate from then on
+  real(wp), parameter :: little_fall = 0.5_wp
 
   !> The solver
   type, extends(dual_t) :: interior_ranks_t
@@ -73,7 +75,7 @@ contains
     type(matrix_problem_t) :: scaled
     type(point_t) :: point
     real(wp), allocatable :: scale(:)
-    real(wp) :: length
+    real(wp) :: length, before
 
     self%steps = 0
     self%iterations = 0
@@ -91,9 +93,11 @@ contains
       call start_point(scaled, system, point, is_found)
       do while (is_found .and. self%steps < self%most_steps)
         if (is_solved(self, scaled, system, point)) exit
+        before = point%tau
         call take_step(scaled, system, point, length, is_found)
         self%steps = self%steps + 1
-        if (length < least_length) exit
+        if (length < least_length .or. system%cg%failures > 0) exit
+        if (point%tau > little_fall*before) call system%tighten()
       end do
       self%iterations = system%cg%iterations
       call system%factor%free()
@@ -113,7 +117,7 @@ contains
       system%is_global = .true.
       system%width = self%width
       system%mass = matrices%mass
-      system%cg%iterations = 0
+      call system%begin()
       call system%interface%prepare_sums(coupling, comm)
       system%comm = comm
     end associate
@@ -231,5 +235,7 @@ contains
     call self%dual_t%finish_round(problem, is_cut, comm, report)
     report%iterations = self%iterations
     report%factorisations = self%steps
+    report%failed_factors = self%system%factor%failures
+    report%failed_systems = self%system%cg%failures
   end subroutine ranks_finish_round
 end module sg_interior_point_ranks

@@ -17,8 +17,8 @@ module sg_rank_system
   private
   public :: rank_system_t
 
-  !> Differences between copies that conjugate gradients leave of those of the subdomains' own answers
-  real(wp), parameter :: interface_tolerance = 1e-8_wp
+  !> Differences between copies that conjugate gradients leave of those of the subdomains' own answers: at first, and at least
+  real(wp), parameter :: first_tolerance = 1e-3_wp, least_tolerance = 1e-8_wp
 
   !> The systems of one rank
   type, extends(cone_system_t) :: rank_system_t
@@ -34,6 +34,8 @@ module sg_rank_system
     type(interface_cg_t) :: cg
     real(wp), allocatable, private :: blocks(:, :, :)
   contains
+    procedure :: begin => rank_begin
+    procedure :: tighten => rank_tighten
     procedure :: factorise => rank_factorise
     procedure :: solve => rank_solve
     procedure :: multiply => rank_multiply
@@ -42,6 +44,22 @@ module sg_rank_system
   end type rank_system_t
 
 contains
+
+  !> Begin a solve: no iterations yet, of a loose tolerance.
+  pure subroutine rank_begin(self)
+    class(rank_system_t), intent(inout) :: self
+
+    self%cg%tolerance = first_tolerance
+    self%cg%iterations = 0
+    self%cg%failures = 0
+  end subroutine rank_begin
+
+  !> Ask for more accurate directions.
+  pure subroutine rank_tighten(self)
+    class(rank_system_t), intent(inout) :: self
+
+    self%cg%tolerance = max(least_tolerance, self%cg%tolerance/10)
+  end subroutine rank_tighten
 
   !> Factorise the matrix of this subdomain. Collective; all ranks fail where one does.
   subroutine rank_factorise(self, scaled, has_identity, a, b, error)
@@ -54,7 +72,6 @@ contains
     type(error_t), allocatable :: own
     integer :: k
 
-    self%cg%tolerance = interface_tolerance
     if (allocated(self%blocks)) deallocate (self%blocks)
     allocate (self%blocks, mold=b)
     do k = 1, scaled%n
@@ -63,6 +80,8 @@ contains
     if (has_identity) call self%factor%factorise(self%blocks, own)
     if (self%comm%any(allocated(own) .or. .not. has_identity)) &
       call fail(error, 'a subdomain has no Cholesky factor', code=exit_failure)
+    if (allocated(error)) return
+    call self%cg%weigh(self%interface, self%factor, self%width, self%comm)
   end subroutine rank_factorise
 
   !> Solve (A W + B) dr = g. Collective.

@@ -36,6 +36,7 @@ program test_enriched
     call test_linear()
   end do
   call test_fixed_freedoms()
+  call test_shared_blocks()
   call t%finish()
 
 contains
@@ -275,6 +276,49 @@ contains
     call factor%apply_inverse(values)
     call near(reshape(values, [4]), [0.0_wp, 2.0_wp, 0.0_wp, 0.0_wp], 'driven freedoms')
   end subroutine test_fixed_freedoms
+
+  !> The block of a shared body in space, whose spins have axes of their own, is what the matrix makes of velocities of this body
+  !! alone; a driven component has none.
+  subroutine test_shared_blocks()
+    integer, parameter :: bodies = 2, impulses = 9
+    type(subdomain_factor_t) :: factor
+    type(error_t), allocatable :: error
+    real(wp) :: h(6*bodies, impulses), mass(6*bodies), axes(3, 3, bodies), d(3, 3, impulses/3), v(3), values(6, bodies), &
+                expected(6), blocks(6, 6, bodies)
+    integer :: unknown(6, bodies), i, j, k
+
+    h = reshape([(random%uniform(-1.0_wp, 1.0_wp), k=1, size(h))], shape(h))
+    mass = [(random%uniform(1.0_wp, 2.0_wp), k=1, size(mass))]
+    unknown = reshape([(k, k=1, 6*bodies)], shape(unknown))
+    unknown(2, 1) = 0
+    d = 0
+    do k = 1, size(d, 3)
+      do i = 1, 3
+        d(i, i, k) = 10.0_wp**k
+      end do
+    end do
+    do k = 1, bodies
+      v = [(random%uniform(0.5_wp, 1.0_wp), i=1, 3)]
+      do j = 1, 3
+        do i = 1, 3
+          axes(i, j, k) = merge(1.0_wp, 0.0_wp, i == j) - 2*v(i)*v(j)/sum(v**2)
+        end do
+      end do
+      axes(:, :, k) = axes(:, [2, 3, 1], k)
+    end do
+    call factor%prepare(mass, sparse_of(h), 3, unknown, axes)
+    call factor%factorise(d, error)
+    call t%check(.not. allocated(error), 'a factor in space')
+    if (allocated(error)) return
+    call factor%shared_blocks(blocks)
+    do k = 1, bodies
+      values = 0
+      values(:, k) = [(random%uniform(-1.0_wp, 1.0_wp), i=1, 6)]
+      expected = matmul(blocks(:, :, k), values(:, k))
+      call factor%precondition(by_lump, values)
+      call t%check(maxval(abs(values(:, k) - expected)) <= 1e-12_wp*maxval(abs(expected)), 'the block of a shared body')
+    end do
+  end subroutine test_shared_blocks
 
   !> Vectors agree up to rounding of the largest entry.
   subroutine near(a, b, name)
