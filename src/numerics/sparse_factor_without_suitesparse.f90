@@ -26,7 +26,7 @@ contains
               'without it at most '//to_text(largest_full)//' unknowns can be solved for', code=exit_failure)
     return
   end if
-  self%price = operations_per_product*real(matrix%n_rows, wp)**3/merge(6, 3, self%is_definite)
+  self%price = operations_per_product*real(matrix%n_rows, wp)**3/merge(6.0_wp, 3.0_wp, self%is_definite)
   self%is_too_dear = self%price > self%most_operations
   if (self%is_too_dear) then
     call fail(error, 'a factorisation takes more operations than it may', code=exit_failure)

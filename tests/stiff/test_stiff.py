@@ -250,6 +250,9 @@ class Laws(Stiff):
 
 
 class Motions(Stiff):
+    # A million steps take 20 CPU seconds; other work may make them ten times as long.
+    timeout = 600
+
     def test_a_million_steps_of_rest(self):
         """Three grains lie still: nothing drifts, nothing creeps: heights stay to 1e-12, far below 1e-16 m a step."""
         steps = 1000000 if "ffpe-trap" not in self.run_program("--version").stdout else 20000
