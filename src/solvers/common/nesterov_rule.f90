@@ -9,10 +9,12 @@ module sg_nesterov_rule
   private
   public :: nesterov_rule_t
 
-  !> Growth of |g|, over the least since the last restart, that restarts: a contact has changed its status, or rounds overshoot
-  real(wp), parameter :: most_growth = 1.1_wp
-  !> Largest share: max(0.85, 1 - 6/sweeps). One near 1 after few sweeps drives slow modes beyond their goal, which e8 hardly shows
-  real(wp), parameter :: most_share = 0.85_wp, sweeps_to_one = 6
+  !> Growth of |g|, over the least since the last restart, that restarts: a contact has changed its status, or rounds overshoot.
+  !! Where momentum is the sum of many sweeps' changes, it may be a tenth of their number, and at most the last of these
+  real(wp), parameter :: least_growth = 1.1_wp, growth_per_change = 0.1_wp, largest_growth = 2
+  !> Largest share: max(0.85, 1 - (20/sweeps)^2). One near 1 after few sweeps drives slow modes beyond their goal, which e8 hardly
+  !! shows; after some hundred the sequence alone decides
+  real(wp), parameter :: most_share = 0.85_wp, sweeps_to_one = 20
   !> Sweeps of the first pause; each one is twice as long as the one before
   integer, parameter :: first_pause = 40, longest_pause = 2**24
 
@@ -77,15 +79,18 @@ contains
     if (has_sums) self%least = min(self%least, sums(1))
     last = self%t
     self%t = following(last)
-    share = min((last - 1)/self%t, max(most_share, 1 - sweeps_to_one/real(self%sweeps, wp)))
+    share = min((last - 1)/self%t, max(most_share, 1 - (sweeps_to_one/real(self%sweeps, wp))**2))
     self%gain = self%gain + 2*share/(1 - share)
   end subroutine rule_next
 
-  !> Has the change of a sweep grown, or does it point back?
+  !> Has the change of a sweep grown by too much, or does it point back?
   pure logical function must_restart(least, sums)
     real(wp), intent(in) :: least, sums(2)
+    real(wp) :: most
 
-    must_restart = .not. (sums(1)/most_growth**2 <= least .and. sums(2) >= 0)
+    most = least_growth
+    if (sums(1) > tiny(sums)) most = max(most, min(largest_growth, growth_per_change*sums(2)/sums(1)))
+    must_restart = .not. (sums(1)/most**2 <= least .and. sums(2) >= 0)
   end function must_restart
 
   !> Pause, since the error does not fall: plain sweeps have their turn. Nothing changes while they have it.

@@ -77,18 +77,23 @@ contains
     do k = 1, 300
       next = (1 + sqrt(1 + 4*t**2))/2
       call rule%next([1/real(k, wp), 1.0_wp], .true., share)
-      call tests%near(share, min((t - 1)/next, max(0.85_wp, 1 - 6/real(k, wp))), 1e-15_wp, 'share of sweep '//to_text(k))
+      call tests%near(share, min((t - 1)/next, max(0.85_wp, 1 - (20/real(k, wp))**2)), 1e-15_wp, 'share of sweep '//to_text(k))
       t = next
     end do
   end subroutine shares_follow_nesterov
 
-  !> A change that grows by more than 1.1, one that points back, or one that is no number restarts; sums that are not known do not.
+  !> A change that grows by more than 1.1 and a tenth of the changes that momentum is the sum of, or by more than 2, and one that
+  !! points back restart; sums that are not known do not.
   subroutine growth_restarts()
     real(wp), parameter :: nothing = 0
 
     call tests%near(share_after([1.208_wp, 1.0_wp], .true.), share_after([1.0_wp, 1.0_wp], .true.), nothing, &
                     'grows less')
     call tests%near(share_after([1.212_wp, 1.0_wp], .true.), 0.0_wp, nothing, 'grows more')
+    call tests%near(share_after([2.25_wp, 34.0_wp], .true.), share_after([1.0_wp, 1.0_wp], .true.), nothing, &
+                    'grows to 1.5, less than a tenth of 15.1 changes')
+    call tests%near(share_after([2.25_wp, 33.5_wp], .true.), 0.0_wp, nothing, 'grows to 1.5, more than a tenth of 14.9 changes')
+    call tests%near(share_after([4.01_wp, 1e3_wp], .true.), 0.0_wp, nothing, 'more than doubles')
     call tests%near(share_after([1.0_wp, -1e-9_wp], .true.), 0.0_wp, nothing, 'points back')
     call tests%check(share_after([4.0_wp, -1.0_wp], .false.) > 0.5_wp, 'sums that are not known do not restart')
   end subroutine growth_restarts
