@@ -61,7 +61,8 @@ contains
       end do
     end do
     call sparse_from_triplets(mass%n_rows, mass%n_rows, row, column, value, self%matrix)
-    self%mass = self%matrix%value
+    if (allocated(self%mass)) deallocate (self%mass)
+    allocate (self%mass, source=self%matrix%value)
     self%place = [(entry_of(self%matrix, row(k), column(k)), k=n + 1, size(row))]
   end subroutine congruence_prepare
 
