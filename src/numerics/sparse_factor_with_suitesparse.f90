@@ -159,6 +159,9 @@ contains
   else
     call umfpack_free(self%call_of, self%symbolic, self%numeric)
   end if
+  if (allocated(self%first)) deallocate (self%first)
+  if (allocated(self%column)) deallocate (self%column)
+  if (allocated(self%value)) deallocate (self%value)
   self%n = 0
   end procedure sparse_factor_free
 end submodule sparse_factor_with_suitesparse
