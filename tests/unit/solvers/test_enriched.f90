@@ -87,6 +87,16 @@ contains
     end do
   end subroutine draw
 
+  !> Give the factors back.
+  subroutine free(part)
+    type(part_t), intent(inout) :: part(:)
+    integer :: e
+
+    do e = 1, size(part)
+      call part(e)%factor%free()
+    end do
+  end subroutine free
+
   !> A full matrix with the entries that are not zero.
   function sparse_of(full) result(matrix)
     real(wp), intent(in) :: full(:, :)
@@ -187,6 +197,7 @@ contains
     change = solved(by_solver, jump)
     call near(part(1)%l(:shared) + change, force, 'the update by differences')
     call check_preconditioners(part(1))
+    call free(part)
   end subroutine test_relations
 
   !> The Schur complement undoes the inverse on shared bodies; the lump is the matrix there, and the mass that without contacts.
@@ -256,6 +267,7 @@ contains
       call part(e)%factor%solve(part(e)%load - part(e)%l, part(e)%v)
       call near(part(e)%v, b(place(:, e)), 'one update of a linear problem')
     end do
+    call free(part)
   end subroutine test_linear
 
   !> Driven freedoms have no unknown, and a body without contacts takes no part; without stiffness the matrix is the mass.
@@ -318,6 +330,7 @@ contains
       call factor%precondition(by_lump, values)
       call t%check(maxval(abs(values(:, k) - expected)) <= 1e-12_wp*maxval(abs(expected)), 'the block of a shared body')
     end do
+    call factor%free()
   end subroutine test_shared_blocks
 
   !> Vectors agree up to rounding of the largest entry.
