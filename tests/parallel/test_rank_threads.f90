@@ -4,14 +4,12 @@ program test_rank_threads
   use same_bits, only: same
   use sg_advance, only: advance
   use sg_comm, only: comm_t
-  use sg_deck, only: read_deck
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: decompose, simulation_t, start_simulation
-  use sg_text, only: text_t, to_text
   use sg_threads, only: threads_are_available
-  use written_files, only: put_text
+  use written_files, only: read_deck_text
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
@@ -57,13 +55,9 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(diagnostics_t) :: diagnostics
     type(error_t), allocatable :: error
-    type(text_t) :: settings(0)
-    character(len=:), allocatable :: file
     integer :: i
 
-    file = 'deck_'//to_text(comm%rank)//'.toml'
-    call put_text(file, deck)
-    call read_deck(file, settings, sim%scene, sim%options, diagnostics)
+    call read_deck_text(deck, sim%scene, sim%options, diagnostics, rank=comm%rank)
     call t%equal(diagnostics%count(), 0, name//' is read')
     if (diagnostics%count() > 0) print '(a)', diagnostics%errors(1)%sentence()
     sim%options%solver%criterion = criterion_e8

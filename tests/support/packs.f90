@@ -5,7 +5,6 @@ module packs
   use sg_assemble, only: assemble
   use sg_comm, only: comm_t
   use sg_convex_hull, only: hull_is_available
-  use sg_deck, only: read_deck
   use sg_detect, only: detect
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
@@ -14,8 +13,8 @@ module packs
   use sg_problem, only: problem_t
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: simulation_t, start_simulation
-  use sg_text, only: text_t, to_text
-  use written_files, only: put_text
+  use sg_text, only: to_text
+  use written_files, only: read_deck_text
   implicit none
   private
   public :: pack_names, pack_deck, can_be_made, start_pack, advance_pack, next_problem
@@ -103,12 +102,8 @@ contains
     real(wp), intent(in) :: tolerance !! e8 asked of the solver
     type(simulation_t), intent(inout) :: sim !! the run
     type(diagnostics_t) :: diagnostics
-    type(text_t) :: settings(0)
-    character(len=:), allocatable :: file
 
-    file = 'deck_'//to_text(comm%rank)//'.toml'
-    call put_text(file, deck)
-    call read_deck(file, settings, sim%scene, sim%options, diagnostics)
+    call read_deck_text(deck, sim%scene, sim%options, diagnostics, rank=comm%rank)
     call t%equal(diagnostics%count(), 0, name//' is read')
     if (diagnostics%count() > 0) print '(a)', diagnostics%errors(1)%sentence()
     sim%options%solver%criterion = criterion_e8

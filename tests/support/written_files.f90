@@ -8,7 +8,7 @@ module written_files
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_system, only: make_folder
-  use sg_text, only: text_t
+  use sg_text, only: text_t, to_text
   implicit none
   private
   public :: put_text, put_lines, read_deck_text, read_good_deck, options_of, shared_folder
@@ -39,21 +39,28 @@ contains
     close (unit)
   end subroutine put_lines
 
-  !> Read a deck from a text.
-  subroutine read_deck_text(text, scene, options, diagnostics, settings)
+  !> Read a deck from a text, by way of a file that is deleted again.
+  subroutine read_deck_text(text, scene, options, diagnostics, settings, rank)
     character(len=*), intent(in) :: text !! the deck
     type(scene_t), intent(out) :: scene !! its scene
     type(run_options_t), intent(out) :: options !! its options
     type(diagnostics_t), intent(out) :: diagnostics !! its mistakes
     type(text_t), intent(in), optional :: settings(:) !! of the command line
+    integer, intent(in), optional :: rank !! number in the name of the file, where several ranks read at once
+    character(len=:), allocatable :: file
     type(text_t) :: none(0)
+    integer :: unit
 
-    call put_text('deck.toml', text)
+    file = 'deck.toml'
+    if (present(rank)) file = 'deck_'//to_text(rank)//'.toml'
+    call put_text(file, text)
     if (present(settings)) then
-      call read_deck('deck.toml', settings, scene, options, diagnostics)
+      call read_deck(file, settings, scene, options, diagnostics)
     else
-      call read_deck('deck.toml', none, scene, options, diagnostics)
+      call read_deck(file, none, scene, options, diagnostics)
     end if
+    open (newunit=unit, file=file, status='old', action='readwrite')
+    close (unit, status='delete')
   end subroutine read_deck_text
 
   !> Read a deck with a sample from a text; it has no mistakes.
