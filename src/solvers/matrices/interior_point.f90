@@ -1,11 +1,12 @@
 !> Interior points: few iterations, each with one factorisation, whatever the height of a packing (doc/theory/interior_point.md).
 !!
 !! First the convex problem without the shift of Coulomb's law, then the law itself, with the shift smoothed; at each decade of
-!! the error a few steps of Newton's method on the natural map try to finish. Where the path is blocked, proximal points do.
+!! the error a few steps of Newton's method on the natural map try to finish. Where the path is blocked, sweeps with momentum go
+!! on from the solution of the convex problem, as they do on several ranks, in turns with proximal points.
 module sg_interior_point
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use sg_accelerated_nlgs, only: accelerated_state_t, anderson_t, sweep_accelerated
   use sg_block_map, only: natural_map, project, project_all
+  use sg_block_nesterov, only: nesterov_state_t, sweep_nesterov
   use sg_block_progress, only: progress_t
   use sg_block_scaling, only: scale_problem
   use sg_error, only: error_t
@@ -23,10 +24,16 @@ module sg_interior_point
   private
   public :: interior_point_t, path_t, follow_path, take_best
 
+  !> Sweeps with momentum between two tests
+  integer, parameter :: sweeps_between_tests = 50
+
   !> The solver; an iteration is one factorisation, of the interior point method or of Newton's
   type, extends(matrix_solver_t) :: interior_point_t
     !> The shift comes in when the convex problem's own error is below this part of Coulomb's
     real(wp) :: convex_part = 0.5_wp
+    !> The same for the guess of sweeps with momentum, and its steps at most
+    real(wp) :: guess_part = 0.1_wp
+    integer :: guess_steps = 20
     !> e1, over that of zero impulses, below which Newton's method tries to finish; by how much e1 must fall before it tries
     !! again, and its steps
     real(wp) :: finish_below = 1e-3_wp, finish_again = 0.1_wp
@@ -35,10 +42,12 @@ module sg_interior_point
     real(wp) :: guess_below = 1e-2_wp
     !> Iterations after which the path is blocked, when e1 has not fallen by a tenth along it
     integer :: patience = 12
-    !> Where the path is blocked proximal points and sweeps take turns, each of so many sweeps at least, or of this share of all
-    !! that was done
+    !> Where the path is blocked proximal points and sweeps with momentum take turns, each of so many sweeps at least, or of these
+    !! shares of all that was done
     integer :: turn_sweeps = 200
-    real(wp) :: turn_share = 0.25_wp
+    real(wp) :: momentum_share = 0.25_wp, proximal_share = 0.25_wp
+    !> Proximal points go on from the answer of sweeps where these have lowered e1 below this part
+    real(wp) :: behind = 0.5_wp
     !> Time of a step beside its factors, in sweeps
     integer :: step_sweeps = 8
   contains
@@ -50,6 +59,8 @@ module sg_interior_point
     !> Is there a point on it; and is it blocked, so that there is no way on?
     logical :: has_begun = .false., is_blocked = .false.
     type(point_t), private :: point
+    !> The last point without the shift, where it has come in
+    type(point_t), allocatable, private :: convex
     type(sparse_factor_t), private :: newton_factors
     !> e1 below which Newton's method tries to finish, least e1 of note along the path, and iterations since
     real(wp), private :: finish_at = 0, mark = huge(1.0_wp)
@@ -58,7 +69,7 @@ module sg_interior_point
 
 contains
 
-  !> Follow the path, finish by Newton's method; proximal points where the path is blocked.
+  !> Follow the path, finish by Newton's method; sweeps with momentum and proximal points where the path is blocked.
   subroutine interior_point_solve(self, problem, report)
     class(interior_point_t), intent(inout) :: self
     type(matrix_problem_t), intent(inout) :: problem !! problem to solve
@@ -75,36 +86,89 @@ contains
       call scale_problem(problem, scaled, scale)
       call system%prepare(problem, scaled)
       if (system%is_possible(has_sparse_library())) call follow_path(self, problem, scaled, scale, system, path, progress)
-      call system%free()
       call take_best(scaled, scale, progress)
-      call go_on(self, problem, scaled, scale, progress)
+      call go_on(self, problem, scaled, scale, system, path, progress)
+      call system%free()
     end if
     call progress%finish(problem, report)
   end subroutine interior_point_solve
 
-  !> Go on where the path is blocked: proximal points and sweeps in turns.
-  subroutine go_on(self, problem, scaled, scale, progress)
+  !> Go on where the path is blocked: proximal points from the best answer, and in turns with them sweeps with momentum.
+  subroutine go_on(self, problem, scaled, scale, system, path, progress)
     class(interior_point_t), intent(in) :: self
     type(matrix_problem_t), intent(in) :: problem
     type(matrix_problem_t), intent(inout) :: scaled
     real(wp), intent(in), contiguous :: scale(:)
+    type(contact_system_t), intent(inout) :: system
+    type(path_t), intent(inout) :: path
     type(progress_t), intent(inout) :: progress
     type(approach_t) :: state
-    type(accelerated_state_t) :: sweeps
+    real(wp), allocatable :: swept(:, :)
+    real(wp) :: best
     logical :: is_possible
 
     do while (.not. progress%is_over)
-      call begin_turn()
+      call begin_turn(self%proximal_share)
       call approach(proximal_t(), problem, scaled, scale, state, progress, is_possible)
-      call begin_turn()
-      sweeps = accelerated_state_t()
-      call sweep_accelerated(anderson_t(), problem, scaled, scale, huge(1), sweeps, progress)
+      if (progress%is_over) exit
+      if (.not. allocated(swept)) call find_guess(self, problem, scaled, scale, system, path%convex, swept, progress)
+      best = progress%best
+      call begin_turn(self%momentum_share)
+      call sweep_turn(problem, swept, progress)
+      if (progress%best < self%behind*best) then
+        call take_best(scaled, scale, progress)
+        call state%drop_steps()
+      end if
     end do
   contains
-    subroutine begin_turn()
-      call progress%begin_turn(max(real(self%turn_sweeps, wp)*progress%sweep_operations, self%turn_share*progress%operations))
+    subroutine begin_turn(share)
+      real(wp), intent(in) :: share
+
+      call progress%begin_turn(max(real(self%turn_sweeps, wp)*progress%sweep_operations, share*progress%operations))
     end subroutine begin_turn
   end subroutine go_on
+
+  !> Impulses that sweeps with momentum start from: those of the convex problem, or the best so far where the shift never came in.
+  subroutine find_guess(self, problem, scaled, scale, system, point, r, progress)
+    class(interior_point_t), intent(in) :: self
+    type(matrix_problem_t), intent(in) :: problem, scaled
+    real(wp), intent(in), contiguous :: scale(:)
+    type(contact_system_t), intent(inout) :: system
+    type(point_t), allocatable, intent(inout) :: point !! where the path of the convex problem was left, if it was
+    real(wp), allocatable, intent(out) :: r(:, :) !! the impulses [N s]
+    type(progress_t), intent(inout) :: progress
+    real(wp) :: length, before
+    logical :: is_done
+    integer :: i
+
+    r = progress%answer
+    if (.not. allocated(point)) return
+    do i = 1, self%guess_steps
+      if (progress%is_over .or. is_convex_solved(self%guess_part, scaled, point)) exit
+      before = system%factor%operations
+      call take_step(scaled, system, point, length, is_done)
+      call count_step(before, system%factor, self%step_sweeps, progress)
+      if (.not. is_done) exit
+      call progress%look(problem, point%r, scale)
+    end do
+    do i = 1, scaled%n
+      r(:, i) = scale(i)*point%r(:, i)
+    end do
+  end subroutine find_guess
+
+  !> Sweeps until the turn is over, with momentum that begins with the turn.
+  subroutine sweep_turn(problem, r, progress)
+    type(matrix_problem_t), intent(in) :: problem
+    real(wp), allocatable, intent(inout) :: r(:, :) !! impulses [N s]
+    type(progress_t), intent(inout) :: progress
+    type(nesterov_state_t) :: state
+
+    call move_alloc(r, state%r)
+    do while (.not. progress%must_yield())
+      call sweep_nesterov(problem, sweeps_between_tests, state, progress)
+    end do
+    call move_alloc(state%r, r)
+  end subroutine sweep_turn
 
   !> Interior points until the solve or the turn is over, the path blocked, or a factorisation too dear.
   subroutine follow_path(self, problem, scaled, scale, system, path, progress)
@@ -177,7 +241,12 @@ contains
       call finish(self, problem, scaled, scale, path%point%r, path%newton_factors, progress)
       if (progress%is_over) return
     end if
-    if (.not. path%point%has_shift) path%point%has_shift = is_convex_solved(self%convex_part, scaled, path%point)
+    if (.not. path%point%has_shift) then
+      if (is_convex_solved(self%convex_part, scaled, path%point)) then
+        path%convex = path%point
+        path%point%has_shift = .true.
+      end if
+    end if
     before = system%factor%operations
     call take_step(scaled, system, path%point, length, is_done)
     call count_step(before, system%factor, self%step_sweeps, progress)

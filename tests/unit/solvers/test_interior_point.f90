@@ -28,7 +28,7 @@ program test_interior_point
   character(len=*), parameter :: global_files(3) = [character(len=40) :: 'Box_Stacks-i0122-82-5', 'Spheres-i099-356-679', &
                                                     'spheres-in-a-box-98-i10000-256-10']
   type(tests_t) :: t
-  integer :: m, seed
+  integer :: m, seed, blocked
 
   do m = 1, 3
     call test_cones(m)
@@ -42,6 +42,12 @@ program test_interior_point
     call test_random(2, seed)
     call test_random(3, seed)
   end do
+  blocked = 0
+  do seed = 1, 3
+    call test_blocked(2, seed, blocked)
+    call test_blocked(3, seed, blocked)
+  end do
+  call t%check(blocked >= 3, 'most of these paths count as blocked')
   call test_nothing()
   call test_files()
   call t%finish()
@@ -173,21 +179,45 @@ contains
   subroutine test_random(d, seed)
     integer, intent(in) :: d, seed
     type(matrix_problem_t) :: problem
+    type(interior_point_t) :: solver
+    type(report_t) :: report
     integer :: form
 
     call random_problem(d, seed, 20 + 3*seed, 4 + seed/2, problem)
     do form = 1, 2
       problem%has_global = form == 2
-      call check_solved(problem, 'random problem '//to_text(seed)//' of dimension '//to_text(d)//', form '//to_text(form))
+      call check_solved(problem, 'random problem '//to_text(seed)//' of dimension '//to_text(d)//', form '//to_text(form), &
+                        solver, report)
     end do
   end subroutine test_random
 
+  !> A path that counts as blocked where e1 does not fall in one step, without Newton's method and proximal points: sweeps go on
+  !! from the convex problem.
+  subroutine test_blocked(d, seed, blocked)
+    integer, intent(in) :: d, seed
+    integer, intent(inout) :: blocked !! paths that were, so that sweeps went on
+    type(matrix_problem_t) :: problem
+    type(report_t) :: report
+    type(interior_point_t) :: solver
+    character(len=:), allocatable :: what
+
+    what = 'blocked path '//to_text(seed)//' of dimension '//to_text(d)
+    call random_problem(d, seed, 20 + 3*seed, 4 + seed/2, problem)
+    solver%convex_part = 1e6_wp
+    solver%finish_below = 0
+    solver%patience = 0
+    solver%turn_sweeps = 0
+    solver%proximal_share = 0
+    call check_solved(problem, what, solver, report)
+    if (report%sweeps > 0) blocked = blocked + 1
+  end subroutine test_blocked
+
   !> Solve, and measure independently.
-  subroutine check_solved(problem, what)
+  subroutine check_solved(problem, what, solver, report)
     type(matrix_problem_t), intent(inout) :: problem
     character(len=*), intent(in) :: what
-    type(interior_point_t) :: solver
-    type(report_t) :: report
+    type(interior_point_t), intent(inout) :: solver
+    type(report_t), intent(out) :: report
     type(matrix_errors_t) :: errors
     character(len=9) :: e1
 
@@ -243,12 +273,14 @@ contains
   subroutine test_file(folder, name)
     character(len=*), intent(in) :: folder, name
     type(matrix_problem_t) :: problem
+    type(interior_point_t) :: solver
+    type(report_t) :: report
     type(error_t), allocatable :: error
     logical :: has_guess
 
     call read_fclib(folder//name//'.hdf5', .false., problem, has_guess, error)
     call t%check(.not. allocated(error), name//': read')
-    if (.not. allocated(error)) call check_solved(problem, name)
+    if (.not. allocated(error)) call check_solved(problem, name, solver, report)
   end subroutine test_file
 
   !> Bodies of six degrees of freedom (three in the plane) and contacts between them and a fixed one; v = 0 is admissible.
