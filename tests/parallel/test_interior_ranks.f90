@@ -3,6 +3,7 @@
 program test_interior_ranks
   use harness, only: tests_t
   use packs, only: advance_pack, next_problem, pack_deck, start_pack
+  use same_bits, only: same
   use sg_comm, only: comm_t
   use sg_dual, only: dual_t
   use sg_error, only: error_t
@@ -47,11 +48,11 @@ contains
     real(wp), intent(in) :: tolerance
     logical, intent(in) :: is_convex
     type(simulation_t) :: sim
-    type(problem_t) :: problem, solved, swept
+    type(problem_t) :: problem, solved, traced, swept
     type(subdomain_t) :: coupling
     type(interior_ranks_t) :: interior
     type(dual_t) :: dual
-    type(report_t) :: report, of_dual
+    type(report_t) :: report, of_trace, of_dual
     real(wp) :: largest
     integer :: w, k
 
@@ -70,6 +71,12 @@ contains
     ! 17 at most were measured on 2 to 4 ranks, in space.
     call t%check(report%iterations <= 25*report%factorisations, name//': iterations per factorisation are few')
     call t%equal(report%failed_systems, 0, name//': all systems are solved')
+    interior%with_trace = .true.
+    traced = problem
+    call interior%solve(traced, coupling, sim%comm, of_trace)
+    call t%equal(count(of_trace%trace%iteration == 0), of_trace%factorisations + 1, name//': the history has the steps')
+    call t%check(same(traced%impulse, solved%impulse), name//': a history changes no bit')
+    call t%check(of_trace%messages == report%messages, name//': messages of a history do not count')
     if (.not. is_convex) return
     call t%check(report%factorisations > 0 .and. report%factorisations < 40, name//': factorisations are few')
     call t%equal(report%sweeps, interior%options%check_every, name//': rounds have nothing left to do')

@@ -4,7 +4,7 @@
 !! solution is that of the step, and the rounds that follow find nothing left to do; with friction they lead on from there.
 module sg_interior_point_ranks
   use sg_block_map, only: natural_map
-  use sg_comm, only: comm_t
+  use sg_comm, only: comm_t, traffic_t
   use sg_dual, only: dual_t
   use sg_interior_point_step, only: point_t, start_point, take_step
   use sg_kinds, only: wp
@@ -55,25 +55,52 @@ contains
     impulse = problem%impulse
     problem%impulse = 0
     call self%dual_t%open(problem, coupling, comm)
-    call find_impulses(self, problem, coupling, impulse, is_found, comm)
+    call find_impulses(self, problem, coupling, free, impulse, is_found, comm)
     problem%body = free
     problem%impulse = impulse
+    call open_again(self, problem, coupling, comm)
+  end subroutine ranks_open
+
+  !> Begin as the dual method does, from impulses.
+  subroutine open_again(self, problem, coupling, comm)
+    class(interior_ranks_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's part, with whole masses
+    type(subdomain_t), intent(in) :: coupling
+    type(comm_t), intent(inout) :: comm
+
     call self%sets%begin(problem%n_contacts, self%options)
     call self%sets%nesterov%begin(self%has_momentum)
     call self%dual_t%open(problem, coupling, comm)
-  end subroutine ranks_open
+  end subroutine open_again
+
+  !> Note the errors of the impulses of a step in the history. Collective.
+  subroutine note_step(self, problem, coupling, comm)
+    class(interior_ranks_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! this rank's part, with whole masses, free velocities and these impulses
+    type(subdomain_t), intent(in) :: coupling
+    type(comm_t), intent(inout) :: comm
+    type(traffic_t) :: before
+
+    before = comm%traffic
+    call open_again(self, problem, coupling, comm)
+    call self%errors%prepare(problem, comm)
+    comm%traffic = before
+    call self%note(problem, comm, report_t())
+  end subroutine note_step
 
   !> Solve the convex problem. Collective.
-  subroutine find_impulses(self, problem, coupling, impulse, is_found, comm)
+  subroutine find_impulses(self, problem, coupling, free, impulse, is_found, comm)
     class(interior_ranks_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! this rank's part, with divided masses and no impulses
     type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
+    real(wp), intent(in) :: free(:, :) !! bodies with whole masses and free velocities
     real(wp), intent(inout) :: impulse(:, :) !! guess, kept where there is nothing better, then impulses
     logical, intent(out) :: is_found !! are they?
     type(comm_t), intent(inout) :: comm
     type(subdomain_matrices_t) :: matrices
     type(matrix_problem_t) :: scaled
     type(point_t) :: point
+    type(problem_t) :: traced
     real(wp), allocatable :: scale(:)
     real(wp) :: length, before
 
@@ -96,6 +123,14 @@ contains
         before = point%tau
         call take_step(scaled, system, point, length, is_found)
         self%steps = self%steps + 1
+        if (self%with_trace) then
+          traced = problem
+          traced%body = free
+          call bring_back(matrices, point%r, scale, traced%impulse)
+          comm = system%comm
+          call note_step(self, traced, coupling, comm)
+          system%comm = comm
+        end if
         if (length < least_length .or. system%cg%failures > 0) exit
         if (point%tau > little_fall*before) call system%tighten()
       end do

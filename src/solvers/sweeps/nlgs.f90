@@ -60,6 +60,7 @@ module sg_nlgs
     procedure :: finish_round => nlgs_finish_round
     procedure :: collect => nlgs_collect
     procedure :: close => nlgs_close
+    procedure :: note => nlgs_note
     procedure :: list_shared => nlgs_list_shared
   end type nlgs_t
 
@@ -83,9 +84,9 @@ contains
     self%damping = 1
     call self%sets%begin(problem%n_contacts, self%options)
     call self%sets%nesterov%begin(self%has_momentum)
-    call self%open(problem, coupling, comm)
     self%errors%criterion = self%options%criterion
     self%errors%with_change = self%has_momentum .and. self%options%criterion == criterion_estimate
+    call self%open(problem, coupling, comm)
     call self%errors%prepare(problem, comm)
     if (self%errors%contacts == 0) return
     call find_free(self, problem, comm, report)
@@ -131,7 +132,7 @@ contains
     type(comm_t), intent(inout) :: comm
     type(report_t), intent(inout) :: report
 
-    if (self%trace%is_on) call note(self, problem, comm, report)
+    if (self%trace%is_on) call self%note(problem, comm, report)
     if (self%errors%is_guessed .and. looks_at_errors(self%options%criterion)) then
       call self%collect(problem, comm)
       call self%errors%begin(problem, .false., self%sets, comm)
@@ -172,7 +173,7 @@ contains
       if (report%is_converged) return
       report%sweeps = report%sweeps + self%sweeps_per_round
       if (self%is_coupled) report%gluings = report%gluings + 1
-      if (self%trace%is_due(report%sweeps)) call note(self, problem, comm, report)
+      if (self%trace%is_due(report%sweeps)) call self%note(problem, comm, report)
       is_tested = report%sweeps >= self%convergence%next_test .or. &
                   merge(self%convergence%is_choice_due, report%sweeps >= self%options%maximum_sweeps, self%is_coupled)
       if (.not. is_tested) cycle
@@ -266,11 +267,11 @@ contains
   end subroutine confirm
 
   !> Measure the errors of the whole problem for the history; what is sent for it does not count. Collective.
-  subroutine note(self, problem, comm, report)
+  subroutine nlgs_note(self, problem, comm, report)
     class(nlgs_t), intent(inout) :: self
-    type(problem_t), intent(inout) :: problem
-    type(comm_t), intent(inout) :: comm
-    type(report_t), intent(in) :: report
+    type(problem_t), intent(inout) :: problem !! this rank's part, opened
+    type(comm_t), intent(inout) :: comm !! the ranks
+    type(report_t), intent(in) :: report !! sweeps and contact updates so far
     type(report_t) :: here
     type(traffic_t) :: before
     real(wp), allocatable :: impulse(:, :)
@@ -287,7 +288,7 @@ contains
     comm%traffic = before
     call count_messages(self, comm, here)
     call self%trace%add(point_of(report%sweeps, here))
-  end subroutine note
+  end subroutine nlgs_note
 
   !> Count what this rank has sent since the solve began.
   pure subroutine count_messages(self, comm, report)
