@@ -2,9 +2,11 @@
 !!
 !! First the convex problem without the shift of Coulomb's law, then the law itself, with the shift smoothed; at each decade of
 !! the error a few steps of Newton's method on the natural map try to finish. Where the path is blocked, sweeps with momentum go
-!! on from the solution of the convex problem, as they do on several ranks, in turns with proximal points.
+!! on from the solution of the convex problem, as they do on several ranks, in turns with proximal points, and with accelerated
+!! sweeps where they do not get ahead.
 module sg_interior_point
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use sg_accelerated_nlgs, only: accelerated_state_t, anderson_t, sweep_accelerated
   use sg_block_map, only: natural_map, project, project_all
   use sg_block_nesterov, only: nesterov_state_t, sweep_nesterov
   use sg_block_progress, only: progress_t
@@ -45,8 +47,9 @@ module sg_interior_point
     !> Where the path is blocked proximal points and sweeps with momentum take turns, each of so many sweeps at least, or of these
     !! shares of all that was done
     integer :: turn_sweeps = 200
-    real(wp) :: momentum_share = 0.25_wp, proximal_share = 0.25_wp
-    !> Proximal points go on from the answer of sweeps where these have lowered e1 below this part
+    real(wp) :: momentum_share = 0.25_wp, proximal_share = 0.25_wp, accelerated_share = 0.1_wp
+    !> Proximal points go on from the answer of sweeps where these have lowered e1 below this part; else accelerated sweeps have
+    !! their turn too
     real(wp) :: behind = 0.5_wp
     !> Time of a step beside its factors, in sweeps
     integer :: step_sweeps = 8
@@ -93,7 +96,8 @@ contains
     call progress%finish(problem, report)
   end subroutine interior_point_solve
 
-  !> Go on where the path is blocked: proximal points from the best answer, and in turns with them sweeps with momentum.
+  !> Go on where the path is blocked: proximal points from the best answer, and in turns with them sweeps with momentum and, where
+  !! these do not get ahead, accelerated ones from the best answer.
   subroutine go_on(self, problem, scaled, scale, system, path, progress)
     class(interior_point_t), intent(in) :: self
     type(matrix_problem_t), intent(in) :: problem
@@ -103,6 +107,7 @@ contains
     type(path_t), intent(inout) :: path
     type(progress_t), intent(inout) :: progress
     type(approach_t) :: state
+    type(accelerated_state_t) :: accelerated
     real(wp), allocatable :: swept(:, :)
     real(wp) :: best
     logical :: is_possible
@@ -118,6 +123,10 @@ contains
       if (progress%best < self%behind*best) then
         call take_best(scaled, scale, progress)
         call state%drop_steps()
+      else if (.not. progress%is_over) then
+        call begin_turn(self%accelerated_share)
+        accelerated = accelerated_state_t()
+        call sweep_accelerated(anderson_t(), problem, scaled, scale, huge(1), accelerated, progress)
       end if
     end do
   contains
