@@ -34,6 +34,10 @@ class Verdicts(Ranks):
                     self.check_rows(criterion, 1e-4)
 
     def test_exchanged_momentum_of_bricks_converges(self):
-        """Undamped rounds diverged here in steps 11 and 28."""
-        self.run_ranks(4, BRICKS, "--force", "--set", "partition.gluing=momentum", "--set", "time.steps=30", "--set", "output.every=0")
-        self.assertEqual(self.run_json()["unconverged_steps"], 0)
+        """Undamped rounds diverged here in steps 11 and 28. This exchange takes no momentum on sweeps, and is judged by the deck's
+        criterion alone: the first step, which has no guess, does not have to meet the estimate of cold steps too."""
+        for method in ("nlgs", "nesterov"):
+            with self.subTest(method=method):
+                self.run_ranks(4, BRICKS, "--force", "--set", "partition.gluing=momentum", "--set", f"solver.method={method}",
+                               "--set", "time.steps=30", "--set", "output.every=0")  # fmt: skip
+                self.assertEqual(self.run_json()["unconverged_steps"], 0)

@@ -87,11 +87,13 @@ contains
     self%errors%criterion = self%options%criterion
     self%errors%with_change = self%has_momentum .and. self%options%criterion == criterion_estimate
     call self%open(problem, coupling, comm)
+    ! A coupling may take no momentum, whatever the method: such a solve is judged as a plain one.
+    self%errors%with_change = self%errors%with_change .and. self%sets%nesterov%is_on
     call self%errors%prepare(problem, comm)
     if (self%errors%contacts == 0) return
     call find_free(self, problem, comm, report)
     if (.not. report%is_converged) call choose_first(self, problem, comm, report)
-    call self%convergence%begin(self%options, self%has_momentum .and. .not. self%errors%is_guessed, self%errors%scales)
+    call self%convergence%begin(self%options, self%sets%nesterov%is_on .and. .not. self%errors%is_guessed, self%errors%scales)
     self%now = self%trace%seconds()
     do while (.not. report%is_converged)
       call iterate(self, problem, comm, report)
