@@ -27,7 +27,7 @@ contains
     call arguments%expect('shape contacts friction order threads check-every sweeps momentum json', 0, 0, 'bench [options]', error)
     if (.not. allocated(error)) call arguments%whole('contacts', 100000, 12, contacts, error)
     if (.not. allocated(error)) call arguments%number('friction', 0.3_wp, 0.0_wp, friction, error)
-    if (.not. allocated(error)) call arguments%whole('check-every', (options%check_every), 1, options%check_every, error)
+    if (.not. allocated(error)) call arguments%whole('check-every', options%typical_gap(), 1, options%check_every, error)
     ! About a second's work where nothing is given.
     if (.not. allocated(error)) &
       call arguments%whole('sweeps', min(20000, max(100, 100000000/contacts)), 1, options%maximum_sweeps, error)
@@ -46,6 +46,7 @@ contains
     call check_lattice(shape, contacts, error)
     if (allocated(error)) return
     options%check_every = min(options%check_every, options%maximum_sweeps)
+    options%method = 'nlgs'
     if (arguments%has('momentum')) options%method = 'nesterov'
     call run_benchmark(shape, contacts, friction, options, figures)
     call print_figures(shape, figures, options, arguments%has('json'))

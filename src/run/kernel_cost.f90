@@ -99,6 +99,7 @@ contains
     integer :: k
 
     solver%options = options
+    solver%has_momentum = options%method == 'nesterov'
     solver%options%tolerance = 0
     solver%options%maximum_sweeps = n_sweeps
     seconds = 0

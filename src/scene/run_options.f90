@@ -54,13 +54,13 @@ module sg_run_options
   !> How the contact problem of a step is solved
   type :: solver_options_t
     !> Method, one of `solver_names` (sg_methods)
-    character(len=16) :: method = 'nlgs'
+    character(len=16) :: method = 'nesterov'
     !> Stopping criterion, one of `criterion_*`
     integer :: criterion = criterion_estimate
     !> Value of the criterion at which the solver stops
     real(wp) :: tolerance = 2e-2_wp
     !> Sweeps between two tests; 0 for tests that come where the criterion is expected to be reached
-    integer :: check_every = 20
+    integer :: check_every = 0
     !> Sweeps after which the solver gives up
     integer :: maximum_sweeps = 5000
     !> Share of each new impulse taken: 1 is plain Gauss-Seidel

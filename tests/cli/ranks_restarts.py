@@ -12,8 +12,9 @@ class Restarts(Ranks):
             self.skipTest("a build without HDF5 has no checkpoints")
 
     def test_numbers_of_ranks_may_change(self):
+        """Impulses of this pack are not unique: plain sweeps find the same ones on all numbers of ranks, momentum others within 1e-2."""
         deck = self.deck(PRESSED + DRIVES)
-        every = ["--set", "restart.every=30"]
+        every = ["--set", "restart.every=30", "--set", "solver.method=nlgs"]
         self.run_ranks(1, deck, *every, "--set", "time.steps=120", output="straight")
         split = GRAPH if self.has_library("METIS") else ["--set", "partition.boxes=[3, 1]"]
         for part, (ranks, words) in enumerate(((1, []), (3, split), (2, ["--set", 'partition.gluing="primal"']), (1, []))):

@@ -48,8 +48,10 @@ def in_space(shape, friction):
     return "[scene]\ndimension = 3\n" + COMMON.format(friction=friction) + container + sample + "radius = [0.022, 0.025]\n"
 
 
-# Tables that all scenes have: bodies where they are and how they move, contactors, pairs, contacts, the problem, the order.
-ALWAYS = """bodies.position bodies.velocity bodies.middle bodies.mass bodies.inverse_mass bodies.force bodies.free_velocity
+# Tables that all scenes have: bodies where they are and how they move, contactors, pairs, contacts, the problem, the order, and what
+# momentum on sweeps holds of the sweep before.
+MOMENTUM = "nesterov.before nesterov.start nesterov.body nesterov.carried nesterov.present"
+ALWAYS = f"""bodies.position bodies.velocity bodies.middle bodies.mass bodies.inverse_mass bodies.force bodies.free_velocity
 bodies.area bodies.crossings bodies.is_grain bodies.material
 contactors.kind contactors.body contactors.row contactors.colour contactors.shift contactors.reach contactors.centre
 neighbours.body_of neighbours.slot_of neighbours.built pairs.contactor pairs.image pairs.see
@@ -57,7 +59,8 @@ contacts.contactor contacts.body contacts.feature contacts.law contacts.normal c
 contacts.impulse contacts.status
 history.contactor history.image history.first history.feature history.impulse history.status history.past
 problem.pair problem.record problem.impulse problem.body
-order.contact order.chosen order.groups_of active_set.closing active_set.is_wanted active_set.is_ordered"""
+order.contact order.chosen order.groups_of active_set.closing active_set.is_wanted active_set.is_ordered
+{MOMENTUM}"""
 PLANE = "contactors.segment_size contactors.segment_axis"
 SPACE = "bodies.crossings_y contactors.plane_half contactors.plane_rim contactors.plane_frame contactors.plane_world pairs.image_y contacts.image_y"
 POLYGONS = "contactors.polygon_first contactors.polygon_vertex contactors.polygon_world"
@@ -74,7 +77,7 @@ LONG_SOLVES = "clusters.squares clusters.parent clusters.members clusters.excess
 # record; lanes hold a copy of the record beside that of the order. Room is kept for half as many contacts again as there were
 # (a list grows by half), and for the contacts near enough to be watched: the bounds are a quarter above what was measured.
 SCENES = {
-    "disks, no friction": (in_plane("disk", 0.0), f"{PLANE} {ONE_BY_ONE} bodies.angle bodies.inertia contactors.disk_radius", [], 330, 420),
+    "disks, no friction": (in_plane("disk", 0.0), f"{PLANE} {ONE_BY_ONE} bodies.angle bodies.inertia contactors.disk_radius", [], 400, 450),
     "disks": (in_plane("disk", 0.3), f"{PLANE} {ONE_BY_ONE} bodies.angle bodies.inertia plan.radius contactors.disk_radius", [], 430, 530),
     "polygons": (in_plane("polygon", 0.3), f"{PLANE} {ONE_BY_ONE} {POLYGONS} bodies.angle bodies.inertia", [], 730, 730),
     "spheres, no friction": (in_space("sphere", 0.0), f"{SPACE} {ONE_BY_ONE} bodies.principal contactors.sphere_radius", [], 470, 620),
@@ -136,6 +139,10 @@ class Needs(ProgramCase):
                     self.assertLess(other, AT_REST + PER_POLYHEDRON * GRAINS * ("polyhedra" in name))
                 self.assertGreater(needs["contacts_compared"], 0)
                 self.assertGreater(needs["solver_over_kernel"], 0)
+
+    def test_plain_sweeps_hold_nothing_for_momentum(self):
+        needs = self.needs(in_plane("disk", 0.3), "--set", "solver.method=nlgs")
+        self.assertEqual([needs.get(table, 0) for table in MOMENTUM.split()], 5 * [0])
 
     def needs_of_two(self, deck, *words):
         """The same of a run on two ranks: sums over both."""

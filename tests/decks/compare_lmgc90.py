@@ -26,8 +26,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from manual_pages import put, table
 
 SOURCE = Path(__file__).resolve().parents[2]
-# The criterion, the test frequency and the sweeps that a deck has by default, at a tolerance somewhat looser than its default.
-ESTIMATED = dict.fromkeys(("solver.criterion", "solver.check_every", "solver.maximum_sweeps")) | {"solver.tolerance": 3e-2}
+# The method, the criterion, the test frequency and the sweeps that a deck has by default, at a tolerance somewhat looser than its default.
+ESTIMATED = dict.fromkeys(("solver.method", "solver.criterion", "solver.check_every", "solver.maximum_sweeps")) \
+            | {"solver.tolerance": 3e-2}
 TIGHT = {"solver.criterion": "e8", "solver.tolerance": 1e-6, "solver.check_every": 100, "solver.maximum_sweeps": 200000}
 
 # Walls 1 (up), 2 (left), 3 (right), 4 (down), each pressed inwards over the free distance of its two neighbours.
@@ -80,7 +81,7 @@ def cases(decks):
             found.append(Case(f"{name}, {steps} steps", decks / name, reference, final, blocks))
     folder = decks / "DDM_2d_rough_box"
     sweeps = [int(w) for w in re.search(r"^serial: ([\d ]+)", (folder / "reference.txt").read_text(), re.M)[1].split()]
-    keys = {"time.step": 5e-3, "time.theta": 0.5, "solver.criterion": "qm16", "solver.tolerance": 1e-4,
+    keys = {"time.step": 5e-3, "time.theta": 0.5, "solver.method": "nlgs", "solver.criterion": "qm16", "solver.tolerance": 1e-4,
             "solver.check_every": 1, "solver.maximum_sweeps": 10000}
     for steps in (8, 50):
         reference = Reference(keys | {"time.steps": steps}, {"sweeps_total": sum(sweeps[:steps])}, sweeps[:steps])
@@ -323,7 +324,7 @@ def membrane_table(program, case, work):
 def bench_table(program, folder, work):
     """Throughput on a compressed lattice."""
     theirs = json.loads((folder / "reference_SDL.json").read_text())
-    keys = {"time.step": 1e-3, "time.steps": 3, "solver.criterion": "quad", "solver.tolerance": 1e-40,
+    keys = {"time.step": 1e-3, "time.steps": 3, "solver.method": "nlgs", "solver.criterion": "quad", "solver.tolerance": 1e-40,
             "solver.check_every": 50, "solver.maximum_sweeps": theirs["iters"]}
     if theirs["kind"] != "disk":
         keys["scene.dimension"] = 3

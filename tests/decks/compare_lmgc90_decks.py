@@ -38,7 +38,8 @@ def keys_of(reference, dimension, folder, way):
     """Deck keys that repeat the reference's run."""
     norm, tolerance, relaxation, between, blocks = reference["solver"]
     keys = {"scene.dimension": dimension, "scene.datbox": str(folder), "time.step": reference["time_step"],
-            "time.theta": reference["theta"], "time.steps": reference[way]["steps"], "solver.criterion": CRITERIA[norm.strip()],
+            "time.theta": reference["theta"], "time.steps": reference[way]["steps"], "solver.method": "nlgs",
+            "solver.criterion": CRITERIA[norm.strip()],
             "solver.tolerance": tolerance, "solver.check_every": between, "solver.maximum_sweeps": between * blocks,
             "output.every": 1, "output.record_every": 1}
     for name, words, _ in reference["calls"] if way == "own" else ():

@@ -36,6 +36,7 @@ def parameters(text):
         "time.step": float(value("dt")),
         "time.steps": int(value("nb_steps")),
         "time.theta": float(value("theta")),
+        "solver.method": "nlgs",
         "solver.criterion": CRITERIA[value("norm")],
         "solver.tolerance": float(value("tol")),
         "solver.check_every": int(value("gs_it1")),
@@ -74,7 +75,7 @@ def read_steps(file):
 
     step, every = float(value("dt")), int(value("gs_it1"))
     keys = {"scene.dimension": 3, "time.step": step, "time.theta": float(value("theta")),
-            "solver.criterion": CRITERIA[value("norm")], "solver.tolerance": float(value("tol")),
+            "solver.method": "nlgs", "solver.criterion": CRITERIA[value("norm")], "solver.tolerance": float(value("tol")),
             "solver.check_every": every, "solver.maximum_sweeps": every * int(value("gs_it2"))}
     sweeps = [int(w) for w in re.search(r"sweeps per step:\s*([ \d]+)", text)[1].split()]
     references = []

@@ -61,7 +61,7 @@ contains
     integer :: n_bodies
 
     call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
-    call advance_pack(t, name, sim, 120)
+    call advance_pack(t, name, sim, 150)
     call t%equal(sim%problem%kind, kind, name//': kind of problem')
     if (comm%size == 1) return
     n_bodies = sim%scene%bodies%n

@@ -64,6 +64,7 @@ contains
     interior%options = sim%options%solver
     interior%options%criterion = criterion_e8
     interior%options%tolerance = tolerance
+    interior%options%check_every = 20
     interior%options%maximum_sweeps = 50000
     solved = problem
     call interior%solve(solved, coupling, sim%comm, report)

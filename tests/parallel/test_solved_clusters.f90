@@ -75,6 +75,9 @@ contains
     type(subdomain_t) :: subdomain
     type(error_t), allocatable :: error
 
+    ! Sweeps without momentum, which take long enough for clusters to leave.
+    options%method = 'nlgs'
+    options%check_every = 20
     options%criterion = criterion_e8
     options%tolerance = tolerance
     options%maximum_sweeps = 200000

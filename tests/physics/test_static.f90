@@ -100,7 +100,8 @@ contains
 
   !> One step of the settled packing from zero impulses: the estimate is the share of the weight that the floor misses.
   !!
-  !! It is an estimate: up to twice of it is allowed (doc/theory/errors.md). An E8 of 10^-3 alone leaves most of the weight.
+  !! It is an estimate: up to twice of it is allowed (doc/theory/errors.md). With plain sweeps an E8 of 10^-3
+  !! alone leaves most of the weight.
   subroutine test_cold_step(settled)
     type(simulation_t), intent(in) :: settled
     real(wp), parameter :: tolerances(3) = [1e-1_wp, 3e-2_wp, 1e-2_wp]
@@ -110,7 +111,7 @@ contains
       call t%near(cold_share(settled, criterion_estimate, tolerances(i)), 1.0_wp, 2*tolerances(i), &
                   'cold step: the floor carries the weight within twice the estimate')
     end do
-    call t%check(cold_share(settled, criterion_e8, 1e-3_wp) < 0.8_wp, 'cold step: a small residual is not enough')
+    call t%check(cold_share(settled, criterion_e8, 1e-3_wp, 'nlgs') < 0.8_wp, 'cold step: a small residual is not enough')
     ! With momentum a step from no impulses has to meet the estimate of decks, 2e-2, whatever the criterion: twice of it again.
     call t%near(cold_share(settled, criterion_e8, 1e-3_wp, 'nesterov'), 1.0_wp, 4e-2_wp, &
                 'cold step with momentum, e8: the floor carries the weight')
