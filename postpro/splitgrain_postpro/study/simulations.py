@@ -47,8 +47,9 @@ def run_simulation(job: Job, store: Store, program: Program) -> Result:
         numbers |= {name: run[name] - before[name] for name in SUMS if name in run and name in before}
         numbers["cpu_seconds"] = sum((run.get(phase) or 0.0) - (before.get(phase) or 0.0) for phase in PHASES)
         numbers["cpu_solve"] = (run.get("cpu_solve") or 0.0) - (before.get("cpu_solve") or 0.0)
-        if run.get("bytes_per_gluing") and run.get("gluings"):
-            numbers["bytes"] = run["bytes_per_gluing"] * run["gluings"]
+        if run.get("bytes_per_gluing"):
+            # A run without sweeps has no gluing, but tests that send: all their bytes count as those of one.
+            numbers["bytes"] = run["bytes_per_gluing"] * max(1, run["gluings"])
         if history := history_of(place / "run"):
             numbers["history"] = history
         status = {0: "done", 3: "not converged", 4: "not finite"}[code]
