@@ -101,7 +101,9 @@ def judge(ended, place=None, results="results", codes=CODES):
     fault = Runner.judge_results(place / results, None) if place else None
     if fault:
         return Outcome("wrong", fault)
-    return Outcome("refused" if ended.code in (2, 5, 7) else "clean")
+    if ended.code not in (2, 5, 7):
+        return Outcome("clean")
+    return Outcome("refused", f"exit code {ended.code}, {SENTENCE.search(ended.err).group()}")
 
 
 def worst(outcomes):
