@@ -146,7 +146,6 @@ contains
     type(point_t), allocatable, intent(inout) :: point !! where the path of the convex problem was left, if it was
     real(wp), allocatable, intent(out) :: r(:, :) !! the impulses [N s]
     type(progress_t), intent(inout) :: progress
-    real(wp) :: length, before
     logical :: is_done
     integer :: i
 
@@ -154,9 +153,7 @@ contains
     if (.not. allocated(point)) return
     do i = 1, self%guess_steps
       if (progress%is_over .or. is_convex_solved(self%guess_part, scaled, point)) exit
-      before = system%factor%operations
-      call take_step(scaled, system, point, length, is_done)
-      call count_step(before, system%factor, self%step_sweeps, progress)
+      call go_along(self, scaled, system, point, is_done, progress)
       if (.not. is_done) exit
       call progress%look(problem, point%r, scale)
     end do
@@ -232,7 +229,6 @@ contains
     type(contact_system_t), intent(inout) :: system
     type(path_t), intent(inout) :: path
     type(progress_t), intent(inout) :: progress
-    real(wp) :: length, before
     logical :: is_done
 
     call progress%look(problem, path%point%r, scale)
@@ -256,11 +252,24 @@ contains
         path%point%has_shift = .true.
       end if
     end if
-    before = system%factor%operations
-    call take_step(scaled, system, path%point, length, is_done)
-    call count_step(before, system%factor, self%step_sweeps, progress)
+    call go_along(self, scaled, system, path%point, is_done, progress)
     path%is_blocked = .not. (is_done .or. system%factor%is_too_dear)
   end subroutine walk_on
+
+  !> Take a step along the path, and count it.
+  subroutine go_along(self, scaled, system, point, is_done, progress)
+    class(interior_point_t), intent(in) :: self
+    type(matrix_problem_t), intent(in) :: scaled
+    type(contact_system_t), intent(inout) :: system
+    type(point_t), intent(inout) :: point
+    logical, intent(out) :: is_done !! did the system have a solution?
+    type(progress_t), intent(inout) :: progress
+    real(wp) :: length, before
+
+    before = system%factor%operations
+    call take_step(scaled, system, point, length, is_done)
+    call count_step(before, system%factor, self%step_sweeps, progress)
+  end subroutine go_along
 
   !> Count a step: a factorisation, or the analysis of one that was refused.
   pure subroutine count_step(before, factor, sweeps, progress)
