@@ -73,19 +73,22 @@ contains
     call self%dual_t%open(problem, coupling, comm)
   end subroutine open_again
 
-  !> Note the errors of the impulses of a step in the history. Collective.
-  subroutine note_step(self, problem, coupling, comm)
+  !> Note the errors of the impulses of a step in the history. What is sent to open the dual method for that is not counted as sent
+  !! by the solve. Collective.
+  subroutine note_step(self, problem, coupling)
     class(interior_ranks_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! this rank's part, with whole masses, free velocities and these impulses
     type(subdomain_t), intent(in) :: coupling
-    type(comm_t), intent(inout) :: comm
+    type(comm_t) :: comm
     type(traffic_t) :: before
 
+    comm = self%system%comm
     before = comm%traffic
     call open_again(self, problem, coupling, comm)
-    call self%errors%prepare(problem, comm)
+    call self%prepare_errors(problem, comm)
     comm%traffic = before
     call self%note(problem, comm, report_t())
+    self%system%comm = comm
   end subroutine note_step
 
   !> Solve the convex problem. Collective.
@@ -127,9 +130,7 @@ contains
           traced = problem
           traced%body = free
           call bring_back(matrices, point%r, scale, traced%impulse)
-          comm = system%comm
-          call note_step(self, traced, coupling, comm)
-          system%comm = comm
+          call note_step(self, traced, coupling)
         end if
         if (length < least_length .or. system%cg%failures > 0) exit
         if (point%tau > little_fall*before) call system%tighten()

@@ -60,6 +60,7 @@ module sg_nlgs
     procedure :: finish_round => nlgs_finish_round
     procedure :: collect => nlgs_collect
     procedure :: close => nlgs_close
+    procedure :: prepare_errors => nlgs_prepare_errors
     procedure :: note => nlgs_note
     procedure :: list_shared => nlgs_list_shared
   end type nlgs_t
@@ -84,12 +85,8 @@ contains
     self%damping = 1
     call self%sets%begin(problem%n_contacts, self%options)
     call self%sets%nesterov%begin(self%has_momentum)
-    self%errors%criterion = self%options%criterion
-    self%errors%with_change = self%has_momentum .and. self%options%criterion == criterion_estimate
     call self%open(problem, coupling, comm)
-    ! A coupling may take no momentum, whatever the method: such a solve is judged as a plain one.
-    self%errors%with_change = self%errors%with_change .and. self%sets%nesterov%is_on
-    call self%errors%prepare(problem, comm)
+    call self%prepare_errors(problem, comm)
     if (self%errors%contacts == 0) return
     call find_free(self, problem, comm, report)
     if (.not. report%is_converged) call choose_first(self, problem, comm, report)
@@ -109,6 +106,18 @@ contains
     call count_messages(self, comm, report)
     call self%trace%finish(report%sweeps, report)
   end subroutine nlgs_solve
+
+  !> Prepare the errors that the criterion asks for, after the coupling has opened: one that takes no momentum is judged by plain
+  !! sweeps, whatever the method.
+  subroutine nlgs_prepare_errors(self, problem, comm)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! this rank's part, opened
+    type(comm_t), intent(inout) :: comm !! the ranks
+
+    self%errors%criterion = self%options%criterion
+    self%errors%with_change = self%sets%nesterov%is_on .and. self%options%criterion == criterion_estimate
+    call self%errors%prepare(problem, comm)
+  end subroutine nlgs_prepare_errors
 
   !> Is the problem solved without impulses? Where none are guessed and no contact closes, one test finds out, and no sweep is
   !! needed.
