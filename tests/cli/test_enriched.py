@@ -65,8 +65,7 @@ class Enriched(ProgramCase):
         self.check_same(COMMON + FLOOR + SIDES + grains(60) + STILL, (4, 8))
 
     def test_what_fails_is_reported(self):
-        """And the answer is as good as without. Where eta leaves mass no digits, some factors exist, and their rounding keeps the
-        estimate from falling in a step now and then: errors are below the tolerance of the estimate, which is no less than e8."""
+        """And every step is solved as without: where eta leaves masses no digits, no subdomain has a factor."""
         for words, said in ((["partition.enriched.most_iterations=1", "partition.enriched.tolerance=1e-12"],
                              r"[1-9]\d* systems did not converge and 0 matrices had no"),
                             (["partition.enriched.eta=1e-30"], r"0 systems did not converge and [1-9]\d* matrices had no")):  # fmt: skip
@@ -74,9 +73,7 @@ class Enriched(ProgramCase):
                 settings = [word for setting in words for word in ("--set", setting)]
                 printed = self.run_deck(PRESSED, "many", *GLUED, *settings, "--set", "partition.parts=4").stdout
                 self.assertRegex(printed, said + "[^;]*")
-                run = self.run_json("many")
-                self.assertLess(run["worst_e8"], 1e-6)
-                self.assertLessEqual(run["unconverged_steps"], 0 if run["failed_systems"] else 2)
+                self.assertEqual(self.run_json("many")["unconverged_steps"], 0)
 
     def test_memory_report(self):
         """Matrices of subdomains are listed, with the entries that the mapping of contacts makes."""

@@ -207,7 +207,7 @@ contains
         real(count(state /= self%state), wp) <= self%changes*real(max(1, size(state)), wp)) return
     self%state = state
     self%eta_of_factor = eta
-    call self%factor%factorise(blocks, error)
+    call self%factor%factorise(blocks, error, must_hold_masses=.true.)
   end subroutine update_factor
 
   !> What a contact does under its impulse.

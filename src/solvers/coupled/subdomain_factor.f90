@@ -8,7 +8,7 @@
 !! Values of shared bodies are columns in the world's axes, one per body of `interface%slot`, as all sums over copies take them.
 module sg_subdomain_factor
   use sg_congruence, only: congruence_t
-  use sg_error, only: error_t
+  use sg_error, only: error_t, fail
   use sg_kinds, only: wp
   use sg_sparse, only: multiply, sparse_t
   use sg_sparse_algebra, only: diagonal_matrix
@@ -87,23 +87,42 @@ contains
   end subroutine factor_prepare
 
   !> Factorise the matrix of some D; where that fails D is zero.
-  subroutine factor_factorise(self, blocks, error)
+  subroutine factor_factorise(self, blocks, error, must_hold_masses)
     class(subdomain_factor_t), intent(inout) :: self
     real(wp), intent(in), contiguous :: blocks(:, :, :) !! D, shape (d, d, contacts) [kg, kg m, kg m^2]
     type(error_t), allocatable, intent(out) :: error !! why there is no factor
+    logical, intent(in), optional :: must_hold_masses !! is there none where masses are lost in the rounding of H D H^T?
 
     self%has_inner = .false.
     self%lacks_inner = .false.
     call self%congruence%fill(blocks)
     self%is_stiff = any(abs(blocks) > 0)
     if (.not. self%is_stiff) return
-    call self%factor%factorise(self%congruence%matrix, error)
+    if (present(must_hold_masses)) then
+      if (must_hold_masses .and. .not. holds_masses(self)) call fail(error, 'masses are lost in a matrix of stiff contacts')
+    end if
+    if (.not. allocated(error)) call self%factor%factorise(self%congruence%matrix, error)
     self%factorisations = self%factorisations + 1
     if (.not. allocated(error)) return
     self%failures = self%failures + 1
     self%is_stiff = .false.
     call self%congruence%fill(0*blocks)
   end subroutine factor_factorise
+
+  !> Are masses more than the rounding of the diagonal?
+  pure logical function holds_masses(self)
+    class(subdomain_factor_t), intent(in) :: self
+    integer :: i, e
+
+    holds_masses = .true.
+    associate (matrix => self%congruence%matrix)
+      do i = 1, self%n
+        do e = matrix%first(i), matrix%first(i + 1) - 1
+          if (matrix%column(e) == i .and. epsilon(1.0_wp)*matrix%value(e) > self%mass(i)) holds_masses = .false.
+        end do
+      end do
+    end associate
+  end function holds_masses
 
   !> Solve with the matrix.
   subroutine factor_solve(self, b, x)
