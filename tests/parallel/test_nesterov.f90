@@ -23,13 +23,6 @@ program test_nesterov
   use subdomain_tests, only: on_subdomains
   implicit none
   real(wp), parameter :: tolerance = 1e-7_wp
-
-  !> What solves without momentum and with it have taken
-  type :: effort_t
-    !> Sweeps of all, and how many ended at the limit of sweeps
-    integer :: sweeps(2) = 0, unsolved(2) = 0
-  end type effort_t
-
   type(tests_t) :: t
 
   call on_subdomains(run_tests)
@@ -94,10 +87,7 @@ contains
     end do
   end subroutine test_free_fall
 
-  !> Problems of a settling pack: by the orders of one rank, or by the couplings of several.
-  !!
-  !! Angular grains hold each other in more than one way: from nothing, sweeps with momentum and without may creep to different
-  !! answers, and either may take ten times as long. So of these several moments count together.
+  !> One problem of a settling pack: by the orders of one rank, or by the couplings of several.
   subroutine test_pack(comm, name)
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
@@ -105,65 +95,54 @@ contains
     character(len=8), parameter :: gluings(2) = [character(len=8) :: 'dual', 'primal']
     type(simulation_t) :: sim
     type(problem_t) :: problem
-    integer, parameter :: moments(4) = [90, 110, 130, 150]
-    type(effort_t) :: effort(size(orders))
     type(error_t), allocatable :: error
-    integer :: i, moment, steps
+    integer :: i
 
     call start_pack(t, comm, name, pack_deck(name), 1e-4_wp, sim)
+    ! The problem is the same, whatever the sweeps by default.
+    sim%options%solver%method = 'nlgs'
+    sim%options%solver%check_every = 20
+    call advance_pack(t, name, sim, 150)
     sim%comm = comm
     call decompose(sim, error)
     call t%check(.not. allocated(error), name//': is split')
-    steps = 0
-    do moment = merge(1, size(moments), has_corners(name)), size(moments)
-      call advance_pack(t, name, sim, moments(moment) - steps)
-      steps = moments(moment)
-      call next_problem(sim, problem)
-      if (comm%size == 1) then
-        do i = 1, size(orders)
-          sim%options%solver%order = orders(i)
-          call compare(comm, name//', '//trim(orders(i)), sim, problem, effort(i))
-          if (moment == size(moments)) call check_increments(comm, name//', '//trim(orders(i)), sim, problem)
-        end do
-      else
-        do i = 1, size(gluings)
-          sim%options%partition%gluing = gluings(i)
-          call compare(comm, name//', '//trim(gluings(i)), sim, problem, effort(i))
-          if (moment == size(moments)) call check_shares(comm, name//', '//trim(gluings(i)), sim, problem)
-        end do
-      end if
-    end do
-    do i = 1, merge(size(orders), size(gluings), comm%size == 1)
-      call t%check(effort(i)%unsolved(2) <= effort(i)%unsolved(1), name//': momentum leaves no more unsolved')
-      call t%check(effort(i)%sweeps(2) <= effort(i)%sweeps(1) + 7, name//': '//to_text(effort(i)%sweeps(2))// &
-                   ' sweeps instead of '//to_text(effort(i)%sweeps(1)))
-    end do
+    call next_problem(sim, problem)
+    if (comm%size == 1) then
+      do i = 1, size(orders)
+        sim%options%solver%order = orders(i)
+        call compare(comm, name//', '//trim(orders(i)), sim, problem)
+        call check_increments(comm, name//', '//trim(orders(i)), sim, problem)
+      end do
+    else
+      do i = 1, size(gluings)
+        sim%options%partition%gluing = gluings(i)
+        call compare(comm, name//', '//trim(gluings(i)), sim, problem)
+        call check_shares(comm, name//', '//trim(gluings(i)), sim, problem)
+      end do
+    end if
   end subroutine test_pack
 
-  !> Has a pack grains with corners?
-  pure logical function has_corners(name)
-    character(len=*), intent(in) :: name
-
-    has_corners = index(name, 'poly') == 1
-  end function has_corners
-
   !> Solve with and without momentum, from nothing, tested and chosen again every few sweeps.
-  subroutine compare(comm, name, sim, problem, effort)
+  subroutine compare(comm, name, sim, problem)
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     type(simulation_t), intent(inout) :: sim
     type(problem_t), intent(in) :: problem
-    type(effort_t), intent(inout) :: effort
     type(problem_t) :: plain, pushed
     type(report_t) :: before, after
     real(wp) :: speed, difference
+    logical :: has_corners
 
+    has_corners = index(name, 'poly') == 1
     call solve(comm, sim, 'nlgs', problem, plain, before)
     call solve(comm, sim, 'nesterov', problem, pushed, after)
-    effort%sweeps = effort%sweeps + [before%sweeps, after%sweeps]
-    where (.not. [before%is_converged, after%is_converged]) effort%unsolved = effort%unsolved + 1
-    call t%check(before%is_converged .and. after%is_converged .or. has_corners(name), name//': both converge')
-    call t%check(after%e8 <= tolerance .or. .not. after%is_converged, name//': to the tolerance')
+    call t%check(after%is_converged, name//': converges with momentum')
+    ! From nothing, plain sweeps leave one in eight such problems of angular grains unsolved.
+    call t%check(before%is_converged .or. has_corners, name//': converges without')
+    call t%check(after%e8 <= tolerance, name//': to the tolerance')
+    ! Pauses bound what momentum may cost where it does not help, as at angular grains to tight tolerances.
+    call t%check(after%sweeps <= merge(2, 1, has_corners)*before%sweeps + 7, name//': '//to_text(after%sweeps)// &
+                 ' sweeps instead of '//to_text(before%sweeps))
     if (comm%size == 1) call check_velocities(name, problem, pushed)
     associate (width => first_inverse(problem%kind) - 1)
       speed = maxval([0.0_wp, abs(problem%body(:width, :))])
@@ -173,7 +152,7 @@ contains
     call comm%maximum(difference)
     ! e8 of 1e-7 through the condition of W of a few hundred grains, some 1e4; free velocities are about gravity times step.
     ! Angular grains with friction have more than one.
-    if (.not. has_corners(name)) call t%near(difference/speed, 0.0_wp, 1e-3_wp, name//': one solution')
+    if (.not. has_corners) call t%near(difference/speed, 0.0_wp, 1e-3_wp, name//': one solution')
   end subroutine compare
 
   !> Choices of contacts change the orders of some ranks alone; shares remain those of all ranks, to the last bit.
@@ -268,7 +247,7 @@ contains
     sim%options%solver%method = method
     sim%options%solver%tolerance = tolerance
     if (present(other_tolerance)) sim%options%solver%tolerance = other_tolerance
-    sim%options%solver%maximum_sweeps = 5000
+    sim%options%solver%maximum_sweeps = 50000
     sim%options%solver%check_every = 7
     sim%options%solver%warm_start = .false.
     call choose_solver(sim%options%solver, sim%options%partition, comm%size, solver, error)
