@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""CPU milliseconds per step by phase, of scenes at rest: time_phases.py PROGRAM [PROGRAM...] [DECK.toml...]
+
+Each deck, by default those of `input_decks/engines`, runs once by its own settings until its grains rest; that state stays in
+the folder of states. Every program then goes on from it, in turns, by steps of a fixed number of plain sweeps: a few of them,
+and some more, from which follow the cost of a sweep and the fixed cost of a solve in sweeps. Every step is recorded, so that
+`measure` is the cost of a recorded step; `step` leaves it out, as it leaves out the output. Of several rounds the one with the
+least CPU time counts. Tables are in Markdown.
+"""
+
+import argparse
+import csv
+import json
+import math
+import subprocess
+from pathlib import Path
+
+DECKS = Path(__file__).resolve().parents[2] / "input_decks" / "engines"
+PHASES = ("predict", "detect", "assemble", "solve", "update")
+#: Settings of timed steps: plain sweeps, as many as asked for, between one test before and one after them
+TIMED = {"solver.method": '"nlgs"', "solver.tolerance": "1e-40", "interaction[1].alert": "0.02", "output.record_every": "1",
+         "restart.every": "0"}
+#: Steps before the first that counts, which look for neighbours again
+FIRST_STEPS = 10
+
+
+def run(program, deck, results, settings, *words):
+    """Run a deck with settings laid over it, for a folder of results that it may replace."""
+    command = [program, "run", str(deck), "--quiet", "--force", "--output", str(results), *words]
+    for key, value in settings.items():
+        command += ["--set", f"{key}={value}"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(done.stderr)
+    return json.loads((results / "run.json").read_text())
+
+
+def settle(program, deck, state, settings):
+    """The state of a deck at its end, by its own settings, made unless it is there."""
+    summary = state / "run.json"
+    if summary.exists() and json.loads(summary.read_text())["status"] == "done":
+        return json.loads(summary.read_text())
+    return run(program, deck, state, settings)
+
+
+def time_steps(program, deck, state, settings, sweeps, steps):
+    """Go on from a state: CPU milliseconds per step of each phase, and the last row of the record."""
+    done = json.loads((state / "run.json").read_text())["steps"]
+    more = {"solver.maximum_sweeps": sweeps, "solver.check_every": sweeps, "time.steps": done + FIRST_STEPS + steps}
+    results = state.with_name(state.name + ".timed")
+    run(program, deck, results, TIMED | settings | more, "--restart", str(state))
+    with open(results / "record.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if int(row["step"]) >= done + FIRST_STEPS]
+    first, last = rows[0], rows[-1]
+    phases = {name: 1e3 * (float(last[f"cpu_{name}"]) - float(first[f"cpu_{name}"])) / steps for name in (*PHASES, "measure")}
+    return phases | {"step": sum(phases[name] for name in PHASES)}, last
+
+
+def measure(programs, deck, state, settings, sweeps, steps, rounds):
+    """Rows of a table, one per program: phases of the cheapest round, cost of a sweep, fixed cost of a solve in sweeps."""
+    best = [{} for _ in programs]
+    for _ in range(rounds):
+        for program, row in zip(programs, best):
+            for n in sweeps:
+                phases, record = time_steps(program, deck, state, settings, n, steps)
+                if n not in row or phases["step"] < row[n]["step"]:
+                    row[n] = phases
+                if n == sweeps[0]:
+                    row["record"] = record
+    few, many = sweeps
+    for row in best:
+        row["sweep"] = (row[many]["solve"] - row[few]["solve"]) / (many - few)
+        row["fixed"] = row[few]["solve"] / row["sweep"] - few if row["sweep"] > 0 else math.nan
+    return best
+
+
+def line(deck, program, row, sweeps, radius):
+    """One program's row of a table."""
+    record, phases = row["record"], row[sweeps[0]]
+    texts = [deck.stem, Path(program).name, f"{int(record['contacts']):,}", f"{int(record['active_contacts']):,}"]
+    texts += [f"{phases[name]:.2f}" for name in (*PHASES, "step", "measure")]
+    texts += [f"{row['sweep']:.3f}", f"{row['fixed']:.1f}"]
+    texts += [f"{float(record['mean_velocity']):.1e}", f"{float(record['mean_penetration']) / radius:.1e}"]
+    return "| " + " | ".join([*texts, f"{float(record['floor_share']):.4f}"]) + " |"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("files", nargs="+", help="programs, and decks in place of those of input_decks/engines")
+    parser.add_argument("--states", default="engines.states", help="folder of the states at rest (default: engines.states)")
+    parser.add_argument("--steps", type=int, default=40, help="steps that are timed")
+    parser.add_argument("--sweeps", type=int, nargs=2, default=(8, 48), help="sweeps per step: few and many")
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="setting of all runs")
+    chosen = parser.parse_args()
+    decks = [Path(name) for name in chosen.files if name.endswith(".toml")] or sorted(DECKS.glob("*.toml"))
+    programs = [str(Path(name).resolve()) for name in chosen.files if not name.endswith(".toml")]
+    settings = dict(text.split("=", 1) for text in chosen.set)
+    columns = ["scene", "program", "contacts", "that carry", *PHASES, "step", "measure", "ms per sweep", "fixed, sweeps",
+               "mean speed, m/s", "mean overlap / r", "floor share"]
+    print("| " + " | ".join(columns) + " |\n" + "|---" * len(columns) + "|", flush=True)
+    for deck in decks:
+        state = Path(chosen.states) / deck.stem
+        radius = settle(programs[0], deck, state, settings)["mean_radius"]
+        rows = measure(programs, deck, state, settings, chosen.sweeps, chosen.steps, chosen.rounds)
+        for program, row in zip(programs, rows):
+            print(line(deck, program, row, chosen.sweeps, radius), flush=True)
+
+
+if __name__ == "__main__":
+    main()
