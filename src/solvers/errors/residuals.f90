@@ -4,7 +4,7 @@
 !! solutions: e1 and e2 with rho = 1, e8 and the violation with rho_a = 1/lambda_max(W_aa), free of units.
 module sg_residuals
   use sg_kinds, only: wp
-  use sg_law_violation, only: law_violation
+  use sg_law_violation, only: law_violation, plane_bounds
   use sg_natural_map, only: chunk, plane_squares
   use sg_problem, only: problem_t
   use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, &
@@ -117,7 +117,7 @@ contains
     integer, intent(out) :: contact !! number of that contact
     real(wp), intent(out) :: speed !! its velocity [m/s]
     type(chunk_t) :: a
-    real(wp) :: broken
+    real(wp) :: broken, bounds(chunk)
     integer :: first, i
 
     contact = 0
@@ -128,7 +128,9 @@ contains
     end if
     do first = 1, problem%n_contacts, chunk
       call gather(problem, first, a)
+      call plane_bounds(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, bounds)
       do i = 1, a%n
+        if (bounds(i) <= speed**2) cycle
         broken = law_violation([a%u_n(i), a%u_t(i)], [a%r_n(i), a%r_t(i)], a%friction(i), a%rho(i), a%linear(i) > 0)
         if (.not. broken > speed) cycle
         contact = first + i - 1

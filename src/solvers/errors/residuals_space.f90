@@ -1,7 +1,7 @@
 !> What the error measures need of contacts in space: the natural map of vectors in the world's axes (doc/theory/errors.md).
 module sg_residuals_space
   use sg_kinds, only: wp
-  use sg_law_violation, only: law_violation
+  use sg_law_violation, only: law_violation, space_bounds
   use sg_natural_map, only: chunk, space_squares
   use sg_problem, only: problem_t
   use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_friction, ball_frictional, ball_frictionless, &
@@ -94,14 +94,16 @@ contains
     integer, intent(inout) :: contact !! number of that contact; stays where all obey
     real(wp), intent(inout) :: speed !! its velocity [m/s]
     type(chunk_t) :: a
-    real(wp) :: broken
+    real(wp) :: broken, bounds(chunk)
     integer :: first, i
     logical :: has_tangent
 
     has_tangent = friction_place(problem%kind) > 0
     do first = 1, problem%n_contacts, chunk
       call gather(problem, first, a)
+      call space_bounds(a%n, a%normal, a%u, a%r, a%friction, a%rho, a%linear, bounds)
       do i = 1, a%n
+        if (bounds(i) <= speed**2) cycle
         if (has_tangent) then
           broken = law_violation(split(a%normal(i, :), a%u(i, :)), split(a%normal(i, :), a%r(i, :)), a%friction(i), a%rho(i), &
                                  a%linear(i) > 0)
