@@ -9,6 +9,7 @@
 !! the ones chosen.
 module sg_sweep_order
   use sg_convergence, only: looks_at_errors
+  use sg_kept_dealing, only: is_movable, kept_dealing_t
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_random, only: random_t
@@ -54,6 +55,8 @@ module sg_sweep_order
     !> Blocks that may be swept side by side, in coloured order; and by how many threads
     type(sweep_colouring_t) :: blocks
     integer :: threads = 1
+    !> What `chosen` was dealt by, in `groups` order
+    type(kept_dealing_t), private :: dealt
     !> Room for dealing: contacts chosen, and groups of each body as bits
     integer(i4), allocatable, private :: chosen(:)
     integer(i8), allocatable, private :: groups_of(:)
@@ -68,21 +71,16 @@ contains
     logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit
     type(solver_options_t), intent(in) :: options !! order and threads; whether the criterion looks at records in their order
     type(random_t) :: random
-    integer :: k
-    logical :: is_done
+    logical :: is_done, is_as_before
 
     call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
-    order%n = 0
     order%serial = order%serial + 1
     order%n_groups = 0
     order%solids%n_groups = 0
     order%blocks%n = 0
     order%threads = options%threads
-    do k = 1, problem%n_contacts
-      if (.not. is_wanted(k)) cycle
-      order%n = order%n + 1
-      order%chosen(order%n) = int(k, i4)
-    end do
+    if (options%order /= 'groups') order%dealt%n = 0
+    call choose(order, is_wanted(:problem%n_contacts), is_as_before)
     select case (options%order)
     case ('natural')
       order%contact(:order%n) = order%chosen(:order%n)
@@ -91,13 +89,36 @@ contains
       call random%seed(options%order_seed)
       call random%shuffle(order%contact(:order%n))
     case default
-      call deal_all(order, problem, options%order == 'coloured')
+      if (is_as_before) is_as_before = order%dealt%holds(problem, order%chosen(:order%n))
+      if (is_as_before) then
+        call take_groups(order)
+      else
+        call deal_all(order, problem, options%order == 'coloured')
+      end if
     end select
     order%has_copies = order%n_groups + order%solids%n_groups == 0 .or. .not. looks_at_errors(options%criterion)
     if (order%has_copies) call fill_copies(order, problem, 1)
     if (order%n_groups > 0) call fill_lanes(order, problem, 1, 1)
     if (order%solids%n_groups > 0) call fill_rows(problem, order%contact(:order%n), order%solids, 1, is_done)
   end subroutine set_order
+
+  !> List the marked contacts. Are they those that were dealt last?
+  pure subroutine choose(order, is_wanted, is_as_before)
+    type(sweep_order_t), intent(inout) :: order
+    logical, intent(in), contiguous :: is_wanted(:)
+    logical, intent(out) :: is_as_before
+    integer :: k
+
+    order%n = 0
+    is_as_before = order%dealt%n > 0
+    do k = 1, size(is_wanted)
+      if (.not. is_wanted(k)) cycle
+      order%n = order%n + 1
+      is_as_before = is_as_before .and. order%chosen(order%n) == k
+      order%chosen(order%n) = int(k, i4)
+    end do
+    is_as_before = is_as_before .and. order%n == order%dealt%n
+  end subroutine choose
 
   !> Bring an order up to date with a new choice: where little has changed it stays, with the contacts that it missed at its end.
   !! An empty order is set.
@@ -167,6 +188,8 @@ contains
     if (allocated(order%contact)) deallocate (order%contact, order%chosen, order%groups_of)
     n = wanted + wanted/8
     allocate (order%contact(n), order%chosen(n))
+    order%chosen = 0
+    call order%dealt%reserve(n)
     allocate (order%groups_of(problem%n_bodies), source=0_i8)
     if (allocated(order%group_size)) deallocate (order%group_size)
     if (problem%kind == ball_frictional) allocate (order%group_size(n))
@@ -204,6 +227,7 @@ contains
     if (problem%kind == solid_frictional) call begin_rows(order%solids, size(order%contact))
     if (.not. are_coloured) then
       call deal(order, problem, 1, order%n)
+      call order%dealt%note(problem, order%chosen(:order%n), [order%n_groups, order%solids%n_groups, order%solids%n_rows])
       return
     end if
     call colour_blocks(order%blocks, problem%pair, order%groups_of, order%chosen(:order%n))
@@ -214,6 +238,15 @@ contains
       order%blocks%last_row(b) = order%solids%n_rows
     end do
   end subroutine deal_all
+
+  !> Take the groups of the last dealing, without those that were added to them.
+  pure subroutine take_groups(order)
+    type(sweep_order_t), intent(inout) :: order
+
+    order%n_groups = order%dealt%groups(1)
+    order%solids%n_groups = order%dealt%groups(2)
+    order%solids%n_rows = order%dealt%groups(3)
+  end subroutine take_groups
 
   !> Deal a run of contacts to groups, block by block.
   pure subroutine deal(order, problem, begin, end)
@@ -291,11 +324,9 @@ contains
     integer(i4), intent(inout), contiguous :: contact(:)
     integer, intent(out) :: filled(0:most_groups) !! contacts of each group
     integer(i8) :: full
-    integer :: group(block_round), i, g, side, inverse
+    integer :: group(block_round), i, g, side
     integer(i4) :: pair(2)
-    logical :: is_movable
 
-    inverse = first_inverse(problem%kind)
     full = 0
     filled = 0
     do i = 1, size(chosen)
@@ -306,10 +337,7 @@ contains
       if (g == most_groups) cycle
       if (filled(g) == width) full = ibset(full, g)
       do side = 1, 2
-        ! Most bodies can move along x: the others are looked at whole.
-        is_movable = problem%body(inverse, pair(side)) > 0
-        if (.not. is_movable) is_movable = any(problem%body(inverse:, pair(side)) > 0)
-        if (is_movable) groups_of(pair(side)) = ibset(groups_of(pair(side)), g)
+        if (is_movable(problem, pair(side))) groups_of(pair(side)) = ibset(groups_of(pair(side)), g)
       end do
     end do
     call spread_groups(chosen, group, filled, contact)
@@ -444,6 +472,7 @@ contains
     call tables%note('record', order%record)
     call tables%note('impulse', order%impulse)
     call tables%note('chosen', order%chosen)
+    call tables%note('dealt', order%dealt%slots)
     call tables%note('group_size', order%group_size)
     call tables%note('lane_pair', order%lane_pair)
     call tables%note('lane_record', order%lane_record)

@@ -1,0 +1,122 @@
+!> Orders of sweeps whose groups are kept from problem to problem: the same as orders made of nothing, whatever changes between.
+program test_sweep_order
+  use harness, only: tests_t
+  use sg_kinds, only: wp, i4
+  use sg_problem, only: problem_t, reserve_problem
+  use sg_random, only: random_t
+  use sg_records, only: arm_frictional, ball_frictional, first_inverse, round_frictional, solid_frictional
+  use sg_run_options, only: solver_options_t
+  use sg_sweep_order, only: set_order, sweep_order_t, update_order
+  use sg_text, only: to_text
+  implicit none
+  integer, parameter :: kinds(4) = [round_frictional, arm_frictional, ball_frictional, solid_frictional]
+  type(tests_t) :: tests
+  type(random_t) :: random
+  integer :: i
+
+  call random%seed(11)
+  do i = 1, size(kinds)
+    call orders_are_as_new(kinds(i), random)
+  end do
+  call tests%finish()
+
+contains
+
+  !> Problems one after the other, each like the one before up to a change, which may be none: the order that goes on from
+  !! problem to problem next to one of its own for each.
+  subroutine orders_are_as_new(kind, random)
+    integer, intent(in) :: kind
+    type(random_t), intent(inout) :: random
+    type(problem_t) :: problem
+    type(sweep_order_t) :: kept, new
+    type(solver_options_t) :: options
+    logical, allocatable :: is_wanted(:), is_ordered(:)
+    integer :: round, k, b
+
+    call make_problem(kind, random, problem)
+    allocate (is_wanted(problem%n_contacts), source=.true.)
+    options%order = 'groups'
+    do round = 1, 120
+      k = place(random, problem%n_contacts)
+      b = place(random, problem%n_bodies)
+      select case (place(random, 8))
+      case (1)
+        is_wanted(k) = .not. is_wanted(k)
+      case (2)
+        problem%pair(1, k) = int(1 + modulo(problem%pair(2, k), problem%n_bodies), i4)
+      case (3)
+        problem%body(first_inverse(kind):, b) = merge(0.0_wp, 1.0_wp, problem%body(first_inverse(kind), b) > 0)
+      case (4)
+        is_wanted = .false.
+      case (5)
+        is_wanted = .true.
+      end select
+      problem%record = problem%record*random%uniform(1.0_wp, 1.1_wp)
+      problem%impulse = random%uniform()
+      call set_order(kept, problem, is_wanted, options)
+      block
+        type(sweep_order_t) :: empty
+        new = empty
+      end block
+      call set_order(new, problem, is_wanted, options)
+      call tests%check(are_alike(kept, new), 'kind '//to_text(kind)//', round '//to_text(round))
+      ! More contacts in groups of their own, which the next order has not.
+      if (place(random, 3) > 1) cycle
+      is_ordered = is_wanted
+      is_wanted(k) = .true.
+      call update_order(kept, problem, is_wanted, is_ordered, options)
+      is_wanted(k) = place(random, 2) == 1
+    end do
+  end subroutine orders_are_as_new
+
+  !> A random whole number from 1 to n.
+  integer function place(random, n)
+    type(random_t), intent(inout) :: random
+    integer, intent(in) :: n
+
+    place = min(n, 1 + int(random%uniform()*real(n, wp)))
+  end function place
+
+  !> A problem of neighbours along a chain, some of which touch by several points.
+  subroutine make_problem(kind, random, problem)
+    integer, intent(in) :: kind
+    type(random_t), intent(inout) :: random
+    type(problem_t), intent(out) :: problem
+    integer, parameter :: bodies = 300, contacts = 900
+    integer :: k
+
+    call reserve_problem(problem, kind, bodies, contacts)
+    problem%record = 1
+    problem%body = 1
+    do k = 1, contacts
+      problem%pair(1, k) = int(1 + k*(bodies - 20)/(contacts + 1), i4)
+      problem%pair(2, k) = problem%pair(1, k) + int(place(random, 4), i4)
+    end do
+  end subroutine make_problem
+
+  !> Do two orders sweep the same contacts in the same groups, with the same data?
+  logical function are_alike(a, b)
+    type(sweep_order_t), intent(in) :: a, b
+    integer :: n
+
+    n = a%n
+    are_alike = a%n == b%n .and. a%n_groups == b%n_groups .and. a%solids%n_groups == b%solids%n_groups .and. &
+                a%solids%n_rows == b%solids%n_rows
+    if (.not. are_alike .or. n == 0) return
+    are_alike = all(a%contact(:n) == b%contact(:n))
+    if (a%n_groups > 0) then
+      n = a%n_groups
+      are_alike = are_alike .and. all(a%group_size(:n) == b%group_size(:n)) .and. &
+                  all(a%lane_pair(:, :, :n) == b%lane_pair(:, :, :n)) .and. &
+                  .not. any(abs(a%lane_record(:, :, :n) - b%lane_record(:, :, :n)) > 0)
+    else if (a%solids%n_groups > 0) then
+      n = a%solids%n_groups
+      are_alike = are_alike .and. all(a%solids%last_row(:n) == b%solids%last_row(:n)) .and. &
+                  all(a%solids%pair(:, :, :n) == b%solids%pair(:, :, :n)) .and. &
+                  .not. any(abs(a%solids%row(:, :, :a%solids%n_rows) - b%solids%row(:, :, :a%solids%n_rows)) > 0)
+    else
+      are_alike = are_alike .and. all(a%pair(:, :n) == b%pair(:, :n)) .and. &
+                  .not. any(abs(a%record(:, :n) - b%record(:, :n)) > 0)
+    end if
+  end function are_alike
+end program test_sweep_order
