@@ -70,7 +70,10 @@ contains
 
     neighbours = 0
     do i = 1, size(touching%points)
-      neighbours(touching%body(:, i)) = neighbours(touching%body(:, i)) + 1
+      associate (a => touching%body(1, i), b => touching%body(2, i))
+        neighbours(a) = neighbours(a) + 1
+        if (b /= a) neighbours(b) = neighbours(b) + 1
+      end associate
     end do
   end function neighbours_of
 

@@ -69,32 +69,38 @@ contains
   pure function stress_sums(scene, contacts) result(sums)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
-    real(wp) :: sums(scene%dimension, scene%dimension), branch(scene%dimension), impulse(3)
+    real(wp) :: sums(scene%dimension, scene%dimension), all_sums(3, 3), branch(3), impulse(3)
     integer :: k, b
 
-    sums = 0
+    all_sums = 0
     do k = 1, contacts%n
-      branch = branch_of(scene, contacts, k)
       impulse = impulse_vector(contacts, k)
+      if (.not. any(abs(impulse) > 0)) cycle
+      branch = branch_of(scene, contacts, k)
       do b = 1, scene%dimension
-        sums(:, b) = sums(:, b) + impulse(:scene%dimension)*branch(b)
+        all_sums(:, b) = all_sums(:, b) + impulse*branch(b)
       end do
     end do
+    sums = all_sums(:scene%dimension, :scene%dimension)
   end function stress_sums
 
-  !> From the antagonist's centre, or from the point of contact on a wall, to the candidate's [m].
+  !> From the antagonist's centre, or from the point of contact on a wall, to the candidate's [m]. Arrays of three: of the dimension
+  !! of the scene they would be asked of the system for each contact.
   pure function branch_of(scene, contacts, k) result(branch)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k
-    real(wp) :: branch(scene%dimension), arms(scene%dimension, 2), half_gap(scene%dimension)
+    real(wp) :: branch(3), arms(3, 2), half_gap(3)
 
+    half_gap = 0
     if (scene%dimension == 3) then
       arms = space_arms(scene, contacts, k)
+      half_gap = contacts%gap(k)/2*contacts%normal(1:3, k)
     else
-      arms = arms_of(contacts, k, scene%bodies%middle, scene%period)
+      arms = 0
+      arms(:2, :) = arms_of(contacts, k, scene%bodies%middle, scene%period)
+      half_gap(:2) = contacts%gap(k)/2*contacts%normal(1:2, k)
     end if
-    half_gap = contacts%gap(k)/2*contacts%normal(:, k)
     branch = 0
     if (scene%bodies%is_grain(contacts%body(1, k))) branch = branch - arms(:, 1) + half_gap
     if (scene%bodies%is_grain(contacts%body(2, k))) branch = branch + arms(:, 2) + half_gap

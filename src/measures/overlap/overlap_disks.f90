@@ -74,18 +74,21 @@ contains
   !> Area between an arc of the unit circle and its chord, (angle - sin(angle))/2, by its series for small angles.
   pure real(wp) function segment_area(angle)
     real(wp), intent(in) :: angle !! of the arc, 0 to 2 pi [rad]
-    real(wp) :: term
+    real(wp) :: term, before
     integer :: k
 
     if (angle > 1) then
       segment_area = 0.5_wp*(angle - sin(angle))
     else
-      ! Nine terms: the tenth is below 1e-18 of the first.
+      ! At most nine terms: the tenth is below 1e-18 of the first.
       term = angle**3/12
       segment_area = term
       do k = 4, 20, 2
         term = -term*angle**2/real(k*(k + 1), wp)
+        before = segment_area
         segment_area = segment_area + term
+        ! All terms to come are smaller: they would change nothing either.
+        if (.not. abs(segment_area - before) > 0) exit
       end do
     end if
   end function segment_area
