@@ -72,7 +72,7 @@ contains
     real(wp), intent(in) :: rho(chunk) !! scales of velocities [kg]; zero where a contact takes no part
     real(wp), intent(in) :: linear(chunk) !! 1 where u = 0 is asked, else 0
     real(wp), intent(out) :: squares(chunk) !! bounds
-    real(wp) :: per_mass, u_n, r_n, tx, ty, tz, sx, sy, sz, share, square
+    real(wp) :: per_mass, u_n, r_n, tx, ty, tz, sx, sy, sz, radius, share, square
     integer :: i
 
     do i = 1, n
@@ -85,7 +85,8 @@ contains
       sx = tx - rho(i)*(u(i, 1) - u_n*normal(i, 1))
       sy = ty - rho(i)*(u(i, 2) - u_n*normal(i, 2))
       sz = tz - rho(i)*(u(i, 3) - u_n*normal(i, 3))
-      share = min(1.0_wp, friction(i)*max(0.0_wp, r_n)/max(sqrt(sx*sx + sy*sy + sz*sz), tiny(1.0_wp)))
+      radius = friction(i)*max(0.0_wp, r_n)
+      share = radius/max(radius, sqrt(sx*sx + sy*sy + sz*sz), tiny(1.0_wp))
       square = min(u_n, r_n*per_mass)**2 + ((tx - share*sx)**2 + (ty - share*sy)**2 + (tz - share*sz)**2)*per_mass**2
       squares(i) = raised(square, u(i, 1)**2 + u(i, 2)**2 + u(i, 3)**2, &
                           (r(i, 1)**2 + r(i, 2)**2 + r(i, 3)**2)*per_mass**2, rho(i), linear(i))

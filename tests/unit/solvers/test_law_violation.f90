@@ -65,6 +65,12 @@ contains
     if (x(9) < 0.2_wp) r = 0
     if (x(9) > 0.9_wp) u = 0
     if (x(9) > 0.45_wp .and. x(9) < 0.5_wp) rho = 0
+    ! Neither impulse nor velocity across the normal.
+    if (x(9) > 0.7_wp .and. x(9) < 0.75_wp) then
+      normal = [1.0_wp, 0.0_wp, 0.0_wp]
+      u(2:) = 0
+      r(2:) = 0
+    end if
   end subroutine draw_contact
 
   !> Normal part of a vector, and what is across the normal.
