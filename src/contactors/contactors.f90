@@ -15,7 +15,7 @@ module sg_contactors
   public :: contactors_t, kind_disk, kind_segment, kind_hollow, kind_polygon, kind_point, kind_names, n_kinds
   public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
   public :: add_disk, add_segment, add_hollow, add_polygon, add_point, add_contactor, drop_contactors, place_contactors
-  public :: make_rows, table_all, table_vertices
+  public :: edges_of, make_rows, table_all, table_vertices
 
   !> Tables of fields: of all contactors; of each kind of shape, by its number; of the vertices of all polygons
   integer, parameter :: table_all = 0, table_vertices = n_kinds + 1
@@ -61,6 +61,8 @@ module sg_contactors
     real(wp), allocatable :: polygon_vertex(:, :)
     !> Polygons: the same vertices in the detection configuration [m], shape (2, vertex)
     real(wp), allocatable :: polygon_world(:, :)
+    !> Polygons: outward unit normal and length [m] of the edge from each vertex to the next, there too, shape (3, vertex)
+    real(wp), allocatable :: polygon_edge(:, :)
     !> Shapes in space; nothing of it is allocated in the plane
     type(space_shapes_t) :: space
   contains
@@ -98,6 +100,7 @@ contains
     case (table_vertices)
       call visitor%visit(field_t('polygon_vertex', sync_on_copy, 2), self%polygon_vertex)
       call visitor%visit(field_t('polygon_world', sync_never, 2), self%polygon_world)
+      call visitor%visit(field_t('polygon_edge', sync_never, 3), self%polygon_edge)
     case default
       call self%space%visit(visitor)
     end select
@@ -277,12 +280,32 @@ contains
     type(contactors_t), intent(inout) :: contactors
     integer, intent(in) :: row
     real(wp), intent(in) :: centre(2), cosine, sine
-    integer :: v
+    integer :: v, first, last
 
-    do v = contactors%polygon_first(row), contactors%polygon_first(row + 1) - 1
+    first = contactors%polygon_first(row)
+    last = contactors%polygon_first(row + 1) - 1
+    do v = first, last
       contactors%polygon_world(:, v) = centre + turned(contactors%polygon_vertex(:, v), cosine, sine)
     end do
+    call edges_of(last - first + 1, contactors%polygon_world(:, first:last), contactors%polygon_edge(:, first:last))
   end subroutine place_polygon
+
+  !> Outward unit normals and lengths of the edges of a polygon; an edge without length has no normal.
+  pure subroutine edges_of(n, vertex, edge)
+    integer, intent(in) :: n !! vertices
+    real(wp), intent(in) :: vertex(2, n) !! counter-clockwise [m]
+    real(wp), intent(out) :: edge(3, n) !! normal and length [m] of the edge from each vertex to the next
+    real(wp) :: way(2), length
+    integer :: i
+
+    do i = 1, n
+      way = vertex(:, merge(1, i + 1, i == n)) - vertex(:, i)
+      length = sqrt(way(1)**2 + way(2)**2)
+      edge(:, i) = 0
+      if (length > tiny(length)) edge(1:2, i) = [way(2), -way(1)]/length
+      edge(3, i) = length
+    end do
+  end subroutine edges_of
 
   !> A vector turned by an angle.
   pure function turned(vector, cosine, sine)

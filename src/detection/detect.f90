@@ -3,7 +3,7 @@ module sg_detect
   use sg_contactors, only: contactors_t, kind_polygon, kind_polyhedron, kind_sphere, place_contactors
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_hand_over, only: hand_over
-  use sg_history, only: carried_of, history_t, keep_contacts, keep_pairs, match_pairs, past_pair, recall, unwrap_images
+  use sg_history, only: carried_of, history_t, keep_contacts, keep_faces, keep_pairs, match_pairs, past_pair, recall, unwrap_images
   use sg_internal_values, only: first_internal, keeps_gap, n_internal_of, not_recorded
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, law_bond, law_mohr, status_bonded, status_broken, status_new
@@ -69,6 +69,7 @@ contains
     if (contacts%is_cut) call grow_contacts(contacts, max(contacts%n, 1))
     contacts%n = 0
     allocate (first(pairs%n + 1))
+    if (scene%contactors%n_rows(kind_polygon) > 0) call keep_faces(history, pairs%n_near)
     if (scene%dimension == 2) then
       do p = 1, pairs%n_near
         if (ends_early(pairs, contacts, p)) exit
@@ -113,14 +114,18 @@ contains
   subroutine touch_in_plane(scene, pairs, history, p, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
-    type(history_t), intent(in) :: history
+    type(history_t), intent(inout) :: history
     integer, intent(in) :: p
     type(contacts_t), intent(inout) :: contacts
     type(touch_t) :: touch
 
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert)
       if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
-      call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), alert, touch, scene%period)
+      if (scene%contactors%kind(c) == kind_polygon) then
+        call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), alert, touch, scene%period, history%face(p))
+      else
+        call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), alert, touch, scene%period)
+      end if
       if (scene%shrink > 0) then
         if (all(scene%contactors%kind([c, a]) == kind_polygon)) &
           call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)

@@ -14,7 +14,7 @@ module sg_history
   implicit none
   private
   public :: history_t, start_history, resume_history, keep_contacts, keep_pairs, unwrap_images, match_pairs, revive
-  public :: carried_of, past_pair, recall
+  public :: carried_of, keep_faces, past_pair, recall
 
   !> Contacts of the last detection, as much as the next one needs
   type :: history_t
@@ -39,6 +39,8 @@ module sg_history
     real(wp), allocatable :: carried(:, :)
     !> Past pair of each present one, 0 where there is none; unused while the list of neighbours stays
     integer(i4), allocatable :: past(:)
+    !> Face of each pair near another that the narrow phase tries first (`touch_convex`); no point depends on it
+    integer(i4), allocatable :: face(:)
     !> Must pairs be matched, because the list of neighbours is another one?
     logical :: is_matched = .false.
     !> Were the contacts read from a deck or a restart file? Then `contactor` is set and `keep_contacts` is not due
@@ -280,6 +282,26 @@ contains
     candidate = [(merge(history%contactor(1, p), 0_i4, history%first(p + 1) > history%first(p)), p=1, history%n_pairs)]
     call group_items(candidate, n_contactors, first, member)
   end subroutine list_by_candidate
+
+  !> Give each present pair the face that was kept of it; none where it is new.
+  pure subroutine keep_faces(history, n)
+    type(history_t), intent(inout) :: history !! past; `face` is set
+    integer, intent(in) :: n !! present pairs that may have faces
+    integer(i4), allocatable :: face(:)
+    integer :: p, past
+
+    if (allocated(history%face)) then
+      if (size(history%face) == n .and. .not. history%is_matched) return
+    else
+      allocate (history%face(0))
+    end if
+    allocate (face(n), source=0_i4)
+    do p = 1, n
+      past = past_pair(history, p)
+      if (past > 0 .and. past <= size(history%face)) face(p) = history%face(past)
+    end do
+    call move_alloc(face, history%face)
+  end subroutine keep_faces
 
   !> Pair of the last detection that a present pair is; 0 where it is new.
   pure integer function past_pair(history, pair)

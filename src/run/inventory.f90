@@ -126,6 +126,7 @@ contains
     call tables%note('internal', history%internal)
     call tables%note('carried', history%carried)
     call tables%note('past', history%past)
+    call tables%note('face', history%face)
   end subroutine list_history
 
   !> Tables of the contact problem.

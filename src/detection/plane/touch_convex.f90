@@ -13,6 +13,11 @@
 !! Where the lowest incident vertex hangs beyond the end of the face, that end and the vertex nearest to it are the
 !! contact: a distance true in length and direction.
 !!
+!! A kept face, the reference of the last step, is measured first. The best face is at least as high, so most others are rejected
+!! at one vertex; a kept face beyond reach ends the search. Faces within `slack` below the kept one, or above it, are compared in
+!! their order as without it. A lower one cannot win. Nor can it decide among faces as good: one that is rejected in its favour
+!! is higher by `same_length` at most, and of such steps there are no more than faces. So no point depends on what is kept.
+!!
 !! A point is named after its vertex, 1 to n_c of the candidate, n_c + 1 to n_c + n_a of the antagonist: whichever face is the
 !! reference and whichever edge the incident one, which a tilt of rounding size may change, the vertex stays. Of two
 !! vertices at one place the candidate's gives the name.
@@ -45,72 +50,135 @@ module sg_touch_convex
 contains
 
   !> Points of contact of two convex polygons; the antagonist's surface lies `radius_a` outside its vertices' hull.
-  pure subroutine touch_convex(n_c, vertices_c, n_a, vertices_a, offset_a, radius_a, alert, touch)
+  pure subroutine touch_convex(n_c, vertices_c, edges_c, n_a, vertices_a, edges_a, longest, offset_a, radius_a, alert, kept, &
+                               touch)
     integer, intent(in) :: n_c !! vertices of the candidate
     real(wp), intent(in) :: vertices_c(2, n_c) !! candidate's vertices, counter-clockwise [m]
+    real(wp), intent(in) :: edges_c(3, n_c) !! normals and lengths of its edges, see `edges_of` [m]
     integer, intent(in) :: n_a !! vertices of the antagonist
     real(wp), intent(in) :: vertices_a(2, n_a) !! antagonist's vertices, counter-clockwise [m]
+    real(wp), intent(in) :: edges_a(3, n_a) !! normals and lengths of its edges [m]
+    real(wp), intent(in) :: longest !! no edge of either is longer [m]
     real(wp), intent(in) :: offset_a(2) !! added to the antagonist's vertices (its periodic image) [m]
     real(wp), intent(in) :: radius_a !! thickness of the antagonist's skin [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
+    integer(i4), intent(inout) :: kept !! face to try first, on return the best one: an edge of the antagonist; of the candidate
+    !! where it is negative; 0 for none. The points do not depend on it
     type(touch_t), intent(out) :: touch !! points found
     type(face_t) :: face_a, face_c
-    real(wp) :: reach
+    real(wp) :: reach, floor, slack, height
+    integer :: edge_a, edge_c, low_a, low_c
 
     reach = alert + radius_a
-    call find_face(n_a, vertices_a, n_c, vertices_c, -offset_a, reach, face_a)
-    if (face_a%height >= reach) return
-    call find_face(n_c, vertices_c, n_a, vertices_a, offset_a, reach, face_c)
+    floor = -huge(floor)
+    slack = real(n_a + n_c + 4, wp)*same_length*longest
+    edge_a = usable(int(kept), n_a, edges_a)
+    edge_c = usable(-int(kept), n_c, edges_c)
+    low_c = edge_c
+    low_a = 0
+    if (edge_a > 0) then
+      call find_lowest(n_c, vertices_c, edges_a(1:2, edge_a), vertices_a(:, edge_a) + offset_a, floor, low_c, height)
+      floor = height - slack
+    else if (edge_c > 0) then
+      call find_lowest(n_a, vertices_a, edges_c(1:2, edge_c), vertices_c(:, edge_c) - offset_a, floor, low_a, height)
+      floor = height - slack
+    end if
+    if (floor >= reach) return
+    call find_face(n_a, vertices_a, edges_a, n_c, vertices_c, -offset_a, reach, low_c, floor, face_a)
+    if (face_a%height >= reach) then
+      kept = int(face_a%edge, i4)
+      return
+    end if
+    floor = max(floor, face_a%height - slack)
+    call find_face(n_c, vertices_c, edges_c, n_a, vertices_a, offset_a, reach, max(low_a, face_a%edge), floor, face_c)
+    if (face_c%height > face_a%height) then
+      kept = -int(face_c%edge, i4)
+    else
+      kept = int(face_a%edge, i4)
+    end if
     if (face_c%height >= reach .or. max(face_a%edge, face_c%edge) == 0) return
     ! Of two faces as good, always the antagonist's: the normal of resting bricks must not depend on rounding.
     if (face_a%height >= face_c%height - same_length*max(face_a%length, face_c%length)) then
-      call add_points(n_a, vertices_a, n_c, vertices_c, -offset_a, face_a, .true., radius_a, alert, touch)
+      call add_points(n_a, vertices_a, n_c, vertices_c, edges_c, -offset_a, face_a, .true., radius_a, alert, touch)
     else
-      call add_points(n_c, vertices_c, n_a, vertices_a, offset_a, face_c, .false., radius_a, alert, touch)
+      call add_points(n_c, vertices_c, n_a, vertices_a, edges_a, offset_a, face_c, .false., radius_a, alert, touch)
     end if
   end subroutine touch_convex
 
   !> Find the reference edge over which the lowest incident vertex is highest; stop once it is beyond reach.
-  pure subroutine find_face(n_r, reference, n_i, incident, shift, reach, face)
+  pure subroutine find_face(n_r, reference, edges, n_i, incident, shift, reach, probe, floor, face)
     integer, intent(in) :: n_r !! vertices of the reference polygon
     real(wp), intent(in) :: reference(2, n_r) !! its vertices [m]
+    real(wp), intent(in) :: edges(3, n_r) !! normals and lengths of its edges [m]
     integer, intent(in) :: n_i !! vertices of the incident polygon
     real(wp), intent(in) :: incident(2, n_i) !! its vertices [m]
     real(wp), intent(in) :: shift(2) !! added to the incident vertices [m]
     real(wp), intent(in) :: reach !! height from which the search may stop [m]
+    integer, intent(in) :: probe !! incident vertex that is probably low, like the one after it; 0 where none is known
+    real(wp), intent(in) :: floor !! height of faces that need not be found [m]
     type(face_t), intent(out) :: face !! the best edge
-    real(wp) :: edge(2), normal(2), start(2), length, bar, height, lowest_height
-    integer :: i, j, lowest
+    real(wp) :: first(2), second(2), start(2), bar, height
+    integer :: i, lowest
 
+    first = incident(:, max(probe, 1))
+    second = incident(:, next(max(probe, 1), n_i))
     do i = 1, n_r
-      edge = reference(:, next(i, n_r)) - reference(:, i)
-      length = sqrt(edge(1)**2 + edge(2)**2)
-      if (length <= tiny(length)) cycle
-      normal = [edge(2), -edge(1)]/length
-      start = reference(:, i) - shift
-      ! A face must win by more than rounding, or faces as good would take turns.
-      bar = face%height + same_length*length
-      lowest_height = huge(lowest_height)
-      lowest = 0
-      do j = 1, n_i
-        height = normal(1)*(incident(1, j) - start(1)) + normal(2)*(incident(2, j) - start(2))
-        if (height >= lowest_height) cycle
-        lowest_height = height
-        lowest = j
-        if (height <= bar) exit
-      end do
-      if (lowest_height <= bar) cycle
-      face = face_t(edge=i, length=length, normal=normal, lowest=lowest, height=lowest_height)
-      if (lowest_height >= reach) return
+      associate (normal => edges(1:2, i), length => edges(3, i))
+        if (length <= tiny(length)) cycle
+        start = reference(:, i) - shift
+        ! A face must win by more than rounding, or faces as good would take turns.
+        bar = max(face%height + same_length*length, floor)
+        if (normal(1)*(first(1) - start(1)) + normal(2)*(first(2) - start(2)) <= bar) cycle
+        if (normal(1)*(second(1) - start(1)) + normal(2)*(second(2) - start(2)) <= bar) cycle
+        call find_lowest(n_i, incident, normal, start, bar, lowest, height)
+        if (height <= bar) cycle
+        face = face_t(edge=i, length=length, normal=normal, lowest=lowest, height=height)
+        if (height >= reach) return
+      end associate
     end do
   end subroutine find_face
 
+  !> A kept edge, 0 where a polygon has no such edge or it has no normal.
+  pure integer function usable(kept, n, edges) result(edge)
+    integer, intent(in) :: kept !! number of the edge, of any size
+    integer, intent(in) :: n !! edges of the polygon
+    real(wp), intent(in) :: edges(3, n) !! their normals and lengths [m]
+
+    edge = 0
+    if (kept < 1 .or. kept > n) return
+    if (edges(3, kept) > tiny(edges)) edge = kept
+  end function usable
+
+  !> Find the lowest vertex over a face; stop at one that is no higher than a bar.
+  pure subroutine find_lowest(n, vertices, normal, start, bar, lowest, lowest_height)
+    integer, intent(in) :: n !! vertices
+    real(wp), intent(in) :: vertices(2, n) !! [m]
+    real(wp), intent(in) :: normal(2) !! outward unit normal of the face
+    real(wp), intent(in) :: start(2) !! a point of the face [m]
+    real(wp), intent(in) :: bar !! height [m]
+    integer, intent(out) :: lowest !! the vertex, or the first one that is no higher than the bar
+    real(wp), intent(out) :: lowest_height !! its height [m]
+    real(wp) :: height
+    integer :: j
+
+    lowest_height = huge(lowest_height)
+    lowest = 0
+    do j = 1, n
+      height = normal(1)*(vertices(1, j) - start(1)) + normal(2)*(vertices(2, j) - start(2))
+      if (height >= lowest_height) cycle
+      lowest_height = height
+      lowest = j
+      if (height <= bar) return
+    end do
+  end subroutine find_lowest
+
   !> Add the points of contact over a reference face.
-  pure subroutine add_points(n_r, reference, n_i, incident, shift, face, is_antagonist, radius_a, alert, touch)
+  pure subroutine add_points(n_r, reference, n_i, incident, edges, shift, face, is_antagonist, radius_a, alert, touch)
     integer, intent(in) :: n_r !! vertices of the reference polygon
     real(wp), intent(in) :: reference(2, n_r) !! its vertices [m]
     integer, intent(in) :: n_i !! vertices of the incident polygon
     real(wp), intent(in) :: incident(2, n_i) !! its vertices [m]
+    real(wp), intent(in) :: edges(3, n_i) !! normals and lengths of its edges [m]
     real(wp), intent(in) :: shift(2) !! added to the incident vertices [m]
     type(face_t), intent(in) :: face !! the reference face
     logical, intent(in) :: is_antagonist !! is the reference polygon the antagonist?
@@ -120,7 +188,7 @@ contains
     real(wp) :: origin(2), tangent(2), place(2, 2), along(2), low, high, same, near, rounding
     integer :: edge, vertex(2)
 
-    edge = facing_edge(n_i, incident, face%lowest, face%normal)
+    edge = facing_edge(n_i, incident, edges, face%lowest, face%normal)
     vertex = [face%lowest, merge(next(edge, n_i), edge, edge == face%lowest)]
     ! Everything is taken about the start of the face, so that far from the origin gaps keep their digits.
     origin = reference(:, face%edge)
@@ -201,9 +269,10 @@ contains
   end function name_of
 
   !> The edge at the lowest vertex that is the flatter one, seen from the face.
-  pure integer function facing_edge(n, vertices, lowest, normal) result(edge)
+  pure integer function facing_edge(n, vertices, edges, lowest, normal) result(edge)
     integer, intent(in) :: n !! vertices of the incident polygon
     real(wp), intent(in) :: vertices(2, n) !! its vertices [m]
+    real(wp), intent(in) :: edges(3, n) !! normals and lengths of its edges [m]
     integer, intent(in) :: lowest !! the lowest one
     real(wp), intent(in) :: normal(2) !! normal of the face
     real(wp) :: to_before(2), to_after(2)
@@ -213,7 +282,7 @@ contains
     to_before = vertices(:, before) - vertices(:, lowest)
     to_after = vertices(:, next(lowest, n)) - vertices(:, lowest)
     edge = lowest
-    if (dot(normal, to_before)*size_of(to_after) < dot(normal, to_after)*size_of(to_before)) edge = before
+    if (dot(normal, to_before)*edges(3, lowest) < dot(normal, to_after)*edges(3, before)) edge = before
   end function facing_edge
 
   !> The vertex after one, around a polygon.

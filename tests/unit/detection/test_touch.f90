@@ -3,14 +3,13 @@
 !! Lengths are of order 1; `tight` allows some tens of roundings of such lengths.
 program test_touch
   use harness, only: tests_t
+  use polygon_touch, only: touching, touching_wall
   use sg_kinds, only: wp, pi
   use sg_touch, only: touch_t
   use sg_touch_disk_disk, only: touch_disk_disk
   use sg_touch_disk_hollow, only: touch_disk_hollow
   use sg_touch_disk_polygon, only: touch_disk_polygon
   use sg_touch_disk_segment, only: touch_disk_segment
-  use sg_touch_polygon_polygon, only: touch_polygon_polygon
-  use sg_touch_polygon_segment, only: touch_polygon_segment
   implicit none
   real(wp), parameter :: tight = 1e-13_wp, zero(2) = [0.0_wp, 0.0_wp]
   !> A place where coordinates are rounded to 1e-13
@@ -251,29 +250,29 @@ contains
     type(touch_t) :: touch
 
     box = rectangle([0.0_wp, 0.0_wp], 2.0_wp, 1.0_wp)
-    call touch_polygon_segment(4, moved(box, [0.0_wp, 0.75_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
+    touch = touching_wall(moved(box, [0.0_wp, 0.75_wp]), zero, axis, [5.0_wp, 0.2_wp], 0.1_wp)
     call t%equal(touch%n, 2, 'box on a wall')
     call t%near(maxval(abs(touch%gap - 0.05_wp)), 0.0_wp, tight, 'box on a wall: gaps')
     call t%near(maxval(abs(touch%point(2, :) - 0.225_wp)), 0.0_wp, tight, 'box on a wall: points')
     call t%near(abs(touch%point(1, 1) - touch%point(1, 2)), 2.0_wp, tight, 'box on a wall: width')
-    call touch_polygon_segment(4, moved(box, [0.0_wp, -0.65_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
+    touch = touching_wall(moved(box, [0.0_wp, -0.65_wp]), zero, axis, [5.0_wp, 0.2_wp], 0.1_wp)
     call t%near(touch%normal(2, 1) + touch%normal(2, 2), -2.0_wp, tight, 'box under a wall: normals')
     call t%near(maxval(abs(touch%gap + 0.05_wp)), 0.0_wp, tight, 'box under a wall: gaps')
     diamond = turned(rectangle([0.0_wp, 0.0_wp], sqrt(2.0_wp), sqrt(2.0_wp)), pi/4, zero)
-    call touch_polygon_segment(4, moved(diamond, [1.0_wp, 1.15_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
+    touch = touching_wall(moved(diamond, [1.0_wp, 1.15_wp]), zero, axis, [5.0_wp, 0.2_wp], 0.1_wp)
     call t%equal(touch%n, 1, 'vertex on a wall')
     call check_point(touch, 1, [0.0_wp, 1.0_wp], [1.0_wp, 0.175_wp], -0.05_wp, 'vertex on a wall')
     ! Vertex beyond the end of the axis by 3 and 4 tenths: distance to the cap.
-    call touch_polygon_segment(4, moved(box, [6.3_wp, 0.9_wp]), zero, axis, 5.0_wp, 0.6_wp, 0.1_wp, touch)
+    touch = touching_wall(moved(box, [6.3_wp, 0.9_wp]), zero, axis, [5.0_wp, 0.6_wp], 0.1_wp)
     call check_point(touch, 1, [0.6_wp, 0.8_wp], [5.33_wp, 0.44_wp], -0.1_wp, 'vertex at a cap')
     ! An edge against the cap: the face is the polygon's.
-    call touch_polygon_segment(4, moved(box, [6.25_wp, 0.0_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
+    touch = touching_wall(moved(box, [6.25_wp, 0.0_wp]), zero, axis, [5.0_wp, 0.2_wp], 0.1_wp)
     call t%equal(touch%n, 1, 'edge at a cap')
     call check_point(touch, 1, [1.0_wp, 0.0_wp], [5.225_wp, 0.0_wp], 0.05_wp, 'edge at a cap')
-    call touch_polygon_segment(4, moved(box, [0.55_wp, 0.1_wp]), zero, axis, 0.0_wp, 0.2_wp, 0.1_wp, touch)
+    touch = touching_wall(moved(box, [0.55_wp, 0.1_wp]), zero, axis, [0.0_wp, 0.2_wp], 0.1_wp)
     call t%near(norm2(touch%normal(:, 1)), 1.0_wp, tight, 'wall of no length inside a box: normal')
     ! Box through the axis: pushed to the side where less is missing.
-    call touch_polygon_segment(4, moved(box, [0.0_wp, 0.3_wp]), zero, axis, 5.0_wp, 0.2_wp, 0.1_wp, touch)
+    touch = touching_wall(moved(box, [0.0_wp, 0.3_wp]), zero, axis, [5.0_wp, 0.2_wp], 0.1_wp)
     call t%near(touch%normal(2, 1), 1.0_wp, tight, 'box through a wall: normal')
     call t%near(touch%gap(1), -0.4_wp, tight, 'box through a wall: gap')
   end subroutine test_polygon_segment
@@ -312,15 +311,6 @@ contains
     if (same_keys) same_keys = all(one%feature([minloc(one%point(1, :)), maxloc(one%point(1, :))]) &
                                    == two%feature([minloc(two%point(1, :)), maxloc(two%point(1, :))]))
   end function same_keys
-
-  !> Points of contact of two polygons without periodic image.
-  function touching(c, a, alert) result(touch)
-    real(wp), intent(in) :: c(:, :), a(:, :) !! candidate and antagonist
-    real(wp), intent(in) :: alert
-    type(touch_t) :: touch
-
-    call touch_polygon_polygon(size(c, 2), c, size(a, 2), a, zero, alert, touch)
-  end function touching
 
   !> A rectangle about a centre.
   pure function rectangle(centre, width, height) result(box)

@@ -3,17 +3,17 @@
 !! Lengths are of order 1; `tight` allows some tens of roundings of such lengths.
 program test_touch_random
   use harness, only: tests_t
-  use sg_kinds, only: wp, pi
+  use polygon_touch, only: touching, touching_wall
+  use sg_kinds, only: wp, i4, pi
   use sg_random, only: random_t
   use sg_touch, only: touch_t
   use sg_touch_disk_polygon, only: touch_disk_polygon
-  use sg_touch_polygon_polygon, only: touch_polygon_polygon
-  use sg_touch_polygon_segment, only: touch_polygon_segment
   implicit none
   real(wp), parameter :: tight = 1e-13_wp, zero(2) = [0.0_wp, 0.0_wp]
   type(tests_t) :: t
 
   call test_symmetry()
+  call test_kept()
   call test_against_brute_force()
   call test_wall_against_axis()
   call test_fuzz()
@@ -55,6 +55,77 @@ contains
     end do
     call t%check(found > 500, 'many pairs are near enough')
   end subroutine test_symmetry
+
+  !> Whatever face is kept of a pair, the right one, a wrong one or none of its faces, the points are the same bit for bit; the face
+  !! found is kept; and mirrored pairs have mirrored contacts.
+  subroutine test_kept()
+    type(random_t) :: random
+    type(touch_t) :: touch, other
+    real(wp), allocatable :: a(:, :), c(:, :)
+    real(wp) :: alert
+    integer(i4) :: kept, again, found
+    integer :: i, different, moved_on, touching_pairs, mirrored
+
+    call random%seed(17)
+    different = 0
+    moved_on = 0
+    mirrored = 0
+    touching_pairs = 0
+    do i = 1, 20000
+      call random_pair(random, a, c)
+      alert = 10**random%uniform(-6.0_wp, 0.0_wp)
+      if (modulo(i, 4) == 0) a = anint(2*a)/2
+      if (modulo(i, 8) == 0) c = anint(2*c)/2
+      found = 0
+      touch = touching(c, a, alert, found)
+      again = found
+      other = touching(c, a, alert, again)
+      if (touch%n > 0 .and. again /= found) moved_on = moved_on + 1
+      do kept = int(-size(c, 2) - 2, i4), int(size(a, 2) + 2, i4)
+        again = kept
+        other = touching(c, a, alert, again)
+        if (.not. is_same(touch, other)) different = different + 1
+      end do
+      do kept = -9, 3
+        if (.not. is_same(touching_wall(c, a(:, 1), [0.6_wp, 0.8_wp], [1.0_wp, 0.1_wp], alert), &
+                          touching_wall(c, a(:, 1), [0.6_wp, 0.8_wp], [1.0_wp, 0.1_wp], alert, kept))) different = different + 1
+      end do
+      if (touch%n == 0 .or. modulo(i, 4) == 0) cycle
+      touching_pairs = touching_pairs + 1
+      other = touching(mirror_image(c), mirror_image(a), alert)
+      if (touch%n /= other%n) then
+        mirrored = mirrored + 1
+      else if (abs(minval(touch%gap(:touch%n)) - minval(other%gap(:touch%n))) > 1e-12_wp) then
+        mirrored = mirrored + 1
+      end if
+    end do
+    call t%equal(different, 0, 'contacts that depend on the face kept')
+    call t%equal(moved_on, 0, 'best faces that are not kept')
+    call t%equal(mirrored, 0, 'mirrored pairs with other contacts')
+    call t%check(touching_pairs > 5000, 'many pairs touch')
+  end subroutine test_kept
+
+  !> Are the points of two answers the same bit for bit?
+  pure logical function is_same(a, b)
+    type(touch_t), intent(in) :: a, b
+
+    is_same = a%n == b%n
+    if (.not. is_same) return
+    associate (n => a%n)
+      is_same = all(a%feature(:n) == b%feature(:n)) .and. .not. any(abs(a%gap(:n) - b%gap(:n)) > 0) &
+                .and. .not. any(abs(a%point(:, :n) - b%point(:, :n)) > 0) &
+                .and. .not. any(abs(a%normal(:, :n) - b%normal(:, :n)) > 0)
+    end associate
+  end function is_same
+
+  !> A polygon seen in a mirror, counter-clockwise again.
+  pure function mirror_image(vertices) result(new)
+    real(wp), intent(in) :: vertices(:, :)
+    real(wp) :: new(2, size(vertices, 2))
+
+    new(1, :) = -vertices(1, size(vertices, 2):1:-1)
+    new(2, :) = vertices(2, size(vertices, 2):1:-1)
+  end function mirror_image
 
   !> Gaps of separated polygons against all distances between vertices and edges; depths of overlapping ones against
   !! the shortest translation over 720 directions.
@@ -114,7 +185,7 @@ contains
       ends(:, 2) = 0.8_wp*axis
       if (shortest_translation(ends, c) > 0) cycle
       distance = brute_distance(ends, c)
-      call touch_polygon_segment(size(c, 2), c, zero, axis, 0.8_wp, 0.3_wp, 0.2_wp, touch)
+      touch = touching_wall(c, zero, axis, [0.8_wp, 0.3_wp], 0.2_wp)
       if (abs(distance - 0.5_wp) < tight) cycle
       call t%check((distance < 0.5_wp) .eqv. (touch%n > 0), 'wall and polygon within alert')
       if (touch%n == 0) cycle
@@ -142,7 +213,7 @@ contains
       alert = 10**random%uniform(-6.0_wp, 0.0_wp)
       touch = touching(c, a, alert)
       if (.not. is_sane(touch, alert)) bad = bad + 1
-      call touch_polygon_segment(size(c, 2), c, a(:, 1), [0.6_wp, 0.8_wp], 1.0_wp, 0.1_wp, alert, touch)
+      touch = touching_wall(c, a(:, 1), [0.6_wp, 0.8_wp], [1.0_wp, 0.1_wp], alert)
       if (.not. is_sane(touch, alert)) bad = bad + 1
       call touch_disk_polygon(c(:, 1), 0.3_wp, size(a, 2), a, zero, alert, touch)
       if (.not. is_sane(touch, alert)) bad = bad + 1
@@ -162,15 +233,6 @@ contains
                 .and. all(touch%gap(:n) > -10) .and. all(abs(norm2(touch%normal(:, :n), 1) - 1) <= tight)
     end associate
   end function is_sane
-
-  !> Points of contact of two polygons without periodic image.
-  function touching(c, a, alert) result(touch)
-    real(wp), intent(in) :: c(:, :), a(:, :) !! candidate and antagonist
-    real(wp), intent(in) :: alert
-    type(touch_t) :: touch
-
-    call touch_polygon_polygon(size(c, 2), c, size(a, 2), a, zero, alert, touch)
-  end function touching
 
   !> Vertices turned about the origin, then moved.
   pure function turned(vertices, angle, shift) result(new)
