@@ -8,7 +8,7 @@ module sg_law_violation
   use sg_natural_map, only: chunk
   implicit none
   private
-  public :: law_violation, most_hidden, plane_bounds, space_bounds
+  public :: largest_bound, law_violation, most_hidden, plane_bounds, space_bounds
 
   !> Velocity that rounding leaves, over the velocity that the impulse gives the lighter body
   real(wp), parameter :: rounding = 16*epsilon(1.0_wp)
@@ -92,6 +92,14 @@ contains
                           (r(i, 1)**2 + r(i, 2)**2 + r(i, 3)**2)*per_mass**2, rho(i), linear(i))
     end do
   end subroutine space_bounds
+
+  !> Largest of the bounds of a chunk; no bound where one of them is not finite.
+  pure real(wp) function largest_bound(squares)
+    real(wp), intent(in) :: squares(:) !! bounds
+
+    largest_bound = huge(1.0_wp)
+    if (all(squares <= huge(1.0_wp))) largest_bound = maxval(squares)
+  end function largest_bound
 
   !> Bound of a square from one computed in another order.
   pure real(wp) function raised(square, u2, r2, rho, linear)

@@ -4,7 +4,7 @@
 !! solutions: e1 and e2 with rho = 1, e8 and the violation with rho_a = 1/lambda_max(W_aa), free of units.
 module sg_residuals
   use sg_kinds, only: wp
-  use sg_law_violation, only: law_violation, plane_bounds
+  use sg_law_violation, only: largest_bound, law_violation, plane_bounds
   use sg_natural_map, only: chunk, plane_squares
   use sg_problem, only: problem_t
   use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, &
@@ -56,19 +56,22 @@ contains
 
   !> Sums over the contacts of a problem that make its errors: squares of the map with rho = 1 (where wanted), of the map
   !! with rho_a, of its velocity error, of r with what bonds add, and of u; and the number of contacts that carry an impulse.
-  pure subroutine sum_errors(problem, with_e1, sums, squares, closing)
+  pure subroutine sum_errors(problem, with_e1, sums, squares, closing, bounds)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     logical, intent(in) :: with_e1 !! sum the first one too, which takes a map of its own
     real(wp), intent(out) :: sums(n_error_sums) !! the sums
     real(wp), allocatable, intent(inout), optional :: squares(:) !! squares of the map with rho_a one by one, shape (contacts)
     real(wp), allocatable, intent(inout), optional :: closing(:) !! what determines the active set (sg_active_set), shape (contacts)
+    real(wp), allocatable, intent(inout), optional :: bounds(:) !! bounds of chunks, for `find_worst`; set where e1 is
     type(chunk_t) :: a
     real(wp) :: lane(chunk, n_error_sums), f8(chunk), carried(chunk)
     integer :: first, i
-    logical :: has_tangent
+    logical :: has_tangent, has_bounds
 
     lane = 0
-    if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, lane, squares, closing)
+    has_bounds = with_e1 .and. present(bounds)
+    if (has_bounds) call fit_bounds(bounds, problem%n_contacts)
+    if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, lane, squares, closing, bounds)
     has_tangent = friction_place(problem%kind) > 0
     do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
       call gather(problem, first, a)
@@ -81,6 +84,10 @@ contains
       if (problem%kind == arm_bonded) &
         lane(:a%n, 4) = lane(:a%n, 4) + merge(a%bond_n(:a%n)**2 + a%bond_t(:a%n)**2, 0.0_wp, a%rho(:a%n) > 0)
       if (present(squares)) squares(first:first + a%n - 1) = f8(:a%n)
+      if (has_bounds) then
+        call plane_bounds(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, f8)
+        bounds((first + chunk - 1)/chunk) = largest_bound(f8(:a%n))
+      end if
       ! Linear laws have no open state: their contacts count as carrying even where they carry nothing.
       if (.not. present(closing)) cycle
       carried = abs(a%r_n) + abs(a%r_t) + a%linear
@@ -111,11 +118,23 @@ contains
     report%velocity_scale = velocity_scale
   end subroutine set_errors
 
+  !> Room for one bound per chunk of contacts.
+  pure subroutine fit_bounds(bounds, n_contacts)
+    real(wp), allocatable, intent(inout) :: bounds(:)
+    integer, intent(in) :: n_contacts
+
+    if (allocated(bounds)) then
+      if (size(bounds)*chunk < n_contacts) deallocate (bounds)
+    end if
+    if (.not. allocated(bounds)) allocate (bounds((n_contacts + n_contacts/8)/chunk + 1))
+  end subroutine fit_bounds
+
   !> The contact that breaks its law by the largest velocity; contact 0 where all obey.
-  pure subroutine find_worst(problem, contact, speed)
+  pure subroutine find_worst(problem, contact, speed, chunk_bounds)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     integer, intent(out) :: contact !! number of that contact
     real(wp), intent(out) :: speed !! its velocity [m/s]
+    real(wp), allocatable, intent(in), optional :: chunk_bounds(:) !! of `sum_errors`, where nothing has changed since
     type(chunk_t) :: a
     real(wp) :: broken, bounds(chunk)
     integer :: first, i
@@ -123,10 +142,13 @@ contains
     contact = 0
     speed = 0
     if (is_in_space(problem%kind)) then
-      call find_worst_in_space(problem, contact, speed)
+      call find_worst_in_space(problem, contact, speed, chunk_bounds)
       return
     end if
     do first = 1, problem%n_contacts, chunk
+      if (present(chunk_bounds)) then
+        if (chunk_bounds((first + chunk - 1)/chunk) <= speed**2) cycle
+      end if
       call gather(problem, first, a)
       call plane_bounds(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, bounds)
       do i = 1, a%n

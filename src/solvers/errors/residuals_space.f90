@@ -1,7 +1,7 @@
 !> What the error measures need of contacts in space: the natural map of vectors in the world's axes (doc/theory/errors.md).
 module sg_residuals_space
   use sg_kinds, only: wp
-  use sg_law_violation, only: law_violation, space_bounds
+  use sg_law_violation, only: largest_bound, law_violation, space_bounds
   use sg_natural_map, only: chunk, space_squares
   use sg_problem, only: problem_t
   use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_friction, ball_frictional, ball_frictionless, &
@@ -41,18 +41,20 @@ contains
 
   !> Add all contacts to sums of which each place of a chunk has its own: squares of the map with rho = 1 (where wanted), of the map
   !! with rho_a, of its velocity error, of r, and of u; and the contacts that carry an impulse.
-  pure subroutine add_space_contacts(problem, with_e1, lane, all_squares, closing)
+  pure subroutine add_space_contacts(problem, with_e1, lane, all_squares, closing, bounds)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     logical, intent(in) :: with_e1 !! is the map with rho = 1 wanted too?
     real(wp), intent(inout) :: lane(chunk, n_error_sums) !! sums to add to
     real(wp), allocatable, intent(inout), optional :: all_squares(:) !! squares of the map with rho_a, shape (contacts)
     real(wp), allocatable, intent(inout), optional :: closing(:) !! what determines the active set (sg_active_set), shape (contacts)
+    real(wp), allocatable, intent(inout), optional :: bounds(:) !! bound of each chunk, for `find_worst_in_space`; set where e1 is
     type(chunk_t) :: a
     real(wp) :: squares(chunk), inverse(chunk), carried(chunk)
     integer :: first, n, i
-    logical :: has_tangent
+    logical :: has_tangent, has_bounds
 
     has_tangent = friction_place(problem%kind) > 0
+    has_bounds = with_e1 .and. present(bounds)
     do first = 1, problem%n_contacts, chunk
       call gather(problem, first, a)
       n = a%n
@@ -63,6 +65,10 @@ contains
         if (problem%kind == solid_bonded) &
           call keep_bonds(n, problem%record(solid_stiffness_n:solid_stiffness_t, first:first + n - 1), carried, &
                           closing(first:first + n - 1))
+      end if
+      if (has_bounds) then
+        call space_bounds(n, a%normal, a%u, a%r, a%friction, a%rho, a%linear, squares)
+        bounds((first + chunk - 1)/chunk) = largest_bound(squares(:n))
       end if
       if (.not. has_tangent) then
         call add_normal_parts(n, a%u(:, 1), a%r(:, 1), a%rho, with_e1, lane, squares)
@@ -89,10 +95,11 @@ contains
   end subroutine add_space_contacts
 
   !> The contact that breaks its law by the largest velocity.
-  pure subroutine find_worst_in_space(problem, contact, speed)
+  pure subroutine find_worst_in_space(problem, contact, speed, chunk_bounds)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     integer, intent(inout) :: contact !! number of that contact; stays where all obey
     real(wp), intent(inout) :: speed !! its velocity [m/s]
+    real(wp), allocatable, intent(in), optional :: chunk_bounds(:) !! of `add_space_contacts`, where nothing has changed since
     type(chunk_t) :: a
     real(wp) :: broken, bounds(chunk)
     integer :: first, i
@@ -100,6 +107,9 @@ contains
 
     has_tangent = friction_place(problem%kind) > 0
     do first = 1, problem%n_contacts, chunk
+      if (present(chunk_bounds)) then
+        if (chunk_bounds((first + chunk - 1)/chunk) <= speed**2) cycle
+      end if
       call gather(problem, first, a)
       call space_bounds(a%n, a%normal, a%u, a%r, a%friction, a%rho, a%linear, bounds)
       do i = 1, a%n

@@ -40,6 +40,10 @@ module sg_whole_errors
     !> contacts)
     logical :: with_change = .false.
     real(wp), allocatable, private :: start(:, :)
+    !> Bounds of chunks of contacts from the last test that measured e1, by which `find_worst` looks at few of them; are they those
+    !! of the last test of all?
+    real(wp), allocatable, private :: bounds(:)
+    logical, private :: has_bounds = .false.
   contains
     procedure :: prepare => errors_prepare
     procedure :: begin => errors_begin
@@ -93,7 +97,7 @@ contains
     self%scales%friction = largest(4)
   end subroutine errors_prepare
 
-  !> Find the contact of all ranks that breaks its law by the largest velocity. Collective.
+  !> Find the contact of all ranks that breaks its law by the largest velocity, right after a test. Collective.
   subroutine errors_find_worst(self, problem, comm, report)
     class(whole_errors_t), intent(in) :: self
     type(problem_t), intent(in) :: problem !! this rank's part, its copies glued
@@ -101,7 +105,11 @@ contains
     type(report_t), intent(inout) :: report !! the velocity is set, and the contact where this rank has it, else 0
     real(wp) :: own
 
-    call find_worst(problem, report%worst_contact, own)
+    if (self%has_bounds) then
+      call find_worst(problem, report%worst_contact, own, self%bounds)
+    else
+      call find_worst(problem, report%worst_contact, own)
+    end if
     report%worst_speed = own
     call comm%maximum(report%worst_speed)
     if (self%contacts == 0 .or. own < report%worst_speed) report%worst_contact = 0
@@ -117,10 +125,11 @@ contains
     real(wp) :: sums(n_error_sums + 2), increments(n_increment_sums)
 
     sums(n_error_sums + 1) = 0
+    self%has_bounds = with_e1
     if (sets%clusters%are_sought) then
-      call sum_errors(problem, with_e1, sums(:n_error_sums), sets%clusters%squares, sets%active_set%closing)
+      call sum_errors(problem, with_e1, sums(:n_error_sums), sets%clusters%squares, sets%active_set%closing, self%bounds)
     else
-      call sum_errors(problem, with_e1, sums(:n_error_sums), closing=sets%active_set%closing)
+      call sum_errors(problem, with_e1, sums(:n_error_sums), closing=sets%active_set%closing, bounds=self%bounds)
     end if
     if (with_e1) sums(n_error_sums + 1) = merge(0.0_wp, 1.0_wp, all(abs(problem%body) <= huge(1.0_wp)))
     sums(n_error_sums + 2) = square_of_change(self, problem)
@@ -178,6 +187,7 @@ contains
 
     call tables%begin('errors', per_contact)
     call tables%note('start', self%start)
+    call tables%note('bounds', self%bounds)
     call list_order(self%order, tables)
     call self%asked%list_tables(tables)
   end subroutine errors_list_tables

@@ -4,19 +4,62 @@ program test_law_violation
   use sg_kinds, only: wp
   use sg_law_violation, only: law_violation, plane_bounds, space_bounds
   use sg_natural_map, only: chunk
+  use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
+  use sg_records, only: arm_frictional, ball_frictional, round_frictional, solid_frictional
+  use sg_residuals, only: find_worst, n_error_sums, sum_errors
+  use sg_text, only: to_text
   implicit none
+  integer, parameter :: kinds(4) = [round_frictional, arm_frictional, ball_frictional, solid_frictional]
+  integer, parameter :: sizes(5) = [1, chunk, chunk + 1, 10*chunk - 1, 20*chunk]
   type(tests_t) :: tests
   type(random_t) :: random
-  integer :: round
+  integer :: round, kind, n
 
   call random%seed(7)
   do round = 1, 40
     call bounds_are_close(random)
   end do
+  do kind = 1, size(kinds)
+    do n = 1, size(sizes)
+      call worst_is_found(kinds(kind), sizes(n), random)
+    end do
+  end do
   call tests%finish()
 
 contains
+
+  !> The worst contact of a random problem is the same with the bounds of a test as among all contacts.
+  subroutine worst_is_found(kind, n, random)
+    integer, intent(in) :: kind, n
+    type(random_t), intent(inout) :: random
+    type(problem_t) :: problem
+    real(wp), allocatable :: bounds(:)
+    real(wp) :: sums(n_error_sums), speed(2)
+    integer :: contact(2), i, k
+
+    call reserve_problem(problem, kind, 50, n)
+    problem%pair(:, 1:n) = reshape([(1 + modulo(7*k, 50), k=1, 2*n)], [2, n])
+    do k = 1, n
+      do i = 1, size(problem%record, 1)
+        problem%record(i, k) = random%uniform()
+      end do
+      do i = 1, size(problem%impulse, 1)
+        problem%impulse(i, k) = random%uniform(-1.0_wp, 1.0_wp)
+      end do
+    end do
+    do k = 1, 50
+      do i = 1, size(problem%body, 1)
+        problem%body(i, k) = random%uniform()
+      end do
+    end do
+    call sum_errors(problem, .true., sums, bounds=bounds)
+    call find_worst(problem, contact(1), speed(1))
+    call find_worst(problem, contact(2), speed(2), bounds)
+    call tests%check(speed(1) > 0 .or. n == 1, 'laws are broken')
+    call tests%equal(contact(2), contact(1), 'worst contact, kind '//to_text(kind)//', '//to_text(n)//' contacts')
+    call tests%near(speed(2), speed(1), 0.0_wp, 'its velocity')
+  end subroutine worst_is_found
 
   !> Random contacts of all kinds and sizes: their bounds next to the velocities themselves.
   subroutine bounds_are_close(random)
