@@ -1,33 +1,31 @@
 !> From contacts to a contact problem: local frames, lever arms, Delassus blocks, biases, the guess; and back.
 module sg_assemble
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use sg_assemble_space, only: load_space_bodies, space_record, unload_space_bodies
-  use sg_bodies, only: bodies_t
+  use sg_assemble_space, only: space_record
   use sg_compact, only: compact_velocity
   use sg_contact_laws, only: law_of_contact
   use sg_contact_status, only: rest_speed, status_of
   use sg_contacts, only: contacts_t
   use sg_delassus, only: set_block
   use sg_internal_values, only: bond_integrity
-  use sg_kinds, only: wp, i1, i4
+  use sg_kinds, only: wp, i1
   use sg_laws, only: is_cohesive_zone, kind_of_local_law, law_mohr, local_law_t, status_bonded, status_slide, status_stick
   use sg_link_contacts, only: is_link
   use sg_mapping, only: arms_of
   use sg_neighbours, only: neighbours_t
   use sg_plan, only: plan_t
   use sg_problem, only: problem_t, reserve_problem
-  use sg_records, only: arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, arm_frictional, &
+  use sg_problem_bodies, only: load_bodies, take_velocities
+  use sg_records, only: arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, &
                         arm_frictionless, arm_frictionless_bias, arm_frictionless_inverse_wnn, arm_frictionless_moment_a, &
-                        arm_frictionless_moment_c, arm_inverse_i, arm_inverse_mx, arm_law, arm_slip, arm_spin, arm_stiffness_n, &
-                        arm_wnn, arm_wtt, ball_frictional, is_compact, is_in_space, normal_x, normal_y, normal_z, plain_kind, &
-                        round_bias_n, round_bias_t, round_friction, round_frictional, round_frictionless, &
-                        round_frictionless_bias, round_frictionless_inverse_mx, round_frictionless_inverse_my, &
-                        round_frictionless_inverse_wnn, round_inverse_i, round_inverse_mx, round_inverse_my, round_inverse_wnn, &
-                        round_inverse_wtt, round_spin, solid_frictional, solid_wnn, velocity_x, velocity_y
+                        arm_frictionless_moment_c, arm_law, arm_slip, arm_stiffness_n, arm_wnn, arm_wtt, ball_frictional, &
+                        is_compact, is_in_space, normal_x, normal_y, normal_z, plain_kind, round_bias_n, round_bias_t, &
+                        round_friction, round_frictionless, round_frictionless_bias, round_frictionless_inverse_wnn, &
+                        round_inverse_wnn, round_inverse_wtt, solid_frictional, solid_wnn
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: assemble, disassemble
+  public :: assemble, disassemble, begin_problem, put_contact
 
   !> Velocity that counts as rest of a contact held by cohesion, over the velocity that the cohesion gives its bodies
   real(wp), parameter :: held_share = 1e-8_wp
@@ -50,28 +48,14 @@ contains
     integer :: kind, k
 
     kind = plan%kind
-    call reserve_problem(problem, kind, scene%bodies%n, contacts%n)
-    if (is_in_space(kind)) then
-      call load_space_bodies(scene%bodies, kind, pairs%body_of, plan%radius, problem%body)
-    else
-      call load_bodies(scene%bodies, kind, pairs%body_of, plan%radius, problem%body)
-    end if
+    call begin_problem(scene, plan, pairs, contacts%n, problem)
     squares = 0
     problem%closing_speed = 0
     held = 0
     problem%most_friction = 0
     do k = 1, contacts%n
-      problem%pair(:, k) = pairs%slot_of(contacts%body(:, k))
       law = law_of_contact(scene, contacts, k, time_step)
-      if (is_in_space(kind)) then
-        call space_record(scene, contacts, k, kind, law, problem%record(:, k))
-      else if (is_compact(kind)) then
-        call round_record(scene, contacts, k, kind, law, problem%record(:, k))
-      else
-        call arm_record(scene, contacts, k, kind, law, problem%record(:, k))
-      end if
-      call set_block(kind, problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), problem%record(:, k))
-      problem%impulse(:, k) = 0
+      call put_contact(scene, pairs, contacts, k, law, problem)
       if (.not. law%is_active) cycle
       q = compact_velocity(problem, k)
       squares = squares + sum(q**2)
@@ -90,6 +74,39 @@ contains
     problem%velocity_scale = problem%fall_speed
     if (.not. problem%velocity_scale > 0) problem%velocity_scale = problem%free_norm/sqrt(real(max(1, contacts%n), wp))
   end subroutine assemble
+
+  !> Make room for a problem, with the free velocities and inverse masses of its bodies.
+  subroutine begin_problem(scene, plan, pairs, n_contacts, problem)
+    type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
+    type(plan_t), intent(in) :: plan !! kind of problem, and radii of round bodies
+    type(neighbours_t), intent(in) :: pairs !! bodies of slots
+    integer, intent(in) :: n_contacts !! contacts that follow by `put_contact`
+    type(problem_t), intent(inout) :: problem !! the problem begun
+
+    call reserve_problem(problem, plan%kind, scene%bodies%n, n_contacts)
+    call load_bodies(scene%bodies, plan%kind, pairs%body_of, plan%radius, problem%body)
+  end subroutine begin_problem
+
+  !> Put a contact into a problem, without a guess of its impulse.
+  subroutine put_contact(scene, pairs, contacts, k, law, problem)
+    type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
+    type(neighbours_t), intent(in) :: pairs !! slots of bodies
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
+    type(local_law_t), intent(in) :: law !! what its law asks
+    type(problem_t), intent(inout) :: problem !! begun
+
+    problem%pair(:, k) = pairs%slot_of(contacts%body(:, k))
+    if (is_in_space(problem%kind)) then
+      call space_record(scene, contacts, k, problem%kind, law, problem%record(:, k))
+    else if (is_compact(problem%kind)) then
+      call round_record(scene, contacts, k, problem%kind, law, problem%record(:, k))
+    else
+      call arm_record(scene, contacts, k, problem%kind, law, problem%record(:, k))
+    end if
+    call set_block(problem%kind, problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), problem%record(:, k))
+    problem%impulse(:, k) = 0
+  end subroutine put_contact
 
   !> Does a contact need an impulse to obey its law? One that opens without does not, unless something holds it.
   pure logical function closes(kind, law, record, q)
@@ -112,32 +129,6 @@ contains
     speed = 0
     if (law%cohesion > 0) speed = law%cohesion*record(merge(solid_wnn, arm_wnn, is_in_space(kind)))
   end function held_speed
-
-  !> Free velocities and inverse masses by slot.
-  pure subroutine load_bodies(bodies, kind, body_of, radius, body)
-    type(bodies_t), intent(in) :: bodies
-    integer, intent(in) :: kind
-    integer(i4), intent(in) :: body_of(:)
-    real(wp), intent(in) :: radius(:)
-    real(wp), intent(inout) :: body(:, :)
-    integer :: s, b
-
-    do s = 1, size(body_of)
-      b = body_of(s)
-      body(velocity_x:velocity_y, s) = bodies%free_velocity(1:2, b)
-      select case (kind)
-      case (round_frictionless)
-        body(round_frictionless_inverse_mx:round_frictionless_inverse_my, s) = bodies%inverse_mass(1:2, b)
-      case (round_frictional)
-        body(round_spin, s) = radius(b)*bodies%free_velocity(3, b)
-        body(round_inverse_mx:round_inverse_my, s) = bodies%inverse_mass(1:2, b)
-        body(round_inverse_i, s) = radius(b)**2*bodies%inverse_mass(3, b)
-      case default
-        body(arm_spin, s) = bodies%free_velocity(3, b)
-        body(arm_inverse_mx:arm_inverse_i, s) = bodies%inverse_mass(1:3, b)
-      end select
-    end do
-  end subroutine load_bodies
 
   !> Record of a contact whose arms lie along the normal, without its block, in whose place stands whether the contact takes
   !! part. A driven spin enters as a bias.
@@ -228,7 +219,7 @@ contains
     type(scene_t), intent(inout) :: scene !! scene whose bodies move on
     type(contacts_t), intent(inout) :: contacts !! contacts that carry the impulses to the next step
     real(wp) :: rest
-    integer :: s, b, k
+    integer :: k
 
     do k = 1, contacts%n
       contacts%impulse(:, k) = problem%impulse(:, k)
@@ -240,20 +231,7 @@ contains
         contacts%status(k) = status_after(scene, problem, contacts, k, time_step, rest)
       end do
     end if
-    if (is_in_space(problem%kind)) then
-      call unload_space_bodies(problem, pairs%body_of, plan%radius, scene%bodies)
-      return
-    end if
-    do s = 1, problem%n_bodies
-      b = pairs%body_of(s)
-      scene%bodies%free_velocity(1:2, b) = problem%body(velocity_x:velocity_y, s)
-      select case (plain_kind(problem%kind))
-      case (round_frictional)
-        if (scene%bodies%inverse_mass(3, b) > 0) scene%bodies%free_velocity(3, b) = problem%body(round_spin, s)/plan%radius(b)
-      case (arm_frictional, arm_frictionless)
-        scene%bodies%free_velocity(3, b) = problem%body(arm_spin, s)
-      end select
-    end do
+    call take_velocities(problem, pairs%body_of, plan%radius, scene%bodies)
   end subroutine disassemble
 
   !> Are all values of a solution finite?

@@ -10,7 +10,7 @@ module sg_motion
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: predict, update
+  public :: predict, update, shift
 
 contains
 
@@ -93,6 +93,24 @@ contains
     end select
     bodies%velocity = bodies%free_velocity
   end subroutine update
+
+  !> Move bodies on by the velocities that stand in `free_velocity`, which those of their motion are not.
+  pure subroutine shift(bodies, h)
+    type(bodies_t), intent(inout) :: bodies !! bodies at the end of a step
+    real(wp), intent(in) :: h !! time step [s]
+    integer :: b, n
+
+    n = bodies%dimension
+    bodies%position = bodies%position + h*bodies%free_velocity(:n, :)
+    select case (bodies%n_velocity - n)
+    case (1)
+      bodies%angle = bodies%angle + h*bodies%free_velocity(3, :)
+    case (3)
+      do b = 1, bodies%n
+        bodies%orientation(:, b) = turned_on(bodies%orientation(:, b), h*bodies%free_velocity(4:6, b))
+      end do
+    end select
+  end subroutine shift
 
   !> Is the spin of a body its angular momentum over one moment of inertia? Then it is kept as a vector of the world: the frame
   !! that carries it turns on from the `middle`, where contacts changed it, about an axis that is not its own.
