@@ -7,6 +7,7 @@ module sg_scene_from_deck
   use sg_error, only: diagnostics_t
   use sg_interactions_from_deck, only: interactions_from_deck
   use sg_kinds, only: wp, i4
+  use sg_laws, only: forbids_overlap
   use sg_laws_from_deck, only: laws_from_deck, materials_from_deck
   use sg_link_network, only: link_by_distance
   use sg_links, only: locate_links
@@ -45,6 +46,7 @@ contains
     scene%shrink = deck%number(b, 'shrink_faces')
     if (deck%is_given(b, 'datbox')) then
       call scene_from_datbox(deck, b, scene, diagnostics)
+      call check_recovery(deck, scene, options%recovery, diagnostics)
       return
     end if
     scene%gravity = deck%vector(b, 'gravity')
@@ -57,6 +59,7 @@ contains
     if (diagnostics%count() == 0) call link_by_distance(scene, deck%points)
     call links_from_deck(deck, scene, diagnostics)
     call locate_links(scene%links, scene%contactors)
+    call check_recovery(deck, scene, options%recovery, diagnostics)
     ! Where each rank has a part of the scene, all check it together.
     if (deck%ranks > 1) return
     call check_range(deck, scene, diagnostics)
@@ -110,6 +113,23 @@ contains
     call drives_from_deck(deck, scene, diagnostics)
     call wrap(scene)
   end subroutine scene_from_datbox
+
+  !> Refuse to undo overlap that laws need.
+  subroutine check_recovery(deck, scene, recovery, diagnostics)
+    type(deck_t), intent(inout) :: deck
+    type(scene_t), intent(in) :: scene
+    real(wp), intent(in) :: recovery
+    type(diagnostics_t), intent(inout) :: diagnostics
+    integer :: i
+
+    if (.not. recovery > 0 .or. .not. allocated(scene%laws)) return
+    do i = 1, size(scene%laws)
+      if (forbids_overlap(scene%laws(i))) cycle
+      call deck%complain(diagnostics, 'overlap cannot be undone under the law "'//scene%laws(i)%name//'": it loads an elastic '// &
+                         'contact, or shapes are held together', deck%block_of('time'), 'recovery')
+      return
+    end do
+  end subroutine check_recovery
 
   !> Put the grains of a periodic scene within the period, as LMGC90 does when it starts.
   subroutine wrap(scene)

@@ -16,6 +16,7 @@ module sg_laws
   public :: law_iqs_g0, law_gap_g0, law_elastic_g0, law_gap_shifted, law_viscoelastic
   public :: law_mac, law_mal, law_th, law_abp, law_expo, is_cohesive_zone, needs_surface
   public :: status_new, status_none, status_stick, status_slide, status_bonded, status_broken, last_status
+  public :: forbids_overlap, forbidden_gap
   public :: is_plain, is_frictionless, inverse_of, kind_of_local_law, largest_friction, why_largest_friction
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
@@ -156,6 +157,24 @@ contains
       local = linear_law(law)
     end select
   end function local_law
+
+  !> Are shapes under the law rigid, so that overlap is an error of the scheme? It is a load of elastic laws, and bonds keep theirs.
+  pure logical function forbids_overlap(law)
+    type(law_t), intent(in) :: law !! law to look at
+
+    forbids_overlap = is_plain(law) .or. law%kind == law_wet
+  end function forbids_overlap
+
+  !> Gap that a law forbids to be negative [m], of those that forbid overlap.
+  pure real(wp) function forbidden_gap(law, gap, internal) result(own)
+    type(law_t), intent(in) :: law !! law of the contact
+    real(wp), intent(in) :: gap !! between the shapes [m]
+    real(wp), intent(in) :: internal(:) !! internal values of the contact
+
+    own = gap
+    if (law%kind == law_gap_shifted) own = gap + law%gap_shift
+    if (any(law%kind == [law_iqs_g0, law_gap_g0])) own = gap - internal(1)
+  end function forbidden_gap
 
   !> The linear law, r = -(1/epsilon) v in all directions or along the normal, of contacts and links. A relative epsilon is set
   !! when the problem is assembled.

@@ -24,7 +24,7 @@ module sg_energy
   public :: energy_t, measure_energy, bond_work_of, kinetic_energy, potential_energy, n_energy_values
 
   !> Numbers that `pack` writes
-  integer, parameter :: n_energy_values = 8
+  integer, parameter :: n_energy_values = 9
   !> Numbers of `energy_sums`
   integer, parameter :: n_energy_sums = 10
 
@@ -42,6 +42,8 @@ module sg_energy
     real(wp) :: friction_loss = 0, impact_loss = 0
     !> Energy taken by the bonds of cohesive zones, stored or lost
     real(wp) :: bond_work = 0
+    !> Potential energy that bodies were given by pushes which undo overlap
+    real(wp) :: recovery_work = 0
   contains
     procedure :: add_step => energy_add_step
     procedure :: pack => energy_pack
@@ -277,7 +279,7 @@ contains
   end function bond_work_of
 
   !> Terms of the balance, of this rank [J]: kinetic and potential energy, sum of the absolute potential energies of
-  !! the bodies, both energies at the start, and works of forces, drives, friction, impacts and bonds.
+  !! the bodies, both energies at the start, and works of forces and pushes, of drives, of friction, of impacts and of bonds.
   pure function energy_sums(energy, scene, contacts) result(sums)
     type(energy_t), intent(in) :: energy
     type(scene_t), intent(in) :: scene
@@ -291,7 +293,7 @@ contains
     do i = 1, scene%bodies%n_own
       sums(3) = sums(3) + abs(potential_drop(scene, i))
     end do
-    sums(4:) = [energy%kinetic_start, energy%potential_start, energy%external_work, energy%drive_work, &
+    sums(4:) = [energy%kinetic_start, energy%potential_start, energy%external_work + energy%recovery_work, energy%drive_work, &
                 energy%friction_loss - elastic(2), energy%impact_loss - elastic(1), energy%bond_work]
   end function energy_sums
 
@@ -346,7 +348,7 @@ contains
     real(wp) :: values(n_energy_values)
 
     values = [merge(1.0_wp, 0.0_wp, self%is_started), self%kinetic_start, self%potential_start, self%external_work, &
-              self%drive_work, self%friction_loss, self%impact_loss, self%bond_work]
+              self%drive_work, self%friction_loss, self%impact_loss, self%bond_work, self%recovery_work]
   end function energy_pack
 
   !> The sums back from a list of reals.
@@ -362,5 +364,6 @@ contains
     self%friction_loss = values(6)
     self%impact_loss = values(7)
     self%bond_work = values(8)
+    self%recovery_work = values(9)
   end subroutine energy_unpack
 end module sg_energy

@@ -21,7 +21,7 @@ module sg_totals
     [character(len=8) :: 'predict', 'detect', 'assemble', 'solve', 'update', 'measure', 'output']
 
   !> Sums and worst values that `pack` writes before the timers
-  integer, parameter :: n_sums = 20
+  integer, parameter :: n_sums = 21
   !> Numbers that `pack` writes
   integer, parameter :: n_totals_values = n_sums + 2*(n_phases + 1)
 
@@ -41,6 +41,8 @@ module sg_totals
     integer :: fast_steps = 0
     !> Tunnelling: times that two bodies passed through each other within a step
     integer :: tunnellings = 0
+    !> Steps at whose end bodies were pushed apart
+    integer :: recoveries = 0
     !> Worst step of those that did not converge, 0 for none: the two bodies of the contact that breaks its law by the largest
     !! velocity, and that velocity [m/s]
     integer :: worst_step = 0, worst_bodies(2) = 0
@@ -240,14 +242,14 @@ contains
                        real(self%sweeps, wp), real(self%contact_updates, wp), real(self%contacts, wp), &
                        real(self%active_contacts, wp), real(self%most_contacts, wp), self%bytes_per_contact, &
                        real(self%fast_steps, wp), self%worst_penetration, real(self%tunnellings, wp), &
-                       real(self%worst_step, wp), real(self%worst_bodies, wp), self%worst_speed]
+                       real(self%worst_step, wp), real(self%worst_bodies, wp), self%worst_speed, real(self%recoveries, wp)]
     values(n_sums + 1:) = [self%phase%cpu, self%phase%wall, self%clock%cpu, self%clock%wall]
   end function totals_pack
 
   !> Can a list of reals be unpacked? Counts are no less than zero and can be counted, seconds are finite.
   pure logical function are_sound(values)
     real(wp), intent(in) :: values(n_totals_values) !! what `pack` may have given
-    integer, parameter :: counts(8) = [1, 2, 3, 10, 11, 12, 14, 16], long_counts(2) = [8, 9]
+    integer, parameter :: counts(9) = [1, 2, 3, 10, 11, 12, 14, 16, 21], long_counts(2) = [8, 9]
 
     are_sound = all(ieee_is_finite(values([counts, long_counts]))) .and. all(ieee_is_finite(values(n_sums + 1:)))
     if (.not. are_sound) return
@@ -279,6 +281,7 @@ contains
     self%worst_step = nint(values(17))
     self%worst_bodies = nint(values(18:19))
     self%worst_speed = values(20)
+    self%recoveries = nint(values(21))
     self%phase%cpu = values(n_sums + 1:n_sums + n_phases)
     self%phase%wall = values(n_sums + n_phases + 1:n_sums + 2*n_phases)
     self%clock%cpu = values(n_totals_values - 1)

@@ -275,6 +275,7 @@ contains
     call json%add('unconverged_steps', totals%unconverged_steps)
     call json%add('fast_steps', totals%fast_steps)
     call json%add('passings', totals%tunnellings)
+    if (totals%recoveries > 0) call json%add('recoveries', totals%recoveries)
     call json%add('worst_e1', totals%worst_e1)
     call json%add('worst_e2', totals%worst_e2)
     call json%add('worst_e8', totals%worst_e8)

@@ -47,6 +47,7 @@ contains
         call line('passed', &
                   to_text(totals%tunnellings)//' times two bodies went through each other within a step: take shorter ones')
       end if
+      if (totals%recoveries > 0) call line('recovered', 'bodies were pushed apart after '//counted(totals%recoveries, 'step'))
       call line('energy', to_text(measures%get('kinetic_energy'), 3)//' J kinetic, balance closed to '// &
                 to_text(measures%get('energy_closure'), 2)//' of its largest term')
       if (summary%grains%n == 0) then

@@ -13,6 +13,7 @@ module sg_advance
   use sg_motion, only: predict, update
   use sg_penetration, only: deepest_penetration
   use sg_plan, only: set_radii
+  use sg_recovery, only: recover
   use sg_relative_epsilon, only: set_relative_epsilon
   use sg_simulation, only: simulation_t
   use sg_solve_step, only: solve_step
@@ -35,6 +36,7 @@ contains
     call timed(assemble_problem, sim, phase_assemble, error)
     call timed(solve_problem, sim, phase_solve, error)
     call timed(update_bodies, sim, phase_update, error)
+    if (sim%options%recovery > 0) call timed(push_bodies, sim, phase_solve, error)
   end subroutine advance
 
   !> Free velocities, and bodies in the middle of the step; again for bodies that arrive where this rank's part is rebuilt.
@@ -102,6 +104,14 @@ contains
     call update(sim%scene%bodies, sim%options%time_step, sim%options%theta)
     sim%step = sim%step + 1
   end subroutine update_bodies
+
+  !> Bodies apart where they overlap.
+  subroutine push_bodies(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+
+    call recover(sim, error)
+  end subroutine push_bodies
 
   !> Velocities at the end of the step and impulses of the contacts, from the problem solved.
   subroutine store_solution(sim, error)

@@ -44,8 +44,10 @@ contains
     call tables%begin('contacts', per_contact)
     call sim%contacts%note(tables)
     call list_history(sim%history, tables)
-    call list_problem(sim%problem, tables)
+    call list_problem('problem', sim%problem, tables)
     call sim%solver%list_tables(tables)
+    call list_problem('push', sim%push, tables)
+    if (allocated(sim%pusher)) call sim%pusher%list_tables(tables)
     call tables%begin('solver', per_body)
     call tables%note('carried_body', sim%solver%carried_body)
     call tables%begin('solver', per_contact)
@@ -130,15 +132,16 @@ contains
   end subroutine list_history
 
   !> Tables of the contact problem.
-  subroutine list_problem(problem, tables)
+  subroutine list_problem(name, problem, tables)
+    character(len=*), intent(in) :: name
     type(problem_t), intent(in) :: problem
     type(tables_t), intent(inout) :: tables
 
-    call tables%begin('problem', per_contact)
+    call tables%begin(name, per_contact)
     call tables%note('pair', problem%pair)
     call tables%note('record', problem%record)
     call tables%note('impulse', problem%impulse)
-    call tables%begin('problem', per_body)
+    call tables%begin(name, per_body)
     call tables%note('body', problem%body)
   end subroutine list_problem
 end module sg_inventory

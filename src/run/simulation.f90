@@ -42,6 +42,9 @@ module sg_simulation
     !> The contact problem of the step, its solver, and the report of the last solve
     type(problem_t) :: problem
     class(solver_t), allocatable :: solver
+    !> The problem of a push that undoes overlap, and its solver, made by the first push
+    type(problem_t) :: push
+    class(solver_t), allocatable :: pusher
     type(report_t) :: report
     !> The ranks, and this one's side of the decomposition
     type(comm_t) :: comm

@@ -87,6 +87,10 @@ module sg_run_options
     real(wp) :: time_step = 0
     integer :: steps = 0
     real(wp) :: theta = 0.5_wp
+    !> Overlap over the smaller shape from which on bodies are pushed apart at the end of a step; 0 for never
+    real(wp) :: recovery = 0
+    !> Steps from one look for such overlap to the next
+    integer :: recovery_every = 5
     !> The solver
     type(solver_options_t) :: solver
     !> What is watched

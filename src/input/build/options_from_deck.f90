@@ -34,6 +34,8 @@ contains
     options%time_step = deck%number(b, 'step')
     options%steps = deck%integer(b, 'steps')
     options%theta = deck%number(b, 'theta')
+    options%recovery = deck%number(b, 'recovery')
+    options%recovery_every = deck%integer(b, 'recovery_every')
     b = deck%block_of('solver')
     options%solver%method = deck%word(b, 'method')
     call list_solvers(solvers)

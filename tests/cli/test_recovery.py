@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""Overlap that is undone, from outside: what rests stays as it is, a restart changes nothing, subdomains gain as one does, and decks
+whose laws need overlap are refused."""
+
+import csv
+import json
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from program_case import ProgramCase, take_program  # noqa: E402
+from ranks_case import COMMON, FLOOR, PRESSED, SIDES, grains  # noqa: E402
+
+# Few sweeps leave much overlap.
+LOOSE = ["--set", 'solver.method="nlgs"', "--set", "solver.maximum_sweeps=20", "--set", "output.record_every=1"]
+RECOVERY = ["--set", "time.recovery=1e-4"]
+
+
+class Recovery(ProgramCase):
+    def run_deck(self, text, output, *words, code=0):
+        (self.place / "deck.toml").write_text(text)
+        return self.run_program("run", "deck.toml", "--output", output, *words, code=code)
+
+    def run_json(self, folder):
+        return json.loads((self.place / folder / "run.json").read_text())
+
+    def rows(self, folder):
+        """Rows of a record without the costs of its steps."""
+        with (self.place / folder / "record.csv").open() as file:
+            return [{name: value for name, value in row.items() if not name.startswith(("cpu_", "wall_"))} for row in csv.DictReader(file)]
+
+    def test_rest_stays_rest(self):
+        """Grains that lie on each other without overlap, to the tolerance, are never pushed: the answer is that of a deck without."""
+        resting = COMMON + FLOOR + grains(3)
+        self.run_deck(resting, "without", "--set", "output.record_every=1")
+        self.run_deck(resting, "with", "--set", "output.record_every=1", "--set", "time.recovery=1e-3")
+        self.assertNotIn("recoveries", self.run_json("with"))
+        self.assertEqual(self.rows("without"), self.rows("with"))
+
+    def test_restart(self):
+        """A run that is interrupted between two pushes goes on to the same numbers, digit by digit."""
+        if not self.has_hdf5():
+            self.skipTest("a build without HDF5 has no checkpoints")
+        words = [*LOOSE, *RECOVERY, "--quiet", "--set"]
+        self.run_deck(PRESSED, "straight", *words, "time.steps=200")
+        self.run_deck(PRESSED, "parts", *words, "time.steps=133")
+        self.run_deck(PRESSED, "parts", *words, "time.steps=200", "--restart", "parts")
+        self.assertGreater(self.run_json("straight")["recoveries"], 2)
+        self.assertEqual(self.run_json("straight")["recoveries"], self.run_json("parts")["recoveries"])
+        self.assertEqual(self.rows("straight"), self.rows("parts"))
+
+    def test_subdomains(self):
+        """On one subdomain and on several little is left of the overlap of loose solves (measured: a thousandth), what has settled rests,
+        the balance of energy closes, and the log reports the pushes."""
+        for parts in (1, 2, 5):
+            with self.subTest(parts=parts):
+                words = [*LOOSE, "--set", f"partition.parts={parts}", "--set", "time.steps=300"]
+                self.run_deck(PRESSED, "without", *words, "--force", "--quiet")
+                said = self.run_deck(PRESSED, "with", *words, *RECOVERY, "--force").stdout
+                without, run = self.run_json("without"), self.run_json("with")
+                self.assertLess(run["mean_penetration"], 0.1 * without["mean_penetration"])
+                self.assertLess(run["kinetic_energy"], 1e-10)
+                self.assertLess(run["energy_closure"], 1e-10)
+                self.assertIn(f"recovered     bodies were pushed apart after {run['recoveries']} step", said)
+
+    def test_refused(self):
+        """Laws to which overlap belongs, with the place of the key."""
+        start = COMMON.replace("[solver]", "recovery = 1e-3\n[solver]")
+        for law in ('kind = "ELASTIC_REPELL_CLB"\nstiffness = 1e6', 'kind = "LINEAR"\nepsilon = 1.0'):
+            with self.subTest(law=law):
+                text = start.replace("friction = 0.3", law) + FLOOR + grains(3)
+                said = self.run_deck(text, "out", "--quiet", code=2).stderr
+                self.assertRegex(said, r'deck\.toml:4:12: error: overlap cannot be undone under the law ".*"')
+                self.assertIn("^", said)
+        for value in ("-1e-3", "2.0"):
+            said = self.run_deck(start.replace("1e-3\n[solver]", f"{value}\n[solver]") + FLOOR + grains(3), "out", "--quiet", code=2).stderr
+            self.assertRegex(said, r"deck\.toml:4:12: error: .*recovery")
+
+
+if __name__ == "__main__":
+    take_program()
+    unittest.main()

@@ -1,0 +1,209 @@
+!> Overlap that is undone: two grains, a grain in a floor and tilted boxes against closed forms, in the plane and in space; packs
+!! that few sweeps have left deep in each other, on any number of subdomains.
+program test_recovery
+  use harness, only: tests_t
+  use packs, only: advance_pack, can_be_made, pack_deck, pack_names, start_pack
+  use scenes, only: begin_run, begin_scene, put_disk, put_polygon, put_wall, run
+  use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
+  use sg_comm, only: comm_t
+  use sg_error, only: error_t
+  use sg_kinds, only: wp
+  use sg_measures, only: measure, measures_t
+  use sg_simulation, only: decompose, simulation_t
+  use subdomain_tests, only: on_subdomains
+  implicit none
+  real(wp), parameter :: h = 1e-3_wp, small = 0.1_wp, large = 0.2_wp
+  ! Positions of order one.
+  real(wp), parameter :: rounding = 1e-14_wp
+  type(tests_t) :: t
+  integer :: dimension
+
+  do dimension = 2, 3
+    call test_pair(dimension)
+    call test_floor(dimension)
+    call test_box(dimension)
+  end do
+  call on_subdomains(test_packs)
+  call t%finish()
+
+contains
+
+  !> A run that undoes overlap at every step, without weight.
+  subroutine start(sim, recovery)
+    type(simulation_t), intent(inout) :: sim !! its scene is set
+    real(wp), intent(in) :: recovery
+
+    sim%scene%gravity = 0
+    sim%options%recovery = recovery
+    sim%options%recovery_every = 1
+    call begin_run(sim, h, 1e-12_wp)
+  end subroutine start
+
+  !> Two grains of different mass, 2.5 % of the smaller radius deep: three pushes of at most 1 %, shared by their masses; the centre
+  !! of mass stays, and nothing moves afterwards.
+  subroutine test_pair(dimension)
+    integer, intent(in) :: dimension
+    real(wp), parameter :: deep = 0.025_wp*small
+    type(simulation_t) :: sim
+    real(wp) :: first(2), share(2)
+
+    first = [0.0_wp, small + large - deep]
+    if (dimension == 2) then
+      call begin_scene(sim%scene, 2, 0.3_wp, 0.01_wp)
+      call put_disk(sim%scene, 1, small, [first(1), 0.0_wp])
+      call put_disk(sim%scene, 2, large, [first(2), 0.0_wp])
+    else
+      call begin_space_scene(sim%scene, 2, 0.3_wp, 0.01_wp)
+      call put_sphere(sim%scene, 1, small, [first(1), 0.0_wp, 0.0_wp])
+      call put_sphere(sim%scene, 2, large, [first(2), 0.0_wp, 0.0_wp])
+    end if
+    call start(sim, 1e-6_wp)
+    share = sim%scene%bodies%mass([2, 1])/sum(sim%scene%bodies%mass(:2))
+    call run(sim, 2)
+    call t%equal(sim%totals%recoveries, 2, 'two steps, two pushes')
+    associate (x => sim%scene%bodies%position)
+      call t%near(x(1, 2) - x(1, 1), small + large - deep + 0.02_wp*small, rounding, 'of 1 % of the smaller radius each')
+      call run(sim, 5)
+      call t%equal(sim%totals%recoveries, 3, 'and one for the rest')
+      call t%near(x(1, 1), first(1) - share(1)*deep, rounding, 'the light one moves the more')
+      call t%near(x(1, 2), first(2) + share(2)*deep, rounding, 'the heavy one the less')
+      call t%near(maxval(abs(x(2:, :))), 0.0_wp, 0.0_wp, 'along the normal alone')
+    end associate
+    call t%near(maxval(abs(sim%scene%bodies%velocity)), 0.0_wp, 0.0_wp, 'a push leaves no velocity')
+  end subroutine test_pair
+
+  !> A grain that rests half a per cent deep in a floor is lifted by just that, and the balance of energy has the work.
+  subroutine test_floor(dimension)
+    integer, intent(in) :: dimension
+    real(wp), parameter :: deep = 0.005_wp*small
+    type(simulation_t) :: sim
+    type(measures_t) :: measures
+    real(wp) :: weight
+
+    if (dimension == 2) then
+      call begin_scene(sim%scene, 2, 0.3_wp, 0.01_wp)
+      call put_wall(sim%scene, 2, 1.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
+      call put_disk(sim%scene, 1, small, [0.0_wp, small - deep])
+    else
+      call begin_space_scene(sim%scene, 2, 0.3_wp, 0.01_wp)
+      call put_plane(sim%scene, 2, [1.0_wp, 1.0_wp, 0.1_wp], [0.0_wp, 0.0_wp, -0.1_wp])
+      call put_sphere(sim%scene, 1, small, [0.0_wp, 0.0_wp, small - deep])
+    end if
+    call start(sim, 1e-6_wp)
+    sim%scene%gravity(dimension) = -9.81_wp
+    weight = 9.81_wp*sim%scene%bodies%mass(1)
+    call run(sim, 20)
+    call t%equal(sim%totals%recoveries, 1, 'one push')
+    ! The step before it left a velocity of 1e-12 g h.
+    call t%near(sim%scene%bodies%position(dimension, 1), small, 1e-13_wp, 'the grain lies on the floor')
+    call t%near(sim%energy%recovery_work/(weight*deep), 1.0_wp, 1e-10_wp, 'work of the push')
+    call measure(sim%scene, sim%contacts, h, sim%energy, measures)
+    call t%near(measures%get('energy_closure'), 0.0_wp, 1e-10_wp, 'the balance is closed')
+  end subroutine test_floor
+
+  !> A box that floats with one edge deeper in a floor than the other, turned by a hundredth: pushes lift and turn it until no
+  !! corner is deeper than the deck allows; the floor stays, and nothing moves.
+  subroutine test_box(dimension)
+    integer, intent(in) :: dimension
+    real(wp), parameter :: tilt = 1e-2_wp, allowed = 1e-6_wp, middle = small - 5e-4_wp
+    real(wp), parameter :: along(2) = [cos(tilt), sin(tilt)], across(2) = [-sin(tilt), cos(tilt)]
+    type(simulation_t) :: sim
+    real(wp) :: lowest
+
+    if (dimension == 2) then
+      call begin_scene(sim%scene, 2, 0.3_wp, 0.01_wp)
+      call put_wall(sim%scene, 2, 1.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
+      call put_polygon(sim%scene, 1, reshape([-along - across, along - across, along + across, across - along], [2, 4])*small &
+                       + spread([0.0_wp, middle], 2, 4))
+    else
+      call begin_space_scene(sim%scene, 2, 0.3_wp, 0.01_wp)
+      call put_plane(sim%scene, 2, [1.0_wp, 1.0_wp, 0.1_wp], [0.0_wp, 0.0_wp, -0.1_wp])
+      call put_box(sim%scene, 1, [small, small, small], [0.0_wp, 0.0_wp, middle], &
+                   [cos(tilt/2), 0.0_wp, sin(tilt/2), 0.0_wp])
+    end if
+    call start(sim, allowed)
+    call run(sim, 40)
+    lowest = minval(sim%contacts%gap(:sim%contacts%n))
+    call t%check(sim%totals%recoveries > 0 .and. sim%totals%recoveries < 40, 'pushes, and an end of them')
+    call t%check(lowest < 0.01_wp*small .and. lowest > -allowed*2*small, 'the lowest corner is as deep as is allowed')
+    call t%near(maxval(abs(sim%scene%bodies%velocity)), 0.0_wp, 0.0_wp, 'nothing moves')
+    call t%near(sim%scene%bodies%position(dimension, 2), -0.1_wp, 0.0_wp, 'the floor stays')
+  end subroutine test_box
+
+  !> Packs that ten plain sweeps per step let sink into each other: a push leaves little of the overlap that it finds, copies of a
+  !! body stay alike to the last bit, and the balance of energy is closed.
+  subroutine test_packs(comm)
+    type(comm_t), intent(inout) :: comm
+    integer :: i
+
+    do i = 1, size(pack_names)
+      if (can_be_made(trim(pack_names(i)))) call test_pack(comm, trim(pack_names(i)))
+    end do
+  end subroutine test_packs
+
+  !> One pack.
+  subroutine test_pack(comm, name)
+    type(comm_t), intent(inout) :: comm
+    character(len=*), intent(in) :: name
+    type(simulation_t) :: sim
+    type(measures_t) :: before, after
+    type(error_t), allocatable :: error
+    integer :: pushes
+
+    call start_pack(t, comm, name, pack_deck(name), 1e-4_wp, sim)
+    sim%options%recovery = 1e-4_wp
+    sim%options%recovery_every = 10
+    sim%options%solver%method = 'nlgs'
+    sim%options%solver%maximum_sweeps = 10
+    sim%comm = comm
+    call decompose(sim, error)
+    call t%check(.not. allocated(error), name//': is split')
+    call advance_pack(t, name, sim, 149)
+    pushes = sim%totals%recoveries
+    call advance_pack(t, name, sim, 1)
+    call t%check(sim%totals%recoveries > 0 .or. comm%size == 1, name//': bodies are pushed')
+    if (sim%totals%recoveries == pushes) return
+    call look(sim, before)
+    ! The step that follows a push detects what it has left.
+    call advance_pack(t, name, sim, 1)
+    call look(sim, after)
+    ! Measured: a fifth to a ten-thousandth. Corners of polyhedra that tumble at this moment go h^2 w^2 r, as much as the overlap
+    ! itself, off the straight way on which a gap is foreseen.
+    if (name /= 'polyhedra') call t%check(after%get('mean_penetration') < 0.5_wp*before%get('mean_penetration'), &
+                                          name//': little overlap is left')
+    ! Spins of bodies in space, see doc/theory/scheme.md, leave the balance open by what depends on the step.
+    if (sim%scene%dimension == 2) call t%near(after%get('energy_closure'), 0.0_wp, 1e-12_wp, name//': the balance is closed')
+    call check_copies(sim, name)
+  end subroutine test_pack
+
+  !> Measure a pack.
+  subroutine look(sim, measures)
+    type(simulation_t), intent(inout) :: sim
+    type(measures_t), intent(out) :: measures
+
+    call measure(sim%scene, sim%contacts, sim%options%time_step, sim%energy, measures, sim%decomposition%subdomain, sim%comm)
+  end subroutine look
+
+  !> Copies of a body are alike on all ranks, to the last bit.
+  subroutine check_copies(sim, name)
+    type(simulation_t), intent(inout) :: sim
+    character(len=*), intent(in) :: name
+    real(wp), allocatable :: most(:), least(:)
+    integer :: i, n
+
+    if (sim%comm%size == 1) return
+    associate (bodies => sim%scene%bodies)
+      n = maxval(bodies%id(:bodies%n))
+      call sim%comm%maximum(n)
+      allocate (most(n), source=-huge(1.0_wp))
+      allocate (least(n), source=huge(1.0_wp))
+      do i = 1, bodies%n
+        most(bodies%id(i)) = bodies%position(1, i)
+        least(bodies%id(i)) = bodies%position(1, i)
+      end do
+      call sim%comm%maximum(most)
+      call sim%comm%minimum(least)
+      call t%check(.not. any(abs(most - least) > 0), name//': copies are alike')
+    end associate
+  end subroutine check_copies
+end program test_recovery
