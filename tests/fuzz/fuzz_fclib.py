@@ -163,8 +163,9 @@ def check_answer(file, ended):
         return Outcome("wrong", "exit code 0 without a converged answer")
     try:
         problem, r = read_solved(file)
-    except (KeyError, OSError, ValueError, IndexError):
-        # A spoilt file of which `solve` needs less than is read here, such as a problem without contacts.
+    except (KeyError, OSError, ValueError, IndexError, TypeError):
+        # A spoilt file of which `solve` needs less than is read here, such as a problem without contacts; or one with integers of
+        # five bytes, which HDF5 reads and numpy does not.
         return Outcome("clean")
     if problem is None or problem.contacts == 0:
         return Outcome("clean")
