@@ -1,94 +1,26 @@
-!> Contact records and body records of problems in space (doc/theory/contact_problem.md).
+!> Records of contacts in space (doc/theory/contact_problem.md).
 module sg_assemble_space
-  use sg_bodies, only: bodies_t
   use sg_cohesive_zones, only: slip_across
   use sg_contacts, only: contacts_t
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp
   use sg_laws, only: kind_of_local_law, local_law_t
   use sg_mapping_space, only: space_arms, space_relative_velocity, tangent_of
-  use sg_problem, only: problem_t
   use sg_records, only: ball_bias_x, ball_bias_z, ball_friction, ball_frictional, ball_frictionless, ball_frictionless_bias, &
-                        ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, &
-                        ball_inverse_i, ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, ball_spin_x, ball_spin_z, normal_x, &
-                        normal_z, plain_kind, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bias_x, solid_bias_z, &
-                        solid_bonded, solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, solid_frictional, &
+                        ball_frictionless_inverse_wnn, ball_inverse_wnn, ball_inverse_wtt, normal_x, normal_z, plain_kind, &
+                        solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bias_x, solid_bias_z, solid_bonded, &
+                        solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, solid_frictional, &
                         solid_frictionless, solid_frictionless_bias, solid_frictionless_inverse_wnn, &
                         solid_frictionless_moment_ax, solid_frictionless_moment_az, solid_frictionless_moment_cx, &
-                        solid_frictionless_moment_cz, solid_inverse_lambda, solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, &
-                        solid_inverse_yz, solid_law, solid_s2, solid_slip_x, solid_slip_z, solid_spin_x, solid_spin_z, &
-                        solid_stiffness_n, solid_stiffness_t, solid_tangent_x, solid_tangent_z, solid_wnn, velocity_x, velocity_z
-  use sg_rotations, only: frame_of, turned_back, turned_by
+                        solid_frictionless_moment_cz, solid_inverse_lambda, solid_law, solid_s2, solid_slip_x, solid_slip_z, &
+                        solid_stiffness_n, solid_stiffness_t, solid_tangent_x, solid_tangent_z, solid_wnn
+  use sg_rotations, only: turned_by
   use sg_scene, only: scene_t
   use sg_vectors, only: cross
   implicit none
   private
-  public :: load_space_bodies, unload_space_bodies, space_record, velocity_before
+  public :: space_record, velocity_before
 
 contains
-
-  !> Free velocities and inverse masses by slot.
-  pure subroutine load_space_bodies(bodies, kind, body_of, radius, body)
-    type(bodies_t), intent(in) :: bodies !! bodies with their free velocities
-    integer, intent(in) :: kind !! kind of problem
-    integer(i4), intent(in) :: body_of(:) !! body of each slot
-    real(wp), intent(in) :: radius(:) !! radius of bodies that turn, in ball problems with friction [m]
-    real(wp), intent(inout) :: body(:, :) !! records to fill
-    real(wp) :: frame(3, 3), inverse(3, 3)
-    integer :: s, b, i
-
-    do s = 1, size(body_of)
-      b = body_of(s)
-      body(velocity_x:velocity_z, s) = bodies%free_velocity(1:3, b)
-      select case (kind)
-      case (ball_frictionless)
-        body(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz, s) = bodies%inverse_mass(1:3, b)
-      case (ball_frictional)
-        body(ball_spin_x:ball_spin_z, s) = 0
-        if (radius(b) > 0) then
-          body(ball_spin_x:ball_spin_z, s) = radius(b)*turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
-        end if
-        body(ball_inverse_m, s) = maxval(bodies%inverse_mass(1:3, b))
-        body(ball_inverse_i, s) = radius(b)**2*bodies%inverse_mass(4, b)
-        if (body(ball_inverse_m, s) > 0 .and. .not. minval(bodies%inverse_mass(1:3, b)) > 0) then
-          body(ball_inverse_i, s) = sum(merge([-1.0_wp, -2.0_wp, -4.0_wp], [0.0_wp, 0.0_wp, 0.0_wp], &
-                                              bodies%inverse_mass(1:3, b) > 0))
-        end if
-      case default
-        body(solid_inverse_mx:solid_inverse_mz, s) = bodies%inverse_mass(1:3, b)
-        body(solid_spin_x:solid_spin_z, s) = turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
-        frame = frame_of(bodies%middle(4:7, b))
-        do i = 1, 3
-          inverse(:, i) = matmul(frame, bodies%inverse_mass(4:6, b)*frame(i, :))
-        end do
-        body(solid_inverse_xx:solid_inverse_yz, s) = [inverse(1, 1), inverse(2, 2), inverse(3, 3), inverse(1, 2), inverse(1, 3), &
-                                                      inverse(2, 3)]
-        body(solid_inverse_yz + 1:, s) = 0
-      end select
-    end do
-  end subroutine load_space_bodies
-
-  !> Velocities of the solution back to the bodies (into `free_velocity`).
-  pure subroutine unload_space_bodies(problem, body_of, radius, bodies)
-    type(problem_t), intent(in) :: problem !! solved problem
-    integer(i4), intent(in) :: body_of(:) !! body of each slot
-    real(wp), intent(in) :: radius(:) !! as in `load_space_bodies`
-    type(bodies_t), intent(inout) :: bodies !! bodies that move on
-    integer :: s, b
-
-    do s = 1, problem%n_bodies
-      b = body_of(s)
-      bodies%free_velocity(1:3, b) = problem%body(velocity_x:velocity_z, s)
-      select case (plain_kind(problem%kind))
-      case (ball_frictional)
-        if (.not. radius(b) > 0) cycle
-        bodies%free_velocity(4:6, b) = turned_back(bodies%middle(4:7, b), problem%body(ball_spin_x:ball_spin_z, s))/radius(b)
-      case (solid_frictionless, solid_frictional)
-        ! Driven components stay as they were given, to the last digit.
-        bodies%free_velocity(4:6, b) = merge(turned_back(bodies%middle(4:7, b), problem%body(solid_spin_x:solid_spin_z, s)), &
-                                             bodies%free_velocity(4:6, b), bodies%inverse_mass(4:6, b) > 0)
-      end select
-    end do
-  end subroutine unload_space_bodies
 
   !> Relative velocity at the beginning of a step [m/s]: normal, and on the tangents that `tangent_of` gives.
   pure function velocity_before(scene, contacts, k) result(u)

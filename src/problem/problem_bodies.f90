@@ -1,12 +1,16 @@
-!> Records of the bodies of a contact problem: velocities and inverse masses by slot, and velocities back to the bodies.
+!> Records of the bodies of a contact problem: velocities and inverse masses by slot, and velocities back to the bodies
+!! (doc/theory/contact_problem.md).
 module sg_problem_bodies
-  use sg_assemble_space, only: load_space_bodies, unload_space_bodies
   use sg_bodies, only: bodies_t
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t
-  use sg_records, only: arm_frictional, arm_frictionless, arm_inverse_i, arm_inverse_mx, arm_spin, is_in_space, plain_kind, &
-                        round_frictional, round_frictionless, round_frictionless_inverse_mx, round_frictionless_inverse_my, &
-                        round_inverse_i, round_inverse_mx, round_inverse_my, round_spin, velocity_x, velocity_y
+  use sg_records, only: arm_frictional, arm_frictionless, arm_inverse_i, arm_inverse_mx, arm_spin, ball_frictional, &
+                        ball_frictionless, ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_inverse_i, &
+                        ball_inverse_m, ball_spin_x, ball_spin_z, is_in_space, plain_kind, round_frictional, round_frictionless, &
+                        round_frictionless_inverse_mx, round_frictionless_inverse_my, round_inverse_i, round_inverse_mx, &
+                        round_inverse_my, round_spin, solid_frictional, solid_frictionless, solid_inverse_mx, solid_inverse_mz, &
+                        solid_inverse_xx, solid_inverse_yz, solid_spin_x, solid_spin_z, velocity_x, velocity_y, velocity_z
+  use sg_rotations, only: frame_of, turned_back, turned_by
   implicit none
   private
   public :: load_bodies, take_velocities
@@ -54,18 +58,69 @@ contains
     end do
   end subroutine load_plane_bodies
 
+  !> Those of bodies in space.
+  pure subroutine load_space_bodies(bodies, kind, body_of, radius, body)
+    type(bodies_t), intent(in) :: bodies
+    integer, intent(in) :: kind
+    integer(i4), intent(in) :: body_of(:)
+    real(wp), intent(in) :: radius(:)
+    real(wp), intent(inout) :: body(:, :)
+    real(wp) :: frame(3, 3), inverse(3, 3)
+    integer :: s, b, i
+
+    do s = 1, size(body_of)
+      b = body_of(s)
+      body(velocity_x:velocity_z, s) = bodies%free_velocity(1:3, b)
+      select case (kind)
+      case (ball_frictionless)
+        body(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz, s) = bodies%inverse_mass(1:3, b)
+      case (ball_frictional)
+        body(ball_spin_x:ball_spin_z, s) = 0
+        if (radius(b) > 0) then
+          body(ball_spin_x:ball_spin_z, s) = radius(b)*turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
+        end if
+        body(ball_inverse_m, s) = maxval(bodies%inverse_mass(1:3, b))
+        body(ball_inverse_i, s) = radius(b)**2*bodies%inverse_mass(4, b)
+        if (body(ball_inverse_m, s) > 0 .and. .not. minval(bodies%inverse_mass(1:3, b)) > 0) then
+          body(ball_inverse_i, s) = sum(merge([-1.0_wp, -2.0_wp, -4.0_wp], [0.0_wp, 0.0_wp, 0.0_wp], &
+                                              bodies%inverse_mass(1:3, b) > 0))
+        end if
+      case default
+        body(solid_inverse_mx:solid_inverse_mz, s) = bodies%inverse_mass(1:3, b)
+        body(solid_spin_x:solid_spin_z, s) = turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
+        frame = frame_of(bodies%middle(4:7, b))
+        do i = 1, 3
+          inverse(:, i) = matmul(frame, bodies%inverse_mass(4:6, b)*frame(i, :))
+        end do
+        body(solid_inverse_xx:solid_inverse_yz, s) = [inverse(1, 1), inverse(2, 2), inverse(3, 3), inverse(1, 2), inverse(1, 3), &
+                                                      inverse(2, 3)]
+        body(solid_inverse_yz + 1:, s) = 0
+      end select
+    end do
+  end subroutine load_space_bodies
+
   !> Velocities of the solution back to the bodies (into `free_velocity`).
   pure subroutine take_velocities(problem, body_of, radius, bodies)
     type(problem_t), intent(in) :: problem !! solved problem
     integer(i4), intent(in) :: body_of(:) !! body of each slot
     real(wp), intent(in) :: radius(:) !! as in `load_bodies`
     type(bodies_t), intent(inout) :: bodies !! bodies that move on
-    integer :: s, b
 
     if (is_in_space(problem%kind)) then
       call unload_space_bodies(problem, body_of, radius, bodies)
-      return
+    else
+      call unload_plane_bodies(problem, body_of, radius, bodies)
     end if
+  end subroutine take_velocities
+
+  !> Those of bodies in the plane.
+  pure subroutine unload_plane_bodies(problem, body_of, radius, bodies)
+    type(problem_t), intent(in) :: problem
+    integer(i4), intent(in) :: body_of(:)
+    real(wp), intent(in) :: radius(:)
+    type(bodies_t), intent(inout) :: bodies
+    integer :: s, b
+
     do s = 1, problem%n_bodies
       b = body_of(s)
       bodies%free_velocity(1:2, b) = problem%body(velocity_x:velocity_y, s)
@@ -76,5 +131,28 @@ contains
         bodies%free_velocity(3, b) = problem%body(arm_spin, s)
       end select
     end do
-  end subroutine take_velocities
+  end subroutine unload_plane_bodies
+
+  !> Those of bodies in space.
+  pure subroutine unload_space_bodies(problem, body_of, radius, bodies)
+    type(problem_t), intent(in) :: problem
+    integer(i4), intent(in) :: body_of(:)
+    real(wp), intent(in) :: radius(:)
+    type(bodies_t), intent(inout) :: bodies
+    integer :: s, b
+
+    do s = 1, problem%n_bodies
+      b = body_of(s)
+      bodies%free_velocity(1:3, b) = problem%body(velocity_x:velocity_z, s)
+      select case (plain_kind(problem%kind))
+      case (ball_frictional)
+        if (.not. radius(b) > 0) cycle
+        bodies%free_velocity(4:6, b) = turned_back(bodies%middle(4:7, b), problem%body(ball_spin_x:ball_spin_z, s))/radius(b)
+      case (solid_frictionless, solid_frictional)
+        ! Driven components stay as they were given, to the last digit.
+        bodies%free_velocity(4:6, b) = merge(turned_back(bodies%middle(4:7, b), problem%body(solid_spin_x:solid_spin_z, s)), &
+                                             bodies%free_velocity(4:6, b), bodies%inverse_mass(4:6, b) > 0)
+      end select
+    end do
+  end subroutine unload_space_bodies
 end module sg_problem_bodies
