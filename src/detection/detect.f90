@@ -118,14 +118,14 @@ contains
     integer, intent(in) :: p
     type(contacts_t), intent(inout) :: contacts
     type(touch_t) :: touch
+    integer(i4) :: face
 
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert)
       if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
-      if (scene%contactors%kind(c) == kind_polygon) then
-        call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), alert, touch, scene%period, history%face(p))
-      else
-        call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), alert, touch, scene%period)
-      end if
+      face = 0
+      if (scene%contactors%kind(c) == kind_polygon) face = history%face(p)
+      call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), alert, touch, scene%period, face)
+      if (scene%contactors%kind(c) == kind_polygon) history%face(p) = face
       if (scene%shrink > 0) then
         if (all(scene%contactors%kind([c, a]) == kind_polygon)) &
           call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
