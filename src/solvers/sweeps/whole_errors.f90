@@ -75,6 +75,7 @@ contains
     real(wp) :: sums(2), largest(4)
 
     self%scales = scales_of(problem)
+    self%has_bounds = .false.
     if (self%with_change) self%start = problem%impulse(:, :problem%n_contacts)
     self%contacts = problem%n_contacts
     self%free_norm = problem%free_norm
