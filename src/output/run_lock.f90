@@ -1,11 +1,12 @@
 !> Lock of a folder of results: a file with host and process of the run that writes there, so that no other run joins it.
 !!
 !! A run that was killed leaves its lock. On the same host it is recognised by its process, which has ended; on another host
-!! its process cannot be examined, and the user decides (`--force`).
+!! its process cannot be examined, and the user decides (`--force`). A lock gets its name when it is whole, so that a kill never
+!! leaves one without a process.
 module sg_run_lock
   use sg_error, only: error_t, fail
   use sg_processes, only: host_name, is_alive, own_process, start_of
-  use sg_system, only: file_exists, remove_file, rename_file
+  use sg_system, only: file_exists, link_file, remove_file, rename_file
   use sg_text, only: read_lines, text_t, to_text
   use sg_text_files, only: create_text
   implicit none
@@ -34,7 +35,7 @@ contains
 
     name = folder//'/'//lock_name
     do attempt = 1, 2
-      call create_text(name, lock_text(), taken)
+      call create_lock(name, taken)
       if (.not. allocated(taken)) return
       if (.not. file_exists(name)) exit
       call judge_holder(name, is_forced, error)
@@ -43,6 +44,32 @@ contains
     end do
     call move_alloc(taken, error)
   end subroutine take_lock
+
+  !> Write a lock under a name of this process, and link it to its own name, which must not exist. Where files have one name only,
+  !! it is written in place.
+  subroutine create_lock(name, error)
+    character(len=*), intent(in) :: name
+    type(error_t), allocatable, intent(out) :: error
+    character(len=:), allocatable :: aside
+    logical :: is_linked
+
+    aside = aside_of(name, host_name(), own_process())
+    call remove_file(aside)
+    call create_text(aside, lock_text(), error)
+    is_linked = .false.
+    if (.not. allocated(error)) is_linked = link_file(aside, name)
+    call remove_file(aside)
+    if (.not. is_linked) call create_text(name, lock_text(), error)
+  end subroutine create_lock
+
+  !> Name next to a lock that one process of one host uses.
+  function aside_of(name, host, process) result(aside)
+    character(len=*), intent(in) :: name, host
+    integer, intent(in) :: process
+    character(len=:), allocatable :: aside
+
+    aside = name//'.'//host//'.'//to_text(process)
+  end function aside_of
 
   !> Unlock a folder that this process has locked.
   subroutine release_lock(folder)
@@ -111,18 +138,21 @@ contains
   end subroutine judge_holder
 
   !> Remove the lock of a run that has ended. Of several processes that come to this at once one alone moves it away; a lock that
-  !! came meanwhile is put back.
+  !! came meanwhile is put back. The other name of a lock, which a kill may have left, goes with it.
   subroutine remove_stale(name)
     character(len=*), intent(in) :: name
     character(len=:), allocatable :: aside
     type(error_t), allocatable :: error
+    type(holder_t) :: holder
 
-    aside = name//'.'//to_text(own_process())
+    aside = aside_of(name, host_name(), own_process())
     if (.not. rename_file(name, aside)) return
     call judge_holder(aside, .true., error)
     if (allocated(error)) then
       if (rename_file(aside, name)) return
     end if
+    call read_holder(aside, holder)
+    call remove_file(aside_of(name, holder%host, holder%process))
     call remove_file(aside)
   end subroutine remove_stale
 end module sg_run_lock

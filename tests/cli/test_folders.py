@@ -176,6 +176,21 @@ class Locks(Folders):
         self.run_deck("--force", "--quiet")
         self.assertFalse((self.place / "out" / "run.lock").exists())
 
+    def test_a_run_killed_at_its_start_leaves_no_lock_without_a_process(self):
+        lock = self.place / "out" / "run.lock"
+        for _ in range(20):
+            lock.unlink(missing_ok=True)
+            program = subprocess.Popen([self.program, "run", "fall.toml", "--output", "out", "--quiet", *LONG], cwd=self.place,
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            end = time.monotonic() + 60
+            while not lock.exists() and program.poll() is None:
+                self.assertLess(time.monotonic(), end, "nothing happens")
+            program.kill()
+            program.wait(60)
+            self.assertIn(f"process {program.pid}\n", lock.read_text())
+        self.run_deck("--force", "--quiet")
+        self.assertEqual([path.name for path in (self.place / "out").glob("run.lock*")], [])
+
     def test_stale_locks(self):
         here = socket.gethostname()
         ended = subprocess.Popen(["true"])

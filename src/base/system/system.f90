@@ -7,7 +7,7 @@ module sg_system
   use sg_kinds, only: i8
   implicit none
   private
-  public :: is_terminal, make_folder, rename_file, remove_file, file_exists, is_link, real_path, peak_memory_bytes
+  public :: is_terminal, make_folder, link_file, rename_file, remove_file, file_exists, is_link, real_path, peak_memory_bytes
   public :: become, end_program, survive_full_disks, catch_signals, stop_signal, checkpoint_requested
 
   integer(c_int), parameter :: sighup = 1, sigint = 2, sigusr1 = 10, sigpipe = 13, sigterm = 15, sigxfsz = 25
@@ -32,6 +32,11 @@ module sg_system
       integer(c_int), value :: mode
       integer(c_int) :: status
     end function c_mkdir
+    function c_link(from, to) bind(c, name='link') result(status)
+      import :: c_int, c_char
+      character(kind=c_char), intent(in) :: from(*), to(*)
+      integer(c_int) :: status
+    end function c_link
     function c_rename(from, to) bind(c, name='rename') result(status)
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: from(*), to(*)
@@ -86,6 +91,14 @@ contains
     status = c_mkdir(trim(path)//c_null_char, int(o'777', c_int))
     inquire (file=trim(path)//'/.', exist=made)
   end function make_folder
+
+  !> Give a file a second name, unless that exists; of several processes that try at once one alone succeeds.
+  logical function link_file(from, to) result(done)
+    character(len=*), intent(in) :: from !! present name
+    character(len=*), intent(in) :: to !! second name
+
+    done = c_link(trim(from)//c_null_char, trim(to)//c_null_char) == 0
+  end function link_file
 
   !> Rename a file over another; the change is all or nothing.
   logical function rename_file(from, to) result(done)
