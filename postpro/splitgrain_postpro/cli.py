@@ -5,7 +5,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from . import figures, spectra
+from . import figures, spectra, tracks
 from .errors import ResultsError
 from .results import Results
 from .scene import QUANTITIES
@@ -23,6 +23,7 @@ COMMANDS = {
     "solver": "sweeps, contacts, residuals and cost by phase against time",
     "trace": "errors against CPU time within the steps that were traced, and what these steps cost by phase",
     "spectrum": "power spectra of wall forces, momentum and kinetic energy ([report] spectrum)",
+    "tracks": "columns of the tracked bodies against time ([[track]])",
     "structure": "radial distribution g(r) and structure factor S(k) of the packing",
 }
 
@@ -42,6 +43,10 @@ def parser() -> ArgumentParser:
         if name == "scene":
             command.add_argument("--colour", choices=QUANTITIES, default="speed",
                                  help="quantity that fills the grains (default speed)")
+        if name == "tracks":
+            command.add_argument("--body", metavar="PATTERN", default="*", help="bodies to draw, by name with * and ? (default *)")
+            command.add_argument("--columns", metavar="NAME,...", type=lambda words: words.split(","),
+                                 help="columns to draw, one panel each (default: displacement, mean force and torque, work)")
         if name in ("scene", "split"):
             space = command.add_argument_group("scenes in space")
             space.add_argument("--azimuth", metavar="DEGREES", type=float, default=View.azimuth,
@@ -72,6 +77,8 @@ def draw(arguments: Namespace) -> tuple[Results, list[str], Path]:
             figure, missing = figures.split_figure(results, picture, _view(arguments))
         elif arguments.command == "spectrum":
             figure, missing = spectra.spectrum_figure(results)
+        elif arguments.command == "tracks":
+            figure, missing = tracks.tracks_figure(results, arguments.body, arguments.columns)
         elif arguments.command == "structure":
             figure, missing = spectra.structure_figure(results, picture)
         elif arguments.command == "energy":

@@ -62,6 +62,12 @@ class Results:
         return read_record(path)
 
     @cached_property
+    def tracks(self) -> dict[str, dict[str, np.ndarray]]:
+        """tracks.csv: for each tracked body one array per column; empty when the run tracked none, or has no row yet."""
+        path = self.folder / "tracks.csv"
+        return read_tracks(path) if path.exists() else {}
+
+    @cached_property
     def trace(self) -> list[dict[str, np.ndarray]]:
         """trace.csv and trace_steps.csv, each as one array per column; empty when the run kept no traces."""
         paths = [self.folder / name for name in ("trace.csv", "trace_steps.csv")]
@@ -150,6 +156,29 @@ def read_record(path: Path) -> dict[str, np.ndarray]:
             raise ResultsError(f"cannot read {path}: row {number} has {len(row)} values for {len(names)} names")
     columns = zip(*rows[1:], strict=True) if rows[1:] else [()] * len(names)
     return {name: np.array([_number(word) for word in column]) for name, column in zip(names, columns, strict=True)}
+
+
+def read_tracks(path: Path) -> dict[str, dict[str, np.ndarray]]:
+    """tracks.csv as one table per body, each with one array per column; a last row that is cut short is left out."""
+    try:
+        with open(path, newline="") as file:
+            rows = [row for row in csv.reader(file) if row]
+    except (OSError, ValueError, csv.Error) as error:
+        raise ResultsError(f"cannot read {path}: {error}") from error
+    if not rows or "body" not in rows[0]:
+        raise ResultsError(f"cannot read {path}: it has no line of names")
+    names, place = rows[0], rows[0].index("body")
+    if rows[1:] and len(rows[-1]) != len(names):
+        rows.pop()
+    bodies = {}
+    try:
+        for row in rows[1:]:
+            bodies.setdefault(row[place], []).append([float(word) for i, word in enumerate(row) if i != place])
+        tables = {body: np.array(table).T for body, table in bodies.items()}
+        names.pop(place)
+        return {body: dict(zip(names, table, strict=True)) for body, table in tables.items()}
+    except ValueError as error:
+        raise ResultsError(f"cannot read {path}: {error}") from error
 
 
 def _number(word):

@@ -13,6 +13,7 @@ from splitgrain_postpro.cli import main
 from splitgrain_postpro.scene import QUANTITIES, draw_scene, draw_split
 from splitgrain_postpro.style import new_figure
 from splitgrain_postpro.traces import draw_costs, draw_history
+from splitgrain_postpro.tracks import tracks_figure
 
 
 @pytest.fixture
@@ -66,6 +67,25 @@ def test_traces(folder, capsys):
     draw_costs(right, steps)
     tops = {patch.get_x(): patch.get_y() + patch.get_height() for patch in right.patches}
     assert np.allclose(list(tops.values()), 1e3 * steps["cpu_seconds"])
+
+
+def test_tracks(folder, capsys):
+    assert main(["tracks", str(folder)]) == 2
+    assert 'set [[track]] body = "NAME" in the deck' in capsys.readouterr().err
+    header = "step,time,body,x,force_x,force_y,mean_force_x,mean_force_y,mean_torque,contact_work,displacement,contacts\n"
+    rows = [f"{step},{step}e-3,{body},1,2,{step},4,5,6,7,8,2\n" for step in (1, 2, 3) for body in range(10)]
+    (folder / "tracks.csv").write_text(header + "".join(rows))
+    assert main(["tracks", str(folder)]) == 0
+    assert size_of(folder / "tracks.png") == (1650, 1110)
+    assert "2 bodies are not drawn: --body PATTERN chooses" in capsys.readouterr().err
+    assert main(["tracks", str(folder), "--body", "[13]", "--columns", "force_y"]) == 0
+    assert size_of(folder / "tracks.png") == (825, 555)
+    assert main(["tracks", str(folder), "--columns", "force_z"]) == 2
+    assert "tracks.csv has no column force_z" in capsys.readouterr().err
+    assert main(["tracks", str(folder), "--body", "wall"]) == 2
+    assert "no tracked body matches wall" in capsys.readouterr().err
+    figure, _ = tracks_figure(Results(folder), "3", ["force_y"])
+    assert figure.axes[0].lines[0].get_ydata().tolist() == [1, 2, 3]
 
 
 def test_scene_has_its_own_proportions(folder, tmp_path):

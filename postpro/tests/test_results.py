@@ -5,7 +5,7 @@ import pytest
 from sample_results import write_record, write_results
 
 from splitgrain_postpro import Results, ResultsError
-from splitgrain_postpro.results import read_record
+from splitgrain_postpro.results import read_record, read_tracks
 from splitgrain_postpro.text import headline, summary_text
 
 
@@ -41,6 +41,21 @@ def test_spoilt_record(tmp_path, text, message):
     path.write_text(text)
     with pytest.raises(ResultsError, match=message):
         read_record(path)
+
+
+def test_tracks(tmp_path):
+    path = tmp_path / "tracks.csv"
+    path.write_text('step,time,body,x\n5,0.1,"a, ""b""",1.5\n5,0.1,7,nan\n10,0.2,"a, ""b""",2.5\n10,0.2,7,-1\n15,0.3,7\n')
+    tracks = read_tracks(path)
+    assert list(tracks) == ['a, "b"', "7"] and list(tracks["7"]) == ["step", "time", "x"]
+    assert tracks['a, "b"']["x"].tolist() == [1.5, 2.5] and tracks["7"]["x"][1] == -1
+    path.write_text("step,time,body,x\n")
+    assert read_tracks(path) == {}
+    for text, message in (("", "no line of names"), ("step,time,body,x\n1,0,a\n2,0,a,1\n", "cannot read"),
+                          ("step,time,body,x\n1,0,a,word\n2,0,a,1\n", "could not convert")):
+        path.write_text(text)
+        with pytest.raises(ResultsError, match=message):
+            read_tracks(path)
 
 
 def test_text_of_a_finished_run(tmp_path):

@@ -17,6 +17,7 @@ module sg_deck
   use sg_text, only: text_t
   use sg_toml, only: document_t, parse_toml, read_content, toml_table
   use sg_toml_pieces, only: find_pieces
+  use sg_tracks_from_deck, only: tracks_from_deck
   implicit none
   private
   public :: read_deck, read_share, parts_of_deck
@@ -55,6 +56,8 @@ contains
     deck%ranks = comm%size
     call options_from_deck(deck, options, diagnostics)
     call scene_from_deck(deck, options, scene, diagnostics)
+    if (diagnostics%count() > 0) return
+    call tracks_from_deck(deck, scene%bodies%n + deck%absent%n, options, diagnostics)
     if (diagnostics%count() > 0) return
     call effective_deck(deck, options%deck_text, options%deck_hash)
   end subroutine read_share

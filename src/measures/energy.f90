@@ -21,7 +21,7 @@ module sg_energy
   use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
-  public :: energy_t, measure_energy, bond_work_of, kinetic_energy, potential_energy, n_energy_values
+  public :: energy_t, measure_energy, add_held_work, bond_work_of, kinetic_energy, potential_energy, n_energy_values
 
   !> Numbers that `pack` writes
   integer, parameter :: n_energy_values = 9
@@ -173,18 +173,30 @@ contains
   pure real(wp) function held_work(bodies, h, driven) result(work)
     type(bodies_t), intent(in) :: bodies
     real(wp), intent(in) :: h, driven(:, :)
-    integer :: i, c
+    integer :: i
 
     work = 0
     do i = 1, bodies%n_own
-      do c = 1, bodies%n_velocity
-        work = work + driven(c, i)*(inertia_of(bodies, c, i)*(bodies%free_velocity(c, i) - bodies%velocity(c, i)) &
-                                    - h*bodies%force(c, i))
-      end do
-      if (bodies%n_velocity < 6) cycle
-      if (any(abs(driven(4:6, i)) > 0)) work = work - dot_product(driven(4:6, i), gyroscopic_impulse(bodies, i, h))
+      call add_held_work(bodies, i, h, driven(:, i), work)
     end do
   end function held_work
+
+  !> Add what driven components of a body gain beyond the work of forces [J]; that of its contacts is to be taken away.
+  pure subroutine add_held_work(bodies, body, h, driven, work)
+    type(bodies_t), intent(in) :: bodies !! bodies with velocities of both ends of the step
+    integer, intent(in) :: body !! one of this rank's own
+    real(wp), intent(in) :: h !! time step [s]
+    real(wp), intent(in) :: driven(:) !! its mean velocity where it is driven, zero in other components
+    real(wp), intent(inout) :: work !! sum to add to
+    integer :: c
+
+    do c = 1, bodies%n_velocity
+      work = work + driven(c)*(inertia_of(bodies, c, body)*(bodies%free_velocity(c, body) - bodies%velocity(c, body)) &
+                               - h*bodies%force(c, body))
+    end do
+    if (bodies%n_velocity < 6) return
+    if (any(abs(driven(4:6)) > 0)) work = work - dot_product(driven(4:6), gyroscopic_impulse(bodies, body, h))
+  end subroutine add_held_work
 
   !> What turning does to the spin of a body in space over a step, about its principal axes [N m s]: (R(-h w) - 1) J w0.
   pure function gyroscopic_impulse(bodies, body, h) result(impulse)

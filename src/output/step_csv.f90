@@ -8,7 +8,7 @@ module sg_step_csv
   use sg_text_files, only: replace_file
   implicit none
   private
-  public :: cell, resume_rows
+  public :: cell, quoted_cell, resume_rows
 
 contains
 
@@ -52,13 +52,35 @@ contains
     is_row_until = status == 0 .and. step <= last_step
   end function is_row_until
 
-  !> Number of columns.
+  !> Number of columns; commas within quotation marks separate none.
   pure integer function count_columns(line)
     character(len=*), intent(in) :: line
     integer :: i
+    logical :: is_quoted
 
-    count_columns = 1 + count([(line(i:i) == ',', i=1, len(line))])
+    count_columns = 1
+    is_quoted = .false.
+    do i = 1, len(line)
+      if (line(i:i) == '"') is_quoted = .not. is_quoted
+      if (line(i:i) == ',' .and. .not. is_quoted) count_columns = count_columns + 1
+    end do
   end function count_columns
+
+  !> A text as a cell: in quotation marks, each of its own doubled, where it holds a comma or one of them.
+  pure function quoted_cell(text) result(word)
+    character(len=*), intent(in) :: text !! text without line ends
+    character(len=:), allocatable :: word
+    integer :: i
+
+    word = text
+    if (scan(text, ',"') == 0) return
+    word = '"'
+    do i = 1, len(text)
+      word = word//text(i:i)
+      if (text(i:i) == '"') word = word//'"'
+    end do
+    word = word//'"'
+  end function quoted_cell
 
   !> A real with all its digits; pandas and numpy read `nan` and `inf` where it is not finite.
   pure function cell(value) result(word)

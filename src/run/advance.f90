@@ -151,6 +151,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call sim%energy%add_step(sim%scene, sim%contacts, sim%options%time_step)
+    call sim%tracks%add_step(sim%scene, sim%contacts, sim%options%time_step)
     sim%tunnelling%deepest = deepest_penetration(sim%contacts)
     call sim%totals%add(sim%report, sim%contacts%n, sim%tunnelling%deepest, sim%all_contacts)
     if (.not. sim%report%is_converged) call note_unconverged(sim)

@@ -32,6 +32,7 @@ contains
     if (allocated(error)) return
     if (sim%options%record_every > 0 .and. (is_due(sim, sim%options%record_every) .or. is_last(sim))) then
       call timed(measure_now, sim, phase_measure, error)
+      if (sim%tracks%is_on()) call timed(measure_tracks, sim, phase_measure, error)
       call watch_energy(sim, error)
       call timed(record_now, sim, phase_output, late)
       if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
@@ -87,7 +88,7 @@ contains
     if (sim%writers%is_root) write (error_unit, '(a)') 'warning: '//warning
   end subroutine watch_energy
 
-  !> Add a row to the record.
+  !> Add a row to the record, and one per tracked body to its file.
   subroutine record_now(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
@@ -100,6 +101,7 @@ contains
     call reduce_report(report, sim%comm)
     call totals%reduce(sim%comm)
     call sim%writers%record%add(sim%step, sim%time(), sim%all_contacts, report, totals, sim%writers%measures, error)
+    if (sim%tracks%is_on() .and. .not. allocated(error)) call sim%writers%tracks%add(sim%step, sim%time(), sim%tracks, error)
     call sim%comm%agree(error)
   end subroutine record_now
 
@@ -154,6 +156,14 @@ contains
     if (sim%writers%is_root) call sim%writers%structure%write(sim%options%folder, error)
     call sim%comm%agree(error)
   end subroutine write_structure
+
+  !> Measure the tracked bodies. Collective.
+  subroutine measure_tracks(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+
+    call sim%tracks%measure(sim%scene, sim%comm)
+  end subroutine measure_tracks
 
   !> Measure all indicators. Collective.
   subroutine measure_now(sim, error)

@@ -18,6 +18,7 @@ module sg_checkpoint
   use sg_simulation, only: simulation_t
   use sg_text, only: append_word, text_t, to_text
   use sg_totals, only: n_totals_values, totals_t
+  use sg_tracks, only: tracks_t
   implicit none
   private
   public :: save_checkpoint, save_once, load_checkpoint
@@ -42,17 +43,21 @@ contains
     type(restart_t) :: state
     type(energy_t) :: energy
     type(totals_t) :: totals
+    type(tracks_t) :: tracks
 
     energy = sim%energy
     totals = sim%totals
     call energy%reduce(sim%comm)
     call totals%reduce(sim%comm)
+    tracks = sim%tracks
+    call tracks%reduce(sim%comm)
     call keep_shared(sim, state, error)
     if (allocated(error)) return
     state%step = sim%step
     state%time = sim%time()
     state%deck_hash = sim%options%deck_hash
     state%totals = [energy%pack(), totals%pack(), sim%pairs%skin, sim%signature]
+    state%tracks = tracks%pack()
     allocate (state%built(size(sim%scene%bodies%middle, 1), 0))
     if (sim%comm%size == 1 .and. allocated(sim%pairs%built)) state%built = sim%pairs%built
     call write_restart(sim%options%folder, state, sim%comm, error)
@@ -168,7 +173,7 @@ contains
     fault = ''
     associate (energies => state%totals(:n_energy_values), skin => state%totals(size(state%totals) - n_signature), &
                counted => state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
-      if (.not. (all(ieee_is_finite(energies)) .and. ieee_is_finite(skin))) then
+      if (.not. (all(ieee_is_finite(energies)) .and. ieee_is_finite(skin) .and. all(ieee_is_finite(state%tracks)))) then
         fault = 'it holds sums that are not finite'
       else if (.not. totals%are_sound(counted)) then
         fault = 'it holds counts that are none'
@@ -194,7 +199,9 @@ contains
     if (sim%comm%size == 1 .and. size(state%built, 2) > 0) then
       call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals) - n_signature))
     end if
+    call sim%tracks%unpack(state%tracks)
     call sim%energy%leave_to_first(sim%comm)
+    call sim%tracks%leave_to_first(sim%comm)
     call sim%totals%leave_to_first(sim%comm)
   end subroutine take_state
 

@@ -14,6 +14,7 @@ module sg_run_files
   use sg_spectrum_file, only: write_spectrum
   use sg_system, only: is_terminal, remove_file
   use sg_text_files, only: replace_file
+  use sg_track_file, only: tracks_name
   implicit none
   private
   public :: close_files, open_files, remove_former
@@ -31,6 +32,10 @@ contains
     if (allocated(error)) return
     call sim%writers%summary%add_file('deck', 'effective.toml')
     if (sim%options%record_every > 0) call open_record(sim, resumes, error)
+    if (.not. allocated(error) .and. sim%options%record_every > 0 .and. sim%tracks%is_on()) then
+      call sim%writers%tracks%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
+      call sim%writers%summary%add_file('tracks', tracks_name)
+    end if
     if (.not. allocated(error) .and. sim%options%has_trace) call open_trace(sim, resumes, error)
     call sim%comm%agree(error)
     if (allocated(error)) return

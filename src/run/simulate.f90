@@ -45,6 +45,7 @@ contains
       writers%is_root = sim%comm%rank == 0
       writers%summary%is_root = writers%is_root
       writers%record%is_root = writers%is_root
+      writers%tracks%is_root = writers%is_root
       writers%trace%is_root = writers%is_root
       call writers%summary%describe(sim%scene, sim%options, deck, sim%comm)
       call start_simulation(sim)
@@ -128,7 +129,9 @@ contains
     sim%writers%has_folder = .true.
     call remove_former(sim, goes_on)
     call decompose(sim, error)
-    if (.not. allocated(error)) call open_files(sim, resumes, error)
+    if (allocated(error)) return
+    call sim%tracks%begin(sim%scene, sim%comm)
+    call open_files(sim, resumes, error)
   end subroutine begin
 
   !> The steps.

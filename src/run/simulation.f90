@@ -22,6 +22,7 @@ module sg_simulation
   use sg_solver, only: solver_t
   use sg_text, only: to_text
   use sg_totals, only: totals_t
+  use sg_tracks, only: tracks_t
   use sg_writers, only: writers_t
   implicit none
   private
@@ -59,6 +60,8 @@ module sg_simulation
     !> Works and costs since the start
     type(energy_t) :: energy
     type(totals_t) :: totals
+    !> Tracked bodies
+    type(tracks_t) :: tracks
     !> Phase whose clock runs, one of `phase_*`; 0 between phases
     integer :: phase = 0
     !> Bodies that passed through each other
@@ -102,6 +105,7 @@ contains
     call choose_solver(sim%options%solver, sim%options%partition, sim%comm%size, sim%solver, refused)
     if (allocated(refused)) call choose_solver(sim%options%solver, sim%solver)
     call reserve_carried(sim)
+    if (allocated(sim%options%tracked)) call sim%tracks%track(sim%options%tracked, sim%options%tracked_names)
     call sim%totals%clock%start()
   end subroutine start_simulation
 

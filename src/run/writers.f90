@@ -1,4 +1,4 @@
-!> Writers of a run: record, pictures, progress, summary, traces, structure files.
+!> Writers of a run: record, tracked bodies, pictures, progress, summary, traces, structure files.
 module sg_writers
   use sg_measures, only: measures_t
   use sg_pictures, only: pictures_t
@@ -8,6 +8,7 @@ module sg_writers
   use sg_run_trace, only: run_trace_t
   use sg_samples, only: samples_t
   use sg_structure_file, only: structure_file_t
+  use sg_track_file, only: track_file_t
   implicit none
   private
   public :: writers_t
@@ -15,6 +16,7 @@ module sg_writers
   !> All writers of a run, and the last measures
   type :: writers_t
     type(record_t) :: record
+    type(track_file_t) :: tracks
     type(pictures_t) :: pictures
     type(progress_t) :: progress
     type(run_summary_t) :: summary

@@ -1,6 +1,6 @@
 !> What to do with a scene: time, solver, what to write and when. Filled by the deck, changed by no one.
 module sg_run_options
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
   use sg_options, only: option_values_t
   use sg_text, only: text_t
   implicit none
@@ -101,6 +101,9 @@ module sg_run_options
     integer :: output_every = 0, record_every = 10, restart_every = 0
     !> Write pictures in single precision, compressed
     logical :: output_single = .false., output_compressed = .false.
+    !> Numbers of tracked bodies, ascending, and their names; unallocated where there are none
+    integer(i4), allocatable :: tracked(:)
+    type(text_t), allocatable :: tracked_names(:)
     !> Sample series at every step and write their spectra at the end
     logical :: has_spectrum = .false.
     !> Keep the history of errors within some steps: these, or some spread over the run

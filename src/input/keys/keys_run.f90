@@ -1,6 +1,6 @@
 !> The key table, first part: what to do with a scene. Defaults are those of `run_options_t`.
 module sg_keys_run
-  use sg_key_table, only: key_table_t, value_box, value_choice, value_counts, value_integer, value_logical, &
+  use sg_key_table, only: key_table_t, value_body, value_box, value_choice, value_counts, value_integer, value_logical, &
                           value_real
   use sg_kinds, only: wp
   use sg_methods, only: coupling_names, list_couplings, list_solvers, method_t, solver_names
@@ -13,7 +13,7 @@ module sg_keys_run
 
 contains
 
-  !> Add the sections time, solver, partition, output, restart, guard and report.
+  !> Add the sections time, solver, partition, output, track, restart, guard and report.
   subroutine add_run_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
@@ -147,7 +147,7 @@ contains
     end do
   end function described
 
-  !> Sections output, restart, guard and report.
+  !> Sections output, track, restart, guard and report.
   subroutine add_output(table)
     type(key_table_t), intent(inout) :: table
     type(run_options_t) :: default
@@ -161,6 +161,11 @@ contains
                    default=merge('"single"', '"double"', default%output_single), choices='double|single')
     call table%add('compression', value_logical, 'Compress pictures: smaller files, slower writing.', &
                    default=true_or_false(default%output_compressed))
+    call table%open_section('track', 'Bodies that are followed, one row each per recorded step in tracks.csv: place, velocity, '// &
+                            'contact force and torque, works.', is_list=.true.)
+    call table%add('body', value_body, 'Bodies, by name, in which * stands for any letters and ? for one, or by number. '// &
+                   'The planes of a container "box" are box.floor, box.left and so on: its pattern is "box.*".', &
+                   is_required=.true.)
     call table%open_section('restart', 'Checkpoints, from which a run can go on bit for bit.')
     call table%add('every', value_integer, 'Steps between two checkpoints; 0 for none.', &
                    default=to_text(default%restart_every), least=0.0_wp)

@@ -49,6 +49,8 @@ module sg_restart
     real(wp), allocatable :: built(:, :)
     !> Sums kept over the run, such as works of forces
     real(wp), allocatable :: totals(:)
+    !> What tracked bodies keep (sg_tracks); empty where there are none
+    real(wp), allocatable :: tracks(:)
   end type restart_t
 
 contains
@@ -136,6 +138,9 @@ contains
     call file%set('/', 'step', int(state%step, i8))
     call put_sealed(file, '/time', [state%time], is_common=.true.)
     call put_sealed(file, '/totals', state%totals, is_common=.true.)
+    if (allocated(state%tracks)) then
+      if (size(state%tracks) > 0) call put_sealed(file, '/tracks', state%tracks, is_common=.true.)
+    end if
     call put_sealed(file, '/built', state%built)
     call put_fields(file, '/bodies', state%bodies)
     call put_fields(file, '/contacts', state%contacts)
@@ -219,6 +224,8 @@ contains
     call file%get('/time', time)
     if (size(time) == 1) state%time = time(1)
     call file%get('/totals', state%totals)
+    if (file%has('/tracks')) call file%get('/tracks', state%tracks)
+    if (.not. allocated(state%tracks)) allocate (state%tracks(0))
     ! One rank alone takes up its list of neighbours.
     if (ranks%size == 1) call file%get('/built', state%built)
     if (.not. allocated(state%built)) allocate (state%built(0, 0))

@@ -56,13 +56,15 @@ contains
     integer, intent(in) :: bodies !! bodies of the whole scene
     type(contacts_t), intent(in) :: contacts !! contacts with the components of the scene
     type(dataset_t), allocatable :: list(:)
-    integer(i8) :: found(2), wanted(2), rows, bytes
+    integer(i8) :: found(2), wanted(2), rows, bytes, most
     integer :: i
 
     rows = file%rows('/contacts/feature')
+    most = 0
     ! Their number does not follow from the scene; each takes at least four bytes of the file.
     inquire (file=file%name, size=bytes)
-    if (max(rows, file%rows('/totals')) > bytes/4) then
+    if (file%has('/tracks')) most = file%rows('/tracks')
+    if (max(rows, most, file%rows('/totals')) > bytes/4) then
       if (.not. allocated(file%error)) call fail(file%error, 'it is cut off', file=file%name, code=exit_output)
       return
     end if
@@ -95,6 +97,7 @@ contains
       call append_word(paths, trim(list(i)%path))
     end do
     call append_word(paths, '/totals')
+    if (file%has('/tracks')) call append_word(paths, '/tracks')
   end function dataset_paths
 
   !> The datasets whose shape follows from the scene.

@@ -7,6 +7,7 @@ program test_base
   use sg_lists, only: reserve
   use sg_random, only: random_t
   use sg_text, only: lower, nearest_word, read_lines, text_t, to_text
+  use sg_wildcards, only: has_wildcard, matches
   use written_files, only: put_text
   implicit none
   type(tests_t) :: t
@@ -17,6 +18,7 @@ program test_base
   call test_shuffle()
   call test_lists()
   call test_ascending()
+  call test_wildcards()
   call t%finish()
 
 contains
@@ -136,4 +138,14 @@ contains
     call t%equal(size(distinct([5_i8, 5_i8])), 1, 'ascending lists: one number twice')
     call t%equal(size(distinct([integer(i8) ::])), 0, 'ascending lists: no number')
   end subroutine test_ascending
+
+  !> Each line: a pattern, names that match it, and names that do not.
+  subroutine test_wildcards()
+    call t%check(has_wildcard('a*') .and. has_wildcard('?') .and. .not. has_wildcard('a.b'), 'what a wildcard is')
+    call t%check(all([matches('box.left', 'box.*'), matches('box.', 'box.*'), .not. matches('box', 'box.*')]), 'box.*')
+    call t%check(all([matches('', '*'), matches('a', '*'), matches('a', '**'), .not. matches('', '?')]), '* and ?')
+    call t%check(all([matches('sleeper', 'sl??per'), .not. matches('sleeper', 'sl?per'), .not. matches('sleeper', 'sleepe')]), '?')
+    call t%check(all([matches('abcabd', 'a*abd'), matches('aaab', '*ab'), .not. matches('aaab', '*aa')]), 'a star that gives back')
+    call t%check(all([matches('a*b', 'a?b'), matches('sleeper', 'sleeper'), .not. matches('sleepers', 'sleeper')]), 'no star')
+  end subroutine test_wildcards
 end program test_base
