@@ -24,7 +24,7 @@ module sg_field_visitor
   !> A field: one array, with values of each item
   type :: field_t
     !> Name of the component of the type
-    character(len=16) :: name = ''
+    character(len=20) :: name = ''
     !> When it is sent, one of `sync_*`
     integer :: sync = sync_never
     !> Values per item

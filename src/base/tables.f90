@@ -11,7 +11,8 @@ module sg_tables
   !> One table
   type :: table_t
     !> Whose it is, and its name there
-    character(len=16) :: owner = '', name = ''
+    character(len=16) :: owner = ''
+    character(len=20) :: name = ''
     !> What it has an item for, `per_body` or `per_contact`
     integer :: per = per_body
     !> Is it there?

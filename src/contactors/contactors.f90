@@ -10,6 +10,7 @@ module sg_contactors
   use sg_shape_kinds, only: is_round, kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_names, kind_plane, &
                             kind_point, kind_polygon, kind_polyhedron, kind_segment, kind_sphere, n_kinds
   use sg_space_shapes, only: place_in_space, space_shapes_t
+  use sg_path_bound, only: longer_path
   implicit none
   private
   public :: contactors_t, kind_disk, kind_segment, kind_hollow, kind_polygon, kind_point, kind_names, n_kinds
@@ -63,6 +64,8 @@ module sg_contactors
     real(wp), allocatable :: polygon_world(:, :)
     !> Polygons: outward unit normal and length [m] of the edge from each vertex to the next, there too, shape (3, vertex)
     real(wp), allocatable :: polygon_edge(:, :)
+    !> Polygons: path length so far (sg_path_bound) [m], shape (row)
+    real(wp), allocatable :: polygon_path(:)
     !> Shapes in space; nothing of it is allocated in the plane
     type(space_shapes_t) :: space
   contains
@@ -97,6 +100,7 @@ contains
       call visitor%visit(field_t('hollow_radius', sync_on_copy), self%hollow_radius)
     case (kind_polygon)
       call visitor%visit(field_t('polygon_first', sync_never, first=1.0_wp), self%polygon_first)
+      call visitor%visit(field_t('polygon_path', sync_never), self%polygon_path)
     case (table_vertices)
       call visitor%visit(field_t('polygon_vertex', sync_on_copy, 2), self%polygon_vertex)
       call visitor%visit(field_t('polygon_world', sync_never, 2), self%polygon_world)
@@ -280,13 +284,18 @@ contains
     type(contactors_t), intent(inout) :: contactors
     integer, intent(in) :: row
     real(wp), intent(in) :: centre(2), cosine, sine
+    real(wp) :: place(2), square
     integer :: v, first, last
 
     first = contactors%polygon_first(row)
     last = contactors%polygon_first(row + 1) - 1
+    square = 0
     do v = first, last
-      contactors%polygon_world(:, v) = centre + turned(contactors%polygon_vertex(:, v), cosine, sine)
+      place = centre + turned(contactors%polygon_vertex(:, v), cosine, sine)
+      square = max(square, (place(1) - contactors%polygon_world(1, v))**2 + (place(2) - contactors%polygon_world(2, v))**2)
+      contactors%polygon_world(:, v) = place
     end do
+    contactors%polygon_path(row) = longer_path(contactors%polygon_path(row), square)
     call edges_of(last - first + 1, contactors%polygon_world(:, first:last), contactors%polygon_edge(:, first:last))
   end subroutine place_polygon
 

@@ -31,6 +31,8 @@ module sg_space_shapes
     real(wp), allocatable :: hollow_size(:, :), hollow_axis(:, :), hollow_world(:, :)
     !> Convex polyhedra
     type(polyhedron_t), allocatable :: polyhedra(:)
+    !> Convex polyhedra: path length so far (sg_path_bound) [m], shape (row)
+    real(wp), allocatable :: polyhedron_path(:)
   contains
     procedure :: visit => space_shapes_visit
   end type space_shapes_t
@@ -58,6 +60,8 @@ contains
       call visitor%visit(field_t('hollow_size', sync_on_copy, 2), self%hollow_size)
       call visitor%visit(field_t('hollow_axis', sync_on_copy, 3), self%hollow_axis)
       call visitor%visit(field_t('hollow_world', sync_never, 3), self%hollow_world)
+    case (kind_polyhedron)
+      call visitor%visit(field_t('polyhedron_path', sync_never), self%polyhedron_path)
     end select
   end subroutine space_shapes_visit
 
@@ -89,7 +93,7 @@ contains
       case (kind_hollow_cylinder)
         space%hollow_world(:, row(c)) = turned_by(q, space%hollow_axis(:, row(c)))
       case (kind_polyhedron)
-        call place_polyhedron(space%polyhedra(row(c)), centre(:, c), frame_of(q))
+        call place_polyhedron(space%polyhedra(row(c)), centre(:, c), frame_of(q), space%polyhedron_path(row(c)))
       end select
     end do
   end subroutine place_in_space

@@ -19,6 +19,7 @@ module sg_detect
   use sg_touch_space, only: most_points, touch_space_t
   use sg_touch_space_pair, only: touch_space_pair
   use sg_touch_sphere_sphere, only: touch_sphere_sphere
+  use sg_path_bound, only: is_clear
   implicit none
   private
   public :: detect
@@ -69,7 +70,8 @@ contains
     if (contacts%is_cut) call grow_contacts(contacts, max(contacts%n, 1))
     contacts%n = 0
     allocate (first(pairs%n + 1))
-    if (scene%contactors%n_rows(kind_polygon) > 0) call keep_faces(history, pairs%n_near)
+    if (sum(scene%contactors%n_rows([kind_polygon, kind_polyhedron])) > 0) &
+      call keep_faces(history, pairs%n_near, scene%dimension - 1)
     if (scene%dimension == 2) then
       do p = 1, pairs%n_near
         if (ends_early(pairs, contacts, p)) exit
@@ -118,14 +120,21 @@ contains
     integer, intent(in) :: p
     type(contacts_t), intent(inout) :: contacts
     type(touch_t) :: touch
-    integer(i4) :: face
+    real(wp) :: path
 
-    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert)
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert, &
+               offset => scene%period*real(pairs%image(p), wp), contactors => scene%contactors)
       if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
-      face = 0
-      if (scene%contactors%kind(c) == kind_polygon) face = history%face(p)
-      call touch_pair(scene%contactors, c, a, scene%period*real(pairs%image(p), wp), alert, touch, scene%period, face)
-      if (scene%contactors%kind(c) == kind_polygon) history%face(p) = face
+      if (contactors%kind(c) == kind_polygon .and. contactors%kind(a) == kind_polygon) then
+        path = contactors%polygon_path(contactors%row(c)) + contactors%polygon_path(contactors%row(a))
+        if (is_clear(history%clearance(p), path, alert)) return
+        call touch_pair(contactors, c, a, offset, alert, touch, scene%period, history%face(1, p), history%clearance(p))
+        history%clearance(p) = history%clearance(p) + path
+      else if (contactors%kind(c) == kind_polygon) then
+        call touch_pair(contactors, c, a, offset, alert, touch, scene%period, history%face(1, p))
+      else
+        call touch_pair(contactors, c, a, offset, alert, touch, scene%period)
+      end if
       if (scene%shrink > 0) then
         if (all(scene%contactors%kind([c, a]) == kind_polygon)) &
           call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
@@ -139,11 +148,11 @@ contains
   subroutine touch_in_space(scene, pairs, history, p, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
-    type(history_t), intent(in) :: history
+    type(history_t), intent(inout) :: history
     integer, intent(in) :: p
     type(contacts_t), intent(inout) :: contacts
     type(touch_space_t) :: touch
-    real(wp) :: offset(3)
+    real(wp) :: offset(3), path
 
     ! Most pairs end right below: a function for these numbers costs a twentieth of the detection of spheres.
     offset = [scene%period*real(pairs%image(p), wp), scene%period_y*real(pairs%image_y(p), wp), 0.0_wp]
@@ -153,12 +162,15 @@ contains
       if (contactors%kind(c) == kind_sphere .and. contactors%kind(a) == kind_sphere) then
         call touch_sphere_sphere(contactors%centre(:, c), contactors%reach(c), contactors%centre(:, a) + offset, &
                                  contactors%reach(a), alert, touch)
+      else if (contactors%kind(c) == kind_polyhedron .and. contactors%kind(a) == kind_polyhedron) then
+        path = contactors%space%polyhedron_path(contactors%row(c)) + contactors%space%polyhedron_path(contactors%row(a))
+        if (is_clear(history%clearance(p), path, alert)) return
+        call touch_space_pair(contactors, c, a, offset, alert, [scene%period, scene%period_y], touch, history%face(:, p), &
+                              history%clearance(p))
+        history%clearance(p) = history%clearance(p) + path
+        if (scene%shrink > 0) call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
       else
         call touch_space_pair(contactors, c, a, offset, alert, [scene%period, scene%period_y], touch)
-        if (scene%shrink > 0) then
-          if (all(contactors%kind([c, a]) == kind_polyhedron)) &
-            call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
-        end if
       end if
     end associate
     if (touch%n > 0) call add_contacts(scene, pairs, history, p, law_of(scene, pairs, p), touch%n, touch%normal, touch%point, &

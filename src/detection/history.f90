@@ -39,8 +39,12 @@ module sg_history
     real(wp), allocatable :: carried(:, :)
     !> Past pair of each present one, 0 where there is none; unused while the list of neighbours stays
     integer(i4), allocatable :: past(:)
-    !> Face of each pair near another that the narrow phase tries first (`touch_convex`); no point depends on it
-    integer(i4), allocatable :: face(:)
+    !> What the narrow phase tries first of each present pair: in the plane a face (`touch_convex`), in space features of both
+    !! (`feature_of`), shape (1 or 2, pairs near each other); no point depends on it
+    integer(i4), allocatable :: face(:, :)
+    !> Least distance of each pair found apart, plus the paths of its shapes (sg_path_bound) at that time [m]; of pairs found so in
+    !! this list of neighbours
+    real(wp), allocatable :: clearance(:)
     !> Must pairs be matched, because the list of neighbours is another one?
     logical :: is_matched = .false.
     !> Were the contacts read from a deck or a restart file? Then `contactor` is set and `keep_contacts` is not due
@@ -153,6 +157,8 @@ contains
     logical :: is_new
 
     history%n_pairs = 0
+    ! Pairs and contactors may be others now.
+    if (allocated(history%face)) deallocate (history%face, history%clearance)
     call keep_contacts(history, contacts)
     call reserve(history%first, contacts%n + 1)
     call reserve(history%contactor, 2, contacts%n)
@@ -283,24 +289,28 @@ contains
     call group_items(candidate, n_contactors, first, member)
   end subroutine list_by_candidate
 
-  !> Give each present pair the face that was kept of it; none where it is new.
-  pure subroutine keep_faces(history, n)
-    type(history_t), intent(inout) :: history !! past; `face` is set
+  !> Give each pair of a new list of neighbours the faces or edges that were kept of it, none where it is new; clearances are found
+  !! again.
+  pure subroutine keep_faces(history, n, n_faces)
+    type(history_t), intent(inout) :: history !! past; `face` and `clearance` are set
     integer, intent(in) :: n !! present pairs that may have faces
-    integer(i4), allocatable :: face(:)
+    integer, intent(in) :: n_faces !! numbers that name what is kept of a pair
+    integer(i4), allocatable :: face(:, :)
     integer :: p, past
 
     if (allocated(history%face)) then
-      if (size(history%face) == n .and. .not. history%is_matched) return
+      if (size(history%clearance) == n .and. .not. history%is_matched) return
     else
-      allocate (history%face(0))
+      allocate (history%face(n_faces, 0), history%clearance(0))
     end if
-    allocate (face(n), source=0_i4)
+    allocate (face(n_faces, n), source=0_i4)
     do p = 1, n
       past = past_pair(history, p)
-      if (past > 0 .and. past <= size(history%face)) face(p) = history%face(past)
+      if (past > 0 .and. past <= size(history%clearance)) face(:, p) = history%face(:, past)
     end do
     call move_alloc(face, history%face)
+    deallocate (history%clearance)
+    allocate (history%clearance(n), source=-huge(1.0_wp))
   end subroutine keep_faces
 
   !> Pair of the last detection that a present pair is; 0 where it is new.

@@ -129,6 +129,7 @@ contains
     call tables%note('carried', history%carried)
     call tables%note('past', history%past)
     call tables%note('face', history%face)
+    call tables%note('clearance', history%clearance)
   end subroutine list_history
 
   !> Tables of the contact problem.

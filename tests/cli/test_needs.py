@@ -63,7 +63,7 @@ order.contact order.chosen order.dealt order.groups_of active_set.closing active
 {MOMENTUM}"""
 PLANE = "contactors.segment_size contactors.segment_axis"
 SPACE = "bodies.crossings_y contactors.plane_half contactors.plane_rim contactors.plane_frame contactors.plane_world pairs.image_y contacts.image_y"
-POLYGONS = "contactors.polygon_first contactors.polygon_vertex contactors.polygon_world contactors.polygon_edge history.face"
+POLYGONS = "contactors.polygon_first contactors.polygon_vertex contactors.polygon_world contactors.polygon_edge contactors.polygon_path history.face history.clearance"
 ONE_BY_ONE = "order.pair order.record order.impulse"
 BALL_LANES = "order.group_size order.lane_pair order.lane_record order.lane_impulse"
 SOLID_LANES = "order.solid_last_row order.solid_row_size order.solid_pair order.solid_row"
@@ -86,7 +86,7 @@ SCENES = {
         f"{SPACE} {BALL_LANES} bodies.orientation bodies.principal plan.radius contactors.sphere_radius", [], 740, 900,
     ),
     "polyhedra": (
-        in_space("polyhedron", 0.3), f"{SPACE} {SOLID_LANES} bodies.orientation bodies.principal contactors.polyhedra", ["Qhull"],
+        in_space("polyhedron", 0.3), f"{SPACE} {SOLID_LANES} bodies.orientation bodies.principal contactors.polyhedra contactors.polyhedron_path history.face history.clearance", ["Qhull"],
         5700, 1600,
     ),
 }  # fmt: skip

@@ -12,11 +12,12 @@ module polygon_touch
 contains
 
   !> Points of contact of two polygons without periodic image.
-  function touching(c, a, alert, kept) result(touch)
+  function touching(c, a, alert, kept, clearance) result(touch)
     real(wp), intent(in) :: c(:, :) !! vertices of the candidate [m]
     real(wp), intent(in) :: a(:, :) !! vertices of the antagonist [m]
     real(wp), intent(in) :: alert !! [m]
     integer(i4), intent(inout), optional :: kept !! face to try first, none unless given
+    real(wp), intent(out), optional :: clearance !! distance or less [m]
     type(touch_t) :: touch
     real(wp) :: edges_c(3, size(c, 2)), edges_a(3, size(a, 2))
     integer(i4) :: face
@@ -26,7 +27,7 @@ contains
     call edges_of(size(c, 2), c, edges_c)
     call edges_of(size(a, 2), a, edges_a)
     call touch_polygon_polygon(size(c, 2), c, edges_c, size(a, 2), a, edges_a, max(maxval(edges_c(3, :)), maxval(edges_a(3, :))), &
-                               [0.0_wp, 0.0_wp], alert, face, touch)
+                               [0.0_wp, 0.0_wp], alert, face, touch, clearance)
     if (present(kept)) kept = face
   end function touching
 

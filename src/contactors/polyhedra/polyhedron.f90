@@ -1,6 +1,7 @@
 !> Convex polyhedra: vertices, polygonal faces, edges; in the body's frame and placed in the world.
 module sg_polyhedron
   use sg_kinds, only: wp, i4
+  use sg_path_bound, only: longer_path
   implicit none
   private
   public :: polyhedron_t, place_polyhedron
@@ -26,20 +27,28 @@ module sg_polyhedron
 contains
 
   !> Put a polyhedron into the world.
-  pure subroutine place_polyhedron(shape, centre, frame)
+  pure subroutine place_polyhedron(shape, centre, frame, path)
     type(polyhedron_t), intent(inout) :: shape !! polyhedron; its world coordinates are set
     real(wp), intent(in) :: centre(3) !! of the contactor [m]
     real(wp), intent(in) :: frame(3, 3) !! columns: axes of the body's frame in the world
+    real(wp), intent(inout), optional :: path !! bound of its path length so far, see `longer_path` [m]
+    real(wp) :: place(3), moved, square
     integer :: i
 
+    square = 0
     if (.not. allocated(shape%world_vertex)) then
       allocate (shape%world_vertex(3, shape%n_vertices), shape%world_normal(3, shape%n_faces), shape%world_offset(shape%n_faces))
+      shape%world_vertex = spread(centre, 2, shape%n_vertices)
     end if
     shape%centre = centre
     do i = 1, shape%n_vertices
-      shape%world_vertex(:, i) = centre + frame(:, 1)*shape%vertex(1, i) + frame(:, 2)*shape%vertex(2, i) &
-                                 + frame(:, 3)*shape%vertex(3, i)
+      place = centre + frame(:, 1)*shape%vertex(1, i) + frame(:, 2)*shape%vertex(2, i) + frame(:, 3)*shape%vertex(3, i)
+      moved = (place(1) - shape%world_vertex(1, i))**2 + (place(2) - shape%world_vertex(2, i))**2 &
+              + (place(3) - shape%world_vertex(3, i))**2
+      square = max(square, moved)
+      shape%world_vertex(:, i) = place
     end do
+    if (present(path)) path = longer_path(path, square)
     do i = 1, shape%n_faces
       shape%world_normal(:, i) = frame(:, 1)*shape%normal(1, i) + frame(:, 2)*shape%normal(2, i) + frame(:, 3)*shape%normal(3, i)
       shape%world_offset(i) = dot_product(shape%world_normal(:, i), shape%world_vertex(:, shape%face_vertex(shape%face_first(i))))

@@ -6,9 +6,10 @@
 module sg_separation
   use sg_kinds, only: wp
   use sg_polyhedron, only: polyhedron_t
+  use sg_vectors, only: cross
   implicit none
   private
-  public :: axis_t, measure_axis, rounding_of
+  public :: axis_t, measure_axis, name_edges, normal_of_edges, rounding_of, separation_of
 
   !> An axis between two polyhedra
   type :: axis_t
@@ -61,6 +62,52 @@ contains
     axis%vertex_a = j
     axis%separation = dot_product(normal, (c%world_vertex(:, i) - a%world_vertex(:, j)) - offset)
   end subroutine measure_axis
+
+  !> Separation along an axis, from its normal and its two vertices [m].
+  pure real(wp) function separation_of(c, a, offset, axis) result(separation)
+    type(polyhedron_t), intent(in) :: c !! candidate, in the world
+    type(polyhedron_t), intent(in) :: a !! antagonist, in the world
+    real(wp), intent(in) :: offset(3) !! added to the antagonist's coordinates [m]
+    type(axis_t), intent(in) :: axis !! its normal and vertices
+
+    separation = dot_product(axis%normal, (c%world_vertex(:, axis%vertex_c) - a%world_vertex(:, axis%vertex_a)) - offset)
+  end function separation_of
+
+  !> Unit normal perpendicular to an edge of each, out of the antagonist.
+  pure subroutine normal_of_edges(c, a, i, j, normal, is_direction)
+    type(polyhedron_t), intent(in) :: c !! candidate, in the world
+    type(polyhedron_t), intent(in) :: a !! antagonist, in the world
+    integer, intent(in) :: i !! edge of the candidate
+    integer, intent(in) :: j !! edge of the antagonist
+    real(wp), intent(out) :: normal(3) !! the normal
+    logical, intent(out) :: is_direction !! are the edges far enough from parallel to have one?
+    real(wp) :: edge_a(3), edge_c(3), length2
+
+    edge_a = a%world_vertex(:, a%edge(2, j)) - a%world_vertex(:, a%edge(1, j))
+    edge_c = c%world_vertex(:, c%edge(2, i)) - c%world_vertex(:, c%edge(1, i))
+    normal = cross(edge_a, edge_c)
+    length2 = dot_product(normal, normal)
+    ! Nearly parallel edges give no direction, and where they matter faces or nearest points give a better one.
+    is_direction = length2 > 1e-20_wp*dot_product(edge_a, edge_a)*dot_product(edge_c, edge_c)
+    if (is_direction) normal = normal/sign(sqrt(length2), dot_product(normal, a%world_normal(:, a%edge(3, j)) &
+                                                                              + a%world_normal(:, a%edge(4, j))))
+  end subroutine normal_of_edges
+
+  !> Note the edges that an axis comes from, with the face of each that faces the other body.
+  pure subroutine name_edges(c, a, i, j, axis)
+    type(polyhedron_t), intent(in) :: c !! candidate, in the world
+    type(polyhedron_t), intent(in) :: a !! antagonist, in the world
+    integer, intent(in) :: i !! edge of the candidate
+    integer, intent(in) :: j !! edge of the antagonist
+    type(axis_t), intent(inout) :: axis !! axis measured along `normal_of_edges`
+
+    axis%edge_c = i
+    axis%edge_a = j
+    associate (face_c => c%edge(3:4, i), face_a => a%edge(3:4, j), normal => axis%normal)
+      axis%face_c = face_c(merge(1, 2, dot_product(c%world_normal(:, face_c(1)) - c%world_normal(:, face_c(2)), normal) <= 0))
+      axis%face_a = face_a(merge(1, 2, dot_product(a%world_normal(:, face_a(1)) - a%world_normal(:, face_a(2)), normal) >= 0))
+    end associate
+  end subroutine name_edges
 
   !> Lengths below which rounding hides all differences [m]: separations that differ by less are as good, points nearer are one.
   !!

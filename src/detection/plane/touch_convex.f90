@@ -51,7 +51,7 @@ contains
 
   !> Points of contact of two convex polygons; the antagonist's surface lies `radius_a` outside its vertices' hull.
   pure subroutine touch_convex(n_c, vertices_c, edges_c, n_a, vertices_a, edges_a, longest, offset_a, radius_a, alert, kept, &
-                               touch)
+                               touch, clearance)
     integer, intent(in) :: n_c !! vertices of the candidate
     real(wp), intent(in) :: vertices_c(2, n_c) !! candidate's vertices, counter-clockwise [m]
     real(wp), intent(in) :: edges_c(3, n_c) !! normals and lengths of its edges, see `edges_of` [m]
@@ -65,6 +65,8 @@ contains
     integer(i4), intent(inout) :: kept !! face to try first, on return the best one: an edge of the antagonist; of the candidate
     !! where it is negative; 0 for none. The points do not depend on it
     type(touch_t), intent(out) :: touch !! points found
+    real(wp), intent(out), optional :: clearance !! the hulls are as far apart at least, however that is measured; nothing where
+    !! they are found nearer than the points count [m]
     type(face_t) :: face_a, face_c
     real(wp) :: reach, floor, slack, height
     integer :: edge_a, edge_c, low_a, low_c
@@ -83,10 +85,12 @@ contains
       call find_lowest(n_a, vertices_a, edges_c(1:2, edge_c), vertices_c(:, edge_c) - offset_a, floor, low_a, height)
       floor = height - slack
     end if
+    if (present(clearance)) clearance = floor - sure_slack()
     if (floor >= reach) return
     call find_face(n_a, vertices_a, edges_a, n_c, vertices_c, -offset_a, reach, low_c, floor, face_a)
     if (face_a%height >= reach) then
       kept = int(face_a%edge, i4)
+      if (present(clearance)) clearance = face_a%height - sure_slack()
       return
     end if
     floor = max(floor, face_a%height - slack)
@@ -96,6 +100,7 @@ contains
     else
       kept = int(face_a%edge, i4)
     end if
+    if (present(clearance)) clearance = max(face_a%height, face_c%height) - sure_slack()
     if (face_c%height >= reach .or. max(face_a%edge, face_c%edge) == 0) return
     ! Of two faces as good, always the antagonist's: the normal of resting bricks must not depend on rounding.
     if (face_a%height >= face_c%height - same_length*max(face_a%length, face_c%length)) then
@@ -103,6 +108,14 @@ contains
     else
       call add_points(n_c, vertices_c, n_a, vertices_a, edges_a, offset_a, face_c, .false., radius_a, alert, touch)
     end if
+
+  contains
+
+    !> By how much heights may differ that are measured in other places [m]: faces as good, and digits lost far from the origin.
+    pure real(wp) function sure_slack()
+      sure_slack = 2*slack + 32*epsilon(slack)*(sum(abs(vertices_c(:, 1))) + sum(abs(vertices_a(:, 1))) + sum(abs(offset_a)) &
+                                                + real(n_c + n_a, wp)*longest)
+    end function sure_slack
   end subroutine touch_convex
 
   !> Find the reference edge over which the lowest incident vertex is highest; stop once it is beyond reach.

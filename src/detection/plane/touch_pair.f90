@@ -16,7 +16,7 @@ module sg_touch_pair
 contains
 
   !> Narrow phase of one pair: the kernel of its two kinds.
-  pure subroutine touch_pair(contactors, c, a, offset, alert, touch, period, kept)
+  pure subroutine touch_pair(contactors, c, a, offset, alert, touch, period, kept, clearance)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer(i4), intent(in) :: c !! candidate
     integer(i4), intent(in) :: a !! antagonist
@@ -25,6 +25,7 @@ contains
     type(touch_t), intent(out) :: touch !! points of contact
     real(wp), intent(in), optional :: period !! period in x, makes a level segment endless that spans it [m]
     integer(i4), intent(inout), optional :: kept !! face of polygons to try first, see `touch_convex`
+    real(wp), intent(inout), optional :: clearance !! set for two polygons: their distance or less [m]
     integer(i4) :: face
     real(wp) :: centre(2), shift(2), half_length
     integer :: row_c, row_a, first, n, first_c, n_c
@@ -60,7 +61,7 @@ contains
       associate (world => contactors%polygon_world, edge => contactors%polygon_edge, reach => contactors%reach)
         if (contactors%kind(a) == kind_polygon) then
           call touch_polygon_polygon(n_c, world(1, first_c), edge(1, first_c), n, world(1, first), edge(1, first), &
-                                     2*max(reach(c), reach(a)), shift, alert, face, touch)
+                                     2*max(reach(c), reach(a)), shift, alert, face, touch, clearance)
         else
           call touch_polygon_segment(n_c, world(1, first_c), edge(1, first_c), 2*reach(c), centre, &
                                      contactors%segment_axis(:, row_a), half_length, contactors%segment_size(2, row_a), alert, &

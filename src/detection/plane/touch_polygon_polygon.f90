@@ -10,7 +10,8 @@ module sg_touch_polygon_polygon
 contains
 
   !> Points of contact of two convex polygons whose vertices turn counter-clockwise.
-  pure subroutine touch_polygon_polygon(n_c, vertices_c, edges_c, n_a, vertices_a, edges_a, longest, offset_a, alert, kept, touch)
+  pure subroutine touch_polygon_polygon(n_c, vertices_c, edges_c, n_a, vertices_a, edges_a, longest, offset_a, alert, kept, touch, &
+                                        clearance)
     integer, intent(in) :: n_c !! vertices of the candidate
     real(wp), intent(in) :: vertices_c(2, n_c) !! candidate's vertices [m]
     real(wp), intent(in) :: edges_c(3, n_c) !! normals and lengths of its edges, see `edges_of` [m]
@@ -22,7 +23,8 @@ contains
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     integer(i4), intent(inout) :: kept !! face to try first, see `touch_convex`
     type(touch_t), intent(out) :: touch !! one point, or two where edges face each other
+    real(wp), intent(out), optional :: clearance !! their distance or less [m]
 
-    call touch_convex(n_c, vertices_c, edges_c, n_a, vertices_a, edges_a, longest, offset_a, 0.0_wp, alert, kept, touch)
+    call touch_convex(n_c, vertices_c, edges_c, n_a, vertices_a, edges_a, longest, offset_a, 0.0_wp, alert, kept, touch, clearance)
   end subroutine touch_polygon_polygon
 end module sg_touch_polygon_polygon

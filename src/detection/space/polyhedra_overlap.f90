@@ -6,8 +6,7 @@
 module sg_polyhedra_overlap
   use sg_kinds, only: wp
   use sg_polyhedron, only: polyhedron_t
-  use sg_separation, only: axis_t, measure_axis
-  use sg_vectors, only: cross
+  use sg_separation, only: axis_t, measure_axis, name_edges, normal_of_edges, separation_of
   implicit none
   private
   public :: try_faces, try_edges
@@ -51,7 +50,7 @@ contains
     axis%face_c = face_c
     axis%vertex_a = vertex_a
     axis%vertex_c = vertex_c
-    axis%separation = dot_product(axis%normal, (c%world_vertex(:, vertex_c) - a%world_vertex(:, vertex_a)) - offset)
+    axis%separation = separation_of(c, a, offset, axis)
   end subroutine try_faces
 
   !> Find the face over which the other's lowest vertex is highest, if it is above a bar.
@@ -185,8 +184,9 @@ contains
     real(wp), intent(inout) :: bar !! separation to beat [m]
     type(axis_t), intent(inout) :: axis !! best axis so far
     type(axis_t) :: trial
-    real(wp) :: edge_a(3), edge_c(3), left_a(3), right_a(3), normal(3), length2, right, on_left(batch), on_right(batch)
+    real(wp) :: edge_a(3), edge_c(3), left_a(3), right_a(3), normal(3), right, on_left(batch), on_right(batch)
     integer :: i, k
+    logical :: is_direction
 
     edge_a = a%world_vertex(:, a%edge(2, j)) - a%world_vertex(:, a%edge(1, j))
     left_a = a%world_normal(:, a%edge(3, j))
@@ -200,21 +200,15 @@ contains
       edge_c = near%way(k, :)
       right = dot_product(edge_c, right_a)
       if (dot_product(edge_c, left_a)*right >= 0 .or. (on_left(k) > 0 .eqv. right > 0)) cycle
-      normal = cross(edge_a, edge_c)
-      length2 = dot_product(normal, normal)
-      ! Nearly parallel edges give no direction, and where they matter faces or nearest points give a better one.
-      if (length2 <= 1e-20_wp*dot_product(edge_a, edge_a)*dot_product(edge_c, edge_c)) cycle
-      normal = normal/sign(sqrt(length2), dot_product(normal, left_a + right_a))
       i = near%edge(k)
+      call normal_of_edges(c, a, i, j, normal, is_direction)
+      if (.not. is_direction) cycle
       if (dot_product(normal, (c%world_vertex(:, c%edge(1, i)) - a%world_vertex(:, a%edge(1, j))) - offset) < bar) cycle
       ! What rounding makes of short edges is no axis unless all vertices confirm it.
       call measure_axis(c, a, offset, normal, trial)
       if (trial%separation < bar) cycle
       axis = trial
-      axis%edge_c = i
-      axis%edge_a = j
-      axis%face_c = c%edge(merge(3, 4, dot_product(near%left(k, :) - near%right(k, :), normal) <= 0), i)
-      axis%face_a = a%edge(merge(3, 4, dot_product(left_a - right_a, normal) >= 0), j)
+      call name_edges(c, a, i, j, axis)
       bar = trial%separation + rounding
     end do
   end subroutine try_edge

@@ -20,7 +20,7 @@ module sg_touch_space_pair
 contains
 
   !> Narrow phase of one pair.
-  pure subroutine touch_space_pair(contactors, c, a, offset, alert, period, touch)
+  pure subroutine touch_space_pair(contactors, c, a, offset, alert, period, touch, kept, clearance)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer(i4), intent(in) :: c !! candidate
     integer(i4), intent(in) :: a !! antagonist
@@ -28,6 +28,8 @@ contains
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     real(wp), intent(in) :: period(2) !! in x and y, makes a plane endless that spans it; zero where not periodic [m]
     type(touch_space_t), intent(out) :: touch !! points of contact
+    integer(i4), intent(inout), optional :: kept(2) !! features of two polyhedra to try first, see `touch_polyhedron_polyhedron`
+    real(wp), intent(inout), optional :: clearance !! set for two polyhedra: their distance or less [m]
 
     select case (contactors%kind(c))
     case (kind_sphere)
@@ -37,7 +39,7 @@ contains
     case (kind_polyhedron)
       associate (shape => contactors%space%polyhedra(contactors%row(c)), row => contactors%row(a))
         if (contactors%kind(a) == kind_polyhedron) then
-          call touch_polyhedron_polyhedron(shape, contactors%space%polyhedra(row), offset, alert, touch)
+          call touch_polyhedron_polyhedron(shape, contactors%space%polyhedra(row), offset, alert, touch, kept, clearance)
         else if (contactors%kind(a) == kind_plane) then
           call touch_polyhedron_plane(shape, contactors%centre(:, a) + offset, plane_axes(contactors, row), &
                                       facing_half(contactors, row, period), alert, touch)
