@@ -165,13 +165,14 @@ contains
     if (goes_on) call self%nesterov%resume(self%order, self%active_set%is_ordered(:problem%n_contacts), problem)
   end subroutine sets_choose
 
-  !> Let impulses and velocities go on before the next sweeps.
-  subroutine sets_go_on(self, problem, comm)
+  !> Let impulses and velocities go on before the next round.
+  subroutine sets_go_on(self, problem, is_sweep, comm)
     class(contact_sets_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! velocities change
+    logical, intent(in) :: is_sweep !! is a round one sweep of the only set?
     type(comm_t), intent(inout) :: comm !! the ranks
 
-    call self%nesterov%go_on(self%order, problem, comm)
+    call self%nesterov%go_on(self%order, problem, is_sweep, comm)
   end subroutine sets_go_on
 
   !> Take that back, with all sweeps since.
@@ -190,7 +191,11 @@ contains
     real(wp), intent(in) :: relaxation !! share of each change taken
     type(report_t), intent(inout) :: report !! updates are counted
 
-    call sweep(problem%kind, self%order(set), problem%n_bodies, relaxation, problem%body)
+    if (self%nesterov%is_due) then
+      call self%nesterov%sweep(self%order(set), problem)
+    else
+      call sweep(problem%kind, self%order(set), problem%n_bodies, relaxation, problem%body)
+    end if
     report%contact_updates = report%contact_updates + int(self%order(set)%n, i8)
   end subroutine sets_sweep
 

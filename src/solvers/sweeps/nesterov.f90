@@ -3,16 +3,16 @@
 !!
 !! x is what a sweep leaves, y what it starts from. Impulses and velocities go on together, so that V = V_free + M^-1 H r holds for
 !! y as it does for x; that y may leave the cones does no harm, since a local solve does not depend on the contact's own impulse.
-!! The passes over iterates are as short as vector registers allow (doc/performance.md): bodies have two records, which change
-!! places, and first sweeps and pauses have no pass at all.
+!! The passes over iterates are as short as vector registers allow (sg_iterates, doc/performance.md): bodies have two records, which
+!! change places, and first sweeps and pauses have no pass at all.
 module sg_nesterov
   use sg_comm, only: comm_t, sum_of_sweep
+  use sg_iterates, only: exchange_order, hold, iterates_t, step_order, takes_momentum
   use sg_kinds, only: wp
   use sg_nesterov_rule, only: nesterov_rule_t
   use sg_problem, only: problem_t
-  use sg_records, only: first_inverse
   use sg_sweep_order, only: give_impulses, put_impulses, sweep_order_t
-  use sg_sweep_solid_order, only: impulses_of_row, lanes, row_length
+  use sg_sweeps, only: sweep
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none
   private
@@ -20,17 +20,8 @@ module sg_nesterov
 
   !> Sweeps of a solve before the first with momentum: a solve that ends with its first test pays nothing
   integer, parameter :: first_sweeps = 5
-  !> Reals of impulses that a pass takes at once: those of a row of solids
-  integer, parameter :: run = impulses_of_row
   !> Sums of a rank whose pass had no start
   real(wp), parameter :: no_sums(3) = [0.0_wp, 0.0_wp, 1.0_wp]
-
-  !> The last iterates of one order, as it stores impulses: results of the sweep before, and what the last sweep started from
-  type :: iterates_t
-    real(wp), allocatable :: before(:), start(:)
-    !> State of the order that they belong to
-    integer :: serial = -1
-  end type iterates_t
 
   !> Momentum of one solve
   type :: nesterov_t
@@ -40,8 +31,10 @@ module sg_nesterov
     logical :: has_stepped = .false.
     !> The rule that gives the share
     type(nesterov_rule_t) :: rule
-    !> Is the start of the last sweep held?
+    !> Is the start of the last sweep known?
     logical, private :: has_start = .false.
+    !> Do impulses go on with the next sweep?
+    logical :: is_due = .false.
     !> Square of a sweep's change x - y, its product with the change of x from sweep to sweep, and number of ranks that lack a start
     !! for them: orders change on some ranks alone, and all must ignore such sums alike. Are they being summed over ranks?
     real(wp), private :: sums(3) = 0
@@ -54,6 +47,7 @@ module sg_nesterov
   contains
     procedure :: begin => nesterov_begin
     procedure :: go_on => nesterov_go_on
+    procedure :: sweep => nesterov_sweep
     procedure :: restore => nesterov_restore
     procedure :: finish => nesterov_finish
     procedure :: rest => nesterov_rest
@@ -71,6 +65,7 @@ contains
     logical, intent(in) :: is_on !! do sweeps take momentum?
 
     self%is_on = is_on
+    self%is_due = .false.
     self%has_stepped = .false.
     call self%rule%begin(first_sweeps)
   end subroutine nesterov_begin
@@ -82,17 +77,20 @@ contains
     call self%rule%rest()
   end subroutine nesterov_rest
 
-  !> Let impulses and velocities go on before a sweep: x becomes y. First sweeps, and those of a pause, start from x.
-  subroutine nesterov_go_on(self, orders, problem, comm)
+  !> Let impulses and velocities go on before a round: x becomes y. First sweeps, and those of a pause, start from x. Impulses of
+  !! solids side by side go on with the sweep, where a round is one.
+  subroutine nesterov_go_on(self, orders, problem, is_sweep, comm)
     class(nesterov_t), intent(inout) :: self
     type(sweep_order_t), intent(inout) :: orders(:) !! all contacts that are swept
     type(problem_t), intent(inout) :: problem !! its velocities are those of the impulses in the orders
+    logical, intent(in) :: is_sweep !! is a round one sweep of one order?
     type(comm_t), intent(inout) :: comm !! the ranks, which take the same share
     real(wp) :: share
     real(wp), allocatable :: body(:, :)
     integer :: s
 
     call self%finish(comm)
+    self%is_due = .false.
     if (self%rule%is_resting()) then
       call self%rule%next(self%sums(:2), .false., share)
       self%has_stepped = .false.
@@ -100,11 +98,15 @@ contains
     end if
     if (.not. self%has_stepped) call begin_past(self, orders, problem%body)
     call self%rule%next(self%sums(:2), .not. self%sums(3) > 0, share)
-    self%sums = 0
-    do s = 1, size(orders)
-      call step_order(orders(s), share, self%past(s), self%sums(:2))
-    end do
-    if (.not. self%has_start) self%sums = no_sums
+    self%past%share = share
+    self%is_due = is_sweep .and. takes_momentum(orders(1))
+    if (.not. self%is_due) then
+      do s = 1, size(orders)
+        call step_order(orders(s), self%past(s))
+      end do
+    end if
+    self%sums = no_sums
+    if (self%has_start) self%sums = [sum(self%past%sums(1)), sum(self%past%sums(2)), 0.0_wp]
     self%has_start = .true.
     self%is_pending = comm%size > 1
     if (self%is_pending) call comm%begin_sum(sum_of_sweep, self%sums)
@@ -114,6 +116,16 @@ contains
     call move_alloc(body, problem%body)
     self%has_stepped = .true.
   end subroutine nesterov_go_on
+
+  !> Sweep once; impulses that are due go on meanwhile.
+  subroutine nesterov_sweep(self, order, problem)
+    class(nesterov_t), intent(inout) :: self
+    type(sweep_order_t), intent(inout) :: order !! all contacts that are swept
+    type(problem_t), intent(inout) :: problem !! velocities change
+
+    call sweep(problem%kind, order, problem%n_bodies, 1.0_wp, problem%body, self%past(1))
+    self%is_due = .false.
+  end subroutine nesterov_sweep
 
   !> Finish the sums of the last pass: over the ranks they travel while the sweep goes on.
   subroutine nesterov_finish(self, comm)
@@ -142,138 +154,6 @@ contains
     self%has_start = .false.
     self%sums = no_sums
   end subroutine begin_past
-
-  !> Hold the impulses of an order as those of the sweep before.
-  subroutine hold(order, past)
-    type(sweep_order_t), intent(in) :: order
-    type(iterates_t), intent(inout) :: past
-    integer :: n, row
-
-    n = stored(order)
-    past%serial = order%serial
-    if (allocated(past%before)) then
-      if (size(past%before) < n) deallocate (past%before, past%start)
-    end if
-    if (.not. allocated(past%before)) allocate (past%before(n + n/8), past%start(n + n/8), source=0.0_wp)
-    if (order%n_groups > 0) then
-      call copy(n, order%lane_impulse, past%before)
-    else if (order%solids%n_groups > 0) then
-      do row = 1, order%solids%n_rows
-        call copy(impulses_of_row, order%solids%row(1, 1, row), past%before((row - 1)*impulses_of_row + 1))
-      end do
-    else if (n > 0) then
-      call copy(n, order%impulse, past%before)
-    end if
-  end subroutine hold
-
-  !> Reals that the impulses of an order take where it keeps them.
-  pure integer function stored(order)
-    type(sweep_order_t), intent(in) :: order
-
-    if (order%n_groups > 0) then
-      stored = size(order%lane_impulse(:, :, 1))*order%n_groups
-    else if (order%solids%n_groups > 0) then
-      stored = impulses_of_row*order%solids%n_rows
-    else
-      stored = 0
-      if (order%n > 0) stored = size(order%impulse, 1)*order%n
-    end if
-  end function stored
-
-  !> Copy reals.
-  pure subroutine copy(n, from, to)
-    integer, intent(in) :: n
-    real(wp), intent(in) :: from(n)
-    real(wp), intent(inout) :: to(n)
-
-    to = from
-  end subroutine copy
-
-  !> Exchange reals.
-  pure subroutine exchange(n, one, other)
-    integer, intent(in) :: n
-    real(wp), intent(inout) :: one(n), other(n)
-    real(wp) :: kept
-    integer :: i
-
-    do i = 1, n
-      kept = one(i)
-      one(i) = other(i)
-      other(i) = kept
-    end do
-  end subroutine exchange
-
-  !> Exchange the impulses of an order with those of the sweep before.
-  subroutine exchange_order(order, past)
-    type(sweep_order_t), intent(inout) :: order
-    type(iterates_t), intent(inout) :: past
-    integer :: row
-
-    if (order%n_groups > 0) then
-      call exchange(stored(order), order%lane_impulse, past%before)
-    else if (order%solids%n_groups > 0) then
-      do row = 1, order%solids%n_rows
-        call exchange(impulses_of_row, order%solids%row(1, 1, row), past%before((row - 1)*impulses_of_row + 1))
-      end do
-    else if (order%n > 0) then
-      call exchange(stored(order), order%impulse, past%before)
-    end if
-  end subroutine exchange_order
-
-  !> Let the impulses of an order go on.
-  subroutine step_order(order, share, past, sums)
-    type(sweep_order_t), intent(inout) :: order
-    real(wp), intent(in) :: share
-    type(iterates_t), intent(inout) :: past
-    real(wp), intent(inout) :: sums(2)
-
-    if (order%n_groups > 0) then
-      call step(stored(order), run, share, order%lane_impulse, past%before, past%start, sums)
-    else if (order%solids%n_groups > 0) then
-      call step(stored(order), lanes*row_length, share, order%solids%row, past%before, past%start, sums)
-    else if (order%n > 0) then
-      call step(stored(order), run, share, order%impulse, past%before, past%start, sums)
-    end if
-  end subroutine step_order
-
-  !> One pass over the iterates: sums of g = x - y and d = x - x_before, then y = x + share d. As many sums as reals of a run, which
-  !! vector registers take side by side.
-  pure subroutine step(n, stride, share, x, before, start, sums)
-    integer, intent(in) :: n !! reals
-    integer, intent(in) :: stride !! reals from the begin of a run of them to the next in x
-    real(wp), intent(in) :: share !! of the change to go on by
-    real(wp), intent(inout) :: x(stride, *) !! result of the last sweep, then the start of the next
-    real(wp), intent(inout) :: before(run, *) !! result of the sweep before, then of the last
-    real(wp), intent(inout) :: start(run, *) !! start of the last sweep, then of the next
-    real(wp), intent(inout) :: sums(2) !! sums of g^2 and g d grow
-    real(wp) :: g, d, gg(run), gd(run)
-    integer :: i, j
-
-    gg = 0
-    gd = 0
-    do j = 1, n/run
-      do i = 1, run
-        g = x(i, j) - start(i, j)
-        d = x(i, j) - before(i, j)
-        gg(i) = gg(i) + g*g
-        gd(i) = gd(i) + g*d
-        before(i, j) = x(i, j)
-        x(i, j) = x(i, j) + share*d
-        start(i, j) = x(i, j)
-      end do
-    end do
-    j = n/run + 1
-    do i = 1, modulo(n, run)
-      g = x(i, j) - start(i, j)
-      d = x(i, j) - before(i, j)
-      gg(i) = gg(i) + g*g
-      gd(i) = gd(i) + g*d
-      before(i, j) = x(i, j)
-      x(i, j) = x(i, j) + share*d
-      start(i, j) = x(i, j)
-    end do
-    sums = sums + [sum(gg), sum(gd)]
-  end subroutine step
 
   !> Velocities of y, from those of x and of the sweep before. All reals of a record are passed alike: others than velocities are
   !! the same in both.

@@ -167,7 +167,7 @@ contains
     do while (report%sweeps < self%options%maximum_sweeps)
       if (.not. self%is_coupled) call choose_again(self, problem, report)
       if (self%sets%nesterov%is_on) then
-        call self%sets%go_on(problem, comm)
+        call self%sets%go_on(problem, .not. self%is_coupled, comm)
         if (self%sets%nesterov%has_stepped) call self%mark(problem)
       end if
       call self%begin_round(problem, report)

@@ -35,8 +35,10 @@ module sg_sweep_solid_lanes
 contains
 
   !> One sweep, group by group.
-  pure subroutine sweep_solid_lanes(n_groups, n_rows, n_bodies, last_row, row_size, pair, special, relaxation, row, body)
-    integer, intent(in) :: n_groups !! groups
+  pure subroutine sweep_solid_lanes(first, last, n_groups, n_rows, n_bodies, last_row, row_size, pair, special, relaxation, row, &
+                                    body, share, before, sums)
+    integer, intent(in) :: first, last !! groups to visit
+    integer, intent(in) :: n_groups !! all groups
     integer, intent(in) :: n_rows !! rows of contacts side by side
     integer, intent(in) :: n_bodies !! slots
     integer(i4), intent(in) :: last_row(n_groups) !! last row of each group
@@ -46,24 +48,74 @@ contains
     real(wp), intent(in) :: relaxation !! share of each change taken
     real(wp), intent(inout) :: row(lanes, row_length, n_rows) !! impulses [N s] and records
     real(wp), intent(inout) :: body(body_length(solid_frictional), n_bodies) !! records of bodies; their velocities change
-    real(wp) :: one(lanes, solid_inverse_yz), other(lanes, solid_inverse_yz), extra(lanes, 3)
-    integer :: g, i, first
+    real(wp), intent(in), optional :: share !! of their last change by which impulses go on, where sweeps take momentum
+    real(wp), intent(inout), optional :: before(lanes, 3, n_rows) !! impulses that the sweep before left; then those of the last
+    real(wp), intent(out), optional :: sums(2) !! of g^2 and g d, g = x - y, d = x - x_before
+    real(wp) :: one(lanes, solid_inverse_yz), other(lanes, solid_inverse_yz), extra(lanes, 3), start(lanes, 3)
+    real(wp) :: gg(lanes, 3), gd(lanes, 3)
+    integer :: g, i, begin
 
     extra = 0
-    first = 1
-    do g = 1, n_groups
+    gg = 0
+    gd = 0
+    begin = 1
+    if (first > 1) begin = last_row(first - 1) + 1
+    do g = first, last
       call fetch(n_bodies, pair(:, 1, g), body, one)
       call fetch(n_bodies, pair(:, 2, g), body, other)
-      do i = first, last_row(g)
+      do i = begin, last_row(g)
         call prefetch_row(row(:, :, min(i + ahead, n_rows)))
+        if (present(before)) call set_off(share, row(:, row_impulse_n:row_impulse_2, i), before(:, :, i), start)
         if (size(special, 3) > 0) call add_special(special(:, :, i), row(:, row_impulse_n:row_impulse_2, i), extra)
         call update_row(relaxation, extra, row(:, :, i), one, other)
+        if (present(before)) call compare(row(:, row_impulse_n:row_impulse_2, i), before(:, :, i), start, gg, gd)
       end do
-      call put_back(n_bodies, row_size(first), pair(:, 1, g), one, body)
-      call put_back(n_bodies, row_size(first), pair(:, 2, g), other, body)
-      first = last_row(g) + 1
+      call put_back(n_bodies, row_size(begin), pair(:, 1, g), one, body)
+      call put_back(n_bodies, row_size(begin), pair(:, 2, g), other, body)
+      begin = last_row(g) + 1
     end do
+    if (present(sums)) sums = [sum(gg), sum(gd)]
   end subroutine sweep_solid_lanes
+
+  !> Let impulses go on by a share of their last change: x becomes y.
+  pure subroutine set_off(share, x, before, start)
+    real(wp), intent(in) :: share
+    real(wp), intent(inout) :: x(lanes, 3), before(lanes, 3)
+    real(wp), intent(out) :: start(lanes, 3)
+    integer :: i
+
+    do i = 1, lanes
+      start(i, 1) = x(i, 1) + share*(x(i, 1) - before(i, 1))
+      start(i, 2) = x(i, 2) + share*(x(i, 2) - before(i, 2))
+      start(i, 3) = x(i, 3) + share*(x(i, 3) - before(i, 3))
+      before(i, 1) = x(i, 1)
+      before(i, 2) = x(i, 2)
+      before(i, 3) = x(i, 3)
+      x(i, 1) = start(i, 1)
+      x(i, 2) = start(i, 2)
+      x(i, 3) = start(i, 3)
+    end do
+  end subroutine set_off
+
+  !> Add what their sweep has done: sums of g^2 and g d, g = x - y, d = x - x_before.
+  pure subroutine compare(x, before, start, gg, gd)
+    real(wp), intent(in) :: x(lanes, 3), before(lanes, 3), start(lanes, 3)
+    real(wp), intent(inout) :: gg(lanes, 3), gd(lanes, 3)
+    real(wp) :: g_1, g_2, g_3
+    integer :: i
+
+    do i = 1, lanes
+      g_1 = x(i, 1) - start(i, 1)
+      g_2 = x(i, 2) - start(i, 2)
+      g_3 = x(i, 3) - start(i, 3)
+      gg(i, 1) = gg(i, 1) + g_1*g_1
+      gg(i, 2) = gg(i, 2) + g_2*g_2
+      gg(i, 3) = gg(i, 3) + g_3*g_3
+      gd(i, 1) = gd(i, 1) + g_1*(x(i, 1) - before(i, 1))
+      gd(i, 2) = gd(i, 2) + g_2*(x(i, 2) - before(i, 2))
+      gd(i, 3) = gd(i, 3) + g_3*(x(i, 3) - before(i, 3))
+    end do
+  end subroutine compare
 
   !> Bodies side by side.
   pure subroutine fetch(n_bodies, slot, body, own)

@@ -1,5 +1,6 @@
 !> One sweep over contacts in a chosen order, by the kernel of the problem's kind.
 module sg_sweeps
+  use sg_iterates, only: iterates_t, takes_momentum
   use sg_kinds, only: wp, i4
   use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
                         round_frictionless, solid_bonded, solid_frictional, solid_frictionless
@@ -10,85 +11,104 @@ module sg_sweeps
   use sg_sweep_round, only: sweep_round_frictional, sweep_round_frictionless
   use sg_sweep_solid, only: sweep_solid_bonded, sweep_solid_frictional, sweep_solid_frictionless
   use sg_sweep_solid_lanes, only: sweep_solid_lanes
+  use sg_sweep_solid_order, only: solid_lanes_t
   implicit none
   private
   public :: sweep, sweep_impulses
 
 contains
 
-  !> Update every contact of an order once.
-  subroutine sweep(kind, order, n_bodies, relaxation, body)
+  !> Update every contact of an order once. Solids side by side may take momentum.
+  subroutine sweep(kind, order, n_bodies, relaxation, body, past)
     integer, intent(in) :: kind !! kind of problem
     type(sweep_order_t), intent(inout) :: order !! contacts to visit; their impulses change
     integer, intent(in) :: n_bodies !! slots
     real(wp), intent(in) :: relaxation !! share of each change taken
     real(wp), intent(inout), contiguous :: body(:, :) !! body records; their velocities change
+    type(iterates_t), intent(inout), optional :: past !! iterates of solids side by side, whose bodies have gone on by its share of
+                                                      !! their last change; its sums are set
 
     if (order%blocks%n > 0) then
-      call sweep_colours(kind, order, n_bodies, relaxation, body)
+      call sweep_colours(kind, order, n_bodies, relaxation, body, past)
     else if (order%n_groups > 0) then
       call sweep_ball_lanes(order%n_groups, n_bodies, order%lane_pair, order%lane_record, relaxation, order%lane_impulse, body)
-    else if (order%solids%n_groups > 0) then
-      associate (solids => order%solids)
-        call sweep_solid_lanes(solids%n_groups, solids%n_rows, n_bodies, solids%last_row, solids%row_size, solids%pair, &
-                               solids%special, relaxation, solids%row, body)
-      end associate
-    else
+    else if (.not. takes_momentum(order)) then
       call sweep_run(kind, order%n, n_bodies, order%pair, order%record, relaxation, order%impulse, body)
+    else if (present(past)) then
+      call sweep_solids(order%solids, 1, order%solids%n_groups, n_bodies, relaxation, body, past%share, past%before, past%sums)
+    else
+      call sweep_solids(order%solids, 1, order%solids%n_groups, n_bodies, relaxation, body)
     end if
   end subroutine sweep
 
   !> The same, colour by colour: threads share the blocks of a colour, which touch no body in common, and wait for each other
   !! before the next one. The result does not depend on which thread sweeps a block.
-  subroutine sweep_colours(kind, order, n_bodies, relaxation, body)
+  subroutine sweep_colours(kind, order, n_bodies, relaxation, body, past)
     integer, intent(in) :: kind, n_bodies
     type(sweep_order_t), intent(inout) :: order
     real(wp), intent(in) :: relaxation
     real(wp), intent(inout), contiguous :: body(:, :)
+    type(iterates_t), intent(inout), optional :: past
+    real(wp) :: sums(2, order%blocks%n)
     integer :: c, b
 
     !$omp parallel default(shared) private(c, b) num_threads(order%threads) if (order%threads > 1)
     do c = 1, order%blocks%n_colours
       !$omp do schedule(static)
       do b = order%blocks%last_of_colour(c - 1) + 1, order%blocks%last_of_colour(c)
-        call sweep_block(kind, order, b, n_bodies, relaxation, body)
+        call sweep_block(kind, order, b, n_bodies, relaxation, body, sums(:, b), past)
       end do
       !$omp end do
     end do
     !$omp end parallel
+    if (present(past)) past%sums = sum(sums, 2)
   end subroutine sweep_colours
 
   !> Sweep one block.
-  pure subroutine sweep_block(kind, order, b, n_bodies, relaxation, body)
+  pure subroutine sweep_block(kind, order, b, n_bodies, relaxation, body, sums, past)
     integer, intent(in) :: kind, b, n_bodies
     type(sweep_order_t), intent(inout) :: order
     real(wp), intent(in) :: relaxation
     real(wp), intent(inout), contiguous :: body(:, :)
-    integer :: first, last, before, n_special
+    real(wp), intent(out) :: sums(2) !! of this block, where it takes momentum
+    type(iterates_t), intent(inout), optional :: past
+    integer :: first, last
 
+    sums = 0
     if (order%n_groups > 0) then
       first = order%blocks%last_group(b - 1) + 1
       last = order%blocks%last_group(b)
       call sweep_ball_lanes(last - first + 1, n_bodies, order%lane_pair(:, :, first:last), order%lane_record(:, :, first:last), &
                             relaxation, order%lane_impulse(:, :, first:last), body)
-    else if (order%solids%n_groups > 0) then
-      first = order%blocks%last_solid_group(b - 1) + 1
-      last = order%blocks%last_solid_group(b)
-      before = order%blocks%last_row(b - 1)
-      associate (solids => order%solids, end => order%blocks%last_row(b))
-        n_special = size(solids%special, 3)
-        call sweep_solid_lanes(last - first + 1, end - before, n_bodies, solids%last_row(first:last) - int(before, i4), &
-                               solids%row_size(before + 1:end), solids%pair(:, :, first:last), &
-                               solids%special(:, :, min(before, n_special) + 1:min(end, n_special)), relaxation, &
-                               solids%row(:, :, before + 1:end), body)
-      end associate
-    else
+    else if (.not. takes_momentum(order)) then
       first = order%blocks%last(b - 1) + 1
       last = order%blocks%last(b)
       call sweep_run(kind, last - first + 1, n_bodies, order%pair(:, first:last), order%record(:, first:last), relaxation, &
                      order%impulse(:, first:last), body)
+    else
+      first = order%blocks%last_solid_group(b - 1) + 1
+      last = order%blocks%last_solid_group(b)
+      if (present(past)) then
+        call sweep_solids(order%solids, first, last, n_bodies, relaxation, body, past%share, past%before, sums)
+      else
+        call sweep_solids(order%solids, first, last, n_bodies, relaxation, body)
+      end if
     end if
   end subroutine sweep_block
+
+  !> Sweep groups of solids side by side.
+  pure subroutine sweep_solids(solids, first, last, n_bodies, relaxation, body, share, before, sums)
+    type(solid_lanes_t), intent(inout) :: solids
+    integer, intent(in) :: first, last, n_bodies
+    real(wp), intent(in) :: relaxation
+    real(wp), intent(inout), contiguous :: body(:, :)
+    real(wp), intent(in), optional :: share
+    real(wp), intent(inout), optional :: before(*)
+    real(wp), intent(out), optional :: sums(2)
+
+    call sweep_solid_lanes(first, last, solids%n_groups, solids%n_rows, n_bodies, solids%last_row, solids%row_size, solids%pair, &
+                           solids%special, relaxation, solids%row, body, share, before, sums)
+  end subroutine sweep_solids
 
   !> The same with impulses that stand apart, one by one.
   pure subroutine sweep_impulses(kind, order, n_bodies, relaxation, impulse, body)

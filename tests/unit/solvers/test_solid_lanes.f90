@@ -195,8 +195,8 @@ contains
     type(problem_t), intent(inout) :: problem
 
     associate (solids => order%solids)
-      call sweep_solid_lanes(solids%n_groups, solids%n_rows, problem%n_bodies, solids%last_row, solids%row_size, solids%pair, &
-                             solids%special, relaxation, solids%row, problem%body)
+      call sweep_solid_lanes(1, solids%n_groups, solids%n_groups, solids%n_rows, problem%n_bodies, solids%last_row, &
+                             solids%row_size, solids%pair, solids%special, relaxation, solids%row, problem%body)
     end associate
     call give_impulses(order, problem)
   end subroutine sweep_lanes
