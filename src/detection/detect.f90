@@ -344,8 +344,13 @@ contains
     if (scene%dimension == 3) contacts%image_y(k) = pairs%image_y(p)
     contacts%law(k) = law
     contacts%feature(k) = feature
-    contacts%normal(:, k) = normal
-    contacts%point(:, k) = point
+    ! Component by component: of a number that is not known the compiler calls a procedure to copy them.
+    contacts%normal(1:2, k) = normal(1:2)
+    contacts%point(1:2, k) = point(1:2)
+    if (scene%dimension == 3) then
+      contacts%normal(3, k) = normal(3)
+      contacts%point(3, k) = point(3)
+    end if
     contacts%gap(k) = gap
     if (past > 0) then
       contacts%impulse(:, k) = history%impulse(:, past)

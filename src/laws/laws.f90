@@ -10,7 +10,7 @@ module sg_laws
   use sg_kinds, only: wp, i1
   implicit none
   private
-  public :: law_t, local_law_t, local_law, linear_law
+  public :: law_t, local_law_t, local_law, set_local_law, linear_law
   public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
   public :: law_rod, law_wire, law_rigid_wire, law_bond, is_link_law
   public :: law_iqs_g0, law_gap_g0, law_elastic_g0, law_gap_shifted, law_viscoelastic
@@ -107,6 +107,20 @@ contains
     real(wp), intent(in), optional :: internal(:) !! internal values of the contact, for laws that keep some
     real(wp), intent(in), optional :: surface !! of the contact, for laws that need it [m2; m in the plane]
     type(local_law_t) :: local
+
+    call set_local_law(law, gap, time_step, before, status, local, internal, surface)
+  end function local_law
+
+  !> The same in place: assembly would copy the result several times per contact.
+  pure subroutine set_local_law(law, gap, time_step, before, status, local, internal, surface)
+    type(law_t), intent(in) :: law !! law of the contact
+    real(wp), intent(in) :: gap !! at the detection configuration [m]
+    real(wp), intent(in) :: time_step !! time step h [s]
+    real(wp), intent(in) :: before(3) !! relative velocity at the beginning of the step, normal and tangential [m/s]
+    integer(i1), intent(in) :: status !! what the contact did in the last step
+    type(local_law_t), intent(out) :: local !! what the law asks
+    real(wp), intent(in), optional :: internal(:) !! internal values of the contact, for laws that keep some
+    real(wp), intent(in), optional :: surface !! of the contact, for laws that need it [m2; m in the plane]
     real(wp) :: reference
 
     reference = 0
@@ -156,7 +170,7 @@ contains
     case (law_linear)
       local = linear_law(law)
     end select
-  end function local_law
+  end subroutine set_local_law
 
   !> Are shapes under the law rigid, so that overlap is an error of the scheme? It is a load of elastic laws, and bonds keep theirs.
   pure logical function forbids_overlap(law)

@@ -54,7 +54,7 @@ contains
     held = 0
     problem%most_friction = 0
     do k = 1, contacts%n
-      law = law_of_contact(scene, contacts, k, time_step)
+      call law_of_contact(scene, contacts, k, time_step, law)
       call put_contact(scene, pairs, contacts, k, law, problem)
       if (.not. law%is_active) cycle
       q = compact_velocity(problem, k)

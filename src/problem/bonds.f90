@@ -109,7 +109,7 @@ contains
 
     do k = 1, contacts%n
       if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
-      law = law_of_contact(scene, contacts, k, time_step)
+      call law_of_contact(scene, contacts, k, time_step, law)
       problem%most_friction = max(problem%most_friction, law%friction)
       problem%record(friction_place(problem%kind), k) = law%friction
       if (problem%kind == arm_bonded) then

@@ -5,7 +5,7 @@ module sg_contact_laws
   use sg_contact_surface, only: contact_surface
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp
-  use sg_laws, only: is_cohesive_zone, local_law, local_law_t, needs_surface
+  use sg_laws, only: is_cohesive_zone, local_law_t, needs_surface, set_local_law
   use sg_link_contacts, only: is_link, law_of_link
   use sg_mapping, only: relative_velocity
   use sg_scene, only: scene_t
@@ -16,12 +16,12 @@ module sg_contact_laws
 contains
 
   !> What the law of a contact asks in this step.
-  pure function law_of_contact(scene, contacts, k, time_step) result(law)
+  pure subroutine law_of_contact(scene, contacts, k, time_step, law)
     type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact
     real(wp), intent(in) :: time_step !! time step [s]
-    type(local_law_t) :: law
+    type(local_law_t), intent(out) :: law !! what it asks
     real(wp) :: before(3), surface
 
     if (is_link(scene, contacts, k)) then
@@ -43,7 +43,7 @@ contains
           before = velocity_before(scene, contacts, k)
         end if
       end if
-      law = local_law(own, contacts%gap(k), time_step, before, contacts%status(k), contacts%internal(:, k), surface)
+      call set_local_law(own, contacts%gap(k), time_step, before, contacts%status(k), law, contacts%internal(:, k), surface)
     end associate
-  end function law_of_contact
+  end subroutine law_of_contact
 end module sg_contact_laws

@@ -123,6 +123,7 @@ contains
     real(wp), intent(inout) :: record(:) !! record of the contact, all set except its block; its tangent may turn
     real(wp), intent(out) :: relief(3, 3) !! (I + K W)^-1 along the normal and the tangents of the record
     real(wp) :: frame(3, 3), w(3, 3), s(2, 2), turn(3, 3), angle, c, d
+    integer :: j
 
     frame(:, 1) = record(normal_x:normal_z)
     frame(:, 2) = record(solid_tangent_x:solid_tangent_z)
@@ -140,7 +141,11 @@ contains
     if (.not. w(1, 1) > tiny(1.0_wp)) record(solid_law) = 0
     if (record(solid_law) > least_active .or. maxval(stiffness) > 0) then
       s = w(2:3, 2:3)
-      if (record(solid_law) > least_active) s = s - spread(w(2:3, 1), 2, 2)*spread(w(1, 2:3), 1, 2)/w(1, 1)
+      if (record(solid_law) > least_active) then
+        do j = 1, 2
+          s(:, j) = s(:, j) - w(2:3, 1)*w(1, j + 1)/w(1, 1)
+        end do
+      end if
       angle = 0.5_wp*atan2(2*s(1, 2), s(1, 1) - s(2, 2))
       c = cos(angle)
       d = sin(angle)
@@ -205,10 +210,23 @@ contains
     real(wp) :: w(3, 3), lever(3, 3), inverse(3, 3)
     integer :: i
 
-    inverse = reshape(body([solid_inverse_xx, solid_inverse_xy, solid_inverse_xz, solid_inverse_xy, solid_inverse_yy, &
-                            solid_inverse_yz, solid_inverse_xz, solid_inverse_yz, solid_inverse_zz]), [3, 3])
+    inverse(1, 1) = body(solid_inverse_xx)
+    inverse(2, 1) = body(solid_inverse_xy)
+    inverse(3, 1) = body(solid_inverse_xz)
+    inverse(1, 2) = body(solid_inverse_xy)
+    inverse(2, 2) = body(solid_inverse_yy)
+    inverse(3, 2) = body(solid_inverse_yz)
+    inverse(1, 3) = body(solid_inverse_xz)
+    inverse(2, 3) = body(solid_inverse_yz)
+    inverse(3, 3) = body(solid_inverse_zz)
     ! Columns: arm x unit vectors, so that lever^T I^-1 lever is the rotational part.
-    lever = reshape([0.0_wp, arm(3), -arm(2), -arm(3), 0.0_wp, arm(1), arm(2), -arm(1), 0.0_wp], [3, 3])
+    lever = 0
+    lever(2, 1) = arm(3)
+    lever(3, 1) = -arm(2)
+    lever(1, 2) = -arm(3)
+    lever(3, 2) = arm(1)
+    lever(1, 3) = arm(2)
+    lever(2, 3) = -arm(1)
     w = matmul(transpose(lever), matmul(inverse, lever))
     do i = 1, 3
       w(i, i) = w(i, i) + body(solid_inverse_mx + i - 1)

@@ -6,7 +6,6 @@
 module sg_separation
   use sg_kinds, only: wp
   use sg_polyhedron, only: polyhedron_t
-  use sg_vectors, only: cross
   implicit none
   private
   public :: axis_t, measure_axis, name_edges, normal_of_edges, rounding_of, separation_of
@@ -85,7 +84,10 @@ contains
 
     edge_a = a%world_vertex(:, a%edge(2, j)) - a%world_vertex(:, a%edge(1, j))
     edge_c = c%world_vertex(:, c%edge(2, i)) - c%world_vertex(:, c%edge(1, i))
-    normal = cross(edge_a, edge_c)
+    ! Written out, since the compiler calls a procedure of another file.
+    normal(1) = edge_a(2)*edge_c(3) - edge_a(3)*edge_c(2)
+    normal(2) = edge_a(3)*edge_c(1) - edge_a(1)*edge_c(3)
+    normal(3) = edge_a(1)*edge_c(2) - edge_a(2)*edge_c(1)
     length2 = dot_product(normal, normal)
     ! Nearly parallel edges give no direction, and where they matter faces or nearest points give a better one.
     is_direction = length2 > 1e-20_wp*dot_product(edge_a, edge_a)*dot_product(edge_c, edge_c)

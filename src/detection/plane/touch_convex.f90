@@ -14,14 +14,16 @@
 !! contact: a distance true in length and direction.
 !!
 !! A kept face, the reference of the last step, is measured first. The best face is at least as high, so most others are rejected
-!! at one vertex; a kept face beyond reach ends the search. Faces within `slack` below the kept one, or above it, are compared in
-!! their order as without it. A lower one cannot win. Nor can it decide among faces as good: one that is rejected in its favour
-!! is higher by `same_length` at most, and of such steps there are no more than faces. So no point depends on what is kept.
+!! at one vertex; a kept face beyond reach ends the search, and mostly it is proven best (`kept_face.f90`). Else faces in `slack`
+!! below the kept one, or above it, are compared in their order as without it. A lower one cannot win. Nor can it decide among
+!! faces as good: one that is rejected in its favour is higher by `same_length` at most, and of such steps there are no more than
+!! faces. So no point depends on what is kept.
 !!
 !! A point is named after its vertex, 1 to n_c of the candidate, n_c + 1 to n_c + n_a of the antagonist: whichever face is the
 !! reference and whichever edge the incident one, which a tilt of rounding size may change, the vertex stays. Of two
 !! vertices at one place the candidate's gives the name.
 module sg_touch_convex
+  use sg_kept_face, only: prove_face, stands_off
   use sg_kinds, only: wp, i4
   use sg_touch, only: touch_t, add_point, same_length
   implicit none
@@ -70,6 +72,7 @@ contains
     type(face_t) :: face_a, face_c
     real(wp) :: reach, floor, slack, height
     integer :: edge_a, edge_c, low_a, low_c
+    logical :: is_proven
 
     reach = alert + radius_a
     floor = -huge(floor)
@@ -78,15 +81,29 @@ contains
     edge_c = usable(-int(kept), n_c, edges_c)
     low_c = edge_c
     low_a = 0
+    if (present(clearance)) clearance = -huge(clearance)
+    is_proven = .false.
     if (edge_a > 0) then
-      call find_lowest(n_c, vertices_c, edges_a(1:2, edge_a), vertices_a(:, edge_a) + offset_a, floor, low_c, height)
+      call measure_kept(n_a, vertices_a, edges_a, edge_a, n_c, vertices_c, edges_c, -offset_a, slack, reach, .true., &
+                        low_c, height, is_proven)
       floor = height - slack
     else if (edge_c > 0) then
-      call find_lowest(n_a, vertices_a, edges_c(1:2, edge_c), vertices_c(:, edge_c) - offset_a, floor, low_a, height)
+      call measure_kept(n_c, vertices_c, edges_c, edge_c, n_a, vertices_a, edges_a, offset_a, slack, reach, .false., &
+                        low_a, height, is_proven)
       floor = height - slack
     end if
-    if (present(clearance)) clearance = floor - sure_slack()
-    if (floor >= reach) return
+    if (is_proven .or. floor >= reach) then
+      if (max(floor, height) >= reach) then
+        if (present(clearance)) clearance = height - sure_slack()
+      else if (edge_a > 0) then
+        face_a = face_t(edge_a, edges_a(3, edge_a), edges_a(1:2, edge_a), low_c, height)
+        call add_points(n_a, vertices_a, n_c, vertices_c, edges_c, -offset_a, face_a, .true., radius_a, alert, touch)
+      else
+        face_c = face_t(edge_c, edges_c(3, edge_c), edges_c(1:2, edge_c), low_a, height)
+        call add_points(n_c, vertices_c, n_a, vertices_a, edges_a, offset_a, face_c, .false., radius_a, alert, touch)
+      end if
+      return
+    end if
     call find_face(n_a, vertices_a, edges_a, n_c, vertices_c, -offset_a, reach, low_c, floor, face_a)
     if (face_a%height >= reach) then
       kept = int(face_a%edge, i4)
@@ -95,12 +112,8 @@ contains
     end if
     floor = max(floor, face_a%height - slack)
     call find_face(n_c, vertices_c, edges_c, n_a, vertices_a, offset_a, reach, max(low_a, face_a%edge), floor, face_c)
-    if (face_c%height > face_a%height) then
-      kept = -int(face_c%edge, i4)
-    else
-      kept = int(face_a%edge, i4)
-    end if
-    if (present(clearance)) clearance = max(face_a%height, face_c%height) - sure_slack()
+    kept = int(merge(-face_c%edge, face_a%edge, face_c%height > face_a%height), i4)
+    if (present(clearance) .and. face_c%height >= reach) clearance = face_c%height - sure_slack()
     if (face_c%height >= reach .or. max(face_a%edge, face_c%edge) == 0) return
     ! Of two faces as good, always the antagonist's: the normal of resting bricks must not depend on rounding.
     if (face_a%height >= face_c%height - same_length*max(face_a%length, face_c%length)) then
@@ -117,6 +130,35 @@ contains
                                                 + real(n_c + n_a, wp)*longest)
     end function sure_slack
   end subroutine touch_convex
+
+  !> Measure the face kept, and prove it best where that takes no search.
+  pure subroutine measure_kept(n_r, reference, edges_r, edge, n_i, incident, edges_i, shift, slack, reach, comes_first, low, &
+                               height, is_proven)
+    integer, intent(in) :: n_r !! vertices of the polygon that has the face
+    real(wp), intent(in) :: reference(2, n_r) !! its vertices [m]
+    real(wp), intent(in) :: edges_r(3, n_r) !! normals and lengths of its edges [m]
+    integer, intent(in) :: edge !! the face
+    integer, intent(in) :: n_i !! vertices of the other polygon
+    real(wp), intent(in) :: incident(2, n_i) !! its vertices [m]
+    real(wp), intent(in) :: edges_i(3, n_i) !! normals and lengths of its edges [m]
+    real(wp), intent(in) :: shift(2) !! added to its vertices [m]
+    real(wp), intent(in) :: slack !! heights that differ by less are as good [m]
+    real(wp), intent(in) :: reach !! height from which a face ends the search, and no proof is needed [m]
+    logical, intent(in) :: comes_first !! are faces of this polygon preferred to those of the other?
+    integer, intent(out) :: low !! the other's lowest vertex over the face
+    real(wp), intent(out) :: height !! its height [m]
+    logical, intent(out) :: is_proven !! does a search find this face?
+    real(wp) :: start(2), inside
+
+    start = reference(:, edge) - shift
+    call find_lowest(n_i, incident, edges_r(1:2, edge), start, -huge(height), low, height)
+    is_proven = height - slack < reach
+    if (is_proven) call prove_face(n_r, reference, edges_r, edge, incident(:, low) - start, height, slack, inside, is_proven)
+    if (comes_first .or. .not. is_proven) return
+    ! Of the other's faces those at its lowest vertex are next to parallel.
+    is_proven = stands_off(-edges_r(1:2, edge), edges_i(:, low), inside, slack)
+    if (is_proven) is_proven = stands_off(-edges_r(1:2, edge), edges_i(:, merge(n_i, low - 1, low == 1)), inside, slack)
+  end subroutine measure_kept
 
   !> Find the reference edge over which the lowest incident vertex is highest; stop once it is beyond reach.
   pure subroutine find_face(n_r, reference, edges, n_i, incident, shift, reach, probe, floor, face)

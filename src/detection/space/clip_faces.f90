@@ -240,8 +240,8 @@ contains
     real(wp), intent(out) :: corner(4, room, 2) !! corners about the reference's first corner [m], in (1:3, :, 1)
     integer, intent(out) :: owner(2, room, 2) !! owners, in (1, :, 1)
     integer, intent(out) :: n !! number of corners
-    real(wp) :: origin(3), start(3), finish(3), out(3), length
-    integer :: first_r, first_s, n_r, i
+    real(wp) :: origin(3), start(3), finish(3), side(3), out(3), length, beyond
+    integer :: first_r, first_s, n_r, i, k
 
     first_r = r%face_first(face_r)
     n_r = r%face_first(face_r + 1) - first_r
@@ -256,7 +256,18 @@ contains
     do i = 1, n_r
       start = finish
       finish = r%world_vertex(:, r%face_vertex(first_r + merge(0, i, i == n_r))) - origin
-      out = cross(finish - start, up)
+      side = finish - start
+      ! Written out, since the compiler calls a procedure of another file.
+      out(1) = side(2)*up(3) - side(3)*up(2)
+      out(2) = side(3)*up(1) - side(1)*up(3)
+      out(3) = side(1)*up(2) - side(2)*up(1)
+      ! Most sides cut nothing.
+      beyond = -huge(beyond)
+      do k = 1, n
+        beyond = max(beyond, out(1)*(corner(1, k, 1) - start(1)) + out(2)*(corner(2, k, 1) - start(2)) &
+                             + out(3)*(corner(3, k, 1) - start(3)))
+      end do
+      if (beyond <= 0) cycle
       length = sqrt(dot_product(out, out))
       if (length <= tiny(length)) cycle
       call cut(start, out/length, i, rounding, room, n, corner, owner)

@@ -88,7 +88,20 @@ contains
     pure real(wp) function area(k, l, i)
       integer, intent(in) :: k, l, i
 
-      area = -dot_product(normal, cross(point(1:3, chosen(l)) - point(1:3, chosen(k)), point(1:3, i) - point(1:3, chosen(k))))
+      area = added_area(normal, point(1:3, chosen(k)), point(1:3, chosen(l)), point(1:3, i))
     end function area
   end subroutine choose_points
+
+  !> Twice the area of the triangle of a side and a point, seen along a normal; negative where the point is left of the side.
+  pure real(wp) function added_area(normal, first, second, place) result(area)
+    real(wp), intent(in) :: normal(3) !! unit vector
+    real(wp), intent(in) :: first(3), second(3) !! ends of the side [m]
+    real(wp), intent(in) :: place(3) !! the point [m]
+    real(wp) :: u(3), v(3)
+
+    u = second - first
+    v = place - first
+    ! Written out, since the compiler calls a procedure of another file.
+    area = -dot_product(normal, [u(2)*v(3) - u(3)*v(2), u(3)*v(1) - u(1)*v(3), u(1)*v(2) - u(2)*v(1)])
+  end function added_area
 end module sg_four_points

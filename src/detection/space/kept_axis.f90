@@ -129,7 +129,7 @@ contains
     integer, intent(in) :: face !! one of its faces
     real(wp), intent(in) :: normal(3) !! its normal
     real(wp), intent(in) :: place(3) !! the point [m]
-    real(wp) :: start(3), side(3), within
+    real(wp) :: start(3), side(3), way(3), within
     integer :: k
 
     square = huge(square)
@@ -137,7 +137,9 @@ contains
       start = shape%world_vertex(:, shape%face_vertex(last))
       do k = first, last
         side = shape%world_vertex(:, shape%face_vertex(k)) - start
-        within = dot_product(cross(normal, side), place - start)
+        way = place - start
+        within = normal(1)*(side(2)*way(3) - side(3)*way(2)) + normal(2)*(side(3)*way(1) - side(1)*way(3)) &
+                 + normal(3)*(side(1)*way(2) - side(2)*way(1))
         square = min(square, max(within, 0.0_wp)**2/max(dot_product(side, side), tiny(within)))
         if (.not. square > 0) return
         start = start + side

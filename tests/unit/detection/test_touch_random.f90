@@ -76,6 +76,8 @@ contains
       alert = 10**random%uniform(-6.0_wp, 0.0_wp)
       if (modulo(i, 4) == 0) a = anint(2*a)/2
       if (modulo(i, 8) == 0) c = anint(2*c)/2
+      ! Rounded, some are no convex polygons any more, which readers refuse.
+      if (.not. (is_convex(a) .and. is_convex(c))) cycle
       found = 0
       touch = touching(c, a, alert, found)
       again = found
@@ -251,6 +253,24 @@ contains
     call random_polygon(random, zero, a)
     call random_polygon(random, [random%uniform(0.0_wp, 2.5_wp), random%uniform(-0.5_wp, 0.5_wp)], c)
   end subroutine random_pair
+
+  !> Does a polygon turn left at each of its vertices, and once in all?
+  pure logical function is_convex(vertices)
+    real(wp), intent(in) :: vertices(:, :)
+    real(wp) :: way(2), next(2), turns
+    integer :: i, n
+
+    n = size(vertices, 2)
+    turns = 0
+    is_convex = .false.
+    do i = 1, n
+      way = vertices(:, 1 + modulo(i, n)) - vertices(:, i)
+      next = vertices(:, 1 + modulo(i + 1, n)) - vertices(:, 1 + modulo(i, n))
+      if (way(1)*next(2) - way(2)*next(1) <= 0) return
+      turns = turns + acos((way(1)*next(1) + way(2)*next(2))/(norm2(way)*norm2(next)))
+    end do
+    is_convex = turns < 3*pi
+  end function is_convex
 
   !> A random convex polygon: vertices on an ellipse at angles that grow by random steps.
   subroutine random_polygon(random, centre, vertices)
