@@ -14,6 +14,7 @@ module sg_run_request
   use sg_shared_start, only: check_shared_start
   use sg_signature, only: signature_of_replicated
   use sg_simulation, only: simulation_t
+  use sg_stop_from_deck, only: stop_from_deck
   use sg_system, only: file_exists, make_folder
   use sg_text, only: text_t, to_text
   implicit none
@@ -47,6 +48,7 @@ contains
     type(diagnostics_t) :: diagnostics, shared
 
     call read_share(request%deck, request%settings, sim%comm, sim%scene, sim%options, deck, diagnostics)
+    if (diagnostics%count() == 0) call stop_from_deck(deck, sim%scene, sim%options, sim%stop, diagnostics)
     call take_options(request, deck, sim)
     call judge(diagnostics)
     if (is_bad .or. sim%comm%size == 1) return

@@ -3,12 +3,15 @@ module sg_scene_argument
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_arguments, only: arguments_t
   use sg_benchmark_scenes, only: check_lattice, make_lattice
+  use sg_blocks, only: deck_t
   use sg_comm, only: comm_t
-  use sg_deck, only: read_deck
+  use sg_deck, only: read_share
   use sg_error, only: diagnostics_t, error_t, exit_bad_input, exit_done
   use sg_kinds, only: wp
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
+  use sg_stop, only: stop_t
+  use sg_stop_from_deck, only: stop_from_deck
   implicit none
   private
   public :: read_scene_argument
@@ -25,13 +28,17 @@ contains
     integer, intent(out) :: code !! that of bad input where the deck has mistakes
     type(error_t), allocatable, intent(out) :: error !! set when there is no such lattice
     type(diagnostics_t) :: diagnostics
+    type(deck_t) :: deck
+    type(comm_t) :: alone
+    type(stop_t) :: stops
 
     code = exit_done
     if (arguments%has('lattice')) then
       call make_scene(arguments, scene, error)
       options%time_step = 1e-4_wp
     else
-      call read_deck(arguments%words(1)%s, arguments%all_of('set'), scene, options, diagnostics)
+      call read_share(arguments%words(1)%s, arguments%all_of('set'), alone, scene, options, deck, diagnostics)
+      if (diagnostics%count() == 0) call stop_from_deck(deck, scene, options, stops, diagnostics)
       if (comm%rank == 0) call diagnostics%print(error_unit)
       if (diagnostics%count() > 0) code = exit_bad_input
     end if

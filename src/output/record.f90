@@ -1,16 +1,17 @@
 !> record.csv: one row per recorded step, named columns, SI units (doc/guide/results.md lists them).
 module sg_record
   use sg_error, only: error_t
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i8
   use sg_measures, only: measures_t, unmeasured
   use sg_report, only: report_t
   use sg_step_csv, only: cell, resume_rows
+  use sg_tally, only: column_t
   use sg_text, only: to_text
   use sg_text_files, only: append_text, replace_file
   use sg_totals, only: n_phases, phase_names, totals_t
   implicit none
   private
-  public :: record_t
+  public :: record_t, record_columns
 
   !> The record of a run
   type :: record_t
@@ -58,53 +59,75 @@ contains
     integer, intent(in) :: dimension
     logical, intent(in) :: has_bonds
     character(len=:), allocatable :: names
-    type(measures_t) :: measures
+    type(column_t), allocatable :: columns(:)
+    type(report_t) :: report
+    type(totals_t) :: totals
     integer :: i
 
-    names = 'step,time,contacts,active_contacts,sweeps,contact_updates,converged,criterion,e1,e2,e8,violation'// &
-            ',cpu_seconds,wall_seconds'
-    do i = 1, n_phases
-      names = names//',cpu_'//trim(phase_names(i))
-    end do
-    measures = unmeasured(dimension, has_bonds)
-    do i = 1, size(measures%column)
-      names = names//','//trim(measures%column(i)%name)
-    end do
-    do i = 1, n_phases
-      names = names//',wall_'//trim(phase_names(i))
+    columns = record_columns(0, 0.0_wp, 0, report, totals, unmeasured(dimension, has_bonds))
+    names = trim(columns(1)%name)
+    do i = 2, size(columns)
+      names = names//','//trim(columns(i)%name)
     end do
   end function header
 
-  !> Add the row of a step.
-  subroutine record_add(self, step, time, contacts, report, totals, measures, error)
-    class(record_t), intent(in) :: self
+  !> All columns of a step: names and values, in the order of the record.
+  pure function record_columns(step, time, contacts, report, totals, measures) result(columns)
     integer, intent(in) :: step !! number of the step
     real(wp), intent(in) :: time !! end of the step [s]
     integer, intent(in) :: contacts !! number of contacts
     type(report_t), intent(in) :: report !! report of the solver on the step
     type(totals_t), intent(in) :: totals !! timers since the start
     type(measures_t), intent(in) :: measures !! indicators of the step
+    type(column_t), allocatable :: columns(:)
+    integer :: i
+
+    columns = [count_of('step', step), value_of('time', time), count_of('contacts', contacts), &
+               count_of('active_contacts', report%active_contacts), count_of('sweeps', report%sweeps), &
+               column_t('contact_updates', real(report%contact_updates, wp), .true.), &
+               count_of('converged', merge(1, 0, report%is_converged)), value_of('criterion', report%criterion), &
+               value_of('e1', report%e1), value_of('e2', report%e2), value_of('e8', report%e8), &
+               value_of('violation', report%violation), value_of('cpu_seconds', totals%clock%cpu), &
+               value_of('wall_seconds', totals%clock%wall), &
+               (value_of('cpu_'//phase_names(i), totals%phase(i)%cpu), i=1, n_phases), measures%column, &
+               (value_of('wall_'//phase_names(i), totals%phase(i)%wall), i=1, n_phases)]
+  end function record_columns
+
+  !> A column of a whole number.
+  pure function count_of(name, number) result(column)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: number
+    type(column_t) :: column
+
+    column = column_t(name, real(number, wp), .true.)
+  end function count_of
+
+  !> A column of a real.
+  pure function value_of(name, value) result(column)
+    character(len=*), intent(in) :: name
+    real(wp), intent(in) :: value
+    type(column_t) :: column
+
+    column = column_t(name, value)
+  end function value_of
+
+  !> Add the row of a step.
+  subroutine record_add(self, columns, error)
+    class(record_t), intent(in) :: self
+    type(column_t), intent(in) :: columns(:) !! of `record_columns`
     type(error_t), allocatable, intent(out) :: error !! set when the row cannot be written
     character(len=:), allocatable :: row
     integer :: i
 
     if (.not. self%is_root) return
-    row = to_text(step)//','//cell(time)//','//to_text(contacts)//','//to_text(report%active_contacts)//','// &
-          to_text(report%sweeps)//','//to_text(report%contact_updates)//','//merge('1', '0', report%is_converged)//','// &
-          cell(report%criterion)//','//cell(report%e1)//','//cell(report%e2)//','//cell(report%e8)//','// &
-          cell(report%violation)//','//cell(totals%clock%cpu)//','//cell(totals%clock%wall)
-    do i = 1, n_phases
-      row = row//','//cell(totals%phase(i)%cpu)
-    end do
-    do i = 1, size(measures%column)
-      if (measures%column(i)%is_count) then
-        row = row//','//to_text(nint(measures%column(i)%value))
+    row = ''
+    do i = 1, size(columns)
+      if (i > 1) row = row//','
+      if (columns(i)%is_count) then
+        row = row//to_text(nint(columns(i)%value, i8))
       else
-        row = row//','//cell(measures%column(i)%value)
+        row = row//cell(columns(i)%value)
       end if
-    end do
-    do i = 1, n_phases
-      row = row//','//cell(totals%phase(i)%wall)
     end do
     call append_text(self%file, row//new_line('a'), error)
   end subroutine record_add

@@ -52,8 +52,11 @@ module sg_run_summary
     logical :: is_root = .true.
     !> Where ranks share the scene: how, and what that cost
     type(shared_cost_t) :: shared
-    !> How the run ended, one of `run_*`, and the reason in one sentence (empty when done)
+    !> How the run ended, one of `run_*`, and the reason in one sentence (empty when all steps are done)
     character(len=:), allocatable :: status, reason
+    !> The end condition that ended the run, where one did; when, and the value of its first variable
+    character(len=:), allocatable :: stop_condition
+    real(wp) :: stop_time = 0, stop_value = 0
     !> Path, title, purpose and hash of the deck, folder of the results, solver, name of the stopping criterion
     character(len=:), allocatable :: deck, title, about, deck_hash, folder, method, criterion
     !> What a step of free fall brings [m/s]
@@ -245,6 +248,11 @@ contains
 
     call json%add('status', known(summary%status, run_failed))
     call json%add('reason', known(summary%reason, ''))
+    if (allocated(summary%stop_condition)) then
+      call json%add('stop_condition', summary%stop_condition)
+      call json%add('stop_time', summary%stop_time)
+      call json%add('stop_value', summary%stop_value)
+    end if
     call json%add('version', version)
     call json%add('commit', commit)
     call json%add('deck', known(summary%deck, ''))

@@ -7,17 +7,21 @@ module sg_after_step
   use sg_error, only: error_t
   use sg_guard, only: judge_energy
   use sg_kinds, only: wp
-  use sg_measures, only: measure
+  use sg_measures, only: measure, unmeasured
   use sg_radial_distribution, only: radial_distribution, radial_distribution_t
+  use sg_record, only: record_columns
   use sg_report, only: report_t
   use sg_simulation, only: simulation_t
+  use sg_stop, only: stop_variables
   use sg_structure_factor, only: structure_factor, structure_factor_t
   use sg_system, only: checkpoint_requested
+  use sg_tally, only: column_t
+  use sg_text, only: text_t
   use sg_timed, only: timed
   use sg_totals, only: phase_measure, phase_output, reduce_report, totals_t
   implicit none
   private
-  public :: measure_now, report_structure, write_due
+  public :: begin_stop, measure_now, report_structure, write_due
 
 contains
 
@@ -70,7 +74,7 @@ contains
   pure logical function is_last(sim)
     type(simulation_t), intent(in) :: sim
 
-    is_last = sim%step == sim%options%steps
+    is_last = sim%step == sim%options%steps .or. sim%stop%met > 0
   end function is_last
 
   !> Do the energies just measured, which all ranks have, end the run, or ask for a warning?
@@ -88,22 +92,61 @@ contains
     if (sim%writers%is_root) write (error_unit, '(a)') 'warning: '//warning
   end subroutine watch_energy
 
-  !> Add a row to the record, and one per tracked body to its file.
+  !> Add a row to the record, and one per tracked body to its file; test the end conditions.
   subroutine record_now(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
     type(report_t) :: report
     type(totals_t) :: totals
+    type(column_t), allocatable :: columns(:)
 
     call sim%totals%tick()
     report = sim%report
     totals = sim%totals
     call reduce_report(report, sim%comm)
     call totals%reduce(sim%comm)
-    call sim%writers%record%add(sim%step, sim%time(), sim%all_contacts, report, totals, sim%writers%measures, error)
+    columns = record_columns(sim%step, sim%time(), sim%all_contacts, report, totals, sim%writers%measures)
+    call sim%writers%record%add(columns, error)
     if (sim%tracks%is_on() .and. .not. allocated(error)) call sim%writers%tracks%add(sim%step, sim%time(), sim%tracks, error)
     call sim%comm%agree(error)
+    if (sim%stop%is_on() .and. .not. allocated(error)) call test_end(sim, columns)
   end subroutine record_now
+
+  !> Test the end conditions on the columns of the record and of the tracked bodies. Collective.
+  subroutine test_end(sim, columns)
+    type(simulation_t), intent(inout) :: sim
+    type(column_t), intent(in) :: columns(:)
+    real(wp), allocatable :: values(:)
+
+    values = columns%value
+    if (sim%tracks%is_on()) values = [values, reshape(sim%tracks%value, [size(sim%tracks%value)])]
+    call sim%stop%test(sim%time(), values, end_variables(sim, columns), sim%comm)
+  end subroutine test_end
+
+  !> Names of the values that end conditions may use.
+  function end_variables(sim, columns) result(names)
+    type(simulation_t), intent(in) :: sim !! a started simulation
+    type(column_t), intent(in) :: columns(:) !! of its record
+    type(text_t), allocatable :: names(:)
+
+    if (sim%tracks%is_on()) then
+      names = stop_variables(columns, sim%scene%dimension, sim%tracks%name)
+    else
+      names = stop_variables(columns, sim%scene%dimension, [text_t ::])
+    end if
+  end function end_variables
+
+  !> Make the end conditions of a started simulation ready.
+  subroutine begin_stop(sim, error)
+    type(simulation_t), intent(inout) :: sim !! started
+    type(error_t), allocatable, intent(out) :: error !! set where one names a column that the run does not record
+    type(report_t) :: report
+    type(totals_t) :: totals
+
+    if (.not. sim%stop%is_on()) return
+    call sim%stop%begin(end_variables(sim, record_columns(0, 0.0_wp, 0, report, totals, &
+                                                          unmeasured(sim%scene%dimension, sim%plan%has_bonds))), error)
+  end subroutine begin_stop
 
   !> Kinetic energy to show [J]: that of now on one rank; of several ranks the last one measured, which costs no message.
   real(wp) function present_energy(sim)

@@ -58,6 +58,7 @@ contains
     state%deck_hash = sim%options%deck_hash
     state%totals = [energy%pack(), totals%pack(), sim%pairs%skin, sim%signature]
     state%tracks = tracks%pack()
+    state%stop = sim%stop%pack()
     allocate (state%built(size(sim%scene%bodies%middle, 1), 0))
     if (sim%comm%size == 1 .and. allocated(sim%pairs%built)) state%built = sim%pairs%built
     call write_restart(sim%options%folder, state, sim%comm, error)
@@ -173,7 +174,7 @@ contains
     fault = ''
     associate (energies => state%totals(:n_energy_values), skin => state%totals(size(state%totals) - n_signature), &
                counted => state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
-      if (.not. (all(ieee_is_finite(energies)) .and. ieee_is_finite(skin) .and. all(ieee_is_finite(state%tracks)))) then
+      if (.not. (all(ieee_is_finite([energies, state%tracks, state%stop])) .and. ieee_is_finite(skin))) then
         fault = 'it holds sums that are not finite'
       else if (.not. totals%are_sound(counted)) then
         fault = 'it holds counts that are none'
@@ -200,6 +201,7 @@ contains
       call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals) - n_signature))
     end if
     call sim%tracks%unpack(state%tracks)
+    call sim%stop%unpack(state%stop)
     call sim%energy%leave_to_first(sim%comm)
     call sim%tracks%leave_to_first(sim%comm)
     call sim%totals%leave_to_first(sim%comm)

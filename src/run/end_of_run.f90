@@ -48,6 +48,11 @@ contains
                       worst_contact_words(totals, summary%fall_speed))
       else if (code == exit_not_converged) then
         call conclude(run_not_converged, 'step '//to_text(sim%step)//' did not converge')
+      else if (sim%stop%met > 0) then
+        summary%stop_condition = sim%stop%texts(sim%stop%met)%s
+        summary%stop_time = sim%stop%time
+        summary%stop_value = sim%stop%value
+        call conclude(run_done, sim%stop%reason())
       else
         call conclude(run_done, '')
       end if

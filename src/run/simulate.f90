@@ -2,7 +2,7 @@
 module sg_simulate
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_advance, only: advance
-  use sg_after_step, only: write_due
+  use sg_after_step, only: begin_stop, write_due
   use sg_alarm, only: end_after
   use sg_checkpoint, only: load_checkpoint, save_once
   use sg_claim, only: claim_folder, leave_folder
@@ -120,6 +120,8 @@ contains
     logical :: resumes, goes_on
 
     resumes = allocated(sim%options%restart_file)
+    call begin_stop(sim, error)
+    if (allocated(error)) return
     if (resumes) call load_checkpoint(sim, sim%options%restart_file, warnings, error)
     if (allocated(error)) return
     if (sim%writers%is_root) call warnings%print(error_unit)
@@ -141,7 +143,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     code = exit_done
-    do while (sim%step < sim%options%steps .and. code == exit_done)
+    do while (sim%step < sim%options%steps .and. code == exit_done .and. sim%stop%met == 0)
       call begin_trace(sim)
       call advance(sim, error)
       if (sim%dump%is_begun) call save_dump(sim, sim%step + merge(1, 0, allocated(error)))
@@ -185,6 +187,6 @@ contains
 
     must_stop = stop_signal() /= 0
     if (sim%options%deadline > 0) must_stop = must_stop .or. wall_now() > sim%options%deadline
-    must_stop = must_stop .and. sim%step < sim%options%steps
+    must_stop = must_stop .and. sim%step < sim%options%steps .and. sim%stop%met == 0
   end function must_stop
 end module sg_simulate

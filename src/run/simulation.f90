@@ -20,6 +20,7 @@ module sg_simulation
   use sg_scene, only: scene_t
   use sg_signature, only: n_signature, signature_of
   use sg_solver, only: solver_t
+  use sg_stop, only: stop_t
   use sg_text, only: to_text
   use sg_totals, only: totals_t
   use sg_tracks, only: tracks_t
@@ -60,8 +61,9 @@ module sg_simulation
     !> Works and costs since the start
     type(energy_t) :: energy
     type(totals_t) :: totals
-    !> Tracked bodies
+    !> Tracked bodies, and conditions that end the run
     type(tracks_t) :: tracks
+    type(stop_t) :: stop
     !> Phase whose clock runs, one of `phase_*`; 0 between phases
     integer :: phase = 0
     !> Bodies that passed through each other

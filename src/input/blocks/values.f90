@@ -1,9 +1,9 @@
 !> The value of one key: taken from the entries of a TOML text, checked against the key table, written as TOML.
 module sg_values
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use sg_key_table, only: key_t, value_bodies, value_body, value_box, value_choice, value_counts, value_faces, value_integer, &
-                          value_logical, value_name, value_pair, value_points, value_range, value_real, value_sides, value_text, &
-                          value_triple, value_turn, value_vector
+  use sg_key_table, only: key_t, value_bodies, value_body, value_box, value_choice, value_counts, value_faces, value_function, &
+                          value_integer, value_logical, value_name, value_pair, value_points, value_range, value_real, &
+                          value_sides, value_text, value_texts, value_triple, value_turn, value_vector
   use sg_kinds, only: wp, i4, i8
   use sg_lists, only: reserve
   use sg_text, only: joined, nearest_word, text_t, to_text
@@ -35,8 +35,9 @@ module sg_values
     !> Numbers, in the order of the text: shape (n); a logical is 1 or 0
     real(wp), allocatable :: numbers(:)
     integer :: n = 0
-    !> Words (text, choice, name): shape (n_words)
+    !> Words (text, choice, name): shape (n_words), and line and column of each, shape (2, n_words)
     type(text_t), allocatable :: words(:)
+    integer, allocatable :: word_places(:, :)
     integer :: n_words = 0
     !> Was it written as a list? Lists in it: how many, and how many numbers stand before each, shape (n_lists)
     logical :: is_list = .false.
@@ -75,10 +76,10 @@ contains
         value%before(value%n_lists) = int(value%n, i4)
       end if
     case (toml_string)
-      call add_word(value, present_word(entry%text, trim(key%former), value%former))
+      call add_word(value, present_word(entry%text, trim(key%former), value%former), [entry%line, entry%column])
     case default
       if (key%kind == value_body .or. key%kind == value_bodies) then
-        call add_word(value, '#'//to_text(entry%integer))
+        call add_word(value, '#'//to_text(entry%integer), [entry%line, entry%column])
         return
       end if
       call check_number(key, entry, message)
@@ -115,6 +116,10 @@ contains
       may = entry_kind == toml_logical .and. depth == 0
     case (value_text, value_choice)
       may = entry_kind == toml_string .and. depth == 0
+    case (value_texts)
+      may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. entry_kind == toml_string)
+    case (value_function)
+      may = depth == 0 .and. (number .or. entry_kind == toml_string)
     case (value_turn)
       may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. number)
     case (value_faces)
@@ -199,14 +204,28 @@ contains
     value%numbers(value%n) = number
   end subroutine add_number
 
-  !> Add a word.
-  subroutine add_word(value, word)
+  !> Add a word; most values hold one or two.
+  subroutine add_word(value, word, place)
     type(value_t), intent(inout) :: value
     character(len=*), intent(in) :: word
+    integer, intent(in) :: place(2)
+    type(text_t), allocatable :: more(:)
+    integer, allocatable :: places(:, :)
+    integer :: i
 
-    if (.not. allocated(value%words)) allocate (value%words(2))
+    if (.not. allocated(value%words)) allocate (value%words(2), value%word_places(2, 2))
+    if (value%n_words == size(value%words)) then
+      allocate (more(2*value%n_words), places(2, 2*value%n_words))
+      do i = 1, value%n_words
+        call move_alloc(value%words(i)%s, more(i)%s)
+      end do
+      places(:, :value%n_words) = value%word_places
+      call move_alloc(more, value%words)
+      call move_alloc(places, value%word_places)
+    end if
     value%n_words = value%n_words + 1
-    if (value%n_words <= 2) value%words(value%n_words)%s = word
+    value%words(value%n_words)%s = word
+    value%word_places(:, value%n_words) = place
   end subroutine add_word
 
   !> Check a value of which all entries are taken: number of elements, choice.
@@ -215,14 +234,15 @@ contains
     type(key_t), intent(in) :: key !! its line of the key table
     integer, intent(in) :: dimension !! of the scene; 0 where it is not known yet
     character(len=:), allocatable, intent(out) :: message !! what is wrong, unallocated when nothing is
+    integer :: i
 
     if (dimension > 0) then
       if (.not. has_right_count(value, key%kind, dimension)) message = 'must be '//value_name(key%kind, dimension)
     else if (.not. (has_right_count(value, key%kind, 2) .or. has_right_count(value, key%kind, 3))) then
       message = 'must be '//value_name(key%kind, 0)
     end if
-    if (key%kind == value_text) then
-      if (value%words(1)%s == '') message = 'must not be empty'
+    if (any(key%kind == [value_text, value_texts]) .and. .not. allocated(message)) then
+      if (any([(value%words(i)%s == '', i=1, value%n_words)])) message = 'must not be empty'
     end if
     if (key%kind == value_choice) call check_choice(value%words(1)%s, key, dimension, message)
     if ((key%kind == value_range .or. key%kind == value_sides) .and. value%n == 2) then
@@ -255,6 +275,8 @@ contains
       fits = value%n > 0
     case (value_bodies)
       fits = value%n_words == 2
+    case (value_texts)
+      fits = value%n_words > 0
     case default
       fits = .true.
     end select
@@ -327,6 +349,9 @@ contains
       text = trim(merge('true ', 'false', value%numbers(1) > 0))
     case (value_text, value_choice)
       text = quoted_string(value%words(1)%s)
+    case (value_texts)
+      text = joined(quoted_words(value), ', ')
+      if (value%is_list) text = '['//text//']'
     case (value_body)
       text = body_word(value%words(1)%s)
     case (value_bodies)
@@ -336,8 +361,22 @@ contains
     case default
       text = joined(list_words(value, key), ', ')
       if (value%is_list) text = '['//text//']'
+      ! An expression in place of a number
+      if (value%n_words > 0) text = quoted_string(value%words(1)%s)
     end select
   end function value_as_toml
+
+  !> The words of a value as TOML text.
+  function quoted_words(value) result(words)
+    type(value_t), intent(in) :: value
+    type(text_t), allocatable :: words(:)
+    integer :: i
+
+    allocate (words(value%n_words))
+    do i = 1, value%n_words
+      words(i)%s = quoted_string(value%words(i)%s)
+    end do
+  end function quoted_words
 
   !> The numbers of a value as TOML text, one a word, with the brackets of the lists that begin or end there.
   function list_words(value, key) result(words)

@@ -1,7 +1,7 @@
 !> The key table, first part: what to do with a scene. Defaults are those of `run_options_t`.
 module sg_keys_run
   use sg_key_table, only: key_table_t, value_body, value_box, value_choice, value_counts, value_integer, value_logical, &
-                          value_real
+                          value_real, value_texts
   use sg_kinds, only: wp
   use sg_methods, only: coupling_names, list_couplings, list_solvers, method_t, solver_names
   use sg_run_options, only: criterion_names, energy_guards, run_options_t, split_names
@@ -13,7 +13,7 @@ module sg_keys_run
 
 contains
 
-  !> Add the sections time, solver, partition, output, track, restart, guard and report.
+  !> Add the sections time, solver, partition, output, track, stop, restart, guard and report.
   subroutine add_run_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
@@ -147,7 +147,7 @@ contains
     end do
   end function described
 
-  !> Sections output, track, restart, guard and report.
+  !> Sections output, track, stop, restart, guard and report.
   subroutine add_output(table)
     type(key_table_t), intent(inout) :: table
     type(run_options_t) :: default
@@ -166,6 +166,12 @@ contains
     call table%add('body', value_body, 'Bodies, by name, in which * stands for any letters and ? for one, or by number. '// &
                    'The planes of a container "box" are box.floor, box.left and so on: its pattern is "box.*".', &
                    is_required=.true.)
+    call table%open_section('stop', 'When a run ends before its last step: conditions on what is recorded, tested in each '// &
+                            'recorded step. The first that holds ends it, with exit code 0.')
+    call table%add('when', value_texts, 'Conditions of columns of record.csv and of tracked bodies: "max_velocity < 1e-4", '// &
+                   '"displacement(sleeper) > 0.02 and time > 0.5".')
+    call table%add('for', value_integer, 'Recorded steps in a row in which a condition must hold.', default='1', least=1.0_wp)
+    call table%add('after', value_real, 'Time before which no condition is tested.', unit='s', default='0.0', least=0.0_wp)
     call table%open_section('restart', 'Checkpoints, from which a run can go on bit for bit.')
     call table%add('every', value_integer, 'Steps between two checkpoints; 0 for none.', &
                    default=to_text(default%restart_every), least=0.0_wp)

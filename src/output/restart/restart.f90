@@ -49,8 +49,8 @@ module sg_restart
     real(wp), allocatable :: built(:, :)
     !> Sums kept over the run, such as works of forces
     real(wp), allocatable :: totals(:)
-    !> What tracked bodies keep (sg_tracks); empty where there are none
-    real(wp), allocatable :: tracks(:)
+    !> What tracked bodies (sg_tracks) and end conditions (sg_stop) keep; empty where there are none
+    real(wp), allocatable :: tracks(:), stop(:)
   end type restart_t
 
 contains
@@ -138,9 +138,8 @@ contains
     call file%set('/', 'step', int(state%step, i8))
     call put_sealed(file, '/time', [state%time], is_common=.true.)
     call put_sealed(file, '/totals', state%totals, is_common=.true.)
-    if (allocated(state%tracks)) then
-      if (size(state%tracks) > 0) call put_sealed(file, '/tracks', state%tracks, is_common=.true.)
-    end if
+    call put_optional(file, '/tracks', state%tracks)
+    call put_optional(file, '/stop', state%stop)
     call put_sealed(file, '/built', state%built)
     call put_fields(file, '/bodies', state%bodies)
     call put_fields(file, '/contacts', state%contacts)
@@ -224,8 +223,8 @@ contains
     call file%get('/time', time)
     if (size(time) == 1) state%time = time(1)
     call file%get('/totals', state%totals)
-    if (file%has('/tracks')) call file%get('/tracks', state%tracks)
-    if (.not. allocated(state%tracks)) allocate (state%tracks(0))
+    call get_optional(file, '/tracks', state%tracks)
+    call get_optional(file, '/stop', state%stop)
     ! One rank alone takes up its list of neighbours.
     if (ranks%size == 1) call file%get('/built', state%built)
     if (.not. allocated(state%built)) allocate (state%built(0, 0))
@@ -234,6 +233,26 @@ contains
     call get_fields(file, '/bodies', bodies, scene%bodies, state%bodies)
     call get_fields(file, '/contacts', contacts, like, state%contacts)
   end subroutine read_file
+
+  !> Write a list that is the same on all ranks, unless it is empty.
+  subroutine put_optional(file, path, values)
+    type(hdf5_file_t), intent(inout) :: file
+    character(len=*), intent(in) :: path
+    real(wp), allocatable, intent(in) :: values(:)
+
+    if (.not. allocated(values)) return
+    if (size(values) > 0) call put_sealed(file, path, values, is_common=.true.)
+  end subroutine put_optional
+
+  !> Read a list that may not be there: then it is empty.
+  subroutine get_optional(file, path, values)
+    type(hdf5_file_t), intent(inout) :: file
+    character(len=*), intent(in) :: path
+    real(wp), allocatable, intent(out) :: values(:)
+
+    if (file%has(path)) call file%get(path, values)
+    if (.not. allocated(values)) allocate (values(0))
+  end subroutine get_optional
 
   !> Is an open file a restart file, in a layout that can be read?
   subroutine check_format(file)

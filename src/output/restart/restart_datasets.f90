@@ -14,6 +14,9 @@ module sg_restart_datasets
   private
   public :: check_shapes, dataset_paths, scene_misfit
 
+  !> Lists of any length that only some runs write
+  character(len=7), parameter :: optional_lists(2) = [character(len=7) :: '/tracks', '/stop']
+
   !> A dataset, values per row, and its rows
   type :: dataset_t
     character(len=32) :: path = ''
@@ -63,7 +66,9 @@ contains
     most = 0
     ! Their number does not follow from the scene; each takes at least four bytes of the file.
     inquire (file=file%name, size=bytes)
-    if (file%has('/tracks')) most = file%rows('/tracks')
+    do i = 1, size(optional_lists)
+      if (file%has(trim(optional_lists(i)))) most = max(most, file%rows(trim(optional_lists(i))))
+    end do
     if (max(rows, most, file%rows('/totals')) > bytes/4) then
       if (.not. allocated(file%error)) call fail(file%error, 'it is cut off', file=file%name, code=exit_output)
       return
@@ -97,7 +102,9 @@ contains
       call append_word(paths, trim(list(i)%path))
     end do
     call append_word(paths, '/totals')
-    if (file%has('/tracks')) call append_word(paths, '/tracks')
+    do i = 1, size(optional_lists)
+      if (file%has(trim(optional_lists(i)))) call append_word(paths, trim(optional_lists(i)))
+    end do
   end function dataset_paths
 
   !> The datasets whose shape follows from the scene.

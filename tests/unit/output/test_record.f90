@@ -9,7 +9,7 @@ program test_record
   use sg_measures, only: measures_t, unmeasured
   use sg_numbers, only: write_numbers
   use sg_progress, only: duration_text, progress_t
-  use sg_record, only: record_t
+  use sg_record, only: record_columns, record_t
   use sg_report, only: report_t
   use sg_run_options, only: run_options_t
   use sg_run_summary, only: run_done, run_summary_t, write_run_summary
@@ -164,7 +164,7 @@ contains
       report%is_converged = modulo(i, 2) == 0
       measures = numbered(2, .false.)
       if (i == 3) measures%column(1)%value = nan()
-      call record%add(i, real(i, wp)/10, 12, report, totals, measures, error)
+      call record%add(record_columns(i, real(i, wp)/10, 12, report, totals, measures), error)
     end do
   end subroutine write_record
 
@@ -195,8 +195,8 @@ contains
 
     call record%start('space.csv', 3, .false., error)
     measures = numbered(3, .false.)
-    call record%add(1, 0.1_wp, 12, report, totals, measures, error)
-    call record%add(2, 0.2_wp, 12, report, totals, measures, error)
+    call record%add(record_columns(1, 0.1_wp, 12, report, totals, measures), error)
+    call record%add(record_columns(2, 0.2_wp, 12, report, totals, measures), error)
     call read_lines('space.csv', lines, error)
     call t%equal(size(lines), 3, 'a header and two rows in space')
     call t%check(index(lines(1)%s//',', promised_columns()//',') == 1, 'the columns promised stand in space, too')
@@ -229,7 +229,7 @@ contains
       call t%near(measures%get('damaged_bonds'), real(n, wp), 0.0_wp, 'a measure of bonds by its name')
       call t%near(measures%get('momentum_x'), real(n - 2 - dimension - 1, wp), 0.0_wp, 'one before them')
       call record%start('bonds.csv', dimension, .true., error)
-      call record%add(1, 0.1_wp, 12, report, totals, measures, error)
+      call record%add(record_columns(1, 0.1_wp, 12, report, totals, measures), error)
       call record%resume('bonds.csv', dimension, .true., 1, error)
       call t%check(.not. allocated(error), 'a record with bonds goes on')
       call read_lines('bonds.csv', lines, error)
@@ -283,7 +283,7 @@ contains
     measures = unmeasured(2, .false.)
     call remove_file('full.csv')
     call execute_command_line('ln -s /dev/full full.csv', exitstat=status)
-    call record%add(1, 0.1_wp, 12, report, totals, measures, error)
+    call record%add(record_columns(1, 0.1_wp, 12, report, totals, measures), error)
     call remove_file('full.csv')
     call t%check(allocated(error), 'a full disk is noticed')
     if (allocated(error)) call t%equal(error%code, exit_output, 'and has its exit code')

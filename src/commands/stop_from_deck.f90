@@ -1,0 +1,97 @@
+!> End conditions from the section `[stop]` of a deck, and their mistakes, with a caret under the word.
+module sg_stop_from_deck
+  use sg_blocks, only: deck_t
+  use sg_error, only: diagnostics_t
+  use sg_expression_parser, only: parse_expression
+  use sg_expressions, only: expression_t
+  use sg_kinds, only: wp
+  use sg_laws, only: is_cohesive_zone
+  use sg_measures, only: unmeasured
+  use sg_record, only: record_columns
+  use sg_report, only: report_t
+  use sg_run_options, only: run_options_t
+  use sg_scene, only: scene_t
+  use sg_stop, only: stop_t, stop_variables
+  use sg_text, only: text_t
+  use sg_totals, only: totals_t
+  use sg_values, only: from_setting, value_t
+  implicit none
+  private
+  public :: stop_from_deck
+
+contains
+
+  !> Read the conditions.
+  subroutine stop_from_deck(deck, scene, options, stops, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(in) :: scene !! scene read from it
+    type(run_options_t), intent(in) :: options !! options read from it
+    type(stop_t), intent(out) :: stops !! the conditions
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
+    type(value_t) :: value
+    type(text_t), allocatable :: variables(:)
+    integer :: b, i
+
+    b = deck%block_of('stop')
+    if (.not. deck%is_given(b, 'when')) return
+    if (options%record_every == 0) then
+      call deck%complain(diagnostics, 'conditions are tested in recorded steps, but output.record_every is 0', b, 'when')
+      return
+    end if
+    value = deck%value(b, 'when')
+    variables = names_of(scene, options)
+    do i = 1, value%n_words
+      call check_condition(deck, b, value, i, variables, diagnostics)
+    end do
+    stops%texts = value%words(:value%n_words)
+    stops%needed = deck%integer(b, 'for')
+    stops%after = deck%number(b, 'after')
+  end subroutine stop_from_deck
+
+  !> Names that conditions may use.
+  function names_of(scene, options) result(names)
+    type(scene_t), intent(in) :: scene
+    type(run_options_t), intent(in) :: options
+    type(text_t), allocatable :: names(:)
+    type(report_t) :: report
+    type(totals_t) :: totals
+    logical :: has_bonds
+    integer :: i
+
+    has_bonds = any([(is_cohesive_zone(scene%laws(i)), i=1, size(scene%laws))])
+    associate (columns => record_columns(0, 0.0_wp, 0, report, totals, unmeasured(scene%dimension, has_bonds)))
+      if (allocated(options%tracked_names)) then
+        names = stop_variables(columns, scene%dimension, options%tracked_names)
+      else
+        names = stop_variables(columns, scene%dimension, [text_t ::])
+      end if
+    end associate
+  end function names_of
+
+  !> Report what is wrong with a condition, at its place in the deck.
+  subroutine check_condition(deck, b, value, i, variables, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b, i
+    type(value_t), intent(in) :: value
+    type(text_t), intent(in) :: variables(:)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(expression_t) :: expression
+    character(len=:), allocatable :: mistake
+    integer :: column
+
+    call parse_expression(value%words(i)%s, variables, expression, mistake, column)
+    if (.not. allocated(mistake) .and. .not. expression%is_condition) then
+      mistake = 'this is no condition: compare it, as in "max_velocity < 1e-4"'
+      column = 1
+    end if
+    if (.not. allocated(mistake)) return
+    if (index(mistake, 'there is no "') == 1 .and. index(mistake, '(') > 0 .and. index(mistake, 'did you mean') == 0) &
+      mistake = mistake//'; a body is named here where [[track]] follows it'
+    if (value%origin == from_setting) then
+      call deck%complain(diagnostics, mistake, b, 'when')
+    else
+      ! Behind the quotation mark
+      call deck%complain_at(diagnostics, mistake, value%word_places(1, i), value%word_places(2, i) + column)
+    end if
+  end subroutine check_condition
+end module sg_stop_from_deck
