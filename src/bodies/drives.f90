@@ -5,7 +5,7 @@ module sg_drives
   use sg_time_functions, only: time_function_t
   implicit none
   private
-  public :: drive_t, pressure_t, mark_walls, fix_driven, drive_forces, drive_velocities
+  public :: drive_t, pressure_t, mark_walls, fix_driven, hold_driven, drive_forces, drive_velocities
 
   !> One imposed component of one body
   type :: drive_t
@@ -15,6 +15,11 @@ module sg_drives
     logical :: is_velocity = .true.
     !> The imposed velocity [m/s, rad/s] or force [N, N m]
     type(time_function_t) :: value
+    !> Where its time has a beginning or an end: is the component free outside of it? Else it has the velocity `rest` there
+    logical :: is_released = .true.
+    real(wp) :: rest = 0
+  contains
+    procedure :: releases => drive_releases
   end type drive_t
 
   !> A pressure that pushes a wall
@@ -75,6 +80,49 @@ contains
     end do
   end subroutine fix_driven
 
+  !> Is the component of a drive free before it begins or after it ends?
+  pure logical function drive_releases(self)
+    class(drive_t), intent(in) :: self
+
+    drive_releases = self%is_velocity .and. self%is_released .and. self%value%is_timed()
+  end function drive_releases
+
+  !> Give free components their inverse mass, and take it away from those that are driven in a step, of drives that begin or end.
+  pure subroutine hold_driven(drives, bodies, middle)
+    type(drive_t), intent(in) :: drives(:) !! all drives of the scene
+    type(bodies_t), intent(inout) :: bodies !! inverse masses to set
+    real(wp), intent(in) :: middle !! of the step [s]
+    integer :: i, pass
+
+    do pass = 1, 2
+      do i = 1, size(drives)
+        associate (c => drives(i)%component, b => drives(i)%body)
+          if (.not. drives(i)%releases() .or. c > bodies%n_velocity) cycle
+          ! Several drives may take turns: those that act come last.
+          if (pass == 1) bodies%inverse_mass(c, b) = free_inverse(bodies, c, b)
+          if (pass == 2 .and. drives(i)%value%acts(middle)) bodies%inverse_mass(c, b) = 0
+        end associate
+      end do
+    end do
+  end subroutine hold_driven
+
+  !> Inverse mass of a free component; zero for a body without mass.
+  pure real(wp) function free_inverse(bodies, component, body) result(inverse)
+    type(bodies_t), intent(in) :: bodies
+    integer, intent(in) :: component, body
+    real(wp) :: mass
+
+    if (component <= bodies%dimension) then
+      mass = bodies%mass(body)
+    else if (bodies%dimension == 2) then
+      mass = bodies%inertia(body)
+    else
+      mass = bodies%principal(component - 3, body)
+    end if
+    inverse = 0
+    if (mass > 0) inverse = 1/mass
+  end function free_inverse
+
   !> Add imposed forces and pressures of a step that begins at `time`: (1 - theta) f(t) + theta f(t + h).
   pure subroutine drive_forces(drives, pressures, bodies, time, time_step, theta)
     type(drive_t), intent(in) :: drives(:) !! all drives of the scene
@@ -88,12 +136,14 @@ contains
 
     do i = 1, size(drives)
       if (drives(i)%is_velocity .or. drives(i)%component > bodies%n_velocity) cycle
+      if (.not. drives(i)%value%acts(time + time_step/2)) cycle
       mean = (1 - theta)*drives(i)%value%at(time) + theta*drives(i)%value%at(time + time_step)
       associate (force => bodies%force(drives(i)%component, drives(i)%body))
         force = force + mean
       end associate
     end do
     do i = 1, size(pressures)
+      if (.not. pressures(i)%value%acts(time + time_step/2)) cycle
       mean = (1 - theta)*pressures(i)%value%at(time) + theta*pressures(i)%value%at(time + time_step)
       n = bodies%dimension
       associate (force => bodies%force(:n, pressures(i)%body))
@@ -116,15 +166,25 @@ contains
   end function pressed_length
 
   !> Set the imposed velocities of the end of a step.
-  pure subroutine drive_velocities(drives, bodies, time)
+  pure subroutine drive_velocities(drives, bodies, time, time_step)
     type(drive_t), intent(in) :: drives(:) !! all drives of the scene
     type(bodies_t), intent(inout) :: bodies !! free velocities to set
     real(wp), intent(in) :: time !! end of the step [s]
-    integer :: i
+    real(wp), intent(in) :: time_step !! length of the step [s]
+    integer :: i, pass
 
-    do i = 1, size(drives)
-      if (.not. drives(i)%is_velocity .or. drives(i)%component > bodies%n_velocity) cycle
-      bodies%free_velocity(drives(i)%component, drives(i)%body) = drives(i)%value%at(time)
+    ! Several drives may take turns on one component: those that act come last.
+    do pass = 1, 2
+      do i = 1, size(drives)
+        if (.not. drives(i)%is_velocity .or. drives(i)%component > bodies%n_velocity) cycle
+        associate (velocity => bodies%free_velocity(drives(i)%component, drives(i)%body))
+          if (drives(i)%value%acts(time - time_step/2)) then
+            if (pass == 2) velocity = drives(i)%value%at(time)
+          else if (pass == 1 .and. .not. drives(i)%is_released) then
+            velocity = drives(i)%rest
+          end if
+        end associate
+      end do
     end do
   end subroutine drive_velocities
 end module sg_drives

@@ -3,7 +3,7 @@
 !! V_free = V + h M^-1 F,  x_m = x + (1 - theta) h V,  x' = x + h ((1 - theta) V + theta V')  (doc/theory/scheme.md)
 module sg_motion
   use sg_bodies, only: bodies_t
-  use sg_drives, only: drive_forces, drive_velocities
+  use sg_drives, only: drive_forces, drive_velocities, hold_driven
   use sg_free_spin, only: free_spin
   use sg_kinds, only: wp
   use sg_rotations, only: turned_back, turned_by, turned_on
@@ -27,11 +27,12 @@ contains
       scene%bodies%force(:, b) = 0
       scene%bodies%force(:n, b) = scene%bodies%mass(b)*scene%gravity(:n)
     end do
+    call hold_driven(scene%drives, scene%bodies, time + h/2)
     call drive_forces(scene%drives, scene%pressures, scene%bodies, time, h, theta)
     associate (bodies => scene%bodies)
       bodies%free_velocity = bodies%velocity + h*bodies%inverse_mass*bodies%force
     end associate
-    call drive_velocities(scene%drives, scene%bodies, time + h)
+    call drive_velocities(scene%drives, scene%bodies, time + h, h)
     if (scene%bodies%n_velocity == 6) call spin_freely(scene%bodies, h, theta)
     call set_middle(scene%bodies, (1 - theta)*h)
   end subroutine predict

@@ -213,20 +213,24 @@ contains
   pure subroutine find_turning(scene, turns, rests, is_partly_driven)
     type(scene_t), intent(in) :: scene
     logical, allocatable, intent(out) :: turns(:), rests(:), is_partly_driven(:)
-    logical, allocatable :: is_free(:, :)
+    logical, allocatable :: is_free(:, :), is_released(:)
     integer :: i, n
 
     n = scene%dimension
     allocate (is_free(scene%bodies%n_velocity, scene%bodies%n), source=.true.)
+    allocate (is_released(scene%bodies%n), source=.false.)
     rests = .not. any(abs(scene%bodies%velocity(n + 1:, :)) > 0, 1)
     do i = 1, size(scene%drives)
-      if (scene%drives(i)%is_velocity) is_free(scene%drives(i)%component, scene%drives(i)%body) = .false.
+      ! A component that is driven for a time is free in other steps.
+      if (scene%drives(i)%releases()) is_released(scene%drives(i)%body) = .true.
+      if (scene%drives(i)%is_velocity .and. .not. scene%drives(i)%releases()) &
+        is_free(scene%drives(i)%component, scene%drives(i)%body) = .false.
       if (scene%drives(i)%component <= n) cycle
       if (.not. scene%drives(i)%value%is_zero()) rests(scene%drives(i)%body) = .false.
     end do
     turns = any(is_free(n + 1:, :), 1)
     ! Records of balls have one inverse mass and one inverse inertia for all directions.
-    is_partly_driven = n == 3 .and. turns .and. any(is_free, 1) .and. .not. all(is_free, 1)
+    is_partly_driven = n == 3 .and. turns .and. any(is_free, 1) .and. (is_released .or. .not. all(is_free, 1))
   end subroutine find_turning
 
   !> Does every body that turns touch the others with centred disks of one radius only?

@@ -142,6 +142,9 @@ def spoilt(key, dimension):
         values += ["[1.0]", "[]", "99999999999999999999999999999999999999999999999999999"]
     else:
         values += ["[]", '["x"]', "[[[1.0]]]"]
+    if "expression" in kind:
+        # A string is one; its mistakes have sentences of their own.
+        values.remove('"x"')
     low, high = Key.bound(kind, "at least"), Key.bound(kind, "at most")
     above = re.search(r"above ([-+.\de]+)", kind)
     wrap = "{}" if not kind.startswith(("a list of ", )) else "[" + ", ".join(["{}"] * int((re.search(r"a list of (\d)", kind) or [0, 1])[1])) + "]"

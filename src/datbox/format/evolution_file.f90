@@ -1,9 +1,9 @@
-!> Evolution files: two columns, time and value, as DATBOX folders and decks name them.
+!> Evolution files: times and values, in two columns or several, as DATBOX folders and decks name them.
 module sg_evolution_file
   use sg_datbox_numbers, only: free_numbers
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
-  use sg_text, only: read_lines, text_t
+  use sg_text, only: read_lines, text_t, to_text
   use sg_time_functions, only: time_function_t
   implicit none
   private
@@ -19,18 +19,21 @@ contains
   !!
   !! A mistake inside the file is reported at its line. A fault of the file as a whole is returned to the caller, which
   !! reports it at the place that names the file.
-  subroutine read_evolution_file(path, has_two_columns, value, fault, diagnostics)
+  subroutine read_evolution_file(path, has_two_columns, value, fault, diagnostics, column)
     character(len=*), intent(in) :: path !! the file
     logical, intent(in) :: has_two_columns !! is a third number on a line a mistake? LMGC90 passes over it
     type(time_function_t), intent(inout) :: value !! its table is set
     character(len=:), allocatable, intent(out) :: fault !! empty, or what is wrong with the file as a whole
     type(diagnostics_t), intent(inout) :: diagnostics !! takes what is wrong inside
+    integer, intent(in), optional :: column !! of the values, the second unless given
     type(text_t), allocatable :: lines(:)
     type(error_t), allocatable :: error
     character(len=:), allocatable :: first, mistake
-    integer :: i, n
+    integer :: i, n, place
 
     fault = ''
+    place = 2
+    if (present(column)) place = column
     call read_lines(path, lines, error)
     if (allocated(error)) then
       fault = 'cannot read the file "'//path//'"'
@@ -42,7 +45,7 @@ contains
       first = adjustl(lines(i)%s)
       if (first == '') cycle
       if (index('#!', first(1:1)) > 0) cycle
-      call add_row(lines(i)%s, has_two_columns, value, n, mistake)
+      call add_row(lines(i)%s, has_two_columns, place, value, n, mistake)
       if (mistake == '') cycle
       call complain(path, i, lines(i)%s, mistake, diagnostics)
       deallocate (value%times, value%values)
@@ -70,24 +73,26 @@ contains
   end subroutine complain
 
   !> Add one row to the table, or report what is wrong with it.
-  subroutine add_row(line, has_two_columns, value, n, mistake)
+  subroutine add_row(line, has_two_columns, column, value, n, mistake)
     character(len=*), intent(in) :: line
     logical, intent(in) :: has_two_columns
+    integer, intent(in) :: column
     type(time_function_t), intent(inout) :: value
     integer, intent(inout) :: n
     character(len=:), allocatable, intent(out) :: mistake
-    real(wp) :: row(2), more(3)
+    real(wp) :: row(column), more(3)
     logical :: is_row, has_more
 
     mistake = ''
     call free_numbers(line, more, has_more)
     if (has_more .and. has_two_columns) then
-      mistake = 'a third number stands here: a table has two columns, time and value'
+      mistake = 'a third number stands here: a table has two columns, time and value, unless "column" names one'
       return
     end if
     call free_numbers(line, row, is_row)
     if (.not. is_row) then
       mistake = 'a time and a value should stand here'
+      if (column > 2) mistake = to_text(column)//' numbers or more should stand here'
       return
     end if
     if (n > 0) then
@@ -98,6 +103,6 @@ contains
     end if
     n = n + 1
     value%times(n) = row(1)
-    value%values(n) = row(2)
+    value%values(n) = row(column)
   end subroutine add_row
 end module sg_evolution_file

@@ -220,6 +220,11 @@ contains
     type(error_t), allocatable, intent(inout) :: error
     character(len=:), allocatable :: head
 
+    if (allocated(drive%value%expression) .or. drive%value%is_sum .or. drive%value%is_timed()) then
+      call fail(error, 'DATBOX files hold no expression, sum, start or end of a drive: write its values into a file of times '// &
+                'and values')
+      return
+    end if
     head = ' force      '//to_text(drive%component)//' '
     if (drive%is_velocity) head = ' vlocy      '//to_text(drive%component)//' '
     if (allocated(drive%value%times)) then

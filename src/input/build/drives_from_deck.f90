@@ -12,7 +12,7 @@ module sg_drives_from_deck
   use sg_named_bodies, only: number_named
   use sg_scene, only: scene_t
   use sg_text, only: text_t, to_text
-  use sg_time_function_from_deck, only: read_time_function
+  use sg_time_function_from_deck, only: read_formula, read_time_function
   use sg_values, only: value_t
   use sg_words, only: choice_index
   implicit none
@@ -170,12 +170,44 @@ contains
     drive%is_velocity = deck%word(b, 'kind') == 'velocity'
     call read_time_function(deck, b, drive%value, diagnostics)
     if (drive%body == 0) return
-    if (drive%is_velocity .and. is_taken(drive%component, drive%body)) &
-      call deck%complain(diagnostics, 'this component of the body is driven twice', b, 'component')
+    if (drive%is_velocity .and. is_taken(drive%component, drive%body)) then
+      if (is_driven_then(scene%drives(:n), drive)) &
+        call deck%complain(diagnostics, 'this component of the body is driven twice at a time', b, 'component')
+    end if
+    if (drive%value%is_timed()) call choose_rest(deck, scene, drive)
     is_taken(drive%component, drive%body) = .true.
     n = n + 1
     scene%drives(n) = drive
   end subroutine add_drive
+
+  !> Is a component driven by other drives at a time at which this one acts?
+  pure logical function is_driven_then(drives, drive)
+    type(drive_t), intent(in) :: drives(:), drive
+    integer :: i
+
+    is_driven_then = .false.
+    do i = 1, size(drives)
+      if (.not. drives(i)%is_velocity .or. drives(i)%body /= drive%body .or. drives(i)%component /= drive%component) cycle
+      is_driven_then = is_driven_then .or. (drives(i)%value%start < drive%value%finish .and. &
+                                            drive%value%start < drives(i)%value%finish)
+    end do
+  end function is_driven_then
+
+  !> What a component does outside the time of its drive: that of a body that is held keeps its velocity, others are free.
+  subroutine choose_rest(deck, scene, drive)
+    type(deck_t), intent(in) :: deck
+    type(scene_t), intent(in) :: scene
+    type(drive_t), intent(inout) :: drive
+    integer :: b, number
+
+    number = drive%body
+    if (allocated(scene%bodies%id)) number = scene%bodies%id(drive%body)
+    do b = 1, deck%n
+      if (number < deck%blocks(b)%first_body .or. number > deck%blocks(b)%last_body) cycle
+      if (is_held(deck, b) .and. .not. is_between(deck, b, number)) drive%is_released = .false.
+    end do
+    drive%rest = scene%bodies%velocity(drive%component, drive%body)
+  end subroutine choose_rest
 
   !> Body that a deck means by a word: a name, or `#` and a number; 0 after a mistake.
   integer function body_of(deck, b, key, word, scene, diagnostics) result(body)
@@ -296,7 +328,7 @@ contains
     end if
     pressure%body = body
     pressure%direction = sign(merge(1.0_wp, 0.0_wp, abs(direction) > 0), direction)
-    pressure%value%constant = deck%number(b, 'pressure')
+    call read_formula(deck, b, 'pressure', pressure%value, diagnostics)
     if (deck%is_given(b, 'between')) then
       call read_between(deck, b, scene, pressure, diagnostics)
     else if (scene%dimension == 2) then

@@ -30,7 +30,6 @@ contains
       end do
       if (deck%is_in(b, 'body')) call check_fixed(deck, b, diagnostics)
       if (deck%is_in(b, 'law')) call check_frictions(deck, b, diagnostics)
-      if (deck%is_in(b, 'drive') .or. deck%is_in(b, 'pressure')) call check_table(deck, b, diagnostics)
     end do
     call check_tests(deck, deck%block_of('solver'), diagnostics)
     call check_trace(deck, deck%block_of('report'), diagnostics)
@@ -125,24 +124,6 @@ contains
     call deck%complain(diagnostics, 'the static friction, '//short_real(friction(1))//', is below the dynamic friction, '// &
                        short_real(friction(2)), b, trim(merge(keys(1), keys(2), deck%is_given(b, trim(keys(1))))))
   end subroutine check_frictions
-
-  !> Warn of keys of a formula that a table replaces.
-  subroutine check_table(deck, b, diagnostics)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b
-    type(diagnostics_t), intent(inout) :: diagnostics
-    character(len=*), parameter :: keys(7) = [character(len=10) :: 'value', 'amplitude', 'frequency', 'omega', 'phase', &
-                                              'ramp_start', 'ramp_rate']
-    integer :: i
-
-    if (.not. deck%is_given(b, 'file')) return
-    do i = 1, size(keys)
-      if (.not. deck%is_given(b, trim(keys(i)))) cycle
-      if (is_default(deck, deck%value(b, trim(keys(i))))) cycle
-      call deck%warn(diagnostics, '"'//trim(keys(i))//'" is ignored: the file replaces the formula', b, trim(keys(i)), &
-                     kind='replaced formula')
-    end do
-  end subroutine check_table
 
   !> Warn of tests of the criterion that a step ends before.
   subroutine check_tests(deck, b, diagnostics)

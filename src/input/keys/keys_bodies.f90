@@ -1,7 +1,7 @@
 !> The key table, third part: bodies and walls.
 module sg_keys_bodies
-  use sg_key_table, only: in_plane, in_space, key_table_t, value_bodies, value_choice, value_faces, value_logical, value_pair, &
-                          value_points, value_real, value_text, value_triple, value_turn, value_vector
+  use sg_key_table, only: in_plane, in_space, key_table_t, value_bodies, value_choice, value_faces, value_function, value_logical, &
+                          value_pair, value_points, value_real, value_text, value_triple, value_turn, value_vector
   use sg_keys_scene, only: plane_shapes, space_shapes
   use sg_kinds, only: wp
   implicit none
@@ -121,7 +121,8 @@ contains
                    is_required=.true., above=0.0_wp)
     call table%add('velocity', value_vector, 'Constant velocity of the wall.', unit='m/s', default='[0.0, 0.0]', &
                    space_default='[0.0, 0.0, 0.0]')
-    call table%add('pressure', value_real, 'Pressure on the wall, which then moves along the direction alone.', unit='Pa')
+    call table%add('pressure', value_function, 'Pressure on the wall, which then moves along the direction alone; a number or '// &
+                   'an expression of the time t.', unit='Pa')
     call table%add('direction', value_vector, 'Direction of the pressure: along x or along y, in space also along z.', &
                    only='pressure')
     call table%add('between', value_bodies, 'Two walls whose free distance is the pressed length; default: the length of '// &

@@ -1,7 +1,7 @@
 !> The key table, second part: scene, materials, laws, interactions, and what is imposed.
 module sg_keys_scene
-  use sg_key_table, only: in_plane, in_space, key_table_t, value_bodies, value_body, value_choice, value_integer, value_real, &
-                          value_text, value_vector
+  use sg_key_table, only: in_plane, in_space, key_table_t, value_bodies, value_body, value_choice, value_function, value_integer, &
+                          value_real, value_text, value_vector
   use sg_kinds, only: wp
   use sg_laws, only: largest_friction, why_largest_friction
   use sg_words, only: choices_of
@@ -191,8 +191,9 @@ contains
     type(key_table_t), intent(inout) :: table !! table to add to
 
     call table%open_section('drive', 'One imposed component of one body: (value + amplitude cos(omega t + phase)) '// &
-                            'min(1, ramp_start + ramp_rate t), or a table. In space a rotation is the spin or the torque '// &
-                            'about that principal axis of the body which is nearest to its own x, y or z, and turns with it.', &
+                            'min(1, ramp_start + ramp_rate t), or a table, or both. In space a rotation is the spin or the '// &
+                            'torque about that principal axis of the body which is nearest to its own x, y or z, and turns '// &
+                            'with it.', &
                             is_list=.true.)
     call table%add('body', value_body, 'Body, by name or by number (in the order body, wall, container, brick_wall, arch, '// &
                    'sample, from 1).', is_required=.true.)
@@ -202,7 +203,7 @@ contains
     call add_time_function(table, 'm/s, rad/s, N, Nm')
 
     call table%open_section('pressure', 'A pressure that pushes a body: (value + amplitude cos(omega t + phase)) '// &
-                            'min(1, ramp_start + ramp_rate t), or a table, times the pressed length; in space, area.', &
+                            'min(1, ramp_start + ramp_rate t), or a table, or both, times the pressed length; in space, area.', &
                             is_list=.true.)
     call table%add('body', value_body, 'Body, by name or by number.', is_required=.true.)
     call table%add('direction', value_vector, 'Direction of the push, of any length but zero.', is_required=.true.)
@@ -219,14 +220,19 @@ contains
     type(key_table_t), intent(inout) :: table
     character(len=*), intent(in) :: unit
 
-    call table%add('value', value_real, 'Constant part.', unit=unit, default='0.0')
+    call table%add('value', value_function, 'Constant part, or an expression of the time t: "4e-3*2*pi*35*cos(2*pi*35*t) - 0.1".', &
+                   unit=unit, default='0.0')
     call table%add('amplitude', value_real, 'Amplitude of the cosine.', unit=unit, default='0.0')
     call table%add('frequency', value_real, 'Frequency of the cosine.', unit='Hz', default='0.0', least=0.0_wp)
     call table%add('omega', value_real, 'Pulsation of the cosine, in place of frequency.', unit='rad/s')
     call table%add('phase', value_real, 'Phase of the cosine.', unit='rad', default='0.0')
     call table%add('ramp_start', value_real, 'Ramp at time zero; 1 for no ramp.', default='1.0')
     call table%add('ramp_rate', value_real, 'Growth of the ramp.', unit='1/s', default='0.0')
-    call table%add('file', value_text, 'File of two columns (time, value), relative to the deck, that replaces the formula; '// &
-                   'linear between its points.')
+    call table%add('file', value_text, 'File of times and values, relative to the deck, linear between its points. Its table '// &
+                   'adds to value and amplitude, where these are given.')
+    call table%add('column', value_integer, 'Column of the file that holds the values, where it has more than two; the first '// &
+                   'holds the times.', default='2', least=2.0_wp, most=1000.0_wp, only='file')
+    call table%add('start', value_real, 'When it begins to act, on the nearest step.', unit='s')
+    call table%add('end', value_real, 'When it ceases to act, on the nearest step.', unit='s')
   end subroutine add_time_function
 end module sg_keys_scene
