@@ -167,7 +167,7 @@ contains
     self%impulse = 0
     self%contacts = 0
     do k = 1, contacts%n
-      if (all(track_of(contacts%body(:, k)) == 0)) cycle
+      if (track_of(contacts%body(1, k)) + track_of(contacts%body(2, k)) == 0) cycle
       impulse = impulse_vector(contacts, k)
       if (.not. any(abs(impulse) > 0)) cycle
       arms = 0
