@@ -46,6 +46,8 @@ from = [-1.0, -0.05]
 to = [1.0, -0.05]
 thickness = 0.1
 """
+# For packs, whose steps need not be solved to rounding.
+LOOSE = ("--set", "solver.tolerance=1e-4")
 MASS = 2500 * math.pi * 0.1**2
 # The amplitude of 4 mm at 35 Hz of a tamping machine, as a velocity, going down by 0.1 m/s.
 SHAKE = "4e-3*2*pi*35*cos(2*pi*35*t) - 0.1"
@@ -222,9 +224,9 @@ class Drives(ProgramCase):
             self.skipTest("a build without HDF5 has no checkpoints")
         for is_in_space in (False, True):
             text = self.shaken_box(is_in_space)
-            self.run_deck(text, "--set", "restart.every=80", "--set", "restart.at_end=false")
+            self.run_deck(text, *LOOSE, "--set", "restart.every=80", "--set", "restart.at_end=false")
             straight = (self.place / "out" / "tracks.csv").read_bytes()
-            self.run_program("run", "deck.toml", "--quiet", "--output", "out", "--restart", "out/restart_a.h5")
+            self.run_program("run", "deck.toml", *LOOSE, "--quiet", "--output", "out", "--restart", "out/restart_a.h5")
             self.assertEqual((self.place / "out" / "tracks.csv").read_bytes(), straight)
 
     def test_mistakes(self):
