@@ -1,8 +1,10 @@
 !> Sweeps over solids side by side: the same as one by one in the same order, whatever the laws and the bodies; the law of each
-!! contact alone, next to singular blocks too; every contact dealt once, and bodies that more chains meet than there are groups.
+!! contact alone, next to singular blocks too; every contact dealt once, and bodies that more chains meet than there are groups;
+!! momentum taken by the sweep as by a pass before it.
 program test_solid_lanes
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use harness, only: tests_t
+  use sg_iterates, only: hold, iterates_t, step_order
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
@@ -16,6 +18,7 @@ program test_solid_lanes
   use sg_sweep_solid, only: sweep_solid_frictional
   use sg_sweep_solid_lanes, only: sweep_solid_lanes
   use sg_sweep_solid_order, only: lanes
+  use sg_sweeps, only: sweep
   use sg_vectors, only: cross
   implicit none
   !> Criteria that look at increments have records one by one beside those in lanes
@@ -29,6 +32,8 @@ program test_solid_lanes
     call test_same(3, 900, i == 1, 1.0_wp)
   end do
   call test_extreme()
+  call test_momentum('groups')
+  call test_momentum('coloured')
   call t%finish()
 
 contains
@@ -266,4 +271,44 @@ contains
     call t%near(worst, 0.0_wp, 1e-6_wp, 'side by side: the answer that one by one gives')
     call t%equal(bad, 0, 'side by side: finite and within the cone whatever the block')
   end subroutine test_extreme
+
+  !> Sweeps that take momentum leave what sweeps after a pass leave, bit for bit, and sum what the next pass sums.
+  subroutine test_momentum(order_name)
+    character(len=*), intent(in) :: order_name
+    real(wp), parameter :: shares(3) = [0.0_wp, 0.8_wp, 0.5_wp]
+    integer, parameter :: n_bodies = 400, n = 1500
+    type(problem_t) :: passed, taken
+    type(sweep_order_t) :: order, same_order
+    type(iterates_t) :: past, own
+    type(solver_options_t) :: options
+    type(random_t) :: random
+    real(wp) :: sums(2)
+    logical :: is_wanted(n)
+    integer :: i
+
+    call random%seed(32)
+    call random_problem(random, n_bodies, n, .true., passed)
+    taken = passed
+    is_wanted = .true.
+    options%order = order_name
+    call set_order(order, passed, is_wanted, options)
+    same_order = order
+    call hold(order, past)
+    call hold(same_order, own)
+    do i = 1, size(shares)
+      past%share = shares(i)
+      own%share = shares(i)
+      call step_order(order, past)
+      ! Coloured sweeps sum block by block: rounding of sums of 4500 numbers.
+      if (i > 1) call t%near(maxval(abs(past%sums - sums)/abs(past%sums)), 0.0_wp, 1e-12_wp, order_name//': sums')
+      call sweep(solid_frictional, order, n_bodies, 1.0_wp, passed%body)
+      call sweep(solid_frictional, same_order, n_bodies, 1.0_wp, taken%body, own)
+      sums = own%sums
+    end do
+    call give_impulses(order, passed)
+    call give_impulses(same_order, taken)
+    call t%check(.not. any(abs(passed%body - taken%body) > 0), order_name//': the same velocities')
+    call t%check(.not. any(abs(passed%impulse - taken%impulse) > 0), order_name//': the same impulses')
+    call t%check(minval(sums(:1)) > 0, order_name//': impulses change')
+  end subroutine test_momentum
 end program test_solid_lanes
