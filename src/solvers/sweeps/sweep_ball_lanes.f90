@@ -4,12 +4,12 @@
 !! has no branch that a processor could guess wrong: sticking, sliding and open contacts take the same time.
 module sg_sweep_ball_lanes
   use, intrinsic :: iso_c_binding, only: c_double, c_int
+  use sg_group_dealing, only: lanes
   use sg_kinds, only: wp, i4
   use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_friction, ball_frictional, ball_inverse_i, ball_inverse_m, &
                         ball_inverse_wnn, ball_inverse_wtt, ball_spin_x, ball_spin_y, ball_spin_z, body_length, normal_x, &
                         normal_y, normal_z, velocity_x, velocity_y, velocity_z
   use sg_sweep_ball, only: push_partly_driven
-  use sg_sweep_order, only: lanes
   implicit none
   private
   public :: sweep_ball_lanes

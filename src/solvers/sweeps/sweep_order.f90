@@ -1,39 +1,27 @@
 !> The order in which a sweep visits contacts, and their records copied into that order.
 !!
-!! Consecutive contacts of the spatial order share bodies, and the chain of dependent updates limits a sweep. In
-!! *groups* order, blocks of consecutive contacts, small enough to stay in cache, are dealt to small groups in which
-!! no movable body appears twice: the processor then works on several contacts at once, and the order of the blocks
-!! stays spatial (doc/theory/nlgs.md). In *coloured* order that is done within each of the larger blocks that threads sweep
-!! side by side. *Shuffled* order is random, for studies of what order does: a seed and the number of contacts give it, so that
-!! a run goes on from a restart as it would have. Contacts that are open and stay so need not be visited at all: the order holds
-!! the ones chosen.
+!! In *groups* order the contacts of blocks are dealt to groups that the processor works on at once (sg_group_dealing,
+!! doc/theory/nlgs.md). In *coloured* order that is done within each of the larger blocks that threads sweep side by side.
+!! *Shuffled* order is random, for studies of what order does: a seed and the number of contacts give it, so that a run goes on
+!! from a restart as it would have. Contacts that are open and stay so need not be visited at all: the order holds the ones chosen.
 module sg_sweep_order
   use sg_convergence, only: looks_at_errors
-  use sg_kept_dealing, only: is_movable, kept_dealing_t
+  use sg_group_dealing, only: deal_blocks, deal_lanes, lanes
+  use sg_kept_dealing, only: kept_dealing_t
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_random, only: random_t
-  use sg_records, only: ball_friction, ball_frictional, first_inverse, is_compact, normal_x, record_length, solid_frictional
+  use sg_records, only: ball_friction, ball_frictional, normal_x, record_length, solid_frictional
   use sg_run_options, only: solver_options_t
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, put_rows, solid_lanes_t
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none
   private
-  public :: sweep_order_t, set_order, update_order, give_impulses, put_impulses, list_order, lanes
+  public :: sweep_order_t, set_order, update_order, give_impulses, put_impulses, list_order
 
-  !> Contacts of a group that balls with friction are swept by in vector registers
-  integer, parameter :: lanes = 8
-
-  !> Contacts of a group and of a block, for round problems and for problems with arms.
-  !!
-  !! Larger ones overlap more updates, smaller ones keep the spatial order better. Polygons pay for lost order: with
-  !! the sizes of disks they need half as many sweeps again (doc/performance.md).
-  integer, parameter :: width_round = 8, block_round = 256, width_arm = 4, block_arm = 32
   !> An order is rebuilt when more than one over this many of its contacts are missing, or need no visit any more
   integer, parameter :: slack = 16
-  !> The most groups that a block may open (bits of an integer)
-  integer, parameter :: most_groups = 63
 
   !> Contacts in the order of the sweep
   type :: sweep_order_t
@@ -253,133 +241,16 @@ contains
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
     integer, intent(in) :: begin, end
-    integer :: first, last, block_size, width, filled(0:most_groups)
 
     select case (problem%kind)
     case (solid_frictional)
       call deal_chains(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%solids)
-      return
     case (ball_frictional)
-      call deal_lanes(order, problem, begin, end)
-      return
+      call deal_lanes(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%n_groups, order%group_size)
+    case default
+      call deal_blocks(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end))
     end select
-    block_size = block_arm
-    width = width_arm
-    if (is_compact(problem%kind)) then
-      block_size = block_round
-      width = width_round
-    end if
-    do first = begin, end, block_size
-      last = min(end, first + block_size - 1)
-      call deal_block(order%chosen(first:last), problem, width, order%groups_of, order%contact(first:last), filled)
-    end do
   end subroutine deal
-
-  !> The same for groups side by side, in which lanes to spare cost as much as contacts: groups that a block leaves open are
-  !! dealt again with the next one.
-  pure subroutine deal_lanes(order, problem, begin, end)
-    type(sweep_order_t), intent(inout) :: order
-    type(problem_t), intent(in) :: problem
-    integer, intent(in) :: begin, end
-    integer(i4) :: block(block_round), dealt(block_round)
-    integer :: filled(0:most_groups), next, placed, left, n, last, g
-    logical :: is_kept(0:most_groups)
-
-    next = begin
-    placed = begin - 1
-    left = 0
-    do while (next <= end)
-      n = min(block_round, left + end - next + 1)
-      block(left + 1:n) = order%chosen(next:next + n - left - 1)
-      next = next + n - left
-      call deal_block(block(:n), problem, lanes, order%groups_of, dealt(:n), filled)
-      is_kept = filled == lanes
-      is_kept(most_groups) = .false.
-      ! Where few groups are full, as about a large ball, dealing again would not help.
-      if (next > end .or. sum(filled, .not. is_kept) > block_round/4) is_kept = .true.
-      left = 0
-      last = 0
-      do g = 0, most_groups
-        associate (group => dealt(last + 1:last + filled(g)))
-          if (is_kept(g)) then
-            order%contact(placed + 1:placed + filled(g)) = group
-            placed = placed + filled(g)
-            call note_group(order, filled(g), g == most_groups)
-          else
-            block(left + 1:left + filled(g)) = group
-            left = left + filled(g)
-          end if
-        end associate
-        last = last + filled(g)
-      end do
-    end do
-  end subroutine deal_lanes
-
-  !> Deal one block: each contact goes to the first group that has room and neither of its movable bodies.
-  pure subroutine deal_block(chosen, problem, width, groups_of, contact, filled)
-    integer(i4), intent(in), contiguous :: chosen(:)
-    type(problem_t), intent(in) :: problem
-    integer, intent(in) :: width
-    integer(i8), intent(inout) :: groups_of(:) !! bit g: the body is in group g of this block
-    integer(i4), intent(inout), contiguous :: contact(:)
-    integer, intent(out) :: filled(0:most_groups) !! contacts of each group
-    integer(i8) :: full
-    integer :: group(block_round), i, g, side
-    integer(i4) :: pair(2)
-
-    full = 0
-    filled = 0
-    do i = 1, size(chosen)
-      pair = problem%pair(:, chosen(i))
-      g = min(trailz(not(ior(full, ior(groups_of(pair(1)), groups_of(pair(2)))))), most_groups)
-      group(i) = g
-      filled(g) = filled(g) + 1
-      if (g == most_groups) cycle
-      if (filled(g) == width) full = ibset(full, g)
-      do side = 1, 2
-        if (is_movable(problem, pair(side))) groups_of(pair(side)) = ibset(groups_of(pair(side)), g)
-      end do
-    end do
-    call spread_groups(chosen, group, filled, contact)
-    ! One by one: a list of two would be rebuilt for each contact.
-    do i = 1, size(chosen)
-      groups_of(problem%pair(1, chosen(i))) = 0
-      groups_of(problem%pair(2, chosen(i))) = 0
-    end do
-  end subroutine deal_block
-
-  !> Write the groups of a block one after the other.
-  pure subroutine spread_groups(chosen, group, filled, contact)
-    integer(i4), intent(in), contiguous :: chosen(:)
-    integer, intent(in) :: group(:), filled(0:)
-    integer(i4), intent(inout), contiguous :: contact(:)
-    integer :: next(0:most_groups), i
-
-    next(0) = 1
-    do i = 1, most_groups
-      next(i) = next(i - 1) + filled(i - 1)
-    end do
-    do i = 1, size(chosen)
-      contact(next(group(i))) = chosen(i)
-      next(group(i)) = next(group(i)) + 1
-    end do
-  end subroutine spread_groups
-
-  !> Note the next groups: of the last group of a block any number may have come together, in no order.
-  pure subroutine note_group(order, filled, is_last)
-    type(sweep_order_t), intent(inout) :: order
-    integer, intent(in) :: filled
-    logical, intent(in) :: is_last
-    integer :: left, n
-
-    left = filled
-    do while (left > 0)
-      n = merge(1, min(left, lanes), is_last)
-      order%n_groups = order%n_groups + 1
-      order%group_size(order%n_groups) = int(n, i4)
-      left = left - n
-    end do
-  end subroutine note_group
 
   !> Put records and impulses side by side, group by group, from a first group and its first contact on.
   pure subroutine fill_lanes(order, problem, first_group, first)
