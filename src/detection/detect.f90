@@ -22,7 +22,7 @@ module sg_detect
   use sg_path_bound, only: is_clear
   implicit none
   private
-  public :: detect
+  public :: detect, turn_link
 
 contains
 
@@ -41,7 +41,7 @@ contains
       if (.not. history%is_loaded .and. allocated(pairs%contactor)) call keep_pairs(history, pairs)
       call unwrap_images(history, scene)
       skin = pairs%asked_skin
-      if (.not. skin > 0) skin = fitting_skin(scene)
+      if (.not. skin > 0) skin = fitting_skin(scene, pairs%substeps)
       call build_neighbours(pairs, scene, scene%bodies%middle, skin)
       call match_pairs(history, scene, pairs)
     else if (history%is_loaded) then
@@ -185,7 +185,7 @@ contains
     integer, intent(in) :: p
     type(contacts_t), intent(inout) :: contacts
     real(wp) :: offset(3), normal(scene%dimension), point(scene%dimension), length
-    integer :: l, k
+    integer :: l
 
     l = pairs%link(p - pairs%n_near)
     offset = offset_of(scene, pairs, p)
@@ -194,13 +194,22 @@ contains
                       scene%links%length(l), pulls_only(law), normal, point, length)
     end associate
     call add_contacts(scene, pairs, history, p, scene%links%law(l), 1, normal, point, [length], [int(l, i4)], contacts)
-    if (contacts%is_cut) return
-    k = contacts%n
-    ! The link may have turned since: the guess of one that carries nothing across is the force along it.
-    if (contacts%n_components == 3 .and. .not. holds_across(scene%laws(contacts%law(k)))) &
-      contacts%impulse(:, k) = dot_product(contacts%impulse(:, k), normal)*normal
-    if (is_broken(scene, contacts, k, l)) contacts%status(k) = status_broken
+    if (.not. contacts%is_cut) call turn_link(scene, contacts, contacts%n)
   end subroutine follow_link
+
+  !> Turn the guess of a link whose ends have moved with it: that of a link which carries nothing across is the force along it. A bond
+  !! that its ends have torn is broken.
+  pure subroutine turn_link(scene, contacts, k)
+    type(scene_t), intent(in) :: scene !! scene with its links
+    type(contacts_t), intent(inout) :: contacts !! contacts, the link measured where its ends are now
+    integer, intent(in) :: k !! contact, a link
+
+    associate (normal => contacts%normal(:, k), impulse => contacts%impulse(:, k))
+      if (contacts%n_components == 3 .and. .not. holds_across(scene%laws(contacts%law(k)))) &
+        impulse = dot_product(impulse, normal)*normal
+    end associate
+    if (is_broken(scene, contacts, k, int(contacts%feature(k)))) contacts%status(k) = status_broken
+  end subroutine turn_link
 
   !> Is a bond broken by where its ends are?
   pure logical function is_broken(scene, contacts, k, l)

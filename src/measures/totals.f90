@@ -3,7 +3,7 @@ module sg_totals
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_quiet_nan, ieee_value
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i8
-  use sg_report, only: report_t
+  use sg_report, only: report_t, worse
   use sg_text, only: to_text
   use sg_timers, only: timer_t
   implicit none
@@ -124,19 +124,6 @@ contains
             ' breaks its law by '//to_text(totals%worst_speed, 2)//' m/s'
     if (fall_speed > 0) words = words//', '//to_text(totals%worst_speed/fall_speed, 2)//' g h'
   end function worst_contact_words
-
-  !> The larger of two errors; one that is not a number is the worst and stays.
-  pure real(wp) function worse(so_far, new)
-    real(wp), intent(in) :: so_far, new
-
-    worse = so_far
-    if (ieee_is_nan(so_far)) return
-    if (ieee_is_nan(new)) then
-      worse = new
-    else
-      worse = max(so_far, new)
-    end if
-  end function worse
 
   !> Bring the stopwatch of the run up to now.
   subroutine totals_tick(self)

@@ -105,7 +105,7 @@ contains
     self%criterion = trim(criterion_names(options%solver%criterion))
     self%tolerance = options%solver%tolerance
     self%dimension = scene%dimension
-    self%fall_speed = norm2(scene%gravity)*options%time_step
+    self%fall_speed = norm2(scene%gravity)*options%substep_length()
     self%steps_asked = options%steps
     self%time = scene%start_time
     self%bodies = scene%bodies%n_own

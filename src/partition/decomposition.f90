@@ -178,7 +178,7 @@ contains
     type(neighbours_t), intent(inout) :: pairs !! its list of neighbours; forgotten when rebuilt
     type(history_t), intent(inout) :: history !! contacts of the last step
     type(contacts_t), intent(inout) :: contacts !! the same
-    real(wp), intent(in) :: time_step !! time step [s]
+    real(wp), intent(in) :: time_step !! of a solve, turns forces of the deck into impulses [s]
     type(comm_t), intent(inout) :: comm !! the ranks
     logical, intent(out) :: is_rebuilt !! was the part rebuilt? Then predict again
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the graph cannot be split
@@ -192,7 +192,7 @@ contains
     if (self%subdomain%size == 1) return
     self%age = self%age + 1
     if (.not. comm%any(self%is_first .or. must_split(self) .or. neighbours_are_stale(pairs, scene))) return
-    skin = common_skin(scene, comm)
+    skin = common_skin(scene, pairs%substeps, comm)
     call forget_pairs(pairs, skin)
     if (.not. self%is_first) self%imbalance = imbalance(comm, real(contacts%n, wp))
     is_split = must_split(self)
@@ -235,12 +235,13 @@ contains
   end function must_split
 
   !> One skin for all ranks [m].
-  real(wp) function common_skin(scene, comm) result(skin)
+  real(wp) function common_skin(scene, substeps, comm) result(skin)
     type(scene_t), intent(in) :: scene
+    integer, intent(in) :: substeps
     type(comm_t), intent(inout) :: comm
 
     skin = 0
-    if (scene%bodies%n > 0 .and. scene%contactors%n > 0) skin = fitting_skin(scene)
+    if (scene%bodies%n > 0 .and. scene%contactors%n > 0) skin = fitting_skin(scene, substeps)
     call comm%maximum(skin)
   end function common_skin
 

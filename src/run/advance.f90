@@ -1,11 +1,15 @@
 !> One time step of a simulation: predict, detect, assemble, solve, update.
+!!
+!! A step may be cut into substeps. Each predicts, assembles, solves and updates; the first one detects, the others carry its contacts
+!! on (doc/theory/substeps.md).
 module sg_advance
+  use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_assemble, only: assemble, disassemble
   use sg_bonds, only: finish_bonds
   use sg_detect, only: detect
   use sg_dump, only: begin_dump, is_listed
   use sg_error, only: error_t
-  use sg_failure, only: check_input, dump_broken_step, dump_failed_solve, keep_guess, note_unconverged
+  use sg_failure, only: check_input, dump_broken_step, dump_failed_solve, keep_guess, note_unconverged, save_dump
   use sg_guard, only: find_broken
   use sg_kinds, only: wp, i1
   use sg_limits, only: check_limits
@@ -15,11 +19,12 @@ module sg_advance
   use sg_plan, only: set_radii
   use sg_recovery, only: recover
   use sg_relative_epsilon, only: set_relative_epsilon
+  use sg_report, only: add_substep
   use sg_simulation, only: simulation_t
   use sg_solve_step, only: solve_step
   use sg_timed, only: timed
   use sg_totals, only: phase_assemble, phase_detect, phase_measure, phase_predict, phase_solve, phase_update
-  use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls
+  use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls, warn_of_tunnelling
   implicit none
   private
   public :: advance
@@ -31,56 +36,75 @@ contains
     type(simulation_t), intent(inout) :: sim !! moved on by a step
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when a value is not finite, or memory or time is short
 
-    call timed(predict_bodies, sim, phase_predict, error)
-    call timed(detect_contacts, sim, phase_detect, error)
-    call timed(assemble_problem, sim, phase_assemble, error)
-    call timed(solve_problem, sim, phase_solve, error)
-    call timed(update_bodies, sim, phase_update, error)
+    do
+      call timed(predict_bodies, sim, phase_predict, error)
+      call timed(find_contacts, sim, phase_detect, error)
+      call timed(assemble_problem, sim, phase_assemble, error)
+      call timed(solve_problem, sim, phase_solve, error)
+      call timed(update_bodies, sim, phase_update, error)
+      if (allocated(error) .or. sim%substep == 1) exit
+      ! What concerns the solve of one substep cannot wait for the end of the step.
+      call warn_of_tunnelling(sim%tunnelling, sim%comm, error_unit)
+      if (sim%dump%is_begun) call save_dump(sim, sim%step + 1)
+    end do
+    if (sim%substep > 1) call sim%step_start%restore(sim%scene%bodies, sim%energy, sim%totals)
+    sim%substep = 1
     if (sim%options%recovery > 0) call timed(push_bodies, sim, phase_solve, error)
   end subroutine advance
 
-  !> Free velocities, and bodies in the middle of the step; again for bodies that arrive where this rank's part is rebuilt.
+  !> Free velocities, and bodies in the middle of the substep; again for bodies that arrive where this rank's part is rebuilt.
   subroutine predict_bodies(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
     logical :: is_rebuilt
 
-    associate (h => sim%options%time_step)
-      call find_crossed_contacts(sim%tunnelling, sim%scene, sim%contacts, sim%plan, sim%history%is_loaded, sim%step + 1, h)
-      call predict(sim%scene, sim%time(), h, sim%options%theta)
+    associate (h => sim%options%substep_length(), options => sim%options)
+      call find_crossed_contacts(sim%tunnelling, sim%scene, sim%contacts, sim%plan, sim%history%is_loaded, sim%step + 1, h, &
+                                 sim%substep, options%substeps)
+      call predict(sim%scene, sim%substep_time(), h, options%theta)
+      if (sim%substep > 1) return
       call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_rebuilt, error)
       if (allocated(error) .or. .not. is_rebuilt) return
       call set_radii(sim%scene, sim%plan)
-      call predict(sim%scene, sim%time(), h, sim%options%theta)
+      call predict(sim%scene, sim%time(), h, options%theta)
     end associate
   end subroutine predict_bodies
 
-  !> Contacts of the step, with the impulses of the last one.
-  subroutine detect_contacts(sim, error)
+  !> Contacts of the step, with the impulses of the last one; in later substeps those of the step, where their bodies are now.
+  subroutine find_contacts(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
+    real(wp) :: share
 
-    call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+    if (sim%substep == 1) then
+      call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
+    else
+      ! Shapes are placed for what looks at them: paths through walls in every substep, measures after the last one.
+      call sim%carry%move(sim%scene, sim%contacts, sim%tunnelling%exceeds_thinnest .or. sim%substep == sim%options%substeps)
+    end if
     ! Before the first detection bodies are where they start.
-    call find_crossed_walls(sim%tunnelling, sim%scene, sim%step + 1, sim%options%time_step, &
-                            merge(1 - sim%options%theta, 1.0_wp, sim%step == 0), sim%plan%thinnest)
-  end subroutine detect_contacts
+    share = merge(1 - sim%options%theta, 1.0_wp, sim%step == 0 .and. sim%substep == 1)
+    call find_crossed_walls(sim%tunnelling, sim%scene, sim%step + 1, sim%options%substep_length(), share, sim%plan%thinnest)
+    if (sim%substep > 1 .or. sim%options%substeps == 1) return
+    call sim%carry%begin(sim%scene, sim%contacts)
+    call sim%step_start%keep(sim%scene%bodies, sim%energy, sim%totals)
+  end subroutine find_contacts
 
   !> The contact problem, and its dump where one is asked for.
   subroutine assemble_problem(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
 
-    call check_limits(sim, error)
-    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, sim%problem)
+    if (sim%substep == 1) call check_limits(sim, error)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%substep_length(), sim%problem)
     call set_relative_epsilon(sim%scene, sim%contacts, sim%comm, sim%problem)
     call check_input(sim, error)
     if (allocated(error) .or. .not. allocated(sim%options%dump_steps)) return
-    if (is_listed(sim%options%dump_steps, sim%step + 1)) &
+    if (is_listed(sim%options%dump_steps, sim%step + 1) .and. sim%substep == sim%options%substeps) &
       call begin_dump(sim%dump, sim%problem, sim%decomposition%subdomain, sim%pairs%slot_of, sim%comm)
   end subroutine assemble_problem
 
-  !> Impulses of the contacts.
+  !> Impulses of the contacts over the substep.
   subroutine solve_problem(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
@@ -93,16 +117,17 @@ contains
     call dump_failed_solve(sim)
   end subroutine solve_problem
 
-  !> Velocities and impulses from the solution, and bodies at the end of the step.
+  !> Velocities and impulses from the solution, and bodies at the end of the substep.
   subroutine update_bodies(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
 
     call store_solution(sim, error)
-    call timed(count_step, sim, phase_measure, error)
+    call timed(count_substep, sim, phase_measure, error)
     if (allocated(error)) return
-    call update(sim%scene%bodies, sim%options%time_step, sim%options%theta)
-    sim%step = sim%step + 1
+    call update(sim%scene%bodies, sim%options%substep_length(), sim%options%theta)
+    if (sim%substep == sim%options%substeps) sim%step = sim%step + 1
+    sim%substep = merge(1, sim%substep + 1, sim%substep == sim%options%substeps)
   end subroutine update_bodies
 
   !> Bodies apart where they overlap.
@@ -113,17 +138,18 @@ contains
     call recover(sim, error)
   end subroutine push_bodies
 
-  !> Velocities at the end of the step and impulses of the contacts, from the problem solved.
+  !> Velocities at the end of the substep and impulses of the contacts, from the problem solved.
   subroutine store_solution(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
     integer(i1), allocatable :: status(:)
 
     status = sim%contacts%status(:sim%contacts%n)
-    associate (h => sim%options%time_step)
+    associate (h => sim%options%substep_length())
       call disassemble(sim%problem, sim%plan, sim%pairs, h, sim%report%violation, sim%scene, sim%contacts)
       call finish_links(sim%scene, sim%contacts, h)
-      if (sim%plan%has_bonds) call finish_bonds(sim%scene, h, sim%time(sim%step + 1), sim%problem, sim%contacts)
+      if (sim%plan%has_bonds) call finish_bonds(sim%scene, h, sim%substep_time(sim%substep + 1), &
+                                                sim%problem, sim%contacts)
       call find_broken(sim%scene, sim%contacts, sim%step + 1, h, .true., error)
     end associate
     call agree_on_step(sim, error)
@@ -145,17 +171,24 @@ contains
     if (sums(1) > 0) call sim%comm%agree(error)
   end subroutine agree_on_step
 
-  !> Add the works and costs of the step to those of the run.
-  subroutine count_step(sim, error)
+  !> Add the works and costs of a substep to those of the step, and those of the step to those of the run.
+  subroutine count_substep(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
 
-    call sim%energy%add_step(sim%scene, sim%contacts, sim%options%time_step)
-    call sim%tracks%add_step(sim%scene, sim%contacts, sim%options%time_step)
-    sim%tunnelling%deepest = deepest_penetration(sim%contacts)
-    call sim%totals%add(sim%report, sim%contacts%n, sim%tunnelling%deepest, sim%all_contacts)
+    call sim%energy%add_step(sim%scene, sim%contacts, sim%options%substep_length())
+    call sim%tracks%add_step(sim%scene, sim%contacts, sim%options%substep_length())
+    associate (deepest => sim%tunnelling%deepest)
+      deepest = max(deepest_penetration(sim%contacts), merge(0.0_wp, deepest, sim%substep == 1))
+    end associate
     if (.not. sim%report%is_converged) call note_unconverged(sim)
-    if (sim%tunnelling%exceeds_alert) sim%totals%fast_steps = sim%totals%fast_steps + 1
     sim%totals%tunnellings = sim%totals%tunnellings + sim%tunnelling%n
-  end subroutine count_step
+    if (sim%substep > 1) call add_substep(sim%so_far, sim%report)
+    if (sim%substep < sim%options%substeps) then
+      sim%so_far = sim%report
+      return
+    end if
+    call sim%totals%add(sim%report, sim%contacts%n, sim%tunnelling%deepest, sim%all_contacts)
+    if (sim%tunnelling%exceeds_alert) sim%totals%fast_steps = sim%totals%fast_steps + 1
+  end subroutine count_substep
 end module sg_advance

@@ -164,7 +164,7 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
 
-    call sim%writers%samples%add(sim%scene, sim%contacts, sim%options%time_step)
+    call sim%writers%samples%add(sim%scene, sim%contacts, sim%options%substep_length())
   end subroutine sample_now
 
   !> Add the present structure to its files, unless it is in them. Collective.
@@ -213,7 +213,7 @@ contains
     type(simulation_t), intent(inout) :: sim !! after a step; its measures are set
     type(error_t), allocatable, intent(out) :: error !! never set
 
-    call measure(sim%scene, sim%contacts, sim%options%time_step, sim%energy, sim%writers%measures, &
+    call measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%energy, sim%writers%measures, &
                  sim%decomposition%subdomain, sim%comm)
   end subroutine measure_now
 end module sg_after_step

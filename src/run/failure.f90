@@ -34,7 +34,8 @@ contains
     !! a value of one is not finite
     logical :: has_contacts
 
-    if (.not. allocated(error)) call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%time_step, .false., error)
+    if (.not. allocated(error)) &
+      call find_broken(sim%scene, sim%contacts, sim%step + 1, sim%options%substep_length(), .false., error)
     if (.not. sim%comm%any(allocated(error))) return
     call sim%comm%agree(error)
     has_contacts = sim%comm%any(sim%problem%n_contacts > 0)
@@ -82,7 +83,7 @@ contains
     if (sim%dump%is_begun .or. sim%all_contacts == 0) return
     sim%contacts%impulse(:, :sim%contacts%n) = 0
     sim%contacts%status(:sim%contacts%n) = status
-    call predict(sim%scene, sim%time(), sim%options%time_step, sim%options%theta)
+    call predict(sim%scene, sim%substep_time(), sim%options%substep_length(), sim%options%theta)
     call dump_again(sim)
   end subroutine dump_broken_step
 
@@ -92,7 +93,7 @@ contains
     type(problem_t) :: problem
 
     if (sim%dump%is_begun) return
-    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%substep_length(), problem)
     call set_relative_epsilon(sim%scene, sim%contacts, sim%comm, problem)
     call dump(sim, problem)
   end subroutine dump_again

@@ -53,6 +53,8 @@ contains
     call tables%begin('solver', per_contact)
     call tables%note('carried_contact', sim%solver%carried_contact)
     call sim%decomposition%list_tables(tables)
+    call sim%carry%list_tables(tables)
+    call sim%step_start%list_tables(tables)
     call tables%begin('trace', per_contact)
     call tables%note('guess_impulse', sim%guess_impulse)
     call tables%begin('trace', per_body)

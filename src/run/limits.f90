@@ -24,6 +24,7 @@ contains
       ! What the next step keeps of the contacts is an eighth of their problem; a checkpoint copies them.
       growth = growth_of_problem(sim%problem, sim%plan%kind, contacts%n)
       growth = growth + growth/8 + contacts%bytes_per_item()*int(contacts%n, i8)
+      if (sim%options%substeps > 1) growth = growth + sim%carry%growth(contacts%n)
       if (pairs%is_late) then
         call fail(error, 'stopped by the walltime after step '//to_text(sim%step), code=exit_stopped)
       else if (pairs%is_cut) then

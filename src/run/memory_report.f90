@@ -93,9 +93,9 @@ contains
     type(kernel_cost_t), intent(out) :: cost
     integer :: n_sweeps, batch
 
-    call predict(sim%scene, sim%time(), sim%options%time_step, sim%options%theta)
+    call predict(sim%scene, sim%time(), sim%options%substep_length(), sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, sim%problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%substep_length(), sim%problem)
     batch = sim%options%solver%typical_gap()
     n_sweeps = nint(real(sim%totals%sweeps, wp)/real(max(1, sim%totals%steps)*batch, wp))*batch
     call compare_cost(sim%problem, sim%options%solver, max(batch, n_sweeps), cost)

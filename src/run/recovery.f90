@@ -62,7 +62,7 @@ contains
 
     call take_velocities(sim%push, sim%pairs%body_of, sim%plan%radius, sim%scene%bodies)
     before = potential_energy(sim%scene)
-    call shift(sim%scene%bodies, sim%options%time_step)
+    call shift(sim%scene%bodies, sim%options%substep_length())
     sim%energy%recovery_work = sim%energy%recovery_work + potential_energy(sim%scene) - before
     sim%totals%recoveries = sim%totals%recoveries + 1
   end subroutine move_bodies
@@ -125,7 +125,7 @@ contains
     integer :: k
 
     squares = 0
-    associate (h => sim%options%time_step, push => sim%push, contacts => sim%contacts)
+    associate (h => sim%options%substep_length(), push => sim%push, contacts => sim%contacts)
       call begin_problem(sim%scene, sim%plan, sim%pairs, contacts%n, push)
       push%closing_speed = 0
       push%most_friction = 0

@@ -1,5 +1,6 @@
 !> A simulation: everything one run owns, made ready for its first step (sg_advance does the steps).
 module sg_simulation
+  use sg_carry, only: carry_t
   use sg_choose_solver, only: choose_solver
   use sg_comm, only: comm_t, traffic_t
   use sg_contacts, only: contacts_t
@@ -20,6 +21,7 @@ module sg_simulation
   use sg_scene, only: scene_t
   use sg_signature, only: n_signature, signature_of
   use sg_solver, only: solver_t
+  use sg_step_start, only: step_start_t
   use sg_stop, only: stop_t
   use sg_text, only: to_text
   use sg_totals, only: totals_t
@@ -48,6 +50,8 @@ module sg_simulation
     type(problem_t) :: push
     class(solver_t), allocatable :: pusher
     type(report_t) :: report
+    !> Report of the substeps of the present step that are done
+    type(report_t) :: so_far
     !> The ranks, and this one's side of the decomposition
     type(comm_t) :: comm
     type(decomposition_t) :: decomposition
@@ -70,8 +74,11 @@ module sg_simulation
     type(tunnelling_t) :: tunnelling
     !> Files of the run
     type(writers_t) :: writers
-    !> Steps done
-    integer :: step = 0
+    !> Steps done, and number of the substep within the present one
+    integer :: step = 0, substep = 1
+    !> What carries contacts from substep to substep, and the state at the beginning of the step; unused where there is one substep
+    type(carry_t) :: carry
+    type(step_start_t) :: step_start
     !> Contacts of the last step, of all ranks
     integer :: all_contacts = 0
     !> Where ranks share the scene: effort of this rank in this run, and its messages in solves; signature of the whole scene
@@ -80,6 +87,7 @@ module sg_simulation
     real(wp) :: signature(n_signature) = 0
   contains
     procedure :: time => simulation_time
+    procedure :: substep_time => simulation_substep_time
   end type simulation_t
 
 contains
@@ -96,13 +104,15 @@ contains
     sim%pairs%memory%sharers = sim%comm%ranks_here()
     sim%pairs%memory%subdomains = sim%comm%n_here()
     sim%pairs%deadline = sim%options%deadline
+    sim%pairs%substeps = sim%options%substeps
     sim%contacts%memory = sim%pairs%memory
     sim%contacts%dimension = sim%scene%dimension
     sim%contacts%n_components = impulse_length(sim%plan%kind)
     sim%contacts%n_internal = sim%plan%n_internal
     ! Contacts known to a scene that is held in part travel first, see `decompose`.
     if (.not. allocated(sim%scene%bodies%id)) &
-      call start_history(sim%history, sim%scene, sim%options%time_step, sim%contacts%n_components, sim%contacts%n_internal)
+      call start_history(sim%history, sim%scene, sim%options%substep_length(), sim%contacts%n_components, &
+                         sim%contacts%n_internal)
     ! What a method carries must be known before a restart file is read; a method that these ranks cannot have is refused later.
     call choose_solver(sim%options%solver, sim%options%partition, sim%comm%size, sim%solver, refused)
     if (allocated(refused)) call choose_solver(sim%options%solver, sim%solver)
@@ -171,4 +181,19 @@ contains
     if (present(step)) number = step
     time = self%scene%start_time + self%options%time_step*real(number, wp)
   end function simulation_time
+
+  !> Time at which the present substep begins, or at which another one does [s]; the one after the last begins with the next step.
+  pure real(wp) function simulation_substep_time(self, substep) result(time)
+    class(simulation_t), intent(in) :: self
+    integer, intent(in), optional :: substep !! number of the substep within the step, from 1
+    integer :: number
+
+    number = self%substep
+    if (present(substep)) number = substep
+    if (number > self%options%substeps) then
+      time = self%time(self%step + 1)
+    else
+      time = self%time() + self%options%substep_length()*real(number - 1, wp)
+    end if
+  end function simulation_substep_time
 end module sg_simulation

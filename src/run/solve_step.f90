@@ -4,7 +4,7 @@ module sg_solve_step
   use sg_bonds, only: damage_t, refresh_bonds
   use sg_comm, only: traffic_t
   use sg_kinds, only: wp
-  use sg_report, only: report_t
+  use sg_report, only: add_effort, report_t
   use sg_residuals, only: find_worst
   use sg_simulation, only: simulation_t
   use sg_subdomain, only: subdomain_t
@@ -52,13 +52,13 @@ contains
       call solve_once(sim)
       if (.not. sim%report%is_converged) unsolved = unsolved + 1
       if (round > 1) call add_effort(before, sim%report)
-      call damage%find(sim%scene, sim%options%time_step, sim%problem, sim%contacts, change)
+      call damage%find(sim%scene, sim%options%substep_length(), sim%problem, sim%contacts, change)
       call sim%comm%maximum(change)
       if (.not. change > settled .or. round == most_rounds .or. unsolved == most_unsolved) exit
       before = sim%report
       sim%problem%body = free
       call damage%approach(settled, sim%contacts)
-      call refresh_bonds(sim%scene, sim%contacts, sim%options%time_step, sim%problem)
+      call refresh_bonds(sim%scene, sim%contacts, sim%options%substep_length(), sim%problem)
     end do
     call damage%accept(sim%contacts)
     if (change > settled) call judge_unsettled(sim)
@@ -72,7 +72,7 @@ contains
     real(wp) :: own
 
     allocate (solved, source=sim%problem%record)
-    call refresh_bonds(sim%scene, sim%contacts, sim%options%time_step, sim%problem)
+    call refresh_bonds(sim%scene, sim%contacts, sim%options%substep_length(), sim%problem)
     call find_worst(sim%problem, sim%report%worst_contact, own)
     call move_alloc(solved, sim%problem%record)
     sim%report%worst_speed = own
@@ -81,24 +81,6 @@ contains
     sim%report%is_converged = sim%report%is_converged .and. &
                               sim%report%worst_speed <= sim%options%solver%tolerance*sim%report%velocity_scale
   end subroutine judge_unsettled
-
-  !> Add the effort of earlier rounds to the report of the last one.
-  pure subroutine add_effort(before, report)
-    type(report_t), intent(in) :: before
-    type(report_t), intent(inout) :: report
-
-    report%sweeps = report%sweeps + before%sweeps
-    report%contact_updates = report%contact_updates + before%contact_updates
-    report%gluings = report%gluings + before%gluings
-    report%iterations = report%iterations + before%iterations
-    report%factorisations = report%factorisations + before%factorisations
-    report%failed_factors = report%failed_factors + before%failed_factors
-    report%failed_systems = report%failed_systems + before%failed_systems
-    report%checks = report%checks + before%checks
-    report%cpu_sweeps = report%cpu_sweeps + before%cpu_sweeps
-    report%cpu_checks = report%cpu_checks + before%cpu_checks
-    report%cpu_seconds = report%cpu_seconds + before%cpu_seconds
-  end subroutine add_effort
 
   !> Solve once, with or without a history, and count its messages.
   subroutine solve_once(sim)

@@ -1,7 +1,8 @@
 !> Tunnelling: bodies that pass through each other, within a step or squeezed.
 !!
-!! Contacts are found once per step. From one detection to the next a body moves by exactly h V, whatever theta, so a contact that
-!! was seen at a gap g is g + h u_n wide at the next one, u_n being the velocity that the step ended with. Laws that act at a
+!! Contacts are found once per step, and their gaps once per substep. From one gap to the next a body moves by exactly h V, whatever
+!! theta, h being the length of a substep, so a contact of gap g is g + h u_n wide at the next one, u_n being the velocity that the
+!! substep ended with. Laws that act at a
 !! distance (IQS, GAP_SGR) leave no g + h u_n below zero. Those that wait until shapes touch (RST, VEL_SGR) may, and so does a
 !! body between a floor and a lid that come together: where the overlap exceeds what both shapes measure to their middles, what
 !! is found next lies beyond, and is pushed out on the wrong side, or not at all.
@@ -43,21 +44,24 @@ module sg_tunnelling
 
 contains
 
-  !> Count the pairs of bodies in contact that the motion since the last detection has brought through each other.
-  subroutine find_crossed_contacts(tunnelling, scene, contacts, plan, is_loaded, step, h)
+  !> Count the pairs of bodies in contact that the motion since the last substep has brought through each other.
+  subroutine find_crossed_contacts(tunnelling, scene, contacts, plan, is_loaded, step, h, substep, substeps)
     type(tunnelling_t), intent(inout) :: tunnelling !! its count is set
     type(scene_t), intent(in) :: scene !! velocities are those with which the last step ended
-    type(contacts_t), intent(in) :: contacts !! contacts of the last detection
+    type(contacts_t), intent(in) :: contacts !! contacts of the last substep
     type(plan_t), intent(in) :: plan !! alert distance and thinnest shape
     logical, intent(in) :: is_loaded !! are contacts those of a checkpoint or a deck, which have no gaps?
     integer, intent(in) :: step !! number of the step that begins
-    real(wp), intent(in) :: h !! time step [s]
+    real(wp), intent(in) :: h !! length of a substep [s]
+    integer, intent(in) :: substep !! number of the one that begins
+    integer, intent(in) :: substeps !! substeps of a step
     real(wp) :: displacement, thickness
     integer :: k
 
     tunnelling%n = 0
     displacement = h*largest_speed(scene%bodies%velocity(:scene%dimension, :))
-    tunnelling%exceeds_alert = displacement > plan%alert
+    ! The contacts found by the first substep are those of all.
+    if (substep == 1) tunnelling%exceeds_alert = real(substeps, wp)*displacement > plan%alert
     tunnelling%exceeds_thinnest = displacement > plan%thinnest
     if (is_loaded .or. .not. displacement + tunnelling%deepest > plan%thinnest) return
     do k = 1, contacts%n
@@ -94,8 +98,8 @@ contains
     type(tunnelling_t), intent(inout) :: tunnelling !! its count grows
     type(scene_t), intent(in) :: scene !! contactors are placed for the step, velocities are those with which the last one ended
     integer, intent(in) :: step !! number of the step
-    real(wp), intent(in) :: h !! time step [s]
-    real(wp), intent(in) :: share !! share of the step since the last detection, or since the start
+    real(wp), intent(in) :: h !! length of a substep [s]
+    real(wp), intent(in) :: share !! share of the substep since shapes were placed last, or since the start
     real(wp), intent(in) :: thinnest !! half width of the thinnest shape [m]
     integer, allocatable :: walls(:)
     real(wp) :: displacement(scene%dimension)

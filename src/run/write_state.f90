@@ -71,7 +71,7 @@ contains
     time = sim%time()
     step = sim%step
     call take_motion(sim%scene, scene)
-    call predict(sim%scene, time, options%time_step, options%theta)
+    call predict(sim%scene, time, options%substep_length(), options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
     call take_contacts(sim, contacts)
   end subroutine scene_at_restart
@@ -115,10 +115,10 @@ contains
     allocate (contacts%force(sim%scene%dimension, n), contacts%velocity(sim%scene%dimension, n), source=0.0_wp)
     do k = 1, n
       if (sim%scene%dimension == 3) then
-        contacts%force(:, k) = impulse_vector(sim%contacts, k)/sim%options%time_step
+        contacts%force(:, k) = impulse_vector(sim%contacts, k)/sim%options%substep_length()
         contacts%velocity(:, k) = space_relative_velocity(sim%scene, sim%contacts, k, sim%scene%bodies%velocity)
       else
-        contacts%force(:m, k) = sim%contacts%impulse(:, k)/sim%options%time_step
+        contacts%force(:m, k) = sim%contacts%impulse(:, k)/sim%options%substep_length()
         contacts%velocity(:, k) = relative_velocity(sim%contacts, k, sim%scene%bodies%middle, sim%scene%period, &
                                                     sim%scene%bodies%velocity)
       end if

@@ -87,6 +87,8 @@ module sg_run_options
     real(wp) :: time_step = 0
     integer :: steps = 0
     real(wp) :: theta = 0.5_wp
+    !> Substeps of a step: contacts are found once per step, and solved in each substep
+    integer :: substeps = 1
     !> Overlap over the smaller shape from which on bodies are pushed apart at the end of a step; 0 for never
     real(wp) :: recovery = 0
     !> Steps from one look for such overlap to the next
@@ -133,9 +135,18 @@ module sg_run_options
     logical :: is_quiet = .false.
     !> Report at the end what the run has held in memory, and write needs.json
     logical :: reports_memory = .false.
+  contains
+    procedure :: substep_length => run_substep_length
   end type run_options_t
 
 contains
+
+  !> Length of a substep [s]: that of the step where it has one.
+  pure real(wp) function run_substep_length(self) result(length)
+    class(run_options_t), intent(in) :: self
+
+    length = self%time_step/real(self%substeps, wp)
+  end function run_substep_length
 
   !> Sweeps between two tests, typically where these come by the fall of the criterion.
   pure integer function solver_typical_gap(self) result(gap)

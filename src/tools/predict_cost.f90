@@ -47,7 +47,7 @@ contains
 
     call find_contacts(sim, error)
     if (allocated(error)) return
-    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, sim%problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%substep_length(), sim%problem)
     load = measured_weights(sim%contacts, sim%scene%bodies%is_grain, sim%scene%bodies%n_own)
     machine%check_every = sim%options%solver%typical_gap()
     machine%item_bytes = 8*real(first_inverse(sim%problem%kind) - 1, wp)

@@ -69,9 +69,9 @@ contains
     end associate
     call split_bodies(sim, load, n_subdomains, boxes, part, error)
     if (allocated(error)) return
-    call predict(sim%scene, sim%time(), sim%options%time_step, sim%options%theta)
+    call predict(sim%scene, sim%time(), sim%options%substep_length(), sim%options%theta)
     call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
-    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, sim%problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%substep_length(), sim%problem)
     call set_relative_epsilon(sim%scene, sim%contacts, sim%comm, sim%problem)
     call check_problem(sim, is_linear, epsilon, error)
     if (allocated(error)) return

@@ -144,7 +144,7 @@ contains
     type(interface_blocks_t) :: rows
     integer :: k
 
-    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%time_step, sim%problem)
+    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%substep_length(), sim%problem)
     call rows%build(sim%problem, pack(cut, [(is_active(sim%problem, cut(k)), k=1, size(cut))]))
     blocks = rows%structure()
   end subroutine look_at_interface

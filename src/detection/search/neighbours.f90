@@ -44,6 +44,8 @@ module sg_neighbours
     real(wp) :: skin = 0
     !> Skin of the next list, where all ranks of a decomposed scene must have the same; 0 where it is free to choose [m]
     real(wp) :: asked_skin = 0
+    !> Substeps from one detection to the next
+    integer :: substeps = 1
     !> Are only shapes sought that touch, whatever the alert distances are?
     logical :: without_alert = .false.
     !> Rank whose contacts are sought, in a decomposed scene: each contact belongs to one rank
@@ -133,9 +135,10 @@ contains
   !> A skin for the present motion [m], 0 where there is nothing: lists that last long cost pairs that never touch, short-lived
   !! ones cost searches.
   !!
-  !! Bodies move from their position to `middle` in half a step, so the fastest crosses half the skin in about eight steps.
-  pure real(wp) function fitting_skin(scene) result(skin)
+  !! Bodies move from their position to `middle` in half a substep, so the fastest crosses half the skin in about eight steps.
+  pure real(wp) function fitting_skin(scene, substeps) result(skin)
     type(scene_t), intent(in) :: scene !! scene with its `middle` configuration
+    integer, intent(in) :: substeps !! from one detection to the next
     real(wp), parameter :: thinnest = 0.1_wp, thickest = 1 ! in mean radii
     real(wp) :: reach, step
 
@@ -147,7 +150,7 @@ contains
         step = 2*sqrt(maxval(sum((bodies%middle(:n, :) - bodies%position)**2, 1)))
       end associate
     end associate
-    skin = max(thinnest*reach, min(thickest*reach, 16*step))
+    skin = max(thinnest*reach, min(thickest*reach, 16*real(substeps, wp)*step))
   end function fitting_skin
 
   !> Bring bodies back into the period, counting crossings.

@@ -34,6 +34,7 @@ contains
     options%time_step = deck%number(b, 'step')
     options%steps = deck%integer(b, 'steps')
     options%theta = deck%number(b, 'theta')
+    options%substeps = deck%integer(b, 'substeps')
     options%recovery = deck%number(b, 'recovery')
     options%recovery_every = deck%integer(b, 'recovery_every')
     b = deck%block_of('solver')

@@ -33,6 +33,8 @@ contains
     call table%add('steps', value_integer, 'Number of steps.', is_required=.true., least=0.0_wp)
     call table%add('theta', value_real, 'Weight of the end of the step in the theta scheme; 0.5 is the mid-point rule.', &
                    default=short_real(default%theta), least=0.0_wp, most=1.0_wp)
+    call table%add('substeps', value_integer, 'Substeps of a step: contacts are found once per step, and follow their bodies '// &
+                   'from substep to substep, each of which solves them.', default=to_text(default%substeps), least=1.0_wp)
     call table%add('recovery', value_real, 'Overlap of two shapes, over the smaller one, from which on bodies are pushed '// &
                    'apart at the end of a step; 0 for never.', default=short_real(default%recovery), least=0.0_wp, most=1.0_wp)
     call table%add('recovery_every', value_integer, 'Steps from one look for such overlap to the next.', &

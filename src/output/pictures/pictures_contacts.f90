@@ -43,7 +43,7 @@ contains
     integer, intent(in) :: resumed_step !! step of the checkpoint; negative for a new run
     type(comm_t), intent(inout) :: comm !! ranks that share the scene
 
-    self%time_step = options%time_step
+    self%time_step = options%substep_length()
     call self%grid%open(options%folder//'/contacts.vtkhdf', options, resumed_step, comm)
     if (allocated(self%grid%file%error)) return
     call self%xdmf%open(options%folder//'/contacts.xmf', 'contacts.vtkhdf', 'Polyline', self%grid%n_steps, comm%rank == 0)

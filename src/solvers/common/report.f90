@@ -1,11 +1,11 @@
 !> Report of a solver on one contact problem: effort, and errors of the whole problem.
 module sg_report
-  use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
   use sg_kinds, only: wp, i8
   use sg_timers, only: timer_t
   implicit none
   private
-  public :: report_t, coupled_effort_t, trace_point_t, ratio, unsolved
+  public :: report_t, coupled_effort_t, trace_point_t, add_effort, add_substep, ratio, unsolved, worse
 
   !> One point of the history of a solve: what had been done, and how far the answer was
   type :: trace_point_t
@@ -101,6 +101,57 @@ contains
     report%criterion = report%e1
     report%estimate = report%e1
   end function unsolved
+
+  !> Add the effort of earlier solves of a step to the report of the last one.
+  pure subroutine add_effort(before, report)
+    type(report_t), intent(in) :: before !! of the solves before
+    type(report_t), intent(inout) :: report !! of the last solve
+
+    report%sweeps = report%sweeps + before%sweeps
+    report%contact_updates = report%contact_updates + before%contact_updates
+    report%gluings = report%gluings + before%gluings
+    report%iterations = report%iterations + before%iterations
+    report%factorisations = report%factorisations + before%factorisations
+    report%failed_factors = report%failed_factors + before%failed_factors
+    report%failed_systems = report%failed_systems + before%failed_systems
+    report%checks = report%checks + before%checks
+    report%cpu_sweeps = report%cpu_sweeps + before%cpu_sweeps
+    report%cpu_checks = report%cpu_checks + before%cpu_checks
+    report%cpu_seconds = report%cpu_seconds + before%cpu_seconds
+  end subroutine add_effort
+
+  !> Make the report of the last substep that of all so far: its own contacts, the effort of all, and the worst errors of any.
+  pure subroutine add_substep(before, report)
+    type(report_t), intent(in) :: before !! of the substeps before
+    type(report_t), intent(inout) :: report !! of the last substep
+
+    call add_effort(before, report)
+    report%messages = report%messages + before%messages
+    report%bytes = report%bytes + before%bytes
+    report%collectives = report%collectives + before%collectives
+    report%is_converged = report%is_converged .and. before%is_converged
+    report%criterion = worse(before%criterion, report%criterion)
+    report%e1 = worse(before%e1, report%e1)
+    report%e2 = worse(before%e2, report%e2)
+    report%e8 = worse(before%e8, report%e8)
+    report%violation = worse(before%violation, report%violation)
+    report%change = worse(before%change, report%change)
+    report%estimate = worse(before%estimate, report%estimate)
+  end subroutine add_substep
+
+  !> The larger of two errors; one that is not a number is the worst and stays.
+  pure real(wp) function worse(so_far, new)
+    real(wp), intent(in) :: so_far !! an error
+    real(wp), intent(in) :: new !! another one
+
+    worse = so_far
+    if (ieee_is_nan(so_far)) return
+    if (ieee_is_nan(new)) then
+      worse = new
+    else
+      worse = max(so_far, new)
+    end if
+  end function worse
 
   !> A ratio of norms, as errors are; 0 where both vanish, 1 where only the scale does.
   pure real(wp) function ratio(norm, scale)
