@@ -3,9 +3,9 @@
 !! Detection finds the contacts of a whole step. Between two substeps of it, bodies move, and each contact is brought to where they
 !! are now:
 !!
-!! - of a disk, a sphere or a cylinder the narrow phase measures the pair again: normal and gap are those that a detection would find;
-!! - of two polygons or polyhedra, or of one of them and a wall, the normal turns with the body whose face it is, the point is one of
-!!   the other body's surface, and the gap is the height of that point over the face: exact for this point and this face;
+!! - of a disk, a sphere or a cylinder the narrow phase measures the pair again: normal and gap are those of a detection;
+!! - of two polygons or polyhedra, or of one of them and a wall, the normal turns with the body whose face it is, the point is one
+!!   of the other body's surface, and the gap is the height of that point over the face: exact for this point and this face;
 !! - of a link, normal and length follow from its two ends, as in detection.
 !!
 !! Impulses, statuses and internal values stay: they are the guess and the past of the next solve.

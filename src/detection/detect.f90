@@ -197,8 +197,8 @@ contains
     if (.not. contacts%is_cut) call turn_link(scene, contacts, contacts%n)
   end subroutine follow_link
 
-  !> Turn the guess of a link whose ends have moved with it: that of a link which carries nothing across is the force along it. A bond
-  !! that its ends have torn is broken.
+  !> Turn the guess of a link whose ends have moved with it: that of a link which carries nothing across is the force along it. A
+  !! bond that its ends have torn is broken.
   pure subroutine turn_link(scene, contacts, k)
     type(scene_t), intent(in) :: scene !! scene with its links
     type(contacts_t), intent(inout) :: contacts !! contacts, the link measured where its ends are now

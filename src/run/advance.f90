@@ -1,7 +1,7 @@
 !> One time step of a simulation: predict, detect, assemble, solve, update.
 !!
-!! A step may be cut into substeps. Each predicts, assembles, solves and updates; the first one detects, the others carry its contacts
-!! on (doc/theory/substeps.md).
+!! A step may be cut into substeps. Each predicts, assembles, solves and updates; the first one detects, the others carry its
+!! contacts on (doc/theory/substeps.md).
 module sg_advance
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_assemble, only: assemble, disassemble

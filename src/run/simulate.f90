@@ -98,7 +98,8 @@ contains
            //trim(merge(' sweeps    ', ' iterations', is_swept(options%solver%method)))//new_line('a') &
            //'outputs    '//every('record', options%record_every)//', '//every('pictures', options%output_every)//', ' &
            //every('checkpoints', options%restart_every)//at_end//new_line('a')//'time       ' &
-           //to_text(options%steps)//' steps of '//to_text(options%time_step, 4)//' s; results in '//options%folder
+           //to_text(options%steps)//' steps of '//to_text(options%time_step, 4)//' s'//substeps(options%substeps) &
+           //'; results in '//options%folder
   contains
     pure function every(what, steps)
       character(len=*), intent(in) :: what
@@ -109,6 +110,14 @@ contains
       if (steps == 1) every = what//' every step'
       if (steps > 1) every = what//' every '//to_text(steps)//' steps'
     end function every
+
+    pure function substeps(number)
+      integer, intent(in) :: number
+      character(len=:), allocatable :: substeps
+
+      substeps = ''
+      if (number > 1) substeps = ' in '//to_text(number)//' substeps each'
+    end function substeps
   end function describe_run
 
   !> Load a checkpoint where there is one, claim the folder of the results unless there is nothing to do, split the scene over the

@@ -1,5 +1,5 @@
-!> State at the beginning of a step that is cut into substeps: kept so that a step which fails in a later substep leaves bodies where
-!! the step began.
+!> State at the beginning of a step that is cut into substeps: kept so that a step which fails in a later substep leaves bodies
+!! where the step began.
 module sg_step_start
   use sg_bodies, only: bodies_t
   use sg_energy, only: energy_t
