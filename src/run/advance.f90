@@ -47,7 +47,7 @@ contains
       call warn_of_tunnelling(sim%tunnelling, sim%comm, error_unit)
       if (sim%dump%is_begun) call save_dump(sim, sim%step + 1)
     end do
-    if (sim%substep > 1) call sim%step_start%restore(sim%scene%bodies, sim%energy, sim%totals)
+    if (sim%substep > 1) call sim%step_start%restore(sim%scene%bodies, sim%energy, sim%totals, sim%tracks)
     sim%substep = 1
     if (sim%options%recovery > 0) call timed(push_bodies, sim, phase_solve, error)
   end subroutine advance
@@ -87,7 +87,7 @@ contains
     call find_crossed_walls(sim%tunnelling, sim%scene, sim%step + 1, sim%options%substep_length(), share, sim%plan%thinnest)
     if (sim%substep > 1 .or. sim%options%substeps == 1) return
     call sim%carry%begin(sim%scene, sim%contacts)
-    call sim%step_start%keep(sim%scene%bodies, sim%energy, sim%totals)
+    call sim%step_start%keep(sim%scene%bodies, sim%energy, sim%totals, sim%tracks)
   end subroutine find_contacts
 
   !> The contact problem, and its dump where one is asked for.
