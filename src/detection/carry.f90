@@ -10,8 +10,8 @@
 !!
 !! Impulses, statuses and internal values stay: they are the guess and the past of the next solve.
 module sg_carry
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_plane, kind_point, kind_polygon, kind_polyhedron, kind_segment, &
-                           place_contactors
+  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_plane, kind_point, kind_polygon, kind_polyhedron, &
+                           kind_segment, kind_sphere, place_contactors
   use sg_contacts, only: contacts_t
   use sg_detect, only: turn_link
   use sg_kinds, only: wp, i1, i8
@@ -87,25 +87,45 @@ contains
     type(scene_t), intent(inout) :: scene !! scene, its `middle` configuration set; its contactors are placed where that is needed
     type(contacts_t), intent(inout) :: contacts !! contacts of the step
     logical, intent(in) :: places_shapes !! place the contactors in any case?
-    logical :: is_measured
     integer :: k
 
     if (places_shapes .or. self%has_measured) call place_contactors(scene%contactors, scene%bodies%middle)
     if (self%has_followers) call find_turns(self, scene)
     do k = 1, contacts%n
-      associate (kind => scene%contactors%kind(contacts%contactor(1, k)))
-        is_measured = .false.
-        if (kind == kind_point) then
-          call measure_link(scene, contacts, k)
-          is_measured = .true.
-        else if (.not. follows(kind)) then
-          call measure(scene, contacts, k, is_measured)
+      associate (kind_c => scene%contactors%kind(contacts%contactor(1, k)), &
+                 kind_a => scene%contactors%kind(contacts%contactor(2, k)))
+        if (kind_c == kind_disk .and. kind_a == kind_disk) then
+          call measure_disks(scene, contacts, k)
+        else if (kind_c == kind_sphere .and. kind_a == kind_sphere) then
+          call measure_spheres(scene, contacts, k)
+        else
+          call move_any(self, scene, contacts, k)
         end if
-        if (.not. is_measured) call follow(self, scene, contacts, k)
       end associate
     end do
     if (self%has_followers) self%before = scene%bodies%middle
   end subroutine carry_move
+
+  !> Bring a contact of any shapes to where its bodies are now.
+  pure subroutine move_any(self, scene, contacts, k)
+    class(carry_t), intent(in) :: self
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(inout) :: contacts
+    integer, intent(in) :: k
+    logical :: is_measured
+
+    associate (kind => scene%contactors%kind(contacts%contactor(1, k)))
+      is_measured = kind == kind_point
+      if (kind == kind_point) then
+        call measure_link(scene, contacts, k)
+      else if (.not. follows(kind)) then
+        call measure(scene, contacts, k, is_measured)
+      end if
+    end associate
+    if (is_measured) return
+    if (scene%dimension == 2) call follow_in_plane(self, scene, contacts, k)
+    if (scene%dimension == 3) call follow_in_space(self, scene, contacts, k)
+  end subroutine move_any
 
   !> Do the points of contact of a candidate of this kind follow their bodies?
   pure logical function follows(kind)
@@ -184,50 +204,128 @@ contains
     end associate
   end subroutine find_turns
 
-  !> A vector of the world that has turned with a body.
-  pure function with_body(self, b, v) result(image)
-    class(carry_t), intent(in) :: self
-    integer, intent(in) :: b
-    real(wp), intent(in) :: v(:)
-    real(wp) :: image(size(v))
-
-    image = v
-    if (.not. allocated(self%turn)) return
-    if (size(v) == 2) then
-      image = [self%turn(1, b)*v(1) - self%turn(2, b)*v(2), self%turn(2, b)*v(1) + self%turn(1, b)*v(2)]
-    else
-      image = turned_by(self%turn(:, b), v)
-    end if
-  end function with_body
-
-  !> Let a contact follow: the normal turns with the body of its face, the point moves with the other one.
-  pure subroutine follow(self, scene, contacts, k)
+  !> Let a contact of the plane follow: the normal turns with the body of its face, the point moves with the other one.
+  pure subroutine follow_in_plane(self, scene, contacts, k)
     class(carry_t), intent(in) :: self
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(inout) :: contacts
     integer, intent(in) :: k
-    real(wp), dimension(scene%dimension) :: half, arm_c, arm_a, between, normal, shift
-    integer :: c, a, n
+    real(wp) :: half(2), arm_c(2), arm_a(2), normal(2), centre_a(2), before_a(2)
 
-    n = scene%dimension
-    c = contacts%body(1, k)
-    a = contacts%body(2, k)
-    shift = offset_of(scene, contacts, k)
-    half = contacts%gap(k)/2*contacts%normal(:, k)
-    arm_c = with_body(self, c, contacts%point(:, k) + half - self%before(:n, c))
-    arm_a = with_body(self, a, contacts%point(:, k) - half - shift - self%before(:n, a))
-    between = scene%bodies%middle(:n, c) - scene%bodies%middle(:n, a) - shift + arm_c - arm_a
-    if (self%face(k) == face_of_candidate) then
-      normal = with_body(self, c, contacts%normal(:, k))
-      contacts%gap(k) = dot_product(normal, between)
-      contacts%point(:, k) = scene%bodies%middle(:n, a) + shift + arm_a + contacts%gap(k)/2*normal
-    else
-      normal = with_body(self, a, contacts%normal(:, k))
-      contacts%gap(k) = dot_product(normal, between)
-      contacts%point(:, k) = scene%bodies%middle(:n, c) + arm_c - contacts%gap(k)/2*normal
-    end if
-    contacts%normal(:, k) = normal
-  end subroutine follow
+    associate (c => contacts%body(1, k), a => contacts%body(2, k), middle => scene%bodies%middle, point => contacts%point(:, k), &
+               gap => contacts%gap(k))
+      normal = contacts%normal(:, k)
+      half = gap/2*normal
+      centre_a = middle(1:2, a)
+      centre_a(1) = centre_a(1) + scene%period*real(contacts%image(k), wp)
+      before_a = self%before(1:2, a)
+      before_a(1) = before_a(1) + scene%period*real(contacts%image(k), wp)
+      arm_c = point + half - self%before(1:2, c)
+      arm_a = point - half - before_a
+      if (allocated(self%turn)) then
+        arm_c = turned_in_plane(self%turn(:, c), arm_c)
+        arm_a = turned_in_plane(self%turn(:, a), arm_a)
+        normal = turned_in_plane(self%turn(:, merge(c, a, self%face(k) == face_of_candidate)), normal)
+      end if
+      gap = dot_product(normal, middle(1:2, c) - centre_a + (arm_c - arm_a))
+      if (self%face(k) == face_of_candidate) then
+        point = centre_a + arm_a + gap/2*normal
+      else
+        point = middle(1:2, c) + arm_c - gap/2*normal
+      end if
+      contacts%normal(:, k) = normal
+    end associate
+  end subroutine follow_in_plane
+
+  !> The same in space.
+  pure subroutine follow_in_space(self, scene, contacts, k)
+    class(carry_t), intent(in) :: self
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(inout) :: contacts
+    integer, intent(in) :: k
+    real(wp) :: half(3), arm_c(3), arm_a(3), normal(3), centre_a(3), shift(3)
+
+    associate (c => contacts%body(1, k), a => contacts%body(2, k), middle => scene%bodies%middle, point => contacts%point(:, k), &
+               gap => contacts%gap(k))
+      normal = contacts%normal(:, k)
+      half = gap/2*normal
+      shift = offset_of(scene, contacts, k)
+      centre_a = middle(1:3, a) + shift
+      arm_c = point + half - self%before(1:3, c)
+      arm_a = point - half - (self%before(1:3, a) + shift)
+      if (allocated(self%turn)) then
+        arm_c = turned_by(self%turn(:, c), arm_c)
+        arm_a = turned_by(self%turn(:, a), arm_a)
+        normal = turned_by(self%turn(:, merge(c, a, self%face(k) == face_of_candidate)), normal)
+      end if
+      gap = dot_product(normal, middle(1:3, c) - centre_a + (arm_c - arm_a))
+      if (self%face(k) == face_of_candidate) then
+        point = centre_a + arm_a + gap/2*normal
+      else
+        point = middle(1:3, c) + arm_c - gap/2*normal
+      end if
+      contacts%normal(:, k) = normal
+    end associate
+  end subroutine follow_in_space
+
+  !> A vector turned by an angle of which cosine and sine are given.
+  pure function turned_in_plane(turn, v) result(image)
+    real(wp), intent(in) :: turn(2), v(2)
+    real(wp) :: image(2)
+
+    image = [turn(1)*v(1) - turn(2)*v(2), turn(2)*v(1) + turn(1)*v(2)]
+  end function turned_in_plane
+
+  !> Measure two disks again: nearly all contacts of many scenes. Where the centres coincide the normal stays.
+  pure subroutine measure_disks(scene, contacts, k)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(inout) :: contacts
+    integer, intent(in) :: k
+    real(wp) :: x, y, square, distance, place
+
+    associate (c => contacts%contactor(1, k), a => contacts%contactor(2, k), centre => scene%contactors%centre, &
+               reach => scene%contactors%reach)
+      x = centre(1, c) - centre(1, a) - scene%period*real(contacts%image(k), wp)
+      y = centre(2, c) - centre(2, a)
+      square = x**2 + y**2
+      distance = sqrt(square)
+      if (square > tiny(square)) then
+        contacts%normal(1, k) = x/distance
+        contacts%normal(2, k) = y/distance
+      end if
+      contacts%gap(k) = distance - (reach(c) + reach(a))
+      place = reach(c) + contacts%gap(k)/2
+      contacts%point(1, k) = centre(1, c) - place*contacts%normal(1, k)
+      contacts%point(2, k) = centre(2, c) - place*contacts%normal(2, k)
+    end associate
+  end subroutine measure_disks
+
+  !> The same of two spheres.
+  pure subroutine measure_spheres(scene, contacts, k)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(inout) :: contacts
+    integer, intent(in) :: k
+    real(wp) :: x, y, z, square, distance, place
+
+    associate (c => contacts%contactor(1, k), a => contacts%contactor(2, k), centre => scene%contactors%centre, &
+               reach => scene%contactors%reach)
+      x = centre(1, c) - centre(1, a) - scene%period*real(contacts%image(k), wp)
+      y = centre(2, c) - centre(2, a) - scene%period_y*real(contacts%image_y(k), wp)
+      z = centre(3, c) - centre(3, a)
+      square = x**2 + y**2 + z**2
+      distance = sqrt(square)
+      if (square > tiny(square)) then
+        contacts%normal(1, k) = x/distance
+        contacts%normal(2, k) = y/distance
+        contacts%normal(3, k) = z/distance
+      end if
+      contacts%gap(k) = distance - (reach(c) + reach(a))
+      place = reach(c) + contacts%gap(k)/2
+      contacts%point(1, k) = centre(1, c) - place*contacts%normal(1, k)
+      contacts%point(2, k) = centre(2, c) - place*contacts%normal(2, k)
+      contacts%point(3, k) = centre(3, c) - place*contacts%normal(3, k)
+    end associate
+  end subroutine measure_spheres
 
   !> Measure the pair of a contact again by the narrow phase. A cylinder may have lost the point: then it follows its bodies.
   pure subroutine measure(scene, contacts, k, is_measured)

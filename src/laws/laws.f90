@@ -10,7 +10,7 @@ module sg_laws
   use sg_kinds, only: wp, i1
   implicit none
   private
-  public :: law_t, local_law_t, local_law, set_local_law, linear_law
+  public :: law_t, local_law_t, local_law, set_local_law, linear_law, gap_bias, looks_at_gap
   public :: law_iqs, law_gap, law_velocity, law_restitution, law_wet, law_mohr, law_elastic, law_linear
   public :: law_rod, law_wire, law_rigid_wire, law_bond, is_link_law
   public :: law_iqs_g0, law_gap_g0, law_elastic_g0, law_gap_shifted, law_viscoelastic
@@ -130,16 +130,8 @@ contains
 
     local%friction = merge(law%static_friction, law%dynamic_friction, status == status_stick .or. status == status_bonded)
     select case (law%kind)
-    case (law_iqs)
-      local%bias(1) = max(0.0_wp, gap/time_step)
-    case (law_gap)
-      local%bias(1) = gap/time_step
-    case (law_iqs_g0)
-      local%bias(1) = max(0.0_wp, (gap - reference)/time_step)
-    case (law_gap_g0)
-      local%bias(1) = (gap - reference)/time_step
-    case (law_gap_shifted)
-      local%bias(1) = (gap + law%gap_shift)/time_step
+    case (law_iqs, law_gap, law_iqs_g0, law_gap_g0, law_gap_shifted)
+      local%bias(1) = gap_bias(law, gap, time_step, reference)
     case (law_velocity)
       local%is_active = gap <= 0
     case (law_restitution)
@@ -171,6 +163,35 @@ contains
       local = linear_law(law)
     end select
   end subroutine set_local_law
+
+  !> Normal bias of the laws that ask for nothing but a gap [m/s].
+  pure real(wp) function gap_bias(law, gap, time_step, reference) result(bias)
+    type(law_t), intent(in) :: law !! law of the contact
+    real(wp), intent(in) :: gap !! at the detection configuration [m]
+    real(wp), intent(in) :: time_step !! time step h [s]
+    real(wp), intent(in) :: reference !! gap that counts as none, for laws that keep it [m]
+
+    select case (law%kind)
+    case (law_iqs)
+      bias = max(0.0_wp, gap/time_step)
+    case (law_iqs_g0)
+      bias = max(0.0_wp, (gap - reference)/time_step)
+    case (law_gap_g0)
+      bias = (gap - reference)/time_step
+    case (law_gap_shifted)
+      bias = (gap + law%gap_shift)/time_step
+    case default
+      bias = gap/time_step
+    end select
+  end function gap_bias
+
+  !> Does a law ask for nothing but a gap: no status, no velocity of before, nothing elastic or cohesive?
+  elemental logical function looks_at_gap(law)
+    type(law_t), intent(in) :: law !! law to look at
+
+    looks_at_gap = any(law%kind == [law_iqs, law_gap, law_iqs_g0, law_gap_g0, law_gap_shifted]) .and. &
+                   .not. abs(law%static_friction - law%dynamic_friction) > 0
+  end function looks_at_gap
 
   !> Are shapes under the law rigid, so that overlap is an error of the scheme? It is a load of elastic laws, and bonds keep theirs.
   pure logical function forbids_overlap(law)

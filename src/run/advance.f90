@@ -25,6 +25,7 @@ module sg_advance
   use sg_timed, only: timed
   use sg_totals, only: phase_assemble, phase_detect, phase_measure, phase_predict, phase_solve, phase_update
   use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls, warn_of_tunnelling
+  use sg_update_problem, only: can_update, take_impulses, update_problem
   implicit none
   private
   public :: advance
@@ -96,8 +97,14 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (sim%substep == 1) call check_limits(sim, error)
-    call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, sim%options%substep_length(), sim%problem)
-    call set_relative_epsilon(sim%scene, sim%contacts, sim%comm, sim%problem)
+    associate (h => sim%options%substep_length())
+      if (sim%substep > 1 .and. can_update(sim%scene, sim%plan)) then
+        call update_problem(sim%scene, sim%plan, sim%pairs%body_of, sim%contacts, h, sim%problem)
+      else
+        call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, h, sim%problem)
+        call set_relative_epsilon(sim%scene, sim%contacts, sim%comm, sim%problem)
+      end if
+    end associate
     call check_input(sim, error)
     if (allocated(error) .or. .not. allocated(sim%options%dump_steps)) return
     if (is_listed(sim%options%dump_steps, sim%step + 1) .and. sim%substep == sim%options%substeps) &
@@ -146,7 +153,11 @@ contains
 
     status = sim%contacts%status(:sim%contacts%n)
     associate (h => sim%options%substep_length())
-      call disassemble(sim%problem, sim%plan, sim%pairs, h, sim%report%violation, sim%scene, sim%contacts)
+      if (sim%substep < sim%options%substeps .and. can_update(sim%scene, sim%plan)) then
+        call take_impulses(sim%problem, sim%plan, sim%pairs%body_of, sim%scene, sim%contacts)
+      else
+        call disassemble(sim%problem, sim%plan, sim%pairs, h, sim%report%violation, sim%scene, sim%contacts)
+      end if
       call finish_links(sim%scene, sim%contacts, h)
       if (sim%plan%has_bonds) call finish_bonds(sim%scene, h, sim%substep_time(sim%substep + 1), &
                                                 sim%problem, sim%contacts)
