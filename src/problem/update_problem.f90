@@ -28,15 +28,20 @@ module sg_update_problem
 
 contains
 
-  !> Can the problems of a scene be updated from substep to substep? Those with friction, of laws that look at the gap alone, and
-  !! where no driven spin enters as a bias.
+  !> Can the problems of a scene be updated from substep to substep? Those with friction, of laws that look at the gap alone, where
+  !! no driven spin enters as a bias and no drive begins or ends.
   pure logical function can_update(scene, plan)
     type(scene_t), intent(in) :: scene !! scene with its laws, free velocities set
     type(plan_t), intent(in) :: plan !! kind of problem
+    integer :: i
 
     can_update = any(plan%kind == [round_frictional, arm_frictional, ball_frictional, solid_frictional]) .and. &
                  scene%links%n == 0 .and. all(looks_at_gap(scene%laws))
     if (can_update .and. is_compact(plan%kind)) can_update = .not. has_driven_spin(scene%bodies)
+    ! Masses of components that are released within a step change with it.
+    do i = 1, size(scene%drives)
+      can_update = can_update .and. .not. scene%drives(i)%releases()
+    end do
   end function can_update
 
   !> Is the spin of a body driven, and not zero?
