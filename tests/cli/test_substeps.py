@@ -10,7 +10,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program_case import ProgramCase, take_program  # noqa: E402
-from ranks_case import PRESSED  # noqa: E402
+from ranks_case import FLOOR, PRESSED  # noqa: E402
 
 SUBSTEPS = ["--quiet", "--set", "time.substeps=3", "--set", "output.record_every=1"]
 SPHERES = """[scene]
@@ -110,6 +110,21 @@ class Substeps(ProgramCase):
             steps = [int(row["step"]) for row in csv.DictReader(line for line in file if not line.startswith("#"))]
         self.assertLessEqual({20, 30}, set(steps))
         self.assertLessEqual(set(steps), {20, 30, 40})
+
+    def test_memory(self):
+        """What substeps keep is in the list of tables, and nothing of it is there without them."""
+        polygons = SPHERES.replace("dimension = 3\n", "").replace("[scene]\n", "").replace(
+            "[[container]]\nsize = [0.3, 0.2, 0.3]\n", FLOOR).replace("[0.0, 0.0, 0.0, 0.3, 0.2, 0.2]", "[0.0, 0.0, 0.6, 0.4]")
+        polygons += 'shape = "polygon"\n'
+        start = {"step_start.position", "step_start.velocity", "step_start.angle"}
+        for text, own in ((polygons, start | {"carry.face", "carry.before", "carry.turn"}),
+                          (SPHERES, {"step_start.position", "step_start.velocity", "step_start.orientation"})):
+            for count in (1, 3):
+                with self.subTest(own=own, count=count):
+                    self.run_deck(text, "out", "--quiet", "--force", "--needs", "--set", f"time.substeps={count}")
+                    needs = json.loads((self.place / "out" / "needs.json").read_text())
+                    tables = {name for name in needs if name.startswith(("carry.", "step_start."))}
+                    self.assertEqual(tables, own if count > 1 else set())
 
     def test_refused(self):
         """Numbers of substeps that are none."""
