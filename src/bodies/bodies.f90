@@ -66,6 +66,7 @@ module sg_bodies
   contains
     procedure :: allocate => bodies_allocate
     procedure :: visit => bodies_visit
+    procedure :: n_configuration => bodies_n_configuration
   end type bodies_t
 
 contains
@@ -75,11 +76,10 @@ contains
     class(bodies_t) :: self
     type(field_visitor_t), intent(inout) :: visitor !! what the visit does
     logical :: is_plane, is_space, is_numbered
-    integer :: d, v, m
+    integer :: d, v
 
     d = self%dimension
     v = self%n_velocity
-    m = merge(merge(3, 7, d == 2), d, self%has_orientation)
     is_plane = d == 2
     is_space = d == 3
     is_numbered = allocated(self%id)
@@ -88,7 +88,7 @@ contains
     call visitor%visit(field_t('orientation', sync_on_copy, 4, is_space .and. self%has_orientation, .true., first=1.0_wp), &
                        self%orientation)
     call visitor%visit(field_t('velocity', sync_always, v, in_files=.true.), self%velocity)
-    call visitor%visit(field_t('middle', sync_never, m), self%middle)
+    call visitor%visit(field_t('middle', sync_never, self%n_configuration()), self%middle)
     call visitor%visit(field_t('mass', sync_on_copy), self%mass)
     call visitor%visit(field_t('inertia', sync_on_copy, is_there=is_plane), self%inertia)
     call visitor%visit(field_t('principal', sync_on_copy, 3, is_there=is_space), self%principal)
@@ -106,6 +106,14 @@ contains
     call visitor%visit(field_t('id', sync_never, is_there=is_numbered), self%id)
     call visitor%visit(field_t('owner', sync_never, is_there=is_numbered), self%owner)
   end subroutine bodies_visit
+
+  !> Values of the configuration of a body: position and, where there is one, orientation.
+  pure integer function bodies_n_configuration(self) result(n)
+    class(bodies_t), intent(in) :: self
+
+    n = self%dimension
+    if (self%has_orientation) n = merge(3, 7, self%dimension == 2)
+  end function bodies_n_configuration
 
   !> Make room for `n` bodies at rest at the origin.
   subroutine bodies_allocate(self, n, dimension)

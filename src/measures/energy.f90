@@ -46,6 +46,7 @@ module sg_energy
     real(wp) :: recovery_work = 0
   contains
     procedure :: add_step => energy_add_step
+    procedure :: change_gravity => energy_change_gravity
     procedure :: pack => energy_pack
     procedure :: unpack => energy_unpack
     procedure :: reduce => energy_reduce
@@ -82,6 +83,15 @@ contains
     self%drive_work = self%drive_work + held_work(scene%bodies, h, mean) &
                       - sum(contact_work(scene, contacts, h, mean))
   end subroutine energy_add_step
+
+  !> Go on under another gravity: the balance counts from the potential energy that bodies would have had under it.
+  pure subroutine energy_change_gravity(self, scene, former)
+    class(energy_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene !! scene where the change happens, with its gravity from now on
+    real(wp), intent(in) :: former(3) !! gravity before [m/s2]
+
+    self%potential_start = self%potential_start + potential_energy(scene) - potential_energy(scene, former)
+  end subroutine energy_change_gravity
 
   !> Work of the contact impulses along normals and along tangents, and of bonds [J]: r . H^T v.
   pure function contact_work(scene, contacts, h, velocity) result(work)
@@ -238,27 +248,32 @@ contains
   end function kinetic_energy
 
   !> Potential energy of this rank's bodies [J], zero at the origin; positions are unwrapped.
-  pure real(wp) function potential_energy(scene) result(potential)
+  pure real(wp) function potential_energy(scene, gravity) result(potential)
     type(scene_t), intent(in) :: scene !! scene with its positions
+    real(wp), intent(in), optional :: gravity(3) !! gravity [m/s2], that of the scene unless given
+    real(wp) :: g(3)
     integer :: i
 
+    g = scene%gravity
+    if (present(gravity)) g = gravity
     potential = 0
     do i = 1, scene%bodies%n_own
-      potential = potential - potential_drop(scene, i)
+      potential = potential - potential_drop(scene, i, g)
     end do
   end function potential_energy
 
   !> Work of gravity on a body brought from the origin to where it is [J].
-  pure real(wp) function potential_drop(scene, body) result(work)
+  pure real(wp) function potential_drop(scene, body, gravity) result(work)
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: body
+    real(wp), intent(in) :: gravity(3)
     real(wp) :: position(3)
 
     position = 0
     position(:scene%dimension) = scene%bodies%position(:, body)
     position(1) = position(1) + scene%period*real(scene%bodies%crossings(body), wp)
     if (scene%dimension == 3) position(2) = position(2) + scene%period_y*real(scene%bodies%crossings_y(body), wp)
-    work = scene%bodies%mass(body)*dot_product(scene%gravity, position)
+    work = scene%bodies%mass(body)*dot_product(gravity, position)
   end function potential_drop
 
   !> Energies, works since the start [J], and how far their balance is from closing.
@@ -303,7 +318,7 @@ contains
     sums(1:2) = [kinetic_energy(scene%bodies), potential_energy(scene) + sum(elastic)]
     sums(3) = 0
     do i = 1, scene%bodies%n_own
-      sums(3) = sums(3) + abs(potential_drop(scene, i))
+      sums(3) = sums(3) + abs(potential_drop(scene, i, scene%gravity))
     end do
     sums(4:) = [energy%kinetic_start, energy%potential_start, energy%external_work + energy%recovery_work, energy%drive_work, &
                 energy%friction_loss - elastic(2), energy%impact_loss - elastic(1), energy%bond_work]

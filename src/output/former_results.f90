@@ -11,7 +11,7 @@ module sg_former_results
   use sg_text, only: joined, read_lines, text_t
   implicit none
   private
-  public :: check_former, check_inputs, has_results, is_within, remove_results
+  public :: check_former, check_inputs, content_of, has_results, is_within, remove_results
 
   !> What a run writes under fixed names
   character(len=*), parameter :: result_names(20) = [character(len=23) :: 'run.json', 'record.csv', 'effective.toml', &

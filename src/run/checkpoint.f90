@@ -8,20 +8,24 @@ module sg_checkpoint
   use sg_bodies, only: bodies_t
   use sg_bodies_rows, only: order_bodies
   use sg_energy, only: energy_t, n_energy_values
-  use sg_error, only: diagnostics_t, error_t, fail
+  use sg_error, only: diagnostics_t, error_t
+  use sg_former_deck, only: warn_of_differences
   use sg_history, only: resume_history
   use sg_kinds, only: wp
   use sg_neighbours, only: build_neighbours
   use sg_restart, only: keep_state, read_restart, restart_t, restore_state, write_restart
-  use sg_restart_files, only: restarts_of
-  use sg_signature, only: n_signature, signature_of
+  use sg_restart_files, only: find_restarts
+  use sg_signature, only: n_of_bodies, n_signature, signature_of
   use sg_simulation, only: simulation_t
-  use sg_text, only: append_word, text_t, to_text
+  use sg_text, only: text_t, to_text
   use sg_totals, only: n_totals_values, totals_t
   use sg_tracks, only: tracks_t
   implicit none
   private
   public :: save_checkpoint, save_once, load_checkpoint
+
+  !> Numbers at the end of the totals of a file: gravity, the skin of the list of neighbours, and the signature of the scene
+  integer, parameter :: n_gravity = 3, n_after_totals = n_gravity + 1 + n_signature
 
 contains
 
@@ -56,7 +60,7 @@ contains
     state%step = sim%step
     state%time = sim%time()
     state%deck_hash = sim%options%deck_hash
-    state%totals = [energy%pack(), totals%pack(), sim%pairs%skin, sim%signature]
+    state%totals = [energy%pack(), totals%pack(), sim%scene%gravity, sim%pairs%skin, sim%signature]
     state%tracks = tracks%pack()
     state%stop = sim%stop%pack()
     allocate (state%built(size(sim%scene%bodies%middle, 1), 0))
@@ -94,7 +98,7 @@ contains
     integer :: i
     logical :: is_damaged
 
-    call find_files(name, names, error)
+    call find_restarts(name, names, error)
     call sim%comm%agree(error)
     if (allocated(error)) return
     do i = 1, size(names)
@@ -115,22 +119,6 @@ contains
     call take_state(sim, state)
   end subroutine load_checkpoint
 
-  !> The file asked for, or those of a folder, the newest first.
-  subroutine find_files(name, names, error)
-    character(len=*), intent(in) :: name
-    type(text_t), allocatable, intent(out) :: names(:)
-    type(error_t), allocatable, intent(out) :: error
-    logical :: is_folder
-
-    inquire (file=name//'/.', exist=is_folder)
-    if (.not. is_folder) then
-      call append_word(names, name)
-      return
-    end if
-    names = restarts_of(name)
-    if (size(names) == 0) call fail(error, 'the folder holds no restart file', file=name)
-  end subroutine find_files
-
   !> Read a restart file; one that cannot be used is an error, and `is_damaged` where the file itself is broken.
   subroutine read_state(sim, file, state, warnings, is_damaged, error)
     type(simulation_t), intent(inout) :: sim
@@ -141,16 +129,15 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(diagnostics_t) :: found
     real(wp) :: signature(n_signature)
-    integer :: i
 
     signature = signature_of(sim%scene, sim%comm)
-    call read_restart(file, sim%scene, sim%options%deck_hash, sim%comm, state, found, nint(signature(1)), nint(signature(2)), &
+    call read_restart(file, sim%scene, sim%comm, state, found, nint(signature(1)), nint(signature(2)), &
                       sim%contacts%n_components, sim%contacts%n_internal, is_damaged, sim%contacts%n_carried)
     if (found%count() == 0) then
-      if (size(state%totals) /= n_energy_values + n_totals_values + 1 + n_signature) then
+      if (size(state%totals) /= n_energy_values + n_totals_values + n_after_totals) then
         call found%add('the restart file is of another version of the program', file=file)
-      else if (any(abs(state%totals(size(state%totals) - n_signature + 1:) - signature) > 0)) then
-        call found%add('the restart file is of another scene: shapes, masses or drives differ', file=file)
+      else if (any(abs(signature_in(state) - signature(:n_of_bodies)) > 0)) then
+        call found%add('the restart file is of another scene: shapes or masses differ', file=file)
       else if (len(fault_of(state)) > 0) then
         is_damaged = .true.
         call found%add('this restart file is damaged: '//fault_of(state), file=file)
@@ -158,12 +145,20 @@ contains
     end if
     if (found%count() > 0) then
       error = found%errors(1)
-    else if (allocated(found%warnings)) then
-      do i = 1, size(found%warnings)
-        call warnings%warn(found%warnings(i)%message, file=file)
-      end do
+    else
+      call warn_of_differences(file, state%deck_hash, sim%options, warnings)
     end if
   end subroutine read_state
+
+  !> Sums over the bodies in the signature that a file holds.
+  pure function signature_in(state) result(signature)
+    type(restart_t), intent(in) :: state
+    real(wp) :: signature(n_of_bodies)
+
+    associate (last => size(state%totals))
+      signature = state%totals(last - n_signature + 1:last - n_signature + n_of_bodies)
+    end associate
+  end function signature_in
 
   !> Fault of the totals, values that no run can have written; empty where there is none. Errors of steps may have any value.
   pure function fault_of(state) result(fault)
@@ -172,9 +167,9 @@ contains
     type(totals_t) :: totals
 
     fault = ''
-    associate (energies => state%totals(:n_energy_values), skin => state%totals(size(state%totals) - n_signature), &
+    associate (energies => state%totals(:n_energy_values), skin => skin_in(state), gravity => gravity_in(state), &
                counted => state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
-      if (.not. (all(ieee_is_finite([energies, state%tracks, state%stop])) .and. ieee_is_finite(skin))) then
+      if (.not. (all(ieee_is_finite([energies, gravity, state%tracks, state%stop])) .and. ieee_is_finite(skin))) then
         fault = 'it holds sums that are not finite'
       else if (.not. totals%are_sound(counted)) then
         fault = 'it holds counts that are none'
@@ -198,14 +193,32 @@ contains
     ! Several ranks take up their contacts when they have split the scene.
     if (sim%comm%size == 1) call resume_history(sim%history, sim%contacts)
     if (sim%comm%size == 1 .and. size(state%built, 2) > 0) then
-      call build_neighbours(sim%pairs, sim%scene, state%built, state%totals(size(state%totals) - n_signature))
+      call build_neighbours(sim%pairs, sim%scene, state%built, skin_in(state))
     end if
     call sim%tracks%unpack(state%tracks)
     call sim%stop%unpack(state%stop)
     call sim%energy%leave_to_first(sim%comm)
     call sim%tracks%leave_to_first(sim%comm)
     call sim%totals%leave_to_first(sim%comm)
+    if (any(abs(sim%scene%gravity - gravity_in(state)) > 0)) call sim%energy%change_gravity(sim%scene, gravity_in(state))
   end subroutine take_state
+
+  !> Gravity [m/s2] under which a file was written.
+  pure function gravity_in(state) result(gravity)
+    type(restart_t), intent(in) :: state
+    real(wp) :: gravity(n_gravity)
+
+    associate (last => size(state%totals) - n_signature - 1)
+      gravity = state%totals(last - n_gravity + 1:last)
+    end associate
+  end function gravity_in
+
+  !> Skin of the list of neighbours in a file [m].
+  pure real(wp) function skin_in(state) result(skin)
+    type(restart_t), intent(in) :: state
+
+    skin = state%totals(size(state%totals) - n_signature)
+  end function skin_in
 
   !> Go on from the time of a restart file, also where the step is another one now: times are the start's and so many steps.
   pure subroutine keep_time(sim, time)

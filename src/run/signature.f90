@@ -8,12 +8,12 @@ module sg_signature
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: signature_of, signature_of_replicated, n_signature
+  public :: signature_of, signature_of_replicated, n_signature, n_of_bodies
 
   !> Numbers of a scene's signature
   integer, parameter :: n_signature = 6
-  !> Those of them that are sums over the bodies
-  integer, parameter :: n_sums = 5
+  !> Those of them that are sums over the bodies; the last one is the number of drives
+  integer, parameter :: n_of_bodies = 5
   !> Prime below 2^31: products of two remainders fit into a word
   integer(i8), parameter :: modulus = 2147483647_i8
 
@@ -25,7 +25,7 @@ contains
     type(scene_t), intent(in) :: scene !! whole scene, or part of this rank
     type(comm_t), intent(inout) :: comm !! ranks that share the scene
     real(wp) :: signature(n_signature)
-    integer(i8) :: sums(n_sums)
+    integer(i8) :: sums(n_of_bodies)
     integer :: b
 
     call add_up(scene, [(b <= scene%bodies%n_own, b=1, scene%bodies%n)], sums)
@@ -37,7 +37,7 @@ contains
   function signature_of_replicated(scene) result(signature)
     type(scene_t), intent(in) :: scene !! whole scene, or the part of a rank
     real(wp) :: signature(n_signature)
-    integer(i8) :: sums(n_sums)
+    integer(i8) :: sums(n_of_bodies)
     logical :: counts(scene%bodies%n)
     integer :: b
 
@@ -51,7 +51,7 @@ contains
   subroutine add_up(scene, counts, sums)
     type(scene_t), intent(in) :: scene
     logical, intent(in) :: counts(:) !! which bodies, with their contactors
-    integer(i8), intent(out) :: sums(n_sums)
+    integer(i8), intent(out) :: sums(n_of_bodies)
     integer :: b, c
 
     sums = 0
@@ -78,7 +78,7 @@ contains
   !> Signature from sums over all ranks.
   pure function joined(scene, sums) result(signature)
     type(scene_t), intent(in) :: scene
-    integer(i8), intent(in) :: sums(n_sums)
+    integer(i8), intent(in) :: sums(n_of_bodies)
     real(wp) :: signature(n_signature)
 
     signature = [real(sums(:2), wp), real(modulo(sums(3:), modulus), wp), real(size(scene%drives), wp)]

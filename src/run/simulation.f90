@@ -17,13 +17,15 @@ module sg_simulation
   use sg_problem, only: problem_t
   use sg_records, only: impulse_length
   use sg_report, only: coupled_effort_t, report_t
+  use sg_restart_files, only: find_restarts
+  use sg_restart_fit, only: holds_spins
   use sg_run_options, only: partition_options_t, run_options_t
   use sg_scene, only: scene_t
   use sg_signature, only: n_signature, signature_of
   use sg_solver, only: solver_t
   use sg_step_start, only: step_start_t
   use sg_stop, only: stop_t
-  use sg_text, only: to_text
+  use sg_text, only: text_t, to_text
   use sg_totals, only: totals_t
   use sg_tracks, only: tracks_t
   use sg_writers, only: writers_t
@@ -98,6 +100,7 @@ contains
     type(simulation_t), intent(inout) :: sim !! its scene and options are set
     type(error_t), allocatable :: refused
 
+    if (allocated(sim%options%restart_file)) call keep_spins(sim)
     call make_plan(sim%scene, sim%plan, sim%comm, sim%omissions)
     sim%signature = signature_of(sim%scene, sim%comm)
     call fix_driven(sim%scene%drives, sim%scene%bodies)
@@ -120,6 +123,20 @@ contains
     if (allocated(sim%options%tracked)) call sim%tracks%track(sim%options%tracked, sim%options%tracked_names)
     call sim%totals%clock%start()
   end subroutine start_simulation
+
+  !> Leave rotation in the plan where the checkpoint to go on from holds spins, as that of a stage with friction.
+  subroutine keep_spins(sim)
+    type(simulation_t), intent(inout) :: sim
+    type(text_t), allocatable :: names(:)
+    type(error_t), allocatable :: error
+    logical :: are_held
+    integer :: i
+
+    call find_restarts(sim%options%restart_file, names, error)
+    are_held = .false.
+    if (.not. allocated(error)) are_held = any([(holds_spins(names(i)%s, sim%scene%dimension), i=1, size(names))])
+    if (sim%comm%any(are_held)) sim%omissions%rotation = .false.
+  end subroutine keep_spins
 
   !> Make room for what the solver's method carries from step to step; values of another number of columns are dropped.
   subroutine reserve_carried(sim)

@@ -2,7 +2,7 @@
 
 import subprocess
 
-from ranks_case import COMMON, DRIVES, FALL, FLOOR, GRAPH, PRESSED, Ranks, grains
+from ranks_case import COMMON, DRIVES, FALL, FLOOR, GRAPH, PRESSED, SIDES, Ranks, grains
 
 
 class Restarts(Ranks):
@@ -49,6 +49,22 @@ class Restarts(Ranks):
                 self.assertEqual(len(times), 60)
                 for got, asked in zip(steps, 29 * [1e-3] + 20 * [5e-4] + 10 * [2e-3], strict=True):
                     self.assertAlmostEqual(got, asked, delta=1e-12)
+
+    def test_friction_comes_and_goes(self):
+        """A stage with friction after one without, and one without again, on one rank and on several: velocities agree to what steps of
+        tolerance 1e-9 leave of 1 m/s."""
+        deck = self.deck("[scene]\ngravity = [4.0, -9.0]\n" + COMMON + FLOOR + SIDES + grains(120))
+        tight = ["--set", "solver.method=nlgs", "--set", "solver.criterion=e8", "--set", "solver.tolerance=1e-9"]
+        smooth = [*tight, "--set", "law[1].friction=0"]
+        self.run_ranks(2, deck, *smooth, output="smooth")
+        states = []
+        for ranks in (1, 3):
+            self.run_ranks(ranks, deck, *tight, "--set", "time.steps=70", "--restart", "smooth", output=f"rough {ranks}")
+            self.run_ranks(4 - ranks, deck, *smooth, "--set", "time.steps=80", "--restart", f"rough {ranks}", output=f"on {ranks}")
+            self.assertLess(self.run_json(f"on {ranks}")["energy_closure"], 1e-9)
+            states.append(self.state(deck, f"on {ranks}")[0])
+        self.assertLess(max(abs(a - b) for a, b in zip(*states, strict=True)), 1e-6)
+        self.assertGreater(max(abs(spin) for spin in states[0][5::6]), 1e-2)
 
     def test_nothing_left_to_do(self):
         deck = self.deck(FALL)

@@ -20,6 +20,7 @@ module sg_restart
   use sg_restart_datasets, only: check_shapes, dataset_paths, scene_misfit
   use sg_restart_fields, only: get_fields, keep_fields, kept_field_t, put_fields, restore_fields, values_of
   use sg_restart_files, only: find_newest, restart_names
+  use sg_restart_fit, only: bodies_of_file, fit_fields, fit_impulses
   use sg_scene, only: scene_t
   use sg_sealed_datasets, only: check_seals, put_sealed
   use sg_settle_file, only: part_of, settle_file
@@ -150,12 +151,10 @@ contains
     if (allocated(file%error)) call move_alloc(file%error, error)
   end subroutine write_file
 
-  !> Read a state and see whether it fits the scene; that another deck wrote it is only a warning.
-  subroutine read_restart(name, scene, deck_hash, comm, state, diagnostics, bodies, contactors, components, internal, &
-                          is_damaged, carried)
+  !> Read a state and see whether it fits the scene, which may be one with or without friction.
+  subroutine read_restart(name, scene, comm, state, diagnostics, bodies, contactors, components, internal, is_damaged, carried)
     character(len=*), intent(in) :: name !! path of the file
     type(scene_t), intent(in) :: scene !! scene that it must fit, or the part of a rank
-    character(len=*), intent(in) :: deck_hash !! hash of the present deck
     type(comm_t), intent(inout) :: comm !! ranks that read the file, each its piece of the contacts
     type(restart_t), intent(out) :: state !! state read: of the bodies of `scene`
     type(diagnostics_t), intent(inout) :: diagnostics !! takes what is wrong
@@ -167,8 +166,9 @@ contains
     integer, intent(in), optional :: carried !! values of a contact that the solver's method carries, none unless given
     type(hdf5_file_t) :: file
     character(len=:), allocatable :: misfit
+    type(bodies_t) :: like
     type(contacts_t) :: contacts
-    integer :: whole(2)
+    integer :: whole(2), wanted
 
     whole = [scene%bodies%n, scene%contactors%n]
     if (present(bodies)) whole(1) = bodies
@@ -178,12 +178,15 @@ contains
     if (present(components)) contacts%n_components = components
     if (present(internal)) contacts%n_internal = internal
     if (present(carried)) contacts%n_carried = carried
+    wanted = contacts%n_components
     call file%open(name, is_read_only=.true.)
     call check_format(file)
     misfit = scene_misfit(file, scene, whole(1), contacts%n_internal)
-    if (len(misfit) == 0) call check_shapes(file, scene, whole(1), contacts)
-    call check_seals(file, dataset_paths(file, scene, contacts), comm)
-    if (len(misfit) == 0 .and. .not. allocated(file%error)) call read_file(file, scene, contacts, comm, state)
+    like = bodies_of_file(file, scene%bodies)
+    call fit_impulses(file, contacts)
+    if (len(misfit) == 0) call check_shapes(file, like, whole(1), contacts)
+    call check_seals(file, dataset_paths(file, like, contacts), comm)
+    if (len(misfit) == 0 .and. .not. allocated(file%error)) call read_file(file, scene, like, contacts, comm, state)
     call file%close()
     if (present(is_damaged)) is_damaged = allocated(file%error)
     if (allocated(file%error)) then
@@ -196,20 +199,33 @@ contains
     else if (len(fault_of(state)) > 0) then
       if (present(is_damaged)) is_damaged = .true.
       call diagnostics%add('this restart file is damaged: '//fault_of(state), file=name)
-    else if (state%deck_hash /= deck_hash) then
-      call diagnostics%warn('this restart file was written with another deck (hash '//state%deck_hash//', now '// &
-                            deck_hash//')', file=name)
+    else
+      call fit_state(state, scene, wanted)
     end if
   end subroutine read_restart
 
+  !> Give a state the components of the scene. A list of neighbours of other components is dropped, and so made again.
+  pure subroutine fit_state(state, scene, components)
+    type(restart_t), intent(inout) :: state
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: components !! of an impulse in the scene
+
+    call fit_fields(state%bodies, 'velocity', scene%bodies%n_velocity, scene%dimension)
+    call fit_fields(state%contacts, 'impulse', components, merge(1, 0, scene%dimension == 2))
+    if (size(state%built, 1) == scene%bodies%n_configuration()) return
+    deallocate (state%built)
+    allocate (state%built(scene%bodies%n_configuration(), 0))
+  end subroutine fit_state
+
   !> Read all datasets of an open file; of several ranks each its rows.
-  subroutine read_file(file, scene, like, ranks, state)
+  subroutine read_file(file, scene, bodies, contacts, ranks, state)
     type(hdf5_file_t), intent(inout) :: file
     type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(in) :: like !! contacts with the components of the scene
+    type(bodies_t), intent(in) :: bodies !! bodies with the components of the file
+    type(contacts_t), intent(in) :: contacts !! contacts with the components of the file
     type(comm_t), intent(in) :: ranks
     type(restart_t), intent(out) :: state
-    type(picked_rows_t) :: bodies, contacts
+    type(picked_rows_t) :: rows, pieces
     integer(i8) :: number
     real(wp), allocatable :: time(:)
 
@@ -228,10 +244,10 @@ contains
     ! One rank alone takes up its list of neighbours.
     if (ranks%size == 1) call file%get('/built', state%built)
     if (.not. allocated(state%built)) allocate (state%built(0, 0))
-    if (allocated(scene%bodies%id)) call bodies%pick(scene%bodies%id)
-    if (ranks%size > 1) call contacts%pick_piece(file, '/contacts/feature', ranks%rank, ranks%size)
-    call get_fields(file, '/bodies', bodies, scene%bodies, state%bodies)
-    call get_fields(file, '/contacts', contacts, like, state%contacts)
+    if (allocated(scene%bodies%id)) call rows%pick(scene%bodies%id)
+    if (ranks%size > 1) call pieces%pick_piece(file, '/contacts/feature', ranks%rank, ranks%size)
+    call get_fields(file, '/bodies', rows, bodies, state%bodies)
+    call get_fields(file, '/contacts', pieces, contacts, state%contacts)
   end subroutine read_file
 
   !> Write a list that is the same on all ranks, unless it is empty.

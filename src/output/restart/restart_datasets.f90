@@ -1,6 +1,7 @@
 !> Datasets of a restart file and the shapes that they have in a scene: looked at before anything is read, so that a file can
 !! neither ask for more memory than it fills nor leave numbers out.
 module sg_restart_datasets
+  use sg_bodies, only: bodies_t
   use sg_contacts, only: contacts_t
   use sg_error, only: exit_output, fail
   use sg_field_visitor, only: field_t
@@ -45,19 +46,19 @@ contains
       misfit = 'it holds '//to_text(position(2))//' bodies, the scene '//to_text(bodies)
     else if (position(1) /= int(scene%dimension, i8)) then
       misfit = 'it holds a scene of dimension '//to_text(position(1))
-    else if (velocity(1) /= int(scene%bodies%n_velocity, i8)) then
-      misfit = 'only one of them has bodies that turn'
+    else if (velocity(1) > int(scene%bodies%n_velocity, i8)) then
+      misfit = 'it holds spins of bodies, and nothing turns in the scene'
     else if (values(1) /= int(internal, i8)) then
       misfit = 'laws keep '//to_text(values(1))//' values of its contacts, '//to_text(internal)//' of those of the scene'
     end if
   end function scene_misfit
 
-  !> Check that all datasets have the shapes that the scene asks for; the file's error is set where one has not.
-  subroutine check_shapes(file, scene, bodies, contacts)
+  !> Check that all datasets have the shapes that the components ask for; the file's error is set where one has not.
+  subroutine check_shapes(file, like, bodies, contacts)
     type(hdf5_file_t), intent(inout) :: file !! open restart file of this scene
-    type(scene_t), intent(in) :: scene !! the scene, or the part of a rank
+    type(bodies_t), intent(in) :: like !! bodies with the components of the file
     integer, intent(in) :: bodies !! bodies of the whole scene
-    type(contacts_t), intent(in) :: contacts !! contacts with the components of the scene
+    type(contacts_t), intent(in) :: contacts !! contacts with the components of the file
     type(dataset_t), allocatable :: list(:)
     integer(i8) :: found(2), wanted(2), rows, bytes, most
     integer :: i
@@ -73,7 +74,7 @@ contains
       if (.not. allocated(file%error)) call fail(file%error, 'it is cut off', file=file%name, code=exit_output)
       return
     end if
-    list = datasets(file, scene, contacts, int(bodies, i8), rows)
+    list = datasets(file, like, contacts, int(bodies, i8), rows)
     do i = 1, size(list)
       wanted = [int(list(i)%components, i8), list(i)%rows]
       found = file%shape(trim(list(i)%path))
@@ -88,15 +89,15 @@ contains
   end subroutine check_shapes
 
   !> Paths of all datasets of a file.
-  function dataset_paths(file, scene, contacts) result(paths)
+  function dataset_paths(file, like, contacts) result(paths)
     type(hdf5_file_t), intent(inout) :: file !! open restart file of this scene
-    type(scene_t), intent(in) :: scene !! the scene, or the part of a rank
-    type(contacts_t), intent(in) :: contacts !! contacts with the components of the scene
+    type(bodies_t), intent(in) :: like !! bodies with the components of the file
+    type(contacts_t), intent(in) :: contacts !! contacts with the components of the file
     type(text_t), allocatable :: paths(:)
     type(dataset_t), allocatable :: list(:)
     integer :: i
 
-    list = datasets(file, scene, contacts, 0_i8, 0_i8)
+    list = datasets(file, like, contacts, 0_i8, 0_i8)
     allocate (paths(0))
     do i = 1, size(list)
       call append_word(paths, trim(list(i)%path))
@@ -107,16 +108,16 @@ contains
     end do
   end function dataset_paths
 
-  !> The datasets whose shape follows from the scene.
-  function datasets(file, scene, contacts, n_bodies, n_contacts) result(list)
+  !> The datasets whose shape follows from the components.
+  function datasets(file, like, contacts, n_bodies, n_contacts) result(list)
     type(hdf5_file_t), intent(inout) :: file
-    type(scene_t), intent(in) :: scene
+    type(bodies_t), intent(in) :: like
     type(contacts_t), intent(in) :: contacts
     integer(i8), intent(in) :: n_bodies, n_contacts
     type(dataset_t), allocatable :: list(:)
 
-    list = [dataset_t('/time'), dataset_t('/built', size(scene%bodies%middle, 1), n_bodies), &
-            datasets_of(file, '/bodies', scene%bodies, n_bodies), &
+    list = [dataset_t('/time'), dataset_t('/built', like%n_configuration(), n_bodies), &
+            datasets_of(file, '/bodies', like, n_bodies), &
             datasets_of(file, '/contacts', contacts, n_contacts)]
   end function datasets
 

@@ -1,12 +1,13 @@
 !> The two restart files of a folder, which take turns: which of them was written last.
 module sg_restart_files
+  use sg_error, only: error_t, fail
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: i8
   use sg_system, only: file_exists
   use sg_text, only: append_word, text_t
   implicit none
   private
-  public :: find_newest, newest_restart, restart_names, restarts_of
+  public :: find_newest, find_restarts, newest_restart, restart_names, restarts_of
 
   !> The two files that take turns
   character(len=*), parameter :: restart_names(2) = [character(len=12) :: 'restart_a.h5', 'restart_b.h5']
@@ -53,6 +54,22 @@ contains
     call file%close()
     if (allocated(file%error)) serial = 0
   end function serial_of
+
+  !> The restart file of a name, or those of a folder, the newest first.
+  subroutine find_restarts(name, names, error)
+    character(len=*), intent(in) :: name !! path of a restart file or of a folder of results
+    type(text_t), allocatable, intent(out) :: names(:) !! paths
+    type(error_t), allocatable, intent(out) :: error !! set when the folder holds none
+    logical :: is_folder
+
+    inquire (file=name//'/.', exist=is_folder)
+    if (.not. is_folder) then
+      call append_word(names, name)
+      return
+    end if
+    names = restarts_of(name)
+    if (size(names) == 0) call fail(error, 'the folder holds no restart file', file=name)
+  end subroutine find_restarts
 
   !> Restart files of a folder, the newest first. One whose number cannot be read may be the newest: it stands before the others.
   function restarts_of(folder) result(names)

@@ -15,6 +15,7 @@ program test_restart
   use sg_restart, only: keep_state, read_restart, restart_t, restore_state, write_restart
   use sg_restart_fields, only: keep_fields, kept_field_t, restore_fields
   use sg_restart_files, only: newest_restart, restarts_of
+  use sg_restart_fit, only: holds_spins
   use sg_scene, only: scene_t
   use sg_space_contactors, only: add_sphere
   use sg_system, only: file_exists, make_folder, remove_file
@@ -37,6 +38,8 @@ program test_restart
     call test_no_contacts()
     call test_turns()
     call test_misfits()
+    call test_other_components(2)
+    call test_other_components(3)
     call test_spoilt_files()
     call test_spoilt_values()
     call test_no_room()
@@ -116,7 +119,7 @@ contains
     call t%check(newest_restart(folder) == folder//'/restart_a.h5', 'it is the newest')
     call t%check(.not. file_exists(folder//'/restart_a.h5.part'), 'nothing unfinished is left')
     other = some_scene(n_bodies)
-    call read_restart(newest_restart(folder), other, hash, alone, back, diagnostics)
+    call read_restart(newest_restart(folder), other, alone, back, diagnostics)
     call t%equal(diagnostics%count(), 0, 'it is read')
     if (diagnostics%count() > 0) return
     call t%check(.not. allocated(diagnostics%warnings), 'without a warning')
@@ -159,7 +162,7 @@ contains
     state%deck_hash = hash
     allocate (state%built(size(scene%bodies%middle, 1), 0), state%totals(0))
     call write_restart(folder, state, alone, error)
-    call read_restart(newest_restart(folder), other, hash, alone, back, diagnostics, components=dimension, internal=2)
+    call read_restart(newest_restart(folder), other, alone, back, diagnostics, components=dimension, internal=2)
     call t%check(diagnostics%count() == 0 .and. .not. allocated(error), 'all fields are written and read')
     if (diagnostics%count() > 0) return
     call restore_state(back, other, recovered)
@@ -260,7 +263,7 @@ contains
     allocate (state%built(2, 0), state%totals(0))
     call write_restart(folder, state, alone, error)
     call t%check(.not. allocated(error), 'a state without contacts is written')
-    call read_restart(newest_restart(folder), scene, hash, alone, back, diagnostics, components=1)
+    call read_restart(newest_restart(folder), scene, alone, back, diagnostics, components=1)
     call t%equal(diagnostics%count(), 0, 'and read')
     call restore_state(back, scene, contacts)
     call t%equal(contacts%n, 0, 'no contacts')
@@ -296,6 +299,41 @@ contains
     call t%check(files(1)%s == folder//'/restart_a.h5' .and. files(2)%s == folder//'/restart_b.h5', 'the newest first')
   end subroutine test_turns
 
+  !> A scene with friction takes up the state of one without: orientations stay those of the start, spins are zero, and so are the
+  !! impulses that the file does not hold.
+  subroutine test_other_components(dimension)
+    integer, intent(in) :: dimension
+    type(scene_t) :: scene, other
+    type(contacts_t) :: contacts, recovered
+    type(restart_t) :: state, back
+    type(error_t), allocatable :: error
+    type(diagnostics_t) :: diagnostics
+
+    if (dimension == 2) other = some_scene(n_bodies)
+    if (dimension == 3) other = spatial_scene(n_bodies)
+    scene = other
+    call drop_rotation(scene%bodies, keep_orientation=.false.)
+    call some_fields(scene, contacts)
+    contacts%n_components = 1
+    contacts%n_internal = 0
+    call contacts%resize(n_contacts)
+    call keep_state(scene%bodies, contacts, state)
+    state%deck_hash = hash
+    allocate (state%built(dimension, n_bodies), state%totals(0), source=1.0_wp)
+    call write_restart(folder, state, alone, error)
+    call t%check(.not. holds_spins(newest_restart(folder), dimension), 'no spins in the file')
+    call read_restart(newest_restart(folder), other, alone, back, diagnostics, components=dimension)
+    call t%equal(diagnostics%count(), 0, 'components of another stage are no error')
+    if (diagnostics%count() > 0) return
+    call t%check(all(shape(back%built) == [other%bodies%n_configuration(), 0]), 'no list of neighbours')
+    call restore_state(back, other, recovered)
+    call t%check(same(other%bodies%velocity(:dimension, :), scene%bodies%velocity), 'velocities of the other stage')
+    call t%check(.not. any(abs(other%bodies%velocity(dimension + 1:, :)) > 0), 'no spin')
+    call t%check(.not. any(abs(recovered%impulse(dimension:, :n_contacts)) > 0), 'no tangential impulse')
+    if (dimension == 2) call t%check(same(recovered%impulse(1, :n_contacts), contacts%impulse(1, :n_contacts)), 'normal impulses')
+    if (dimension == 3) call t%check(.not. any(abs(recovered%impulse(:, :n_contacts)) > 0), 'no impulse in space')
+  end subroutine test_other_components
+
   !> Files of other scenes and decks.
   subroutine test_misfits()
     type(scene_t) :: scene
@@ -303,12 +341,12 @@ contains
     type(diagnostics_t) :: diagnostics
 
     scene = some_scene(n_bodies)
-    call read_restart(newest_restart(folder), scene, 'beef', alone, state, diagnostics)
+    call read_restart(newest_restart(folder), scene, alone, state, diagnostics)
     call t%equal(diagnostics%count(), 0, 'another deck is no error')
-    call t%check(allocated(diagnostics%warnings), 'but a warning')
+    call t%check(state%deck_hash == hash, 'the file holds the hash of its deck')
     call expect(some_scene(n_bodies + 1), newest_restart(folder), 'it holds 50 bodies, the scene 51')
     call drop_rotation(scene%bodies, keep_orientation=.false.)
-    call expect(scene, newest_restart(folder), 'only one of them has bodies that turn')
+    call expect(scene, newest_restart(folder), 'it holds spins of bodies, and nothing turns in the scene')
     scene = some_scene(n_bodies)
     scene%contactors%n = n_bodies - 1
     call expect(scene, newest_restart(folder), 'shapes that the scene does not have')
@@ -324,7 +362,7 @@ contains
     type(restart_t) :: state
     type(diagnostics_t) :: diagnostics
 
-    call read_restart(name, scene, hash, alone, state, diagnostics)
+    call read_restart(name, scene, alone, state, diagnostics)
     call t%equal(diagnostics%count(), 1, 'one error: '//words)
     if (diagnostics%count() /= 1) return
     call t%check(index(diagnostics%errors(1)%message, words) > 0, words//' is said, not: '//diagnostics%errors(1)%message)
@@ -365,7 +403,7 @@ contains
       'damaged: it holds numbers that are not finite', 'damaged: it holds contacts in a state that there is none', &
       'damaged: it holds contacts with a value of image out of range', 'its step is -1', &
       '/built has 7 rows of 3 numbers, not 50 of 3', &
-      '/contacts/impulse has 120 rows of 1 numbers, not 120 of 2', '/bodies/crossings has 49 rows of 1 numbers, not 50 of 1']
+      '/contacts/contactor has 120 rows of 1 numbers, not 120 of 2', '/bodies/crossings has 49 rows of 1 numbers, not 50 of 1']
     type(scene_t) :: scene
     type(contacts_t) :: contacts
     type(restart_t) :: state
@@ -385,7 +423,7 @@ contains
       if (i == 5) call spoil(state%contacts, 'image', 3, 1000.0_wp)
       if (i == 6) state%step = -1
       if (i == 7) state%built = state%built(:, :7)
-      if (i == 8) state%contacts = shortened(state%contacts, 'impulse', 1, n_contacts)
+      if (i == 8) state%contacts = shortened(state%contacts, 'contactor', 1, n_contacts)
       if (i == 9) state%bodies = shortened(state%bodies, 'crossings', 1, n_bodies - 1)
       call write_restart(folder, state, alone, error)
       call t%check(.not. allocated(error), 'it is written')
