@@ -95,11 +95,16 @@ contains
           call begin_block(line, sections, block)
         else if (block /= '' .and. equals > 0) then
           n = n + 1
-          room(n) = setting_t(block//'.'//line(:equals - 1), line(equals + 3:))
+          room(n)%path = block//'.'//line(:equals - 1)
+          room(n)%value = line(equals + 3:)
         end if
       end associate
     end do
-    settings = room(:n)
+    allocate (settings(n))
+    do i = 1, n
+      call move_alloc(room(i)%path, settings(i)%path)
+      call move_alloc(room(i)%value, settings(i)%value)
+    end do
   end subroutine list_settings
 
   !> Count the block that a heading begins, and give its path: each part of its name, with a number where there may be several.
@@ -112,7 +117,7 @@ contains
 
     depth = merge(2, 1, heading(:min(2, len(heading))) == '[[')
     name = heading(depth + 1:len_trim(heading) - depth)
-    if (.not. any([(sections(i)%name == name, i=1, size(sections))])) sections = [sections, section_t(name)]
+    call note_section(name, sections)
     path = ''
     do i = 1, size(sections)
       associate (section => sections(i))
@@ -126,4 +131,24 @@ contains
       end associate
     end do
   end subroutine begin_block
+
+  !> Add a section to a list, unless it is there.
+  pure subroutine note_section(name, sections)
+    character(len=*), intent(in) :: name
+    type(section_t), allocatable, intent(inout) :: sections(:)
+    type(section_t), allocatable :: longer(:)
+    integer :: i, n
+
+    n = size(sections)
+    do i = 1, n
+      if (sections(i)%name == name) return
+    end do
+    allocate (longer(n + 1))
+    do i = 1, n
+      call move_alloc(sections(i)%name, longer(i)%name)
+      longer(i)%number = sections(i)%number
+    end do
+    longer(n + 1)%name = name
+    call move_alloc(longer, sections)
+  end subroutine note_section
 end module sg_deck_differences

@@ -50,7 +50,8 @@ contains
   end procedure bytes_side_by_side
 
   module procedure ranks_begin_sum
-  self%pending(which)%receiving = values
+  if (allocated(self%pending(which)%receiving)) deallocate (self%pending(which)%receiving)
+  allocate (self%pending(which)%receiving, source=values)
   end procedure ranks_begin_sum
 
   module procedure ranks_finish_sum

@@ -104,8 +104,16 @@ contains
     integer, intent(in) :: body !! index of the body
     integer, intent(in) :: component !! 1 x, 2 y, 3 rotation; in space 1 to 3 along x, y, z, 4 to 6 spin
     type(time_function_t), intent(in) :: velocity !! imposed velocity [m/s, rad/s]
+    type(drive_t), allocatable :: longer(:)
+    integer :: n
 
-    scene%drives = [scene%drives, drive_t(body=body, component=component, value=velocity)]
+    n = size(scene%drives)
+    allocate (longer(n + 1))
+    longer(:n) = scene%drives
+    longer(n + 1)%body = body
+    longer(n + 1)%component = component
+    longer(n + 1)%value = velocity
+    call move_alloc(longer, scene%drives)
     scene%bodies%is_grain(body) = .false.
   end subroutine drive
 
