@@ -82,14 +82,15 @@ contains
   end subroutine carry_begin
 
   !> Bring all contacts to where their bodies are now.
-  subroutine carry_move(self, scene, contacts, places_shapes)
+  subroutine carry_move(self, scene, contacts, places_shapes, is_fast)
     class(carry_t), intent(inout) :: self
     type(scene_t), intent(inout) :: scene !! scene, its `middle` configuration set; its contactors are placed where that is needed
     type(contacts_t), intent(inout) :: contacts !! contacts of the step
     logical, intent(in) :: places_shapes !! place the contactors in any case?
+    logical, intent(in) :: is_fast !! may a body have left its neighbours since they were found?
     integer :: k
 
-    if (places_shapes .or. self%has_measured) call place_contactors(scene%contactors, scene%bodies%middle)
+    if (places_shapes .or. is_fast .or. self%has_measured) call place_contactors(scene%contactors, scene%bodies%middle)
     if (self%has_followers) call find_turns(self, scene)
     do k = 1, contacts%n
       associate (kind_c => scene%contactors%kind(contacts%contactor(1, k)), &
@@ -104,7 +105,28 @@ contains
       end associate
     end do
     if (self%has_followers) self%before = scene%bodies%middle
+    if (self%has_followers .and. is_fast) call part(scene, contacts)
   end subroutine carry_move
+
+  !> Let shapes whose circles or spheres are apart touch, if at all, as these do: the face that a body has left ends somewhere.
+  pure subroutine part(scene, contacts)
+    type(scene_t), intent(in) :: scene !! its contactors are placed
+    type(contacts_t), intent(inout) :: contacts
+    real(wp) :: way(scene%dimension), distance, gap
+    integer :: k
+
+    associate (centre => scene%contactors%centre, reach => scene%contactors%reach)
+      do k = 1, contacts%n
+        associate (c => contacts%contactor(1, k), a => contacts%contactor(2, k))
+          if (scene%contactors%kind(c) == kind_point) cycle
+          way = centre(:, c) - centre(:, a) - offset_of(scene, contacts, k)
+          distance = norm2(way)
+          gap = distance - (reach(c) + reach(a))
+          if (gap > 0) call put(way/distance, centre(:, c) - (reach(c) + gap/2)*(way/distance), gap, contacts, k)
+        end associate
+      end do
+    end associate
+  end subroutine part
 
   !> Bring a contact of any shapes to where its bodies are now.
   pure subroutine move_any(self, scene, contacts, k)

@@ -81,7 +81,8 @@ contains
       call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
     else
       ! Shapes are placed for what looks at them: paths through walls in every substep, measures after the last one.
-      call sim%carry%move(sim%scene, sim%contacts, sim%tunnelling%exceeds_thinnest .or. sim%substep == sim%options%substeps)
+      call sim%carry%move(sim%scene, sim%contacts, sim%tunnelling%exceeds_thinnest .or. sim%substep == sim%options%substeps, &
+                          sim%tunnelling%exceeds_alert)
     end if
     ! Before the first detection bodies are where they start.
     share = merge(1 - sim%options%theta, 1.0_wp, sim%step == 0 .and. sim%substep == 1)

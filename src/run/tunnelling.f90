@@ -61,7 +61,7 @@ contains
     tunnelling%n = 0
     displacement = h*largest_speed(scene%bodies%velocity(:scene%dimension, :))
     ! The contacts found by the first substep are those of all.
-    if (substep == 1) tunnelling%exceeds_alert = real(substeps, wp)*displacement > plan%alert
+    tunnelling%exceeds_alert = real(substeps, wp)*displacement > plan%alert .or. (tunnelling%exceeds_alert .and. substep > 1)
     tunnelling%exceeds_thinnest = displacement > plan%thinnest
     if (is_loaded .or. .not. displacement + tunnelling%deepest > plan%thinnest) return
     do k = 1, contacts%n

@@ -4,6 +4,7 @@ substep, pushes and traces go with them, and numbers that are none are refused."
 
 import csv
 import json
+import math
 import sys
 import unittest
 from pathlib import Path
@@ -30,6 +31,33 @@ kind = "lattice"
 box = [0.0, 0.0, 0.0, 0.3, 0.2, 0.2]
 radius = [0.018, 0.02]
 """
+
+FLIGHT = """[scene]
+gravity = [0.0, 0.0]
+[time]
+step = 4.0
+steps = 1
+[[material]]
+name = "stone"
+density = 1.0
+[[law]]
+friction = 0.5
+[[body]]
+shape = "polygon"
+vertices = SQUARE
+position = [0.0, 0.0]
+spin = SPIN
+[[body]]
+shape = "polygon"
+vertices = SQUARE
+position = [-500.0, 1.05]
+velocity = [1e3, 0.0]
+spin = SPIN
+[[interaction]]
+alert = 0.1
+"""
+# Two bodies of 1 kg: both of 0.01 rad/s and 1/6 kg m^2, one of 1e3 m/s
+FLIGHT_ENERGY = 1e6 / 2 + 1e-4 / 6
 
 
 class Substeps(ProgramCase):
@@ -58,6 +86,20 @@ class Substeps(ProgramCase):
                     self.run_deck(text, "parts", *words, "--set", f"time.steps={steps}", "--restart", "parts")
                     self.assertEqual(len(self.rows("straight")), steps)
                     self.assertEqual(self.rows("straight"), self.rows("parts"))
+
+    def test_flight(self):
+        """A body that flies off stays free, whatever way both turn: 0.01 rad and 1000 sizes per substep."""
+        for spin in (0.01, -0.01):
+            with self.subTest(spin=spin):
+                # Square to the way of flight where contacts are found: in the middle of the first substep.
+                corners = [math.pi / 4 * (1 + 2 * i) - spin / 2 for i in range(4)]
+                square = [[math.cos(angle) / math.sqrt(2), math.sin(angle) / math.sqrt(2)] for angle in corners]
+                text = FLIGHT.replace("SPIN", str(spin)).replace("SQUARE", str(square))
+                self.run_deck(text, "out", "--quiet", "--force", "--set", "time.substeps=4", "--set", "output.record_every=1")
+                self.assertEqual(max(int(row["contacts"]) for row in self.rows("out")), 2)
+                # Neither impulse nor friction: the energy is that of the start, to rounding.
+                energies = [float(row["kinetic_energy"]) for row in self.rows("out")]
+                self.assertAlmostEqual(energies[-1] / FLIGHT_ENERGY, 1.0, delta=1e-12)
 
     def test_counts(self):
         """Steps are those of the deck, sweeps those of all substeps, and the balance of energy closes."""
