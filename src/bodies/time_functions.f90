@@ -29,6 +29,8 @@ module sg_time_functions
     logical :: is_sum = .false.
     !> When it begins and ends to act [s]
     real(wp) :: start = -huge(1.0_wp), finish = huge(1.0_wp)
+    !> Time from which the function counts its own [s]: the start of a stage
+    real(wp) :: origin = 0
   contains
     procedure :: at => value_at
     procedure :: largest => largest_value
@@ -43,12 +45,14 @@ contains
   pure real(wp) function value_at(self, time) result(value)
     class(time_function_t), intent(in) :: self
     real(wp), intent(in) :: time !! [s]
+    real(wp) :: own
 
+    own = time - self%origin
     if (allocated(self%times)) then
-      value = interpolated(self%times, self%values, self%goes_on, time)
-      if (self%is_sum) value = value + formula_at(self, time)
+      value = interpolated(self%times, self%values, self%goes_on, own)
+      if (self%is_sum) value = value + formula_at(self, own)
     else
-      value = formula_at(self, time)
+      value = formula_at(self, own)
     end if
   end function value_at
 

@@ -1,4 +1,4 @@
-!> End conditions from the section `[stop]` of a deck, and their mistakes, with a caret under the word.
+!> End conditions from the section `[stop]` of a deck and from its stages, and their mistakes, with a caret under the word.
 module sg_stop_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
@@ -30,23 +30,46 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
     type(value_t) :: value
     type(text_t), allocatable :: variables(:)
-    integer :: b, i
+    integer :: b
 
     b = deck%block_of('stop')
-    if (.not. deck%is_given(b, 'when')) return
-    if (options%record_every == 0) then
-      call deck%complain(diagnostics, 'conditions are tested in recorded steps, but output.record_every is 0', b, 'when')
-      return
-    end if
-    value = deck%value(b, 'when')
+    if (.not. deck%is_given(b, 'when') .and. deck%count_of('stage') == 0) return
     variables = names_of(scene, options)
-    do i = 1, value%n_words
-      call check_condition(deck, b, value, i, variables, diagnostics)
+    ! The deck of a stage holds the conditions of that stage once more, those of all others in their blocks alone.
+    do b = 1, deck%n
+      if (deck%is_in(b, 'stage')) call check_conditions(deck, b, 'until', options, variables, diagnostics)
+      if (deck%is_in(b, 'stop') .and. deck%count_of('stage') == 0) &
+        call check_conditions(deck, b, 'when', options, variables, diagnostics)
     end do
+    b = deck%block_of('stop')
+    if (.not. deck%is_given(b, 'when')) return
+    value = deck%value(b, 'when')
     stops%texts = value%words(:value%n_words)
     stops%needed = deck%integer(b, 'for')
-    stops%after = deck%number(b, 'after')
+    stops%after = deck%number(b, 'after') + deck%stage_time
   end subroutine stop_from_deck
+
+  !> Check the conditions of a block.
+  subroutine check_conditions(deck, b, key, options, variables, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    character(len=*), intent(in) :: key
+    type(run_options_t), intent(in) :: options
+    type(text_t), intent(in) :: variables(:)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(value_t) :: value
+    integer :: i
+
+    if (.not. deck%is_given(b, key)) return
+    if (options%record_every == 0) then
+      call deck%complain(diagnostics, 'conditions are tested in recorded steps, but output.record_every is 0', b, key)
+      return
+    end if
+    value = deck%value(b, key)
+    do i = 1, value%n_words
+      call check_condition(deck, b, key, value, i, variables, diagnostics)
+    end do
+  end subroutine check_conditions
 
   !> Names that conditions may use.
   function names_of(scene, options) result(names)
@@ -69,9 +92,10 @@ contains
   end function names_of
 
   !> Report what is wrong with a condition, at its place in the deck.
-  subroutine check_condition(deck, b, value, i, variables, diagnostics)
+  subroutine check_condition(deck, b, key, value, i, variables, diagnostics)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b, i
+    character(len=*), intent(in) :: key
     type(value_t), intent(in) :: value
     type(text_t), intent(in) :: variables(:)
     type(diagnostics_t), intent(inout) :: diagnostics
@@ -88,7 +112,7 @@ contains
     if (index(mistake, 'there is no "') == 1 .and. index(mistake, '(') > 0 .and. index(mistake, 'did you mean') == 0) &
       mistake = mistake//'; a body is named here where [[track]] follows it'
     if (value%origin == from_setting) then
-      call deck%complain(diagnostics, mistake, b, 'when')
+      call deck%complain(diagnostics, mistake, b, key)
     else
       ! Behind the quotation mark
       call deck%complain_at(diagnostics, mistake, value%word_places(1, i), value%word_places(2, i) + column)

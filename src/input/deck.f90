@@ -13,6 +13,8 @@ module sg_deck
   use sg_scene, only: scene_t
   use sg_scene_from_deck, only: scene_from_deck
   use sg_sense_checks, only: check_sense
+  use sg_stage_deck, only: deck_of_stage, list_stages, split_changes
+  use sg_stages, only: stages_t
   use sg_settings, only: apply_settings
   use sg_text, only: text_t
   use sg_toml, only: document_t, parse_toml, read_content, toml_table
@@ -40,27 +42,93 @@ contains
   !> Read a deck as one of several ranks that are to share its scene.
   !!
   !! The rank keeps a part of it (`sg_bodies_from_deck`); that no grains overlap is then to be checked by all ranks together
-  !! (`sg_shared_start`). No message is sent here: the ranks may not read the same deck.
-  subroutine read_share(file, settings, comm, scene, options, deck, diagnostics)
+  !! (`sg_shared_start`). No message is sent here: the ranks may not read the same deck. Of a deck with stages the scene is that of
+  !! the stage that is due, the first one unless `stages` has others behind it; the other stages are checked.
+  subroutine read_share(file, settings, comm, scene, options, deck, diagnostics, stages)
     character(len=*), intent(in) :: file !! path of the deck
     type(text_t), intent(in) :: settings(:) !! settings laid over it, each `section.key=value`
     type(comm_t), intent(in) :: comm !! the ranks
     type(scene_t), intent(out) :: scene !! what exists, as far as this rank keeps it
     type(run_options_t), intent(out) :: options !! what to do with it
-    type(deck_t), intent(out) :: deck !! the deck itself, for checks to come
+    type(deck_t), intent(out) :: deck !! the deck itself, or that of the stage, for checks to come
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
+    type(stages_t), intent(inout), optional :: stages !! stages of the run so far; set to those of the deck
+    type(stages_t) :: run
+    type(deck_t) :: whole
 
     call read_blocks(file, settings, deck, diagnostics)
     if (diagnostics%count() > 0) return
     deck%rank = comm%rank
     deck%ranks = comm%size
+    if (deck%count_of('stage') == 0) then
+      call read_things(deck, scene, options, diagnostics)
+      if (diagnostics%count() == 0) call effective_deck(deck, options%deck_text, options%deck_hash)
+      return
+    end if
+    if (present(stages)) run = stages
+    call list_stages(deck, run, diagnostics)
+    if (diagnostics%count() > 0) return
+    call run%place()
+    whole = deck
+    call read_stage(whole, run, run%number, deck, scene, options, diagnostics)
+    if (.not. run%are_checked .and. diagnostics%count() == 0) call check_stages(whole, run, diagnostics)
+    run%are_checked = .true.
+    if (diagnostics%count() > 0) return
+    if (.not. run%begins) scene%start_time = run%list(run%number)%origin
+    call effective_deck(whole, options%deck_text, options%deck_hash)
+    if (present(stages)) stages = run
+  end subroutine read_share
+
+  !> Scene and options of a stage.
+  subroutine read_stage(whole, run, number, deck, scene, options, diagnostics)
+    type(deck_t), intent(in) :: whole
+    type(stages_t), intent(in) :: run
+    integer, intent(in) :: number
+    type(deck_t), intent(out) :: deck
+    type(scene_t), intent(out) :: scene
+    type(run_options_t), intent(out) :: options
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    call deck_of_stage(whole, run, number, deck, diagnostics)
+    if (diagnostics%count() == 0) call check_blocks(deck, diagnostics)
+    if (diagnostics%count() == 0) call check_sense(deck, diagnostics)
+    if (diagnostics%count() == 0) call read_things(deck, scene, options, diagnostics)
+  end subroutine read_stage
+
+  !> Check the stages that are not due. Of their findings only mistakes are kept: warnings are those of the deck.
+  subroutine check_stages(whole, run, diagnostics)
+    type(deck_t), intent(in) :: whole
+    type(stages_t), intent(in) :: run
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(diagnostics_t) :: found
+    type(deck_t) :: deck
+    type(scene_t) :: scene
+    type(run_options_t) :: options
+    integer :: s, i
+
+    do s = 1, size(run%list)
+      if (s == run%number) cycle
+      call read_stage(whole, run, s, deck, scene, options, found)
+    end do
+    do i = 1, found%count()
+      associate (mistake => found%errors(i))
+        call diagnostics%add(mistake%message, mistake%file, mistake%line, mistake%column, mistake%text)
+      end associate
+    end do
+  end subroutine check_stages
+
+  !> Scene and options of a deck without stages, or of the deck of one.
+  subroutine read_things(deck, scene, options, diagnostics)
+    type(deck_t), intent(inout) :: deck
+    type(scene_t), intent(inout) :: scene
+    type(run_options_t), intent(inout) :: options
+    type(diagnostics_t), intent(inout) :: diagnostics
+
     call options_from_deck(deck, options, diagnostics)
     call scene_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() > 0) return
     call tracks_from_deck(deck, scene%bodies%n + deck%absent%n, options, diagnostics)
-    if (diagnostics%count() > 0) return
-    call effective_deck(deck, options%deck_text, options%deck_hash)
-  end subroutine read_share
+  end subroutine read_things
 
   !> Subdomains that a deck asks for; 0 for one per rank, and where the deck has mistakes, which are reported when it is read as a
   !! whole. A deck without the word is not taken apart.
@@ -101,6 +169,7 @@ contains
       call diagnostics%add(error%message, error%file, error%line, error%column, error%text)
       return
     end if
+    call split_changes(deck)
     call apply_settings(settings, deck, diagnostics)
     call dimension_from_deck(deck)
     call check_blocks(deck, diagnostics)

@@ -15,15 +15,20 @@ contains
     character(len=:), allocatable, intent(out) :: text !! its text
     character(len=:), allocatable, intent(out) :: hash !! fingerprint of the text behind its title
     character(len=:), allocatable :: room
-    integer :: length, top, s, b
+    integer :: length, top, s, b, stage
 
     allocate (character(len=4096) :: room)
     length = 0
     top = 0
+    stage = 0
     do s = 1, size(deck%table%sections)
       if (index(deck%table%sections(s)%name, '.') > 0) cycle
       do b = 1, deck%n
-        if (deck%blocks(b)%section == s) call write_block(deck, b, room, length)
+        if (deck%blocks(b)%section /= s) cycle
+        call write_block(deck, b, room, length)
+        if (deck%table%sections(s)%name /= 'stage') cycle
+        stage = stage + 1
+        call write_changes(deck, stage, room, length)
       end do
       if (deck%table%sections(s)%name == '') top = length
     end do
@@ -57,6 +62,29 @@ contains
       call write_block(deck, inner, room, length)
     end do
   end subroutine write_block
+
+  !> Write what a stage changes: the keys that are given.
+  subroutine write_changes(deck, stage, room, length)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: stage
+    character(len=:), allocatable, intent(inout) :: room
+    integer, intent(inout) :: length
+    character(len=:), allocatable :: heading
+    integer :: c, v, cut
+
+    do c = 1, size(deck%changes)
+      if (deck%changes(c)%parent /= stage) cycle
+      heading = deck%heading(deck%changes(c)%section)
+      cut = merge(2, 1, heading(:2) == '[[')
+      call write_line('', room, length)
+      call write_line(heading(:cut)//'stage.'//heading(cut + 1:), room, length)
+      do v = 1, deck%changes(c)%n
+        associate (value => deck%changes(c)%values(v), key => deck%table%keys(deck%changes(c)%values(v)%key))
+          call write_line(trim(key%name)//' = '//value_as_toml(value, key), room, length)
+        end associate
+      end do
+    end do
+  end subroutine write_changes
 
   !> Add a line to a text that grows by doubling.
   subroutine write_line(line, room, length)

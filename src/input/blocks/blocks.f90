@@ -32,6 +32,8 @@ module sg_blocks
     integer :: n = 0
     !> First and last of the bodies made of it; 0 where it makes none
     integer :: first_body = 0, last_body = 0
+    !> Does it stand in a stage, whose times count from its start?
+    logical :: is_of_stage = .false.
   end type block_t
 
   !> A deck
@@ -44,6 +46,11 @@ module sg_blocks
     !> Blocks, shape (n)
     type(block_t), allocatable :: blocks(:)
     integer :: n = 0
+    !> What stages change: sections within `[[stage]]`, whose parent is the block of the stage
+    type(block_t), allocatable :: changes(:)
+    !> In the deck of a stage: when it begins [s], and its steps
+    real(wp) :: stage_time = 0
+    integer :: stage_steps = 0
     !> Dimension of the scene
     integer :: dimension = 2
     !> Numbers of the bodies that have a name, ascending, and their names
@@ -59,6 +66,7 @@ module sg_blocks
     procedure :: block_of
     procedure :: block_of_body
     procedure :: is_in
+    procedure :: is_in_stage
     procedure :: count_of
     procedure :: is_given
     procedure :: applies
@@ -107,6 +115,20 @@ contains
 
     is_in = self%table%sections(self%blocks(block)%section)%name == section
   end function is_in
+
+  !> Does a block stand within a stage? Only while the text is read: then they stand apart.
+  pure logical function is_in_stage(self, block)
+    class(deck_t), intent(in) :: self
+    integer, intent(in) :: block !! index of the block
+    integer :: outer
+
+    is_in_stage = .false.
+    outer = self%blocks(block)%parent
+    do while (outer > 0 .and. .not. is_in_stage)
+      is_in_stage = self%is_in(outer, 'stage')
+      outer = self%blocks(outer)%parent
+    end do
+  end function is_in_stage
 
   !> Number of blocks of a section.
   pure integer function count_of(self, section) result(count)

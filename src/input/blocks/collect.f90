@@ -3,6 +3,7 @@ module sg_collect
   use sg_blocks, only: block_t, deck_t
   use sg_error, only: diagnostics_t, error_t
   use sg_key_table, only: key_t, key_table_t
+  use sg_stage_keys, only: may_stand_in_stage, section_for_stage
   use sg_toml, only: document_t, entry_t, parse_toml, toml_array, toml_table
   use sg_values, only: finish_value, from_deck, from_default, take_entry, value_t
   implicit none
@@ -259,6 +260,10 @@ contains
       section = deck%table%find_section(outer//'.'//name)
       key = deck%table%find_key(block%section, name)
       former = 0
+      if (deck%is_in_stage(parent%block) .or. (outer == 'stage' .and. key == 0)) then
+        call take_change(document, i, parent, deck, role, name, diagnostics)
+        return
+      end if
       if (key == 0) former = deck%table%find_former(outer//'.'//name)
       if (section > 0 .and. holds_tables(document, i)) then
         role%role = is_blocks
@@ -280,6 +285,64 @@ contains
       end if
     end associate
   end subroutine take_key
+
+  !> An entry of a stage, or of a section within it: a section with keys that change, or such a key.
+  subroutine take_change(document, i, parent, deck, role, name, diagnostics)
+    type(document_t), intent(in) :: document
+    integer, intent(in) :: i
+    type(role_t), intent(in) :: parent
+    type(deck_t), intent(inout) :: deck
+    type(role_t), intent(inout) :: role
+    character(len=*), intent(in) :: name !! of the entry, without the names around it
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: full, outer, message
+    integer :: section, key
+
+    associate (entry => document%entries(i))
+      outer = trim(deck%table%sections(deck%blocks(parent%block)%section)%name)
+      full = outer//'.'//name
+      if (outer == 'stage') full = name
+      section = deck%table%find_section(full)
+      key = deck%table%find_key(deck%blocks(parent%block)%section, name)
+      message = ''
+      if (outer == 'stage') message = section_for_stage(name)
+      if (len(message) > 0) then
+        call at_key(deck, entry, message, diagnostics)
+      else if (section > 0 .and. (entry%kind == toml_table .or. holds_tables(document, i))) then
+        if (deck%table%sections(section)%is_list .neqv. holds_tables(document, i)) then
+          message = trim(merge('[[stage.'//full//']] needs double', '[stage.'//full//'] needs single  ', &
+                               deck%table%sections(section)%is_list))//' brackets'
+          call at_key(deck, entry, message, diagnostics)
+        else if (entry%kind == toml_table) then
+          call begin_change(deck, section, parent%block, entry, role)
+        else
+          role%role = is_blocks
+          role%section = section
+          role%block = parent%block
+        end if
+      else if (key == 0 .or. outer == 'stage') then
+        call at_key(deck, entry, 'unknown key "'//name//'" in [[stage]]', diagnostics)
+      else if (.not. may_stand_in_stage(outer, name)) then
+        call at_key(deck, entry, '"'//name//'" cannot change between stages', diagnostics)
+      else
+        call take_value(entry, deck, key, parent%block, role, diagnostics)
+      end if
+    end associate
+  end subroutine take_change
+
+  !> Begin a section within a stage that stands once there.
+  subroutine begin_change(deck, section, parent, entry, role)
+    type(deck_t), intent(inout) :: deck
+    integer, intent(in) :: section, parent
+    type(entry_t), intent(in) :: entry
+    type(role_t), intent(inout) :: role
+
+    call add_block(deck, section, parent, 4)
+    role%role = is_block
+    role%block = deck%n
+    deck%blocks(deck%n)%line = entry%line
+    deck%blocks(deck%n)%column = entry%column
+  end subroutine begin_change
 
   !> A value of a key.
   subroutine take_value(entry, deck, key, block, role, diagnostics)

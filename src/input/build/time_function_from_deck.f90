@@ -42,6 +42,10 @@ contains
         call deck%complain(diagnostics, 'give either "frequency" or "omega", not both', b, 'omega')
     end if
     if (deck%is_given(b, 'file')) call read_table(deck, b, value, diagnostics)
+    if (.not. deck%blocks(b)%is_of_stage) return
+    value%origin = deck%stage_time
+    if (deck%is_given(b, 'start')) value%start = value%start + value%origin
+    if (deck%is_given(b, 'end')) value%finish = value%finish + value%origin
   end subroutine read_time_function
 
   !> Read a number or an expression of time.
@@ -65,7 +69,7 @@ contains
     allocate (value%expression)
     call parse_expression(given%words(1)%s, time, value%expression, mistake, column)
     if (.not. allocated(mistake)) then
-      call bound_expression(deck, value, mistake)
+      call bound_expression(deck, b, value, mistake)
       column = 1
     end if
     if (.not. allocated(mistake)) return
@@ -80,8 +84,9 @@ contains
 
   !> Bound the size of an expression: its largest value at the ends of all steps in which it acts, rounded up to a quarter of a
   !! power of two, so that a run with more steps of a periodic function has the same bound.
-  subroutine bound_expression(deck, value, mistake)
+  subroutine bound_expression(deck, b, value, mistake)
     type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
     type(time_function_t), intent(inout) :: value
     character(len=:), allocatable, intent(out) :: mistake !! set where it has no value
     real(wp) :: step, time, size, largest
@@ -89,6 +94,7 @@ contains
 
     step = deck%number(deck%block_of('time'), 'step')
     steps = deck%integer(deck%block_of('time'), 'steps')
+    if (deck%blocks(b)%is_of_stage) steps = deck%stage_steps
     every = 1 + steps/most_samples
     largest = 0
     do i = 0, steps, every

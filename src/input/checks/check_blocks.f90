@@ -81,6 +81,8 @@ contains
         associate (key => deck%table%keys(k))
           if (.not. key%is_required) cycle
           if (deck%is_given(b, trim(key%name)) .or. .not. deck%applies(b, key)) cycle
+          ! Stages have steps of their own.
+          if (section%name == 'time' .and. key%name == 'steps' .and. deck%count_of('stage') > 0) cycle
           call deck%complain(diagnostics, deck%heading(deck%blocks(b)%section)//' lacks the key "'//trim(key%name)//'": '// &
                              first_sentence(key%sentence), b)
         end associate

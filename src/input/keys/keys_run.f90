@@ -1,7 +1,7 @@
 !> The key table, first part: what to do with a scene. Defaults are those of `run_options_t`.
 module sg_keys_run
   use sg_key_table, only: key_table_t, value_body, value_box, value_choice, value_counts, value_integer, value_logical, &
-                          value_real, value_texts
+                          value_real, value_text, value_texts
   use sg_kinds, only: wp
   use sg_methods, only: coupling_names, list_couplings, list_solvers, method_t, solver_names
   use sg_run_options, only: criterion_names, energy_guards, run_options_t, split_names
@@ -13,11 +13,12 @@ module sg_keys_run
 
 contains
 
-  !> Add the sections time, solver, partition, output, track, stop, restart, guard and report.
+  !> Add the sections time, stage, solver, partition, output, track, stop, restart, guard and report.
   subroutine add_run_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
     call add_time(table)
+    call add_stages(table)
     call add_solver(table)
     call add_partition(table)
     call add_output(table)
@@ -30,7 +31,8 @@ contains
 
     call table%open_section('time', 'How long and how finely time is cut.')
     call table%add('step', value_real, 'Time step h.', unit='s', is_required=.true., above=0.0_wp)
-    call table%add('steps', value_integer, 'Number of steps.', is_required=.true., least=0.0_wp)
+    call table%add('steps', value_integer, 'Number of steps; in a deck with stages, which have their own, the most of all of '// &
+                   'them together, and not needed.', is_required=.true., least=0.0_wp)
     call table%add('theta', value_real, 'Weight of the end of the step in the theta scheme; 0.5 is the mid-point rule.', &
                    default=short_real(default%theta), least=0.0_wp, most=1.0_wp)
     call table%add('substeps', value_integer, 'Substeps of a step: contacts are found once per step, and follow their bodies '// &
@@ -40,6 +42,24 @@ contains
     call table%add('recovery_every', value_integer, 'Steps from one look for such overlap to the next.', &
                    default=to_text(default%recovery_every), least=1.0_wp)
   end subroutine add_time
+
+  !> Section stage.
+  subroutine add_stages(table)
+    type(key_table_t), intent(inout) :: table
+
+    call table%open_section('stage', 'One stage of a run: the stages follow each other, each from where the last one ended. '// &
+                            '[stage.SECTION] and [[stage.SECTION]] below it hold the keys that differ in this stage '// &
+                            '(guide/stages.md).', is_list=.true.)
+    call table%add('name', value_text, 'Name of the stage, in the log and in run.json.')
+    call table%add('steps', value_integer, 'Steps of the stage, at most.', least=1.0_wp)
+    call table%add('duration', value_real, 'In place of steps: time of the stage, at most; rounded up to whole steps.', unit='s', &
+                   above=0.0_wp)
+    call table%add('until', value_texts, 'Conditions, as those of [stop], of which the first that holds ends the stage.')
+    call table%add('for', value_integer, 'Recorded steps in a row in which a condition must hold.', default='1', least=1.0_wp, &
+                   only='until')
+    call table%add('after', value_real, 'Time from the start of the stage before which no condition is tested.', unit='s', &
+                   default='0.0', least=0.0_wp, only='until')
+  end subroutine add_stages
 
   !> Section solver.
   subroutine add_solver(table)

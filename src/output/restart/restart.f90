@@ -52,6 +52,8 @@ module sg_restart
     real(wp), allocatable :: totals(:)
     !> What tracked bodies (sg_tracks) and end conditions (sg_stop) keep; empty where there are none
     real(wp), allocatable :: tracks(:), stop(:)
+    !> Where the stages of the run began and ended (sg_stages); empty where it has none
+    real(wp), allocatable :: stages(:)
   end type restart_t
 
 contains
@@ -141,6 +143,7 @@ contains
     call put_sealed(file, '/totals', state%totals, is_common=.true.)
     call put_optional(file, '/tracks', state%tracks)
     call put_optional(file, '/stop', state%stop)
+    call put_optional(file, '/stages', state%stages)
     call put_sealed(file, '/built', state%built)
     call put_fields(file, '/bodies', state%bodies)
     call put_fields(file, '/contacts', state%contacts)
@@ -241,6 +244,7 @@ contains
     call file%get('/totals', state%totals)
     call get_optional(file, '/tracks', state%tracks)
     call get_optional(file, '/stop', state%stop)
+    call get_optional(file, '/stages', state%stages)
     ! One rank alone takes up its list of neighbours.
     if (ranks%size == 1) call file%get('/built', state%built)
     if (.not. allocated(state%built)) allocate (state%built(0, 0))
