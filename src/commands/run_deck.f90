@@ -1,11 +1,13 @@
 !> Run of a deck: on the ranks that there are, or as so many subdomains as the deck asks for.
 module sg_run_deck
   use sg_alarm, only: end_after
+  use sg_claim, only: leave_folder
   use sg_comm, only: comm_t
   use sg_deck, only: parts_of_deck
   use sg_error, only: error_t, exit_bad_input, exit_done, fail
   use sg_hdf5, only: hdf5_is_available, hdf5_is_parallel
   use sg_kinds, only: wp
+  use sg_restart_stages, only: read_stages
   use sg_run_request, only: read_scene, run_request_t
   use sg_simulate, only: simulate
   use sg_simulation, only: simulation_t
@@ -67,32 +69,77 @@ contains
     if (allocated(error)) self%error = error
   end subroutine run_subdomain
 
-  !> Run a deck as one of several ranks.
+  !> Run a deck as one of several ranks: one simulation, or one per stage.
   subroutine run_scene(request, comm, code, error)
     type(run_request_t), intent(in) :: request
     type(comm_t), intent(in) :: comm
     integer, intent(out) :: code
     type(error_t), allocatable, intent(out) :: error
-    type(simulation_t) :: sim
+    type(simulation_t), allocatable :: sim, former
+    type(run_request_t) :: present_request
     real(wp) :: start
     logical :: is_bad
 
     code = exit_done
+    allocate (sim)
     call check_hdf5(request, comm, error)
     sim%comm = comm
     call sim%comm%agree(error)
     if (allocated(error)) return
     start = wall_now()
     if (request%walltime > 0) call end_after(request%walltime)
-    call read_scene(request, sim, is_bad, error)
-    if (is_bad) code = exit_bad_input
-    if (is_bad .or. allocated(error)) return
-    if (request%walltime > 0) sim%options%deadline = start + request%walltime
-    call catch_signals()
-    call simulate(sim, request%deck, code, error)
+    present_request = request
+    if (len(request%restart) > 0) call read_stages(request%restart, sim%stages)
+    do
+      call read_scene(present_request, sim, is_bad, error)
+      if (.not. (is_bad .or. allocated(error))) call check_stages(sim, error)
+      if (is_bad) code = exit_bad_input
+      if (is_bad .or. allocated(error)) exit
+      if (request%walltime > 0) sim%options%deadline = start + request%walltime
+      if (.not. sim%is_continued) call catch_signals()
+      call simulate(sim, request%deck, code, error)
+      if (.not. sim%goes_on) exit
+      call move_alloc(sim, former)
+      allocate (sim)
+      call hand_over(former, sim)
+      present_request%restart = sim%options%folder
+      deallocate (former)
+    end do
+    if (sim%is_continued .and. .not. sim%writers%has_folder) call leave_folder(sim%options, sim%comm)
     if (.not. allocated(error)) return
     if (.not. allocated(error%file) .and. error%code == exit_bad_input) error%file = request%deck
   end subroutine run_scene
+
+  !> Refuse stages where none can go on from the one before.
+  subroutine check_stages(sim, error)
+    type(simulation_t), intent(in) :: sim
+    type(error_t), allocatable, intent(out) :: error
+
+    if (sim%stages%number == 0 .or. hdf5_is_available()) return
+    call fail(error, 'this build has no HDF5, with which each stage goes on from the one before')
+  end subroutine check_stages
+
+  !> Hand what goes over all stages of a run from one that is done to the next; its state stands in the checkpoint.
+  subroutine hand_over(former, sim)
+    type(simulation_t), intent(in) :: former
+    type(simulation_t), intent(inout) :: sim
+
+    sim%comm = former%comm
+    sim%options%folder = former%options%folder
+    sim%is_continued = .true.
+    sim%stages%loaded = former%stages%pack()
+    sim%stages%are_checked = .true.
+    sim%stages%step = former%step
+    sim%stages%time = former%time()
+    sim%effort = former%effort
+    sim%gluing_traffic = former%gluing_traffic
+    sim%writers%measures = former%writers%measures
+    sim%writers%has_stepped = former%writers%has_stepped
+    sim%writers%has_warned = former%writers%has_warned
+    sim%writers%saved_step = former%writers%saved_step
+    sim%writers%summary%file_keys = former%writers%summary%file_keys
+    sim%writers%summary%files = former%writers%summary%files
+  end subroutine hand_over
 
   !> Refuse what the HDF5 of this build cannot write.
   subroutine check_hdf5(request, comm, error)

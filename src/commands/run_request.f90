@@ -47,9 +47,11 @@ contains
     type(deck_t) :: deck
     type(diagnostics_t) :: diagnostics, shared
 
-    call read_share(request%deck, request%settings, sim%comm, sim%scene, sim%options, deck, diagnostics)
+    call read_share(request%deck, request%settings, sim%comm, sim%scene, sim%options, deck, diagnostics, sim%stages)
     if (diagnostics%count() == 0) call stop_from_deck(deck, sim%scene, sim%options, sim%stop, diagnostics)
     call take_options(request, deck, sim)
+    ! Warnings of the deck are printed once.
+    if (sim%is_continued .and. allocated(diagnostics%warnings)) deallocate (diagnostics%warnings)
     call judge(diagnostics)
     if (is_bad .or. sim%comm%size == 1) return
     call check_sameness(sim, deck%absent%digest, request%restart, error)

@@ -19,6 +19,8 @@ module sg_record
     character(len=:), allocatable :: file
     !> Does this rank write it? Of ranks that share a run one alone does
     logical :: is_root = .true.
+    !> Has the run stages, with a column for their number?
+    logical :: has_stages = .false.
   contains
     procedure :: start => record_start
     procedure :: resume => record_resume
@@ -37,7 +39,7 @@ contains
 
     self%file = file
     if (.not. self%is_root) return
-    call replace_file(file, header(dimension, has_bonds)//new_line('a'), error)
+    call replace_file(file, header(dimension, has_bonds, self%has_stages)//new_line('a'), error)
   end subroutine record_start
 
   !> Go on with the record of a run that restarts after a step: rows of later steps, and a torn last row, are cut.
@@ -51,20 +53,21 @@ contains
 
     self%file = file
     if (.not. self%is_root) return
-    call resume_rows(file, header(dimension, has_bonds), step, error)
+    call resume_rows(file, header(dimension, has_bonds, self%has_stages), step, error)
   end subroutine record_resume
 
   !> The names of the columns.
-  pure function header(dimension, has_bonds) result(names)
+  pure function header(dimension, has_bonds, has_stages) result(names)
     integer, intent(in) :: dimension
-    logical, intent(in) :: has_bonds
+    logical, intent(in) :: has_bonds, has_stages
     character(len=:), allocatable :: names
     type(column_t), allocatable :: columns(:)
     type(report_t) :: report
     type(totals_t) :: totals
     integer :: i
 
-    columns = record_columns(0, 0.0_wp, 0, report, totals, unmeasured(dimension, has_bonds))
+    columns = record_columns(0, 0.0_wp, 0, report, totals, unmeasured(dimension, has_bonds), &
+                             merge(1, 0, has_stages))
     names = trim(columns(1)%name)
     do i = 2, size(columns)
       names = names//','//trim(columns(i)%name)
@@ -72,13 +75,14 @@ contains
   end function header
 
   !> All columns of a step: names and values, in the order of the record.
-  pure function record_columns(step, time, contacts, report, totals, measures) result(columns)
+  pure function record_columns(step, time, contacts, report, totals, measures, stage) result(columns)
     integer, intent(in) :: step !! number of the step
     real(wp), intent(in) :: time !! end of the step [s]
     integer, intent(in) :: contacts !! number of contacts
     type(report_t), intent(in) :: report !! report of the solver on the step
     type(totals_t), intent(in) :: totals !! timers since the start
     type(measures_t), intent(in) :: measures !! indicators of the step
+    integer, intent(in), optional :: stage !! number of the stage; without it, or where it is 0, there is no such column
     type(column_t), allocatable :: columns(:)
     integer :: i
 
@@ -91,6 +95,8 @@ contains
                value_of('wall_seconds', totals%clock%wall), &
                (value_of('cpu_'//phase_names(i), totals%phase(i)%cpu), i=1, n_phases), measures%column, &
                (value_of('wall_'//phase_names(i), totals%phase(i)%wall), i=1, n_phases)]
+    if (.not. present(stage)) return
+    if (stage > 0) columns = [columns(:2), count_of('stage', stage), columns(3:)]
   end function record_columns
 
   !> A column of a whole number.

@@ -9,6 +9,7 @@ module sg_run_summary
   use sg_report, only: coupled_effort_t
   use sg_run_options, only: criterion_names, run_options_t
   use sg_scene, only: scene_t
+  use sg_stages, only: stages_t
   use sg_system, only: peak_memory_bytes
   use sg_tally, only: column_t
   use sg_text, only: counted, text_t, to_text
@@ -57,6 +58,8 @@ module sg_run_summary
     !> The end condition that ended the run, where one did; when, and the value of its first variable
     character(len=:), allocatable :: stop_condition
     real(wp) :: stop_time = 0, stop_value = 0
+    !> Stages of the run
+    type(stages_t) :: stages
     !> Path, title, purpose and hash of the deck, folder of the results, solver, name of the stopping criterion
     character(len=:), allocatable :: deck, title, about, deck_hash, folder, method, criterion
     !> What a step of free fall brings [m/s]
@@ -165,7 +168,12 @@ contains
     class(run_summary_t), intent(inout) :: self
     character(len=*), intent(in) :: key !! what it holds, such as `bodies`
     character(len=*), intent(in) :: file !! its name in the folder of the results
+    integer :: i
 
+    if (allocated(self%file_keys)) then
+      ! Stages of a run open the same files.
+      if (any([(self%file_keys(i)%s == key, i=1, size(self%file_keys))])) return
+    end if
     call append(self%file_keys, key)
     call append(self%files, file)
   end subroutine summary_add_file
@@ -224,6 +232,7 @@ contains
     if (.not. summary%is_root) return
     call add_identity(json, summary)
     call add_totals(json, summary%totals)
+    if (summary%stages%number > 0) call add_stages(json, summary%stages)
     if (summary%subdomains > 1) call add_shared(json, summary%shared)
     columns = summary%columns()
     do i = 1, size(columns)
@@ -309,6 +318,28 @@ contains
       call json%add('wall_'//trim(phase_names(i)), totals%phase(i)%wall)
     end do
   end subroutine add_totals
+
+  !> The stages that have begun.
+  subroutine add_stages(json, stages)
+    type(json_t), intent(inout) :: json
+    type(stages_t), intent(in) :: stages
+    type(json_t) :: object(stages%number)
+    integer :: i
+
+    do i = 1, stages%number
+      associate (stage => stages%list(i))
+        call object(i)%add('stage', i)
+        call object(i)%add('name', stage%name)
+        call object(i)%add('first_step', stage%first_step + 1)
+        call object(i)%add('last_step', stage%last_step)
+        call object(i)%add('start_time', stage%start_time)
+        call object(i)%add('end_time', stage%end_time)
+        call object(i)%add('unconverged_steps', stage%unconverged)
+        call object(i)%add('reason', stage%reason())
+      end associate
+    end do
+    call json%add_objects('stages', object)
+  end subroutine add_stages
 
   !> How the scene was shared, and what that cost.
   subroutine add_shared(json, shared)

@@ -19,6 +19,8 @@ module sg_track_file
     character(len=:), allocatable :: file
     !> Does this rank write it? Of ranks that share a run one alone does
     logical :: is_root = .true.
+    !> Has the run stages, with a column for their number?
+    logical :: has_stages = .false.
   contains
     procedure :: open => track_file_open
     procedure :: add => track_file_add
@@ -37,20 +39,21 @@ contains
     self%file = folder//'/'//tracks_name
     if (.not. self%is_root) return
     if (step >= 0) then
-      call resume_rows(self%file, header(dimension), step, error)
+      call resume_rows(self%file, header(dimension, self%has_stages), step, error)
     else
-      call replace_file(self%file, header(dimension)//new_line('a'), error)
+      call replace_file(self%file, header(dimension, self%has_stages)//new_line('a'), error)
     end if
   end subroutine track_file_open
 
   !> The names of the columns.
-  pure function header(dimension) result(names)
+  pure function header(dimension, has_stages) result(names)
     integer, intent(in) :: dimension
+    logical, intent(in) :: has_stages
     character(len=:), allocatable :: names
     character(len=16), allocatable :: columns(:)
     integer :: i
 
-    names = 'step,time,body'
+    names = 'step,time,'//trim(merge('stage,body', 'body      ', has_stages))
     columns = track_columns(dimension)
     do i = 1, size(columns)
       names = names//','//trim(columns(i))
@@ -58,20 +61,23 @@ contains
   end function header
 
   !> Add the rows of a step that is measured, one per body.
-  subroutine track_file_add(self, step, time, tracks, error)
+  subroutine track_file_add(self, step, time, tracks, stage, error)
     class(track_file_t), intent(in) :: self
     integer, intent(in) :: step !! number of the step
     real(wp), intent(in) :: time !! end of the step [s]
     type(tracks_t), intent(in) :: tracks !! tracked bodies, measured
+    integer, intent(in) :: stage !! number of the stage; unused where the run has none
     type(error_t), allocatable, intent(out) :: error !! set when the rows cannot be written
-    character(len=:), allocatable :: rows
+    character(len=:), allocatable :: rows, begin
     integer :: t, i, n
 
     if (.not. self%is_root) return
     rows = ''
+    begin = to_text(step)//','//cell(time)//','
+    if (self%has_stages) begin = begin//to_text(stage)//','
     n = size(tracks%value, 1)
     do t = 1, size(tracks%number)
-      rows = rows//to_text(step)//','//cell(time)//','//quoted_cell(tracks%name(t)%s)
+      rows = rows//begin//quoted_cell(tracks%name(t)%s)
       do i = 1, n - 1
         rows = rows//','//cell(tracks%value(i, t))
       end do

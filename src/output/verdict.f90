@@ -5,6 +5,7 @@ module sg_verdict
   use sg_methods, only: find_method, is_swept, list_couplings, method_t, quoted_names, robust_solver
   use sg_print, only: print_line
   use sg_run_summary, only: ranks_words, run_summary_t, shared_cost_t
+  use sg_stages, only: stage_t
   use sg_system, only: peak_memory_bytes
   use sg_text, only: counted, joined, text_t, to_text
   use sg_totals, only: n_phases, phase_names, phase_solve, totals_t, worst_contact_words
@@ -19,6 +20,7 @@ contains
     integer, intent(in) :: unit !! open unit to write on
     type(run_summary_t), intent(in) :: summary !! the run, concluded
     character(len=:), allocatable :: headline
+    integer :: i
 
     if (.not. summary%is_root) return
     associate (totals => summary%totals, measures => summary%measures)
@@ -27,6 +29,9 @@ contains
                  counted(totals%contacts, 'contact')
       if (len(summary%reason) > 0) headline = headline//' ('//summary%reason//')'
       call print_line(headline, unit)
+      do i = 1, summary%stages%number
+        call line(merge('stages', '      ', i == 1), stage_words(summary%stages%list(i), i))
+      end do
       call line('converged', to_text(totals%converged_steps)//' of '//to_text(totals%steps)//' steps to '// &
                 summary%criterion//' <= '//to_text(summary%tolerance, 2))
       if (totals%unconverged_steps > 0) then
@@ -80,6 +85,16 @@ contains
       call print_line('  '//column//text, unit)
     end subroutine line
   end subroutine print_verdict
+
+  !> How a stage went.
+  pure function stage_words(stage, number) result(words)
+    type(stage_t), intent(in) :: stage
+    integer, intent(in) :: number
+    character(len=:), allocatable :: words
+
+    words = stage%words(number)//': '//counted(stage%last_step - stage%first_step, 'step')//' to '//to_text(stage%end_time, 4)// &
+            ' s, '//to_text(stage%unconverged)//' not converged; '//stage%reason()
+  end function stage_words
 
   !> What may help where steps did not converge.
   function advice(summary) result(words)

@@ -105,9 +105,10 @@ contains
     totals = sim%totals
     call reduce_report(report, sim%comm)
     call totals%reduce(sim%comm)
-    columns = record_columns(sim%step, sim%time(), sim%all_contacts, report, totals, sim%writers%measures)
+    columns = record_columns(sim%step, sim%time(), sim%all_contacts, report, totals, sim%writers%measures, sim%stages%number)
     call sim%writers%record%add(columns, error)
-    if (sim%tracks%is_on() .and. .not. allocated(error)) call sim%writers%tracks%add(sim%step, sim%time(), sim%tracks, error)
+    if (sim%tracks%is_on() .and. .not. allocated(error)) &
+      call sim%writers%tracks%add(sim%step, sim%time(), sim%tracks, sim%stages%number, error)
     call sim%comm%agree(error)
     if (sim%stop%is_on() .and. .not. allocated(error)) call test_end(sim, columns)
   end subroutine record_now
@@ -145,7 +146,8 @@ contains
 
     if (.not. sim%stop%is_on()) return
     call sim%stop%begin(end_variables(sim, record_columns(0, 0.0_wp, 0, report, totals, &
-                                                          unmeasured(sim%scene%dimension, sim%plan%has_bonds))), error)
+                                                          unmeasured(sim%scene%dimension, sim%plan%has_bonds), &
+                                                          sim%stages%number)), error)
   end subroutine begin_stop
 
   !> Kinetic energy to show [J]: that of now on one rank; of several ranks the last one measured, which costs no message.

@@ -8,7 +8,7 @@ module sg_checkpoint
   use sg_bodies, only: bodies_t
   use sg_bodies_rows, only: order_bodies
   use sg_energy, only: energy_t, n_energy_values
-  use sg_error, only: diagnostics_t, error_t
+  use sg_error, only: diagnostics_t, error_t, fail
   use sg_former_deck, only: warn_of_differences
   use sg_history, only: resume_history
   use sg_kinds, only: wp
@@ -63,6 +63,8 @@ contains
     state%totals = [energy%pack(), totals%pack(), sim%scene%gravity, sim%pairs%skin, sim%signature]
     state%tracks = tracks%pack()
     state%stop = sim%stop%pack()
+    call sim%stages%note(sim%step, sim%time(), sim%totals%unconverged_steps, sim%stop%met, sim%stop%value)
+    state%stages = sim%stages%pack()
     allocate (state%built(size(sim%scene%bodies%middle, 1), 0))
     if (sim%comm%size == 1 .and. allocated(sim%pairs%built)) state%built = sim%pairs%built
     call write_restart(sim%options%folder, state, sim%comm, error)
@@ -114,10 +116,24 @@ contains
       call move_alloc(first, error)
       return
     end if
+    call check_stage(sim, state, names(i)%s, error)
+    if (allocated(error)) return
     if (i > 1) call warnings%warn('this checkpoint is not used, the run goes on from the older '//names(i)%s//' of step '// &
                                   to_text(state%step)//' ('//first%message//')', file=names(1)%s)
     call take_state(sim, state)
   end subroutine load_checkpoint
+
+  !> Refuse an older file where the stage that is due was found in the newest one.
+  subroutine check_stage(sim, state, file, error)
+    type(simulation_t), intent(in) :: sim
+    type(restart_t), intent(in) :: state
+    character(len=*), intent(in) :: file
+    type(error_t), allocatable, intent(out) :: error
+
+    if (sim%stages%number == 0 .or. sim%stages%step == state%step) return
+    call fail(error, 'the newest restart file is damaged; this one is of step '//to_text(state%step)// &
+              ': --restart and its name goes on from it', file=file)
+  end subroutine check_stage
 
   !> Read a restart file; one that cannot be used is an error, and `is_damaged` where the file itself is broken.
   subroutine read_state(sim, file, state, warnings, is_damaged, error)
@@ -146,7 +162,7 @@ contains
     if (found%count() > 0) then
       error = found%errors(1)
     else
-      call warn_of_differences(file, state%deck_hash, sim%options, warnings)
+      if (.not. sim%is_continued) call warn_of_differences(file, state%deck_hash, sim%options, warnings)
     end if
   end subroutine read_state
 
@@ -169,7 +185,7 @@ contains
     fault = ''
     associate (energies => state%totals(:n_energy_values), skin => skin_in(state), gravity => gravity_in(state), &
                counted => state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
-      if (.not. (all(ieee_is_finite([energies, gravity, state%tracks, state%stop])) .and. ieee_is_finite(skin))) then
+      if (.not. (all(ieee_is_finite([energies, gravity, state%tracks, state%stop, state%stages, skin])))) then
         fault = 'it holds sums that are not finite'
       else if (.not. totals%are_sound(counted)) then
         fault = 'it holds counts that are none'
@@ -196,7 +212,7 @@ contains
       call build_neighbours(sim%pairs, sim%scene, state%built, skin_in(state))
     end if
     call sim%tracks%unpack(state%tracks)
-    call sim%stop%unpack(state%stop)
+    if (.not. sim%stages%begins) call sim%stop%unpack(state%stop)
     call sim%energy%leave_to_first(sim%comm)
     call sim%tracks%leave_to_first(sim%comm)
     call sim%totals%leave_to_first(sim%comm)

@@ -61,6 +61,7 @@ contains
     subroutine conclude(status, reason)
       character(len=*), intent(in) :: status, reason
 
+      sim%writers%summary%stages = sim%stages
       call sim%writers%summary%conclude(trim(status), reason, sim%time(), totals, sim%writers%measures)
     end subroutine conclude
   end subroutine finish_run

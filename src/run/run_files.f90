@@ -31,6 +31,8 @@ contains
     call sim%comm%agree(error)
     if (allocated(error)) return
     call sim%writers%summary%add_file('deck', 'effective.toml')
+    sim%writers%record%has_stages = sim%stages%number > 0
+    sim%writers%tracks%has_stages = sim%stages%number > 0
     if (sim%options%record_every > 0) call open_record(sim, resumes, error)
     if (.not. allocated(error) .and. sim%options%record_every > 0 .and. sim%tracks%is_on()) then
       call sim%writers%tracks%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)

@@ -20,7 +20,7 @@ module sg_simulate
   use sg_run_summary, only: ranks_words
   use sg_simulation, only: decompose, simulation_t, start_simulation
   use sg_system, only: stop_signal
-  use sg_text, only: to_text
+  use sg_text, only: counted, to_text
   use sg_timers, only: wall_now
   use sg_tunnelling, only: warn_of_tunnelling
   implicit none
@@ -31,6 +31,8 @@ contains
 
   !> Run a simulation to its end; run.json is written however it ends, unless the folder of the results is not for this run or there
   !! is nothing to do: then all files stay as they are.
+  !!
+  !! Of a run in stages this is one stage; where another one follows, `goes_on` is set, and the folder stays claimed for it.
   !!
   !! Where there are several ranks, all of them call this, each with the whole scene or its share; the root rank alone prints.
   subroutine simulate(sim, deck, code, error)
@@ -61,6 +63,8 @@ contains
       return
     end if
     if (.not. allocated(error)) call loop(sim, code, error)
+    call end_stage(sim, code, error)
+    if (sim%goes_on) return
     call finish_run(sim, code, error)
     call close_files(sim, late)
     call sim%comm%agree(late)
@@ -74,12 +78,54 @@ contains
   subroutine print_opening(sim)
     type(simulation_t), intent(in) :: sim
 
+    if (sim%is_continued) then
+      call print_line(describe_stage(sim))
+      return
+    end if
     if (allocated(sim%options%title)) then
       if (sim%options%title /= '') call print_line('title      '//sim%options%title)
     end if
     call print_line(describe_plan(sim%plan, sim%scene, sim%comm%size))
     call print_line(describe_run(sim%options, sim%comm))
+    if (sim%stages%number > 0) call print_line(describe_stage(sim))
   end subroutine print_opening
+
+  !> The stage that begins or goes on, in a line.
+  function describe_stage(sim) result(text)
+    type(simulation_t), intent(in) :: sim
+    character(len=:), allocatable :: text
+    integer :: i
+
+    associate (stage => sim%stages%list(sim%stages%number))
+      text = 'stage      '//stage%words(sim%stages%number)//' of '//to_text(size(sim%stages%list))//': steps '// &
+             to_text(stage%first_step + 1)//' to '//to_text(sim%options%steps)//' of '//to_text(sim%options%time_step, 4)//' s'
+      do i = 1, size(stage%conditions)
+        text = text//trim(merge(', until', ' or    ', i == 1))//' "'//stage%conditions(i)%s//'"'
+      end do
+    end associate
+  end function describe_stage
+
+  !> Note how far the present stage came. Where it is done and another one follows, write the checkpoint from which that goes on,
+  !! and close what it opens again. Collective.
+  subroutine end_stage(sim, code, error)
+    type(simulation_t), intent(inout) :: sim
+    integer, intent(in) :: code
+    type(error_t), allocatable, intent(inout) :: error
+
+    call sim%stages%note(sim%step, sim%time(), sim%totals%unconverged_steps, sim%stop%met, sim%stop%value)
+    sim%goes_on = code == exit_done .and. .not. allocated(error) .and. sim%stages%go_on()
+    if (.not. sim%goes_on) return
+    call sim%writers%progress%finish()
+    call save_once(sim, error)
+    if (.not. allocated(error) .and. sim%writers%has_pictures) call sim%writers%pictures%close(sim%comm, error)
+    sim%goes_on = .not. allocated(error)
+    if (.not. sim%goes_on .or. sim%options%is_quiet .or. .not. sim%writers%is_root) return
+    associate (stage => sim%stages%list(sim%stages%number))
+      call print_line('stage      '//stage%words(sim%stages%number)//' ended after '// &
+                      counted(stage%last_step - stage%first_step, 'step')//', time '//to_text(sim%time(), 4)//' s ('// &
+                      stage%reason()//')')
+    end associate
+  end subroutine end_stage
 
   !> Solver, outputs and number of steps, in a few lines.
   function describe_run(options, comm) result(text)
@@ -129,13 +175,16 @@ contains
     logical :: resumes, goes_on
 
     resumes = allocated(sim%options%restart_file)
+    sim%writers%has_folder = sim%is_continued
     call begin_stop(sim, error)
     if (allocated(error)) return
     if (resumes) call load_checkpoint(sim, sim%options%restart_file, warnings, error)
     if (allocated(error)) return
     if (sim%writers%is_root) call warnings%print(error_unit)
+    if (sim%stages%number > 0) sim%stages%list(sim%stages%number)%origin = sim%scene%start_time
     if (resumes .and. sim%step >= sim%options%steps) return
-    call claim_folder(sim%options, sim%comm, goes_on, error)
+    goes_on = .true.
+    if (.not. sim%is_continued) call claim_folder(sim%options, sim%comm, goes_on, error)
     if (allocated(error)) return
     sim%writers%has_folder = .true.
     call remove_former(sim, goes_on)

@@ -23,6 +23,7 @@ module sg_simulation
   use sg_scene, only: scene_t
   use sg_signature, only: n_signature, signature_of
   use sg_solver, only: solver_t
+  use sg_stages, only: stages_t
   use sg_step_start, only: step_start_t
   use sg_stop, only: stop_t
   use sg_text, only: text_t, to_text
@@ -70,6 +71,10 @@ module sg_simulation
     !> Tracked bodies, and conditions that end the run
     type(tracks_t) :: tracks
     type(stop_t) :: stop
+    !> Stages of the run. Has its present one begun in this process, from a checkpoint of the one before, in the same folder? Has
+    !! it ended, so that the next one is due?
+    type(stages_t) :: stages
+    logical :: is_continued = .false., goes_on = .false.
     !> Phase whose clock runs, one of `phase_*`; 0 between phases
     integer :: phase = 0
     !> Bodies that passed through each other

@@ -1,4 +1,4 @@
-!> One flat JSON object: strings, numbers, booleans and null, valid whatever the values are.
+!> One JSON object: strings, numbers, booleans, null and lists of such objects, valid whatever the values are.
 module sg_json
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_kinds, only: wp, i8
@@ -15,6 +15,7 @@ module sg_json
     procedure, private :: add_text, add_integer, add_long, add_real, add_logical, add_member
     !> Add a member
     generic :: add => add_text, add_integer, add_long, add_real, add_logical
+    procedure :: add_objects
     procedure :: text => json_text
     procedure :: line => json_line
   end type json_t
@@ -69,6 +70,22 @@ contains
 
     call self%add_member(key, trim(merge('true ', 'false', value)))
   end subroutine add_logical
+
+  !> Add a list of objects, one a line.
+  subroutine add_objects(self, key, objects)
+    class(json_t), intent(inout) :: self
+    character(len=*), intent(in) :: key !! name of the member
+    type(json_t), intent(in) :: objects(:) !! the objects
+    character(len=:), allocatable :: list
+    integer :: i
+
+    list = '['
+    do i = 1, size(objects)
+      list = list//new_line('a')//'    '//objects(i)%line()
+      if (i < size(objects)) list = list//','
+    end do
+    call self%add_member(key, list//']')
+  end subroutine add_objects
 
   !> Add a member whose value is JSON already.
   subroutine add_member(self, key, value)
