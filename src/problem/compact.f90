@@ -1,13 +1,15 @@
 !> The mapping H on compact records: relative velocities at contacts, and impulses made felt by bodies.
 module sg_compact
   use sg_compact_space, only: add_space_impulses, space_velocity
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t
   use sg_records, only: arm_bias_n, arm_bias_t, arm_compliance_n, arm_compliance_t, arm_frictional, arm_frictionless, &
                         arm_frictionless_bias, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, &
-                        arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_spin, first_inverse, is_in_space, &
-                        normal_x, normal_y, plain_kind, round_bias_n, round_bias_t, round_frictional, round_frictionless, &
-                        round_frictionless_bias, round_inverse_i, round_spin, velocity_x, velocity_y
+                        arm_inverse_mx, arm_inverse_my, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_spin, &
+                        body_length, is_in_space, normal_x, normal_y, plain_kind, record_length, round_bias_n, round_bias_t, &
+                        round_frictional, round_frictionless, round_frictionless_bias, round_frictionless_inverse_mx, &
+                        round_frictionless_inverse_my, round_inverse_i, round_inverse_mx, round_inverse_my, round_spin, &
+                        velocity_x, velocity_y
   implicit none
   private
   public :: compact_velocity, add_impulses
@@ -52,36 +54,119 @@ contains
   !> Add M^-1 H r to the velocities of all bodies: what the guess of a warm start does.
   pure subroutine add_impulses(problem)
     type(problem_t), intent(inout) :: problem !! problem whose bodies still have their free velocities
-    real(wp) :: p(2)
-    integer :: k, c, a, inverse
 
-    if (is_in_space(problem%kind)) then
-      call add_space_impulses(problem)
-      return
-    end if
-    inverse = first_inverse(problem%kind)
-    associate (body => problem%body, record => problem%record, r => problem%impulse)
-      do k = 1, problem%n_contacts
-        c = problem%pair(1, k)
-        a = problem%pair(2, k)
-        p = r(1, k)*record(normal_x:normal_y, k)
-        if (size(r, 1) == 2) p = p + r(2, k)*[record(normal_y, k), -record(normal_x, k)]
-        body(velocity_x:velocity_y, c) = body(velocity_x:velocity_y, c) + body(inverse:inverse + 1, c)*p
-        body(velocity_x:velocity_y, a) = body(velocity_x:velocity_y, a) - body(inverse:inverse + 1, a)*p
-        select case (plain_kind(problem%kind))
-        case (round_frictional)
-          body(round_spin, c) = body(round_spin, c) + body(round_inverse_i, c)*r(2, k)
-          body(round_spin, a) = body(round_spin, a) + body(round_inverse_i, a)*r(2, k)
-        case (arm_frictionless)
-          body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*record(arm_frictionless_moment_c, k)*r(1, k)
-          body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*record(arm_frictionless_moment_a, k)*r(1, k)
-        case (arm_frictional)
-          body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*(record(arm_moment_nc, k)*r(1, k) &
-                              + record(arm_moment_tc, k)*r(2, k))
-          body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*(record(arm_moment_na, k)*r(1, k) &
-                              + record(arm_moment_ta, k)*r(2, k))
-        end select
-      end do
+    associate (n => problem%n_contacts, m => problem%n_bodies, pair => problem%pair, record => problem%record, &
+               r => problem%impulse, body => problem%body)
+      select case (plain_kind(problem%kind))
+      case (round_frictionless)
+        call add_round_frictionless(n, m, pair, record, r, body)
+      case (round_frictional)
+        call add_round_frictional(n, m, pair, record, r, body)
+      case (arm_frictionless)
+        call add_arm_frictionless(n, m, pair, record, r, body)
+      case (arm_frictional)
+        call add_arm_frictional(n, m, size(record, 1), pair, record, r, body)
+      case default
+        call add_space_impulses(problem)
+      end select
     end associate
   end subroutine add_impulses
+
+  !> Those of round contacts without friction. Here and below contacts without an impulse are passed over, their records unread.
+  pure subroutine add_round_frictionless(n, n_bodies, pair, record, r, body)
+    integer, intent(in) :: n, n_bodies
+    integer(i4), intent(in) :: pair(2, n)
+    real(wp), intent(in) :: record(record_length(round_frictionless), n), r(1, n)
+    real(wp), intent(inout) :: body(body_length(round_frictionless), n_bodies)
+    real(wp) :: x, y
+    integer :: k
+
+    do k = 1, n
+      if (abs(r(1, k)) <= 0) cycle
+      x = r(1, k)*record(normal_x, k)
+      y = r(1, k)*record(normal_y, k)
+      associate (c => pair(1, k), a => pair(2, k))
+        body(velocity_x, c) = body(velocity_x, c) + body(round_frictionless_inverse_mx, c)*x
+        body(velocity_y, c) = body(velocity_y, c) + body(round_frictionless_inverse_my, c)*y
+        body(velocity_x, a) = body(velocity_x, a) - body(round_frictionless_inverse_mx, a)*x
+        body(velocity_y, a) = body(velocity_y, a) - body(round_frictionless_inverse_my, a)*y
+      end associate
+    end do
+  end subroutine add_round_frictionless
+
+  !> Those of round contacts with friction.
+  pure subroutine add_round_frictional(n, n_bodies, pair, record, r, body)
+    integer, intent(in) :: n, n_bodies
+    integer(i4), intent(in) :: pair(2, n)
+    real(wp), intent(in) :: record(record_length(round_frictional), n), r(2, n)
+    real(wp), intent(inout) :: body(body_length(round_frictional), n_bodies)
+    real(wp) :: x, y, across
+    integer :: k
+
+    do k = 1, n
+      if (abs(r(1, k)) <= 0 .and. abs(r(2, k)) <= 0) cycle
+      across = -record(normal_x, k)
+      x = r(2, k)*record(normal_y, k) + r(1, k)*record(normal_x, k)
+      y = r(2, k)*across + r(1, k)*record(normal_y, k)
+      associate (c => pair(1, k), a => pair(2, k))
+        body(velocity_x, c) = body(velocity_x, c) + body(round_inverse_mx, c)*x
+        body(velocity_y, c) = body(velocity_y, c) + body(round_inverse_my, c)*y
+        body(round_spin, c) = body(round_spin, c) + body(round_inverse_i, c)*r(2, k)
+        body(velocity_x, a) = body(velocity_x, a) - body(round_inverse_mx, a)*x
+        body(velocity_y, a) = body(velocity_y, a) - body(round_inverse_my, a)*y
+        body(round_spin, a) = body(round_spin, a) + body(round_inverse_i, a)*r(2, k)
+      end associate
+    end do
+  end subroutine add_round_frictional
+
+  !> Those of contacts with any arms, without friction.
+  pure subroutine add_arm_frictionless(n, n_bodies, pair, record, r, body)
+    integer, intent(in) :: n, n_bodies
+    integer(i4), intent(in) :: pair(2, n)
+    real(wp), intent(in) :: record(record_length(arm_frictionless), n), r(1, n)
+    real(wp), intent(inout) :: body(body_length(arm_frictionless), n_bodies)
+    real(wp) :: x, y
+    integer :: k
+
+    do k = 1, n
+      if (abs(r(1, k)) <= 0) cycle
+      x = r(1, k)*record(normal_x, k)
+      y = r(1, k)*record(normal_y, k)
+      associate (c => pair(1, k), a => pair(2, k))
+        body(velocity_x, c) = body(velocity_x, c) + body(arm_inverse_mx, c)*x
+        body(velocity_y, c) = body(velocity_y, c) + body(arm_inverse_my, c)*y
+        body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*record(arm_frictionless_moment_c, k)*r(1, k)
+        body(velocity_x, a) = body(velocity_x, a) - body(arm_inverse_mx, a)*x
+        body(velocity_y, a) = body(velocity_y, a) - body(arm_inverse_my, a)*y
+        body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*record(arm_frictionless_moment_a, k)*r(1, k)
+      end associate
+    end do
+  end subroutine add_arm_frictionless
+
+  !> Those of contacts with any arms and any law, with bonds or without.
+  pure subroutine add_arm_frictional(n, n_bodies, length, pair, record, r, body)
+    integer, intent(in) :: n, n_bodies, length
+    integer(i4), intent(in) :: pair(2, n)
+    real(wp), intent(in) :: record(length, n), r(2, n)
+    real(wp), intent(inout) :: body(body_length(arm_frictional), n_bodies)
+    real(wp) :: x, y, across
+    integer :: k
+
+    do k = 1, n
+      if (abs(r(1, k)) <= 0 .and. abs(r(2, k)) <= 0) cycle
+      across = -record(normal_x, k)
+      x = r(2, k)*record(normal_y, k) + r(1, k)*record(normal_x, k)
+      y = r(2, k)*across + r(1, k)*record(normal_y, k)
+      associate (c => pair(1, k), a => pair(2, k))
+        body(velocity_x, c) = body(velocity_x, c) + body(arm_inverse_mx, c)*x
+        body(velocity_y, c) = body(velocity_y, c) + body(arm_inverse_my, c)*y
+        body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*(record(arm_moment_nc, k)*r(1, k) &
+                            + record(arm_moment_tc, k)*r(2, k))
+        body(velocity_x, a) = body(velocity_x, a) - body(arm_inverse_mx, a)*x
+        body(velocity_y, a) = body(velocity_y, a) - body(arm_inverse_my, a)*y
+        body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*(record(arm_moment_na, k)*r(1, k) &
+                            + record(arm_moment_ta, k)*r(2, k))
+      end associate
+    end do
+  end subroutine add_arm_frictional
 end module sg_compact
