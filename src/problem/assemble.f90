@@ -1,12 +1,14 @@
 !> From contacts to a contact problem: local frames, lever arms, Delassus blocks, biases, the guess; and back.
 module sg_assemble
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use sg_assemble_by_gaps, only: assemble_by_gaps
   use sg_assemble_space, only: space_record
   use sg_compact, only: compact_velocity
   use sg_contact_laws, only: law_of_contact
   use sg_contact_status, only: rest_speed, status_of
   use sg_contacts, only: contacts_t
   use sg_delassus, only: set_block
+  use sg_gap_laws, only: have_gap_laws
   use sg_internal_values, only: bond_integrity
   use sg_kinds, only: wp, i1
   use sg_laws, only: is_cohesive_zone, kind_of_local_law, law_mohr, local_law_t, status_bonded, status_slide, status_stick
@@ -43,37 +45,53 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts with the guess of their impulses
     real(wp), intent(in) :: time_step !! time step [s]
     type(problem_t), intent(inout) :: problem !! the problem made
+
+    call begin_problem(scene, plan, pairs, contacts%n, problem)
+    if (have_gap_laws(scene, plan)) then
+      call assemble_by_gaps(scene, pairs%slot_of, contacts, time_step, problem)
+    else
+      call assemble_by_laws(scene, pairs, contacts, time_step, problem)
+    end if
+    problem%fall_speed = norm2(scene%gravity)*time_step
+    problem%velocity_scale = problem%fall_speed
+    if (.not. problem%velocity_scale > 0) problem%velocity_scale = problem%free_norm/sqrt(real(max(1, contacts%n), wp))
+  end subroutine assemble
+
+  !> Fill a begun problem, contact by contact as its law asks.
+  subroutine assemble_by_laws(scene, pairs, contacts, time_step, problem)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in) :: time_step
+    type(problem_t), intent(inout) :: problem
     real(wp) :: q(3), squares, held
     type(local_law_t) :: law
-    integer :: kind, k
+    integer :: k
 
-    kind = plan%kind
-    call begin_problem(scene, plan, pairs, contacts%n, problem)
     squares = 0
     problem%closing_speed = 0
     held = 0
     problem%most_friction = 0
-    do k = 1, contacts%n
-      call law_of_contact(scene, contacts, k, time_step, law)
-      call put_contact(scene, pairs, contacts, k, law, problem)
-      if (.not. law%is_active) cycle
-      q = compact_velocity(problem, k)
-      squares = squares + sum(q**2)
-      problem%most_friction = max(problem%most_friction, law%friction)
-      if (closes(kind, law, problem%record(:, k), q)) problem%closing_speed = max(problem%closing_speed, norm2(q))
-      held = max(held, held_speed(kind, law, problem%record(:, k)))
-      problem%impulse(:, k) = contacts%impulse(:, k)
-      ! The normal may have turned since the guess was found; that of links is turned at detection.
-      if (law%is_along_normal .and. plain_kind(kind) == solid_frictional .and. .not. is_link(scene, contacts, k)) &
-        problem%impulse(:, k) = dot_product(contacts%normal(:, k), contacts%impulse(:, k))*contacts%normal(:, k)
-    end do
+    associate (kind => problem%kind)
+      do k = 1, contacts%n
+        call law_of_contact(scene, contacts, k, time_step, law)
+        call put_contact(scene, pairs, contacts, k, law, problem)
+        if (.not. law%is_active) cycle
+        q = compact_velocity(problem, k)
+        squares = squares + sum(q**2)
+        problem%most_friction = max(problem%most_friction, law%friction)
+        if (closes(kind, law, problem%record(:, k), q)) problem%closing_speed = max(problem%closing_speed, norm2(q))
+        held = max(held, held_speed(kind, law, problem%record(:, k)))
+        problem%impulse(:, k) = contacts%impulse(:, k)
+        ! The normal may have turned since the guess was found; that of links is turned at detection.
+        if (law%is_along_normal .and. plain_kind(kind) == solid_frictional .and. .not. is_link(scene, contacts, k)) &
+          problem%impulse(:, k) = dot_product(contacts%normal(:, k), contacts%impulse(:, k))*contacts%normal(:, k)
+      end do
+    end associate
     problem%free_norm = sqrt(squares)
-    problem%fall_speed = norm2(scene%gravity)*time_step
     ! Without gravity, bodies that cohesion holds and nothing moves have no velocity but what the tolerance leaves.
-    if (.not. problem%fall_speed > 0) problem%closing_speed = max(problem%closing_speed, held_share*held)
-    problem%velocity_scale = problem%fall_speed
-    if (.not. problem%velocity_scale > 0) problem%velocity_scale = problem%free_norm/sqrt(real(max(1, contacts%n), wp))
-  end subroutine assemble
+    if (.not. norm2(scene%gravity)*time_step > 0) problem%closing_speed = max(problem%closing_speed, held_share*held)
+  end subroutine assemble_by_laws
 
   !> Make room for a problem, with the free velocities and inverse masses of its bodies.
   subroutine begin_problem(scene, plan, pairs, n_contacts, problem)

@@ -5,19 +5,19 @@
 !! not depend on the normal; those of polygons are set again. Of solids the tangents turn with the normal, and the block stays
 !! that of the first substep on them: sweeps find the same solution by any block, since they work with true relative velocities.
 module sg_update_problem
-  use sg_bodies, only: bodies_t
   use sg_compact, only: compact_velocity
   use sg_contacts, only: contacts_t
   use sg_delassus, only: set_block
+  use sg_gap_laws, only: have_gap_laws
   use sg_kinds, only: wp, i4
-  use sg_laws, only: gap_bias, looks_at_gap
+  use sg_laws, only: gap_bias
   use sg_mapping, only: arms_of
   use sg_mapping_space, only: space_arms
   use sg_plan, only: plan_t
   use sg_problem, only: problem_t
   use sg_problem_bodies, only: load_bodies, take_velocities
   use sg_records, only: arm_bias_n, arm_bias_t, arm_frictional, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, &
-                        ball_bias_x, ball_bias_z, ball_frictional, is_compact, is_in_space, normal_x, normal_y, normal_z, &
+                        ball_bias_x, ball_bias_z, ball_frictional, is_in_space, normal_x, normal_y, normal_z, &
                         round_bias_n, round_bias_t, round_frictional, round_inverse_mx, round_inverse_my, round_spin, &
                         solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bias_x, solid_bias_z, solid_frictional, &
                         solid_tangent_x, solid_tangent_z, velocity_x, velocity_y
@@ -35,29 +35,12 @@ contains
     type(plan_t), intent(in) :: plan !! kind of problem
     integer :: i
 
-    can_update = any(plan%kind == [round_frictional, arm_frictional, ball_frictional, solid_frictional]) .and. &
-                 scene%links%n == 0 .and. all(looks_at_gap(scene%laws))
-    if (can_update .and. is_compact(plan%kind)) can_update = .not. has_driven_spin(scene%bodies)
+    can_update = have_gap_laws(scene, plan)
     ! Masses of components that are released within a step change with it.
     do i = 1, size(scene%drives)
       can_update = can_update .and. .not. scene%drives(i)%releases()
     end do
   end function can_update
-
-  !> Is the spin of a body driven, and not zero?
-  pure logical function has_driven_spin(bodies) result(is_driven)
-    type(bodies_t), intent(in) :: bodies
-    integer :: b, n
-
-    n = bodies%dimension
-    is_driven = .false.
-    do b = 1, bodies%n
-      if (bodies%n_velocity == n) return
-      if (bodies%inverse_mass(n + 1, b) > 0) cycle
-      is_driven = any(abs(bodies%free_velocity(n + 1:, b)) > 0)
-      if (is_driven) return
-    end do
-  end function has_driven_spin
 
   !> Make the problem of a substep from the solved one of the substep before, of the same contacts.
   pure subroutine update_problem(scene, plan, body_of, contacts, time_step, problem)

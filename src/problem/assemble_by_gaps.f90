@@ -1,0 +1,300 @@
+!> Records of contacts whose laws look at gaps alone: one pass per kind of problem, without a call per contact
+!! (doc/theory/contact_problem.md).
+!!
+!! Signorini's condition with Coulomb friction has no cohesion, compliance or bias along tangents. Values are those of
+!! `put_contact` bit for bit: products stand in the order in which the compiler fuses them with sums there.
+module sg_assemble_by_gaps
+  use sg_contacts, only: contacts_t
+  use sg_delassus, only: set_block
+  use sg_kinds, only: wp, i1, i4
+  use sg_laws, only: law_gap_g0, law_gap_shifted, law_iqs, law_iqs_g0
+  use sg_mapping_space, only: tangent_of
+  use sg_problem, only: problem_t
+  use sg_records, only: arm_bias_n, arm_bias_t, arm_friction, arm_frictional, arm_inverse_i, arm_inverse_mx, arm_inverse_my, &
+                        arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_spin, arm_wnn, arm_wnt, &
+                        arm_wtt, ball_bias_x, ball_bias_y, ball_bias_z, ball_friction, ball_frictional, ball_inverse_i, &
+                        ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, ball_spin_x, ball_spin_y, ball_spin_z, body_length, &
+                        normal_x, normal_y, normal_z, record_length, round_bias_n, round_bias_t, round_friction, &
+                        round_frictional, round_inverse_i, round_inverse_mx, round_inverse_my, round_inverse_wnn, &
+                        round_inverse_wtt, round_spin, solid_arm_ax, solid_arm_ay, solid_arm_az, solid_arm_cx, solid_arm_cy, &
+                        solid_arm_cz, solid_bias_x, solid_bias_y, solid_bias_z, solid_friction, solid_frictional, &
+                        solid_inverse_lambda, solid_law, solid_s2, solid_spin_x, solid_spin_y, solid_spin_z, solid_tangent_x, &
+                        solid_tangent_z, solid_wnn, velocity_x, velocity_y, velocity_z
+  use sg_scene, only: scene_t
+  implicit none
+  private
+  public :: assemble_by_gaps
+
+  !> Contacts of a pass: what several loops need of them stays in the first cache
+  integer, parameter :: chunk = 128
+
+contains
+
+  !> Fill a begun problem whose laws all look at the gap alone; free norm, largest closing speed and friction are set.
+  pure subroutine assemble_by_gaps(scene, slot_of, contacts, time_step, problem)
+    type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
+    integer(i4), intent(in), contiguous :: slot_of(:) !! slots of bodies
+    type(contacts_t), intent(in) :: contacts !! contacts with the guess of their impulses
+    real(wp), intent(in) :: time_step !! length of the step [s]
+    type(problem_t), intent(inout) :: problem !! begun; its contacts are set
+    real(wp) :: bias(chunk), friction(chunk), q(3, chunk), opening(chunk), square, squares, fastest
+    integer :: first, last, n, i, j
+
+    squares = 0
+    fastest = 0
+    problem%most_friction = 0
+    problem%closing_speed = 0
+    do first = 1, contacts%n, chunk
+      last = min(contacts%n, first + chunk - 1)
+      n = last - first + 1
+      call find_biases(scene, contacts, first, n, time_step, bias, friction)
+      do i = first, last
+        problem%pair(1, i) = slot_of(contacts%body(1, i))
+        problem%pair(2, i) = slot_of(contacts%body(2, i))
+      end do
+      associate (pair => problem%pair(:, first:last), record => problem%record(:, first:last), &
+                 normal => contacts%normal(:, first:last))
+        select case (problem%kind)
+        case (round_frictional)
+          call assemble_round(n, problem%n_bodies, pair, normal, bias, friction, problem%body, record, q, opening)
+        case (arm_frictional)
+          call assemble_arms(n, problem%n_bodies, size(scene%bodies%middle, 1), scene%bodies%n, pair, normal, bias, friction, &
+                             problem%body, contacts%body(:, first:last), contacts%point(:, first:last), contacts%gap(first:last), &
+                             contacts%image(first:last), scene%bodies%middle, scene%period, record, q, opening)
+        case (ball_frictional)
+          call assemble_balls(n, problem%n_bodies, pair, normal, bias, friction, problem%body, record, q, opening)
+        case (solid_frictional)
+          call assemble_solids(scene, contacts, first, n, bias, friction, problem, q, opening)
+        end select
+      end associate
+      do i = 1, n
+        problem%impulse(:, first + i - 1) = contacts%impulse(:, first + i - 1)
+        square = 0
+        do j = 1, 3
+          square = square + q(j, i)**2
+        end do
+        squares = squares + square
+        problem%most_friction = max(problem%most_friction, friction(i))
+        ! The norm has divisions: it is taken where it may be the largest so far.
+        if (.not. (opening(i) < 0 .and. square >= fastest)) cycle
+        problem%closing_speed = max(problem%closing_speed, norm2(q(:, i)))
+        fastest = problem%closing_speed**2*(1 - 8*epsilon(1.0_wp))
+      end do
+    end do
+    problem%free_norm = sqrt(squares)
+  end subroutine assemble_by_gaps
+
+  !> Normal biases [m/s] and friction of a chunk of contacts.
+  pure subroutine find_biases(scene, contacts, first, n, time_step, bias, friction)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: first, n
+    real(wp), intent(in) :: time_step
+    real(wp), intent(out) :: bias(chunk), friction(chunk)
+    real(wp) :: shift, lowest
+    integer :: i, k, l
+    logical :: has_reference
+
+    l = 0
+    shift = 0
+    lowest = 0
+    has_reference = .false.
+    do i = 1, n
+      k = first + i - 1
+      if (contacts%law(k) /= l) then
+        l = contacts%law(k)
+        shift = merge(scene%laws(l)%gap_shift, 0.0_wp, scene%laws(l)%kind == law_gap_shifted)
+        lowest = merge(0.0_wp, -huge(1.0_wp), any(scene%laws(l)%kind == [law_iqs, law_iqs_g0]))
+        has_reference = any(scene%laws(l)%kind == [law_iqs_g0, law_gap_g0]) .and. contacts%n_internal > 0
+      end if
+      friction(i) = scene%laws(l)%dynamic_friction
+      bias(i) = contacts%gap(k) + shift
+      if (has_reference) bias(i) = bias(i) - contacts%internal(1, k)
+      bias(i) = max(lowest, bias(i)/time_step)
+    end do
+  end subroutine find_biases
+
+  !> Those of disks.
+  pure subroutine assemble_round(n, n_bodies, pair, normal, bias, friction, body, record, q, opening)
+    integer, intent(in) :: n, n_bodies
+    integer(i4), intent(in) :: pair(2, n)
+    real(wp), intent(in) :: normal(2, n), bias(n), friction(n)
+    real(wp), intent(in) :: body(body_length(round_frictional), n_bodies)
+    real(wp), intent(inout) :: record(record_length(round_frictional), n)
+    real(wp), intent(inout) :: q(3, n), opening(n)
+    real(wp) :: x, y, mx, my, w, w_t, w_nt
+    integer :: i
+
+    do i = 1, n
+      associate (c => pair(1, i), a => pair(2, i))
+        x = normal(1, i)
+        y = normal(2, i)
+        mx = body(round_inverse_mx, c) + body(round_inverse_mx, a)
+        my = body(round_inverse_my, c) + body(round_inverse_my, a)
+        w = x**2*mx + y**2*my
+        w_nt = abs(x*y*(mx - my))
+        w_t = y**2*mx + x**2*my + body(round_inverse_i, c) + body(round_inverse_i, a)
+        record(normal_x, i) = x
+        record(normal_y, i) = y
+        record(round_bias_n, i) = bias(i)
+        record(round_bias_t, i) = 0
+        record(round_inverse_wnn, i) = inverse(w + w_nt)
+        record(round_inverse_wtt, i) = inverse(w_t + w_nt)
+        record(round_friction, i) = friction(i)
+        mx = body(velocity_x, c) - body(velocity_x, a)
+        my = body(velocity_y, c) - body(velocity_y, a)
+        q(1, i) = x*mx + y*my + bias(i)
+        q(2, i) = y*mx - x*my + (body(round_spin, c) + body(round_spin, a))
+        q(3, i) = 0
+        opening(i) = q(1, i)
+      end associate
+    end do
+  end subroutine assemble_round
+
+  !> Inverse of a diagonal term of W; zero where nothing can move.
+  pure real(wp) function inverse(w)
+    real(wp), intent(in) :: w
+
+    inverse = merge(1.0_wp, 0.0_wp, w > tiny(1.0_wp))/merge(w, 1.0_wp, w > tiny(1.0_wp))
+  end function inverse
+
+  !> Those of polygons and all else with lever arms in the plane.
+  pure subroutine assemble_arms(n, n_bodies, n_middle, n_middles, pair, normal, bias, friction, body, body_of, point, gap, image, &
+                                middle, period, record, q, opening)
+    integer, intent(in) :: n, n_bodies, n_middle, n_middles
+    integer(i4), intent(in) :: pair(2, n), body_of(2, n)
+    real(wp), intent(in) :: normal(2, n), bias(n), friction(n), point(2, n), gap(n)
+    real(wp), intent(in) :: body(body_length(arm_frictional), n_bodies), middle(n_middle, n_middles), period
+    integer(i1), intent(in) :: image(n)
+    real(wp), intent(inout) :: record(record_length(arm_frictional), n)
+    real(wp), intent(inout) :: q(3, n), opening(n)
+    real(wp) :: x, y, cx, cy, ax, ay, nc, tc, na, ta, mx, my, ic, ia
+    integer :: i
+
+    do i = 1, n
+      x = normal(1, i)
+      y = normal(2, i)
+      cx = point(1, i) + gap(i)/2*x - middle(1, body_of(1, i))
+      cy = point(2, i) + gap(i)/2*y - middle(2, body_of(1, i))
+      ax = point(1, i) - gap(i)/2*x - middle(1, body_of(2, i)) - period*real(image(i), wp)
+      ay = point(2, i) - gap(i)/2*y - middle(2, body_of(2, i))
+      nc = cx*y - cy*x
+      tc = -cy*y - cx*x
+      na = ax*y - ay*x
+      ta = -ay*y - ax*x
+      associate (c => pair(1, i), a => pair(2, i))
+        mx = body(arm_inverse_mx, c) + body(arm_inverse_mx, a)
+        my = body(arm_inverse_my, c) + body(arm_inverse_my, a)
+        ic = body(arm_inverse_i, c)
+        ia = body(arm_inverse_i, a)
+        record(normal_x, i) = x
+        record(normal_y, i) = y
+        record(arm_moment_nc, i) = nc
+        record(arm_moment_tc, i) = tc
+        record(arm_moment_na, i) = na
+        record(arm_moment_ta, i) = ta
+        record(arm_bias_n, i) = bias(i)
+        record(arm_bias_t, i) = 0
+        record(arm_wnn, i) = x**2*mx + y**2*my + nc**2*ic + na**2*ia
+        record(arm_wnt, i) = x*y*(mx - my) + nc*tc*ic + na*ta*ia
+        record(arm_wtt, i) = y**2*mx + x**2*my + tc**2*ic + ta**2*ia
+        record(arm_friction, i) = friction(i)
+        record(arm_friction + 1:arm_law - 1, i) = 0
+        record(arm_law, i) = merge(1.0_wp, 0.0_wp, record(arm_wnn, i) > tiny(1.0_wp))
+        mx = body(velocity_x, c) - body(velocity_x, a)
+        my = body(velocity_y, c) - body(velocity_y, a)
+        q(1, i) = x*mx + y*my + nc*body(arm_spin, c) - na*body(arm_spin, a) + bias(i)
+        q(2, i) = y*mx - x*my + tc*body(arm_spin, c) - ta*body(arm_spin, a)
+        q(3, i) = 0
+        opening(i) = q(1, i)
+      end associate
+    end do
+  end subroutine assemble_arms
+
+  !> Those of balls.
+  pure subroutine assemble_balls(n, n_bodies, pair, normal, bias, friction, body, record, q, opening)
+    integer, intent(in) :: n, n_bodies
+    integer(i4), intent(in) :: pair(2, n)
+    real(wp), intent(in) :: normal(3, n), bias(n), friction(n)
+    real(wp), intent(in) :: body(body_length(ball_frictional), n_bodies)
+    real(wp), intent(inout) :: record(record_length(ball_frictional), n)
+    real(wp), intent(inout) :: q(3, n), opening(n)
+    real(wp) :: x, y, z, sx, sy, sz, w
+    integer :: i
+
+    do i = 1, n
+      associate (c => pair(1, i), a => pair(2, i))
+        x = normal(1, i)
+        y = normal(2, i)
+        z = normal(3, i)
+        w = body(ball_inverse_m, c) + body(ball_inverse_m, a)
+        record(normal_x, i) = x
+        record(normal_y, i) = y
+        record(normal_z, i) = z
+        record(ball_bias_x, i) = bias(i)*x
+        record(ball_bias_y, i) = bias(i)*y
+        record(ball_bias_z, i) = bias(i)*z
+        record(ball_inverse_wnn, i) = inverse(w)
+        record(ball_inverse_wtt, i) = inverse(w + max(0.0_wp, body(ball_inverse_i, c)) + max(0.0_wp, body(ball_inverse_i, a)))
+        record(ball_friction, i) = friction(i)
+        sx = body(ball_spin_x, c) + body(ball_spin_x, a)
+        sy = body(ball_spin_y, c) + body(ball_spin_y, a)
+        sz = body(ball_spin_z, c) + body(ball_spin_z, a)
+        q(1, i) = body(velocity_x, c) - body(velocity_x, a) - sy*z + sz*y + record(ball_bias_x, i)
+        q(2, i) = body(velocity_y, c) - body(velocity_y, a) - sz*x + sx*z + record(ball_bias_y, i)
+        q(3, i) = body(velocity_z, c) - body(velocity_z, a) - sx*y + sy*x + record(ball_bias_z, i)
+        opening(i) = x*q(1, i) + y*q(2, i) + z*q(3, i)
+      end associate
+    end do
+  end subroutine assemble_balls
+
+  !> Those of polyhedra and all else with lever arms in space.
+  pure subroutine assemble_solids(scene, contacts, first, n, bias, friction, problem, q, opening)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: first, n
+    real(wp), intent(in) :: bias(n), friction(n)
+    type(problem_t), intent(inout) :: problem
+    real(wp), intent(inout) :: q(3, n), opening(n)
+    real(wp) :: half(3), arm_a(3)
+    integer :: i, k
+
+    do i = 1, n
+      k = first + i - 1
+      associate (record => problem%record(:, k), normal => contacts%normal(:, k), middle => scene%bodies%middle, &
+                 b => contacts%body(:, k))
+        half = contacts%gap(k)/2*normal
+        arm_a = contacts%point(:, k) - half - middle(1:3, b(2))
+        arm_a(1) = arm_a(1) - scene%period*real(contacts%image(k), wp)
+        arm_a(2) = arm_a(2) - scene%period_y*real(contacts%image_y(k), wp)
+        record(normal_x:normal_z) = normal
+        record(solid_tangent_x:solid_tangent_z) = tangent_of(normal)
+        record(solid_arm_cx:solid_arm_cz) = contacts%point(:, k) + half - middle(1:3, b(1))
+        record(solid_arm_ax:solid_arm_az) = arm_a
+        record(solid_bias_x:solid_bias_z) = bias(i)*normal
+        record(solid_wnn:solid_s2) = 0
+        record(solid_friction) = friction(i)
+        record(solid_friction + 1:solid_law - 1) = 0
+        record(solid_law) = 1
+        record(solid_inverse_lambda) = 0
+        call set_block(problem%kind, problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), record)
+        call free_velocity(problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), record, q(:, i))
+        opening(i) = normal(1)*q(1, i) + normal(2)*q(2, i) + normal(3)*q(3, i)
+      end associate
+    end do
+  end subroutine assemble_solids
+
+  !> Relative velocity of a contact of solids without impulses [m/s].
+  pure subroutine free_velocity(c, a, record, q)
+    real(wp), intent(in) :: c(body_length(solid_frictional)), a(body_length(solid_frictional))
+    real(wp), intent(in) :: record(record_length(solid_frictional))
+    real(wp), intent(inout) :: q(3)
+
+    q(1) = c(velocity_x) - a(velocity_x) + (c(solid_spin_y)*record(solid_arm_cz) - c(solid_spin_z)*record(solid_arm_cy)) &
+           - (a(solid_spin_y)*record(solid_arm_az) - a(solid_spin_z)*record(solid_arm_ay)) + record(solid_bias_x)
+    q(2) = c(velocity_y) - a(velocity_y) + (c(solid_spin_z)*record(solid_arm_cx) - c(solid_spin_x)*record(solid_arm_cz)) &
+           - (a(solid_spin_z)*record(solid_arm_ax) - a(solid_spin_x)*record(solid_arm_az)) + record(solid_bias_y)
+    q(3) = c(velocity_z) - a(velocity_z) + (c(solid_spin_x)*record(solid_arm_cy) - c(solid_spin_y)*record(solid_arm_cx)) &
+           - (a(solid_spin_x)*record(solid_arm_ay) - a(solid_spin_y)*record(solid_arm_ax)) + record(solid_bias_z)
+  end subroutine free_velocity
+end module sg_assemble_by_gaps

@@ -1,0 +1,38 @@
+!> Scenes whose contact laws look at gaps alone, which assembly and updates of a problem serve in one pass over the contacts.
+module sg_gap_laws
+  use sg_bodies, only: bodies_t
+  use sg_laws, only: looks_at_gap
+  use sg_plan, only: plan_t
+  use sg_records, only: arm_frictional, ball_frictional, is_compact, round_frictional, solid_frictional
+  use sg_scene, only: scene_t
+  implicit none
+  private
+  public :: have_gap_laws
+
+contains
+
+  !> Do all contacts of a scene with friction have laws that look at the gap alone, with no driven spin that enters as a bias?
+  pure logical function have_gap_laws(scene, plan)
+    type(scene_t), intent(in) :: scene !! scene with its laws, free velocities set
+    type(plan_t), intent(in) :: plan !! kind of problem
+
+    have_gap_laws = any(plan%kind == [round_frictional, arm_frictional, ball_frictional, solid_frictional]) .and. &
+                    scene%links%n == 0 .and. all(looks_at_gap(scene%laws))
+    if (have_gap_laws .and. is_compact(plan%kind)) have_gap_laws = .not. has_driven_spin(scene%bodies)
+  end function have_gap_laws
+
+  !> Is the spin of a body driven, and not zero?
+  pure logical function has_driven_spin(bodies) result(is_driven)
+    type(bodies_t), intent(in) :: bodies
+    integer :: b, n
+
+    n = bodies%dimension
+    is_driven = .false.
+    do b = 1, bodies%n
+      if (bodies%n_velocity == n) return
+      if (bodies%inverse_mass(n + 1, b) > 0) cycle
+      is_driven = any(abs(bodies%free_velocity(n + 1:, b)) > 0)
+      if (is_driven) return
+    end do
+  end function has_driven_spin
+end module sg_gap_laws
