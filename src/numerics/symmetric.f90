@@ -7,7 +7,7 @@ module sg_symmetric
   use sg_vectors, only: determinant
   implicit none
   private
-  public :: principal_axes
+  public :: largest_eigenvalue, principal_axes
 
   !> Sweeps through the three pairs: convergence is quadratic, six have always been enough
   integer, parameter :: most_sweeps = 30
@@ -120,4 +120,23 @@ contains
     k = minloc(along, 1)
     axes(:, k) = -axes(:, k)
   end subroutine choose_signs
+
+  !> Largest eigenvalue of a symmetric 3 x 3 matrix: the largest root of its characteristic polynomial.
+  pure real(wp) function largest_eigenvalue(w) result(largest)
+    real(wp), intent(in) :: w(3, 3) !! matrix
+    real(wp) :: mean, spread_of(3, 3), p, half_determinant
+    integer :: i
+
+    mean = (w(1, 1) + w(2, 2) + w(3, 3))/3
+    spread_of = w
+    do i = 1, 3
+      spread_of(i, i) = spread_of(i, i) - mean
+    end do
+    p = sqrt(sum(spread_of**2)/6)
+    largest = mean
+    if (.not. p > epsilon(1.0_wp)*abs(mean)) return
+    spread_of = spread_of/p
+    half_determinant = determinant(spread_of)/2
+    largest = mean + 2*p*cos(acos(max(-1.0_wp, min(1.0_wp, half_determinant)))/3)
+  end function largest_eigenvalue
 end module sg_symmetric

@@ -16,7 +16,7 @@ module sg_contact_status
                         solid_stiffness_t, solid_wnn, velocity_y, velocity_z
   implicit none
   private
-  public :: status_of, rest_speed
+  public :: status_of, rest_speed, least_rest
 
   !> Share of the velocity scale that counts as rest: at least, so that rounding sums up over 10^7 steps of rest before it counts,
   !! and at most, however far a solution is from convergence

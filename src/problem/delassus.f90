@@ -8,18 +8,18 @@ module sg_delassus
                         arm_frictionless_inverse_wnn, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, &
                         arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_relief_nn, arm_relief_tt, &
                         arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, arm_wtt, ball_frictional, ball_frictionless, &
-                        ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, ball_inverse_i, &
-                        ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, first_inverse, least_active, least_normal, normal_x, &
-                        normal_y, normal_z, plain_kind, record_length, round_frictional, round_frictionless, &
-                        round_frictionless_inverse_wnn, round_inverse_i, round_inverse_wnn, round_inverse_wtt, solid_arm_ax, &
-                        solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bonded, solid_compliance_n, solid_compliance_t, &
-                        solid_frictional, solid_frictionless, solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, &
-                        solid_frictionless_moment_az, solid_frictionless_moment_cx, solid_frictionless_moment_cz, &
-                        solid_inverse_lambda, solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, solid_inverse_xy, &
-                        solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, solid_inverse_zz, solid_law, solid_relief_22, &
-                        solid_relief_nn, solid_s1, solid_s2, solid_stiffness_n, solid_stiffness_t, solid_tangent_x, &
-                        solid_tangent_z, solid_wn1, solid_wn2, solid_wnn
-  use sg_vectors, only: cross, determinant
+                        ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, &
+                        ball_inverse_i, ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, body_length, first_inverse, &
+                        least_active, least_normal, normal_x, normal_y, normal_z, plain_kind, record_length, round_frictional, &
+                        round_frictionless, round_frictionless_inverse_wnn, round_inverse_i, round_inverse_wnn, &
+                        round_inverse_wtt, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bonded, &
+                        solid_compliance_n, solid_compliance_t, solid_frictional, solid_frictionless, &
+                        solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, solid_frictionless_moment_az, &
+                        solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_inverse_lambda, solid_inverse_mx, &
+                        solid_inverse_mz, solid_inverse_xx, solid_inverse_xy, solid_inverse_xz, solid_inverse_yy, &
+                        solid_inverse_yz, solid_inverse_zz, solid_law, solid_relief_22, solid_relief_nn, solid_s1, solid_s2, &
+                        solid_stiffness_n, solid_stiffness_t, solid_tangent_x, solid_tangent_z, solid_wn1, solid_wn2, solid_wnn
+  use sg_symmetric, only: largest_eigenvalue
   implicit none
   private
   public :: set_block, block_times, share_mass
@@ -51,8 +51,8 @@ contains
   !! solution: the sweep works with true relative velocities.
   pure subroutine set_block(kind, candidate, antagonist, record)
     integer, intent(in) :: kind !! kind of problem
-    real(wp), intent(in) :: candidate(:), antagonist(:) !! records of the two bodies
-    real(wp), intent(inout) :: record(:) !! record of the contact
+    real(wp), intent(in), contiguous :: candidate(:), antagonist(:) !! records of the two bodies
+    real(wp), intent(inout), contiguous :: record(:) !! record of the contact
     real(wp) :: mx, my, w, w_t, w_nt, relief(3, 3)
 
     associate (c => candidate, a => antagonist, n => record(normal_x:normal_y))
@@ -118,18 +118,31 @@ contains
 
   !> Set the block of a solid contact with friction for the masses of its bodies, on the tangents in which S is diagonal.
   pure subroutine set_solid_block(candidate, antagonist, stiffness, record, relief)
-    real(wp), intent(in) :: candidate(:), antagonist(:) !! records of the two bodies
+    real(wp), intent(in) :: candidate(body_length(solid_frictional)) !! record of one body
+    real(wp), intent(in) :: antagonist(body_length(solid_frictional)) !! record of the other one
     real(wp), intent(in) :: stiffness(2) !! of a bond times the square of the step [kg]
-    real(wp), intent(inout) :: record(:) !! record of the contact, all set except its block; its tangent may turn
+    real(wp), intent(inout) :: record(record_length(solid_frictional)) !! of the contact, except its block; its tangent may turn
     real(wp), intent(out) :: relief(3, 3) !! (I + K W)^-1 along the normal and the tangents of the record
-    real(wp) :: frame(3, 3), w(3, 3), s(2, 2), turn(3, 3), angle, c, d
-    integer :: j
+    real(wp) :: frame(3, 3), own(3, 3), other(3, 3), w(3, 3), s(2, 2), turn(3, 3), angle, c, d
+    integer :: i, j
 
     frame(:, 1) = record(normal_x:normal_z)
     frame(:, 2) = record(solid_tangent_x:solid_tangent_z)
-    frame(:, 3) = cross(frame(:, 1), frame(:, 2))
-    w = matmul(transpose(frame), matmul(block_of(candidate, record(solid_arm_cx:solid_arm_cz)) &
-        + block_of(antagonist, record(solid_arm_ax:solid_arm_az)), frame))
+    frame(:, 3) = product_of(frame(:, 1), frame(:, 2))
+    call set_share(candidate, record(solid_arm_cx:solid_arm_cz), own)
+    call set_share(antagonist, record(solid_arm_ax:solid_arm_az), other)
+    own = own + other
+    ! Sums of products with the last one first: the compiler fuses what comes first, and rounds the others.
+    do j = 1, 3
+      do i = 1, 3
+        other(i, j) = own(i, 3)*frame(3, j) + (own(i, 2)*frame(2, j) + own(i, 1)*frame(1, j))
+      end do
+    end do
+    do j = 1, 3
+      do i = 1, 3
+        w(i, j) = frame(3, i)*other(3, j) + (frame(2, i)*other(2, j) + frame(1, i)*other(1, j))
+      end do
+    end do
     w(1, 1) = w(1, 1) + record(solid_compliance_n)
     w(2, 2) = w(2, 2) + record(solid_compliance_t)
     w(3, 3) = w(3, 3) + record(solid_compliance_t)
@@ -204,10 +217,12 @@ contains
     end do
   end subroutine stiffen
 
-  !> What one body adds to the block of W of a contact in the world's axes [1/kg].
-  pure function block_of(body, arm) result(w)
-    real(wp), intent(in) :: body(:), arm(3)
-    real(wp) :: w(3, 3), lever(3, 3), inverse(3, 3)
+  !> What one body adds to the block of W of a contact in the world's axes [1/kg]: L^T I^-1 L, the columns of L being the arm times
+  !! unit vectors, and the inverse masses.
+  pure subroutine set_share(body, arm, w)
+    real(wp), intent(in) :: body(body_length(solid_frictional)), arm(3)
+    real(wp), intent(out) :: w(3, 3)
+    real(wp) :: inverse(3, 3), turned(3, 3)
     integer :: i
 
     inverse(1, 1) = body(solid_inverse_xx)
@@ -219,38 +234,30 @@ contains
     inverse(1, 3) = body(solid_inverse_xz)
     inverse(2, 3) = body(solid_inverse_yz)
     inverse(3, 3) = body(solid_inverse_zz)
-    ! Columns: arm x unit vectors, so that lever^T I^-1 lever is the rotational part.
-    lever = 0
-    lever(2, 1) = arm(3)
-    lever(3, 1) = -arm(2)
-    lever(1, 2) = -arm(3)
-    lever(3, 2) = arm(1)
-    lever(1, 3) = arm(2)
-    lever(2, 3) = -arm(1)
-    w = matmul(transpose(lever), matmul(inverse, lever))
+    do i = 1, 3
+      turned(i, 1) = inverse(i, 3)*(-arm(2)) + inverse(i, 2)*arm(3)
+      turned(i, 2) = inverse(i, 3)*arm(1) + inverse(i, 1)*(-arm(3))
+      turned(i, 3) = inverse(i, 2)*(-arm(1)) + inverse(i, 1)*arm(2)
+    end do
+    do i = 1, 3
+      w(1, i) = (-arm(2))*turned(3, i) + arm(3)*turned(2, i)
+      w(2, i) = arm(1)*turned(3, i) + (-arm(3))*turned(1, i)
+      w(3, i) = (-arm(1))*turned(2, i) + arm(2)*turned(1, i)
+    end do
     do i = 1, 3
       w(i, i) = w(i, i) + body(solid_inverse_mx + i - 1)
     end do
-  end function block_of
+  end subroutine set_share
 
-  !> Largest eigenvalue of a symmetric 3 x 3 matrix: the largest root of its characteristic polynomial.
-  pure real(wp) function largest_eigenvalue(w) result(largest)
-    real(wp), intent(in) :: w(3, 3)
-    real(wp) :: mean, spread_of(3, 3), p, half_determinant
-    integer :: i
+  !> Product of two vectors, in this file so that it is compiled into the block.
+  pure function product_of(a, b) result(c)
+    real(wp), intent(in) :: a(3), b(3)
+    real(wp) :: c(3)
 
-    mean = (w(1, 1) + w(2, 2) + w(3, 3))/3
-    spread_of = w
-    do i = 1, 3
-      spread_of(i, i) = spread_of(i, i) - mean
-    end do
-    p = sqrt(sum(spread_of**2)/6)
-    largest = mean
-    if (.not. p > epsilon(1.0_wp)*abs(mean)) return
-    spread_of = spread_of/p
-    half_determinant = determinant(spread_of)/2
-    largest = mean + 2*p*cos(acos(max(-1.0_wp, min(1.0_wp, half_determinant)))/3)
-  end function largest_eigenvalue
+    c(1) = a(2)*b(3) - a(3)*b(2)
+    c(2) = a(3)*b(1) - a(1)*b(3)
+    c(3) = a(1)*b(2) - a(2)*b(1)
+  end function product_of
 
   !> Block of W of a contact times an impulse [m/s], components as impulses have them.
   pure function block_times(kind, record, r) result(v)
@@ -282,7 +289,7 @@ contains
     case (solid_frictional)
       ! In the frame of normal and tangents W is S + w w^T/W_nn.
       n = record(normal_x:normal_z)
-      t = cross(n, record(solid_tangent_x:solid_tangent_z))
+      t = product_of(n, record(solid_tangent_x:solid_tangent_z))
       r_n = dot_product(n, r)
       if (record(solid_wnn) > 0) r_n = r_n + (record(solid_wn1)*dot_product(record(solid_tangent_x:solid_tangent_z), r) &
                                        + record(solid_wn2)*dot_product(t, r))/record(solid_wnn)

@@ -1,16 +1,18 @@
-!> Contacts assembled in one pass against contacts assembled one by one, as laws of any kind are: packs of all shapes.
+!> Contacts assembled and judged in one pass against contacts taken one by one, as laws of any kind are: packs of all shapes.
 program test_assemble_by_gaps
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
   use sg_assemble, only: begin_problem, put_contact
   use sg_compact, only: compact_velocity
   use sg_contact_laws, only: law_of_contact
+  use sg_contact_status, only: status_of
   use sg_gap_laws, only: have_gap_laws
-  use sg_kinds, only: wp
-  use sg_laws, only: law_gap, law_gap_shifted, law_iqs, law_restitution, local_law_t
+  use sg_kinds, only: wp, i1
+  use sg_laws, only: law_gap, law_gap_shifted, law_iqs, law_restitution, local_law_t, status_none, status_slide, status_stick
   use sg_problem, only: problem_t
   use sg_records, only: is_in_space, normal_x, normal_z
   use sg_simulation, only: simulation_t
+  use sg_status_by_gaps, only: find_statuses
   implicit none
   character(len=14), parameter :: names(6) = [character(len=14) :: 'polygons', 'periodic disks', 'clusters', 'pressed disks', &
                                               'spheres', 'polyhedra']
@@ -46,6 +48,7 @@ contains
     call t%check(problem%n_contacts > 10 .and. any(abs(problem%impulse) > 0), name//': there are contacts, and impulses')
     call assemble_one_by_one(sim, slow)
     call compare(name, problem, slow)
+    call compare_statuses(name, sim%problem)
     sim%scene%laws(1)%kind = law_restitution
     call t%check(.not. have_gap_laws(sim%scene, sim%plan), name//': restitution looks at velocities')
   end subroutine test_pack
@@ -94,4 +97,22 @@ contains
     call t%near(fast%closing_speed, slow%closing_speed, rounding*slow%free_norm, name//': closing speed')
     call t%near(fast%most_friction, slow%most_friction, 0.0_wp, name//': friction')
   end subroutine compare
+
+  !> Statuses of the last solved step are the same, with a speed of rest among the velocities and one below all of them.
+  subroutine compare_statuses(name, solved)
+    character(len=*), intent(in) :: name
+    type(problem_t), intent(in) :: solved
+    real(wp), parameter :: rests(2) = [1e-3_wp, 1e-12_wp]
+    integer(i1), allocatable :: status(:)
+    integer :: i, k
+
+    allocate (status(solved%n_contacts), source=0_i1)
+    do i = 1, size(rests)
+      call find_statuses(solved, rests(i), status)
+      call t%check(all([(status(k) == status_of(solved, k, .false., 0.0_wp, rests(i)), k=1, solved%n_contacts)]), &
+                   name//': statuses')
+      call t%check(all(status == status_none .or. status == status_slide .or. status == status_stick), name//': no other status')
+    end do
+    call t%check(any(status == status_none) .and. any(status /= status_none), name//': some contacts are pressed, others open')
+  end subroutine compare_statuses
 end program test_assemble_by_gaps
