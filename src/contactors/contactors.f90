@@ -64,6 +64,8 @@ module sg_contactors
     real(wp), allocatable :: polygon_world(:, :)
     !> Polygons: outward unit normal and length [m] of the edge from each vertex to the next, there too, shape (3, vertex)
     real(wp), allocatable :: polygon_edge(:, :)
+    !> Polygons: cosine and sine of their turn there, shape (2, row)
+    real(wp), allocatable :: polygon_turn(:, :)
     !> Polygons: path length so far (sg_path_bound) [m], shape (row)
     real(wp), allocatable :: polygon_path(:)
     !> Shapes in space; nothing of it is allocated in the plane
@@ -100,6 +102,7 @@ contains
       call visitor%visit(field_t('hollow_radius', sync_on_copy), self%hollow_radius)
     case (kind_polygon)
       call visitor%visit(field_t('polygon_first', sync_never, first=1.0_wp), self%polygon_first)
+      call visitor%visit(field_t('polygon_turn', sync_never, 2), self%polygon_turn)
       call visitor%visit(field_t('polygon_path', sync_never), self%polygon_path)
     case (table_vertices)
       call visitor%visit(field_t('polygon_vertex', sync_on_copy, 2), self%polygon_vertex)
@@ -289,6 +292,7 @@ contains
 
     first = contactors%polygon_first(row)
     last = contactors%polygon_first(row + 1) - 1
+    contactors%polygon_turn(:, row) = [cosine, sine]
     square = 0
     do v = first, last
       place = centre + turned(contactors%polygon_vertex(:, v), cosine, sine)

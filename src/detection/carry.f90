@@ -10,31 +10,27 @@
 !!
 !! Impulses, statuses and internal values stay: they are the guess and the past of the next solve.
 module sg_carry
-  use sg_contactors, only: contactors_t, kind_cylinder, kind_disk, kind_plane, kind_point, kind_polygon, kind_polyhedron, &
-                           kind_segment, kind_sphere, place_contactors
+  use sg_contactors, only: kind_cylinder, kind_disk, kind_point, kind_sphere, place_contactors
   use sg_contacts, only: contacts_t
   use sg_detect, only: turn_link
+  use sg_follow, only: face_of, follow_in_plane, follow_in_space, follows
   use sg_kinds, only: wp, i1, i8
   use sg_link_laws, only: pulls_only
   use sg_lists, only: reserve, room_for
-  use sg_rotations, only: no_rotation, quaternion_product, turned_by
+  use sg_rotations, only: no_rotation, quaternion_product
   use sg_scene, only: scene_t
   use sg_tables, only: per_body, per_contact, tables_t
   use sg_touch, only: touch_t
   use sg_touch_link, only: touch_link
   use sg_touch_pair, only: touch_pair
   use sg_touch_space, only: touch_space_t
-  use sg_touch_space_pair, only: plane_axes, touch_space_pair
+  use sg_touch_space_pair, only: touch_space_pair
   implicit none
   private
   public :: carry_t
 
   !> Alert distance of a pair that is measured again: none [m]
   real(wp), parameter :: far = 1e100_wp
-  !> Bodies whose face may be the one that a contact lies on: the antagonist or the candidate
-  integer(i1), parameter :: face_of_antagonist = 0, face_of_candidate = 1
-  !> Cosine by which a face of the candidate must be squarer to the normal than all of the antagonist, as in the narrow phase
-  real(wp), parameter :: squarer = 1e-10_wp
 
   !> What carries contacts between the substeps of a step
   type :: carry_t
@@ -72,7 +68,7 @@ contains
     if (.not. self%has_followers) return
     call reserve(self%face, contacts%n)
     do k = 1, contacts%n
-      self%face(k) = face_of(scene%contactors, contacts, k)
+      self%face(k) = face_of(scene%contactors, contacts%contactor(1, k), contacts%contactor(2, k), contacts%normal(:, k))
     end do
     if (allocated(self%before)) then
       if (any(shape(self%before) /= shape(scene%bodies%middle))) deallocate (self%before)
@@ -145,60 +141,8 @@ contains
       end if
     end associate
     if (is_measured) return
-    if (scene%dimension == 2) call follow_in_plane(self, scene, contacts, k)
-    if (scene%dimension == 3) call follow_in_space(self, scene, contacts, k)
+    call follow(self, scene, contacts, k)
   end subroutine move_any
-
-  !> Do the points of contact of a candidate of this kind follow their bodies?
-  pure logical function follows(kind)
-    integer, intent(in) :: kind
-
-    follows = kind == kind_polygon .or. kind == kind_polyhedron
-  end function follows
-
-  !> Body whose face a contact lies on: the one with the face most square to the normal, of faces as square the antagonist.
-  pure integer(i1) function face_of(contactors, contacts, k) result(face)
-    type(contactors_t), intent(in) :: contactors
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(in) :: k
-
-    face = face_of_antagonist
-    associate (normal => contacts%normal(:, k), c => contacts%contactor(1, k), a => contacts%contactor(2, k))
-      if (squareness(contactors, int(c), -normal) > squareness(contactors, int(a), normal) + squarer) face = face_of_candidate
-    end associate
-  end function face_of
-
-  !> Cosine between a direction and the outward normal of the face of a shape that is most square to it; -1 without faces.
-  pure real(wp) function squareness(contactors, c, direction) result(cosine)
-    type(contactors_t), intent(in) :: contactors
-    integer, intent(in) :: c
-    real(wp), intent(in) :: direction(:)
-    real(wp) :: frame(3, 3)
-    integer :: i
-
-    cosine = -1
-    associate (row => contactors%row(c))
-      select case (contactors%kind(c))
-      case (kind_polygon)
-        do i = contactors%polygon_first(row), contactors%polygon_first(row + 1) - 1
-          cosine = max(cosine, dot_product(direction, contactors%polygon_edge(1:2, i)))
-        end do
-      case (kind_segment)
-        cosine = abs(direction(2)*contactors%segment_axis(1, row) - direction(1)*contactors%segment_axis(2, row))
-      case (kind_polyhedron)
-        associate (normals => contactors%space%polyhedra(row)%world_normal)
-          do i = 1, size(normals, 2)
-            cosine = max(cosine, dot_product(direction, normals(:, i)))
-          end do
-        end associate
-      case (kind_plane)
-        frame = plane_axes(contactors, row)
-        do i = 1, 3
-          cosine = max(cosine, abs(dot_product(direction, frame(:, i))))
-        end do
-      end select
-    end associate
-  end function squareness
 
   !> Find by how much each body has turned since the last substep; one that has not turned at all has no rotation, exactly.
   pure subroutine find_turns(self, scene)
@@ -226,77 +170,29 @@ contains
     end associate
   end subroutine find_turns
 
-  !> Let a contact of the plane follow: the normal turns with the body of its face, the point moves with the other one.
-  pure subroutine follow_in_plane(self, scene, contacts, k)
+  !> Let a contact follow its bodies from the last substep to this one.
+  pure subroutine follow(self, scene, contacts, k)
     class(carry_t), intent(in) :: self
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(inout) :: contacts
     integer, intent(in) :: k
-    real(wp) :: half(2), arm_c(2), arm_a(2), normal(2), centre_a(2), before_a(2)
+    real(wp) :: shift(scene%dimension), turn(merge(2, 4, scene%dimension == 2), 2)
 
-    associate (c => contacts%body(1, k), a => contacts%body(2, k), middle => scene%bodies%middle, point => contacts%point(:, k), &
-               gap => contacts%gap(k))
-      normal = contacts%normal(:, k)
-      half = gap/2*normal
-      centre_a = middle(1:2, a)
-      centre_a(1) = centre_a(1) + scene%period*real(contacts%image(k), wp)
-      before_a = self%before(1:2, a)
-      before_a(1) = before_a(1) + scene%period*real(contacts%image(k), wp)
-      arm_c = point + half - self%before(1:2, c)
-      arm_a = point - half - before_a
-      if (allocated(self%turn)) then
-        arm_c = turned_in_plane(self%turn(:, c), arm_c)
-        arm_a = turned_in_plane(self%turn(:, a), arm_a)
-        normal = turned_in_plane(self%turn(:, merge(c, a, self%face(k) == face_of_candidate)), normal)
-      end if
-      gap = dot_product(normal, middle(1:2, c) - centre_a + (arm_c - arm_a))
-      if (self%face(k) == face_of_candidate) then
-        point = centre_a + arm_a + gap/2*normal
+    shift = offset_of(scene, contacts, k)
+    turn = 0
+    turn(1, :) = 1
+    associate (c => contacts%body(1, k), a => contacts%body(2, k), n => scene%dimension, middle => scene%bodies%middle, &
+               before => self%before)
+      if (allocated(self%turn)) turn = self%turn(:, [c, a])
+      if (n == 2) then
+        call follow_in_plane(self%face(k), before(1:2, c), before(1:2, a) + shift, middle(1:2, c), middle(1:2, a) + shift, &
+                             turn(:, 1), turn(:, 2), contacts%normal(:, k), contacts%point(:, k), contacts%gap(k))
       else
-        point = middle(1:2, c) + arm_c - gap/2*normal
+        call follow_in_space(self%face(k), before(1:3, c), before(1:3, a) + shift, middle(1:3, c), middle(1:3, a) + shift, &
+                             turn(:, 1), turn(:, 2), contacts%normal(:, k), contacts%point(:, k), contacts%gap(k))
       end if
-      contacts%normal(:, k) = normal
     end associate
-  end subroutine follow_in_plane
-
-  !> The same in space.
-  pure subroutine follow_in_space(self, scene, contacts, k)
-    class(carry_t), intent(in) :: self
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(inout) :: contacts
-    integer, intent(in) :: k
-    real(wp) :: half(3), arm_c(3), arm_a(3), normal(3), centre_a(3), shift(3)
-
-    associate (c => contacts%body(1, k), a => contacts%body(2, k), middle => scene%bodies%middle, point => contacts%point(:, k), &
-               gap => contacts%gap(k))
-      normal = contacts%normal(:, k)
-      half = gap/2*normal
-      shift = offset_of(scene, contacts, k)
-      centre_a = middle(1:3, a) + shift
-      arm_c = point + half - self%before(1:3, c)
-      arm_a = point - half - (self%before(1:3, a) + shift)
-      if (allocated(self%turn)) then
-        arm_c = turned_by(self%turn(:, c), arm_c)
-        arm_a = turned_by(self%turn(:, a), arm_a)
-        normal = turned_by(self%turn(:, merge(c, a, self%face(k) == face_of_candidate)), normal)
-      end if
-      gap = dot_product(normal, middle(1:3, c) - centre_a + (arm_c - arm_a))
-      if (self%face(k) == face_of_candidate) then
-        point = centre_a + arm_a + gap/2*normal
-      else
-        point = middle(1:3, c) + arm_c - gap/2*normal
-      end if
-      contacts%normal(:, k) = normal
-    end associate
-  end subroutine follow_in_space
-
-  !> A vector turned by an angle of which cosine and sine are given.
-  pure function turned_in_plane(turn, v) result(image)
-    real(wp), intent(in) :: turn(2), v(2)
-    real(wp) :: image(2)
-
-    image = [turn(1)*v(1) - turn(2)*v(2), turn(2)*v(1) + turn(1)*v(2)]
-  end function turned_in_plane
+  end subroutine follow
 
   !> Measure two disks again: nearly all contacts of many scenes. Where the centres coincide the normal stays.
   pure subroutine measure_disks(scene, contacts, k)

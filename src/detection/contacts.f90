@@ -26,6 +26,8 @@ module sg_contacts
     integer :: n_internal = 0
     !> Values of a contact that the solver's method carries from step to step (sg_solver); 0 where it carries none
     integer :: n_carried = 0
+    !> Values of a contact that detection keeps from step to step (sg_kept_contacts); 0 where it keeps none
+    integer :: n_kept = 0
     !> Contactors, candidate and antagonist, shape (2, n)
     integer(i4), allocatable :: contactor(:, :)
     !> Bodies, candidate and antagonist, shape (2, n)
@@ -50,6 +52,8 @@ module sg_contacts
     real(wp), allocatable :: internal(:, :)
     !> Values that the solver's method carries, shape (n_carried, n)
     real(wp), allocatable :: carried(:, :)
+    !> What detection keeps of the contact and its pair, shape (n_kept, n)
+    real(wp), allocatable :: kept(:, :)
     !> Memory that detection may grow in, and did it end early because there was none? Contacts found before
     type(memory_t) :: memory
     logical :: is_cut = .false.
@@ -81,6 +85,7 @@ contains
     call visitor%visit(field_t('internal', sync_on_owner, self%n_internal, in_files=.true.), self%internal)
     call visitor%visit(field_t('carried', sync_on_owner, self%n_carried, self%n_carried > 0, .true., is_optional=.true.), &
                        self%carried)
+    call visitor%visit(field_t('kept', sync_on_owner, self%n_kept, self%n_kept > 0, .true., is_optional=.true.), self%kept)
   end subroutine contacts_visit
 
   !> Make room for `n` contacts where there is memory; else `is_cut` is set.

@@ -2,13 +2,18 @@
 module sg_detect
   use sg_contactors, only: contactors_t, kind_polygon, kind_polyhedron, kind_sphere, place_contactors
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
+  use sg_follow, only: follows
   use sg_hand_over, only: hand_over
-  use sg_history, only: carried_of, history_t, keep_contacts, keep_faces, keep_pairs, match_pairs, past_pair, recall, unwrap_images
+  use sg_history, only: carried_of, exchange_kept, history_t, keep_contacts, keep_faces, keep_pairs, match_pairs, &
+                        past_contacts, past_pair, recall, unwrap_images
   use sg_internal_values, only: first_internal, keeps_gap, n_internal_of, not_recorded
+  use sg_kept_contacts, only: has_moved_in_plane, has_moved_in_space, keep_in_plane, keep_in_space, move_in_plane, move_in_space, &
+                              n_pose_in_plane, n_pose_in_space, pose_in_plane, pose_in_space
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, law_bond, law_mohr, status_bonded, status_broken, status_new
   use sg_link_laws, only: holds_across, is_torn, pulls_only
   use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
+  use sg_rotations, only: no_rotation
   use sg_scene, only: scene_t
   use sg_shape_kinds, only: is_bounding
   use sg_shrink_face, only: shrink_face
@@ -35,7 +40,10 @@ contains
     !! time ran short, as `pairs` and `contacts` report
     real(wp) :: skin
 
-    if (.not. history%is_loaded) call keep_contacts(history, contacts)
+    if (.not. history%is_loaded) then
+      call keep_contacts(history, contacts)
+      call exchange_kept(history, contacts)
+    end if
     history%is_matched = .false.
     if (neighbours_are_stale(pairs, scene)) then
       if (.not. history%is_loaded .and. allocated(pairs%contactor)) call keep_pairs(history, pairs)
@@ -120,14 +128,27 @@ contains
     integer, intent(in) :: p
     type(contacts_t), intent(inout) :: contacts
     type(touch_t) :: touch
-    real(wp) :: path
+    real(wp) :: path, alert, pose(n_pose_in_plane)
+    logical :: keeps
 
-    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert, &
-               offset => scene%period*real(pairs%image(p), wp), contactors => scene%contactors)
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), offset => scene%period*real(pairs%image(p), wp), &
+               contactors => scene%contactors)
+      keeps = contacts%n_kept > 0 .and. follows(contactors%kind(c))
+      alert = scene%sees(pairs%see(p))%alert
+      if (keeps) alert = alert + kept_length(scene, c, a)
       if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
       if (contactors%kind(c) == kind_polygon .and. contactors%kind(a) == kind_polygon) then
         path = contactors%polygon_path(contactors%row(c)) + contactors%polygon_path(contactors%row(a))
         if (is_clear(history%clearance(p), path, alert)) return
+      end if
+      if (keeps) then
+        pose = pose_in_plane(contactors, c, a, offset)
+        if (is_kept(scene, history, p, c, a, pose, contacts%n_kept)) then
+          call add_kept(scene, pairs, history, p, pose, contacts)
+          return
+        end if
+      end if
+      if (contactors%kind(c) == kind_polygon .and. contactors%kind(a) == kind_polygon) then
         call touch_pair(contactors, c, a, offset, alert, touch, scene%period, history%face(1, p), history%clearance(p))
         history%clearance(p) = history%clearance(p) + path
       else if (contactors%kind(c) == kind_polygon) then
@@ -140,8 +161,10 @@ contains
           call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
       end if
     end associate
-    if (touch%n > 0) call add_contacts(scene, pairs, history, p, law_of(scene, pairs, p), touch%n, touch%normal, touch%point, &
-                                       touch%gap, touch%feature, contacts)
+    if (touch%n == 0) return
+    call add_contacts(scene, pairs, history, p, law_of(scene, pairs, p), touch%n, touch%normal, touch%point, touch%gap, &
+                      touch%feature, contacts)
+    if (keeps) call keep_pair(scene, pairs, p, pose, touch%n, contacts)
   end subroutine touch_in_plane
 
   !> Narrow phase of one pair in space.
@@ -152,19 +175,31 @@ contains
     integer, intent(in) :: p
     type(contacts_t), intent(inout) :: contacts
     type(touch_space_t) :: touch
-    real(wp) :: offset(3), path
+    real(wp) :: offset(3), path, alert, pose(n_pose_in_space)
+    logical :: keeps
 
     ! Most pairs end right below: a function for these numbers costs a twentieth of the detection of spheres.
     offset = [scene%period*real(pairs%image(p), wp), scene%period_y*real(pairs%image_y(p), wp), 0.0_wp]
-    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), alert => scene%sees(pairs%see(p))%alert, &
-               contactors => scene%contactors)
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
+      keeps = contacts%n_kept > 0 .and. follows(contactors%kind(c))
+      alert = scene%sees(pairs%see(p))%alert
+      if (keeps) alert = alert + kept_length(scene, c, a)
       if (spheres_are_apart(contactors, c, a, offset, alert)) return
+      if (contactors%kind(c) == kind_polyhedron .and. contactors%kind(a) == kind_polyhedron) then
+        path = contactors%space%polyhedron_path(contactors%row(c)) + contactors%space%polyhedron_path(contactors%row(a))
+        if (is_clear(history%clearance(p), path, alert)) return
+      end if
+      if (keeps) then
+        pose = pose_in_space(contactors, turn_of(scene, c), turn_of(scene, a), c, a, offset)
+        if (is_kept(scene, history, p, c, a, pose, contacts%n_kept)) then
+          call add_kept(scene, pairs, history, p, pose, contacts)
+          return
+        end if
+      end if
       if (contactors%kind(c) == kind_sphere .and. contactors%kind(a) == kind_sphere) then
         call touch_sphere_sphere(contactors%centre(:, c), contactors%reach(c), contactors%centre(:, a) + offset, &
                                  contactors%reach(a), alert, touch)
       else if (contactors%kind(c) == kind_polyhedron .and. contactors%kind(a) == kind_polyhedron) then
-        path = contactors%space%polyhedron_path(contactors%row(c)) + contactors%space%polyhedron_path(contactors%row(a))
-        if (is_clear(history%clearance(p), path, alert)) return
         call touch_space_pair(contactors, c, a, offset, alert, [scene%period, scene%period_y], touch, history%face(:, p), &
                               history%clearance(p))
         history%clearance(p) = history%clearance(p) + path
@@ -173,9 +208,108 @@ contains
         call touch_space_pair(contactors, c, a, offset, alert, [scene%period, scene%period_y], touch)
       end if
     end associate
-    if (touch%n > 0) call add_contacts(scene, pairs, history, p, law_of(scene, pairs, p), touch%n, touch%normal, touch%point, &
-                                       touch%gap, touch%feature, contacts)
+    if (touch%n == 0) return
+    call add_contacts(scene, pairs, history, p, law_of(scene, pairs, p), touch%n, touch%normal, touch%point, touch%gap, &
+                      touch%feature, contacts)
+    if (keeps) call keep_pair(scene, pairs, p, pose, touch%n, contacts)
   end subroutine touch_in_space
+
+  !> Motion of two shapes against each other up to which their contacts are kept [m].
+  pure real(wp) function kept_length(scene, c, a)
+    type(scene_t), intent(in) :: scene
+    integer(i4), intent(in) :: c, a
+
+    kept_length = scene%kept_motion*min(scene%contactors%reach(c), scene%contactors%reach(a))
+  end function kept_length
+
+  !> Orientation of the body that carries a contactor of space.
+  pure function turn_of(scene, c) result(turn)
+    type(scene_t), intent(in) :: scene
+    integer(i4), intent(in) :: c
+    real(wp) :: turn(4)
+
+    turn = no_rotation
+    if (size(scene%bodies%middle, 1) == 7) turn = scene%bodies%middle(4:7, scene%contactors%body(c))
+  end function turn_of
+
+  !> Has a pair contacts, and has it hardly moved since they were found?
+  pure logical function is_kept(scene, history, p, c, a, pose, n_kept)
+    type(scene_t), intent(in) :: scene
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: p, n_kept
+    integer(i4), intent(in) :: c, a
+    real(wp), intent(in) :: pose(:)
+    integer :: ends(2)
+
+    is_kept = .false.
+    if (.not. allocated(history%kept) .or. history%by_point) return
+    ends = past_contacts(history, p)
+    if (ends(2) < ends(1) .or. size(history%kept, 1) /= n_kept) return
+    associate (kept => history%kept(:, ends(1)))
+      if (.not. kept(1) > 0) return
+      if (scene%dimension == 2) then
+        is_kept = .not. has_moved_in_plane(kept, pose, scene%contactors%reach(c), kept_length(scene, c, a))
+      else
+        is_kept = .not. has_moved_in_space(kept, pose, scene%contactors%reach(c), kept_length(scene, c, a))
+      end if
+    end associate
+  end function is_kept
+
+  !> Add the contacts that a pair had in the last detection, where its shapes are now.
+  subroutine add_kept(scene, pairs, history, p, pose, contacts)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: p
+    real(wp), intent(in) :: pose(:)
+    type(contacts_t), intent(inout) :: contacts
+    real(wp) :: offset(3), normal(scene%dimension), point(scene%dimension), gap
+    integer :: past, ends(2)
+
+    ends = past_contacts(history, p)
+    if (contacts%n + ends(2) - ends(1) + 1 > size(contacts%gap)) then
+      call grow_contacts(contacts, contacts%n + ends(2) - ends(1) + 1)
+      if (contacts%is_cut) return
+    end if
+    offset = offset_of(scene, pairs, p)
+    associate (a => pairs%contactor(2, p))
+      do past = ends(1), ends(2)
+        if (scene%dimension == 2) then
+          call move_in_plane(scene%contactors, a, offset(1), history%kept(:, past), pose, normal, point, gap)
+        else
+          call move_in_space(scene%contactors, a, offset, turn_of(scene, a), history%kept(:, past), pose, normal, point, gap)
+        end if
+        call add_contact(scene, pairs, history, p, past, law_of(scene, pairs, p), normal, point, gap, history%feature(past), &
+                         contacts)
+        contacts%kept(:, contacts%n) = history%kept(:, past)
+      end do
+    end associate
+  end subroutine add_kept
+
+  !> Keep the contacts of a pair that have just been found: the last ones.
+  subroutine keep_pair(scene, pairs, p, pose, n, contacts)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    integer, intent(in) :: p, n
+    real(wp), intent(in) :: pose(:)
+    type(contacts_t), intent(inout) :: contacts
+    real(wp) :: offset(3)
+    integer :: k
+
+    if (contacts%is_cut) return
+    offset = offset_of(scene, pairs, p)
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p))
+      do k = contacts%n - n + 1, contacts%n
+        if (scene%dimension == 2) then
+          call keep_in_plane(scene%contactors, c, a, offset(1), pose, contacts%normal(:, k), contacts%point(:, k), &
+                             contacts%gap(k), contacts%kept(:, k))
+        else
+          call keep_in_space(scene%contactors, c, a, offset, turn_of(scene, a), pose, contacts%normal(:, k), &
+                             contacts%point(:, k), contacts%gap(k), contacts%kept(:, k))
+        end if
+      end do
+    end associate
+  end subroutine keep_pair
 
   !> The contact of a link, which is there at any distance.
   subroutine follow_link(scene, pairs, history, p, contacts)
@@ -371,6 +505,7 @@ contains
     if (history%is_start) contacts%status(k) = status_at_start(scene, contacts%law(k), contacts%status(k))
     if (contacts%n_internal > 0) call recall_internal(scene, history, past, k, contacts)
     if (contacts%n_carried > 0) contacts%carried(:, k) = carried_of(history, past, contacts%n_carried)
+    if (contacts%n_kept > 0) contacts%kept(:, k) = 0
   end subroutine add_contact
 
   !> Internal values of a contact from its past. A contact whose values no file holds takes those that its law gives to contacts

@@ -14,7 +14,7 @@ module sg_history
   implicit none
   private
   public :: history_t, start_history, resume_history, keep_contacts, keep_pairs, unwrap_images, match_pairs, revive
-  public :: carried_of, keep_faces, past_pair, recall
+  public :: carried_of, exchange_kept, keep_faces, past_contacts, past_pair, recall
 
   !> Contacts of the last detection, as much as the next one needs
   type :: history_t
@@ -37,6 +37,8 @@ module sg_history
     real(wp), allocatable :: internal(:, :)
     !> Values of each contact that the solver's method carries, shape (n_carried, contacts)
     real(wp), allocatable :: carried(:, :)
+    !> What detection keeps of each contact (sg_kept_contacts), shape (n_kept, contacts)
+    real(wp), allocatable :: kept(:, :)
     !> Past pair of each present one, 0 where there is none; unused while the list of neighbours stays
     integer(i4), allocatable :: past(:)
     !> What the narrow phase tries first of each present pair: in the plane a face (`touch_convex`), in space features of both
@@ -160,6 +162,8 @@ contains
     ! Pairs and contactors may be others now.
     if (allocated(history%face)) deallocate (history%face, history%clearance)
     call keep_contacts(history, contacts)
+    if (allocated(history%kept)) deallocate (history%kept)
+    if (contacts%n_kept > 0) history%kept = contacts%kept(:, :contacts%n)
     call reserve(history%first, contacts%n + 1)
     call reserve(history%contactor, 2, contacts%n)
     call reserve(history%image, 2, contacts%n)
@@ -201,6 +205,22 @@ contains
     history%impulse(:, :n) = contacts%impulse(:, :n)
     if (contacts%n_internal > 0) history%internal(:, :n) = contacts%internal(:, :n)
   end subroutine keep_contacts
+
+  !> Take what was kept of the contacts of the last detection, and give them the room of the ones before.
+  subroutine exchange_kept(history, contacts)
+    type(history_t), intent(inout) :: history !! past to fill
+    type(contacts_t), intent(inout) :: contacts !! contacts of the last detection; what is kept of them must be set again
+    real(wp), allocatable :: spare(:, :)
+
+    if (contacts%n_kept == 0 .or. .not. allocated(contacts%kept)) return
+    call move_alloc(history%kept, spare)
+    call move_alloc(contacts%kept, history%kept)
+    if (allocated(spare)) then
+      if (any(shape(spare) /= shape(history%kept))) deallocate (spare)
+    end if
+    if (.not. allocated(spare)) allocate (spare(size(history%kept, 1), size(history%kept, 2)), source=0.0_wp)
+    call move_alloc(spare, contacts%kept)
+  end subroutine exchange_kept
 
   !> Note the pairs of the last detection, before their list is rebuilt.
   subroutine keep_pairs(history, pairs)
@@ -324,6 +344,17 @@ contains
     if (history%is_matched) past_pair = history%past(pair)
   end function past_pair
 
+  !> First and last contact that a present pair had in the last detection; the last is before the first where it had none.
+  pure function past_contacts(history, pair) result(ends)
+    type(history_t), intent(in) :: history !! past
+    integer, intent(in) :: pair !! present neighbour pair
+    integer :: ends(2), past
+
+    ends = [1, 0]
+    past = past_pair(history, pair)
+    if (past > 0) ends = [history%first(past), history%first(past + 1) - 1_i4]
+  end function past_contacts
+
   !> Contact of the past that a contact of now goes on from; 0 when it is new.
   pure integer function recall(history, pair, feature, point) result(best)
     type(history_t), intent(in) :: history !! past
@@ -361,6 +392,17 @@ contains
     if (size(history%carried, 1) == n) carried = history%carried(:, past)
   end function carried_of
 
+  !> What is kept of a contact of the past; nothing, all zeros, where nothing fits.
+  pure function kept_of(history, past, n) result(kept)
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: past, n
+    real(wp) :: kept(n)
+
+    kept = 0
+    if (.not. allocated(history%kept)) return
+    if (size(history%kept, 1) == n .and. size(history%kept, 2) >= past) kept = history%kept(:, past)
+  end function kept_of
+
   !> Bring the past back as contacts, when the step after it failed: what a restart needs of them.
   subroutine revive(history, pairs, contacts)
     type(history_t), intent(in) :: history !! past
@@ -380,6 +422,7 @@ contains
         contacts%status(k) = history%status(k)
         if (contacts%n_internal > 0) contacts%internal(:, k) = history%internal(:, k)
         if (contacts%n_carried > 0) contacts%carried(:, k) = carried_of(history, k, contacts%n_carried)
+        if (contacts%n_kept > 0) contacts%kept(:, k) = kept_of(history, k, contacts%n_kept)
         contacts%image(k) = 0
         if (contacts%dimension == 3) contacts%image_y(k) = 0
         contacts%law(k) = 1

@@ -44,6 +44,7 @@ contains
     scene%period = deck%number(b, 'period_x')
     if (scene%dimension == 3) scene%period_y = deck%number(b, 'period_y')
     scene%shrink = deck%number(b, 'shrink_faces')
+    scene%kept_motion = deck%number(b, 'kept_motion')
     if (deck%is_given(b, 'datbox')) then
       call scene_from_datbox(deck, b, scene, diagnostics)
       call check_recovery(deck, scene, options%recovery, diagnostics)
@@ -99,6 +100,7 @@ contains
     scene%period = period(1)
     scene%period_y = period(2)
     scene%shrink = deck%number(block, 'shrink_faces')
+    scene%kept_motion = deck%number(block, 'kept_motion')
     if (diagnostics%count() > 0) return
     if (scene%bodies%dimension /= deck%dimension) then
       call deck%complain(diagnostics, 'the bodies of the folder have '//to_text(scene%bodies%dimension)//' dimensions, not '// &

@@ -10,6 +10,7 @@ module sg_simulation
   use sg_energy, only: energy_t
   use sg_error, only: error_t, fail
   use sg_history, only: history_t, start_history
+  use sg_kept_contacts, only: n_kept_in_plane, n_kept_in_space
   use sg_kinds, only: wp
   use sg_neighbours, only: neighbours_t
   use sg_tunnelling, only: tunnelling_t
@@ -117,6 +118,8 @@ contains
     sim%contacts%dimension = sim%scene%dimension
     sim%contacts%n_components = impulse_length(sim%plan%kind)
     sim%contacts%n_internal = sim%plan%n_internal
+    sim%contacts%n_kept = 0
+    if (sim%plan%keeps_contacts) sim%contacts%n_kept = merge(n_kept_in_plane, n_kept_in_space, sim%scene%dimension == 2)
     ! Contacts known to a scene that is held in part travel first, see `decompose`.
     if (.not. allocated(sim%scene%bodies%id)) &
       call start_history(sim%history, sim%scene, sim%options%substep_length(), sim%contacts%n_components, &

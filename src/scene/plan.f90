@@ -5,7 +5,7 @@
 module sg_plan
   use sg_bodies, only: are_turned, drop_rotation
   use sg_comm, only: comm_t
-  use sg_contactors, only: kind_disk, kind_hollow, kind_names, kind_sphere, n_kinds
+  use sg_contactors, only: kind_disk, kind_hollow, kind_names, kind_polygon, kind_polyhedron, kind_sphere, n_kinds
   use sg_half_width, only: half_width
   use sg_internal_values, only: n_internal_of
   use sg_kinds, only: wp
@@ -37,6 +37,8 @@ module sg_plan
     logical :: has_rotation = .true.
     !> Are there cohesive zones?
     logical :: has_bonds = .false.
+    !> Does detection keep contacts from step to step?
+    logical :: keeps_contacts = .false.
     !> Kind of the contact problem
     integer :: kind = 0
     !> Internal values that laws in use keep of a contact
@@ -97,6 +99,7 @@ contains
     if (scene%links%n > 0) plan%uses_law(scene%links%law(:scene%links%n)) = .true.
     plan%links = scene%links%n
     plan%thinnest = thinnest_of(scene, ranks)
+    plan%keeps_contacts = scene%kept_motion > 0 .and. any(plan%shapes([kind_polygon, kind_polyhedron]) > 0)
     call find_turning(scene, turns, rests, is_partly_driven)
     are_round = ranks%all(all_round(scene, turns) .and. .not. any(is_partly_driven))
     all_rest = ranks%all(all(rests))
@@ -312,6 +315,10 @@ contains
            //used(.not. plan%has_rotation, 'rotation')//used(plan%is_round, 'lever arms') &
            //used(.not. max(scene%period, scene%period_y) > 0, 'period')//used(size(scene%drives) == 0, 'drives') &
            //used(size(scene%pressures) == 0, 'pressures')
+    if (plan%keeps_contacts) &
+      text = text//nl//'kept       contacts of polygons and polyhedra while these move against each other by less than ' &
+             //to_text(scene%kept_motion, 3)//' of the smaller radius; gaps are off by '//to_text(2*scene%kept_motion, 3) &
+             //' of it at most'
   contains
     pure function used(is_used, word)
       logical, intent(in) :: is_used

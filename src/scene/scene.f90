@@ -81,6 +81,9 @@ module sg_scene
     real(wp) :: period = 0, period_y = 0
     !> Share by which contact points of a face are moved to its middle, for two polygons and two polyhedra
     real(wp) :: shrink = 0
+    !> Motion of two polygons or polyhedra against each other, over the reach of the smaller one, up to which their contacts are
+    !! kept from step to step (sg_kept_contacts); 0 for never
+    real(wp) :: kept_motion = 0
     !> Time [s] and step number at the start
     real(wp) :: start_time = 0
     integer(i4) :: start_step = 0

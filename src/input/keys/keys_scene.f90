@@ -37,6 +37,9 @@ contains
                    dimension=in_space)
     call table%add('shrink_faces', value_real, 'Share by which the contact points of a face on a face are moved to '// &
                    'their middle, between polygons and between polyhedra.', default='0.0', least=0.0_wp, most=1.0_wp)
+    call table%add('kept_motion', value_real, 'Contacts of two polygons or polyhedra, or of one and a wall, are kept and '// &
+                   'follow their bodies while these have moved by less than this against each other since the contacts '// &
+                   'were found, over the radius of the smaller one; 0 for never.', default='0.0', least=0.0_wp, most=0.1_wp)
   end subroutine add_scene_keys
 
   !> Sections material, law and interaction.

@@ -155,7 +155,8 @@ contains
   end subroutine write_file
 
   !> Read a state and see whether it fits the scene, which may be one with or without friction.
-  subroutine read_restart(name, scene, comm, state, diagnostics, bodies, contactors, components, internal, is_damaged, carried)
+  subroutine read_restart(name, scene, comm, state, diagnostics, bodies, contactors, components, internal, is_damaged, carried, &
+                          kept)
     character(len=*), intent(in) :: name !! path of the file
     type(scene_t), intent(in) :: scene !! scene that it must fit, or the part of a rank
     type(comm_t), intent(inout) :: comm !! ranks that read the file, each its piece of the contacts
@@ -167,6 +168,7 @@ contains
     integer, intent(in), optional :: internal !! internal values of a contact, none unless given
     logical, intent(out), optional :: is_damaged !! is the file itself at fault, and not of another scene?
     integer, intent(in), optional :: carried !! values of a contact that the solver's method carries, none unless given
+    integer, intent(in), optional :: kept !! values of a contact that detection keeps, none unless given
     type(hdf5_file_t) :: file
     character(len=:), allocatable :: misfit
     type(bodies_t) :: like
@@ -181,6 +183,7 @@ contains
     if (present(components)) contacts%n_components = components
     if (present(internal)) contacts%n_internal = internal
     if (present(carried)) contacts%n_carried = carried
+    if (present(kept)) contacts%n_kept = kept
     wanted = contacts%n_components
     call file%open(name, is_read_only=.true.)
     call check_format(file)

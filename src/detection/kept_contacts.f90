@@ -1,0 +1,196 @@
+!> Contacts of polygons and polyhedra that are kept from step to step while their pair has hardly moved (doc/theory/detection.md,
+!! "Contacts that are kept").
+!!
+!! What a detection finds is stored in the frame of the antagonist, next to the pose of the candidate in that frame at that time.
+!! While the pose has changed by less than a share of the smaller shape, the points follow the two bodies and no narrow phase is
+!! due. The change counts from the detection, not from the last step, so that it does not add up. Each column of
+!! `contacts%kept` holds
+!!
+!!     body of the face (0 for none, else 1 + face_of_*) | pose of the candidate | normal | point | gap
+!!                                                         place, turn
+!!
+!! where a turn is a cosine and a sine in the plane and a quaternion in space. Columns go with their contacts into checkpoints and
+!! messages, so that a run that goes on from there keeps what the other would have kept.
+module sg_kept_contacts
+  use sg_contactors, only: contactors_t, kind_polygon, kind_segment
+  use sg_follow, only: face_of, follow_in_plane, follow_in_space
+  use sg_kinds, only: wp, i1, i4
+  use sg_rotations, only: no_rotation, quaternion_product, turned_back, turned_by
+  implicit none
+  private
+  public :: keep_in_plane, keep_in_space, move_in_plane, move_in_space, pose_in_plane, pose_in_space
+  public :: has_moved_in_plane, has_moved_in_space, n_kept_in_plane, n_kept_in_space, n_pose_in_plane, n_pose_in_space
+
+  !> Values of a pose, and of a contact that is kept
+  integer, parameter :: n_pose_in_plane = 4, n_pose_in_space = 7, n_kept_in_plane = 10, n_kept_in_space = 15
+
+contains
+
+  !> Pose of the candidate of a pair in the frame of the antagonist, in the plane.
+  pure function pose_in_plane(contactors, c, a, offset) result(pose)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    integer(i4), intent(in) :: c !! candidate
+    integer(i4), intent(in) :: a !! antagonist
+    real(wp), intent(in) :: offset !! shift of the antagonist in x [m]
+    real(wp) :: pose(n_pose_in_plane)
+    real(wp) :: own(2), other(2), x, y
+
+    own = turn_of(contactors, c)
+    other = turn_of(contactors, a)
+    x = contactors%centre(1, c) - contactors%centre(1, a) - offset
+    y = contactors%centre(2, c) - contactors%centre(2, a)
+    pose(1) = other(1)*x + other(2)*y
+    pose(2) = other(1)*y - other(2)*x
+    pose(3) = other(1)*own(1) + other(2)*own(2)
+    pose(4) = other(1)*own(2) - other(2)*own(1)
+  end function pose_in_plane
+
+  !> Pose of the candidate of a pair in the frame of the antagonist, in space.
+  pure function pose_in_space(contactors, turn_c, turn_a, c, a, offset) result(pose)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    real(wp), intent(in) :: turn_c(4) !! orientation of the candidate's body
+    real(wp), intent(in) :: turn_a(4) !! orientation of the antagonist's body
+    integer(i4), intent(in) :: c !! candidate
+    integer(i4), intent(in) :: a !! antagonist
+    real(wp), intent(in) :: offset(3) !! shift of the antagonist [m]
+    real(wp) :: pose(n_pose_in_space)
+
+    pose(1:3) = turned_back(turn_a, contactors%centre(:, c) - contactors%centre(:, a) - offset)
+    pose(4:7) = quaternion_product([turn_a(1), -turn_a(2:4)], turn_c)
+  end function pose_in_space
+
+  !> Cosine and sine of the turn of a polygon, or of the axis of a segment.
+  pure function turn_of(contactors, c) result(turn)
+    type(contactors_t), intent(in) :: contactors
+    integer(i4), intent(in) :: c
+    real(wp) :: turn(2)
+
+    turn = [1.0_wp, 0.0_wp]
+    if (contactors%kind(c) == kind_polygon) turn = contactors%polygon_turn(:, contactors%row(c))
+    if (contactors%kind(c) == kind_segment) turn = contactors%segment_axis(:, contactors%row(c))
+  end function turn_of
+
+  !> Can a point of the candidate have moved by more than a length against the antagonist since its contacts were found?
+  pure logical function has_moved_in_plane(kept, pose, reach, length) result(has_moved)
+    real(wp), intent(in) :: kept(n_kept_in_plane) !! first contact of the pair
+    real(wp), intent(in) :: pose(n_pose_in_plane) !! pose now
+    real(wp), intent(in) :: reach !! radius of the candidate about its centre [m]
+    real(wp), intent(in) :: length !! [m]
+
+    has_moved = exceed((pose(1) - kept(2))**2 + (pose(2) - kept(3))**2, &
+                       reach**2*((pose(3) - kept(4))**2 + (pose(4) - kept(5))**2), length)
+  end function has_moved_in_plane
+
+  !> The same in space. A point at the distance R moves by 2 R sin(w/2) in a turn by w, and quaternions differ by 2 sin(w/4).
+  pure logical function has_moved_in_space(kept, pose, reach, length) result(has_moved)
+    real(wp), intent(in) :: kept(n_kept_in_space) !! first contact of the pair
+    real(wp), intent(in) :: pose(n_pose_in_space) !! pose now
+    real(wp), intent(in) :: reach !! radius of the candidate about its centre [m]
+    real(wp), intent(in) :: length !! [m]
+
+    ! q and -q are one orientation.
+    has_moved = exceed(sum((pose(1:3) - kept(2:4))**2), &
+                       4*reach**2*min(sum((pose(4:7) - kept(5:8))**2), sum((pose(4:7) + kept(5:8))**2)), length)
+  end function has_moved_in_space
+
+  !> Do two lengths given by their squares exceed a third one together?
+  pure logical function exceed(square, other, length)
+    real(wp), intent(in) :: square, other, length
+    real(wp) :: left
+
+    ! sqrt(a) + sqrt(b) <= l where 2 sqrt(a b) <= l^2 - a - b; values that are not numbers exceed.
+    left = length**2 - square - other
+    exceed = .not. (left >= 0 .and. left**2 >= 4*square*other)
+  end function exceed
+
+  !> Store a contact that a detection has found, in the plane.
+  pure subroutine keep_in_plane(contactors, c, a, offset, pose, normal, point, gap, kept)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    integer(i4), intent(in) :: c !! candidate
+    integer(i4), intent(in) :: a !! antagonist
+    real(wp), intent(in) :: offset !! shift of the antagonist in x [m]
+    real(wp), intent(in) :: pose(n_pose_in_plane) !! pose of the candidate
+    real(wp), intent(in) :: normal(2) !! unit normal
+    real(wp), intent(in) :: point(2) !! point of contact [m]
+    real(wp), intent(in) :: gap !! gap [m]
+    real(wp), intent(out) :: kept(n_kept_in_plane) !! what is kept of it
+    real(wp) :: turn(2), way(2)
+
+    turn = turn_of(contactors, a)
+    way = point - contactors%centre(:, a)
+    way(1) = way(1) - offset
+    kept(1) = real(1_i1 + face_of(contactors, c, a, normal), wp)
+    kept(2:5) = pose
+    kept(6:7) = [turn(1)*normal(1) + turn(2)*normal(2), turn(1)*normal(2) - turn(2)*normal(1)]
+    kept(8:9) = [turn(1)*way(1) + turn(2)*way(2), turn(1)*way(2) - turn(2)*way(1)]
+    kept(10) = gap
+  end subroutine keep_in_plane
+
+  !> The same in space.
+  pure subroutine keep_in_space(contactors, c, a, offset, turn, pose, normal, point, gap, kept)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    integer(i4), intent(in) :: c !! candidate
+    integer(i4), intent(in) :: a !! antagonist
+    real(wp), intent(in) :: offset(3) !! shift of the antagonist [m]
+    real(wp), intent(in) :: turn(4) !! orientation of the antagonist's body
+    real(wp), intent(in) :: pose(n_pose_in_space) !! pose of the candidate
+    real(wp), intent(in) :: normal(3) !! unit normal
+    real(wp), intent(in) :: point(3) !! point of contact [m]
+    real(wp), intent(in) :: gap !! gap [m]
+    real(wp), intent(out) :: kept(n_kept_in_space) !! what is kept of it
+
+    kept(1) = real(1_i1 + face_of(contactors, c, a, normal), wp)
+    kept(2:8) = pose
+    kept(9:11) = turned_back(turn, normal)
+    kept(12:14) = turned_back(turn, point - contactors%centre(:, a) - offset)
+    kept(15) = gap
+  end subroutine keep_in_space
+
+  !> Bring a contact that is kept to where its bodies are now, in the plane.
+  pure subroutine move_in_plane(contactors, a, offset, kept, pose, normal, point, gap)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    integer(i4), intent(in) :: a !! antagonist
+    real(wp), intent(in) :: offset !! shift of the antagonist in x [m]
+    real(wp), intent(in) :: kept(n_kept_in_plane) !! the contact as it was found
+    real(wp), intent(in) :: pose(n_pose_in_plane) !! pose of the candidate now
+    real(wp), intent(out) :: normal(2) !! unit normal
+    real(wp), intent(out) :: point(2) !! point of contact [m]
+    real(wp), intent(out) :: gap !! gap [m]
+    real(wp) :: turn(2)
+    real(wp), parameter :: here(2) = 0, unturned(2) = [1.0_wp, 0.0_wp]
+
+    ! How far the candidate has turned since, as the antagonist sees it.
+    turn = [pose(3)*kept(4) + pose(4)*kept(5), pose(4)*kept(4) - pose(3)*kept(5)]
+    normal = kept(6:7)
+    point = kept(8:9)
+    gap = kept(10)
+    call follow_in_plane(int(nint(kept(1)) - 1, i1), kept(2:3), here, pose(1:2), here, turn, unturned, normal, point, gap)
+    turn = turn_of(contactors, a)
+    normal = [turn(1)*normal(1) - turn(2)*normal(2), turn(2)*normal(1) + turn(1)*normal(2)]
+    point = [turn(1)*point(1) - turn(2)*point(2) + contactors%centre(1, a) + offset, &
+             turn(2)*point(1) + turn(1)*point(2) + contactors%centre(2, a)]
+  end subroutine move_in_plane
+
+  !> The same in space.
+  pure subroutine move_in_space(contactors, a, offset, turn_a, kept, pose, normal, point, gap)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    integer(i4), intent(in) :: a !! antagonist
+    real(wp), intent(in) :: offset(3) !! shift of the antagonist [m]
+    real(wp), intent(in) :: turn_a(4) !! orientation of the antagonist's body
+    real(wp), intent(in) :: kept(n_kept_in_space) !! the contact as it was found
+    real(wp), intent(in) :: pose(n_pose_in_space) !! pose of the candidate now
+    real(wp), intent(out) :: normal(3) !! unit normal
+    real(wp), intent(out) :: point(3) !! point of contact [m]
+    real(wp), intent(out) :: gap !! gap [m]
+    real(wp) :: turn(4)
+    real(wp), parameter :: here(3) = 0
+
+    turn = quaternion_product(pose(4:7), [kept(5), -kept(6:8)])
+    normal = kept(9:11)
+    point = kept(12:14)
+    gap = kept(15)
+    call follow_in_space(int(nint(kept(1)) - 1, i1), kept(2:4), here, pose(1:3), here, turn, no_rotation, normal, point, gap)
+    normal = turned_by(turn_a, normal)
+    point = turned_by(turn_a, point) + contactors%centre(:, a) + offset
+  end subroutine move_in_space
+end module sg_kept_contacts
