@@ -84,17 +84,29 @@ contains
     real(wp), intent(inout) :: normal(2) !! unit normal
     real(wp), intent(inout) :: point(2) !! point of contact [m]
     real(wp), intent(inout) :: gap !! gap [m]
-    real(wp) :: half(2), arm_c(2), arm_a(2)
+    real(wp) :: way(2), arm_c(2), arm_a(2), turn(2)
 
-    half = gap/2*normal
-    arm_c = turned_in_plane(turn_c, point + half - before_c)
-    arm_a = turned_in_plane(turn_a, point - half - before_a)
-    normal = turned_in_plane(merge(turn_c, turn_a, face == face_of_candidate), normal)
-    gap = dot_product(normal, now_c - now_a + (arm_c - arm_a))
+    ! Written out: it is done for every contact that is kept, and vectors as results go through memory.
+    way(1) = point(1) + gap/2*normal(1) - before_c(1)
+    way(2) = point(2) + gap/2*normal(2) - before_c(2)
+    arm_c(1) = turn_c(1)*way(1) - turn_c(2)*way(2)
+    arm_c(2) = turn_c(2)*way(1) + turn_c(1)*way(2)
+    way(1) = point(1) - gap/2*normal(1) - before_a(1)
+    way(2) = point(2) - gap/2*normal(2) - before_a(2)
+    arm_a(1) = turn_a(1)*way(1) - turn_a(2)*way(2)
+    arm_a(2) = turn_a(2)*way(1) + turn_a(1)*way(2)
+    turn = turn_a
+    if (face == face_of_candidate) turn = turn_c
+    way = normal
+    normal(1) = turn(1)*way(1) - turn(2)*way(2)
+    normal(2) = turn(2)*way(1) + turn(1)*way(2)
+    gap = normal(1)*(now_c(1) - now_a(1) + (arm_c(1) - arm_a(1))) + normal(2)*(now_c(2) - now_a(2) + (arm_c(2) - arm_a(2)))
     if (face == face_of_candidate) then
-      point = now_a + arm_a + gap/2*normal
+      point(1) = now_a(1) + arm_a(1) + gap/2*normal(1)
+      point(2) = now_a(2) + arm_a(2) + gap/2*normal(2)
     else
-      point = now_c + arm_c - gap/2*normal
+      point(1) = now_c(1) + arm_c(1) - gap/2*normal(1)
+      point(2) = now_c(2) + arm_c(2) - gap/2*normal(2)
     end if
   end subroutine follow_in_plane
 
@@ -123,12 +135,4 @@ contains
       point = now_c + arm_c - gap/2*normal
     end if
   end subroutine follow_in_space
-
-  !> A vector turned by an angle of which cosine and sine are given.
-  pure function turned_in_plane(turn, v) result(image)
-    real(wp), intent(in) :: turn(2), v(2)
-    real(wp) :: image(2)
-
-    image = [turn(1)*v(1) - turn(2)*v(2), turn(2)*v(1) + turn(1)*v(2)]
-  end function turned_in_plane
 end module sg_follow
