@@ -2,11 +2,12 @@
 !! that are kept while their pair hardly moves (sg_kept_contacts).
 module sg_add_contacts
   use sg_contacts, only: contacts_t, grow_contacts
-  use sg_follow, only: follows
+  use sg_follow, only: face_of, follows
   use sg_hand_over, only: hand_over
   use sg_history, only: carried_of, history_t, past_contacts, past_pair, recall
   use sg_internal_values, only: first_internal, keeps_gap, not_recorded
-  use sg_kept_contacts, only: has_moved_in_plane, has_moved_in_space, keep_in_plane, keep_in_space, move_in_plane, move_in_space
+  use sg_kept_contacts, only: has_moved_in_plane, has_moved_in_space, keep_in_plane, keep_in_space, move_in_plane, move_in_space, &
+                              n_pose_in_plane, n_pose_in_space, pose_in_plane, pose_in_space
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, law_mohr, status_bonded, status_new
   use sg_neighbours, only: neighbours_t
@@ -15,7 +16,7 @@ module sg_add_contacts
   use sg_touch_space, only: most_points
   implicit none
   private
-  public :: add_contacts, add_kept, is_kept, keep_pair, kept_length, law_of, offset_of, turn_of
+  public :: add_contacts, add_kept, has_kept, is_kept, is_slow, keep_pair, kept_length, law_of, offset_of, turn_of
 
 contains
 
@@ -140,23 +141,32 @@ contains
     if (scene%laws(law)%kind == law_mohr .or. is_cohesive_zone(scene%laws(law))) status_at_start = status_bonded
   end function status_at_start
 
-  !> Has a pair contacts, and has it hardly moved since they were found?
-  pure logical function is_kept(scene, history, p, c, a, pose, n_kept)
+  !> Had a pair contacts in the last detection that are kept?
+  pure logical function has_kept(history, p, n_kept)
+    type(history_t), intent(in) :: history !! contacts of the last detection
+    integer, intent(in) :: p !! pair
+    integer, intent(in) :: n_kept !! values of a contact that is kept
+    integer :: ends(2)
+
+    has_kept = .false.
+    if (.not. allocated(history%kept) .or. history%by_point) return
+    ends = past_contacts(history, p)
+    if (ends(2) < ends(1) .or. size(history%kept, 1) /= n_kept) return
+    has_kept = history%kept(1, ends(1)) > 0
+  end function has_kept
+
+  !> Has a pair with contacts that are kept hardly moved since they were found?
+  pure logical function is_kept(scene, history, p, c, a, pose)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(history_t), intent(in) :: history !! contacts of the last detection
     integer, intent(in) :: p !! pair
     integer(i4), intent(in) :: c !! its candidate
     integer(i4), intent(in) :: a !! its antagonist
     real(wp), intent(in) :: pose(:) !! pose of the candidate now
-    integer, intent(in) :: n_kept !! values of a contact that is kept
     integer :: ends(2)
 
-    is_kept = .false.
-    if (.not. allocated(history%kept) .or. history%by_point) return
     ends = past_contacts(history, p)
-    if (ends(2) < ends(1) .or. size(history%kept, 1) /= n_kept) return
     associate (kept => history%kept(:, ends(1)))
-      if (.not. kept(1) > 0) return
       if (scene%dimension == 2) then
         is_kept = .not. has_moved_in_plane(kept, pose, scene%contactors%reach(c), kept_length(scene, c, a))
       else
@@ -164,6 +174,24 @@ contains
       end if
     end associate
   end function is_kept
+
+  !> Do the bodies of two contactors move so little against each other that their contacts may be kept in the next step? Most of what
+  !! falls or flows does not, and what is stored of it would be lost.
+  pure logical function is_slow(scene, c, a, substeps)
+    type(scene_t), intent(in) :: scene !! scene with its `middle` configuration
+    integer(i4), intent(in) :: c !! candidate
+    integer(i4), intent(in) :: a !! antagonist
+    integer, intent(in) :: substeps !! from one detection to the next
+    real(wp) :: way(3)
+
+    way = 0
+    associate (n => scene%dimension, position => scene%bodies%position, middle => scene%bodies%middle, &
+               b => scene%contactors%body(c), d => scene%contactors%body(a))
+      way(:n) = (middle(:n, b) - position(:n, b)) - (middle(:n, d) - position(:n, d))
+    end associate
+    ! From the position to the middle is half a substep.
+    is_slow = 2*real(substeps, wp)*sqrt(way(1)**2 + way(2)**2 + way(3)**2) <= kept_length(scene, c, a)
+  end function is_slow
 
   !> Add the contacts that a pair had in the last detection, where its shapes are now.
   subroutine add_kept(scene, pairs, history, p, pose, contacts)
@@ -197,27 +225,33 @@ contains
   end subroutine add_kept
 
   !> Keep the contacts of a pair that have just been found: the last ones.
-  subroutine keep_pair(scene, pairs, p, pose, n, contacts)
+  subroutine keep_pair(scene, pairs, p, n, contacts)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
     integer, intent(in) :: p !! pair
-    real(wp), intent(in) :: pose(:) !! pose of the candidate
     integer, intent(in) :: n !! contacts found
     type(contacts_t), intent(inout) :: contacts !! contacts of the step so far
-    real(wp) :: offset(3)
-    integer :: k
+    real(wp) :: offset(3), pose(n_pose_in_space)
+    integer(i1) :: face
+    integer :: k, first
 
-    if (contacts%is_cut) return
     offset = offset_of(scene, pairs, p)
-    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p))
-      do k = contacts%n - n + 1, contacts%n
-        if (scene%dimension == 2) then
-          call keep_in_plane(scene%contactors, c, a, offset(1), pose, contacts%normal(:, k), contacts%point(:, k), &
-                             contacts%gap(k), contacts%kept(:, k))
-        else
-          call keep_in_space(scene%contactors, c, a, offset, turn_of(scene, a), pose, contacts%normal(:, k), &
-                             contacts%point(:, k), contacts%gap(k), contacts%kept(:, k))
-        end if
+    first = contacts%n - n + 1
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
+      if (scene%dimension == 2) pose(:n_pose_in_plane) = pose_in_plane(contactors, c, a, offset(1))
+      if (scene%dimension == 3) pose = pose_in_space(contactors, turn_of(scene, c), turn_of(scene, a), c, a, offset)
+      do k = first, contacts%n
+        associate (normal => contacts%normal(:, k), point => contacts%point(:, k), gap => contacts%gap(k), &
+                   kept => contacts%kept(:, k))
+          ! Points of one face have one normal.
+          if (any(abs(normal - contacts%normal(:, max(first, k - 1))) > 0) .or. k == first) &
+            face = face_of(contactors, c, a, normal)
+          if (scene%dimension == 2) then
+            call keep_in_plane(contactors, a, offset(1), face, pose, normal, point, gap, kept)
+          else
+            call keep_in_space(contactors, a, offset, turn_of(scene, a), face, pose, normal, point, gap, kept)
+          end if
+        end associate
       end do
     end associate
   end subroutine keep_pair

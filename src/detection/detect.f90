@@ -1,6 +1,7 @@
 !> Detection: from the configuration of a step to its contacts, with the impulses of the last step as a guess.
 module sg_detect
-  use sg_add_contacts, only: add_contacts, add_kept, is_kept, keep_pair, kept_length, law_of, offset_of, turn_of
+  use sg_add_contacts, only: add_contacts, add_kept, has_kept, is_kept, is_slow, keep_pair, kept_length, law_of, offset_of, &
+                             turn_of
   use sg_contactors, only: kind_polygon, kind_polyhedron, kind_sphere, place_contactors, contactors_t
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_follow, only: follows
@@ -140,14 +141,16 @@ contains
         call find_in_plane(scene, pairs, history, p, alert, path, contacts)
         return
       end if
-      pose = pose_in_plane(contactors, c, a, scene%period*real(pairs%image(p), wp))
-      if (is_kept(scene, history, p, c, a, pose, contacts%n_kept)) then
-        call add_kept(scene, pairs, history, p, pose, contacts)
-      else
-        n = contacts%n
-        call find_in_plane(scene, pairs, history, p, alert, path, contacts)
-        if (contacts%n > n) call keep_pair(scene, pairs, p, pose, contacts%n - n, contacts)
+      if (has_kept(history, p, contacts%n_kept)) then
+        pose = pose_in_plane(contactors, c, a, scene%period*real(pairs%image(p), wp))
+        if (is_kept(scene, history, p, c, a, pose)) then
+          call add_kept(scene, pairs, history, p, pose, contacts)
+          return
+        end if
       end if
+      n = contacts%n
+      call find_in_plane(scene, pairs, history, p, alert, path, contacts)
+      if (contacts%n > n .and. is_slow(scene, c, a, pairs%substeps)) call keep_pair(scene, pairs, p, contacts%n - n, contacts)
     end associate
   end subroutine touch_in_plane
 
@@ -206,14 +209,16 @@ contains
         call find_in_space(scene, pairs, history, p, offset, alert, path, contacts)
         return
       end if
-      pose = pose_in_space(contactors, turn_of(scene, c), turn_of(scene, a), c, a, offset)
-      if (is_kept(scene, history, p, c, a, pose, contacts%n_kept)) then
-        call add_kept(scene, pairs, history, p, pose, contacts)
-      else
-        n = contacts%n
-        call find_in_space(scene, pairs, history, p, offset, alert, path, contacts)
-        if (contacts%n > n) call keep_pair(scene, pairs, p, pose, contacts%n - n, contacts)
+      if (has_kept(history, p, contacts%n_kept)) then
+        pose = pose_in_space(contactors, turn_of(scene, c), turn_of(scene, a), c, a, offset)
+        if (is_kept(scene, history, p, c, a, pose)) then
+          call add_kept(scene, pairs, history, p, pose, contacts)
+          return
+        end if
       end if
+      n = contacts%n
+      call find_in_space(scene, pairs, history, p, offset, alert, path, contacts)
+      if (contacts%n > n .and. is_slow(scene, c, a, pairs%substeps)) call keep_pair(scene, pairs, p, contacts%n - n, contacts)
     end associate
   end subroutine touch_in_space
 

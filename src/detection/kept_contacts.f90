@@ -13,7 +13,7 @@
 !! messages, so that a run that goes on from there keeps what the other would have kept.
 module sg_kept_contacts
   use sg_contactors, only: contactors_t, kind_polygon, kind_segment
-  use sg_follow, only: face_of, follow_in_plane, follow_in_space
+  use sg_follow, only: follow_in_plane, follow_in_space
   use sg_kinds, only: wp, i1, i4
   use sg_rotations, only: no_rotation, quaternion_product, turned_back, turned_by
   implicit none
@@ -104,11 +104,11 @@ contains
   end function exceed
 
   !> Store a contact that a detection has found, in the plane.
-  pure subroutine keep_in_plane(contactors, c, a, offset, pose, normal, point, gap, kept)
+  pure subroutine keep_in_plane(contactors, a, offset, face, pose, normal, point, gap, kept)
     type(contactors_t), intent(in) :: contactors !! placed contactors
-    integer(i4), intent(in) :: c !! candidate
     integer(i4), intent(in) :: a !! antagonist
     real(wp), intent(in) :: offset !! shift of the antagonist in x [m]
+    integer(i1), intent(in) :: face !! body whose face it lies on, one of `face_of_*`
     real(wp), intent(in) :: pose(n_pose_in_plane) !! pose of the candidate
     real(wp), intent(in) :: normal(2) !! unit normal
     real(wp), intent(in) :: point(2) !! point of contact [m]
@@ -119,7 +119,7 @@ contains
     turn = turn_of(contactors, a)
     way = point - contactors%centre(:, a)
     way(1) = way(1) - offset
-    kept(1) = real(1_i1 + face_of(contactors, c, a, normal), wp)
+    kept(1) = real(1_i1 + face, wp)
     kept(2:5) = pose
     kept(6:7) = [turn(1)*normal(1) + turn(2)*normal(2), turn(1)*normal(2) - turn(2)*normal(1)]
     kept(8:9) = [turn(1)*way(1) + turn(2)*way(2), turn(1)*way(2) - turn(2)*way(1)]
@@ -127,19 +127,19 @@ contains
   end subroutine keep_in_plane
 
   !> The same in space.
-  pure subroutine keep_in_space(contactors, c, a, offset, turn, pose, normal, point, gap, kept)
+  pure subroutine keep_in_space(contactors, a, offset, turn, face, pose, normal, point, gap, kept)
     type(contactors_t), intent(in) :: contactors !! placed contactors
-    integer(i4), intent(in) :: c !! candidate
     integer(i4), intent(in) :: a !! antagonist
     real(wp), intent(in) :: offset(3) !! shift of the antagonist [m]
     real(wp), intent(in) :: turn(4) !! orientation of the antagonist's body
+    integer(i1), intent(in) :: face !! body whose face it lies on, one of `face_of_*`
     real(wp), intent(in) :: pose(n_pose_in_space) !! pose of the candidate
     real(wp), intent(in) :: normal(3) !! unit normal
     real(wp), intent(in) :: point(3) !! point of contact [m]
     real(wp), intent(in) :: gap !! gap [m]
     real(wp), intent(out) :: kept(n_kept_in_space) !! what is kept of it
 
-    kept(1) = real(1_i1 + face_of(contactors, c, a, normal), wp)
+    kept(1) = real(1_i1 + face, wp)
     kept(2:8) = pose
     kept(9:11) = turned_back(turn, normal)
     kept(12:14) = turned_back(turn, point - contactors%centre(:, a) - offset)
