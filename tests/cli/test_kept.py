@@ -61,7 +61,7 @@ class KeptContacts(ProgramCase):
         """Grains that come to rest overlap no more than without: half as much again at most, as two such runs scatter by a third."""
         overlap = {}
         for kept in ("0", "1e-3"):
-            self.run_deck(CASES[0][0], "out", 600, [f"scene.kept_motion={kept}"], "--force")
+            self.run_deck(CASES[0][0], "out", 400, [f"scene.kept_motion={kept}"], "--force")
             rows = self.rows("out")
             overlap[kept] = max(float(row["mean_penetration"]) for row in rows[len(rows) // 2:])
             self.assertLess(json.loads((self.place / "out" / "run.json").read_text())["energy_closure"], 1e-10)
