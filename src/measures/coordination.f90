@@ -14,10 +14,10 @@ module sg_coordination
   use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
   implicit none
   private
-  public :: measure_coordination, measure_rattlers, touching_t, touching_pairs, neighbours_of
+  public :: measure_coordination, measure_kinds_of_pairs, measure_rattlers, touching_t, touching_pairs, neighbours_of
 
   !> Numbers of `coordination_sums`
-  integer, parameter :: n_coordination_sums = 8
+  integer, parameter :: n_coordination_sums = 10
 
   !> Pairs of bodies that touch
   type :: touching_t
@@ -61,6 +61,18 @@ contains
     if (dimension == 3) call tally%add('quadruple_contacts', sums(4), is_count=.true.)
   end subroutine measure_rattlers
 
+  !> Mean number of grains that a grain touches, and of walls: their sum is the coordination; from the sums of
+  !! `measure_coordination`.
+  pure subroutine measure_kinds_of_pairs(tally)
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    real(wp) :: sums(n_coordination_sums)
+
+    if (tally%pass /= pass_columns) return
+    sums = tally%sums%get('coordination', n_coordination_sums)
+    call tally%add('grain_coordination', ratio(2*sums(9), sums(5)))
+    call tally%add('wall_coordination', ratio(sums(10), sums(5)))
+  end subroutine measure_kinds_of_pairs
+
   !> Neighbours that a body touches through this rank's contacts; those of all ranks must be added up on its owner rank.
   pure function neighbours_of(touching, n_bodies) result(neighbours)
     type(touching_t), intent(in) :: touching !! pairs that touch
@@ -78,7 +90,7 @@ contains
   end function neighbours_of
 
   !> What this rank adds: pairs by one to four points, its grains and how many of them are carried, neighbours of its grains,
-  !! and grains in pairs without rattlers.
+  !! and grains in pairs without rattlers; pairs of grains, and of a grain and a wall.
   pure function coordination_sums(touching, is_grain, n_own, neighbours) result(sums)
     type(touching_t), intent(in) :: touching
     logical, intent(in) :: is_grain(:)
@@ -96,9 +108,11 @@ contains
     sums(5) = real(count(is_grain(:n_own)), wp)
     sums(6) = real(count(carries(:n_own)), wp)
     sums(7) = sum(neighbours(:n_own), mask=is_grain(:n_own))
-    sums(8) = 0
+    sums(8:10) = 0
     do i = 1, size(touching%points)
       associate (pair => touching%body(:, i))
+        if (all(is_grain(pair))) sums(9) = sums(9) + 1
+        if (is_grain(pair(1)) .neqv. is_grain(pair(2))) sums(10) = sums(10) + 1
         if (any(is_grain(pair) .and. .not. carries(pair))) cycle
         sums(8) = sums(8) + real(count(is_grain(pair)), wp)
       end associate

@@ -9,12 +9,15 @@ module sg_measures
   use sg_comm, only: comm_t
   use sg_compactness, only: measure_compactness
   use sg_contacts, only: contacts_t
-  use sg_coordination, only: measure_coordination, measure_rattlers, neighbours_of, touching_pairs, touching_t
+  use sg_coordination, only: measure_coordination, measure_kinds_of_pairs, measure_rattlers, neighbours_of, &
+                             touching_pairs, touching_t
   use sg_energy, only: energy_t, measure_energy
+  use sg_fabric, only: measure_fabric
   use sg_grains, only: sum_grains
   use sg_inertia_number, only: measure_inertia, measure_shear_rate
   use sg_internal_values, only: bond_slip
   use sg_kinds, only: wp
+  use sg_mobilised_friction, only: measure_friction
   use sg_owner_sums, only: add_grains_at_owner, copy_from_owner
   use sg_penetration, only: measure_penetration
   use sg_scene, only: scene_t
@@ -65,6 +68,9 @@ contains
     call measure_stress(scene, tally)
     call measure_shear_rate(scene%dimension, tally)
     call measure_momentum(scene%bodies, tally)
+    call measure_fabric(scene, contacts, tally)
+    call measure_friction(scene, contacts, tally)
+    call measure_kinds_of_pairs(tally)
     call measure_bonds(scene, contacts, tally)
   end subroutine visit_indicators
 

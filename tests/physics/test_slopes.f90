@@ -7,6 +7,7 @@ program test_slopes
   use scenes, only: begin_run, begin_scene, force_on, g, put_disk, put_polygon, put_wall, run
   use sg_kinds, only: wp, pi
   use sg_laws, only: status_slide, status_stick
+  use sg_measures, only: measure, measures_t
   use sg_simulation, only: simulation_t
   implicit none
   real(wp), parameter :: h = 1e-3_wp, angle = 0.5_wp, slope(2) = [cos(angle), -sin(angle)]
@@ -59,6 +60,7 @@ contains
   subroutine test_block()
     real(wp), parameter :: shares(6) = [0.0_wp, 0.5_wp, 0.95_wp, 0.999_wp, 1.001_wp, 2.0_wp]
     type(simulation_t) :: sim
+    type(measures_t) :: measures
     real(wp) :: expected, place(2)
     integer :: i
 
@@ -74,6 +76,10 @@ contains
       call t%near(sim%scene%bodies%velocity(3, 1), 0.0_wp, exactly, 'block: does not turn')
       call t%near(maxval(abs(sim%scene%bodies%position(:, 1) - place - slope*expected*(201*h)**2/2)), 0.0_wp, exactly, &
                   'block: where it is')
+      call measure(sim%scene, sim%contacts, h, sim%energy, measures)
+      call t%near(measures%get('mobilised_friction'), min(shares(i), 1.0_wp)*tan(angle), exactly, 'block: mobilised friction')
+      call t%near(measures%get('sliding_share'), merge(1.0_wp, 0.0_wp, shares(i) > 0 .and. shares(i) < 1), 0.0_wp, &
+                  'block: share of sliding contacts')
     end do
   end subroutine test_block
 

@@ -51,11 +51,12 @@ contains
     end do
     call t%check(index(all_names, ',rattlers,quadruple_contacts,stress_xx,stress_xy,stress_xz,stress_yx,stress_yy,stress_yz,'// &
                        'stress_zx,stress_zy,stress_zz,shear_rate,momentum_x,momentum_y,momentum_z,'// &
-                       'bond_energy,bond_loss,bonds,damaged_bonds') > 0, 'names in space')
-    call check_columns(unmeasured(3, .true.), 40, 7, 'in space')
-    call check_columns(unmeasured(2, .true.), 33, 6, 'in the plane')
-    call check_columns(unmeasured(3, .false.), 36, 5, 'in space without cohesive zones')
-    call check_columns(unmeasured(2, .false.), 29, 4, 'in the plane without cohesive zones')
+                       'fabric_xx,fabric_xy,fabric_xz,fabric_yy,fabric_yz,fabric_zz,mobilised_friction,sliding_share,'// &
+                       'grain_coordination,wall_coordination,bond_energy,bond_loss,bonds,damaged_bonds') > 0, 'names in space')
+    call check_columns(unmeasured(3, .true.), 50, 7, 'in space')
+    call check_columns(unmeasured(2, .true.), 40, 6, 'in the plane')
+    call check_columns(unmeasured(3, .false.), 46, 5, 'in space without cohesive zones')
+    call check_columns(unmeasured(2, .false.), 36, 4, 'in the plane without cohesive zones')
   end subroutine test_names
 
   !> Numbers of columns and of counts among them; no two have one name.
@@ -89,6 +90,7 @@ contains
     contacts%point(:, contacts%n) = 0
     contacts%gap(contacts%n) = gap
     contacts%impulse(:, contacts%n) = impulse
+    contacts%law(contacts%n) = 1
     contacts%image(contacts%n) = 0_i1
     contacts%image_y(contacts%n) = 0_i1
   end subroutine touch

@@ -1,0 +1,57 @@
+!> Fabric tensor of the contacts between grains [Satake1982], which carry a positive normal impulse.
+!!
+!! F = (1/N) sum over these contacts of n (x) n, n the normal: of trace 1, and 1/2 (in space 1/3) of the identity where normals have
+!! no preferred direction. Contacts with walls, which have the directions of the walls, are left out.
+module sg_fabric
+  use sg_contacts, only: contacts_t, normal_impulse
+  use sg_kinds, only: wp
+  use sg_scene, only: scene_t
+  use sg_tally, only: pass_columns, pass_sums, tally_t
+  implicit none
+  private
+  public :: measure_fabric, fabric_sums, n_fabric_sums
+
+  !> Numbers of `fabric_sums`
+  integer, parameter :: n_fabric_sums = 7
+
+contains
+
+  !> Components of the fabric tensor, each pair of axes once.
+  pure subroutine measure_fabric(scene, contacts, tally)
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    real(wp) :: sums(n_fabric_sums)
+    integer :: a, b, place
+    character(len=*), parameter :: axis = 'xyz'
+
+    if (tally%pass == pass_sums) call tally%sums%put('fabric', fabric_sums(scene, contacts))
+    if (tally%pass /= pass_columns) return
+    sums = tally%sums%get('fabric', n_fabric_sums)
+    if (sums(1) > 0) sums(2:) = sums(2:)/sums(1)
+    place = 1
+    do a = 1, 3
+      do b = a, 3
+        place = place + 1
+        if (max(a, b) <= scene%dimension) call tally%add('fabric_'//axis(a:a)//axis(b:b), sums(place))
+      end do
+    end do
+  end subroutine measure_fabric
+
+  !> What this rank adds: number of contacts, and n (x) n in the order xx, xy, xz, yy, yz, zz.
+  pure function fabric_sums(scene, contacts) result(sums)
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    real(wp) :: sums(n_fabric_sums), n(3)
+    integer :: k
+
+    sums = 0
+    n = 0
+    do k = 1, contacts%n
+      if (.not. normal_impulse(contacts, k) > 0) cycle
+      if (.not. (scene%bodies%is_grain(contacts%body(1, k)) .and. scene%bodies%is_grain(contacts%body(2, k)))) cycle
+      n(:contacts%dimension) = contacts%normal(1:contacts%dimension, k)
+      sums = sums + [1.0_wp, n(1)*n, n(2)*n(2:3), n(3)*n(3)]
+    end do
+  end function fabric_sums
+end module sg_fabric

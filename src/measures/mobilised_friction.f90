@@ -1,0 +1,58 @@
+!> Mobilised friction and share of sliding contacts, over the contacts whose law has friction.
+!!
+!! Mobilised friction is the sum of the tangential impulses over that of the normal ones, both of contacts with a positive normal
+!! impulse: the tangent of the slope for a block at rest on it. What a contact does, sticking or sliding, is its status after the
+!! solve (sg_contact_status).
+module sg_mobilised_friction
+  use sg_contacts, only: contacts_t, normal_impulse
+  use sg_kinds, only: wp
+  use sg_laws, only: status_slide
+  use sg_scene, only: scene_t
+  use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
+  implicit none
+  private
+  public :: measure_friction, friction_sums, n_friction_sums
+
+  !> Numbers of `friction_sums`
+  integer, parameter :: n_friction_sums = 4
+
+contains
+
+  !> Mobilised friction, and share of sliding contacts.
+  pure subroutine measure_friction(scene, contacts, tally)
+    type(scene_t), intent(in) :: scene !! scene with its laws
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    real(wp) :: sums(n_friction_sums)
+
+    if (tally%pass == pass_sums) call tally%sums%put('friction', friction_sums(scene, contacts))
+    if (tally%pass /= pass_columns) return
+    sums = tally%sums%get('friction', n_friction_sums)
+    call tally%add('mobilised_friction', ratio(sums(4), sums(3)))
+    call tally%add('sliding_share', ratio(sums(2), sums(1)))
+  end subroutine measure_friction
+
+  !> What this rank adds: contacts, those that slide, their normal and their tangential impulses [N s].
+  pure function friction_sums(scene, contacts) result(sums)
+    type(scene_t), intent(in) :: scene !! scene with its laws
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    real(wp) :: sums(n_friction_sums), normal, tangential
+    integer :: k
+
+    sums = 0
+    if (contacts%n_components == 1) return
+    do k = 1, contacts%n
+      normal = normal_impulse(contacts, k)
+      if (.not. normal > 0) cycle
+      associate (law => scene%laws(contacts%law(k)))
+        if (.not. max(law%static_friction, law%dynamic_friction) > 0) cycle
+      end associate
+      if (contacts%n_components == 2) then
+        tangential = abs(contacts%impulse(2, k))
+      else
+        tangential = norm2(contacts%impulse(1:3, k) - normal*contacts%normal(1:3, k))
+      end if
+      sums = sums + [1.0_wp, merge(1.0_wp, 0.0_wp, contacts%status(k) == status_slide), normal, tangential]
+    end do
+  end function friction_sums
+end module sg_mobilised_friction
