@@ -24,6 +24,7 @@ COMMANDS = {
     "trace": "errors against CPU time within the steps that were traced, and what these steps cost by phase",
     "spectrum": "power spectra of wall forces, momentum and kinetic energy ([report] spectrum)",
     "tracks": "columns of the tracked bodies against time ([[track]])",
+    "walls": "pressure, force and place of the walls against time, strains and void ratio of the cell that they enclose",
     "structure": "radial distribution g(r) and structure factor S(k) of the packing",
 }
 
@@ -43,6 +44,8 @@ def parser() -> ArgumentParser:
         if name == "scene":
             command.add_argument("--colour", choices=QUANTITIES, default="speed",
                                  help="quantity that fills the grains (default speed)")
+        if name == "walls":
+            command.add_argument("--wall", metavar="PATTERN", default="*", help="walls to draw, by name with * and ? (default *)")
         if name == "tracks":
             command.add_argument("--body", metavar="PATTERN", default="*", help="bodies to draw, by name with * and ? (default *)")
             command.add_argument("--columns", metavar="NAME,...", type=lambda words: words.split(","),
@@ -79,6 +82,8 @@ def draw(arguments: Namespace) -> tuple[Results, list[str], Path]:
             figure, missing = spectra.spectrum_figure(results)
         elif arguments.command == "tracks":
             figure, missing = tracks.tracks_figure(results, arguments.body, arguments.columns)
+        elif arguments.command == "walls":
+            figure, missing = tracks.walls_figure(results, arguments.wall)
         elif arguments.command == "structure":
             figure, missing = spectra.structure_figure(results, picture)
         elif arguments.command == "energy":

@@ -68,6 +68,12 @@ class Results:
         return read_tracks(path) if path.exists() else {}
 
     @cached_property
+    def walls(self) -> dict[str, dict[str, np.ndarray]]:
+        """walls.csv: for each wall one array per column; empty when the run has no walls, or no row yet."""
+        path = self.folder / "walls.csv"
+        return read_tracks(path, "wall") if path.exists() else {}
+
+    @cached_property
     def trace(self) -> list[dict[str, np.ndarray]]:
         """trace.csv and trace_steps.csv, each as one array per column; empty when the run kept no traces."""
         paths = [self.folder / name for name in ("trace.csv", "trace_steps.csv")]
@@ -158,16 +164,16 @@ def read_record(path: Path) -> dict[str, np.ndarray]:
     return {name: np.array([_number(word) for word in column]) for name, column in zip(names, columns, strict=True)}
 
 
-def read_tracks(path: Path) -> dict[str, dict[str, np.ndarray]]:
-    """tracks.csv as one table per body, each with one array per column; a last row that is cut short is left out."""
+def read_tracks(path: Path, key: str = "body") -> dict[str, dict[str, np.ndarray]]:
+    """tracks.csv, or walls.csv, as one table per body, each with one array per column; a last row cut short is left out."""
     try:
         with open(path, newline="") as file:
             rows = [row for row in csv.reader(file) if row]
     except (OSError, ValueError, csv.Error) as error:
         raise ResultsError(f"cannot read {path}: {error}") from error
-    if not rows or "body" not in rows[0]:
+    if not rows or key not in rows[0]:
         raise ResultsError(f"cannot read {path}: it has no line of names")
-    names, place = rows[0], rows[0].index("body")
+    names, place = rows[0], rows[0].index(key)
     if rows[1:] and len(rows[-1]) != len(names):
         rows.pop()
     bodies = {}

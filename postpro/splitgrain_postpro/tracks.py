@@ -1,7 +1,8 @@
-"""Tracked bodies of a run: curves of the columns of tracks.csv against time."""
+"""Tracked bodies and walls of a run: curves of the columns of tracks.csv and walls.csv against time."""
 
 from fnmatch import fnmatchcase
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from .errors import ResultsError
@@ -16,6 +17,12 @@ PANELS = (
     ("mean torque of contacts", ("mean_torque", "mean_torque_x", "mean_torque_y", "mean_torque_z"), "N m"),
     ("work of contacts", ("contact_work",), "J"),
 )
+#: The same of walls, and columns of the record that are about the cell which they enclose.
+WALL_PANELS = (
+    ("mean pressure on walls", ("mean_pressure",), "Pa"),
+    ("size of the mean force of grains", ("force",), "N"),
+)
+CELL_PANELS = (("strains of the cell", ("strain_xx", "strain_yy", "strain_zz"), ""), ("void ratio", ("void_ratio",), ""))
 STYLES = ("-", "--", ":")
 
 
@@ -40,6 +47,43 @@ def tracks_figure(results: Results, pattern: str = "*", columns: list[str] | Non
         ax.set(title=title, xlabel="time [s]", ylabel=unit and f"[{unit}]")
     figure.suptitle(results.name)
     return figure, missing
+
+
+def walls_figure(results: Results, pattern: str = "*") -> tuple[Figure, list[str]]:
+    """Pressure, force and place of the walls whose names match a pattern; where walls enclose a cell, its strains and void ratio."""
+    if not results.walls:
+        raise ResultsError(f"{results.folder} has no walls.csv: its deck has no [[wall]] and no [[container]], or keeps no record")
+    found = {name: rows for name, rows in results.walls.items() if fnmatchcase(name, pattern)}
+    if not found:
+        raise ResultsError(f"no wall matches {pattern}; there are {', '.join(results.walls)}")
+    missing = [f"{len(found) - len(COLOURS)} walls are not drawn: --wall PATTERN chooses"] if len(found) > len(COLOURS) else []
+    walls = {name: rows | {"force": _size(rows, "mean_force_"), "way": _size(rows, "", rows)}
+             for name, rows in list(found.items())[: len(COLOURS)]}
+    figure = new_figure(11, 7.4)
+    axes = list(figure.subplots(2, 2).flat)
+    for ax, (title, names, unit) in zip(axes, WALL_PANELS, strict=False):
+        _draw_panel(ax, walls, names)
+        ax.set(title=title, xlabel="time [s]", ylabel=f"[{unit}]")
+    if "void_ratio" in results.record:
+        cell = {"cell": results.record}
+        for ax, (title, names, _) in zip(axes[2:], CELL_PANELS, strict=True):
+            _draw_panel(ax, cell, [name for name in names if name in results.record])
+            ax.set(title=title, xlabel="time [s]")
+    else:
+        ax, share = axes[2:]
+        _draw_panel(ax, walls, ["way"])
+        ax.set(title="way of the walls", xlabel="time [s]", ylabel="[m]")
+        if "floor_share" in results.record:
+            _draw_panel(share, {"walls": results.record}, ["floor_share"])
+        share.set(title="weight of the grains that walls carry", xlabel="time [s]", ylabel="share")
+    figure.suptitle(results.name)
+    return figure, missing
+
+
+def _size(rows, prefix, origin=None):
+    """Length of a vector in each row; less that of the first row, where `origin` is given."""
+    names = [prefix + axis for axis in "xyz" if prefix + axis in rows]
+    return np.sqrt(sum((rows[name] - (origin[name][0] if origin else 0)) ** 2 for name in names))
 
 
 def _draw_panel(ax, bodies, names):

@@ -13,7 +13,7 @@ from splitgrain_postpro.cli import main
 from splitgrain_postpro.scene import QUANTITIES, draw_scene, draw_split
 from splitgrain_postpro.style import new_figure
 from splitgrain_postpro.traces import draw_costs, draw_history
-from splitgrain_postpro.tracks import tracks_figure
+from splitgrain_postpro.tracks import tracks_figure, walls_figure
 
 
 @pytest.fixture
@@ -85,6 +85,21 @@ def test_tracks(folder, capsys):
     assert main(["tracks", str(folder), "--body", "wall"]) == 2
     assert "no tracked body matches wall" in capsys.readouterr().err
     figure, _ = tracks_figure(Results(folder), "3", ["force_y"])
+    assert figure.axes[0].lines[0].get_ydata().tolist() == [1, 2, 3]
+
+
+def test_walls(folder, capsys):
+    assert main(["walls", str(folder)]) == 2
+    assert "has no walls.csv" in capsys.readouterr().err
+    header = "step,time,wall,x,y,force_x,mean_force_x,mean_force_y,pressure,mean_pressure,area,contacts\n"
+    rows = [f"{step},{step}e-3,box.{wall},1,2,3,4,5,{step},{step},8,2\n" for step in (1, 2, 3) for wall in range(10)]
+    (folder / "walls.csv").write_text(header + "".join(rows))
+    assert main(["walls", str(folder)]) == 0
+    assert size_of(folder / "walls.png") == (1650, 1110)
+    assert "2 walls are not drawn: --wall PATTERN chooses" in capsys.readouterr().err
+    assert main(["walls", str(folder), "--wall", "lid"]) == 2
+    assert "no wall matches lid" in capsys.readouterr().err
+    figure, _ = walls_figure(Results(folder), "box.3")
     assert figure.axes[0].lines[0].get_ydata().tolist() == [1, 2, 3]
 
 

@@ -1,12 +1,13 @@
 !> End conditions from the section `[stop]` of a deck and from its stages, and their mistakes, with a caret under the word.
 module sg_stop_from_deck
   use sg_blocks, only: deck_t
+  use sg_cell, only: cell_columns, cell_t
   use sg_error, only: diagnostics_t
   use sg_expression_parser, only: parse_expression
   use sg_expressions, only: expression_t
   use sg_kinds, only: wp
   use sg_laws, only: is_cohesive_zone
-  use sg_measures, only: unmeasured
+  use sg_measures, only: measures_t, unmeasured
   use sg_record, only: record_columns
   use sg_report, only: report_t
   use sg_run_options, only: run_options_t
@@ -78,11 +79,16 @@ contains
     type(text_t), allocatable :: names(:)
     type(report_t) :: report
     type(totals_t) :: totals
+    type(measures_t) :: measures
+    type(cell_t) :: cell
     logical :: has_bonds
     integer :: i
 
     has_bonds = any([(is_cohesive_zone(scene%laws(i)), i=1, size(scene%laws))])
-    associate (columns => record_columns(0, 0.0_wp, 0, report, totals, unmeasured(scene%dimension, has_bonds)))
+    measures = unmeasured(scene%dimension, has_bonds)
+    call cell%begin(options%walls)
+    measures%column = [measures%column, cell_columns(cell, scene%dimension)]
+    associate (columns => record_columns(0, 0.0_wp, 0, report, totals, measures))
       if (allocated(options%tracked_names)) then
         names = stop_variables(columns, scene%dimension, options%tracked_names)
       else

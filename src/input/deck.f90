@@ -19,7 +19,8 @@ module sg_deck
   use sg_text, only: text_t
   use sg_toml, only: document_t, parse_toml, read_content, toml_table
   use sg_toml_pieces, only: find_pieces
-  use sg_tracks_from_deck, only: tracks_from_deck
+  use sg_tracks_from_deck, only: name_walls, tracks_from_deck
+  use sg_wall_list_from_deck, only: wall_list_from_deck
   implicit none
   private
   public :: read_deck, read_share, parts_of_deck
@@ -128,6 +129,8 @@ contains
     call scene_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() > 0) return
     call tracks_from_deck(deck, scene%bodies%n + deck%absent%n, options, diagnostics)
+    call wall_list_from_deck(deck, scene, options%walls)
+    call name_walls(deck, options)
   end subroutine read_things
 
   !> Subdomains that a deck asks for; 0 for one per rank, and where the deck has mistakes, which are reported when it is read as a

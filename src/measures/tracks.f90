@@ -5,6 +5,7 @@
 !! velocity Vm = (V0 + V)/2 of the step their work is P . Vm + L . wm, as in the energy balance (sg_energy). Each rank has its share
 !! of the sums, those of its contacts; rows are added up over the ranks.
 module sg_tracks
+  use sg_ascending, only: distinct
   use sg_bodies, only: angle_of, bodies_t
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, impulse_vector
@@ -19,7 +20,7 @@ module sg_tracks
   use sg_vectors, only: cross
   implicit none
   private
-  public :: tracks_t, track_columns
+  public :: tracks_t, track_columns, own_body, place_of
 
   !> Values of a body that outlive a step: number, place where its tracking began (3), both works, time since the last row, and the
   !! impulses since (6)
@@ -30,6 +31,9 @@ module sg_tracks
     !> Numbers of the bodies in the whole scene, ascending, and their names: number where the deck gives none
     integer(i4), allocatable :: number(:)
     type(text_t), allocatable :: name(:)
+    !> Does the deck ask for a body, so that it has rows in tracks.csv? Index of the wall that it is, for walls.csv; 0 for none
+    logical, allocatable :: is_asked(:)
+    integer, allocatable :: wall(:)
     !> Where each was when its tracking began [m], and is that known?
     real(wp), allocatable :: start(:, :)
     logical, allocatable :: has_start(:)
@@ -83,17 +87,27 @@ contains
     if (allocated(self%number)) tracks_is_on = size(self%number) > 0
   end function tracks_is_on
 
-  !> Track some bodies from now on.
-  subroutine tracks_track(self, number, name)
+  !> Track some bodies, and walls, from now on.
+  subroutine tracks_track(self, number, name, wall_number, wall_name)
     class(tracks_t), intent(out) :: self
-    integer(i4), intent(in) :: number(:) !! of the bodies in the whole scene, ascending
+    integer(i4), intent(in) :: number(:) !! of the bodies that the deck asks for, in the whole scene, ascending
     type(text_t), intent(in) :: name(:) !! of the same bodies
-    integer :: i, n
+    integer(i4), intent(in) :: wall_number(:) !! of the walls, ascending
+    type(text_t), intent(in) :: wall_name(:) !! of the walls
+    integer :: i, n, place
 
-    n = size(number)
-    self%number = number
+    self%number = distinct([number, wall_number])
+    n = size(self%number)
+    allocate (self%is_asked(n), self%wall(n))
     do i = 1, n
-      call append_word(self%name, name(i)%s)
+      place = findloc(number, self%number(i), 1)
+      self%is_asked(i) = place > 0
+      self%wall(i) = findloc(wall_number, self%number(i), 1)
+      if (place > 0) then
+        call append_word(self%name, name(place)%s)
+      else
+        call append_word(self%name, wall_name(self%wall(i))%s)
+      end if
     end do
     allocate (self%contact_work(n), self%drive_work(n), self%start(3, n), self%impulse(6, n), self%sum(6, n), self%span(n), &
               source=0.0_wp)
@@ -260,8 +274,8 @@ contains
 
   !> Place of a body [m], not folded into the period; in the plane the third component is zero.
   pure function place_of(scene, body) result(place)
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: body
+    type(scene_t), intent(in) :: scene !! scene with the body
+    integer, intent(in) :: body !! index of the body
     real(wp) :: place(3)
 
     place = 0
@@ -272,8 +286,8 @@ contains
 
   !> Index of a body that this rank owns; 0 where another one does.
   pure integer function own_body(bodies, number) result(body)
-    type(bodies_t), intent(in) :: bodies
-    integer(i4), intent(in) :: number
+    type(bodies_t), intent(in) :: bodies !! bodies of this rank
+    integer(i4), intent(in) :: number !! number of the body in the whole scene
 
     body = local_body(bodies, number)
     if (body > bodies%n_own) body = 0

@@ -2,7 +2,7 @@
 module sg_record
   use sg_error, only: error_t
   use sg_kinds, only: wp, i8
-  use sg_measures, only: measures_t, unmeasured
+  use sg_measures, only: measures_t
   use sg_report, only: report_t
   use sg_step_csv, only: cell, resume_rows
   use sg_tally, only: column_t
@@ -30,44 +30,41 @@ module sg_record
 contains
 
   !> Begin a new record; an older one is replaced.
-  subroutine record_start(self, file, dimension, has_bonds, error)
+  subroutine record_start(self, file, measures, error)
     class(record_t), intent(inout) :: self
     character(len=*), intent(in) :: file !! path of the record
-    integer, intent(in) :: dimension !! of space
-    logical, intent(in) :: has_bonds !! are there cohesive zones?
+    type(measures_t), intent(in) :: measures !! indicators of the run, measured or not
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
 
     self%file = file
     if (.not. self%is_root) return
-    call replace_file(file, header(dimension, has_bonds, self%has_stages)//new_line('a'), error)
+    call replace_file(file, header(measures, self%has_stages)//new_line('a'), error)
   end subroutine record_start
 
   !> Go on with the record of a run that restarts after a step: rows of later steps, and a torn last row, are cut.
-  subroutine record_resume(self, file, dimension, has_bonds, step, error)
+  subroutine record_resume(self, file, measures, step, error)
     class(record_t), intent(inout) :: self
     character(len=*), intent(in) :: file !! path of the record
-    integer, intent(in) :: dimension !! of space
-    logical, intent(in) :: has_bonds !! are there cohesive zones?
+    type(measures_t), intent(in) :: measures !! indicators of the run, measured or not
     integer, intent(in) :: step !! step of the checkpoint
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be read or written, or has other columns
 
     self%file = file
     if (.not. self%is_root) return
-    call resume_rows(file, header(dimension, has_bonds, self%has_stages), step, error)
+    call resume_rows(file, header(measures, self%has_stages), step, error)
   end subroutine record_resume
 
   !> The names of the columns.
-  pure function header(dimension, has_bonds, has_stages) result(names)
-    integer, intent(in) :: dimension
-    logical, intent(in) :: has_bonds, has_stages
+  pure function header(measures, has_stages) result(names)
+    type(measures_t), intent(in) :: measures
+    logical, intent(in) :: has_stages
     character(len=:), allocatable :: names
     type(column_t), allocatable :: columns(:)
     type(report_t) :: report
     type(totals_t) :: totals
     integer :: i
 
-    columns = record_columns(0, 0.0_wp, 0, report, totals, unmeasured(dimension, has_bonds), &
-                             merge(1, 0, has_stages))
+    columns = record_columns(0, 0.0_wp, 0, report, totals, measures, merge(1, 0, has_stages))
     names = trim(columns(1)%name)
     do i = 2, size(columns)
       names = names//','//trim(columns(i)%name)

@@ -77,6 +77,7 @@ contains
     if (self%has_stages) begin = begin//to_text(stage)//','
     n = size(tracks%value, 1)
     do t = 1, size(tracks%number)
+      if (.not. tracks%is_asked(t)) cycle
       rows = rows//begin//quoted_cell(tracks%name(t)%s)
       do i = 1, n - 1
         rows = rows//','//cell(tracks%value(i, t))

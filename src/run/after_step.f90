@@ -1,13 +1,14 @@
 !> Output due after a step: record, spectra, structure, pictures, checkpoints, progress.
 module sg_after_step
   use, intrinsic :: iso_fortran_env, only: error_unit
+  use sg_cell, only: cell_columns
   use sg_centres, only: centres_t, take_centres
   use sg_checkpoint, only: save_once
   use sg_energy, only: kinetic_energy
   use sg_error, only: error_t
   use sg_guard, only: judge_energy
   use sg_kinds, only: wp
-  use sg_measures, only: measure, unmeasured
+  use sg_measures, only: measure, measures_t, unmeasured
   use sg_radial_distribution, only: radial_distribution, radial_distribution_t
   use sg_record, only: record_columns
   use sg_report, only: report_t
@@ -21,7 +22,7 @@ module sg_after_step
   use sg_totals, only: phase_measure, phase_output, reduce_report, totals_t
   implicit none
   private
-  public :: begin_stop, measure_now, report_structure, write_due
+  public :: begin_stop, blank_measures, measure_now, report_structure, write_due
 
 contains
 
@@ -107,8 +108,10 @@ contains
     call totals%reduce(sim%comm)
     columns = record_columns(sim%step, sim%time(), sim%all_contacts, report, totals, sim%writers%measures, sim%stages%number)
     call sim%writers%record%add(columns, error)
-    if (sim%tracks%is_on() .and. .not. allocated(error)) &
+    if (allocated(sim%options%tracked) .and. .not. allocated(error)) &
       call sim%writers%tracks%add(sim%step, sim%time(), sim%tracks, sim%stages%number, error)
+    if (sim%cell%walls%count() > 0 .and. .not. allocated(error)) &
+      call sim%writers%walls%add(sim%step, sim%time(), sim%scene%dimension, sim%tracks, sim%cell, sim%stages%number, error)
     call sim%comm%agree(error)
     if (sim%stop%is_on() .and. .not. allocated(error)) call test_end(sim, columns)
   end subroutine record_now
@@ -145,10 +148,18 @@ contains
     type(totals_t) :: totals
 
     if (.not. sim%stop%is_on()) return
-    call sim%stop%begin(end_variables(sim, record_columns(0, 0.0_wp, 0, report, totals, &
-                                                          unmeasured(sim%scene%dimension, sim%plan%has_bonds), &
+    call sim%stop%begin(end_variables(sim, record_columns(0, 0.0_wp, 0, report, totals, blank_measures(sim), &
                                                           sim%stages%number)), error)
   end subroutine begin_stop
+
+  !> Indicators of a started simulation before the first measure.
+  function blank_measures(sim) result(measures)
+    type(simulation_t), intent(in) :: sim !! started
+    type(measures_t) :: measures
+
+    measures = unmeasured(sim%scene%dimension, sim%plan%has_bonds)
+    measures%column = [measures%column, cell_columns(sim%cell, sim%scene%dimension)]
+  end function blank_measures
 
   !> Kinetic energy to show [J]: that of now on one rank; of several ranks the last one measured, which costs no message.
   real(wp) function present_energy(sim)
@@ -217,5 +228,10 @@ contains
 
     call measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%energy, sim%writers%measures, &
                  sim%decomposition%subdomain, sim%comm)
+    if (.not. sim%cell%walls%has_cell) return
+    call sim%cell%measure(sim%scene, sim%comm)
+    associate (measures => sim%writers%measures)
+      measures%column = [measures%column, cell_columns(sim%cell, sim%scene%dimension)]
+    end associate
   end subroutine measure_now
 end module sg_after_step

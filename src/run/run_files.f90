@@ -15,6 +15,7 @@ module sg_run_files
   use sg_system, only: is_terminal, remove_file
   use sg_text_files, only: replace_file
   use sg_track_file, only: tracks_name
+  use sg_wall_file, only: walls_name
   implicit none
   private
   public :: close_files, open_files, remove_former
@@ -33,10 +34,15 @@ contains
     call sim%writers%summary%add_file('deck', 'effective.toml')
     sim%writers%record%has_stages = sim%stages%number > 0
     sim%writers%tracks%has_stages = sim%stages%number > 0
+    sim%writers%walls%has_stages = sim%stages%number > 0
     if (sim%options%record_every > 0) call open_record(sim, resumes, error)
-    if (.not. allocated(error) .and. sim%options%record_every > 0 .and. sim%tracks%is_on()) then
+    if (.not. allocated(error) .and. sim%options%record_every > 0 .and. allocated(sim%options%tracked)) then
       call sim%writers%tracks%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
       call sim%writers%summary%add_file('tracks', tracks_name)
+    end if
+    if (.not. allocated(error) .and. sim%cell%walls%count() > 0) then
+      call sim%writers%walls%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
+      call sim%writers%summary%add_file('walls', walls_name)
     end if
     if (.not. allocated(error) .and. sim%options%has_trace) call open_trace(sim, resumes, error)
     call sim%comm%agree(error)
@@ -90,9 +96,9 @@ contains
     file = sim%options%folder//'/record.csv'
     call sim%writers%summary%add_file('record', 'record.csv')
     if (resumes) then
-      call sim%writers%record%resume(file, sim%scene%dimension, sim%plan%has_bonds, sim%step, error)
+      call sim%writers%record%resume(file, sim%writers%measures, sim%step, error)
     else
-      call sim%writers%record%start(file, sim%scene%dimension, sim%plan%has_bonds, error)
+      call sim%writers%record%start(file, sim%writers%measures, error)
     end if
   end subroutine open_record
 

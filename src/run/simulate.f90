@@ -2,7 +2,7 @@
 module sg_simulate
   use, intrinsic :: iso_fortran_env, only: error_unit
   use sg_advance, only: advance
-  use sg_after_step, only: begin_stop, write_due
+  use sg_after_step, only: begin_stop, blank_measures, write_due
   use sg_alarm, only: end_after
   use sg_checkpoint, only: load_checkpoint, save_once
   use sg_claim, only: claim_folder, leave_folder
@@ -48,10 +48,12 @@ contains
       writers%summary%is_root = writers%is_root
       writers%record%is_root = writers%is_root
       writers%tracks%is_root = writers%is_root
+      writers%walls%is_root = writers%is_root
       writers%trace%is_root = writers%is_root
       call writers%summary%describe(sim%scene, sim%options, deck, sim%comm)
       call start_simulation(sim)
       writers%summary%has_bonds = sim%plan%has_bonds
+      writers%measures = blank_measures(sim)
     end associate
     if (sim%writers%is_root .and. .not. sim%options%is_quiet) call print_opening(sim)
     call begin(sim, error)

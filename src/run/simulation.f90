@@ -1,6 +1,7 @@
 !> A simulation: everything one run owns, made ready for its first step (sg_advance does the steps).
 module sg_simulation
   use sg_carry, only: carry_t
+  use sg_cell, only: cell_t
   use sg_choose_solver, only: choose_solver
   use sg_comm, only: comm_t, traffic_t
   use sg_contacts, only: contacts_t
@@ -11,7 +12,7 @@ module sg_simulation
   use sg_error, only: error_t, fail
   use sg_history, only: history_t, start_history
   use sg_kept_contacts, only: n_kept_in_plane, n_kept_in_space
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
   use sg_neighbours, only: neighbours_t
   use sg_tunnelling, only: tunnelling_t
   use sg_plan, only: make_plan, omissions_t, plan_t
@@ -71,6 +72,8 @@ module sg_simulation
     type(totals_t) :: totals
     !> Tracked bodies, and conditions that end the run
     type(tracks_t) :: tracks
+    !> Walls, and the cell that they enclose
+    type(cell_t) :: cell
     type(stop_t) :: stop
     !> Stages of the run. Has its present one begun in this process, from a checkpoint of the one before, in the same folder? Has
     !! it ended, so that the next one is due?
@@ -128,9 +131,28 @@ contains
     call choose_solver(sim%options%solver, sim%options%partition, sim%comm%size, sim%solver, refused)
     if (allocated(refused)) call choose_solver(sim%options%solver, sim%solver)
     call reserve_carried(sim)
-    if (allocated(sim%options%tracked)) call sim%tracks%track(sim%options%tracked, sim%options%tracked_names)
+    call track_bodies(sim)
     call sim%totals%clock%start()
   end subroutine start_simulation
+
+  !> Track the bodies that the deck asks for, and walls where there is a record.
+  subroutine track_bodies(sim)
+    type(simulation_t), intent(inout) :: sim
+    type(text_t), allocatable :: names(:)
+
+    if (sim%options%walls%count() == 0 .or. sim%options%record_every == 0) then
+      if (allocated(sim%options%tracked)) &
+        call sim%tracks%track(sim%options%tracked, sim%options%tracked_names, [integer(i4) ::], [text_t ::])
+      return
+    end if
+    call sim%cell%begin(sim%options%walls)
+    if (allocated(sim%options%tracked)) then
+      call sim%tracks%track(sim%options%tracked, sim%options%tracked_names, sim%options%walls%wall%number, sim%options%wall_names)
+    else
+      allocate (names(0))
+      call sim%tracks%track([integer(i4) ::], names, sim%options%walls%wall%number, sim%options%wall_names)
+    end if
+  end subroutine track_bodies
 
   !> Leave rotation in the plan where the checkpoint to go on from holds spins, as that of a stage with friction.
   subroutine keep_spins(sim)

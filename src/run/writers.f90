@@ -1,4 +1,4 @@
-!> Writers of a run: record, tracked bodies, pictures, progress, summary, traces, structure files.
+!> Writers of a run: record, tracked bodies, walls, pictures, progress, summary, traces, structure files.
 module sg_writers
   use sg_measures, only: measures_t
   use sg_pictures, only: pictures_t
@@ -9,6 +9,7 @@ module sg_writers
   use sg_samples, only: samples_t
   use sg_structure_file, only: structure_file_t
   use sg_track_file, only: track_file_t
+  use sg_wall_file, only: wall_file_t
   implicit none
   private
   public :: writers_t
@@ -17,6 +18,7 @@ module sg_writers
   type :: writers_t
     type(record_t) :: record
     type(track_file_t) :: tracks
+    type(wall_file_t) :: walls
     type(pictures_t) :: pictures
     type(progress_t) :: progress
     type(run_summary_t) :: summary

@@ -3,6 +3,7 @@ module sg_run_options
   use sg_kinds, only: wp, i4
   use sg_options, only: option_values_t
   use sg_text, only: text_t
+  use sg_walls, only: walls_t
   implicit none
   private
   public :: run_options_t, solver_options_t, partition_options_t, guard_options_t, split_names, energy_guards
@@ -106,6 +107,9 @@ module sg_run_options
     !> Numbers of tracked bodies, ascending, and their names; unallocated where there are none
     integer(i4), allocatable :: tracked(:)
     type(text_t), allocatable :: tracked_names(:)
+    !> Walls, and their names
+    type(walls_t) :: walls
+    type(text_t), allocatable :: wall_names(:)
     !> Sample series at every step and write their spectra at the end
     logical :: has_spectrum = .false.
     !> Keep the history of errors within some steps: these, or some spread over the run

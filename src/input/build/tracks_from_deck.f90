@@ -1,4 +1,4 @@
-!> Tracked bodies from the blocks `[[track]]`: names, patterns of names, and numbers.
+!> Tracked bodies from the blocks `[[track]]`: names, patterns of names, and numbers; names of walls.
 module sg_tracks_from_deck
   use sg_ascending, only: distinct
   use sg_blocks, only: deck_t
@@ -10,7 +10,7 @@ module sg_tracks_from_deck
   use sg_wildcards, only: has_wildcard, matches
   implicit none
   private
-  public :: tracks_from_deck
+  public :: tracks_from_deck, name_walls
 
 contains
 
@@ -21,7 +21,7 @@ contains
     type(run_options_t), intent(inout) :: options !! gets the bodies
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
     integer(i4), allocatable :: found(:)
-    integer :: b, i, named
+    integer :: b, i
 
     if (deck%count_of('track') == 0) return
     allocate (found(0))
@@ -34,15 +34,37 @@ contains
     options%tracked = distinct(found)
     allocate (options%tracked_names(0))
     do i = 1, size(options%tracked)
-      named = 0
-      if (allocated(deck%named)) named = findloc(deck%named, int(options%tracked(i)), 1)
-      if (named > 0) then
-        call append_word(options%tracked_names, deck%names(named)%s)
-      else
-        call append_word(options%tracked_names, to_text(int(options%tracked(i))))
-      end if
+      call append_word(options%tracked_names, name_or_number(deck, options%tracked(i)))
     end do
   end subroutine tracks_from_deck
+
+  !> Name the walls.
+  subroutine name_walls(deck, options)
+    type(deck_t), intent(in) :: deck !! checked deck with its names
+    type(run_options_t), intent(inout) :: options !! its walls are listed
+    integer :: i
+
+    allocate (options%wall_names(0))
+    do i = 1, options%walls%count()
+      call append_word(options%wall_names, name_or_number(deck, options%walls%wall(i)%number))
+    end do
+  end subroutine name_walls
+
+  !> Name of a body, or its number where it has none.
+  function name_or_number(deck, number) result(name)
+    type(deck_t), intent(in) :: deck
+    integer(i4), intent(in) :: number
+    character(len=:), allocatable :: name
+    integer :: named
+
+    named = 0
+    if (allocated(deck%named)) named = findloc(deck%named, int(number), 1)
+    if (named > 0) then
+      name = deck%names(named)%s
+    else
+      name = to_text(int(number))
+    end if
+  end function name_or_number
 
   !> Add the bodies of a block.
   subroutine add_bodies(deck, b, bodies, found, diagnostics)

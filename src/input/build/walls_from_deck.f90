@@ -15,7 +15,7 @@ module sg_walls_from_deck
   use sg_weights_from_deck, only: weigh_body
   implicit none
   private
-  public :: add_wall_body, add_container, planes_of_container, name_of_plane
+  public :: add_wall_body, add_container, planes_of_container, name_of_plane, planes, thickness_of_container
 
   !> Cosine to z from which on a normal is taken for vertical: rounding
   real(wp), parameter :: vertical = 1 - 1e-12_wp
@@ -101,9 +101,9 @@ contains
 
   !> Axis and side of the planes of a container, from the floor on, shape (2, planes).
   function planes(deck, b, period) result(list)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b
-    real(wp), intent(in) :: period(2)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block of the container
+    real(wp), intent(in) :: period(2) !! periods in x and y [m], zero where there is none
     integer, allocatable :: list(:, :)
 
     list = reshape([3, 1], [2, 1])
@@ -118,6 +118,15 @@ contains
       list = reshape([list, more], [2, size(list, 2) + size(more)/2])
     end subroutine add
   end function planes
+
+  !> Thickness of the planes of a container [m].
+  real(wp) function thickness_of_container(deck, b) result(thickness)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block of the container
+
+    thickness = minval(deck%vector(b, 'size'))/10
+    if (deck%is_given(b, 'thickness')) thickness = deck%number(b, 'thickness')
+  end function thickness_of_container
 
   !> The planes of a [[container]] block. Each reaches beyond the room by its thickness, so that edges and corners are closed.
   subroutine add_container(deck, b, material, scene, share, n, diagnostics)
@@ -135,8 +144,7 @@ contains
     period = [scene%period, scene%period_y, 0.0_wp]
     corner = deck%vector(b, 'corner')
     room = deck%vector(b, 'size')
-    thickness = minval(room)/10
-    if (deck%is_given(b, 'thickness')) thickness = deck%number(b, 'thickness')
+    thickness = thickness_of_container(deck, b)
     beyond = merge(0.0_wp, 2*thickness, period > 0)
     do axis = 1, 2
       if (.not. period(axis) > 0 .or. abs(room(axis) - period(axis)) <= 1e-9_wp*period(axis)) cycle

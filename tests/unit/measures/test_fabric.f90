@@ -63,7 +63,8 @@ contains
     call place_bodies(scene)
     do i = 1, n
       do k = 0, nint(pi/angle) - 1
-        call touch(contacts, [i, 1 + modulo(i + k, n)], [cos(k*angle), sin(k*angle)], [2.0_wp, 0.0_wp], status_stick)
+        call touch(contacts, [i, 1 + modulo(i + k, n)], [cos(real(k, wp)*angle), sin(real(k, wp)*angle)], &
+                   [2.0_wp, 0.0_wp], status_stick)
       end do
     end do
     call expect(measures_of(scene, contacts, 1.0_wp), ['xx', 'xy', 'yy'], expected, what)
@@ -82,7 +83,8 @@ contains
     call place_bodies(scene)
     do i = 1, 9
       do k = 0, 2
-        call touch(contacts, [i, i + 1], [cos(k*pi/3), sin(k*pi/3)], [real(min(k, 1), wp), 0.0_wp], status_stick)
+        call touch(contacts, [i, i + 1], [cos(real(k, wp)*pi/3), sin(real(k, wp)*pi/3)], &
+                   [real(min(k, 1), wp), 0.0_wp], status_stick)
       end do
     end do
     call expect(measures_of(scene, contacts, 1.0_wp), ['xx', 'xy', 'yy'], [0.25_wp, 0.0_wp, 0.75_wp], 'open contacts')

@@ -158,7 +158,7 @@ contains
     type(measures_t) :: measures
     integer :: i
 
-    call record%start('record.csv', 2, .false., error)
+    call record%start('record.csv', unmeasured(2, .false.), error)
     call t%check(.not. allocated(error), 'a record starts')
     do i = 1, n
       report%is_converged = modulo(i, 2) == 0
@@ -193,7 +193,7 @@ contains
     type(measures_t) :: measures
     type(text_t), allocatable :: lines(:)
 
-    call record%start('space.csv', 3, .false., error)
+    call record%start('space.csv', unmeasured(3, .false.), error)
     measures = numbered(3, .false.)
     call record%add(record_columns(1, 0.1_wp, 12, report, totals, measures), error)
     call record%add(record_columns(2, 0.2_wp, 12, report, totals, measures), error)
@@ -201,14 +201,14 @@ contains
     call t%equal(size(lines), 3, 'a header and two rows in space')
     call t%check(index(lines(1)%s//',', promised_columns()//',') == 1, 'the columns promised stand in space, too')
     call t%check(index(lines(1)%s, ',rattlers,quadruple_contacts,stress_xx,stress_xy,stress_xz,stress_yx,') > 0, 'more follow')
-    call t%check(index(lines(1)%s, ',stress_zz,shear_rate,momentum_x,momentum_y,momentum_z,wall_predict,') > 0, 'and more')
+    call t%check(index(lines(1)%s, ',stress_zz,shear_rate,momentum_x,momentum_y,momentum_z,fabric_xx,') > 0, 'and more')
     call t%equal(commas(lines(2)%s), commas(lines(1)%s), 'a cell a column in space')
     call t%check(index(lines(2)%s, ',22,23,2.4') > 0, 'counts are whole numbers in space: '//lines(2)%s)
-    call record%resume('space.csv', 3, .false., 1, error)
+    call record%resume('space.csv', unmeasured(3, .false.), 1, error)
     call t%check(.not. allocated(error), 'a record in space goes on')
     call read_lines('space.csv', lines, error)
     call t%equal(size(lines), 2, 'later rows are cut in space')
-    call record%resume('space.csv', 2, .false., 1, error)
+    call record%resume('space.csv', unmeasured(2, .false.), 1, error)
     call t%check(allocated(error), 'a record in space is none of a scene in the plane')
     call test_bond_columns()
   end subroutine test_rows_in_space
@@ -227,20 +227,20 @@ contains
       measures = numbered(dimension, .true.)
       n = size(measures%column)
       call t%near(measures%get('damaged_bonds'), real(n, wp), 0.0_wp, 'a measure of bonds by its name')
-      call t%near(measures%get('momentum_x'), real(n - 2 - dimension - 1, wp), 0.0_wp, 'one before them')
-      call record%start('bonds.csv', dimension, .true., error)
+      call t%near(measures%get('wall_coordination'), real(n - 4, wp), 0.0_wp, 'one before them')
+      call record%start('bonds.csv', unmeasured(dimension, .true.), error)
       call record%add(record_columns(1, 0.1_wp, 12, report, totals, measures), error)
-      call record%resume('bonds.csv', dimension, .true., 1, error)
+      call record%resume('bonds.csv', unmeasured(dimension, .true.), 1, error)
       call t%check(.not. allocated(error), 'a record with bonds goes on')
       call read_lines('bonds.csv', lines, error)
       call t%check(index(lines(1)%s, ',bond_energy,bond_loss,bonds,damaged_bonds,wall_predict,') > 0, 'columns of bonds')
       call t%check(index(lines(2)%s, ','//to_text(n - 1)//','//to_text(n)//',') > 0, 'bonds are counted')
-      call record%resume('bonds.csv', dimension, .false., 1, error)
+      call record%resume('bonds.csv', unmeasured(dimension, .false.), 1, error)
       call t%check(allocated(error), 'a record with bonds is none of a scene without')
-      call record%start('bonds.csv', dimension, .false., error)
+      call record%start('bonds.csv', unmeasured(dimension, .false.), error)
       call read_lines('bonds.csv', lines, error)
       call t%equal(index(lines(1)%s, 'bond'), 0, 'no columns of bonds in other scenes')
-      call record%resume('bonds.csv', dimension, .true., 1, error)
+      call record%resume('bonds.csv', unmeasured(dimension, .true.), 1, error)
       call t%check(allocated(error), 'and the other way round')
     end do
   end subroutine test_bond_columns
@@ -252,16 +252,16 @@ contains
 
     call write_record(record, 5)
     call append_text('record.csv', '2,torn', error)
-    call record%resume('record.csv', 2, .false., 3, error)
+    call record%resume('record.csv', unmeasured(2, .false.), 3, error)
     call t%check(.not. allocated(error), 'a record goes on')
     call read_lines('record.csv', lines, error)
     call t%equal(size(lines), 4, 'later and torn rows are cut')
     call t%check(lines(4)%s(:2) == '3,', 'the last row is that of the checkpoint')
     call replace_file('record.csv', 'step,other'//nl, error)
-    call record%resume('record.csv', 2, .false., 3, error)
+    call record%resume('record.csv', unmeasured(2, .false.), 3, error)
     call t%check(allocated(error), 'other columns are an error')
     call remove_file('record.csv')
-    call record%resume('record.csv', 2, .false., 3, error)
+    call record%resume('record.csv', unmeasured(2, .false.), 3, error)
     call t%check(.not. allocated(error), 'a missing record is no error')
     call t%check(file_exists('record.csv'), 'a missing record is begun')
   end subroutine test_restart
@@ -279,7 +279,7 @@ contains
       write (*, '(a)') 'skipped: no /dev/full'
       return
     end if
-    call record%start('full.csv', 2, .false., error)
+    call record%start('full.csv', unmeasured(2, .false.), error)
     measures = unmeasured(2, .false.)
     call remove_file('full.csv')
     call execute_command_line('ln -s /dev/full full.csv', exitstat=status)
