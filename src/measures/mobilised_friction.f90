@@ -40,7 +40,7 @@ contains
     integer :: k
 
     sums = 0
-    if (contacts%n_components == 1) return
+    if (contacts%n_components == 1 .or. .not. allocated(scene%laws)) return
     do k = 1, contacts%n
       normal = normal_impulse(contacts, k)
       if (.not. normal > 0) cycle

@@ -78,3 +78,23 @@ momentum_y measure 1
 8.4321826021442015E-01
 momentum_z measure 1
 -1.1772731351203398E+00
+fabric_xx measure 1
+5.4640910181205565E-02
+fabric_xy measure 1
+-7.0200110139353900E-02
+fabric_xz measure 1
+-1.1112922880154273E-01
+fabric_yy measure 1
+6.8669031237783029E-01
+fabric_yz measure 1
+3.2116747149319126E-03
+fabric_zz measure 1
+2.5866877744096417E-01
+mobilised_friction measure 1
+4.9643581431722295E-01
+sliding_share measure 1
+7.5000000000000000E-01
+grain_coordination measure 1
+1.0000000000000000E+00
+wall_coordination measure 1
+5.0000000000000000E-01

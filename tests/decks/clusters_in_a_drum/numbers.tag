@@ -64,3 +64,17 @@ momentum_x measure 1
 3.1765360647281558E+01
 momentum_y measure 1
 -1.9712272474960468E+01
+fabric_xx measure 1
+0.0000000000000000E+00
+fabric_xy measure 1
+0.0000000000000000E+00
+fabric_yy measure 1
+0.0000000000000000E+00
+mobilised_friction measure 1
+7.9154580844974468E-02
+sliding_share measure 1
+0.0000000000000000E+00
+grain_coordination measure 1
+0.0000000000000000E+00
+wall_coordination measure 1
+2.0000000000000001E-01

@@ -64,3 +64,17 @@ momentum_x measure 1
 4.7011057718702132E+00
 momentum_y measure 1
 -1.0385488945297221E-01
+fabric_xx measure 1
+0.0000000000000000E+00
+fabric_xy measure 1
+0.0000000000000000E+00
+fabric_yy measure 1
+0.0000000000000000E+00
+mobilised_friction measure 1
+6.4494689599778318E-02
+sliding_share measure 1
+0.0000000000000000E+00
+grain_coordination measure 1
+0.0000000000000000E+00
+wall_coordination measure 1
+8.0000000000000004E-01

@@ -78,3 +78,23 @@ momentum_y measure 1
 -1.0703033281490146E+00
 momentum_z measure 1
 -4.8778089409009857E-02
+fabric_xx measure 1
+4.9892389848414629E-34
+fabric_xy measure 1
+3.9985975353857476E-30
+fabric_xz measure 1
+2.2336604452873903E-17
+fabric_yy measure 1
+3.2046535150091695E-26
+fabric_yz measure 1
+1.7901546064541937E-13
+fabric_zz measure 1
+1.0000000000000000E+00
+mobilised_friction measure 1
+2.7448912428655026E-01
+sliding_share measure 1
+0.0000000000000000E+00
+grain_coordination measure 1
+3.3333333333333331E-01
+wall_coordination measure 1
+5.0000000000000000E-01

@@ -64,3 +64,17 @@ momentum_x measure 1
 -2.5600351443477258E+00
 momentum_y measure 1
 -1.2844370356019326E+02
+fabric_xx measure 1
+3.1581833126708375E-01
+fabric_xy measure 1
+-8.8915304359516806E-02
+fabric_yy measure 1
+6.8418166873291608E-01
+mobilised_friction measure 1
+1.4067410900926111E-01
+sliding_share measure 1
+2.8571428571428570E-01
+grain_coordination measure 1
+5.3333333333333333E-01
+wall_coordination measure 1
+2.0000000000000001E-01

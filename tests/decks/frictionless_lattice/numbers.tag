@@ -64,3 +64,17 @@ momentum_x measure 1
 2.3894887583906072E+02
 momentum_y measure 1
 -1.8095557413447645E+02
+fabric_xx measure 1
+2.8309939358231262E-01
+fabric_xy measure 1
+1.2739201405911667E-02
+fabric_yy measure 1
+7.1690060641768716E-01
+mobilised_friction measure 1
+0.0000000000000000E+00
+sliding_share measure 1
+0.0000000000000000E+00
+grain_coordination measure 1
+2.9666666666666668E+00
+wall_coordination measure 1
+2.1666666666666667E-01

@@ -64,3 +64,17 @@ momentum_x measure 1
 1.8406723348473161E-01
 momentum_y measure 1
 -9.0499339805750338E+01
+fabric_xx measure 1
+4.4276832081565805E-02
+fabric_xy measure 1
+-2.7169566729351390E-03
+fabric_yy measure 1
+9.5572316791843415E-01
+mobilised_friction measure 1
+1.8507127700092932E-01
+sliding_share measure 1
+5.8823529411764705E-02
+grain_coordination measure 1
+5.0000000000000000E-01
+wall_coordination measure 1
+2.5000000000000000E-01

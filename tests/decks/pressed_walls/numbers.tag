@@ -64,3 +64,27 @@ momentum_x measure 1
 -5.6027939561519560E+01
 momentum_y measure 1
 -3.0040361601399606E+01
+fabric_xx measure 1
+5.1401872335813448E-01
+fabric_xy measure 1
+3.4454481163865756E-02
+fabric_yy measure 1
+4.8598127664186580E-01
+mobilised_friction measure 1
+2.1512708653828277E-01
+sliding_share measure 1
+5.7894736842105265E-01
+grain_coordination measure 1
+1.8222222222222222E+00
+wall_coordination measure 1
+1.4444444444444443E-01
+cell_x measure 1
+8.3567284896429328E-01
+cell_y measure 1
+5.0244469547021575E-01
+strain_xx measure 1
+1.7951807147668614E-01
+strain_yy measure 1
+1.7744408010556570E-01
+void_ratio measure 1
+3.8679150842410781E-01

@@ -64,3 +64,17 @@ momentum_x measure 1
 7.6625300617972067E+00
 momentum_y measure 1
 -5.8554322674965783E-10
+fabric_xx measure 1
+1.0517824398900881E-24
+fabric_xy measure 1
+9.4431076714754242E-13
+fabric_yy measure 1
+1.0000000000000000E+00
+mobilised_friction measure 1
+3.1651210662230317E-01
+sliding_share measure 1
+3.3333333333333331E-01
+grain_coordination measure 1
+1.0000000000000000E+00
+wall_coordination measure 1
+5.0000000000000000E-01

@@ -78,3 +78,37 @@ momentum_y measure 1
 -4.2073225590157512E-02
 momentum_z measure 1
 1.4131169969991138E-02
+fabric_xx measure 1
+3.1251454626096614E-01
+fabric_xy measure 1
+4.3508909496400936E-03
+fabric_xz measure 1
+-4.7502392559509020E-02
+fabric_yy measure 1
+3.4673471851717996E-01
+fabric_yz measure 1
+-8.3862586073953499E-03
+fabric_zz measure 1
+3.4075073522185345E-01
+mobilised_friction measure 1
+2.2098106938236178E-01
+sliding_share measure 1
+5.8208955223880599E-01
+grain_coordination measure 1
+3.4740740740740739E+00
+wall_coordination measure 1
+2.4814814814814815E-01
+cell_x measure 1
+2.0000000000000001E-01
+cell_y measure 1
+1.2000000000000000E-01
+cell_z measure 1
+6.4244596279830701E-02
+strain_xx measure 1
+0.0000000000000000E+00
+strain_yy measure 1
+0.0000000000000000E+00
+strain_zz measure 1
+4.4247257034382670E-01
+void_ratio measure 1
+8.4340198275738998E-01

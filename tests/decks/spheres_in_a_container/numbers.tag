@@ -78,3 +78,23 @@ momentum_y measure 1
 2.2762234149772156E-01
 momentum_z measure 1
 -9.2417764883615394E+00
+fabric_xx measure 1
+2.5280907112405504E-01
+fabric_xy measure 1
+-4.2290846747159300E-02
+fabric_xz measure 1
+2.2539227639913569E-04
+fabric_yy measure 1
+2.2962646772981371E-01
+fabric_yz measure 1
+3.3346147730204327E-02
+fabric_zz measure 1
+5.1756446114613097E-01
+mobilised_friction measure 1
+2.3603802087039893E-01
+sliding_share measure 1
+4.2857142857142855E-01
+grain_coordination measure 1
+7.1304347826086956E-01
+wall_coordination measure 1
+2.5217391304347825E-01

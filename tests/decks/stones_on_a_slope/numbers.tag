@@ -78,3 +78,23 @@ momentum_y measure 1
 9.3628412736143266E-02
 momentum_z measure 1
 -1.4177144847219170E+01
+fabric_xx measure 1
+1.9999920134544327E-01
+fabric_xy measure 1
+7.1729233528129812E-08
+fabric_xz measure 1
+3.9999940100783021E-01
+fabric_yy measure 1
+2.5725517441673553E-14
+fabric_yz measure 1
+1.4345882510023533E-07
+fabric_zz measure 1
+8.0000079865453089E-01
+mobilised_friction measure 1
+3.0000000000000010E-01
+sliding_share measure 1
+1.0000000000000000E+00
+grain_coordination measure 1
+5.0000000000000000E-01
+wall_coordination measure 1
+5.0000000000000000E-01

@@ -64,3 +64,17 @@ momentum_x measure 1
 0.0000000000000000E+00
 momentum_y measure 1
 -1.2165821970710078E+00
+fabric_xx measure 1
+0.0000000000000000E+00
+fabric_xy measure 1
+0.0000000000000000E+00
+fabric_yy measure 1
+0.0000000000000000E+00
+mobilised_friction measure 1
+0.0000000000000000E+00
+sliding_share measure 1
+0.0000000000000000E+00
+grain_coordination measure 1
+0.0000000000000000E+00
+wall_coordination measure 1
+0.0000000000000000E+00
