@@ -2,8 +2,8 @@
 module sg_values
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_key_table, only: key_t, value_bodies, value_body, value_box, value_choice, value_counts, value_faces, value_function, &
-                          value_integer, value_logical, value_name, value_pair, value_points, value_range, value_real, &
-                          value_sides, value_text, value_texts, value_triple, value_turn, value_vector
+                          value_integer, value_logical, value_name, value_pair, value_pairs, value_points, value_range, &
+                          value_real, value_sides, value_text, value_texts, value_triple, value_turn, value_vector
   use sg_kinds, only: wp, i4, i8
   use sg_lists, only: reserve
   use sg_text, only: joined, nearest_word, text_t, to_text
@@ -130,7 +130,7 @@ contains
       may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. number)
     case (value_sides, value_counts)
       may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. entry_kind == toml_integer)
-    case (value_points)
+    case (value_points, value_pairs)
       may = (depth <= 1 .and. entry_kind == toml_array) .or. (depth == 2 .and. number)
     case (value_body)
       may = depth == 0 .and. (entry_kind == toml_string .or. entry_kind == toml_integer)
@@ -271,6 +271,9 @@ contains
     case (value_points)
       fits = value%n == dimension*value%n_lists .and. value%n > 0
       if (fits) fits = all(value%before(2:value%n_lists) - value%before(:value%n_lists - 1) == dimension)
+    case (value_pairs)
+      fits = value%n == 2*value%n_lists .and. value%n > 0
+      if (fits) fits = all(value%before(2:value%n_lists) - value%before(:value%n_lists - 1) == 2)
     case (value_faces, value_counts)
       fits = value%n > 0
     case (value_bodies)
@@ -356,7 +359,7 @@ contains
       text = body_word(value%words(1)%s)
     case (value_bodies)
       text = '['//body_word(value%words(1)%s)//', '//body_word(value%words(2)%s)//']'
-    case (value_points, value_faces)
+    case (value_points, value_pairs, value_faces)
       text = '['//joined(list_words(value, key), ', ')//']'
     case default
       text = joined(list_words(value, key), ', ')
@@ -389,7 +392,7 @@ contains
     do i = 1, value%n
       words(i)%s = number_word(value%numbers(i), key)
     end do
-    if (key%kind /= value_points .and. key%kind /= value_faces) return
+    if (.not. any(key%kind == [value_points, value_pairs, value_faces])) return
     do list = 1, value%n_lists
       i = int(value%before(list)) + 1
       if (i <= value%n) words(i)%s = '['//words(i)%s

@@ -17,7 +17,7 @@ module sg_bodies_from_deck
   use sg_polyhedra_from_deck, only: place_polyhedral_shape
   use sg_polyhedron, only: polyhedron_t
   use sg_rotations, only: frame_of, no_rotation, rotation_by, turned_back
-  use sg_samples_from_deck, only: generate_sample, grain_polygon, grain_polyhedron, sample_t
+  use sg_samples_from_deck, only: generate_samples, grain_polygon, grain_polyhedron, sample_t
   use sg_scene, only: colour_index, scene_t
   use sg_shapes_from_deck, only: add_shape
   use sg_share, only: share_t
@@ -54,14 +54,8 @@ contains
     share%ranks = deck%ranks
     share%common = distinct([called, held])
     called = pack(called, called > n_fixed .and. deck%ranks > 1)
-    allocate (samples(deck%count_of('sample')))
-    i = 0
-    do b = 1, deck%n
-      if (.not. deck%is_in(b, 'sample')) cycle
-      i = i + 1
-      call generate_sample(deck, b, [scene%period, scene%period_y], deck%ranks > 1 .and. size(called) == 0, samples(i), &
-                           share%census, diagnostics)
-    end do
+    call generate_samples(deck, [scene%period, scene%period_y], deck%ranks > 1 .and. size(called) == 0, samples, share%census, &
+                          diagnostics)
     if (n_fixed + sum(samples%n) == 0 .and. diagnostics%count() == 0) &
       call deck%complain(diagnostics, 'there is no body: a deck needs [[body]], [[wall]], [[sample]] or scene.datbox', &
                          deck%block_of('scene'))

@@ -3,9 +3,9 @@ module sg_samples_from_deck
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t, error_t
   use sg_census, only: census_t
-  use sg_generators, only: draw_polygon, draw_radius
+  use sg_generators, only: draw_polygon
   use sg_insertion, only: insert_at_random
-  use sg_kinds, only: wp, i4, i8, pi
+  use sg_kinds, only: wp, i4, i8
   use sg_lattice, only: lattice_t, open_lattice, place_on_lattice
   use sg_lattice_slice, only: shift_grain, sizes_t, slice_t, take_slice
   use sg_memory, only: bytes_per_grain, gigabytes, memory_t
@@ -14,13 +14,14 @@ module sg_samples_from_deck
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: random_polyhedron
   use sg_random, only: random_t
+  use sg_sample_sizes, only: ball_volume, sample_sizes_t
   use sg_sorting, only: hilbert_order
   use sg_text, only: to_text
   use sg_values, only: value_t
   use sg_words, only: choice_index
   implicit none
   private
-  public :: sample_t, generate_sample, grain_polygon, grain_polyhedron
+  public :: sample_t, generate_samples, grain_polygon, grain_polyhedron
 
   !> Grains of one sample, in spatial order: all of them, or those that one of several ranks keeps
   type :: sample_t
@@ -34,6 +35,9 @@ module sg_samples_from_deck
     !! first one listed: either all grains are listed, or those that this rank keeps
     real(wp), allocatable :: centre(:, :), radius(:)
     integer :: before = 0
+    !> How they are sized, and of a sieve curve the second and third half axis of each grain over its radius, shape (2, listed)
+    type(sample_sizes_t) :: sizes
+    real(wp), allocatable :: axes(:, :)
     !> Numbers for the shapes of polygons and polyhedra
     type(random_t) :: random
   end type sample_t
@@ -43,63 +47,94 @@ module sg_samples_from_deck
 
 contains
 
-  !> Draw sizes and places of all grains of a block. Of round grains on a lattice several ranks need never list all.
-  subroutine generate_sample(deck, block, period, may_stream, sample, census, diagnostics)
+  !> Draw sizes and places of the grains of all samples: those on lattices first, then those at random, which keep clear of the
+  !! samples before. Of round grains on a lattice several ranks need never list all.
+  subroutine generate_samples(deck, period, may_stream, samples, census, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
-    integer, intent(in) :: block !! block of the sample
     real(wp), intent(in) :: period(2) !! periods in x and y [m], 0 for none
     logical, intent(in) :: may_stream !! can a rank do without the grains of others?
-    type(sample_t), intent(out) :: sample !! the grains
+    type(sample_t), allocatable, intent(out) :: samples(:) !! in the order of the deck
     type(census_t), intent(inout) :: census !! learns about grains that are not listed
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    logical :: lists_all
+    integer :: b, i, pass
+
+    allocate (samples(deck%count_of('sample')))
+    i = 0
+    do b = 1, deck%n
+      if (.not. deck%is_in(b, 'sample')) cycle
+      i = i + 1
+      samples(i)%block = b
+    end do
+    lists_all = any([(deck%word(samples(i)%block, 'kind') == 'random', i=1, size(samples))])
+    do pass = 1, 2
+      do i = 1, size(samples)
+        if ((deck%word(samples(i)%block, 'kind') == 'random') .eqv. pass == 2) &
+          call generate_sample(deck, samples, i, period, may_stream .and. .not. lists_all, census, diagnostics)
+      end do
+    end do
+  end subroutine generate_samples
+
+  !> Draw sizes and places of the grains of one sample.
+  subroutine generate_sample(deck, samples, i, period, may_stream, census, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(sample_t), intent(inout) :: samples(:) !! grains of those before are there
+    integer, intent(in) :: i
+    real(wp), intent(in) :: period(2)
+    logical, intent(in) :: may_stream
+    type(census_t), intent(inout) :: census
+    type(diagnostics_t), intent(inout) :: diagnostics
     character(len=*), parameter :: boxes(2:3) = [character(len=50) :: 'x least, y least, x most, y most', &
                                                  'x least, y least, z least, x most, y most, z most']
     type(value_t) :: value
     real(wp) :: box(2*deck%dimension)
     logical :: is_periodic(deck%dimension - 1), is_piece
+    integer :: errors
 
-    sample%block = block
-    value = deck%value(block, 'box')
-    associate (d => deck%dimension)
+    associate (sample => samples(i), block => samples(i)%block, d => deck%dimension, along => period(:deck%dimension - 1))
       allocate (sample%centre(d, 0), sample%radius(0))
+      value = deck%value(block, 'box')
       box = value%numbers(:2*d)
       if (any(box(d + 1:) <= box(:d))) then
         call deck%complain(diagnostics, 'the box is empty: it is ['//trim(boxes(d))//']', block, 'box')
         return
       end if
-      associate (along => period(:d - 1))
-        is_periodic = along > 0 .and. abs(box(:d - 1)) <= 1e-9_wp*along .and. abs(box(d + 1:2*d - 1) - along) <= 1e-9_wp*along
-      end associate
+      is_periodic = along > 0 .and. abs(box(:d - 1)) <= 1e-9_wp*along .and. abs(box(d + 1:2*d - 1) - along) <= 1e-9_wp*along
+      call sample%random%seed(deck%integer(block, 'seed'))
+      errors = diagnostics%count()
+      call sample%sizes%read(deck, block, sample%random, diagnostics)
+      if (diagnostics%count() > errors) return
+      if (deck%word(block, 'kind') == 'lattice') then
+        is_piece = may_stream .and. .not. sample%sizes%has_sieve .and. any(deck%word(block, 'shape') == ['disk  ', 'sphere'])
+        call fill_lattice(deck, box, is_periodic, period, is_piece, sample, census, diagnostics)
+        if (is_piece) return
+      else
+        call fill_random(deck, samples, i, box, period, is_periodic, diagnostics)
+      end if
+      call order(sample, box)
+      sample%first = int(int(sample%n, i8)*int(deck%rank, i8)/int(deck%ranks, i8)) + 1
+      sample%last = int(int(sample%n, i8)*int(deck%rank + 1, i8)/int(deck%ranks, i8))
     end associate
-    call sample%random%seed(deck%integer(block, 'seed'))
-    if (deck%word(block, 'kind') == 'lattice') then
-      is_piece = may_stream .and. any(deck%word(block, 'shape') == ['disk  ', 'sphere'])
-      call fill_lattice(deck, box, is_periodic, period, is_piece, sample, census, diagnostics)
-      if (is_piece) return
-    else
-      call fill_random(deck, block, box, is_periodic, sample, diagnostics)
-    end if
-    call order(sample, box)
-    sample%first = int(int(sample%n, i8)*int(deck%rank, i8)/int(deck%ranks, i8)) + 1
-    sample%last = int(int(sample%n, i8)*int(deck%rank + 1, i8)/int(deck%ranks, i8))
   end subroutine generate_sample
 
-  !> Draw the radii of a sample.
-  subroutine draw_radii(deck, sample, n)
+  !> Draw the sizes of a number of grains; where a volume is given, only as many as fill it.
+  subroutine draw_sizes(deck, sample, n, volume)
     type(deck_t), intent(in) :: deck
     type(sample_t), intent(inout) :: sample
     integer, intent(in) :: n
-    real(wp) :: range(2)
-    integer :: distribution, i
+    real(wp), intent(in), optional :: volume
+    real(wp), allocatable :: radius(:), axes(:, :)
+    integer :: i, enough
 
-    distribution = distribution_of(deck, sample%block)
-    range = deck%pair(sample%block, 'radius')
-    deallocate (sample%radius)
-    allocate (sample%radius(n))
+    allocate (radius(n), axes(2, n))
     do i = 1, n
-      sample%radius(i) = draw_radius(sample%random, distribution, range, deck%dimension)
+      call sample%sizes%draw(sample%random, radius(i), axes(:, i))
     end do
-  end subroutine draw_radii
+    enough = n
+    if (present(volume)) enough = enough_grains(radius, volume, deck%dimension)
+    sample%radius = radius(:enough)
+    if (sample%sizes%has_sieve) sample%axes = axes(:, :enough)
+  end subroutine draw_sizes
 
   !> Grains on a lattice: a piece of it, or all.
   subroutine fill_lattice(deck, box, is_periodic, period, is_piece, sample, census, diagnostics)
@@ -110,21 +145,20 @@ contains
     type(census_t), intent(inout) :: census
     type(diagnostics_t), intent(inout) :: diagnostics
     type(lattice_t) :: lattice
-    real(wp) :: range(2), pitch, room
+    real(wp) :: pitch, room
     integer :: wanted, i, arrangement
     logical :: is_refused
 
     associate (block => sample%block)
-      range = deck%pair(block, 'radius')
-      if (deck%word(block, 'distribution') == 'constant') range(2) = range(1)
-      pitch = 2*range(2)*deck%number(block, 'spacing')
+      pitch = 2*sample%sizes%range(2)*deck%number(block, 'spacing')
       wanted = most
       if (deck%is_given(block, 'count')) then
         wanted = deck%integer(block, 'count')
         call check_room(deck, block, real(wanted, wp), 'count', diagnostics, is_refused)
       else
         associate (room => box(deck%dimension + 1:) - box(:deck%dimension))
-          call check_room(deck, block, product(max(1.0_wp, aint(room/pitch))), 'radius', diagnostics, is_refused)
+          call check_room(deck, block, product(max(1.0_wp, aint(room/pitch))), trim(sample%sizes%key), &
+                          diagnostics, is_refused)
         end associate
       end if
       if (is_refused) return
@@ -138,14 +172,14 @@ contains
       else if (sample%n == 0) then
         call deck%complain(diagnostics, 'the box is too small for one grain', block, 'box')
       end if
-      room = deck%number(block, 'jitter')*(pitch - 2*range(2))/2
+      room = deck%number(block, 'jitter')*(pitch - 2*sample%sizes%range(2))/2
     end associate
     if (is_piece) then
       if (sample%n > 0) call take_piece(deck, lattice, room, box, period, sample, census)
       return
     end if
     call place_on_lattice(box, pitch, arrangement, is_periodic, wanted, sample%centre)
-    call draw_radii(deck, sample, sample%n)
+    call draw_sizes(deck, sample, sample%n)
     do i = 1, sample%n
       call shift_grain(sample%centre(:, i), room, sample%random)
     end do
@@ -160,7 +194,7 @@ contains
     type(census_t), intent(inout) :: census
     type(slice_t) :: slice
 
-    call take_slice(lattice, sizes_t(distribution_of(deck, sample%block), deck%pair(sample%block, 'radius'), room), &
+    call take_slice(lattice, sizes_t(sample%sizes%distribution, sample%sizes%range, room), &
                     sample%random, box, period, deck%rank, deck%ranks, slice, census)
     call move_alloc(slice%centre, sample%centre)
     call move_alloc(slice%radius, sample%radius)
@@ -169,59 +203,103 @@ contains
     sample%last = slice%before + size(sample%radius)
   end subroutine take_piece
 
-  !> How radii are spread.
-  integer function distribution_of(deck, block) result(distribution)
+  !> Grains at random places, clear of those of the samples before.
+  subroutine fill_random(deck, samples, i, box, period, is_periodic, diagnostics)
     type(deck_t), intent(in) :: deck
-    integer, intent(in) :: block
-
-    distribution = choice_index(deck%word(block, 'distribution'), 'uniform|volume|lognormal|constant')
-  end function distribution_of
-
-  !> Grains at random places.
-  subroutine fill_random(deck, block, box, is_periodic, sample, diagnostics)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: block
-    real(wp), intent(in) :: box(:)
+    type(sample_t), intent(inout) :: samples(:)
+    integer, intent(in) :: i
+    real(wp), intent(in) :: box(:), period(2)
     logical, intent(in) :: is_periodic(:)
-    type(sample_t), intent(inout) :: sample
     type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp) :: volume, least
-    integer :: n
+    real(wp), allocatable :: there(:, :), their_radii(:)
     logical :: is_refused
 
-    if (deck%is_given(block, 'count') .eqv. deck%is_given(block, 'fill')) then
-      call deck%complain(diagnostics, 'a random [[sample]] needs either "count" or "fill"', block)
-      return
-    end if
-    volume = product(box(deck%dimension + 1:) - box(:deck%dimension))
-    least = volume_of(minval(deck%pair(block, 'radius')), deck%dimension)
-    if (deck%is_given(block, 'count')) then
-      n = deck%integer(block, 'count')
-      if (real(n, wp)*least > volume) then
-        call deck%complain(diagnostics, 'the box is too full: '//to_text(n)//' grains '// &
-                           trim(merge('cover', 'fill ', deck%dimension == 2))//' more than all of it', block, 'box')
+    call size_random(deck, samples(i), box, diagnostics, is_refused)
+    if (is_refused) return
+    associate (sample => samples(i), block => samples(i)%block)
+      ! Largest first: late grains are small and still find room.
+      call arrange(sample, order_of(-sample%radius))
+      call list_neighbours(samples, i, box, period, deck%number(block, 'clearance'), there, their_radii)
+      call insert_at_random(sample%random, sample%radius, box, deck%number(block, 'clearance'), is_periodic, there, their_radii, &
+                            sample%centre, sample%n)
+      if (sample%n == size(sample%radius)) return
+      call deck%complain(diagnostics, 'the box is too full: '//to_text(sample%n)//' of '//to_text(size(sample%radius))// &
+                         ' grains found room'//trim(merge(' next to those of other samples', repeat(' ', 31), &
+                                                          size(their_radii) > 0))//'; random insertion rarely passes a fill of '// &
+                         trim(merge('0.5 ', '0.35', deck%dimension == 2)), block, 'box')
+      sample%n = 0
+    end associate
+  end subroutine fill_random
+
+  !> Draw the sizes of grains at random places.
+  subroutine size_random(deck, sample, box, diagnostics, is_refused)
+    type(deck_t), intent(in) :: deck
+    type(sample_t), intent(inout) :: sample
+    real(wp), intent(in) :: box(:)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    logical, intent(out) :: is_refused
+    real(wp) :: volume, grains
+
+    is_refused = .true.
+    associate (block => sample%block, d => deck%dimension)
+      if (deck%is_given(block, 'count') .eqv. deck%is_given(block, 'fill')) then
+        call deck%complain(diagnostics, 'a random [[sample]] needs either "count" or "fill"', block)
         return
       end if
-      call check_room(deck, block, real(n, wp), 'count', diagnostics, is_refused)
-    else
-      volume = deck%number(block, 'fill')*volume
-      call check_room(deck, block, volume/least, 'fill', diagnostics, is_refused)
-      if (.not. is_refused) n = int(volume/least) + 1
-    end if
-    if (is_refused) return
-    call draw_radii(deck, sample, n)
-    if (deck%is_given(block, 'fill')) sample%radius = sample%radius(:enough(sample%radius, volume, deck%dimension))
-    ! Largest first: late grains are small and still find room.
-    sample%radius = sample%radius(order_of(-sample%radius))
-    call insert_at_random(sample%random, sample%radius, box, deck%number(block, 'clearance'), is_periodic, sample%centre, n)
-    if (n < size(sample%radius)) then
-      call deck%complain(diagnostics, 'the box is too full: '//to_text(n)//' of '//to_text(size(sample%radius))// &
-                         ' grains found room; random insertion rarely passes a fill of '// &
-                         trim(merge('0.5 ', '0.35', deck%dimension == 2)), block, 'box')
-      return
-    end if
-    sample%n = n
-  end subroutine fill_random
+      volume = product(box(d + 1:) - box(:d))
+      if (deck%is_given(block, 'count')) then
+        grains = real(deck%integer(block, 'count'), wp)
+        if (grains*ball_volume(sample%sizes%range(1), d) > volume) then
+          call deck%complain(diagnostics, 'the box is too full: '//to_text(nint(grains))//' grains '// &
+                             trim(merge('cover', 'fill ', d == 2))//' more than all of it', block, 'box')
+          return
+        end if
+        call check_room(deck, block, grains, 'count', diagnostics, is_refused)
+        if (.not. is_refused) call draw_sizes(deck, sample, nint(grains))
+      else
+        volume = deck%number(block, 'fill')*volume
+        grains = sample%sizes%most_grains(volume)
+        call check_room(deck, block, grains, 'fill', diagnostics, is_refused)
+        if (.not. is_refused) call draw_sizes(deck, sample, int(grains) + 1, volume)
+      end if
+    end associate
+  end subroutine size_random
+
+  !> Grains of the samples before, and their images across the periods, that may reach into a box.
+  subroutine list_neighbours(samples, i, box, period, clearance, centre, radius)
+    type(sample_t), intent(in) :: samples(:)
+    integer, intent(in) :: i
+    real(wp), intent(in) :: box(:), period(2), clearance
+    real(wp), allocatable, intent(out) :: centre(:, :), radius(:)
+    real(wp) :: image(size(box)/2)
+    integer :: d, k, grain, turn, n, x, y
+
+    d = size(box)/2
+    ! Counted first, then listed.
+    do turn = 1, 2
+      n = 0
+      do k = 1, size(samples)
+        if (k == i) cycle
+        do grain = 1, samples(k)%n
+          do y = merge(-1, 0, d == 3 .and. period(2) > 0), merge(1, 0, d == 3 .and. period(2) > 0)
+            do x = merge(-1, 0, period(1) > 0), merge(1, 0, period(1) > 0)
+              image = samples(k)%centre(:, grain)
+              image(1) = image(1) + real(x, wp)*period(1)
+              if (d == 3) image(2) = image(2) + real(y, wp)*period(2)
+              associate (reach => samples(k)%radius(grain) + clearance)
+                if (any(image + reach < box(:d) .or. image - reach > box(d + 1:))) cycle
+              end associate
+              n = n + 1
+              if (turn == 1) cycle
+              centre(:, n) = image
+              radius(n) = samples(k)%radius(grain)
+            end do
+          end do
+        end do
+      end do
+      if (turn == 1) allocate (centre(d, n), radius(n))
+    end do
+  end subroutine list_neighbours
 
   !> Refuse more grains than a sample may hold, or than there is memory for, before one of them is made.
   subroutine check_room(deck, block, grains, key, diagnostics, is_refused)
@@ -251,30 +329,18 @@ contains
                        limit//' leaves '//gigabytes(real(left, wp)), block, key)
   end subroutine check_room
 
-  !> Area of a circle, or volume of a sphere.
-  pure real(wp) function volume_of(radius, dimension) result(volume)
-    real(wp), intent(in) :: radius
-    integer, intent(in) :: dimension
-
-    if (dimension == 2) then
-      volume = pi*radius**2
-    else
-      volume = 4*pi/3*radius**3
-    end if
-  end function volume_of
-
   !> How many grains, from the first on, fill an area or a volume.
-  pure integer function enough(radii, volume, dimension) result(n)
+  pure integer function enough_grains(radii, volume, dimension) result(n)
     real(wp), intent(in) :: radii(:), volume
     integer, intent(in) :: dimension
     real(wp) :: filled
 
     filled = 0
     do n = 1, size(radii) - 1
-      filled = filled + volume_of(radii(n), dimension)
+      filled = filled + ball_volume(radii(n), dimension)
       if (filled >= volume) return
     end do
-  end function enough
+  end function enough_grains
 
   !> Put grains in spatial order.
   subroutine order(sample, box)
@@ -286,8 +352,17 @@ contains
     d = size(box)/2
     permutation = hilbert_order(sample%centre(:, :sample%n), box(:d), maxval(box(d + 1:) - box(:d)))
     sample%centre = sample%centre(:, permutation)
-    sample%radius = sample%radius(permutation)
+    call arrange(sample, permutation)
   end subroutine order
+
+  !> Put the sizes of grains in another order.
+  pure subroutine arrange(sample, permutation)
+    type(sample_t), intent(inout) :: sample
+    integer(i4), intent(in) :: permutation(:)
+
+    sample%radius = sample%radius(permutation)
+    if (allocated(sample%axes)) sample%axes = sample%axes(:, permutation)
+  end subroutine arrange
 
   !> Shape of one polygonal grain: vertices about the centre of mass, and that centre.
   subroutine grain_polygon(deck, sample, i, vertices, centre)
@@ -313,14 +388,19 @@ contains
     integer, intent(in) :: i !! grain of the sample
     type(polyhedron_t), intent(out) :: shape !! polyhedron
     type(error_t), allocatable, intent(out) :: error !! set when the numbers make none
-    real(wp) :: elongation(2), least
+    real(wp) :: elongation(2), axes(3)
     integer :: n
 
     n = drawn_count(deck, sample, 'vertices')
-    elongation = deck%pair(sample%block, 'elongation')
-    least = 1/sample%random%uniform(elongation(1), elongation(2))
-    call random_polyhedron(n, sample%radius(i - sample%before)*[1.0_wp, sample%random%uniform(least, 1.0_wp), least], &
-                           sample%random, shape, error)
+    axes(1) = 1
+    if (allocated(sample%axes)) then
+      axes(2:) = sample%axes(:, i - sample%before)
+    else
+      elongation = deck%pair(sample%block, 'elongation')
+      axes(3) = 1/sample%random%uniform(elongation(1), elongation(2))
+      axes(2) = sample%random%uniform(axes(3), 1.0_wp)
+    end if
+    call random_polyhedron(n, sample%radius(i - sample%before)*axes, sample%random, shape, error)
   end subroutine grain_polyhedron
 
   !> A number of vertices within the range that the deck gives.

@@ -1,6 +1,7 @@
 !> Random insertion: places for circles or spheres in a box, none touching another. The same seed gives the same places.
 module sg_insertion
   use sg_kinds, only: wp, i4
+  use sg_ordering, only: order_of
   use sg_random, only: random_t
   implicit none
   private
@@ -17,32 +18,39 @@ module sg_insertion
     integer(i4), allocatable :: head(:, :, :)
   end type cells_t
 
+  !> Grains that were placed, by levels
+  type :: placed_t
+    type(cells_t), allocatable :: levels(:)
+    !> Level of the grain placed last
+    integer :: level = 1
+    !> Grain after another one in its cell, 0 for none; places [m], shape (3, n), and radii [m], largest first
+    integer(i4), allocatable :: next(:)
+    real(wp), allocatable :: place(:, :), radius(:)
+  end type placed_t
+
 contains
 
-  !> Put circles or spheres at random places of a box, one after the other, none touching another.
-  subroutine insert_at_random(random, radii, box, clearance, is_periodic, points, n)
+  !> Put circles or spheres at random places of a box, one after the other, none touching another or one that is there already.
+  subroutine insert_at_random(random, radii, box, clearance, is_periodic, there, their_radii, points, n)
     type(random_t), intent(inout) :: random !! stream of numbers
     real(wp), intent(in) :: radii(:) !! radii, largest first [m]
     real(wp), intent(in) :: box(:) !! least, then largest coordinates [m]: four in the plane, six in space
     real(wp), intent(in) :: clearance !! least distance between two grains [m]
     logical, intent(in) :: is_periodic(:) !! do grains go through the sides of the box? In x; in space in x and in y
+    real(wp), intent(in) :: there(:, :) !! centres of grains that are there [m], in or about the box, shape (dimension, others)
+    real(wp), intent(in) :: their_radii(:) !! their radii [m]
     real(wp), allocatable, intent(out) :: points(:, :) !! centres [m], shape (dimension, size(radii))
     integer, intent(out) :: n !! grains placed before the box was full
-    type(cells_t), allocatable :: levels(:)
-    integer(i4), allocatable :: next(:)
-    real(wp), allocatable :: places(:, :)
+    type(placed_t) :: placed, others
     real(wp) :: low(size(box)/2), high(size(box)/2), point(3), period(3)
-    integer :: d, i, k, try, level
+    integer :: d, i, k, try
 
     d = size(box)/2
     period = 0
     period(:d - 1) = merge(box(d + 1:2*d - 1) - box(:d - 1), 0.0_wp, is_periodic)
-    allocate (places(3, size(radii)), source=0.0_wp)
-    ! The grain after another one in its cell; 0 for none.
-    allocate (next(size(radii)), source=0_i4)
-    call open_levels(levels, radii, box)
+    call place_others(others, box, there, their_radii)
+    call open_placed(placed, radii, box)
     point = 0
-    level = 1
     do n = 0, size(radii) - 1
       i = n + 1
       low = box(:d) + merge(0.0_wp, radii(i), period(:d) > 0)
@@ -52,17 +60,44 @@ contains
         do k = 1, d
           point(k) = random%uniform(low(k), high(k))
         end do
-        if (is_free(levels(:level), next, radii, places, point, radii(i), clearance, period)) exit
+        if (.not. is_free(placed, point, radii(i), clearance, period)) cycle
+        if (size(their_radii) == 0) exit
+        if (is_free(others, point, radii(i), clearance, period)) exit
       end do
       if (try > most_tries) exit
-      places(:, i) = point
-      do while (level < size(levels) .and. radii(i) <= levels(level)%radius/2)
-        level = level + 1
-      end do
-      call add_to_cell(levels(level), next, i, point)
+      call add_grain(placed, i, point)
     end do
-    allocate (points(d, size(radii)), source=places(:d, :))
+    allocate (points(d, size(radii)), source=placed%place(:d, :))
   end subroutine insert_at_random
+
+  !> Take up grains that are there already.
+  subroutine place_others(others, box, there, their_radii)
+    type(placed_t), intent(out) :: others
+    real(wp), intent(in) :: box(:), there(:, :), their_radii(:)
+    integer(i4), allocatable :: order(:)
+    real(wp) :: point(3)
+    integer :: i
+
+    point = 0
+    order = order_of(-their_radii)
+    if (size(order) == 0) return
+    call open_placed(others, their_radii(order), box)
+    do i = 1, size(order)
+      point(:size(there, 1)) = there(:, order(i))
+      call add_grain(others, i, point)
+    end do
+  end subroutine place_others
+
+  !> Make room for grains of these radii, largest first, of which none is placed yet.
+  subroutine open_placed(placed, radii, box)
+    type(placed_t), intent(out) :: placed
+    real(wp), intent(in) :: radii(:), box(:)
+
+    allocate (placed%radius, source=radii)
+    allocate (placed%place(3, size(radii)), source=0.0_wp)
+    allocate (placed%next(size(radii)), source=0_i4)
+    call open_levels(placed%levels, radii, box)
+  end subroutine open_placed
 
   !> Levels of grains, each half as large as the one before, and their cells.
   subroutine open_levels(levels, radii, box)
@@ -101,7 +136,20 @@ contains
     cell = max(0, min(cells%n - 1, int((point - cells%corner)/cells%side)))
   end function cell_of
 
-  !> Add a grain.
+  !> Add the next grain.
+  pure subroutine add_grain(placed, grain, point)
+    type(placed_t), intent(inout) :: placed
+    integer, intent(in) :: grain
+    real(wp), intent(in) :: point(3)
+
+    placed%place(:, grain) = point
+    do while (placed%level < size(placed%levels) .and. placed%radius(grain) <= placed%levels(placed%level)%radius/2)
+      placed%level = placed%level + 1
+    end do
+    call add_to_cell(placed%levels(placed%level), placed%next, grain, point)
+  end subroutine add_grain
+
+  !> Add a grain to a level.
   pure subroutine add_to_cell(cells, next, grain, point)
     type(cells_t), intent(inout) :: cells
     integer(i4), intent(inout) :: next(:)
@@ -115,15 +163,15 @@ contains
   end subroutine add_to_cell
 
   !> Is a place free of all grains so far?
-  pure logical function is_free(levels, next, radii, points, point, radius, clearance, period)
-    type(cells_t), intent(in) :: levels(:)
-    integer(i4), intent(in) :: next(:)
-    real(wp), intent(in) :: radii(:), points(:, :), point(3), radius, clearance, period(3)
+  pure logical function is_free(placed, point, radius, clearance, period)
+    type(placed_t), intent(in) :: placed
+    real(wp), intent(in) :: point(3), radius, clearance, period(3)
     integer :: level
 
     is_free = .true.
-    do level = 1, size(levels)
-      if (is_free) is_free = is_free_of(levels(level), next, radii, points, point, radius, clearance, period)
+    do level = 1, placed%level
+      if (is_free) is_free = is_free_of(placed%levels(level), placed%next, placed%radius, placed%place, point, radius, clearance, &
+                                        period)
     end do
   end function is_free
 

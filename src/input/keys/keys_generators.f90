@@ -1,7 +1,7 @@
 !> The key table, fourth part: what is generated; boxes, masonry and samples of grains.
 module sg_keys_generators
-  use sg_key_table, only: in_plane, in_space, key_table_t, value_box, value_choice, value_integer, value_logical, value_range, &
-                          value_real, value_sides, value_text, value_triple, value_vector
+  use sg_key_table, only: in_plane, in_space, key_table_t, value_box, value_choice, value_integer, value_logical, value_pairs, &
+                          value_range, value_real, value_sides, value_text, value_triple, value_vector
   use sg_keys_bodies, only: add_common
   use sg_kinds, only: wp, pi
   use sg_words, only: short_real
@@ -89,11 +89,15 @@ contains
                    'space volumes.', above=0.0_wp, &
                    most=0.9_wp, only='kind=random')
     call table%add('radius', value_range, 'Radius of the circle or sphere about a grain: one number, or [least, most].', unit='m', &
-                   is_required=.true., above=0.0_wp)
+                   above=0.0_wp)
+    call table%add('sieve', value_pairs, 'In place of radius: a grain size curve, [[opening in m, percent of the mass that '// &
+                   'passes], ...], from 0 to 100 %. A polyhedron passes an opening as wide as its middle axis.', least=0.0_wp)
+    call table%add('curve', value_choice, 'In place of radius: a named grain size curve, for railway ballast the middle of the '// &
+                   'limits of a category of EN 13450.', choices='ballast_a|ballast_d|ballast_e|ballast_f')
     call table%add('distribution', value_choice, 'How radii are spread: evenly by number; evenly by area or volume (as many '// &
                    'grains as make each size class weigh the same); lognormal (median in the geometric middle, ends two '// &
                    'deviations away, cut there); all the same (the least).', default='"uniform"', &
-                   choices='uniform|volume|lognormal|constant')
+                   choices='uniform|volume|lognormal|constant', only='radius')
     call table%add('sides', value_sides, 'Number of sides of polygons: one number, or [least, most].', default='[5, 8]', &
                    least=3.0_wp, most=64.0_wp, only='shape=polygon', dimension=in_plane, twin='vertices')
     call table%add('vertices', value_sides, 'Number of vertices of polyhedra, which lie on an ellipsoid: one number, or '// &

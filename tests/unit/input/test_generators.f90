@@ -84,6 +84,7 @@ contains
     integer, parameter :: n = 800
     real(wp), parameter :: box(4) = [1.0_wp, 2.0_wp, 5.0_wp, 5.0_wp]
     real(wp), allocatable :: points(:, :), again(:, :)
+    real(wp) :: none(2, 0)
     real(wp) :: radii(n), gap
     type(random_t) :: random
     integer :: i, placed
@@ -93,7 +94,7 @@ contains
       is_periodic = i == 2
       radii = sizes(n, 0.02_wp, 0.08_wp)
       call random%seed(5)
-      call insert_at_random(random, radii, box, 0.005_wp, [is_periodic], points, placed)
+      call insert_at_random(random, radii, box, 0.005_wp, [is_periodic], none, none(1, :), points, placed)
       call t%equal(placed, n, 'all grains find room')
       gap = least_gap(points, radii, merge(4.0_wp, 0.0_wp, is_periodic))
       call t%check(gap >= 0.005_wp - 1e-12_wp, 'grains keep their clearance')
@@ -106,13 +107,13 @@ contains
       call t%check(all(points(2, :) - radii >= 2 .and. points(2, :) + radii <= 5), 'grains within the box in y')
     end do
     call random%seed(5)
-    call insert_at_random(random, radii, box, 0.005_wp, [.true.], again, placed)
+    call insert_at_random(random, radii, box, 0.005_wp, [.true.], none, none(1, :), again, placed)
     call t%near(maxval(abs(points - again)), 0.0_wp, 0.0_wp, 'the same seed gives the same places')
     call random%seed(6)
-    call insert_at_random(random, radii, box, 0.005_wp, [.true.], again, placed)
+    call insert_at_random(random, radii, box, 0.005_wp, [.true.], none, none(1, :), again, placed)
     call t%check(maxval(abs(points - again)) > 0.1_wp, 'another seed gives others')
     radii = 0.2_wp
-    call insert_at_random(random, radii, box, 0.0_wp, [.false.], again, placed)
+    call insert_at_random(random, radii, box, 0.0_wp, [.false.], none, none(1, :), again, placed)
     call t%check(placed > 30 .and. placed < 96, 'a box that is too full takes some')
     call t%check(least_gap(again(:, :placed), radii(:placed), 0.0_wp) >= 0, 'and those do not overlap')
   end subroutine test_insertion

@@ -88,6 +88,7 @@ contains
     integer, parameter :: n = 500
     real(wp), parameter :: box(6) = [1.0_wp, 2.0_wp, 3.0_wp, 3.0_wp, 4.5_wp, 5.0_wp]
     real(wp), allocatable :: points(:, :), again(:, :)
+    real(wp) :: none(3, 0)
     real(wp) :: radii(n)
     type(random_t) :: random
     integer :: k, axis, placed
@@ -100,7 +101,7 @@ contains
       wraps = [btest(k, 0), btest(k, 1), .false.]
       is_periodic = wraps(:2)
       call random%seed(5)
-      call insert_at_random(random, radii, box, 0.003_wp, is_periodic, points, placed)
+      call insert_at_random(random, radii, box, 0.003_wp, is_periodic, none, none(1, :), points, placed)
       call t%equal(placed, n, 'all grains find room')
       call t%check(least_gap(points, radii, merge(box(4:5) - box(1:2), 0.0_wp, is_periodic)) >= 0.003_wp - 1e-12_wp, &
                    'grains keep their clearance')
@@ -115,13 +116,13 @@ contains
       end do
     end do
     call random%seed(5)
-    call insert_at_random(random, radii, box, 0.003_wp, is_periodic, again, placed)
+    call insert_at_random(random, radii, box, 0.003_wp, is_periodic, none, none(1, :), again, placed)
     call t%near(maxval(abs(points - again)), 0.0_wp, 0.0_wp, 'the same seed gives the same places')
     call random%seed(6)
-    call insert_at_random(random, radii, box, 0.003_wp, is_periodic, again, placed)
+    call insert_at_random(random, radii, box, 0.003_wp, is_periodic, none, none(1, :), again, placed)
     call t%check(maxval(abs(points - again)) > 0.1_wp, 'another seed gives others')
     radii = 0.45_wp
-    call insert_at_random(random, radii, box, 0.0_wp, is_periodic, again, placed)
+    call insert_at_random(random, radii, box, 0.0_wp, is_periodic, none, none(1, :), again, placed)
     call t%check(placed > 3 .and. placed < 20, 'a full box is told')
   end subroutine test_insertion
 

@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""Samples from outside: sizes from sieve curves, samples in one box that keep clear of each other, on ranks too, mistakes."""
+
+import json
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from program_case import ProgramCase, take_program  # noqa: E402
+
+SCENE = """[scene]
+dimension = 3
+gravity = [0.0, 0.0, 0.0]
+[time]
+step = 1e-4
+steps = 1
+[[material]]
+name = "stone"
+density = 1.0
+[[law]]
+friction = 0.5
+"""
+SAMPLE = """[[sample]]
+shape = "polyhedron"
+box = [0.0, 0.0, 0.0, 0.6, 0.6, 0.6]
+SIZE
+count = 150
+"""
+PLANE = """[time]
+step = 1e-4
+steps = 1
+PERIOD
+[[material]]
+name = "sand"
+density = 1.0
+[[law]]
+friction = 0.5
+"""
+FINE_AND_COARSE = """[[sample]]
+box = [0.0, 0.0, 1.0, 1.0]
+radius = 0.1
+fill = 0.3
+[[sample]]
+box = [0.0, 0.0, 1.0, 1.0]
+radius = [0.01, 0.02]
+fill = 0.3
+seed = 4
+[[sample]]
+kind = "lattice"
+box = [0.4, 0.4, 0.6, 0.6]
+radius = 0.03
+"""
+
+
+class Samples(ProgramCase):
+    def run_deck(self, text, *words, code=0):
+        (self.place / "deck.toml").write_text(text)
+        return self.run_program("run", "deck.toml", "--output", "out", "--force", "--quiet", *words, code=code)
+
+    def run_json(self):
+        return json.loads((self.place / "out" / "run.json").read_text())
+
+    def message(self, text):
+        done = self.run_deck(text, code=2)
+        return done.stdout + done.stderr
+
+    def test_curves(self):
+        """A named curve is that of the deck that writes it out; what sizes do not come from has no place in the effective deck."""
+        sieve = "sieve = [[0.0224, 0], [0.0315, 13], [0.04, 47.5], [0.05, 84.5], [0.063, 100]]"
+        found = []
+        for size in ('curve = "ballast_a"', sieve):
+            self.run_deck(SCENE + SAMPLE.replace("SIZE", size + "\nelongation = [1.0, 2.0]"))
+            run = self.run_json()
+            found.append((run["mean_radius"], run["compactness"]))
+            # A sphere about a grain is at least as large as its middle axis, and at most twice that.
+            self.assertTrue(0.0112 < run["mean_radius"] < 0.063)
+            effective = (self.place / "out" / "effective.toml").read_text()
+            self.assertNotIn("distribution", effective)
+            self.run_program("run", "out/effective.toml", "--output", "again", "--force", "--quiet")
+        self.assertEqual(found[0], found[1])
+
+    def test_together(self):
+        """Samples in one box do not overlap, in a periodic one neither: overlaps at the start are warned of."""
+        for period in ("", "[scene]\nperiod_x = 1.0"):
+            with self.subTest(period=period):
+                done = self.run_deck(PLANE.replace("PERIOD", period) + FINE_AND_COARSE)
+                self.assertNotIn("overlap", done.stdout + done.stderr)
+                self.assertEqual(self.run_json()["volume_error"], 0.0)
+                self.assertGreater(self.run_json()["grains"], 300)
+
+    def test_refused(self):
+        """What makes no sizes is refused with its place."""
+        both = SAMPLE.replace("SIZE", 'radius = 0.02\ncurve = "ballast_a"')
+        self.assertIn('needs one of the keys "radius", "sieve" and "curve"', self.message(SCENE + both))
+        self.assertIn('needs one of the keys "radius", "sieve" and "curve"', self.message(SCENE + SAMPLE.replace("SIZE", "")))
+        self.assertIn("openings must rise", self.message(SCENE + SAMPLE.replace("SIZE", "sieve = [[0.2, 0], [0.1, 100]]")))
+        self.assertIn("a list of lists of 2 numbers", self.message(SCENE + SAMPLE.replace("SIZE", "sieve = [[0.2, 0, 1], [0.3, 100, 2]]")))
+        full = PLANE.replace("PERIOD", "") + FINE_AND_COARSE.replace("fill = 0.3\nseed", "fill = 0.6\nseed")
+        self.assertIn("next to those of other samples", self.message(full))
+
+
+if __name__ == "__main__":
+    take_program()
+    unittest.main()
