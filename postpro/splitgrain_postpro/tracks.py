@@ -27,7 +27,7 @@ STYLES = ("-", "--", ":")
 
 
 def tracks_figure(results: Results, pattern: str = "*", columns: list[str] | None = None) -> tuple[Figure, list[str]]:
-    """Curves of the tracked bodies whose names match a pattern; as many as there are colours."""
+    """Curves of the tracked bodies whose names match a pattern, as many as there are colours; dotted lines where stages begin."""
     if not results.tracks:
         raise ResultsError(f"{results.folder} has no tracks: set [[track]] body = \"NAME\" in the deck")
     found = {name: rows for name, rows in results.tracks.items() if fnmatchcase(name, pattern)}
@@ -44,6 +44,8 @@ def tracks_figure(results: Results, pattern: str = "*", columns: list[str] | Non
     figure = new_figure(5.5 * wide, 3.7 * -(-len(panels) // wide))
     for ax, (title, names, unit) in zip(figure.subplots(-(-len(panels) // wide), wide, squeeze=False).flat, panels, strict=False):
         _draw_panel(ax, bodies, [name for name in names if name in known])
+        for stage in results.run.get("stages", [])[1:]:
+            ax.axvline(stage["start_time"], color=WALL, linewidth=0.8, linestyle=":")
         ax.set(title=title, xlabel="time [s]", ylabel=unit and f"[{unit}]")
     figure.suptitle(results.name)
     return figure, missing

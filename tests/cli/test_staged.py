@@ -273,6 +273,21 @@ class Staged(ProgramCase):
         self.assertIn("stage[2].steps = 12 (was 10)", said)
         self.assertEqual(len(self.rows()), 22)
 
+    def test_settings_of_a_stage(self):
+        """A setting changes a key of a stage, or adds it; others stay."""
+        self.write(PLATE, ["steps = 30", "steps = 20\n" + drive("y", 0.2)])
+        self.call("--set", "stage[2].drive[1].value=0.4", "--set", "stage[1].scene.gravity=[0, -20]", "--set", "stage[1].time.step=2e-3")
+        last = self.rows(file="tracks.csv")[-1]
+        self.assertAlmostEqual(float(last["velocity_y"]), 0.4, delta=ROUNDING)
+        self.assertAlmostEqual(float(last["time"]), 0.08, delta=ROUNDING)
+        self.assertAlmostEqual(float(self.rows(file="tracks.csv")[29]["velocity_y"]), -20 * 0.06, delta=ROUNDING)
+        self.assertIn("[stage.scene]\ngravity = [0.0, -20.0]\n", (self.place / "out/effective.toml").read_text())
+        for setting, words in (("stage[3].time.step=1", "the deck has 2 stages"), ("stage[1].drive.value=1", "stage 1 has no [[drive]] number 1"),
+                               ("stage[1].time.steps=3", '"time.steps" cannot change between stages'),
+                               ("stage[2].solver.tolerence=1", 'unknown key "tolerence" in [solver]'),
+                               ("stage[1].solver.tolerance=-1", '"stage[1].solver.tolerance" must be larger than 0')):  # fmt: skip
+            self.assertIn(words, self.call("--set", setting, "--force", code=2).stderr)
+
     def test_bad_input(self):
         """One sentence each, at its place."""
         for stages, words, place in (
