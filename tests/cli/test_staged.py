@@ -320,7 +320,7 @@ class Staged(ProgramCase):
                     self.assertRegex(said, r"\n +\^")
         self.write(DISK + "[stop]\nwhen = 'time > 1'\n", ["steps = 10"])
         self.assertIn("end conditions of a deck with stages stand in the stages", self.run_program("run", "deck.toml", code=2).stderr)
-        self.write(DISK + "[report]\ntrace = true\n", ["steps = 10"])
+        self.write(DISK + "[report]\ntrace = true\ntrace_steps = [5]\n", ["steps = 10"])
         self.assertIn("traces do not go over several stages", self.run_program("run", "deck.toml", code=2).stderr)
         self.assertFalse((self.place / "deck.results").exists())
 

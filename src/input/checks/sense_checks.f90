@@ -147,6 +147,8 @@ contains
     integer :: last, n_beyond
 
     if (.not. (deck%is_given(b, 'trace_steps') .and. deck%flag(b, 'trace'))) return
+    ! Not given in decks with stages, which refuse traces.
+    if (.not. deck%is_given(deck%block_of('time'), 'steps')) return
     steps = deck%value(b, 'trace_steps')
     last = deck%integer(deck%block_of('time'), 'steps')
     n_beyond = count(nint(steps%numbers(:steps%n)) > last)
