@@ -85,7 +85,7 @@ contains
     integer :: i
 
     has_bonds = any([(is_cohesive_zone(scene%laws(i)), i=1, size(scene%laws))])
-    measures = unmeasured(scene%dimension, has_bonds)
+    measures = unmeasured(scene%dimension, has_bonds, options%record_mean)
     call cell%begin(options%walls)
     measures%column = [measures%column, cell_columns(cell, scene%dimension)]
     associate (columns => record_columns(0, 0.0_wp, 0, report, totals, measures))

@@ -8,7 +8,7 @@ module sg_balance
   use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
-  public :: measure_floor_share, measure_momentum, force_on_walls, momentum
+  public :: measure_floor_share, measure_momentum, carried_share, force_on_walls, momentum
 
 contains
 
@@ -45,7 +45,9 @@ contains
 
   !> A force along gravity over the weight of a mass; zero without weight.
   pure real(wp) function carried_share(force, gravity, mass) result(share)
-    real(wp), intent(in) :: force(:), gravity(3), mass
+    real(wp), intent(in) :: force(:) !! force [N], in the dimension of the scene
+    real(wp), intent(in) :: gravity(3) !! [m/s2]
+    real(wp), intent(in) :: mass !! [kg]
     real(wp) :: weight
 
     share = 0

@@ -21,7 +21,8 @@ module sg_energy
   use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
-  public :: energy_t, measure_energy, add_held_work, bond_work_of, kinetic_energy, potential_energy, n_energy_values
+  public :: energy_t, measure_energy, add_held_work, bond_work_of, kinetic_energy, kinetic_energy_at, potential_energy
+  public :: n_energy_values
 
   !> Numbers that `pack` writes
   integer, parameter :: n_energy_values = 9
@@ -237,15 +238,23 @@ contains
   !> Kinetic energy of this rank's bodies [J].
   pure real(wp) function kinetic_energy(bodies) result(kinetic)
     type(bodies_t), intent(in) :: bodies !! bodies with their velocities
+
+    kinetic = kinetic_energy_at(bodies, bodies%velocity)
+  end function kinetic_energy
+
+  !> Kinetic energy of this rank's bodies at other velocities [J].
+  pure real(wp) function kinetic_energy_at(bodies, velocity) result(kinetic)
+    type(bodies_t), intent(in) :: bodies !! the bodies
+    real(wp), intent(in), contiguous :: velocity(:, :) !! of each body, components as in `bodies_t`
     integer :: i, c
 
     kinetic = 0
     do i = 1, bodies%n_own
       do c = 1, bodies%n_velocity
-        kinetic = kinetic + inertia_of(bodies, c, i)*bodies%velocity(c, i)**2/2
+        kinetic = kinetic + inertia_of(bodies, c, i)*velocity(c, i)**2/2
       end do
     end do
-  end function kinetic_energy
+  end function kinetic_energy_at
 
   !> Potential energy of this rank's bodies [J], zero at the origin; positions are unwrapped.
   pure real(wp) function potential_energy(scene, gravity) result(potential)

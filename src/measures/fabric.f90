@@ -6,10 +6,10 @@ module sg_fabric
   use sg_contacts, only: contacts_t, normal_impulse
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
-  use sg_tally, only: pass_columns, pass_sums, tally_t
+  use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
   implicit none
   private
-  public :: measure_fabric, fabric_sums, n_fabric_sums
+  public :: measure_fabric, add_fabric, fabric_sums, n_fabric_sums
 
   !> Numbers of `fabric_sums`
   integer, parameter :: n_fabric_sums = 7
@@ -21,22 +21,28 @@ contains
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     type(tally_t), intent(inout) :: tally !! tally of the measure
-    real(wp) :: sums(n_fabric_sums)
+
+    if (tally%pass == pass_sums) call tally%sums%put('fabric', fabric_sums(scene, contacts))
+    if (tally%pass == pass_columns) call add_fabric(tally%sums%get('fabric', n_fabric_sums), scene%dimension, 'fabric_', tally)
+  end subroutine measure_fabric
+
+  !> Add the columns that follow from sums.
+  pure subroutine add_fabric(sums, dimension, prefix, tally)
+    real(wp), intent(in) :: sums(n_fabric_sums) !! of `fabric_sums`, of all ranks
+    integer, intent(in) :: dimension !! of space
+    character(len=*), intent(in) :: prefix !! of the names
+    type(tally_t), intent(inout) :: tally !! tally of the measure
     integer :: a, b, place
     character(len=*), parameter :: axis = 'xyz'
 
-    if (tally%pass == pass_sums) call tally%sums%put('fabric', fabric_sums(scene, contacts))
-    if (tally%pass /= pass_columns) return
-    sums = tally%sums%get('fabric', n_fabric_sums)
-    if (sums(1) > 0) sums(2:) = sums(2:)/sums(1)
     place = 1
     do a = 1, 3
       do b = a, 3
         place = place + 1
-        if (max(a, b) <= scene%dimension) call tally%add('fabric_'//axis(a:a)//axis(b:b), sums(place))
+        if (max(a, b) <= dimension) call tally%add(prefix//axis(a:a)//axis(b:b), ratio(sums(place), sums(1)))
       end do
     end do
-  end subroutine measure_fabric
+  end subroutine add_fabric
 
   !> What this rank adds: number of contacts, and n (x) n in the order xx, xy, xz, yy, yz, zz.
   pure function fabric_sums(scene, contacts) result(sums)

@@ -17,6 +17,7 @@ module sg_measures
   use sg_inertia_number, only: measure_inertia, measure_shear_rate
   use sg_internal_values, only: bond_slip
   use sg_kinds, only: wp
+  use sg_means, only: means_t, measure_means
   use sg_mobilised_friction, only: measure_friction
   use sg_owner_sums, only: add_grains_at_owner, copy_from_owner
   use sg_penetration, only: measure_penetration
@@ -46,12 +47,13 @@ module sg_measures
 contains
 
   !> THE list: one line per indicator, in the order of columns (doc/guide/results.md has their meanings and units).
-  pure subroutine visit_indicators(scene, contacts, energy, touching, neighbours, tally)
+  pure subroutine visit_indicators(scene, contacts, energy, touching, neighbours, means, tally)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     type(energy_t), intent(in) :: energy
     type(touching_t), intent(in) :: touching
     real(wp), intent(in) :: neighbours(:)
+    type(means_t), intent(in) :: means
     type(tally_t), intent(inout) :: tally
 
     call sum_grains(scene%bodies, tally)
@@ -71,11 +73,12 @@ contains
     call measure_fabric(scene, contacts, tally)
     call measure_friction(scene, contacts, tally)
     call measure_kinds_of_pairs(tally)
+    call measure_means(scene, means, tally)
     call measure_bonds(scene, contacts, tally)
   end subroutine visit_indicators
 
   !> Measure everything. Collective: all ranks get the measures of the whole scene.
-  subroutine measure_shared(scene, contacts, h, energy, measures, subdomain, comm)
+  subroutine measure_shared(scene, contacts, h, energy, measures, subdomain, comm, means)
     type(scene_t), intent(in) :: scene !! scene after the update
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
@@ -83,10 +86,13 @@ contains
     type(measures_t), intent(out) :: measures !! the indicators
     type(subdomain_t), intent(in) :: subdomain !! which ranks hold which bodies
     type(comm_t), intent(inout) :: comm !! the ranks
+    type(means_t), intent(in), optional :: means !! sums of the interval that ends with the step, none unless given
+    type(means_t) :: interval
     type(tally_t) :: tally
     type(touching_t) :: touching
     real(wp) :: neighbours(1, scene%bodies%n)
 
+    if (present(means)) interval = means
     tally%is_shared = comm%size > 1
     tally%h = h
     tally%has_bonds = contacts%n_internal >= bond_slip
@@ -97,7 +103,7 @@ contains
       call copy_from_owner(subdomain, comm, neighbours)
     end if
     do while (tally%pass <= pass_columns)
-      call visit_indicators(scene, contacts, energy, touching, neighbours(1, :), tally)
+      call visit_indicators(scene, contacts, energy, touching, neighbours(1, :), interval, tally)
       call tally%reduce(comm)
     end do
     call move_alloc(tally%column, measures%column)
@@ -117,10 +123,12 @@ contains
   end subroutine measure_alone
 
   !> Columns of a scene that is not measured yet: their values are zero.
-  pure function unmeasured(dimension, has_bonds) result(measures)
+  pure function unmeasured(dimension, has_bonds, has_means) result(measures)
     integer, intent(in) :: dimension !! of space
     logical, intent(in) :: has_bonds !! are there cohesive zones?
+    logical, intent(in), optional :: has_means !! are there means over the recorded interval? None unless given
     type(measures_t) :: measures
+    type(means_t) :: means
     type(tally_t) :: tally
     type(scene_t) :: scene
     type(contacts_t) :: contacts
@@ -130,8 +138,9 @@ contains
     scene%dimension = dimension
     scene%bodies%dimension = dimension
     tally%has_bonds = has_bonds
+    if (present(has_means)) means%is_on = has_means
     tally%pass = pass_columns
-    call visit_indicators(scene, contacts, energy, touching, [real(wp) ::], tally)
+    call visit_indicators(scene, contacts, energy, touching, [real(wp) ::], means, tally)
     call move_alloc(tally%column, measures%column)
   end function unmeasured
 

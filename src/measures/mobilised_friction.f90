@@ -11,7 +11,7 @@ module sg_mobilised_friction
   use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
   implicit none
   private
-  public :: measure_friction, friction_sums, n_friction_sums
+  public :: measure_friction, add_friction, friction_sums, n_friction_sums
 
   !> Numbers of `friction_sums`
   integer, parameter :: n_friction_sums = 4
@@ -23,14 +23,20 @@ contains
     type(scene_t), intent(in) :: scene !! scene with its laws
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     type(tally_t), intent(inout) :: tally !! tally of the measure
-    real(wp) :: sums(n_friction_sums)
 
     if (tally%pass == pass_sums) call tally%sums%put('friction', friction_sums(scene, contacts))
-    if (tally%pass /= pass_columns) return
-    sums = tally%sums%get('friction', n_friction_sums)
-    call tally%add('mobilised_friction', ratio(sums(4), sums(3)))
-    call tally%add('sliding_share', ratio(sums(2), sums(1)))
+    if (tally%pass == pass_columns) call add_friction(tally%sums%get('friction', n_friction_sums), '', tally)
   end subroutine measure_friction
+
+  !> Add the columns that follow from sums.
+  pure subroutine add_friction(sums, prefix, tally)
+    real(wp), intent(in) :: sums(n_friction_sums) !! of `friction_sums`, of all ranks
+    character(len=*), intent(in) :: prefix !! of the names
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+
+    call tally%add(prefix//'mobilised_friction', ratio(sums(4), sums(3)))
+    call tally%add(prefix//'sliding_share', ratio(sums(2), sums(1)))
+  end subroutine add_friction
 
   !> What this rank adds: contacts, those that slide, their normal and their tangential impulses [N s].
   pure function friction_sums(scene, contacts) result(sums)

@@ -12,7 +12,7 @@ module sg_stress
   use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
-  public :: measure_pressure, measure_stress, mean_pressure
+  public :: measure_pressure, measure_stress, mean_pressure, branch_of, stress_sums
 
 contains
 
@@ -67,8 +67,8 @@ contains
 
   !> Sum over this rank's contacts of impulse (x) branch [N s m].
   pure function stress_sums(scene, contacts) result(sums)
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(in) :: contacts
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp) :: sums(scene%dimension, scene%dimension), all_sums(3, 3), branch(3), impulse(3)
     integer :: k, b
 
@@ -87,9 +87,9 @@ contains
   !> From the antagonist's centre, or from the point of contact on a wall, to the candidate's [m]. Arrays of three: of the dimension
   !! of the scene they would be asked of the system for each contact.
   pure function branch_of(scene, contacts, k) result(branch)
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(in) :: k
+    type(scene_t), intent(in) :: scene !! scene of the step
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
     real(wp) :: branch(3), arms(3, 2), half_gap(3)
 
     half_gap = 0

@@ -3,12 +3,13 @@ module sg_totals
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan, ieee_quiet_nan, ieee_value
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i8
+  use sg_moments_of_run, only: moment_t, n_moment_values
   use sg_report, only: report_t, worse
   use sg_text, only: to_text
   use sg_timers, only: timer_t
   implicit none
   private
-  public :: totals_t, reduce_report, worst_contact_words, n_phases, phase_names, n_totals_values
+  public :: totals_t, find_moment, reduce_report, worst_contact_words, n_phases, phase_names, n_totals_values
   public :: phase_predict, phase_detect, phase_assemble, phase_solve, phase_update, phase_measure, phase_output
 
   !> Phases of a step
@@ -21,7 +22,7 @@ module sg_totals
     [character(len=8) :: 'predict', 'detect', 'assemble', 'solve', 'update', 'measure', 'output']
 
   !> Sums and worst values that `pack` writes before the timers
-  integer, parameter :: n_sums = 21
+  integer, parameter :: n_sums = 21 + 2*n_moment_values
   !> Numbers that `pack` writes
   integer, parameter :: n_totals_values = n_sums + 2*(n_phases + 1)
 
@@ -47,6 +48,8 @@ module sg_totals
     !! velocity, and that velocity [m/s]
     integer :: worst_step = 0, worst_bodies(2) = 0
     real(wp) :: worst_speed = 0
+    !> Where and when penetration was deepest, and the violation largest
+    type(moment_t) :: penetration_at, violation_at
     !> Bytes that the contact problem of the last step holds per contact
     real(wp) :: bytes_per_contact = 0
     !> Stopwatch of each phase, indexed by `phase_*`
@@ -150,6 +153,7 @@ contains
     call comm%maximum(most)
     largest = [self%phase%wall, self%clock%wall]
     worst = [self%worst_e1, self%worst_e2, self%worst_e8, self%worst_violation, self%worst_penetration]
+    call find_moment(comm, self%worst_penetration, self%penetration_at)
     call find_largest(comm, largest, worst)
     self%contacts = int(counts(1))
     self%active_contacts = int(counts(2))
@@ -169,6 +173,24 @@ contains
     self%worst_violation = worst(4)
     self%worst_penetration = worst(5)
   end subroutine totals_reduce
+
+  !> The moment of the rank that has the largest value, on all ranks: of several the first. Collective.
+  subroutine find_moment(comm, value, moment)
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp), intent(in) :: value !! of this rank
+    type(moment_t), intent(inout) :: moment !! of this rank, then of that one
+    real(wp) :: largest, values(n_moment_values)
+    integer :: first
+
+    if (comm%size == 1) return
+    largest = value
+    call comm%maximum(largest)
+    first = merge(comm%size - comm%rank, 0, value >= largest)
+    call comm%maximum(first)
+    values = merge(1.0_wp, 0.0_wp, first == comm%size - comm%rank)*moment%pack()
+    call comm%sum(values)
+    call moment%unpack(values)
+  end subroutine find_moment
 
   !> The largest of the ranks' values, and of their errors, of which one that is not a number is the worst.
   subroutine find_largest(comm, values, errors)
@@ -229,14 +251,15 @@ contains
                        real(self%sweeps, wp), real(self%contact_updates, wp), real(self%contacts, wp), &
                        real(self%active_contacts, wp), real(self%most_contacts, wp), self%bytes_per_contact, &
                        real(self%fast_steps, wp), self%worst_penetration, real(self%tunnellings, wp), &
-                       real(self%worst_step, wp), real(self%worst_bodies, wp), self%worst_speed, real(self%recoveries, wp)]
+                       real(self%worst_step, wp), real(self%worst_bodies, wp), self%worst_speed, real(self%recoveries, wp), &
+                       self%penetration_at%pack(), self%violation_at%pack()]
     values(n_sums + 1:) = [self%phase%cpu, self%phase%wall, self%clock%cpu, self%clock%wall]
   end function totals_pack
 
   !> Can a list of reals be unpacked? Counts are no less than zero and can be counted, seconds are finite.
   pure logical function are_sound(values)
     real(wp), intent(in) :: values(n_totals_values) !! what `pack` may have given
-    integer, parameter :: counts(9) = [1, 2, 3, 10, 11, 12, 14, 16, 21], long_counts(2) = [8, 9]
+    integer, parameter :: counts(11) = [1, 2, 3, 10, 11, 12, 14, 16, 21, 22, 22 + n_moment_values], long_counts(2) = [8, 9]
 
     are_sound = all(ieee_is_finite(values([counts, long_counts]))) .and. all(ieee_is_finite(values(n_sums + 1:)))
     if (.not. are_sound) return
@@ -269,6 +292,8 @@ contains
     self%worst_bodies = nint(values(18:19))
     self%worst_speed = values(20)
     self%recoveries = nint(values(21))
+    call self%penetration_at%unpack(values(22:21 + n_moment_values))
+    call self%violation_at%unpack(values(22 + n_moment_values:n_sums))
     self%phase%cpu = values(n_sums + 1:n_sums + n_phases)
     self%phase%wall = values(n_sums + n_phases + 1:n_sums + 2*n_phases)
     self%clock%cpu = values(n_totals_values - 1)

@@ -6,6 +6,7 @@ module sg_run_summary
   use sg_json, only: json_t
   use sg_kinds, only: wp, i8
   use sg_measures, only: measures_t, unmeasured
+  use sg_moments_of_run, only: hint_words, moment_t
   use sg_report, only: coupled_effort_t
   use sg_run_options, only: criterion_names, run_options_t
   use sg_scene, only: scene_t
@@ -78,6 +79,8 @@ module sg_run_summary
     type(totals_t) :: totals
     !> Indicators of the last measure
     type(measures_t) :: measures
+    !> Bodies of the deepest penetration and of the largest violation, by name or number
+    character(len=:), allocatable :: penetration_bodies, violation_bodies
     !> Files written: what they hold and their names
     type(text_t), allocatable :: file_keys(:), files(:)
   contains
@@ -232,6 +235,8 @@ contains
     if (.not. summary%is_root) return
     call add_identity(json, summary)
     call add_totals(json, summary%totals)
+    call add_moment(json, 'worst_penetration_', summary%totals%penetration_at, summary%dimension, summary%penetration_bodies)
+    call add_moment(json, 'worst_violation_', summary%totals%violation_at, summary%dimension, summary%violation_bodies)
     if (summary%stages%number > 0) call add_stages(json, summary%stages)
     if (summary%subdomains > 1) call add_shared(json, summary%shared)
     columns = summary%columns()
@@ -280,6 +285,29 @@ contains
     call json%add('steps_asked', summary%steps_asked)
     call json%add('time', summary%time)
   end subroutine add_identity
+
+  !> Where and when a worst value was found.
+  subroutine add_moment(json, prefix, moment, dimension, bodies)
+    type(json_t), intent(inout) :: json
+    character(len=*), intent(in) :: prefix
+    type(moment_t), intent(in) :: moment
+    integer, intent(in) :: dimension
+    character(len=:), allocatable, intent(in) :: bodies
+    character(len=*), parameter :: axis = 'xyz'
+    integer :: a
+
+    if (moment%step == 0) return
+    call json%add(prefix//'step', moment%step)
+    call json%add(prefix//'time', moment%time)
+    if (moment%bodies(1) == 0) return
+    call json%add(prefix//'bodies', known(bodies, ''))
+    call json%add(prefix//'body_1', moment%bodies(1))
+    call json%add(prefix//'body_2', moment%bodies(2))
+    do a = 1, dimension
+      call json%add(prefix//axis(a:a), moment%place(a))
+    end do
+    call json%add(prefix//'hint', hint_words(moment))
+  end subroutine add_moment
 
   !> Cost and convergence.
   subroutine add_totals(json, totals)

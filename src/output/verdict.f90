@@ -3,6 +3,7 @@ module sg_verdict
   use sg_columns, only: fixed
   use sg_kinds, only: wp, i8
   use sg_methods, only: find_method, is_swept, list_couplings, method_t, quoted_names, robust_solver
+  use sg_moments_of_run, only: hint_words, moment_t, place_words
   use sg_print, only: print_line
   use sg_run_summary, only: ranks_words, run_summary_t, shared_cost_t
   use sg_stages, only: stage_t
@@ -12,6 +13,9 @@ module sg_verdict
   implicit none
   private
   public :: print_verdict
+
+  !> Values from which on a line names where they were found: violation in g h, penetration in mean radii
+  real(wp), parameter :: least_violation = 0.1_wp, least_penetration = 1e-3_wp
 
 contains
 
@@ -41,9 +45,13 @@ contains
       end if
       call line('worst errors', 'e1 '//to_text(totals%worst_e1, 2)//', e2 '//to_text(totals%worst_e2, 2)//', e8 '// &
                 to_text(totals%worst_e8, 2)//', violation '//to_text(totals%worst_violation, 2)//' g h')
+      if (totals%worst_violation > least_violation .and. allocated(summary%violation_bodies)) &
+        call line('violation', moment_words(totals%violation_at, summary%dimension, summary%violation_bodies))
       call line('penetration', penetration_words(totals%worst_penetration, summary%grains%mean_radius)// &
                 '; at the end '//to_text(measures%get('max_penetration'), 2)//' m, volume error '// &
                 percent(measures%get('volume_error')))
+      if (totals%worst_penetration > least_penetration*summary%grains%mean_radius .and. allocated(summary%penetration_bodies)) &
+        call line('deepest', moment_words(totals%penetration_at, summary%dimension, summary%penetration_bodies))
       if (totals%fast_steps > 0) then
         call line('too fast', 'in '//to_text(totals%fast_steps)//' steps a body moved farther than the alert distance: '// &
                   'contacts may have been missed; take shorter steps or a larger alert')
@@ -95,6 +103,17 @@ contains
     words = stage%words(number)//': '//counted(stage%last_step - stage%first_step, 'step')//' to '//to_text(stage%end_time, 4)// &
             ' s, '//to_text(stage%unconverged)//' not converged; '//stage%reason()
   end function stage_words
+
+  !> Step, time, bodies, place and cause of a worst value.
+  pure function moment_words(moment, dimension, bodies) result(words)
+    type(moment_t), intent(in) :: moment
+    integer, intent(in) :: dimension
+    character(len=*), intent(in) :: bodies
+    character(len=:), allocatable :: words
+
+    words = 'step '//to_text(moment%step)//' ('//to_text(moment%time, 4)//' s), '//bodies//' at '//place_words(moment, dimension)
+    if (hint_words(moment) /= '') words = words//': '//hint_words(moment)
+  end function moment_words
 
   !> What may help where steps did not converge.
   function advice(summary) result(words)

@@ -9,7 +9,7 @@ module sg_advance
   use sg_detect, only: detect
   use sg_dump, only: begin_dump, is_listed
   use sg_error, only: error_t
-  use sg_failure, only: check_input, dump_broken_step, dump_failed_solve, keep_guess, note_unconverged, save_dump
+  use sg_failure, only: check_input, dump_broken_step, dump_failed_solve, keep_guess, note_unconverged, note_worst, save_dump
   use sg_guard, only: find_broken
   use sg_kinds, only: wp, i1
   use sg_limits, only: check_limits
@@ -48,7 +48,7 @@ contains
       call warn_of_tunnelling(sim%tunnelling, sim%comm, error_unit)
       if (sim%dump%is_begun) call save_dump(sim, sim%step + 1)
     end do
-    if (sim%substep > 1) call sim%step_start%restore(sim%scene%bodies, sim%energy, sim%totals, sim%tracks)
+    if (sim%substep > 1) call sim%step_start%restore(sim%scene%bodies, sim%energy, sim%totals, sim%tracks, sim%means)
     sim%substep = 1
     if (sim%options%recovery > 0) call timed(push_bodies, sim, phase_solve, error)
   end subroutine advance
@@ -89,7 +89,7 @@ contains
     call find_crossed_walls(sim%tunnelling, sim%scene, sim%step + 1, sim%options%substep_length(), share, sim%plan%thinnest)
     if (sim%substep > 1 .or. sim%options%substeps == 1) return
     call sim%carry%begin(sim%scene, sim%contacts)
-    call sim%step_start%keep(sim%scene%bodies, sim%energy, sim%totals, sim%tracks)
+    call sim%step_start%keep(sim%scene%bodies, sim%energy, sim%totals, sim%tracks, sim%means)
   end subroutine find_contacts
 
   !> The contact problem, and its dump where one is asked for.
@@ -190,6 +190,8 @@ contains
 
     call sim%energy%add_step(sim%scene, sim%contacts, sim%options%substep_length())
     call sim%tracks%add_step(sim%scene, sim%contacts, sim%options%substep_length())
+    call sim%means%add_step(sim%scene, sim%contacts, sim%options%substep_length())
+    call note_worst(sim)
     associate (deepest => sim%tunnelling%deepest)
       deepest = max(deepest_penetration(sim%contacts), merge(0.0_wp, deepest, sim%substep == 1))
     end associate

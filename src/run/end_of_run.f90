@@ -3,6 +3,7 @@ module sg_end_of_run
   use, intrinsic :: iso_fortran_env, only: output_unit
   use sg_after_step, only: measure_now
   use sg_error, only: error_t, exit_not_converged, exit_stopped
+  use sg_moments_of_run, only: moment_t
   use sg_print, only: print_line
   use sg_run_summary, only: run_done, run_failed, run_not_converged, run_stopped
   use sg_simulation, only: simulation_t
@@ -36,6 +37,8 @@ contains
     totals = sim%totals
     call collect_costs(sim)
     call totals%reduce(sim%comm)
+    call name_moment(sim, totals%penetration_at, sim%writers%summary%penetration_bodies)
+    call name_moment(sim, totals%violation_at, sim%writers%summary%violation_bodies)
     associate (summary => sim%writers%summary)
       if (allocated(error)) then
         call conclude(merge(run_stopped, run_failed//' ', error%code == exit_stopped), error%sentence())
@@ -65,6 +68,36 @@ contains
       call sim%writers%summary%conclude(trim(status), reason, sim%time(), totals, sim%writers%measures)
     end subroutine conclude
   end subroutine finish_run
+
+  !> Name the bodies of a worst value; unallocated where there are none.
+  subroutine name_moment(sim, moment, words)
+    type(simulation_t), intent(in) :: sim
+    type(moment_t), intent(in) :: moment
+    character(len=:), allocatable, intent(out) :: words
+
+    if (moment%step > 0 .and. moment%bodies(1) > 0) &
+      words = name_of(sim, moment%bodies(1))//' and '//name_of(sim, moment%bodies(2))
+  end subroutine name_moment
+
+  !> Name of a body that all ranks have: of a wall, of a tracked one, on one rank of any; else its number.
+  function name_of(sim, number) result(name)
+    type(simulation_t), intent(in) :: sim
+    integer, intent(in) :: number
+    character(len=:), allocatable :: name
+    integer :: i
+
+    name = ''
+    if (allocated(sim%tracks%number)) then
+      i = findloc(int(sim%tracks%number), number, 1)
+      if (i > 0) name = sim%tracks%name(i)%s
+    end if
+    if (name == '' .and. allocated(sim%scene%names) .and. sim%comm%size == 1) name = sim%scene%names(number)%s
+    if (name == '' .or. name == to_text(number)) then
+      name = 'body '//to_text(number)
+    else
+      name = '"'//name//'"'
+    end if
+  end function name_of
 
   !> Collect from all ranks what sharing the scene cost.
   subroutine collect_costs(sim)

@@ -16,13 +16,15 @@ module sg_failure
   use sg_problem, only: problem_t
   use sg_relative_epsilon, only: set_relative_epsilon
   use sg_report, only: unsolved
+  use sg_moments_of_run, only: moment_of, moment_t
+  use sg_penetration, only: deepest_penetration
   use sg_simulation, only: simulation_t
   use sg_text, only: to_text
   use sg_timed, only: timed
-  use sg_totals, only: phase_measure
+  use sg_totals, only: find_moment, phase_measure
   implicit none
   private
-  public :: check_input, keep_guess, dump_failed_solve, dump_broken_step, note_unconverged, is_of_the_step
+  public :: check_input, keep_guess, dump_failed_solve, dump_broken_step, note_unconverged, note_worst, is_of_the_step
   public :: save_dump, keep_failed_step, trace_last
 
 contains
@@ -125,6 +127,32 @@ contains
     call sim%comm%maximum(bodies(2))
     call sim%totals%note_unconverged(sim%step + 1, bodies, sim%report%worst_speed)
   end subroutine note_unconverged
+
+  !> Keep where and when the deepest penetration and the largest violation of the run so far are found. Collective.
+  subroutine note_worst(sim)
+    type(simulation_t), intent(inout) :: sim !! its solution is stored, bodies not updated
+    real(wp) :: depth, time, violation
+    integer :: k
+
+    time = sim%substep_time(sim%substep + 1)
+    associate (h => sim%options%substep_length(), totals => sim%totals, report => sim%report)
+      depth = deepest_penetration(sim%contacts)
+      if (depth > max(totals%worst_penetration, merge(0.0_wp, sim%tunnelling%deepest, sim%substep == 1))) then
+        k = minloc(sim%contacts%gap(:sim%contacts%n), 1)
+        ! Of this rank: ranks compare at the end.
+        totals%penetration_at = moment_of(sim%scene, sim%contacts, k, sim%step + 1, time, depth/(2*h), report%is_converged)
+      end if
+      violation = totals%worst_violation
+      if (sim%substep > 1) violation = max(violation, sim%so_far%violation)
+      if (.not. report%violation > violation) return
+      totals%violation_at = moment_t(step=sim%step + 1, time=time)
+      if (report%worst_contact > 0) totals%violation_at = &
+        moment_of(sim%scene, sim%contacts, report%worst_contact, sim%step + 1, time, 10*norm2(sim%scene%gravity)*h, &
+                  report%is_converged)
+      ! The rank that holds the worst contact has its bodies, others none.
+      call find_moment(sim%comm, real(maxval(totals%violation_at%bodies), wp), totals%violation_at)
+    end associate
+  end subroutine note_worst
 
   !> Is an error one of the step itself, not of a file that cannot be written or a deck that is wrong?
   pure logical function is_of_the_step(error)

@@ -6,6 +6,7 @@ module sg_step_start
   use sg_kinds, only: wp
   use sg_tables, only: per_body, tables_t
   use sg_totals, only: totals_t
+  use sg_means, only: means_t
   use sg_tracks, only: tracks_t
   implicit none
   private
@@ -19,6 +20,7 @@ module sg_step_start
     type(energy_t), private :: energy
     type(totals_t), private :: totals
     type(tracks_t), private :: tracks
+    type(means_t), private :: means
   contains
     procedure :: keep => step_start_keep
     procedure :: restore => step_start_restore
@@ -28,12 +30,13 @@ module sg_step_start
 contains
 
   !> Keep the state.
-  pure subroutine step_start_keep(self, bodies, energy, totals, tracks)
+  pure subroutine step_start_keep(self, bodies, energy, totals, tracks, means)
     class(step_start_t), intent(inout) :: self
     type(bodies_t), intent(in) :: bodies !! bodies within the first substep, detection done: within the period
     type(energy_t), intent(in) :: energy !! of the steps before
     type(totals_t), intent(in) :: totals !! the same
     type(tracks_t), intent(in) :: tracks !! the same
+    type(means_t), intent(in) :: means !! the same
 
     self%position = bodies%position
     self%velocity = bodies%velocity
@@ -42,15 +45,17 @@ contains
     self%energy = energy
     self%totals = totals
     self%tracks = tracks
+    self%means = means
   end subroutine step_start_keep
 
   !> Bring the state back; what clocks have counted since stays.
-  pure subroutine step_start_restore(self, bodies, energy, totals, tracks)
+  pure subroutine step_start_restore(self, bodies, energy, totals, tracks, means)
     class(step_start_t), intent(in) :: self
     type(bodies_t), intent(inout) :: bodies !! bodies of the same step
     type(energy_t), intent(inout) :: energy !! works to bring back
     type(totals_t), intent(inout) :: totals !! counts to bring back
     type(tracks_t), intent(inout) :: tracks !! sums to bring back
+    type(means_t), intent(inout) :: means !! sums to bring back
     type(totals_t) :: now
 
     bodies%position = self%position
@@ -63,6 +68,7 @@ contains
     totals%phase = now%phase
     totals%clock = now%clock
     tracks = self%tracks
+    means = self%means
   end subroutine step_start_restore
 
   !> List the tables.

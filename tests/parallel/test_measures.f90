@@ -288,6 +288,8 @@ contains
       report%bytes_per_contact = real(100*(r + 1), wp)
       call totals%add(report, (r + 1)*merge(2, 1, step == 1), 0.1_wp*real(r, wp), n*(n + 1)/2*merge(2, 1, step == 1))
     end do
+    totals%penetration_at%step = 100 + r
+    totals%penetration_at%bodies = [r, 2*r]
     totals%fast_steps = 1
     totals%tunnellings = 2
     totals%phase(phase_solve)%cpu = 1
@@ -296,6 +298,8 @@ contains
     do step = 1, 2
       call t%equal(totals%steps, 2, 'steps')
       call t%equal(totals%contacts, n*(n + 1)/2, 'contacts of all ranks')
+      call t%equal(totals%penetration_at%step, 99 + n, 'step of the rank with the deepest penetration')
+      call t%equal(totals%penetration_at%bodies(2), 2*(n - 1), 'and its bodies')
       call t%equal(totals%most_contacts, n*(n + 1), 'most of them')
       call t%equal(totals%active_contacts, n*(n - 1)/2, 'active ones')
       call t%check(totals%contact_updates == 3000000000_i8*int(n*(n + 1), i8), 'updates of all ranks')

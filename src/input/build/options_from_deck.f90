@@ -60,6 +60,7 @@ contains
     b = deck%block_of('output')
     options%output_every = deck%integer(b, 'every')
     options%record_every = deck%integer(b, 'record_every')
+    options%record_mean = deck%flag(b, 'record_mean')
     options%output_single = deck%word(b, 'precision') == 'single'
     options%output_compressed = deck%flag(b, 'compression')
     options%restart_every = deck%integer(deck%block_of('restart'), 'every')

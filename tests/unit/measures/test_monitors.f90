@@ -297,6 +297,9 @@ contains
     call totals%add(report, 100)
     totals%phase(phase_solve)%cpu = 1.5_wp
     totals%clock%wall = 7
+    totals%penetration_at%step = 2
+    totals%violation_at%place = [1.5_wp, -2.0_wp, 3.0_wp]
+    totals%violation_at%bodies = [7, 2**30]
     call t%equal(totals%steps, 2, 'steps')
     call t%equal(totals%unconverged_steps, 1, 'unconverged steps')
     call t%check(totals%sweeps == 60_i8 .and. totals%contact_updates == 6000000000_i8, 'sums pass 2^31')
@@ -305,6 +308,8 @@ contains
     call copy%unpack(totals%pack())
     call t%check(all(abs(copy%pack() - totals%pack()) <= 0), 'totals survive a restart')
     call t%check(copy%contact_updates == 6000000000_i8, 'so do large counters')
+    call t%equal(copy%penetration_at%step, 2, 'and the step of the deepest penetration')
+    call t%equal(copy%violation_at%bodies(2), 2**30, 'and the bodies of the largest violation')
     call t%near(copy%phase(phase_solve)%cpu, 1.5_wp, 0.0_wp, 'and timers')
     call t%near(copy%clock%wall, 7.0_wp, 0.0_wp, 'and the clock')
     nan = ieee_value(nan, ieee_quiet_nan)

@@ -57,6 +57,8 @@ contains
     call check_columns(unmeasured(2, .true.), 40, 6, 'in the plane')
     call check_columns(unmeasured(3, .false.), 46, 5, 'in space without cohesive zones')
     call check_columns(unmeasured(2, .false.), 36, 4, 'in the plane without cohesive zones')
+    call check_columns(unmeasured(3, .false., has_means=.true.), 46 + 23, 5, 'in space with means')
+    call check_columns(unmeasured(2, .false., has_means=.true.), 36 + 14, 4, 'in the plane with means')
   end subroutine test_names
 
   !> Numbers of columns and of counts among them; no two have one name.
