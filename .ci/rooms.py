@@ -43,6 +43,7 @@ ROOMS = {
     "input": "`read_deck`, the effective deck, files that a deck names",
     "measures/overlap": "areas and volumes that two shapes share: one file per pair",
     "measures": "one indicator per file: energy, penetration, compactness, coordination, stress, spectra, structure",
+    "measures/local": "measures of places: tracked bodies, the cell between walls, cells of a grid",
     "output/hdf5": "HDF5 behind few operations",
     "output/pictures": "pictures for ParaView: bodies, shapes, contacts",
     "output/fclib": "contact problems in FCLIB files",

@@ -5,7 +5,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from . import figures, spectra, tracks
+from . import fields, figures, spectra, tracks
 from .errors import ResultsError
 from .results import Results
 from .scene import QUANTITIES
@@ -25,6 +25,7 @@ COMMANDS = {
     "spectrum": "power spectra of wall forces, momentum and kinetic energy ([report] spectrum)",
     "tracks": "columns of the tracked bodies against time ([[track]])",
     "walls": "pressure, force and place of the walls against time, strains and void ratio of the cell that they enclose",
+    "field": "sections of a coarse-grained field ([[field]]): solid fraction, speed, pressure, shear rate",
     "structure": "radial distribution g(r) and structure factor S(k) of the packing",
 }
 
@@ -44,6 +45,9 @@ def parser() -> ArgumentParser:
         if name == "scene":
             command.add_argument("--colour", choices=QUANTITIES, default="speed",
                                  help="quantity that fills the grains (default speed)")
+        if name == "field":
+            command.add_argument("--number", type=int, default=1, help="place of the field in the deck (default 1)")
+            command.add_argument("--at", metavar="STEP", type=int, help="last grid up to this step (default the last one)")
         if name == "walls":
             command.add_argument("--wall", metavar="PATTERN", default="*", help="walls to draw, by name with * and ? (default *)")
         if name == "tracks":
@@ -82,6 +86,8 @@ def draw(arguments: Namespace) -> tuple[Results, list[str], Path]:
             figure, missing = spectra.spectrum_figure(results)
         elif arguments.command == "tracks":
             figure, missing = tracks.tracks_figure(results, arguments.body, arguments.columns)
+        elif arguments.command == "field":
+            figure, missing = fields.field_figure(results.field(arguments.number), results.name, arguments.at)
         elif arguments.command == "walls":
             figure, missing = tracks.walls_figure(results, arguments.wall)
         elif arguments.command == "structure":

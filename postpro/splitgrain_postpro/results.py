@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .errors import ResultsError
+from .fields import Field
 from .vtkhdf import Grid, Pictures
 
 
@@ -72,6 +73,13 @@ class Results:
         """walls.csv: for each wall one array per column; empty when the run has no walls, or no row yet."""
         path = self.folder / "walls.csv"
         return read_tracks(path, "wall") if path.exists() else {}
+
+    def field(self, number: int = 1) -> Field:
+        """A coarse-grained field, by its place among the blocks [[field]] of the deck, from 1."""
+        path = self.folder / f"field_{number}.vtkhdf"
+        if not path.exists():
+            raise ResultsError(f"{self.folder} has no {path.name}: set [[field]] in the deck")
+        return Field(path)
 
     @cached_property
     def trace(self) -> list[dict[str, np.ndarray]]:

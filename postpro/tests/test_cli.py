@@ -8,7 +8,7 @@ import pytest
 from matplotlib.collections import LineCollection, PolyCollection
 from sample_results import write_record, write_results, write_traces
 
-from splitgrain_postpro import Results
+from splitgrain_postpro import Results, ResultsError
 from splitgrain_postpro.cli import main
 from splitgrain_postpro.scene import QUANTITIES, draw_scene, draw_split
 from splitgrain_postpro.style import new_figure
@@ -101,6 +101,28 @@ def test_walls(folder, capsys):
     assert "no wall matches lid" in capsys.readouterr().err
     figure, _ = walls_figure(Results(folder), "box.3")
     assert figure.axes[0].lines[0].get_ydata().tolist() == [1, 2, 3]
+
+
+def test_field(folder, capsys):
+    assert main(["field", str(folder)]) == 2
+    assert "has no field_1.vtkhdf: set [[field]] in the deck" in capsys.readouterr().err
+    with h5py.File(folder / "field_1.vtkhdf", "w") as file:
+        root = file.create_group("VTKHDF")
+        root.attrs.update({"Origin": [0.0, 0.0, 0.0], "Spacing": [0.5, 0.25, 1.0]})
+        root.create_group("Steps").attrs["NSteps"] = 2
+        root["Steps/Values"], file["step"] = [0.1, 0.2, 0.3], [10, 20, 30]
+        for name, n in (("density", 1), ("solid_fraction", 1), ("velocity", 3), ("stress", 9), ("velocity_gradient", 9)):
+            values = np.arange(3 * 1 * 5 * 4 * n, dtype=float).reshape(3, 1, 5, 4, n)
+            root.create_dataset(f"CellData/{name}", data=values[..., 0] if n == 1 else values)
+    field = Results(folder).field()
+    assert field.cells == (4, 5, 1) and field.volume == 0.125 and field["velocity"].shape == (2, 4, 5, 1, 3)
+    assert field["density"][1, 3, 0, 0] == 23 and field.centres(1).tolist() == [0.125, 0.375, 0.625, 0.875, 1.125]
+    assert main(["field", str(folder), "--at", "15"]) == 0
+    assert size_of(folder / "field.png")[0] == 1650
+    assert main(["field", str(folder), "--at", "5"]) == 2
+    assert "no grid up to step 5: the first is of step 10" in capsys.readouterr().err
+    with pytest.raises(ResultsError, match="no array x"):
+        field["x"]
 
 
 def test_scene_has_its_own_proportions(folder, tmp_path):

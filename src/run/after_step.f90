@@ -34,6 +34,7 @@ contains
 
     if (sim%options%has_spectrum) call timed(sample_now, sim, phase_measure, error)
     if (sim%options%has_structure .and. is_due(sim, sim%options%structure_every)) call report_structure(sim, error)
+    if (allocated(sim%fields) .and. .not. allocated(error)) call timed(sample_fields, sim, phase_measure, error)
     if (allocated(error)) return
     if (sim%options%record_every > 0 .and. (is_due(sim, sim%options%record_every) .or. is_last(sim))) then
       call timed(measure_now, sim, phase_measure, error)
@@ -112,6 +113,7 @@ contains
       call sim%writers%tracks%add(sim%step, sim%time(), sim%tracks, sim%stages%number, error)
     if (sim%cell%walls%count() > 0 .and. .not. allocated(error)) &
       call sim%writers%walls%add(sim%step, sim%time(), sim%scene%dimension, sim%tracks, sim%cell, sim%stages%number, error)
+    sim%means%is_recorded = .true.
     call sim%comm%agree(error)
     if (sim%stop%is_on() .and. .not. allocated(error)) call test_end(sim, columns)
   end subroutine record_now
@@ -157,7 +159,7 @@ contains
     type(simulation_t), intent(in) :: sim !! started
     type(measures_t) :: measures
 
-    measures = unmeasured(sim%scene%dimension, sim%plan%has_bonds)
+    measures = unmeasured(sim%scene%dimension, sim%plan%has_bonds, sim%means%is_on)
     measures%column = [measures%column, cell_columns(sim%cell, sim%scene%dimension)]
   end function blank_measures
 
@@ -179,6 +181,25 @@ contains
 
     call sim%writers%samples%add(sim%scene, sim%contacts, sim%options%substep_length())
   end subroutine sample_now
+
+  !> Sample the coarse-grained fields, and write those that are due. Collective.
+  subroutine sample_fields(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: values(:, :)
+    integer :: i
+
+    do i = 1, size(sim%fields)
+      associate (field => sim%fields(i))
+        if (field%wants_sample(sim%step)) call field%add_sample(sim%scene, sim%contacts, sim%options%substep_length())
+        if (.not. field%is_due(sim%step)) cycle
+        call field%finish(sim%comm, values)
+        if (sim%writers%is_root .and. .not. allocated(error)) &
+          call sim%writers%fields(i)%add(field, values, sim%step, sim%time(), error)
+      end associate
+    end do
+    call sim%comm%agree(error)
+  end subroutine sample_fields
 
   !> Add the present structure to its files, unless it is in them. Collective.
   subroutine report_structure(sim, error)
@@ -227,7 +248,7 @@ contains
     type(error_t), allocatable, intent(out) :: error !! never set
 
     call measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%energy, sim%writers%measures, &
-                 sim%decomposition%subdomain, sim%comm)
+                 sim%decomposition%subdomain, sim%comm, sim%means)
     if (.not. sim%cell%walls%has_cell) return
     call sim%cell%measure(sim%scene, sim%comm)
     associate (measures => sim%writers%measures)

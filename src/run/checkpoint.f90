@@ -9,9 +9,11 @@ module sg_checkpoint
   use sg_bodies_rows, only: order_bodies
   use sg_energy, only: energy_t, n_energy_values
   use sg_error, only: diagnostics_t, error_t, fail
+  use sg_fields_on_grid, only: pack_fields, unpack_fields
   use sg_former_deck, only: warn_of_differences
   use sg_history, only: resume_history
   use sg_kinds, only: wp
+  use sg_means, only: means_t
   use sg_neighbours, only: build_neighbours
   use sg_restart, only: keep_state, read_restart, restart_t, restore_state, write_restart
   use sg_restart_files, only: find_restarts
@@ -48,6 +50,7 @@ contains
     type(energy_t) :: energy
     type(totals_t) :: totals
     type(tracks_t) :: tracks
+    type(means_t) :: means
 
     energy = sim%energy
     totals = sim%totals
@@ -62,6 +65,10 @@ contains
     state%deck_hash = sim%options%deck_hash
     state%totals = [energy%pack(), totals%pack(), sim%scene%gravity, sim%pairs%skin, sim%signature]
     state%tracks = tracks%pack()
+    means = sim%means
+    call means%reduce(sim%comm)
+    state%means = means%pack()
+    call pack_fields(sim%fields, sim%comm, state%fields)
     state%stop = sim%stop%pack()
     call sim%stages%note(sim%step, sim%time(), sim%totals%unconverged_steps, sim%stop%met, sim%stop%value)
     state%stages = sim%stages%pack()
@@ -186,7 +193,8 @@ contains
     fault = ''
     associate (energies => state%totals(:n_energy_values), skin => skin_in(state), gravity => gravity_in(state), &
                counted => state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
-      if (.not. (all(ieee_is_finite([energies, gravity, state%tracks, state%stop, state%stages, skin])))) then
+      if (.not. all(ieee_is_finite([energies, gravity, state%tracks, state%stop, state%stages, state%means, state%fields, &
+                                    skin]))) then
         fault = 'it holds sums that are not finite'
       else if (.not. totals%are_sound(counted)) then
         fault = 'it holds counts that are none'
@@ -213,9 +221,12 @@ contains
       call build_neighbours(sim%pairs, sim%scene, state%built, skin_in(state))
     end if
     call sim%tracks%unpack(state%tracks)
+    call sim%means%unpack(state%means)
+    call unpack_fields(sim%fields, state%fields, sim%comm)
     if (.not. sim%stages%begins) call sim%stop%unpack(state%stop)
     call sim%energy%leave_to_first(sim%comm)
     call sim%tracks%leave_to_first(sim%comm)
+    call sim%means%leave_to_first(sim%comm)
     call sim%totals%leave_to_first(sim%comm)
     if (any(abs(sim%scene%gravity - gravity_in(state)) > 0)) call sim%energy%change_gravity(sim%scene, gravity_in(state))
   end subroutine take_state

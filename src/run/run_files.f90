@@ -2,7 +2,8 @@
 module sg_run_files
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use sg_after_step, only: report_structure
-  use sg_error, only: error_t
+  use sg_error, only: error_t, fail
+  use sg_field_file, only: field_name
   use sg_former_results, only: remove_results
   use sg_hdf5, only: hdf5_is_available
   use sg_numbers, only: write_numbers
@@ -13,12 +14,13 @@ module sg_run_files
   use sg_simulation, only: simulation_t
   use sg_spectrum_file, only: write_spectrum
   use sg_system, only: is_terminal, remove_file
+  use sg_text, only: to_text
   use sg_text_files, only: replace_file
   use sg_track_file, only: tracks_name
   use sg_wall_file, only: walls_name
   implicit none
   private
-  public :: close_files, open_files, remove_former
+  public :: close_fields, close_files, open_files, remove_former
 
 contains
 
@@ -44,6 +46,7 @@ contains
       call sim%writers%walls%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
       call sim%writers%summary%add_file('walls', walls_name)
     end if
+    if (.not. allocated(error) .and. allocated(sim%fields)) call open_fields(sim, resumes, error)
     if (.not. allocated(error) .and. sim%options%has_trace) call open_trace(sim, resumes, error)
     call sim%comm%agree(error)
     if (allocated(error)) return
@@ -86,6 +89,26 @@ contains
     if (.not. resumes) call sim%writers%pictures%write(sim%scene, sim%contacts, sim%time(), 0, sim%comm, error)
   end subroutine open_pictures
 
+  !> Begin the files of fields, or go on with them, and name them in the summary.
+  subroutine open_fields(sim, resumes, error)
+    type(simulation_t), intent(inout) :: sim
+    logical, intent(in) :: resumes
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    if (.not. hdf5_is_available()) then
+      call fail(error, '[[field]] needs a program with HDF5')
+      return
+    end if
+    if (.not. allocated(sim%writers%fields)) allocate (sim%writers%fields(size(sim%fields)))
+    do i = 1, size(sim%fields)
+      if (sim%writers%is_root .and. .not. allocated(error)) &
+        call sim%writers%fields(i)%open(sim%options%folder//'/'//field_name(i), sim%fields(i), sim%options, &
+                                        merge(sim%step, -1, resumes), error)
+      call sim%writers%summary%add_file('field_'//to_text(i), field_name(i))
+    end do
+  end subroutine open_fields
+
   !> Begin the record, or go on with it, and name it in the summary.
   subroutine open_record(sim, resumes, error)
     type(simulation_t), intent(inout) :: sim
@@ -114,6 +137,17 @@ contains
     call sim%writers%summary%add_file('trace_steps', steps_file)
   end subroutine open_trace
 
+  !> Close the files of fields.
+  subroutine close_fields(sim)
+    type(simulation_t), intent(inout) :: sim !! ended, or at the end of a stage
+    integer :: i
+
+    if (.not. (allocated(sim%writers%fields) .and. sim%writers%is_root)) return
+    do i = 1, size(sim%writers%fields)
+      call sim%writers%fields(i)%close()
+    end do
+  end subroutine close_fields
+
   !> Close all files, write run.json and the tagged numbers; the first failure is returned.
   subroutine close_files(sim, error)
     type(simulation_t), intent(inout) :: sim !! ended
@@ -121,6 +155,7 @@ contains
     type(error_t), allocatable :: next
     character(len=:), allocatable :: file
 
+    call close_fields(sim)
     if (sim%writers%has_pictures) call sim%writers%pictures%close(sim%comm, error)
     if (sim%writers%saved_step >= 0) then
       file = newest_restart(sim%options%folder)

@@ -15,7 +15,7 @@ module sg_simulate
   use sg_methods, only: is_swept
   use sg_plan, only: describe_plan
   use sg_print, only: print_line
-  use sg_run_files, only: close_files, open_files, remove_former
+  use sg_run_files, only: close_fields, close_files, open_files, remove_former
   use sg_run_options, only: criterion_names, run_options_t
   use sg_run_summary, only: ranks_words
   use sg_simulation, only: decompose, simulation_t, start_simulation
@@ -120,6 +120,7 @@ contains
     call sim%writers%progress%finish()
     call save_once(sim, error)
     if (.not. allocated(error) .and. sim%writers%has_pictures) call sim%writers%pictures%close(sim%comm, error)
+    call close_fields(sim)
     sim%goes_on = .not. allocated(error)
     if (.not. sim%goes_on .or. sim%options%is_quiet .or. .not. sim%writers%is_root) return
     associate (stage => sim%stages%list(sim%stages%number))

@@ -10,9 +10,11 @@ module sg_simulation
   use sg_dump, only: dump_t
   use sg_energy, only: energy_t
   use sg_error, only: error_t, fail
+  use sg_fields_on_grid, only: grid_field_t
   use sg_history, only: history_t, start_history
   use sg_kept_contacts, only: n_kept_in_plane, n_kept_in_space
   use sg_kinds, only: wp, i4
+  use sg_means, only: means_t
   use sg_neighbours, only: neighbours_t
   use sg_tunnelling, only: tunnelling_t
   use sg_plan, only: make_plan, omissions_t, plan_t
@@ -74,6 +76,10 @@ module sg_simulation
     type(tracks_t) :: tracks
     !> Walls, and the cell that they enclose
     type(cell_t) :: cell
+    !> Coarse-grained fields; unallocated where there are none
+    type(grid_field_t), allocatable :: fields(:)
+    !> Sums over the recorded interval
+    type(means_t) :: means
     type(stop_t) :: stop
     !> Stages of the run. Has its present one begun in this process, from a checkpoint of the one before, in the same folder? Has
     !! it ended, so that the next one is due?
@@ -132,14 +138,23 @@ contains
     if (allocated(refused)) call choose_solver(sim%options%solver, sim%solver)
     call reserve_carried(sim)
     call track_bodies(sim)
+    sim%means%is_on = sim%options%record_mean .and. sim%options%record_every > 0
     call sim%totals%clock%start()
   end subroutine start_simulation
 
-  !> Track the bodies that the deck asks for, and walls where there is a record.
+  !> Begin fields; track the bodies that the deck asks for, and walls where there is a record.
   subroutine track_bodies(sim)
     type(simulation_t), intent(inout) :: sim
     type(text_t), allocatable :: names(:)
 
+    integer :: i
+
+    if (allocated(sim%options%fields)) then
+      allocate (sim%fields(size(sim%options%fields)))
+      do i = 1, size(sim%fields)
+        call sim%fields(i)%begin(sim%options%fields(i))
+      end do
+    end if
     if (sim%options%walls%count() == 0 .or. sim%options%record_every == 0) then
       if (allocated(sim%options%tracked)) &
         call sim%tracks%track(sim%options%tracked, sim%options%tracked_names, [integer(i4) ::], [text_t ::])

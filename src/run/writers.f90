@@ -1,5 +1,6 @@
 !> Writers of a run: record, tracked bodies, walls, pictures, progress, summary, traces, structure files.
 module sg_writers
+  use sg_field_file, only: field_file_t
   use sg_measures, only: measures_t
   use sg_pictures, only: pictures_t
   use sg_progress, only: progress_t
@@ -19,6 +20,7 @@ module sg_writers
     type(record_t) :: record
     type(track_file_t) :: tracks
     type(wall_file_t) :: walls
+    type(field_file_t), allocatable :: fields(:)
     type(pictures_t) :: pictures
     type(progress_t) :: progress
     type(run_summary_t) :: summary

@@ -1,5 +1,6 @@
 !> What to do with a scene: time, solver, what to write and when. Filled by the deck, changed by no one.
 module sg_run_options
+  use sg_field_options, only: field_options_t
   use sg_kinds, only: wp, i4
   use sg_options, only: option_values_t
   use sg_text, only: text_t
@@ -104,12 +105,16 @@ module sg_run_options
     integer :: output_every = 0, record_every = 10, restart_every = 0
     !> Write pictures in single precision, compressed
     logical :: output_single = .false., output_compressed = .false.
+    !> Record means over the interval between two recorded steps
+    logical :: record_mean = .false.
     !> Numbers of tracked bodies, ascending, and their names; unallocated where there are none
     integer(i4), allocatable :: tracked(:)
     type(text_t), allocatable :: tracked_names(:)
     !> Walls, and their names
     type(walls_t) :: walls
     type(text_t), allocatable :: wall_names(:)
+    !> Coarse-grained fields; unallocated where there are none
+    type(field_options_t), allocatable :: fields(:)
     !> Sample series at every step and write their spectra at the end
     logical :: has_spectrum = .false.
     !> Keep the history of errors within some steps: these, or some spread over the run

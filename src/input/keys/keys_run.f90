@@ -2,6 +2,7 @@
 module sg_keys_run
   use sg_key_table, only: key_table_t, value_body, value_box, value_choice, value_counts, value_integer, value_logical, &
                           value_real, value_text, value_texts
+  use sg_field_options, only: field_options_t, kernel_names
   use sg_kinds, only: wp
   use sg_methods, only: coupling_names, list_couplings, list_solvers, method_t, solver_names
   use sg_run_options, only: criterion_names, energy_guards, run_options_t, split_names
@@ -179,6 +180,9 @@ contains
                    default=to_text(default%output_every), least=0.0_wp)
     call table%add('record_every', value_integer, 'Steps between two rows of record.csv; 0 for none.', &
                    default=to_text(default%record_every), least=0.0_wp)
+    call table%add('record_mean', value_logical, 'Record means over all steps since the last row next to values of one step: '// &
+                   'kinetic energy, force on walls, pressure, stress, fabric, friction.', &
+                   default=true_or_false(default%record_mean))
     call table%add('precision', value_choice, 'Precision of the numbers in pictures.', &
                    default=merge('"single"', '"double"', default%output_single), choices='double|single')
     call table%add('compression', value_logical, 'Compress pictures: smaller files, slower writing.', &
@@ -188,6 +192,7 @@ contains
     call table%add('body', value_body, 'Bodies, by name, in which * stands for any letters and ? for one, or by number. '// &
                    'The planes of a container "box" are box.floor, box.left and so on: its pattern is "box.*".', &
                    is_required=.true.)
+    call add_fields(table)
     call table%open_section('stop', 'When a run ends before its last step: conditions on what is recorded, tested in each '// &
                             'recorded step. The first that holds ends it, with exit code 0.')
     call table%add('when', value_texts, 'Conditions of columns of record.csv and of tracked bodies: "max_velocity < 1e-4", '// &
@@ -220,4 +225,24 @@ contains
     call table%add('trace_steps', value_counts, 'Steps to trace; some spread over the run where none are given.', least=1.0_wp, &
                    used_for='trace=true')
   end subroutine add_output
+
+  !> Section field.
+  subroutine add_fields(table)
+    type(key_table_t), intent(inout) :: table
+    type(field_options_t) :: default
+
+    call table%open_section('field', 'A coarse-grained field on the cells of a grid over a box, in field_1.vtkhdf and so on: '// &
+                            'density, velocity and its gradient, stress, fabric.', is_list=.true.)
+    call table%add('box', value_box, 'Box of the grid: [x least, y least, x most, y most], in space '// &
+                   '[x least, y least, z least, x most, y most, z most].', unit='m', is_required=.true.)
+    call table%add('cells', value_counts, 'Cells along each axis.', is_required=.true., least=1.0_wp, most=1e5_wp)
+    call table%add('every', value_integer, 'Steps between two grids in the file.', is_required=.true., least=1.0_wp)
+    call table%add('sample_every', value_integer, 'Steps between two samples, of which a grid is the mean; 0 for one sample, '// &
+                   'that of its own step.', default=to_text(default%sample_every), least=0.0_wp)
+    call table%add('kernel', value_choice, 'Kernel that spreads a grain or a contact: gaussian, cut off at three standard '// &
+                   'deviations, or a box.', default=quoted_string(trim(kernel_names(default%kernel))), &
+                   choices=choices_of(kernel_names))
+    call table%add('width', value_real, 'Standard deviation of the gaussian, half side of the box; 0 for the longest side of a '// &
+                   'cell.', unit='m', default=short_real(default%width), least=0.0_wp)
+  end subroutine add_fields
 end module sg_keys_run

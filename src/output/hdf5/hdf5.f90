@@ -48,6 +48,8 @@ module sg_hdf5
     procedure :: remove => file_remove
     procedure :: take => file_take
     procedure :: declare => file_declare
+    procedure :: declare_grid => file_declare_grid
+    procedure :: put_grid => file_put_grid
     procedure :: rows => file_rows
     procedure :: shape => file_shape
     procedure :: cut => file_cut
@@ -56,7 +58,7 @@ module sg_hdf5
     procedure :: total => file_total
     procedure :: get_rows => file_get_rows
     procedure, private :: get_reals, get_real_records, get_integers, get_longs, get_text
-    procedure, private :: set_long, set_longs, set_text
+    procedure, private :: set_long, set_longs, set_reals, set_text
     procedure, private :: look_long, look_text
     !> Add rows to a growing dataset
     generic :: append => append_reals, append_real_records, append_integers, append_longs
@@ -65,7 +67,7 @@ module sg_hdf5
     !> Read a whole dataset
     generic :: get => get_reals, get_real_records, get_integers, get_longs, get_text
     !> Set an attribute, in place when it exists
-    generic :: set => set_long, set_longs, set_text
+    generic :: set => set_long, set_longs, set_reals, set_text
     !> Read an attribute
     generic :: look => look_long, look_text
   end type hdf5_file_t
@@ -154,6 +156,22 @@ module sg_hdf5
       integer, intent(in) :: chunk !! rows that are stored together
       logical, intent(in) :: is_compressed !! compress chunks by gzip? Ranks that share a file do not
     end subroutine file_declare
+
+    !> Make a dataset that grows by a grid per step, of a file that is not shared.
+    module subroutine file_declare_grid(self, path, storage, extents)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer, intent(in) :: storage !! `stored_double` or `stored_single`
+      integer, intent(in) :: extents(:) !! of a grid, the axis of neighbours in memory first
+    end subroutine file_declare_grid
+
+    !> Write a grid of such a dataset, which grows where it must.
+    module subroutine file_put_grid(self, path, grid, values)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! path within the file
+      integer(i8), intent(in) :: grid !! grids before it
+      real(wp), intent(in), contiguous, target :: values(:) !! as many numbers as a grid has
+    end subroutine file_put_grid
 
     !> Rows of all ranks together, from those of each; of a file that is not shared those given.
     module function file_total(self, rows) result(total)
@@ -313,6 +331,14 @@ module sg_hdf5
       character(len=*), intent(in) :: name !! of the attribute
       integer(i8), intent(in) :: value(:) !! its new value
     end subroutine set_longs
+
+    !> Set an attribute, one that does not exist, of a file that is not shared, to a list of reals.
+    module subroutine set_reals(self, path, name, value)
+      class(hdf5_file_t), intent(inout) :: self
+      character(len=*), intent(in) :: path !! object that has the attribute
+      character(len=*), intent(in) :: name !! of the attribute
+      real(wp), intent(in) :: value(:) !! its value
+    end subroutine set_reals
 
     !> Set an attribute to a text, stored with fixed length.
     module subroutine set_text(self, path, name, value)

@@ -91,6 +91,15 @@ contains
   module procedure append_longs
   end procedure append_longs
 
+  module procedure file_declare_grid
+  end procedure file_declare_grid
+
+  module procedure file_put_grid
+  end procedure file_put_grid
+
+  module procedure set_reals
+  end procedure set_reals
+
   module procedure put_reals
   end procedure put_reals
 

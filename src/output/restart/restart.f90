@@ -54,6 +54,10 @@ module sg_restart
     real(wp), allocatable :: tracks(:), stop(:)
     !> Where the stages of the run began and ended (sg_stages); empty where it has none
     real(wp), allocatable :: stages(:)
+    !> Sums over the recorded interval (sg_means); empty where no means are asked for
+    real(wp), allocatable :: means(:)
+    !> Samples of fields since their last grids (sg_fields_on_grid); empty where there are none
+    real(wp), allocatable :: fields(:)
   end type restart_t
 
 contains
@@ -144,6 +148,8 @@ contains
     call put_optional(file, '/tracks', state%tracks)
     call put_optional(file, '/stop', state%stop)
     call put_optional(file, '/stages', state%stages)
+    call put_optional(file, '/means', state%means)
+    call put_optional(file, '/fields', state%fields)
     call put_sealed(file, '/built', state%built)
     call put_fields(file, '/bodies', state%bodies)
     call put_fields(file, '/contacts', state%contacts)
@@ -248,6 +254,8 @@ contains
     call get_optional(file, '/tracks', state%tracks)
     call get_optional(file, '/stop', state%stop)
     call get_optional(file, '/stages', state%stages)
+    call get_optional(file, '/means', state%means)
+    call get_optional(file, '/fields', state%fields)
     ! One rank alone takes up its list of neighbours.
     if (ranks%size == 1) call file%get('/built', state%built)
     if (.not. allocated(state%built)) allocate (state%built(0, 0))

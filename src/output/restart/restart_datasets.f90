@@ -16,7 +16,7 @@ module sg_restart_datasets
   public :: check_shapes, dataset_paths, scene_misfit
 
   !> Lists of any length that only some runs write
-  character(len=7), parameter :: optional_lists(3) = [character(len=7) :: '/tracks', '/stop', '/stages']
+  character(len=7), parameter :: optional_lists(5) = [character(len=7) :: '/tracks', '/stop', '/stages', '/means', '/fields']
 
   !> A dataset, values per row, and its rows
   type :: dataset_t
