@@ -175,8 +175,8 @@ contains
     end associate
   end function is_kept
 
-  !> Do the bodies of two contactors move so little against each other that their contacts may be kept in the next step? Most of what
-  !! falls or flows does not, and what is stored of it would be lost.
+  !> Do the bodies of two contactors move so little against each other that their contacts may be kept in the next step? Most of
+  !! what falls or flows does not, and what is stored of it would be lost.
   pure logical function is_slow(scene, c, a, substeps)
     type(scene_t), intent(in) :: scene !! scene with its `middle` configuration
     integer(i4), intent(in) :: c !! candidate
