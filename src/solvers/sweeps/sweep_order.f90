@@ -11,7 +11,7 @@ module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_random, only: random_t
-  use sg_records, only: ball_friction, ball_frictional, normal_x, record_length, solid_frictional
+  use sg_records, only: ball_frictional, record_length, round_frictional, solid_frictional
   use sg_run_options, only: solver_options_t
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, put_rows, solid_lanes_t
@@ -197,13 +197,35 @@ contains
       n = order%n + order%n/8
       allocate (order%pair(2, n), order%record(size(problem%record, 1), n), order%impulse(size(problem%impulse, 1), n))
     end if
-    do i = first, order%n
-      k = order%contact(i)
-      order%pair(:, i) = problem%pair(:, k)
-      order%record(:, i) = problem%record(:, k)
-      order%impulse(:, i) = problem%impulse(:, k)
-    end do
+    associate (last => order%n, contact => order%contact, pair => problem%pair, record => problem%record, r => problem%impulse)
+      if (problem%kind == round_frictional) then
+        call copy_round(first, last, contact, pair, record, r, order%pair, order%record, order%impulse)
+        return
+      end if
+      do i = first, last
+        k = contact(i)
+        order%pair(:, i) = pair(:, k)
+        order%record(:, i) = record(:, k)
+        order%impulse(:, i) = r(:, k)
+      end do
+    end associate
   end subroutine fill_copies
+
+  !> The same for disks: a record of constant length is a few moves.
+  pure subroutine copy_round(first, last, contact, pair, record, impulse, own_pair, own_record, own_impulse)
+    integer, intent(in) :: first, last
+    integer(i4), intent(in) :: contact(*), pair(2, *)
+    real(wp), intent(in) :: record(record_length(round_frictional), *), impulse(2, *)
+    integer(i4), intent(inout) :: own_pair(2, *)
+    real(wp), intent(inout) :: own_record(record_length(round_frictional), *), own_impulse(2, *)
+    integer :: i
+
+    do i = first, last
+      own_pair(:, i) = pair(:, contact(i))
+      own_record(:, i) = record(:, contact(i))
+      own_impulse(:, i) = impulse(:, contact(i))
+    end do
+  end subroutine copy_round
 
   !> Deal contacts to groups, all at once or within each coloured block.
   pure subroutine deal_all(order, problem, are_coloured)
@@ -257,7 +279,6 @@ contains
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
     integer, intent(in) :: first_group, first
-    integer :: g, i, e, k
 
     if (allocated(order%lane_pair)) then
       if (size(order%lane_pair, 3) < order%n_groups) deallocate (order%lane_pair, order%lane_record, order%lane_impulse)
@@ -267,22 +288,35 @@ contains
                 order%lane_record(lanes, record_length(ball_frictional), order%n_groups + order%n_groups/8), &
                 order%lane_impulse(lanes, 3, order%n_groups + order%n_groups/8))
     end if
+    call copy_lanes(first_group, order%n_groups, first, order%group_size, order%contact, problem%pair, problem%record, &
+                    problem%impulse, order%lane_pair, order%lane_record, order%lane_impulse)
+  end subroutine fill_lanes
+
+  !> The same, in room that is there.
+  pure subroutine copy_lanes(first_group, last_group, first, group_size, contact, pair, record, impulse, lane_pair, lane_record, &
+                             lane_impulse)
+    integer, intent(in) :: first_group, last_group, first
+    integer(i4), intent(in) :: group_size(*), contact(*), pair(2, *)
+    real(wp), intent(in) :: record(record_length(ball_frictional), *), impulse(3, *)
+    integer(i4), intent(inout) :: lane_pair(lanes, 2, *)
+    real(wp), intent(inout) :: lane_record(lanes, record_length(ball_frictional), *), lane_impulse(lanes, 3, *)
+    integer :: g, i, e
+
     e = first - 1
-    do g = first_group, order%n_groups
-      do i = 1, order%group_size(g)
+    do g = first_group, last_group
+      do i = 1, group_size(g)
         e = e + 1
-        k = order%contact(e)
-        order%lane_pair(i, :, g) = problem%pair(:, k)
-        order%lane_record(i, :, g) = problem%record(normal_x:ball_friction, k)
-        order%lane_impulse(i, :, g) = problem%impulse(1:3, k)
+        lane_pair(i, :, g) = pair(:, contact(e))
+        lane_record(i, :, g) = record(:, contact(e))
+        lane_impulse(i, :, g) = impulse(:, contact(e))
       end do
-      do i = order%group_size(g) + 1, lanes
-        order%lane_pair(i, :, g) = order%lane_pair(1, :, g)
-        order%lane_record(i, :, g) = 0
-        order%lane_impulse(i, :, g) = 0
+      do i = group_size(g) + 1, lanes
+        lane_pair(i, :, g) = lane_pair(1, :, g)
+        lane_record(i, :, g) = 0
+        lane_impulse(i, :, g) = 0
       end do
     end do
-  end subroutine fill_lanes
+  end subroutine copy_lanes
 
   !> Copy impulses from the order back to the problem.
   pure subroutine give_impulses(order, problem)
