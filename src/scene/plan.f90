@@ -99,7 +99,6 @@ contains
     if (scene%links%n > 0) plan%uses_law(scene%links%law(:scene%links%n)) = .true.
     plan%links = scene%links%n
     plan%thinnest = thinnest_of(scene, ranks)
-    plan%keeps_contacts = scene%kept_motion > 0 .and. any(plan%shapes([kind_polygon, kind_polyhedron]) > 0)
     call find_turning(scene, turns, rests, is_partly_driven)
     are_round = ranks%all(all_round(scene, turns) .and. .not. any(is_partly_driven))
     all_rest = ranks%all(all(rests))
@@ -115,6 +114,9 @@ contains
       plan%has_bonds = plan%has_bonds .or. is_cohesive_zone(scene%laws(i))
       plan%n_internal = max(plan%n_internal, n_internal_of(scene%laws(i), scene%dimension))
     end do
+    ! What damages a bond is smaller than the error of a kept gap.
+    plan%keeps_contacts = scene%kept_motion > 0 .and. any(plan%shapes([kind_polygon, kind_polyhedron]) > 0) .and. &
+                          .not. plan%has_bonds
     plan%kind = problem_kind(scene%dimension, plan)
     plan%has_rotation = .not. (plan%is_round .and. .not. plan%has_tangent .and. all_rest .and. may%rotation)
     allocate (plan%radius(0))

@@ -147,7 +147,7 @@ class Means(ProgramCase):
                 self.assertEqual("mean_fabric_zz" in self.record("ranks")[0], is_in_space)
                 self.assertEqual("mean_wall_force_z" in self.record("ranks")[0], is_in_space)
                 self.assertGreater(worst["worst_violation_step"], 0)
-                self.assertIn(worst["worst_violation_hint"], ("", "pushed by a driven body", "the step did not converge",
+                self.assertIn(worst.get("worst_violation_hint", ""), ("", "pushed by a driven body", "the step did not converge",
                                                               "a shock, try shorter steps"))
                 found.append((self.record("ranks"), worst))
             self.assertEqual(*found)

@@ -39,7 +39,8 @@ contains
                    'their middle, between polygons and between polyhedra.', default='0.0', least=0.0_wp, most=1.0_wp)
     call table%add('kept_motion', value_real, 'Contacts of two polygons or polyhedra, or of one and a wall, are kept and '// &
                    'follow their bodies while these have moved by less than this against each other since the contacts '// &
-                   'were found, over the radius of the smaller one; 0 for never.', default='1e-3', least=0.0_wp, most=0.1_wp)
+                   'were found, over the radius of the smaller one; 0 for never. Not in '// &
+                   'scenes with cohesive zones.', default='1e-3', least=0.0_wp, most=0.1_wp)
   end subroutine add_scene_keys
 
   !> Sections material, law and interaction.

@@ -71,7 +71,7 @@ fabric_xy measure 1
 fabric_yy measure 1
 9.5572316791843415E-01
 mobilised_friction measure 1
-1.8507127700092932E-01
+1.8433925559804981E-01
 sliding_share measure 1
 5.8823529411764705E-02
 grain_coordination measure 1
