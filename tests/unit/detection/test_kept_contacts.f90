@@ -58,7 +58,6 @@ contains
       length = motion*minval(start%scene%contactors%reach(:2))
       call move_pair(random, share*length, kept)
       call copy(kept, found)
-      found%contacts%n = 0
       found%contacts%kept = 0
       call detect(kept%scene, kept%pairs, kept%history, kept%contacts)
       call detect(found%scene, found%pairs, found%history, found%contacts)
