@@ -14,6 +14,7 @@ module sg_detect
   use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
   use sg_path_bound, only: is_clear
   use sg_scene, only: scene_t
+  use sg_sees, only: alert_of
   use sg_shape_kinds, only: is_bounding
   use sg_shrink_face, only: shrink_face
   use sg_timers, only: wall_now
@@ -48,6 +49,7 @@ contains
       call unwrap_images(history, scene)
       skin = pairs%asked_skin
       if (.not. skin > 0) skin = fitting_skin(scene, pairs%substeps)
+      pairs%listed_way = 2*pairs%way
       call build_neighbours(pairs, scene, scene%bodies%middle, skin)
       call match_pairs(history, scene, pairs)
     else if (history%is_loaded) then
@@ -55,6 +57,7 @@ contains
       call match_pairs(history, scene, pairs)
     end if
     call place_contactors(scene%contactors, scene%bodies%middle)
+    pairs%alert = alert_of(scene%sees, pairs%way)
     call touch_all(scene, pairs, history, contacts)
     history%is_loaded = .false.
     history%is_start = .false.
@@ -129,7 +132,7 @@ contains
     integer :: n
 
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      alert = scene%sees(pairs%see(p))%alert
+      alert = pairs%alert(pairs%see(p))
       if (contacts%n_kept > 0) alert = alert + kept_length(scene, c, a)
       if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
       path = 0
@@ -197,7 +200,7 @@ contains
     ! Most pairs end right below: a function for these numbers costs a twentieth of the detection of spheres.
     offset = [scene%period*real(pairs%image(p), wp), scene%period_y*real(pairs%image_y(p), wp), 0.0_wp]
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      alert = scene%sees(pairs%see(p))%alert
+      alert = pairs%alert(pairs%see(p))
       if (contacts%n_kept > 0) alert = alert + kept_length(scene, c, a)
       if (spheres_are_apart(contactors, c, a, offset, alert)) return
       path = 0

@@ -16,7 +16,7 @@ module sg_laws
   public :: law_iqs_g0, law_gap_g0, law_elastic_g0, law_gap_shifted, law_viscoelastic
   public :: law_mac, law_mal, law_th, law_abp, law_expo, is_cohesive_zone, needs_surface
   public :: status_new, status_none, status_stick, status_slide, status_bonded, status_broken, last_status
-  public :: forbids_overlap, forbidden_gap
+  public :: acts_in_touch, forbids_overlap, forbidden_gap
   public :: is_plain, is_frictionless, inverse_of, kind_of_local_law, largest_friction, why_largest_friction
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
@@ -192,6 +192,13 @@ contains
     looks_at_gap = any(law%kind == [law_iqs, law_gap, law_iqs_g0, law_gap_g0, law_gap_shifted]) .and. &
                    .not. abs(law%static_friction - law%dynamic_friction) > 0
   end function looks_at_gap
+
+  !> Does a law act only on shapes that touch by the end of a step, and keep nothing of a contact that is open?
+  elemental logical function acts_in_touch(law)
+    type(law_t), intent(in) :: law !! law to look at
+
+    acts_in_touch = any(law%kind == [law_iqs, law_gap, law_velocity, law_restitution, law_elastic, law_viscoelastic])
+  end function acts_in_touch
 
   !> Are shapes under the law rigid, so that overlap is an error of the scheme? It is a load of elastic laws, and bonds keep theirs.
   pure logical function forbids_overlap(law)

@@ -191,6 +191,7 @@ contains
     is_rebuilt = .false.
     if (self%subdomain%size == 1) return
     self%age = self%age + 1
+    call comm%maximum(pairs%way)
     if (.not. comm%any(self%is_first .or. must_split(self) .or. neighbours_are_stale(pairs, scene))) return
     skin = common_skin(scene, pairs%substeps, comm)
     call forget_pairs(pairs, skin)

@@ -26,6 +26,7 @@ module sg_advance
   use sg_totals, only: phase_assemble, phase_detect, phase_measure, phase_predict, phase_solve, phase_update
   use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls, warn_of_tunnelling
   use sg_update_problem, only: can_update, take_impulses, update_problem
+  use sg_way_of_step, only: way_of_step
   implicit none
   private
   public :: advance
@@ -60,10 +61,11 @@ contains
     logical :: is_rebuilt
 
     associate (h => sim%options%substep_length(), options => sim%options)
-      call find_crossed_contacts(sim%tunnelling, sim%scene, sim%contacts, sim%plan, sim%history%is_loaded, sim%step + 1, h, &
-                                 sim%substep, options%substeps)
+      call find_crossed_contacts(sim%tunnelling, sim%scene, sim%contacts, sim%plan, sim%pairs%way, sim%history%is_loaded, &
+                                 sim%step + 1, h, sim%substep, options%substeps)
       call predict(sim%scene, sim%substep_time(), h, options%theta)
       if (sim%substep > 1) return
+      sim%pairs%way = way_of_step(sim%scene, h, options%substeps)
       call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_rebuilt, error)
       if (allocated(error) .or. .not. is_rebuilt) return
       call set_radii(sim%scene, sim%plan)

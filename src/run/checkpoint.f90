@@ -26,8 +26,9 @@ module sg_checkpoint
   private
   public :: save_checkpoint, save_once, load_checkpoint
 
-  !> Numbers at the end of the totals of a file: gravity, the skin of the list of neighbours, and the signature of the scene
-  integer, parameter :: n_gravity = 3, n_after_totals = n_gravity + 1 + n_signature
+  !> Numbers at the end of the totals of a file: gravity, skin and way of the list of neighbours, way of the last step, and the
+  !! signature of the scene
+  integer, parameter :: n_gravity = 3, n_list = 3, n_after_totals = n_gravity + n_list + n_signature
 
 contains
 
@@ -63,7 +64,8 @@ contains
     state%step = sim%step
     state%time = sim%time()
     state%deck_hash = sim%options%deck_hash
-    state%totals = [energy%pack(), totals%pack(), sim%scene%gravity, sim%pairs%skin, sim%signature]
+    state%totals = [energy%pack(), totals%pack(), sim%scene%gravity, sim%pairs%skin, &
+                    sim%pairs%listed_way, sim%pairs%way, sim%signature]
     state%tracks = tracks%pack()
     means = sim%means
     call means%reduce(sim%comm)
@@ -191,10 +193,10 @@ contains
     type(totals_t) :: totals
 
     fault = ''
-    associate (energies => state%totals(:n_energy_values), skin => skin_in(state), gravity => gravity_in(state), &
+    associate (energies => state%totals(:n_energy_values), list => list_in(state), gravity => gravity_in(state), &
                counted => state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
       if (.not. all(ieee_is_finite([energies, gravity, state%tracks, state%stop, state%stages, state%means, state%fields, &
-                                    skin]))) then
+                                    list]))) then
         fault = 'it holds sums that are not finite'
       else if (.not. totals%are_sound(counted)) then
         fault = 'it holds counts that are none'
@@ -208,7 +210,11 @@ contains
   subroutine take_state(sim, state)
     type(simulation_t), intent(inout) :: sim
     type(restart_t), intent(in) :: state
+    real(wp) :: list(n_list)
 
+    list = list_in(state)
+    sim%pairs%listed_way = list(2)
+    sim%pairs%way = list(3)
     call restore_state(state, sim%scene, sim%contacts)
     sim%step = state%step
     call keep_time(sim, state%time)
@@ -218,7 +224,7 @@ contains
     ! Several ranks take up their contacts when they have split the scene.
     if (sim%comm%size == 1) call resume_history(sim%history, sim%contacts)
     if (sim%comm%size == 1 .and. size(state%built, 2) > 0) then
-      call build_neighbours(sim%pairs, sim%scene, state%built, skin_in(state))
+      call build_neighbours(sim%pairs, sim%scene, state%built, list(1))
     end if
     call sim%tracks%unpack(state%tracks)
     call sim%means%unpack(state%means)
@@ -236,17 +242,20 @@ contains
     type(restart_t), intent(in) :: state
     real(wp) :: gravity(n_gravity)
 
-    associate (last => size(state%totals) - n_signature - 1)
+    associate (last => size(state%totals) - n_signature - n_list)
       gravity = state%totals(last - n_gravity + 1:last)
     end associate
   end function gravity_in
 
-  !> Skin of the list of neighbours in a file [m].
-  pure real(wp) function skin_in(state) result(skin)
+  !> Skin and way of the list of neighbours in a file, and way of its last step [m].
+  pure function list_in(state) result(list)
     type(restart_t), intent(in) :: state
+    real(wp) :: list(n_list)
 
-    skin = state%totals(size(state%totals) - n_signature)
-  end function skin_in
+    associate (last => size(state%totals) - n_signature)
+      list = state%totals(last - n_list + 1:last)
+    end associate
+  end function list_in
 
   !> Go on from the time of a restart file, also where the step is another one now: times are the start's and so many steps.
   pure subroutine keep_time(sim, time)

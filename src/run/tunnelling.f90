@@ -45,23 +45,25 @@ module sg_tunnelling
 contains
 
   !> Count the pairs of bodies in contact that the motion since the last substep has brought through each other.
-  subroutine find_crossed_contacts(tunnelling, scene, contacts, plan, is_loaded, step, h, substep, substeps)
+  subroutine find_crossed_contacts(tunnelling, scene, contacts, plan, way, is_loaded, step, h, substep, substeps)
     type(tunnelling_t), intent(inout) :: tunnelling !! its count is set
     type(scene_t), intent(in) :: scene !! velocities are those with which the last step ended
     type(contacts_t), intent(in) :: contacts !! contacts of the last substep
-    type(plan_t), intent(in) :: plan !! alert distance and thinnest shape
+    type(plan_t), intent(in) :: plan !! alert distances and thinnest shape
+    real(wp), intent(in) :: way !! by which shapes were taken to come nearer to each other in the last step [m]
     logical, intent(in) :: is_loaded !! are contacts those of a checkpoint or a deck, which have no gaps?
     integer, intent(in) :: step !! number of the step that begins
     real(wp), intent(in) :: h !! length of a substep [s]
     integer, intent(in) :: substep !! number of the one that begins
     integer, intent(in) :: substeps !! substeps of a step
-    real(wp) :: displacement, thickness
+    real(wp) :: displacement, thickness, alert
     integer :: k
 
     tunnelling%n = 0
     displacement = h*largest_speed(scene%bodies%velocity(:scene%dimension, :))
     ! The contacts found by the first substep are those of all.
-    tunnelling%exceeds_alert = real(substeps, wp)*displacement > plan%alert .or. (tunnelling%exceeds_alert .and. substep > 1)
+    alert = min(plan%alert, max(plan%least_alert, way))
+    tunnelling%exceeds_alert = real(substeps, wp)*displacement > alert .or. (tunnelling%exceeds_alert .and. substep > 1)
     tunnelling%exceeds_thinnest = displacement > plan%thinnest
     if (is_loaded .or. .not. displacement + tunnelling%deepest > plan%thinnest) return
     do k = 1, contacts%n

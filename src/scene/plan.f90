@@ -48,6 +48,8 @@ module sg_plan
     logical :: sees(n_kinds, n_kinds) = .false.
     !> Smallest alert distance in use [m]
     real(wp) :: alert = huge(1.0_wp)
+    !> Smallest one that follows the motion of a step, where there is such a one [m]
+    real(wp) :: least_alert = huge(1.0_wp)
     !> Half width of the thinnest shape [m]
     real(wp) :: thinnest = huge(1.0_wp)
     !> Signed radius of round bodies [m], zero for those that do not turn, negative where hollow; empty for other scenes
@@ -194,6 +196,7 @@ contains
         if (see == 0) cycle
         plan%uses_law(scene%sees(see)%law) = .true.
         plan%alert = min(plan%alert, scene%sees(see)%alert)
+        plan%least_alert = min(plan%least_alert, scene%sees(see)%least_alert)
         plan%sees(kind(1), kind(2)) = .true.
         plan%sees(kind(2), kind(1)) = .true.
       end do

@@ -30,6 +30,8 @@ module sg_scene
     integer :: law = 0
     !> Contacts exist where the gap is below this [m]
     real(wp) :: alert = 0
+    !> Where the motion of a step decides how far it has to be seen, the shortest such distance; the one above is the longest [m]
+    real(wp) :: least_alert = huge(1.0_wp)
   end type see_t
 
   !> A contact known before the first step: its impulse starts the solver

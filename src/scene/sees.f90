@@ -6,7 +6,7 @@ module sg_sees
   use sg_shape_pairs, only: can_touch
   implicit none
   private
-  public :: see_between, see_of, blind_pairs, links_points, widest_alert
+  public :: alert_of, see_between, see_of, blind_pairs, links_points, widest_alert
 
 contains
 
@@ -53,11 +53,20 @@ contains
     links_points = see%candidate_kind == kind_point .and. see%antagonist_kind == kind_point
   end function links_points
 
-  !> Largest alert distance at which contacts exist [m].
-  pure real(wp) function widest_alert(sees)
-    type(see_t), intent(in) :: sees(:) !! the see tables
+  !> Gap below which contacts exist under a line of the see tables [m].
+  pure elemental real(wp) function alert_of(see, way)
+    type(see_t), intent(in) :: see !! the line
+    real(wp), intent(in) :: way !! by which two shapes may come nearer to each other [m]
 
-    widest_alert = max(0.0_wp, maxval(sees%alert, .not. links_points(sees)))
+    alert_of = min(see%alert, max(see%least_alert, way))
+  end function alert_of
+
+  !> Largest alert distance at which contacts exist [m].
+  pure real(wp) function widest_alert(sees, way)
+    type(see_t), intent(in) :: sees(:) !! the see tables
+    real(wp), intent(in) :: way !! by which two shapes may come nearer to each other [m]
+
+    widest_alert = max(0.0_wp, maxval(alert_of(sees, way), .not. links_points(sees)))
   end function widest_alert
 
   !> Which kinds of shape a line of the see tables brings together in vain, shape (kinds, kinds): they cannot touch each

@@ -28,6 +28,9 @@ name = "stone"
 density = 2600.0
 [[law]]
 friction = {friction}
+[[interaction]]
+# What falls from the top moves by as much in a step: contacts are many, and tables as full as they get.
+alert = 8e-3
 """
 WALL = "[[wall]]\nfrom = {}\nto = {}\nthickness = 0.02\n"
 WALLS = "".join(

@@ -14,7 +14,7 @@ module sg_neighbours
   use sg_near, only: candidate_first, is_near, turning_arm
   use sg_owners, only: contact_owner
   use sg_scene, only: scene_t
-  use sg_sees, only: see_between, widest_alert
+  use sg_sees, only: alert_of, see_between, widest_alert
   use sg_shape_kinds, only: is_bounding
   use sg_sorting, only: hilbert_order, sort_permutation
   use sg_timers, only: wall_now
@@ -44,6 +44,11 @@ module sg_neighbours
     real(wp) :: skin = 0
     !> Skin of the next list, where all ranks of a decomposed scene must have the same; 0 where it is free to choose [m]
     real(wp) :: asked_skin = 0
+    !> How much nearer two shapes may come to each other until the next detection, and for which such ways the list holds all that
+    !! may be wanted, where alert distances follow the motion [m]
+    real(wp) :: way = huge(1.0_wp)/4, listed_way = huge(1.0_wp)/4
+    !> Alert distance of each line of the scene's see tables in the last detection [m]
+    real(wp), allocatable :: alert(:)
     !> Substeps from one detection to the next
     integer :: substeps = 1
     !> Are only shapes sought that touch, whatever the alert distances are?
@@ -60,7 +65,7 @@ module sg_neighbours
 
 contains
 
-  !> Has something moved so far that the list no longer holds all that may touch?
+  !> Has something moved so far, or is so fast, that the list no longer holds all that may touch?
   pure logical function neighbours_are_stale(pairs, scene) result(stale)
     type(neighbours_t), intent(in) :: pairs !! list to look at
     type(scene_t), intent(in) :: scene !! its bodies' `middle` counts
@@ -68,6 +73,7 @@ contains
     integer :: c, b
 
     stale = .not. allocated(pairs%built)
+    if (.not. stale) stale = any(alert_of(scene%sees, pairs%way) > alert_of(scene%sees, pairs%listed_way))
     if (stale) return
     associate (contactors => scene%contactors, middle => scene%bodies%middle)
       do c = 1, contactors%n
@@ -269,7 +275,7 @@ contains
       reach(i) = scene%contactors%reach(order(i))
     end do
     margin = pairs%skin
-    if (.not. pairs%without_alert) margin = margin + widest_alert(scene%sees)
+    if (.not. pairs%without_alert) margin = margin + widest_alert(scene%sees, pairs%listed_way)
     call build_cells(cells, centre, reach, margin, period)
     pairs%n = 0
     pairs%is_cut = .false.
@@ -443,7 +449,7 @@ contains
       end if
       period = [scene%period, scene%period_y, 0.0_wp]
       margin = pairs%skin
-      if (.not. pairs%without_alert) margin = scene%sees(see)%alert + pairs%skin
+      if (.not. pairs%without_alert) margin = alert_of(scene%sees(see), pairs%listed_way) + pairs%skin
       if (.not. is_near(contactors, i, j, period*real([image, 0], wp), period, margin)) return
       side = merge(1, -1, candidate_first(contactors, i, j))
       call add_pair(pairs, scene%dimension, merge([i, j], [j, i], side == 1), int(side*image, i4), int(see))

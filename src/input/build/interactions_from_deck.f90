@@ -5,7 +5,7 @@ module sg_interactions_from_deck
   use sg_contactors, only: kind_names, kind_point, n_kinds
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
-  use sg_laws, only: is_link_law
+  use sg_laws, only: acts_in_touch, is_link_law
   use sg_laws_from_deck, only: law_of
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t, see_t
@@ -26,7 +26,7 @@ contains
     type(scene_t), intent(inout) :: scene !! scene with bodies, laws and drives
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(see_t) :: see
-    real(wp) :: alert
+    real(wp) :: alert(2)
     integer, allocatable :: contact_laws(:)
     integer :: b, n
 
@@ -36,7 +36,7 @@ contains
     contact_laws = pack([(b, b=1, size(scene%laws))], [(.not. is_link_law(scene%laws(b)), b=1, size(scene%laws))])
     if (n == 0 .and. size(contact_laws) == 1) then
       see%law = contact_laws(1)
-      see%alert = alert
+      call set_alert(scene, alert, see)
       scene%sees = [see]
       call warn_of_blind(deck, deck%block_of('law'), scene, diagnostics)
     else if (n == 0 .and. size(contact_laws) > 1) then
@@ -60,7 +60,7 @@ contains
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b
     type(scene_t), intent(in) :: scene
-    real(wp), intent(in) :: alert
+    real(wp), intent(in) :: alert(2)
     type(see_t), intent(out) :: see
     type(diagnostics_t), intent(inout) :: diagnostics
 
@@ -68,10 +68,11 @@ contains
     see%antagonist_kind = choice_index(deck%word(b, 'antagonist_shape'), choices_of(kind_names))
     call find_colour(deck, b, 'candidate', scene, see%candidate_colour, diagnostics)
     call find_colour(deck, b, 'antagonist', scene, see%antagonist_colour, diagnostics)
-    see%alert = alert
-    if (deck%is_given(b, 'alert')) see%alert = deck%number(b, 'alert')
     see%law = law_of(deck, b, scene, diagnostics)
     if (see%law == 0) return
+    call set_alert(scene, alert, see)
+    if (deck%is_given(b, 'alert')) see%alert = deck%number(b, 'alert')
+    if (deck%is_given(b, 'alert')) see%least_alert = see%alert
     if (is_link_law(scene%laws(see%law)) .and. .not. all([see%candidate_kind, see%antagonist_kind] == kind_point)) &
       call deck%complain(diagnostics, 'the law "'//scene%laws(see%law)%name//'" holds between points: candidate_shape and '// &
                          'antagonist_shape must be "point"', b)
@@ -141,12 +142,24 @@ contains
     call deck%complain(diagnostics, 'no body has the colour "'//name//'"'//near, b, key)
   end subroutine find_colour
 
-  !> Alert distance where none is given [m]: a tenth of the radius of the smallest grain, or the way in a step of what is
-  !! fastest at the start, driven, or falls through the whole scene, if that is longer.
-  real(wp) function default_alert(scene, options, absent) result(alert)
+  !> Alert distances of a pair where none is given: what acts on open contacts is always sought up to the longest.
+  pure subroutine set_alert(scene, alert, see)
+    type(scene_t), intent(in) :: scene
+    real(wp), intent(in) :: alert(2) !! least and longest [m]
+    type(see_t), intent(inout) :: see !! with its law
+
+    see%alert = alert(2)
+    if (acts_in_touch(scene%laws(see%law))) see%least_alert = alert(1)
+  end subroutine set_alert
+
+  !> Least and longest alert distance where none is given [m]. The motion of each step decides between a fiftieth of the radius of
+  !! the smallest grain and a tenth of it, or the way in a step of what is fastest at the start, driven, or falls through the whole
+  !! scene, if that is longer.
+  function default_alert(scene, options, absent) result(alert)
     type(scene_t), intent(in) :: scene
     type(run_options_t), intent(in) :: options
     type(census_t), intent(in) :: absent
+    real(wp) :: alert(2)
     real(wp) :: smallest, height, fall, low(scene%dimension), high(scene%dimension)
     integer :: c
 
@@ -165,7 +178,7 @@ contains
     end associate
     ! Fastest free fall: through the whole scene. The number of steps has no part in it: a longer run is the same run.
     fall = sqrt(2*norm2(scene%gravity)*height)
-    alert = max(smallest/10, options%time_step*(speed_at_start(scene, absent) + fall))
+    alert = [smallest/50, max(smallest/10, options%time_step*(speed_at_start(scene, absent) + fall))]
   end function default_alert
 
   !> Largest speed of a body at the start or driven [m/s].

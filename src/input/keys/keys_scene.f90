@@ -114,8 +114,9 @@ contains
                    space_choices='any|'//space_shapes)
     call table%add('law', value_text, 'Name of the law; default: the only one.')
     call table%add('alert', value_real, 'Contacts exist where the gap is below this; two points are linked that are no farther '// &
-                   'apart at the start. Default: a tenth of the radius of the smallest grain, or what the fastest grain may '// &
-                   'travel in a step if that is more.', unit='m', least=0.0_wp)
+                   'apart at the start. Default: what shapes may come nearer in the step, at least a fiftieth of the radius '// &
+                   'of the smallest grain, at most a tenth of it or what the fastest grain may travel in a step if that is '// &
+                   'more; for laws that act on open contacts always the most.', unit='m', least=0.0_wp)
 
     call add_link_keys(table)
   end subroutine add_law_keys

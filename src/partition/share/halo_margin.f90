@@ -90,6 +90,6 @@ contains
     end if
     call comm%maximum(most)
     needed = skin + 2*sum(sqrt(most))
-    needed = needed + widest_alert(scene%sees)
+    needed = needed + widest_alert(scene%sees, huge(1.0_wp))
   end function needed
 end module sg_halo_margin

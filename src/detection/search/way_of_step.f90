@@ -1,0 +1,53 @@
+!> How far shapes may move in a step, which decides how far apart contacts are sought (doc/theory/detection.md, "Alert distance").
+module sg_way_of_step
+  use sg_contactors, only: kind_point
+  use sg_kinds, only: wp
+  use sg_scene, only: scene_t
+  use sg_shape_kinds, only: is_round
+  implicit none
+  private
+  public :: way_of_step
+
+contains
+
+  !> How much nearer two shapes may come to each other in a step with the free velocities [m]: twice what the fastest point moves.
+  pure real(wp) function way_of_step(scene, h, substeps) result(way)
+    type(scene_t), intent(in) :: scene !! scene, its free velocities set for the first substep
+    real(wp), intent(in) :: h !! length of a substep [s]
+    integer, intent(in) :: substeps !! of the step
+    ! Squares of larger speeds have no room.
+    real(wp), parameter :: most = 1e100_wp
+    real(wp) :: fastest
+
+    way = huge(way)/4
+    if (scene%bodies%n == 0) return
+    if (maxval(abs(scene%bodies%free_velocity)) > most) return
+    fastest = sqrt(fastest_square(scene)) + real(substeps - 1, wp)*h*norm2(scene%gravity)
+    way = 2*real(substeps, wp)*h*fastest
+  end function way_of_step
+
+  !> Square of the largest speed of a point of all shapes, at most [m2/s2].
+  pure real(wp) function fastest_square(scene) result(fastest)
+    type(scene_t), intent(in) :: scene
+    real(wp) :: square, arm
+    integer :: c, n
+
+    fastest = 0
+    n = scene%dimension
+    associate (contactors => scene%contactors, velocity => scene%bodies%free_velocity)
+      do c = 1, contactors%n
+        if (contactors%kind(c) == kind_point) cycle
+        associate (b => contactors%body(c))
+          square = velocity(1, b)**2 + velocity(2, b)**2
+          if (n == 3) square = square + velocity(3, b)**2
+          if (scene%bodies%n_velocity > n) then
+            arm = sum(abs(contactors%shift(:, c)))
+            if (.not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
+            if (arm > 0) square = (sqrt(square) + sqrt(sum(velocity(n + 1:, b)**2))*arm)**2
+          end if
+        end associate
+        fastest = max(fastest, square)
+      end do
+    end associate
+  end function fastest_square
+end module sg_way_of_step
