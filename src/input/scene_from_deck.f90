@@ -25,8 +25,8 @@ module sg_scene_from_deck
   public :: scene_from_deck
 
   !> Sections that a DATBOX replaces
-  character(len=11), parameter :: own_sections(10) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'body', &
-                                                      'wall', 'container', 'brick_wall', 'arch', 'sample']
+  character(len=11), parameter :: own_sections(11) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'body', &
+                                                      'wall', 'container', 'brick_wall', 'arch', 'clump', 'sample']
 
 contains
 

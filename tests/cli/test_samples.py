@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Samples from outside: sizes from sieve curves, samples in one box that keep clear of each other, on ranks too, mistakes."""
+"""Samples from outside: sizes from sieve curves, samples in one box that keep clear of each other, clumps, stones, mistakes."""
 
 import json
 import sys
@@ -53,6 +53,58 @@ radius = 0.03
 """
 
 
+CLUMPS = """[[clump]]
+name = "pair"
+[[clump.shape]]
+kind = "disk"
+radius = 1.0
+[[clump.shape]]
+kind = "disk"
+radius = 1.0
+centre = [1.2, 0.0]
+[[clump]]
+name = "one"
+[[clump.shape]]
+kind = "disk"
+radius = 1.0
+"""
+OF_CLUMPS = """[[sample]]
+shape = "clump"
+clump = CLUMP
+box = [0.0, 0.0, 1.0, 1.0]
+sieve = [[0.02, 0], [0.04, 100]]
+count = 150
+"""
+STONE = """v 0 0 0
+v 3 0 0
+v 0 2 0
+v 0 0 1
+f 1 3 2
+f 1 2 4
+f 1 4 3
+f 2 3 4
+"""
+# A cube of which one corner is pushed in.
+DENTED = """v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 0 1
+v 1 0 1
+v 0.4 0.4 0.4
+v 0 1 1
+f 1 4 3 2
+f 1 2 6 5
+f 1 5 8 4
+f 2 3 7
+f 2 7 6
+f 3 4 8
+f 3 8 7
+f 5 6 7
+f 5 7 8
+"""
+
+
 class Samples(ProgramCase):
     def run_deck(self, text, *words, code=0):
         (self.place / "deck.toml").write_text(text)
@@ -100,6 +152,49 @@ class Samples(ProgramCase):
         self.assertIn("a list of lists of 2 numbers", self.message(SCENE + SAMPLE.replace("SIZE", "sieve = [[0.2, 0, 1], [0.3, 100, 2]]")))
         full = PLANE.replace("PERIOD", "") + FINE_AND_COARSE.replace("fill = 0.3\nseed", "fill = 0.6\nseed")
         self.assertIn("next to those of other samples", self.message(full))
+
+    def test_clumps(self):
+        """A clump of one disk is a disk; clumps fall without overlap, and each grain is one body."""
+        disks = OF_CLUMPS.replace('shape = "clump"\nclump = CLUMP\n', "")
+        ones = CLUMPS + OF_CLUMPS.replace("CLUMP", '"one"')
+        found = []
+        for text in (disks, ones):
+            done = self.run_deck(PLANE.replace("PERIOD", "") + text)
+            run = self.run_json()
+            found.append([run[key] for key in ("grains", "mean_radius", "compactness", "kinetic_energy")])
+        self.assertIn('no [[sample]] uses the clump "pair"', done.stdout + done.stderr)
+        # Radius and mass are those of the template times a factor: the same up to rounding.
+        for disk, clump in zip(*found):
+            self.assertAlmostEqual(clump / disk, 1.0, delta=1e-12)
+        done = self.run_deck(PLANE.replace("PERIOD", "[scene]\nperiod_x = 1.0") + CLUMPS + OF_CLUMPS.replace("CLUMP", '["pair", "one"]'))
+        self.assertNotIn("overlap", done.stdout + done.stderr)
+        self.assertEqual(self.run_json()["grains"], 150)
+        self.run_program("run", "out/effective.toml", "--output", "again", "--force", "--quiet")
+
+    def test_bad_clumps(self):
+        """Clumps that are wrong are refused with their place."""
+        head = PLANE.replace("PERIOD", "")
+        sample = OF_CLUMPS.replace("CLUMP", '"pair"')
+        self.assertIn('there is no clump named "pear"; did you mean "pair"?', self.message(head + CLUMPS + sample.replace("pair", "pear")))
+        self.assertIn('there are two clumps named "one"', self.message(head + CLUMPS.replace("pair", "one") + sample.replace("pair", "one")))
+        self.assertIn("this clump has no shape", self.message(head + '[[clump]]\nname = "pair"\n' + sample))
+        self.assertIn('"clump"', self.message(head + CLUMPS + OF_CLUMPS.replace("clump = CLUMP\n", "")))
+        self.assertIn('"kind" must be one of disk, polygon', self.message(head + CLUMPS.replace('"disk"', '"segment"', 1) + sample))
+
+    def test_files(self):
+        """Stones from files: all that match, at the sizes asked for; what is no convex stone is refused with the name of its file."""
+        (self.place / "a.obj").write_text(STONE)
+        (self.place / "b.OBJ").write_text(STONE.replace("0 2 0", "0 3 0"))
+        (self.place / "dent.obj").write_text(DENTED)
+        text = SCENE + SAMPLE.replace("SIZE", 'files = FILES\nsieve = [[0.02, 0], [0.03, 100]]').replace("150", "40")
+        self.run_deck(text.replace("FILES", '["a.obj", "[b-c].*"]'))
+        self.assertEqual(self.run_json()["grains"], 40)
+        self.run_deck(text.replace("FILES", '"dent.obj"\nhull = true'))
+        dented = self.message(text.replace("FILES", '"*t.obj"'))
+        self.assertIn("dent.obj: ", dented)
+        self.assertIn("convex", dented)
+        self.assertIn('no file matches "*.stl"', self.message(text.replace("FILES", '"*.stl"')))
+        self.assertIn('"elongation" is refused next to "files"', self.message(text.replace("FILES", '"a.obj"\nelongation = 1.5')))
 
 
 if __name__ == "__main__":

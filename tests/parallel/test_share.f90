@@ -42,6 +42,10 @@ program test_share
   character(len=*), parameter :: polygon = 'shape = "polygon"'//nl//'vertices = [[-0.05, -0.05], [0.05, -0.05], [0.0, 0.04]]'//nl
   character(len=*), parameter :: clusters = '[[body.shape]]'//nl//'kind = "disk"'//nl//'radius = 0.03'//nl// &
     'centre = [-0.02, 0]'//nl//'[[body.shape]]'//nl//'kind = "disk"'//nl//'radius = 0.02'//nl//'centre = [0.02, 0]'//nl
+  character(len=*), parameter :: clumps = '[[clump]]'//nl//'name = "pair"'//nl// &
+    '[[clump.shape]]'//nl//'kind = "disk"'//nl//'radius = 1'//nl// &
+    '[[clump.shape]]'//nl//'kind = "disk"'//nl//'radius = 2'//nl//'centre = [2, 0]'//nl//'[[clump]]'//nl//'name = "single"'//nl// &
+    '[[clump.shape]]'//nl//'kind = "polygon"'//nl//'vertices = [[0, 0], [1, 0], [0, 1]]'//nl
   type(tests_t) :: t
   type(comm_t) :: comm
 
@@ -52,6 +56,10 @@ program test_share
   call test_shares('random places', common//floor//in_plane//'kind = "random"'//nl//'fill = 0.3'//nl, 1.02_wp)
   call test_shares('polygons and disks', common//floor//in_plane//'kind = "lattice"'//nl//'shape = "polygon"'//nl//above// &
                    'kind = "lattice"'//nl, 1.02_wp)
+  call test_shares('clumps', common//floor//clumps//in_plane//'kind = "lattice"'//nl//'shape = "clump"'//nl// &
+                   'clump = ["pair", "single"]'//nl//above//'kind = "lattice"'//nl, 1.02_wp)
+  call test_shares('clumps behind disks, one driven', common//floor//clumps//in_plane//'kind = "lattice"'//nl//above// &
+                   'shape = "clump"'//nl//'clump = "pair"'//nl//'count = 60'//nl//driven(77), 1.02_wp)
   call test_shares('spheres', in_space//'kind = "lattice"'//nl//'arrangement = "hexagonal"'//nl, 1.02_wp)
   if (hull_is_available()) call test_shares('polyhedra', in_space//'kind = "lattice"'//nl//'shape = "polyhedron"'//nl, 1.02_wp)
   ! Fewer grains than ranks.

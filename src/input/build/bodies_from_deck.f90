@@ -9,7 +9,8 @@ module sg_bodies_from_deck
   use sg_contactors, only: add_disk, add_polygon, kind_names
   use sg_drives_from_deck, only: bodies_held, numbers_called
   use sg_error, only: diagnostics_t, error_t
-  use sg_kinds, only: wp, i4
+  use sg_grain_templates, only: colour_template, grain_template_t, place_grain, read_templates
+  use sg_kinds, only: wp, i4, i8
   use sg_laws_from_deck, only: material_of
   use sg_lists, only: reserve
   use sg_masonry, only: add_arch, add_brick_wall, bricks_of_wall
@@ -41,9 +42,10 @@ contains
     type(scene_t), intent(inout) :: scene !! scene with its dimension, periods and materials
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(sample_t), allocatable :: samples(:)
+    type(grain_template_t), allocatable :: templates(:)
     type(share_t) :: share
     integer(i4), allocatable :: called(:), held(:)
-    integer :: b, i, n, n_fixed, before, section
+    integer :: b, i, n, n_fixed, before, section, contactors
 
     call number_blocks(deck, scene, n_fixed)
     call list_names(deck, [scene%period, scene%period_y], diagnostics)
@@ -54,8 +56,13 @@ contains
     share%ranks = deck%ranks
     share%common = distinct([called, held])
     called = pack(called, called > n_fixed .and. deck%ranks > 1)
-    call generate_samples(deck, [scene%period, scene%period_y], deck%ranks > 1 .and. size(called) == 0, samples, share%census, &
-                          diagnostics)
+    call read_templates(deck, templates, diagnostics)
+    if (diagnostics%count() > 0) return
+    do i = 1, size(templates)
+      call share%census%mix(transfer(templates(i)%volume, 1_i8))
+    end do
+    call generate_samples(deck, templates, [scene%period, scene%period_y], deck%ranks > 1 .and. size(called) == 0, samples, &
+                          share%census, diagnostics)
     if (n_fixed + sum(samples%n) == 0 .and. diagnostics%count() == 0) &
       call deck%complain(diagnostics, 'there is no body: a deck needs [[body]], [[wall]], [[sample]] or scene.datbox', &
                          deck%block_of('scene'))
@@ -68,9 +75,10 @@ contains
       end do
     end do
     before = n_fixed
+    contactors = share%contactors
     do i = 1, size(samples)
       deck%blocks(samples(i)%block)%first_body = before + 1
-      call add_sample(deck, samples(i), before, called, scene, share, n, diagnostics)
+      call add_sample(deck, templates, samples(i), before, called, scene, share, n, contactors, diagnostics)
       deallocate (samples(i)%centre, samples(i)%radius)
       before = before + samples(i)%n
       deck%blocks(samples(i)%block)%last_body = before
@@ -79,7 +87,7 @@ contains
     call give_names(deck, scene)
     deck%absent = share%census
     deck%points = share%points
-    deck%contactors = share%contactors + sum(samples%n)
+    deck%contactors = contactors
   end subroutine bodies_from_deck
 
   !> Set the range of bodies of each block except samples.
@@ -194,57 +202,88 @@ contains
   end subroutine add_body
 
   !> The grains of a sample: those that are kept go to the scene, the others are made and noted alone.
-  subroutine add_sample(deck, sample, before, called, scene, share, n, diagnostics)
+  subroutine add_sample(deck, templates, sample, before, called, scene, share, n, contactors, diagnostics)
     type(deck_t), intent(in) :: deck
+    type(grain_template_t), intent(inout) :: templates(:)
     type(sample_t), intent(inout) :: sample
     integer, intent(in) :: before
     integer(i4), intent(in) :: called(:)
     type(scene_t), intent(inout) :: scene
     type(share_t), intent(inout) :: share
-    integer, intent(inout) :: n
+    integer, intent(inout) :: n, contactors
     type(diagnostics_t), intent(inout) :: diagnostics
     type(scene_t) :: other
     type(error_t), allocatable :: error
-    integer :: i, colour, material
+    integer :: i, c, colour, material, first
     logical :: is_own, is_called
 
     material = material_of(deck, sample%block, scene, diagnostics)
     call colour_index(scene, deck%word(sample%block, 'colour'), colour)
+    do i = 1, size(sample%templates)
+      call colour_template(templates(sample%templates(i)), deck%word(sample%block, 'colour'), scene)
+    end do
     if (deck%ranks > 1 .and. sample%n > count(called > before .and. called <= before + sample%n)) &
-      call note_look(deck, sample, before, colour, share%census)
+      call note_look(deck, templates, sample, before, colour, share%census)
+    contactors = contactors + sample%before
     do i = sample%before + 1, sample%before + size(sample%radius)
       is_own = i >= sample%first .and. i <= sample%last
       is_called = place_in(called, int(before + i, i4)) > 0
       if (is_own .or. is_called) then
         n = n + 1
-        call add_grain(deck, sample, i, scene, n, material, colour, error)
+        first = scene%contactors%n + 1
+        call add_grain(deck, templates, sample, i, scene, n, material, colour, error)
         if (deck%ranks > 1) then
           scene%bodies%id(n) = int(before + i, i4)
           scene%bodies%owner(n) = int(merge(-1, deck%rank, is_called), i4)
           call reserve(scene%contactors%id, scene%contactors%n)
-          scene%contactors%id(scene%contactors%n) = int(share%contactors + before - share%all + i, i4)
+          scene%contactors%id(first:scene%contactors%n) = [(int(contactors + c, i4), c=1, scene%contactors%n - first + 1)]
         end if
       else
         call clear(scene, other)
-        call add_grain(deck, sample, i, other, 1, material, colour, error)
-        if (other%contactors%n > 0) call share%census%note(other%bodies%position(:, 1), other%contactors%reach(1))
+        call add_grain(deck, templates, sample, i, other, 1, material, colour, error)
+        if (other%contactors%n > 0) call share%census%note(other%bodies%position(:, 1), &
+                                                           minval(other%contactors%reach(:other%contactors%n)))
       end if
+      contactors = contactors + shapes_of(templates, sample, i)
       if (allocated(error)) then
         call deck%complain(diagnostics, error%message, sample%block, 'shape')
         return
       end if
     end do
+    contactors = contactors + sample%n - sample%before - size(sample%radius)
   end subroutine add_sample
 
-  !> Note what all grains of a sample have in common.
-  subroutine note_look(deck, sample, before, colour, census)
+  !> Number of shapes of a grain.
+  pure integer function shapes_of(templates, sample, i) result(n)
+    type(grain_template_t), intent(in) :: templates(:)
+    type(sample_t), intent(in) :: sample
+    integer, intent(in) :: i
+
+    n = 1
+    if (allocated(sample%template)) n = templates(sample%template(i))%shapes%n
+  end function shapes_of
+
+  !> Note what all grains of a sample have in common, or all of a template.
+  subroutine note_look(deck, templates, sample, before, colour, census)
     type(deck_t), intent(in) :: deck
+    type(grain_template_t), intent(in) :: templates(:)
     type(sample_t), intent(in) :: sample
     integer, intent(in) :: before, colour
     type(census_t), intent(inout) :: census
     real(wp) :: velocity(3)
+    integer :: c, i, t
 
     velocity = deck%vector(sample%block, 'velocity')
+    do i = 1, size(sample%templates)
+      t = sample%templates(i)
+      if (all(sample%template /= t)) cycle
+      do c = 1, templates(t)%shapes%n
+        call census%note_look(int(templates(t)%shapes%kind(c)), int(templates(t)%shapes%colour(c)), &
+                              before + [findloc(sample%template, t, 1), findloc(sample%template, t, 1, back=.true.)], &
+                              norm2(velocity(:deck%dimension)))
+      end do
+    end do
+    if (size(sample%templates) > 0) return
     ! Not findloc: gfortran's finds no word that is shorter than those of the list.
     call census%note_look(choice_index(deck%word(sample%block, 'shape'), choices_of(kind_names)), colour, before + [1, sample%n], &
                           norm2(velocity(:deck%dimension)))
@@ -273,8 +312,9 @@ contains
   end subroutine clear
 
   !> A grain of a sample.
-  subroutine add_grain(deck, sample, i, scene, n, material, colour, error)
+  subroutine add_grain(deck, templates, sample, i, scene, n, material, colour, error)
     type(deck_t), intent(in) :: deck
+    type(grain_template_t), intent(in) :: templates(:)
     type(sample_t), intent(inout) :: sample
     integer, intent(in) :: i, n, material, colour
     type(scene_t), intent(inout) :: scene
@@ -286,9 +326,13 @@ contains
       bodies%material(n) = int(material, i4)
       bodies%velocity(:scene%dimension, n) = velocity(:scene%dimension)
       bodies%position(:, n) = sample%centre(:, i - sample%before)
-      call add_grain_shape(deck, sample, i, deck%word(sample%block, 'shape'), scene, n, colour, error)
-      if (allocated(error)) return
-      call weigh_body(scene, n, scene%contactors%n)
+      if (allocated(sample%template)) then
+        call place_grain(scene, n, templates(sample%template(i)), sample%radius(i), sample%random)
+      else
+        call add_grain_shape(deck, sample, i, deck%word(sample%block, 'shape'), scene, n, colour, error)
+        if (allocated(error)) return
+        call weigh_body(scene, n, scene%contactors%n)
+      end if
       if (scene%period > 0) bodies%position(1, n) = modulo(bodies%position(1, n), scene%period)
       if (scene%period_y > 0) bodies%position(2, n) = modulo(bodies%position(2, n), scene%period_y)
     end associate

@@ -14,7 +14,7 @@ module sg_polyhedra_from_deck
   use sg_values, only: value_t
   implicit none
   private
-  public :: add_polyhedral_shape, place_polyhedral_shape
+  public :: add_polyhedral_shape, place_polyhedral_shape, polyhedron_of_file
 
 contains
 
@@ -129,35 +129,44 @@ contains
     integer, intent(in) :: b
     type(polyhedron_t), intent(out) :: shape
     type(diagnostics_t), intent(inout) :: diagnostics
-    type(error_t), allocatable :: error
-    type(mesh_t) :: mesh
-    real(wp) :: scale, deviation
+    character(len=:), allocatable :: message, warning
+    real(wp) :: scale
     logical :: is_hull
 
-    call read_mesh(path_in_deck(deck, deck%word(b, 'file')), mesh, error)
+    scale = 1
+    if (deck%is_given(b, 'scale')) scale = deck%number(b, 'scale')
+    is_hull = .false.
+    if (deck%is_given(b, 'hull')) is_hull = deck%flag(b, 'hull')
+    call polyhedron_of_file(path_in_deck(deck, deck%word(b, 'file')), scale, is_hull, shape, message, warning)
+    if (allocated(warning)) call deck%warn(diagnostics, warning, b, 'file')
+    if (allocated(message)) call deck%complain(diagnostics, message, b, 'file')
+  end subroutine read_mesh_file
+
+  !> A polyhedron from a mesh file.
+  subroutine polyhedron_of_file(path, scale, is_hull, shape, message, warning)
+    character(len=*), intent(in) :: path !! file, STL or OBJ
+    real(wp), intent(in) :: scale !! length of a unit of the file [m]
+    logical, intent(in) :: is_hull !! take the hull of the vertices?
+    type(polyhedron_t), intent(out) :: shape !! in the frame of the file
+    character(len=:), allocatable, intent(out) :: message !! why there is none, with its line; else unallocated
+    character(len=:), allocatable, intent(out) :: warning !! how far the shape is from the hull of all vertices, where that is much
+    type(error_t), allocatable :: error
+    type(mesh_t) :: mesh
+    real(wp) :: deviation
+
+    call read_mesh(path, mesh, error)
     if (.not. allocated(error)) then
-      scale = 1
-      if (deck%is_given(b, 'scale')) scale = deck%number(b, 'scale')
-      is_hull = .false.
-      if (deck%is_given(b, 'hull')) is_hull = deck%flag(b, 'hull')
       if (is_hull) then
         call hull_polyhedron(scale*mesh%vertex, shape, error, deviation=deviation)
         if (deviation > 1e-3_wp*scale*maxval(maxval(mesh%vertex, 2) - minval(mesh%vertex, 2))) &
-          call deck%warn(diagnostics, 'the hull of this file has too many vertices: '//to_text(shape%n_vertices)// &
-                         ' of them are kept, and others stand out by up to '//to_text(deviation, 3)//' m', b, 'file')
+          warning = 'the hull of this file has too many vertices: '//to_text(shape%n_vertices)// &
+                    ' of them are kept, and others stand out by up to '//to_text(deviation, 3)//' m'
       else
         call polyhedron_from_faces(scale*mesh%vertex, mesh%face_first, mesh%face_vertex, shape, error)
       end if
     end if
-    if (allocated(error)) call deck%complain(diagnostics, place(error)//error%message, b, 'file')
-  contains
-    !> Line of the file, where there is one.
-    function place(error) result(words)
-      type(error_t), intent(in) :: error
-      character(len=:), allocatable :: words
-
-      words = ''
-      if (error%line > 0) words = 'line '//to_text(error%line)//' of the file: '
-    end function place
-  end subroutine read_mesh_file
+    if (.not. allocated(error)) return
+    message = error%message
+    if (error%line > 0) message = 'line '//to_text(error%line)//' of the file: '//message
+  end subroutine polyhedron_of_file
 end module sg_polyhedra_from_deck

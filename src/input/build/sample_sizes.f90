@@ -23,6 +23,10 @@ module sg_sample_sizes
     !> Key of the deck that gives the sizes
     character(len=6) :: key = 'radius'
     type(sieve_t), private :: sieve
+    !> Radius about each template that grains draw from, and smallest opening that it passes [m]; empty where shapes are made
+    real(wp), allocatable, private :: reach(:), opening(:)
+    !> Are grains as large as their templates?
+    logical, private :: is_own = .false.
     !> Dimension of space, and least and largest ratio of the axes of polyhedra
     integer, private :: dimension = 2
     real(wp), private :: elongation(2) = 1
@@ -35,17 +39,27 @@ module sg_sample_sizes
 contains
 
   !> Read the keys of a sample.
-  subroutine sizes_read(self, deck, block, random, diagnostics)
+  subroutine sizes_read(self, deck, block, reach, opening, random, diagnostics)
     class(sample_sizes_t), intent(inout) :: self
     type(deck_t), intent(in) :: deck !! checked deck
     integer, intent(in) :: block !! block of the sample
+    real(wp), intent(in) :: reach(:) !! radius about each template of the grains [m]; empty where there is none
+    real(wp), intent(in) :: opening(:) !! smallest opening that each passes [m]
     type(random_t), intent(inout) :: random !! stream of numbers; a sieve curve takes one of it
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     character(len=6), parameter :: keys(3) = ['radius', 'sieve ', 'curve ']
-    integer :: i
+    integer :: i, n
 
     self%dimension = deck%dimension
-    if (count([(deck%is_given(block, trim(keys(i))), i=1, 3)]) /= 1) then
+    self%reach = reach
+    self%opening = opening
+    n = count([(deck%is_given(block, trim(keys(i))), i=1, 3)])
+    self%is_own = n == 0 .and. size(reach) > 0
+    if (self%is_own) then
+      self%key = 'shape'
+      self%range = [minval(reach), maxval(reach)]
+      return
+    else if (n /= 1) then
       call deck%complain(diagnostics, 'a [[sample]] needs one of the keys "radius", "sieve" and "curve"', block)
       return
     end if
@@ -82,26 +96,41 @@ contains
       call deck%complain(diagnostics, message, block, trim(self%key))
       return
     end if
+    if (size(self%reach) > 0) then
+      self%range = [curve(1, 1)*minval(self%reach/self%opening), curve(1, size(curve, 2))*maxval(self%reach/self%opening)]
+      return
+    end if
     if (deck%word(block, 'shape') == 'polyhedron') self%elongation = deck%pair(block, 'elongation')
     self%range = [curve(1, 1), curve(1, size(curve, 2))*self%elongation(2)]/2
   end subroutine read_sieve
 
-  !> Draw the radius of the circle or sphere about a grain [m], and the second and third half axis over it.
+  !> Draw the template of a grain, the radius of the circle or sphere about it [m], and the second and third half axis over that.
   !!
-  !! A polyhedron passes an opening as wide as its middle axis.
-  subroutine sizes_draw(self, random, radius, axes)
+  !! A polyhedron passes an opening as wide as its middle axis. Of several templates all are equally likely, whatever the size of
+  !! the grain: so the masses of the classes of a sieve curve are as given, however full or slender the shapes.
+  subroutine sizes_draw(self, random, radius, axes, template)
     class(sample_sizes_t), intent(inout) :: self
     type(random_t), intent(inout) :: random !! stream of numbers
     real(wp), intent(out) :: radius !! [m]
     real(wp), intent(out) :: axes(2) !! drawn with sizes of a sieve curve, else zero
+    integer, intent(out) :: template !! its template, 0 where there is none
     real(wp) :: least
 
     axes = 0
-    if (.not. self%has_sieve) then
+    template = min(size(self%reach), 1)
+    if (size(self%reach) > 1) template = min(size(self%reach), 1 + int(random%uniform()*real(size(self%reach), wp)))
+    if (self%is_own) then
+      radius = self%reach(template)
+      return
+    else if (.not. self%has_sieve) then
       radius = draw_radius(random, self%distribution, self%range, self%dimension)
       return
     end if
     radius = self%sieve%draw()/2
+    if (template > 0) then
+      radius = 2*radius*self%reach(template)/self%opening(template)
+      return
+    end if
     if (.not. self%elongation(2) > 1) then
       axes = 1
       return

@@ -4,6 +4,7 @@ module sg_samples_from_deck
   use sg_error, only: diagnostics_t, error_t
   use sg_census, only: census_t
   use sg_generators, only: draw_polygon
+  use sg_grain_templates, only: choose_templates, grain_template_t
   use sg_insertion, only: insert_at_random
   use sg_kinds, only: wp, i4, i8
   use sg_lattice, only: lattice_t, open_lattice, place_on_lattice
@@ -38,7 +39,10 @@ module sg_samples_from_deck
     !> How they are sized, and of a sieve curve the second and third half axis of each grain over its radius, shape (2, listed)
     type(sample_sizes_t) :: sizes
     real(wp), allocatable :: axes(:, :)
-    !> Numbers for the shapes of polygons and polyhedra
+    !> Templates that grains draw from, by number, empty where shapes are made; that of each grain, shape (listed), else unallocated
+    integer, allocatable :: templates(:)
+    integer(i4), allocatable :: template(:)
+    !> Numbers for the shapes of polygons and polyhedra, and for turns of templates
     type(random_t) :: random
   end type sample_t
 
@@ -49,8 +53,9 @@ contains
 
   !> Draw sizes and places of the grains of all samples: those on lattices first, then those at random, which keep clear of the
   !! samples before. Of round grains on a lattice several ranks need never list all.
-  subroutine generate_samples(deck, period, may_stream, samples, census, diagnostics)
+  subroutine generate_samples(deck, templates, period, may_stream, samples, census, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
+    type(grain_template_t), intent(in) :: templates(:) !! all templates
     real(wp), intent(in) :: period(2) !! periods in x and y [m], 0 for none
     logical, intent(in) :: may_stream !! can a rank do without the grains of others?
     type(sample_t), allocatable, intent(out) :: samples(:) !! in the order of the deck
@@ -70,14 +75,15 @@ contains
     do pass = 1, 2
       do i = 1, size(samples)
         if ((deck%word(samples(i)%block, 'kind') == 'random') .eqv. pass == 2) &
-          call generate_sample(deck, samples, i, period, may_stream .and. .not. lists_all, census, diagnostics)
+          call generate_sample(deck, templates, samples, i, period, may_stream .and. .not. lists_all, census, diagnostics)
       end do
     end do
   end subroutine generate_samples
 
   !> Draw sizes and places of the grains of one sample.
-  subroutine generate_sample(deck, samples, i, period, may_stream, census, diagnostics)
+  subroutine generate_sample(deck, templates, samples, i, period, may_stream, census, diagnostics)
     type(deck_t), intent(in) :: deck
+    type(grain_template_t), intent(in) :: templates(:)
     type(sample_t), intent(inout) :: samples(:) !! grains of those before are there
     integer, intent(in) :: i
     real(wp), intent(in) :: period(2)
@@ -92,7 +98,7 @@ contains
     integer :: errors
 
     associate (sample => samples(i), block => samples(i)%block, d => deck%dimension, along => period(:deck%dimension - 1))
-      allocate (sample%centre(d, 0), sample%radius(0))
+      allocate (sample%centre(d, 0), sample%radius(0), sample%templates(0))
       value = deck%value(block, 'box')
       box = value%numbers(:2*d)
       if (any(box(d + 1:) <= box(:d))) then
@@ -102,7 +108,10 @@ contains
       is_periodic = along > 0 .and. abs(box(:d - 1)) <= 1e-9_wp*along .and. abs(box(d + 1:2*d - 1) - along) <= 1e-9_wp*along
       call sample%random%seed(deck%integer(block, 'seed'))
       errors = diagnostics%count()
-      call sample%sizes%read(deck, block, sample%random, diagnostics)
+      call choose_templates(deck, block, templates, sample%templates, diagnostics)
+      if (diagnostics%count() > errors) return
+      call sample%sizes%read(deck, block, templates(sample%templates)%reach, templates(sample%templates)%opening, sample%random, &
+                             diagnostics)
       if (diagnostics%count() > errors) return
       if (deck%word(block, 'kind') == 'lattice') then
         is_piece = may_stream .and. .not. sample%sizes%has_sieve .and. any(deck%word(block, 'shape') == ['disk  ', 'sphere'])
@@ -124,16 +133,17 @@ contains
     integer, intent(in) :: n
     real(wp), intent(in), optional :: volume
     real(wp), allocatable :: radius(:), axes(:, :)
-    integer :: i, enough
+    integer :: i, enough, template(n)
 
     allocate (radius(n), axes(2, n))
     do i = 1, n
-      call sample%sizes%draw(sample%random, radius(i), axes(:, i))
+      call sample%sizes%draw(sample%random, radius(i), axes(:, i), template(i))
     end do
     enough = n
     if (present(volume)) enough = enough_grains(radius, volume, deck%dimension)
     sample%radius = radius(:enough)
     if (sample%sizes%has_sieve) sample%axes = axes(:, :enough)
+    if (size(sample%templates) > 0) sample%template = int(sample%templates(template(:enough)), i4)
   end subroutine draw_sizes
 
   !> Grains on a lattice: a piece of it, or all.
@@ -362,6 +372,7 @@ contains
 
     sample%radius = sample%radius(permutation)
     if (allocated(sample%axes)) sample%axes = sample%axes(:, permutation)
+    if (allocated(sample%template)) sample%template = sample%template(permutation)
   end subroutine arrange
 
   !> Shape of one polygonal grain: vertices about the centre of mass, and that centre.

@@ -10,7 +10,7 @@ module sg_weights_from_deck
   use sg_solid_bodies, only: make_solid_body, set_inertia
   implicit none
   private
-  public :: weigh_body, override_mass
+  public :: weigh_body, override_mass, invert_mass
 
 contains
 
@@ -56,8 +56,8 @@ contains
 
   !> Inverse inertia of a free body of the plane; zero where it weighs nothing.
   pure subroutine invert_mass(bodies, n)
-    type(bodies_t), intent(inout) :: bodies
-    integer, intent(in) :: n
+    type(bodies_t), intent(inout) :: bodies !! bodies with mass and inertia
+    integer, intent(in) :: n !! number of the body
 
     bodies%inverse_mass(:, n) = 0
     if (bodies%mass(n) > 0) bodies%inverse_mass(1:2, n) = 1/bodies%mass(n)

@@ -6,10 +6,12 @@ module sg_keys_bodies
   use sg_kinds, only: wp
   implicit none
   private
-  public :: add_body_keys, add_common
+  public :: add_body_keys, add_clump_keys, add_common
 
   !> Shapes that a body may have in space
   character(len=*), parameter :: solid_shapes = space_shapes//'|box'
+  !> Shapes that a clump may have: those that fill space
+  character(len=*), parameter :: plane_clump_shapes = 'disk|polygon', space_clump_shapes = 'sphere|cylinder|polyhedron|box'
 
 contains
 
@@ -49,8 +51,16 @@ contains
     call add_sizes(table, 'shape')
 
     call table%open_section('body.shape', 'One shape of the body above it.', is_list=.true.)
-    call table%add('kind', value_choice, 'Kind of shape.', is_required=.true., choices=plane_shapes, space_choices=solid_shapes)
-    call table%add('colour', value_text, 'Colour; default: that of the body.')
+    call add_shape_keys(table, plane_shapes, solid_shapes, 'Colour; default: that of the body.')
+  end subroutine add_bodies
+
+  !> Keys of one shape of several.
+  subroutine add_shape_keys(table, in_the_plane, in_the_space, colour)
+    type(key_table_t), intent(inout) :: table
+    character(len=*), intent(in) :: in_the_plane, in_the_space, colour
+
+    call table%add('kind', value_choice, 'Kind of shape.', is_required=.true., choices=in_the_plane, space_choices=in_the_space)
+    call table%add('colour', value_text, colour)
     call add_sizes(table, 'kind')
     call table%add('centre', value_vector, 'Where the origin of the shape lies in the frame of the body.', unit='m', &
                    default='[0.0, 0.0]', space_default='[0.0, 0.0, 0.0]')
@@ -59,7 +69,23 @@ contains
     call table%add('rotation', value_triple, 'Orientation of the shape in the frame of the body: the rotation about this '// &
                    'vector by its length.', unit='rad', default='[0.0, 0.0, 0.0]', dimension=in_space, twin='angle', &
                    only='kind=plane|cylinder|hollow cylinder|polyhedron|box')
-  end subroutine add_bodies
+  end subroutine add_shape_keys
+
+  !> Sections clump and clump.shape.
+  subroutine add_clump_keys(table)
+    type(key_table_t), intent(inout) :: table !! table to add to
+
+    call table%open_section('clump', 'A template of grains: shapes joined to one rigid body, which a [[sample]] with shape = '// &
+                            '"clump" places many times, each at its size and turned at random. Lengths are those of any unit '// &
+                            'where the sample gives sizes.', is_list=.true.)
+    call table%add('name', value_text, 'Name by which samples call it.', is_required=.true.)
+    call table%add('colour', value_text, 'Colour of its shapes; default: that of the sample.')
+    call table%add('mass_of', value_choice, 'Mass, centre and moments: of the union of the shapes (what they share counts '// &
+                   'once), or of their sum (it counts for each), as those of [[body]].', default='"union"', choices='union|sum')
+
+    call table%open_section('clump.shape', 'One shape of the clump above it.', is_list=.true.)
+    call add_shape_keys(table, plane_clump_shapes, space_clump_shapes, 'Colour; default: that of the clump.')
+  end subroutine add_clump_keys
 
   !> Material and colour.
   subroutine add_common(table, colour)

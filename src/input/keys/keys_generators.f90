@@ -1,8 +1,8 @@
 !> The key table, fourth part: what is generated; boxes, masonry and samples of grains.
 module sg_keys_generators
   use sg_key_table, only: in_plane, in_space, key_table_t, value_box, value_choice, value_integer, value_logical, value_pairs, &
-                          value_range, value_real, value_sides, value_text, value_triple, value_vector
-  use sg_keys_bodies, only: add_common
+                          value_range, value_real, value_sides, value_text, value_texts, value_triple, value_vector
+  use sg_keys_bodies, only: add_clump_keys, add_common
   use sg_kinds, only: wp, pi
   use sg_words, only: short_real
   implicit none
@@ -11,12 +11,13 @@ module sg_keys_generators
 
 contains
 
-  !> Sections container, brick_wall, arch and sample.
+  !> Sections container, brick_wall, arch, clump and sample.
   subroutine add_generator_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
     call add_containers(table)
     call add_masonry(table)
+    call add_clump_keys(table)
     call add_samples(table)
   end subroutine add_generator_keys
 
@@ -79,8 +80,14 @@ contains
 
     call table%open_section('sample', 'Many grains in a box, without overlap: on a lattice, or inserted at random.', is_list=.true.)
     call table%add('kind', value_choice, 'How grains are placed.', default='"random"', choices='random|lattice')
-    call table%add('shape', value_choice, 'Shape of the grains.', default='"disk"', choices='disk|polygon', &
-                   space_default='"sphere"', space_choices='sphere|polyhedron')
+    call table%add('shape', value_choice, 'Shape of the grains.', default='"disk"', choices='disk|polygon|clump', &
+                   space_default='"sphere"', space_choices='sphere|polyhedron|clump')
+    call table%add('clump', value_texts, 'Name of the [[clump]] that all grains are copies of, or several names, of which '// &
+                   'each grain draws one.', is_required=.true., only='shape=clump')
+    call table%add('files', value_texts, 'Shapes of the polyhedra: mesh files, STL or OBJ, relative to the deck, with '// &
+                   'wildcards (one text or several): each grain draws one.', only='shape=polyhedron', dimension=in_space)
+    call table%add('hull', value_logical, 'Take the convex hull of each file''s vertices; default: no, a shape that is not '// &
+                   'convex is refused.', only='files', dimension=in_space)
     call table%add('box', value_box, 'Box that holds all grains: [x least, y least, x most, y most], in space '// &
                    '[x least, y least, z least, x most, y most, z most]. Over the whole period of a periodic scene grains go '// &
                    'through its sides.', unit='m', is_required=.true.)
@@ -88,10 +95,12 @@ contains
     call table%add('fill', value_real, 'In place of count: area of the grains'' circles over that of the box; in '// &
                    'space volumes.', above=0.0_wp, &
                    most=0.9_wp, only='kind=random')
-    call table%add('radius', value_range, 'Radius of the circle or sphere about a grain: one number, or [least, most].', unit='m', &
-                   above=0.0_wp)
+    call table%add('radius', value_range, 'Radius of the circle or sphere about a grain (of a clump or a shape from a file: '// &
+                   'about its centre of mass): one number, or [least, most].', unit='m', above=0.0_wp)
     call table%add('sieve', value_pairs, 'In place of radius: a grain size curve, [[opening in m, percent of the mass that '// &
-                   'passes], ...], from 0 to 100 %. A polyhedron passes an opening as wide as its middle axis.', least=0.0_wp)
+                   'passes], ...], from 0 to 100 %. A polyhedron passes an opening as wide as its middle axis; a clump or a '// &
+                   'shape from a file the smallest square one, in the plane the narrowest slit, that it fits through straight.', &
+                   least=0.0_wp)
     call table%add('curve', value_choice, 'In place of radius: a named grain size curve, for railway ballast the middle of the '// &
                    'limits of a category of EN 13450.', choices='ballast_a|ballast_d|ballast_e|ballast_f')
     call table%add('distribution', value_choice, 'How radii are spread: evenly by number; evenly by area or volume (as many '// &
