@@ -33,6 +33,11 @@ module sg_drives
     !> Bodies whose facing sides bound the pressed length, and the sum of their half thicknesses [m]
     integer :: between(2) = 0
     real(wp) :: thickness = 0
+    !> In space, where `length` is zero: for each axis across the push two bodies whose facing sides bound the pressed area, 0 where
+    !! none do, and what is added to the distance of their centres [m]: the negative sum of half thicknesses, or without bodies
+    !! the length itself
+    integer :: sides(2, 3) = 0
+    real(wp) :: side_length(3) = 0
     !> The pressure [Pa]
     type(time_function_t) :: value
   end type pressure_t
@@ -152,18 +157,37 @@ contains
     end do
   end subroutine drive_forces
 
-  !> Length on which a pressure acts [m].
+  !> Length on which a pressure acts [m], in space area [m2].
   pure real(wp) function pressed_length(pressure, bodies) result(length)
     type(pressure_t), intent(in) :: pressure
     type(bodies_t), intent(in) :: bodies
     real(wp) :: across(2)
 
     length = pressure%length
+    if (bodies%dimension == 3 .and. .not. length > 0) length = area_between(pressure, bodies)
     if (any(pressure%between == 0)) return
     across = [-pressure%direction(2), pressure%direction(1)]
     length = abs(dot_product(bodies%position(:, pressure%between(2)) - bodies%position(:, pressure%between(1)), across)) &
              - pressure%thickness
   end function pressed_length
+
+  !> Area between the bodies that bound it, across a push along an axis [m2].
+  pure real(wp) function area_between(pressure, bodies) result(area)
+    type(pressure_t), intent(in) :: pressure
+    type(bodies_t), intent(in) :: bodies
+    real(wp) :: length
+    integer :: axis
+
+    area = 1
+    do axis = 1, 3
+      if (abs(pressure%direction(axis)) > 0) cycle
+      length = pressure%side_length(axis)
+      associate (side => pressure%sides(:, axis))
+        if (all(side > 0)) length = length + abs(bodies%position(axis, side(2)) - bodies%position(axis, side(1)))
+      end associate
+      area = area*max(0.0_wp, length)
+    end do
+  end function area_between
 
   !> Set the imposed velocities of the end of a step.
   pure subroutine drive_velocities(drives, bodies, time, time_step)

@@ -168,6 +168,9 @@ contains
     do i = 1, size(scene%pressures)
       is_replicated(scene%pressures(i)%body) = .true.
       if (all(scene%pressures(i)%between > 0)) is_replicated(scene%pressures(i)%between) = .true.
+      associate (sides => reshape(scene%pressures(i)%sides, [6]))
+        is_replicated(pack(sides, sides > 0)) = .true.
+      end associate
     end do
   end subroutine find_replicated
 

@@ -21,7 +21,7 @@ contains
   subroutine keep_replicated(scene, replicated)
     type(scene_t), intent(in) :: scene !! the whole scene, or a part with all bodies that are driven or pressed
     type(replicated_data_t), intent(out) :: replicated !! what is kept
-    integer :: k
+    integer :: k, i
 
     allocate (replicated%drives(0), replicated%pressures(0))
     if (allocated(scene%drives)) replicated%drives = scene%drives
@@ -30,6 +30,9 @@ contains
     replicated%pressures%body = number_of(scene, replicated%pressures%body)
     do k = 1, 2
       replicated%pressures%between(k) = number_of(scene, replicated%pressures%between(k))
+    end do
+    do i = 1, size(replicated%pressures)
+      replicated%pressures(i)%sides = number_of(scene, replicated%pressures(i)%sides)
     end do
   end subroutine keep_replicated
 
@@ -47,7 +50,7 @@ contains
   subroutine localise(replicated, local)
     type(replicated_data_t), intent(in) :: replicated !! drives and pressures of the whole scene
     type(scene_t), intent(inout) :: local !! scene of the rank; its drives and pressures are set
-    integer :: k
+    integer :: k, i
 
     local%drives = pack(replicated%drives, place_of(local, replicated%drives%body) > 0)
     local%drives%body = place_of(local, local%drives%body)
@@ -56,6 +59,9 @@ contains
     do k = 1, 2
       ! What bounds a pressed length is replicated, so it is here.
       local%pressures%between(k) = place_of(local, local%pressures%between(k))
+    end do
+    do i = 1, size(local%pressures)
+      local%pressures(i)%sides = place_of(local, local%pressures(i)%sides)
     end do
     if (allocated(local%names)) deallocate (local%names)
   end subroutine localise

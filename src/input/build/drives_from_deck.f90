@@ -4,6 +4,7 @@
 module sg_drives_from_deck
   use sg_ascending, only: distinct
   use sg_blocks, only: deck_t
+  use sg_container_area, only: bound_by_container
   use sg_contactors, only: kind_segment
   use sg_drives, only: drive_t, mark_walls, pressure_t
   use sg_error, only: diagnostics_t
@@ -255,7 +256,7 @@ contains
     direction = deck%vector(b, 'direction')
     call read_time_function(deck, b, pressure%value, diagnostics)
     if (scene%dimension == 3) then
-      pressure%length = deck%number(b, 'area')
+      if (deck%is_given(b, 'area')) pressure%length = deck%number(b, 'area')
     else if (deck%is_given(b, 'length') .eqv. deck%is_given(b, 'between')) then
       call deck%complain(diagnostics, 'a pressure needs either "length" or "between"', b)
     end if
@@ -267,6 +268,8 @@ contains
     end if
     pressure%direction = direction/norm2(direction)
     if (pressure%body == 0) return
+    if (scene%dimension == 3 .and. .not. deck%is_given(b, 'area')) &
+      call bound_by_container(deck, b, scene, direction, pressure, diagnostics)
     call warn_of_no_effect(deck, b, pressure, scene%drives, diagnostics)
     where (abs(direction(:scene%dimension)) > 0) is_taken(:scene%dimension, pressure%body) = .true.
     n = n + 1

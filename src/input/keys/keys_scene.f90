@@ -215,7 +215,8 @@ contains
     call table%add('length', value_real, 'Pressed length.', unit='m', above=0.0_wp, dimension=in_plane, twin='area')
     call table%add('between', value_bodies, 'In place of length: two bodies whose free distance is the pressed length.', &
                    dimension=in_plane, twin='area')
-    call table%add('area', value_real, 'Pressed area.', unit='m2', is_required=.true., above=0.0_wp, dimension=in_space, &
+    call table%add('area', value_real, 'Pressed area; default, for a plane of a [[container]] alone: the area that it closes '// &
+                   'now, between the planes next to it, wherever they are.', unit='m2', above=0.0_wp, dimension=in_space, &
                    twin='length')
     call add_time_function(table, 'Pa')
   end subroutine add_drive_keys
