@@ -5,7 +5,7 @@ import re
 import subprocess
 import time
 
-from ranks_case import (BIG_GRAIN, BOX, CLUSTERS, COMMON, DRIVES, FALL, FLOOR, GRAPH, PRESSED, SIDES, Ranks, grains,
+from ranks_case import (BIG_GRAIN, BOX, CLUMPS, CLUSTERS, COMMON, DRIVES, FALL, FLOOR, GRAPH, PRESSED, SIDES, Ranks, grains,
                         grains_in_space)
 
 
@@ -73,6 +73,7 @@ class Shares(Ranks):
             ("drives", COMMON + FLOOR + SIDES + grains(60) + DRIVES),
             ("periodic", "[scene]\nperiod_x = 0.6\n" + COMMON + FLOOR + grains(60)),
             ("clusters", COMMON + FLOOR + SIDES + CLUSTERS),
+            ("clumps", COMMON + FLOOR + SIDES + CLUMPS + grains(40, 'shape = "clump"\nclump = ["pair", "half"]\n')),
             ("polygons", COMMON + FLOOR + SIDES + grains(40, 'shape = "polygon"\n')),
             ("a big grain among small ones", COMMON + FLOOR + SIDES + BIG_GRAIN + grains(60)),
             ("spheres", "[scene]\ndimension = 3\n" + COMMON + BOX + grains_in_space(60)),

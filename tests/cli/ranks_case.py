@@ -60,6 +60,21 @@ kind = "disk"
 radius = 0.02
 centre = [0.015, 0.0]
 """ for i in range(6) for j in range(2))  # fmt: skip
+CLUMPS = """[[clump]]
+name = "pair"
+[[clump.shape]]
+kind = "disk"
+radius = 2.0
+[[clump.shape]]
+kind = "disk"
+radius = 1.0
+centre = [2.0, 0.0]
+[[clump]]
+name = "half"
+[[clump.shape]]
+kind = "polygon"
+vertices = [[0, 0], [2, 0], [0, 1]]
+"""
 DRIVES = """[[drive]]
 body = "left"
 component = "x"

@@ -140,6 +140,22 @@ class PressedCell(ProgramCase):
                 for component in "xyz":
                     self.assertAlmostEqual(plane[-1][component], rows[name][-1][component], delta=2e-6)
 
+    def test_compaction(self):
+        """A stage that closes the cell ends at the wanted void ratio, to the step; the next one holds the planes there."""
+        drives = "".join(f'[[stage.drive]]\nbody = "box.{name}"\ncomponent = "{axis}"\nvalue = -0.1\n'
+                         for name, axis in (("right", "x"), ("back", "y"), ("lid", "z")))  # fmt: skip
+        stages = ('[[stage]]\nname = "close"\nduration = 0.5\nuntil = "void_ratio < 2.0"\n' + drives + '[[stage]]\nname = "hold"\nsteps = 5\n')
+        if not self.has_hdf5():
+            self.skipTest("stages need HDF5")
+        self.run_deck(HEAD.replace("steps = 150\n", "") + GRAINS + stages)
+        with (self.place / "out" / "record.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        closed = [float(row["void_ratio"]) for row in rows if row["stage"] == "1"]
+        self.assertGreater(closed[0], 2.5)
+        self.assertLess(closed[-1], 2.0)
+        self.assertGreaterEqual(closed[-2], 2.0)
+        self.assertEqual({row["void_ratio"] for row in rows if row["stage"] == "2"}, {rows[-1]["void_ratio"]})
+
     def on_ranks(self, ranks, text, output):
         (self.place / "deck.toml").write_text(text.replace("PERIOD\n", ""))
         environment = {name: value for name, value in os.environ.items() if name != "TMPDIR"}

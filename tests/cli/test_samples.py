@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Samples from outside: sizes from sieve curves, samples in one box that keep clear of each other, clumps, stones, mistakes."""
 
+import csv
 import json
+import re
 import sys
 import unittest
 from pathlib import Path
@@ -74,6 +76,11 @@ clump = CLUMP
 box = [0.0, 0.0, 1.0, 1.0]
 sieve = [[0.02, 0], [0.04, 100]]
 count = 150
+"""
+FLOOR = """[[wall]]
+from = [-0.2, -0.01]
+to = [1.2, -0.01]
+thickness = 0.02
 """
 STONE = """v 0 0 0
 v 3 0 0
@@ -170,6 +177,25 @@ class Samples(ProgramCase):
         self.assertNotIn("overlap", done.stdout + done.stderr)
         self.assertEqual(self.run_json()["grains"], 150)
         self.run_program("run", "out/effective.toml", "--output", "again", "--force", "--quiet")
+
+    def test_restart(self):
+        """Clumps that fall: a restart goes on as the straight run, to the byte of the record but its times."""
+        if not self.has_hdf5():
+            self.skipTest("no HDF5")
+        text = PLANE.replace("PERIOD", "").replace("steps = 1", "steps = 60").replace("1e-4", "2e-3") + CLUMPS
+        text += OF_CLUMPS.replace("CLUMP", '["pair", "one"]') + FLOOR
+        self.run_deck(text, "--set", "restart.every=40", "--set", "restart.at_end=false")
+        self.assertGreater(self.run_json()["contacts"], 0)
+        straight = self.record()
+        self.run_deck(text, "--restart", "out/restart_a.h5")
+        self.assertEqual(self.record(), straight)
+
+    def record(self):
+        """Rows of the record after step 40, without times that it took."""
+        with (self.place / "out" / "record.csv").open(newline="") as file:
+            rows = [row for row in csv.DictReader(file) if int(row["step"]) > 40]
+        self.assertGreater(len(rows), 0)
+        return [{name: value for name, value in row.items() if not re.search("seconds|^cpu_|^wall_", name)} for row in rows]
 
     def test_bad_clumps(self):
         """Clumps that are wrong are refused with their place."""
