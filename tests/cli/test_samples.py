@@ -178,6 +178,21 @@ class Samples(ProgramCase):
         self.assertEqual(self.run_json()["grains"], 150)
         self.run_program("run", "out/effective.toml", "--output", "again", "--force", "--quiet")
 
+    def test_grown(self):
+        """Grown samples are as full as asked for, of disks, polygons and clumps, and next to other samples; too much is refused."""
+        head = PLANE.replace("PERIOD", "[scene]\nperiod_x = 1.0")
+        sample = '[[sample]]\nkind = "grown"\nbox = [0.0, 0.0, 1.0, 1.0]\nradius = [0.02, 0.03]\nfill = 0.78\n'
+        for text in (sample, sample + 'shape = "polygon"\n', CLUMPS.replace('"one"', '"two"') + sample + 'shape = "clump"\nclump = ["pair", "two"]\n'):
+            done = self.run_deck(head + text)
+            self.assertNotIn("overlap", done.stdout + done.stderr)
+            self.assertEqual(self.run_json()["volume_error"], 0.0)
+        self.run_deck(head + sample)
+        # Grains are added until their areas reach the fill: one of 428 more, and the height of the grains is at most that of the box.
+        self.assertAlmostEqual(self.run_json()["compactness"], 0.78, delta=0.02)
+        both = sample.replace("fill = 0.78", "fill = 0.4") + '[[sample]]\nkind = "lattice"\nbox = [0.3, 0.3, 0.7, 0.7]\nradius = 0.05\n'
+        self.assertNotIn("overlap", self.run_deck(head + both).stderr)
+        self.assertIn("do not grow to their size; a fill of 0.8 is about the most", self.message(head + sample.replace("0.78", "0.9")))
+
     def test_restart(self):
         """Clumps that fall: a restart goes on as the straight run, to the byte of the record but its times."""
         if not self.has_hdf5():

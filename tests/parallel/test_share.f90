@@ -54,6 +54,7 @@ program test_share
                    'jitter = 0.7'//nl//'distribution = "lognormal"'//nl, 1.02_wp)
   call test_shares('a driven grain', common//disk//floor//in_plane//'kind = "lattice"'//nl//driven(77), 1.02_wp)
   call test_shares('random places', common//floor//in_plane//'kind = "random"'//nl//'fill = 0.3'//nl, 1.02_wp)
+  call test_shares('grown', common//floor//in_plane//'kind = "grown"'//nl//'fill = 0.7'//nl, 1.02_wp)
   call test_shares('polygons and disks', common//floor//in_plane//'kind = "lattice"'//nl//'shape = "polygon"'//nl//above// &
                    'kind = "lattice"'//nl, 1.02_wp)
   call test_shares('clumps', common//floor//clumps//in_plane//'kind = "lattice"'//nl//'shape = "clump"'//nl// &

@@ -5,6 +5,7 @@ module sg_samples_from_deck
   use sg_census, only: census_t
   use sg_generators, only: draw_polygon
   use sg_grain_templates, only: choose_templates, grain_template_t
+  use sg_growth, only: grow_in_box
   use sg_insertion, only: insert_at_random
   use sg_kinds, only: wp, i4, i8
   use sg_lattice, only: lattice_t, open_lattice, place_on_lattice
@@ -71,10 +72,10 @@ contains
       i = i + 1
       samples(i)%block = b
     end do
-    lists_all = any([(deck%word(samples(i)%block, 'kind') == 'random', i=1, size(samples))])
+    lists_all = any([(deck%word(samples(i)%block, 'kind') /= 'lattice', i=1, size(samples))])
     do pass = 1, 2
       do i = 1, size(samples)
-        if ((deck%word(samples(i)%block, 'kind') == 'random') .eqv. pass == 2) &
+        if ((deck%word(samples(i)%block, 'kind') /= 'lattice') .eqv. pass == 2) &
           call generate_sample(deck, templates, samples, i, period, may_stream .and. .not. lists_all, census, diagnostics)
       end do
     end do
@@ -213,7 +214,7 @@ contains
     sample%last = slice%before + size(sample%radius)
   end subroutine take_piece
 
-  !> Grains at random places, clear of those of the samples before.
+  !> Grains at random places, inserted or grown, clear of those of the samples before.
   subroutine fill_random(deck, samples, i, box, period, is_periodic, diagnostics)
     type(deck_t), intent(in) :: deck
     type(sample_t), intent(inout) :: samples(:)
@@ -230,16 +231,37 @@ contains
       ! Largest first: late grains are small and still find room.
       call arrange(sample, order_of(-sample%radius))
       call list_neighbours(samples, i, box, period, deck%number(block, 'clearance'), there, their_radii)
-      call insert_at_random(sample%random, sample%radius, box, deck%number(block, 'clearance'), is_periodic, there, their_radii, &
-                            sample%centre, sample%n)
+      if (deck%word(block, 'kind') == 'grown') then
+        call grow_in_box(sample%random, sample%radius, box, deck%number(block, 'clearance'), is_periodic, there, their_radii, &
+                         sample%centre, sample%n)
+      else
+        call insert_at_random(sample%random, sample%radius, box, deck%number(block, 'clearance'), is_periodic, there, &
+                              their_radii, sample%centre, sample%n)
+      end if
       if (sample%n == size(sample%radius)) return
-      call deck%complain(diagnostics, 'the box is too full: '//to_text(sample%n)//' of '//to_text(size(sample%radius))// &
-                         ' grains found room'//trim(merge(' next to those of other samples', repeat(' ', 31), &
-                                                          size(their_radii) > 0))//'; random insertion rarely passes a fill of '// &
-                         trim(merge('0.5 ', '0.35', deck%dimension == 2)), block, 'box')
+      call complain_full(deck, block, sample%n, size(sample%radius), size(their_radii), diagnostics)
       sample%n = 0
     end associate
   end subroutine fill_random
+
+  !> Refuse a box in which the grains of a sample find no room.
+  subroutine complain_full(deck, block, placed, wanted, others, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: block, placed, wanted, others
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=:), allocatable :: next_to
+
+    next_to = ''
+    if (others > 0) next_to = ' next to those of other samples'
+    if (deck%word(block, 'kind') == 'grown') then
+      call deck%complain(diagnostics, 'the box is too full: '//to_text(wanted)//' grains do not grow to their size'//next_to// &
+                         '; a fill of '//merge('0.8', '0.6', deck%dimension == 2)//' is about the most', block, 'box')
+    else
+      call deck%complain(diagnostics, 'the box is too full: '//to_text(placed)//' of '//to_text(wanted)//' grains found room'// &
+                         next_to//'; random insertion rarely passes a fill of '// &
+                         trim(merge('0.5 ', '0.35', deck%dimension == 2)), block, 'box')
+    end if
+  end subroutine complain_full
 
   !> Draw the sizes of grains at random places.
   subroutine size_random(deck, sample, box, diagnostics, is_refused)
@@ -253,7 +275,7 @@ contains
     is_refused = .true.
     associate (block => sample%block, d => deck%dimension)
       if (deck%is_given(block, 'count') .eqv. deck%is_given(block, 'fill')) then
-        call deck%complain(diagnostics, 'a random [[sample]] needs either "count" or "fill"', block)
+        call deck%complain(diagnostics, 'a [[sample]] that is no lattice needs either "count" or "fill"', block)
         return
       end if
       volume = product(box(d + 1:) - box(:d))

@@ -78,8 +78,11 @@ contains
   subroutine add_samples(table)
     type(key_table_t), intent(inout) :: table
 
-    call table%open_section('sample', 'Many grains in a box, without overlap: on a lattice, or inserted at random.', is_list=.true.)
-    call table%add('kind', value_choice, 'How grains are placed.', default='"random"', choices='random|lattice')
+    call table%open_section('sample', 'Many grains in a box, without overlap: on a lattice, inserted at random, or grown.', &
+                            is_list=.true.)
+    call table%add('kind', value_choice, 'How grains are placed: inserted at random, on a lattice, or grown from small ones '// &
+                   'at random places, which push each other apart until all have their size.', default='"random"', &
+                   choices='random|lattice|grown')
     call table%add('shape', value_choice, 'Shape of the grains.', default='"disk"', choices='disk|polygon|clump', &
                    space_default='"sphere"', space_choices='sphere|polyhedron|clump')
     call table%add('clump', value_texts, 'Name of the [[clump]] that all grains are copies of, or several names, of which '// &
@@ -94,7 +97,7 @@ contains
     call table%add('count', value_integer, 'Number of grains; a lattice without it is filled.', least=1.0_wp, most=1e7_wp)
     call table%add('fill', value_real, 'In place of count: area of the grains'' circles over that of the box; in '// &
                    'space volumes.', above=0.0_wp, &
-                   most=0.9_wp, only='kind=random')
+                   most=0.9_wp, only='kind=random|grown')
     call table%add('radius', value_range, 'Radius of the circle or sphere about a grain (of a clump or a shape from a file: '// &
                    'about its centre of mass): one number, or [least, most].', unit='m', above=0.0_wp)
     call table%add('sieve', value_pairs, 'In place of radius: a grain size curve, [[opening in m, percent of the mass that '// &
@@ -123,8 +126,8 @@ contains
                    only='kind=lattice')
     call table%add('jitter', value_real, 'Random shift of lattice grains, as a share of the room that is free.', default='0.0', &
                    least=0.0_wp, most=1.0_wp, only='kind=lattice')
-    call table%add('clearance', value_real, 'Least distance between two grains inserted at random.', unit='m', default='0.0', &
-                   least=0.0_wp, only='kind=random')
+    call table%add('clearance', value_real, 'Least distance between two grains inserted at random or grown.', unit='m', &
+                   default='0.0', least=0.0_wp, only='kind=random|grown')
     call add_common(table, 'grain')
     call table%add('velocity', value_vector, 'Velocity at the start.', unit='m/s', default='[0.0, 0.0]', &
                    space_default='[0.0, 0.0, 0.0]')
