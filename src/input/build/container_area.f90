@@ -30,7 +30,11 @@ contains
     number = pressure%body
     if (allocated(scene%bodies%id)) number = scene%bodies%id(number)
     container = deck%block_of_body(number)
-    if (.not. deck%is_in(container, 'container')) then
+    ! Bodies of a DATBOX come from no block.
+    if (container > 0) then
+      if (.not. deck%is_in(container, 'container')) container = 0
+    end if
+    if (container == 0) then
       call deck%complain(diagnostics, 'this pressure needs the key "area": its body is no plane of a [[container]]', b)
       return
     end if

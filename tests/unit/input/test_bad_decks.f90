@@ -350,7 +350,7 @@ contains
              'did you mean "rotation_', 15)
     call bad('a spin in the plane', head//disk//'[[drive]]'//nl//'body = 1'//nl//'component = "z"'//nl, 'must be one of x', 13)
     call bad('a pressed length', space//ball//'[[pressure]]'//nl//'body = 1'//nl//'length = 1.0'//nl, 'did you mean "area"?', 15)
-    call bad('no area', space//ball//'[[pressure]]'//nl//'body = 1'//nl//'direction = [1, 0, 0]'//nl, 'lacks the key "area"', 13)
+    call bad('no area', space//ball//'[[pressure]]'//nl//'body = 1'//nl//'direction = [1, 0, 0]'//nl, 'needs the key "area"', 13)
     call bad('plane shapes', space//ball//'[[interaction]]'//nl//'candidate_shape = "disk"'//nl, 'did you mean "sphere"?', 14)
   end subroutine bad_dimensions
 
