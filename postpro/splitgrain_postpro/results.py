@@ -127,12 +127,12 @@ class Results:
         return float(self.run.get(name, 0))
 
     def scene(self, index: int = -1) -> Scene:
-        """One picture, counted from 0, or from the end when negative."""
+        """One picture, counted from 0, or from the end when negative; bodies that are absent then are left out."""
         n = len(self.picture_times)
         if not -n <= index < n:
             raise ResultsError(f"{self.folder} has {n or 'no'} pictures; there is no number {index}")
         index %= n
-        grids = [None if pictures is None else pictures.step(index)
+        grids = [None if pictures is None else pictures.step(index).present()
                  for pictures in (self.bodies, self.shapes, self.contacts)]
         return Scene(float(self.picture_times[index]), *grids)
 

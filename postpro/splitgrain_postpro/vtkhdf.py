@@ -4,7 +4,7 @@ A file may be read while the run goes on, or after it was killed: steps that are
 left out.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import h5py
@@ -38,6 +38,29 @@ class Grid:
         if not self.kind_names:
             raise ResultsError("the pictures of the shapes do not name their kinds: an older version made them")
         return np.array(self.kind_names)[np.asarray(self.cell_data["kind"], dtype=int) - 1]
+
+    def present(self) -> "Grid":
+        """The grid without the bodies that have not entered yet or have left; their points and their cells."""
+        if "is_present" in self.cell_data:
+            cells = np.asarray(self.cell_data["is_present"]) > 0
+        elif "is_present" in self.point_data:
+            # One cell per body: its point.
+            cells = np.asarray(self.point_data["is_present"])[self.connectivity] > 0
+        else:
+            return self
+        if cells.all():
+            return self
+        sizes = np.diff(self.offsets)
+        points, connectivity = np.unique(self.connectivity[np.repeat(cells, sizes)], return_inverse=True)
+        return replace(
+            self,
+            points=self.points[points],
+            connectivity=connectivity,
+            offsets=np.concatenate([[0], np.cumsum(sizes[cells])]),
+            types=self.types[cells],
+            point_data={name: values[points] for name, values in self.point_data.items()},
+            cell_data={name: values[cells] for name, values in self.cell_data.items()},
+        )
 
     def outlines(self, cells: np.ndarray) -> list[np.ndarray]:
         """Corners (x, y) of these cells, one array per cell."""

@@ -10,7 +10,11 @@ module sg_bodies
   use sg_kinds, only: wp, i4
   implicit none
   private
-  public :: bodies_t, drop_rotation, are_turned, spin_of, angle_of, make_bodies_like, no_bodies_like
+  public :: bodies_t, drop_rotation, are_turned, spin_of, angle_of, make_bodies_like, no_bodies_like, is_absent
+  public :: body_present, body_waiting, body_removed
+
+  !> Presence of a body: it is there, its time to enter has not come, it has left for good
+  integer(i4), parameter :: body_present = 0, body_waiting = 1, body_removed = 2
 
   !> Rigid bodies, in the plane or in space
   type, extends(fields_t) :: bodies_t
@@ -26,6 +30,8 @@ module sg_bodies
     integer :: n_carried = 0
     !> Is there an orientation of each body? Where nothing turns, only if a body is turned at the start
     logical :: has_orientation = .true.
+    !> May bodies enter or leave? Elsewhere all are present, and no array is about it
+    logical :: has_presence = .false.
     !> Centre of mass [m], shape (dimension, n), at the beginning of the step; in a periodic scene within the period
     real(wp), allocatable :: position(:, :)
     !> Orientation in the plane [rad], shape (n); unallocated in space and without `has_orientation`
@@ -58,6 +64,10 @@ module sg_bodies
     logical, allocatable :: is_grain(:)
     !> Bulk material, index into the scene's materials, shape (n)
     integer(i4), allocatable :: material(:)
+    !> Is a body there, one of `body_*`, shape (n); an absent one has no velocity, no inverse mass and no contact, and is no grain
+    integer(i4), allocatable :: presence(:)
+    !> Velocity with which a waiting body enters [m/s, rad/s], shape (n_velocity, n)
+    real(wp), allocatable :: entry_velocity(:, :)
     !> Values that the solver's method carries, those of this rank's copy, shape (n_carried, n)
     real(wp), allocatable :: carried(:, :)
     !> In a decomposed scene: number of the body in the whole scene, and the rank that owns it; shape (n). The bodies of
@@ -100,6 +110,9 @@ contains
     call visitor%visit(field_t('crossings_y', sync_on_copy, is_there=is_space, in_files=.true.), self%crossings_y)
     call visitor%visit(field_t('is_grain', sync_on_copy, first=1.0_wp), self%is_grain)
     call visitor%visit(field_t('material', sync_on_copy), self%material)
+    call visitor%visit(field_t('presence', sync_on_copy, is_there=self%has_presence, in_files=.true., is_optional=.true.), &
+                       self%presence)
+    call visitor%visit(field_t('entry_velocity', sync_on_copy, v, self%has_presence), self%entry_velocity)
     call visitor%visit(field_t('carried', sync_on_owner, self%n_carried, self%n_carried > 0, .true., is_optional=.true.), &
                        self%carried)
     ! Messages hold these two before the fields: a body may be numbered, or change its owner, when it is sent.
@@ -149,6 +162,7 @@ contains
     bodies%n_velocity = template%n_velocity
     bodies%n_carried = template%n_carried
     bodies%has_orientation = template%has_orientation
+    bodies%has_presence = template%has_presence
   end function no_bodies_like
 
   !> Make room for `n` bodies at rest at the origin, with numbers and owners, and with the components of others.
@@ -163,6 +177,15 @@ contains
     allocate (bodies%id(0), bodies%owner(0))
     call bodies%resize(n)
   end subroutine make_bodies_like
+
+  !> Is a body absent: not yet there, or gone?
+  pure logical function is_absent(bodies, body)
+    type(bodies_t), intent(in) :: bodies !! the bodies
+    integer, intent(in) :: body !! index of the body
+
+    is_absent = .false.
+    if (allocated(bodies%presence)) is_absent = bodies%presence(body) /= body_present
+  end function is_absent
 
   !> Is any body turned away from the axes of the world?
   pure logical function are_turned(bodies)

@@ -5,7 +5,7 @@ module sg_drives
   use sg_time_functions, only: time_function_t
   implicit none
   private
-  public :: drive_t, pressure_t, mark_walls, fix_driven, hold_driven, drive_forces, drive_velocities
+  public :: drive_t, pressure_t, mark_walls, fix_driven, free_inverse, hold_driven, drive_forces, drive_velocities
 
   !> One imposed component of one body
   type :: drive_t
@@ -113,8 +113,9 @@ contains
 
   !> Inverse mass of a free component; zero for a body without mass.
   pure real(wp) function free_inverse(bodies, component, body) result(inverse)
-    type(bodies_t), intent(in) :: bodies
-    integer, intent(in) :: component, body
+    type(bodies_t), intent(in) :: bodies !! bodies with their masses
+    integer, intent(in) :: component !! as in `drive_t`
+    integer, intent(in) :: body !! index of the body
     real(wp) :: mass
 
     if (component <= bodies%dimension) then

@@ -10,6 +10,7 @@ module sg_stop_from_deck
   use sg_measures, only: measures_t, unmeasured
   use sg_record, only: record_columns
   use sg_report, only: report_t
+  use sg_passage_counts, only: n_passage_sums, passage_columns
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_stop, only: stop_t, stop_variables
@@ -88,6 +89,7 @@ contains
     measures = unmeasured(scene%dimension, has_bonds, options%record_mean)
     call cell%begin(options%walls)
     measures%column = [measures%column, cell_columns(cell, scene%dimension)]
+    if (scene%bodies%has_presence) measures%column = [measures%column, passage_columns(spread(0.0_wp, 1, n_passage_sums))]
     associate (columns => record_columns(0, 0.0_wp, 0, report, totals, measures))
       if (allocated(options%tracked_names)) then
         names = stop_variables(columns, scene%dimension, options%tracked_names)

@@ -12,6 +12,7 @@ module sg_scene_from_deck
   use sg_link_network, only: link_by_distance
   use sg_links, only: locate_links
   use sg_links_from_deck, only: links_from_deck
+  use sg_passages_from_deck, only: passages_from_deck
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_share, only: share_t
@@ -25,8 +26,9 @@ module sg_scene_from_deck
   public :: scene_from_deck
 
   !> Sections that a DATBOX replaces
-  character(len=11), parameter :: own_sections(11) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'body', &
-                                                      'wall', 'container', 'brick_wall', 'arch', 'clump', 'sample']
+  character(len=11), parameter :: own_sections(12) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'body', &
+                                                      'wall', 'container', 'brick_wall', 'arch', 'clump', 'sample', &
+                                                      'rain']
 
 contains
 
@@ -60,6 +62,7 @@ contains
     if (diagnostics%count() == 0) call link_by_distance(scene, deck%points)
     call links_from_deck(deck, scene, diagnostics)
     call locate_links(scene%links, scene%contactors)
+    call passages_from_deck(deck, scene, diagnostics)
     call check_recovery(deck, scene, options%recovery, diagnostics)
     ! Where each rank has a part of the scene, all check it together.
     if (deck%ranks > 1) return
@@ -114,6 +117,7 @@ contains
     end if
     call drives_from_deck(deck, scene, diagnostics)
     call wrap(scene)
+    call passages_from_deck(deck, scene, diagnostics)
   end subroutine scene_from_datbox
 
   !> Refuse to undo overlap that laws need.

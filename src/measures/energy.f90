@@ -6,7 +6,7 @@
 !! when positions move with Vm too (theta = 1/2). In space gyroscopic torques do no work on a free body; in a step with
 !! impacts they do some, of the order of the step, which the balance then shows. Drives work against them.
 module sg_energy
-  use sg_bodies, only: bodies_t
+  use sg_bodies, only: bodies_t, is_absent
   use sg_bonds, only: bond_impulse
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
@@ -48,6 +48,7 @@ module sg_energy
   contains
     procedure :: add_step => energy_add_step
     procedure :: change_gravity => energy_change_gravity
+    procedure :: let_pass => energy_let_pass
     procedure :: pack => energy_pack
     procedure :: unpack => energy_unpack
     procedure :: reduce => energy_reduce
@@ -93,6 +94,21 @@ contains
 
     self%potential_start = self%potential_start + potential_energy(scene) - potential_energy(scene, former)
   end subroutine energy_change_gravity
+
+  !> Count the energy that a body brings when it enters as energy of the start, or no longer that which it takes along.
+  pure subroutine energy_let_pass(self, scene, body, is_entering)
+    class(energy_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene !! scene with the body, which has its place and velocity
+    integer, intent(in) :: body !! one that this rank counts as its own
+    logical, intent(in) :: is_entering !! does it enter? Else it leaves
+    real(wp) :: sign
+
+    ! What the first step begins with is counted then.
+    if (.not. self%is_started) return
+    sign = merge(1.0_wp, -1.0_wp, is_entering)
+    self%kinetic_start = self%kinetic_start + sign*kinetic_energy_of(scene%bodies, body)
+    self%potential_start = self%potential_start - sign*potential_drop(scene, body, scene%gravity)
+  end subroutine energy_let_pass
 
   !> Work of the contact impulses along normals and along tangents, and of bonds [J]: r . H^T v.
   pure function contact_work(scene, contacts, h, velocity) result(work)
@@ -256,6 +272,18 @@ contains
     end do
   end function kinetic_energy_at
 
+  !> Kinetic energy of one body [J].
+  pure real(wp) function kinetic_energy_of(bodies, body) result(kinetic)
+    type(bodies_t), intent(in) :: bodies
+    integer, intent(in) :: body
+    integer :: c
+
+    kinetic = 0
+    do c = 1, bodies%n_velocity
+      kinetic = kinetic + inertia_of(bodies, c, body)*bodies%velocity(c, body)**2/2
+    end do
+  end function kinetic_energy_of
+
   !> Potential energy of this rank's bodies [J], zero at the origin; positions are unwrapped.
   pure real(wp) function potential_energy(scene, gravity) result(potential)
     type(scene_t), intent(in) :: scene !! scene with its positions
@@ -267,6 +295,7 @@ contains
     if (present(gravity)) g = gravity
     potential = 0
     do i = 1, scene%bodies%n_own
+      if (is_absent(scene%bodies, i)) cycle
       potential = potential - potential_drop(scene, i, g)
     end do
   end function potential_energy
@@ -327,6 +356,7 @@ contains
     sums(1:2) = [kinetic_energy(scene%bodies), potential_energy(scene) + sum(elastic)]
     sums(3) = 0
     do i = 1, scene%bodies%n_own
+      if (is_absent(scene%bodies, i)) cycle
       sums(3) = sums(3) + abs(potential_drop(scene, i, scene%gravity))
     end do
     sums(4:) = [energy%kinetic_start, energy%potential_start, energy%external_work + energy%recovery_work, energy%drive_work, &
@@ -346,7 +376,7 @@ contains
     associate (kinetic => sums(1), kinetic_start => sums(4), external_work => sums(6), drive_work => sums(7), &
                friction_loss => sums(8), impact_loss => sums(9), bond_work => sums(10))
       gain = sums(2) - sums(5)
-      scale = max(sums(3)*sqrt(epsilon(scale)), kinetic, kinetic_start, abs(gain), abs(external_work), abs(drive_work), &
+      scale = max(sums(3)*sqrt(epsilon(scale)), kinetic, abs(kinetic_start), abs(gain), abs(external_work), abs(drive_work), &
                   abs(friction_loss), abs(impact_loss), abs(bond_work))
       if (.not. scale > 0) return
       closure = abs(kinetic - kinetic_start + gain - external_work - drive_work + friction_loss + impact_loss &

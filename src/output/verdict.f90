@@ -2,6 +2,7 @@
 module sg_verdict
   use sg_columns, only: fixed
   use sg_kinds, only: wp, i8
+  use sg_measures, only: measures_t
   use sg_methods, only: find_method, is_swept, list_couplings, method_t, quoted_names, robust_solver
   use sg_moments_of_run, only: hint_words, moment_t, place_words
   use sg_print, only: print_line
@@ -60,6 +61,8 @@ contains
         call line('passed', &
                   to_text(totals%tunnellings)//' times two bodies went through each other within a step: take shorter ones')
       end if
+      if (measures%get('waiting') + measures%get('entered') + measures%get('removed') > 0) &
+        call line('bodies', passage_words(measures))
       if (totals%recoveries > 0) call line('recovered', 'bodies were pushed apart after '//counted(totals%recoveries, 'step'))
       call line('energy', to_text(measures%get('kinetic_energy'), 3)//' J kinetic, balance closed to '// &
                 to_text(measures%get('energy_closure'), 2)//' of its largest term')
@@ -93,6 +96,16 @@ contains
       call print_line('  '//column//text, unit)
     end subroutine line
   end subroutine print_verdict
+
+  !> Bodies that entered, wait or left, and their masses.
+  pure function passage_words(measures) result(words)
+    type(measures_t), intent(in) :: measures
+    character(len=:), allocatable :: words
+
+    words = to_text(nint(measures%get('entered')))//' entered ('//to_text(measures%get('mass_entered'), 3)//' kg), '// &
+            to_text(nint(measures%get('waiting')))//' wait, '//to_text(nint(measures%get('removed')))//' were removed ('// &
+            to_text(measures%get('mass_removed'), 3)//' kg)'
+  end function passage_words
 
   !> How a stage went.
   pure function stage_words(stage, number) result(words)

@@ -9,12 +9,15 @@ module sg_advance
   use sg_detect, only: detect
   use sg_dump, only: begin_dump, is_listed
   use sg_error, only: error_t
+  use sg_find_passages, only: find_passages
   use sg_failure, only: check_input, dump_broken_step, dump_failed_solve, keep_guess, note_unconverged, note_worst, save_dump
   use sg_guard, only: find_broken
-  use sg_kinds, only: wp, i1
+  use sg_kinds, only: wp, i1, i4
   use sg_limits, only: check_limits
   use sg_link_contacts, only: finish_links
   use sg_motion, only: predict, update
+  use sg_passage_counts, only: let_pass
+  use sg_passages, only: time_slack
   use sg_penetration, only: deepest_penetration
   use sg_plan, only: set_radii
   use sg_recovery, only: recover
@@ -38,6 +41,7 @@ contains
     type(simulation_t), intent(inout) :: sim !! moved on by a step
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when a value is not finite, or memory or time is short
 
+    if (sim%scene%bodies%has_presence) call timed(change_presence, sim, phase_predict, error)
     do
       call timed(predict_bodies, sim, phase_predict, error)
       call timed(find_contacts, sim, phase_detect, error)
@@ -53,6 +57,20 @@ contains
     sim%substep = 1
     if (sim%options%recovery > 0) call timed(push_bodies, sim, phase_solve, error)
   end subroutine advance
+
+  !> Let bodies in and out whose time or place it is. The list of neighbours is then made again, on all ranks.
+  subroutine change_presence(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+    integer(i4), allocatable :: next(:)
+    logical :: has_changed
+
+    call find_passages(sim%scene, sim%decomposition%subdomain, sim%comm, sim%step, &
+                       sim%time() + time_slack*sim%options%time_step, next, has_changed)
+    if (.not. has_changed) return
+    call let_pass(sim%scene, next, sim%energy)
+    if (allocated(sim%pairs%built)) deallocate (sim%pairs%built)
+  end subroutine change_presence
 
   !> Free velocities, and bodies in the middle of the substep; again for bodies that arrive where this rank's part is rebuilt.
   subroutine predict_bodies(sim, error)

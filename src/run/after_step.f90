@@ -9,6 +9,7 @@ module sg_after_step
   use sg_guard, only: judge_energy
   use sg_kinds, only: wp
   use sg_measures, only: measure, measures_t, unmeasured
+  use sg_passage_counts, only: count_passages, n_passage_sums, passage_columns
   use sg_radial_distribution, only: radial_distribution, radial_distribution_t
   use sg_record, only: record_columns
   use sg_report, only: report_t
@@ -161,6 +162,7 @@ contains
 
     measures = unmeasured(sim%scene%dimension, sim%plan%has_bonds, sim%means%is_on)
     measures%column = [measures%column, cell_columns(sim%cell, sim%scene%dimension)]
+    if (sim%scene%bodies%has_presence) measures%column = [measures%column, passage_columns(spread(0.0_wp, 1, n_passage_sums))]
   end function blank_measures
 
   !> Kinetic energy to show [J]: that of now on one rank; of several ranks the last one measured, which costs no message.
@@ -246,13 +248,18 @@ contains
   subroutine measure_now(sim, error)
     type(simulation_t), intent(inout) :: sim !! after a step; its measures are set
     type(error_t), allocatable, intent(out) :: error !! never set
+    real(wp) :: sums(n_passage_sums)
 
     call measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%energy, sim%writers%measures, &
                  sim%decomposition%subdomain, sim%comm, sim%means)
-    if (.not. sim%cell%walls%has_cell) return
-    call sim%cell%measure(sim%scene, sim%comm)
     associate (measures => sim%writers%measures)
-      measures%column = [measures%column, cell_columns(sim%cell, sim%scene%dimension)]
+      if (sim%cell%walls%has_cell) then
+        call sim%cell%measure(sim%scene, sim%comm)
+        measures%column = [measures%column, cell_columns(sim%cell, sim%scene%dimension)]
+      end if
+      if (.not. sim%scene%bodies%has_presence) return
+      call count_passages(sim%scene, sim%comm, sums)
+      measures%column = [measures%column, passage_columns(sums)]
     end associate
   end subroutine measure_now
 end module sg_after_step

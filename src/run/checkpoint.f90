@@ -5,7 +5,7 @@
 module sg_checkpoint
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_block_distribution, only: block_distribution_t
-  use sg_bodies, only: bodies_t
+  use sg_bodies, only: bodies_t, body_present
   use sg_bodies_rows, only: order_bodies
   use sg_energy, only: energy_t, n_energy_values
   use sg_error, only: diagnostics_t, error_t, fail
@@ -16,6 +16,7 @@ module sg_checkpoint
   use sg_means, only: means_t
   use sg_neighbours, only: build_neighbours
   use sg_restart, only: keep_state, read_restart, restart_t, restore_state, write_restart
+  use sg_restart_fields, only: values_of
   use sg_restart_files, only: find_restarts
   use sg_signature, only: n_of_bodies, n_signature, signature_of
   use sg_simulation, only: simulation_t
@@ -216,6 +217,9 @@ contains
     sim%pairs%listed_way = list(2)
     sim%pairs%way = list(3)
     call restore_state(state, sim%scene, sim%contacts)
+    ! A file that holds nothing about presence is of a run in which all bodies were there.
+    if (sim%scene%bodies%has_presence .and. size(values_of(state%bodies, 'presence')) == 0) &
+      sim%scene%bodies%presence = body_present
     sim%step = state%step
     call keep_time(sim, state%time)
     call sim%energy%unpack(state%totals(:n_energy_values))

@@ -6,6 +6,7 @@ module sg_motion
   use sg_drives, only: drive_forces, drive_velocities, hold_driven
   use sg_free_spin, only: free_spin
   use sg_kinds, only: wp
+  use sg_presence, only: hold_absent
   use sg_rotations, only: turned_back, turned_by, turned_on
   use sg_scene, only: scene_t
   implicit none
@@ -33,6 +34,7 @@ contains
       bodies%free_velocity = bodies%velocity + h*bodies%inverse_mass*bodies%force
     end associate
     call drive_velocities(scene%drives, scene%bodies, time + h, h)
+    if (scene%bodies%has_presence) call hold_absent(scene%bodies)
     if (scene%bodies%n_velocity == 6) call spin_freely(scene%bodies, h, theta)
     call set_middle(scene%bodies, (1 - theta)*h)
   end subroutine predict

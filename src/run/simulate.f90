@@ -14,6 +14,7 @@ module sg_simulate
   use sg_memory_report, only: report_memory
   use sg_methods, only: is_swept
   use sg_plan, only: describe_plan
+  use sg_presence, only: hide_absent
   use sg_print, only: print_line
   use sg_run_files, only: close_fields, close_files, open_files, remove_former
   use sg_run_options, only: criterion_names, run_options_t
@@ -193,6 +194,7 @@ contains
     call remove_former(sim, goes_on)
     call decompose(sim, error)
     if (allocated(error)) return
+    if (sim%scene%bodies%has_presence) call hide_absent(sim%scene%bodies)
     call sim%tracks%begin(sim%scene, sim%comm)
     call open_files(sim, resumes, error)
   end subroutine begin

@@ -22,7 +22,7 @@ module sg_simulation
   use sg_records, only: impulse_length
   use sg_report, only: coupled_effort_t, report_t
   use sg_restart_files, only: find_restarts
-  use sg_restart_fit, only: holds_spins
+  use sg_restart_fit, only: holds, holds_spins
   use sg_run_options, only: partition_options_t, run_options_t
   use sg_scene, only: scene_t
   use sg_signature, only: n_signature, signature_of
@@ -115,7 +115,7 @@ contains
     type(simulation_t), intent(inout) :: sim !! its scene and options are set
     type(error_t), allocatable :: refused
 
-    if (allocated(sim%options%restart_file)) call keep_spins(sim)
+    if (allocated(sim%options%restart_file)) call keep_parts(sim)
     call make_plan(sim%scene, sim%plan, sim%comm, sim%omissions)
     sim%signature = signature_of(sim%scene, sim%comm)
     call fix_driven(sim%scene%drives, sim%scene%bodies)
@@ -169,19 +169,28 @@ contains
     end if
   end subroutine track_bodies
 
-  !> Leave rotation in the plan where the checkpoint to go on from holds spins, as that of a stage with friction.
-  subroutine keep_spins(sim)
+  !> Leave rotation in the plan where the checkpoint to go on from holds spins, as that of a stage with friction; and keep bodies
+  !! absent that are so in it.
+  subroutine keep_parts(sim)
     type(simulation_t), intent(inout) :: sim
     type(text_t), allocatable :: names(:)
     type(error_t), allocatable :: error
-    logical :: are_held
+    logical :: are_held, has_presence
     integer :: i
 
     call find_restarts(sim%options%restart_file, names, error)
     are_held = .false.
-    if (.not. allocated(error)) are_held = any([(holds_spins(names(i)%s, sim%scene%dimension), i=1, size(names))])
+    has_presence = .false.
+    if (.not. allocated(error)) then
+      are_held = any([(holds_spins(names(i)%s, sim%scene%dimension), i=1, size(names))])
+      has_presence = any([(holds(names(i)%s, '/bodies/presence'), i=1, size(names))])
+    end if
     if (sim%comm%any(are_held)) sim%omissions%rotation = .false.
-  end subroutine keep_spins
+    has_presence = sim%comm%any(has_presence)
+    if (sim%scene%bodies%has_presence .or. .not. has_presence) return
+    sim%scene%bodies%has_presence = .true.
+    call sim%scene%bodies%resize(sim%scene%bodies%n)
+  end subroutine keep_parts
 
   !> Make room for what the solver's method carries from step to step; values of another number of columns are dropped.
   subroutine reserve_carried(sim)

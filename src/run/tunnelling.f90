@@ -10,6 +10,7 @@
 !! A body may also meet a wall without a contact before: in the first step, where a restart file has no gaps, or from beyond the
 !! alert distance at a velocity that it has just been given. Then the path of its centre since the last detection decides.
 module sg_tunnelling
+  use sg_bodies, only: body_present
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t
   use sg_error, only: error_t, fail
@@ -104,13 +105,16 @@ contains
     real(wp), intent(in) :: share !! share of the substep since shapes were placed last, or since the start
     real(wp), intent(in) :: thinnest !! half width of the thinnest shape [m]
     integer, allocatable :: walls(:)
+    logical, allocatable :: is_wall(:)
     real(wp) :: displacement(scene%dimension)
     integer :: c, i, n
 
     if (.not. tunnelling%exceeds_thinnest) return
     n = scene%dimension
     associate (bodies => scene%bodies, contactors => scene%contactors)
-      walls = pack([(c, c=1, contactors%n)], .not. bodies%is_grain(contactors%body(:contactors%n)))
+      is_wall = .not. bodies%is_grain
+      if (allocated(bodies%presence)) is_wall = is_wall .and. bodies%presence == body_present
+      walls = pack([(c, c=1, contactors%n)], is_wall(contactors%body(:contactors%n)))
       do c = 1, contactors%n
         ! Each rank checks its own grains, not copies.
         if (.not. bodies%is_grain(contactors%body(c)) .or. contactors%body(c) > bodies%n_own) cycle

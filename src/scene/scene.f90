@@ -7,6 +7,7 @@ module sg_scene
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_t
   use sg_links, only: links_t
+  use sg_passages, only: entry_t, exit_t
   use sg_text, only: append_word, text_t
   implicit none
   private
@@ -75,6 +76,9 @@ module sg_scene
     type(pressure_t), allocatable :: pressures(:)
     !> Contacts known at the start
     type(start_contact_t), allocatable :: start_contacts(:)
+    !> Bodies that come after the start, and boxes out of which bodies leave; unallocated where there are none
+    type(entry_t), allocatable :: entries(:)
+    type(exit_t), allocatable :: exits(:)
     !> Names of bodies, shape (bodies); only where the deck names some, and dropped where the scene is split
     type(text_t), allocatable :: names(:)
     !> Gravity [m/s2]; in the plane the third component is zero

@@ -4,7 +4,7 @@
 !! order of everything after it. The list depends on nothing but the configuration at its making, which is kept: a
 !! restarted run makes the same list again. Links of the scene stand behind all others, whatever their length.
 module sg_neighbours
-  use sg_bodies, only: bodies_t
+  use sg_bodies, only: bodies_t, body_present, is_absent
   use sg_cells, only: build_cells, cells_t, level_cell
   use sg_contactors, only: contactors_t, kind_point, n_kinds, place_contactors
   use sg_kinds, only: wp, i1, i4, i8
@@ -262,6 +262,8 @@ contains
 
     period = [scene%period, scene%period_y, 0.0_wp]
     order = contactor_order(pairs, scene%contactors)
+    if (allocated(scene%bodies%presence)) &
+      order = pack(order, scene%bodies%presence(scene%contactors%body(order)) == body_present)
     allocate (centre(3, size(order)), source=0.0_wp)
     allocate (reach(size(order)))
     allocate (crossed(2, size(order)), source=0)
@@ -300,6 +302,8 @@ contains
     do l = 1, scene%links%n
       associate (ends => scene%links%contactor(:, l))
         if (any(ends == 0)) cycle
+        if (is_absent(scene%bodies, scene%contactors%body(ends(1))) .or. &
+            is_absent(scene%bodies, scene%contactors%body(ends(2)))) cycle
         if (allocated(scene%bodies%owner)) then
           if (contact_owner(scene%bodies%owner(scene%contactors%body(ends))) /= pairs%rank) cycle
         end if

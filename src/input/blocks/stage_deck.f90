@@ -216,6 +216,7 @@ contains
     integer :: c, last
 
     merged = deck
+    merged%stage_number = number
     do c = 1, size(deck%changes)
       if (deck%changes(c)%parent /= number) cycle
       associate (change => deck%changes(c), name => deck%table%sections(deck%changes(c)%section)%name)

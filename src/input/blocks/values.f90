@@ -2,8 +2,8 @@
 module sg_values
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_key_table, only: key_t, value_bodies, value_body, value_box, value_choice, value_counts, value_faces, value_function, &
-                          value_integer, value_logical, value_name, value_pair, value_pairs, value_points, value_range, &
-                          value_real, value_sides, value_text, value_texts, value_triple, value_turn, value_vector
+                          value_integer, value_logical, value_moment, value_name, value_pair, value_pairs, value_points, &
+                          value_range, value_real, value_sides, value_text, value_texts, value_triple, value_turn, value_vector
   use sg_kinds, only: wp, i4, i8
   use sg_lists, only: reserve
   use sg_text, only: joined, nearest_word, text_t, to_text
@@ -118,7 +118,7 @@ contains
       may = entry_kind == toml_string .and. depth == 0
     case (value_texts)
       may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. entry_kind == toml_string)
-    case (value_function)
+    case (value_function, value_moment)
       may = depth == 0 .and. (number .or. entry_kind == toml_string)
     case (value_turn)
       may = (depth == 0 .and. entry_kind == toml_array) .or. (depth <= 1 .and. number)
@@ -241,7 +241,7 @@ contains
     else if (.not. (has_right_count(value, key%kind, 2) .or. has_right_count(value, key%kind, 3))) then
       message = 'must be '//value_name(key%kind, 0)
     end if
-    if (any(key%kind == [value_text, value_texts]) .and. .not. allocated(message)) then
+    if (any(key%kind == [value_text, value_texts, value_moment]) .and. .not. allocated(message)) then
       if (any([(value%words(i)%s == '', i=1, value%n_words)])) message = 'must not be empty'
     end if
     if (key%kind == value_choice) call check_choice(value%words(1)%s, key, dimension, message)

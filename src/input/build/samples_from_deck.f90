@@ -18,8 +18,8 @@ module sg_samples_from_deck
   use sg_random, only: random_t
   use sg_sample_sizes, only: ball_volume, sample_sizes_t
   use sg_sorting, only: hilbert_order
-  use sg_text, only: to_text
-  use sg_values, only: value_t
+  use sg_text, only: text_t, to_text
+  use sg_values, only: value_as_toml, value_t
   use sg_words, only: choice_index
   implicit none
   private
@@ -31,6 +31,10 @@ module sg_samples_from_deck
     integer :: block = 0
     !> Number of grains
     integer :: n = 0
+    !> Do they enter one after the other, in the order of their numbers, and may their places overlap?
+    logical :: is_rain = .false.
+    !> When they are there, as the deck writes it: samples that enter at different times do not keep clear of each other
+    type(text_t) :: moment
     !> First and last grain that this rank keeps
     integer :: first = 1, last = 0
     !> Centres of the circles or spheres about the grains [m], shape (dimension, listed), and their radii [m]; grains before the
@@ -63,23 +67,49 @@ contains
     type(census_t), intent(inout) :: census !! learns about grains that are not listed
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     logical :: lists_all
-    integer :: b, i, pass
+    integer :: i, pass
 
-    allocate (samples(deck%count_of('sample')))
-    i = 0
-    do b = 1, deck%n
-      if (.not. deck%is_in(b, 'sample')) cycle
-      i = i + 1
-      samples(i)%block = b
-    end do
-    lists_all = any([(deck%word(samples(i)%block, 'kind') /= 'lattice', i=1, size(samples))])
+    call list_samples(deck, samples)
+    lists_all = any([(is_random(deck, samples(i)), i=1, size(samples))])
     do pass = 1, 2
       do i = 1, size(samples)
-        if ((deck%word(samples(i)%block, 'kind') /= 'lattice') .eqv. pass == 2) &
+        if (is_random(deck, samples(i)) .eqv. pass == 2) &
           call generate_sample(deck, templates, samples, i, period, may_stream .and. .not. lists_all, census, diagnostics)
       end do
     end do
   end subroutine generate_samples
+
+  !> List the samples in the order of the deck, then rains.
+  subroutine list_samples(deck, samples)
+    type(deck_t), intent(in) :: deck
+    type(sample_t), allocatable, intent(out) :: samples(:)
+    type(value_t) :: at
+    integer :: b, i, pass
+
+    allocate (samples(deck%count_of('sample') + deck%count_of('rain')))
+    i = 0
+    do pass = 1, 2
+      do b = 1, deck%n
+        if (.not. deck%is_in(b, trim(merge('sample', 'rain  ', pass == 1)))) cycle
+        i = i + 1
+        samples(i)%block = b
+        samples(i)%is_rain = pass == 2
+        samples(i)%moment%s = ''
+        if (.not. deck%is_given(b, 'at')) cycle
+        at = deck%value(b, 'at')
+        samples(i)%moment%s = value_as_toml(at, deck%table%keys(at%key))
+      end do
+    end do
+  end subroutine list_samples
+
+  !> Are the grains of a sample placed at random?
+  pure logical function is_random(deck, sample)
+    type(deck_t), intent(in) :: deck
+    type(sample_t), intent(in) :: sample
+
+    is_random = sample%is_rain
+    if (.not. is_random) is_random = deck%word(sample%block, 'kind') /= 'lattice'
+  end function is_random
 
   !> Draw sizes and places of the grains of one sample.
   subroutine generate_sample(deck, templates, samples, i, period, may_stream, census, diagnostics)
@@ -114,14 +144,16 @@ contains
       call sample%sizes%read(deck, block, templates(sample%templates)%reach, templates(sample%templates)%opening, sample%random, &
                              diagnostics)
       if (diagnostics%count() > errors) return
-      if (deck%word(block, 'kind') == 'lattice') then
+      if (sample%is_rain) then
+        call fill_rain(deck, sample, box, is_periodic, diagnostics)
+      else if (deck%word(block, 'kind') == 'lattice') then
         is_piece = may_stream .and. .not. sample%sizes%has_sieve .and. any(deck%word(block, 'shape') == ['disk  ', 'sphere'])
         call fill_lattice(deck, box, is_periodic, period, is_piece, sample, census, diagnostics)
         if (is_piece) return
       else
         call fill_random(deck, samples, i, box, period, is_periodic, diagnostics)
       end if
-      call order(sample, box)
+      if (.not. sample%is_rain) call order(sample, box)
       sample%first = int(int(sample%n, i8)*int(deck%rank, i8)/int(deck%ranks, i8)) + 1
       sample%last = int(int(sample%n, i8)*int(deck%rank + 1, i8)/int(deck%ranks, i8))
     end associate
@@ -263,6 +295,43 @@ contains
     end if
   end subroutine complain_full
 
+  !> Grains of a rain: each at a random place of the window, whatever the others are.
+  subroutine fill_rain(deck, sample, box, is_periodic, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(sample_t), intent(inout) :: sample
+    real(wp), intent(in) :: box(:)
+    logical, intent(in) :: is_periodic(:)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    real(wp) :: margin(size(box)/2)
+    logical :: is_refused
+    integer :: i, k, d
+
+    d = size(box)/2
+    associate (block => sample%block)
+      call check_room(deck, block, deck%number(block, 'count'), 'count', diagnostics, is_refused)
+      if (is_refused) return
+      call draw_sizes(deck, sample, deck%integer(block, 'count'))
+      margin = maxval(sample%radius)
+      margin(:d - 1) = merge(0.0_wp, margin(:d - 1), is_periodic)
+      if (any(box(d + 1:) - box(:d) < 2*margin)) then
+        call deck%complain(diagnostics, 'the window is too narrow for grains of a radius of '//to_text(maxval(sample%radius), 4)// &
+                           ' m', block, 'box')
+        sample%radius = [real(wp) ::]
+        return
+      end if
+      sample%n = size(sample%radius)
+      deallocate (sample%centre)
+      allocate (sample%centre(d, sample%n))
+      do i = 1, sample%n
+        do k = 1, d
+          associate (margin => merge(sample%radius(i), 0.0_wp, margin(k) > 0))
+            sample%centre(k, i) = sample%random%uniform(box(k) + margin, box(d + k) - margin)
+          end associate
+        end do
+      end do
+    end associate
+  end subroutine fill_rain
+
   !> Draw the sizes of grains at random places.
   subroutine size_random(deck, sample, box, diagnostics, is_refused)
     type(deck_t), intent(in) :: deck
@@ -311,7 +380,7 @@ contains
     do turn = 1, 2
       n = 0
       do k = 1, size(samples)
-        if (k == i) cycle
+        if (k == i .or. samples(k)%is_rain .or. samples(k)%moment%s /= samples(i)%moment%s) cycle
         do grain = 1, samples(k)%n
           do y = merge(-1, 0, d == 3 .and. period(2) > 0), merge(1, 0, d == 3 .and. period(2) > 0)
             do x = merge(-1, 0, period(1) > 0), merge(1, 0, period(1) > 0)

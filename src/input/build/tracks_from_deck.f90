@@ -10,7 +10,7 @@ module sg_tracks_from_deck
   use sg_wildcards, only: has_wildcard, matches
   implicit none
   private
-  public :: tracks_from_deck, name_walls
+  public :: tracks_from_deck, name_walls, add_bodies
 
 contains
 
@@ -66,12 +66,13 @@ contains
     end if
   end function name_or_number
 
-  !> Add the bodies of a block.
+  !> Add the bodies that the key `body` of a block calls by number, by name or by a pattern of names.
   subroutine add_bodies(deck, b, bodies, found, diagnostics)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b, bodies
-    integer(i4), allocatable, intent(inout) :: found(:)
-    type(diagnostics_t), intent(inout) :: diagnostics
+    type(deck_t), intent(in) :: deck !! checked deck with its names
+    integer, intent(in) :: b !! block
+    integer, intent(in) :: bodies !! of the whole scene
+    integer(i4), allocatable, intent(inout) :: found(:) !! numbers to add to
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(value_t) :: value
     integer :: number, status, i, n
 

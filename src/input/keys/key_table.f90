@@ -13,26 +13,29 @@ module sg_key_table
   public :: key_t, section_t, key_table_t, value_name
   public :: value_integer, value_real, value_logical, value_text, value_choice, value_pair, value_range, value_box, &
             value_points, value_sides, value_body, value_bodies, value_vector, value_turn, value_triple, value_faces, &
-            value_counts, value_texts, value_function, value_pairs
+            value_counts, value_texts, value_function, value_pairs, value_moment
   public :: in_both, in_plane, in_space
 
   !> What a value may be: whole number, number, true or false, free text, one of several words, two numbers, one or two
   !> numbers (low and high), a box, a list of points, one or two whole numbers, a body (name or number), two bodies, a
   !> vector, what is a number in the plane and a vector in space (spin), three numbers, lists of whole numbers, one or more
-  !> whole numbers, one or more texts, a number or an expression of time, a list of pairs of numbers
+  !> whole numbers, one or more texts, a number or an expression of time, a list of pairs of numbers, a time or the
+  !> name of a stage
   integer, parameter :: value_integer = 1, value_real = 2, value_logical = 3, value_text = 4, value_choice = 5, &
                         value_pair = 6, value_range = 7, value_box = 8, value_points = 9, value_sides = 10, &
                         value_body = 11, value_bodies = 12, value_vector = 13, value_turn = 14, value_triple = 15, &
-                        value_faces = 16, value_counts = 17, value_texts = 18, value_function = 19, value_pairs = 20
+                        value_faces = 16, value_counts = 17, value_texts = 18, value_function = 19, value_pairs = 20, &
+                        value_moment = 21
   !> Words for them in the plane, as in the reference and in messages
-  character(len=29), parameter :: plane_names(20) = [character(len=29) :: 'an integer', 'a number', 'true or false', &
+  character(len=29), parameter :: plane_names(21) = [character(len=29) :: 'an integer', 'a number', 'true or false', &
     'a string', 'one of the words', 'a list of 2 numbers', 'a number or a list of 2', 'a list of 4 numbers', &
     'a list of [x, y]', 'an integer or a list of 2', 'the name or number of a body', 'a list of 2 bodies', &
     'a list of 2 numbers', 'a number', 'a list of 3 numbers', 'a list of lists of integers', &
-    'an integer or a list of them', 'a string or a list of them', 'a number or an expression', 'a list of lists of 2 numbers']
+    'an integer or a list of them', 'a string or a list of them', 'a number or an expression', 'a list of lists of 2 numbers', &
+    'a time or the name of a stage']
   !> Words for them in space
-  character(len=29), parameter :: space_names(20) = [character(len=29) :: plane_names(:7), 'a list of 6 numbers', &
-    'a list of [x, y, z]', plane_names(10:12), 'a list of 3 numbers', 'a list of 3 numbers', plane_names(15:20)]
+  character(len=29), parameter :: space_names(21) = [character(len=29) :: plane_names(:7), 'a list of 6 numbers', &
+    'a list of [x, y, z]', plane_names(10:12), 'a list of 3 numbers', 'a list of 3 numbers', plane_names(15:21)]
 
   !> Where a key or a section has a meaning: in scenes of both dimensions, of two, of three
   integer, parameter :: in_both = 0, in_plane = 2, in_space = 3

@@ -3,6 +3,7 @@ module sg_keys
   use sg_key_table, only: key_table_t, value_text
   use sg_keys_bodies, only: add_body_keys
   use sg_keys_generators, only: add_generator_keys
+  use sg_keys_passages, only: add_passage_keys
   use sg_keys_run, only: add_run_keys
   use sg_keys_scene, only: add_drive_keys, add_law_keys, add_scene_keys
   implicit none
@@ -24,6 +25,7 @@ contains
     call add_law_keys(table)
     call add_body_keys(table)
     call add_generator_keys(table)
+    call add_passage_keys(table)
     call add_drive_keys(table)
   end function all_keys
 end module sg_keys

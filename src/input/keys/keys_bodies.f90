@@ -1,12 +1,12 @@
 !> The key table, third part: bodies and walls.
 module sg_keys_bodies
   use sg_key_table, only: in_plane, in_space, key_table_t, value_bodies, value_choice, value_faces, value_function, value_logical, &
-                          value_pair, value_points, value_real, value_text, value_triple, value_turn, value_vector
+                          value_moment, value_pair, value_points, value_real, value_text, value_triple, value_turn, value_vector
   use sg_keys_scene, only: plane_shapes, space_shapes
   use sg_kinds, only: wp
   implicit none
   private
-  public :: add_body_keys, add_clump_keys, add_common
+  public :: add_body_keys, add_clump_keys, add_common, add_entry
 
   !> Shapes that a body may have in space
   character(len=*), parameter :: solid_shapes = space_shapes//'|box'
@@ -22,6 +22,15 @@ contains
     call add_bodies(table)
     call add_walls(table)
   end subroutine add_body_keys
+
+  !> When bodies of a block enter.
+  subroutine add_entry(table)
+    type(key_table_t), intent(inout) :: table !! table to add to
+
+    call table%add('at', value_moment, 'When it enters, with its velocity: a time from the start of the run, or the name of '// &
+                   'the stage with which it enters (guide/insertion.md); default: it is there from the start.', unit='s', &
+                   least=0.0_wp)
+  end subroutine add_entry
 
   !> Sections body and body.shape.
   subroutine add_bodies(table)
@@ -43,6 +52,7 @@ contains
     call table%add('spin', value_turn, 'Angular velocity at the start; in space about the axes of the world.', unit='rad/s', &
                    default='0.0', space_default='[0.0, 0.0, 0.0]')
     call table%add('fixed', value_logical, 'Never moves.', default='false')
+    call add_entry(table)
     call table%add('mass', value_real, 'Mass, in place of that of the shapes; in the plane per metre of depth.', unit='kg', &
                    above=0.0_wp)
     call table%add('inertia', value_turn, 'Moment of inertia about the centre, in place of that of the shapes; in space the '// &

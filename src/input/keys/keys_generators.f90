@@ -2,7 +2,7 @@
 module sg_keys_generators
   use sg_key_table, only: in_plane, in_space, key_table_t, value_box, value_choice, value_integer, value_logical, value_pairs, &
                           value_range, value_real, value_sides, value_text, value_texts, value_triple, value_vector
-  use sg_keys_bodies, only: add_clump_keys, add_common
+  use sg_keys_bodies, only: add_clump_keys, add_common, add_entry
   use sg_kinds, only: wp, pi
   use sg_words, only: short_real
   implicit none
@@ -129,6 +129,7 @@ contains
     call table%add('clearance', value_real, 'Least distance between two grains inserted at random or grown.', unit='m', &
                    default='0.0', least=0.0_wp, only='kind=random|grown')
     call add_common(table, 'grain')
+    call add_entry(table)
     call table%add('velocity', value_vector, 'Velocity at the start.', unit='m/s', default='[0.0, 0.0]', &
                    space_default='[0.0, 0.0, 0.0]')
   end subroutine add_samples

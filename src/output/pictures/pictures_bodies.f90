@@ -1,11 +1,11 @@
 !> Picture of the bodies: one point a body, at its centre of mass, for glyphs and analysis. Where ranks share a scene, each
 !! draws a block of bodies, in the order of their numbers (sg_bodies_rows).
 module sg_pictures_bodies
-  use sg_bodies, only: angle_of, bodies_t, spin_of
+  use sg_bodies, only: angle_of, bodies_t, body_present, spin_of
   use sg_comm, only: comm_t
   use sg_error, only: exit_output, fail
   use sg_kinds, only: wp, i4, i8, pi
-  use sg_pictures_grid, only: grid_file_t, grid_root, on_field, on_points, vtk_vertex
+  use sg_pictures_grid, only: grid_file_t, grid_root, on_field, on_points, put_presence, vtk_vertex
   use sg_rotations, only: no_rotation, turned_by
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
@@ -74,6 +74,7 @@ contains
     call write_constants(self%grid, bodies, self%start)
     call self%grid%put(on_points, 'velocity', in_space(bodies%velocity(1:scene%dimension, :)))
     call write_turning(self%grid, bodies)
+    if (allocated(bodies%presence)) call put_presence(self%grid, on_points, bodies%presence == body_present)
     call self%grid%put(on_points, 'displacement', unwrapped(scene, bodies) - self%start)
     if (present(owner)) then
       call self%grid%put(on_points, 'rank', owner)
@@ -138,7 +139,7 @@ contains
     end if
     call grid%put(on_points, 'mass', bodies%mass, is_static=.true.)
     call grid%put(on_points, 'material', bodies%material, is_static=.true.)
-    call grid%put(on_points, 'is_grain', merge(1_i4, 0_i4, bodies%is_grain), is_static=.true.)
+    call grid%put(on_points, 'is_grain', merge(1_i4, 0_i4, bodies%is_grain), is_static=.not. allocated(bodies%presence))
     call grid%put(on_points, 'start_position', start, is_static=.true.)
   end subroutine write_constants
 

@@ -20,6 +20,7 @@ module sg_pictures_grid
   private
   public :: grid_file_t, grid_array_t, grid_root, on_points, on_cells, on_field, group_names
   public :: vtk_empty, vtk_vertex, vtk_line, vtk_poly_line, vtk_polygon
+  public :: put_presence
 
   !> Group that holds all that VTK reads
   character(len=*), parameter :: grid_root = '/VTKHDF/'
@@ -335,18 +336,32 @@ contains
   end subroutine put_real_records
 
   !> Store a list of integers.
-  subroutine put_integers(self, where, name, values, is_static)
+  subroutine put_integers(self, where, name, values, is_static, is_byte)
     class(grid_file_t), intent(inout) :: self
     integer, intent(in) :: where !! one of `on_*`
     character(len=*), intent(in) :: name !! of the array
     integer(i4), intent(in), contiguous :: values(:) !! one a point, a cell or a step
     logical, intent(in), optional :: is_static !! the same at all steps?
-    integer :: a
+    logical, intent(in), optional :: is_byte !! from 0 to 255, and stored as a byte?
+    integer :: a, storage
 
-    call array_of(self, where, name, 0, stored_integer, size(values), a)
+    storage = stored_integer
+    if (present(is_byte)) storage = merge(stored_byte, stored_integer, is_byte)
+    call array_of(self, where, name, 0, storage, size(values), a)
     if (.not. is_stored(self, a, size(values), is_static)) &
       call self%file%append(path_of(self%arrays(a)), values, is_common=where == on_field)
   end subroutine put_integers
+
+  !> Store which points or cells are of bodies that are there; VTK hides the others.
+  subroutine put_presence(grid, where, is_present)
+    type(grid_file_t), intent(inout) :: grid !! file of the step
+    integer, intent(in) :: where !! `on_points` or `on_cells`
+    logical, intent(in) :: is_present(:) !! is the body of each one there?
+    integer(i4), parameter :: hidden(2) = [2_i4, 32_i4]
+
+    call grid%put(where, 'is_present', merge(1_i4, 0_i4, is_present))
+    call grid%put(where, 'vtkGhostType', merge(0_i4, hidden(where), is_present), is_byte=.true.)
+  end subroutine put_presence
 
   !> Path of an array's numbers.
   pure function path_of(array) result(path)

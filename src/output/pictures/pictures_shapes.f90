@@ -4,12 +4,12 @@
 !! points and a block of cells (sg_pictures_pieces), so that the file is that of one rank.
 module sg_pictures_shapes
   use sg_block_distribution, only: block_distribution_t
-  use sg_bodies, only: angle_of, bodies_t
+  use sg_bodies, only: angle_of, bodies_t, body_present
   use sg_comm, only: comm_t
   use sg_contactors, only: contactors_t, kind_names, kind_point, n_kinds
   use sg_error, only: exit_output, fail
   use sg_kinds, only: wp, i4, i8
-  use sg_pictures_grid, only: grid_file_t, on_cells, on_points
+  use sg_pictures_grid, only: grid_file_t, on_cells, on_points, put_presence
   use sg_pictures_mesh, only: mesh_t, xdmf_topology
   use sg_pictures_outlines, only: trace_outlines
   use sg_pictures_pieces, only: pieces_t
@@ -129,6 +129,7 @@ contains
     if (allocated(contactors%id)) shape = contactors%id(shape)
     if (bodies%dimension == 3) call self%grid%put(on_cells, 'shape', shape, is_static=.true.)
     call self%grid%put(on_cells, 'velocity', velocities(bodies, carrier))
+    if (allocated(bodies%presence)) call put_presence(self%grid, on_cells, bodies%presence(carrier) == body_present)
   end subroutine write_shapes
 
   !> Store the cells, for VTK and for XDMF.

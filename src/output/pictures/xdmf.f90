@@ -4,7 +4,7 @@
 !! that the file is whole at any time and a step costs the same at the end of a run as at its beginning.
 module sg_xdmf
   use sg_error, only: error_t
-  use sg_hdf5, only: stored_double, stored_integer, stored_long, stored_single
+  use sg_hdf5, only: stored_byte, stored_double, stored_integer, stored_long, stored_single
   use sg_kinds, only: wp, i8
   use sg_pictures_grid, only: grid_array_t, grid_file_t, grid_root, group_names, on_field, on_points
   use sg_text, only: joined, read_lines, text_t, to_text
@@ -205,6 +205,8 @@ contains
       text = 'NumberType="Float" Precision="4"'
     case (stored_long)
       text = 'NumberType="Int" Precision="8"'
+    case (stored_byte)
+      text = 'NumberType="UChar" Precision="1"'
     case default
       text = 'NumberType="Int" Precision="4"'
     end select

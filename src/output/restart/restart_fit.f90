@@ -11,7 +11,7 @@ module sg_restart_fit
   use sg_restart_fields, only: kept_field_t
   implicit none
   private
-  public :: bodies_of_file, fit_fields, fit_impulses, holds_spins
+  public :: bodies_of_file, fit_fields, fit_impulses, holds, holds_spins
 
 contains
 
@@ -60,6 +60,18 @@ contains
       kept(i)%field%components = components
     end do
   end subroutine fit_fields
+
+  !> Does a restart file hold a dataset? False where it cannot be read.
+  logical function holds(name, path)
+    character(len=*), intent(in) :: name !! path of the file
+    character(len=*), intent(in) :: path !! path of the dataset in it
+    type(hdf5_file_t) :: file
+
+    call file%open(name, is_read_only=.true.)
+    holds = file%has(path)
+    call file%close()
+    holds = holds .and. .not. allocated(file%error)
+  end function holds
 
   !> Does a restart file hold spins of bodies? False where it cannot be read.
   logical function holds_spins(name, dimension)
