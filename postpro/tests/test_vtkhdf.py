@@ -43,6 +43,29 @@ def test_contact_lines_join_touching_disks(folder):
     assert lengths == pytest.approx(np.ones(len(lengths)), abs=1e-12)
 
 
+def test_absent_bodies_are_left_out_of_scenes(folder):
+    """The second body enters after the first picture, the floor is gone in the last: the rest stays as it was."""
+    for file, group in (("bodies", "PointData"), ("shapes", "CellData")):
+        with h5py.File(folder / f"{file}.vtkhdf", "r+") as whole:
+            root = whole["VTKHDF"]
+            rows = int(root["NumberOfPoints" if group == "PointData" else "NumberOfCells"][0])
+            present = np.ones((3, rows), dtype=np.int32)
+            present[0, 1] = 0
+            present[2, -1] = 0
+            root[group]["is_present"] = present.ravel()
+            root["Steps"][f"{group}Offsets"]["is_present"] = rows * np.arange(3)
+    results = Results(folder)
+    for step, gone in ((0, 1), (1, None), (2, 15)):
+        scene = results.scene(step)
+        every = results.bodies.step(step)
+        kept = [body for body in range(16) if body != gone]
+        assert np.array_equal(scene.bodies.points, every.points[kept])
+        assert scene.bodies.point_data["id"].tolist() == [body + 1 for body in kept]
+        assert scene.shapes.cell_data["body"].tolist() == [body + 1 for body in kept]
+        outlines = results.shapes.step(step).outlines(kept)
+        assert all(np.array_equal(one, other) for one, other in zip(scene.shapes.outlines(range(len(kept))), outlines, strict=True))
+
+
 def test_run_that_goes_on_may_lack_a_picture_in_one_file(folder):
     with h5py.File(folder / "contacts.vtkhdf", "r+") as file:
         file["VTKHDF/Steps"].attrs["NSteps"] = 2

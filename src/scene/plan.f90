@@ -314,6 +314,7 @@ contains
            //used(.not. plan%is_round, 'lever arms')//used(scene%period > 0, 'period in x') &
            //used(scene%period_y > 0, 'period in y') &
            //used(size(scene%drives) > 0, 'drives')//used(size(scene%pressures) > 0, 'pressures') &
+           //used(scene%bodies%has_presence, 'entries and removals') &
            //used(ranks > 1, 'decomposition')
     text = text//nl//'left out   '//merge('3D', '2D', scene%dimension == 2)//used(ranks == 1, 'decomposition') &
            //used(.not. plan%has_tangent, 'friction') &

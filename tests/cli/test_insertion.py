@@ -150,6 +150,24 @@ class Insertion(ProgramCase):
                 self.assertAlmostEqual(self.column("mass_entered")[-1], mass, delta=ROUNDING * mass)
                 self.assertLess(max(self.column("energy_closure")[1:]), ROUNDING)
 
+    def test_driven_body(self):
+        """A plate that enters at 0.1 s and is driven downwards from then on: it stays where it waits, moves as it is driven, pushes a
+        ball, is no grain; the balance stays closed."""
+        plate = ('[[body]]\nname = "plate"\nshape = "polygon"\nvertices = [[-0.5, -0.1], [0.5, -0.1], [0.5, 0.1], [-0.5, 0.1]]\n'
+                 'position = [0.0, 0.5]\nvelocity = [0.0, -1.0]\nat = 0.1\n')  # fmt: skip
+        drives = "".join(f'[[drive]]\nbody = "plate"\ncomponent = "{c}"\nvalue = {v}\n' for c, v in (("x", 0.0), ("y", -1.0), ("rotation", 0.0)))
+        for words in ((), ("--set", "partition.parts=2")):
+            self.write(plate + drives + ball(2, "ball", 0.0) + ball(2, "other", 3.0), 500)
+            self.call("--set", "scene.gravity=[0.0, 0.0]", *words)
+            for step, height in enumerate(self.track("plate", "y"), 1):
+                self.assertAlmostEqual(height, 0.5 - max(0.0, step * 1e-3 - 0.1), delta=ROUNDING)
+            # It touches the ball when it is 0.2 m above it.
+            self.assertAlmostEqual(self.track("ball", "velocity_y")[-1], -1.0, delta=ROUNDING)
+            self.assertEqual([any(n > 0 for n in self.column("contacts")[:380]), self.column("contacts")[-1]], [False, 1.0])
+            self.assertAlmostEqual(self.column("kinetic_energy")[-1], (200 + MASS[2]) / 2, delta=ROUNDING * 1000)
+            self.assertAlmostEqual(self.column("momentum_y")[-1], -MASS[2], delta=ROUNDING * 1000)
+            self.assertLess(max(self.column("energy_closure")[1:]), ROUNDING)
+
     def test_gate(self):
         """A ball that rests on a wall falls when the wall is taken away."""
         for dimension, gate in ((2, "from = [-0.5, -0.01]\nto = [0.5, -0.01]"),
@@ -163,6 +181,20 @@ class Insertion(ProgramCase):
                     self.assertAlmostEqual(height, 0.1 - 5 * max(0.0, step * 1e-3 - 0.1) ** 2, delta=ROUNDING)
                 self.assertEqual(self.column("contacts"), [1.0] * 100 + [0.0] * 200)
                 self.assertEqual(self.column("removed")[-1], 1.0)
+
+    def test_beside_a_datbox(self):
+        """A disk of an LMGC90 scene is removed; what a DATBOX cannot hold is not written as one."""
+        folder = Path(__file__).resolve().parents[1] / "decks/datbox_piston/DATBOX"
+        deck = f'[scene]\ndatbox = "{folder}"\n[time]\nstep = 5e-4\nsteps = 60\n[output]\nrecord_every = 1\n'
+        (self.place / "deck.toml").write_text(deck + "[[remove]]\nbody = 1\nat = 0.01\n")
+        self.call()
+        self.assertEqual(self.column("removed"), [0.0] * 20 + [1.0] * 40)
+        self.assertLess(max(self.column("energy_closure")[1:]), ROUNDING)
+        (self.place / "deck.toml").write_text(deck + "[[rain]]\nbox = [0.0, 0.0, 1.0, 1.0]\ncount = 1\nrate = 1.0\nradius = 0.1\n")
+        self.assertIn("[[rain]] cannot stand next to scene.datbox", self.call(code=2).stderr)
+        self.write(PILE)
+        said = self.run_program("convert", "deck.toml", "folder", code=2).stderr
+        self.assertIn("bodies enter or leave in this scene", said)
 
     def test_rate_of_a_rain(self):
         """In a wide window grains enter at the rate, at the looks that there are. In one as wide as a grain, each waits until the one

@@ -142,8 +142,8 @@ def spoilt(key, dimension):
         values += ["[1.0]", "[]", "99999999999999999999999999999999999999999999999999999"]
     else:
         values += ["[]", '["x"]', "[[[1.0]]]"]
-    if "expression" in kind:
-        # A string is one; its mistakes have sentences of their own.
+    if "expression" in kind or "name of a stage" in kind:
+        # A string may be one; its mistakes have sentences of their own.
         values.remove('"x"')
     low, high = Key.bound(kind, "at least"), Key.bound(kind, "at most")
     above = re.search(r"above ([-+.\de]+)", kind)

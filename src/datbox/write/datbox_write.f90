@@ -42,6 +42,8 @@ contains
     if (scene%dimension == 3) call stand_upright(ready, first, list)
     call check_writable(ready, first, list, error)
     call check_laws(scene%laws, error)
+    if (.not. allocated(error) .and. scene%bodies%has_presence) &
+      call fail(error, 'bodies enter or leave in this scene: a DATBOX has all of them, from the start to the end')
     if (allocated(error)) return
     if (scene%dimension == 3) call fit_densities(ready, first, list)
     if (.not. make_folder(folder)) then
