@@ -13,7 +13,7 @@ module sg_bodies
   public :: bodies_t, drop_rotation, are_turned, spin_of, angle_of, make_bodies_like, no_bodies_like, is_absent
   public :: body_present, body_waiting, body_removed
 
-  !> Presence of a body: it is there, its time to enter has not come, it has left for good
+  !> Presence of a body: it is there, its time to enter has not come, it has left for good; negative where it is no grain
   integer(i4), parameter :: body_present = 0, body_waiting = 1, body_removed = 2
 
   !> Rigid bodies, in the plane or in space
@@ -64,7 +64,8 @@ module sg_bodies
     logical, allocatable :: is_grain(:)
     !> Bulk material, index into the scene's materials, shape (n)
     integer(i4), allocatable :: material(:)
-    !> Is a body there, one of `body_*`, shape (n); an absent one has no velocity, no inverse mass and no contact, and is no grain
+    !> Is a body there, one of `body_*` or that negative, shape (n); an absent one has no velocity, no inverse mass and no contact,
+    !! and is no grain
     integer(i4), allocatable :: presence(:)
     !> Velocity with which a waiting body enters [m/s, rad/s], shape (n_velocity, n)
     real(wp), allocatable :: entry_velocity(:, :)

@@ -15,7 +15,10 @@ contains
     integer :: b
 
     do b = 1, bodies%n
-      if (bodies%presence(b) /= body_present) call let_body_out(bodies, b, bodies%presence(b))
+      if (bodies%presence(b) == body_present) cycle
+      ! What a checkpoint holds as a wall has left as one.
+      if (bodies%presence(b) < 0) bodies%is_grain(b) = .false.
+      call let_body_out(bodies, b, abs(bodies%presence(b)))
     end do
   end subroutine hide_absent
 
@@ -52,7 +55,7 @@ contains
     integer, intent(in) :: body !! index of the body
     integer(i4), intent(in) :: presence !! what it is from now on: `body_waiting` or `body_removed`
 
-    bodies%presence(body) = presence
+    bodies%presence(body) = merge(presence, -presence, bodies%is_grain(body))
     bodies%velocity(:, body) = 0.0_wp
     bodies%is_grain(body) = .false.
     bodies%inverse_mass(:, body) = 0.0_wp

@@ -62,7 +62,7 @@ contains
     integer :: e, b
 
     do b = 1, scene%bodies%n_own
-      if (scene%bodies%presence(b) /= body_waiting) cycle
+      if (abs(scene%bodies%presence(b)) /= body_waiting) cycle
       do e = 1, size(scene%entries)
         if (scene%entries(e)%waits) cycle
         if (due_time(scene%entries(e), number_of(scene%bodies, b)) <= time) next(b) = body_present

@@ -66,7 +66,7 @@ contains
       associate (entry => scene%entries(e))
         if (.not. entry%waits .or. modulo(step, entry%every) /= 0 .or. time < entry%start) cycle
         do b = 1, size(is_due)
-          if (scene%bodies%presence(b) /= body_waiting) cycle
+          if (abs(scene%bodies%presence(b)) /= body_waiting) cycle
           is_due(b) = is_due(b) .or. due_time(entry, number_of(scene%bodies, int(b, i4))) <= time
         end do
       end associate

@@ -1,4 +1,5 @@
-!> Bodies that come after the start and bodies that leave: keys `at` of [[body]] and [[sample]], blocks [[rain]] and [[remove]].
+!> Bodies that come after the start and bodies that leave: keys `at` of [[body]], [[wall]] and [[sample]], blocks
+!! [[rain]] and [[remove]].
 module sg_passages_from_deck
   use sg_ascending, only: distinct
   use sg_blocks, only: deck_t
@@ -40,7 +41,7 @@ contains
 
     do b = 1, deck%n
       enters(b) = deck%is_in(b, 'rain')
-      if (deck%is_in(b, 'body') .or. deck%is_in(b, 'sample')) enters(b) = deck%is_given(b, 'at')
+      if (deck%is_in(b, 'body') .or. deck%is_in(b, 'wall') .or. deck%is_in(b, 'sample')) enters(b) = deck%is_given(b, 'at')
     end do
     if (.not. any(enters)) return
     allocate (scene%entries(count(enters)))

@@ -1,9 +1,11 @@
 !> Shapes that overlap at the start: neighbours whose narrow phase finds a negative gap.
 module sg_start_overlaps
   use sg_blocks, only: deck_t
+  use sg_bodies, only: is_absent
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
   use sg_named_bodies, only: name_of
+  use sg_near, only: candidate_first
   use sg_neighbours, only: find_neighbours, neighbours_t
   use sg_owners, only: contact_owner
   use sg_pair_gap, only: pair_gap
@@ -19,6 +21,8 @@ module sg_start_overlaps
   real(wp), parameter :: tolerated = 0.1_wp
   !> Overlaps below this share come from the digits that decks write
   real(wp), parameter :: rounding = 1e-4_wp
+  !> Grains of rains that are held against walls
+  integer, parameter :: most_of_rain = 1000
   !> Pairs that are named
   integer, parameter :: most_pairs = 5
 
@@ -62,7 +66,63 @@ contains
       end associate
     end do
     call weigh_hollows(scene, rank, found)
+    if (allocated(scene%entries)) call weigh_rains(scene, rank, found)
   end subroutine find_overlaps
+
+  !> Hold grains of rains against walls, in which they would enter: some of them, since all enter in the same window.
+  subroutine weigh_rains(scene, rank, found)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: rank
+    type(overlaps_t), intent(inout) :: found
+    integer :: c, w, weighed
+
+    weighed = 0
+    associate (contactors => scene%contactors, bodies => scene%bodies)
+      do c = 1, contactors%n
+        if (.not. waits_for_place(scene, int(contactors%body(c)))) cycle
+        weighed = weighed + 1
+        if (weighed > most_of_rain) exit
+        do w = 1, contactors%n
+          if (bodies%is_grain(contactors%body(w)) .or. is_absent(bodies, int(contactors%body(w))) .or. &
+              is_hollow(contactors%kind(w)) .or. see_between(scene, c, w) == 0) cycle
+          call weigh_against_wall(scene, rank, c, w, found)
+        end do
+      end do
+    end associate
+  end subroutine weigh_rains
+
+  !> Is a body a grain of a rain?
+  pure logical function waits_for_place(scene, body)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: body
+    integer :: number
+
+    number = body
+    if (allocated(scene%bodies%id)) number = scene%bodies%id(body)
+    waits_for_place = any(scene%entries%waits .and. scene%entries%first <= number .and. number <= scene%entries%last)
+  end function waits_for_place
+
+  !> Note a grain that overlaps a wall, or the nearest image of it.
+  subroutine weigh_against_wall(scene, rank, grain, wall, found)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: rank, grain, wall
+    type(overlaps_t), intent(inout) :: found
+    real(wp) :: period(2)
+    integer(i4) :: image(2), pair(2)
+
+    pair = int([grain, wall], i4)
+    if (allocated(scene%bodies%owner)) then
+      if (contact_owner(scene%bodies%owner(scene%contactors%body(pair))) /= rank) return
+    end if
+    period = [scene%period, scene%period_y]
+    image = 0
+    where (period > 0) image = nint((scene%contactors%centre(:2, grain) - scene%contactors%centre(:2, wall))/period, i4)
+    if (.not. candidate_first(scene%contactors, grain, wall)) then
+      pair = pair([2, 1])
+      image = -image
+    end if
+    call weigh_pair(scene, pair, image, found)
+  end subroutine weigh_against_wall
 
   !> Hold hollow shapes against all others: a grain outside of one is drawn in as soon as detection finds it, which looks
   !! two cells far.

@@ -27,7 +27,7 @@ contains
   subroutine add_entry(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
-    call table%add('at', value_moment, 'When it enters, with its velocity: a time from the start of the run, or the name of '// &
+    call table%add('at', value_moment, 'When it enters: a time from the start of the run, or the name of '// &
                    'the stage with which it enters (guide/insertion.md); default: it is there from the start.', unit='s', &
                    least=0.0_wp)
   end subroutine add_entry
@@ -155,6 +155,7 @@ contains
                    'the one that rises.', unit='m', is_required=.true., above=0.0_wp, dimension=in_space, twin='to')
     call table%add('thickness', value_real, 'Thickness; in the plane twice the radius of the caps.', unit='m', &
                    is_required=.true., above=0.0_wp)
+    call add_entry(table)
     call table%add('velocity', value_vector, 'Constant velocity of the wall.', unit='m/s', default='[0.0, 0.0]', &
                    space_default='[0.0, 0.0, 0.0]')
     call table%add('pressure', value_function, 'Pressure on the wall, which then moves along the direction alone; a number or '// &

@@ -13,7 +13,7 @@ module sg_passage_counts
   private
   public :: let_pass, count_passages, passage_columns, n_passage_sums
 
-  !> Bodies that wait; bodies that entered and their mass; bodies that were removed and their mass
+  !> Grains that wait; grains that entered and their mass; grains that were removed and their mass
   integer, parameter :: n_passage_sums = 5
 
 contains
@@ -43,7 +43,7 @@ contains
     call mark_walls(scene%drives, scene%pressures, scene%bodies)
   end subroutine let_pass
 
-  !> Columns of the record: numbers of bodies that wait, entered and left, and the masses [kg] of the latter two.
+  !> Columns of the record: numbers of grains that wait, entered and left, and the masses [kg] of the latter two.
   pure function passage_columns(sums) result(columns)
     real(wp), intent(in) :: sums(n_passage_sums) !! of `count_passages`
     type(column_t) :: columns(n_passage_sums)
@@ -74,6 +74,7 @@ contains
     sums = 0
     do b = 1, scene%bodies%n_own
       associate (presence => scene%bodies%presence(b), mass => scene%bodies%mass(b))
+        if (presence < 0 .or. (presence == body_present .and. .not. scene%bodies%is_grain(b))) cycle
         number = b
         if (allocated(scene%bodies%id)) number = scene%bodies%id(b)
         if (presence == body_waiting) then
