@@ -9,6 +9,7 @@ module sg_bodies_from_deck
   use sg_contactors, only: add_disk, add_polygon, kind_names
   use sg_drives_from_deck, only: bodies_held, numbers_called
   use sg_error, only: diagnostics_t, error_t
+  use sg_grain_shapes, only: grain_polygon, grain_polyhedron
   use sg_grain_templates, only: colour_template, grain_template_t, place_grain, read_templates
   use sg_kinds, only: wp, i4, i8
   use sg_laws_from_deck, only: material_of
@@ -18,7 +19,7 @@ module sg_bodies_from_deck
   use sg_polyhedra_from_deck, only: place_polyhedral_shape
   use sg_polyhedron, only: polyhedron_t
   use sg_rotations, only: frame_of, no_rotation, rotation_by, turned_back
-  use sg_samples_from_deck, only: generate_samples, grain_polygon, grain_polyhedron, sample_t
+  use sg_samples_from_deck, only: generate_samples, sample_t
   use sg_scene, only: colour_index, scene_t
   use sg_shapes_from_deck, only: add_shape
   use sg_share, only: share_t

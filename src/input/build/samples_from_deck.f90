@@ -1,9 +1,8 @@
 !> Samples: many grains of the plane or of space from one block of a deck.
 module sg_samples_from_deck
   use sg_blocks, only: deck_t
-  use sg_error, only: diagnostics_t, error_t
+  use sg_error, only: diagnostics_t
   use sg_census, only: census_t
-  use sg_generators, only: draw_polygon
   use sg_grain_templates, only: choose_templates, grain_template_t
   use sg_growth, only: grow_in_box
   use sg_insertion, only: insert_at_random
@@ -11,10 +10,7 @@ module sg_samples_from_deck
   use sg_lattice, only: lattice_t, open_lattice, place_on_lattice
   use sg_lattice_slice, only: shift_grain, sizes_t, slice_t, take_slice
   use sg_memory, only: bytes_per_grain, gigabytes, memory_t
-  use sg_moments, only: polygon_moments
   use sg_ordering, only: order_of
-  use sg_polyhedron, only: polyhedron_t
-  use sg_polyhedron_make, only: random_polyhedron
   use sg_random, only: random_t
   use sg_sample_sizes, only: ball_volume, sample_sizes_t
   use sg_sorting, only: hilbert_order
@@ -23,7 +19,7 @@ module sg_samples_from_deck
   use sg_words, only: choice_index
   implicit none
   private
-  public :: sample_t, generate_samples, grain_polygon, grain_polyhedron
+  public :: sample_t, generate_samples
 
   !> Grains of one sample, in spatial order: all of them, or those that one of several ranks keeps
   type :: sample_t
@@ -465,54 +461,4 @@ contains
     if (allocated(sample%axes)) sample%axes = sample%axes(:, permutation)
     if (allocated(sample%template)) sample%template = sample%template(permutation)
   end subroutine arrange
-
-  !> Shape of one polygonal grain: vertices about the centre of mass, and that centre.
-  subroutine grain_polygon(deck, sample, i, vertices, centre)
-    type(deck_t), intent(in) :: deck !! checked deck
-    type(sample_t), intent(inout) :: sample !! its sample
-    integer, intent(in) :: i !! grain of the sample
-    real(wp), allocatable, intent(out) :: vertices(:, :) !! about the centre of mass [m], shape (2, n)
-    real(wp), intent(out) :: centre(2) !! centre of mass [m]
-    real(wp) :: area, moment, offset(2)
-    integer :: n
-
-    n = drawn_count(deck, sample, 'sides')
-    call draw_polygon(sample%random, n, sample%radius(i - sample%before), vertices)
-    call polygon_moments(vertices, area, offset, moment)
-    vertices = vertices - spread(offset, 2, size(vertices, 2))
-    centre = sample%centre(:, i - sample%before) + offset
-  end subroutine grain_polygon
-
-  !> Shape of one polyhedral grain, in the frame of its ellipsoid.
-  subroutine grain_polyhedron(deck, sample, i, shape, error)
-    type(deck_t), intent(in) :: deck !! checked deck
-    type(sample_t), intent(inout) :: sample !! its sample
-    integer, intent(in) :: i !! grain of the sample
-    type(polyhedron_t), intent(out) :: shape !! polyhedron
-    type(error_t), allocatable, intent(out) :: error !! set when the numbers make none
-    real(wp) :: elongation(2), axes(3)
-    integer :: n
-
-    n = drawn_count(deck, sample, 'vertices')
-    axes(1) = 1
-    if (allocated(sample%axes)) then
-      axes(2:) = sample%axes(:, i - sample%before)
-    else
-      elongation = deck%pair(sample%block, 'elongation')
-      axes(3) = 1/sample%random%uniform(elongation(1), elongation(2))
-      axes(2) = sample%random%uniform(axes(3), 1.0_wp)
-    end if
-    call random_polyhedron(n, sample%radius(i - sample%before)*axes, sample%random, shape, error)
-  end subroutine grain_polyhedron
-
-  !> A number of vertices within the range that the deck gives.
-  integer function drawn_count(deck, sample, name) result(n)
-    type(deck_t), intent(in) :: deck
-    type(sample_t), intent(inout) :: sample
-    character(len=*), intent(in) :: name
-    integer :: range(2)
-
-    range = nint(deck%pair(sample%block, name))
-    n = min(range(2), range(1) + int(sample%random%uniform()*real(range(2) - range(1) + 1, wp)))
-  end function drawn_count
 end module sg_samples_from_deck
