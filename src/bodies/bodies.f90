@@ -32,6 +32,8 @@ module sg_bodies
     logical :: has_orientation = .true.
     !> May bodies enter or leave? Elsewhere all are present, and no array is about it
     logical :: has_presence = .false.
+    !> Are all axes periodic, as in a periodic cell?
+    logical :: has_cell = .false.
     !> Centre of mass [m], shape (dimension, n), at the beginning of the step; in a periodic scene within the period
     real(wp), allocatable :: position(:, :)
     !> Orientation in the plane [rad], shape (n); unallocated in space and without `has_orientation`
@@ -58,8 +60,9 @@ module sg_bodies
     real(wp), allocatable :: free_velocity(:, :)
     !> Area covered by the body's shapes [m2], in space their volume [m3], shape (n)
     real(wp), allocatable :: area(:)
-    !> Periods crossed in x since the start, shape (n): position + crossings*period is the unwrapped one; in y, in space
-    integer(i4), allocatable :: crossings(:), crossings_y(:)
+    !> Periods crossed in x since the start, shape (n): position + crossings*period is the unwrapped one; in y, in space; in
+    !! a periodic cell along all axes
+    integer(i4), allocatable :: crossings(:), crossings_y(:), crossings_z(:)
     !> Is this body a grain (free in all components, or held in a plane), or a wall (driven or pressed)? shape (n)
     logical, allocatable :: is_grain(:)
     !> Bulk material, index into the scene's materials, shape (n)
@@ -108,7 +111,10 @@ contains
     call visitor%visit(field_t('free_velocity', sync_never, v), self%free_velocity)
     call visitor%visit(field_t('area', sync_on_owner), self%area)
     call visitor%visit(field_t('crossings', sync_on_copy, in_files=.true.), self%crossings)
-    call visitor%visit(field_t('crossings_y', sync_on_copy, is_there=is_space, in_files=.true.), self%crossings_y)
+    call visitor%visit(field_t('crossings_y', sync_on_copy, is_there=is_space .or. self%has_cell, in_files=.true.), &
+                       self%crossings_y)
+    call visitor%visit(field_t('crossings_z', sync_on_copy, is_there=is_space .and. self%has_cell, in_files=.true.), &
+                       self%crossings_z)
     call visitor%visit(field_t('is_grain', sync_on_copy, first=1.0_wp), self%is_grain)
     call visitor%visit(field_t('material', sync_on_copy), self%material)
     call visitor%visit(field_t('presence', sync_on_copy, is_there=self%has_presence, in_files=.true., is_optional=.true.), &
@@ -164,6 +170,7 @@ contains
     bodies%n_carried = template%n_carried
     bodies%has_orientation = template%has_orientation
     bodies%has_presence = template%has_presence
+    bodies%has_cell = template%has_cell
   end function no_bodies_like
 
   !> Make room for `n` bodies at rest at the origin, with numbers and owners, and with the components of others.

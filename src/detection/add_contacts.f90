@@ -10,9 +10,9 @@ module sg_add_contacts
                               n_pose_in_plane, n_pose_in_space, pose_in_plane, pose_in_space
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, law_mohr, status_bonded, status_new
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbours, only: image_of_pair, neighbours_t
   use sg_rotations, only: no_rotation
-  use sg_scene, only: scene_t
+  use sg_scene, only: image_shift, scene_t
   use sg_touch_space, only: most_points
   implicit none
   private
@@ -88,7 +88,8 @@ contains
     contacts%body(1, k) = scene%contactors%body(pairs%contactor(1, p))
     contacts%body(2, k) = scene%contactors%body(pairs%contactor(2, p))
     contacts%image(k) = pairs%image(p)
-    if (scene%dimension == 3) contacts%image_y(k) = pairs%image_y(p)
+    if (scene%dimension == 3 .or. scene%cell%is_on) contacts%image_y(k) = pairs%image_y(p)
+    if (allocated(contacts%image_z)) contacts%image_z(k) = pairs%image_z(p)
     contacts%law(k) = law
     contacts%feature(k) = feature
     ! Component by component: of a number that is not known the compiler calls a procedure to copy them.
@@ -213,7 +214,7 @@ contains
     associate (a => pairs%contactor(2, p))
       do past = ends(1), ends(2)
         if (scene%dimension == 2) then
-          call move_in_plane(scene%contactors, a, offset(1), history%kept(:, past), pose, normal, point, gap)
+          call move_in_plane(scene%contactors, a, offset(:2), history%kept(:, past), pose, normal, point, gap)
         else
           call move_in_space(scene%contactors, a, offset, turn_of(scene, a), history%kept(:, past), pose, normal, point, gap)
         end if
@@ -238,7 +239,7 @@ contains
     offset = offset_of(scene, pairs, p)
     first = contacts%n - n + 1
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      if (scene%dimension == 2) pose(:n_pose_in_plane) = pose_in_plane(contactors, c, a, offset(1))
+      if (scene%dimension == 2) pose(:n_pose_in_plane) = pose_in_plane(contactors, c, a, offset(:2))
       if (scene%dimension == 3) pose = pose_in_space(contactors, turn_of(scene, c), turn_of(scene, a), c, a, offset)
       do k = first, contacts%n
         associate (normal => contacts%normal(:, k), point => contacts%point(:, k), gap => contacts%gap(k), &
@@ -247,7 +248,7 @@ contains
           if (any(abs(normal - contacts%normal(:, max(first, k - 1))) > 0) .or. k == first) &
             face = face_of(contactors, c, a, normal)
           if (scene%dimension == 2) then
-            call keep_in_plane(contactors, a, offset(1), face, pose, normal, point, gap, kept)
+            call keep_in_plane(contactors, a, offset(:2), face, pose, normal, point, gap, kept)
           else
             call keep_in_space(contactors, a, offset, turn_of(scene, a), face, pose, normal, point, gap, kept)
           end if
@@ -284,8 +285,7 @@ contains
     integer, intent(in) :: p !! pair
     real(wp) :: offset(3)
 
-    offset = [scene%period*real(pairs%image(p), wp), 0.0_wp, 0.0_wp]
-    if (scene%dimension == 3) offset(2) = scene%period_y*real(pairs%image_y(p), wp)
+    offset = image_shift(scene, image_of_pair(pairs, p))
   end function offset_of
 
   !> Law of a pair that is no link.

@@ -259,7 +259,7 @@ contains
     is_measured = .false.
     associate (c => contacts%contactor(1, k), a => contacts%contactor(2, k))
       if (scene%dimension == 2) then
-        call touch_pair(scene%contactors, c, a, scene%period*real(contacts%image(k), wp), far, touch, scene%period)
+        call touch_pair(scene%contactors, c, a, [scene%period*real(contacts%image(k), wp), 0.0_wp], far, touch, scene%period)
         is_measured = touch%n > 0
         if (is_measured) call put(touch%normal(:, 1), touch%point(:, 1), touch%gap(1), contacts, k)
       else

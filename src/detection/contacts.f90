@@ -12,7 +12,7 @@ module sg_contacts
   use sg_memory, only: memory_t
   implicit none
   private
-  public :: contacts_t, drop_contacts, grow_contacts, reserve_contacts, normal_impulse, impulse_vector
+  public :: contacts_t, drop_contacts, grow_contacts, image_of, reserve_contacts, normal_impulse, impulse_vector
 
   !> All contacts of one step
   type, extends(fields_t) :: contacts_t
@@ -28,6 +28,9 @@ module sg_contacts
     integer :: n_carried = 0
     !> Values of a contact that detection keeps from step to step (sg_kept_contacts); 0 where it keeps none
     integer :: n_kept = 0
+    !> Are all axes periodic, as in a periodic cell? In the plane the way by which a period along y moves an image [m] then
+    logical :: has_cell = .false.
+    real(wp) :: upwards(2) = 0
     !> Contactors, candidate and antagonist, shape (2, n)
     integer(i4), allocatable :: contactor(:, :)
     !> Bodies, candidate and antagonist, shape (2, n)
@@ -42,8 +45,8 @@ module sg_contacts
     real(wp), allocatable :: point(:, :)
     !> Gap [m], negative where shapes overlap, shape (n)
     real(wp), allocatable :: gap(:)
-    !> Periods by which the antagonist's image is moved in x, and in space in y, shape (n)
-    integer(i1), allocatable :: image(:), image_y(:)
+    !> Periods by which the antagonist's image is moved in x, and in space in y, shape (n); in a periodic cell along all axes
+    integer(i1), allocatable :: image(:), image_y(:), image_z(:)
     !> Impulse over the step [N s], shape (n_components, n): normal and tangential; in space x, y, z; or normal alone
     real(wp), allocatable :: impulse(:, :)
     !> What the contact did in the last step, one of `status_*`, shape (n)
@@ -79,7 +82,8 @@ contains
     call visitor%visit(field_t('point', sync_never, d), self%point)
     call visitor%visit(field_t('gap', sync_never), self%gap)
     call visitor%visit(field_t('image', sync_on_owner, in_files=.true.), self%image)
-    call visitor%visit(field_t('image_y', sync_on_owner, is_there=d == 3, in_files=.true.), self%image_y)
+    call visitor%visit(field_t('image_y', sync_on_owner, is_there=d == 3 .or. self%has_cell, in_files=.true.), self%image_y)
+    call visitor%visit(field_t('image_z', sync_on_owner, is_there=d == 3 .and. self%has_cell, in_files=.true.), self%image_z)
     call visitor%visit(field_t('impulse', sync_on_owner, self%n_components, in_files=.true.), self%impulse)
     call visitor%visit(field_t('status', sync_on_owner, in_files=.true.), self%status)
     call visitor%visit(field_t('internal', sync_on_owner, self%n_internal, in_files=.true.), self%internal)
@@ -124,6 +128,17 @@ contains
     if (allocated(contacts%gap)) now = size(contacts%gap)
     if (n > now) call contacts%resize(merge(room_for(n, max(0, now)), 0, n > 0))
   end subroutine reserve_contacts
+
+  !> Periods along x, y, z by which the antagonist of a contact is moved.
+  pure function image_of(contacts, k) result(image)
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
+    integer :: image(3)
+
+    image = [int(contacts%image(k)), 0, 0]
+    if (allocated(contacts%image_y)) image(2) = int(contacts%image_y(k))
+    if (allocated(contacts%image_z)) image(3) = int(contacts%image_z(k))
+  end function image_of
 
   !> Normal impulse of a contact [N s].
   pure real(wp) function normal_impulse(contacts, k)

@@ -58,6 +58,7 @@ contains
     end if
     call place_contactors(scene%contactors, scene%bodies%middle)
     pairs%alert = alert_of(scene%sees, pairs%way)
+    if (scene%cell%is_on) contacts%upwards = scene%cell%middle([4, 2])
     call touch_all(scene, pairs, history, contacts)
     history%is_loaded = .false.
     history%is_start = .false.
@@ -128,24 +129,29 @@ contains
     type(history_t), intent(inout) :: history
     integer, intent(in) :: p
     type(contacts_t), intent(inout) :: contacts
-    real(wp) :: alert, path, pose(n_pose_in_plane)
+    real(wp) :: alert, path, pose(n_pose_in_plane), offset(3)
     integer :: n
 
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
       alert = pairs%alert(pairs%see(p))
       if (contacts%n_kept > 0) alert = alert + kept_length(scene, c, a)
-      if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
+      if (scene%cell%is_on) then
+        if (circles_are_apart_in_cell(scene, pairs, p, alert)) return
+      else
+        if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
+      end if
       path = 0
       if (contactors%kind(c) == kind_polygon .and. contactors%kind(a) == kind_polygon) then
         path = contactors%polygon_path(contactors%row(c)) + contactors%polygon_path(contactors%row(a))
-        if (is_clear(history%clearance(p), path, alert)) return
+        if (is_clear(history%clearance(p), path, alert) .and. .not. scene%cell%is_on) return
       end if
       if (contacts%n_kept == 0 .or. .not. follows(contactors%kind(c))) then
         call find_in_plane(scene, pairs, history, p, alert, path, contacts)
         return
       end if
       if (has_kept(history, p, contacts%n_kept)) then
-        pose = pose_in_plane(contactors, c, a, scene%period*real(pairs%image(p), wp))
+        offset = offset_of(scene, pairs, p)
+        pose = pose_in_plane(contactors, c, a, offset(:2))
         if (is_kept(scene, history, p, c, a, pose)) then
           call add_kept(scene, pairs, history, p, pose, contacts)
           return
@@ -167,16 +173,21 @@ contains
     real(wp), intent(in) :: path !! path lengths of two polygons, added [m]
     type(contacts_t), intent(inout) :: contacts
     type(touch_t) :: touch
+    real(wp) :: shift(2), offset(3)
 
-    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), offset => scene%period*real(pairs%image(p), wp), &
-               contactors => scene%contactors)
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
+      shift = [scene%period*real(pairs%image(p), wp), 0.0_wp]
+      if (scene%cell%is_on) then
+        offset = offset_of(scene, pairs, p)
+        shift = offset(:2)
+      end if
       if (contactors%kind(c) == kind_polygon .and. contactors%kind(a) == kind_polygon) then
-        call touch_pair(contactors, c, a, offset, alert, touch, scene%period, history%face(1, p), history%clearance(p))
+        call touch_pair(contactors, c, a, shift, alert, touch, scene%period, history%face(1, p), history%clearance(p))
         history%clearance(p) = history%clearance(p) + path
       else if (contactors%kind(c) == kind_polygon) then
-        call touch_pair(contactors, c, a, offset, alert, touch, scene%period, history%face(1, p))
+        call touch_pair(contactors, c, a, shift, alert, touch, scene%period, history%face(1, p))
       else
-        call touch_pair(contactors, c, a, offset, alert, touch, scene%period)
+        call touch_pair(contactors, c, a, shift, alert, touch, scene%period)
       end if
       if (scene%shrink > 0) then
         if (all(scene%contactors%kind([c, a]) == kind_polygon)) &
@@ -199,6 +210,7 @@ contains
 
     ! Most pairs end right below: a function for these numbers costs a twentieth of the detection of spheres.
     offset = [scene%period*real(pairs%image(p), wp), scene%period_y*real(pairs%image_y(p), wp), 0.0_wp]
+    if (scene%cell%is_on) offset = offset_of(scene, pairs, p)
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
       alert = pairs%alert(pairs%see(p))
       if (contacts%n_kept > 0) alert = alert + kept_length(scene, c, a)
@@ -206,7 +218,7 @@ contains
       path = 0
       if (contactors%kind(c) == kind_polyhedron .and. contactors%kind(a) == kind_polyhedron) then
         path = contactors%space%polyhedron_path(contactors%row(c)) + contactors%space%polyhedron_path(contactors%row(a))
-        if (is_clear(history%clearance(p), path, alert)) return
+        if (is_clear(history%clearance(p), path, alert) .and. .not. scene%cell%is_on) return
       end if
       if (contacts%n_kept == 0 .or. .not. follows(contactors%kind(c))) then
         call find_in_space(scene, pairs, history, p, offset, alert, path, contacts)
@@ -324,6 +336,21 @@ contains
       apart = x**2 + y**2 > limit**2
     end associate
   end function circles_are_apart
+
+  !> The same in a periodic cell.
+  pure logical function circles_are_apart_in_cell(scene, pairs, p, alert) result(apart)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    integer, intent(in) :: p
+    real(wp), intent(in) :: alert
+    real(wp) :: offset(3)
+
+    offset = offset_of(scene, pairs, p)
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
+      apart = sum((contactors%centre(:2, c) - contactors%centre(:2, a) - offset(:2))**2) > &
+              (contactors%reach(c) + contactors%reach(a) + alert)**2
+    end associate
+  end function circles_are_apart_in_cell
 
   !> Are the spheres about two shapes farther apart than the alert distance? Most neighbours' are; a square decides.
   pure logical function spheres_are_apart(contactors, c, a, offset, alert) result(apart)

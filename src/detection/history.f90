@@ -3,13 +3,13 @@
 !! Contacts of one pair stand together, in the order of pairs. As long as the list of neighbours is the same, pair p
 !! finds its past at p; when the list is rebuilt, pairs are matched once through the candidate's short list.
 module sg_history
-  use sg_contacts, only: contacts_t, reserve_contacts
+  use sg_contacts, only: contacts_t, image_of, reserve_contacts
   use sg_internal_values, only: not_recorded
   use sg_kinds, only: wp, i1, i4, i8
   use sg_lists, only: reserve
   use sg_near, only: candidate_first, has_one_image
-  use sg_neighbours, only: neighbours_t
-  use sg_scene, only: scene_t, start_contact_t
+  use sg_neighbours, only: image_of_pair, neighbours_t
+  use sg_scene, only: periods_of, scene_t, start_contact_t
   use sg_sorting, only: group_items, sort_permutation
   implicit none
   private
@@ -22,7 +22,7 @@ module sg_history
     integer :: n_pairs = 0
     !> Contactors of each pair, shape (2, n_pairs); set when the list of neighbours is about to change
     integer(i4), allocatable :: contactor(:, :)
-    !> Periods by which the antagonist of each pair is moved in x and y, shape (2, n_pairs); set with `contactor`
+    !> Periods by which the antagonist of each pair is moved along x, y, z, shape (3, n_pairs); set with `contactor`
     integer(i4), allocatable :: image(:, :)
     !> Contacts of pair p are `first(p)` to `first(p + 1) - 1`
     integer(i4), allocatable :: first(:)
@@ -154,7 +154,7 @@ contains
   subroutine load(history, contacts)
     type(history_t), intent(inout) :: history
     type(contacts_t), intent(in) :: contacts
-    integer(i4) :: image(2), last(2)
+    integer(i4) :: image(3), last(3)
     integer :: k
     logical :: is_new
 
@@ -166,12 +166,10 @@ contains
     if (contacts%n_kept > 0) history%kept = contacts%kept(:, :contacts%n)
     call reserve(history%first, contacts%n + 1)
     call reserve(history%contactor, 2, contacts%n)
-    call reserve(history%image, 2, contacts%n)
+    call reserve(history%image, 3, contacts%n)
     last = 0
     do k = 1, contacts%n
-      image = int(contacts%image(k), i4)
-      image(2) = 0
-      if (contacts%dimension == 3) image(2) = int(contacts%image_y(k), i4)
+      image = int(image_of(contacts, k), i4)
       is_new = k == 1
       if (.not. is_new) is_new = any(contacts%contactor(:, k) /= contacts%contactor(:, k - 1)) .or. any(image /= last)
       last = image
@@ -229,9 +227,10 @@ contains
 
     history%contactor = pairs%contactor(:, :pairs%n)
     if (allocated(history%image)) deallocate (history%image)
-    allocate (history%image(2, pairs%n), source=0_i4)
+    allocate (history%image(3, pairs%n), source=0_i4)
     history%image(1, :) = int(pairs%image(:pairs%n), i4)
     if (allocated(pairs%image_y)) history%image(2, :) = int(pairs%image_y(:pairs%n), i4)
+    if (allocated(pairs%image_z)) history%image(3, :) = int(pairs%image_z(:pairs%n), i4)
   end subroutine keep_pairs
 
   !> Count the images of past pairs from where their bodies would be had none ever come back into the period: a new list may
@@ -241,7 +240,7 @@ contains
     type(scene_t), intent(in) :: scene !! scene before the new list
     integer :: p
 
-    if (history%n_pairs == 0 .or. .not. max(scene%period, scene%period_y) > 0) return
+    if (history%n_pairs == 0 .or. .not. maxval(periods_of(scene)) > 0) return
     do p = 1, history%n_pairs
       history%image(:, p) = history%image(:, p) + crossed_between(scene, history%contactor(:, p))
     end do
@@ -255,12 +254,13 @@ contains
   pure function crossed_between(scene, contactor) result(crossed)
     type(scene_t), intent(in) :: scene
     integer(i4), intent(in) :: contactor(2)
-    integer(i4) :: crossed(2)
+    integer(i4) :: crossed(3)
 
     associate (c => scene%contactors%body(contactor(1)), a => scene%contactors%body(contactor(2)))
       crossed = scene%bodies%crossings(c) - scene%bodies%crossings(a)
-      crossed(2) = 0
-      if (scene%dimension == 3) crossed(2) = scene%bodies%crossings_y(c) - scene%bodies%crossings_y(a)
+      crossed(2:) = 0
+      if (allocated(scene%bodies%crossings_y)) crossed(2) = scene%bodies%crossings_y(c) - scene%bodies%crossings_y(a)
+      if (allocated(scene%bodies%crossings_z)) crossed(3) = scene%bodies%crossings_z(c) - scene%bodies%crossings_z(a)
     end associate
   end function crossed_between
 
@@ -271,23 +271,20 @@ contains
     type(scene_t), intent(in) :: scene !! scene after the new list
     type(neighbours_t), intent(in) :: pairs !! the new list
     integer(i4), allocatable :: first(:), member(:)
-    integer(i4) :: image(2)
-    logical :: is_single(2)
+    integer(i4) :: image(3)
+    logical :: is_single(3)
     integer :: p, m
 
     call list_by_candidate(history, scene%contactors%n, first, member)
     call reserve(history%past, pairs%n)
     do p = 1, pairs%n
       history%past(p) = 0
-      image = int(pairs%image(p), i4)
-      image(2) = 0
-      if (allocated(pairs%image_y)) image(2) = int(pairs%image_y(p), i4)
-      image = image + crossed_between(scene, pairs%contactor(:, p))
+      image = int(image_of_pair(pairs, p), i4) + crossed_between(scene, pairs%contactor(:, p))
       do m = first(pairs%contactor(1, p)), first(pairs%contactor(1, p) + 1) - 1
         if (history%contactor(2, member(m)) /= pairs%contactor(2, p)) cycle
         if (any(history%image(:, member(m)) /= image)) then
-          is_single = history%by_point .or. has_one_image(scene%contactors, pairs%contactor(2, p), &
-                                                                 [scene%period, scene%period_y])
+          is_single = history%by_point
+          is_single(:2) = is_single(:2) .or. has_one_image(scene%contactors, pairs%contactor(2, p), [scene%period, scene%period_y])
           if (.not. all(is_single .or. history%image(:, member(m)) == image)) cycle
         end if
         history%past(p) = member(m)

@@ -31,14 +31,14 @@ contains
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer(i4), intent(in) :: c !! candidate
     integer(i4), intent(in) :: a !! antagonist
-    real(wp), intent(in) :: offset !! shift of the antagonist in x [m]
+    real(wp), intent(in) :: offset(2) !! shift of the antagonist [m]
     real(wp) :: pose(n_pose_in_plane)
     real(wp) :: own(2), other(2), x, y
 
     own = turn_of(contactors, c)
     other = turn_of(contactors, a)
-    x = contactors%centre(1, c) - contactors%centre(1, a) - offset
-    y = contactors%centre(2, c) - contactors%centre(2, a)
+    x = contactors%centre(1, c) - contactors%centre(1, a) - offset(1)
+    y = contactors%centre(2, c) - contactors%centre(2, a) - offset(2)
     pose(1) = other(1)*x + other(2)*y
     pose(2) = other(1)*y - other(2)*x
     pose(3) = other(1)*own(1) + other(2)*own(2)
@@ -107,7 +107,7 @@ contains
   pure subroutine keep_in_plane(contactors, a, offset, face, pose, normal, point, gap, kept)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer(i4), intent(in) :: a !! antagonist
-    real(wp), intent(in) :: offset !! shift of the antagonist in x [m]
+    real(wp), intent(in) :: offset(2) !! shift of the antagonist [m]
     integer(i1), intent(in) :: face !! body whose face it lies on, one of `face_of_*`
     real(wp), intent(in) :: pose(n_pose_in_plane) !! pose of the candidate
     real(wp), intent(in) :: normal(2) !! unit normal
@@ -118,7 +118,7 @@ contains
 
     turn = turn_of(contactors, a)
     way = point - contactors%centre(:, a)
-    way(1) = way(1) - offset
+    way = way - offset
     kept(1) = real(1_i1 + face, wp)
     kept(2:5) = pose
     kept(6:7) = [turn(1)*normal(1) + turn(2)*normal(2), turn(1)*normal(2) - turn(2)*normal(1)]
@@ -150,7 +150,7 @@ contains
   pure subroutine move_in_plane(contactors, a, offset, kept, pose, normal, point, gap)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer(i4), intent(in) :: a !! antagonist
-    real(wp), intent(in) :: offset !! shift of the antagonist in x [m]
+    real(wp), intent(in) :: offset(2) !! shift of the antagonist [m]
     real(wp), intent(in) :: kept(n_kept_in_plane) !! the contact as it was found
     real(wp), intent(in) :: pose(n_pose_in_plane) !! pose of the candidate now
     real(wp), intent(out) :: normal(2) !! unit normal
@@ -167,8 +167,8 @@ contains
     call follow_in_plane(int(nint(kept(1)) - 1, i1), kept(2:3), here, pose(1:2), here, turn, unturned, normal, point, gap)
     turn = turn_of(contactors, a)
     normal = [turn(1)*normal(1) - turn(2)*normal(2), turn(2)*normal(1) + turn(1)*normal(2)]
-    point = [turn(1)*point(1) - turn(2)*point(2) + contactors%centre(1, a) + offset, &
-             turn(2)*point(1) + turn(1)*point(2) + contactors%centre(2, a)]
+    point = [turn(1)*point(1) - turn(2)*point(2) + contactors%centre(1, a) + offset(1), &
+             turn(2)*point(1) + turn(1)*point(2) + contactors%centre(2, a) + offset(2)]
   end subroutine move_in_plane
 
   !> The same in space.

@@ -2,6 +2,7 @@
 module sg_scene_from_deck
   use sg_blocks, only: deck_t
   use sg_bodies_from_deck, only: bodies_from_deck
+  use sg_cell_from_deck, only: cell_from_deck, check_cell
   use sg_datbox, only: read_datbox_share
   use sg_drives_from_deck, only: drives_from_deck, numbers_called
   use sg_error, only: diagnostics_t
@@ -47,6 +48,8 @@ contains
     if (scene%dimension == 3) scene%period_y = deck%number(b, 'period_y')
     scene%shrink = deck%number(b, 'shrink_faces')
     scene%kept_motion = deck%number(b, 'kept_motion')
+    call cell_from_deck(deck, scene, diagnostics)
+    if (diagnostics%count() > 0) return
     if (deck%is_given(b, 'datbox')) then
       call scene_from_datbox(deck, b, scene, diagnostics)
       call check_recovery(deck, scene, options%recovery, diagnostics)
@@ -63,6 +66,7 @@ contains
     call links_from_deck(deck, scene, diagnostics)
     call locate_links(scene%links, scene%contactors)
     call passages_from_deck(deck, scene, diagnostics)
+    call check_cell(deck, options, scene, diagnostics)
     call check_recovery(deck, scene, options%recovery, diagnostics)
     ! Where each rank has a part of the scene, all check it together.
     if (deck%ranks > 1) return

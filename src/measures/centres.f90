@@ -3,7 +3,7 @@ module sg_centres
   use sg_comm, only: comm_t
   use sg_grains, only: count_grains, grains_t
   use sg_kinds, only: wp
-  use sg_scene, only: scene_t
+  use sg_scene, only: periods_of, scene_t
   implicit none
   private
   public :: centres_t, take_centres
@@ -34,7 +34,7 @@ contains
 
     d = scene%dimension
     centres%dimension = d
-    centres%is_periodic = [scene%period > 0, d == 3 .and. scene%period_y > 0, .false.]
+    centres%is_periodic = periods_of(scene) > 0
     call count_grains(scene%bodies, grains, comm)
     if (grains%n == 0) then
       allocate (centres%point(3, 0))
@@ -70,6 +70,7 @@ contains
     end associate
     if (centres%is_periodic(1)) centres%point(1, :) = modulo(centres%point(1, :), scene%period)
     if (centres%is_periodic(2)) centres%point(2, :) = modulo(centres%point(2, :), scene%period_y)
+    if (centres%is_periodic(3)) centres%point(3, :) = modulo(centres%point(3, :), scene%period_z)
   end subroutine copy_points
 
   !> The box about the points of all ranks.
@@ -84,7 +85,7 @@ contains
     call comm%maximum(centres%high)
     where (centres%is_periodic)
       centres%low = 0
-      centres%high = [scene%period, scene%period_y, 0.0_wp]
+      centres%high = periods_of(scene)
     end where
   end subroutine find_box
 

@@ -74,6 +74,7 @@ contains
     high = box(:, 2)
     if (scene%period > 0) high(1) = box(1, 1) + scene%period
     if (scene%period_y > 0) high(2) = box(2, 1) + scene%period_y
+    if (scene%period_z > 0) high(3) = box(3, 1) + scene%period_z
     area = product(high - box(:, 1))
   end function area_of_box
 

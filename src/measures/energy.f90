@@ -4,10 +4,12 @@
 !! discrete equation M (V - V0) = h f + H r + d makes it the work of the forces f, of the contact impulses r and
 !! of the impulses d that hold driven components. Works are summed over the steps; the balance closes to rounding
 !! when positions move with Vm too (theta = 1/2). In space gyroscopic torques do no work on a free body; in a step with
-!! impacts they do some, of the order of the step, which the balance then shows. Drives work against them.
+!! impacts they do some, of the order of the step, which the balance then shows. Drives work against them. The work of a periodic
+!! cell is one of imposed forces.
 module sg_energy
   use sg_bodies, only: bodies_t, is_absent
   use sg_bonds, only: bond_impulse
+  use sg_cell_motion, only: cell_bias, cell_jump, cell_work
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
   use sg_internal_values, only: bond_slip
@@ -17,7 +19,7 @@ module sg_energy
   use sg_mapping, only: relative_velocity
   use sg_mapping_space, only: space_arms
   use sg_rotations, only: no_rotation, turned_back, turned_by, turned_on
-  use sg_scene, only: scene_t
+  use sg_scene, only: scene_t, unwrapped
   use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
@@ -80,6 +82,7 @@ contains
     self%friction_loss = self%friction_loss - work(2)
     self%bond_work = self%bond_work - work(3)
     self%external_work = self%external_work + imposed_work(scene, h, mean)
+    if (scene%cell%is_on) self%external_work = self%external_work + cell_work(scene, contacts)
     where (scene%bodies%inverse_mass > 0) mean = 0
     if (.not. any(abs(mean) > 0)) return
     self%drive_work = self%drive_work + held_work(scene%bodies, h, mean) &
@@ -116,7 +119,7 @@ contains
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(in) :: h
     real(wp), intent(in), contiguous :: velocity(:, :)
-    real(wp) :: work(3), u(2), jump(3), normal_work, bond(contacts%n_components), of_bond
+    real(wp) :: work(3), u(2), bias(3), jump(3), normal_work, bond(contacts%n_components), of_bond
     real(wp), allocatable :: spin(:, :)
     integer :: k, n
     logical :: has_bonds
@@ -129,6 +132,7 @@ contains
       if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
       if (scene%dimension == 3) then
         jump = jump_at(scene, contacts, k, velocity, spin)
+        if (scene%cell%is_on) jump = jump + cell_jump(scene, contacts, k)
         normal_work = normal_impulse(contacts, k)*dot_product(contacts%normal(:, k), jump)
         work = work + [normal_work, dot_product(impulse_vector(contacts, k), jump) - normal_work, 0.0_wp]
         if (.not. has_bonds) cycle
@@ -140,6 +144,10 @@ contains
         cycle
       end if
       u = relative_velocity(contacts, k, scene%bodies%middle, scene%period, velocity)
+      if (scene%cell%is_on) then
+        bias = cell_bias(scene, contacts, k)
+        u = u + bias(:2)
+      end if
       work(:n) = work(:n) + contacts%impulse(:, k)*u(:n)
       if (.not. has_bonds) cycle
       if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
@@ -305,13 +313,8 @@ contains
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: body
     real(wp), intent(in) :: gravity(3)
-    real(wp) :: position(3)
 
-    position = 0
-    position(:scene%dimension) = scene%bodies%position(:, body)
-    position(1) = position(1) + scene%period*real(scene%bodies%crossings(body), wp)
-    if (scene%dimension == 3) position(2) = position(2) + scene%period_y*real(scene%bodies%crossings_y(body), wp)
-    work = scene%bodies%mass(body)*dot_product(gravity, position)
+    work = scene%bodies%mass(body)*dot_product(gravity, unwrapped(scene, scene%bodies, body))
   end function potential_drop
 
   !> Energies, works since the start [J], and how far their balance is from closing.

@@ -27,7 +27,7 @@ contains
       if (scene%dimension == 2) then
         overlap = overlap_area(scene%contactors, contacts, scene%period)
       else
-        overlap = overlap_volume(scene%contactors, contacts, [scene%period, scene%period_y])
+        overlap = overlap_volume(scene%contactors, contacts, scene)
       end if
       call tally%sums%put('overlap', overlap)
     else if (tally%pass == pass_columns) then
@@ -42,15 +42,21 @@ contains
     type(contactors_t), intent(in) :: contactors
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(in) :: period
-    integer :: k, last(3), this(3)
+    integer :: k, last(4), this(4)
+    real(wp) :: offset(2)
 
     area = 0
     last = 0
     do k = 1, contacts%n
       if (.not. contacts%gap(k) < 0) cycle
-      this = [contacts%contactor(:, k), int(contacts%image(k), i4)]
+      this = [contacts%contactor(:, k), int(contacts%image(k), i4), 0]
+      offset = [period*real(this(3), wp), 0.0_wp]
+      if (contacts%has_cell) then
+        this(4) = int(contacts%image_y(k))
+        offset = offset + contacts%upwards*real(this(4), wp)
+      end if
       if (all(this == last)) cycle
-      area = area + pair_overlap(contactors, this(1), this(2), [period*real(this(3), wp), 0.0_wp])
+      area = area + pair_overlap(contactors, this(1), this(2), offset)
       last = this
     end do
   end function overlap_area

@@ -1,12 +1,13 @@
 !> The volume by which shapes that touch overlap in space: over the volume of the grains it is the volume error.
 module sg_volume_error_space
   use sg_contactors, only: contactors_t, kind_cylinder, kind_hollow_cylinder, kind_plane, kind_polyhedron, kind_sphere
-  use sg_contacts, only: contacts_t
-  use sg_kinds, only: wp, i4
+  use sg_contacts, only: contacts_t, image_of
+  use sg_kinds, only: wp
   use sg_overlap_capsules, only: overlap_cylinder_cylinder
   use sg_overlap_cylinders, only: overlap_cylinder_plane
   use sg_overlap_polyhedra, only: overlap_polyhedron_plane, overlap_polyhedron_polyhedron, overlap_sphere_polyhedron
   use sg_overlap_spheres, only: overlap_sphere_cylinder, overlap_sphere_hollow_cylinder, overlap_sphere_plane, overlap_sphere_sphere
+  use sg_scene, only: image_shift, scene_t
   use sg_touch_space_pair, only: facing_half, plane_axes
   implicit none
   private
@@ -17,21 +18,19 @@ contains
   !> Sum of the overlaps of all pairs of shapes with a negative gap [m3], each pair once: its points follow one another.
   !!
   !! Cylinders within hollow cylinders have no formula and count as nothing.
-  pure real(wp) function overlap_volume(contactors, contacts, period) result(volume)
+  pure real(wp) function overlap_volume(contactors, contacts, scene) result(volume)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     type(contacts_t), intent(in) :: contacts !! contacts of the step
-    real(wp), intent(in) :: period(2) !! periods in x and y, zero where not periodic [m]
-    real(wp) :: offset(3)
-    integer :: k, last(4), this(4)
+    type(scene_t), intent(in) :: scene !! scene with its periods
+    integer :: k, last(5), this(5)
 
     volume = 0
     last = 0
     do k = 1, contacts%n
       if (.not. contacts%gap(k) < 0) cycle
-      this = [contacts%contactor(:, k), int(contacts%image(k), i4), int(contacts%image_y(k), i4)]
+      this = [int(contacts%contactor(:, k)), image_of(contacts, k)]
       if (all(this == last)) cycle
-      offset = [period*real(this(3:4), wp), 0.0_wp]
-      volume = volume + pair_overlap(contactors, this(1), this(2), offset, period)
+      volume = volume + pair_overlap(contactors, this(1), this(2), image_shift(scene, this(3:)), [scene%period, scene%period_y])
       last = this
     end do
   end function overlap_volume

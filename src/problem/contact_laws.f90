@@ -1,6 +1,7 @@
 !> What the law of a contact asks in a step: the local law of a pair of shapes, of a link, or of a cohesive zone.
 module sg_contact_laws
   use sg_assemble_space, only: velocity_before
+  use sg_cell_motion, only: cell_bias
   use sg_cohesive_zones, only: zone_law
   use sg_contact_surface, only: contact_surface
   use sg_contacts, only: contacts_t
@@ -42,8 +43,10 @@ contains
         else
           before = velocity_before(scene, contacts, k)
         end if
+        if (scene%cell%is_on) before = before + cell_bias(scene, contacts, k)
       end if
       call set_local_law(own, contacts%gap(k), time_step, before, contacts%status(k), law, contacts%internal(:, k), surface)
+      if (scene%cell%is_on) law%bias = law%bias + cell_bias(scene, contacts, k)
     end associate
   end subroutine law_of_contact
 end module sg_contact_laws

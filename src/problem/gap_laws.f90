@@ -11,13 +11,14 @@ module sg_gap_laws
 
 contains
 
-  !> Do all contacts of a scene with friction have laws that look at the gap alone, with no driven spin that enters as a bias?
+  !> Do all contacts of a scene with friction have laws that look at the gap alone, with no driven spin and no motion of a periodic
+  !! cell that enter as a bias?
   pure logical function have_gap_laws(scene, plan)
     type(scene_t), intent(in) :: scene !! scene with its laws, free velocities set
     type(plan_t), intent(in) :: plan !! kind of problem
 
     have_gap_laws = any(plan%kind == [round_frictional, arm_frictional, ball_frictional, solid_frictional]) .and. &
-                    scene%links%n == 0 .and. all(looks_at_gap(scene%laws))
+                    scene%links%n == 0 .and. all(looks_at_gap(scene%laws)) .and. .not. scene%cell%is_on
     if (have_gap_laws .and. is_compact(plan%kind)) have_gap_laws = .not. has_driven_spin(scene%bodies)
   end function have_gap_laws
 

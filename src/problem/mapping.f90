@@ -24,6 +24,7 @@ contains
     arms(:, 1) = contacts%point(:, k) + contacts%gap(k)/2*contacts%normal(:, k) - middle(1:2, contacts%body(1, k))
     arms(:, 2) = contacts%point(:, k) - contacts%gap(k)/2*contacts%normal(:, k) - middle(1:2, contacts%body(2, k))
     arms(1, 2) = arms(1, 2) - period*real(contacts%image(k), wp)
+    if (contacts%has_cell) arms(:, 2) = arms(:, 2) - contacts%upwards*real(contacts%image_y(k), wp)
   end function arms_of
 
   !> Relative velocity at a contact, normal and tangential [m/s]: one row of H^T V.

@@ -2,10 +2,10 @@
 !!
 !! Velocities of bodies are those of `bodies_t`: translation in the world, spin about principal axes.
 module sg_mapping_space
-  use sg_contacts, only: contacts_t
+  use sg_contacts, only: contacts_t, image_of
   use sg_kinds, only: wp
   use sg_rotations, only: turned_by
-  use sg_scene, only: scene_t
+  use sg_scene, only: image_shift, scene_t
   use sg_vectors, only: cross
   implicit none
   private
@@ -35,6 +35,10 @@ contains
     half = contacts%gap(k)/2*contacts%normal(:, k)
     arms(:, 1) = contacts%point(:, k) + half - scene%bodies%middle(1:3, contacts%body(1, k))
     arms(:, 2) = contacts%point(:, k) - half - scene%bodies%middle(1:3, contacts%body(2, k))
+    if (scene%cell%is_on) then
+      arms(:, 2) = arms(:, 2) - image_shift(scene, image_of(contacts, k))
+      return
+    end if
     arms(1, 2) = arms(1, 2) - scene%period*real(contacts%image(k), wp)
     arms(2, 2) = arms(2, 2) - scene%period_y*real(contacts%image_y(k), wp)
   end function space_arms

@@ -8,14 +8,14 @@ module sg_advance
   use sg_bonds, only: finish_bonds
   use sg_detect, only: detect
   use sg_dump, only: begin_dump, is_listed
-  use sg_error, only: error_t
+  use sg_error, only: error_t, fail
   use sg_find_passages, only: find_passages
   use sg_failure, only: check_input, dump_broken_step, dump_failed_solve, keep_guess, note_unconverged, note_worst, save_dump
   use sg_guard, only: find_broken
   use sg_kinds, only: wp, i1, i4
   use sg_limits, only: check_limits
   use sg_link_contacts, only: finish_links
-  use sg_motion, only: predict, update
+  use sg_motion, only: move_with_cell, predict, update
   use sg_passage_counts, only: let_pass
   use sg_passages, only: time_slack
   use sg_penetration, only: deepest_penetration
@@ -26,6 +26,7 @@ module sg_advance
   use sg_simulation, only: simulation_t
   use sg_solve_step, only: solve_step
   use sg_timed, only: timed
+  use sg_text, only: to_text
   use sg_totals, only: phase_assemble, phase_detect, phase_measure, phase_predict, phase_solve, phase_update
   use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls, warn_of_tunnelling
   use sg_update_problem, only: can_update, take_impulses, update_problem
@@ -153,10 +154,27 @@ contains
     call store_solution(sim, error)
     call timed(count_substep, sim, phase_measure, error)
     if (allocated(error)) return
+    if (sim%scene%cell%is_on) then
+      call move_with_cell(sim%scene, sim%options%substep_length())
+      call check_width(sim, error)
+    end if
     call update(sim%scene%bodies, sim%options%substep_length(), sim%options%theta)
     if (sim%substep == sim%options%substeps) sim%step = sim%step + 1
     sim%substep = merge(1, sim%substep + 1, sim%substep == sim%options%substeps)
   end subroutine update_bodies
+
+  !> End the run where a periodic cell has become too narrow for its grains: they would touch themselves. Collective.
+  subroutine check_width(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+    integer :: n
+
+    n = sim%scene%dimension
+    associate (contactors => sim%scene%contactors, cell => sim%scene%cell)
+      if (sim%comm%any(minval(cell%now(:n)) < 2*maxval([0.0_wp, contactors%reach(:contactors%n)]))) &
+        call fail(error, 'step '//to_text(sim%step + 1)//': the periodic cell is narrower than its widest grain')
+    end associate
+  end subroutine check_width
 
   !> Bodies apart where they overlap.
   subroutine push_bodies(sim, error)

@@ -15,9 +15,11 @@ module sg_checkpoint
   use sg_kinds, only: wp
   use sg_means, only: means_t
   use sg_neighbours, only: build_neighbours
+  use sg_periodic_cell, only: n_cell_values
   use sg_restart, only: keep_state, read_restart, restart_t, restore_state, write_restart
   use sg_restart_fields, only: values_of
   use sg_restart_files, only: find_restarts
+  use sg_scene, only: set_edges
   use sg_signature, only: n_of_bodies, n_signature, signature_of
   use sg_simulation, only: simulation_t
   use sg_text, only: text_t, to_text
@@ -75,6 +77,7 @@ contains
     state%stop = sim%stop%pack()
     call sim%stages%note(sim%step, sim%time(), sim%totals%unconverged_steps, sim%stop%met, sim%stop%value)
     state%stages = sim%stages%pack()
+    state%cell = sim%scene%cell%pack()
     allocate (state%built(size(sim%scene%bodies%middle, 1), 0))
     if (sim%comm%size == 1 .and. allocated(sim%pairs%built)) state%built = sim%pairs%built
     call write_restart(sim%options%folder, state, sim%comm, error)
@@ -163,6 +166,8 @@ contains
     if (found%count() == 0) then
       if (size(state%totals) /= n_energy_values + n_totals_values + n_after_totals) then
         call found%add('the restart file is of another version of the program', file=file)
+      else if (size(state%cell) /= merge(n_cell_values, 0, sim%scene%cell%is_on)) then
+        call found%add('the restart file is of another scene: one of both has no periodic cell', file=file)
       else if (any(abs(signature_in(state) - signature(:n_of_bodies)) > 0)) then
         call found%add('the restart file is of another scene: shapes or masses differ', file=file)
       else if (len(fault_of(state)) > 0) then
@@ -197,7 +202,7 @@ contains
     associate (energies => state%totals(:n_energy_values), list => list_in(state), gravity => gravity_in(state), &
                counted => state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
       if (.not. all(ieee_is_finite([energies, gravity, state%tracks, state%stop, state%stages, state%means, state%fields, &
-                                    list]))) then
+                                     state%cell, list]))) then
         fault = 'it holds sums that are not finite'
       else if (.not. totals%are_sound(counted)) then
         fault = 'it holds counts that are none'
@@ -227,9 +232,14 @@ contains
     sim%history%is_untouched = sim%totals%most_contacts == 0
     ! Several ranks take up their contacts when they have split the scene.
     if (sim%comm%size == 1) call resume_history(sim%history, sim%contacts)
+    if (sim%scene%cell%is_on) then
+      call sim%scene%cell%unpack(state%cell)
+      call set_edges(sim%scene, (sim%scene%cell%built))
+    end if
     if (sim%comm%size == 1 .and. size(state%built, 2) > 0) then
       call build_neighbours(sim%pairs, sim%scene, state%built, list(1))
     end if
+    if (sim%scene%cell%is_on) call set_edges(sim%scene, (sim%scene%cell%now))
     call sim%tracks%unpack(state%tracks)
     call sim%means%unpack(state%means)
     call unpack_fields(sim%fields, state%fields, sim%comm)

@@ -8,10 +8,10 @@ module sg_motion
   use sg_kinds, only: wp
   use sg_presence, only: hold_absent
   use sg_rotations, only: turned_back, turned_by, turned_on
-  use sg_scene, only: scene_t
+  use sg_scene, only: scene_t, set_edges
   implicit none
   private
-  public :: predict, update, shift
+  public :: predict, update, shift, move_with_cell
 
 contains
 
@@ -34,10 +34,66 @@ contains
       bodies%free_velocity = bodies%velocity + h*bodies%inverse_mass*bodies%force
     end associate
     call drive_velocities(scene%drives, scene%bodies, time + h, h)
+    if (scene%cell%is_on) call begin_in_cell(scene, time, h, theta)
     if (scene%bodies%has_presence) call hold_absent(scene%bodies)
     if (scene%bodies%n_velocity == 6) call spin_freely(scene%bodies, h, theta)
     call set_middle(scene%bodies, (1 - theta)*h)
+    if (scene%cell%is_on) call carry_middle(scene, (1 - theta)*h)
   end subroutine predict
+
+  !> Begin a step of a periodic cell. Own velocities of bodies are those beyond the cell's: by Newton's law they change by -G V.
+  pure subroutine begin_in_cell(scene, time, h, theta)
+    type(scene_t), intent(inout) :: scene
+    real(wp), intent(in) :: time, h, theta
+    real(wp) :: own(3), force(3)
+    integer :: b, n
+
+    n = scene%dimension
+    call scene%cell%begin_step(time, h, theta)
+    call set_edges(scene, (scene%cell%middle))
+    own = 0
+    associate (bodies => scene%bodies)
+      do b = 1, bodies%n
+        own(:n) = bodies%velocity(:n, b)
+        force = -bodies%mass(b)*scene%cell%velocity(own)
+        bodies%force(:n, b) = bodies%force(:n, b) + force(:n)
+        bodies%free_velocity(:n, b) = bodies%free_velocity(:n, b) + h*bodies%inverse_mass(:n, b)*force(:n)
+      end do
+    end associate
+  end subroutine begin_in_cell
+
+  !> Carry the configuration of detection with the cell.
+  pure subroutine carry_middle(scene, duration)
+    type(scene_t), intent(inout) :: scene
+    real(wp), intent(in) :: duration
+    real(wp) :: place(3)
+    integer :: b, n
+
+    n = scene%dimension
+    place = 0
+    do b = 1, scene%bodies%n
+      place(:n) = scene%bodies%middle(:n, b)
+      place = scene%cell%to_middle(place, duration)
+      scene%bodies%middle(:n, b) = place(:n)
+    end do
+  end subroutine carry_middle
+
+  !> Move a periodic cell to the end of a step, and bodies with it: by the homogeneous velocities of their `middle`.
+  pure subroutine move_with_cell(scene, h)
+    type(scene_t), intent(inout) :: scene !! scene of the solved step
+    real(wp), intent(in) :: h !! time step [s]
+    real(wp) :: place(3)
+    integer :: b, n
+
+    n = scene%dimension
+    place = 0
+    do b = 1, scene%bodies%n
+      place(:n) = scene%bodies%middle(:n, b)
+      place = scene%cell%velocity(place)
+      scene%bodies%position(:, b) = scene%bodies%position(:, b) + h*place(:n)
+    end do
+    call scene%cell%finish_step(h)
+  end subroutine move_with_cell
 
   !> Gyroscopic torques: those of the bodies whose principal moments differ.
   pure subroutine spin_freely(bodies, h, theta)

@@ -6,6 +6,7 @@
 module sg_recovery
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_assemble, only: begin_problem, put_contact
+  use sg_cell_motion, only: cell_bias
   use sg_choose_solver, only: choose_solver
   use sg_compact, only: compact_velocity
   use sg_contacts, only: contacts_t
@@ -147,13 +148,17 @@ contains
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k
-    real(wp) :: in_plane(2)
+    real(wp) :: in_plane(2), of_cell(3)
 
     if (scene%dimension == 3) then
       u = dot_product(contacts%normal(:, k), space_relative_velocity(scene, contacts, k, scene%bodies%velocity))
     else
       in_plane = relative_velocity(contacts, k, scene%bodies%middle, scene%period, scene%bodies%velocity)
       u = in_plane(1)
+    end if
+    if (scene%cell%is_on) then
+      of_cell = cell_bias(scene, contacts, k)
+      u = u + of_cell(1)
     end if
   end function opening_of
 end module sg_recovery

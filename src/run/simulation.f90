@@ -125,6 +125,7 @@ contains
     sim%pairs%substeps = sim%options%substeps
     sim%contacts%memory = sim%pairs%memory
     sim%contacts%dimension = sim%scene%dimension
+    sim%contacts%has_cell = sim%scene%cell%is_on
     sim%contacts%n_components = impulse_length(sim%plan%kind)
     sim%contacts%n_internal = sim%plan%n_internal
     sim%contacts%n_kept = 0
@@ -155,6 +156,7 @@ contains
         call sim%fields(i)%begin(sim%options%fields(i))
       end do
     end if
+    if (sim%options%walls%is_periodic .and. sim%options%record_every > 0) call sim%cell%begin(sim%options%walls)
     if (sim%options%walls%count() == 0 .or. sim%options%record_every == 0) then
       if (allocated(sim%options%tracked)) &
         call sim%tracks%track(sim%options%tracked, sim%options%tracked_names, [integer(i4) ::], [text_t ::])

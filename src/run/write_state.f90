@@ -14,7 +14,7 @@ module sg_write_state
   use sg_mapping_space, only: space_relative_velocity
   use sg_motion, only: predict
   use sg_run_options, only: run_options_t
-  use sg_scene, only: scene_t
+  use sg_scene, only: scene_t, unwrapped
   use sg_simulation, only: simulation_t, start_simulation
   implicit none
   private
@@ -80,15 +80,15 @@ contains
   subroutine take_motion(moved, scene)
     type(scene_t), intent(in) :: moved
     type(scene_t), intent(inout) :: scene
+    real(wp) :: place(3)
     integer :: b, n
 
     n = moved%bodies%n_velocity
     do b = 1, scene%bodies%n
-      scene%bodies%position(:, b) = moved%bodies%position(:, b)
-      scene%bodies%position(1, b) = scene%bodies%position(1, b) + scene%period*real(moved%bodies%crossings(b), wp)
+      place = unwrapped(moved, moved%bodies, b)
+      scene%bodies%position(:, b) = place(:scene%dimension)
       scene%bodies%velocity(:n, b) = moved%bodies%velocity(:, b)
       if (scene%dimension == 3) then
-        scene%bodies%position(2, b) = scene%bodies%position(2, b) + scene%period_y*real(moved%bodies%crossings_y(b), wp)
         if (n == 6) scene%bodies%orientation(:, b) = moved%bodies%orientation(:, b)
       else if (n == 3) then
         scene%bodies%angle(b) = angle_of(moved%bodies, b)

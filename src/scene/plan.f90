@@ -312,7 +312,8 @@ contains
     text = text//nl//'used       '//merge('2D', '3D', scene%dimension == 2)//used(plan%has_tangent, 'friction') &
            //used(plan%has_rotation, 'rotation') &
            //used(.not. plan%is_round, 'lever arms')//used(scene%period > 0, 'period in x') &
-           //used(scene%period_y > 0, 'period in y') &
+           //used(scene%period_y > 0, 'period in y')//used(scene%period_z > 0, 'period in z') &
+           //used(scene%cell%is_on, 'periodic cell') &
            //used(size(scene%drives) > 0, 'drives')//used(size(scene%pressures) > 0, 'pressures') &
            //used(scene%bodies%has_presence, 'entries and removals') &
            //used(ranks > 1, 'decomposition')

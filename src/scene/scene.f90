@@ -8,10 +8,12 @@ module sg_scene
   use sg_laws, only: law_t
   use sg_links, only: links_t
   use sg_passages, only: entry_t, exit_t
+  use sg_periodic_cell, only: periodic_cell_t
   use sg_text, only: append_word, text_t
   implicit none
   private
   public :: scene_t, material_t, see_t, start_contact_t, colour_index, material_index, law_index
+  public :: periods_of, set_edges, image_shift, unwrapped
 
   !> A bulk material
   type :: material_t
@@ -83,8 +85,11 @@ module sg_scene
     type(text_t), allocatable :: names(:)
     !> Gravity [m/s2]; in the plane the third component is zero
     real(wp) :: gravity(3) = 0
-    !> Length of the period in x, and in space in y [m]; zero when not periodic
-    real(wp) :: period = 0, period_y = 0
+    !> Length of the period in x, and in space in y [m]; zero when not periodic. With a periodic cell those of all axes in the
+    !! `middle` configuration of the bodies
+    real(wp) :: period = 0, period_y = 0, period_z = 0
+    !> The periodic cell, where there is one
+    type(periodic_cell_t) :: cell
     !> Share by which contact points of a face are moved to its middle, for two polygons and two polyhedra
     real(wp) :: shrink = 0
     !> Motion of two polygons or polyhedra against each other, over the reach of the smaller one, up to which their contacts are
@@ -96,6 +101,55 @@ module sg_scene
   end type scene_t
 
 contains
+
+  !> Periods along x, y, z [m]; zero where there is none.
+  pure function periods_of(scene) result(period)
+    type(scene_t), intent(in) :: scene !! scene with its periods
+    real(wp) :: period(3)
+
+    period = [scene%period, scene%period_y, scene%period_z]
+  end function periods_of
+
+  !> Set the edges of the `middle` configuration of a periodic cell.
+  pure subroutine set_edges(scene, edge)
+    type(scene_t), intent(inout) :: scene !! scene with a cell
+    real(wp), intent(in) :: edge(4) !! lengths along x, y, z, and tilt [m]
+
+    scene%cell%middle = edge
+    scene%period = edge(1)
+    scene%period_y = edge(2)
+    if (scene%dimension == 3) scene%period_z = edge(3)
+  end subroutine set_edges
+
+  !> Way from a place to one of its images in the `middle` configuration [m].
+  pure function image_shift(scene, image) result(shift)
+    type(scene_t), intent(in) :: scene !! scene with its periods
+    integer, intent(in) :: image(3) !! periods along x, y, z
+    real(wp) :: shift(3)
+
+    shift = [scene%period*real(image(1), wp), scene%period_y*real(image(2), wp), scene%period_z*real(image(3), wp)]
+    if (scene%cell%is_on) shift(1) = shift(1) + scene%cell%middle(4)*real(image(2), wp)
+  end function image_shift
+
+  !> Place of a body [m], not folded into the period; in the plane the third component is zero.
+  pure function unwrapped(scene, bodies, body) result(place)
+    type(scene_t), intent(in) :: scene !! scene with its periods
+    type(bodies_t), intent(in) :: bodies !! its bodies, or some of them
+    integer, intent(in) :: body !! index of the body
+    real(wp) :: place(3), edge(4)
+    integer :: crossed(3)
+
+    crossed = 0
+    crossed(1) = bodies%crossings(body)
+    if (allocated(bodies%crossings_y)) crossed(2) = bodies%crossings_y(body)
+    if (allocated(bodies%crossings_z)) crossed(3) = bodies%crossings_z(body)
+    edge = [scene%period, scene%period_y, scene%period_z, 0.0_wp]
+    if (scene%cell%is_on) edge = scene%cell%now
+    place = 0
+    place(:bodies%dimension) = bodies%position(:, body)
+    place = place + edge(:3)*real(crossed, wp)
+    if (scene%cell%is_on) place(1) = place(1) + edge(4)*real(crossed(2), wp)
+  end function unwrapped
 
   !> Index of a colour, added when it is new.
   subroutine colour_index(scene, name, colour)

@@ -29,6 +29,8 @@ module sg_walls
   type :: walls_t
     !> The walls, ascending by number; unallocated where there are none
     type(wall_t), allocatable :: wall(:)
+    !> Is the cell a periodic one, without walls?
+    logical :: is_periodic = .false.
     !> Do they enclose a cell? Its two walls along each axis, lower and upper, 0 along periods; and its lengths at the start [m]
     logical :: has_cell = .false.
     integer :: pair(2, 3) = 0

@@ -16,21 +16,20 @@ module sg_touch_pair
 contains
 
   !> Narrow phase of one pair: the kernel of its two kinds.
-  pure subroutine touch_pair(contactors, c, a, offset, alert, touch, period, kept, clearance)
+  pure subroutine touch_pair(contactors, c, a, shift, alert, touch, period, kept, clearance)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer(i4), intent(in) :: c !! candidate
     integer(i4), intent(in) :: a !! antagonist
-    real(wp), intent(in) :: offset !! shift of the antagonist in x [m]
+    real(wp), intent(in) :: shift(2) !! of the antagonist [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     type(touch_t), intent(out) :: touch !! points of contact
     real(wp), intent(in), optional :: period !! period in x, makes a level segment endless that spans it [m]
     integer(i4), intent(inout), optional :: kept !! face of polygons to try first, see `touch_convex`
     real(wp), intent(inout), optional :: clearance !! set for two polygons: their distance or less [m]
     integer(i4) :: face
-    real(wp) :: centre(2), shift(2), half_length
+    real(wp) :: centre(2), half_length
     integer :: row_c, row_a, first, n, first_c, n_c
 
-    shift = [offset, 0.0_wp]
     row_c = contactors%row(c)
     row_a = contactors%row(a)
     centre = contactors%centre(:, a) + shift

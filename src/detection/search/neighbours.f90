@@ -5,6 +5,7 @@
 !! restarted run makes the same list again. Links of the scene stand behind all others, whatever their length.
 module sg_neighbours
   use sg_bodies, only: bodies_t, body_present, is_absent
+  use sg_cell_search, only: has_moved_in_cell, turned_angle, wrap_in_cell
   use sg_cells, only: build_cells, cells_t, level_cell
   use sg_contactors, only: contactors_t, kind_point, n_kinds, place_contactors
   use sg_kinds, only: wp, i1, i4, i8
@@ -13,14 +14,14 @@ module sg_neighbours
   use sg_memory, only: memory_t
   use sg_near, only: candidate_first, is_near, turning_arm
   use sg_owners, only: contact_owner
-  use sg_scene, only: scene_t
+  use sg_scene, only: image_shift, periods_of, scene_t
   use sg_sees, only: alert_of, see_between, widest_alert
   use sg_shape_kinds, only: is_bounding
   use sg_sorting, only: hilbert_order, sort_permutation
   use sg_timers, only: wall_now
   implicit none
   private
-  public :: neighbours_t, build_neighbours, find_neighbours, neighbours_are_stale, fitting_skin
+  public :: neighbours_t, build_neighbours, find_neighbours, image_of_pair, neighbours_are_stale, fitting_skin
 
   !> All pairs that may touch soon
   type :: neighbours_t
@@ -32,8 +33,8 @@ module sg_neighbours
     integer :: builds = 0
     !> Contactors, candidate and antagonist, shape (2, n)
     integer(i4), allocatable :: contactor(:, :)
-    !> Periods by which the antagonist is moved in x, and in space in y, shape (n)
-    integer(i1), allocatable :: image(:), image_y(:)
+    !> Periods by which the antagonist is moved in x, and in space in y, shape (n); in a periodic cell along all axes
+    integer(i1), allocatable :: image(:), image_y(:), image_z(:)
     !> Line of the scene's see tables, 0 for links, shape (n)
     integer(i4), allocatable :: see(:)
     !> Body of each slot, and slot of each body
@@ -75,6 +76,10 @@ contains
     stale = .not. allocated(pairs%built)
     if (.not. stale) stale = any(alert_of(scene%sees, pairs%way) > alert_of(scene%sees, pairs%listed_way))
     if (stale) return
+    if (scene%cell%is_on) then
+      stale = has_moved_in_cell(scene, pairs%built, pairs%skin)
+      return
+    end if
     associate (contactors => scene%contactors, middle => scene%bodies%middle)
       do c = 1, contactors%n
         if (contactors%kind(c) == kind_point) cycle
@@ -93,18 +98,6 @@ contains
     end associate
   end function neighbours_are_stale
 
-  !> Angle between two configurations of a body [rad].
-  pure real(wp) function turned_angle(now, then) result(angle)
-    real(wp), intent(in) :: now(:), then(:)
-
-    if (size(now) == 3) then
-      angle = abs(now(3) - then(3))
-    else
-      ! Unit quaternions q and -q are one orientation; half the angle between quaternions is a quarter of the rotation's.
-      angle = 4*asin(min(1.0_wp, min(norm2(now(4:7) - then(4:7)), norm2(now(4:7) + then(4:7)))/2))
-    end if
-  end function turned_angle
-
   !> Make the list for a configuration. Bodies that left the period are brought back into it.
   subroutine build_neighbours(pairs, scene, configuration, skin)
     type(neighbours_t), intent(inout) :: pairs !! list to make
@@ -117,8 +110,12 @@ contains
     end if
     if (.not. allocated(pairs%built)) allocate (pairs%built(size(configuration, 1), size(configuration, 2)))
     pairs%built(:, :) = configuration
-    if (scene%period > 0) call wrap(scene%bodies, pairs%built, 1, scene%period, scene%bodies%crossings)
-    if (scene%period_y > 0) call wrap(scene%bodies, pairs%built, 2, scene%period_y, scene%bodies%crossings_y)
+    if (scene%cell%is_on) then
+      call wrap_in_cell(scene, pairs%built)
+    else
+      if (scene%period > 0) call wrap(scene%bodies, pairs%built, 1, scene%period, scene%bodies%crossings)
+      if (scene%period_y > 0) call wrap(scene%bodies, pairs%built, 2, scene%period_y, scene%bodies%crossings_y)
+    end if
     pairs%skin = skin
     call find_neighbours(pairs, scene)
     call append_links(pairs, scene)
@@ -257,20 +254,24 @@ contains
     integer(i4), allocatable :: order(:)
     integer, allocatable :: crossed(:, :)
     real(wp), allocatable :: centre(:, :), reach(:)
-    real(wp) :: margin, period(3)
+    real(wp) :: margin, period(3), slope
     integer :: i, level, axis
 
-    period = [scene%period, scene%period_y, 0.0_wp]
+    period = periods_of(scene)
+    ! Cells stand upright: places are sheared back by the tilt, by which distances grow no more than this.
+    slope = 0
+    if (scene%cell%is_on) slope = scene%cell%middle(4)/scene%cell%middle(2)
     order = contactor_order(pairs, scene%contactors)
     if (allocated(scene%bodies%presence)) &
       order = pack(order, scene%bodies%presence(scene%contactors%body(order)) == body_present)
     allocate (centre(3, size(order)), source=0.0_wp)
     allocate (reach(size(order)))
-    allocate (crossed(2, size(order)), source=0)
+    allocate (crossed(3, size(order)), source=0)
     do i = 1, size(order)
       centre(:scene%dimension, i) = scene%contactors%centre(:, order(i))
       ! A body in the period may carry shapes far outside it (rough walls made of disks).
-      do axis = 1, 2
+      if (abs(slope) > 0) centre(1, i) = centre(1, i) - slope*centre(2, i)
+      do axis = 1, 3
         if (period(axis) > 0) crossed(axis, i) = floor(centre(axis, i)/period(axis))
         centre(axis, i) = centre(axis, i) - period(axis)*real(crossed(axis, i), wp)
       end do
@@ -278,6 +279,13 @@ contains
     end do
     margin = pairs%skin
     if (.not. pairs%without_alert) margin = margin + widest_alert(scene%sees, pairs%listed_way)
+    if (abs(slope) > 0) then
+      ! The largest stretch of a shear by so much.
+      associate (stretch => abs(slope)/2 + sqrt(1 + slope**2/4))
+        reach = stretch*reach
+        margin = stretch*margin
+      end associate
+    end if
     call build_cells(cells, centre, reach, margin, period)
     pairs%n = 0
     pairs%is_cut = .false.
@@ -295,7 +303,7 @@ contains
   subroutine append_links(pairs, scene)
     type(neighbours_t), intent(inout) :: pairs
     type(scene_t), intent(in) :: scene
-    integer(i4) :: image(2)
+    integer(i4) :: image(3)
     integer :: l
 
     pairs%n_near = pairs%n
@@ -307,8 +315,9 @@ contains
         if (allocated(scene%bodies%owner)) then
           if (contact_owner(scene%bodies%owner(scene%contactors%body(ends))) /= pairs%rank) cycle
         end if
-        image = image_of_link(scene, l, scene%contactors%body(ends))
-        call add_pair(pairs, scene%dimension, ends, image, 0)
+        image = 0
+        image(:2) = image_of_link(scene, l, scene%contactors%body(ends))
+        call add_pair(pairs, scene%dimension, scene%cell%is_on, ends, image, 0)
         if (pairs%is_cut) return
         call reserve(pairs%link, pairs%n - pairs%n_near)
         pairs%link(pairs%n - pairs%n_near) = int(l, i4)
@@ -330,21 +339,34 @@ contains
   end function image_of_link
 
   !> Append a pair.
-  subroutine add_pair(pairs, dimension, contactor, image, see)
+  subroutine add_pair(pairs, dimension, has_cell, contactor, image, see)
     type(neighbours_t), intent(inout) :: pairs
     integer, intent(in) :: dimension
+    logical, intent(in) :: has_cell !! are all axes periodic?
     integer(i4), intent(in) :: contactor(2) !! candidate and antagonist
-    integer(i4), intent(in) :: image(2) !! periods in x and y by which the antagonist is moved
+    integer(i4), intent(in) :: image(3) !! periods along x, y, z by which the antagonist is moved
     integer, intent(in) :: see !! line of the see tables, 0 for a link
 
-    call make_room(pairs, dimension)
+    call make_room(pairs, dimension, has_cell)
     if (pairs%is_cut) return
     pairs%n = pairs%n + 1
     pairs%contactor(:, pairs%n) = contactor
     pairs%image(pairs%n) = int(image(1), i1)
-    if (dimension == 3) pairs%image_y(pairs%n) = int(image(2), i1)
+    if (dimension == 3 .or. has_cell) pairs%image_y(pairs%n) = int(image(2), i1)
+    if (dimension == 3 .and. has_cell) pairs%image_z(pairs%n) = int(image(3), i1)
     pairs%see(pairs%n) = int(see, i4)
   end subroutine add_pair
+
+  !> Periods along x, y, z by which the antagonist of a pair is moved.
+  pure function image_of_pair(pairs, p) result(image)
+    type(neighbours_t), intent(in) :: pairs !! list of neighbours
+    integer, intent(in) :: p !! pair
+    integer :: image(3)
+
+    image = [int(pairs%image(p)), 0, 0]
+    if (allocated(pairs%image_y)) image(2) = int(pairs%image_y(p))
+    if (allocated(pairs%image_z)) image(3) = int(pairs%image_z(p))
+  end function image_of_pair
 
   !> Empty a list that was not made to its end: what follows, and a checkpoint, need the memory.
   subroutine give_back(pairs)
@@ -355,6 +377,7 @@ contains
     pairs%n_near = 0
     if (allocated(pairs%contactor)) deallocate (pairs%contactor, pairs%image, pairs%see)
     if (allocated(pairs%image_y)) deallocate (pairs%image_y)
+    if (allocated(pairs%image_z)) deallocate (pairs%image_z)
     allocate (pairs%contactor(2, 0), pairs%image(0), pairs%see(0))
   end subroutine give_back
 
@@ -380,7 +403,7 @@ contains
     type(scene_t), intent(in) :: scene
     integer(i4), intent(in) :: table(:, :), order(:)
     type(cells_t), intent(in) :: cells
-    integer, intent(in) :: crossed(:, :) !! periods between each contactor and its centre, in x and y
+    integer, intent(in) :: crossed(:, :) !! periods between each contactor and its centre, along x, y, z
     real(wp), intent(in) :: centre(:, :) !! within the period
     integer, intent(in) :: i, level
     integer(i4) :: home(3), cell(3), wrapped(-1:1, 3), bucket
@@ -407,7 +430,7 @@ contains
             if (j <= i .and. level == cells%level(i)) cycle
             if (cells%level(j) /= level .or. any(cells%cell(:, j) /= cell)) cycle
             call consider(pairs, scene, table, order(i), order(j), &
-                          [images(column, 1), images(row, 2)] + crossed(:, i) - crossed(:, j))
+                          [images(column, 1), images(row, 2), images(layer, 3)] + crossed(:, i) - crossed(:, j))
           end do
         end do
       end do
@@ -415,22 +438,24 @@ contains
   end subroutine look_around
 
   !> Make room for one more pair, unless memory is short.
-  subroutine make_room(pairs, dimension)
+  subroutine make_room(pairs, dimension, has_cell)
     type(neighbours_t), intent(inout) :: pairs
     integer, intent(in) :: dimension
+    logical, intent(in) :: has_cell
     integer :: now
 
     now = 0
     if (allocated(pairs%see)) now = size(pairs%see)
     if (pairs%n < now .or. pairs%is_cut) return
     ! While a table grows there are both the old one and the new one.
-    associate (bytes => 12 + dimension - 1, more => room_for(pairs%n + 1, now) - now)
+    associate (bytes => 12 + dimension - merge(0, 1, has_cell), more => room_for(pairs%n + 1, now) - now)
       pairs%is_cut = pairs%n == huge(pairs%n) - 1 .or. .not. pairs%memory%fits(int(bytes, i8)*int(more, i8) + 8_i8*int(now, i8))
     end associate
     if (pairs%is_cut) return
     call reserve(pairs%contactor, 2, pairs%n + 1)
     call reserve(pairs%image, pairs%n + 1)
-    if (dimension == 3) call reserve(pairs%image_y, pairs%n + 1)
+    if (dimension == 3 .or. has_cell) call reserve(pairs%image_y, pairs%n + 1)
+    if (dimension == 3 .and. has_cell) call reserve(pairs%image_z, pairs%n + 1)
     call reserve(pairs%see, pairs%n + 1)
   end subroutine make_room
 
@@ -439,7 +464,7 @@ contains
     type(neighbours_t), intent(inout) :: pairs
     type(scene_t), intent(in) :: scene
     integer(i4), intent(in) :: table(:, :), i, j
-    integer, intent(in) :: image(2) !! periods by which j is moved, in x and y
+    integer, intent(in) :: image(3) !! periods by which j is moved, along x, y, z
     integer(i4) :: see
     real(wp) :: period(3), margin
     integer :: side
@@ -451,12 +476,12 @@ contains
       if (allocated(scene%bodies%owner)) then
         if (contact_owner(scene%bodies%owner([contactors%body(i), contactors%body(j)])) /= pairs%rank) return
       end if
-      period = [scene%period, scene%period_y, 0.0_wp]
+      period = periods_of(scene)
       margin = pairs%skin
       if (.not. pairs%without_alert) margin = alert_of(scene%sees(see), pairs%listed_way) + pairs%skin
-      if (.not. is_near(contactors, i, j, period*real([image, 0], wp), period, margin)) return
+      if (.not. is_near(contactors, i, j, image_shift(scene, image), period, margin)) return
       side = merge(1, -1, candidate_first(contactors, i, j))
-      call add_pair(pairs, scene%dimension, merge([i, j], [j, i], side == 1), int(side*image, i4), int(see))
+      call add_pair(pairs, scene%dimension, scene%cell%is_on, merge([i, j], [j, i], side == 1), int(side*image, i4), int(see))
     end associate
   end subroutine consider
 end module sg_neighbours

@@ -62,7 +62,7 @@ contains
     do i = 1, size(templates)
       call share%census%mix(transfer(templates(i)%volume, 1_i8))
     end do
-    call generate_samples(deck, templates, [scene%period, scene%period_y], deck%ranks > 1 .and. size(called) == 0, samples, &
+    call generate_samples(deck, templates, periods_of(scene), deck%ranks > 1 .and. size(called) == 0, samples, &
                           share%census, diagnostics)
     if (n_fixed + sum(samples%n) == 0 .and. diagnostics%count() == 0) &
       call deck%complain(diagnostics, 'there is no body: a deck needs [[body]], [[wall]], [[sample]] or scene.datbox', &
@@ -301,6 +301,8 @@ contains
       other%contactors%dimension = scene%dimension
       other%period = scene%period
       other%period_y = scene%period_y
+      other%period_z = scene%period_z
+      other%bodies%has_cell = scene%bodies%has_cell
       allocate (other%materials(size(scene%materials)))
       do i = 1, size(scene%materials)
         other%materials(i) = scene%materials(i)
@@ -336,6 +338,7 @@ contains
       end if
       if (scene%period > 0) bodies%position(1, n) = modulo(bodies%position(1, n), scene%period)
       if (scene%period_y > 0) bodies%position(2, n) = modulo(bodies%position(2, n), scene%period_y)
+      if (scene%period_z > 0) bodies%position(3, n) = modulo(bodies%position(3, n), scene%period_z)
     end associate
   end subroutine add_grain
 

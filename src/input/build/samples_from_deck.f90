@@ -57,7 +57,7 @@ contains
   subroutine generate_samples(deck, templates, period, may_stream, samples, census, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     type(grain_template_t), intent(in) :: templates(:) !! all templates
-    real(wp), intent(in) :: period(2) !! periods in x and y [m], 0 for none
+    real(wp), intent(in) :: period(3) !! periods along x, y, z [m], 0 for none
     logical, intent(in) :: may_stream !! can a rank do without the grains of others?
     type(sample_t), allocatable, intent(out) :: samples(:) !! in the order of the deck
     type(census_t), intent(inout) :: census !! learns about grains that are not listed
@@ -113,7 +113,7 @@ contains
     type(grain_template_t), intent(in) :: templates(:)
     type(sample_t), intent(inout) :: samples(:) !! grains of those before are there
     integer, intent(in) :: i
-    real(wp), intent(in) :: period(2)
+    real(wp), intent(in) :: period(3)
     logical, intent(in) :: may_stream
     type(census_t), intent(inout) :: census
     type(diagnostics_t), intent(inout) :: diagnostics
@@ -121,10 +121,10 @@ contains
                                                  'x least, y least, z least, x most, y most, z most']
     type(value_t) :: value
     real(wp) :: box(2*deck%dimension)
-    logical :: is_periodic(deck%dimension - 1), is_piece
+    logical :: is_periodic(deck%dimension), is_piece
     integer :: errors
 
-    associate (sample => samples(i), block => samples(i)%block, d => deck%dimension, along => period(:deck%dimension - 1))
+    associate (sample => samples(i), block => samples(i)%block, d => deck%dimension, along => period(:deck%dimension))
       allocate (sample%centre(d, 0), sample%radius(0), sample%templates(0))
       value = deck%value(block, 'box')
       box = value%numbers(:2*d)
@@ -132,7 +132,7 @@ contains
         call deck%complain(diagnostics, 'the box is empty: it is ['//trim(boxes(d))//']', block, 'box')
         return
       end if
-      is_periodic = along > 0 .and. abs(box(:d - 1)) <= 1e-9_wp*along .and. abs(box(d + 1:2*d - 1) - along) <= 1e-9_wp*along
+      is_periodic = along > 0 .and. abs(box(:d)) <= 1e-9_wp*along .and. abs(box(d + 1:) - along) <= 1e-9_wp*along
       call sample%random%seed(deck%integer(block, 'seed'))
       errors = diagnostics%count()
       call choose_templates(deck, block, templates, sample%templates, diagnostics)
@@ -144,10 +144,10 @@ contains
         call fill_rain(deck, sample, box, is_periodic, diagnostics)
       else if (deck%word(block, 'kind') == 'lattice') then
         is_piece = may_stream .and. .not. sample%sizes%has_sieve .and. any(deck%word(block, 'shape') == ['disk  ', 'sphere'])
-        call fill_lattice(deck, box, is_periodic, period, is_piece, sample, census, diagnostics)
+        call fill_lattice(deck, box, is_periodic(:d - 1), period(:2), is_piece, sample, census, diagnostics)
         if (is_piece) return
       else
-        call fill_random(deck, samples, i, box, period, is_periodic, diagnostics)
+        call fill_random(deck, samples, i, box, period(:2), is_periodic, diagnostics)
       end if
       if (.not. sample%is_rain) call order(sample, box)
       sample%first = int(int(sample%n, i8)*int(deck%rank, i8)/int(deck%ranks, i8)) + 1
@@ -308,7 +308,7 @@ contains
       if (is_refused) return
       call draw_sizes(deck, sample, deck%integer(block, 'count'))
       margin = maxval(sample%radius)
-      margin(:d - 1) = merge(0.0_wp, margin(:d - 1), is_periodic)
+      margin = merge(0.0_wp, margin, is_periodic)
       if (any(box(d + 1:) - box(:d) < 2*margin)) then
         call deck%complain(diagnostics, 'the window is too narrow for grains of a radius of '//to_text(maxval(sample%radius), 4)// &
                            ' m', block, 'box')

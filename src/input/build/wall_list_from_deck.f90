@@ -33,6 +33,11 @@ contains
         call add_planes(deck, b, scene, walls)
       end if
     end do
+    if (scene%cell%is_on) then
+      walls%has_cell = .true.
+      walls%is_periodic = .true.
+      walls%start = scene%cell%start(:3)
+    end if
     if (walls%count() > 0) call walls%find_cell(scene%dimension, [scene%period, scene%period_y, 0.0_wp])
   end subroutine wall_list_from_deck
 

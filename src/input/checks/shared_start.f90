@@ -13,7 +13,7 @@ module sg_shared_start
   use sg_pack_bodies, only: drop_step_state, order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_replicated_data, only: keep_replicated, localise, replicated_data_t
-  use sg_scene, only: scene_t, start_contact_t
+  use sg_scene, only: periods_of, scene_t, start_contact_t
   use sg_start_checks, only: complain_of_outside, complain_of_wide, first_wide, lies_outside
   use sg_start_overlaps, only: add_overlap, find_overlaps, most_pairs, overlaps_t, report_overlaps
   use sg_subdomain, only: subdomain_t
@@ -79,11 +79,11 @@ contains
     type(scene_t), intent(in) :: scene
     type(comm_t), intent(inout) :: comm
     type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp) :: period(2), value
+    real(wp) :: period(3), value
     integer :: axis, c, b, number
 
-    period = [scene%period, scene%period_y]
-    do axis = 1, 2
+    period = periods_of(scene)
+    do axis = 1, scene%dimension
       if (.not. period(axis) > 0) cycle
       number = huge(1)
       value = 0

@@ -4,7 +4,7 @@ module sg_start_checks
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_named_bodies, only: name_of
-  use sg_scene, only: scene_t
+  use sg_scene, only: periods_of, scene_t
   use sg_shape_kinds, only: is_round
   use sg_text, only: to_text
   implicit none
@@ -18,11 +18,11 @@ contains
     type(deck_t), intent(in) :: deck !! checked deck
     type(scene_t), intent(in) :: scene !! scene with its bodies
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    real(wp) :: period(2)
+    real(wp) :: period(3)
     integer :: axis, c, b
 
-    period = [scene%period, scene%period_y]
-    do axis = 1, 2
+    period = periods_of(scene)
+    do axis = 1, scene%dimension
       if (.not. period(axis) > 0) cycle
       c = first_wide(scene, period(axis))
       if (c > 0) then
@@ -53,13 +53,13 @@ contains
   pure logical function lies_outside(scene, body, axis)
     type(scene_t), intent(in) :: scene !! scene with its bodies
     integer, intent(in) :: body !! body of the scene
-    integer, intent(in) :: axis !! 1 for x, 2 for y
+    integer, intent(in) :: axis !! 1 for x, 2 for y, 3 for z
 
-    real(wp) :: period
+    real(wp) :: period(3)
 
-    period = merge(scene%period, scene%period_y, axis == 1)
+    period = periods_of(scene)
     associate (coordinate => scene%bodies%position(axis, body))
-      lies_outside = scene%bodies%is_grain(body) .and. .not. (coordinate >= 0 .and. coordinate < period)
+      lies_outside = scene%bodies%is_grain(body) .and. .not. (coordinate >= 0 .and. coordinate < period(axis))
     end associate
   end function lies_outside
 
@@ -80,13 +80,15 @@ contains
     type(deck_t), intent(in) :: deck !! checked deck
     type(scene_t), intent(in) :: scene !! scene with its period
     integer, intent(in) :: number !! number of the body in the whole scene
-    integer, intent(in) :: axis !! 1 for x, 2 for y
+    integer, intent(in) :: axis !! 1 for x, 2 for y, 3 for z
     real(wp), intent(in) :: coordinate !! of the grain along it [m]
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    character(len=*), parameter :: letters = 'xy'
+    character(len=*), parameter :: letters = 'xyz'
+    real(wp) :: period(3)
 
+    period = periods_of(scene)
     call deck%complain(diagnostics, name_of(deck, number)//' lies outside of the period: '//letters(axis:axis)//' = '// &
                        to_text(coordinate, 6)//' m is not within 0 to '// &
-                       to_text(merge(scene%period, scene%period_y, axis == 1), 6)//' m', deck%block_of_body(number))
+                       to_text(period(axis), 6)//' m', deck%block_of_body(number))
   end subroutine complain_of_outside
 end module sg_start_checks

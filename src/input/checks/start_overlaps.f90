@@ -6,7 +6,7 @@ module sg_start_overlaps
   use sg_kinds, only: wp, i4
   use sg_named_bodies, only: name_of
   use sg_near, only: candidate_first
-  use sg_neighbours, only: find_neighbours, neighbours_t
+  use sg_neighbours, only: find_neighbours, image_of_pair, neighbours_t
   use sg_owners, only: contact_owner
   use sg_pair_gap, only: pair_gap
   use sg_scene, only: scene_t
@@ -44,7 +44,7 @@ contains
     integer, intent(in) :: rank !! where ranks share the scene: this rank
     type(overlaps_t), intent(inout) :: found !! pairs found
     type(neighbours_t) :: pairs
-    integer(i4) :: image(2)
+    integer(i4) :: image(3)
     integer :: p, n
 
     if (size(scene%sees) == 0) return
@@ -59,8 +59,7 @@ contains
     pairs%without_alert = .true.
     call find_neighbours(pairs, scene)
     do p = 1, pairs%n
-      image = int(pairs%image(p), i4)
-      if (n == 3) image(2) = int(pairs%image_y(p), i4)
+      image = int(image_of_pair(pairs, p), i4)
       associate (pair => pairs%contactor(:, p))
         if (.not. is_hollow(scene%contactors%kind(pair(2)))) call weigh_pair(scene, pair, image, found)
       end associate
@@ -158,7 +157,7 @@ contains
   subroutine weigh_pair(scene, pair, image, found)
     type(scene_t), intent(in) :: scene !! the scene, its contactors placed
     integer(i4), intent(in) :: pair(2) !! candidate and antagonist
-    integer(i4), intent(in) :: image(2) !! periods by which the antagonist is moved
+    integer(i4), intent(in) :: image(:) !! periods by which the antagonist is moved
     type(overlaps_t), intent(inout) :: found !! list to add to
     real(wp) :: radius, depth
     integer :: b(2)

@@ -36,7 +36,7 @@ contains
     real(wp), intent(in) :: radii(:) !! radii, largest first [m]
     real(wp), intent(in) :: box(:) !! least, then largest coordinates [m]: four in the plane, six in space
     real(wp), intent(in) :: clearance !! least distance between two grains [m]
-    logical, intent(in) :: is_periodic(:) !! do grains go through the sides of the box? In x; in space in x and in y
+    logical, intent(in) :: is_periodic(:) !! do grains go through the sides of the box? Along x, y, z, as many as are given
     real(wp), intent(in) :: there(:, :) !! centres of grains that are there [m], in or about the box, shape (dimension, others)
     real(wp), intent(in) :: their_radii(:) !! their radii [m]
     real(wp), allocatable, intent(out) :: points(:, :) !! centres [m], shape (dimension, size(radii))
@@ -47,7 +47,7 @@ contains
 
     d = size(box)/2
     period = 0
-    period(:d - 1) = merge(box(d + 1:2*d - 1) - box(:d - 1), 0.0_wp, is_periodic)
+    period(:size(is_periodic)) = merge(box(d + 1:d + size(is_periodic)) - box(:size(is_periodic)), 0.0_wp, is_periodic)
     call place_others(others, box, there, their_radii)
     call open_placed(placed, radii, box)
     point = 0

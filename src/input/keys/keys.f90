@@ -5,7 +5,7 @@ module sg_keys
   use sg_keys_generators, only: add_generator_keys
   use sg_keys_passages, only: add_passage_keys
   use sg_keys_run, only: add_run_keys
-  use sg_keys_scene, only: add_drive_keys, add_law_keys, add_scene_keys
+  use sg_keys_scene, only: add_cell_keys, add_drive_keys, add_law_keys, add_scene_keys
   implicit none
   private
   public :: all_keys
@@ -21,6 +21,7 @@ contains
     call table%add('title', value_text, 'Title, shown in the log, in run.json and on pages of studies.')
     call table%add('about', value_text, 'What the deck is for, in sentences; shown in run.json and on pages of studies.')
     call add_scene_keys(table)
+    call add_cell_keys(table)
     call add_run_keys(table)
     call add_law_keys(table)
     call add_body_keys(table)

@@ -7,7 +7,7 @@ module sg_keys_scene
   use sg_words, only: choices_of
   implicit none
   private
-  public :: add_scene_keys, add_law_keys, add_drive_keys, law_kinds, plane_shapes, space_shapes
+  public :: add_scene_keys, add_cell_keys, add_law_keys, add_drive_keys, law_kinds, plane_shapes, space_shapes
 
   !> Words for the kinds of law, those of LMGC90, in the order of the numbers `law_*`
   character(len=24), parameter :: law_kinds(22) = [character(len=24) :: 'IQS_CLB', 'GAP_SGR_CLB', 'VEL_SGR_CLB', 'RST_CLB', &
@@ -42,6 +42,22 @@ contains
                    'were found, over the radius of the smaller one; 0 for never. Not in '// &
                    'scenes with cohesive zones.', default='1e-3', least=0.0_wp, most=0.1_wp)
   end subroutine add_scene_keys
+
+  !> Section cell.
+  subroutine add_cell_keys(table)
+    type(key_table_t), intent(inout) :: table !! table to add to
+    character(len=*), parameter :: sign = ', positive in compression: a number, or an expression of the time t.'
+
+    call table%open_section('cell', 'A periodic cell: all axes are periodic, and the lengths change at imposed '// &
+                            'rates. Its grains move with it, beyond their own velocities; there are no walls and no gravity.')
+    call table%add('size', value_vector, 'Lengths of the cell at the start; grains lie between 0 and these. Default: no cell.', &
+                   unit='m')
+    call table%add('strain_rate_xx', value_function, 'Rate of the logarithmic strain along x'//sign, unit='1/s', default='0.0')
+    call table%add('strain_rate_yy', value_function, 'Rate of the logarithmic strain along y.', unit='1/s', default='0.0')
+    call table%add('strain_rate_zz', value_function, 'Rate of the logarithmic strain along z.', unit='1/s', default='0.0', &
+                   dimension=in_space)
+    call table%add('shear_rate', value_function, 'Rate at which the velocity along x grows with y.', unit='1/s', default='0.0')
+  end subroutine add_cell_keys
 
   !> Sections material, law and interaction.
   subroutine add_law_keys(table)

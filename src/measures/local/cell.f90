@@ -1,4 +1,4 @@
-!> The cell that walls enclose: lengths, logarithmic strains, void ratio (doc/theory/indicators.md, "Cell").
+!> The cell that walls enclose, or the periodic cell: lengths, logarithmic strains, void ratio (doc/theory/indicators.md, "Cell").
 module sg_cell
   use sg_comm, only: comm_t
   use sg_kinds, only: wp
@@ -16,6 +16,8 @@ module sg_cell
     type(walls_t) :: walls
     !> Present lengths [m]; those of the start until the first measure
     real(wp) :: length(3) = 0
+    !> Shear strain of a periodic cell: way of the upper face along x over the length along y
+    real(wp) :: shear = 0
     !> Area of the grains [m2], in space their volume [m3]
     real(wp) :: grains = 0
   contains
@@ -60,6 +62,10 @@ contains
     end associate
     if (comm%size > 1) call comm%sum(sums)
     self%length = self%walls%start + sums(1:3)
+    if (self%walls%is_periodic) then
+      self%length = scene%cell%now(:3)
+      self%shear = scene%cell%now(4)/scene%cell%now(2)
+    end if
     self%grains = sums(4)
   end subroutine cell_measure
 
@@ -87,6 +93,11 @@ contains
       column%value = strain(a)
       columns = [columns, column]
     end do
+    if (cell%walls%is_periodic) then
+      column%name = 'strain_xy'
+      column%value = cell%shear
+      columns = [columns, column]
+    end if
     column%name = 'void_ratio'
     column%value = 0
     if (cell%grains > 0) column%value = product(cell%length(:dimension))/cell%grains - 1

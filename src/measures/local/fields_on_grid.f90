@@ -9,7 +9,7 @@ module sg_fields_on_grid
   use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
   use sg_field_options, only: field_options_t, kernel_box
   use sg_kinds, only: wp
-  use sg_scene, only: scene_t
+  use sg_scene, only: image_shift, periods_of, scene_t
   use sg_stress, only: branch_of
   implicit none
   private
@@ -129,13 +129,15 @@ contains
     real(wp), intent(in) :: place(3), values(:)
     integer, intent(in) :: first, last
     real(wp) :: image(3)
-    integer :: i, j, images(2)
+    integer :: i, j, k, images(3)
 
-    images = merge(1, 0, [scene%period, scene%period_y] > 0)
-    do j = -images(2), images(2)
-      do i = -images(1), images(1)
-        image = place + [real(i, wp)*scene%period, real(j, wp)*scene%period_y, 0.0_wp]
-        call spread_values(self, scene%dimension, image, first, last, values)
+    images = merge(1, 0, periods_of(scene) > 0)
+    do k = -images(3), images(3)
+      do j = -images(2), images(2)
+        do i = -images(1), images(1)
+          image = place + image_shift(scene, [i, j, k])
+          call spread_values(self, scene%dimension, image, first, last, values)
+        end do
       end do
     end do
   end subroutine spread_images

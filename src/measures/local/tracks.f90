@@ -15,7 +15,7 @@ module sg_tracks
   use sg_mapping, only: arms_of
   use sg_mapping_space, only: space_arms
   use sg_rotations, only: no_rotation, turned_back, turned_by
-  use sg_scene, only: scene_t
+  use sg_scene, only: scene_t, unwrapped
   use sg_text, only: append_word, text_t
   use sg_vectors, only: cross
   implicit none
@@ -278,10 +278,7 @@ contains
     integer, intent(in) :: body !! index of the body
     real(wp) :: place(3)
 
-    place = 0
-    place(:scene%dimension) = scene%bodies%position(:, body)
-    place(1) = place(1) + scene%period*real(scene%bodies%crossings(body), wp)
-    if (scene%dimension == 3) place(2) = place(2) + scene%period_y*real(scene%bodies%crossings_y(body), wp)
+    place = unwrapped(scene, scene%bodies, body)
   end function place_of
 
   !> Index of a body that this rank owns; 0 where another one does.

@@ -8,7 +8,7 @@ module sg_pictures_bodies
   use sg_pictures_grid, only: grid_file_t, grid_root, on_field, on_points, put_presence, vtk_vertex
   use sg_rotations, only: no_rotation, turned_by
   use sg_run_options, only: run_options_t
-  use sg_scene, only: scene_t
+  use sg_scene, only: place_of_body => unwrapped, scene_t
   use sg_xdmf, only: xdmf_t
   implicit none
   private
@@ -83,8 +83,15 @@ contains
     else
       call self%grid%put(on_points, 'rank', spread(0_i4, 1, n))
     end if
-    call self%grid%put(on_field, 'period', [scene%period])
-    if (scene%dimension == 3) call self%grid%put(on_field, 'period_y', [scene%period_y])
+    if (scene%cell%is_on) then
+      call self%grid%put(on_field, 'period', [scene%cell%now(1)])
+      call self%grid%put(on_field, 'period_y', [scene%cell%now(2)])
+      if (scene%dimension == 3) call self%grid%put(on_field, 'period_z', [scene%cell%now(3)])
+      call self%grid%put(on_field, 'tilt', [scene%cell%now(4)])
+    else
+      call self%grid%put(on_field, 'period', [scene%period])
+      if (scene%dimension == 3) call self%grid%put(on_field, 'period_y', [scene%period_y])
+    end if
     call self%grid%finish(time, step)
     call self%xdmf%add(self%grid, time)
   end subroutine bodies_write
@@ -148,10 +155,12 @@ contains
     type(scene_t), intent(in) :: scene
     type(bodies_t), intent(in) :: bodies
     real(wp), allocatable :: position(:, :)
+    integer :: b
 
-    position = in_space(bodies%position)
-    position(1, :) = position(1, :) + real(bodies%crossings, wp)*scene%period
-    if (scene%dimension == 3) position(2, :) = position(2, :) + real(bodies%crossings_y, wp)*scene%period_y
+    allocate (position(3, bodies%n))
+    do b = 1, bodies%n
+      position(:, b) = place_of_body(scene, bodies, b)
+    end do
   end function unwrapped
 
   !> Vectors of the plane with a third component of zero; those of space as they are.

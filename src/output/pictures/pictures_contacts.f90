@@ -7,7 +7,7 @@
 module sg_pictures_contacts
   use sg_bodies, only: bodies_t
   use sg_comm, only: comm_t
-  use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
+  use sg_contacts, only: contacts_t, image_of, impulse_vector, normal_impulse
   use sg_internal_values, only: bond_integrity, bond_slip
   use sg_kinds, only: wp, i4, i8
   use sg_laws, only: is_cohesive_zone
@@ -15,7 +15,7 @@ module sg_pictures_contacts
   use sg_link_laws, only: pulls_only
   use sg_pictures_grid, only: grid_file_t, on_cells, on_field, vtk_empty, vtk_line
   use sg_run_options, only: run_options_t
-  use sg_scene, only: scene_t
+  use sg_scene, only: image_shift, scene_t
   use sg_xdmf, only: xdmf_t
   implicit none
   private
@@ -226,7 +226,7 @@ contains
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: i
-    real(wp) :: ends(scene%dimension, 2), here(scene%dimension), image(scene%dimension), half(scene%dimension)
+    real(wp) :: ends(scene%dimension, 2), here(scene%dimension), image(scene%dimension), half(scene%dimension), shift(3)
     integer :: candidate, antagonist
 
     candidate = contacts%body(1, i)
@@ -235,6 +235,10 @@ contains
     image = 0
     image(1) = real(contacts%image(i), wp)*scene%period
     if (scene%dimension == 3) image(2) = real(contacts%image_y(i), wp)*scene%period_y
+    if (scene%cell%is_on) then
+      shift = image_shift(scene, image_of(contacts, i))
+      image = shift(:scene%dimension)
+    end if
     ends(:, 1) = scene%bodies%position(:, candidate)
     ends(:, 2) = scene%bodies%position(:, antagonist) + (image + here - jump(scene, antagonist))
     if (is_link(scene, contacts, i)) then
@@ -256,6 +260,7 @@ contains
     real(wp) :: jump(scene%dimension)
 
     jump = 0
+    if (scene%cell%is_on) return
     associate (way => scene%bodies%position(:, body) - scene%bodies%middle(:scene%dimension, body))
       if (scene%period > 0) jump(1) = real(nint(way(1)/scene%period), wp)*scene%period
       if (scene%period_y > 0) jump(2) = real(nint(way(2)/scene%period_y), wp)*scene%period_y

@@ -58,6 +58,8 @@ module sg_restart
     real(wp), allocatable :: means(:)
     !> Samples of fields since their last grids (sg_fields_on_grid); empty where there are none
     real(wp), allocatable :: fields(:)
+    !> State of the periodic cell (sg_periodic_cell); empty where there is none
+    real(wp), allocatable :: cell(:)
   end type restart_t
 
 contains
@@ -150,6 +152,7 @@ contains
     call put_optional(file, '/stages', state%stages)
     call put_optional(file, '/means', state%means)
     call put_optional(file, '/fields', state%fields)
+    call put_optional(file, '/cell', state%cell)
     call put_sealed(file, '/built', state%built)
     call put_fields(file, '/bodies', state%bodies)
     call put_fields(file, '/contacts', state%contacts)
@@ -185,6 +188,7 @@ contains
     if (present(bodies)) whole(1) = bodies
     if (present(contactors)) whole(2) = contactors
     contacts%dimension = scene%dimension
+    contacts%has_cell = scene%cell%is_on
     contacts%n_components = scene%dimension
     if (present(components)) contacts%n_components = components
     if (present(internal)) contacts%n_internal = internal
@@ -256,6 +260,7 @@ contains
     call get_optional(file, '/stages', state%stages)
     call get_optional(file, '/means', state%means)
     call get_optional(file, '/fields', state%fields)
+    call get_optional(file, '/cell', state%cell)
     ! One rank alone takes up its list of neighbours.
     if (ranks%size == 1) call file%get('/built', state%built)
     if (.not. allocated(state%built)) allocate (state%built(0, 0))

@@ -16,7 +16,8 @@ module sg_restart_datasets
   public :: check_shapes, dataset_paths, scene_misfit
 
   !> Lists of any length that only some runs write
-  character(len=7), parameter :: optional_lists(5) = [character(len=7) :: '/tracks', '/stop', '/stages', '/means', '/fields']
+  character(len=7), parameter :: optional_lists(6) = [character(len=7) :: '/tracks', '/stop', '/stages', '/means', '/fields', &
+                                                                  '/cell']
 
   !> A dataset, values per row, and its rows
   type :: dataset_t

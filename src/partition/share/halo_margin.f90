@@ -19,6 +19,8 @@ module sg_halo_margin
     real(wp) :: width = 0
     !> Own bodies when copies were made, shape (dimension, n_own)
     real(wp), allocatable, private :: placed(:, :)
+    !> Edges of a periodic cell then [m]
+    real(wp), private :: edge(4) = 0
   contains
     procedure :: choose => margin_choose
     procedure :: start => margin_start
@@ -44,6 +46,7 @@ contains
     type(scene_t), intent(in) :: scene !! this rank's part, with its copies
 
     self%placed = scene%bodies%position(:, :scene%bodies%n_own)
+    self%edge = scene%cell%middle
   end subroutine margin_start
 
   !> Do the copies still hold all that may touch before the list after the next one? The same on all ranks. Collective.
@@ -53,7 +56,8 @@ contains
     real(wp), intent(in) :: skin !! of the next list of neighbours, the same on all ranks [m]
     type(comm_t), intent(inout) :: comm !! the ranks
 
-    holds = needed(scene, skin, comm, self%placed) <= self%width
+    ! Images of a periodic cell move with its edges, by which bodies that were folded count as moved, too.
+    holds = needed(scene, skin, comm, self%placed) + 3*sum(abs(scene%cell%middle - self%edge)) <= self%width
   end function margin_holds
 
   !> List the tables of the margin.
@@ -83,8 +87,10 @@ contains
     if (present(placed)) then
       do b = 1, size(placed, 2)
         moved = scene%bodies%position(:, b) - placed(:, b)
+        if (scene%cell%is_on) moved(1) = moved(1) - scene%cell%middle(4)*anint(moved(2)/scene%period_y)
         if (scene%period > 0) moved(1) = moved(1) - scene%period*anint(moved(1)/scene%period)
         if (scene%period_y > 0) moved(2) = moved(2) - scene%period_y*anint(moved(2)/scene%period_y)
+        if (scene%period_z > 0) moved(3) = moved(3) - scene%period_z*anint(moved(3)/scene%period_z)
         most(2) = max(most(2), sum(moved**2))
       end do
     end if

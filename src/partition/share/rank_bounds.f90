@@ -2,7 +2,7 @@
 module sg_rank_bounds
   use sg_comm, only: comm_t
   use sg_kinds, only: wp
-  use sg_scene, only: scene_t
+  use sg_scene, only: periods_of, scene_t
   use sg_sorting, only: hilbert_order
   implicit none
   private
@@ -18,8 +18,10 @@ module sg_rank_bounds
     real(wp), allocatable :: box(:, :)
     !> The box about all grains of each rank, shape (6, 0:ranks-1)
     real(wp), allocatable :: outline(:, :)
-    !> Periods in x and y [m], 0 where there is none
-    real(wp) :: period(2) = 0
+    !> Periods along x, y, z [m], 0 where there is none
+    real(wp) :: period(3) = 0
+    !> Way along x by which a period along y moves an image, in a periodic cell that is sheared [m]
+    real(wp) :: tilt = 0
   contains
     procedure :: survey => rank_bounds_survey
     procedure :: is_near => rank_bounds_is_near
@@ -51,7 +53,8 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp), allocatable :: own(:, :), outline(:, :)
 
-    self%period = [scene%period, scene%period_y]
+    self%period = periods_of(scene)
+    self%tilt = scene%cell%middle(4)
     call draw_boxes(scene, reach, margin, own)
     call comm%gather([minval(own(:3, :), 2), maxval(own(4:, :), 2)], outline)
     if (allocated(self%outline)) deallocate (self%outline)
@@ -104,7 +107,7 @@ contains
     allocate (send(0))
     do r = 0, comm%size - 1
       if (r == comm%rank) cycle
-      if (.not. overlap(self%outline(:, comm%rank), self%outline(:, r), self%period)) cycle
+      if (.not. overlap(self%outline(:, comm%rank), self%outline(:, r), self%period, self%tilt)) cycle
       sent(r) = size(own)
     end do
     send = [(reshape(own, [size(own)]), r=1, count(sent > 0))]
@@ -131,21 +134,25 @@ contains
     own(:size(centre)) = centre - reach
     own(4:3 + size(centre)) = centre + reach
     rank_bounds_is_near = .false.
-    if (.not. overlap(own, self%outline(:, r), self%period)) return
+    if (.not. overlap(own, self%outline(:, r), self%period, self%tilt)) return
     do i = self%first(r), self%first(r + 1) - 1
-      rank_bounds_is_near = overlap(own, self%box(:, i), self%period)
+      rank_bounds_is_near = overlap(own, self%box(:, i), self%period, self%tilt)
       if (rank_bounds_is_near) return
     end do
   end function rank_bounds_is_near
 
   !> Do two boxes overlap, or an image of one with the other?
-  pure logical function overlap(a, b, period)
-    real(wp), intent(in) :: a(6), b(6), period(2)
+  pure logical function overlap(a, b, period, tilt)
+    real(wp), intent(in) :: a(6), b(6), period(3), tilt
     real(wp) :: shift
     integer :: axis, image
 
-    overlap = a(3) <= b(6) .and. b(3) <= a(6)
-    do axis = 1, 2
+    overlap = .true.
+    if (abs(tilt) > 0) then
+      overlap = overlap_tilted(a, b, period, tilt)
+      return
+    end if
+    do axis = 1, 3
       if (.not. overlap) return
       overlap = .false.
       do image = -1, 1
@@ -155,4 +162,26 @@ contains
       end do
     end do
   end function overlap
+
+  !> The same in a sheared cell: an image along y is moved along x, too, where it is looked at in two images on either side.
+  pure logical function overlap_tilted(a, b, period, tilt) result(overlap)
+    real(wp), intent(in) :: a(6), b(6), period(3), tilt
+    real(wp) :: shift(3)
+    integer :: i, j, k
+
+    overlap = .false.
+    do k = -1, 1
+      do j = -1, 1
+        shift = [tilt*real(j, wp), period(2)*real(j, wp), period(3)*real(k, wp)]
+        ! Of the images along x those that bring the low corners nearest.
+        shift(1) = shift(1) - period(1)*anint((a(1) + shift(1) - b(1))/period(1))
+        do i = -2, 2
+          associate (moved => shift + [period(1)*real(i, wp), 0.0_wp, 0.0_wp])
+            overlap = all(a(:3) + moved <= b(4:)) .and. all(b(:3) <= a(4:) + moved)
+          end associate
+          if (overlap) return
+        end do
+      end do
+    end do
+  end function overlap_tilted
 end module sg_rank_bounds

@@ -169,7 +169,7 @@ contains
         a = int(i + j, i4) - c
         do image = -most, most
           if (is_other_image(scene, c, a, image)) cycle
-          call touch_pair(scene%contactors, c, a, scene%period*real(image, wp), scene%sees(1)%alert, touch)
+          call touch_pair(scene%contactors, c, a, [scene%period*real(image, wp), 0.0_wp], scene%sees(1)%alert, touch)
           found = found + touch%n
           do p = 1, touch%n
             if (.not. is_listed(contacts, c, a, image, touch, p)) missed = missed + 1

@@ -1,0 +1,394 @@
+#!/usr/bin/env python3
+"""The periodic cell, [cell]: homogeneous motion, images, stress, energy, restarts, ranks, bad input.
+
+usage: test_cells.py PROGRAM MPIEXEC [unittest options]
+"""
+
+import csv
+import os
+import subprocess
+import sys
+import unittest
+from math import pi
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from program_case import ProgramCase, take_program
+
+MPIEXEC = None
+HEAD = """[scene]
+dimension = {dimension}
+[time]
+step = {step}
+steps = {steps}
+[solver]
+method = "nlgs"
+criterion = "e8"
+tolerance = 1e-12
+maximum_sweeps = 100000
+[output]
+record_every = 1
+[[material]]
+name = "stone"
+density = 1000.0
+"""
+LAW = '[[law]]\nname = "contact"\nfriction = {friction}\n'
+ROUNDING = 1e-11
+"""Places, works and energies after some hundred steps, relative to the largest: rounding of each is 1e-16."""
+SOLVED = 1e-8
+"""What solutions within 1e-12 of the same problem, in another order of its contacts, leave after some ten steps."""
+COSTS = ("cpu_", "wall_")
+AXES = "xyz"
+
+
+def grain(name, place, radius, velocity=None):
+    shape = "disk" if len(place) == 2 else "sphere"
+    text = f'[[body]]\nname = "{name}"\nshape = "{shape}"\nradius = {radius}\nposition = {list(place)}\n'
+    return text + (f"velocity = {list(velocity)}\n" if velocity else "")
+
+
+def stretched(rates, shear, step, steps):
+    """Place after some steps of a point that moves with the cell, from its own equation: x' = x + h G (x + x')/2."""
+
+    def move(place):
+        place = list(place)
+        for _ in range(steps):
+            new = [x * (1 - step * r / 2) / (1 + step * r / 2) for x, r in zip(place, rates, strict=True)]
+            mean = (place[1] + new[1]) / 2
+            new[0] = (place[0] * (1 - step * rates[0] / 2) + step * shear * mean) / (1 + step * rates[0] / 2)
+            place = new
+        return place
+
+    return move
+
+
+class Cells(ProgramCase):
+    def write(self, cell, body, dimension=2, name="deck", step=1e-3, steps=100, law=LAW.format(friction=0.3)):
+        text = HEAD.format(dimension=dimension, step=step, steps=steps) + cell + law + body
+        if "name = " in body:
+            text += '[[track]]\nbody = "*"\n'
+        (self.place / f"{name}.toml").write_text(text)
+
+    def call(self, *words, deck="deck", output="out", code=0, ranks=1):
+        call = ["run", f"{deck}.toml", "--output", output, "--force", *words]
+        if ranks == 1:
+            return self.run_program(*call, code=code)
+        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMP_NUM_THREADS="1")
+        done = subprocess.run([MPIEXEC, "--oversubscribe", "-n", str(ranks), self.program, *call], cwd=self.place, text=True,
+                              capture_output=True, timeout=300, env=environment)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def rows(self, output="out", file="record.csv"):
+        with open(self.place / output / file, newline="") as lines:
+            return [{key: value for key, value in row.items() if not key.startswith(COSTS)} for row in csv.DictReader(lines)]
+
+    def places(self, output="out"):
+        """Places and velocities of all bodies in each recorded step, by name."""
+        found = {}
+        for row in self.rows(output, "tracks.csv"):
+            axes = [a for a in AXES if a in row]
+            found.setdefault(int(row["step"]), {})[row["body"]] = [float(row[key]) for key in axes + [f"velocity_{a}" for a in axes]]
+        return found
+
+    def cell(self, size, rates, shear=0.0):
+        lines = [f"strain_rate_{2 * a} = {rate!r}" for a, rate in zip(AXES, rates)]
+        return "\n".join(["[cell]", f"size = {list(size)}", *lines, f"shear_rate = {shear!r}"]) + "\n"
+
+    def assert_closed(self, output="out"):
+        self.assertLess(max(float(row["energy_closure"]) for row in self.rows(output)), ROUNDING)
+
+    def test_free_grains_move_with_the_cell(self):
+        """Grains at rest in the cell follow the homogeneous motion; lengths and strains of the record do."""
+        size, step, steps = (1.0, 0.8, 0.6), 1e-2, 150
+        for dimension in (2, 3):
+            for rates, shear in (((0.3, -0.2, 0.1), 0.0), ((0.0, 0.0, 0.0), 0.9), ((0.3, -0.2, 0.1), -0.5)):
+                with self.subTest(dimension=dimension, rates=rates, shear=shear):
+                    rates = rates[:dimension]
+                    spots = {"a": (0.1, 0.7, 0.1), "b": (0.9, 0.05, 0.5), "c": (0.5, 0.4, 0.3)}
+                    self.write(self.cell(size[:dimension], rates, shear),
+                               "".join(grain(n, p[:dimension], 0.01) for n, p in spots.items()), dimension, step=step, steps=steps)
+                    self.call()
+                    move = stretched(rates, shear, step, steps)
+                    last = self.places()[steps]
+                    for name, place in spots.items():
+                        for found, expected in zip(last[name][:dimension], move(place[:dimension]), strict=True):
+                            self.assertAlmostEqual(found, expected, delta=ROUNDING)
+                        self.assertEqual(last[name][dimension:], [0.0] * dimension)
+                    row = self.rows()[-1]
+                    for a in range(dimension):
+                        unit = [size[b] if b == a else 0.0 for b in range(dimension)]
+                        self.assertAlmostEqual(float(row[f"cell_{AXES[a]}"]), move(unit)[a], delta=ROUNDING)
+                        # Midpoint steps of a logarithmic strain are exact to its third power.
+                        self.assertAlmostEqual(float(row[f"strain_{2 * AXES[a]}"]), rates[a] * step * steps, delta=steps * step**3)
+                    upper = move([0.0, size[1], 0.0][:dimension])
+                    self.assertAlmostEqual(float(row["strain_xy"]), upper[0] / upper[1], delta=ROUNDING)
+
+    def test_rates_of_time(self):
+        """A rate that is an expression of time takes its value in the middle of a step."""
+        self.write('[cell]\nsize = [1.0, 1.0]\nstrain_rate_yy = "0.4*t"\n', grain("a", (0.5, 0.5), 0.01), steps=500)
+        self.call()
+        self.assertAlmostEqual(float(self.rows()[-1]["strain_yy"]), 0.2 * 0.5**2, delta=1e-8)
+        self.assertEqual(float(self.rows()[-1]["strain_xx"]), 0.0)
+
+    def test_own_velocities(self):
+        """Beyond the cell a free grain has a velocity V with V' = -G V, by Newton's law: the place is that of uniform motion in the
+        world where the cell shears at a constant rate."""
+        for dimension in (2, 3):
+            velocity = (0.2, 0.3, 0.1)[:dimension]
+            self.write(self.cell((1.0,) * dimension, (0.0,) * dimension, 0.7),
+                       grain("a", (0.2, 0.3, 0.4)[:dimension], 0.01, velocity), dimension, step=1e-4, steps=2000)
+            self.call()
+            place = self.places()[2000]["a"]
+            time = 0.2
+            # Explicit in the own velocity: of first order in the step.
+            self.assertAlmostEqual(place[0], 0.2 + (0.2 + 0.7 * 0.3) * time, delta=1e-5)
+            self.assertAlmostEqual(place[1], 0.3 + 0.3 * time, delta=ROUNDING)
+            self.assertAlmostEqual(place[dimension], 0.2 - 0.7 * 0.3 * time, delta=ROUNDING)
+            self.assert_closed()
+
+    def test_stages(self):
+        """A stage may change the rates; strains count from the start."""
+        if not self.has_hdf5():
+            self.skipTest("a build without HDF5 has no checkpoints, from which stages go on")
+        stages = "[[stage]]\nsteps = 50\n[[stage]]\nsteps = 100\n[stage.cell]\nstrain_rate_xx = -0.4\nshear_rate = 0.5\n"
+        self.write(self.cell((1.0, 1.0), (0.2, 0.0)), grain("a", (0.5, 0.5), 0.01) + stages, steps=150)
+        self.call()
+        row = self.rows()[-1]
+        self.assertAlmostEqual(float(row["strain_xx"]), 0.2 * 0.05 - 0.4 * 0.1, delta=1e-8)
+        self.assertAlmostEqual(float(row["strain_xy"]), 0.05, delta=0.05**2)
+        self.assertEqual(float(self.rows()[49]["strain_xy"]), 0.0)
+
+    def spots(self, dimension):
+        """Places of grains that do not overlap, and velocities, from a simple generator."""
+        found, state, number = [], 12345, 14 if dimension == 2 else 45
+        while len(found) < number:
+            values = []
+            for _ in range(2 * dimension):
+                state = (1103515245 * state + 12345) % 2**31
+                values.append(state / 2**31)
+            place, velocity = values[:dimension], [0.4 * (v - 0.5) for v in values[dimension:]]
+            if all(sum(((x - y + 0.5) % 1.0 - 0.5) ** 2 for x, y in zip(place, other, strict=True)) > 0.21**2 for other, _ in found):
+                found.append((place, velocity))
+        return found
+
+    def test_shifted_grains(self):
+        """Where the cell begins is arbitrary: grains that collide through a boundary, moved by any way and folded, do the same."""
+        for dimension, shear in ((2, 0.0), (2, 1.5), (3, 0.0), (3, -1.0)):
+            with self.subTest(dimension=dimension, shear=shear):
+                cell = self.cell((1.0,) * dimension, (2.5, 2.0, 2.2)[:dimension], shear)
+                moved = (0.37, 0.61, 0.23)[:dimension]
+                spots = self.spots(dimension)
+                results = []
+                for output, way in (("out", (0.0,) * dimension), ("moved", moved)):
+                    body = ""
+                    for i, (place, velocity) in enumerate(spots):
+                        # The cell is upright at the start.
+                        body += grain(f"g{i}", [(x + w) % 1.0 for x, w in zip(place, way, strict=True)], 0.1, velocity)
+                    self.write(cell, body, dimension, steps=80, law=LAW.format(friction=0.3) + "")
+                    self.call(output=output)
+                    results.append(self.places(output)[80])
+                    self.assert_closed(output)
+                for name, state in results[0].items():
+                    for found, expected in zip(results[1][name][dimension:], state[dimension:], strict=True):
+                        self.assertAlmostEqual(found, expected, delta=SOLVED)
+                one, other = (self.rows(output)[-1] for output in ("out", "moved"))
+                self.assertGreater(float(one["impact_loss"]), 0)
+                self.assertEqual(one["contacts"], other["contacts"])
+                for key in ("stress_xx", "stress_xy", "stress_yy", "kinetic_energy", "external_work", "friction_loss"):
+                    self.assertAlmostEqual(float(one[key]), float(other[key]), delta=SOLVED * max(1.0, abs(float(one[key]))))
+
+    def test_repeated_grains(self):
+        """Two cells next to each other are one: stress and energy per volume, velocities of the copies."""
+        for dimension, shear, axis in ((2, 0.0, 0), (2, 1.5, 1), (3, 0.0, 2)):
+            with self.subTest(dimension=dimension, shear=shear):
+                spots = self.spots(dimension)
+                rates = (2.5, 2.0, 2.2)[:dimension]
+                body = "".join(grain(f"g{i}", place, 0.1, velocity) for i, (place, velocity) in enumerate(spots))
+                self.write(self.cell((1.0,) * dimension, rates, shear), body, dimension, steps=60)
+                self.call()
+                size = [1.0] * dimension
+                size[axis] = 2.0
+                for i, (place, velocity) in enumerate(spots):
+                    place = list(place)
+                    place[axis] += 1.0
+                    body += grain(f"c{i}", place, 0.1, velocity)
+                self.write(self.cell(size, rates, shear), body, dimension, steps=60)
+                self.call(output="both")
+                one, both = self.places()[60], self.places("both")[60]
+                for i in range(len(spots)):
+                    for copy in "gc":
+                        for found, expected in zip(both[f"{copy}{i}"][dimension:], one[f"g{i}"][dimension:], strict=True):
+                            self.assertAlmostEqual(found, expected, delta=SOLVED)
+                one, both = self.rows()[-1], self.rows("both")[-1]
+                for key, factor in (("stress_xx", 1), ("stress_yy", 1), ("stress_yx", 1), ("kinetic_energy", 2), ("external_work", 2)):
+                    self.assertAlmostEqual(float(both[key]), factor * float(one[key]), delta=SOLVED * max(1.0, abs(float(both[key]))))
+                self.assertEqual(int(both["contacts"]), 2 * int(one["contacts"]))
+
+    def test_stress_of_a_lattice(self):
+        """A square or cubic lattice of elastic grains at the distance a: the force k (2 R - a) of each contact gives the stress
+        k (2 R - a)/a, in space k (2 R - a)/a^2. The gap is that which the law foresees, h a (strain rate) on from the middle of the
+        step. The grains stay where the cell brings them."""
+        radius, stiffness, step, rate = 0.05, 1e4, 1e-3, 0.02
+        law = f'[[law]]\nname = "elastic"\nkind = "ELASTIC_REPELL_CLB"\nstiffness = {stiffness}\n'
+        for dimension, n in ((2, 6), (3, 4)):
+            with self.subTest(dimension=dimension):
+                length = 2 * radius * n
+                box = [0.0] * dimension + [length] * dimension
+                sample = ('[[sample]]\nkind = "lattice"\n' + f"box = {box}\nradius = {radius}\nspacing = 1.0\n"
+                          + ('shape = "sphere"\n' if dimension == 3 else "") + f'count = {n**dimension}\n')  # fmt: skip
+                self.write(self.cell((length,) * dimension, (rate,) * dimension), sample, dimension, steps=50, law=law, step=step)
+                self.call()
+                before = length
+                for row in self.rows():
+                    now = float(row["cell_x"])
+                    middle = (before + now) / 2 / n
+                    before = now
+                    # Each step foresees the gap at its end from that in its middle, over a whole step.
+                    depth = 2 * radius - middle * (1 - step * rate)
+                    for key in ("stress_xx", "stress_yy"):
+                        self.assertAlmostEqual(float(row[key]), stiffness * depth / middle ** (dimension - 1), delta=1e-9 * stiffness)
+                    self.assertAlmostEqual(float(row["stress_xy"]), 0.0, delta=1e-9 * stiffness)
+                self.assertLess(float(self.rows()[-1]["kinetic_energy"]), 1e-20)
+                self.assertGreater(float(self.rows()[-1]["external_work"]), 0)
+
+    def test_axes_exchanged(self):
+        """A scene and its mirror image, x for y and y for x, have stresses and velocities exchanged."""
+        spots = self.spots(2)
+        for output, turn in (("out", 1), ("turned", -1)):
+            body = "".join(grain(f"g{i}", place[::turn], 0.1, velocity[::turn]) for i, (place, velocity) in enumerate(spots))
+            self.write(self.cell((1.0, 1.0), (2.5, -0.5)[::turn]), body, steps=70)
+            self.call(output=output)
+            self.assert_closed(output)
+        one, other = self.places()[70], self.places("turned")[70]
+        for name in one:
+            for found, expected in zip(other[name], [one[name][i] for i in (1, 0, 3, 2)], strict=True):
+                self.assertAlmostEqual(found, expected, delta=SOLVED)
+        one, other = self.rows()[-1], self.rows("turned")[-1]
+        self.assertAlmostEqual(float(one["stress_xx"]), float(other["stress_yy"]), delta=SOLVED * abs(float(one["stress_xx"])) + SOLVED)
+
+    def test_plane_in_space(self):
+        """Spheres in one layer move as disks of the same mass and arms do where nothing rubs: places of both agree."""
+        spots = self.spots(2)
+        self.write(self.cell((1.0, 1.0), (2.5, 1.0), 0.4), "".join(grain(f"g{i}", p, 0.1, v) for i, (p, v) in enumerate(spots)), steps=60,
+                   law=LAW.format(friction=0.0))
+        self.call()
+        self.write(self.cell((1.0, 1.0, 1.0), (2.5, 1.0, 0.0), 0.4),
+                   "".join(grain(f"g{i}", [*p, 0.5], 0.1, [*v, 0.0]) for i, (p, v) in enumerate(spots)), 3, steps=60, law=LAW.format(friction=0.0))
+        self.call(output="space")
+        plane, space = self.places()[60], self.places("space")[60]
+        for name, state in plane.items():
+            for found, expected in zip([space[name][i] for i in (0, 1, 3, 4)], state, strict=True):
+                self.assertAlmostEqual(found, expected, delta=SOLVED)
+
+    def sample(self, dimension, shape):
+        box = [0.0] * dimension + [1.0] * dimension
+        return (f'[[sample]]\nkind = "random"\nshape = "{shape}"\nbox = {box}\nfill = {0.45 if dimension == 2 else 0.25}\n'
+                f"radius = {[0.06, 0.09] if dimension == 2 else [0.1, 0.14]}\nseed = 5\n")  # fmt: skip
+
+    def test_restart(self):
+        """A run that goes on from a checkpoint is the one that never stopped, bit for bit; also with polygons and polyhedra."""
+        if not self.has_hdf5():
+            self.skipTest("a build without HDF5 has no checkpoints")
+        for dimension, shape in ((2, "disk"), (2, "polygon"), (3, "sphere"), (3, "polyhedron")):
+            with self.subTest(shape=shape):
+                self.write(self.cell((1.0,) * dimension, (1.5, 1.2, 1.8)[:dimension], 0.8), self.sample(dimension, shape), dimension,
+                           steps=150)
+                self.call("--set", "solver.tolerance=1e-6")
+                self.call("--set", "solver.tolerance=1e-6", "--set", "time.steps=90", output="parts")
+                self.run_program("run", "deck.toml", "--output", "parts", "--restart", "parts", "--set", "solver.tolerance=1e-6")
+                self.assertEqual(self.rows(), self.rows("parts"))
+                # Gyroscopic torques of polyhedra do some work in steps with impacts.
+                if shape != "polyhedron":
+                    self.assert_closed()
+                self.assertGreater(float(self.rows()[-1]["impact_loss"]), 0)
+        self.write("", self.sample(3, "polyhedron"), 3, steps=200)
+        said = self.run_program("run", "deck.toml", "--output", "other", "--restart", "parts", code=2).stderr
+        self.assertIn("periodic cell", said)
+
+    def test_ranks(self):
+        """On two ranks, and in parts of one process, the same motion to what the tolerance leaves; the balance closes."""
+        for dimension, shape, shear in ((2, "disk", 0.0), (2, "disk", 2.5), (2, "polygon", 1.0), (3, "sphere", -1.0)):
+            with self.subTest(shape=shape, shear=shear):
+                self.write(self.cell((1.0,) * dimension, (1.5, 1.2, 1.8)[:dimension], shear), self.sample(dimension, shape), dimension,
+                           steps=120, law=LAW.format(friction=0.0))
+                self.call()
+                self.call("--set", "partition.parts=3", output="parts")
+                if MPIEXEC:
+                    self.call(output="ranks", ranks=2)
+                one = self.rows()
+                for output in ("parts", "ranks")[: 2 if MPIEXEC else 1]:
+                    self.assert_closed(output)
+                    for left, right in zip(one, self.rows(output), strict=True):
+                        self.assertEqual(left["contacts"], right["contacts"])
+                        for key in ("cell_x", "strain_yy", "strain_xy", "kinetic_energy", "external_work", "stress_xx", "stress_yy"):
+                            self.assertAlmostEqual(float(left[key]), float(right[key]), delta=1e-6 * max(1.0, abs(float(left[key]))),
+                                                   msg=f"{output} step {left['step']} {key}")  # fmt: skip
+                self.assertGreater(float(one[-1]["impact_loss"]), 0)
+
+    def test_sample_fills_the_cell(self):
+        """Grains at random lie across all faces of the cell, and none overlaps an image."""
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("no h5py")
+        if not self.has_hdf5():
+            self.skipTest("no HDF5")
+        for dimension, shape in ((2, "disk"), (3, "sphere")):
+            self.write(self.cell((1.0,) * dimension, (0.0,) * dimension), self.sample(dimension, shape), dimension, steps=1)
+            self.call()
+            # Its grains reach through the faces along each axis: some lie nearer to one than their least radius.
+            with h5py.File(self.place / "out/restart_a.h5") as file:
+                places = file["bodies/position"][:]
+            near = 0.06 if dimension == 2 else 0.1
+            for a in range(dimension):
+                self.assertLess(min(min(p[a], 1 - p[a]) for p in places), near)
+            self.assertEqual(float(self.rows()[-1]["volume_error"]), 0.0)
+            self.assertNotIn("overlap", self.run_program("check", "deck.toml").stderr)
+
+    def test_too_narrow(self):
+        self.write(self.cell((0.3, 1.0), (5.0, 0.0)), grain("a", (0.1, 0.5), 0.1), steps=300)
+        self.assertIn("the periodic cell is narrower than its widest grain", self.call(code=2).stderr)
+
+    def test_bad_input(self):
+        """One sentence each, at its place."""
+        cell = self.cell((1.0, 1.0), (0.0, 0.0))
+        wall = '[[wall]]\nname = "floor"\nfrom = [0.0, 0.1]\nto = [1.0, 0.1]\nthickness = 0.02\n'
+        ball = grain("a", (0.5, 0.5), 0.01)
+        for text, words in (
+            ("[cell]\nshear_rate = 1.0\n" + ball, 'a periodic cell needs its "size"'),
+            ("[cell]\nsize = [1.0, 0.0]\n" + ball, "the lengths of the cell must be above 0"),
+            (cell + "strain_rate_zz = 1.0\n" + ball, "strain_rate_zz"),
+            (cell + wall + ball, "a periodic cell holds free grains alone"),
+            (cell + ball + "fixed = true\n", "a periodic cell holds free grains alone"),
+            (cell + ball + '[[drive]]\nbody = "a"\ncomponent = "x"\n', "a periodic cell holds free grains alone"),
+            (cell.replace("0.0\n", '"1/t"\n') + ball, "has no value at t = 0.0 s"),
+            (cell + grain("a", (1.5, 0.5), 0.01), "lies outside of the period"),
+        ):  # fmt: skip
+            with self.subTest(words=words):
+                self.write(text, "")
+                said = self.run_program("check", "deck.toml", code=2).stderr
+                self.assertIn(words, said)
+                self.assertRegex(said, r"deck.toml:\d+:\d+: error: ")
+        for setting, words in (("scene.gravity=[0, -9.81]", "there is no gravity in a periodic cell"),
+                               ("scene.period_x=1.0", "the periods are those of cell.size"),
+                               ("time.substeps=2", "a periodic cell does not run in substeps")):  # fmt: skip
+            self.write(cell, ball)
+            self.assertIn(words, self.run_program("check", "deck.toml", "--set", setting, code=2).stderr)
+
+    def test_density_of_the_deck(self):
+        """Void ratio and compactness are those of the cell."""
+        self.write(self.cell((1.0, 0.5), (0.0, 0.0)), grain("a", (0.5, 0.25), 0.1), steps=1)
+        self.call()
+        row = self.rows()[-1]
+        self.assertAlmostEqual(float(row["void_ratio"]), 0.5 / (pi * 0.01) - 1, delta=ROUNDING * 100)
+        self.assertAlmostEqual(float(row["compactness"]), pi * 0.01 / 0.5, delta=ROUNDING)
+
+
+if __name__ == "__main__":
+    take_program()
+    MPIEXEC = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
+    outcome = unittest.main(exit=False).result
+    failed = len(outcome.failures) + len(outcome.errors)
+    print(f"{outcome.testsRun - failed} passed, {failed} failed")
+    sys.exit(failed > 0 or outcome.testsRun == 0)
