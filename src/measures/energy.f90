@@ -132,7 +132,7 @@ contains
       if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
       if (scene%dimension == 3) then
         jump = jump_at(scene, contacts, k, velocity, spin)
-        if (scene%cell%is_on) jump = jump + cell_jump(scene, contacts, k)
+        if (scene%cell%is_on) jump = jump + cell_jump(scene, contacts, k, 0.5_wp)
         normal_work = normal_impulse(contacts, k)*dot_product(contacts%normal(:, k), jump)
         work = work + [normal_work, dot_product(impulse_vector(contacts, k), jump) - normal_work, 0.0_wp]
         if (.not. has_bonds) cycle
@@ -145,7 +145,7 @@ contains
       end if
       u = relative_velocity(contacts, k, scene%bodies%middle, scene%period, velocity)
       if (scene%cell%is_on) then
-        bias = cell_bias(scene, contacts, k)
+        bias = cell_bias(scene, contacts, k, 0.5_wp)
         u = u + bias(:2)
       end if
       work(:n) = work(:n) + contacts%impulse(:, k)*u(:n)

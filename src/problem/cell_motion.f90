@@ -26,24 +26,31 @@ contains
   end function cell_branch
 
   !> Velocity of the candidate against the antagonist that is the cell's [m/s]; zero where no cell moves.
-  pure function cell_jump(scene, contacts, k) result(jump)
+  pure function cell_jump(scene, contacts, k, share) result(jump)
     type(scene_t), intent(in) :: scene !! scene in its `middle` configuration
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact
+    real(wp), intent(in), optional :: share !! of the step that has gone by: its end, 1, unless given
     real(wp) :: jump(3)
 
     jump = 0
-    if (scene%cell%is_on) jump = scene%cell%velocity(cell_branch(scene, contacts, k))
+    if (.not. scene%cell%is_on) return
+    if (present(share)) then
+      jump = scene%cell%mean_velocity(cell_branch(scene, contacts, k), share)
+    else
+      jump = scene%cell%velocity(cell_branch(scene, contacts, k))
+    end if
   end function cell_jump
 
   !> The same along the normal and the tangents of a contact [m/s]: t = (n_y, -n_x) in the plane, those of `tangent_of` in space.
-  pure function cell_bias(scene, contacts, k) result(bias)
+  pure function cell_bias(scene, contacts, k, share) result(bias)
     type(scene_t), intent(in) :: scene !! scene in its `middle` configuration
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact
+    real(wp), intent(in), optional :: share !! of the step that has gone by: its end, 1, unless given
     real(wp) :: bias(3), jump(3), n(3), t(3)
 
-    jump = cell_jump(scene, contacts, k)
+    jump = cell_jump(scene, contacts, k, share)
     if (scene%dimension == 2) then
       n(:2) = contacts%normal(:, k)
       bias = [n(1)*jump(1) + n(2)*jump(2), n(2)*jump(1) - n(1)*jump(2), 0.0_wp]
@@ -63,7 +70,7 @@ contains
     work = 0
     do k = 1, contacts%n
       if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
-      work = work - dot_product(impulse_vector(contacts, k), cell_jump(scene, contacts, k))
+      work = work - dot_product(impulse_vector(contacts, k), cell_jump(scene, contacts, k, 0.5_wp))
     end do
   end function cell_work
 end module sg_cell_motion

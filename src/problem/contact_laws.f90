@@ -43,7 +43,7 @@ contains
         else
           before = velocity_before(scene, contacts, k)
         end if
-        if (scene%cell%is_on) before = before + cell_bias(scene, contacts, k)
+        if (scene%cell%is_on) before = before + cell_bias(scene, contacts, k, 0.0_wp)
       end if
       call set_local_law(own, contacts%gap(k), time_step, before, contacts%status(k), law, contacts%internal(:, k), surface)
       if (scene%cell%is_on) law%bias = law%bias + cell_bias(scene, contacts, k)

@@ -1,5 +1,6 @@
 !> The contact problem of one step as a value: compact records that a sweep reads, in spatial order.
 module sg_problem
+  use sg_cell_problem, only: cell_problem_t
   use sg_kinds, only: wp, i4, i8
   use sg_records, only: active_place, body_length, friction_place, impulse_length, record_length
   implicit none
@@ -30,6 +31,8 @@ module sg_problem
     real(wp) :: closing_speed = 0
     !> Largest friction of the contacts; unknown unless the problem is assembled
     real(wp) :: most_friction = huge(1.0_wp)
+    !> Unknown rates of a periodic cell, where its stress is imposed
+    type(cell_problem_t) :: cell
   end type problem_t
 
 contains

@@ -22,6 +22,7 @@ module sg_advance
   use sg_plan, only: set_radii
   use sg_recovery, only: recover
   use sg_relative_epsilon, only: set_relative_epsilon
+  use sg_relax_cell, only: begin_cell
   use sg_report, only: add_substep
   use sg_simulation, only: simulation_t
   use sg_solve_step, only: solve_step
@@ -125,6 +126,7 @@ contains
       else
         call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, h, sim%problem)
         call set_relative_epsilon(sim%scene, sim%contacts, sim%comm, sim%problem)
+        if (sim%scene%cell%is_on) call begin_cell(sim%scene, sim%contacts, sim%problem)
       end if
     end associate
     call check_input(sim, error)
@@ -155,7 +157,7 @@ contains
     call timed(count_substep, sim, phase_measure, error)
     if (allocated(error)) return
     if (sim%scene%cell%is_on) then
-      call move_with_cell(sim%scene, sim%options%substep_length())
+      call move_with_cell(sim%scene, sim%options%substep_length(), sim%options%theta)
       call check_width(sim, error)
     end if
     call update(sim%scene%bodies, sim%options%substep_length(), sim%options%theta)
@@ -197,6 +199,7 @@ contains
       else
         call disassemble(sim%problem, sim%plan, sim%pairs, h, sim%report%violation, sim%scene, sim%contacts)
       end if
+      if (sim%problem%cell%is_on) sim%scene%cell%rate = sim%problem%cell%rate
       call finish_links(sim%scene, sim%contacts, h)
       if (sim%plan%has_bonds) call finish_bonds(sim%scene, h, sim%substep_time(sim%substep + 1), &
                                                 sim%problem, sim%contacts)

@@ -55,7 +55,7 @@ contains
     associate (bodies => scene%bodies)
       do b = 1, bodies%n
         own(:n) = bodies%velocity(:n, b)
-        force = -bodies%mass(b)*scene%cell%velocity(own)
+        force = -bodies%mass(b)*scene%cell%mean_velocity(own, 0.0_wp)
         bodies%force(:n, b) = bodies%force(:n, b) + force(:n)
         bodies%free_velocity(:n, b) = bodies%free_velocity(:n, b) + h*bodies%inverse_mass(:n, b)*force(:n)
       end do
@@ -79,9 +79,10 @@ contains
   end subroutine carry_middle
 
   !> Move a periodic cell to the end of a step, and bodies with it: by the homogeneous velocities of their `middle`.
-  pure subroutine move_with_cell(scene, h)
+  pure subroutine move_with_cell(scene, h, theta)
     type(scene_t), intent(inout) :: scene !! scene of the solved step
     real(wp), intent(in) :: h !! time step [s]
+    real(wp), intent(in) :: theta !! weight of the end of the step
     real(wp) :: place(3)
     integer :: b, n
 
@@ -89,10 +90,10 @@ contains
     place = 0
     do b = 1, scene%bodies%n
       place(:n) = scene%bodies%middle(:n, b)
-      place = scene%cell%velocity(place)
+      place = scene%cell%mean_velocity(place, theta)
       scene%bodies%position(:, b) = scene%bodies%position(:, b) + h*place(:n)
     end do
-    call scene%cell%finish_step(h)
+    call scene%cell%finish_step(h, theta)
   end subroutine move_with_cell
 
   !> Gyroscopic torques: those of the bodies whose principal moments differ.

@@ -1,4 +1,4 @@
-!> The periodic cell: lengths that change at imposed rates, and the homogeneous motion that goes with them
+!> The periodic cell: lengths that change at imposed rates or under imposed stress, and the homogeneous motion that goes with them
 !! (doc/theory/periodic_cell.md).
 !!
 !! Its edges are the columns of A = (L_x, 0, 0), (s, L_y, 0), (0, 0, L_z), where the tilt s is what shear has moved the upper face
@@ -25,15 +25,21 @@ module sg_periodic_cell
     real(wp) :: start(4) = 0, now(4) = 0
     !> Those of the `middle` configuration of the bodies, and those at the making of the list of neighbours
     real(wp) :: middle(4) = 0, built(4) = 0
-    !> Imposed rates of the logarithmic strains, positive in compression, and of shear [1/s]
+    !> Imposed rates of the logarithmic strains, positive in compression, and of shear [1/s]; or, where `is_stress`, stresses,
+    !! positive in compression, and the shear stress that drives positive shear [Pa]
     type(time_function_t) :: imposed(n_components)
-    !> Velocity gradient of the step: lengthening per length along x, y, z, and shear [1/s]
-    real(wp) :: rate(n_components) = 0
+    logical :: is_stress(n_components) = .false.
+    !> Inertia of components under imposed stress [kg m2]
+    real(wp) :: inertia = 1
+    !> Velocity gradient at the end of the step and at its beginning: lengthening per length along x, y, z, and shear [1/s].
+    !! Imposed rates are the same at both; where the stress is imposed the first one is that without contacts until they are solved
+    real(wp) :: rate(n_components) = 0, before(n_components) = 0
   contains
     procedure :: begin => cell_begin
     procedure :: begin_step => cell_begin_step
     procedure :: finish_step => cell_finish_step
     procedure :: velocity => cell_velocity
+    procedure :: mean_velocity => cell_mean_velocity
     procedure :: to_middle => cell_to_middle
     procedure :: distortion => cell_distortion
     procedure :: carried => cell_carried
@@ -61,41 +67,65 @@ contains
     real(wp), intent(in) :: time !! beginning of the step [s]
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in) :: theta !! weight of the end of the step
+    real(wp) :: volume
     integer :: i
 
+    ! The step may be predicted twice: where the stress is imposed `before` was set when the last one was finished.
     do i = 1, n_components
+      if (self%is_stress(i)) cycle
       self%rate(i) = self%imposed(i)%at(time + h/2)
+      ! Strains are positive in compression.
+      if (i < component_xy) self%rate(i) = -self%rate(i)
+      self%before(i) = self%rate(i)
     end do
-    ! Strains are positive in compression.
-    self%rate(:3) = -self%rate(:3)
-    self%middle(:3) = self%now(:3)/(1 - (1 - theta)*h*self%rate(:3))
+    self%middle(:3) = self%now(:3)/(1 - (1 - theta)*h*self%before(:3))
+    volume = product(self%middle(:3), self%middle(:3) > 0)
+    do i = 1, n_components
+      if (.not. self%is_stress(i)) cycle
+      self%rate(i) = self%before(i) + merge(h, -h, i == component_xy)*volume*self%imposed(i)%at(time + h/2)/self%inertia
+    end do
     associate (upper => self%to_middle([self%now(4), self%now(2), 0.0_wp], (1 - theta)*h))
       self%middle(4) = upper(1)
     end associate
   end subroutine cell_begin_step
 
   !> Edges at the end of a step.
-  pure subroutine cell_finish_step(self, h)
+  pure subroutine cell_finish_step(self, h, theta)
     class(periodic_cell_t), intent(inout) :: self
     real(wp), intent(in) :: h !! time step [s]
+    real(wp), intent(in) :: theta !! weight of the end of the step
 
-    associate (g => self%rate, m => self%middle)
+    associate (g => (1 - theta)*self%before + theta*self%rate, m => self%middle)
       self%now(:3) = self%now(:3) + h*g(:3)*m(:3)
       self%now(4) = self%now(4) + h*(g(1)*m(4) + g(4)*m(2))
     end associate
+    self%before = self%rate
   end subroutine cell_finish_step
 
-  !> Homogeneous velocity at a place, or between two places [m/s]: G x.
+  !> Homogeneous velocity at the end of the step at a place, or between two places [m/s]: G x.
   pure function cell_velocity(self, place) result(velocity)
     class(periodic_cell_t), intent(in) :: self
-    real(wp), intent(in) :: place(3) !! [m], or a velocity [m/s], for its change per second
+    real(wp), intent(in) :: place(3) !! [m]
     real(wp) :: velocity(3)
 
     velocity = self%rate(:3)*place
     velocity(1) = velocity(1) + self%rate(4)*place(2)
   end function cell_velocity
 
-  !> Where a point is after a time at the homogeneous velocity of the place that it reaches [m]: x_m = x + t G x_m.
+  !> The same with a mean of both ends of the step.
+  pure function cell_mean_velocity(self, place, theta) result(velocity)
+    class(periodic_cell_t), intent(in) :: self
+    real(wp), intent(in) :: place(3) !! [m], or a velocity [m/s], for its change per second
+    real(wp), intent(in) :: theta !! weight of the end
+    real(wp) :: velocity(3), rate(n_components)
+
+    rate = (1 - theta)*self%before + theta*self%rate
+    velocity = rate(:3)*place
+    velocity(1) = velocity(1) + rate(4)*place(2)
+  end function cell_mean_velocity
+
+  !> Where a point is after a time at the homogeneous velocity, of the beginning of the step, of the place that it reaches [m]:
+  !! x_m = x + t G x_m.
   pure function cell_to_middle(self, place, duration) result(middle)
     class(periodic_cell_t), intent(in) :: self
     real(wp), intent(in) :: place(3) !! [m]
@@ -103,8 +133,8 @@ contains
     real(wp) :: middle(3)
 
     middle = place
-    if (abs(self%rate(4)) > 0) middle(1) = middle(1) + duration*self%rate(4)*place(2)/(1 - duration*self%rate(2))
-    middle = middle/(1 - duration*self%rate(:3))
+    if (abs(self%before(4)) > 0) middle(1) = middle(1) + duration*self%before(4)*place(2)/(1 - duration*self%before(2))
+    middle = middle/(1 - duration*self%before(:3))
   end function cell_to_middle
 
   !> Where the motion of the cell has brought a point since the list of neighbours was made [m]: A A_built^-1 x.
@@ -147,6 +177,7 @@ contains
     self%now = values(1:4)
     self%built = values(5:8)
     self%rate = values(9:12)
+    self%before = self%rate
     self%middle = self%now
   end subroutine cell_unpack
 end module sg_periodic_cell

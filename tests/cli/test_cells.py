@@ -159,6 +159,94 @@ class Cells(ProgramCase):
         self.assertAlmostEqual(float(row["strain_xy"]), 0.05, delta=0.05**2)
         self.assertEqual(float(self.rows()[49]["strain_xy"]), 0.0)
 
+    def pressed(self, size, stresses, shear=None):
+        lines = [f"stress_{2 * a} = {stress!r}" for a, stress in zip(AXES, stresses)]
+        return "\n".join(["[cell]", f"size = {list(size)}", *lines] + ([f"shear_stress = {shear!r}"] if shear else [])) + "\n"
+
+    def test_empty_cell_under_stress(self):
+        """Without contacts the rate grows by volume times stress over the inertia, 2 m (2 R)^2 of the one grain, per step: recurrence
+        of the midpoint rule."""
+        radius, step, stress = 0.05, 5e-4, (40.0, 30.0, 20.0)
+        for dimension, mass in ((2, 1000 * pi * radius**2), (3, 1000 * 4 / 3 * pi * radius**3)):
+            with self.subTest(dimension=dimension):
+                self.write(self.pressed((1.0,) * dimension, stress[:dimension], 10.0),
+                           grain("a", (0.5,) * dimension, radius), dimension, steps=80, step=step)  # fmt: skip
+                self.call()
+                length, tilt, rate, shear = [1.0] * dimension, 0.0, [0.0] * dimension, 0.0
+                inertia = 2 * mass * (2 * radius) ** 2
+                for row in self.rows():
+                    middle = [x / (1 - step * g / 2) for x, g in zip(length, rate, strict=True)]
+                    middle_tilt = (tilt + step / 2 * shear * middle[1]) / (1 - step * rate[0] / 2)
+                    volume = 1.0
+                    for x in middle:
+                        volume *= x
+                    after = [g - step * volume * p / inertia for g, p in zip(rate, stress)]
+                    shear_after = shear + step * volume * 10.0 / inertia
+                    mean = [(g + f) / 2 for g, f in zip(rate, after, strict=True)]
+                    tilt += step * (mean[0] * middle_tilt + (shear + shear_after) / 2 * middle[1])
+                    length = [x + step * g * m for x, g, m in zip(length, mean, middle, strict=True)]
+                    rate, shear = after, shear_after
+                    for a in range(dimension):
+                        self.assertAlmostEqual(float(row[f"cell_{AXES[a]}"]), length[a], delta=ROUNDING)
+                    self.assertAlmostEqual(float(row["strain_xy"]), tilt / length[1], delta=ROUNDING)
+
+    def test_lattice_under_stress(self):
+        """A lattice of rigid grains with gaps closes along each axis in its turn, and carries the imposed stresses then: forces of its
+        contacts balance, and nothing moves. In the plane and in space, with the axes exchanged, from disks and polygons."""
+        radius = 0.05
+        for dimension, n, shape in ((2, 5, "disk"), (3, 3, "sphere")):
+            for turn in (1, -1):
+                with self.subTest(shape=shape, turn=turn):
+                    stress = (1e4, 2e4, 3e4)[:dimension][::turn]
+                    length = 2 * radius * n
+                    size = [length + 0.01 * (i + 1) for i in range(dimension)][::turn]
+                    sample = (f'[[sample]]\nkind = "lattice"\nshape = "{shape}"\nbox = {[0.0] * dimension + [length] * dimension}\n'
+                              f"radius = {radius}\nspacing = 1.0\ncount = {n**dimension}\n")  # fmt: skip
+                    self.write(self.pressed(size, stress), sample, dimension, steps=100, law=LAW.format(friction=0.0))
+                    self.call()
+                    last = self.rows()[-1]
+                    for a in range(dimension):
+                        self.assertAlmostEqual(float(last[f"stress_{2 * AXES[a]}"]) / stress[a], 1.0, delta=SOLVED)
+                        self.assertAlmostEqual(float(last[f"cell_{AXES[a]}"]), length, delta=1e-6 * length)
+                    self.assertLess(float(last["kinetic_energy"]), 1e-15)
+                    self.assert_closed()
+
+    def test_pack_under_stress(self):
+        """Grains at random carry the imposed stresses when they rest; two cells next to each other are one; a restart is bit for bit; the
+        balance closes; a rate may be imposed along one axis and a stress along the other."""
+        self.write(self.pressed((1.0, 1.0), (1e4, 1.5e4)), self.sample(2, "disk"), steps=600, step=1e-3)
+        self.call("--set", "solver.tolerance=1e-6")
+        last = self.rows()[-1]
+        # The rates that are left, over the weight of the cell, are those of a pack that creeps to rest.
+        for key, stress in (("stress_xx", 1e4), ("stress_yy", 1.5e4)):
+            self.assertAlmostEqual(float(last[key]) / stress, 1.0, delta=1e-2)
+        self.assert_closed()
+        if self.has_hdf5():
+            self.call("--set", "solver.tolerance=1e-6", "--set", "time.steps=150", output="parts")
+            self.run_program("run", "deck.toml", "--output", "parts", "--restart", "parts", "--set", "solver.tolerance=1e-6")
+            self.assertEqual(self.rows(), self.rows("parts"))
+        cell = "[cell]\nsize = [1.0, 1.0]\nstress_xx = 1e4\nstrain_rate_yy = 0.5\n"
+        self.write(cell, self.sample(2, "disk"), steps=1000, step=1e-3)
+        self.call("--set", "solver.tolerance=1e-6")
+        rows = self.rows()
+        self.assertAlmostEqual(float(rows[-1]["strain_yy"]), 0.5, delta=1e-6)
+        mean = sum(float(row["stress_xx"]) for row in rows[500:]) / len(rows[500:])
+        self.assertAlmostEqual(mean / 1e4, 1.0, delta=0.05)
+        self.assert_closed()
+
+    def test_repeated_grains_under_stress(self):
+        spots = self.spots(2)
+        body = "".join(grain(f"g{i}", place, 0.1, velocity) for i, (place, velocity) in enumerate(spots))
+        self.write(self.pressed((1.0, 1.0), (6e3, 5e3), 500.0), body, steps=60)
+        self.call()
+        body += "".join(grain(f"c{i}", [place[0], place[1] + 1.0], 0.1, velocity) for i, (place, velocity) in enumerate(spots))
+        self.write(self.pressed((1.0, 2.0), (6e3, 5e3), 500.0), body, steps=60)
+        self.call(output="both")
+        one, both = self.rows()[-1], self.rows("both")[-1]
+        self.assertGreater(float(one["impact_loss"]), 0)
+        for key, factor in (("cell_x", 1), ("cell_y", 2), ("strain_xy", 1), ("stress_xx", 1), ("stress_yy", 1), ("kinetic_energy", 2)):
+            self.assertAlmostEqual(float(both[key]), factor * float(one[key]), delta=1e-6 * max(1.0, abs(float(both[key]))), msg=key)
+
     def spots(self, dimension):
         """Places of grains that do not overlap, and velocities, from a simple generator."""
         found, state, number = [], 12345, 14 if dimension == 2 else 45
@@ -362,6 +450,8 @@ class Cells(ProgramCase):
             (cell + wall + ball, "a periodic cell holds free grains alone"),
             (cell + ball + "fixed = true\n", "a periodic cell holds free grains alone"),
             (cell + ball + '[[drive]]\nbody = "a"\ncomponent = "x"\n', "a periodic cell holds free grains alone"),
+            (cell.replace("strain_rate_xx = 0.0", "strain_rate_xx = 1.0\nstress_xx = 1.0") + ball, 'give either "strain_rate_xx" or "stress_xx"'),
+            ("[cell]\nstress_xx = 1.0\n" + ball, 'a periodic cell needs its "size"'),
             (cell.replace("0.0\n", '"1/t"\n') + ball, "has no value at t = 0.0 s"),
             (cell + grain("a", (1.5, 0.5), 0.01), "lies outside of the period"),
         ):  # fmt: skip
@@ -370,6 +460,10 @@ class Cells(ProgramCase):
                 said = self.run_program("check", "deck.toml", code=2).stderr
                 self.assertIn(words, said)
                 self.assertRegex(said, r"deck.toml:\d+:\d+: error: ")
+        for words, said in ((("solver.method=interior",), "imposed stress in a periodic cell needs the method nlgs"),
+                            (("partition.parts=2",), "imposed stress in a periodic cell does not run on several ranks")):  # fmt: skip
+            self.write(self.pressed((1.0, 1.0), (1.0, 1.0)), ball)
+            self.assertIn(said, self.run_program("run", "deck.toml", "--set", *words, code=2).stderr)
         for setting, words in (("scene.gravity=[0, -9.81]", "there is no gravity in a periodic cell"),
                                ("scene.period_x=1.0", "the periods are those of cell.size"),
                                ("time.substeps=2", "a periodic cell does not run in substeps")):  # fmt: skip

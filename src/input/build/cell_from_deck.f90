@@ -12,8 +12,9 @@ module sg_cell_from_deck
   private
   public :: cell_from_deck, check_cell
 
-  !> Keys of the rates, in the order of the components of the cell
+  !> Keys of rates and stresses, in the order of the components of the cell
   character(len=14), parameter :: rate_keys(4) = ['strain_rate_xx', 'strain_rate_yy', 'strain_rate_zz', 'shear_rate    ']
+  character(len=12), parameter :: stress_keys(4) = ['stress_xx   ', 'stress_yy   ', 'stress_zz   ', 'shear_stress']
 
 contains
 
@@ -30,6 +31,8 @@ contains
     if (.not. deck%is_given(b, 'size')) then
       ! Effective decks hold the defaults.
       do i = 1, size(rate_keys)
+        if (deck%is_given(b, trim(stress_keys(i)))) &
+          call deck%complain(diagnostics, 'a periodic cell needs its "size"', b, trim(stress_keys(i)))
         if (.not. deck%is_given(b, trim(rate_keys(i)))) cycle
         call read_formula(deck, b, trim(rate_keys(i)), scene%cell%imposed(i), diagnostics)
         if (.not. scene%cell%imposed(i)%is_zero()) &
@@ -48,7 +51,14 @@ contains
     do i = 1, component_xy
       if (i == 3 .and. scene%dimension == 2) cycle
       call read_formula(deck, b, trim(rate_keys(i)), scene%cell%imposed(i), diagnostics)
+      if (.not. deck%is_given(b, trim(stress_keys(i)))) cycle
+      if (.not. scene%cell%imposed(i)%is_zero()) call deck%complain(diagnostics, 'give either "'//trim(rate_keys(i))//'" or "'// &
+                                                                    trim(stress_keys(i))//'"', b, trim(stress_keys(i)))
+      scene%cell%imposed(i)%constant = 0
+      call read_formula(deck, b, trim(stress_keys(i)), scene%cell%imposed(i), diagnostics)
+      scene%cell%is_stress(i) = .true.
     end do
+    scene%cell%inertia = deck%number(b, 'inertia')
     scene%period = length(1)
     scene%period_y = length(2)
     scene%period_z = length(3)
@@ -88,7 +98,20 @@ contains
       if (is_cohesive_zone(scene%laws(i)) .or. is_link_law(scene%laws(i))) &
         call deck%complain(diagnostics, 'the law "'//scene%laws(i)%name//'" is not available in a periodic cell', b)
     end do
+    if (any(scene%cell%is_stress)) call check_solver(deck, options, b, diagnostics)
     if (options%substeps > 1) call deck%complain(diagnostics, 'a periodic cell does not run in substeps', deck%block_of('time'), &
                                                  'substeps')
   end subroutine check_cell
+
+  !> Refuse what imposed stress cannot have: methods that are no sweeps, several ranks.
+  subroutine check_solver(deck, options, b, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(run_options_t), intent(in) :: options
+    integer, intent(in) :: b
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    if (deck%ranks > 1) call deck%complain(diagnostics, 'imposed stress in a periodic cell does not run on several ranks', b)
+    if (.not. any(options%solver%method == [character(len=8) :: 'nlgs', 'nesterov'])) &
+      call deck%complain(diagnostics, 'imposed stress in a periodic cell needs the method nlgs', deck%block_of('solver'), 'method')
+  end subroutine check_solver
 end module sg_cell_from_deck

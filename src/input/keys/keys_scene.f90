@@ -49,7 +49,8 @@ contains
     character(len=*), parameter :: sign = ', positive in compression: a number, or an expression of the time t.'
 
     call table%open_section('cell', 'A periodic cell: all axes are periodic, and the lengths change at imposed '// &
-                            'rates. Its grains move with it, beyond their own velocities; there are no walls and no gravity.')
+                            'rates or under imposed stress, component by component. Its grains move with '// &
+                            'it, beyond their own velocities; there are no walls and no gravity.')
     call table%add('size', value_vector, 'Lengths of the cell at the start; grains lie between 0 and these. Default: no cell.', &
                    unit='m')
     call table%add('strain_rate_xx', value_function, 'Rate of the logarithmic strain along x'//sign, unit='1/s', default='0.0')
@@ -57,6 +58,13 @@ contains
     call table%add('strain_rate_zz', value_function, 'Rate of the logarithmic strain along z.', unit='1/s', default='0.0', &
                    dimension=in_space)
     call table%add('shear_rate', value_function, 'Rate at which the velocity along x grows with y.', unit='1/s', default='0.0')
+    call table%add('stress_xx', value_function, 'In place of the strain rate: imposed normal stress along x'//sign, unit='Pa')
+    call table%add('stress_yy', value_function, 'The same along y.', unit='Pa')
+    call table%add('stress_zz', value_function, 'The same along z.', unit='Pa', dimension=in_space)
+    call table%add('shear_stress', value_function, 'In place of the shear rate: imposed shear stress, which drives positive '// &
+                   'shear.', unit='Pa')
+    call table%add('inertia', value_real, 'Inertia of each component under imposed stress, over the sum of mass times '// &
+                   'square of the width of all grains.', default='2.0', above=0.0_wp)
   end subroutine add_cell_keys
 
   !> Sections material, law and interaction.

@@ -14,7 +14,7 @@ module sg_sweeps
   use sg_sweep_solid_order, only: solid_lanes_t
   implicit none
   private
-  public :: sweep, sweep_impulses
+  public :: sweep, sweep_impulses, sweep_run
 
 contains
 
@@ -124,11 +124,14 @@ contains
 
   !> The same for a run of contacts, by the kernel of the problem's kind.
   pure subroutine sweep_run(kind, n, n_bodies, pair, record, relaxation, impulse, body)
-    integer, intent(in) :: kind, n, n_bodies
-    integer(i4), intent(in), contiguous :: pair(:, :)
-    real(wp), intent(in), contiguous :: record(:, :)
-    real(wp), intent(in) :: relaxation
-    real(wp), intent(inout), contiguous :: impulse(:, :), body(:, :)
+    integer, intent(in) :: kind !! kind of problem
+    integer, intent(in) :: n !! contacts
+    integer, intent(in) :: n_bodies !! slots
+    integer(i4), intent(in), contiguous :: pair(:, :) !! their bodies
+    real(wp), intent(in), contiguous :: record(:, :) !! their records
+    real(wp), intent(in) :: relaxation !! share of each change taken
+    real(wp), intent(inout), contiguous :: impulse(:, :) !! their impulses
+    real(wp), intent(inout), contiguous :: body(:, :) !! body records; their velocities change
 
     select case (kind)
     case (round_frictionless)
