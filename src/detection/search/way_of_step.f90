@@ -10,7 +10,8 @@ module sg_way_of_step
 
 contains
 
-  !> How much nearer two shapes may come to each other in a step with the free velocities [m]: twice what the fastest point moves.
+  !> How much nearer two shapes may come to each other in a step with the free velocities [m]: twice what the fastest point moves,
+  !! and in a periodic cell what its motion adds.
   pure real(wp) function way_of_step(scene, h, substeps) result(way)
     type(scene_t), intent(in) :: scene !! scene, its free velocities set for the first substep
     real(wp), intent(in) :: h !! length of a substep [s]
@@ -23,8 +24,20 @@ contains
     if (scene%bodies%n == 0) return
     if (maxval(abs(scene%bodies%free_velocity)) > most) return
     fastest = sqrt(fastest_square(scene)) + real(substeps - 1, wp)*h*norm2(scene%gravity)
+    if (scene%cell%is_on) fastest = fastest + speed_in_cell(scene)
     way = 2*real(substeps, wp)*h*fastest
   end function way_of_step
+
+  !> Half of the speed at which the motion of a periodic cell brings two shapes nearer to each other that touch, at most [m/s].
+  pure real(wp) function speed_in_cell(scene) result(speed)
+    type(scene_t), intent(in) :: scene
+
+    speed = 0
+    if (scene%contactors%n == 0) return
+    associate (cell => scene%cell)
+      speed = sum(max(abs(cell%rate), abs(cell%before)))*maxval(scene%contactors%reach(:scene%contactors%n))
+    end associate
+  end function speed_in_cell
 
   !> Square of the largest speed of a point of all shapes, at most [m2/s2].
   pure real(wp) function fastest_square(scene) result(fastest)
