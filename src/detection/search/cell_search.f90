@@ -21,7 +21,7 @@ contains
     integer :: c, b, n
 
     n = scene%dimension
-    widest = 2*maxval([0.0_wp, scene%contactors%reach(:scene%contactors%n)]) + widest_alert(scene%sees)
+    widest = 2*maxval([0.0_wp, scene%contactors%reach(:scene%contactors%n)]) + widest_alert(scene%sees, huge(1.0_wp))
     associate (distortion => scene%cell%distortion())
       left = (1 - distortion)*skin - distortion*widest
     end associate

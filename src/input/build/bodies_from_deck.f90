@@ -20,7 +20,7 @@ module sg_bodies_from_deck
   use sg_polyhedron, only: polyhedron_t
   use sg_rotations, only: frame_of, no_rotation, rotation_by, turned_back
   use sg_samples_from_deck, only: generate_samples, sample_t
-  use sg_scene, only: colour_index, scene_t
+  use sg_scene, only: colour_index, periods_of, scene_t
   use sg_shapes_from_deck, only: add_shape
   use sg_share, only: share_t
   use sg_space_contactors, only: add_sphere
