@@ -41,8 +41,7 @@ contains
       return
     end if
     call check_scene(deck, deck%block_of('scene'), diagnostics)
-    length = 0
-    length(:scene%dimension) = deck%vector(b, 'size')
+    length = deck%vector(b, 'size')
     if (any(length(:scene%dimension) <= 0)) then
       call deck%complain(diagnostics, 'the lengths of the cell must be above 0', b, 'size')
       return
