@@ -111,6 +111,7 @@ contains
     call tables%note('contactor', pairs%contactor)
     call tables%note('image', pairs%image)
     call tables%note('image_y', pairs%image_y)
+    call tables%note('image_z', pairs%image_z)
     call tables%note('see', pairs%see)
   end subroutine list_pairs
 
