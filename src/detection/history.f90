@@ -22,7 +22,8 @@ module sg_history
     integer :: n_pairs = 0
     !> Contactors of each pair, shape (2, n_pairs); set when the list of neighbours is about to change
     integer(i4), allocatable :: contactor(:, :)
-    !> Periods by which the antagonist of each pair is moved along x, y, z, shape (3, n_pairs); set with `contactor`
+    !> Periods by which the antagonist of each pair is moved along x and y, and along z in a periodic cell of space, shape
+    !! (2 or 3, n_pairs); set with `contactor`
     integer(i4), allocatable :: image(:, :)
     !> Contacts of pair p are `first(p)` to `first(p + 1) - 1`
     integer(i4), allocatable :: first(:)
@@ -166,7 +167,8 @@ contains
     if (contacts%n_kept > 0) history%kept = contacts%kept(:, :contacts%n)
     call reserve(history%first, contacts%n + 1)
     call reserve(history%contactor, 2, contacts%n)
-    call reserve(history%image, 3, contacts%n)
+    if (allocated(history%image)) deallocate (history%image)
+    call reserve(history%image, merge(3, 2, allocated(contacts%image_z)), contacts%n)
     last = 0
     do k = 1, contacts%n
       image = int(image_of(contacts, k), i4)
@@ -176,7 +178,7 @@ contains
       if (.not. is_new) cycle
       history%n_pairs = history%n_pairs + 1
       history%contactor(:, history%n_pairs) = contacts%contactor(:, k)
-      history%image(:, history%n_pairs) = image
+      history%image(:, history%n_pairs) = image(:size(history%image, 1))
       history%first(history%n_pairs) = int(k, i4)
     end do
     history%first(history%n_pairs + 1) = int(contacts%n, i4) + 1
@@ -227,7 +229,7 @@ contains
 
     history%contactor = pairs%contactor(:, :pairs%n)
     if (allocated(history%image)) deallocate (history%image)
-    allocate (history%image(3, pairs%n), source=0_i4)
+    allocate (history%image(merge(3, 2, allocated(pairs%image_z)), pairs%n), source=0_i4)
     history%image(1, :) = int(pairs%image(:pairs%n), i4)
     if (allocated(pairs%image_y)) history%image(2, :) = int(pairs%image_y(:pairs%n), i4)
     if (allocated(pairs%image_z)) history%image(3, :) = int(pairs%image_z(:pairs%n), i4)
@@ -238,11 +240,13 @@ contains
   subroutine unwrap_images(history, scene)
     type(history_t), intent(inout) :: history !! past; its images change
     type(scene_t), intent(in) :: scene !! scene before the new list
+    integer(i4) :: crossed(3)
     integer :: p
 
     if (history%n_pairs == 0 .or. .not. maxval(periods_of(scene)) > 0) return
     do p = 1, history%n_pairs
-      history%image(:, p) = history%image(:, p) + crossed_between(scene, history%contactor(:, p))
+      crossed = crossed_between(scene, history%contactor(:, p))
+      history%image(:, p) = history%image(:, p) + crossed(:size(history%image, 1))
     end do
   end subroutine unwrap_images
 
@@ -273,7 +277,7 @@ contains
     integer(i4), allocatable :: first(:), member(:)
     integer(i4) :: image(3)
     logical :: is_single(3)
-    integer :: p, m
+    integer :: p, m, rows
 
     call list_by_candidate(history, scene%contactors%n, first, member)
     call reserve(history%past, pairs%n)
@@ -282,10 +286,11 @@ contains
       image = int(image_of_pair(pairs, p), i4) + crossed_between(scene, pairs%contactor(:, p))
       do m = first(pairs%contactor(1, p)), first(pairs%contactor(1, p) + 1) - 1
         if (history%contactor(2, member(m)) /= pairs%contactor(2, p)) cycle
-        if (any(history%image(:, member(m)) /= image)) then
+        rows = size(history%image, 1)
+        if (any(history%image(:, member(m)) /= image(:rows))) then
           is_single = history%by_point
           is_single(:2) = is_single(:2) .or. has_one_image(scene%contactors, pairs%contactor(2, p), [scene%period, scene%period_y])
-          if (.not. all(is_single .or. history%image(:, member(m)) == image)) cycle
+          if (.not. all(is_single(:rows) .or. history%image(:, member(m)) == image(:rows))) cycle
         end if
         history%past(p) = member(m)
         exit
