@@ -46,6 +46,14 @@ class Scene:
         if heading == "[[body]]" and block.get("fixed") == "true":
             block.pop("velocity", None)
             block.pop("spin", None)
+        if self.in_cell:
+            block.pop("substeps", None)
+            block.pop("gravity", None)
+        if heading == "[cell]":
+            for axes, rate in (("stress_xx", "strain_rate_xx"), ("stress_yy", "strain_rate_yy"), ("stress_zz", "strain_rate_zz"),
+                               ("shear_stress", "shear_rate")):
+                if axes in block:
+                    block.pop(rate, None)
         if "omega" in block:
             block.pop("frequency", None)
         if heading == "[[law]]":
@@ -92,13 +100,14 @@ class Scene:
         self.cell = self.length
         self.columns = rng.randint(1, 4)
         scene = {"dimension": d} if d == 3 or self.chance(0.3) else {}
-        self.period = (self.columns + 1) * self.cell if self.chance(0.25) else 0.0
+        self.in_cell = self.chance(0.12)
+        self.period = (self.columns + 1) * self.cell if not self.in_cell and self.chance(0.25) else 0.0
         if self.period:
             scene["period_x"] = self.period
-        self.period_y = 1.2 * self.cell if d == 3 and self.chance(0.15) else 0.0
+        self.period_y = 1.2 * self.cell if d == 3 and not self.in_cell and self.chance(0.15) else 0.0
         if self.period_y:
             scene["period_y"] = self.period_y
-        if self.chance(0.3):
+        if not self.in_cell and self.chance(0.3):
             scene["gravity"] = [draw(rng, -math.inf, math.inf, self.spread) * self.length for _ in range(d)]
         if scene or self.chance(0.5):
             self.add("[scene]", **scene)
@@ -106,17 +115,24 @@ class Scene:
         self.add("[time]", step=step, steps=rng.choice([0, 1, 2, 3, 6]))
         self.add("[solver]", maximum_sweeps=rng.choice([1, 5, 40]))
         for heading in self.sections:
-            if heading not in ("[scene]", "[time]", "[solver]") and not heading.startswith("[[") and self.chance(0.4):
+            if heading not in ("[scene]", "[time]", "[solver]", "[cell]") and not heading.startswith("[[") and self.chance(0.4):
                 self.add(heading)
+        if self.in_cell:
+            size = [(self.columns + 1) * self.cell, 11 * self.cell]
+            self.add("[cell]", size=size if d == 2 else [size[0], 1.2 * self.cell, size[1]])
         materials = rng.randint(1, 2)
         for i in range(materials):
             self.add("[[material]]", name=self.quote(f"m{i}"), density=10 ** rng.uniform(-3, 4))
         self.material = {"material": self.quote("m0")} if materials > 1 else {}
         self.make_bodies()
-        self.make_walls()
-        self.make_sample()
+        if not self.in_cell:
+            self.make_walls()
+            self.make_sample()
         self.make_laws()
-        self.make_drives()
+        if not self.in_cell:
+            self.make_drives()
+        if self.chance(0.1):
+            self.make_removal()
 
     def make_laws(self):
         kinds = re.findall(r"`([^`]*)`", next(key for key in self.sections["[[law]]"] if key.name == "kind").value)
@@ -171,7 +187,7 @@ class Scene:
                 more["velocity"] = [draw(rng, -math.inf, math.inf, self.spread) * self.length for _ in range(d)]
             if self.chance(0.2):
                 more["spin"] = draw(rng, -math.inf, math.inf, self.spread) if d == 2 else [rng.uniform(-9, 9) for _ in range(3)]
-            if self.chance(0.1):
+            if not self.in_cell and self.chance(0.1):
                 more["fixed"] = True
             if self.chance(0.06):
                 more["inertia"] = self.inertia()
@@ -226,6 +242,11 @@ class Scene:
         lattice = self.chance(0.5)
         more = {"kind": self.quote("lattice")} if lattice else {"count": self.rng.randint(1, 8)}
         self.add("[[sample]]", box=low + high, radius=[0.15 * cell, 0.25 * cell], shape=self.quote(shape), **more, **self.material)
+
+    def make_removal(self):
+        low = [self.rng.uniform(-2, 3) * self.cell for _ in range(self.dimension)]
+        high = [place + self.rng.uniform(0.1, 9) * self.cell for place in low]
+        self.add("[[remove]]", box=low + high)
 
     def make_drives(self):
         axes = ["x", "y", "rotation"] if self.dimension == 2 else ["x", "y", "z", "rotation_x", "rotation_y", "rotation_z"]
