@@ -193,9 +193,10 @@ contains
 
   !> A disk falls in a drum whose images nearly touch it: it moves as in a single one.
   subroutine test_drum()
-    type(simulation_t) :: sim(2)
+    type(simulation_t), allocatable :: sim(:)
     integer :: i
 
+    allocate (sim(2))
     do i = 1, 2
       call begin_scene(sim(i)%scene, 2, 0.3_wp, 0.05_wp)
       if (i == 2) sim(i)%scene%period = 2.1_wp

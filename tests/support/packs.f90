@@ -74,8 +74,8 @@ contains
     case default
       deck = common//walls//in_plane
     end select
-    ! One distance for all steps, about the way of what falls through a pack in a step: parts share open contacts, too.
-    deck = deck//'[[interaction]]'//nl//'alert = 3.3e-3'//nl
+    ! One distance for all steps, more than the way of what falls through a pack in a step: parts share open contacts, too.
+    deck = deck//'[[interaction]]'//nl//'alert = 5e-3'//nl
   end function pack_deck
 
   !> Rows of two disks each, lying crosswise.
