@@ -40,7 +40,7 @@ contains
     real(wp), intent(in) :: radii(:) !! radii to reach [m]
     real(wp), intent(in) :: box(:) !! least, then largest coordinates [m]: four in the plane, six in space
     real(wp), intent(in) :: clearance !! least distance between two grains [m]
-    logical, intent(in) :: is_periodic(:) !! do grains go through the sides of the box? In x; in space in x and in y
+    logical, intent(in) :: is_periodic(:) !! do grains go through the sides of the box? Along x, y, z, as many as are given
     real(wp), intent(in) :: there(:, :) !! centres of grains that are there [m], in or about the box, shape (dimension, others)
     real(wp), intent(in) :: their_radii(:) !! their radii [m]
     real(wp), allocatable, intent(out) :: points(:, :) !! centres [m], shape (dimension, size(radii))
@@ -55,7 +55,7 @@ contains
     allocate (points(d, size(radii)), source=0.0_wp)
     growing%low(:d) = box(:d)
     growing%high(:d) = box(d + 1:)
-    growing%period(:d - 1) = merge(box(d + 1:2*d - 1) - box(:d - 1), 0.0_wp, is_periodic)
+    growing%period(:size(is_periodic)) = merge(box(d + 1:d + size(is_periodic)) - box(:size(is_periodic)), 0.0_wp, is_periodic)
     growing%clearance = clearance
     growing%skin = 0.4_wp*minval(radii)
     if (any(box(d + 1:) - box(:d) < 2*maxval(radii) .and. .not. growing%period(:d) > 0)) return
