@@ -21,6 +21,9 @@ module sg_sweep_solid_lanes
 
   !> Relative difference of friction r_n and |r_t| that is let pass
   real(wp), parameter :: enough = 1e-13_wp
+  !> Largest slip over impulse that is looked for, over what the contact yields: beyond it friction is no part of the motion, and
+  !! the seventh power, which Halley's step takes, has no room where bodies are light
+  real(wp), parameter :: largest_alpha = 1e12_wp
   !> Rows that are asked for ahead of their turn
   integer, parameter :: ahead = 2
 
@@ -219,8 +222,10 @@ contains
       r(i, 2) = r_1*pushes
       r(i, 3) = r_2*pushes
       against = max(0.0_wp, -(u_1*row(i, row_impulse_1) + u_2*row(i, row_impulse_2)))
-      alpha(i) = row(i, row_s1)*against/max(row(i, row_s1)*(row(i, row_impulse_1)*row(i, row_impulse_1) &
-                 + row(i, row_impulse_2)*row(i, row_impulse_2)), 1e-9_wp*against, tiny(1.0_wp))
+      alpha(i) = min(largest_alpha*row(i, row_s1), &
+                     row(i, row_s1)*against/max(row(i, row_s1)*(row(i, row_impulse_1)*row(i, row_impulse_1) &
+                                                                + row(i, row_impulse_2)*row(i, row_impulse_2)), &
+                                                1e-9_wp*against, tiny(1.0_wp)))
     end do
     is_sliding = sliding > 0
   end subroutine open_or_stick
@@ -272,7 +277,9 @@ contains
       bend = (2*h(i)*square + change*half_change - normal*(s_1 + s_2))*square - 3*slope*half_change
       top = 2*excess*slope*square
       bottom = (2*row(i, row_friction)*slope*slope + excess*bend)*a_1
-      alpha(i) = max(0.0_wp, alpha(i) + top*a_1/max(bottom, abs(top)/longest, tiny(1.0_wp)))
+      ! The quotient first: it is a number where the product with a_1 has no room.
+      alpha(i) = min(largest_alpha*row(i, row_s1), &
+                     max(0.0_wp, alpha(i) + a_1*(top/max(bottom, abs(top)/longest, tiny(1.0_wp)))))
     end do
   end subroutine improve
 
