@@ -5,6 +5,7 @@
 !! leaves one without a process.
 module sg_run_lock
   use sg_error, only: error_t, fail
+  use sg_list_files, only: list_files
   use sg_processes, only: host_name, is_alive, own_process, start_of
   use sg_system, only: file_exists, link_file, remove_file, rename_file
   use sg_text, only: read_lines, text_t, to_text
@@ -36,6 +37,7 @@ contains
     name = folder//'/'//lock_name
     do attempt = 1, 2
       call create_lock(name, taken)
+      if (.not. allocated(taken)) call remove_left_names(folder//'/')
       if (.not. allocated(taken)) return
       if (.not. file_exists(name)) exit
       call judge_holder(name, is_forced, error)
@@ -53,7 +55,7 @@ contains
     character(len=:), allocatable :: aside
     logical :: is_linked
 
-    aside = aside_of(name, host_name(), own_process())
+    aside = own_name(name)
     call remove_file(aside)
     call create_text(aside, lock_text(), error)
     is_linked = .false.
@@ -62,14 +64,13 @@ contains
     if (.not. is_linked) call create_text(name, lock_text(), error)
   end subroutine create_lock
 
-  !> Name next to a lock that one process of one host uses.
-  function aside_of(name, host, process) result(aside)
-    character(len=*), intent(in) :: name, host
-    integer, intent(in) :: process
-    character(len=:), allocatable :: aside
+  !> Name next to a lock that this process alone uses.
+  function own_name(name)
+    character(len=*), intent(in) :: name
+    character(len=:), allocatable :: own_name
 
-    aside = name//'.'//host//'.'//to_text(process)
-  end function aside_of
+    own_name = name//'.'//host_name()//'.'//to_text(own_process())
+  end function own_name
 
   !> Unlock a folder that this process has locked.
   subroutine release_lock(folder)
@@ -138,21 +139,40 @@ contains
   end subroutine judge_holder
 
   !> Remove the lock of a run that has ended. Of several processes that come to this at once one alone moves it away; a lock that
-  !! came meanwhile is put back. The other name of a lock, which a kill may have left, goes with it.
+  !! came meanwhile is put back.
   subroutine remove_stale(name)
     character(len=*), intent(in) :: name
     character(len=:), allocatable :: aside
     type(error_t), allocatable :: error
-    type(holder_t) :: holder
 
-    aside = aside_of(name, host_name(), own_process())
+    aside = own_name(name)
     if (.not. rename_file(name, aside)) return
     call judge_holder(aside, .true., error)
     if (allocated(error)) then
       if (rename_file(aside, name)) return
     end if
-    call read_holder(aside, holder)
-    call remove_file(aside_of(name, holder%host, holder%process))
     call remove_file(aside)
   end subroutine remove_stale
+
+  !> Remove the names that processes of this host used next to a lock and kept, since they were killed while they took it.
+  subroutine remove_left_names(folder)
+    character(len=*), intent(in) :: folder !! folder of results, with a slash
+    type(text_t), allocatable :: files(:)
+    character(len=:), allocatable :: start
+    type(holder_t) :: holder
+    integer :: i, process, status
+
+    call list_files(folder, lock_name//'.'//host_name()//'.*', files)
+    do i = 1, size(files)
+      associate (file => files(i)%s)
+        read (file(index(file, '.', back=.true.) + 1:), '(i20)', iostat=status) process
+        if (status /= 0) cycle
+        ! A file without text may be one that its process has just created.
+        call read_holder(file, holder)
+        start = holder%start
+        if (holder%process == 0) start = start_of(process)
+        if (.not. is_alive(process, start)) call remove_file(file)
+      end associate
+    end do
+  end subroutine remove_left_names
 end module sg_run_lock

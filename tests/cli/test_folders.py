@@ -188,8 +188,15 @@ class Locks(Folders):
             program.kill()
             program.wait(60)
             self.assertIn(f"process {program.pid}\n", lock.read_text())
+        ended = subprocess.Popen(["true"])
+        ended.wait()
+        here = socket.gethostname()
+        left = self.place / "out" / f"run.lock.{here}.{ended.pid}"
+        living = self.place / "out" / f"run.lock.{here}.{os.getpid()}"
+        left.write_text("")
+        living.write_text("")
         self.run_deck("--force", "--quiet")
-        self.assertEqual([path.name for path in (self.place / "out").glob("run.lock*")], [])
+        self.assertEqual([path.name for path in (self.place / "out").glob("run.lock*")], [living.name])
 
     def test_stale_locks(self):
         here = socket.gethostname()
