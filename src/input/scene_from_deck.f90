@@ -2,9 +2,10 @@
 module sg_scene_from_deck
   use sg_blocks, only: deck_t
   use sg_bodies_from_deck, only: bodies_from_deck
+  use sg_called_bodies, only: numbers_called
   use sg_cell_from_deck, only: cell_from_deck, check_cell
   use sg_datbox, only: read_datbox_share
-  use sg_drives_from_deck, only: drives_from_deck, numbers_called
+  use sg_drives_from_deck, only: drives_from_deck
   use sg_error, only: diagnostics_t
   use sg_interactions_from_deck, only: interactions_from_deck
   use sg_kinds, only: wp, i4
@@ -22,6 +23,7 @@ module sg_scene_from_deck
   use sg_system, only: file_exists
   use sg_text, only: to_text
   use sg_time_function_from_deck, only: path_in_deck
+  use sg_unused_laws, only: warn_of_unused_laws
   implicit none
   private
   public :: scene_from_deck
@@ -62,6 +64,7 @@ contains
     if (diagnostics%count() > 0) return
     call drives_from_deck(deck, scene, diagnostics)
     call interactions_from_deck(deck, options, scene, diagnostics)
+    if (diagnostics%count() == 0) call warn_of_unused_laws(deck, scene, diagnostics)
     if (diagnostics%count() == 0) call link_by_distance(scene, deck%points)
     call links_from_deck(deck, scene, diagnostics)
     call locate_links(scene%links, scene%contactors)
@@ -72,7 +75,7 @@ contains
     if (deck%ranks > 1) return
     call check_range(deck, scene, diagnostics)
     if (diagnostics%count() > 0) return
-    call find_overlaps(scene, 0, overlaps)
+    call find_overlaps(scene, 0, deck, overlaps)
     call report_overlaps(deck, overlaps, diagnostics)
   end subroutine scene_from_deck
 

@@ -229,6 +229,36 @@ class Drives(ProgramCase):
             self.run_program("run", "deck.toml", *LOOSE, "--quiet", "--output", "out", "--restart", "out/restart_a.h5")
             self.assertEqual((self.place / "out" / "tracks.csv").read_bytes(), straight)
 
+    def test_patterns(self):
+        """A pattern of names drives, pushes and presses all bodies that match it, as a block for each does; others are free."""
+        balls = "".join(BALL.replace("ball", name).replace("[0.0", f"[{float(i)}")
+                        for i, name in enumerate(("tine.1", "tine.2", "spade", "tine.10")))  # fmt: skip
+        blocks = (drive('"sin(9*t)"', "NAME") + drive('"3*t"', "NAME", "x", 'kind = "force"\n')
+                  + '[[pressure]]\nbody = "NAME"\ndirection = [1.0, 0.0]\nlength = 0.2\nvalue = 50.0\n')  # fmt: skip
+        self.run_deck(START + balls + blocks.replace("NAME", "tine.*"))
+        pattern = (self.place / "out" / "tracks.csv").read_bytes()
+        self.run_deck(START + balls + "".join(blocks.replace("NAME", f"tine.{i}") for i in (1, 2, 10)))
+        self.assertEqual((self.place / "out" / "tracks.csv").read_bytes(), pattern)
+        for row in self.rows("tine.10"):
+            self.near(row["velocity_y"], math.sin(9 * row["time"]))
+        self.near(self.rows("spade")[-1]["velocity_y"], -G * 0.2)
+        self.run_deck(START + balls + blocks.replace("NAME", "tine.?"))
+        self.near(self.rows("tine.10")[-1]["velocity_y"], -G * 0.2)
+        self.near(self.rows("tine.2")[-1]["velocity_y"], math.sin(9 * 0.2))
+
+    def test_stage_takes_the_place_of_drives_by_a_pattern(self):
+        """What a stage drives by a pattern, the drives of the deck do not; the others go on."""
+        if not self.has_hdf5():
+            self.skipTest("a build without HDF5 has no stages")
+        balls = "".join(BALL.replace("ball", name).replace("[0.0", f"[{float(i)}") for i, name in enumerate(("a.1", "a.2", "b.1")))
+        text = START.replace("steps = 200\n", "") + balls + drive(1.0, "a.1") + drive(2.0, "a.2") + drive(3.0, "b.1")
+        text += '[[stage]]\nsteps = 50\n[[stage]]\nsteps = 50\n' + drive(-1.0, "a.*").replace("drive", "stage.drive")
+        self.run_deck(text)
+        for name, first, last in (("a.1", 1.0, -1.0), ("a.2", 2.0, -1.0), ("b.1", 3.0, 3.0)):
+            speeds = [row["velocity_y"] for row in self.rows(name)]
+            self.near(speeds[48], first)
+            self.near(speeds[98], last)
+
     def test_mistakes(self):
         """Wrong expressions, times and columns: sentence, line, column, caret."""
         (self.place / "two.txt").write_text("0 1\n1 2\n")
@@ -239,6 +269,8 @@ class Drives(ProgramCase):
                 (drive('"10^60"'), "24:10", "this expression is larger than"), (drive("true"), "24:9", "must be a number or an expression"),
                 (drive("1.0", more="start = 0.2\nend = 0.1\n"), "26:7", "the end is not after the start"),
                 (drive("1.0", more="end = 0.1\n") + drive("2.0", more="start = 0.05\n"), "28:13", "driven twice at a time"),
+                (drive("1.0", "bat*"), "22:8", 'no body has a name that matches "bat*"; the nearest one is "ball"'),
+                (drive("1.0") + drive("2.0", "b*"), "27:13", "driven twice at a time"),
                 (drive("0.0", more='file = "two.txt"\ncolumn = 3\n'), "two.txt:1:1", "3 numbers or more should stand here"),
                 (drive("0.0", more='file = "three.txt"\n'), "three.txt:1:1", 'unless "column" names one'),
                 (drive("0.0", more="column = 3\n"), "25:10", 'has no meaning without the key "file"')):

@@ -263,6 +263,25 @@ class Insertion(ProgramCase):
                 self.call("--restart", "parts", output="parts")
                 self.assertEqual(self.rows("parts"), rows)
 
+    def test_places_of_later_stages(self):
+        """A body may be drawn where another one is at the start; two that enter together may not overlap."""
+        if not self.has_hdf5():
+            self.skipTest("a build without HDF5 has no stages")
+        stages = '[[stage]]\nname = "one"\nsteps = 30\n[[stage]]\nname = "two"\nsteps = 10\n[[stage]]\nname = "three"\nsteps = 10\n'
+        for dimension in (2, 3):
+            with self.subTest(dimension=dimension):
+                fast = ball(dimension, "first", 0.0, more=f"velocity = {place(dimension, 10.0, 0.0)}\n")
+                late = ball(dimension, "late", 0.0, more='at = "two"\n')
+                self.write(stages + fast + late, dimension=dimension)
+                deck = self.place / "deck.toml"
+                deck.write_text(deck.read_text().replace("steps = 400\n", ""))
+                self.call()
+                self.assertEqual(self.column("entered")[-1], 1)
+                deck.write_text(deck.read_text() + ball(dimension, "twin", 0.15, more='at = "two"\n'))
+                said = self.call(code=2).stderr
+                self.assertIn('"late" and "twin" overlap at the start', said)
+                self.assertNotIn("first", said)
+
     def test_restart(self):
         """A run that goes on from a checkpoint is, digit by digit, the run that never ended; before, between and after entries."""
         if not self.has_hdf5():

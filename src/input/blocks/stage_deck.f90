@@ -9,6 +9,7 @@ module sg_stage_deck
   use sg_stages, only: stages_t
   use sg_text, only: text_t, to_text
   use sg_values, only: value_t
+  use sg_wildcards, only: matches
   use sg_words, only: quoted_string
   implicit none
   private
@@ -308,7 +309,7 @@ contains
       if (.not. deck%blocks(b)%is_of_stage) cycle
       do c = 1, deck%n
         if (deck%blocks(c)%section /= deck%blocks(b)%section .or. deck%blocks(c)%is_of_stage) cycle
-        if (deck%word(b, 'body') /= deck%word(c, 'body')) cycle
+        if (.not. matches(deck%word(c, 'body'), deck%word(b, 'body'))) cycle
         if (deck%is_in(b, 'drive')) then
           if (deck%word(b, 'component') /= deck%word(c, 'component') .or. deck%word(b, 'kind') /= deck%word(c, 'kind')) cycle
         end if

@@ -5,9 +5,10 @@
 module sg_bodies_from_deck
   use sg_ascending, only: distinct, place_in
   use sg_blocks, only: deck_t
+  use sg_called_bodies, only: numbers_called
   use sg_census, only: census_t
   use sg_contactors, only: add_disk, add_polygon, kind_names
-  use sg_drives_from_deck, only: bodies_held, numbers_called
+  use sg_drives_from_deck, only: bodies_held
   use sg_error, only: diagnostics_t, error_t
   use sg_grain_shapes, only: grain_polygon, grain_polyhedron
   use sg_grain_templates, only: colour_template, grain_template_t, place_grain, read_templates

@@ -11,7 +11,6 @@ module sg_interactions_from_deck
   use sg_scene, only: scene_t, see_t
   use sg_sees, only: blind_pairs
   use sg_text, only: nearest_word, to_text
-  use sg_unused_laws, only: warn_of_unused_laws
   use sg_words, only: choice_index, choices_of
   implicit none
   private
@@ -52,7 +51,6 @@ contains
       scene%sees = [scene%sees, see]
       call warn_of_blind(deck, b, scene, diagnostics)
     end do
-    if (diagnostics%count() == 0) call warn_of_unused_laws(deck, scene, diagnostics)
   end subroutine interactions_from_deck
 
   !> One line of the see tables.

@@ -4,8 +4,8 @@
 !! reads, and so makes the same links.
 module sg_links_from_deck
   use sg_blocks, only: deck_t
+  use sg_called_bodies, only: body_of
   use sg_contactors, only: add_point
-  use sg_drives_from_deck, only: body_of
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
   use sg_laws, only: is_link_law, law_bond, law_linear

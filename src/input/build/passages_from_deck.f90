@@ -4,12 +4,12 @@ module sg_passages_from_deck
   use sg_ascending, only: distinct
   use sg_blocks, only: deck_t
   use sg_bodies, only: body_waiting
+  use sg_called_bodies, only: add_bodies
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
   use sg_passages, only: due_time, entry_t, exit_t
   use sg_scene, only: scene_t
   use sg_text, only: append_word, text_t
-  use sg_tracks_from_deck, only: add_bodies
   use sg_values, only: value_t
   implicit none
   private

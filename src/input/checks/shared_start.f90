@@ -46,7 +46,7 @@ contains
     subdomain%all_bodies = scene%bodies%n + deck%absent%n
     call keep_replicated(scene, replicated)
     call make_halo(scene, replicated, subdomain, 0.0_wp, comm)
-    call find_overlaps(scene, comm%rank, found)
+    call find_overlaps(scene, comm%rank, deck, found)
     call gather_overlaps(found, comm)
     call report_overlaps(deck, found, diagnostics)
   end subroutine check_shared_start

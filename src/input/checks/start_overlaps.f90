@@ -9,6 +9,7 @@ module sg_start_overlaps
   use sg_neighbours, only: find_neighbours, image_of_pair, neighbours_t
   use sg_owners, only: contact_owner
   use sg_pair_gap, only: pair_gap
+  use sg_passages, only: due_time
   use sg_scene, only: scene_t
   use sg_sees, only: see_between
   use sg_shape_kinds, only: is_hollow
@@ -25,6 +26,8 @@ module sg_start_overlaps
   integer, parameter :: most_of_rain = 1000
   !> Pairs that are named
   integer, parameter :: most_pairs = 5
+  !> Moment before all entries
+  real(wp), parameter :: at_start = -huge(1.0_wp)
 
   !> Pairs of bodies that overlap
   type :: overlaps_t
@@ -34,20 +37,28 @@ module sg_start_overlaps
     !! smaller radius, 0 where there is no pair
     integer :: pair(2, most_pairs) = 0
     real(wp) :: depth(most_pairs) = 0, share(most_pairs) = 0
+    !> When the bodies of these pairs enter [s]; hugely early for those that are there at the start
+    real(wp) :: moment = at_start
   end type overlaps_t
 
 contains
 
-  !> Find the pairs of bodies whose shapes overlap, of those that a rank owns.
-  subroutine find_overlaps(scene, rank, found)
+  !> Find the pairs of bodies whose shapes overlap, of those that a rank owns. Where bodies that enter with a later stage are
+  !! sought, others are left out: they have moved by then.
+  subroutine find_overlaps(scene, rank, deck, found)
     type(scene_t), intent(inout) :: scene !! whole scene, or the part of a rank with copies; its contactors are placed
     integer, intent(in) :: rank !! where ranks share the scene: this rank
+    type(deck_t), intent(in) :: deck !! deck of the run, or of one of its stages
     type(overlaps_t), intent(inout) :: found !! pairs found
     type(neighbours_t) :: pairs
     integer(i4) :: image(3)
     integer :: p, n
 
     if (size(scene%sees) == 0) return
+    if (deck%stage_number > 1) then
+      if (.not. allocated(scene%entries)) return
+      found%moment = deck%stage_time
+    end if
     n = scene%dimension
     associate (bodies => scene%bodies)
       bodies%middle(:n, :) = bodies%position
@@ -164,6 +175,9 @@ contains
 
     b = scene%contactors%body(pair)
     if (b(1) == b(2) .or. .not. any(scene%bodies%is_grain(b))) return
+    if (found%moment > at_start) then
+      if (.not. (enters(scene, b(1), found%moment) .and. enters(scene, b(2), found%moment))) return
+    end if
     depth = -pair_gap(scene, pair, image)
     radius = minval(scene%contactors%reach(pair), scene%bodies%is_grain(b))
     if (depth <= rounding*radius) return
@@ -171,6 +185,18 @@ contains
     found%n = found%n + 1
     call add_overlap(found, b, depth, depth/radius)
   end subroutine weigh_pair
+
+  !> Does a body enter at a moment?
+  pure logical function enters(scene, body, moment)
+    type(scene_t), intent(in) :: scene
+    integer, intent(in) :: body
+    real(wp), intent(in) :: moment
+    integer :: number
+
+    number = body
+    if (allocated(scene%bodies%id)) number = scene%bodies%id(body)
+    enters = any(abs(due_time(scene%entries, number) - moment) <= 0)
+  end function enters
 
   !> Put a pair among the deepest ones, if it is one of these.
   pure subroutine add_overlap(found, pair, depth, share)

@@ -219,13 +219,12 @@ contains
   subroutine add_drive_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
-    call table%open_section('drive', 'One imposed component of one body: (value + amplitude cos(omega t + phase)) '// &
-                            'min(1, ramp_start + ramp_rate t), or a table, or both. In space a rotation is the spin or the '// &
-                            'torque about that principal axis of the body which is nearest to its own x, y or z, and turns '// &
-                            'with it.', &
-                            is_list=.true.)
-    call table%add('body', value_body, 'Body, by name or by number (in the order body, wall, container, brick_wall, arch, '// &
-                   'sample, from 1).', is_required=.true.)
+    call table%open_section('drive', 'One imposed component of one body, or of each of several: (value + amplitude cos(omega t '// &
+                            '+ phase)) min(1, ramp_start + ramp_rate t), or a table, or both. In space a rotation is the spin '// &
+                            'or the torque about that principal axis of the body which is nearest to its own x, y or z, '// &
+                            'and turns with it.', is_list=.true.)
+    call table%add('body', value_body, 'Body by name, or several by a name in which * stands for any letters and ? for one; or '// &
+                   'body by number (in the order body, wall, container, brick_wall, arch, sample, from 1).', is_required=.true.)
     call table%add('component', value_choice, 'Component.', is_required=.true., choices='x|y|rotation', &
                    space_choices='x|y|z|rotation_x|rotation_y|rotation_z')
     call table%add('kind', value_choice, 'What is imposed.', default='"velocity"', choices='velocity|force')
@@ -234,7 +233,8 @@ contains
     call table%open_section('pressure', 'A pressure that pushes a body: (value + amplitude cos(omega t + phase)) '// &
                             'min(1, ramp_start + ramp_rate t), or a table, or both, times the pressed length; in space, area.', &
                             is_list=.true.)
-    call table%add('body', value_body, 'Body, by name or by number.', is_required=.true.)
+    call table%add('body', value_body, 'Body by name, or several by a name in which * stands for any letters and ? for one; or '// &
+                   'body by number.', is_required=.true.)
     call table%add('direction', value_vector, 'Direction of the push, of any length but zero.', is_required=.true.)
     call table%add('length', value_real, 'Pressed length.', unit='m', above=0.0_wp, dimension=in_plane, twin='area')
     call table%add('between', value_bodies, 'In place of length: two bodies whose free distance is the pressed length.', &

@@ -3,6 +3,7 @@
 program test_start_overlaps
   use harness, only: tests_t
   use rank_parts, only: draw_owners, plane_scene, shake, space_scene
+  use sg_blocks, only: deck_t
   use sg_contactors, only: place_contactors
   use sg_kinds, only: wp, i4
   use sg_near, only: candidate_first, has_one_image
@@ -33,6 +34,7 @@ contains
     integer, parameter :: ranks = 3, n = 99
     type(scene_t) :: scene
     type(overlaps_t) :: found, of_rank
+    type(deck_t) :: deck
     integer :: r, total
     real(wp), allocatable :: before(:, :)
 
@@ -44,7 +46,7 @@ contains
     ! What is no grain may lie outside of the period.
     where (.not. scene%bodies%is_grain) scene%bodies%position(1, :) = scene%bodies%position(1, :) - 13
     before = scene%bodies%position
-    call find_overlaps(scene, 0, found)
+    call find_overlaps(scene, 0, deck, found)
     call t%check(all(abs(scene%bodies%position - before) <= 0), name//': no body moves')
     call t%check(found%n > 20, name//': there are overlaps')
     call compare(scene, found, name)
@@ -52,7 +54,7 @@ contains
     total = 0
     do r = 0, ranks - 1
       of_rank = overlaps_t()
-      call find_overlaps(scene, r, of_rank)
+      call find_overlaps(scene, r, deck, of_rank)
       total = total + of_rank%n
     end do
     call t%equal(total, found%n, name//': each overlap belongs to one rank')
