@@ -1,6 +1,7 @@
 !> End conditions from the section `[stop]` of a deck and from its stages, and their mistakes, with a caret under the word.
 module sg_stop_from_deck
   use sg_blocks, only: deck_t
+  use sg_body_kinds, only: n_body_kinds
   use sg_cell, only: cell_columns, cell_t
   use sg_error, only: diagnostics_t
   use sg_expression_parser, only: parse_expression
@@ -86,7 +87,8 @@ contains
     integer :: i
 
     has_bonds = any([(is_cohesive_zone(scene%laws(i)), i=1, size(scene%laws))])
-    measures = unmeasured(scene%dimension, has_bonds, options%record_mean)
+    ! A rank alone may hold one kind of bodies of several: a column that the run lacks is reported before its first step.
+    measures = unmeasured(scene%dimension, has_bonds, options%record_mean, [(.true., i=1, n_body_kinds)])
     call cell%begin(options%walls)
     measures%column = [measures%column, cell_columns(cell, scene%dimension)]
     if (scene%bodies%has_presence) measures%column = [measures%column, passage_columns(spread(0.0_wp, 1, n_passage_sums))]

@@ -8,13 +8,16 @@
 !! between `neighbours_of` and `coordination_sums`.
 module sg_coordination
   use sg_bodies, only: bodies_t
+  use sg_body_kinds, only: body_kind_name, body_kinds
+  use sg_contactors, only: contactors_t
   use sg_contacts, only: contacts_t, normal_impulse
   use sg_kinds, only: wp, i4, i8
   use sg_sorting, only: sort_permutation
   use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
   implicit none
   private
-  public :: measure_coordination, measure_kinds_of_pairs, measure_rattlers, touching_t, touching_pairs, neighbours_of
+  public :: measure_coordination, measure_kinds_of_pairs, measure_by_kind, measure_rattlers, touching_t, touching_pairs
+  public :: neighbours_of
 
   !> Numbers of `coordination_sums`
   integer, parameter :: n_coordination_sums = 10
@@ -72,6 +75,50 @@ contains
     call tally%add('grain_coordination', ratio(2*sums(9), sums(5)))
     call tally%add('wall_coordination', ratio(sums(10), sums(5)))
   end subroutine measure_kinds_of_pairs
+
+  !> Mean number of touching neighbours of the grains of each kind, walls included; columns only where the scene has several kinds.
+  pure subroutine measure_by_kind(bodies, contactors, neighbours, tally)
+    type(bodies_t), intent(in) :: bodies !! bodies of this rank
+    type(contactors_t), intent(in) :: contactors !! their shapes
+    real(wp), intent(in) :: neighbours(:) !! neighbours of each body over all ranks, of copies too
+    type(tally_t), intent(inout) :: tally !! tally of the measure
+    character(len=:), allocatable :: name
+    integer :: i
+
+    if (.not. allocated(tally%kinds)) return
+    associate (n => size(tally%kinds))
+      if (tally%pass == pass_sums) then
+        call tally%sums%put('by kind', sums_by_kind(bodies, contactors, neighbours, tally%kinds))
+      else if (tally%pass == pass_columns) then
+        associate (sums => reshape(tally%sums%get('by kind', 2*n), [2, n]))
+          do i = 1, n
+            name = body_kind_name(tally%kinds(i))
+            if (index(name, ' ') > 0) name(index(name, ' '):index(name, ' ')) = '_'
+            call tally%add('coordination_'//name, ratio(sums(1, i), sums(2, i)))
+          end do
+        end associate
+      end if
+    end associate
+  end subroutine measure_by_kind
+
+  !> What this rank adds for each kind: neighbours of its grains, and how many these are.
+  pure function sums_by_kind(bodies, contactors, neighbours, kinds) result(sums)
+    type(bodies_t), intent(in) :: bodies
+    type(contactors_t), intent(in) :: contactors
+    real(wp), intent(in) :: neighbours(:)
+    integer, intent(in) :: kinds(:)
+    real(wp) :: sums(2*size(kinds))
+    logical :: is_one(bodies%n_own)
+    integer :: i
+
+    associate (kind => body_kinds(contactors, bodies%n))
+      do i = 1, size(kinds)
+        is_one = bodies%is_grain(:bodies%n_own) .and. kind(:bodies%n_own) == kinds(i)
+        sums(2*i - 1) = sum(neighbours(:bodies%n_own), mask=is_one)
+        sums(2*i) = real(count(is_one), wp)
+      end do
+    end associate
+  end function sums_by_kind
 
   !> Neighbours that a body touches through this rank's contacts; those of all ranks must be added up on its owner rank.
   pure function neighbours_of(touching, n_bodies) result(neighbours)

@@ -6,10 +6,11 @@
 module sg_measures
   use sg_balance, only: measure_floor_share, measure_momentum
   use sg_bond_energy, only: measure_bonds
+  use sg_body_kinds, only: n_body_kinds
   use sg_comm, only: comm_t
   use sg_compactness, only: measure_compactness
   use sg_contacts, only: contacts_t
-  use sg_coordination, only: measure_coordination, measure_kinds_of_pairs, measure_rattlers, neighbours_of, &
+  use sg_coordination, only: measure_by_kind, measure_coordination, measure_kinds_of_pairs, measure_rattlers, neighbours_of, &
                              touching_pairs, touching_t
   use sg_energy, only: energy_t, measure_energy
   use sg_fabric, only: measure_fabric
@@ -73,12 +74,13 @@ contains
     call measure_fabric(scene, contacts, tally)
     call measure_friction(scene, contacts, tally)
     call measure_kinds_of_pairs(tally)
+    call measure_by_kind(scene%bodies, scene%contactors, neighbours, tally)
     call measure_means(scene, means, tally)
     call measure_bonds(scene, contacts, tally)
   end subroutine visit_indicators
 
   !> Measure everything. Collective: all ranks get the measures of the whole scene.
-  subroutine measure_shared(scene, contacts, h, energy, measures, subdomain, comm, means)
+  subroutine measure_shared(scene, contacts, h, energy, measures, subdomain, comm, means, kinds)
     type(scene_t), intent(in) :: scene !! scene after the update
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
@@ -87,6 +89,7 @@ contains
     type(subdomain_t), intent(in) :: subdomain !! which ranks hold which bodies
     type(comm_t), intent(inout) :: comm !! the ranks
     type(means_t), intent(in), optional :: means !! sums of the interval that ends with the step, none unless given
+    logical, intent(in), optional :: kinds(n_body_kinds) !! kinds of bodies of the whole scene; one unless given
     type(means_t) :: interval
     type(tally_t) :: tally
     type(touching_t) :: touching
@@ -96,6 +99,7 @@ contains
     tally%is_shared = comm%size > 1
     tally%h = h
     tally%has_bonds = contacts%n_internal >= bond_slip
+    if (present(kinds)) call tally%set_kinds(kinds)
     touching = touching_pairs(contacts, scene%bodies%n)
     neighbours(1, :) = neighbours_of(touching, scene%bodies%n)
     if (tally%is_shared) then
@@ -123,10 +127,11 @@ contains
   end subroutine measure_alone
 
   !> Columns of a scene that is not measured yet: their values are zero.
-  pure function unmeasured(dimension, has_bonds, has_means) result(measures)
+  pure function unmeasured(dimension, has_bonds, has_means, kinds) result(measures)
     integer, intent(in) :: dimension !! of space
     logical, intent(in) :: has_bonds !! are there cohesive zones?
     logical, intent(in), optional :: has_means !! are there means over the recorded interval? None unless given
+    logical, intent(in), optional :: kinds(n_body_kinds) !! kinds of bodies of the whole scene; one unless given
     type(measures_t) :: measures
     type(means_t) :: means
     type(tally_t) :: tally
@@ -139,6 +144,7 @@ contains
     scene%bodies%dimension = dimension
     tally%has_bonds = has_bonds
     if (present(has_means)) means%is_on = has_means
+    if (present(kinds)) call tally%set_kinds(kinds)
     tally%pass = pass_columns
     call visit_indicators(scene, contacts, energy, touching, [real(wp) ::], means, tally)
     call move_alloc(tally%column, measures%column)

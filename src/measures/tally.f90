@@ -41,6 +41,8 @@ module sg_tally
     integer :: pass = pass_largest
     !> Do several ranks hold the scene? Are there cohesive zones?
     logical :: is_shared = .false., has_bonds = .false.
+    !> Kinds of bodies with a column of their own, ascending (sg_body_kinds); unallocated where the scene has one kind
+    integer, allocatable :: kinds(:)
     !> Time step [s]
     real(wp) :: h = 0
     !> Sums over bodies and contacts, and largest values
@@ -48,6 +50,7 @@ module sg_tally
     !> Columns in the order of indicators
     type(column_t), allocatable :: column(:)
   contains
+    procedure :: set_kinds => tally_set_kinds
     procedure :: add => tally_add
     procedure :: reduce => tally_reduce
   end type tally_t
@@ -80,6 +83,15 @@ contains
       if (self%name(i) == name) values = self%value(self%last(i) - n + 1:self%last(i))
     end do
   end function ledger_get
+
+  !> Give kinds of bodies columns of their own, where there are several.
+  pure subroutine tally_set_kinds(self, kinds)
+    class(tally_t), intent(inout) :: self
+    logical, intent(in) :: kinds(:) !! kinds of bodies of the whole scene, by number
+    integer :: i
+
+    if (count(kinds) > 1) self%kinds = pack([(i, i=1, size(kinds))], kinds)
+  end subroutine tally_set_kinds
 
   !> Add a column.
   pure subroutine tally_add(self, name, value, is_count)

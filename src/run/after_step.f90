@@ -160,7 +160,7 @@ contains
     type(simulation_t), intent(in) :: sim !! started
     type(measures_t) :: measures
 
-    measures = unmeasured(sim%scene%dimension, sim%plan%has_bonds, sim%means%is_on)
+    measures = unmeasured(sim%scene%dimension, sim%plan%has_bonds, sim%means%is_on, sim%plan%body_kinds)
     measures%column = [measures%column, cell_columns(sim%cell, sim%scene%dimension)]
     if (sim%scene%bodies%has_presence) measures%column = [measures%column, passage_columns(spread(0.0_wp, 1, n_passage_sums))]
   end function blank_measures
@@ -251,7 +251,7 @@ contains
     real(wp) :: sums(n_passage_sums)
 
     call measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%energy, sim%writers%measures, &
-                 sim%decomposition%subdomain, sim%comm, sim%means)
+                 sim%decomposition%subdomain, sim%comm, sim%means, sim%plan%body_kinds)
     associate (measures => sim%writers%measures)
       if (sim%cell%walls%has_cell) then
         call sim%cell%measure(sim%scene, sim%comm)

@@ -4,6 +4,7 @@
 !! carry radius times spin; only the rest pays for lever arms. The plan is printed at the start of a run.
 module sg_plan
   use sg_bodies, only: are_turned, drop_rotation
+  use sg_body_kinds, only: body_kinds, n_body_kinds
   use sg_comm, only: comm_t
   use sg_contactors, only: kind_disk, kind_hollow, kind_names, kind_polygon, kind_polyhedron, kind_sphere, n_kinds
   use sg_half_width, only: half_width
@@ -56,6 +57,8 @@ module sg_plan
     real(wp), allocatable :: radius(:)
     !> Bodies, grains among them, contactors and those of each kind; where ranks share the scene, of all of them
     integer :: bodies = 0, grains = 0, contactors = 0, shapes(n_kinds) = 0
+    !> Which kinds of bodies there are, of all ranks, whether driven or free
+    logical :: body_kinds(n_body_kinds) = .false.
     !> Links, of all ranks
     integer :: links = 0
   end type plan_t
@@ -155,7 +158,7 @@ contains
     type(plan_t), intent(inout) :: plan
     type(comm_t), intent(inout) :: ranks
     integer :: counts(2 + n_kinds)
-    integer :: c
+    integer :: c, k
 
     counts = 0
     counts(1) = scene%bodies%n_own
@@ -171,6 +174,9 @@ contains
     plan%grains = counts(2)
     plan%shapes = counts(3:)
     plan%contactors = sum(plan%shapes)
+    associate (kinds => body_kinds(scene%contactors, scene%bodies%n))
+      plan%body_kinds = ranks%any([(any(kinds == k), k=1, n_body_kinds)])
+    end associate
   end subroutine count_all
 
   !> Laws and pairs of kinds in use, from the kinds and colours that there are.
