@@ -5,6 +5,7 @@ module sg_scene_from_deck
   use sg_called_bodies, only: numbers_called
   use sg_cell_from_deck, only: cell_from_deck, check_cell
   use sg_datbox, only: read_datbox_share
+  use sg_datbox_walls, only: driven_bodies
   use sg_drives_from_deck, only: drives_from_deck
   use sg_error, only: diagnostics_t
   use sg_interactions_from_deck, only: interactions_from_deck
@@ -122,6 +123,7 @@ contains
     else
       call deck%give_numbers(block, 'gravity', scene%gravity(:deck%dimension))
     end if
+    deck%driven = driven_bodies(scene)
     call drives_from_deck(deck, scene, diagnostics)
     call wrap(scene)
     call passages_from_deck(deck, scene, diagnostics)

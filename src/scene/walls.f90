@@ -1,7 +1,7 @@
 !> Walls of a deck, and the cell that they enclose: where they begin, which way they face, their size.
 !!
-!! Walls are the segments and planes of the blocks wall and container. They enclose a cell where along each axis that has no period
-!! two of them, and no more, face each other; its lengths follow from the places of their bodies.
+!! Walls are the segments and planes of the blocks wall and container, or those that a DATBOX drives. They enclose a cell where
+!! along each axis that has no period two of them, and no more, face each other; its lengths follow from the places of their bodies.
 module sg_walls
   use sg_kinds, only: wp, i4
   implicit none
@@ -17,6 +17,8 @@ module sg_walls
     integer(i4) :: number = 0
     !> Centre of the body [m], and normal; that of a plane, or of a wall of the cell, points to the grains
     real(wp) :: position(3) = 0, normal(3) = 0
+    !> From there to the centre of its shape [m]
+    real(wp) :: shift(3) = 0
     !> Has it one side, so that forces have a sign along its normal?
     logical :: has_side = .false.
     !> Length in the plane [m], in space area [m2]; thickness [m]
@@ -67,10 +69,10 @@ contains
         if (size(found) /= 2) return
         pair(:, axis) = found
       end associate
-      if (self%wall(pair(1, axis))%position(axis) > self%wall(pair(2, axis))%position(axis)) pair(:, axis) = pair([2, 1], axis)
+      if (centre(self%wall(pair(1, axis)), axis) > centre(self%wall(pair(2, axis)), axis)) pair(:, axis) = pair([2, 1], axis)
       associate (lower => self%wall(pair(1, axis)), upper => self%wall(pair(2, axis)))
         if (lower%has_side .and. lower%normal(axis) < 0 .or. upper%has_side .and. upper%normal(axis) > 0) return
-        length(axis) = upper%position(axis) - lower%position(axis) - (lower%thickness + upper%thickness)/2
+        length(axis) = centre(upper, axis) - centre(lower, axis) - (lower%thickness + upper%thickness)/2
       end associate
     end do
     if (any(length(:dimension) <= 0) .or. all(pair == 0)) return
@@ -89,6 +91,14 @@ contains
     self%pair = pair
     self%start = length
   end subroutine walls_find_cell
+
+  !> Coordinate of the centre of a wall's shape [m].
+  pure real(wp) function centre(wall, axis)
+    type(wall_t), intent(in) :: wall
+    integer, intent(in) :: axis
+
+    centre = wall%position(axis) + wall%shift(axis)
+  end function centre
 
   !> Length of a wall in the plane [m], in space its area [m2]: of a wall of the cell the present one of the cell.
   pure real(wp) function walls_area_of(self, wall, dimension, length) result(area)

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Walls and the cell that they enclose, from outside: weight on a floor, a pressed plate, strains of a driven lid, restarts to the
-byte, several ranks."""
+byte, several ranks, a DATBOX."""
 
 import csv
 import json
 import math
 import os
+import shutil
 import subprocess
 import sys
 import unittest
@@ -183,6 +184,56 @@ class Walls(ProgramCase):
                 self.run_deck(self.shaken(is_in_space), *words, "--restart", "out/restart_a.h5")
                 self.assertEqual((self.place / "out" / "walls.csv").read_bytes(), straight)
                 self.assertEqual(self.table("out"), table)
+
+    def datbox(self, text):
+        """Write the scene of a deck as a DATBOX; returns the deck that runs it."""
+        (self.place / "native.toml").write_text(text)
+        self.run_program("convert", "native.toml", "DATBOX")
+        head = text[text.index("[time]"):text.index("[[material]]")]
+        dimension = 3 if "dimension = 3" in text else 2
+        return f'[scene]\ndimension = {dimension}\ndatbox = "DATBOX"\n' + head
+
+    def test_datbox(self):
+        """Walls of a DATBOX: the rows and the cell of the native deck; neither a free bar nor a driven disk is a wall."""
+        others = ('[[body]]\nshape = "segment"\nhalf_length = 0.05\nhalf_thickness = 0.01\nposition = [0.2, 0.5]\n'
+                  + disk(0.1, 0.6) + 'fixed = true\n')
+        for is_in_space in (False, True):
+            with self.subTest(is_in_space=is_in_space):
+                text = self.shaken(is_in_space, 60) + ("" if is_in_space else others)
+                self.run_deck(text, "--force")
+                native, record = self.rows(), self.record()
+                shutil.rmtree(self.place / "DATBOX", ignore_errors=True)
+                deck = self.datbox(text)
+                self.run_deck(deck, "--force")
+                rows = self.rows()
+                self.assertEqual(len(rows), len(native))
+                self.assertEqual(len({row["wall"] for row in rows}), 6 if is_in_space else 4)
+                # A DATBOX has eight digits, and the solver stops at 1e-6 of the impulses: before collisions drive the two runs
+                # apart, forces agree to a thousandth of the largest one.
+                largest = max(abs(row["force_z" if is_in_space else "force_y"]) for row in native)
+                self.assertGreater(largest, 0)
+                for one, other in zip(native, rows, strict=True):
+                    for name in set(one) - {"wall"}:
+                        scale = largest if "force" in name else 10 * largest if "pressure" in name else 1e-3
+                        self.assertLessEqual(abs(one[name] - other[name]), 1e-3 * scale, name)
+                names = [name for name in record[0] if name.startswith(("cell", "strain", "void"))]
+                self.assertIn("void_ratio", names)
+                for one, other in zip(record, self.record(), strict=True):
+                    for name in names:
+                        self.near(one[name], other[name], 1e2)
+                straight = (self.place / "out" / "walls.csv").read_bytes()
+                if self.has_hdf5():
+                    words = ("--set", "restart.every=25", "--set", "restart.at_end=false")
+                    self.run_deck(deck, "--force", *words)
+                    self.assertEqual((self.place / "out" / "walls.csv").read_bytes(), straight)
+                    self.run_deck(deck, *words, "--restart", "out/restart_a.h5")
+                    self.assertEqual((self.place / "out" / "walls.csv").read_bytes(), straight)
+                if self.launcher:
+                    found = []
+                    for ranks in (1, 3):
+                        self.on_ranks(ranks, deck, f"parts{ranks}", "--set", "partition.parts=3")
+                        found.append((self.place / f"parts{ranks}" / "walls.csv").read_bytes())
+                    self.assertEqual(*found)
 
     def test_ranks(self):
         """The same subdomains on one rank and on three: the same bytes; other subdomains of a scene at rest: the same numbers."""

@@ -6,7 +6,7 @@ module sg_blocks
   use sg_census, only: census_t
   use sg_error, only: diagnostics_t
   use sg_key_table, only: in_both, key_t, key_table_t
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
   use sg_link_network, only: points_t
   use sg_text, only: nearest_word, text_t
   use sg_toml, only: line_of
@@ -57,6 +57,8 @@ module sg_blocks
     !> Numbers of the bodies that have a name, ascending, and their names
     integer, allocatable :: named(:)
     type(text_t), allocatable :: names(:)
+    !> Numbers of the bodies that the DRV_DOF.DAT of a DATBOX drives, ascending; unallocated where there is none
+    integer(i4), allocatable :: driven(:)
     !> The rank that reads, and the number of ranks: of the bodies it keeps a share; `absent` describes the others
     integer :: rank = 0, ranks = 1
     type(census_t) :: absent

@@ -1,6 +1,8 @@
-!> List of the walls of a deck, from the blocks wall and container: all ranks list all of them, whichever rank keeps their bodies.
+!> List of the walls of a deck, from the blocks wall and container or from a DATBOX: all ranks list all of them, whichever rank
+!! keeps their bodies.
 module sg_wall_list_from_deck
   use sg_blocks, only: deck_t
+  use sg_datbox_walls, only: list_datbox_walls
   use sg_kinds, only: wp, i4
   use sg_scene, only: scene_t
   use sg_walls, only: wall_t, walls_t
@@ -33,6 +35,7 @@ contains
         call add_planes(deck, b, scene, walls)
       end if
     end do
+    if (allocated(deck%driven)) call list_datbox_walls(scene, deck%driven, walls)
     if (scene%cell%is_on) then
       walls%has_cell = .true.
       walls%is_periodic = .true.
