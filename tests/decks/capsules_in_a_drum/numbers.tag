@@ -98,3 +98,7 @@ grain_coordination measure 1
 1.0000000000000000E+00
 wall_coordination measure 1
 5.0000000000000000E-01
+coordination_cylinder measure 1
+2.0000000000000000E+00
+coordination_clump measure 1
+0.0000000000000000E+00

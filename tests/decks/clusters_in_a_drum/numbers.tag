@@ -78,3 +78,7 @@ grain_coordination measure 1
 0.0000000000000000E+00
 wall_coordination measure 1
 2.0000000000000001E-01
+coordination_disk measure 1
+3.3333333333333331E-01
+coordination_clump measure 1
+0.0000000000000000E+00

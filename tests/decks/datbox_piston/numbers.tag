@@ -78,3 +78,9 @@ grain_coordination measure 1
 0.0000000000000000E+00
 wall_coordination measure 1
 8.0000000000000004E-01
+coordination_disk measure 1
+1.0000000000000000E+00
+coordination_polygon measure 1
+1.0000000000000000E+00
+coordination_clump measure 1
+0.0000000000000000E+00

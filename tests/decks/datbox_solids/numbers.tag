@@ -98,3 +98,11 @@ grain_coordination measure 1
 3.3333333333333331E-01
 wall_coordination measure 1
 5.0000000000000000E-01
+coordination_sphere measure 1
+0.0000000000000000E+00
+coordination_cylinder measure 1
+1.0000000000000000E+00
+coordination_polyhedron measure 1
+1.5000000000000000E+00
+coordination_clump measure 1
+1.0000000000000000E+00

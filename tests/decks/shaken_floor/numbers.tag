@@ -78,3 +78,7 @@ grain_coordination measure 1
 1.0000000000000000E+00
 wall_coordination measure 1
 5.0000000000000000E-01
+coordination_disk measure 1
+1.0000000000000000E+00
+coordination_polygon measure 1
+2.0000000000000000E+00
