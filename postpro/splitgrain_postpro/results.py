@@ -11,6 +11,7 @@ import numpy as np
 
 from .errors import ResultsError
 from .fields import Field
+from .lattice import cell_of
 from .vtkhdf import Grid, Pictures
 
 
@@ -22,6 +23,8 @@ class Scene:
     bodies: Grid | None
     shapes: Grid | None
     contacts: Grid | None
+    cell: np.ndarray | None = None
+    """Edges of the periodic cell of the moment as rows [m], none where there is none"""
 
 
 class Results:
@@ -134,7 +137,15 @@ class Results:
         index %= n
         grids = [None if pictures is None else pictures.step(index).present()
                  for pictures in (self.bodies, self.shapes, self.contacts)]
-        return Scene(float(self.picture_times[index]), *grids)
+        return Scene(float(self.picture_times[index]), *grids, self._cell(index))
+
+    def _cell(self, index):
+        """Edges of the periodic cell of a picture; its tilt is what only such a cell has."""
+        tilt = self.bodies.field("tilt") if self.bodies is not None else None
+        if tilt is None:
+            return None
+        lengths = [self.bodies.field(name) for name in ("period", "period_y", "period_z")]
+        return cell_of([float(values[index]) for values in lengths if values is not None], float(tilt[index]))
 
     def picture_of_step(self, step: int) -> int:
         """Number of the last picture at or before a time step."""

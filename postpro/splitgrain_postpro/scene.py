@@ -5,8 +5,10 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.patches import Polygon
 
 from . import space
+from .lattice import Lattice
 from .quantities import QUANTITIES, between_ranks, bonds, carrying, colouring, is_in_space, links, of_bodies, of_shapes
 from .results import Scene
 from .space import View
@@ -35,26 +37,26 @@ def draw_scene(
     """Draw one picture of a run; returns sentences about what is not there to draw."""
     if is_in_space(scene):
         return space.draw_space(ax, scene, quantity, periods, view)
-    period = periods[0]
+    lattice = Lattice.of(periods[0], scene.cell)
     missing = []
-    view = _view(scene, period)
+    view = _view(scene, lattice)
     if view is not None:
         _set_view(ax, view)
     if scene.shapes is None:
         missing.append("no shapes.vtkhdf")
     else:
-        _draw_shapes(ax, scene, quantity, period, view)
+        _draw_shapes(ax, scene, quantity, lattice, view)
     if scene.contacts is None:
         missing.append("no contacts.vtkhdf")
     elif view is not None:
-        (draw_contacts or _draw_forces)(ax, scene, period, view)
+        (draw_contacts or _draw_forces)(ax, scene, lattice, view)
         if draw_contacts is None:
-            _draw_bonds(ax, scene, period, view)
+            _draw_bonds(ax, scene, lattice, view)
     if scene.bodies is None:
         missing.append("no bodies.vtkhdf")
     elif scene.shapes is None:
-        _draw_centres(ax, scene, quantity)
-    _draw_frame(ax, scene, period, view)
+        _draw_centres(ax, scene, quantity, lattice)
+    _draw_frame(ax, scene, lattice, view)
     return missing
 
 
@@ -62,14 +64,16 @@ def proportions(scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: V
     """Width over height of what is shown, within what fits on a page."""
     if is_in_space(scene):
         return space.proportions(scene, periods, view)
-    view = _view(scene, periods[0])
+    view = _view(scene, Lattice.of(periods[0], scene.cell))
     if view is None or not view[3] > view[2]:
         return 1.0
     return float(np.clip((view[1] - view[0]) / (view[3] - view[2]), 0.3, 3.5))
 
 
-def _view(scene, period):
-    """Box to show (x low, x high, y low, y high): all grains, and walls that are near them."""
+def _view(scene, lattice):
+    """Box to show (x low, x high, y low, y high): all grains, and walls that are near them; or the periodic cell."""
+    if lattice.is_cell:
+        return _with_margin(_box(lattice.corners))
     grains, walls = _boxes(scene)
     if grains is None:
         return walls
@@ -79,11 +83,15 @@ def _view(scene, period):
         low = np.maximum(np.minimum(walls, grains), grains - reach)[[0, 2]]
         high = np.minimum(np.maximum(walls, grains), grains + reach)[[1, 3]]
         box = np.array([low[0], high[0], low[1], high[1]])
-    margin = 0.03 * max(box[1] - box[0], box[3] - box[2])
-    box += margin * np.array([-1, 1, -1, 1])
-    if period > 0:
-        box[:2] = 0, period
+    box = _with_margin(box)
+    if len(lattice.edges):
+        box[:2] = 0, lattice.edges[0, 0]
     return box
+
+
+def _with_margin(box):
+    margin = 0.03 * max(box[1] - box[0], box[3] - box[2])
+    return box + margin * np.array([-1, 1, -1, 1])
 
 
 def _boxes(scene):
@@ -113,22 +121,22 @@ def _set_view(ax, view):
     ax.set_ylim(view[2], view[3])
 
 
-def _draw_shapes(ax, scene, quantity, period, view):
+def _draw_shapes(ax, scene, quantity, lattice, view):
     """Walls, then grains, then hollow disks, which are outlines."""
     shapes = scene.shapes
     is_grain = of_shapes(scene, "is_grain", 1) > 0
     polygons = shapes.cells(VTK_POLYGON)
     walls, grains = polygons[~is_grain[polygons]], polygons[is_grain[polygons]]
-    outlines, _ = _repeat(shapes.outlines(walls), period, view)
+    outlines, _ = lattice.repeated(shapes.outlines(walls), view)
     ax.add_collection(PolyCollection(outlines, facecolor=WALL, edgecolor=WALL, linewidth=0.4), autolim=False)
-    _draw_grains(ax, scene, grains, quantity, period, view)
-    hollow, _ = _repeat(shapes.outlines(shapes.cells(VTK_POLY_LINE)), period, view)
+    _draw_grains(ax, scene, grains, quantity, lattice, view)
+    hollow, _ = lattice.repeated(shapes.outlines(shapes.cells(VTK_POLY_LINE)), view)
     ax.add_collection(LineCollection(hollow, colors="#5A5A5A", linewidth=1.2), autolim=False)
 
 
-def _draw_grains(ax, scene, grains, quantity, period, view):
+def _draw_grains(ax, scene, grains, quantity, lattice, view):
     """Grains filled by a quantity, with its scale."""
-    outlines, copied = _repeat(scene.shapes.outlines(grains), period, view)
+    outlines, copied = lattice.repeated(scene.shapes.outlines(grains), view)
     # Outlines of many small grains would hide their colours.
     edge = min(0.04 * _grain_diameter(ax, scene, view), 0.5)
     collection = PolyCollection(outlines, edgecolor="#6B7B88", linewidth=edge, facecolor=GRAIN)
@@ -156,31 +164,15 @@ def _colour_bar(ax, collection, scale):
     bar.outline.set_linewidth(0.5)
 
 
-def _repeat(outlines, period, view):
-    """Outlines and, in a periodic scene, their images that reach into the view; and which outline each one is."""
-    numbers = np.arange(len(outlines))
-    if not period > 0 or not len(outlines):
-        return outlines, numbers
-    low = np.array([outline[:, 0].min() for outline in outlines])
-    high = np.array([outline[:, 0].max() for outline in outlines])
-    images, copied = [], []
-    for shift in (-period, 0.0, period):
-        inside = numbers[(high + shift > view[0]) & (low + shift < view[1])]
-        images += [outlines[k] + (shift, 0.0) for k in inside]
-        copied.append(inside)
-    return images, np.concatenate(copied)
-
-
-def _draw_forces(ax, scene, period, view):
+def _draw_forces(ax, scene, lattice, view):
     """Force chains: pushing contacts red, pulling ones blue, the width in proportion to the normal force; slack links thin."""
     contacts = scene.contacts
     cells = np.flatnonzero(carrying(contacts))
     linked, tension = links(contacts)
     if len(linked):
         lines = contacts.outlines(linked)
-        if period > 0:
-            lines = [_nearest_image(line, period) for line in lines]
-        lines, _ = _repeat(lines, period, view)
+        lines = [lattice.straight(line) for line in lines]
+        lines, _ = lattice.repeated(lines, view)
         ax.add_collection(LineCollection(lines, linewidths=0.7, colors=BLACK), autolim=False)
     if not len(cells):
         ax.text(0.01, 0.99, "no contact carries force", transform=ax.transAxes, va="top", fontsize=8)
@@ -189,9 +181,8 @@ def _draw_forces(ax, scene, period, view):
     force[linked] = -tension
     force = force[cells]
     lines = contacts.outlines(cells)
-    if period > 0:
-        lines = [_nearest_image(line, period) for line in lines]
-    lines, copied = _repeat(lines, period, view)
+    lines = [lattice.straight(line) for line in lines]
+    lines, copied = lattice.repeated(lines, view)
     # A tail of rare large forces must not thin out the chains: widths saturate at the largest hundredth.
     widest = np.clip(0.6 * _grain_diameter(ax, scene, view), 0.8, 10.0)
     thick = np.quantile(np.abs(force), 0.99)
@@ -201,34 +192,24 @@ def _draw_forces(ax, scene, period, view):
     ax.set_xlabel(f"x [m]      thickest line: normal force {number(thick)} N and above")
 
 
-def _draw_bonds(ax, scene, period, view):
+def _draw_bonds(ax, scene, lattice, view):
     """Bonds of cohesive zones at their contact points."""
     cells, damage = bonds(scene.contacts)
     if not len(cells):
         return
     points = np.asarray(scene.contacts.cell_data["point"], dtype=float)[cells, :2]
-    if period > 0:
-        points = points - [[period, 0.0]] * np.floor(points[:, :1] / period)
-    draw_bonds(ax, points, damage, np.clip(0.12 * _grain_diameter(ax, scene, view), 2.0, 7.0))
+    draw_bonds(ax, lattice.folded(points), damage, np.clip(0.12 * _grain_diameter(ax, scene, view), 2.0, 7.0))
 
 
-def _draw_interface(ax, scene, period, view):
+def _draw_interface(ax, scene, lattice, view):
     """Contacts between grains of different ranks, as lines from centre to centre."""
     if scene.bodies is None or "rank" not in scene.bodies.point_data:
         return
     lines = scene.contacts.outlines(between_ranks(scene)[0])
-    if period > 0:
-        lines = [_nearest_image(line, period) for line in lines]
-    lines, _ = _repeat(lines, period, view)
+    lines = [lattice.straight(line) for line in lines]
+    lines, _ = lattice.repeated(lines, view)
     width = np.clip(0.15 * _grain_diameter(ax, scene, view), 0.6, 2.0)
     ax.add_collection(LineCollection(lines, linewidths=width, colors=BLACK, capstyle="round"), autolim=False)
-
-
-def _nearest_image(line, period):
-    """A line to the nearest image of its other end."""
-    line = np.array(line)
-    line[1, 0] -= period * np.round((line[1, 0] - line[0, 0]) / period)
-    return line
 
 
 def _grain_diameter(ax, scene, view):
@@ -242,10 +223,12 @@ def _grain_diameter(ax, scene, view):
     return 2 * float(np.median(data["radius"][grains])) * points_per_metre if grains.any() else 5.0
 
 
-def _draw_centres(ax, scene, quantity):
+def _draw_centres(ax, scene, quantity, lattice):
     """Centres of bodies, where no shapes are known."""
     values = None if quantity == "none" else of_bodies(scene, quantity)
-    points = scene.bodies.points
+    points = scene.bodies.points[:, :2]
+    if lattice.is_cell:
+        points = lattice.folded(points)
     scale = colouring(np.asarray(values, dtype=float), quantity) if values is not None and len(values) else None
     if scale is None or scale.map is None:
         ax.scatter(points[:, 0], points[:, 1], s=6, c=BLUE)
@@ -254,13 +237,18 @@ def _draw_centres(ax, scene, quantity):
     _colour_bar(ax, drawn, scale)
 
 
-def _draw_frame(ax, scene, period, view):
-    """Axes with units; the borders of the period dashed."""
+def _draw_frame(ax, scene, lattice, view):
+    """Axes with units; the borders of the period or of the cell dashed, and nothing beyond a cell."""
     ax.set_title(f"t = {number(scene.time)} s")
     ax.set_ylabel("y [m]")
     if not ax.get_xlabel():
         ax.set_xlabel("x [m]")
     ax.grid(False)
-    if period > 0 and view is not None:
+    if lattice.is_cell:
+        outline = Polygon(lattice.corners, fill=False, edgecolor="#444444", linestyle="--", linewidth=1)
+        for drawn in ax.collections:
+            drawn.set_clip_path(outline.get_path(), ax.transData)
+        ax.add_patch(outline)
+    elif len(lattice.edges) and view is not None:
         for x in view[:2]:
             ax.axvline(x, color="#444444", linestyle="--", linewidth=1)

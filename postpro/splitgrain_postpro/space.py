@@ -4,7 +4,7 @@ The view is a parallel projection, so that lengths can be compared; the axes wit
 box about the scene.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,6 +14,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
 
 from .errors import ResultsError
+from .lattice import fold_bodies
 from .quantities import bonds, carrying, colouring, links, of_bodies, of_shapes, rows_of
 from .raster import Canvas, normal_of
 from .results import Scene
@@ -66,13 +67,14 @@ def draw_space(
     missing = [f"no {name}.vtkhdf" for name in ("shapes", "contacts", "bodies") if getattr(scene, name) is None]
     if scene.bodies is None:
         raise ResultsError("a scene in space is drawn from its bodies: there is no bodies.vtkhdf")
+    scene = _folded(scene)
     walls = _wall_faces(scene) if scene.shapes is not None else {}
     box = _box(scene, periods, walls)
     solids = _solids(scene, axes, view, box, walls)
     is_grain = scene.bodies.point_data["is_grain"] > 0
-    corners = _corners(box) @ axes.T
+    corners = _corners(box, _tilt(scene)) @ axes.T
     margin = 0.02 * np.ptp(corners[:, :2], axis=0).max()
-    if max(periods) > 0:  # grains stick out of the period
+    if max(periods) > 0 or scene.cell is not None:  # grains stick out of the period
         margin = max(margin, 1.05 * scene.bodies.point_data["radius"][is_grain].max(initial=0))
     frame = np.column_stack([corners.min(axis=0) - margin, corners.max(axis=0) + margin])[:2].ravel()
     ax.set(aspect="equal", xlim=frame[:2], ylim=frame[2:])
@@ -84,7 +86,7 @@ def draw_space(
     radius = _middling_radius(scene, is_grain)
     edge = 0.55 * np.clip(radius * canvas.scale / canvas.FINE / 5, 0.0, 1.0)
     picture = canvas.image(colours, radius, edge)
-    _draw_box(ax, box, axes, periods)
+    _draw_box(ax, box, axes, periods if scene.cell is None else np.diag(scene.cell), _tilt(scene))
     if view.forces:
         picture[..., :3] = 0.25 * picture[..., :3] + 0.75
     ax.imshow(picture, extent=frame, origin="lower", zorder=2, interpolation="antialiased")
@@ -105,13 +107,15 @@ def proportions(scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: V
     """Width over height of what is shown, within what fits on a page."""
     if scene.bodies is None:
         return 1.0
-    corners = _corners(_box(scene, periods)) @ (view or View()).axes().T
+    corners = _corners(_box(scene, periods), _tilt(scene)) @ (view or View()).axes().T
     width, height = np.ptp(corners[:, :2], axis=0)
     return float(np.clip(width / height, 0.3, 3.5)) if height > 0 else 1.0
 
 
 def _box(scene, periods, walls=None):
-    """Corners (low, high) of what is shown: all grains, and walls that are near them."""
+    """Corners (low, high) of what is shown: all grains, and walls that are near them; of a tilted cell those before the tilt."""
+    if scene.cell is not None:
+        return np.array([np.zeros(3), np.diag(scene.cell)])
     grains, others = _extents(scene)
     if walls is None and scene.shapes is not None:
         walls = _wall_faces(scene)
@@ -192,9 +196,33 @@ def _face(shapes, cell):
     return shapes.points[shapes.connectivity[shapes.offsets[cell] : shapes.offsets[cell + 1]]]
 
 
-def _corners(box):
-    """The eight corners of a box; bit k of their number gives the side of axis k."""
-    return np.array([[box[(i >> k) & 1, k] for k in range(3)] for i in range(8)])
+def _corners(box, tilt=0.0):
+    """The eight corners of a box; bit k of their number gives the side of axis k. Those at the upper y are moved by the tilt."""
+    return np.array([[box[(i >> k) & 1, k] + (tilt * ((i >> 1) & 1) if k == 0 else 0) for k in range(3)] for i in range(8)])
+
+
+def _tilt(scene):
+    """Way of the upper face in y along x [m]; zero where there is no periodic cell."""
+    return 0.0 if scene.cell is None else scene.cell[1, 0]
+
+
+def _folded(scene):
+    """The scene with the centres of all bodies in the periodic cell, and with contacts where their candidates are."""
+    if scene.cell is None or scene.bodies is None:
+        return scene
+    bodies, shapes, contacts = scene.bodies, scene.shapes, scene.contacts
+    ways = fold_bodies(bodies.points, scene.cell)
+    if shapes is not None:
+        of_cell = rows_of(bodies.point_data["id"], shapes.cell_data["body"])
+        points = shapes.points.copy()
+        points[shapes.connectivity] += np.repeat(ways[of_cell], np.diff(shapes.offsets), axis=0)
+        shapes = replace(shapes, points=points)
+    if contacts is not None and len(contacts.connectivity):
+        starts = contacts.points[contacts.connectivity].reshape(-1, 2, 3)[:, 0]
+        points = contacts.points.copy()
+        points[contacts.connectivity] += np.repeat(fold_bodies(starts, scene.cell), 2, axis=0)
+        contacts = replace(contacts, points=points)
+    return replace(scene, bodies=replace(bodies, points=bodies.points + ways), shapes=shapes, contacts=contacts)
 
 
 def _solids(scene, axes, view, box, walls):
@@ -398,12 +426,12 @@ def _colour_bar(ax, scale):
     bar.outline.set_linewidth(0.5)
 
 
-def _draw_box(ax, box, axes, periods):
+def _draw_box(ax, box, axes, periods, tilt):
     """The far edges of the box, and ticks at three of its edges."""
-    corners = _corners(box)
+    corners = _corners(box, tilt)
     flat = corners @ axes.T
     far = [int(axes[2, k] < 0) for k in range(3)]  # side of each axis that is farther away
-    dashes = [period > 0 for period in (*periods, 0)]
+    dashes = [period > 0 for period in (*periods, 0)][:3]
     for i in range(8):
         for k in range(3):
             if (i >> k) & 1:
@@ -417,19 +445,20 @@ def _draw_box(ax, box, axes, periods):
     near = [1 - side for side in far]
     size = np.ptp(flat[:, :2], axis=0).max()
     middle = flat[:, :2].mean(axis=0)
-    _draw_axis(ax, 0, [None, near[1], bottom], box, axes, size, middle)
-    _draw_axis(ax, 1, [near[0], None, bottom], box, axes, size, middle)
+    _draw_axis(ax, 0, [None, near[1], bottom], box, axes, size, middle, tilt)
+    _draw_axis(ax, 1, [near[0], None, bottom], box, axes, size, middle, tilt)
     # The upright edge that is farthest to the left.
     left = min(((a, b) for a in (0, 1) for b in (0, 1)), key=lambda s: flat[s[0] | s[1] << 1, 0])
-    _draw_axis(ax, 2, [*left, None], box, axes, size, middle)
+    _draw_axis(ax, 2, [*left, None], box, axes, size, middle, tilt)
 
 
-def _draw_axis(ax, k, sides, box, axes, size, middle):
+def _draw_axis(ax, k, sides, box, axes, size, middle, tilt):
     """An edge of the box along axis k, with ticks that point away from the scene."""
     base = np.array([0.0 if side is None else box[side, m] for m, side in enumerate(sides)])
     def place(x):
         point = base.copy()
         point[k] = x
+        point[0] += tilt * (point[1] - box[0, 1]) / np.ptp(box[:, 1])
         return (axes @ point)[:2]
     start, end = place(box[0, k]), place(box[1, k])
     if np.linalg.norm(end - start) < 0.08 * size:

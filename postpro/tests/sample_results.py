@@ -94,10 +94,11 @@ def packing(columns, rows, period=False):
     return centres, radii, np.array(pairs), forces, length
 
 
-def write_results(folder, columns=12, rows=8, period=False, steps=3, contacts_from=1, finished=True, hollow=False):
-    """A folder of results: `steps` pictures every 10 steps, without contacts before picture `contacts_from`."""
+def write_results(folder, columns=12, rows=8, period=False, steps=3, contacts_from=1, finished=True, hollow=False, cell=None):
+    """A folder of results: `steps` pictures every 10 steps, without contacts before picture `contacts_from`; of a periodic cell,
+    whose height and tilts by picture `cell` gives."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_pictures(folder, packing(columns, rows, period), steps, contacts_from, hollow)
+    write_pictures(folder, packing(columns, rows, period), steps, contacts_from, hollow, cell)
     write_record(folder, 10 * (steps - 1))
     if finished:
         run = {"status": "done", "reason": "", "steps": 10 * (steps - 1), "time": 0.1 * (steps - 1), "bodies": columns * rows + 1, "sweeps": 1234,
@@ -106,7 +107,7 @@ def write_results(folder, columns=12, rows=8, period=False, steps=3, contacts_fr
     return folder
 
 
-def write_pictures(folder, pack, steps, contacts_from, hollow):
+def write_pictures(folder, pack, steps, contacts_from, hollow, cell=None):
     """bodies, shapes and contacts.vtkhdf of a packing that falls and comes to rest."""
     centres, radii, pairs, forces, length = pack
     n = len(centres)
@@ -128,7 +129,8 @@ def write_pictures(folder, pack, steps, contacts_from, hollow):
                       "spin": np.zeros((n + 1, 3)), "angle": np.zeros(n + 1), "rank": np.zeros(n + 1, dtype=int),
                       "start_position": start, "displacement": middle - start,
                       "is_grain": np.append(np.ones(n), 0).astype(int)}
-        bodies.step(time, middle, np.arange(n + 1)[:, None], 1, point_data, field_data=fields)
+        cell_data = {} if cell is None else {"period_y": cell[0], "tilt": float(cell[1][k])}
+        bodies.step(time, middle, np.arange(n + 1)[:, None], 1, point_data, field_data=fields | cell_data)
         outline = (at[:, None, :2] + radii[:, None, None] * circle).reshape(-1, 2)
         corners = np.vstack([outline, floor])
         cells = [*np.arange(CORNERS * n).reshape(n, CORNERS), CORNERS * n + np.arange(4)]

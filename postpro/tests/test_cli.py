@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection, PolyCollection
-from sample_results import write_record, write_results, write_traces
+from sample_results import CORNERS, write_record, write_results, write_traces
 
 from splitgrain_postpro import Results, ResultsError
 from splitgrain_postpro.cli import main
@@ -202,6 +202,31 @@ def test_periodic_scene_shows_one_period_without_long_lines(tmp_path):
     assert np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).max() == pytest.approx(1)
     # Half of the rows are shifted by half a disk: their last disk is seen at both borders.
     assert len(grains_of(ax).get_paths()) == 8 * 4 + 2
+
+
+@pytest.mark.parametrize("tilt", [0.0, 3.0, 5.0, -22.0])
+def test_cell_shows_each_grain_once_within_its_outline(tmp_path, tilt):
+    height = 4 * np.sqrt(3) / 2
+    results = Results(write_results(tmp_path / "run", columns=8, rows=4, period=True, cell=(height, [0.0, 1.0, tilt])))
+    ax, _ = drawn(results)
+    # Of tilts that differ by whole lengths of 8 m the smallest is drawn.
+    nearest = {0.0: 0.0, 3.0: 3.0, 5.0: -3.0, -22.0: 2.0}[tilt]
+    edges = np.array([[8.0, 0.0], [nearest, height]])
+    assert results.scene().cell == pytest.approx(edges)
+    assert results.scene(1).cell[1, 0] == pytest.approx(1.0)
+    outline = ax.patches[-1].get_xy()[:4]
+    assert outline == pytest.approx(np.array([[0, 0], edges[0], edges[0] + edges[1], edges[1]]))
+    middles = np.array([path.vertices[:CORNERS].mean(axis=0) for path in grains_of(ax).get_paths()])
+    places = middles @ np.linalg.inv(edges)
+    # The rounding of a middle on the border: a billionth of the cell.
+    assert np.sum(((places > -1e-9) & (places < 1 - 1e-9)).all(axis=1)) == 8 * 4
+    # The pack closes on itself over the cell: at any tilt by whole disks images touch, and none overlap.
+    apart = np.linalg.norm(middles[:, None] - middles, axis=2)
+    assert apart[apart > 0].min() == pytest.approx(1)
+    for collection in ax.collections:
+        assert collection.get_clip_path() is not None
+    lines = np.array(chains_of(ax)[0].get_segments())
+    assert np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).max() == pytest.approx(1)
 
 
 @pytest.mark.parametrize("gone", ["bodies", "shapes", "contacts"])

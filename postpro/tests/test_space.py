@@ -7,10 +7,11 @@ from sample_space import FACES, SIGNS, write_space_results
 
 from splitgrain_postpro import Results
 from splitgrain_postpro.cli import main
-from splitgrain_postpro.quantities import is_in_space, of_bodies
+from splitgrain_postpro.lattice import cell_of
+from splitgrain_postpro.quantities import is_in_space, of_bodies, rows_of
 from splitgrain_postpro.raster import Canvas, normal_of
 from splitgrain_postpro.scene import QUANTITIES, draw_scene, proportions
-from splitgrain_postpro.space import View, _box, _clipped, _wall_faces
+from splitgrain_postpro.space import View, _box, _clipped, _corners, _folded, _wall_faces
 from splitgrain_postpro.style import new_figure
 
 @pytest.fixture(autouse=True)
@@ -179,6 +180,29 @@ def test_periodic_scene_shows_the_period(tmp_path):
     assert _box(results.scene(), results.periods)[:, :2] == pytest.approx(np.array([[0, 0], [4, 3]]))
     assert drawn(results)[1] == []
     assert proportions(results.scene(), results.periods) > 0.5
+
+
+def test_tilted_cell_holds_the_centres(tmp_path):
+    results = Results(write_space_results(tmp_path / "run", walls=False))
+    scene = results.scene()
+    scene.cell = cell_of([2.0, 1.5, 3.0], 2.5)
+    assert scene.cell == pytest.approx(np.array([[2, 0, 0], [0.5, 1.5, 0], [0, 0, 3]]))
+    folded = _folded(scene)
+    places = folded.bodies.points @ np.linalg.inv(scene.cell)
+    assert (places > -1e-9).all() and (places < 1 + 1e-9).all()
+    ways = folded.bodies.points - scene.bodies.points
+    assert (ways @ np.linalg.inv(scene.cell)) == pytest.approx(np.round(ways @ np.linalg.inv(scene.cell)))
+    # Shapes go with their bodies, and lines of contacts keep their length.
+    rows = np.repeat(rows_of(scene.bodies.point_data["id"], scene.shapes.cell_data["body"]), np.diff(scene.shapes.offsets))
+    moved = (folded.shapes.points - scene.shapes.points)[scene.shapes.connectivity]
+    assert moved == pytest.approx(ways[rows])
+    for one in (scene, folded):
+        ends = one.contacts.points[one.contacts.connectivity].reshape(-1, 2, 3)
+        assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) == pytest.approx(
+            np.linalg.norm(np.diff(scene.contacts.points[scene.contacts.connectivity].reshape(-1, 2, 3), axis=1)[:, 0], axis=1))
+    assert _corners(_box(scene, (0.0, 0.0)), 0.5)[7] == pytest.approx([2.5, 1.5, 3])
+    ax = new_figure(5, 5).add_subplot()
+    assert draw_scene(ax, scene) == []
 
 
 def test_mean_stress_of_two_spheres_pressed_together(tmp_path):
