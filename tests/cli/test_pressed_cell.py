@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Planes of a container that are pressed on the area that they close now: forces, energy, restarts to the byte, ranks, mistakes."""
+"""Planes of a container that are pressed on the area that they close now, by pressures or by the stresses of the container: forces,
+energy, stages, restarts to the byte, ranks, mistakes."""
 
 import csv
 import json
@@ -140,6 +141,47 @@ class PressedCell(ProgramCase):
                 for component in "xyz":
                     self.assertAlmostEqual(plane[-1][component], rows[name][-1][component], delta=2e-6)
 
+    def stressed(self, stresses):
+        """The head with keys of the container."""
+        return HEAD + "".join(f"stress_{axis}{axis} = {value}\n" for axis, value in stresses.items())
+
+    def test_stresses(self):
+        """Stresses of a container are pressures on its upper planes: the same files to the byte, whatever the numbers are."""
+        self.run_deck(HEAD + PRESSED + DRIVEN + GRAINS)
+        pressed = (self.place / "out" / "walls.csv").read_bytes()
+        self.run_deck(self.stressed({"x": PRESSURE, "z": PRESSURE}) + DRIVEN + GRAINS)
+        self.assertEqual((self.place / "out" / "walls.csv").read_bytes(), pressed)
+        # A drive, or a pressure, takes the place of a stress.
+        self.run_deck(self.stressed({"x": 17.0, "y": 1e3, "z": f'"{PRESSURE}*cos(0*t)"'}) + DRIVEN + GRAINS + PRESSED.split("[[pressure]]\nbody = \"box.lid")[0])
+        self.assertEqual((self.place / "out" / "walls.csv").read_bytes(), pressed)
+
+    def test_stress_tensor(self):
+        """A compacted pack under three stresses reads them, on all six planes and in the mean stress; the next stage turns to others.
+
+        A cubic pack without friction comes to rest to rounding, and so do the forces on planes. The mean stress is over the box of
+        the grains, which enter the planes by what the solver leaves: some 1e-5 of it."""
+        if not self.has_hdf5():
+            self.skipTest("stages need HDF5")
+        text = self.stressed({"x": 2e3, "y": 3e3, "z": 4e3}).replace("steps = 150\n", "").replace("friction = 0.3", "friction = 0.0")
+        text = text.replace("record_every = 1\n", "record_every = 100\nrecord_mean = true\n").replace("1e-10", "1e-3")
+        text = text.replace(str(list(SIZE)), "[0.12, 0.12, 0.12]") + GRAINS.replace("0.3, 0.2, 0.25", "0.12, 0.12, 0.12").replace("1.2", "1.02")
+        stages = ('[[stage]]\nname = "first"\nsteps = 800\n'
+                  '[[stage]]\nname = "second"\nsteps = 800\n[[stage.container]]\nstress_xx = 4e3\nstress_yy = 4e3\n')
+        self.run_deck(text + stages)
+        last = {"1": None, "2": None}
+        with (self.place / "out" / "record.csv").open(newline="") as file:
+            for row in csv.DictReader(file):
+                last[row["stage"]] = row
+        for stage, wanted in (("1", (2e3, 3e3, 4e3)), ("2", (4e3, 4e3, 4e3))):
+            for axis, value in zip("xyz", wanted, strict=True):
+                self.assertAlmostEqual(float(last[stage][f"mean_stress_{axis}{axis}"]) / value, 1.0, delta=1e-4, msg=f"{stage} {axis}")
+        rows = self.rows()
+        for stage, at in (("1", 7), ("2", 15)):
+            for names, axis in ((("left", "right"), 0), (("front", "back"), 1), (("floor", "lid"), 2)):
+                for name in names:
+                    wanted = {"1": (2e3, 3e3, 4e3), "2": (4e3, 4e3, 4e3)}[stage][axis]
+                    self.assertAlmostEqual(rows[f"box.{name}"][at]["mean_pressure"] / wanted, 1.0, delta=1e-9, msg=f"{stage} {name}")
+
     def test_compaction(self):
         """A stage that closes the cell ends at the wanted void ratio, to the step; the next one holds the planes there."""
         drives = "".join(f'[[stage.drive]]\nbody = "box.{name}"\ncomponent = "{axis}"\nvalue = -0.1\n'
@@ -171,6 +213,16 @@ class PressedCell(ProgramCase):
         body = '[[body]]\nname = "stone"\nshape = "sphere"\nradius = 0.05\nposition = [0.1, 0.1, 0.1]\n'
         free = self.run_deck(HEAD + body + PRESSED.replace("box.lid", "stone"), code=2)
         self.assertIn('needs the key "area"', free.stdout + free.stderr)
+        for text, said in (
+            (self.stressed({"z": 1e3}).replace("lid = true", ""), "stress_zz needs a lid: lid = true"),
+            (self.stressed({"x": 1e3}) + "sides = false\n", "stress_xx needs planes at both sides: sides = true, and no period along x"),
+            (self.stressed({"y": 1e3}).replace("PERIOD", f"period_y = {SIZE[1]}"), "stress_yy needs planes at both sides"),
+            (self.stressed({"y": '"1/t"'}), "has no value at t = 0.0 s"),
+            (HEAD + '[[stage]]\nsteps = 9\n[[stage.container]]\nname = "bax"\nstress_xx = 1.0\n', 'there is no container named "bax"'),
+            (HEAD + '[[stage]]\nsteps = 9\n[[stage.container]]\nlid = false\n', '"lid" cannot change between stages'),
+        ):
+            done = self.run_deck(text, code=2)
+            self.assertIn(said, done.stdout + done.stderr)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 !> Deck of a stage: the deck, and what the stage changes laid over it.
 !!
-!! A stage changes keys of sections that stand once, and of laws by name. Its drives take the place of the deck's on the same
-!! component of the same body, its pressures that of the deck's on the same body; the others stay.
+!! A stage changes keys of sections that stand once, and of laws and containers by name. Its drives take the place of the deck's on
+!! the same component of the same body, its pressures that of the deck's on the same body; the others stay.
 module sg_stage_deck
   use sg_blocks, only: block_t, deck_t
   use sg_error, only: diagnostics_t
@@ -223,8 +223,8 @@ contains
       associate (change => deck%changes(c), name => deck%table%sections(deck%changes(c)%section)%name)
         if (name == 'drive' .or. name == 'pressure') then
           call add_block(merged, change)
-        else if (name == 'law') then
-          call change_law(merged, change, diagnostics)
+        else if (name == 'law' .or. name == 'container') then
+          call change_named(merged, change, trim(name), diagnostics)
         else
           call change_values(merged, change, merged%block_of(trim(name)))
         end if
@@ -272,31 +272,35 @@ contains
     end do
   end subroutine change_values
 
-  !> Change the law that a stage names, or the only one.
-  subroutine change_law(deck, change, diagnostics)
+  !> Change the law or the container that a stage names, or the only one.
+  subroutine change_named(deck, change, section, diagnostics)
     type(deck_t), intent(inout) :: deck
     type(block_t), intent(in) :: change
+    character(len=*), intent(in) :: section
     type(diagnostics_t), intent(inout) :: diagnostics
     integer :: b, v
 
     v = place_of_key(deck, change, 'name')
     do b = 1, deck%n
-      if (.not. deck%is_in(b, 'law')) cycle
+      if (.not. deck%is_in(b, section)) cycle
       if (v == 0) then
-        if (deck%count_of('law') > 1) exit
+        if (deck%count_of(section) > 1) exit
       else if (deck%word(b, 'name') /= change%values(v)%words(1)%s) then
         cycle
       end if
       call change_values(deck, change, b)
       return
     end do
-    if (v == 0) then
-      call deck%complain_at(diagnostics, '[[stage.law]] lacks the key "name": there are several laws', change%line, change%column)
+    if (v > 0) then
+      call deck%complain_at(diagnostics, 'there is no '//section//' named "'//change%values(v)%words(1)%s//'"', &
+                            change%values(v)%line, change%values(v)%column)
+    else if (deck%count_of(section) == 0) then
+      call deck%complain_at(diagnostics, 'there is no '//section, change%line, change%column)
     else
-      call deck%complain_at(diagnostics, 'there is no law named "'//change%values(v)%words(1)%s//'"', change%values(v)%line, &
-                            change%values(v)%column)
+      call deck%complain_at(diagnostics, '[[stage.'//section//']] lacks the key "name": there are several '//section//'s', &
+                            change%line, change%column)
     end if
-  end subroutine change_law
+  end subroutine change_named
 
   !> Drop drives and pressures of the deck that those of the stage replace.
   subroutine drop_replaced(deck)

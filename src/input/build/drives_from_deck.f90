@@ -8,7 +8,7 @@ module sg_drives_from_deck
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
   use sg_local_numbers, only: local_body
-  use sg_pressures_from_deck, only: add_pressures, press_wall
+  use sg_pressures_from_deck, only: add_pressures, press_container, press_wall
   use sg_scene, only: scene_t
   use sg_time_function_from_deck, only: read_time_function
   use sg_words, only: choice_index
@@ -39,7 +39,8 @@ contains
       if (scene%drives(i)%is_velocity) is_taken(scene%drives(i)%component, scene%drives(i)%body) = .true.
     end do
     call make_room(scene%drives, scene%pressures, n_drives + count_called(deck, 'drive') + size(is_taken, 1)*n_held, &
-                   n_pressures + count_called(deck, 'pressure') + deck%count_of('wall'))
+                   n_pressures + count_called(deck, 'pressure') + deck%count_of('wall') + &
+                   3*deck%count_of('container'))
     do b = 1, deck%n
       if (deck%is_in(b, 'drive')) call add_drives(deck, b, scene, n_drives, is_taken, diagnostics)
     end do
@@ -53,6 +54,7 @@ contains
           call press_wall(deck, b, local_body(scene%bodies, int(deck%blocks(b)%first_body, i4)), scene, n_pressures, is_taken, &
                           diagnostics)
       end if
+      if (deck%is_in(b, 'container')) call press_container(deck, b, scene, n_pressures, is_taken, diagnostics)
       do n = deck%blocks(b)%first_body, deck%blocks(b)%last_body
         if (is_between(deck, b, n)) cycle
         call hold(scene, local_body(scene%bodies, int(n, i4)), n_drives, is_taken)

@@ -1,4 +1,4 @@
-!> Pressures from the blocks of a deck: `[[pressure]]`, and the key of a `[[wall]]`.
+!> Pressures from the blocks of a deck: `[[pressure]]`, the key of a `[[wall]]`, and the stresses of a `[[container]]`.
 module sg_pressures_from_deck
   use sg_blocks, only: deck_t
   use sg_called_bodies, only: body_of, find_called
@@ -13,7 +13,7 @@ module sg_pressures_from_deck
   use sg_walls_from_deck, only: planes, thickness_of_container
   implicit none
   private
-  public :: add_pressures, press_wall
+  public :: add_pressures, press_container, press_wall
 
 contains
 
@@ -172,8 +172,7 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     character(len=*), parameter :: letters = 'xyz'
     integer, allocatable :: list(:, :)
-    integer :: number, container, axis, plane, i
-    real(wp) :: room(3)
+    integer :: number, container, axis, i
 
     number = pressure%body
     if (allocated(scene%bodies%id)) number = scene%bodies%id(number)
@@ -193,8 +192,18 @@ contains
                          ': another direction needs the key "area"', b, 'direction')
       return
     end if
-    room = deck%vector(container, 'size')
-    pressure%side_length = room
+    call bound_by_planes(deck, container, scene, list, pressure)
+  end subroutine bound_by_container
+
+  !> Let a pressure act on the area between the planes of a container.
+  subroutine bound_by_planes(deck, container, scene, list, pressure)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: container, list(:, :)
+    type(scene_t), intent(in) :: scene
+    type(pressure_t), intent(inout) :: pressure
+    integer :: axis, plane, i
+
+    pressure%side_length = deck%vector(container, 'size')
     do axis = 1, 3
       associate (pair => pack([(plane, plane=1, size(list, 2))], list(1, :) == axis))
         if (size(pair) < 2) cycle
@@ -202,5 +211,42 @@ contains
         pressure%side_length(axis) = -thickness_of_container(deck, container)
       end associate
     end do
-  end subroutine bound_by_container
+  end subroutine bound_by_planes
+
+  !> Press the upper planes of a container by the stresses that its block asks for, unless something else moves them along the axis.
+  subroutine press_container(deck, container, scene, n, is_taken, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck; its blocks hold their bodies
+    integer, intent(in) :: container !! block of the container
+    type(scene_t), intent(inout) :: scene !! scene with its bodies and room for pressures
+    integer, intent(inout) :: n !! pressures so far
+    logical, intent(inout) :: is_taken(:, :) !! components of bodies that drives and pressures take
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    character(len=*), parameter :: keys(3) = ['stress_xx', 'stress_yy', 'stress_zz']
+    character(len=*), parameter :: needs(3) = [character(len=62) :: &
+      'planes at both sides: sides = true, and no period along x', 'planes at both sides: sides = true, and no period along y', &
+      'a lid: lid = true']
+    type(pressure_t) :: pressure
+    integer, allocatable :: list(:, :)
+    integer :: axis, plane
+
+    if (.not. any([(deck%is_given(container, keys(axis)), axis=1, 3)])) return
+    list = planes(deck, container, [scene%period, scene%period_y])
+    do axis = 1, 3
+      if (.not. deck%is_given(container, keys(axis))) cycle
+      plane = findloc(list(1, :) == axis .and. list(2, :) == 2, .true., 1)
+      if (plane == 0) then
+        call deck%complain(diagnostics, keys(axis)//' needs '//trim(needs(axis)), container, keys(axis))
+        cycle
+      end if
+      pressure = pressure_t()
+      pressure%body = local_body(scene%bodies, int(deck%blocks(container)%first_body + plane - 1, i4))
+      pressure%direction(axis) = -1
+      call read_formula(deck, container, keys(axis), pressure%value, diagnostics)
+      if (is_taken(axis, pressure%body)) cycle
+      call bound_by_planes(deck, container, scene, list, pressure)
+      is_taken(axis, pressure%body) = .true.
+      n = n + 1
+      scene%pressures(n) = pressure
+    end do
+  end subroutine press_container
 end module sg_pressures_from_deck

@@ -1,7 +1,8 @@
 !> The key table, fourth part: what is generated; boxes, masonry and samples of grains.
 module sg_keys_generators
-  use sg_key_table, only: in_plane, in_space, key_table_t, value_box, value_choice, value_integer, value_logical, value_pairs, &
-                          value_range, value_real, value_sides, value_text, value_texts, value_triple, value_vector
+  use sg_key_table, only: in_plane, in_space, key_table_t, value_box, value_choice, value_function, value_integer, value_logical, &
+                          value_pairs, value_range, value_real, value_sides, value_text, value_texts, &
+                          value_triple, value_vector
   use sg_keys_bodies, only: add_clump_keys, add_common, add_entry
   use sg_kinds, only: wp, pi
   use sg_words, only: short_real
@@ -37,6 +38,11 @@ contains
                    above=0.0_wp)
     call table%add('lid', value_logical, 'Close the room above.', default='false')
     call table%add('sides', value_logical, 'Close the room at its four sides.', default='true')
+    call table%add('stress_xx', value_function, 'Stress along x, positive in compression: the plane right is pressed towards '// &
+                   'left, which stands still, on the area that they close now; a number or an expression of the time t. A '// &
+                   '[[drive]] or [[pressure]] on the plane along x takes its place.', unit='Pa')
+    call table%add('stress_yy', value_function, 'The same along y: back is pressed towards front.', unit='Pa')
+    call table%add('stress_zz', value_function, 'The same along z: the lid is pressed towards the floor.', unit='Pa')
   end subroutine add_containers
 
   !> Sections brick_wall and arch.
