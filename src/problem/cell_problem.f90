@@ -1,7 +1,6 @@
 !> Rates of a periodic cell under imposed stress as unknowns of a contact problem (doc/theory/periodic_cell.md, "Imposed stress").
 !!
-!! The biases of the contacts are those of the present rates; a change of the rates changes them. Components are those of
-!! sg_periodic_cell.
+!! A change of the rates changes the biases of the contacts. Components are those of sg_periodic_cell.
 module sg_cell_problem
   use sg_kinds, only: wp
   implicit none
@@ -13,10 +12,12 @@ module sg_cell_problem
     !> Are there any? Which components
     logical :: is_on = .false.
     logical :: is_free(4) = .false.
-    !> Rates without contacts, and those of the present impulses [1/s]
-    real(wp) :: free(4) = 0, rate(4) = 0
-    !> Inertia of each free component [kg m2], and the share of a change of rate that a round takes
-    real(wp) :: inertia(4) = 1, share = 1
+    !> Rates without contacts, present ones, and those that the biases of the records hold [1/s]
+    real(wp) :: free(4) = 0, rate(4) = 0, recorded(4) = 0
+    !> Inertia of each free component [kg m2]
+    real(wp) :: inertia(4) = 1
+    !> Bound of the cell's part of the problem, over all ranks, and the share of a change of rates that a round takes
+    real(wp) :: bound = 0, share = 1
     !> Branch of each contact, from the antagonist's centre to the candidate's [m], shape (3, contacts)
     real(wp), allocatable :: branch(:, :)
   end type cell_problem_t

@@ -16,7 +16,7 @@ module sg_records
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded
   public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, solid_bonded
   public :: plain_kind, is_compact, is_in_space, free_axes
-  public :: record_length, body_length, impulse_length, first_inverse, active_place, friction_place
+  public :: record_length, body_length, impulse_length, first_inverse, active_place, bias_place, friction_place
   public :: normal_x, normal_y, normal_z, velocity_x, velocity_y, velocity_z
   public :: round_frictionless_bias, round_frictionless_inverse_wnn
   public :: round_bias_n, round_bias_t, round_inverse_wnn, round_inverse_wtt, round_friction
@@ -156,6 +156,11 @@ module sg_records
   integer, parameter :: active_place(10) = [round_frictionless_inverse_wnn, round_inverse_wnn, arm_frictionless_inverse_wnn, &
                                             arm_law, ball_frictionless_inverse_wnn, ball_inverse_wnn, &
                                             solid_frictionless_inverse_wnn, solid_law, arm_law, solid_law]
+
+  !> Where the bias begins, by kind: as many reals as the impulse has, in the same axes
+  integer, parameter :: bias_place(10) = [round_frictionless_bias, round_bias_n, arm_frictionless_bias, arm_bias_n, &
+                                          ball_frictionless_bias, ball_bias_x, solid_frictionless_bias, solid_bias_x, &
+                                          arm_bias_n, solid_bias_x]
 
   !> Where Coulomb's coefficient stands, by kind; 0 where there is none
   integer, parameter :: friction_place(10) = [0, round_friction, 0, arm_friction, 0, ball_friction, 0, solid_friction, &

@@ -1,24 +1,25 @@
 !> Rates of a periodic cell that follow the impulses of a contact problem (doc/theory/periodic_cell.md, "Imposed stress").
+!!
+!! Ranks sum over their own contacts, and all have the same rates bit for bit.
 module sg_relax_cell
   use sg_contacts, only: contacts_t
   use sg_cell_motion, only: cell_branch
+  use sg_comm, only: comm_t
   use sg_kinds, only: wp
   use sg_problem, only: problem_t
-  use sg_records, only: arm_bias_n, arm_bias_t, arm_frictional, arm_frictionless, arm_frictionless_bias, ball_bias_x, ball_bias_z, &
-                        ball_frictional, ball_frictionless, ball_frictionless_bias, is_in_space, normal_x, normal_y, normal_z, &
-                        plain_kind, round_bias_n, round_bias_t, round_frictional, round_frictionless, round_frictionless_bias, &
-                        solid_bias_x, solid_bias_z, solid_frictional, solid_frictionless, solid_frictionless_bias
+  use sg_records, only: bias_place, impulse_length, is_in_space, normal_x, normal_y, normal_z
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: begin_cell, relax_cell
+  public :: begin_cell, ask_rates, relax_cell, record_rates
 
 contains
 
-  !> Add the unknown rates of a cell to an assembled problem.
-  subroutine begin_cell(scene, contacts, problem)
+  !> Add the unknown rates of a cell to an assembled problem. Collective where there are some.
+  subroutine begin_cell(scene, contacts, comm, problem)
     type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
     type(contacts_t), intent(in) :: contacts !! contacts of the step
+    type(comm_t), intent(inout) :: comm !! the ranks
     type(problem_t), intent(inout) :: problem !! assembled
     real(wp) :: bound(4), mass
     integer :: k
@@ -29,6 +30,7 @@ contains
       cell%is_free = scene%cell%is_stress
       cell%free = scene%cell%rate
       cell%rate = cell%free
+      cell%recorded = cell%free
       cell%inertia = scene%cell%inertia
       if (allocated(cell%branch)) then
         if (size(cell%branch, 2) < contacts%n) deallocate (cell%branch)
@@ -41,14 +43,17 @@ contains
         mass = 1/sum(1/scene%bodies%mass(contacts%body(:, k)))
         bound = bound + mass*cell%branch([1, 2, 3, 2], k)**2
       end do
-      cell%share = 1/max(1.0_wp, 2*sum(bound/cell%inertia, cell%is_free))
+      call comm%sum(bound)
+      cell%bound = sum(bound/cell%inertia, cell%is_free)
     end associate
   end subroutine begin_cell
 
-  !> Bring the rates to the present impulses, and the biases to the rates.
-  subroutine relax_cell(problem)
-    type(problem_t), intent(inout) :: problem !! with unknown rates; impulses of all contacts are in it
-    real(wp) :: sums(4), change(4), r(3)
+  !> Rates that the present impulses of all ranks ask for [1/s]; imposed ones stay. Collective.
+  subroutine ask_rates(problem, comm, asked)
+    type(problem_t), intent(in) :: problem !! with unknown rates; impulses of all contacts are in it
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp), intent(out) :: asked(4) !! the rates
+    real(wp) :: sums(4), r(3)
     integer :: k
 
     sums = 0
@@ -58,16 +63,38 @@ contains
         sums = sums + [r(1)*l(1), r(2)*l(2), r(3)*l(3), r(1)*l(2)]
       end associate
     end do
+    call comm%sum(sums)
     associate (cell => problem%cell)
-      change = 0
-      where (cell%is_free) change = cell%share*(cell%free + sums/cell%inertia - cell%rate)
-      cell%rate = cell%rate + change
-      do k = 1, problem%n_contacts
-        call add_bias(problem%kind, change(:3)*cell%branch(:, k) + [change(4)*cell%branch(2, k), 0.0_wp, 0.0_wp], &
-                      problem%record(:, k))
-      end do
+      asked = cell%free
+      where (cell%is_free) asked = cell%free + sums/cell%inertia
     end associate
+  end subroutine ask_rates
+
+  !> Bring the rates nearer to those that the present impulses ask for. Collective.
+  subroutine relax_cell(problem, comm)
+    type(problem_t), intent(inout) :: problem !! with unknown rates; impulses of all contacts are in it
+    type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp) :: asked(4)
+
+    call ask_rates(problem, comm, asked)
+    problem%cell%rate = problem%cell%rate + problem%cell%share*(asked - problem%cell%rate)
   end subroutine relax_cell
+
+  !> Bring the biases of all records to some rates.
+  pure subroutine record_rates(rate, problem)
+    real(wp), intent(in) :: rate(4) !! the rates [1/s]
+    type(problem_t), intent(inout) :: problem !! with unknown rates; its records change
+    real(wp) :: change(4)
+    integer :: k
+
+    change = rate - problem%cell%recorded
+    do k = 1, problem%n_contacts
+      associate (l => problem%cell%branch(:, k))
+        call add_bias(problem%kind, change(:3)*l + [change(4)*l(2), 0.0_wp, 0.0_wp], problem%record(:, k))
+      end associate
+    end do
+    problem%cell%recorded = rate
+  end subroutine record_rates
 
   !> Impulse of a contact in the world's axes [N s].
   pure function impulse_of(problem, k) result(r)
@@ -93,34 +120,16 @@ contains
     integer, intent(in) :: kind
     real(wp), intent(in) :: jump(3)
     real(wp), intent(inout) :: record(:)
-    real(wp) :: normal, tangential
+    integer :: n
 
-    if (is_in_space(kind)) then
-      normal = dot_product(record(normal_x:normal_z), jump)
-      tangential = 0
-    else
-      normal = record(normal_x)*jump(1) + record(normal_y)*jump(2)
-      tangential = record(normal_y)*jump(1) - record(normal_x)*jump(2)
-    end if
-    select case (plain_kind(kind))
-    case (round_frictionless)
-      record(round_frictionless_bias) = record(round_frictionless_bias) + normal
-    case (round_frictional)
-      record(round_bias_n) = record(round_bias_n) + normal
-      record(round_bias_t) = record(round_bias_t) + tangential
-    case (arm_frictionless)
-      record(arm_frictionless_bias) = record(arm_frictionless_bias) + normal
-    case (arm_frictional)
-      record(arm_bias_n) = record(arm_bias_n) + normal
-      record(arm_bias_t) = record(arm_bias_t) + tangential
-    case (ball_frictionless)
-      record(ball_frictionless_bias) = record(ball_frictionless_bias) + normal
-    case (ball_frictional)
-      record(ball_bias_x:ball_bias_z) = record(ball_bias_x:ball_bias_z) + jump
-    case (solid_frictionless)
-      record(solid_frictionless_bias) = record(solid_frictionless_bias) + normal
-    case (solid_frictional)
-      record(solid_bias_x:solid_bias_z) = record(solid_bias_x:solid_bias_z) + jump
-    end select
+    n = merge(3, 2, is_in_space(kind))
+    associate (place => bias_place(kind), normal => record(normal_x:normal_x + n - 1))
+      if (impulse_length(kind) == 3) then
+        record(place:place + 2) = record(place:place + 2) + jump
+      else
+        record(place) = record(place) + dot_product(normal, jump(:n))
+        if (impulse_length(kind) == 2) record(place + 1) = record(place + 1) + normal(2)*jump(1) - normal(1)*jump(2)
+      end if
+    end associate
   end subroutine add_bias
 end module sg_relax_cell

@@ -126,7 +126,7 @@ contains
       else
         call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, h, sim%problem)
         call set_relative_epsilon(sim%scene, sim%contacts, sim%comm, sim%problem)
-        if (sim%scene%cell%is_on) call begin_cell(sim%scene, sim%contacts, sim%problem)
+        if (sim%scene%cell%is_on) call begin_cell(sim%scene, sim%contacts, sim%comm, sim%problem)
       end if
     end associate
     call check_input(sim, error)

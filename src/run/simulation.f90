@@ -2,7 +2,7 @@
 module sg_simulation
   use sg_carry, only: carry_t
   use sg_cell, only: cell_t
-  use sg_choose_solver, only: choose_cell_solver, choose_solver
+  use sg_choose_solver, only: choose_solver
   use sg_comm, only: comm_t, traffic_t
   use sg_contacts, only: contacts_t
   use sg_decomposition, only: decomposition_t
@@ -137,10 +137,7 @@ contains
     ! What a method carries must be known before a restart file is read; a method that these ranks cannot have is refused later.
     call choose_solver(sim%options%solver, sim%options%partition, sim%comm%size, sim%solver, refused)
     if (allocated(refused)) call choose_solver(sim%options%solver, sim%solver)
-    if (any(sim%scene%cell%is_stress)) then
-      call choose_cell_solver(sim%options%solver, sim%solver)
-      sim%scene%cell%inertia = sim%scene%cell%inertia*weight_of_grains(sim%scene)
-    end if
+    if (any(sim%scene%cell%is_stress)) sim%scene%cell%inertia = sim%scene%cell%inertia*weight_of_grains(sim%scene)
     call reserve_carried(sim)
     call track_bodies(sim)
     sim%means%is_on = sim%options%record_mean .and. sim%options%record_every > 0
@@ -159,7 +156,9 @@ contains
         reach(b) = max(reach(b), norm2(scene%contactors%shift(:, c)) + scene%contactors%reach(c))
       end associate
     end do
-    weight = sum(scene%bodies%mass*(2*reach)**2)
+    associate (own => scene%bodies%n_own)
+      weight = sum(scene%bodies%mass(:own)*(2*reach(:own))**2)
+    end associate
   end function weight_of_grains
 
   !> Begin fields; track the bodies that the deck asks for, and walls where there is a record.

@@ -4,7 +4,6 @@
 !! run on one rank; one that has a coupled solver of its own runs on several, too.
 module sg_choose_solver
   use sg_by_matrices, only: solve_by_matrices_t
-  use sg_cell_sweeps, only: cell_sweeps_t
   use sg_coupled_solver, only: coupled_solver_t
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp
@@ -17,7 +16,7 @@ module sg_choose_solver
   use sg_text, only: append_word, joined, nearest_word, text_t
   implicit none
   private
-  public :: choose_solver, choose_cell_solver, choose_matrix_solver
+  public :: choose_solver, choose_matrix_solver
 
   !> Make the solver that the options name: for one rank, or for several
   interface choose_solver
@@ -35,17 +34,6 @@ contains
 
     call choose_for_ranks(options, whole, 1, solver, error)
   end subroutine choose_for_one
-
-  !> Make the solver of a periodic cell under imposed stress.
-  subroutine choose_cell_solver(options, solver)
-    type(solver_options_t), intent(in) :: options !! of the deck
-    class(solver_t), allocatable, intent(out) :: solver !! the solver
-    type(cell_sweeps_t), allocatable :: sweeps
-
-    allocate (sweeps)
-    sweeps%options = options
-    call move_alloc(sweeps, solver)
-  end subroutine choose_cell_solver
 
   !> Make the solver of some ranks.
   subroutine choose_for_ranks(options, partition, ranks, solver, error)

@@ -97,20 +97,21 @@ contains
       if (is_cohesive_zone(scene%laws(i)) .or. is_link_law(scene%laws(i))) &
         call deck%complain(diagnostics, 'the law "'//scene%laws(i)%name//'" is not available in a periodic cell', b)
     end do
-    if (any(scene%cell%is_stress)) call check_solver(deck, options, b, diagnostics)
+    if (any(scene%cell%is_stress)) call check_solver(deck, options, diagnostics)
     if (options%substeps > 1) call deck%complain(diagnostics, 'a periodic cell does not run in substeps', deck%block_of('time'), &
                                                  'substeps')
   end subroutine check_cell
 
   !> Refuse what imposed stress cannot have: methods that are no sweeps, several ranks.
-  subroutine check_solver(deck, options, b, diagnostics)
+  subroutine check_solver(deck, options, diagnostics)
     type(deck_t), intent(in) :: deck
     type(run_options_t), intent(in) :: options
-    integer, intent(in) :: b
     type(diagnostics_t), intent(inout) :: diagnostics
 
-    if (deck%ranks > 1) call deck%complain(diagnostics, 'imposed stress in a periodic cell does not run on several ranks', b)
     if (.not. any(options%solver%method == [character(len=8) :: 'nlgs', 'nesterov'])) &
-      call deck%complain(diagnostics, 'imposed stress in a periodic cell needs the method nlgs', deck%block_of('solver'), 'method')
+      call deck%complain(diagnostics, 'imposed stress in a periodic cell needs the method nesterov or nlgs', &
+                         deck%block_of('solver'), 'method')
+    if (deck%ranks > 1) &
+      call deck%complain(diagnostics, 'imposed stress in a periodic cell does not run on several ranks', deck%block_of('cell'))
   end subroutine check_solver
 end module sg_cell_from_deck

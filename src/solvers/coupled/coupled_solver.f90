@@ -45,6 +45,7 @@ contains
 
     self%is_coupled = .true.
     self%sweeps_per_round = self%partition%most_sweeps()
+    self%most_updates = self%sweeps_per_round
     self%width = first_inverse(problem%kind) - 1
   end subroutine coupled_begin
 

@@ -60,6 +60,7 @@ contains
     real(wp), allocatable :: before(:, :)
 
     call self%begin_coupled(problem)
+    self%most_updates = max(self%most_updates, self%interface_sweeps)
     call self%gluing%prepare(problem, coupling, .true., .true., comm)
     associate (interface => self%gluing%interface)
       call self%edges%prepare(problem, coupling, interface, comm)

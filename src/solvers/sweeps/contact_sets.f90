@@ -7,10 +7,11 @@ module sg_contact_sets
   use sg_kinds, only: wp, i4, i8
   use sg_nesterov, only: nesterov_t
   use sg_problem, only: problem_t
+  use sg_relax_cell, only: record_rates
   use sg_report, only: report_t
   use sg_run_options, only: solver_options_t
   use sg_solved_clusters, only: solved_clusters_t
-  use sg_sweep_order, only: give_impulses, list_order, sweep_order_t, update_order
+  use sg_sweep_order, only: give_impulses, list_order, put_biases, sweep_order_t, update_order
   use sg_sweeps, only: sweep
   use sg_tables, only: per_contact, tables_t
   implicit none
@@ -48,6 +49,7 @@ module sg_contact_sets
     procedure :: restore => sets_restore
     procedure :: sweep => sets_sweep
     procedure :: give_impulses => sets_give_impulses
+    procedure :: take_rates => sets_take_rates
     procedure :: list_tables => sets_list_tables
     procedure :: list_split_tables => sets_list_split_tables
   end type contact_sets_t
@@ -210,6 +212,20 @@ contains
       call give_impulses(self%order(s), problem)
     end do
   end subroutine sets_give_impulses
+
+  !> Take the rates of a periodic cell into the biases of the problem and of all orders.
+  pure subroutine sets_take_rates(self, rate, problem)
+    class(contact_sets_t), intent(inout) :: self
+    real(wp), intent(in) :: rate(4) !! the rates [1/s]
+    type(problem_t), intent(inout) :: problem !! its records change
+    integer :: s
+
+    call record_rates(rate, problem)
+    if (.not. self%is_arranged) return
+    do s = 1, self%n
+      call put_biases(self%order(s), problem)
+    end do
+  end subroutine sets_take_rates
 
   !> List the tables that every solve has: of all orders together, however many there are.
   subroutine sets_list_tables(self, tables)

@@ -42,6 +42,8 @@ module sg_nesterov
     !> Iterates of each order, and records of bodies with the velocities of x before the last sweep
     type(iterates_t), allocatable, private :: past(:)
     real(wp), allocatable, private :: body(:, :)
+    !> Rates of a periodic cell at x before the last sweep [1/s]
+    real(wp), private :: rate(4) = 0
     !> Impulses of the sweep before and present ones, by contact, while orders change
     real(wp), allocatable, private :: carried(:, :), present(:, :)
   contains
@@ -96,7 +98,7 @@ contains
       self%has_stepped = .false.
       return
     end if
-    if (.not. self%has_stepped) call begin_past(self, orders, problem%body)
+    if (.not. self%has_stepped) call begin_past(self, orders, problem)
     call self%rule%next(self%sums(:2), .not. self%sums(3) > 0, share)
     self%past%share = share
     self%is_due = is_sweep .and. takes_momentum(orders(1))
@@ -114,6 +116,7 @@ contains
     call move_alloc(self%body, body)
     call move_alloc(problem%body, self%body)
     call move_alloc(body, problem%body)
+    call step_rates(share, problem%cell%rate, self%rate)
     self%has_stepped = .true.
   end subroutine nesterov_go_on
 
@@ -137,10 +140,10 @@ contains
   end subroutine nesterov_finish
 
   !> Take the present impulses and velocities for those of the sweep before.
-  subroutine begin_past(self, orders, body)
+  subroutine begin_past(self, orders, problem)
     class(nesterov_t), intent(inout) :: self
     type(sweep_order_t), intent(in) :: orders(:)
-    real(wp), intent(in) :: body(:, :)
+    type(problem_t), intent(in) :: problem
     integer :: s
 
     if (allocated(self%past)) then
@@ -150,7 +153,8 @@ contains
     do s = 1, size(orders)
       call hold(orders(s), self%past(s))
     end do
-    self%body = body
+    self%body = problem%body
+    self%rate = problem%cell%rate
     self%has_start = .false.
     self%sums = no_sums
   end subroutine begin_past
@@ -169,6 +173,18 @@ contains
     end do
   end subroutine step_bodies
 
+  !> Rates of a periodic cell of y, from those of x and of the sweep before.
+  pure subroutine step_rates(share, rate, before)
+    real(wp), intent(in) :: share !! of the change to go on by
+    real(wp), intent(inout) :: rate(4) !! those of x, then those of y
+    real(wp), intent(inout) :: before(4) !! those of the sweep before, then those of x
+    real(wp) :: change(4)
+
+    change = rate - before
+    before = rate
+    rate = rate + share*change
+  end subroutine step_rates
+
   !> Take the last step back: y becomes x again, where a round has begun that is not wanted.
   subroutine nesterov_restore(self, orders, problem)
     class(nesterov_t), intent(inout) :: self
@@ -180,6 +196,7 @@ contains
       call exchange_order(orders(s), self%past(s))
     end do
     problem%body(:, :) = self%body
+    problem%cell%rate = self%rate
     call self%begin(self%is_on)
   end subroutine nesterov_restore
 

@@ -10,6 +10,7 @@ module sg_nlgs
   use sg_convergence, only: convergence_t, looks_at_errors
   use sg_kinds, only: wp
   use sg_problem, only: bytes_per_contact, problem_t
+  use sg_relax_cell, only: ask_rates, relax_cell
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_estimate, solver_options_t
   use sg_solver, only: solver_t
@@ -36,8 +37,8 @@ module sg_nlgs
     type(contact_sets_t) :: sets
     !> Do other ranks act on bodies of this one? Then sums of a test travel while the next round begins
     logical :: is_coupled = .false.
-    !> Sweeps that a round counts as
-    integer :: sweeps_per_round = 1
+    !> Sweeps that a round counts as, and most updates of a contact in it
+    integer :: sweeps_per_round = 1, most_updates = 1
     !> Share of its relaxation that a method takes which may diverge: halved where the error does not fall
     real(wp) :: damping = 1
     !> Errors of the whole problem, and the tests of this solve
@@ -86,6 +87,7 @@ contains
     call self%sets%begin(problem%n_contacts, self%options)
     call self%sets%nesterov%begin(self%has_momentum)
     call self%open(problem, coupling, comm)
+    if (problem%cell%is_on) call open_cell(self, problem, comm)
     call self%prepare_errors(problem, comm)
     if (self%errors%contacts == 0) return
     call find_free(self, problem, comm, report)
@@ -98,6 +100,7 @@ contains
       if (report%sweeps >= self%options%maximum_sweeps) exit
     end do
     call self%sets%nesterov%finish(comm)
+    if (problem%cell%is_on) problem%cell%rate = problem%cell%recorded
     if (.not. report%is_converged) call self%errors%find_worst(problem, comm, report)
     call self%convergence%finish(report)
     call self%close(problem, coupling, comm)
@@ -129,7 +132,7 @@ contains
 
     report%is_converged = .false.
     if (self%errors%is_guessed .or. self%errors%scales%closing > 0) return
-    call self%collect(problem, comm)
+    call gather(self, problem, comm)
     call self%errors%begin(problem, .true., self%sets, comm)
     call self%errors%finish(report, comm)
     report%is_converged = report%violation <= 0
@@ -145,7 +148,7 @@ contains
 
     if (self%trace%is_on) call self%note(problem, comm, report)
     if (self%errors%is_guessed .and. looks_at_errors(self%options%criterion)) then
-      call self%collect(problem, comm)
+      call gather(self, problem, comm)
       call self%errors%begin(problem, .false., self%sets, comm)
       call self%errors%finish(report, comm)
       call self%sets%choose(problem, report, 0.0_wp)
@@ -170,6 +173,7 @@ contains
         call self%sets%go_on(problem, .not. self%is_coupled, comm)
         if (self%sets%nesterov%has_stepped) call self%mark(problem)
       end if
+      if (problem%cell%is_on) call self%sets%take_rates(problem%cell%rate, problem)
       call self%begin_round(problem, report)
       if (is_tested) then
         call finish_test(self, comm, report)
@@ -182,6 +186,7 @@ contains
       end if
       call self%finish_round(problem, report%is_converged, comm, report)
       if (report%is_converged) return
+      if (problem%cell%is_on) call follow(self, problem, comm)
       report%sweeps = report%sweeps + self%sweeps_per_round
       if (self%is_coupled) report%gluings = report%gluings + 1
       if (self%trace%is_due(report%sweeps)) call self%note(problem, comm, report)
@@ -200,6 +205,40 @@ contains
     end do
     if (is_tested) call finish_test(self, comm, report)
   end subroutine iterate
+
+  !> Give a cell the rates that the guess asks for, and the share of later changes that converges, with momentum too
+  !! (doc/theory/periodic_cell.md).
+  subroutine open_cell(self, problem, comm)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(comm_t), intent(inout) :: comm
+
+    problem%cell%share = 1/(1 + real(self%most_updates, wp)*problem%cell%bound)
+    call ask_rates(problem, comm, problem%cell%rate)
+  end subroutine open_cell
+
+  !> Let the rates of a cell follow the impulses of a round.
+  subroutine follow(self, problem, comm)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(comm_t), intent(inout) :: comm
+
+    call self%sets%give_impulses(problem)
+    call relax_cell(problem, comm)
+  end subroutine follow
+
+  !> Collect impulses and velocities in the problem; a test sees the rates of a cell that these impulses ask for.
+  subroutine gather(self, problem, comm)
+    class(nlgs_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem
+    type(comm_t), intent(inout) :: comm
+    real(wp) :: asked(4)
+
+    call self%collect(problem, comm)
+    if (.not. problem%cell%is_on) return
+    call ask_rates(problem, comm, asked)
+    call self%sets%take_rates(asked, problem)
+  end subroutine gather
 
   !> Damp a method that may diverge, and pause momentum, where the error does not fall.
   subroutine judge_fall(self, report)
@@ -225,9 +264,10 @@ contains
     ! e1 is measured with the others where this may be the last test: measuring all once more would cost far more.
     if (.not. self%is_coupled) self%has_e1 = self%has_e1 .or. report%sweeps >= self%options%maximum_sweeps .or. &
                                              report%checks == 0 .or. report%criterion <= likely_last*self%options%tolerance
-    if (self%convergence%is_choice_due .or. .not. self%is_coupled) &
+    ! Rates of a cell couple all clusters.
+    if ((self%convergence%is_choice_due .or. .not. self%is_coupled) .and. .not. problem%cell%is_on) &
       call self%sets%clusters%prepare(problem, self%options, report%sweeps)
-    call self%collect(problem, comm)
+    call gather(self, problem, comm)
     call self%errors%begin(problem, self%has_e1, self%sets, comm)
     call lap(self, report%cpu_checks)
   end subroutine begin_test
@@ -267,7 +307,7 @@ contains
     type(report_t), intent(inout) :: report
 
     if (self%is_coupled .or. .not. self%has_e1) then
-      call self%collect(problem, comm)
+      call gather(self, problem, comm)
       call self%errors%begin(problem, .true., self%sets, comm)
       if (self%is_coupled) call finish_test(self, comm, report)
       if (.not. self%is_coupled) call self%errors%finish(report, comm)
@@ -291,7 +331,7 @@ contains
     before = comm%traffic
     ! A test may drop small remains of a guess.
     allocate (impulse, source=problem%impulse)
-    call self%collect(problem, comm)
+    call gather(self, problem, comm)
     call self%errors%begin(problem, .true., self%sets, comm)
     call self%errors%finish(here, comm)
     here%contact_updates = report%contact_updates

@@ -11,14 +11,14 @@ module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_random, only: random_t
-  use sg_records, only: ball_frictional, record_length, round_frictional, solid_frictional
+  use sg_records, only: ball_frictional, bias_place, impulse_length, record_length, round_frictional, solid_frictional
   use sg_run_options, only: solver_options_t
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
-  use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, put_rows, solid_lanes_t
+  use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, put_row_biases, put_rows, solid_lanes_t
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none
   private
-  public :: sweep_order_t, set_order, update_order, give_impulses, put_impulses, list_order
+  public :: sweep_order_t, set_order, update_order, give_impulses, put_biases, put_impulses, list_order
 
   !> An order is rebuilt when more than one over this many of its contacts are missing, or need no visit any more
   integer, parameter :: slack = 16
@@ -365,6 +365,28 @@ contains
       order%impulse(:, i) = problem%impulse(:, order%contact(i))
     end do
   end subroutine put_impulses
+
+  !> Copy biases from the problem to the order, which holds its contacts already.
+  pure subroutine put_biases(order, problem)
+    type(sweep_order_t), intent(inout) :: order !! its records change
+    type(problem_t), intent(in) :: problem !! problem being swept
+    integer :: first, last, i, g, e
+
+    first = bias_place(problem%kind)
+    last = first + impulse_length(problem%kind) - 1
+    e = 0
+    do g = 1, order%n_groups
+      do i = 1, order%group_size(g)
+        e = e + 1
+        order%lane_record(i, first:last, g) = problem%record(first:last, order%contact(e))
+      end do
+    end do
+    if (order%solids%n_groups > 0) call put_row_biases(problem, order%contact(:order%n), order%solids)
+    if (.not. order%has_copies) return
+    do i = 1, order%n
+      order%record(first:last, i) = problem%record(first:last, order%contact(i))
+    end do
+  end subroutine put_biases
 
   !> List the tables of an order.
   subroutine list_order(order, tables)

@@ -11,8 +11,8 @@ module sg_sweep_solid_order
   use sg_vectors, only: cross
   implicit none
   private
-  public :: solid_lanes_t, begin_rows, deal_chains, fill_rows, give_rows, put_rows, lanes, row_length, special_length
-  public :: impulses_of_row
+  public :: solid_lanes_t, begin_rows, deal_chains, fill_rows, give_rows, put_row_biases, put_rows, lanes, row_length
+  public :: impulses_of_row, special_length
   public :: row_impulse_n, row_impulse_1, row_impulse_2, row_normal_x, row_normal_y, row_normal_z, row_tangent_x, row_tangent_y
   public :: row_tangent_z, row_arm_cx, row_arm_cy, row_arm_cz, row_arm_ax, row_arm_ay, row_arm_az, row_bias, row_inverse_wnn
   public :: row_g1, row_g2, row_s1, row_s2, row_friction, special_bias_1, special_bias_2, special_compliance_n, special_compliance_t
@@ -181,7 +181,8 @@ contains
     first = 1
     if (first_group > 1) first = rows%last_row(first_group - 1) + 1
     e = sum(rows%row_size(:first - 1))
-    is_special = any_special(problem, contact(e + 1:))
+    ! Rates of a cell that change turn biases away from normals.
+    is_special = problem%cell%is_on .or. any_special(problem, contact(e + 1:))
     is_done = .true.
     if (first_group == 1) then
       call make_room(rows, is_special)
@@ -298,6 +299,29 @@ contains
       end do
     end do
   end subroutine put_rows
+
+  !> Copy the biases of contacts whose records have changed to the lanes, by their axes.
+  pure subroutine put_row_biases(problem, contact, rows)
+    type(problem_t), intent(in) :: problem !! problem being swept, with rates of a cell
+    integer(i4), intent(in), contiguous :: contact(:) !! contacts in the order of the rows
+    type(solid_lanes_t), intent(inout) :: rows !! filled rows, whose biases are set
+    real(wp) :: n(3), t(3)
+    integer :: row, i, e
+
+    e = 0
+    do row = 1, rows%n_rows
+      do i = 1, rows%row_size(row)
+        e = e + 1
+        associate (record => problem%record(:, contact(e)), bias => problem%record(solid_bias_x:solid_bias_z, contact(e)))
+          if (record(solid_law) < least_active) cycle
+          n = rows%row(i, row_normal_x:row_normal_z, row)
+          t = rows%row(i, row_tangent_x:row_tangent_z, row)
+          rows%row(i, row_bias, row) = dot_product(n, bias) - record(solid_compliance_n)*record(solid_cohesion)
+          rows%special(i, special_bias_1:special_bias_2, row) = [dot_product(t, bias), dot_product(cross(n, t), bias)]
+        end associate
+      end do
+    end do
+  end subroutine put_row_biases
 
   !> Write a contact's impulse, by the axes of its lane.
   pure subroutine put_lane(record, impulse, i, row)
