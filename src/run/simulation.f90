@@ -137,16 +137,18 @@ contains
     ! What a method carries must be known before a restart file is read; a method that these ranks cannot have is refused later.
     call choose_solver(sim%options%solver, sim%options%partition, sim%comm%size, sim%solver, refused)
     if (allocated(refused)) call choose_solver(sim%options%solver, sim%solver)
-    if (any(sim%scene%cell%is_stress)) sim%scene%cell%inertia = sim%scene%cell%inertia*weight_of_grains(sim%scene)
+    if (any(sim%scene%cell%is_stress)) sim%scene%cell%inertia = sim%scene%cell%inertia*weight_of_grains(sim%scene, sim%comm)
     call reserve_carried(sim)
     call track_bodies(sim)
     sim%means%is_on = sim%options%record_mean .and. sim%options%record_every > 0
     call sim%totals%clock%start()
   end subroutine start_simulation
 
-  !> Sum over all grains of mass times square of the width [kg m2], the unit of a cell's inertia.
-  pure real(wp) function weight_of_grains(scene) result(weight)
+  !> Sum over all grains of mass times square of the width [kg m2], the unit of a cell's inertia. Collective where each rank has a
+  !! part of the scene.
+  real(wp) function weight_of_grains(scene, comm) result(weight)
     type(scene_t), intent(in) :: scene
+    type(comm_t), intent(inout) :: comm
     real(wp) :: reach(scene%bodies%n)
     integer :: c
 
@@ -159,6 +161,7 @@ contains
     associate (own => scene%bodies%n_own)
       weight = sum(scene%bodies%mass(:own)*(2*reach(:own))**2)
     end associate
+    if (allocated(scene%bodies%id)) call comm%sum(weight)
   end function weight_of_grains
 
   !> Begin fields; track the bodies that the deck asks for, and walls where there is a record.

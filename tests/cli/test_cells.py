@@ -265,6 +265,29 @@ class Cells(ProgramCase):
                         fewer, more = (sum(int(row["sweeps"]) for row in self.rows(output)) for output in ("momentum", "out"))
                         self.assertLess(fewer, 0.9 * more)
 
+    def test_ranks_under_stress(self):
+        """On two ranks, and in parts of one process, the same motion, also after a restart."""
+        for dimension, shape, steps in ((2, "disk", 120), (2, "polygon", 55), (3, "sphere", 120)):
+            with self.subTest(shape=shape):
+                self.write_pressed_sample(dimension, shape, steps)
+                momentum = ("--set", "solver.method=nesterov")
+                self.call(*momentum)
+                one = self.rows()
+                for words in (("gluing=dual",), ("gluing=primal",), ("sweeps=[3]",), ("gluing=primal", "primal.interface_sweeps=3")):
+                    own = [word for value in words for word in ("--set", "partition." + value)]
+                    self.call(*momentum, "--set", "partition.parts=3", *own, output="parts")
+                    self.assert_same_motion(one, "parts", shape)
+                if MPIEXEC:
+                    self.call(*momentum, output="ranks", ranks=2)
+                    self.assert_same_motion(one, "ranks", shape)
+                self.assertGreater(float(one[-1]["impact_loss"]), 0)
+                if self.has_hdf5():
+                    # The split of a restart is another one: sums over ranks differ by rounding.
+                    parts = ("--set", "partition.parts=3", *momentum)
+                    self.call(*parts, "--set", f"time.steps={steps - 20}", output="parts")
+                    self.run_program("run", "deck.toml", "--output", "parts", "--restart", "parts", *parts)
+                    self.assert_same_motion(one, "parts", shape)
+
     def test_repeated_grains_under_stress(self):
         spots = self.spots(2)
         body = "".join(grain(f"g{i}", place, 0.1, velocity) for i, (place, velocity) in enumerate(spots))
@@ -492,7 +515,8 @@ class Cells(ProgramCase):
                 self.assertIn(words, said)
                 self.assertRegex(said, r"deck.toml:\d+:\d+: error: ")
         for words, said in ((("solver.method=interior",), "imposed stress in a periodic cell needs the method nesterov or nlgs"),
-                            (("partition.parts=2",), "imposed stress in a periodic cell does not run on several ranks")):  # fmt: skip
+                            (("partition.parts=2", "--set", "partition.gluing=momentum"),
+                             "imposed stress in a periodic cell needs the gluing dual or primal")):  # fmt: skip
             self.write(self.pressed((1.0, 1.0), (1.0, 1.0)), ball)
             self.assertIn(said, self.run_program("run", "deck.toml", "--set", *words, code=2).stderr)
         for setting, words in (("scene.gravity=[0, -9.81]", "there is no gravity in a periodic cell"),

@@ -102,7 +102,7 @@ contains
                                                  'substeps')
   end subroutine check_cell
 
-  !> Refuse what imposed stress cannot have: methods that are no sweeps, several ranks.
+  !> Refuse what imposed stress cannot have: methods that are no sweeps, alone or between ranks.
   subroutine check_solver(deck, options, diagnostics)
     type(deck_t), intent(in) :: deck
     type(run_options_t), intent(in) :: options
@@ -111,7 +111,8 @@ contains
     if (.not. any(options%solver%method == [character(len=8) :: 'nlgs', 'nesterov'])) &
       call deck%complain(diagnostics, 'imposed stress in a periodic cell needs the method nesterov or nlgs', &
                          deck%block_of('solver'), 'method')
-    if (deck%ranks > 1) &
-      call deck%complain(diagnostics, 'imposed stress in a periodic cell does not run on several ranks', deck%block_of('cell'))
+    if (deck%ranks > 1 .and. .not. any(options%partition%gluing == [character(len=8) :: 'dual', 'primal'])) &
+      call deck%complain(diagnostics, 'imposed stress in a periodic cell needs the gluing dual or primal', &
+                         deck%block_of('partition'), 'gluing')
   end subroutine check_solver
 end module sg_cell_from_deck
