@@ -61,17 +61,18 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
     real(wp) :: force(scene%dimension), impulse(3)
+    logical :: is_candidate, is_antagonist
     integer :: k
 
     force = 0
     if (.not. h > 0) return
     do k = 1, contacts%n
-      associate (is_grain => scene%bodies%is_grain(contacts%body(:, k)))
-        if (is_grain(1) .eqv. is_grain(2)) cycle
-        impulse = impulse_vector(contacts, k)
-        if (is_grain(1)) force = force - impulse(:scene%dimension)/h
-        if (is_grain(2)) force = force + impulse(:scene%dimension)/h
-      end associate
+      is_candidate = scene%bodies%is_grain(contacts%body(1, k))
+      is_antagonist = scene%bodies%is_grain(contacts%body(2, k))
+      if (is_candidate .eqv. is_antagonist) cycle
+      impulse = impulse_vector(contacts, k)
+      if (is_candidate) force = force - impulse(:scene%dimension)/h
+      if (is_antagonist) force = force + impulse(:scene%dimension)/h
     end do
   end function force_on_walls
 

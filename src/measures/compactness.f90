@@ -83,16 +83,18 @@ contains
     type(contactors_t), intent(in) :: contactors
     integer, intent(in) :: c
     real(wp) :: corner(2, 2), reach(2)
-    integer :: row
+    integer :: row, i
 
     row = contactors%row(c)
     reach = contactors%reach(c)
     select case (contactors%kind(c))
     case (kind_polygon)
-      associate (vertex => contactors%polygon_world(:, contactors%polygon_first(row):contactors%polygon_first(row + 1) - 1))
-        corner(:, 1) = minval(vertex, 2)
-        corner(:, 2) = maxval(vertex, 2)
-      end associate
+      corner(:, 1) = contactors%polygon_world(:, contactors%polygon_first(row))
+      corner(:, 2) = corner(:, 1)
+      do i = contactors%polygon_first(row) + 1, contactors%polygon_first(row + 1) - 1
+        corner(:, 1) = min(corner(:, 1), contactors%polygon_world(:, i))
+        corner(:, 2) = max(corner(:, 2), contactors%polygon_world(:, i))
+      end do
       return
     case (kind_segment)
       reach = contactors%segment_size(1, row)*abs(contactors%segment_axis(:, row)) + contactors%segment_size(2, row)

@@ -11,8 +11,8 @@ module sg_coordination
   use sg_body_kinds, only: body_kind_name, body_kinds
   use sg_contactors, only: contactors_t
   use sg_contacts, only: contacts_t, normal_impulse
-  use sg_kinds, only: wp, i4, i8
-  use sg_sorting, only: sort_permutation
+  use sg_kinds, only: wp, i4
+  use sg_sorting, only: group_items
   use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
   implicit none
   private
@@ -157,11 +157,11 @@ contains
     sums(7) = sum(neighbours(:n_own), mask=is_grain(:n_own))
     sums(8:10) = 0
     do i = 1, size(touching%points)
-      associate (pair => touching%body(:, i))
-        if (all(is_grain(pair))) sums(9) = sums(9) + 1
-        if (is_grain(pair(1)) .neqv. is_grain(pair(2))) sums(10) = sums(10) + 1
-        if (any(is_grain(pair) .and. .not. carries(pair))) cycle
-        sums(8) = sums(8) + real(count(is_grain(pair)), wp)
+      associate (a => touching%body(1, i), b => touching%body(2, i))
+        if (is_grain(a) .and. is_grain(b)) sums(9) = sums(9) + 1
+        if (is_grain(a) .neqv. is_grain(b)) sums(10) = sums(10) + 1
+        if ((is_grain(a) .and. .not. carries(a)) .or. (is_grain(b) .and. .not. carries(b))) cycle
+        sums(8) = sums(8) + merge(1.0_wp, 0.0_wp, is_grain(a)) + merge(1.0_wp, 0.0_wp, is_grain(b))
       end associate
     end do
   end function coordination_sums
@@ -171,35 +171,33 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     integer, intent(in) :: n_bodies !! number of bodies
     type(touching_t) :: pairs
-    integer, allocatable :: touching(:)
-    integer(i8), allocatable :: key(:)
-    integer :: k, n
+    integer(i4), allocatable :: lower(:), body(:, :)
+    integer, allocatable :: first(:), item(:), points(:), pair_of(:)
+    integer :: k, i, n, n_before, upper
 
-    touching = pack([(k, k=1, contacts%n)], [(normal_impulse(contacts, k) > 0, k=1, contacts%n)])
-    key = pair_key(contacts%body(1, touching), contacts%body(2, touching), n_bodies)
-    associate (order => sort_permutation(key))
-      touching = touching(order)
-      key = key(order)
-    end associate
-    n = count(key(2:) /= key(:size(key) - 1)) + min(1, size(key))
-    allocate (pairs%body(2, n), pairs%points(n), source=0)
-    n = 0
-    do k = 1, size(key)
-      if (k == 1) then
-        n = 1
-      else if (key(k) /= key(k - 1)) then
-        n = n + 1
-      end if
-      pairs%body(:, n) = contacts%body(:, touching(k))
-      pairs%points(n) = pairs%points(n) + 1
+    allocate (lower(contacts%n))
+    do k = 1, contacts%n
+      lower(k) = merge(min(contacts%body(1, k), contacts%body(2, k)), 0_i4, normal_impulse(contacts, k) > 0)
     end do
+    call group_items(lower, n_bodies, first, item)
+    allocate (body(2, size(item)), points(size(item)))
+    ! The pair that was last found for each body: of the present lower body, or of one before.
+    allocate (pair_of(n_bodies), source=0)
+    n = 0
+    do i = 1, n_bodies
+      n_before = n
+      do k = first(i), first(i + 1) - 1
+        upper = max(contacts%body(1, item(k)), contacts%body(2, item(k)))
+        if (pair_of(upper) <= n_before) then
+          n = n + 1
+          pair_of(upper) = n
+          body(:, n) = [int(i, i4), int(upper, i4)]
+          points(n) = 0
+        end if
+        points(pair_of(upper)) = points(pair_of(upper)) + 1
+      end do
+    end do
+    pairs%body = body(:, :n)
+    pairs%points = points(:n)
   end function touching_pairs
-
-  !> One integer for two bodies, whichever is first: sorted by it, contacts of one pair follow one another.
-  elemental integer(i8) function pair_key(a, b, n_bodies) result(key)
-    integer(i4), intent(in) :: a, b
-    integer, intent(in) :: n_bodies
-
-    key = int(min(a, b) - 1, i8)*int(n_bodies, i8) + int(max(a, b), i8)
-  end function pair_key
 end module sg_coordination

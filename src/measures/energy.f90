@@ -83,8 +83,8 @@ contains
     self%bond_work = self%bond_work - work(3)
     self%external_work = self%external_work + imposed_work(scene, h, mean)
     if (scene%cell%is_on) self%external_work = self%external_work + cell_work(scene, contacts)
+    if (.not. any(abs(mean) > 0 .and. .not. scene%bodies%inverse_mass > 0)) return
     where (scene%bodies%inverse_mass > 0) mean = 0
-    if (.not. any(abs(mean) > 0)) return
     self%drive_work = self%drive_work + held_work(scene%bodies, h, mean) &
                       - sum(contact_work(scene, contacts, h, mean))
   end subroutine energy_add_step
@@ -127,6 +127,10 @@ contains
     work = 0
     n = contacts%n_components
     has_bonds = contacts%n_internal >= bond_slip
+    if (scene%dimension == 2 .and. .not. has_bonds .and. .not. scene%cell%is_on) then
+      work(1:2) = work_in_plane(scene, contacts, velocity)
+      return
+    end if
     if (scene%dimension == 3) spin = spins_in_world(scene%bodies, velocity)
     do k = 1, contacts%n
       if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
@@ -155,6 +159,42 @@ contains
       work = work + [-bond*u, dot_product(bond, u)]
     end do
   end function contact_work
+
+  !> The same along normals and tangents in the plane, without bonds and a periodic cell: r . `relative_velocity` in one pass.
+  pure function work_in_plane(scene, contacts, velocity) result(work)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in), contiguous :: velocity(:, :)
+    real(wp) :: work(2), normal, tangential, half, x, y, ux, uy
+    integer :: k, c, a
+
+    work = 0
+    do k = 1, contacts%n
+      normal = contacts%impulse(1, k)
+      tangential = 0
+      if (contacts%n_components == 2) tangential = contacts%impulse(2, k)
+      if (.not. abs(normal) + abs(tangential) > 0) cycle
+      c = contacts%body(1, k)
+      a = contacts%body(2, k)
+      ux = velocity(1, c) - velocity(1, a)
+      uy = velocity(2, c) - velocity(2, a)
+      associate (n => contacts%normal(:, k), point => contacts%point(:, k), middle => scene%bodies%middle)
+        if (size(velocity, 1) == 3) then
+          half = contacts%gap(k)/2
+          x = point(1) + half*n(1) - middle(1, c)
+          y = point(2) + half*n(2) - middle(2, c)
+          ux = ux - velocity(3, c)*y
+          uy = uy + velocity(3, c)*x
+          x = point(1) - half*n(1) - middle(1, a) - scene%period*real(contacts%image(k), wp)
+          y = point(2) - half*n(2) - middle(2, a)
+          ux = ux + velocity(3, a)*y
+          uy = uy - velocity(3, a)*x
+        end if
+        work(1) = work(1) + normal*(n(1)*ux + n(2)*uy)
+        work(2) = work(2) + tangential*(n(2)*ux - n(1)*uy)
+      end associate
+    end do
+  end function work_in_plane
 
   !> Spins of all bodies in the world's axes [rad/s]; a body has many contacts, and is turned once. None where nothing turns.
   pure function spins_in_world(bodies, velocity) result(spin)
@@ -352,16 +392,18 @@ contains
     type(energy_t), intent(in) :: energy
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
-    real(wp) :: sums(n_energy_sums), elastic(2)
+    real(wp) :: sums(n_energy_sums), elastic(2), drop
     integer :: i
 
     elastic = energy_of_links(scene, contacts)
-    sums(1:2) = [kinetic_energy(scene%bodies), potential_energy(scene) + sum(elastic)]
-    sums(3) = 0
+    sums(1:3) = [kinetic_energy(scene%bodies), 0.0_wp, 0.0_wp]
     do i = 1, scene%bodies%n_own
       if (is_absent(scene%bodies, i)) cycle
-      sums(3) = sums(3) + abs(potential_drop(scene, i, scene%gravity))
+      drop = potential_drop(scene, i, scene%gravity)
+      sums(2) = sums(2) - drop
+      sums(3) = sums(3) + abs(drop)
     end do
+    sums(2) = sums(2) + sum(elastic)
     sums(4:) = [energy%kinetic_start, energy%potential_start, energy%external_work + energy%recovery_work, energy%drive_work, &
                 energy%friction_loss - elastic(2), energy%impact_loss - elastic(1), energy%bond_work]
   end function energy_sums

@@ -48,15 +48,18 @@ contains
   pure function fabric_sums(scene, contacts) result(sums)
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
-    real(wp) :: sums(n_fabric_sums), n(3)
+    real(wp) :: sums(n_fabric_sums), n(3), normal
     integer :: k
 
     sums = 0
     n = 0
     do k = 1, contacts%n
-      if (.not. normal_impulse(contacts, k) > 0) cycle
+      normal = contacts%impulse(1, k)
+      if (contacts%n_components == 3) normal = normal_impulse(contacts, k)
+      if (.not. normal > 0) cycle
       if (.not. (scene%bodies%is_grain(contacts%body(1, k)) .and. scene%bodies%is_grain(contacts%body(2, k)))) cycle
-      n(:contacts%dimension) = contacts%normal(1:contacts%dimension, k)
+      n(1:2) = contacts%normal(1:2, k)
+      if (contacts%dimension == 3) n(3) = contacts%normal(3, k)
       sums = sums + [1.0_wp, n(1)*n, n(2)*n(2:3), n(3)*n(3)]
     end do
   end function fabric_sums

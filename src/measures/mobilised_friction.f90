@@ -48,7 +48,8 @@ contains
     sums = 0
     if (contacts%n_components == 1 .or. .not. allocated(scene%laws)) return
     do k = 1, contacts%n
-      normal = normal_impulse(contacts, k)
+      normal = contacts%impulse(1, k)
+      if (contacts%n_components == 3) normal = normal_impulse(contacts, k)
       if (.not. normal > 0) cycle
       associate (law => scene%laws(contacts%law(k)))
         if (.not. max(law%static_friction, law%dynamic_friction) > 0) cycle

@@ -69,20 +69,76 @@ contains
   pure function stress_sums(scene, contacts) result(sums)
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
-    real(wp) :: sums(scene%dimension, scene%dimension), all_sums(3, 3), branch(3), impulse(3)
-    integer :: k, b
+    real(wp) :: sums(scene%dimension, scene%dimension), all_sums(3, 3)
 
     all_sums = 0
+    if (scene%dimension == 2) then
+      call add_in_plane(scene, contacts, all_sums)
+    else
+      call add_in_space(scene, contacts, all_sums)
+    end if
+    sums = all_sums(:scene%dimension, :scene%dimension)
+  end function stress_sums
+
+  !> Add impulse (x) branch of contacts in the plane: the terms of `impulse_vector` and `branch_of` in one pass.
+  pure subroutine add_in_plane(scene, contacts, sums)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(inout) :: sums(3, 3)
+    real(wp) :: normal, tangential, x, y, impulse_x, impulse_y, branch_x, branch_y
+    integer :: k, c, a
+
+    do k = 1, contacts%n
+      normal = contacts%impulse(1, k)
+      tangential = 0
+      if (contacts%n_components == 2) tangential = contacts%impulse(2, k)
+      if (.not. abs(normal) + abs(tangential) > 0) cycle
+      associate (n => contacts%normal(:, k), middle => scene%bodies%middle, is_grain => scene%bodies%is_grain)
+        impulse_x = normal*n(1) + tangential*n(2)
+        impulse_y = normal*n(2) - tangential*n(1)
+        c = contacts%body(1, k)
+        a = contacts%body(2, k)
+        branch_x = 0
+        branch_y = 0
+        if (is_grain(c)) then
+          branch_x = middle(1, c) - contacts%point(1, k)
+          branch_y = middle(2, c) - contacts%point(2, k)
+        end if
+        if (is_grain(a)) then
+          x = middle(1, a) + scene%period*real(contacts%image(k), wp)
+          y = middle(2, a)
+          if (contacts%has_cell) then
+            x = x + contacts%upwards(1)*real(contacts%image_y(k), wp)
+            y = y + contacts%upwards(2)*real(contacts%image_y(k), wp)
+          end if
+          branch_x = branch_x + (contacts%point(1, k) - x)
+          branch_y = branch_y + (contacts%point(2, k) - y)
+        end if
+      end associate
+      sums(1, 1) = sums(1, 1) + impulse_x*branch_x
+      sums(2, 1) = sums(2, 1) + impulse_y*branch_x
+      sums(1, 2) = sums(1, 2) + impulse_x*branch_y
+      sums(2, 2) = sums(2, 2) + impulse_y*branch_y
+    end do
+  end subroutine add_in_plane
+
+  !> The same of contacts in space.
+  pure subroutine add_in_space(scene, contacts, sums)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(inout) :: sums(3, 3)
+    real(wp) :: branch(3), impulse(3)
+    integer :: k, b
+
     do k = 1, contacts%n
       impulse = impulse_vector(contacts, k)
       if (.not. any(abs(impulse) > 0)) cycle
       branch = branch_of(scene, contacts, k)
-      do b = 1, scene%dimension
-        all_sums(:, b) = all_sums(:, b) + impulse*branch(b)
+      do b = 1, 3
+        sums(:, b) = sums(:, b) + impulse*branch(b)
       end do
     end do
-    sums = all_sums(:scene%dimension, :scene%dimension)
-  end function stress_sums
+  end subroutine add_in_space
 
   !> From the antagonist's centre, or from the point of contact on a wall, to the candidate's [m]. Arrays of three: of the dimension
   !! of the scene they would be asked of the system for each contact.
