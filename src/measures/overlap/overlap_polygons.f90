@@ -15,7 +15,7 @@ contains
     integer, intent(in) :: n_a !! vertices of the antagonist
     real(wp), intent(in) :: vertices_a(2, n_a) !! antagonist's vertices, counter-clockwise [m]
     real(wp), intent(in) :: offset_a(2) !! added to the antagonist's vertices (its periodic image) [m]
-    real(wp) :: left(2, n_c + n_a), edge(2)
+    real(wp) :: left(2, n_c + n_a), kept(2, 2*(n_c + n_a)), height(n_c + n_a), edge(2)
     integer :: n, i, next
 
     left(:, :n_c) = vertices_c
@@ -23,7 +23,7 @@ contains
     do i = 1, n_a
       next = merge(1, i + 1, i == n_a)
       edge = vertices_a(:, next) - vertices_a(:, i)
-      call clip(n, left, vertices_a(:, i) + offset_a, [edge(2), -edge(1)])
+      call clip_at(n, left, [vertices_a(1, i) + offset_a(1), vertices_a(2, i) + offset_a(2)], [edge(2), -edge(1)], kept, height)
     end do
     area = 0
     do i = 2, n - 1
@@ -62,25 +62,44 @@ contains
     real(wp), intent(inout) :: vertices(:, :) !! room for one vertex more, counter-clockwise [m], shape (2, :)
     real(wp), intent(in) :: point(2) !! a point of the line [m]
     real(wp), intent(in) :: normal(2) !! of the side that is cut off, any length
-    real(wp) :: kept(2, 2*n), height, next_height
+    real(wp) :: kept(2, 2*n), height(n)
+
+    call clip_at(n, vertices, point, normal, kept, height)
+  end subroutine clip
+
+  !> The same with room for the work, which need not be asked of the system for each line.
+  pure subroutine clip_at(n, vertices, point, normal, kept, height)
+    integer, intent(inout) :: n !! vertices before and after
+    real(wp), intent(inout) :: vertices(:, :) !! vertices, as in `clip`
+    real(wp), intent(in) :: point(2) !! a point of the line [m]
+    real(wp), intent(in) :: normal(2) !! of the side that is cut off, any length
+    real(wp), intent(inout), contiguous :: kept(:, :) !! room for the vertices kept, shape (2, 2 n) at least
+    real(wp), intent(inout), contiguous :: height(:) !! room for their heights, shape (n) at least
     integer :: i, next, n_kept
 
+    do i = 1, n
+      height(i) = normal(1)*(vertices(1, i) - point(1)) + normal(2)*(vertices(2, i) - point(2))
+    end do
+    ! A line that cuts off nothing leaves all as it is.
+    if (.not. any(height(:n) > 0)) return
     n_kept = 0
     do i = 1, n
       next = merge(1, i + 1, i == n)
-      height = dot_product(normal, vertices(:, i) - point)
-      next_height = dot_product(normal, vertices(:, next) - point)
-      if (height <= 0) then
+      if (height(i) <= 0) then
         n_kept = n_kept + 1
-        kept(:, n_kept) = vertices(:, i)
+        kept(1, n_kept) = vertices(1, i)
+        kept(2, n_kept) = vertices(2, i)
       end if
-      if ((height > 0 .and. next_height < 0) .or. (height < 0 .and. next_height > 0)) then
+      if ((height(i) > 0 .and. height(next) < 0) .or. (height(i) < 0 .and. height(next) > 0)) then
         n_kept = n_kept + 1
-        kept(:, n_kept) = vertices(:, i) + height/(height - next_height)*(vertices(:, next) - vertices(:, i))
+        kept(:, n_kept) = vertices(:, i) + height(i)/(height(i) - height(next))*(vertices(:, next) - vertices(:, i))
       end if
     end do
     ! Rounding may let slivers cross the line more than twice; no area comes of what finds no room.
     n = min(n_kept, size(vertices, 2))
-    vertices(:, :n) = kept(:, :n)
-  end subroutine clip
+    do i = 1, n
+      vertices(1, i) = kept(1, i)
+      vertices(2, i) = kept(2, i)
+    end do
+  end subroutine clip_at
 end module sg_overlap_polygons

@@ -13,6 +13,7 @@ program test_overlap
 
   call test_disks()
   call test_tiny_penetrations()
+  call test_lenses()
   call test_disk_polygon()
   call test_polygons()
   call test_walls()
@@ -61,6 +62,21 @@ contains
       call t%near(overlap_polygon_polygon(4, box, 4, box, [0.0_wp, 2 - d])/(6*d), 1.0_wp, 3e-16_wp/d, 'thin strip of boxes')
     end do
   end subroutine test_tiny_penetrations
+
+  !> Lenses of penetrations about the one from which they are computed by angles instead of a series, by the usual arc cosines.
+  subroutine test_lenses()
+    real(wp), parameter :: r = 1.0_wp, s = 0.5_wp
+    real(wp) :: distance, x, y, lens
+    integer :: i
+
+    do i = 1, 60
+      distance = r + s - 0.001_wp*real(i, wp)
+      x = (distance**2 + r**2 - s**2)/(2*distance)
+      y = (distance**2 + s**2 - r**2)/(2*distance)
+      lens = r**2*acos(x/r) + s**2*acos(y/s) - distance*sqrt(r**2 - x**2)
+      call t%near(overlap_disk_disk([0.6_wp*distance, 0.8_wp*distance], r, zero, s), lens, tight, 'lens by arc cosines')
+    end do
+  end subroutine test_lenses
 
   subroutine test_disk_polygon()
     real(wp) :: box(2, 4)
