@@ -5,7 +5,7 @@ module sg_volume_error_space
   use sg_kinds, only: wp
   use sg_overlap_capsules, only: overlap_cylinder_cylinder
   use sg_overlap_cylinders, only: overlap_cylinder_plane
-  use sg_overlap_polyhedra, only: overlap_polyhedron_plane, overlap_polyhedron_polyhedron, overlap_sphere_polyhedron
+  use sg_overlap_polyhedra, only: measure_polyhedra, measure_polyhedron_plane, overlap_room_t, overlap_sphere_polyhedron
   use sg_overlap_spheres, only: overlap_sphere_cylinder, overlap_sphere_hollow_cylinder, overlap_sphere_plane, overlap_sphere_sphere
   use sg_scene, only: image_shift, scene_t
   use sg_touch_space_pair, only: facing_half, plane_axes
@@ -22,6 +22,8 @@ contains
     type(contactors_t), intent(in) :: contactors !! placed contactors
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     type(scene_t), intent(in) :: scene !! scene with its periods
+    type(overlap_room_t) :: room
+    real(wp) :: overlap
     integer :: k, last(5), this(5)
 
     volume = 0
@@ -30,16 +32,20 @@ contains
       if (.not. contacts%gap(k) < 0) cycle
       this = [int(contacts%contactor(:, k)), image_of(contacts, k)]
       if (all(this == last)) cycle
-      volume = volume + pair_overlap(contactors, this(1), this(2), image_shift(scene, this(3:)), [scene%period, scene%period_y])
+      call measure_pair(contactors, this(1), this(2), image_shift(scene, this(3:)), [scene%period, scene%period_y], &
+                        contacts%normal(1:3, k), room, overlap)
+      volume = volume + overlap
       last = this
     end do
   end function overlap_volume
 
   !> Overlap of one pair of shapes [m3]: the kernel of its two kinds.
-  pure real(wp) function pair_overlap(contactors, c, a, offset, period) result(volume)
+  pure subroutine measure_pair(contactors, c, a, offset, period, normal, room, volume)
     type(contactors_t), intent(in) :: contactors
     integer, intent(in) :: c, a
-    real(wp), intent(in) :: offset(3), period(2)
+    real(wp), intent(in) :: offset(3), period(2), normal(3)
+    type(overlap_room_t), intent(inout) :: room
+    real(wp), intent(out) :: volume
     real(wp) :: centre(3)
     integer :: own, row
 
@@ -63,14 +69,14 @@ contains
         end if
       case (kind_polyhedron)
         if (contactors%kind(a) == kind_polyhedron) then
-          volume = overlap_polyhedron_polyhedron(space%polyhedra(own), space%polyhedra(row), offset)
+          call measure_polyhedra(space%polyhedra(own), space%polyhedra(row), offset, normal, room, volume)
         else if (contactors%kind(a) == kind_plane) then
-          volume = overlap_polyhedron_plane(space%polyhedra(own), centre, plane_axes(contactors, row), &
-                                            facing_half(contactors, row, period))
+          call measure_polyhedron_plane(space%polyhedra(own), centre, plane_axes(contactors, row), &
+                                        facing_half(contactors, row, period), normal, room, volume)
         end if
       end select
     end associate
-  end function pair_overlap
+  end subroutine measure_pair
 
   !> Overlap of a sphere with its antagonist [m3].
   pure real(wp) function sphere_overlap(contactors, c, a, offset, period) result(volume)

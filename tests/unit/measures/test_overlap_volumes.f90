@@ -4,7 +4,8 @@ program test_overlap_volumes
   use harness, only: tests_t
   use random_space, only: check_hits, random_direction, random_frame
   use sg_kinds, only: wp, i4, pi
-  use sg_overlap_polyhedra, only: overlap_polyhedron_plane, overlap_polyhedron_polyhedron, overlap_sphere_polyhedron
+  use sg_overlap_polyhedra, only: measure_polyhedra, measure_polyhedron_plane, overlap_polyhedron_plane, &
+                                  overlap_polyhedron_polyhedron, overlap_room_t, overlap_sphere_polyhedron
   use sg_overlap_solid, only: box_solid, cut, solid_t, solid_volume
   use sg_overlap_spheres, only: overlap_sphere_cylinder, overlap_sphere_hollow_cylinder, overlap_sphere_plane, overlap_sphere_sphere
   use sg_polyhedron, only: place_polyhedron, polyhedron_t
@@ -25,6 +26,7 @@ program test_overlap_volumes
   call test_sphere_polyhedron()
   call test_boxes()
   call test_polyhedra()
+  call test_directions()
   call test_random_points()
   call t%finish()
 
@@ -263,6 +265,36 @@ contains
       end associate
     end do
   end subroutine test_polyhedra
+
+  !> Volumes do not depend on the direction along which the first slice is cut, nor on what the room held before.
+  subroutine test_directions()
+    type(random_t) :: random
+    type(polyhedron_t) :: shape, other
+    type(overlap_room_t) :: room
+    real(wp) :: volume, other_volume, shared, place(3), half(3), frame(3, 3)
+    integer :: k, i
+
+    call random%seed(61)
+    half = [0.5_wp, 0.8_wp, 1.1_wp]
+    do k = 1, 100
+      call make_random(random, zero, shape, volume)
+      place = random%uniform(0.0_wp, 2.2_wp)*random_direction(random)
+      call make_random(random, place, other, other_volume)
+      frame = random_frame(random)
+      do i = 1, 4
+        shared = overlap_polyhedron_polyhedron(shape, other, zero)
+        call measure_polyhedra(shape, other, zero, random_direction(random), room, volume)
+        call t%near(volume, shared, tight, 'polyhedra, any direction')
+        call measure_polyhedra(shape, other, zero, -other%world_normal(:, i), room, volume)
+        call t%near(volume, shared, tight, 'polyhedra, against a face of one')
+        call measure_polyhedra(shape, other, zero, -shape%world_normal(:, i), room, volume)
+        call t%near(volume, shared, tight, 'polyhedra, towards a face of the other')
+        shared = overlap_polyhedron_plane(shape, place, frame, half)
+        call measure_polyhedron_plane(shape, place, frame, half, random_direction(random), room, volume)
+        call t%near(volume, shared, tight, 'polyhedron and plane, any direction')
+      end do
+    end do
+  end subroutine test_directions
 
   !> Is a point inside a placed polyhedron?
   pure logical function is_inside(shape, point)
