@@ -76,14 +76,14 @@ contains
       self%impact_loss = elastic(1)
       self%friction_loss = elastic(2)
     end if
-    mean = (scene%bodies%velocity + scene%bodies%free_velocity)/2
+    call find_mean(size(mean), scene%bodies%velocity, scene%bodies%free_velocity, mean)
     work = contact_work(scene, contacts, h, mean)
     self%impact_loss = self%impact_loss - work(1)
     self%friction_loss = self%friction_loss - work(2)
     self%bond_work = self%bond_work - work(3)
     self%external_work = self%external_work + imposed_work(scene, h, mean)
     if (scene%cell%is_on) self%external_work = self%external_work + cell_work(scene, contacts)
-    if (.not. any(abs(mean) > 0 .and. .not. scene%bodies%inverse_mass > 0)) return
+    if (.not. has_driven(size(mean), mean, scene%bodies%inverse_mass)) return
     where (scene%bodies%inverse_mass > 0) mean = 0
     self%drive_work = self%drive_work + held_work(scene%bodies, h, mean) &
                       - sum(contact_work(scene, contacts, h, mean))
@@ -121,11 +121,10 @@ contains
     real(wp), intent(in), contiguous :: velocity(:, :)
     real(wp) :: work(3), u(2), bias(3), jump(3), normal_work, bond(contacts%n_components), of_bond
     real(wp), allocatable :: spin(:, :)
-    integer :: k, n
+    integer :: k
     logical :: has_bonds
 
     work = 0
-    n = contacts%n_components
     has_bonds = contacts%n_internal >= bond_slip
     if (scene%dimension == 2 .and. .not. has_bonds .and. .not. scene%cell%is_on) then
       work(1:2) = work_in_plane(scene, contacts, velocity)
@@ -152,7 +151,7 @@ contains
         bias = cell_bias(scene, contacts, k, 0.5_wp)
         u = u + bias(:2)
       end if
-      work(:n) = work(:n) + contacts%impulse(:, k)*u(:n)
+      work(:size(bond)) = work(:size(bond)) + contacts%impulse(:, k)*u(:size(bond))
       if (.not. has_bonds) cycle
       if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
       bond = bond_impulse(scene%laws(contacts%law(k)), contacts, k, h)
@@ -166,7 +165,7 @@ contains
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(in), contiguous :: velocity(:, :)
     real(wp) :: work(2), normal, tangential, half, x, y, ux, uy
-    integer :: k, c, a
+    integer :: k
 
     work = 0
     do k = 1, contacts%n
@@ -174,11 +173,10 @@ contains
       tangential = 0
       if (contacts%n_components == 2) tangential = contacts%impulse(2, k)
       if (.not. abs(normal) + abs(tangential) > 0) cycle
-      c = contacts%body(1, k)
-      a = contacts%body(2, k)
-      ux = velocity(1, c) - velocity(1, a)
-      uy = velocity(2, c) - velocity(2, a)
-      associate (n => contacts%normal(:, k), point => contacts%point(:, k), middle => scene%bodies%middle)
+      associate (c => contacts%body(1, k), a => contacts%body(2, k), n => contacts%normal(:, k), point => contacts%point(:, k), &
+                 middle => scene%bodies%middle)
+        ux = velocity(1, c) - velocity(1, a)
+        uy = velocity(2, c) - velocity(2, a)
         if (size(velocity, 1) == 3) then
           half = contacts%gap(k)/2
           x = point(1) + half*n(1) - middle(1, c)
@@ -229,6 +227,23 @@ contains
     end associate
   end function jump_at
 
+  !> Mean velocity of a step, by components one after the other: in pieces of a body they would not fill vector registers.
+  pure subroutine find_mean(n, before, after, mean)
+    integer, intent(in) :: n !! components of all bodies
+    real(wp), intent(in) :: before(n), after(n)
+    real(wp), intent(out) :: mean(n)
+
+    mean = (before + after)/2
+  end subroutine find_mean
+
+  !> Does a component move whose velocity is given?
+  pure logical function has_driven(n, mean, inverse_mass)
+    integer, intent(in) :: n !! components of all bodies
+    real(wp), intent(in) :: mean(n), inverse_mass(n)
+
+    has_driven = count(abs(mean) > 0 .and. .not. inverse_mass > 0) > 0
+  end function has_driven
+
   !> Work of all forces but gravity over a step [J].
   pure real(wp) function imposed_work(scene, h, mean) result(work)
     type(scene_t), intent(in) :: scene
@@ -236,10 +251,15 @@ contains
     integer :: i
 
     work = 0
-    associate (bodies => scene%bodies)
+    associate (bodies => scene%bodies, g => scene%gravity)
       do i = 1, bodies%n_own
-        work = work + h*(dot_product(bodies%force(:, i), mean(:, i)) &
-                         - bodies%mass(i)*dot_product(scene%gravity(:scene%dimension), mean(:scene%dimension, i)))
+        if (scene%dimension == 2 .and. size(mean, 1) == 3) then
+          work = work + h*(bodies%force(1, i)*mean(1, i) + bodies%force(2, i)*mean(2, i) + bodies%force(3, i)*mean(3, i) &
+                           - bodies%mass(i)*(g(1)*mean(1, i) + g(2)*mean(2, i)))
+        else
+          work = work + h*(dot_product(bodies%force(:, i), mean(:, i)) &
+                           - bodies%mass(i)*dot_product(g(:scene%dimension), mean(:scene%dimension, i)))
+        end if
       end do
     end associate
   end function imposed_work
