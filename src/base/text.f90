@@ -1,5 +1,6 @@
 !> Text: files as lists of lines, numbers as words, and the nearest known word to a misspelt one.
 module sg_text
+  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i8
   implicit none
@@ -15,6 +16,16 @@ module sg_text
   interface to_text
     module procedure :: integer_to_text, long_to_text, real_to_text
   end interface to_text
+
+  interface
+    pure subroutine c_write_real(value, decimals, length, letters, n) bind(c, name='splitgrain_write_real')
+      import :: c_char, c_double, c_int
+      real(c_double), value :: value
+      integer(c_int), value :: decimals, length
+      character(kind=c_char), intent(out) :: letters(*)
+      integer(c_int), intent(out) :: n
+    end subroutine c_write_real
+  end interface
 
 contains
 
@@ -118,16 +129,24 @@ contains
     real(wp), intent(in) :: value !! number to write
     integer, intent(in), optional :: digits !! significant digits, 17 when absent
     character(len=:), allocatable :: word
-    character(len=40) :: buffer
-    character(len=16) :: form
-    integer :: n
+    character(kind=c_char, len=1) :: letters(40)
+    character(len=size(letters)) :: buffer
+    integer(c_int) :: written
+    integer :: n, i
 
+    if (.not. abs(value) <= huge(value)) then
+      write (buffer, '(es40.1)') value
+      word = trim(adjustl(buffer))
+      return
+    end if
     n = 17
     if (present(digits)) n = digits
-    write (form, '("(es40.",i0,"e2)")') n - 1
-    if (abs(value) >= 1e100_wp .or. (abs(value) > 0 .and. abs(value) < 1e-99_wp)) write (form, '("(es40.",i0,"e3)")') n - 1
-    write (buffer, form) value
-    word = trim(adjustl(buffer))
+    call c_write_real(value, int(n - 1, c_int), size(letters, kind=c_int), letters, written)
+    n = int(written)
+    allocate (character(len=n) :: word)
+    do i = 1, n
+      word(i:i) = merge('E', letters(i), letters(i) == 'e')
+    end do
   end function real_to_text
 
   !> Lower case of an ASCII text.

@@ -1,5 +1,6 @@
 !> Base: text, random numbers, growing lists.
 program test_base
+  use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use harness, only: tests_t
   use sg_ascending, only: distinct, first_at_least, place_in
   use sg_error, only: diagnostics_t, error_t, fail
@@ -13,6 +14,7 @@ program test_base
   type(tests_t) :: t
 
   call test_text()
+  call test_reals()
   call test_errors()
   call test_random()
   call test_shuffle()
@@ -43,6 +45,30 @@ contains
     call read_lines('no_such_file', lines, error)
     call t%check(allocated(error), 'a missing file is an error')
   end subroutine test_text
+
+  !> Words of reals are those of formatted output, to the last digit, whatever the number and the digits.
+  subroutine test_reals()
+    type(random_t) :: random
+    character(len=40) :: form, buffer
+    real(wp) :: value
+    integer :: i, digits, wrong
+
+    call random%seed(29)
+    wrong = 0
+    do i = 1, 20000
+      value = (random%uniform() - 0.5_wp)*10.0_wp**floor(600*random%uniform() - 300)
+      if (modulo(i, 5) == 0) value = real(i/5, wp)/8
+      digits = 2 + modulo(i, 16)
+      write (form, '("(es40.", i0, "e", i0, ")")') digits - 1, merge(3, 2, abs(value) >= 9.95e99_wp .or. abs(value) < 1e-99_wp)
+      if (.not. abs(value) > 0) write (form, '("(es40.", i0, "e2)")') digits - 1
+      write (buffer, form) value
+      if (to_text(value, digits) /= trim(adjustl(buffer))) wrong = wrong + 1
+    end do
+    call t%equal(wrong, 0, 'words of reals are those of formatted output')
+    call t%check(to_text(0.0_wp) == '0.0000000000000000E+00', 'zero: '//to_text(0.0_wp))
+    call t%check(to_text(-huge(1.0_wp)) == '-1.7976931348623157E+308', 'the least number: '//to_text(-huge(1.0_wp)))
+    call t%check(to_text(ieee_value(1.0_wp, ieee_positive_inf)) == 'Infinity', 'infinity')
+  end subroutine test_reals
 
   subroutine test_errors()
     type(error_t), allocatable :: error
