@@ -56,7 +56,17 @@ class Scene:
                     block.pop(rate, None)
         if "omega" in block:
             block.pop("frequency", None)
+        if heading == "[[sample]]" and "radius" in block:
+            block.pop("curve", None)
+            block.pop("sieve", None)
+        if heading == "[[container]]":
+            lacking = {"stress_xx": self.period or block.get("sides") == "false", "stress_zz": block.get("lid") != "true",
+                       "stress_yy": self.period_y or block.get("sides") == "false"}
+            for stress in (name for name, lacks in lacking.items() if lacks):
+                block.pop(stress, None)
         if heading == "[[law]]":
+            if block["kind"] == '"LINEAR"' and "relative_epsilon" not in block:
+                block.setdefault("epsilon", self.say(10 ** self.rng.uniform(-6, 2)))
             rest = float(block.get("friction", 0))
             if float(block.get("static_friction", rest)) < float(block.get("dynamic_friction", rest)):
                 block["static_friction"] = block.get("dynamic_friction", block.get("friction"))
@@ -148,6 +158,10 @@ class Scene:
             if any(key.name == "friction" for key in fitting) and self.chance(0.8):
                 more["friction"] = self.rng.choice([0.0, 0.3, 1.0, 10.0, 100.0, 1e-8])
             self.add("[[law]]", name=self.quote(f"law{i}"), kind=self.quote(kind), **more)
+        # Overlap is undone under laws of rigid contact alone.
+        if any(block["kind"] != '"IQS_CLB"' for heading, block in self.blocks if heading == "[[law]]"):
+            for block in (block for heading, block in self.blocks if heading == "[time]"):
+                block.pop("recovery", None)
         for i in range(n if n > 1 or n and self.chance(0.3) else 0):
             self.add("[[interaction]]", law=self.quote(f"law{i}"))
 
