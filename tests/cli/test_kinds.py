@@ -83,9 +83,8 @@ class Kinds(ProgramCase):
 
     def test_space(self):
         """A ball on a floor, and one on a cube."""
-        cube = ", ".join(f"[{x}, {y}, {z}]" for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1))
         text = ('[[wall]]\ncentre = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nsize = [6.0, 6.0]\nthickness = 0.1\n'
-                f'[[body]]\nshape = "polyhedron"\nvertices = [{cube}]\nposition = [0.0, 0.0, 0.1]\n')
+                '[[body]]\nshape = "box"\nhalf_axes = [0.1, 0.1, 0.1]\nposition = [0.0, 0.0, 0.1]\n')
         text += "".join(f'[[body]]\nshape = "sphere"\nradius = 0.05\nposition = [{x}, 0.0, {z}]\n' for x, z in ((0.5, 0.05), (0.0, 0.25)))
         self.run_deck(start(3) + text)
         row = self.record()[-1]
