@@ -37,7 +37,7 @@ friction = 0.3
 ROUNDING = 1e-11
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "TMPDIR"} | {
     "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-program, launcher = sys.argv[1], sys.argv[2] if len(sys.argv) > 2 else None
+program, launcher = str(Path(sys.argv[1]).resolve()), sys.argv[2] if len(sys.argv) > 2 else None
 
 
 def start(d, steps, tolerance=1e-8, more=""):
