@@ -127,7 +127,7 @@ contains
   !> A real as a word: `digits` significant digits, by default all 17 that a double needs.
   pure function real_to_text(value, digits) result(word)
     real(wp), intent(in) :: value !! number to write
-    integer, intent(in), optional :: digits !! significant digits, 17 when absent
+    integer, intent(in), optional :: digits !! significant digits, at most 30; 17 when absent
     character(len=:), allocatable :: word
     character(kind=c_char, len=1) :: letters(40)
     character(len=size(letters)) :: buffer

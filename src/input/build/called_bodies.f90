@@ -55,17 +55,13 @@ contains
     integer(i4), allocatable :: numbers(:)
     integer :: i
 
-    if (has_wildcard(deck%word(b, 'body'))) then
-      allocate (numbers(0))
-      call add_bodies(deck, b, scene%bodies%n + deck%absent%n, numbers, diagnostics)
-      bodies = [(local_body(scene%bodies, numbers(i)), i=1, size(numbers))]
-    else
-      bodies = [body_of(deck, b, 'body', deck%word(b, 'body'), scene, diagnostics)]
-    end if
+    allocate (numbers(0))
+    call add_bodies(deck, b, scene%bodies%n + deck%absent%n, numbers, diagnostics)
+    bodies = [(local_body(scene%bodies, numbers(i)), i=1, size(numbers))]
     bodies = pack(bodies, bodies > 0)
   end subroutine find_called
 
-  !> Most bodies that the blocks of a section call, counted once per block.
+  !> Most bodies that the blocks of a section call: for each block those of its pattern, and at least one.
   integer function count_called(deck, section) result(n)
     type(deck_t), intent(in) :: deck !! checked deck with its names
     character(len=*), intent(in) :: section !! name of the section
@@ -75,11 +71,9 @@ contains
     n = 0
     do b = 1, deck%n
       if (.not. deck%is_in(b, section)) cycle
-      n = n + 1
-      if (.not. has_wildcard(deck%word(b, 'body'))) cycle
       allocate (numbers(0))
       call add_matches(deck, deck%word(b, 'body'), numbers)
-      n = n + size(numbers)
+      n = n + max(1, size(numbers))
       deallocate (numbers)
     end do
   end function count_called
