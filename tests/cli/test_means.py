@@ -5,7 +5,6 @@ restarts bit for bit, several ranks; bodies, step, place and cause of the deepes
 import csv
 import json
 import os
-import subprocess
 import sys
 import unittest
 from pathlib import Path
@@ -138,7 +137,7 @@ class Means(ProgramCase):
         for is_in_space in (False, True):
             found = []
             for ranks in (1, 3):
-                self.on_ranks(ranks, shaken(is_in_space), "--set", "partition.parts=3")
+                self.on_ranks(ranks, shaken(is_in_space), "ranks", "--set", "partition.parts=3")
                 worst = {name: value for name, value in self.run_json("ranks").items() if name.startswith("worst_")}
                 self.assertGreater(worst["worst_penetration_step"], 0)
                 self.assertGreater(worst["worst_penetration_body_1"], 0)
@@ -151,14 +150,6 @@ class Means(ProgramCase):
                                                               "a shock, try shorter steps"))
                 found.append((self.record("ranks"), worst))
             self.assertEqual(*found)
-
-    def on_ranks(self, ranks, text, *words):
-        (self.place / "deck.toml").write_text(text)
-        environment = {name: value for name, value in os.environ.items() if name != "TMPDIR"}
-        environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-        done = subprocess.run([self.launcher, "--oversubscribe", "-n", str(ranks), self.program, "run", "deck.toml", "--output", "ranks",
-                               "--force", "--quiet", *words], cwd=self.place, capture_output=True, text=True, env=environment, timeout=300)
-        self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_shock(self):
         """A disk hits the floor at 10 m/s, and is stopped when it is in it: the verdict names both, the step of the impact, the place, and a shock."""

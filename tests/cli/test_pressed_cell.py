@@ -5,7 +5,6 @@ energy, stages, restarts to the byte, ranks, mistakes."""
 import csv
 import json
 import os
-import subprocess
 import sys
 import unittest
 from pathlib import Path
@@ -65,7 +64,6 @@ ROUNDING = 1e-11
 
 
 class PressedCell(ProgramCase):
-    launcher = None
 
     def run_deck(self, text, *words, output="out", code=0):
         (self.place / "deck.toml").write_text(text.replace("PERIOD\n", ""))
@@ -135,7 +133,7 @@ class PressedCell(ProgramCase):
             return
         rows = self.rows()
         for ranks in (2, 3):
-            self.on_ranks(ranks, text, "ranks")
+            self.on_ranks(ranks, text.replace("PERIOD\n", ""), "ranks")
             for name, plane in self.rows("ranks").items():
                 # Impulses of a pack are not unique, and the solver is content with 1e-10: planes move alike to some 1e-6 m.
                 for component in "xyz":
@@ -197,14 +195,6 @@ class PressedCell(ProgramCase):
         self.assertLess(closed[-1], 2.0)
         self.assertGreaterEqual(closed[-2], 2.0)
         self.assertEqual({row["void_ratio"] for row in rows if row["stage"] == "2"}, {rows[-1]["void_ratio"]})
-
-    def on_ranks(self, ranks, text, output):
-        (self.place / "deck.toml").write_text(text.replace("PERIOD\n", ""))
-        environment = {name: value for name, value in os.environ.items() if name != "TMPDIR"}
-        environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-        done = subprocess.run([self.launcher, "--oversubscribe", "-n", str(ranks), self.program, "run", "deck.toml", "--output", output,
-                               "--force", "--quiet"], cwd=self.place, capture_output=True, text=True, env=environment, timeout=300)
-        self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_mistakes(self):
         """Only a plane of a container has an area of its own, along its normal."""

@@ -5,7 +5,6 @@ the byte, several ranks, and names that no body has."""
 import csv
 import json
 import os
-import subprocess
 import sys
 import unittest
 from pathlib import Path
@@ -265,14 +264,6 @@ class Tracks(ProgramCase):
             texts.append((self.place / f"parts{ranks}" / "tracks.csv").read_bytes())
         self.assertEqual(*texts)
         self.check_sums("parts3", False)
-
-    def on_ranks(self, ranks, text, output, *words):
-        (self.place / "deck.toml").write_text(text)
-        environment = {name: value for name, value in os.environ.items() if name != "TMPDIR"}
-        environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-        done = subprocess.run([self.launcher, "--oversubscribe", "-n", str(ranks), self.program, "run", "deck.toml", "--output", output,
-                               "--force", "--quiet", *words], cwd=self.place, capture_output=True, text=True, env=environment, timeout=300)
-        self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_names(self):
         """A name with a comma and quotation marks is quoted; a grain without a name has its number."""

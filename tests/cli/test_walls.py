@@ -7,7 +7,6 @@ import json
 import math
 import os
 import shutil
-import subprocess
 import sys
 import unittest
 from pathlib import Path
@@ -256,14 +255,6 @@ class Walls(ProgramCase):
                 self.on_ranks(ranks, self.shaken(is_in_space), f"parts{ranks}", "--set", "partition.parts=3")
                 found.append([(self.place / f"parts{ranks}" / "walls.csv").read_bytes(), self.table(f"parts{ranks}")])
             self.assertEqual(*found)
-
-    def on_ranks(self, ranks, text, output, *words):
-        (self.place / "deck.toml").write_text(text)
-        environment = {name: value for name, value in os.environ.items() if name != "TMPDIR"}
-        environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-        done = subprocess.run([self.launcher, "--oversubscribe", "-n", str(ranks), self.program, "run", "deck.toml", "--output", output,
-                               "--force", "--quiet", *words], cwd=self.place, capture_output=True, text=True, env=environment, timeout=300)
-        self.assertEqual(done.returncode, 0, done.stderr)
 
 
 if __name__ == "__main__":

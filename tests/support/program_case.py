@@ -1,5 +1,6 @@
 """Tests of the program from outside, each in a folder of its own whose name has a blank."""
 
+import os
 import re
 import subprocess
 import sys
@@ -10,6 +11,8 @@ from pathlib import Path
 
 class ProgramCase(unittest.TestCase):
     program = None
+    launcher = None
+    """Program that starts ranks; None in a build without MPI"""
     timeout = 120
     """Seconds that a call may take"""
 
@@ -24,6 +27,15 @@ class ProgramCase(unittest.TestCase):
                               timeout=self.timeout)
         self.assertEqual(done.returncode, code, f"{words}\n{done.stdout}\n{done.stderr}")
         return done
+
+    def on_ranks(self, ranks, text, output, *words):
+        """Run a deck, given as text, on some ranks; it must end well."""
+        (self.place / "deck.toml").write_text(text)
+        environment = {name: value for name, value in os.environ.items() if name != "TMPDIR"}
+        environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+        done = subprocess.run([self.launcher, "--oversubscribe", "-n", str(ranks), self.program, "run", "deck.toml", "--output", output,
+                               "--force", "--quiet", *words], cwd=self.place, capture_output=True, text=True, env=environment, timeout=300)
+        self.assertEqual(done.returncode, 0, done.stderr)
 
     def run_until_walltime(self, run, *words):
         """Call `run`, which wants exit code 75, with a walltime that doubles while the machine is too busy for a first step."""
