@@ -227,8 +227,10 @@ contains
     type(history_t), intent(inout) :: history !! past to fill
     type(neighbours_t), intent(in) :: pairs !! list to note
 
-    history%contactor = pairs%contactor(:, :pairs%n)
+    if (allocated(history%contactor)) deallocate (history%contactor)
     if (allocated(history%image)) deallocate (history%image)
+    allocate (history%contactor(2, pairs%n))
+    history%contactor(:, :) = pairs%contactor(:, :pairs%n)
     allocate (history%image(merge(3, 2, allocated(pairs%image_z)), pairs%n), source=0_i4)
     history%image(1, :) = int(pairs%image(:pairs%n), i4)
     if (allocated(pairs%image_y)) history%image(2, :) = int(pairs%image_y(:pairs%n), i4)
