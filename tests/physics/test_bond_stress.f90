@@ -70,7 +70,7 @@ contains
       sim%scene%laws(1)%normal_cohesion = stress
       sim%scene%laws(1)%tangential_cohesion = shear
     end if
-    call begin_run(sim, 1e-3_wp, 1e-10_wp)
+    call begin_run(sim, 1e-3_wp, 1e-10_wp, maximum_sweeps=5000)
   end subroutine make
 
   !> Pulls and shears one percent below and above what the bond holds.

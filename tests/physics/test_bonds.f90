@@ -90,7 +90,7 @@ contains
       sim%scene%laws(1)%kind = law_mohr
       sim%scene%laws(1)%normal_cohesion = cohesion
       sim%scene%gravity = 4*cohesion/3/sim%scene%bodies%mass(1)*up
-      call begin_run(sim, h, 1e-10_wp)
+      call begin_run(sim, h, 1e-10_wp, maximum_sweeps=5000)
       upright = sim%scene%bodies%orientation(:, 1)
       allocate (names(0))
       do step = 1, 40

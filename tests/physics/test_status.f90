@@ -131,7 +131,7 @@ contains
           call make(sim, kinds(i), turns=is_box(kinds(i)))
           call set_sliding(sim, 0.0_wp, 1.0_wp)
           sim%options%solver%method = methods(method)
-          call begin_run(sim, h, 1e-10_wp)
+          call begin_run(sim, h, 1e-10_wp, maximum_sweeps=5000)
           call run(sim, 100)
           call t%equal(sim%problem%kind, kinds(i), 'braking: kind of problem')
           call t%near(speed_of(sim), 0.8_wp, same, 'braking: '//trim(methods(method)))
@@ -171,7 +171,7 @@ contains
         call make(sim, kinds(i), turns=.true.)
         lean = random%uniform(-0.2_wp, 0.1_wp)
         call set_sliding(sim, lean, 1.5_wp)
-        call begin_run(sim, h, 1e-10_wp)
+        call begin_run(sim, h, 1e-10_wp, maximum_sweeps=5000)
         call run(sim, 50)
         expected = 1.5_wp - gravity*(dynamic*cos(lean) - sin(lean))*50*h
         call t%near(speed_of(sim), expected, same, 'slopes: speed')
@@ -189,7 +189,7 @@ contains
     do i = 1, size(kinds)
       call make(sim, kinds(i), turns=.false.)
       call set_sliding(sim, 0.0_wp, 0.01_wp)
-      call begin_run(sim, h, 1e-10_wp)
+      call begin_run(sim, h, 1e-10_wp, maximum_sweeps=5000)
       call run(sim, 20)
       call t%near(speed_of(sim), 0.0_wp, same, 'rest: braked')
       call t%check(any(sim%contacts%status(:sim%contacts%n) == status_stick), 'rest: contacts stick')
@@ -217,7 +217,7 @@ contains
     sim%scene%laws(1)%static_friction = friction
     sim%scene%laws(1)%dynamic_friction = friction
     sim%scene%gravity = direction*share*500*real(n_points, wp)/sim%scene%bodies%mass(1)
-    call begin_run(sim, h, 1e-10_wp)
+    call begin_run(sim, h, 1e-10_wp, maximum_sweeps=5000)
   end subroutine set_bond
 
   !> A bond holds below its limit, with and without friction, and opens above it; of a body that can move along the normal

@@ -141,16 +141,18 @@ contains
   end subroutine place_bodies
 
   !> Start a simulation whose scene is set; the solver stops at an e8 of `tolerance`, tested every sweep.
-  subroutine begin_run(sim, step, tolerance)
+  subroutine begin_run(sim, step, tolerance, maximum_sweeps)
     type(simulation_t), intent(inout) :: sim !! its scene is set
     real(wp), intent(in) :: step !! time step [s]
     real(wp), intent(in) :: tolerance !! of the criterion e8
+    integer, intent(in), optional :: maximum_sweeps !! where sweeps may stall, since bodies share loads in many ways
 
     sim%options%time_step = step
     sim%options%solver%criterion = criterion_e8
     sim%options%solver%tolerance = tolerance
     sim%options%solver%check_every = 1
     sim%options%solver%maximum_sweeps = 100000
+    if (present(maximum_sweeps)) sim%options%solver%maximum_sweeps = maximum_sweeps
     call start_simulation(sim)
   end subroutine begin_run
 
