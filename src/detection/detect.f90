@@ -5,7 +5,8 @@ module sg_detect
   use sg_contactors, only: kind_polygon, kind_polyhedron, kind_sphere, place_contactors, contactors_t
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_follow, only: follows
-  use sg_history, only: exchange_kept, history_t, keep_contacts, keep_faces, keep_pairs, match_pairs, unwrap_images
+  use sg_history, only: exchange_kept, fold_images, history_t, keep_contacts, keep_faces, keep_pairs, match_pairs, &
+                        unwrap_images
   use sg_internal_values, only: n_internal_of
   use sg_kept_contacts, only: n_pose_in_plane, n_pose_in_space, pose_in_plane, pose_in_space
   use sg_kinds, only: wp, i1, i4
@@ -38,6 +39,7 @@ contains
     type(contacts_t), intent(inout) :: contacts !! contacts of the last step, replaced by those of this one; none where memory or
     !! time ran short, as `pairs` and `contacts` report
     real(wp) :: skin
+    integer(i4) :: folds
 
     if (.not. history%is_loaded) then
       call keep_contacts(history, contacts)
@@ -50,7 +52,9 @@ contains
       skin = pairs%asked_skin
       if (.not. skin > 0) skin = fitting_skin(scene, pairs%substeps)
       pairs%listed_way = 2*pairs%way
+      folds = scene%cell%folds
       call build_neighbours(pairs, scene, scene%bodies%middle, skin)
+      call fold_images(history, scene%cell%folds - folds)
       call match_pairs(history, scene, pairs)
     else if (history%is_loaded) then
       call unwrap_images(history, scene)

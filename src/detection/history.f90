@@ -13,7 +13,8 @@ module sg_history
   use sg_sorting, only: group_items, sort_permutation
   implicit none
   private
-  public :: history_t, start_history, resume_history, keep_contacts, keep_pairs, unwrap_images, match_pairs, revive
+  public :: history_t, start_history, resume_history, keep_contacts, keep_pairs, unwrap_images, fold_images, match_pairs, &
+            revive
   public :: carried_of, exchange_kept, keep_faces, past_contacts, past_pair, recall
 
   !> Contacts of the last detection, as much as the next one needs
@@ -251,6 +252,17 @@ contains
       history%image(:, p) = history%image(:, p) + crossed(:size(history%image, 1))
     end do
   end subroutine unwrap_images
+
+  !> Renumber the images of past pairs where the tilt of a periodic cell was folded back.
+  pure subroutine fold_images(history, folds)
+    type(history_t), intent(inout) :: history !! past, its images unwrapped
+    integer(i4), intent(in) :: folds !! whole lengths along x taken from the tilt
+
+    if (folds == 0 .or. history%n_pairs == 0) return
+    associate (image => history%image(:, :history%n_pairs))
+      image(1, :) = image(1, :) + folds*image(2, :)
+    end associate
+  end subroutine fold_images
 
   !> Periods that the candidate has crossed more than the antagonist: what a pair's image counts from.
   !!

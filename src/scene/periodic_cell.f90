@@ -4,9 +4,10 @@
 !! Its edges are the columns of A = (L_x, 0, 0), (s, L_y, 0), (0, 0, L_z), where the tilt s is what shear has moved the upper face
 !! along x. Bodies move with the homogeneous velocity G x plus their own, which is the one that `bodies_t` holds, so that a body
 !! keeps it when it crosses the boundary. Over a step positions move with G x_m, x_m the `middle` configuration, in which the
-!! edges are those of `middle`.
+!! edges are those of `middle`. Where shear has brought the tilt beyond half a length along x, `fold` takes whole lengths from it:
+!! the same lattice of images, of which each has other numbers then.
 module sg_periodic_cell
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
   use sg_time_functions, only: time_function_t
   implicit none
   private
@@ -15,7 +16,7 @@ module sg_periodic_cell
   !> Components of the motion: rates of the three lengths, of which the third is unused in the plane, and shear of x along y
   integer, parameter :: component_xx = 1, component_xy = 4, n_components = 4
   !> Numbers that `pack` writes
-  integer, parameter :: n_cell_values = 4*3
+  integer, parameter :: n_cell_values = 4*3 + 1
 
   !> A periodic cell
   type :: periodic_cell_t
@@ -25,6 +26,8 @@ module sg_periodic_cell
     real(wp) :: start(4) = 0, now(4) = 0
     !> Those of the `middle` configuration of the bodies, and those at the making of the list of neighbours
     real(wp) :: middle(4) = 0, built(4) = 0
+    !> Whole lengths along x by which the tilt has been folded back
+    integer(i4) :: folds = 0
     !> Imposed rates of the logarithmic strains, positive in compression, and of shear [1/s]; or, where `is_stress`, stresses,
     !! positive in compression, and the shear stress that drives positive shear [Pa]
     type(time_function_t) :: imposed(n_components)
@@ -43,6 +46,8 @@ module sg_periodic_cell
     procedure :: to_middle => cell_to_middle
     procedure :: distortion => cell_distortion
     procedure :: carried => cell_carried
+    procedure :: fold => cell_fold
+    procedure :: shear => cell_shear
     procedure :: pack => cell_pack
     procedure :: unpack => cell_unpack
   end type periodic_cell_t
@@ -160,13 +165,33 @@ contains
     distortion = norm2(change)
   end function cell_distortion
 
+  !> Fold the tilt back by whole lengths along x where it is more than half of one. An image m periods along y is then as many
+  !! periods further along x as `folds` times m.
+  pure subroutine cell_fold(self, folds)
+    class(periodic_cell_t), intent(inout) :: self
+    integer(i4), intent(out) :: folds !! whole lengths taken from the tilt
+
+    folds = 0
+    if (abs(self%middle(4)) > self%middle(1)/2) folds = nint(self%middle(4)/self%middle(1), i4)
+    self%middle(4) = self%middle(4) - real(folds, wp)*self%middle(1)
+    self%now(4) = self%now(4) - real(folds, wp)*self%now(1)
+    self%folds = self%folds + folds
+  end subroutine cell_fold
+
+  !> Shear strain from the start: way of the upper face along x over the length along y, folds counted.
+  pure real(wp) function cell_shear(self) result(strain)
+    class(periodic_cell_t), intent(in) :: self
+
+    strain = (self%now(4) + real(self%folds, wp)*self%now(1))/self%now(2)
+  end function cell_shear
+
   !> The state as a list of reals, for restart files; none without a cell.
   pure function cell_pack(self) result(values)
     class(periodic_cell_t), intent(in) :: self
     real(wp), allocatable :: values(:)
 
     allocate (values(merge(n_cell_values, 0, self%is_on)))
-    if (self%is_on) values = [self%now, self%built, self%rate]
+    if (self%is_on) values = [self%now, self%built, self%rate, real(self%folds, wp)]
   end function cell_pack
 
   !> The state back from a list of reals.
@@ -177,6 +202,7 @@ contains
     self%now = values(1:4)
     self%built = values(5:8)
     self%rate = values(9:12)
+    self%folds = nint(values(13), i4)
     self%before = self%rate
     self%middle = self%now
   end subroutine cell_unpack

@@ -369,6 +369,73 @@ class Cells(ProgramCase):
                     self.assertAlmostEqual(float(both[key]), factor * float(one[key]), delta=SOLVED * max(1.0, abs(float(both[key]))))
                 self.assertEqual(int(both["contacts"]), 2 * int(one["contacts"]))
 
+    def test_folded_tilt(self):
+        """Where the tilt is folded back is arbitrary: two cells side by side, which fold at twice the strain, do what one does; so
+        do ranks, parts and a restart after a fold. Strain and displacements go on; guesses of impulses are kept."""
+        for dimension in (2, 3):
+            with self.subTest(dimension=dimension):
+                spots, rates, shear, steps = self.spots(dimension), (0.5, 1.8, 1.2)[:dimension], 6.0, 120
+                text = {}
+                for width in (1, 2):
+                    body = "".join(grain(f"g{i}_{copy}", [place[0] + copy, *place[1:]], 0.1, velocity)
+                                   for i, (place, velocity) in enumerate(spots) for copy in range(width))  # fmt: skip
+                    text[width] = (self.cell((float(width), *(1.0,) * (dimension - 1)), rates, shear), body)
+                    self.write(*text[width], dimension, steps=steps)
+                    self.call(output=f"wide{width}")
+                    self.assert_closed(f"wide{width}")
+                one, two = self.rows("wide1"), self.rows("wide2")
+                # Of the one cell the tilt is folded, of the two not yet.
+                strain = [float(row["strain_xy"]) for row in one]
+                self.assertGreater(strain[-1], 0.6)
+                self.assertLess(float(two[-1]["strain_xy"]) * float(two[-1]["cell_y"]), float(two[-1]["cell_x"]) / 2)
+                for left, right in zip(one, two, strict=True):
+                    self.assertEqual(2 * int(left["contacts"]), int(right["contacts"]), left["step"])
+                    for key, factor in (("strain_xy", 1), ("stress_xx", 1), ("stress_yx", 1), ("kinetic_energy", 2), ("external_work", 2)):
+                        self.assertAlmostEqual(float(right[key]), factor * float(left[key]), delta=SOLVED * max(1.0, abs(float(right[key]))),
+                                               msg=f"step {left['step']} {key}")  # fmt: skip
+                    # A guess that was lost takes a multiple of the sweeps.
+                    self.assertLess(int(left["sweeps"]), 1.5 * int(right["sweeps"]) + 5, left["step"])
+                self.assertGreater(float(one[-1]["impact_loss"]), 0)
+                places, beside = self.places("wide1")[steps], self.places("wide2")[steps]
+                for name, state in places.items():
+                    for found, expected in zip(beside[name], state, strict=True):
+                        self.assertAlmostEqual(found, expected, delta=SOLVED)
+                self.write(*text[1], dimension, steps=steps)
+                outputs = ["parts"]
+                self.call("--set", "partition.parts=3", output="parts")
+                if MPIEXEC:
+                    self.call(output="ranks", ranks=2)
+                    outputs.append("ranks")
+                for output in outputs:
+                    for left, right in zip(one, self.rows(output), strict=True):
+                        for key in ("strain_xy", "kinetic_energy", "stress_xx"):
+                            self.assertAlmostEqual(float(left[key]), float(right[key]), delta=1e-6 * max(1.0, abs(float(left[key]))),
+                                                   msg=f"{output} step {left['step']} {key}")  # fmt: skip
+                if self.has_hdf5():
+                    after = next(i for i, value in enumerate(strain) if value > 0.55) + 1
+                    self.call("--set", f"time.steps={after}", output="again")
+                    self.run_program("run", "deck.toml", "--output", "again", "--restart", "again")
+                    self.assertEqual(one, self.rows("again"))
+
+    def test_large_shear(self):
+        """Free grains move with a cell that shears to a strain of 6, in both directions, whatever the folds."""
+        step, steps = 1e-2, 250
+        for dimension, shear in ((2, 3.0), (3, -3.0)):
+            rates = (0.1, -0.1, 0.0)[:dimension]
+            spots = {"a": (0.1, 0.7, 0.1), "b": (0.9, 0.05, 0.5)}
+            self.write(self.cell((1.0, 0.8, 0.6)[:dimension], rates, shear),
+                       "".join(grain(n, p[:dimension], 0.01) for n, p in spots.items()), dimension, step=step, steps=steps)
+            self.call()
+            move, last = stretched(rates, shear, step, steps), self.places()[steps]
+            for name, place in spots.items():
+                for found, expected in zip(last[name], move(place[:dimension]), strict=False):
+                    self.assertAlmostEqual(found, expected, delta=10 * ROUNDING)
+            upper, rows = move([0.0, 0.8, 0.0][:dimension]), self.rows()
+            self.assertAlmostEqual(float(rows[-1]["strain_xy"]), upper[0] / upper[1], delta=10 * ROUNDING)
+            self.assertGreater(abs(upper[0] / upper[1]), 5)
+            strain = [0.0] + [float(row["strain_xy"]) for row in rows]
+            self.assertLess(max(abs(b - a) for a, b in zip(strain, strain[1:])), 2 * abs(shear) * step)
+
     def test_stress_of_a_lattice(self):
         """A square or cubic lattice of elastic grains at the distance a: the force k (2 R - a) of each contact gives the stress
         k (2 R - a)/a, in space k (2 R - a)/a^2. The gap is that which the law foresees, h a (strain rate) on from the middle of the

@@ -56,15 +56,19 @@ contains
     end if
   end function turned_angle
 
-  !> Bring bodies back into the cell, counting crossings. Its edges are others in the configuration of the list than in positions.
+  !> Fold the tilt of the cell back, and bring bodies back into the cell, counting crossings. Its edges are others in the
+  !! configuration of the list than in positions.
   !! The upper face is moved along x by the tilt: faces along y are crossed first.
   subroutine wrap_in_cell(scene, configuration)
     type(scene_t), intent(inout) :: scene !! its bodies are moved by whole periods
     real(wp), intent(inout) :: configuration(:, :) !! of the list, as `middle`
+    integer(i4) :: folds
     integer :: b
 
     associate (bodies => scene%bodies, cell => scene%cell)
+      call cell%fold(folds)
       cell%built = cell%middle
+      if (folds /= 0) bodies%crossings = bodies%crossings + folds*bodies%crossings_y
       do b = 1, bodies%n
         if (scene%dimension == 3) call cross(3, b, bodies%crossings_z(b))
         call cross(2, b, bodies%crossings_y(b))

@@ -64,7 +64,7 @@ contains
     self%length = self%walls%start + sums(1:3)
     if (self%walls%is_periodic) then
       self%length = scene%cell%now(:3)
-      self%shear = scene%cell%now(4)/scene%cell%now(2)
+      self%shear = scene%cell%shear()
     end if
     self%grains = sums(4)
   end subroutine cell_measure

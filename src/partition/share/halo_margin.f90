@@ -55,9 +55,13 @@ contains
     type(scene_t), intent(in) :: scene !! this rank's part, predicted
     real(wp), intent(in) :: skin !! of the next list of neighbours, the same on all ranks [m]
     type(comm_t), intent(inout) :: comm !! the ranks
+    real(wp) :: change(4)
 
     ! Images of a periodic cell move with its edges, by which bodies that were folded count as moved, too.
-    holds = needed(scene, skin, comm, self%placed) + 3*sum(abs(scene%cell%middle - self%edge)) <= self%width
+    change = scene%cell%middle - self%edge
+    ! The tilt may have been folded back since.
+    if (scene%cell%is_on) change(4) = change(4) - scene%period*anint(change(4)/scene%period)
+    holds = needed(scene, skin, comm, self%placed) + 3*sum(abs(change)) <= self%width
   end function margin_holds
 
   !> List the tables of the margin.
