@@ -436,6 +436,21 @@ class Cells(ProgramCase):
             strain = [0.0] + [float(row["strain_xy"]) for row in rows]
             self.assertLess(max(abs(b - a) for a, b in zip(strain, strain[1:])), 2 * abs(shear) * step)
 
+    def test_flow_curve(self):
+        """Sheared under pressure at two inertia numbers, disks have the effective friction and the compactness of the linear laws of da
+        Cruz and others (2005) to what a sample of this size scatters."""
+        deck = Path(__file__).resolve().parents[2] / "input_decks/talk/flow_curve.toml"
+        (self.place / "deck.toml").write_text(deck.read_text())
+        pictures = ("--set", "output.every=0") + (() if self.has_hdf5() else ("--set", "restart.every=0"))
+        for inertia, rate in ((0.1, 22), (0.3, 66)):
+            self.call("--set", f"cell.shear_rate={rate}", "--set", 'stop.when="strain_xy > 3"', *pictures)
+            rows = [row for row in self.rows() if float(row["strain_xy"]) > 1]
+            shear, along_y, fill = (sum(float(row[key]) for row in rows) / len(rows)
+                                    for key in ("mean_stress_xy", "mean_stress_yy", "compactness"))  # fmt: skip
+            self.assertAlmostEqual(along_y / 1e4, 1.0, delta=0.05)
+            self.assertAlmostEqual(-shear / along_y, 0.25 + 1.1 * inertia, delta=0.08)
+            self.assertAlmostEqual(fill, 0.81 - 0.3 * inertia, delta=0.02)
+
     def test_stress_of_a_lattice(self):
         """A square or cubic lattice of elastic grains at the distance a: the force k (2 R - a) of each contact gives the stress
         k (2 R - a)/a, in space k (2 R - a)/a^2. The gap is that which the law foresees, h a (strain rate) on from the middle of the
