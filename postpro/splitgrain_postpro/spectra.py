@@ -77,7 +77,7 @@ def structure_figure(results: Results, picture: int = -1) -> tuple[Figure, list[
         raise ResultsError(f"{results.folder} has no bodies.vtkhdf with grains to draw")
     if not results.run.get("mean_radius"):
         raise ResultsError(f"{results.folder}/run.json, which holds the mean radius, is written at the end of the run")
-    centres = centres_of(scene.bodies, results.periods, 2 * results.run["mean_radius"], results.is_in_space)
+    centres = centres_of(scene.bodies, results.periods, 2 * results.run["mean_radius"], results.is_in_space, scene.cell)
     figure = new_figure(8, 7)
     upper, lower = figure.subplots(2, 1)
     step = int(scene.bodies.field_data["step"][0])

@@ -40,6 +40,34 @@ def test_narrow_periodic_box_meets_no_grain_twice():
     assert (g * shells).sum() == pytest.approx(4)
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("tilt", [3.0, -5.0])
+def test_tilted_cell_is_the_lattice_of_its_images(dimension, tilt):
+    """Pairs over all images, and waves of the lattice of images: S of a point and of a shift of all points by any edge."""
+    points = np.random.default_rng(4).uniform(0, 12, size=(300, dimension))
+    tilted = Centres(points, np.zeros(dimension), np.full(dimension, 12.0), np.full(dimension, True), 0.5, tilt)
+    r, g = radial_distribution(tilted)
+    images = np.stack(np.meshgrid(*[[-1, 0, 1]] * dimension), -1).reshape(-1, dimension) @ tilted.edges
+    distance = np.concatenate([np.linalg.norm(points[:, None] - points[None] - image, axis=2).ravel() for image in images])
+    edges = np.linspace(0, 2.5, 201)
+    counts = np.histogram(distance[distance > 0], edges)[0]
+    shells = np.diff(np.pi * edges**2 if dimension == 2 else 4 / 3 * np.pi * edges**3)
+    assert g == pytest.approx(counts / (300 * 300 / 12**dimension * shells))
+    k, s, _ = structure_factor(tilted, waves_a_bin=8)
+    # A picture of the same grains may hold other images of them.
+    ways = np.random.default_rng(5).integers(-2, 3, size=points.shape) @ tilted.edges
+    others = structure_factor(Centres(points + ways, tilted.low, tilted.high, tilted.is_periodic, 0.5, tilt), waves_a_bin=8)
+    assert others[0] == pytest.approx(k) and others[1] == pytest.approx(s)
+
+
+def test_lattice_sheared_by_a_length_is_the_lattice():
+    x = np.stack(np.meshgrid(*[np.arange(12) + 0.5] * 2), -1).reshape(-1, 2)
+    upright = centres(x, 12, True, 0.5)
+    tilted = Centres(x, upright.low, upright.high, upright.is_periodic, 0.5, 4.0)
+    assert radial_distribution(tilted)[1] == pytest.approx(radial_distribution(upright)[1])
+    assert structure_factor(tilted)[0][0] == pytest.approx(np.hypot(2 * np.pi / 12, 2 * np.pi / 36), rel=0.1)
+
+
 def test_structure_factor_of_a_shaken_lattice():
     random = np.random.default_rng(2)
     x = np.stack(np.meshgrid(*[np.arange(40) + 0.5] * 2), -1).reshape(-1, 2)

@@ -6,7 +6,7 @@ module sg_centres
   use sg_scene, only: periods_of, scene_t
   implicit none
   private
-  public :: centres_t, take_centres
+  public :: centres_t, take_centres, upright
 
   !> Points of this rank, and the box that holds those of all ranks
   type :: centres_t
@@ -17,6 +17,8 @@ module sg_centres
     !> Corners of the box [m]: where the scene is periodic one period
     real(wp) :: low(3) = 0, high(3) = 0
     logical :: is_periodic(3) = .false.
+    !> Way along x by which a period along y moves an image, in a sheared periodic cell [m]
+    real(wp) :: tilt = 0
     !> Mean over the grains of all ranks of the diameter of the disk of the same area, in space of the sphere of the same volume [m]
     real(wp) :: diameter = 0
   end type centres_t
@@ -46,6 +48,9 @@ contains
     if (size(box) == 0) return
     ! A box narrower than the period makes a window of it.
     where (centres%is_periodic(:d)) centres%is_periodic(:d) = box(:d) <= 0 .and. box(d + 1:) >= centres%high(:d)
+    ! Images along y of a sheared cell are beside the window.
+    if (abs(centres%tilt) > 0) centres%is_periodic(2) = all(centres%is_periodic(:2))
+    if (.not. centres%is_periodic(2)) centres%tilt = 0
     where (.not. centres%is_periodic(:d))
       centres%low(:d) = box(:d)
       centres%high(:d) = box(d + 1:)
@@ -57,6 +62,7 @@ contains
   subroutine copy_points(scene, centres)
     type(scene_t), intent(in) :: scene
     type(centres_t), intent(inout) :: centres
+    real(wp) :: period(3)
     integer :: i, n
 
     associate (bodies => scene%bodies)
@@ -68,9 +74,14 @@ contains
         centres%point(:bodies%dimension, n) = bodies%position(:, i)
       end do
     end associate
-    if (centres%is_periodic(1)) centres%point(1, :) = modulo(centres%point(1, :), scene%period)
-    if (centres%is_periodic(2)) centres%point(2, :) = modulo(centres%point(2, :), scene%period_y)
-    if (centres%is_periodic(3)) centres%point(3, :) = modulo(centres%point(3, :), scene%period_z)
+    period = present_periods(scene)
+    if (scene%cell%is_on) then
+      centres%tilt = scene%cell%now(4)
+      centres%point(1, :) = centres%point(1, :) - centres%tilt*real(floor(centres%point(2, :)/period(2)), wp)
+    end if
+    do i = 1, 3
+      if (centres%is_periodic(i)) centres%point(i, :) = modulo(centres%point(i, :), period(i))
+    end do
   end subroutine copy_points
 
   !> The box about the points of all ranks.
@@ -85,9 +96,31 @@ contains
     call comm%maximum(centres%high)
     where (centres%is_periodic)
       centres%low = 0
-      centres%high = periods_of(scene)
+      centres%high = present_periods(scene)
     end where
   end subroutine find_box
+
+  !> Periods of the scene where bodies are now [m].
+  pure function present_periods(scene) result(period)
+    type(scene_t), intent(in) :: scene
+    real(wp) :: period(3)
+
+    period = periods_of(scene)
+    if (scene%cell%is_on) period(:scene%dimension) = scene%cell%now(:scene%dimension)
+  end function present_periods
+
+  !> Points sheared back by the tilt [m], in the box: what stands upright is a box.
+  pure function upright(centres, point) result(places)
+    type(centres_t), intent(in) :: centres !! the grains of a rank
+    real(wp), intent(in) :: point(:, :) !! their centres, or those of another rank [m], shape (3, n)
+    real(wp) :: places(3, size(point, 2))
+
+    places = point
+    if (.not. abs(centres%tilt) > 0) return
+    associate (length => centres%high - centres%low)
+      places(1, :) = modulo(point(1, :) - centres%tilt/length(2)*(point(2, :) - centres%low(2)), length(1))
+    end associate
+  end function upright
 
   !> Leave out the points outside the box.
   subroutine keep_within(centres)

@@ -5,7 +5,7 @@
 !! several ranks each counts about its own grains; those of the others pass by, one rank's at a time.
 module sg_radial_distribution
   use sg_cells, only: build_cells, cells_t, level_cell
-  use sg_centres, only: centres_t
+  use sg_centres, only: centres_t, upright
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i4, pi
   implicit none
@@ -40,7 +40,8 @@ contains
 
     d = centres%dimension
     reach = min(diameters*centres%diameter, &
-                minval((centres%high(:d) - centres%low(:d))*merge(of_period, of_width, centres%is_periodic(:d))))
+                minval((centres%high(:d) - centres%low(:d))*merge(of_period, of_width, centres%is_periodic(:d)))/ &
+                stretch_of(centres))
     if (.not. reach > 0) return
     is_reference = [(is_inside(centres, centres%point(:, i), reach), i=1, size(is_reference))]
     sums = 0
@@ -67,6 +68,16 @@ contains
     is_inside = all(centres%is_periodic .or. (point >= centres%low + reach .and. point <= centres%high - reach) .or. &
                     [.false., .false., centres%dimension == 2])
   end function is_inside
+
+  !> How much longer distances of points become at most where a tilted cell is sheared upright.
+  pure real(wp) function stretch_of(centres) result(stretch)
+    type(centres_t), intent(in) :: centres
+    real(wp) :: slope
+
+    slope = 0
+    if (abs(centres%tilt) > 0) slope = abs(centres%tilt)/(centres%high(2) - centres%low(2))
+    stretch = slope/2 + sqrt(1 + slope**2/4)
+  end function stretch_of
 
   !> Count pairs of this rank's references with the grains of every rank.
   subroutine count_all(centres, is_reference, reach, comm, counts)
@@ -97,32 +108,33 @@ contains
     logical, intent(in) :: are_own !! are the others these grains themselves?
     real(wp), intent(inout) :: counts(bins)
     type(cells_t) :: cells
-    real(wp) :: radius(size(others, 2)), period(3)
+    real(wp) :: radius(size(others, 2)), period(3), places(3, size(is_reference))
     integer :: i
 
     if (size(others) == 0) return
     period = merge(centres%high - centres%low, 0.0_wp, centres%is_periodic)
-    radius = reach/2
-    call build_cells(cells, others, radius, 0.0_wp, period)
+    radius = reach/2*stretch_of(centres)
+    call build_cells(cells, upright(centres, others), radius, 0.0_wp, period)
+    places = upright(centres, centres%point)
     do i = 1, size(is_reference)
       if (.not. is_reference(i)) cycle
-      call count_about(cells, centres%point(:, i), others, period, reach, merge(i, 0, are_own), counts)
+      call count_about(cells, places(:, i), centres%point(:, i), others, period, centres%tilt, reach, merge(i, 0, are_own), counts)
     end do
   end subroutine count_pairs
 
   !> Count the others about a point, in its cell and those next to it.
-  pure subroutine count_about(cells, point, others, period, reach, self, counts)
+  pure subroutine count_about(cells, place, point, others, period, tilt, reach, self, counts)
     type(cells_t), intent(in) :: cells
-    real(wp), intent(in) :: point(3)
+    real(wp), intent(in) :: place(3), point(3) !! the point in the cells, and where it is
     real(wp), intent(in), contiguous :: others(:, :)
-    real(wp), intent(in) :: period(3), reach
+    real(wp), intent(in) :: period(3), tilt, reach
     integer, intent(in) :: self
     real(wp), intent(inout) :: counts(bins)
     integer(i4) :: home(3), cell(3), bucket
     real(wp) :: between(3)
     integer :: step, m, j, bin
 
-    home = level_cell(cells, 1, point)
+    home = level_cell(cells, 1, place)
     do step = 0, 26
       cell = home + int([modulo(step, 3), modulo(step/3, 3), step/9], i4) - 1_i4
       where (cells%columns(:, 1) > 0) cell = modulo(cell, cells%columns(:, 1))
@@ -131,6 +143,7 @@ contains
         j = cells%member(m)
         if (any(cells%cell(:, j) /= cell) .or. j == self) cycle
         between = others(:, j) - point
+        if (abs(tilt) > 0) between(1) = between(1) - tilt*anint(between(2)/period(2))
         where (period > 0) between = between - period*anint(between/merge(period, 1.0_wp, period > 0))
         bin = int(min(bins*norm2(between)/reach, real(bins, wp))) + 1
         if (bin <= bins) counts(bin) = counts(bin) + 1

@@ -4,7 +4,7 @@
 !! folded onto a part of itself [Jenkins1998], which keeps every wave that fits into the part. So
 !! a grid of one size serves all waves of any number of grains.
 module sg_structure_factor
-  use sg_centres, only: centres_t
+  use sg_centres, only: centres_t, upright
   use sg_comm, only: comm_t
   use sg_fourier, only: squared_transform_grid
   use sg_kinds, only: wp, pi
@@ -41,11 +41,14 @@ contains
     type(comm_t), intent(inout) :: comm !! the ranks
     type(structure_factor_t), intent(out) :: factor !! the same on all ranks
     real(wp), allocatable :: grid(:, :, :), squares(:, :, :)
-    real(wp) :: length(3), reach(2), squared_weights, sums(3, most_bins), width
+    real(wp) :: length(3), edge(3), reach(2), squared_weights, sums(3, most_bins), width
     integer :: fold(3), level, d, n
 
     d = centres%dimension
     length = centres%high - centres%low
+    ! Lengths of the edges of the box, of which the second one may be tilted.
+    edge = length
+    edge(2) = hypot(length(2), centres%tilt)
     n = cells_of(d)
     sums = 0
     if (any(.not. length(:d) > 0)) return
@@ -56,7 +59,7 @@ contains
     do while (reach(1) < most/centres%diameter .and. level <= most_foldings)
       fold = 1
       fold(:d) = max(1, nint(length(:d)/maxval(length(:d))*2.0_wp**level))
-      reach(2) = min(most/centres%diameter, minval(2*pi*real(n*fold(:d), wp)/(cells_of_wave*length(:d))))
+      reach(2) = min(most/centres%diameter, minval(2*pi*real(n*fold(:d), wp)/(cells_of_wave*edge(:d))))
       call spread_points(centres, length, fold, grid, squared_weights)
       call sum_over_ranks(comm, grid, size(grid), squared_weights)
       if (.not. squared_weights > 0) return
@@ -76,9 +79,10 @@ contains
     integer, intent(in) :: fold(3)
     real(wp), intent(out) :: grid(:, :, :)
     real(wp), intent(out) :: squared_weights
-    real(wp) :: place(3), share(0:1, 3), weight
+    real(wp) :: points(3, size(centres%point, 2)), place(3), share(0:1, 3), weight
     integer :: cell(0:1, 3), p, a, i, j, l
 
+    points = upright(centres, centres%point)
     grid = 0
     squared_weights = 0
     cell = 1
@@ -86,7 +90,7 @@ contains
     do p = 1, size(centres%point, 2)
       weight = 1
       do a = 1, centres%dimension
-        place(a) = (centres%point(a, p) - centres%low(a))/length(a)
+        place(a) = (points(a, p) - centres%low(a))/length(a)
         if (.not. centres%is_periodic(a)) weight = weight*(1 - cos(2*pi*place(a)))/2
         place(a) = modulo(place(a)*real(fold(a), wp), 1.0_wp)*real(size(grid, a), wp)
         cell(0, a) = min(int(place(a)), size(grid, a) - 1)
@@ -126,7 +130,7 @@ contains
     real(wp), intent(in) :: squares(0:, 0:, 0:)
     real(wp), intent(in) :: squared_weights, width
     real(wp), intent(inout) :: sums(3, most_bins)
-    real(wp) :: k
+    real(wp) :: k, periods(3)
     integer :: wave(3), i, j, l, m, bin
 
     m = n/cells_of_wave + 1
@@ -137,7 +141,9 @@ contains
           ! Of a wave and its opposite one counts.
           if (i == 0 .and. (j < 0 .or. (j == 0 .and. l <= 0))) cycle
           if (is_of_box(wave*fold, centres%is_periodic)) cycle
-          k = 2*pi*norm2(real(wave*fold, wp)/merge(length, 1.0_wp, length > 0))
+          periods = real(wave*fold, wp)
+          if (abs(centres%tilt) > 0) periods(2) = periods(2) - periods(1)*centres%tilt/length(1)
+          k = 2*pi*norm2(periods/merge(length, 1.0_wp, length > 0))
           if (k <= reach(1) .or. k > reach(2)) cycle
           ! Many waves of a square box lie on the edge of a bin up to rounding.
           bin = max(1, min(most_bins, ceiling(k/width*(1 - 1e-12_wp))))

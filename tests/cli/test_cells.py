@@ -9,7 +9,7 @@ import os
 import subprocess
 import sys
 import unittest
-from math import pi
+from math import cos, hypot, pi, sin
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -435,6 +435,38 @@ class Cells(ProgramCase):
             self.assertGreater(abs(upper[0] / upper[1]), 5)
             strain = [0.0] + [float(row["strain_xy"]) for row in rows]
             self.assertLess(max(abs(b - a) for a, b in zip(strain, strain[1:])), 2 * abs(shear) * step)
+
+    def test_structure(self):
+        """Radial distribution and longest wave of a sheared cell are those of the lattice of its images, on one rank and on two."""
+        if not self.has_library("FFTW"):
+            self.skipTest("a build without FFTW has no structure factors")
+        for shear, ranks in ((1.7, 1), (2.2, 2 if MPIEXEC else 1)):
+            # Touching grains are not at the edge of a bin.
+            body = "".join(grain(f"g{i}", place, 0.097, velocity) for i, (place, velocity) in enumerate(self.spots(2)))
+            self.write(self.cell((1.0, 1.0), (0.0, 0.0), shear), body + "[report]\nstructure = true\n", steps=200)
+            self.call("--set", "solver.tolerance=1e-6", "--set", "output.every=200", ranks=ranks)
+            tilt = float(self.rows()[-1]["strain_xy"])
+            places = [state[:2] for state in self.places()[200].values()]
+            found = [row for row in self.rows(file="radial_distribution.csv") if int(row["step"]) == 200]
+            width = float(found[1]["r_m"]) - float(found[0]["r_m"])
+            counts = [0] * len(found)
+            for x, y in places:
+                for a, b in places:
+                    rows = round(b - y)
+                    across = a - x - rows * tilt
+                    distance = hypot(across - round(across), b - y - rows)
+                    if 0 < distance < width * len(found):
+                        counts[int(distance / width)] += 1
+            for i, (row, count) in enumerate(zip(found, counts, strict=True)):
+                expected = count / (len(places) ** 2 * pi * width**2 * (2 * i + 1))
+                self.assertAlmostEqual(float(row["g"]), expected, delta=1e-6 * max(1.0, expected))
+            waves = [(hypot(m, n - m * tilt), m, n) for m in range(4) for n in range(-12, 12) if m > 0 or n > 0]
+            length, m, n = min(waves)
+            first = next(row for row in self.rows(file="structure_factor.csv") if int(row["step"]) == 200)
+            self.assertAlmostEqual(float(first["k_per_m"]), 2 * pi * length, delta=1e-6)
+            angles = [2 * pi * (m * x + (n - m * tilt) * y) for x, y in places]
+            square = (sum(map(cos, angles)) ** 2 + sum(map(sin, angles)) ** 2) / len(places)
+            self.assertAlmostEqual(float(first["s"]), square, delta=1e-3)
 
     def test_flow_curve(self):
         """Sheared under pressure at two inertia numbers, disks have the effective friction and the compactness of the linear laws of da
