@@ -275,7 +275,7 @@ class Cells(ProgramCase):
                 momentum = ("--set", "solver.method=nesterov")
                 self.call(*momentum)
                 one = self.rows()
-                for words in (("gluing=dual",), ("gluing=primal",), ("sweeps=[3]",), ("gluing=primal", "primal.interface_sweeps=3")):
+                for words in (("gluing=dual",), ("gluing=primal",), ("gluing=momentum",), ("sweeps=[3]",), ("gluing=primal", "primal.interface_sweeps=3")):
                     own = [word for value in words for word in ("--set", "partition." + value)]
                     self.call(*momentum, "--set", "partition.parts=3", *own, output="parts")
                     self.assert_same_motion(one, "parts", shape)
@@ -635,8 +635,8 @@ class Cells(ProgramCase):
                 self.assertIn(words, said)
                 self.assertRegex(said, r"deck.toml:\d+:\d+: error: ")
         for words, said in ((("solver.method=interior",), "imposed stress in a periodic cell needs the method nesterov or nlgs"),
-                            (("partition.parts=2", "--set", "partition.gluing=momentum"),
-                             "imposed stress in a periodic cell needs the gluing dual or primal")):  # fmt: skip
+                            (("partition.parts=2", "--set", "partition.gluing=enriched"),
+                             "imposed stress in a periodic cell needs the gluing dual, primal or momentum")):  # fmt: skip
             self.write(self.pressed((1.0, 1.0), (1.0, 1.0)), ball)
             self.assertIn(said, self.run_program("run", "deck.toml", "--set", *words, code=2).stderr)
         for setting, words in (("scene.gravity=[0, -9.81]", "there is no gravity in a periodic cell"),

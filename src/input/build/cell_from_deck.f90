@@ -111,8 +111,8 @@ contains
     if (.not. any(options%solver%method == [character(len=8) :: 'nlgs', 'nesterov'])) &
       call deck%complain(diagnostics, 'imposed stress in a periodic cell needs the method nesterov or nlgs', &
                          deck%block_of('solver'), 'method')
-    if (deck%ranks > 1 .and. .not. any(options%partition%gluing == [character(len=8) :: 'dual', 'primal'])) &
-      call deck%complain(diagnostics, 'imposed stress in a periodic cell needs the gluing dual or primal', &
+    if (deck%ranks > 1 .and. .not. any(options%partition%gluing == [character(len=8) :: 'dual', 'primal', 'momentum'])) &
+      call deck%complain(diagnostics, 'imposed stress in a periodic cell needs the gluing dual, primal or momentum', &
                          deck%block_of('partition'), 'gluing')
   end subroutine check_solver
 end module sg_cell_from_deck
