@@ -6,7 +6,18 @@
     results.contacts.step(-1).cell_data["force_normal"]
 """
 
-from .errors import ResultsError
-from .results import Results
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .errors import ResultsError
+    from .results import Results
 
 __all__ = ["Results", "ResultsError"]
+
+
+def __getattr__(name: str) -> Any:
+    """Names are imported when they are first used: help of the command line needs no package."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(".results" if name == "Results" else ".errors", __name__), name)

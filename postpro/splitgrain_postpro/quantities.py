@@ -6,16 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 
+from .command_line import LABELS, QUANTITIES
 from .errors import ResultsError
 from .results import Scene
 from .style import FILL, KINDS, number
 from .vtkhdf import VTK_LINE, Grid
 
-LABELS = {
-    "speed": "speed [m/s]", "displacement": "displacement [m]", "start_height": "height at the start [m]", "material": "material", "coordination": "contacts that carry force",
-    "pressure": "mean stress of contacts [Pa]", "spin": "spin [rad/s]", "radius": "radius [m]", "mass": "mass [kg]", "id": "number", "rank": "rank",
-}  # fmt: skip
-QUANTITIES = (*LABELS, "none")
 # Quantities that are labels: one colour each, not a scale.
 LABEL_QUANTITIES = ("material", "rank")
 # Quantities whose scale begins at the smallest value, not at zero.

@@ -15,6 +15,9 @@ from .space import View
 from .style import BLACK, BLUE, GRAIN, VERMILION, WALL, draw_bonds, number
 from .vtkhdf import VTK_POLY_LINE, VTK_POLYGON
 
+# Shapes of walls, which a picture may cut short; any other shape is drawn whole wherever it is.
+WALLS = ("segment", "hollow disk")
+
 __all__ = ["QUANTITIES", "draw_scene", "draw_split", "proportions"]
 
 
@@ -71,7 +74,7 @@ def proportions(scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: V
 
 
 def _view(scene, lattice):
-    """Box to show (x low, x high, y low, y high): all grains, and walls that are near them; or the periodic cell."""
+    """Box to show (x low, x high, y low, y high): all bodies, and walls that are near them; or the periodic cell."""
     if lattice.is_cell:
         return _with_margin(_box(lattice.corners))
     grains, walls = _boxes(scene)
@@ -95,12 +98,15 @@ def _with_margin(box):
 
 
 def _boxes(scene):
-    """Boxes about all grains and about all walls; None where there are none."""
+    """Boxes about all grains, held bodies included, and about all walls; None where there are none."""
     grid = scene.shapes if scene.shapes is not None else scene.bodies if scene.bodies is not None else scene.contacts
     if grid is None or not len(grid.points):
         return None, None
     if grid is scene.shapes:
-        is_grain = np.repeat(of_shapes(scene, "is_grain", 1) > 0, np.diff(grid.offsets))
+        is_grain = of_shapes(scene, "is_grain", 1) > 0
+        if grid.kind_names:
+            is_grain = is_grain | ~np.isin(grid.kinds(), WALLS)
+        is_grain = np.repeat(is_grain, np.diff(grid.offsets))
         points = grid.points[grid.connectivity, :2]
     else:
         points = grid.points[:, :2]

@@ -13,6 +13,7 @@ from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.collections import LineCollection
 from matplotlib.ticker import MaxNLocator
 
+from .command_line import AZIMUTH, ELEVATION
 from .errors import ResultsError
 from .lattice import fold_bodies
 from .quantities import bonds, carrying, colouring, links, of_bodies, of_shapes, rows_of
@@ -23,6 +24,10 @@ from .vtkhdf import VTK_POLYGON, VTK_VERTEX
 
 PIXELS = 1500
 GRAIN, WALL = "#C6D0D9", "#F8F7F4"
+# Bodies that are held or driven: a sleeper, a tine.
+HELD = "#8E8A86"
+# Shapes of walls, which a picture may cut short or leave out; any other shape is drawn whole wherever it is.
+WALLS = ("plane", "hollow cylinder")
 # Light enough everywhere for shades to be seen.
 FILL = LinearSegmentedColormap.from_list("solid", ["#6C8FD0", "#5BB8CE", "#93D3A8", "#E6E78F", "#F4AE45", "#DB5530"])
 FORCES = LinearSegmentedColormap.from_list("forces", ["#F2C14E", "#E8743B", "#C02942", "#53113B"])
@@ -36,8 +41,8 @@ CREVICE = 0.3
 class View:
     """How to look at a scene in space."""
 
-    azimuth: float = -60.0  # of the viewer, from x towards y [degrees]
-    elevation: float = 22.0  # of the viewer above the horizon [degrees]
+    azimuth: float = AZIMUTH  # of the viewer, from x towards y [degrees]
+    elevation: float = ELEVATION  # of the viewer above the horizon [degrees]
     forces: bool = False  # forces between grains, which are pale then
     cut: tuple | None = None  # (axis, place [m]): grains on the viewer's side are left out
 
@@ -113,7 +118,7 @@ def proportions(scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: V
 
 
 def _box(scene, periods, walls=None):
-    """Corners (low, high) of what is shown: all grains, and walls that are near them; of a tilted cell those before the tilt."""
+    """Corners (low, high) of what is shown: all bodies, and walls that are near them; of a tilted cell those before the tilt."""
     if scene.cell is not None:
         return np.array([np.zeros(3), np.diag(scene.cell)])
     grains, others = _extents(scene)
@@ -134,20 +139,20 @@ def _box(scene, periods, walls=None):
 
 
 def _extents(scene):
-    """Corners of a box about all grains and of one about all round walls; None where there are none."""
+    """Corners of a box about all bodies, held ones included, and of one about all hollow walls; None where there are none."""
     if scene.shapes is None:
         points, reach = scene.bodies.points, scene.bodies.point_data["radius"]
         is_grain = scene.bodies.point_data["is_grain"] > 0
-        is_round = is_grain
+        is_hollow = is_grain
     else:
         points, reach = scene.shapes.points, scene.shapes.point_data["radius"]
-        cells = of_shapes(scene, "is_grain", 1) > 0
-        is_grain = _points_of(scene.shapes, cells)
-        is_round = _points_of(scene.shapes, ~cells & (scene.shapes.kinds() != "plane"))
+        kinds = scene.shapes.kinds()
+        is_grain = _points_of(scene.shapes, (of_shapes(scene, "is_grain", 1) > 0) | ~np.isin(kinds, WALLS))
+        is_hollow = _points_of(scene.shapes, kinds == "hollow cylinder")
     reach = np.asarray(reach)[:, None]
     return tuple(
         np.array([(points - reach)[own].min(axis=0), (points + reach)[own].max(axis=0)]) if own.any() else None
-        for own in (is_grain, is_round)
+        for own in (is_grain, is_hollow)
     )
 
 
@@ -251,7 +256,7 @@ def _solids(scene, axes, view, box, walls):
     polygons = []
     for cell in cells:
         face = walls.get(cell, _face(shapes, cell))
-        polygons.append((face if is_grain[cell] else _clipped(face, sides)) @ axes.T)
+        polygons.append((_clipped(face, sides) if kinds[cell] in WALLS and not is_grain[cell] else face) @ axes.T)
     numbers = np.asarray(shapes.cell_data["shape"])
     return Solids(spheres, tubes, (polygons, of_cell[cells], numbers[cells], kinds[cells]))
 
@@ -326,6 +331,9 @@ def _paint_walls(canvas, solids, is_grain):
     for shape in np.unique(np.asarray(shapes)[walls]):
         cells = [k for k in walls if shapes[k] == shape]
         faces = [corners[k] for k in cells]
+        if kinds[cells[0]] not in WALLS:
+            shown += cells
+            continue
         # The inside of a hollow cylinder is its only side: its front half is left out by itself.
         if kinds[cells[0]] != "hollow cylinder" and canvas.hidden_by(faces) > HIDES * grains:
             outlines += [_closed(face) for face in faces]
@@ -350,6 +358,7 @@ def _colours(scene, quantity, is_grain, view):
     n = len(scene.bodies.points)
     colours = np.tile(to_rgb(GRAIN), (n, 1)).astype(np.float32)
     colours[~is_grain] = to_rgb(WALL)
+    colours[_held(scene, is_grain)] = to_rgb(HELD)
     values = None if quantity == "none" or view.forces else of_bodies(scene, quantity)
     if values is None or not is_grain.any():
         return None, colours
@@ -358,6 +367,15 @@ def _colours(scene, quantity, is_grain, view):
     if scale.map is not None:
         colours[is_grain] = scale.map(scale.norm(values))[:, :3]
     return scale, colours
+
+
+def _held(scene, is_grain):
+    """Which bodies are held or driven and have another shape than walls."""
+    held = np.zeros(len(is_grain), dtype=bool)
+    if scene.shapes is not None:
+        cells = ~np.isin(scene.shapes.kinds(), WALLS)
+        held[rows_of(scene.bodies.point_data["id"], scene.shapes.cell_data["body"][cells])] = True
+    return held & ~is_grain
 
 
 def _middling_radius(scene, is_grain):

@@ -32,8 +32,8 @@ def tube(centre, half_height, radius, sides=24):
     return points, [[after[j], j, sides + j, sides + after[j]] for j in range(sides)]
 
 
-def write_space_results(folder, walls=True, drum=False, periods=(0.0, 0.0), steps=2):
-    """A folder of results; all grains touch the floor, and the two spheres each other with a force of 3 N."""
+def write_space_results(folder, walls=True, drum=False, periods=(0.0, 0.0), steps=2, held=False):
+    """A folder of results; all grains touch the floor, and the two spheres each other with a force of 3 N. Held: a cube far above."""
     folder.mkdir(parents=True, exist_ok=True)
     centres = [[0.5, 0.5, 0.5], [1.5, 0.5, 0.5], [2.5, 0.5, 0.5], [1.0, 1.5, 0.2]]
     radii = [0.5, 0.5, (3 / (4 * np.pi)) ** (1 / 3), 0.3]
@@ -52,6 +52,10 @@ def write_space_results(folder, walls=True, drum=False, periods=(0.0, 0.0), step
         centres.append([1.5, 1, 1])
         radii.append(0.0)
         shapes.append((HOLLOW, len(centres), *tube(np.array([1.5, 1, 1]), 1.0, 2.5), 0.0))
+    if held:
+        centres.append([1.0, 1.0, 6.0])
+        radii.append(0.5)
+        shapes.append((POLYHEDRON, len(centres), centres[-1] + 0.5 * SIGNS, FACES, 0.0))
     centres, radii, n = np.array(centres), np.array(radii), len(centres)
     points, cells, data, sphere_radii = [], [], {"body": [], "kind": [], "shape": []}, []
     for number, (kind, body, corners, faces, radius) in enumerate(shapes, 1):

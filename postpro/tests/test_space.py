@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 from matplotlib.collections import PathCollection
+from sample_results import write_results
 from sample_space import FACES, SIGNS, write_space_results
 
 from splitgrain_postpro import Results
 from splitgrain_postpro.cli import main
-from splitgrain_postpro.lattice import cell_of
+from splitgrain_postpro.lattice import Lattice, cell_of
 from splitgrain_postpro.quantities import is_in_space, of_bodies, rows_of
 from splitgrain_postpro.raster import Canvas, normal_of
-from splitgrain_postpro.scene import QUANTITIES, draw_scene, proportions
+from splitgrain_postpro.scene import QUANTITIES, _view, draw_scene, proportions
 from splitgrain_postpro.space import View, _box, _clipped, _corners, _folded, _wall_faces
 from splitgrain_postpro.style import new_figure
 
@@ -172,6 +173,29 @@ def test_every_quantity_can_fill_grains_in_space(tmp_path, quantity):
 @pytest.mark.parametrize("options", [{"azimuth": 200.0, "elevation": -30.0}, {"elevation": 90.0}, {"azimuth": 0.0, "elevation": 0.0}])
 def test_any_way_of_looking(tmp_path, options):
     assert drawn(Results(write_space_results(tmp_path / "run", drum=True)), **options)[1] == []
+
+
+@pytest.mark.parametrize("walls", [True, False])
+def test_held_body_above_the_grains_is_drawn_whole(tmp_path, walls):
+    results = Results(write_space_results(tmp_path / "run", walls, held=True))
+    scene = results.scene()
+    assert _box(scene, (0, 0))[1, 2] == pytest.approx(6.5)
+    ax = new_figure(5, 5).add_subplot()
+    draw_scene(ax, scene, "speed", results.periods, View())
+    picture, (left, right, low, high) = ax.images[0].get_array(), ax.images[0].get_extent()
+    u, v = (View().axes() @ [1.0, 1.0, 6.0])[:2]
+    column, row = int((u - left) / (right - left) * picture.shape[1]), int((v - low) / (high - low) * picture.shape[0])
+    grey = picture[row, column]
+    assert grey[3] == 1 and np.ptp(grey[:3]) < 0.1 and grey[:3].mean() < 0.7
+
+
+def test_held_polygon_above_the_disks_is_in_the_picture(tmp_path):
+    scene = Results(write_results(tmp_path / "run", 3, 3)).scene()
+    scene.shapes.kind_names = ("polygon", "segment")
+    scene.shapes.points[-4:, 1] += 10
+    for kind, is_whole in ((1, True), (2, False)):  # what was the floor: a held polygon, or a wall that is far away
+        scene.shapes.cell_data["kind"] = np.append(np.ones(9), kind)
+        assert (_view(scene, Lattice.of(0.0, None))[3] > 10) == is_whole
 
 
 def test_periodic_scene_shows_the_period(tmp_path):

@@ -3,7 +3,7 @@
 import os
 import signal
 import sys
-from argparse import Namespace, _SubParsersAction
+from argparse import Namespace
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -18,16 +18,6 @@ from .verdict_file import gives_verdicts
 from .verdict_study import do_verdicts
 
 EXIT_DONE, EXIT_FAILED, EXIT_STOPPED = 0, 1, 75
-
-
-def add_command(commands: _SubParsersAction) -> None:
-    """The command line of `study`."""
-    sentence = "run a study: cases x variants x tolerances, time steps or subdomains; error against work"
-    command = commands.add_parser("study", help=sentence, description=sentence, prog="splitgrain study")
-    command.add_argument("study", metavar="STUDY.toml", type=Path, help="what to run (doc/guide/studies.md)")
-    command.add_argument("--output", metavar="DIR", type=Path, help="folder of the study (default: NAME.study here)")
-    command.add_argument("--jobs", metavar="N", help="runs at a time, or all for one per core (default: that of the study)")
-    command.add_argument("--program", metavar="PATH", help="the splitgrain to run")
 
 
 def run_study(arguments: Namespace) -> int:

@@ -1,0 +1,86 @@
+"""The command line of `splitgrain look` and `splitgrain study`; it needs the standard library alone, so that help needs nothing."""
+
+import argparse
+from argparse import ArgumentParser, _SubParsersAction
+from pathlib import Path
+
+# Where a scene in space is looked at from [degrees].
+AZIMUTH, ELEVATION = -60.0, 22.0
+LABELS = {
+    "speed": "speed [m/s]", "displacement": "displacement [m]", "start_height": "height at the start [m]", "material": "material", "coordination": "contacts that carry force",
+    "pressure": "mean stress of contacts [Pa]", "spin": "spin [rad/s]", "radius": "radius [m]", "mass": "mass [kg]", "id": "number", "rank": "rank",
+}  # fmt: skip
+QUANTITIES = (*LABELS, "none")
+COMMANDS = {
+    "summary": "one page and a short text: scene with force chains, energies, solver effort, residuals",
+    "scene": "the scene: grains coloured by a quantity, force chains, walls",
+    "split": "the scene by ranks: grains coloured by the rank that they belong to, contacts between ranks",
+    "energy": "energies, works and losses against time",
+    "solver": "sweeps, contacts, residuals and cost by phase against time",
+    "trace": "errors against CPU time within the steps that were traced, and what these steps cost by phase",
+    "spectrum": "power spectra of wall forces, momentum and kinetic energy ([report] spectrum)",
+    "tracks": "columns of the tracked bodies against time ([[track]])",
+    "walls": "pressure, force and place of the walls against time, strains and void ratio of the cell that they enclose",
+    "field": "sections of a coarse-grained field ([[field]]): solid fraction, speed, pressure, shear rate",
+    "structure": "radial distribution g(r) and structure factor S(k) of the packing",
+}
+
+
+def parser() -> ArgumentParser:
+    """The command line."""
+    top = argparse.ArgumentParser(prog="splitgrain-postpro", description="Draw the results of a SplitGrain run.")
+    commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, sentence in COMMANDS.items():
+        command = commands.add_parser(name, help=sentence, description=sentence)
+        command.add_argument("results", metavar="RESULTS", help="folder that the run wrote")
+        command.add_argument("--output", metavar="PNG", type=Path, help=f"file to write (default RESULTS/{name}.png)")
+        command.add_argument("--dpi", metavar="N", type=int, default=150, help="dots per inch (default 150)")
+        if name in ("summary", "scene", "split", "structure"):
+            command.add_argument("--step", metavar="N", type=int,
+                                 help="show the last picture at or before time step N (default: the last picture)")
+        if name == "scene":
+            command.add_argument("--colour", choices=QUANTITIES, default="speed",
+                                 help="quantity that fills the grains (default speed)")
+        if name == "field":
+            command.add_argument("--number", type=int, default=1, help="place of the field in the deck (default 1)")
+            command.add_argument("--at", metavar="STEP", type=int, help="last grid up to this step (default the last one)")
+        if name == "walls":
+            command.add_argument("--wall", metavar="PATTERN", default="*", help="walls to draw, by name with * and ? (default *)")
+        if name == "tracks":
+            command.add_argument("--body", metavar="PATTERN", default="*", help="bodies to draw, by name with * and ? (default *)")
+            command.add_argument("--columns", metavar="NAME,...", type=lambda words: words.split(","),
+                                 help="columns to draw, one panel each (default: displacement, mean force and torque, work)")
+        if name in ("scene", "split"):
+            space = command.add_argument_group("scenes in space")
+            space.add_argument("--azimuth", metavar="DEGREES", type=float, default=AZIMUTH,
+                               help=f"where to look from: angle from x towards y (default {AZIMUTH:g})")
+            space.add_argument("--elevation", metavar="DEGREES", type=float, default=ELEVATION,
+                               help=f"where to look from: angle above the horizon (default {ELEVATION:g})")
+            space.add_argument("--cut", metavar="AXIS=PLACE", type=_cut,
+                               help="leave out grains whose centres lie before this plane, for example y=0.15")
+        if name == "scene":
+            space.add_argument("--forces", action="store_true",
+                               help="draw the forces between grains, and the grains pale")
+    add_study(commands)
+    return top
+
+
+def add_study(commands: _SubParsersAction) -> None:
+    """The command line of `study`."""
+    sentence = "run a study: cases x variants x tolerances, time steps or subdomains; error against work"
+    command = commands.add_parser("study", help=sentence, description=sentence, prog="splitgrain study")
+    command.add_argument("study", metavar="STUDY.toml", type=Path, help="what to run (doc/guide/studies.md)")
+    command.add_argument("--output", metavar="DIR", type=Path, help="folder of the study (default: NAME.study here)")
+    command.add_argument("--jobs", metavar="N", help="runs at a time, or all for one per core (default: that of the study)")
+    command.add_argument("--program", metavar="PATH", help="the splitgrain to run")
+
+
+def _cut(words):
+    """A plane "y=0.15" as its axis and place."""
+    axis, _, place = words.partition("=")
+    if axis not in ("x", "y", "z"):
+        raise argparse.ArgumentTypeError(f"a cut is written like y=0.15, not {words}")
+    try:
+        return "xyz".index(axis), float(place)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"a cut is written like y=0.15, not {words}") from error

@@ -1,0 +1,74 @@
+"""What the commands of `splitgrain look` do: read results, draw the page, write it."""
+
+import sys
+from argparse import Namespace
+from pathlib import Path
+
+from . import fields, figures, spectra, tracks
+from .errors import ResultsError
+from .results import Results
+from .space import View
+from .style import styled
+from .text import summary_text
+
+
+def look(arguments: Namespace) -> None:
+    """Do one command and print what it wrote."""
+    results, missing, output = draw(arguments)
+    if arguments.command == "summary":
+        text = summary_text(results, missing)
+        path = output.with_name("summary.txt") if output.stem == "summary" else output.with_suffix(".txt")
+        _write(path, lambda: path.write_text(text))
+        print(text, end="")
+    else:
+        for sentence in missing:
+            print(f"splitgrain-postpro: {sentence}", file=sys.stderr)
+    print(f"wrote {output}")
+
+
+def draw(arguments: Namespace) -> tuple[Results, list[str], Path]:
+    """Make the page of a command; returns the results read and what was not there."""
+    results = Results(arguments.results)
+    picture = -1
+    if getattr(arguments, "step", None) is not None:
+        picture = results.picture_of_step(arguments.step)
+    with styled():
+        if arguments.command == "summary":
+            figure, missing = figures.summary_figure(results, picture)
+        elif arguments.command == "scene":
+            figure, missing = figures.scene_figure(results, picture, arguments.colour, _view(arguments))
+        elif arguments.command == "split":
+            figure, missing = figures.split_figure(results, picture, _view(arguments))
+        elif arguments.command == "spectrum":
+            figure, missing = spectra.spectrum_figure(results)
+        elif arguments.command == "tracks":
+            figure, missing = tracks.tracks_figure(results, arguments.body, arguments.columns)
+        elif arguments.command == "field":
+            figure, missing = fields.field_figure(results.field(arguments.number), results.name, arguments.at)
+        elif arguments.command == "walls":
+            figure, missing = tracks.walls_figure(results, arguments.wall)
+        elif arguments.command == "structure":
+            figure, missing = spectra.structure_figure(results, picture)
+        elif arguments.command == "energy":
+            figure, missing = figures.energy_figure(results)
+        elif arguments.command == "trace":
+            figure, missing = figures.trace_figure(results)
+        else:
+            figure, missing = figures.solver_figure(results)
+        output = arguments.output or results.folder / f"{arguments.command}.png"
+        figure.draw_without_rendering()  # the first layout ignores how a fixed aspect shifts labels
+        _write(output, lambda: figure.savefig(output, format="png", dpi=arguments.dpi))
+    return results, missing, output
+
+
+def _view(arguments):
+    """How to look at a scene in space."""
+    return View(arguments.azimuth, arguments.elevation, getattr(arguments, "forces", False), arguments.cut)
+
+
+def _write(path, write):
+    """Write a file, or report why it cannot be written."""
+    try:
+        write()
+    except OSError as error:
+        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
