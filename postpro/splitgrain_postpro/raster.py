@@ -8,6 +8,8 @@ from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 
+from .fragments import fans, paint_triangles
+
 NOTHING = -1
 # Where the light comes from, in the axes of the camera.
 LIGHT = np.array([-0.35, 0.55, 0.75])
@@ -75,6 +77,27 @@ class Canvas:
             found = self._polygon(corners)
             if found is not None:
                 self._paint(*found, item)
+
+    def add_faces(self, points: np.ndarray, connectivity: np.ndarray, offsets: np.ndarray, items: np.ndarray) -> None:
+        """Plane convex faces as `add_polygons` paints them, many at once: corners of face k are points[connectivity[offsets[k]:...]]."""
+        triangles, face = fans(offsets)
+        if not len(face):
+            return
+        corners = points[connectivity[triangles]]
+        areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals = np.column_stack([np.bincount(face, areas[:, k], len(offsets) - 1) for k in range(3)])
+        length = np.linalg.norm(normals, axis=1, keepdims=True)
+        normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
+        seen = np.flatnonzero(normals[face, 2] > 1e-6)
+        corners = corners[seen]
+        corners[:, :, :2] = (corners[:, :, :2] - (self.box[0], self.box[2])) * self.scale - 0.5
+        owner = paint_triangles(self.depth, corners)
+        painted = owner != NOTHING
+        face = face[seen][owner[painted]]
+        self.item[painted] = np.asarray(items)[face]
+        self.piece[painted] = self.pieces + 1 + face
+        self.normal[painted] = normals[face]
+        self.pieces += len(offsets) - 1
 
     def _polygon(self, corners):
         """Window, depth and normal of a polygon; None when it faces away or covers no pixel."""

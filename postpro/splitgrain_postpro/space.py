@@ -60,7 +60,8 @@ class Solids:
 
     spheres: tuple  # centres, radii, bodies
     tubes: tuple  # starts, ends, radii, bodies
-    polygons: tuple  # corners, bodies, shapes, kinds
+    faces: tuple  # of grains: points, connectivity, offsets, bodies
+    polygons: tuple  # of all others: corners, bodies, shapes, kinds
 
 
 def draw_space(
@@ -238,7 +239,7 @@ def _solids(scene, axes, view, box, walls):
     if shapes is None:
         rows = np.flatnonzero(kept)
         spheres = bodies.points[rows] @ axes.T, bodies.point_data["radius"][rows], rows
-        return Solids(spheres, (none, none, [], []), ([], [], [], []))
+        return Solids(spheres, (none, none, [], []), (none, [], [0], []), ([], [], [], []))
     of_cell = rows_of(bodies.point_data["id"], shapes.cell_data["body"])
     kinds = shapes.kinds()
     points = shapes.points @ axes.T
@@ -251,14 +252,19 @@ def _solids(scene, axes, view, box, walls):
     tubes = _tubes(shapes, points, of_cell, cells[kinds[cells] == "cylinder"])
     cells = cells[kinds[cells] != "cylinder"]
     is_grain = bodies.point_data["is_grain"][of_cell] > 0
-    cells = np.array([k for k in cells if is_grain[k] or kinds[k] != "plane" or k in walls], dtype=int)
+    own = cells[is_grain[cells]]
+    sizes = np.diff(shapes.offsets)[own]
+    offsets = np.concatenate([[0], np.cumsum(sizes)])
+    places = np.repeat(shapes.offsets[own] - offsets[:-1], sizes) + np.arange(offsets[-1])
+    faces = points, shapes.connectivity[places], offsets, of_cell[own]
+    cells = np.array([k for k in cells[~is_grain[cells]] if kinds[k] != "plane" or k in walls], dtype=int)
     sides = [(sign * unit, bound) for sign, bound in ((1.0, box[0]), (-1.0, box[1])) for unit in np.eye(3)]
     polygons = []
     for cell in cells:
         face = walls.get(cell, _face(shapes, cell))
-        polygons.append((_clipped(face, sides) if kinds[cell] in WALLS and not is_grain[cell] else face) @ axes.T)
+        polygons.append((_clipped(face, sides) if kinds[cell] in WALLS else face) @ axes.T)
     numbers = np.asarray(shapes.cell_data["shape"])
-    return Solids(spheres, tubes, (polygons, of_cell[cells], numbers[cells], kinds[cells]))
+    return Solids(spheres, tubes, faces, (polygons, of_cell[cells], numbers[cells], kinds[cells]))
 
 
 def _kept(bodies, view):
@@ -315,9 +321,7 @@ def _paint(canvas, solids, is_grain, keep):
         chosen = is_grain[np.asarray(parts[-1], dtype=int)] == keep
         adder(*(np.asarray(part)[chosen] for part in parts))
     if keep:
-        corners, rows, _, _ = solids.polygons
-        chosen = np.flatnonzero(is_grain[np.asarray(rows, dtype=int)])
-        canvas.add_polygons([corners[k] for k in chosen], np.asarray(rows)[chosen] if len(chosen) else [])
+        canvas.add_faces(*solids.faces)
 
 
 def _paint_walls(canvas, solids, is_grain):
@@ -326,10 +330,9 @@ def _paint_walls(canvas, solids, is_grain):
     rows = np.asarray(rows, dtype=int)
     outlines = []
     grains = np.count_nonzero(canvas.item >= 0)
-    walls = np.flatnonzero(~is_grain[rows]) if len(rows) else []
     shown = []
-    for shape in np.unique(np.asarray(shapes)[walls]):
-        cells = [k for k in walls if shapes[k] == shape]
+    for shape in np.unique(shapes):
+        cells = np.flatnonzero(np.asarray(shapes) == shape).tolist()
         faces = [corners[k] for k in cells]
         if kinds[cells[0]] not in WALLS:
             shown += cells

@@ -175,6 +175,27 @@ def test_any_way_of_looking(tmp_path, options):
     assert drawn(Results(write_space_results(tmp_path / "run", drum=True)), **options)[1] == []
 
 
+def test_many_faces_at_once_are_what_single_polygons_give():
+    rng = np.random.default_rng(5)
+    points, faces = [], []
+    for centre in rng.uniform(-1.6, 1.6, (60, 3)):
+        turned = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        turned *= np.sign(np.linalg.det(turned))
+        faces += [len(points) * 8 + np.array(face) for face in FACES]
+        points.append(centre + rng.uniform(0.05, 0.5) * SIGNS @ turned)
+    points = np.vstack(points)
+    items = np.arange(len(faces)) // 6
+    one, all_ = canvas(), canvas()
+    one.add_polygons([points[face] for face in faces], items)
+    all_.add_faces(points, np.concatenate(faces), np.arange(0, 4 * len(faces) + 1, 4), items)
+    # Pixels on an edge may fall to either face.
+    assert np.mean(one.item != all_.item) < 2e-3
+    same = (one.piece == all_.piece) & (one.item >= 0)
+    assert np.mean(same[one.item >= 0]) > 0.99
+    assert all_.depth[same] == pytest.approx(one.depth[same], abs=1e-9)
+    assert all_.normal[same] == pytest.approx(one.normal[same], abs=1e-6)
+
+
 @pytest.mark.parametrize("walls", [True, False])
 def test_held_body_above_the_grains_is_drawn_whole(tmp_path, walls):
     results = Results(write_space_results(tmp_path / "run", walls, held=True))
