@@ -8,12 +8,13 @@ from pathlib import Path
 AZIMUTH, ELEVATION = -60.0, 22.0
 LABELS = {
     "speed": "speed [m/s]", "displacement": "displacement [m]", "start_height": "height at the start [m]", "material": "material", "coordination": "contacts that carry force",
-    "pressure": "mean stress of contacts [Pa]", "spin": "spin [rad/s]", "radius": "radius [m]", "mass": "mass [kg]", "id": "number", "rank": "rank",
+    "pressure": "mean stress of contacts [Pa]", "spin": "spin [rad/s]", "radius": "radius [m]", "mass": "mass [kg]", "id": "number", "rank": "rank", "layer": "layer of origin",
 }  # fmt: skip
 QUANTITIES = (*LABELS, "none")
 COMMANDS = {
     "summary": "one page and a short text: scene with force chains, energies, solver effort, residuals",
     "scene": "the scene: grains coloured by a quantity, force chains, walls",
+    "movie": "all pictures of a run as mp4, webp, gif or animated png, with one view and one scale",
     "split": "the scene by ranks: grains coloured by the rank that they belong to, contacts between ranks",
     "energy": "energies, works and losses against time",
     "solver": "sweeps, contacts, residuals and cost by phase against time",
@@ -33,14 +34,20 @@ def parser() -> ArgumentParser:
     for name, sentence in COMMANDS.items():
         command = commands.add_parser(name, help=sentence, description=sentence)
         command.add_argument("results", metavar="RESULTS", help="folder that the run wrote")
-        command.add_argument("--output", metavar="PNG", type=Path, help=f"file to write (default RESULTS/{name}.png)")
-        command.add_argument("--dpi", metavar="N", type=int, default=150, help="dots per inch (default 150)")
+        if name == "movie":
+            _add_movie(command)
+        else:
+            command.add_argument("--output", metavar="PNG", type=Path, help=f"file to write (default RESULTS/{name}.png)")
+            command.add_argument("--dpi", metavar="N", type=int, default=150, help="dots per inch (default 150)")
         if name in ("summary", "scene", "split", "structure"):
             command.add_argument("--step", metavar="N", type=int,
                                  help="show the last picture at or before time step N (default: the last picture)")
-        if name == "scene":
-            command.add_argument("--colour", choices=QUANTITIES, default="speed",
-                                 help="quantity that fills the grains (default speed)")
+        if name in ("scene", "movie"):
+            command.add_argument("--colour", metavar="QUANTITY", default="speed",
+                                 help=f"quantity that fills the grains (default speed): {', '.join(QUANTITIES)}, or any array of "
+                                      "the pictures of bodies, of vectors with _x, _y or _z their components")
+            command.add_argument("--relative-to", metavar="BODY", help="body, by its name in the deck or its number, relative to "
+                                                                         "which displacement and speed are")
         if name == "field":
             command.add_argument("--number", type=int, default=1, help="place of the field in the deck (default 1)")
             command.add_argument("--at", metavar="STEP", type=int, help="last grid up to this step (default the last one)")
@@ -50,7 +57,7 @@ def parser() -> ArgumentParser:
             command.add_argument("--body", metavar="PATTERN", default="*", help="bodies to draw, by name with * and ? (default *)")
             command.add_argument("--columns", metavar="NAME,...", type=lambda words: words.split(","),
                                  help="columns to draw, one panel each (default: displacement, mean force and torque, work)")
-        if name in ("scene", "split"):
+        if name in ("scene", "movie", "split"):
             space = command.add_argument_group("scenes in space")
             space.add_argument("--azimuth", metavar="DEGREES", type=float, default=AZIMUTH,
                                help=f"where to look from: angle from x towards y (default {AZIMUTH:g})")
@@ -58,11 +65,33 @@ def parser() -> ArgumentParser:
                                help=f"where to look from: angle above the horizon (default {ELEVATION:g})")
             space.add_argument("--cut", metavar="AXIS=PLACE", type=_cut,
                                help="leave out grains whose centres lie before this plane, for example y=0.15")
-        if name == "scene":
+        if name in ("scene", "movie"):
             space.add_argument("--forces", action="store_true",
                                help="draw the forces between grains, and the grains pale")
     add_study(commands)
     return top
+
+
+def _add_movie(command):
+    """Options of movies alone."""
+    command.add_argument("--output", metavar="FILE", type=Path,
+                         help="file to write: .mp4 (by ffmpeg), .webp, .gif or .png (default RESULTS/movie.mp4, without ffmpeg movie.webp)")
+    command.add_argument("--rate", metavar="N", type=_positive, default=20.0, help="pictures per second (default 20)")
+    command.add_argument("--size", metavar="N", type=int, default=900, help="pixels of the longer side (default 900)")
+    command.add_argument("--first", metavar="STEP", type=int, default=0, help="leave out pictures before this time step")
+    command.add_argument("--last", metavar="STEP", type=int, help="leave out pictures after this time step")
+    command.add_argument("--every", metavar="N", type=int, default=1, help="take one of N pictures (default 1)")
+
+
+def _positive(word):
+    """A number above zero."""
+    try:
+        value = float(word)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < 1e4:
+        raise argparse.ArgumentTypeError(f"pictures per second are a number above zero, not {word}")
+    return value
 
 
 def add_study(commands: _SubParsersAction) -> None:

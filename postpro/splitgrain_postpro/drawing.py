@@ -6,6 +6,7 @@ from pathlib import Path
 
 from . import fields, figures, spectra, tracks
 from .errors import ResultsError
+from .quantities import need_quantity
 from .results import Results
 from .space import View
 from .style import styled
@@ -14,6 +15,9 @@ from .text import summary_text
 
 def look(arguments: Namespace) -> None:
     """Do one command and print what it wrote."""
+    if arguments.command == "movie":
+        _movie(arguments)
+        return
     results, missing, output = draw(arguments)
     if arguments.command == "summary":
         text = summary_text(results, missing)
@@ -26,6 +30,22 @@ def look(arguments: Namespace) -> None:
     print(f"wrote {output}")
 
 
+def _movie(arguments):
+    """Write the movie of a run."""
+    from .movie import make_movie  # Pillow is asked for by movies alone
+
+    results = Results(arguments.results)
+    need_quantity(results.scene(-1), arguments.colour)
+    with styled():
+        try:
+            sentence, missing = make_movie(results, arguments)
+        except OSError as error:
+            raise ResultsError(f"cannot write the movie: {error.strerror or error}") from error
+    for line in missing:
+        print(f"splitgrain-postpro: {line}", file=sys.stderr)
+    print(sentence)
+
+
 def draw(arguments: Namespace) -> tuple[Results, list[str], Path]:
     """Make the page of a command; returns the results read and what was not there."""
     results = Results(arguments.results)
@@ -36,7 +56,7 @@ def draw(arguments: Namespace) -> tuple[Results, list[str], Path]:
         if arguments.command == "summary":
             figure, missing = figures.summary_figure(results, picture)
         elif arguments.command == "scene":
-            figure, missing = figures.scene_figure(results, picture, arguments.colour, _view(arguments))
+            figure, missing = figures.scene_figure(results, picture, arguments.colour, _view(arguments), arguments.relative_to)
         elif arguments.command == "split":
             figure, missing = figures.split_figure(results, picture, _view(arguments))
         elif arguments.command == "spectrum":

@@ -4,6 +4,7 @@ from matplotlib.figure import Figure
 
 from . import plots, traces
 from .errors import ResultsError
+from .quantities import need_quantity, relative_to
 from .results import Results
 from .scene import draw_scene, draw_split, proportions
 from .space import View
@@ -14,9 +15,14 @@ from .text import headline
 WIDE = 1.9
 
 
-def scene_figure(results: Results, picture: int = -1, quantity: str = "speed", view: View | None = None) -> tuple[Figure, list[str]]:
-    """The scene alone; its page has the proportions of the scene."""
+def scene_figure(
+    results: Results, picture: int = -1, quantity: str = "speed", view: View | None = None, body: str | None = None,
+) -> tuple[Figure, list[str]]:
+    """The scene alone; its page has the proportions of the scene. body: displacement and speed are relative to it."""
     scene = results.scene(picture)
+    need_quantity(scene, quantity)
+    if body is not None:
+        scene = relative_to(scene, results.number_of_body(body))
     figure, ax = _page_of(scene, results, view)
     missing = draw_scene(ax, scene, quantity, results.periods, view)
     return figure, missing

@@ -1,7 +1,7 @@
 """Quantities that fill the grains, and the scales of their colours."""
 
 from colorsys import hsv_to_rgb
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.colors import Colormap, ListedColormap, Normalize
@@ -10,10 +10,11 @@ from .command_line import LABELS, QUANTITIES
 from .errors import ResultsError
 from .results import Scene
 from .style import FILL, KINDS, number
+from .style import number as number_text
 from .vtkhdf import VTK_LINE, Grid
 
 # Quantities that are labels: one colour each, not a scale.
-LABEL_QUANTITIES = ("material", "rank")
+LABEL_QUANTITIES = ("material", "rank", "layer")
 # Quantities whose scale begins at the smallest value, not at zero.
 FROM_THE_LEAST = ("radius", "start_height", "id")
 # A force this share of the largest is drawn; the rest is rounding.
@@ -34,7 +35,7 @@ class Colouring:
 
 def colouring(values: np.ndarray, quantity: str, fill: Colormap = FILL) -> Colouring:
     """The colours of these values, which are finite."""
-    label = LABELS.get(quantity, "force [N]")
+    label = "force [N]" if quantity == "force" else LABELS.get(quantity, quantity)
     if quantity in LABEL_QUANTITIES:
         return _colouring_of_labels(values, label)
     low = 0.0 if values.min() >= 0 and quantity not in FROM_THE_LEAST else float(values.min())
@@ -80,7 +81,29 @@ def of_bodies(scene: Scene, quantity: str) -> np.ndarray | None:
     if quantity == "start_height":
         return data["start_position"][:, 2 if is_in_space(scene) else 1] if "start_position" in data else None
     values = data.get("velocity" if quantity == "speed" else quantity)
+    if values is None and quantity[-2:] in ("_x", "_y", "_z") and np.ndim(data.get(quantity[:-2])) == 2:
+        return data[quantity[:-2]][:, "xyz".index(quantity[-1])]
     return np.linalg.norm(values, axis=1) if values is not None and values.ndim == 2 else values
+
+
+def need_quantity(scene: Scene, quantity: str) -> None:
+    """Refuse a quantity that has no name here and is no array of the bodies in this picture."""
+    if quantity in QUANTITIES or scene.bodies is None or of_bodies(scene, quantity) is not None:
+        return
+    others = sorted(name + ("_x, _y, _z" if np.ndim(values) == 2 else "") for name, values in scene.bodies.point_data.items())
+    raise ResultsError(f'no quantity "{quantity}"; there are {", ".join(QUANTITIES)}, and of the pictures {", ".join(others)}')
+
+
+def relative_to(scene: Scene, number: int) -> Scene:
+    """The scene with displacements and velocities relative to those of the centre of a body."""
+    rows = np.flatnonzero(scene.bodies.point_data["id"] == number) if scene.bodies is not None else []
+    if not len(rows):
+        raise ResultsError(f"there is no body {number} in the picture at {number_text(scene.time)} s")
+    data = dict(scene.bodies.point_data)
+    for name in ("displacement", "velocity"):
+        if name in data:
+            data[name] = data[name] - data[name][rows[0]]
+    return replace(scene, bodies=replace(scene.bodies, point_data=data))
 
 
 def of_shapes(scene: Scene, quantity: str, default: float) -> np.ndarray:

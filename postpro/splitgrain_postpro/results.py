@@ -2,6 +2,7 @@
 
 import csv
 import json
+import tomllib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +14,9 @@ from .errors import ResultsError
 from .fields import Field
 from .lattice import cell_of
 from .vtkhdf import Grid, Pictures
+
+# Layers of equal thickness, by which grains may be coloured.
+LAYERS = 8
 
 
 @dataclass
@@ -137,6 +141,7 @@ class Results:
         index %= n
         grids = [None if pictures is None else pictures.step(index).present()
                  for pictures in (self.bodies, self.shapes, self.contacts)]
+        grids[0] = self._with_layers(grids[0])
         return Scene(float(self.picture_times[index]), *grids, self._cell(index))
 
     def _cell(self, index):
@@ -146,6 +151,52 @@ class Results:
             return None
         lengths = [self.bodies.field(name) for name in ("period", "period_y", "period_z")]
         return cell_of([float(values[index]) for values in lengths if values is not None], float(tilt[index]))
+
+    @cached_property
+    def picture_steps(self) -> np.ndarray:
+        """Numbers of the time steps of all pictures; their own numbers where they do not hold them."""
+        for pictures in (self.bodies, self.shapes, self.contacts):
+            steps = pictures.field("step") if pictures is not None else None
+            if steps is not None:
+                return np.asarray(steps[: len(self.picture_times)], dtype=int)
+        return np.arange(len(self.picture_times))
+
+    @cached_property
+    def deck(self) -> dict[str, Any]:
+        """effective.toml, the deck with all defaults and settings; empty where there is none."""
+        path = self.folder / "effective.toml"
+        try:
+            return tomllib.loads(path.read_text()) if path.exists() else {}
+        except (OSError, ValueError) as error:
+            raise ResultsError(f"cannot read {path}: {error}") from error
+
+    def number_of_body(self, word: str) -> int:
+        """Number of a body by its name in the deck's blocks [[body]], which come first, or by its number."""
+        if word.isdecimal():
+            return int(word)
+        names = [block.get("name") for block in self.deck.get("body", [])]
+        if word not in names:
+            known = ", ".join(name for name in names if name) or "none"
+            raise ResultsError(f'{self.folder} has no body "{word}" (names of [[body]]: {known}); a body goes also by its number')
+        return names.index(word) + 1
+
+    @cached_property
+    def _layer_edges(self):
+        """Heights between the layers in which the grains were at the start [m]; those enter that come later."""
+        grid = self.bodies.step(-1)
+        data = grid.point_data
+        if "start_position" not in data or "is_grain" not in data:
+            return None
+        heights = data["start_position"][np.asarray(data["is_grain"]) > 0, 2 if "orientation" in data else 1]
+        return np.linspace(heights.min(), heights.max(), LAYERS + 1)[1:-1] if len(heights) else None
+
+    def _with_layers(self, grid):
+        """The grid of the bodies with the layer of origin of each, from 1 at the bottom."""
+        if grid is not None and self._layer_edges is not None:
+            data = grid.point_data
+            heights = data["start_position"][:, 2 if "orientation" in data else 1]
+            data["layer"] = 1 + np.searchsorted(self._layer_edges, heights, side="right")
+        return grid
 
     def picture_of_step(self, step: int) -> int:
         """Number of the last picture at or before a time step."""

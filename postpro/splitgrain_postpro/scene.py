@@ -8,6 +8,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.patches import Polygon
 
 from . import space
+from .frame import Frame
 from .lattice import Lattice
 from .quantities import QUANTITIES, between_ranks, bonds, carrying, colouring, is_in_space, links, of_bodies, of_shapes
 from .results import Scene
@@ -18,7 +19,7 @@ from .vtkhdf import VTK_POLY_LINE, VTK_POLYGON
 # Shapes of walls, which a picture may cut short; any other shape is drawn whole wherever it is.
 WALLS = ("segment", "hollow disk")
 
-__all__ = ["QUANTITIES", "draw_scene", "draw_split", "proportions"]
+__all__ = ["QUANTITIES", "box_of", "draw_scene", "draw_split", "proportions"]
 
 
 def draw_split(ax: Axes, scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: View | None = None) -> list[str]:
@@ -35,25 +36,28 @@ def draw_split(ax: Axes, scene: Scene, periods: tuple[float, float] = (0.0, 0.0)
 
 def draw_scene(
     ax: Axes, scene: Scene, quantity: str = "speed", periods: tuple[float, float] = (0.0, 0.0), view: View | None = None,
-    draw_contacts: Callable | None = None,
+    draw_contacts: Callable | None = None, common: Frame | None = None,
 ) -> list[str]:
-    """Draw one picture of a run; returns sentences about what is not there to draw."""
+    """Draw one picture of a run, perhaps with what it has in common with others; returns sentences about what is not there to draw."""
     if is_in_space(scene):
-        return space.draw_space(ax, scene, quantity, periods, view)
+        return space.draw_space(ax, scene, quantity, periods, view, common)
     lattice = Lattice.of(periods[0], scene.cell)
     missing = []
-    view = _view(scene, lattice)
+    common = common or Frame()
+    view = _view(scene, lattice) if common.box is None else common.box
     if view is not None:
         _set_view(ax, view)
     if scene.shapes is None:
         missing.append("no shapes.vtkhdf")
     else:
-        _draw_shapes(ax, scene, quantity, lattice, view)
+        _draw_shapes(ax, scene, quantity, lattice, view, common.scale)
     if scene.contacts is None:
         missing.append("no contacts.vtkhdf")
     elif view is not None:
-        (draw_contacts or _draw_forces)(ax, scene, lattice, view)
-        if draw_contacts is None:
+        if draw_contacts is not None:
+            draw_contacts(ax, scene, lattice, view)
+        else:
+            _draw_forces(ax, scene, lattice, view, common.force)
             _draw_bonds(ax, scene, lattice, view)
     if scene.bodies is None:
         missing.append("no bodies.vtkhdf")
@@ -63,11 +67,21 @@ def draw_scene(
     return missing
 
 
-def proportions(scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: View | None = None) -> float:
+def box_of(scene: Scene, periods: tuple[float, float] = (0.0, 0.0)) -> np.ndarray | None:
+    """Box of what a picture shows; None where it is that of a periodic cell."""
+    if is_in_space(scene):
+        return space.box_of(scene, periods)
+    lattice = Lattice.of(periods[0], scene.cell)
+    return None if lattice.is_cell else _view(scene, lattice)
+
+
+def proportions(
+    scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: View | None = None, box: np.ndarray | None = None,
+) -> float:
     """Width over height of what is shown, within what fits on a page."""
     if is_in_space(scene):
-        return space.proportions(scene, periods, view)
-    view = _view(scene, Lattice.of(periods[0], scene.cell))
+        return space.proportions(scene, periods, view, box)
+    view = _view(scene, Lattice.of(periods[0], scene.cell)) if box is None else box
     if view is None or not view[3] > view[2]:
         return 1.0
     return float(np.clip((view[1] - view[0]) / (view[3] - view[2]), 0.3, 3.5))
@@ -127,7 +141,7 @@ def _set_view(ax, view):
     ax.set_ylim(view[2], view[3])
 
 
-def _draw_shapes(ax, scene, quantity, lattice, view):
+def _draw_shapes(ax, scene, quantity, lattice, view, scale):
     """Walls, then grains, then hollow disks, which are outlines."""
     shapes = scene.shapes
     is_grain = of_shapes(scene, "is_grain", 1) > 0
@@ -135,12 +149,12 @@ def _draw_shapes(ax, scene, quantity, lattice, view):
     walls, grains = polygons[~is_grain[polygons]], polygons[is_grain[polygons]]
     outlines, _ = lattice.repeated(shapes.outlines(walls), view)
     ax.add_collection(PolyCollection(outlines, facecolor=WALL, edgecolor=WALL, linewidth=0.4), autolim=False)
-    _draw_grains(ax, scene, grains, quantity, lattice, view)
+    _draw_grains(ax, scene, grains, quantity, lattice, view, scale)
     hollow, _ = lattice.repeated(shapes.outlines(shapes.cells(VTK_POLY_LINE)), view)
     ax.add_collection(LineCollection(hollow, colors="#5A5A5A", linewidth=1.2), autolim=False)
 
 
-def _draw_grains(ax, scene, grains, quantity, lattice, view):
+def _draw_grains(ax, scene, grains, quantity, lattice, view, scale):
     """Grains filled by a quantity, with its scale."""
     outlines, copied = lattice.repeated(scene.shapes.outlines(grains), view)
     # Outlines of many small grains would hide their colours.
@@ -151,7 +165,7 @@ def _draw_grains(ax, scene, grains, quantity, lattice, view):
     if values is None or not len(values) or not np.isfinite(values).any():
         return
     collection.set_array(values[copied])
-    scale = colouring(values, quantity)
+    scale = scale or colouring(values, quantity)
     if scale.map is None:
         collection.set(array=None, facecolor=GRAIN)
         ax.set_title(scale.note, loc="right")
@@ -170,7 +184,7 @@ def _colour_bar(ax, collection, scale):
     bar.outline.set_linewidth(0.5)
 
 
-def _draw_forces(ax, scene, lattice, view):
+def _draw_forces(ax, scene, lattice, view, thick):
     """Force chains: pushing contacts red, pulling ones blue, the width in proportion to the normal force; slack links thin."""
     contacts = scene.contacts
     cells = np.flatnonzero(carrying(contacts))
@@ -183,19 +197,33 @@ def _draw_forces(ax, scene, lattice, view):
     if not len(cells):
         ax.text(0.01, 0.99, "no contact carries force", transform=ax.transAxes, va="top", fontsize=8)
         return
-    force = np.array(contacts.cell_data["force_normal"], dtype=float)
-    force[linked] = -tension
-    force = force[cells]
+    force = _forces(contacts)[cells]
     lines = contacts.outlines(cells)
     lines = [lattice.straight(line) for line in lines]
     lines, copied = lattice.repeated(lines, view)
     # A tail of rare large forces must not thin out the chains: widths saturate at the largest hundredth.
     widest = np.clip(0.6 * _grain_diameter(ax, scene, view), 0.8, 10.0)
-    thick = np.quantile(np.abs(force), 0.99)
+    thick = thick or np.quantile(np.abs(force), 0.99)
     widths = np.minimum(np.abs(force[copied]) / thick, 1.0) * widest
     colours = np.where(force[copied] >= 0, VERMILION, BLUE)
     ax.add_collection(LineCollection(lines, linewidths=widths, colors=colours, capstyle="round"), autolim=False)
     ax.set_xlabel(f"x [m]      thickest line: normal force {number(thick)} N and above")
+
+
+def _forces(contacts):
+    """Normal force of every contact, of links minus their tension [N]."""
+    force = np.array(contacts.cell_data["force_normal"], dtype=float)
+    linked, tension = links(contacts)
+    force[linked] = -tension
+    return force
+
+
+def thickest_force(scene: Scene) -> float | None:
+    """Force of the thickest line of one picture [N]: its largest hundredth is drawn alike; None where no force is drawn."""
+    if is_in_space(scene):
+        return space.thickest_force(scene)
+    cells = np.flatnonzero(carrying(scene.contacts)) if scene.contacts is not None else []
+    return float(np.quantile(np.abs(_forces(scene.contacts)[cells]), 0.99)) if len(cells) else None
 
 
 def _draw_bonds(ax, scene, lattice, view):

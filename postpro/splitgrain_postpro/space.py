@@ -15,6 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from .command_line import AZIMUTH, ELEVATION
 from .errors import ResultsError
+from .frame import Frame
 from .lattice import fold_bodies
 from .quantities import bonds, carrying, colouring, links, of_bodies, of_shapes, rows_of
 from .raster import Canvas, normal_of
@@ -66,16 +67,17 @@ class Solids:
 
 def draw_space(
     ax: Axes, scene: Scene, quantity: str = "speed", periods: tuple[float, float] = (0.0, 0.0), view: View | None = None,
+    common: Frame | None = None,
 ) -> list[str]:
-    """Draw one picture; returns sentences about what is not there to draw."""
-    view = view or View()
+    """Draw one picture, perhaps with what it has in common with others; returns sentences about what is not there to draw."""
+    view, common = view or View(), common or Frame()
     axes = view.axes()
     missing = [f"no {name}.vtkhdf" for name in ("shapes", "contacts", "bodies") if getattr(scene, name) is None]
     if scene.bodies is None:
         raise ResultsError("a scene in space is drawn from its bodies: there is no bodies.vtkhdf")
     scene = _folded(scene)
     walls = _wall_faces(scene) if scene.shapes is not None else {}
-    box = _box(scene, periods, walls)
+    box = _box(scene, periods, walls) if common.box is None else common.box
     solids = _solids(scene, axes, view, box, walls)
     is_grain = scene.bodies.point_data["is_grain"] > 0
     corners = _corners(box, _tilt(scene)) @ axes.T
@@ -85,8 +87,8 @@ def draw_space(
     frame = np.column_stack([corners.min(axis=0) - margin, corners.max(axis=0) + margin])[:2].ravel()
     ax.set(aspect="equal", xlim=frame[:2], ylim=frame[2:])
     ax.set_axis_off()
-    scale, colours = _colours(scene, quantity, is_grain, view)
-    canvas = Canvas(frame, PIXELS)
+    scale, colours = _colours(scene, quantity, is_grain, view, common.scale)
+    canvas = Canvas(frame, common.pixels or PIXELS)
     _paint(canvas, solids, is_grain, keep=True)
     outlines = _paint_walls(canvas, solids, is_grain)
     radius = _middling_radius(scene, is_grain)
@@ -101,7 +103,7 @@ def draw_space(
         _draw_links(ax, scene, axes)
         _draw_bonds(ax, scene, axes, canvas, radius, view)
     if view.forces and scene.contacts is not None:
-        scale = _draw_forces(ax, scene, axes, frame, radius, view)
+        scale = _draw_forces(ax, scene, axes, frame, radius, view, common.force)
     if scale is not None and scale.map is not None:
         _colour_bar(ax, scale)
     note = "" if scale is None or not scale.note else f"      {scale.note}"
@@ -109,13 +111,20 @@ def draw_space(
     return missing
 
 
-def proportions(scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: View | None = None) -> float:
+def proportions(
+    scene: Scene, periods: tuple[float, float] = (0.0, 0.0), view: View | None = None, box: np.ndarray | None = None,
+) -> float:
     """Width over height of what is shown, within what fits on a page."""
     if scene.bodies is None:
         return 1.0
-    corners = _corners(_box(scene, periods), _tilt(scene)) @ (view or View()).axes().T
+    corners = _corners(_box(scene, periods) if box is None else box, _tilt(scene)) @ (view or View()).axes().T
     width, height = np.ptp(corners[:, :2], axis=0)
     return float(np.clip(width / height, 0.3, 3.5)) if height > 0 else 1.0
+
+
+def box_of(scene: Scene, periods: tuple[float, float]) -> np.ndarray | None:
+    """Corners of what a picture shows; None of a periodic cell, which is its own box in every picture."""
+    return None if scene.cell is not None or scene.bodies is None else _box(scene, periods)
 
 
 def _box(scene, periods, walls=None):
@@ -356,7 +365,7 @@ def _closed(face):
     return np.vstack([face, face[:1]])[:, :2]
 
 
-def _colours(scene, quantity, is_grain, view):
+def _colours(scene, quantity, is_grain, view, common):
     """The scale of the colours, and red, green and blue of every body."""
     n = len(scene.bodies.points)
     colours = np.tile(to_rgb(GRAIN), (n, 1)).astype(np.float32)
@@ -366,7 +375,7 @@ def _colours(scene, quantity, is_grain, view):
     if values is None or not is_grain.any():
         return None, colours
     values = np.asarray(values, dtype=float)[is_grain]
-    scale = colouring(values, quantity, FILL)
+    scale = common or colouring(values, quantity, FILL)
     if scale.map is not None:
         colours[is_grain] = scale.map(scale.norm(values))[:, :3]
     return scale, colours
@@ -411,25 +420,36 @@ def _draw_bonds(ax, scene, axes, canvas, radius, view):
     draw_bonds(ax, points[seen, :2], damage[seen], np.clip(0.12 * diameter, 2.0, 5.0))
 
 
-def _draw_forces(ax, scene, axes, frame, radius, view):
+def _forces(contacts, cells):
+    """Pairs of bodies, the first contact of each, and their force [N]: points of one pair are one force."""
+    data = contacts.cell_data
+    pairs, first, own = np.unique(np.column_stack([data["candidate"], data["antagonist"]])[cells], axis=0,
+                                  return_index=True, return_inverse=True)
+    force = np.zeros((len(pairs), 3))
+    np.add.at(force, np.ravel(own), np.asarray(data["force"], dtype=float)[cells])
+    return pairs, first, np.linalg.norm(force, axis=1)
+
+
+def thickest_force(scene: Scene) -> float | None:
+    """Force of the thickest bar of one picture [N]; None where there is none."""
+    cells = np.flatnonzero(carrying(scene.contacts)) if scene.contacts is not None else []
+    return float(np.quantile(_forces(scene.contacts, cells)[2], 0.99)) if len(cells) else None
+
+
+def _draw_forces(ax, scene, axes, frame, radius, view, most):
     """Forces as bars from grain to grain; returns their scale. Points of one pair are one force."""
     contacts = scene.contacts
     cells = np.flatnonzero(carrying(contacts))
     if not len(cells):
         ax.text(0.01, 0.99, "no contact carries force", transform=ax.transAxes, va="top", fontsize=8)
         return None
-    data = contacts.cell_data
-    pairs, first, own = np.unique(np.column_stack([data["candidate"], data["antagonist"]])[cells], axis=0,
-                                  return_index=True, return_inverse=True)
-    force = np.zeros((len(pairs), 3))
-    np.add.at(force, np.ravel(own), np.asarray(data["force"], dtype=float)[cells])
-    force = np.linalg.norm(force, axis=1)
+    pairs, first, force = _forces(contacts, cells)
     ends = contacts.points[contacts.connectivity].reshape(-1, 2, 3)[cells[first]]
     kept = _kept(scene.bodies, view)
     rows = rows_of(scene.bodies.point_data["id"], pairs.ravel()).reshape(-1, 2)
     shown = kept[rows].all(axis=1)
     # A tail of rare large forces must not thin out the chains: widths saturate at the largest hundredth.
-    thick = float(np.quantile(force, 0.99))
+    thick = most or float(np.quantile(force, 0.99))
     share = np.clip(force / thick, 0, 1)[shown]
     order = np.argsort(share)
     canvas = Canvas(frame, PIXELS)
@@ -438,7 +458,8 @@ def _draw_forces(ax, scene, axes, frame, radius, view):
                      np.arange(len(order)))
     colours = FORCES(share[order])[:, :3].astype(np.float32)
     ax.imshow(canvas.image(colours, 0.5 * radius, 0.0), extent=frame, origin="lower", zorder=4, interpolation="antialiased")
-    return colouring(force, "force", FORCES)
+    # The scale of the colours ends where bars are thickest.
+    return colouring(force, "force", FORCES) if most is None else colouring(np.array([0.0, most]), "force", FORCES)
 
 
 def _colour_bar(ax, scale):
