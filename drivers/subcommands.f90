@@ -6,11 +6,10 @@ module sg_subcommands
   use sg_comm, only: comm_t
   use sg_convert, only: convert_command
   use sg_error, only: error_t, exit_bad_input, exit_done
-  use sg_help, only: print_help
+  use sg_help, only: command_names, print_help
   use sg_partition, only: partition_command
-  use sg_print, only: print_line
   use sg_print_version, only: print_version
-  use sg_reference_text, only: reference_text
+  use sg_reference, only: reference_command
   use sg_run, only: run_command
   use sg_solve, only: solve_command
   use sg_spectra, only: spectrum_command
@@ -49,8 +48,7 @@ contains
     case ('check')
       call check_command(arguments, comm, code, error)
     case ('reference')
-      call arguments%expect('', 0, 0, 'reference', error)
-      if (.not. allocated(error)) call print_line(reference_text(), is_open=.true.)
+      call reference_command(arguments, error)
     case ('convert')
       call convert_command(arguments, comm, code, error)
     case ('bench')
@@ -62,7 +60,7 @@ contains
     case ('spectrum')
       call spectrum_command(arguments, comm, code, error)
     case default
-      call arguments%refuse_command('run check reference convert bench partition solve spectrum study', error)
+      call arguments%refuse_command(command_names, error)
     end select
   end subroutine call_subcommand
 end module sg_subcommands

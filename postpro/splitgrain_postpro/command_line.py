@@ -29,7 +29,7 @@ COMMANDS = {
 
 def parser() -> ArgumentParser:
     """The command line."""
-    top = argparse.ArgumentParser(prog="splitgrain-postpro", description="Draw the results of a SplitGrain run.")
+    top = argparse.ArgumentParser(prog="splitgrain look", description="Draw the results of a SplitGrain run.")
     commands = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, sentence in COMMANDS.items():
         command = commands.add_parser(name, help=sentence, description=sentence)

@@ -1,17 +1,18 @@
-!> `splitgrain study`: hands over to the Python package that runs studies through this program.
-module sg_study
+!> `splitgrain study`, `look` and `movie`: the Python package, which draws results and runs studies through this program.
+module sg_python_command
+  use sg_arguments, only: arguments_t
   use sg_error, only: error_t, exit_failure, fail
   use sg_system, only: become
   use sg_version, only: source_folder
   implicit none
   private
-  public :: study_command
+  public :: is_in_python, python_command
 
-  !> How Python finds the package: beside the source, beside the installed program, or where it looks by itself
+  !> How Python finds the package: beside the installed program, beside the source, or where it looks by itself
   character(len=*), parameter :: look_for_package = &
     'import os, sys; from importlib.util import find_spec as find; program, source = sys.argv[1:3]; '// &
     'above = os.path.dirname(os.path.dirname(os.path.realpath(program))); '// &
-    'places = [os.path.join(source, "postpro"), os.path.join(above, "share", "splitgrain", "postpro")]; '// &
+    'places = [os.path.join(above, "share", "splitgrain", "postpro"), os.path.join(source, "postpro")]; '// &
     'sys.path[:0] = [p for p in places if os.path.isfile(os.path.join(p, "splitgrain_postpro", "cli.py"))][:1]; '
   !> Python ends well when it is new enough and finds the package and what that needs
   character(len=*), parameter :: is_fit = &
@@ -24,33 +25,52 @@ module sg_study
     'source=$1; shift; program=$(command -v -- "$0"); for python in python3 /usr/bin/python3; do '// &
     '"$python" -P -c '''//look_for_package//is_fit//''' "$program" "$source" 2>/dev/null || continue; '// &
     'export SPLITGRAIN_PROGRAM="${SPLITGRAIN_PROGRAM:-$program}"; '// &
-    'exec "$python" -P -c '''//look_for_package//go_on//''' "$program" "$source" study "$@"; done; '// &
-    'echo "error: a study needs Python 3.11 or later with h5py, matplotlib, numpy and splitgrain_postpro (the folder postpro '// &
-    'of the source), and none was found" >&2; exit 1'
+    'exec "$python" -P -c '''//look_for_package//go_on//''' "$program" "$source" "$@"; done; '// &
+    'echo "error: this command needs Python 3.11 or later with h5py, matplotlib, numpy and splitgrain_postpro (the folder '// &
+    'postpro of the source), and none was found" >&2; exit 1'
 
 contains
 
+  !> Is this command one of the Python package? Help without anything to help on is printed here.
+  pure logical function is_in_python(arguments)
+    type(arguments_t), intent(in) :: arguments !! the command line
+
+    select case (arguments%command)
+    case ('study')
+      is_in_python = arguments%task() /= '--help'
+    case ('look')
+      is_in_python = size(arguments%words) > 0
+    case ('movie')
+      is_in_python = .true.
+    case default
+      is_in_python = .false.
+    end select
+  end function is_in_python
+
   !> Go on as the Python package, with the words of the command line; it comes back only when no shell can be started.
-  subroutine study_command(error)
+  subroutine python_command(command, error)
+    character(len=*), intent(in) :: command !! the first word of the command line
     type(error_t), allocatable, intent(out) :: error !! set when no shell can be started
     character(len=:), allocatable :: words(:)
-    integer :: i, length, longest
+    integer :: i, first, length, longest
 
+    ! The commands of `look` are those of the package.
+    first = merge(2, 1, command == 'look')
     longest = max(len(script), len(source_folder))
     do i = 0, command_argument_count()
       call get_command_argument(i, length=length)
       longest = max(longest, length)
     end do
-    allocate (character(len=longest) :: words(command_argument_count() + 4))
+    allocate (character(len=longest) :: words(command_argument_count() + 6 - first))
     words(1) = '/bin/sh'
     words(2) = '-c'
     words(3) = script
     call get_command_argument(0, words(4))
     words(5) = source_folder
-    do i = 2, command_argument_count()
-      call get_command_argument(i, words(4 + i))
+    do i = first, command_argument_count()
+      call get_command_argument(i, words(6 - first + i))
     end do
     call become(words)
-    call fail(error, 'no shell, /bin/sh, can be started, which a study needs', code=exit_failure)
-  end subroutine study_command
-end module sg_study
+    call fail(error, 'no shell, /bin/sh, can be started, which this command needs', code=exit_failure)
+  end subroutine python_command
+end module sg_python_command
