@@ -1,6 +1,10 @@
 # What `cmake --install` puts into place: the program, its part in Python, decks, pages with their links, manual page, completion.
-install(TARGETS splitgrain RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(PROGRAMS $<TARGET_FILE:splitgrain> DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY input_decks DESTINATION ${CMAKE_INSTALL_DATADIR}/splitgrain)
+# A wheel has the Python packages by itself, and no links.
+if(SKBUILD)
+  return()
+endif()
 install(DIRECTORY postpro/splitgrain_postpro DESTINATION ${CMAKE_INSTALL_DATADIR}/splitgrain/postpro
         FILES_MATCHING PATTERN "*.py" PATTERN "*.js" PATTERN "__pycache__" EXCLUDE)
 # Pages lead to decks and sources by the folders of the project: decks lie beside them, by a link.
