@@ -4,9 +4,9 @@ module sg_run
   use sg_comm, only: comm_t
   use sg_dump, only: read_steps
   use sg_error, only: error_t, exit_done
-  use sg_kinds, only: wp
   use sg_run_deck, only: run_deck
   use sg_run_request, only: run_request_t
+  use sg_walltime, only: read_walltime
   implicit none
   private
   public :: run_command
@@ -38,7 +38,8 @@ contains
 
     call arguments%expect('set output restart force walltime dump needs quiet', 1, 1, &
                           'run DECK [options]; see splitgrain run --help', error)
-    if (.not. allocated(error)) call arguments%number('walltime', 0.0_wp, 0.0_wp, request%walltime, error)
+    if (.not. allocated(error) .and. arguments%has('walltime')) &
+      call read_walltime(arguments%get('walltime', ''), request%walltime, error)
     if (.not. allocated(error) .and. arguments%has('dump')) call read_steps(arguments%get('dump', ''), request%dump_steps, error)
     if (allocated(error)) return
     request%deck = arguments%words(1)%s

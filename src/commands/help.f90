@@ -9,7 +9,7 @@ module sg_help
   !> Subcommands, and commands of `look`, which the Python package has
   character(len=*), parameter :: command_names = 'run check reference convert bench partition solve spectrum study look movie'
   character(len=*), parameter :: look_names = &
-    'summary scene movie split energy solver trace spectrum tracks walls field structure'
+    'summary scene movie page split energy solver trace spectrum tracks walls field structure'
 
 contains
 
@@ -66,7 +66,8 @@ contains
             '  --set SECTION.KEY=VALUE set a key over the deck; may be given several times', &
             '  --restart FILE|DIR      go on from a restart file, or from the newest one of a folder', &
             '  --force                 replace results of another run in the folder, or the lock of another host', &
-            '  --walltime SECONDS      stop with a checkpoint after this time (exit code 75)', &
+            '  --walltime SECONDS      stop with a checkpoint after this time (exit code 75); also H:M:S, D-H:M:S,', &
+            '                          or job: what the batch job leaves, less two minutes', &
             '  --dump STEPS            write the contact problems of steps (10 or 10,20,100-110) as FCLIB files', &
             '  --needs                 at the end, memory by table, libraries loaded, cost of a contact update', &
             '  --quiet                 print nothing but errors', &

@@ -7,10 +7,12 @@ module sg_progress
   use sg_timers, only: wall_now
   implicit none
   private
-  public :: progress_t, duration_text
+  public :: progress_t, duration_text, line_interval
 
   !> Wall seconds between two lines, and between two drawings of the bar
   real(wp), parameter :: seconds_between_lines = 5.0_wp, seconds_between_bars = 0.2_wp
+  !> Lines get rarer: they wait for this share of the time since the start, but never longer than ten minutes [s]
+  real(wp), parameter :: waiting_share = 0.05_wp, longest_wait = 600.0_wp
   !> Letters of the bar, and of the whole line that is redrawn
   integer, parameter :: bar_width = 20, line_width = 110
 
@@ -59,11 +61,19 @@ contains
   !> Is it time to show progress again?
   logical function progress_is_due(self)
     class(progress_t), intent(in) :: self
-    real(wp) :: waited
+    real(wp) :: now
 
-    waited = wall_now() - self%shown
-    progress_is_due = .not. self%is_quiet .and. waited >= merge(seconds_between_bars, seconds_between_lines, self%on_terminal)
+    now = wall_now()
+    progress_is_due = .not. self%is_quiet .and. &
+                      now - self%shown >= merge(seconds_between_bars, line_interval(now - self%started), self%on_terminal)
   end function progress_is_due
+
+  !> Time between two lines of a log so long after the start: a day takes about two hundred and fifty lines.
+  pure real(wp) function line_interval(elapsed)
+    real(wp), intent(in) :: elapsed !! since the start [s]
+
+    line_interval = max(seconds_between_lines, min(longest_wait, waiting_share*elapsed))
+  end function line_interval
 
   !> Show where the run is after a step.
   subroutine progress_show(self, step, time, contacts, report, kinetic_energy)
