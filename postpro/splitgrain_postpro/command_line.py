@@ -15,6 +15,7 @@ COMMANDS = {
     "summary": "one page and a short text: scene with force chains, energies, solver effort, residuals",
     "scene": "the scene: grains coloured by a quantity, force chains, walls",
     "movie": "all pictures of a run as mp4, webp, gif or animated png, with one view and one scale",
+    "page": "one offline page: a view that turns, a slider over the pictures, curves of the record",
     "split": "the scene by ranks: grains coloured by the rank that they belong to, contacts between ranks",
     "energy": "energies, works and losses against time",
     "solver": "sweeps, contacts, residuals and cost by phase against time",
@@ -36,6 +37,9 @@ def parser() -> ArgumentParser:
         command.add_argument("results", metavar="RESULTS", help="folder that the run wrote")
         if name == "movie":
             _add_movie(command)
+        elif name == "page":
+            command.add_argument("--output", metavar="HTML", type=Path, help="file to write (default RESULTS/page.html)")
+            command.add_argument("--pictures", metavar="N", type=int, default=60, help="most pictures on the page (default 60)")
         else:
             command.add_argument("--output", metavar="PNG", type=Path, help=f"file to write (default RESULTS/{name}.png)")
             command.add_argument("--dpi", metavar="N", type=int, default=150, help="dots per inch (default 150)")

@@ -11,12 +11,17 @@ from .results import Results
 from .space import View
 from .style import styled
 from .text import summary_text
+from .viewer import write_page
 
 
 def look(arguments: Namespace) -> None:
     """Do one command and print what it wrote."""
     if arguments.command == "movie":
         _movie(arguments)
+        return
+    if arguments.command == "page":
+        results = Results(arguments.results)
+        _write(arguments.output or results.folder / "page.html", lambda: print(write_page(results, arguments)))
         return
     results, missing, output = draw(arguments)
     if arguments.command == "summary":

@@ -141,7 +141,7 @@ class Results:
         index %= n
         grids = [None if pictures is None else pictures.step(index).present()
                  for pictures in (self.bodies, self.shapes, self.contacts)]
-        grids[0] = self._with_layers(grids[0])
+        grids[0] = self.with_layers(grids[0])
         return Scene(float(self.picture_times[index]), *grids, self._cell(index))
 
     def _cell(self, index):
@@ -190,7 +190,7 @@ class Results:
         heights = data["start_position"][np.asarray(data["is_grain"]) > 0, 2 if "orientation" in data else 1]
         return np.linspace(heights.min(), heights.max(), LAYERS + 1)[1:-1] if len(heights) else None
 
-    def _with_layers(self, grid):
+    def with_layers(self, grid: Grid | None) -> Grid | None:
         """The grid of the bodies with the layer of origin of each, from 1 at the bottom."""
         if grid is not None and self._layer_edges is not None:
             data = grid.point_data

@@ -27,7 +27,7 @@ class Browser:
         there, self.sending = os.pipe()
         self.hearing, back = os.pipe()
         # The browser reads commands from descriptor 3 and answers on 4.
-        words = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--remote-debugging-pipe",
+        words = ["--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--remote-debugging-pipe",
                  "--disable-background-networking", "--no-first-run", "--hide-scrollbars", f"--user-data-dir={self.place}",
                  "about:blank"]  # fmt: skip
         start = f'exec 62<&{there} 63>&{back}; exec 3<&62 4>&63 62<&- 63>&-; exec "$@"'

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Look at pages of studies in a browser without a window: offline, at 1280 and 400 pixels.
+"""Look at pages of studies and of runs in a browser without a window: offline, at 1280 and 400 pixels.
 
 usage: check_pages.py FOLDER PAGE...
 
@@ -22,7 +22,7 @@ LOOK = """(() => {
   const right = part => Math.round(part.getBoundingClientRect().right);
   const scrolls = part => part.closest('.wide') !== null;
   return {
-    width: document.documentElement.scrollWidth, inner: innerWidth, title: document.title, height: document.documentElement.scrollHeight,
+    scene: typeof window.lookAt === 'function', width: document.documentElement.scrollWidth, inner: innerWidth, title: document.title, height: document.documentElement.scrollHeight,
     pictures: [...document.images].map(i => [i.complete && i.naturalWidth > 0, i.alt]),
     narrow: [...document.images].filter(i => i.getBoundingClientRect().width < 250).map(i => i.alt),
     small: letters.filter(part => parseFloat(getComputedStyle(part).fontSize) < %d).map(part => part.textContent.slice(0, 40)),
@@ -61,9 +61,26 @@ def mistakes_of(page, browser, width, picture):
     found += [f"the picture '{alt}' is not shown" for is_shown, alt in seen["pictures"] if not is_shown]
     found += [f"the picture '{alt}' is too narrow to be read" for alt in seen["narrow"]]
     found += [f"letters below {SMALLEST} pixels: {text}" for text in seen["small"][:5]]
-    if not seen["pictures"]:
+    if seen["scene"]:
+        found += mistakes_of_scene(browser)
+    elif not seen["pictures"]:
         found.append("has no picture")
     print(f"{page.parent.name}/{page.name} at {width}: {seen['height']} pixels high, {len(seen['pictures'])} pictures; {picture}")
+    return found
+
+
+def mistakes_of_scene(browser):
+    """What is wrong with the view of a run: it must be drawn, and the pictures must differ."""
+    first, last = (browser.value(f"window.lookAt({number})") for number in ("0", "1e9"))
+    if first is None:
+        return ["has no WebGL 2"]
+    found = [f"WebGL reports error {seen['error']}" for seen in (first, last) if seen["error"]]
+    found += [f"bodies cover {100 * seen['covered']:.1f} % of the view" for seen in (first, last) if not 0.03 < seen["covered"] < 0.97]
+    if first["pictures"] > 1 and first["sum"] == last["sum"]:
+        found.append("shows the same in all pictures")
+    browser.value("document.getElementById('slider').value = 0, document.getElementById('slider').oninput({target: {value: '0'}}), 1")
+    if browser.value("window.lookAt(0)")["sum"] != first["sum"]:
+        found.append("shows another first picture after the slider")
     return found
 
 
