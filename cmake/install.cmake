@@ -5,7 +5,7 @@ install(DIRECTORY input_decks DESTINATION ${CMAKE_INSTALL_DATADIR}/splitgrain)
 if(SKBUILD)
   return()
 endif()
-install(DIRECTORY postpro/splitgrain_postpro DESTINATION ${CMAKE_INSTALL_DATADIR}/splitgrain/postpro
+install(DIRECTORY postpro/splitgrain_postpro postpro/splitgrain DESTINATION ${CMAKE_INSTALL_DATADIR}/splitgrain/postpro
         FILES_MATCHING PATTERN "*.py" PATTERN "*.html" PATTERN "__pycache__" EXCLUDE)
 # Pages lead to decks and sources by the folders of the project: decks lie beside them, by a link.
 install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 from splitgrain_postpro.cli import main
+from splitgrain_postpro.study.vary_study import VaryReader
 from splitgrain_postpro.errors import StudyError
 from splitgrain_postpro.study.csv_text import csv_text
 from splitgrain_postpro.study.deck_titles import deck_section
@@ -280,7 +281,9 @@ def test_shipped_studies_are_right():
     paths = [*sorted((DECKS / "studies").glob("*.toml")), *(DECKS / "talk" / f"{name}.toml" for name in TALK)]
     assert len(paths) >= 3
     for path in paths:
-        if path.name == "solvers_of_others.toml":
+        if path.name == "friction_of_blocks.toml":
+            assert len(VaryReader(path).read()["vary"]) == 2
+        elif path.name == "solvers_of_others.toml":
             try:
                 assert len(read_study(path).cases) > 1
             except StudyError as error:

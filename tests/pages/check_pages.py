@@ -22,6 +22,7 @@ LOOK = """(() => {
   const right = part => Math.round(part.getBoundingClientRect().right);
   const scrolls = part => part.closest('.wide') !== null;
   return {
+    drawings: [...document.querySelectorAll('figure svg')].filter(part => part.getBoundingClientRect().width >= 250).length,
     scene: typeof window.lookAt === 'function', width: document.documentElement.scrollWidth, inner: innerWidth, title: document.title, height: document.documentElement.scrollHeight,
     pictures: [...document.images].map(i => [i.complete && i.naturalWidth > 0, i.alt]),
     narrow: [...document.images].filter(i => i.getBoundingClientRect().width < 250).map(i => i.alt),
@@ -63,7 +64,7 @@ def mistakes_of(page, browser, width, picture):
     found += [f"letters below {SMALLEST} pixels: {text}" for text in seen["small"][:5]]
     if seen["scene"]:
         found += mistakes_of_scene(browser)
-    elif not seen["pictures"]:
+    elif not seen["pictures"] and not seen["drawings"]:
         found.append("has no picture")
     print(f"{page.parent.name}/{page.name} at {width}: {seen['height']} pixels high, {len(seen['pictures'])} pictures; {picture}")
     return found

@@ -137,7 +137,7 @@ def main(program, place):
     """Two seeds stop and go on until they are done, then go on to more steps on another number of ranks."""
     slurm = Slurm(place)
     try:
-        submit(program, place, ranks=2, steps=2500, walltime="0:08")
+        submit(program, place, ranks=2, steps=2500, walltime="0:04")
         logs = "".join(path.read_text() for path in place.glob("slurm-*.out"))
         for seed in (1, 2):
             check(place / f"seed_{seed}", 2500, 2)

@@ -14,6 +14,7 @@ from .program import Program
 from .report import Report
 from .runner import Store, run_jobs
 from .study_file import StudyFile
+from .vary_study import do_vary, is_varied
 from .verdict_file import gives_verdicts
 from .verdict_study import do_verdicts
 
@@ -36,7 +37,10 @@ def _study(arguments):
     """Read, run, report."""
     if int(os.environ.get("OMPI_COMM_WORLD_SIZE", os.environ.get("PMI_SIZE", "1"))) > 1:
         raise StudyError("each run of a study is one process, also with several subdomains: call it without mpiexec")
-    if gives_verdicts(StudyFile(arguments.study).table):
+    table = StudyFile(arguments.study).table
+    if is_varied(table):
+        return _varied(arguments)
+    if gives_verdicts(table):
         return _verdicts(arguments)
     study = read_study(arguments.study)
     workers = workers_of(arguments.jobs if arguments.jobs is not None else study.jobs)
@@ -56,6 +60,18 @@ def _verdicts(arguments):
             arguments.study, lambda study: workers_of(arguments.jobs if arguments.jobs is not None else study.jobs),
             lambda: _store(arguments), program, _show)  # fmt: skip
     return _conclude(report, report.store, *zip(*points, strict=True))
+
+
+def _varied(arguments):
+    """Run one deck over values of keys."""
+    os.environ["SPLITGRAIN_PROGRAM"] = Program(arguments.program).path
+    folder = arguments.output or Path(f"{arguments.study.stem}.study")
+    folder.mkdir(parents=True, exist_ok=True)
+    with _stopped_by_term():
+        lines = do_vary(arguments.study, folder, lambda jobs: workers_of(arguments.jobs if arguments.jobs is not None else jobs), _show)
+    for line in lines:
+        print(line)
+    return EXIT_DONE
 
 
 def _store(arguments):

@@ -23,6 +23,8 @@ COLUMNS = ("case", "variant", "axis", "value", "repeat", "status", "reason", "co
 GOOD = ("solved", "done")
 # Cases whose figures are not folded away.
 OPEN = 4
+# Problems of which shares are drawn as a profile: of fewer a table has all that there is.
+FEWEST = 3
 
 
 class Report:
@@ -113,8 +115,9 @@ class Report:
         figures, rows = [], []
         for tolerance in self.study.values:
             ratios, count = profile(times_of(self.study, self.table, tolerance))
-            figure = drawings.profiles(self.study, ratios, count, f"{count} problems to E1 $\\leq$ {tolerance:g}")
-            figures.append(self.save(figure, f"profile-{tolerance:g}", f"Performance profile to E1 {tolerance:g}"))
+            if count >= FEWEST:
+                figure = drawings.profiles(self.study, ratios, count, f"{count} problems to E1 $\\leq$ {tolerance:g}")
+                figures.append(self.save(figure, f"profile-{tolerance:g}", f"Performance profile to E1 {tolerance:g}"))
             if tolerance == min(self.study.values):
                 figures += self.profiles_of_kinds(tolerance)
             for variant, values in ratios.items():
@@ -125,6 +128,8 @@ class Report:
         words = ('<p class="quiet">Share of problems that a solver brings to the tolerance within so many times the CPU time of the '
                  "fastest (Dolan and More): at the left wins, at the right robustness.</p>")
         names = ("E1", "variant", "fastest", "within 2 times", "within 10 times", "solved")
+        if not figures:
+            return [("Shares of problems solved", None, page.table(names, rows))]
         return [("Performance profiles", None, words + page.pictures(figures) + "<p></p>" + page.table(names, rows))]
 
     def profiles_of_kinds(self, tolerance: float) -> list[str]:
@@ -134,6 +139,8 @@ class Report:
         for number, kind in enumerate(kinds if len(kinds) > 1 else [], 1):
             cases = [case for case in self.study.cases if case.kind == kind]
             ratios, count = profile(times_of(self.study, self.table, tolerance, cases))
+            if count < FEWEST:
+                continue
             title = f"{kind or 'others'}: {count} problems to E1 $\\leq$ {tolerance:g}"
             figures.append(self.save(drawings.profiles(self.study, ratios, count, title), f"profile-kind-{number}",
                                      f"Performance profile of {kind or 'others'} to E1 {tolerance:g}"))  # fmt: skip
