@@ -9,7 +9,7 @@ install(DIRECTORY postpro/splitgrain_postpro postpro/splitgrain DESTINATION ${CM
         FILES_MATCHING PATTERN "*.py" PATTERN "*.html" PATTERN "__pycache__" EXCLUDE)
 # Pages lead to decks and sources by the folders of the project: decks lie beside them, by a link.
 install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN site EXCLUDE)
 file(RELATIVE_PATH decks_from_docs ${CMAKE_INSTALL_FULL_DOCDIR} ${CMAKE_INSTALL_FULL_DATADIR}/splitgrain/input_decks)
 install(CODE "set(splitgrain_root \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
   file(CREATE_LINK \"${decks_from_docs}\" \"\${splitgrain_root}/${CMAKE_INSTALL_DOCDIR}/input_decks\" SYMBOLIC)
