@@ -140,6 +140,8 @@ class Samples(ProgramCase):
             self.assertNotIn("distribution", effective)
             self.run_program("run", "out/effective.toml", "--output", "again", "--force", "--quiet")
         self.assertEqual(found[0], found[1])
+        flat = self.message(SCENE + SAMPLE.replace("SIZE", sieve + "\nelongation = [1.0, 2.0]\nflatness = [1.0, 2.5]"))
+        self.assertIn('"flatness" is at most "elongation"', flat)
 
     def test_together(self):
         """Samples in one box do not overlap, in a periodic one neither: overlaps at the start are warned of."""

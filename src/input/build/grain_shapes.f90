@@ -7,6 +7,7 @@ module sg_grain_shapes
   use sg_moments, only: polygon_moments
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: random_polyhedron
+  use sg_sample_sizes, only: draw_axes
   use sg_samples_from_deck, only: sample_t
   implicit none
   private
@@ -38,7 +39,7 @@ contains
     integer, intent(in) :: i !! grain of the sample
     type(polyhedron_t), intent(out) :: shape !! polyhedron
     type(error_t), allocatable, intent(out) :: error !! set when the numbers make none
-    real(wp) :: elongation(2), axes(3)
+    real(wp) :: flatness(2), axes(3)
     integer :: n
 
     n = drawn_count(deck, sample, 'vertices')
@@ -46,9 +47,9 @@ contains
     if (allocated(sample%axes)) then
       axes(2:) = sample%axes(:, i - sample%before)
     else
-      elongation = deck%pair(sample%block, 'elongation')
-      axes(3) = 1/sample%random%uniform(elongation(1), elongation(2))
-      axes(2) = sample%random%uniform(axes(3), 1.0_wp)
+      flatness = 0
+      if (deck%is_given(sample%block, 'flatness')) flatness = deck%pair(sample%block, 'flatness')
+      call draw_axes(sample%random, deck%pair(sample%block, 'elongation'), flatness, axes(2:))
     end if
     call random_polyhedron(n, sample%radius(i - sample%before)*axes, sample%random, shape, error)
   end subroutine grain_polyhedron

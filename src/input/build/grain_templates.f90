@@ -91,7 +91,7 @@ contains
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b
     type(diagnostics_t), intent(inout) :: diagnostics
-    character(len=10), parameter :: of_random(2) = ['vertices  ', 'elongation']
+    character(len=10), parameter :: of_random(3) = ['vertices  ', 'elongation', 'flatness  ']
     integer :: i
 
     do i = 1, size(of_random)

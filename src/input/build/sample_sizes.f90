@@ -10,7 +10,7 @@ module sg_sample_sizes
   use sg_words, only: choice_index
   implicit none
   private
-  public :: sample_sizes_t, ball_volume
+  public :: sample_sizes_t, ball_volume, draw_axes
 
   !> How the grains of a sample are sized
   type :: sample_sizes_t
@@ -30,6 +30,8 @@ module sg_sample_sizes
     !> Dimension of space, and least and largest ratio of the axes of polyhedra
     integer, private :: dimension = 2
     real(wp), private :: elongation(2) = 1
+    !> Least and greatest ratio of the middle to the shortest axis; zero where the middle one is drawn between the others
+    real(wp), private :: flatness(2) = 0
   contains
     procedure :: read => sizes_read
     procedure :: draw => sizes_draw
@@ -50,6 +52,7 @@ contains
     character(len=6), parameter :: keys(3) = ['radius', 'sieve ', 'curve ']
     integer :: i, n
 
+    call check_flatness(deck, block, diagnostics)
     self%dimension = deck%dimension
     self%reach = reach
     self%opening = opening
@@ -73,6 +76,17 @@ contains
       if (self%distribution == 4) self%range(2) = self%range(1)
     end if
   end subroutine sizes_read
+
+  !> Refuse flatness that no elongation of the sample reaches.
+  subroutine check_flatness(deck, block, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: block
+    type(diagnostics_t), intent(inout) :: diagnostics
+
+    if (.not. deck%is_given(block, 'flatness')) return
+    if (maxval(deck%pair(block, 'flatness')) > maxval(deck%pair(block, 'elongation'))) &
+      call deck%complain(diagnostics, '"flatness" is at most "elongation"', block, 'flatness')
+  end subroutine check_flatness
 
   !> Read a sieve curve.
   subroutine read_sieve(self, deck, block, random, diagnostics)
@@ -100,7 +114,10 @@ contains
       self%range = [curve(1, 1)*minval(self%reach/self%opening), curve(1, size(curve, 2))*maxval(self%reach/self%opening)]
       return
     end if
-    if (deck%word(block, 'shape') == 'polyhedron') self%elongation = deck%pair(block, 'elongation')
+    if (deck%word(block, 'shape') == 'polyhedron') then
+      self%elongation = deck%pair(block, 'elongation')
+      if (deck%is_given(block, 'flatness')) self%flatness = deck%pair(block, 'flatness')
+    end if
     self%range = [curve(1, 1), curve(1, size(curve, 2))*self%elongation(2)]/2
   end subroutine read_sieve
 
@@ -114,7 +131,6 @@ contains
     real(wp), intent(out) :: radius !! [m]
     real(wp), intent(out) :: axes(2) !! drawn with sizes of a sieve curve, else zero
     integer, intent(out) :: template !! its template, 0 where there is none
-    real(wp) :: least
 
     axes = 0
     template = min(size(self%reach), 1)
@@ -135,10 +151,24 @@ contains
       axes = 1
       return
     end if
-    least = 1/random%uniform(self%elongation(1), self%elongation(2))
-    axes = [random%uniform(least, 1.0_wp), least]
+    call draw_axes(random, self%elongation, self%flatness, axes)
     radius = radius/axes(1)
   end subroutine sizes_draw
+
+  !> Draw the second and third half axis of an ellipsoid over the first.
+  subroutine draw_axes(random, elongation, flatness, axes)
+    type(random_t), intent(inout) :: random !! stream of numbers
+    real(wp), intent(in) :: elongation(2) !! least and greatest ratio of the longest to the shortest axis
+    real(wp), intent(in) :: flatness(2) !! the same of the middle to the shortest; zero to draw the middle between the others
+    real(wp), intent(out) :: axes(2) !! middle and shortest half axis over the longest
+
+    axes(2) = 1/random%uniform(elongation(1), elongation(2))
+    if (flatness(1) > 0) then
+      axes(1) = min(1.0_wp, axes(2)*random%uniform(flatness(1), flatness(2)))
+    else
+      axes(1) = random%uniform(axes(2), 1.0_wp)
+    end if
+  end subroutine draw_axes
 
   !> How many grains may be needed to fill an area or a volume: at least as many as that; of a range, all of the least radius.
   pure real(wp) function sizes_most_grains(self, volume) result(n)

@@ -124,6 +124,9 @@ contains
     call table%add('elongation', value_range, 'Longest over shortest axis of that ellipsoid, the third between the two: one '// &
                    'number, or [least, most].', default='1.0', least=1.0_wp, most=10.0_wp, only='shape=polyhedron', &
                    dimension=in_space)
+    call table%add('flatness', value_range, 'Middle over shortest axis of that ellipsoid, at most its elongation: one '// &
+                   'number, or [least, most]; default: the middle axis is drawn between the two others.', least=1.0_wp, &
+                   most=10.0_wp, only='shape=polyhedron', dimension=in_space)
     call table%add('seed', value_integer, 'Seed of the random numbers: the same seed gives the same grains.', default='1')
     call table%add('arrangement', value_choice, 'Lattice; fcc and hexagonal are the two densest in space.', &
                    default='"square"', choices='square|triangular', only='kind=lattice', &

@@ -50,6 +50,8 @@ contains
                    least=4.0_wp, most=64.0_wp, only='shape=polyhedron', dimension=in_space, twin='sides')
     call table%add('elongation', value_range, 'Longest over shortest axis of polyhedra, as in [[sample]].', default='1.0', &
                    least=1.0_wp, most=10.0_wp, only='shape=polyhedron', dimension=in_space)
+    call table%add('flatness', value_range, 'Middle over shortest axis of polyhedra, as in [[sample]].', least=1.0_wp, &
+                   most=10.0_wp, only='shape=polyhedron', dimension=in_space)
     call table%add('seed', value_integer, 'Seed of the random numbers: the same seed gives the same grains.', default='1')
     call add_common(table, 'grain')
     call table%add('velocity', value_vector, 'Velocity with which grains enter.', unit='m/s', default='[0.0, 0.0]', &

@@ -242,7 +242,26 @@ contains
     call t%near(maxval(abs(scene%bodies%mass - 1000*scene%bodies%area)), 0.0_wp, 1e-12_wp, 'masses')
     call t%check(all(scene%bodies%principal > 0) .and. all(2*maxval(scene%bodies%principal, 1) < sum(scene%bodies%principal, 1)), &
                  'moments of bodies that there may be')
+    ! Ellipsoids with the half axes 2, 1, 1 have the moments 2, 5, 5; with 2, 2, 1 they have 5, 5, 8.
+    call t%near(middle_over_least('1'), 2.5_wp, 0.5_wp, 'long polyhedra')
+    call t%near(middle_over_least('2'), 1.0_wp, 0.3_wp, 'flat polyhedra')
   end subroutine test_polyhedra
+
+  !> Mean over grains of the middle over the least principal moment, of polyhedra with elongation two.
+  real(wp) function middle_over_least(flatness) result(mean)
+    character(len=*), intent(in) :: flatness
+    type(scene_t) :: scene
+    real(wp) :: moments(3)
+    integer :: i
+
+    call read_good_deck(t, head('7')//'shape = "polyhedron"'//nl//'vertices = 20'//nl//'elongation = 2'//nl//'flatness = '// &
+                        flatness//nl//'radius = 0.1'//nl//'box = [0, 0, 0, 2, 2, 2]'//nl//'count = 60'//nl, scene)
+    mean = 0
+    do i = 1, 60
+      moments = scene%bodies%principal(:, i)
+      mean = mean + (sum(moments) - maxval(moments) - minval(moments))/minval(moments)/60
+    end do
+  end function middle_over_least
 
   !> Beginning of a deck with a sample.
   function head(seed) result(text)
