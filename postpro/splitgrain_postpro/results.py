@@ -81,6 +81,12 @@ class Results:
         path = self.folder / "walls.csv"
         return read_tracks(path, "wall") if path.exists() else {}
 
+    @cached_property
+    def regions(self) -> dict[str, dict[str, np.ndarray]]:
+        """regions.csv: for each region one array per column; empty when the run has no regions, or no row yet."""
+        path = self.folder / "regions.csv"
+        return read_tracks(path, "region") if path.exists() else {}
+
     def field(self, number: int = 1) -> Field:
         """A coarse-grained field, by its place among the blocks [[field]] of the deck, from 1."""
         path = self.folder / f"field_{number}.vtkhdf"
@@ -235,7 +241,7 @@ def read_record(path: Path) -> dict[str, np.ndarray]:
 
 
 def read_tracks(path: Path, key: str = "body") -> dict[str, dict[str, np.ndarray]]:
-    """tracks.csv, or walls.csv, as one table per body, each with one array per column; a last row cut short is left out."""
+    """tracks.csv, walls.csv or regions.csv as one table per body, each with one array per column; a last row cut short is left out."""
     try:
         with open(path, newline="") as file:
             rows = [row for row in csv.reader(file) if row]

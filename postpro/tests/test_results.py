@@ -49,6 +49,8 @@ def test_tracks(tmp_path):
     tracks = read_tracks(path)
     assert list(tracks) == ['a, "b"', "7"] and list(tracks["7"]) == ["step", "time", "x"]
     assert tracks['a, "b"']["x"].tolist() == [1.5, 2.5] and tracks["7"]["x"][1] == -1
+    (tmp_path / "regions.csv").write_text("step,time,region,grains\n5,0.1,low,3\n")
+    assert read_tracks(tmp_path / "regions.csv", "region")["low"]["grains"].tolist() == [3]
     path.write_text("step,time,body,x\n")
     assert read_tracks(path) == {}
     for text, message in (("", "no line of names"), ("step,time,body,x\n1,0,a\n2,0,a,1\n", "cannot read"),

@@ -7,7 +7,7 @@ module sg_deck
   use sg_dimension_from_deck, only: dimension_from_deck
   use sg_effective, only: effective_deck
   use sg_error, only: diagnostics_t, error_t, fail
-  use sg_fields_from_deck, only: fields_from_deck
+  use sg_fields_from_deck, only: fields_from_deck, regions_from_deck
   use sg_keys, only: all_keys
   use sg_options_from_deck, only: options_from_deck
   use sg_run_options, only: run_options_t
@@ -131,6 +131,7 @@ contains
     if (diagnostics%count() > 0) return
     call tracks_from_deck(deck, scene%bodies%n + deck%absent%n, options, diagnostics)
     call fields_from_deck(deck, scene%dimension, options, diagnostics)
+    call regions_from_deck(deck, scene%dimension, options, diagnostics)
     call wall_list_from_deck(deck, scene, options%walls)
     call name_walls(deck, options)
   end subroutine read_things

@@ -14,7 +14,7 @@ module sg_inertia_number
   use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
   implicit none
   private
-  public :: measure_inertia, measure_shear_rate
+  public :: measure_inertia, measure_shear_rate, field_sums, n_field_sums, rate_of_sums
 
 contains
 
@@ -50,8 +50,16 @@ contains
     integer, intent(in) :: dimension
     type(tally_t), intent(in) :: tally
 
-    rate = shear_rate(gradient_of(tally%sums%get('field', n_field_sums(dimension)), dimension))
+    rate = rate_of_sums(tally%sums%get('field', n_field_sums(dimension)), dimension)
   end function rate_of
+
+  !> Shear rate from the sums of `field_sums` over all ranks [1/s].
+  pure real(wp) function rate_of_sums(sums, dimension) result(rate)
+    integer, intent(in) :: dimension !! of space
+    real(wp), intent(in) :: sums(n_field_sums(dimension)) !! of all ranks
+
+    rate = shear_rate(gradient_of(sums, dimension))
+  end function rate_of_sums
 
   !> Middle of a box [m]; the origin where it is empty.
   pure function middle_of(box) result(middle)
@@ -85,29 +93,33 @@ contains
   !! places x about an origin, of velocities v, of (x - centre) (x) (x - centre) and of (v - drift) (x) (x - centre).
   !!
   !! The two last are of this rank's own centre and drift, so that nothing cancels, plus what brings the centre to the origin.
-  pure function field_sums(bodies, origin) result(sums)
+  pure function field_sums(bodies, origin, is_counted) result(sums)
     type(bodies_t), intent(in) :: bodies !! bodies with positions and velocities of one moment
     real(wp), intent(in), optional :: origin(:) !! the same on all ranks and amid the grains [m]; their centre unless given
+    logical, intent(in), optional :: is_counted(:) !! bodies that count; the grains unless given
     real(wp) :: sums(n_field_sums(bodies%dimension))
     real(wp), dimension(bodies%dimension, bodies%dimension) :: spread, mixed
     real(wp), dimension(bodies%dimension) :: centre, drift, x, v
+    logical :: counts(bodies%n_own)
     integer :: i, j, n, d
 
     sums = 0
     d = bodies%dimension
-    n = count(bodies%is_grain(:bodies%n_own))
+    counts = bodies%is_grain(:bodies%n_own)
+    if (present(is_counted)) counts = is_counted(:bodies%n_own)
+    n = count(counts)
     if (n == 0) return
     centre = 0
     drift = 0
     do i = 1, bodies%n_own
-      if (.not. bodies%is_grain(i)) cycle
+      if (.not. counts(i)) cycle
       centre = centre + bodies%position(:, i)/real(n, wp)
       drift = drift + bodies%velocity(:d, i)/real(n, wp)
     end do
     spread = 0
     mixed = 0
     do i = 1, bodies%n_own
-      if (.not. bodies%is_grain(i)) cycle
+      if (.not. counts(i)) cycle
       x = bodies%position(:, i) - centre
       v = bodies%velocity(:d, i) - drift
       do j = 1, d

@@ -66,29 +66,34 @@ contains
   end function mean_pressure
 
   !> Sum over this rank's contacts of impulse (x) branch [N s m].
-  pure function stress_sums(scene, contacts) result(sums)
+  pure function stress_sums(scene, contacts, is_counted) result(sums)
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
+    logical, intent(in), optional :: is_counted(:) !! contacts that count; all unless given
     real(wp) :: sums(scene%dimension, scene%dimension), all_sums(3, 3)
 
     all_sums = 0
     if (scene%dimension == 2) then
-      call add_in_plane(scene, contacts, all_sums)
+      call add_in_plane(scene, contacts, all_sums, is_counted)
     else
-      call add_in_space(scene, contacts, all_sums)
+      call add_in_space(scene, contacts, all_sums, is_counted)
     end if
     sums = all_sums(:scene%dimension, :scene%dimension)
   end function stress_sums
 
   !> Add impulse (x) branch of contacts in the plane: the terms of `impulse_vector` and `branch_of` in one pass.
-  pure subroutine add_in_plane(scene, contacts, sums)
+  pure subroutine add_in_plane(scene, contacts, sums, is_counted)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(inout) :: sums(3, 3)
+    logical, intent(in), optional :: is_counted(:)
     real(wp) :: normal, tangential, x, y, impulse_x, impulse_y, branch_x, branch_y
     integer :: k, c, a
 
     do k = 1, contacts%n
+      if (present(is_counted)) then
+        if (.not. is_counted(k)) cycle
+      end if
       normal = contacts%impulse(1, k)
       tangential = 0
       if (contacts%n_components == 2) tangential = contacts%impulse(2, k)
@@ -123,14 +128,18 @@ contains
   end subroutine add_in_plane
 
   !> The same of contacts in space.
-  pure subroutine add_in_space(scene, contacts, sums)
+  pure subroutine add_in_space(scene, contacts, sums, is_counted)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(inout) :: sums(3, 3)
+    logical, intent(in), optional :: is_counted(:)
     real(wp) :: branch(3), impulse(3)
     integer :: k, b
 
     do k = 1, contacts%n
+      if (present(is_counted)) then
+        if (.not. is_counted(k)) cycle
+      end if
       impulse = impulse_vector(contacts, k)
       if (.not. any(abs(impulse) > 0)) cycle
       branch = branch_of(scene, contacts, k)

@@ -11,7 +11,7 @@ module sg_volume_error
   use sg_volume_error_space, only: overlap_volume
   implicit none
   private
-  public :: measure_volume_error
+  public :: measure_volume_error, overlap_of
 
 contains
 
@@ -24,11 +24,7 @@ contains
     real(wp) :: overlap(1)
 
     if (tally%pass == pass_sums) then
-      if (scene%dimension == 2) then
-        overlap = overlap_area(scene%contactors, contacts, scene%period)
-      else
-        overlap = overlap_volume(scene%contactors, contacts, scene)
-      end if
+      overlap = overlap_of(scene, contacts)
       call tally%sums%put('overlap', overlap)
     else if (tally%pass == pass_columns) then
       grains = grains_of(tally)
@@ -37,11 +33,25 @@ contains
     end if
   end subroutine measure_volume_error
 
+  !> Area of all overlaps [m2], in space volume [m3], or of those of pairs whose first point with a negative gap counts.
+  pure real(wp) function overlap_of(scene, contacts, is_counted) result(overlap)
+    type(scene_t), intent(in) :: scene !! scene with its contactors placed
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    logical, intent(in), optional :: is_counted(:) !! contacts that count; all unless given
+
+    if (scene%dimension == 2) then
+      overlap = overlap_area(scene%contactors, contacts, scene%period, is_counted)
+    else
+      overlap = overlap_volume(scene%contactors, contacts, scene, is_counted)
+    end if
+  end function overlap_of
+
   !> Sum of the overlaps of all pairs of shapes with a negative gap [m2], each pair once: its points follow one another.
-  pure real(wp) function overlap_area(contactors, contacts, period) result(area)
+  pure real(wp) function overlap_area(contactors, contacts, period, is_counted) result(area)
     type(contactors_t), intent(in) :: contactors
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(in) :: period
+    logical, intent(in), optional :: is_counted(:)
     integer :: k, last(4), this(4)
     real(wp) :: offset(2)
 
@@ -50,6 +60,9 @@ contains
     do k = 1, contacts%n
       if (.not. contacts%gap(k) < 0) cycle
       if (is_disks(contactors, contacts%contactor(1, k), contacts%contactor(2, k)) .and. .not. contacts%has_cell) then
+        if (present(is_counted)) then
+          if (.not. is_counted(k)) cycle
+        end if
         area = area + disks_overlap(contactors, contacts%contactor(1, k), contacts%contactor(2, k), &
                                     period*real(contacts%image(k), wp))
         cycle
@@ -61,8 +74,11 @@ contains
         offset = offset + contacts%upwards*real(this(4), wp)
       end if
       if (all(this == last)) cycle
-      area = area + pair_overlap(contactors, this(1), this(2), offset)
       last = this
+      if (present(is_counted)) then
+        if (.not. is_counted(k)) cycle
+      end if
+      area = area + pair_overlap(contactors, this(1), this(2), offset)
     end do
   end function overlap_area
 

@@ -18,10 +18,11 @@ contains
   !> Sum of the overlaps of all pairs of shapes with a negative gap [m3], each pair once: its points follow one another.
   !!
   !! Cylinders within hollow cylinders have no formula and count as nothing.
-  pure real(wp) function overlap_volume(contactors, contacts, scene) result(volume)
+  pure real(wp) function overlap_volume(contactors, contacts, scene, is_counted) result(volume)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     type(scene_t), intent(in) :: scene !! scene with its periods
+    logical, intent(in), optional :: is_counted(:) !! pairs count whose first point with a negative gap does; all unless given
     type(overlap_room_t) :: room
     real(wp) :: overlap
     integer :: k, last(5), this(5)
@@ -32,10 +33,13 @@ contains
       if (.not. contacts%gap(k) < 0) cycle
       this = [int(contacts%contactor(:, k)), image_of(contacts, k)]
       if (all(this == last)) cycle
+      last = this
+      if (present(is_counted)) then
+        if (.not. is_counted(k)) cycle
+      end if
       call measure_pair(contactors, this(1), this(2), image_shift(scene, this(3:)), [scene%period, scene%period_y], &
                         contacts%normal(1:3, k), room, overlap)
       volume = volume + overlap
-      last = this
     end do
   end function overlap_volume
 

@@ -7,6 +7,7 @@ module sg_run_files
   use sg_former_results, only: remove_results
   use sg_hdf5, only: hdf5_is_available
   use sg_numbers, only: write_numbers
+  use sg_region_file, only: regions_name
   use sg_restart_files, only: newest_restart
   use sg_run_options, only: criterion_names
   use sg_run_summary, only: write_run_summary
@@ -37,6 +38,7 @@ contains
     sim%writers%record%has_stages = sim%stages%number > 0
     sim%writers%tracks%has_stages = sim%stages%number > 0
     sim%writers%walls%has_stages = sim%stages%number > 0
+    sim%writers%regions%has_stages = sim%stages%number > 0
     if (sim%options%record_every > 0) call open_record(sim, resumes, error)
     if (.not. allocated(error) .and. sim%options%record_every > 0 .and. allocated(sim%options%tracked)) then
       call sim%writers%tracks%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
@@ -45,6 +47,10 @@ contains
     if (.not. allocated(error) .and. sim%cell%walls%count() > 0) then
       call sim%writers%walls%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
       call sim%writers%summary%add_file('walls', walls_name)
+    end if
+    if (.not. allocated(error) .and. sim%options%record_every > 0 .and. sim%regions%is_on()) then
+      call sim%writers%regions%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
+      call sim%writers%summary%add_file('regions', regions_name)
     end if
     if (.not. allocated(error) .and. allocated(sim%fields)) call open_fields(sim, resumes, error)
     if (.not. allocated(error) .and. sim%options%has_trace) call open_trace(sim, resumes, error)

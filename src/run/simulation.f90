@@ -20,6 +20,7 @@ module sg_simulation
   use sg_plan, only: make_plan, omissions_t, plan_t
   use sg_problem, only: problem_t
   use sg_records, only: impulse_length
+  use sg_regions, only: regions_t
   use sg_report, only: coupled_effort_t, report_t
   use sg_restart_files, only: find_restarts
   use sg_restart_fit, only: holds, holds_spins
@@ -74,6 +75,8 @@ module sg_simulation
     type(totals_t) :: totals
     !> Tracked bodies, and conditions that end the run
     type(tracks_t) :: tracks
+    !> Regions in which indicators are measured
+    type(regions_t) :: regions
     !> Walls, and the cell that they enclose
     type(cell_t) :: cell
     !> Coarse-grained fields; unallocated where there are none
@@ -164,7 +167,7 @@ contains
     if (allocated(scene%bodies%id)) call comm%sum(weight)
   end function weight_of_grains
 
-  !> Begin fields; track the bodies that the deck asks for, and walls where there is a record.
+  !> Begin fields and regions; track the bodies that the deck asks for, and walls where there is a record.
   subroutine track_bodies(sim)
     type(simulation_t), intent(inout) :: sim
     type(text_t), allocatable :: names(:)
@@ -177,6 +180,7 @@ contains
         call sim%fields(i)%begin(sim%options%fields(i))
       end do
     end if
+    if (allocated(sim%options%regions)) sim%regions%options = sim%options%regions
     if (sim%options%walls%is_periodic .and. sim%options%record_every > 0) call sim%cell%begin(sim%options%walls)
     if (sim%options%walls%count() == 0 .or. sim%options%record_every == 0) then
       if (allocated(sim%options%tracked)) &

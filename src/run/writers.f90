@@ -1,10 +1,11 @@
-!> Writers of a run: record, tracked bodies, walls, pictures, progress, summary, traces, structure files.
+!> Writers of a run: record, tracked bodies, walls, regions, pictures, progress, summary, traces, structure files.
 module sg_writers
   use sg_field_file, only: field_file_t
   use sg_measures, only: measures_t
   use sg_pictures, only: pictures_t
   use sg_progress, only: progress_t
   use sg_record, only: record_t
+  use sg_region_file, only: region_file_t
   use sg_run_summary, only: run_summary_t
   use sg_run_trace, only: run_trace_t
   use sg_samples, only: samples_t
@@ -20,6 +21,7 @@ module sg_writers
     type(record_t) :: record
     type(track_file_t) :: tracks
     type(wall_file_t) :: walls
+    type(region_file_t) :: regions
     type(field_file_t), allocatable :: fields(:)
     type(pictures_t) :: pictures
     type(progress_t) :: progress

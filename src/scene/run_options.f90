@@ -3,6 +3,7 @@ module sg_run_options
   use sg_field_options, only: field_options_t
   use sg_kinds, only: wp, i4
   use sg_options, only: option_values_t
+  use sg_region_options, only: region_options_t
   use sg_text, only: text_t
   use sg_walls, only: walls_t
   implicit none
@@ -115,6 +116,8 @@ module sg_run_options
     type(text_t), allocatable :: wall_names(:)
     !> Coarse-grained fields; unallocated where there are none
     type(field_options_t), allocatable :: fields(:)
+    !> Regions in which indicators are measured; unallocated where there are none
+    type(region_options_t), allocatable :: regions(:)
     !> Sample series at every step and write their spectra at the end
     logical :: has_spectrum = .false.
     !> Keep the history of errors within some steps: these, or some spread over the run

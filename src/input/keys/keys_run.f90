@@ -14,7 +14,7 @@ module sg_keys_run
 
 contains
 
-  !> Add the sections time, stage, solver, partition, output, track, stop, restart, guard and report.
+  !> Add the sections time, stage, solver, partition, output, track, field, region, stop, restart, guard and report.
   subroutine add_run_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
@@ -193,6 +193,7 @@ contains
                    'The planes of a container "box" are box.floor, box.left and so on: its pattern is "box.*".', &
                    is_required=.true.)
     call add_fields(table)
+    call add_regions(table)
     call table%open_section('stop', 'When a run ends before its last step: conditions on what is recorded, tested in each '// &
                             'recorded step. The first that holds ends it, with exit code 0.')
     call table%add('when', value_texts, 'Conditions of columns of record.csv and of tracked bodies: "max_velocity < 1e-4", '// &
@@ -245,4 +246,16 @@ contains
     call table%add('width', value_real, 'Standard deviation of the gaussian, half side of the box; 0 for the longest side of a '// &
                    'cell.', unit='m', default=short_real(default%width), least=0.0_wp)
   end subroutine add_fields
+
+  !> Section region.
+  subroutine add_regions(table)
+    type(key_table_t), intent(inout) :: table
+
+    call table%open_section('region', 'A box in which indicators are measured, one row per recorded step in regions.csv: '// &
+                            'volume error, compactness, coordination, contacts, velocities, pressure, inertia number '// &
+                            '(guide/regions.md).', is_list=.true.)
+    call table%add('name', value_text, 'Name in regions.csv; default: its number.')
+    call table%add('box', value_box, 'The box, fixed in space: [x least, y least, x most, y most], in space '// &
+                   '[x least, y least, z least, x most, y most, z most].', unit='m', is_required=.true.)
+  end subroutine add_regions
 end module sg_keys_run
