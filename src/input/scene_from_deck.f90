@@ -8,6 +8,7 @@ module sg_scene_from_deck
   use sg_datbox_walls, only: driven_bodies
   use sg_drives_from_deck, only: drives_from_deck
   use sg_error, only: diagnostics_t
+  use sg_gravity_from_deck, only: gravity_from_deck
   use sg_interactions_from_deck, only: interactions_from_deck
   use sg_kinds, only: wp, i4
   use sg_laws, only: forbids_overlap
@@ -59,6 +60,7 @@ contains
       return
     end if
     scene%gravity = deck%vector(b, 'gravity')
+    call gravity_from_deck(deck, scene, diagnostics)
     call materials_from_deck(deck, scene, diagnostics)
     call laws_from_deck(deck, scene, diagnostics)
     call bodies_from_deck(deck, scene, diagnostics)
@@ -123,6 +125,7 @@ contains
     else
       call deck%give_numbers(block, 'gravity', scene%gravity(:deck%dimension))
     end if
+    call gravity_from_deck(deck, scene, diagnostics)
     deck%driven = driven_bodies(scene)
     call drives_from_deck(deck, scene, diagnostics)
     call wrap(scene)

@@ -37,16 +37,16 @@ module sg_energy
     logical :: is_started = .false.
     !> Kinetic and potential energy when it began
     real(wp) :: kinetic_start = 0, potential_start = 0
-    !> Work of imposed forces and pressures
-    real(wp) :: external_work = 0
-    !> Work of what holds driven components on their velocities
-    real(wp) :: drive_work = 0
+    !> Work of imposed forces and pressures, and of what holds driven components on their velocities
+    real(wp) :: external_work = 0, drive_work = 0
     !> Energy taken by contacts along tangents and along normals
     real(wp) :: friction_loss = 0, impact_loss = 0
     !> Energy taken by the bonds of cohesive zones, stored or lost
     real(wp) :: bond_work = 0
     !> Potential energy that bodies were given by pushes which undo overlap
     real(wp) :: recovery_work = 0
+    !> Gravity of the last step counted [m/s2], under which the potential energy is measured
+    real(wp) :: gravity(3) = 0
   contains
     procedure :: add_step => energy_add_step
     procedure :: change_gravity => energy_change_gravity
@@ -69,6 +69,7 @@ contains
 
     if (.not. self%is_started) then
       self%is_started = .true.
+      self%gravity = scene%gravity
       self%kinetic_start = kinetic_energy(scene%bodies)
       ! What links hold at the start is taken from them as they give it back.
       elastic = energy_of_links(scene, contacts)
@@ -76,6 +77,7 @@ contains
       self%impact_loss = elastic(1)
       self%friction_loss = elastic(2)
     end if
+    if (any(abs(scene%gravity - self%gravity) > 0)) call self%change_gravity(scene, self%gravity)
     call find_mean(size(mean), scene%bodies%velocity, scene%bodies%free_velocity, mean)
     work = contact_work(scene, contacts, h, mean)
     self%impact_loss = self%impact_loss - work(1)
@@ -96,6 +98,7 @@ contains
     real(wp), intent(in) :: former(3) !! gravity before [m/s2]
 
     self%potential_start = self%potential_start + potential_energy(scene) - potential_energy(scene, former)
+    self%gravity = scene%gravity
   end subroutine energy_change_gravity
 
   !> Count the energy that a body brings when it enters as energy of the start, or no longer that which it takes along.
@@ -110,7 +113,7 @@ contains
     if (.not. self%is_started) return
     sign = merge(1.0_wp, -1.0_wp, is_entering)
     self%kinetic_start = self%kinetic_start + sign*kinetic_energy_of(scene%bodies, body)
-    self%potential_start = self%potential_start - sign*potential_drop(scene, body, scene%gravity)
+    self%potential_start = self%potential_start - sign*potential_drop(scene, body, self%gravity)
   end subroutine energy_let_pass
 
   !> Work of the contact impulses along normals and along tangents, and of bonds [J]: r . H^T v.
@@ -419,7 +422,7 @@ contains
     sums(1:3) = [kinetic_energy(scene%bodies), 0.0_wp, 0.0_wp]
     do i = 1, scene%bodies%n_own
       if (is_absent(scene%bodies, i)) cycle
-      drop = potential_drop(scene, i, scene%gravity)
+      drop = potential_drop(scene, i, merge(energy%gravity, scene%gravity, energy%is_started))
       sums(2) = sums(2) - drop
       sums(3) = sums(3) + abs(drop)
     end do
@@ -465,12 +468,8 @@ contains
   pure subroutine energy_leave_to_first(self, comm)
     class(energy_t), intent(inout) :: self
     type(comm_t), intent(in) :: comm !! the ranks
-    real(wp) :: values(n_energy_values)
 
-    if (comm%rank == 0) return
-    values = 0
-    if (self%is_started) values(1) = 1
-    call self%unpack(values)
+    if (comm%rank > 0) call self%unpack([merge(1.0_wp, 0.0_wp, self%is_started), spread(0.0_wp, 1, n_energy_values - 1)])
   end subroutine energy_leave_to_first
 
   !> The sums as a list of reals, for restart files.

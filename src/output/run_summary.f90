@@ -9,7 +9,7 @@ module sg_run_summary
   use sg_moments_of_run, only: hint_words, moment_t
   use sg_report, only: coupled_effort_t
   use sg_run_options, only: criterion_names, run_options_t
-  use sg_scene, only: scene_t
+  use sg_scene, only: largest_gravity, scene_t
   use sg_stages, only: stages_t
   use sg_system, only: peak_memory_bytes
   use sg_tally, only: column_t
@@ -111,7 +111,7 @@ contains
     self%criterion = trim(criterion_names(options%solver%criterion))
     self%tolerance = options%solver%tolerance
     self%dimension = scene%dimension
-    self%fall_speed = norm2(scene%gravity)*options%substep_length()
+    self%fall_speed = largest_gravity(scene)*options%substep_length()
     self%steps_asked = options%steps
     self%time = scene%start_time
     self%bodies = scene%bodies%n_own

@@ -24,7 +24,7 @@ module sg_assemble
                         is_compact, is_in_space, normal_x, normal_y, normal_z, plain_kind, round_bias_n, round_bias_t, &
                         round_friction, round_frictionless, round_frictionless_bias, round_frictionless_inverse_wnn, &
                         round_inverse_wnn, round_inverse_wtt, solid_frictional, solid_wnn
-  use sg_scene, only: scene_t
+  use sg_scene, only: largest_gravity, scene_t
   use sg_status_by_gaps, only: find_statuses
   implicit none
   private
@@ -53,7 +53,7 @@ contains
     else
       call assemble_by_laws(scene, pairs, contacts, time_step, problem)
     end if
-    problem%fall_speed = norm2(scene%gravity)*time_step
+    problem%fall_speed = largest_gravity(scene)*time_step
     problem%velocity_scale = problem%fall_speed
     if (.not. problem%velocity_scale > 0) problem%velocity_scale = problem%free_norm/sqrt(real(max(1, contacts%n), wp))
   end subroutine assemble
@@ -91,7 +91,7 @@ contains
     end associate
     problem%free_norm = sqrt(squares)
     ! Without gravity, bodies that cohesion holds and nothing moves have no velocity but what the tolerance leaves.
-    if (.not. norm2(scene%gravity)*time_step > 0) problem%closing_speed = max(problem%closing_speed, held_share*held)
+    if (.not. largest_gravity(scene)*time_step > 0) problem%closing_speed = max(problem%closing_speed, held_share*held)
   end subroutine assemble_by_laws
 
   !> Make room for a problem, with the free velocities and inverse masses of its bodies.

@@ -8,7 +8,7 @@ module sg_motion
   use sg_kinds, only: wp
   use sg_presence, only: hold_absent
   use sg_rotations, only: turned_back, turned_by, turned_on
-  use sg_scene, only: scene_t, set_edges
+  use sg_scene, only: scene_t, set_edges, set_gravity
   implicit none
   private
   public :: predict, update, shift, move_with_cell
@@ -24,6 +24,7 @@ contains
     integer :: b, n
 
     n = scene%dimension
+    call set_gravity(scene, time, h, theta)
     do b = 1, scene%bodies%n
       scene%bodies%force(:, b) = 0
       scene%bodies%force(:n, b) = scene%bodies%mass(b)*scene%gravity(:n)

@@ -3,6 +3,7 @@ module sg_scene
   use sg_bodies, only: bodies_t
   use sg_contactors, only: contactors_t
   use sg_drives, only: drive_t, pressure_t
+  use sg_gravity_changes, only: gravity_change_t, gravity_of_step, largest_component
   use sg_internal_values, only: most_internal
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_t
@@ -13,7 +14,7 @@ module sg_scene
   implicit none
   private
   public :: scene_t, material_t, see_t, start_contact_t, colour_index, material_index, law_index
-  public :: periods_of, set_edges, image_shift, unwrapped
+  public :: periods_of, set_edges, image_shift, unwrapped, set_gravity, largest_gravity
 
   !> A bulk material
   type :: material_t
@@ -83,8 +84,11 @@ module sg_scene
     type(exit_t), allocatable :: exits(:)
     !> Names of bodies, shape (bodies); only where the deck names some, and dropped where the scene is split
     type(text_t), allocatable :: names(:)
-    !> Gravity [m/s2]; in the plane the third component is zero
+    !> Gravity [m/s2], that of the last step where it changes; in the plane the third component is zero
     real(wp) :: gravity(3) = 0
+    !> Components of gravity that change with time, and gravity where none of these acts [m/s2]; unallocated where none changes
+    type(gravity_change_t), allocatable :: gravity_changes(:)
+    real(wp) :: steady_gravity(3) = 0
     !> Length of the period in x, and in space in y [m]; zero when not periodic. With a periodic cell those of all axes in the
     !! `middle` configuration of the bodies
     real(wp) :: period = 0, period_y = 0, period_z = 0
@@ -101,6 +105,29 @@ module sg_scene
   end type scene_t
 
 contains
+
+  !> Set gravity to that of a step, where it changes with time.
+  pure subroutine set_gravity(scene, time, h, theta)
+    type(scene_t), intent(inout) :: scene !! scene with its gravity
+    real(wp), intent(in) :: time !! beginning of the step [s]
+    real(wp), intent(in) :: h !! time step [s]
+    real(wp), intent(in) :: theta !! weight of the end of the step
+
+    if (allocated(scene%gravity_changes)) &
+      scene%gravity = gravity_of_step(scene%steady_gravity, scene%gravity_changes, time, h, theta)
+  end subroutine set_gravity
+
+  !> Size of gravity [m/s2]; where it changes with time, a bound at all times.
+  pure real(wp) function largest_gravity(scene) result(largest)
+    type(scene_t), intent(in) :: scene !! scene with its gravity
+    integer :: c
+
+    if (allocated(scene%gravity_changes)) then
+      largest = norm2([(largest_component(scene%steady_gravity, scene%gravity_changes, c), c=1, 3)])
+    else
+      largest = norm2(scene%gravity)
+    end if
+  end function largest_gravity
 
   !> Periods along x, y, z [m]; zero where there is none.
   pure function periods_of(scene) result(period)

@@ -32,6 +32,10 @@ contains
     type(output_t) :: output
     integer :: i
 
+    if (allocated(scene%gravity_changes)) then
+      call fail(error, 'a DATBOX holds no gravity that changes with time')
+      return
+    end if
     call start_file(output, folder, 'BULK_BEHAV.DAT')
     call put(output, '$gravy')
     call put(output, repeat(' ', 19)//'grv1='//real_word(scene%gravity(1))//'  grv2='//real_word(scene%gravity(2)) &

@@ -2,7 +2,7 @@
 module sg_way_of_step
   use sg_contactors, only: kind_point
   use sg_kinds, only: wp
-  use sg_scene, only: scene_t
+  use sg_scene, only: largest_gravity, scene_t
   use sg_shape_kinds, only: is_round
   implicit none
   private
@@ -23,7 +23,7 @@ contains
     way = huge(way)/4
     if (scene%bodies%n == 0) return
     if (maxval(abs(scene%bodies%free_velocity)) > most) return
-    fastest = sqrt(fastest_square(scene)) + real(substeps - 1, wp)*h*norm2(scene%gravity)
+    fastest = sqrt(fastest_square(scene)) + real(substeps - 1, wp)*h*largest_gravity(scene)
     if (scene%cell%is_on) fastest = fastest + speed_in_cell(scene)
     way = 2*real(substeps, wp)*h*fastest
   end function way_of_step

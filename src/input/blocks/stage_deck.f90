@@ -1,7 +1,8 @@
 !> Deck of a stage: the deck, and what the stage changes laid over it.
 !!
 !! A stage changes keys of sections that stand once, and of laws and containers by name. Its drives take the place of the deck's on
-!! the same component of the same body, its pressures that of the deck's on the same body; the others stay.
+!! the same component of the same body, its pressures that of the deck's on the same body, its gravity that of the deck along the
+!! same axis; the others stay.
 module sg_stage_deck
   use sg_blocks, only: block_t, deck_t
   use sg_error, only: diagnostics_t
@@ -221,7 +222,7 @@ contains
     do c = 1, size(deck%changes)
       if (deck%changes(c)%parent /= number) cycle
       associate (change => deck%changes(c), name => deck%table%sections(deck%changes(c)%section)%name)
-        if (name == 'drive' .or. name == 'pressure') then
+        if (name == 'drive' .or. name == 'pressure' .or. name == 'gravity') then
           call add_block(merged, change)
         else if (name == 'law' .or. name == 'container') then
           call change_named(merged, change, trim(name), diagnostics)
@@ -302,7 +303,7 @@ contains
     end if
   end subroutine change_named
 
-  !> Drop drives and pressures of the deck that those of the stage replace.
+  !> Drop drives, pressures and gravity of the deck that those of the stage replace.
   subroutine drop_replaced(deck)
     type(deck_t), intent(inout) :: deck
     logical :: is_kept(deck%n)
@@ -313,7 +314,11 @@ contains
       if (.not. deck%blocks(b)%is_of_stage) cycle
       do c = 1, deck%n
         if (deck%blocks(c)%section /= deck%blocks(b)%section .or. deck%blocks(c)%is_of_stage) cycle
-        if (.not. matches(deck%word(c, 'body'), deck%word(b, 'body'))) cycle
+        if (.not. deck%is_in(b, 'gravity')) then
+          if (.not. matches(deck%word(c, 'body'), deck%word(b, 'body'))) cycle
+        else if (deck%word(b, 'component') /= deck%word(c, 'component')) then
+          cycle
+        end if
         if (deck%is_in(b, 'drive')) then
           if (deck%word(b, 'component') /= deck%word(c, 'component') .or. deck%word(b, 'kind') /= deck%word(c, 'kind')) cycle
         end if

@@ -6,10 +6,11 @@ module sg_stage_keys
   public :: may_stand_in_stage, section_for_stage
 
   !> Sections, and the keys of them that may change; without keys all
-  character(len=136), parameter :: allowed(12) = [character(len=136) :: &
+  character(len=136), parameter :: allowed(13) = [character(len=136) :: &
     'time: step theta substeps recovery recovery_every', 'solver:', 'partition:', 'output:', 'restart:', 'guard:', &
     'scene: gravity', 'cell: strain_rate_xx strain_rate_yy strain_rate_zz shear_rate stress_xx stress_yy stress_zz '// &
-    'shear_stress inertia', 'law:', 'container: name stress_xx stress_yy stress_zz', 'drive:', 'pressure:']
+    'shear_stress inertia', 'law:', 'container: name stress_xx stress_yy stress_zz', 'drive:', 'pressure:', &
+    'gravity:']
   !> Keys of allowed sections that may not change, though most others may
   character(len=16), parameter :: refused(1) = [character(len=16) :: 'partition.parts']
 

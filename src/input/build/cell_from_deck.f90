@@ -69,15 +69,20 @@ contains
     type(deck_t), intent(inout) :: deck
     integer, intent(in) :: b
     type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=*), parameter :: no_weight = 'there is no gravity in a periodic cell: nothing would carry its weight'
+    integer :: i
 
     if (deck%is_given(b, 'datbox')) &
       call deck%complain(diagnostics, 'a periodic cell cannot stand next to scene.datbox', b, 'datbox')
     if (deck%is_given(b, 'period_x')) call deck%complain(diagnostics, 'the periods are those of cell.size', b, 'period_x')
     if (deck%is_given(b, 'period_y')) call deck%complain(diagnostics, 'the periods are those of cell.size', b, 'period_y')
+    do i = 1, deck%n
+      if (deck%is_in(i, 'gravity')) call deck%complain(diagnostics, no_weight, i)
+    end do
     if (.not. deck%is_given(b, 'gravity')) then
       call deck%give_numbers(b, 'gravity', spread(0.0_wp, 1, deck%dimension))
     else if (any(abs(deck%vector(b, 'gravity')) > 0)) then
-      call deck%complain(diagnostics, 'there is no gravity in a periodic cell: nothing would carry its weight', b, 'gravity')
+      call deck%complain(diagnostics, no_weight, b, 'gravity')
     end if
   end subroutine check_scene
 

@@ -8,7 +8,7 @@ module sg_interactions_from_deck
   use sg_laws, only: acts_in_touch, is_link_law
   use sg_laws_from_deck, only: law_of
   use sg_run_options, only: run_options_t
-  use sg_scene, only: scene_t, see_t
+  use sg_scene, only: largest_gravity, scene_t, see_t
   use sg_sees, only: blind_pairs
   use sg_text, only: nearest_word, to_text
   use sg_words, only: choice_index, choices_of
@@ -175,7 +175,7 @@ contains
       height = maxval(high - low) + 2*smallest
     end associate
     ! Fastest free fall: through the whole scene. The number of steps has no part in it: a longer run is the same run.
-    fall = sqrt(2*norm2(scene%gravity)*height)
+    fall = sqrt(2*largest_gravity(scene)*height)
     alert = [smallest/50, max(smallest/10, options%time_step*(speed_at_start(scene, absent) + fall))]
   end function default_alert
 

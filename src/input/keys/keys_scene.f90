@@ -28,7 +28,7 @@ contains
     call table%add('dimension', value_integer, '2 for a scene in the plane (x, y), 3 for one in space (x, y, z); with a DATBOX '// &
                    'the default is its own.', default='2', least=2.0_wp, most=3.0_wp)
     call table%add('datbox', value_text, 'LMGC90 DATBOX folder that holds bodies, materials, laws and initial state, relative '// &
-                   'to the deck; the only native blocks next to it are [[drive]] and [[pressure]].')
+                   'to the deck; the only native blocks next to it are [[drive]], [[pressure]] and [[gravity]].')
     call table%add('gravity', value_vector, 'Acceleration of gravity; with a DATBOX the default is that of its '// &
                    'BULK_BEHAV.DAT.', unit='m/s2', default='[0.0, -9.81]', space_default='[0.0, 0.0, -9.81]')
     call table%add('period_x', value_real, 'Length of the period in x; 0 for none. Grains lie between 0 and the period.', &
@@ -215,7 +215,7 @@ contains
     call table%add('mass', value_real, 'Mass of a NARD_ROD, from which its damping follows.', unit='kg', least=0.0_wp)
   end subroutine add_link_keys
 
-  !> Sections drive and pressure.
+  !> Sections drive, pressure and gravity.
   subroutine add_drive_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
@@ -243,6 +243,12 @@ contains
                    'now, between the planes next to it, wherever they are.', unit='m2', above=0.0_wp, dimension=in_space, &
                    twin='length')
     call add_time_function(table, 'Pa')
+
+    call table%open_section('gravity', 'One component of gravity that changes with time, in place of that of scene.gravity: '// &
+                            '(value + amplitude cos(omega t + phase)) min(1, ramp_start + ramp_rate t), or a table, or both. '// &
+                            'A table that tilts, or a push that grows with the weight.', is_list=.true.)
+    call table%add('component', value_choice, 'Component.', is_required=.true., choices='x|y', space_choices='x|y|z')
+    call add_time_function(table, 'm/s2')
   end subroutine add_drive_keys
 
   !> Keys of a function of time.
