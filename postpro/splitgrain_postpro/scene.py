@@ -53,7 +53,7 @@ def draw_scene(
         _draw_shapes(ax, scene, quantity, lattice, view, common.scale)
     if scene.contacts is None:
         missing.append("no contacts.vtkhdf")
-    elif view is not None:
+    elif view is not None and quantity != "layer":  # lines of forces would hide the layers
         if draw_contacts is not None:
             draw_contacts(ax, scene, lattice, view)
         else:
