@@ -11,6 +11,7 @@ from sample_results import CORNERS, write_record, write_results, write_traces
 from splitgrain_postpro import Results, ResultsError
 from splitgrain_postpro.cli import main
 from splitgrain_postpro.quantities import of_bodies
+from splitgrain_postpro.results import LAYERS
 from splitgrain_postpro.scene import QUANTITIES, draw_scene, draw_split
 from splitgrain_postpro.style import new_figure
 from splitgrain_postpro.traces import draw_costs, draw_history
@@ -176,10 +177,10 @@ def test_layers_are_of_equal_thickness_at_the_start(folder):
     grains = np.asarray(scene.bodies.point_data["is_grain"]) > 0
     layer = of_bodies(scene, "layer")[grains]
     low, high = height[grains].min(), height[grains].max()
-    assert layer[height[grains] == low].tolist()[0] == 1 and layer[height[grains] == high].tolist()[0] == 6
+    assert layer[height[grains] == low].tolist()[0] == 1 and layer[height[grains] == high].tolist()[0] == LAYERS
     for n in set(layer.tolist()):
         inside = height[grains][layer == n]
-        assert inside.max() - inside.min() <= (high - low) / 6 * (1 + 1e-12)
+        assert inside.max() - inside.min() <= (high - low) / LAYERS * (1 + 1e-12)
 
 
 def test_coordination_counts_bodies(folder):
