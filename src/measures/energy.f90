@@ -45,8 +45,8 @@ module sg_energy
     real(wp) :: bond_work = 0
     !> Potential energy that bodies were given by pushes which undo overlap
     real(wp) :: recovery_work = 0
-    !> Gravity of the last step counted [m/s2], under which the potential energy is measured
-    real(wp) :: gravity(3) = 0
+    !> Gravity of the last step counted [m/s2], under which the potential energy is measured; huge where it is that of the scene
+    real(wp) :: gravity(3) = huge(1.0_wp)
   contains
     procedure :: add_step => energy_add_step
     procedure :: change_gravity => energy_change_gravity
@@ -77,6 +77,7 @@ contains
       self%impact_loss = elastic(1)
       self%friction_loss = elastic(2)
     end if
+    if (.not. self%gravity(1) < huge(1.0_wp)) self%gravity = scene%gravity
     if (any(abs(scene%gravity - self%gravity) > 0)) call self%change_gravity(scene, self%gravity)
     call find_mean(size(mean), scene%bodies%velocity, scene%bodies%free_velocity, mean)
     work = contact_work(scene, contacts, h, mean)
@@ -422,7 +423,7 @@ contains
     sums(1:3) = [kinetic_energy(scene%bodies), 0.0_wp, 0.0_wp]
     do i = 1, scene%bodies%n_own
       if (is_absent(scene%bodies, i)) cycle
-      drop = potential_drop(scene, i, merge(energy%gravity, scene%gravity, energy%is_started))
+      drop = potential_drop(scene, i, merge(energy%gravity, scene%gravity, energy%gravity(1) < huge(1.0_wp)))
       sums(2) = sums(2) - drop
       sums(3) = sums(3) + abs(drop)
     end do

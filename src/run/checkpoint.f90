@@ -67,8 +67,8 @@ contains
     state%step = sim%step
     state%time = sim%time()
     state%deck_hash = sim%options%deck_hash
-    state%totals = [energy%pack(), totals%pack(), merge(energy%gravity, sim%scene%gravity, energy%is_started), sim%pairs%skin, &
-                    sim%pairs%listed_way, sim%pairs%way, sim%signature]
+    state%totals = [energy%pack(), totals%pack(), merge(energy%gravity, sim%scene%gravity, energy%gravity(1) < huge(1.0_wp)), &
+                    sim%pairs%skin, sim%pairs%listed_way, sim%pairs%way, sim%signature]
     state%tracks = tracks%pack()
     means = sim%means
     call means%reduce(sim%comm)
