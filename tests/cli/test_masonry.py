@@ -61,6 +61,4 @@ class Masonry(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    if len(sys.argv) > 1 and not sys.argv[1].startswith("-"):
-        sys.argv.pop(1)
     unittest.main()
