@@ -10,6 +10,7 @@ module sg_deck
   use sg_fields_from_deck, only: fields_from_deck, regions_from_deck
   use sg_keys, only: all_keys
   use sg_options_from_deck, only: options_from_deck
+  use sg_repeat_blocks, only: repeat_blocks
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_scene_from_deck, only: scene_from_deck
@@ -63,8 +64,14 @@ contains
     deck%rank = comm%rank
     deck%ranks = comm%size
     if (deck%count_of('stage') == 0) then
+      if (deck%is_given(deck%block_of('repeat'), 'count')) whole = deck
       call read_things(deck, scene, options, diagnostics)
-      if (diagnostics%count() == 0) call effective_deck(deck, options%deck_text, options%deck_hash)
+      if (diagnostics%count() > 0) return
+      if (allocated(whole%blocks)) then
+        call effective_deck(whole, options%deck_text, options%deck_hash)
+      else
+        call effective_deck(deck, options%deck_text, options%deck_hash)
+      end if
       return
     end if
     if (present(stages)) run = stages
@@ -126,6 +133,8 @@ contains
     type(run_options_t), intent(inout) :: options
     type(diagnostics_t), intent(inout) :: diagnostics
 
+    call repeat_blocks(deck, diagnostics)
+    if (diagnostics%count() > 0) return
     call options_from_deck(deck, options, diagnostics)
     call scene_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() > 0) return

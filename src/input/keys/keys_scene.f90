@@ -48,6 +48,11 @@ contains
     type(key_table_t), intent(inout) :: table !! table to add to
     character(len=*), parameter :: sign = ', positive in compression: a number, or an expression of the time t.'
 
+    call table%open_section('repeat', 'A unit of the scene, repeated: bodies, samples and regions are copied, containers '// &
+                            'lengthened. Copy 2 of what is named "x" is "x.2"; copies of samples draw other grains.')
+    call table%add('count', value_integer, 'How many times the unit stands there. Default: no repetition.', least=1.0_wp, &
+                   most=1e4_wp)
+    call table%add('shift', value_vector, 'From one unit to the next.', unit='m')
     call table%open_section('cell', 'A periodic cell: all axes are periodic, and the lengths change at imposed '// &
                             'rates or under imposed stress, component by component. Its grains move with '// &
                             'it, beyond their own velocities; there are no walls and no gravity.')
