@@ -38,6 +38,9 @@ module sg_drives
     !! the length itself
     integer :: sides(2, 3) = 0
     real(wp) :: side_length(3) = 0
+    !> In the plane, for a body of a chain: the bodies before and after it, itself at an end of the chain; 0 for other bodies. The
+    !! pressure acts to the left of the way along the chain, on half of the segments to both
+    integer :: chain(2) = 0
     !> The pressure [Pa]
     type(time_function_t) :: value
   end type pressure_t
@@ -153,10 +156,25 @@ contains
       mean = (1 - theta)*pressures(i)%value%at(time) + theta*pressures(i)%value%at(time + time_step)
       n = bodies%dimension
       associate (force => bodies%force(:n, pressures(i)%body))
-        force = force + mean*pressed_length(pressures(i), bodies)*pressures(i)%direction(:n)
+        if (all(pressures(i)%chain > 0)) then
+          force(:2) = force(:2) + mean*half_segments(pressures(i)%chain, bodies)
+        else
+          force = force + mean*pressed_length(pressures(i), bodies)*pressures(i)%direction(:n)
+        end if
       end associate
     end do
   end subroutine drive_forces
+
+  !> Force of a unit pressure on a body of a chain [m]: half of the way from the body before it to the one after it, turned left.
+  !! Summed up over a chain it is that of the pressure on the whole polygon.
+  pure function half_segments(chain, bodies) result(force)
+    integer, intent(in) :: chain(2)
+    type(bodies_t), intent(in) :: bodies
+    real(wp) :: force(2), way(2)
+
+    way = (bodies%position(:2, chain(2)) - bodies%position(:2, chain(1)))/2
+    force = [-way(2), way(1)]
+  end function half_segments
 
   !> Length on which a pressure acts [m], in space area [m2].
   pure real(wp) function pressed_length(pressure, bodies) result(length)

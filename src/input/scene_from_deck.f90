@@ -31,9 +31,9 @@ module sg_scene_from_deck
   public :: scene_from_deck
 
   !> Sections that a DATBOX replaces
-  character(len=11), parameter :: own_sections(12) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'body', &
-                                                      'wall', 'container', 'brick_wall', 'arch', 'clump', 'sample', &
-                                                      'rain']
+  character(len=11), parameter :: own_sections(13) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'body', &
+                                                      'wall', 'container', 'brick_wall', 'arch', 'chain', 'clump', &
+                                                      'sample', 'rain']
 
 contains
 

@@ -30,6 +30,7 @@ contains
     replicated%pressures%body = number_of(scene, replicated%pressures%body)
     do k = 1, 2
       replicated%pressures%between(k) = number_of(scene, replicated%pressures%between(k))
+      replicated%pressures%chain(k) = number_of(scene, replicated%pressures%chain(k))
     end do
     do i = 1, size(replicated%pressures)
       replicated%pressures(i)%sides = number_of(scene, replicated%pressures(i)%sides)
@@ -59,6 +60,7 @@ contains
     do k = 1, 2
       ! What bounds a pressed length is replicated, so it is here.
       local%pressures%between(k) = place_of(local, local%pressures%between(k))
+      local%pressures%chain(k) = place_of(local, local%pressures%chain(k))
     end do
     do i = 1, size(local%pressures)
       local%pressures(i)%sides = place_of(local, local%pressures(i)%sides)

@@ -39,6 +39,37 @@ class TalkScenes(ProgramCase):
         self.assertLess(force, 2 * weight)
         self.assertGreater(run["splits"], 3)
 
+    def membrane(self, *words):
+        """Consolidate larger grains, a third as many, of the biaxial test between its membranes; returns run.json."""
+        deck = (DECKS / "membrane_biaxial.toml").read_text()
+        self.assertIn("radius = [7e-3, 10.5e-3]", deck)
+        (self.place / "deck.toml").write_text(deck.replace("radius = [7e-3, 10.5e-3]", "radius = [0.012, 0.018]"))
+        self.run_program("run", "deck.toml", "--output", "out", "--force", "--quiet", "--set", "time.steps=800", *words)
+        return json.loads((self.place / "out/run.json").read_text())
+
+    def test_membranes_confine_a_sample(self):
+        """At rest, under one pressure all round, the force on the platens is that pressure over the width between the membranes."""
+        if not self.has_hdf5():
+            self.skipTest("no HDF5")
+        for words in ((), ("--set", "partition.parts=2")):
+            self.membrane(*words)
+            force = self.rows_of("tracks.csv", body="top", stage="1")[-1]["mean_force_y"]
+            self.assertAlmostEqual(force, 0.3 * 1e4, delta=0.02 * 0.3 * 1e4)
+            last = self.rows_of("tracks.csv", body="left.38", stage="1")[-1]
+            # The membrane is pushed by half of the pressure on two segments of 8 mm each, and held by grains and wires.
+            self.assertAlmostEqual(last["mean_force_x"], -1e4 * 8e-3, delta=0.5 * 1e4 * 8e-3)
+
+    def test_a_pressure_on_a_chain_is_refused_with_one_sentence(self):
+        deck = (DECKS / "membrane_biaxial.toml").read_text()
+        for old, new, sentence in (
+            ('body = "left.*"\nchain = "open"', 'body = "left.1"\nchain = "open"', "an open chain needs two bodies or more"),
+            ('body = "left.*"\nchain = "open"', 'body = "left.*"\nlength = 0.1\nchain = "open"', 'a pressure on a chain has no "length"'),
+            ('body = "left.*"\nchain = "open"', 'body = "left.*"\nlength = 0.1', 'a pressure needs the key "direction", or "chain"'),
+            ("[scene]\n", "[scene]\nperiod_x = 2.0\n", "a pressure on a chain does not work in periodic scenes"),
+        ):
+            (self.place / "deck.toml").write_text(deck.replace(old, new, 1))
+            self.assertIn(sentence, self.run_program("check", "deck.toml", code=2).stderr)
+
 
 if __name__ == "__main__":
     take_program()

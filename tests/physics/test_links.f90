@@ -28,6 +28,7 @@ program test_links
     call test_glue(dimension)
     call test_period(dimension)
     call test_energy(dimension)
+    if (dimension == 2) call test_ring()
     if (hdf5_is_available()) then
       call test_restart(dimension, law_t(kind=law_wire, axial_stiffness=500.0_wp, axial_damping=3.0_wp, breaking_force=30.0_wp))
       call test_restart(dimension, law_t(kind=law_bond, young=1e6_wp, poisson=0.2_wp, normal_strength=5e2_wp, &
@@ -48,6 +49,45 @@ contains
     vector = 0
     vector(axis) = 1
   end function along
+
+  !> A closed chain of rods under pressure from outside, and from inside: a regular polygon at rest, whose rods carry the pressure
+  !! times the apothem, N = p R cos(pi/n), to the last digit; turned and moved too, for the pressure follows it.
+  subroutine test_ring()
+    integer, parameter :: n = 9
+    real(wp), parameter :: pressure = 700, radius = 0.4_wp, stiffness = 1e4_wp
+    type(simulation_t) :: sim
+    real(wp) :: place(2, n), force, side, moved, miss, middle(2), angle
+    integer :: i, sense
+
+    do sense = -1, 1, 2
+      force = real(sense, wp)*pressure*radius*cos(pi/real(n, wp))
+      side = 2*radius*sin(pi/real(n, wp))
+      call begin_links(sim%scene, n, 2, law_t(kind=law_rod, axial_stiffness=stiffness))
+      deallocate (sim%scene%pressures)
+      allocate (sim%scene%pressures(n))
+      do i = 1, n
+        angle = 2*pi*real(i, wp)/real(n, wp) + 0.3_wp
+        place(:, i) = radius*[cos(angle), sin(angle)]
+        call put_mass(sim%scene, i, 1.5_wp, place(:, i))
+        sim%scene%bodies%velocity(1, i) = 0.25_wp
+        sim%scene%pressures(i)%body = i
+        sim%scene%pressures(i)%chain = [modulo(i - 2, n) + 1, modulo(i, n) + 1]
+        sim%scene%pressures(i)%value%constant = real(sense, wp)*pressure
+      end do
+      do i = 1, n
+        ! Under compression a rod is shorter than at rest: N = k (1 - L/l0).
+        call link(sim%scene, i, modulo(i, n) + 1, side/(1 - force/stiffness))
+      end do
+      call begin_run(sim, 1e-3_wp, 1e-13_wp)
+      call run(sim, 40)
+      miss = maxval([(abs(tension_of(sim, i) + force), i=1, n)])
+      middle = sum(sim%scene%bodies%position, 2)/real(n, wp)
+      moved = maxval([(abs(norm2(sim%scene%bodies%position(:, i) - middle) - radius), i=1, n)])
+      call t%near(miss, 0.0_wp, 1e-6_wp, 'ring: the force of the rods is pressure times apothem')
+      call t%near(moved, 0.0_wp, 1e-9_wp, 'ring: it keeps its shape')
+      call t%near(middle(1), 0.01_wp, 1e-9_wp, 'ring: its pressure pushes it nowhere')
+    end do
+  end subroutine test_ring
 
   !> A mass on a rod: each step against the recursion of the scheme, and the period of the oscillation.
   !!

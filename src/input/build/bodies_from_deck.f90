@@ -1,4 +1,4 @@
-!> Bodies and their contactors from the blocks body, wall, container, brick_wall, arch and sample, numbered in this order.
+!> Bodies and their contactors from the blocks body, wall, container, brick_wall, arch, chain and sample, numbered in this order.
 !!
 !! Where several ranks read, each goes through all bodies and all grains of all samples, and keeps those of its share. Bodies that
 !! the deck calls by number or by name, and those that it holds, every rank keeps (doc/theory/decomposition.md).
@@ -34,7 +34,7 @@ module sg_bodies_from_deck
   public :: bodies_from_deck
 
   !> Sections of bodies, in the order in which these are numbered; samples come last
-  character(len=10), parameter :: sections(5) = [character(len=10) :: 'body', 'wall', 'container', 'brick_wall', 'arch']
+  character(len=10), parameter :: sections(6) = [character(len=10) :: 'body', 'wall', 'container', 'brick_wall', 'arch', 'chain']
 
 contains
 
@@ -137,6 +137,7 @@ contains
     if (deck%is_in(b, 'container')) n = planes_of_container(deck, b, [scene%period, scene%period_y])
     if (deck%is_in(b, 'brick_wall')) n = bricks_of_wall(deck, b)
     if (deck%is_in(b, 'arch')) n = deck%integer(b, 'voussoirs')
+    if (deck%is_in(b, 'chain')) n = deck%integer(b, 'count')
   end function fixed_count
 
   !> Add the bodies of one block.
@@ -156,6 +157,8 @@ contains
       call add_brick_wall(deck, b, material, scene, share, n, diagnostics)
     else if (deck%is_in(b, 'arch')) then
       call add_arch(deck, b, material, scene, share, n, diagnostics)
+    else if (deck%is_in(b, 'chain')) then
+      call add_chain(deck, b, material, scene, share, n)
     else
       scene%bodies%material(n + 1) = material
       if (deck%is_in(b, 'wall')) call add_wall_body(deck, b, scene, n + 1, diagnostics)
@@ -163,6 +166,29 @@ contains
       call share%settle(scene, n)
     end if
   end subroutine add_block
+
+  !> The disks of a [[chain]] block.
+  subroutine add_chain(deck, b, material, scene, share, n)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b
+    integer(i4), intent(in) :: material
+    type(scene_t), intent(inout) :: scene
+    type(share_t), intent(inout) :: share
+    integer, intent(inout) :: n
+    real(wp), parameter :: centre(2) = 0
+    integer :: i, last, colour
+
+    call colour_index(scene, deck%word(b, 'colour'), colour)
+    last = deck%integer(b, 'count')
+    do i = 1, last
+      scene%bodies%material(n + 1) = material
+      scene%bodies%position(:, n + 1) = deck%pair(b, 'from') + (deck%pair(b, 'to') - deck%pair(b, 'from')) &
+                                        *(real(i - 1, wp)/real(last - 1, wp))
+      call add_disk(scene%contactors, n + 1, colour, deck%number(b, 'radius'), centre)
+      call weigh_body(scene, n + 1, scene%contactors%n)
+      call share%settle(scene, n)
+    end do
+  end subroutine add_chain
 
   !> The body of a [[body]] block.
   subroutine add_body(deck, b, scene, n, diagnostics)

@@ -27,6 +27,8 @@ contains
 
     allocate (found(0))
     do b = 1, deck%n
+      ! Links join the bodies of a chain.
+      if (deck%is_in(b, 'chain')) found = [found, [(int(i, i4), i=deck%blocks(b)%first_body, deck%blocks(b)%last_body)]]
       do k = 1, size(keys)
         if (.not. (deck%is_in(b, 'drive') .or. deck%is_in(b, 'pressure') .or. deck%is_in(b, 'wall') .or. &
                    deck%is_in(b, 'link'))) cycle

@@ -1,4 +1,4 @@
-!> Links from the blocks link: two bodies, a point on each, a law (doc/theory/links.md).
+!> Links from the blocks link (two bodies, a point on each, a law) and chain (doc/theory/links.md).
 !!
 !! The points are contactors of their own, numbered behind all others. Every rank keeps the bodies that a link names while it
 !! reads, and so makes the same links.
@@ -13,6 +13,7 @@ module sg_links_from_deck
   use sg_link_network, only: nearest_image, place_of_point
   use sg_links, only: add_link
   use sg_lists, only: reserve
+  use sg_local_numbers, only: local_body
   use sg_rotations, only: turned_back
   use sg_scene, only: colour_index, scene_t
   use sg_values, only: value_t
@@ -31,6 +32,7 @@ contains
 
     do b = 1, deck%n
       if (deck%is_in(b, 'link')) call read_link(deck, b, scene, diagnostics)
+      if (deck%is_in(b, 'chain')) call link_chain(deck, b, scene, diagnostics)
     end do
     if (allocated(scene%contactors%id)) scene%contactors%id = scene%contactors%id(:scene%contactors%n)
   end subroutine links_from_deck
@@ -72,6 +74,32 @@ contains
       call add_link(scene%links, deck%contactors + [-1, 0], image, law, length, area, mass)
     end associate
   end subroutine read_link
+
+  !> The links of a [[chain]], from centre to centre.
+  subroutine link_chain(deck, b, scene, diagnostics)
+    type(deck_t), intent(inout) :: deck
+    integer, intent(in) :: b
+    type(scene_t), intent(inout) :: scene
+    type(diagnostics_t), intent(inout) :: diagnostics
+    real(wp) :: place(3, 2), length
+    integer :: body(2), law, i, errors
+
+    errors = diagnostics%count()
+    law = law_of(deck, b, scene, diagnostics)
+    if (diagnostics%count() > errors) return
+    length = norm2(deck%pair(b, 'to') - deck%pair(b, 'from'))/real(deck%integer(b, 'count') - 1, wp)
+    call check_link(deck, b, scene, law, length, diagnostics)
+    if (diagnostics%count() == errors .and. scene%laws(law)%kind == law_bond) &
+      call deck%complain(diagnostics, 'the links of a chain have no NARD_ROD: take ROD, WIRE, RIGID_WIRE or LINEAR', b, 'law')
+    if (diagnostics%count() > errors) return
+    place = 0
+    do i = deck%blocks(b)%first_body, deck%blocks(b)%last_body - 1
+      body = [local_body(scene%bodies, int(i, i4)), local_body(scene%bodies, int(i + 1, i4))]
+      place(:2, :) = scene%bodies%position(:, body)
+      call add_ends(deck, scene, body, place)
+      call add_link(scene%links, deck%contactors + [-1, 0], [0, 0], law, length, 0.0_wp, 0.0_wp)
+    end do
+  end subroutine link_chain
 
   !> Where the ends of a link are in the world [m].
   subroutine find_places(deck, b, scene, body, place)

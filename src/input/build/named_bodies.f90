@@ -59,7 +59,7 @@ contains
     name = deck%word(b, 'name')
     if (deck%is_in(b, 'container')) name = name_of_plane(deck, b, period, body)
     if (deck%is_in(b, 'brick_wall')) name = name_of_brick(deck, b, body)
-    if (deck%is_in(b, 'arch')) name = name//'.'//to_text(body)
+    if (deck%is_in(b, 'arch') .or. deck%is_in(b, 'chain')) name = name//'.'//to_text(body)
   end function name_within
 
   !> Look for bodies of the same name: sorted by a hash of their names, they are neighbours.

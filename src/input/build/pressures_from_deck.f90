@@ -31,8 +31,15 @@ contains
     integer :: i
 
     call find_called(deck, b, scene, bodies, diagnostics)
-    direction = deck%vector(b, 'direction')
     call read_time_function(deck, b, pressure%value, diagnostics)
+    if (deck%is_given(b, 'chain')) then
+      call press_chain(deck, b, bodies, pressure, scene, n, is_taken, diagnostics)
+      return
+    else if (.not. deck%is_given(b, 'direction')) then
+      call deck%complain(diagnostics, 'a pressure needs the key "direction", or "chain"', b)
+      return
+    end if
+    direction = deck%vector(b, 'direction')
     if (scene%dimension == 3) then
       if (deck%is_given(b, 'area')) pressure%length = deck%number(b, 'area')
     else if (deck%is_given(b, 'length') .eqv. deck%is_given(b, 'between')) then
@@ -49,6 +56,42 @@ contains
       call add_pressure(deck, b, bodies(i), direction, pressure, scene, n, is_taken, diagnostics)
     end do
   end subroutine add_pressures
+
+  !> Press the bodies of a chain, which are the corners of a polygon.
+  subroutine press_chain(deck, b, bodies, common, scene, n, is_taken, diagnostics)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: b, bodies(:)
+    type(pressure_t), intent(in) :: common !! what the pressures of a block have in common
+    type(scene_t), intent(inout) :: scene
+    integer, intent(inout) :: n
+    logical, intent(inout) :: is_taken(:, :)
+    type(diagnostics_t), intent(inout) :: diagnostics
+    character(len=*), parameter :: replaced(3) = [character(len=9) :: 'direction', 'length', 'between']
+    logical :: is_closed
+    integer :: i, k, last
+
+    is_closed = deck%word(b, 'chain') == 'closed'
+    last = size(bodies)
+    do k = 1, size(replaced)
+      if (deck%is_given(b, trim(replaced(k)))) &
+        call deck%complain(diagnostics, 'a pressure on a chain has no "'//trim(replaced(k))//'"', b, trim(replaced(k)))
+    end do
+    if (any([scene%period, scene%period_y] > 0)) then
+      call deck%complain(diagnostics, 'a pressure on a chain does not work in periodic scenes', b, 'chain')
+    else if (last < merge(3, 2, is_closed)) then
+      call deck%complain(diagnostics, trim(merge('a closed chain needs three bodies or more', &
+                                                 'an open chain needs two bodies or more   ', is_closed)), b, 'body')
+    else
+      do i = 1, last
+        n = n + 1
+        scene%pressures(n) = common
+        scene%pressures(n)%body = bodies(i)
+        scene%pressures(n)%chain = bodies([max(i - 1, 1), min(i + 1, last)])
+        if (is_closed) scene%pressures(n)%chain = bodies([modulo(i - 2, last) + 1, modulo(i, last) + 1])
+      end do
+      is_taken(:2, bodies) = .true.
+    end if
+  end subroutine press_chain
 
   !> The pressure on one body.
   subroutine add_pressure(deck, b, body, direction, common, scene, n, is_taken, diagnostics)

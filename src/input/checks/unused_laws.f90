@@ -51,7 +51,7 @@ contains
     integer, allocatable :: links(:)
     integer :: i
 
-    links = blocks_of(deck, 'link')
+    links = [blocks_of(deck, 'link'), blocks_of(deck, 'chain')]
     has_link = .false.
     do i = 1, size(links)
       has_link = has_link .or. deck%word(links(i), 'law') == law

@@ -1,7 +1,7 @@
 !> The key table, fourth part: what is generated; boxes, masonry and samples of grains.
 module sg_keys_generators
   use sg_key_table, only: in_plane, in_space, key_table_t, value_box, value_choice, value_function, value_integer, value_logical, &
-                          value_pairs, value_range, value_real, value_sides, value_text, value_texts, &
+                          value_pair, value_pairs, value_range, value_real, value_sides, value_text, value_texts, &
                           value_triple, value_vector
   use sg_keys_bodies, only: add_clump_keys, add_common, add_entry
   use sg_kinds, only: wp, pi
@@ -12,12 +12,13 @@ module sg_keys_generators
 
 contains
 
-  !> Sections container, brick_wall, arch, clump and sample.
+  !> Sections container, brick_wall, arch, chain, clump and sample.
   subroutine add_generator_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
     call add_containers(table)
     call add_masonry(table)
+    call add_chains(table)
     call add_clump_keys(table)
     call add_samples(table)
   end subroutine add_generator_keys
@@ -79,6 +80,22 @@ contains
                    default=short_real(pi), above=0.0_wp, most=pi*(1 + epsilon(pi)))
     call table%add('fixed_ends', value_logical, 'Hold the first and the last voussoir.', default='false')
   end subroutine add_masonry
+
+  !> Section chain.
+  subroutine add_chains(table)
+    type(key_table_t), intent(inout) :: table
+
+    call table%open_section('chain', 'A membrane: disks along a line, named by their number from 1, such as chain.1, and a '// &
+                            'link from each centre to the next one. Disks next to each other must not touch by an '// &
+                            '[[interaction]] too, if the chain is to be shortened.', is_list=.true., dimension=in_plane)
+    call table%add('name', value_text, 'Name, the first part of the names of the disks.', default='"chain"')
+    call add_common(table, 'chain')
+    call table%add('from', value_pair, 'Centre of the first disk.', unit='m', is_required=.true.)
+    call table%add('to', value_pair, 'Centre of the last disk.', unit='m', is_required=.true.)
+    call table%add('count', value_integer, 'Number of disks, at even distances.', is_required=.true., least=2.0_wp, most=1e5_wp)
+    call table%add('radius', value_real, 'Radius of the disks.', unit='m', is_required=.true., above=0.0_wp)
+    call table%add('law', value_text, 'Name of the law of the links; default: the only one.')
+  end subroutine add_chains
 
   !> Section sample.
   subroutine add_samples(table)

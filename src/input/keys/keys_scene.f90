@@ -229,7 +229,8 @@ contains
                             'or the torque about that principal axis of the body which is nearest to its own x, y or z, '// &
                             'and turns with it.', is_list=.true.)
     call table%add('body', value_body, 'Body by name, or several by a name in which * stands for any letters and ? for one; or '// &
-                   'body by number (in the order body, wall, container, brick_wall, arch, sample, from 1).', is_required=.true.)
+                   'body by number (in the order body, wall, container, brick_wall, arch, chain, sample, from 1).', &
+                   is_required=.true.)
     call table%add('component', value_choice, 'Component.', is_required=.true., choices='x|y|rotation', &
                    space_choices='x|y|z|rotation_x|rotation_y|rotation_z')
     call table%add('kind', value_choice, 'What is imposed.', default='"velocity"', choices='velocity|force')
@@ -240,13 +241,17 @@ contains
                             is_list=.true.)
     call table%add('body', value_body, 'Body by name, or several by a name in which * stands for any letters and ? for one; or '// &
                    'body by number.', is_required=.true.)
-    call table%add('direction', value_vector, 'Direction of the push, of any length but zero.', is_required=.true.)
+    call table%add('direction', value_vector, 'Direction of the push, of any length but zero. Required without `chain`.')
     call table%add('length', value_real, 'Pressed length.', unit='m', above=0.0_wp, dimension=in_plane, twin='area')
     call table%add('between', value_bodies, 'In place of length: two bodies whose free distance is the pressed length.', &
                    dimension=in_plane, twin='area')
     call table%add('area', value_real, 'Pressed area; default, for a plane of a [[container]] alone: the area that it closes '// &
                    'now, between the planes next to it, wherever they are.', unit='m2', above=0.0_wp, dimension=in_space, &
                    twin='length')
+    call table%add('chain', value_choice, 'In place of direction and length: the bodies, in the order of their numbers, are '// &
+                   'the corners of a polygon, open or closed, and the pressure follows it. It pushes to the left of the way '// &
+                   'from body to body, into a closed chain that runs counter-clockwise; a negative value pushes to the right. '// &
+                   'Not in periodic scenes.', choices='open|closed', dimension=in_plane)
     call add_time_function(table, 'Pa')
 
     call table%open_section('gravity', 'One component of gravity that changes with time, in place of that of scene.gravity: '// &
