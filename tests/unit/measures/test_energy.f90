@@ -191,6 +191,7 @@ contains
     scene%gravity(:2) = [0.0_wp, -10.0_wp]
     scene%bodies%position(2, 1) = 1000
     call t%near(potential_energy(scene), 20000.0_wp, 1e-10_wp, 'potential energy m g y')
+    call energy%add_step(scene, contacts, 0.1_wp)
     call reserve_contacts(contacts, 1)
     call measure(scene, contacts, 0.1_wp, energy, measures)
     call t%near(measures%get('potential_energy'), 20000.0_wp, 1e-10_wp, 'a measure by its name')
