@@ -1,10 +1,10 @@
 """Decks: TOML tables that can be changed, checked and run."""
 
-import hashlib
 import math
 import os
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
+from contextlib import contextmanager
 from copy import deepcopy
 from pathlib import Path
 from threading import get_ident
@@ -21,7 +21,7 @@ class Deck(MutableMapping):
     """A deck from a file, or a new one. `deck["law"][0]["friction"] = 0.4` changes it in memory alone.
 
     A run takes the file as it stands, and values that were changed as settings over it, so that errors show the line of the file.
-    Where blocks or keys came or went, a file with the whole deck is written beside it.
+    Where blocks or keys came or went, a file with the whole deck stands next to it while the program runs.
     """
 
     def __init__(self, deck: str | Path | Mapping[str, Any]):
@@ -82,7 +82,8 @@ class Deck(MutableMapping):
     def check(self, set: Mapping[str, Any] | None = None) -> str:
         """Check the deck as `splitgrain check` does, without a run; returns what it prints."""
         lines: list[str] = []
-        code, errors = call(["check", *self._words(Path.cwd(), set)], progress=lines.append)
+        with self._words(Path.cwd(), set) as words:
+            code, errors = call(["check", *words], progress=lines.append)
         if code:
             raise error_of(errors, code)
         return "\n".join(lines)
@@ -101,33 +102,36 @@ class Deck(MutableMapping):
         from .run import Run
 
         folder = Path(output) if output is not None else Path(f"{self.path.stem if self.path else 'deck'}.results")
-        words = ["run", *self._words(folder.parent, set), "--output", str(folder)]
+        options = ["--output", str(folder)]
         if restart is not None:
-            words += ["--restart", str(restart)]
+            options += ["--restart", str(restart)]
         if force:
-            words += ["--force"]
+            options += ["--force"]
         if walltime is not None:
-            words += ["--walltime", f"{walltime:g}"]
-        code, errors = call(words, ranks, progress)
+            options += ["--walltime", f"{walltime:g}"]
+        with self._words(folder.parent, set) as words:
+            code, errors = call(["run", *words, *options], ranks, progress)
         if code:
             raise error_of(errors, code)
         return Run(folder)
 
+    @contextmanager
     def _words(self, folder, set):
-        """The file of the deck, and the settings over it."""
-        changed, path = self.settings(), self.path
+        """The file of the deck, and the settings over it. Relative paths of a deck count from where it lies, so that a file made
+        for the program stands there, and goes when the program has ended."""
+        changed, path, made = self.settings(), self.path, None
         if changed is None:
-            text = self.toml()
-            name = f"{self.path.stem if self.path else 'deck'}.{hashlib.sha256(text.encode()).hexdigest()[:10]}.toml"
-            path = (self.path.parent if self.path else folder) / name
-            part = path.with_name(f"{name}.{os.getpid()}.{get_ident()}.part")
-            part.write_text(text)
-            os.replace(part, path)
+            name = f"{self.path.stem if self.path else 'deck'}.{os.getpid()}.{get_ident()}.toml"
+            path = made = self.write((self.path.parent if self.path else folder) / name)
             changed = {}
         options = []
         for key, value in {**changed, **(set or {})}.items():
             options += ["--set", f"{key}={_value(value)}"]
-        return [str(path), *options]
+        try:
+            yield [str(path), *options]
+        finally:
+            if made is not None:
+                made.unlink(missing_ok=True)
 
 
 def polyhedron(vertices: Sequence[Sequence[float]], **keys: Any) -> dict[str, Any]:
