@@ -4,23 +4,18 @@ module sg_record
   use sg_kinds, only: wp, i8
   use sg_measures, only: measures_t
   use sg_report, only: report_t
-  use sg_step_csv, only: cell, resume_rows
+  use sg_step_csv, only: cell
+  use sg_step_file, only: step_file_t
   use sg_tally, only: column_t
   use sg_text, only: to_text
-  use sg_text_files, only: append_text, replace_file
+  use sg_text_files, only: append_text
   use sg_totals, only: n_phases, phase_names, totals_t
   implicit none
   private
   public :: record_t, record_columns
 
   !> The record of a run
-  type :: record_t
-    !> Path of the file
-    character(len=:), allocatable :: file
-    !> Does this rank write it? Of ranks that share a run one alone does
-    logical :: is_root = .true.
-    !> Has the run stages, with a column for their number?
-    logical :: has_stages = .false.
+  type, extends(step_file_t) :: record_t
   contains
     procedure :: start => record_start
     procedure :: resume => record_resume
@@ -36,9 +31,7 @@ contains
     type(measures_t), intent(in) :: measures !! indicators of the run, measured or not
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be written
 
-    self%file = file
-    if (.not. self%is_root) return
-    call replace_file(file, header(measures, self%has_stages)//new_line('a'), error)
+    call self%begin(file, header(measures, self%has_stages), -1, error)
   end subroutine record_start
 
   !> Go on with the record of a run that restarts after a step: rows of later steps, and a torn last row, are cut.
@@ -49,9 +42,7 @@ contains
     integer, intent(in) :: step !! step of the checkpoint
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be read or written, or has other columns
 
-    self%file = file
-    if (.not. self%is_root) return
-    call resume_rows(file, header(measures, self%has_stages), step, error)
+    call self%begin(file, header(measures, self%has_stages), step, error)
   end subroutine record_resume
 
   !> The names of the columns.

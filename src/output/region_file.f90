@@ -3,9 +3,10 @@ module sg_region_file
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_regions, only: n_region_counts, region_columns, regions_t
-  use sg_step_csv, only: cell, quoted_cell, resume_rows
+  use sg_step_csv, only: cell, quoted_cell
+  use sg_step_file, only: step_file_t
   use sg_text, only: to_text
-  use sg_text_files, only: append_text, replace_file
+  use sg_text_files, only: append_text
   implicit none
   private
   public :: region_file_t, regions_name
@@ -14,13 +15,7 @@ module sg_region_file
   character(len=*), parameter :: regions_name = 'regions.csv'
 
   !> The file of the regions of a run
-  type :: region_file_t
-    !> Path of the file
-    character(len=:), allocatable :: file
-    !> Does this rank write it? Of ranks that share a run one alone does
-    logical :: is_root = .true.
-    !> Has the run stages, with a column for their number?
-    logical :: has_stages = .false.
+  type, extends(step_file_t) :: region_file_t
   contains
     procedure :: open => region_file_open
     procedure :: add => region_file_add
@@ -35,22 +30,8 @@ contains
     integer, intent(in) :: dimension !! of space
     integer, intent(in) :: step !! step of the checkpoint; negative for a new run
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be read or written, or has other columns
-    character(len=18), allocatable :: columns(:)
-    character(len=:), allocatable :: header
-    integer :: i
 
-    self%file = folder//'/'//regions_name
-    if (.not. self%is_root) return
-    header = 'step,time,'//trim(merge('stage,region', 'region      ', self%has_stages))
-    columns = region_columns(dimension)
-    do i = 1, size(columns)
-      header = header//','//trim(columns(i))
-    end do
-    if (step >= 0) then
-      call resume_rows(self%file, header, step, error)
-    else
-      call replace_file(self%file, header//new_line('a'), error)
-    end if
+    call self%begin(folder//'/'//regions_name, self%names('region', region_columns(dimension)), step, error)
   end subroutine region_file_open
 
   !> Add the rows of a step that is measured, one per region.
@@ -67,8 +48,7 @@ contains
 
     if (.not. self%is_root) return
     rows = ''
-    begin = to_text(step)//','//cell(time)//','
-    if (self%has_stages) begin = begin//to_text(stage)//','
+    begin = self%first_cells(step, time, stage)
     do r = 1, size(regions%options)
       rows = rows//begin//quoted_cell(regions%options(r)%name)
       do i = 1, size(regions%value, 1)

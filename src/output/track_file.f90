@@ -2,9 +2,10 @@
 module sg_track_file
   use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_step_csv, only: cell, quoted_cell, resume_rows
+  use sg_step_csv, only: cell, quoted_cell
+  use sg_step_file, only: step_file_t
   use sg_text, only: to_text
-  use sg_text_files, only: append_text, replace_file
+  use sg_text_files, only: append_text
   use sg_tracks, only: track_columns, tracks_t
   implicit none
   private
@@ -14,13 +15,7 @@ module sg_track_file
   character(len=*), parameter :: tracks_name = 'tracks.csv'
 
   !> The file of the tracked bodies of a run
-  type :: track_file_t
-    !> Path of the file
-    character(len=:), allocatable :: file
-    !> Does this rank write it? Of ranks that share a run one alone does
-    logical :: is_root = .true.
-    !> Has the run stages, with a column for their number?
-    logical :: has_stages = .false.
+  type, extends(step_file_t) :: track_file_t
   contains
     procedure :: open => track_file_open
     procedure :: add => track_file_add
@@ -36,29 +31,8 @@ contains
     integer, intent(in) :: step !! step of the checkpoint; negative for a new run
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be read or written, or has other columns
 
-    self%file = folder//'/'//tracks_name
-    if (.not. self%is_root) return
-    if (step >= 0) then
-      call resume_rows(self%file, header(dimension, self%has_stages), step, error)
-    else
-      call replace_file(self%file, header(dimension, self%has_stages)//new_line('a'), error)
-    end if
+    call self%begin(folder//'/'//tracks_name, self%names('body', track_columns(dimension)), step, error)
   end subroutine track_file_open
-
-  !> The names of the columns.
-  pure function header(dimension, has_stages) result(names)
-    integer, intent(in) :: dimension
-    logical, intent(in) :: has_stages
-    character(len=:), allocatable :: names
-    character(len=16), allocatable :: columns(:)
-    integer :: i
-
-    names = 'step,time,'//trim(merge('stage,body', 'body      ', has_stages))
-    columns = track_columns(dimension)
-    do i = 1, size(columns)
-      names = names//','//trim(columns(i))
-    end do
-  end function header
 
   !> Add the rows of a step that is measured, one per body.
   subroutine track_file_add(self, step, time, tracks, stage, error)
@@ -73,8 +47,7 @@ contains
 
     if (.not. self%is_root) return
     rows = ''
-    begin = to_text(step)//','//cell(time)//','
-    if (self%has_stages) begin = begin//to_text(stage)//','
+    begin = self%first_cells(step, time, stage)
     n = size(tracks%value, 1)
     do t = 1, size(tracks%number)
       if (.not. tracks%is_asked(t)) cycle

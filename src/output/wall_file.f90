@@ -3,9 +3,10 @@ module sg_wall_file
   use sg_cell, only: cell_t
   use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_step_csv, only: cell, quoted_cell, resume_rows
+  use sg_step_csv, only: cell, quoted_cell
+  use sg_step_file, only: step_file_t
   use sg_text, only: to_text
-  use sg_text_files, only: append_text, replace_file
+  use sg_text_files, only: append_text
   use sg_tracks, only: track_columns, tracks_t
   implicit none
   private
@@ -15,13 +16,7 @@ module sg_wall_file
   character(len=*), parameter :: walls_name = 'walls.csv'
 
   !> The file of the walls of a run
-  type :: wall_file_t
-    !> Path of the file
-    character(len=:), allocatable :: file
-    !> Does this rank write it? Of ranks that share a run one alone does
-    logical :: is_root = .true.
-    !> Has the run stages, with a column for their number?
-    logical :: has_stages = .false.
+  type, extends(step_file_t) :: wall_file_t
   contains
     procedure :: open => wall_file_open
     procedure :: add => wall_file_add
@@ -36,23 +31,10 @@ contains
     integer, intent(in) :: dimension !! of space
     integer, intent(in) :: step !! step of the checkpoint; negative for a new run
     type(error_t), allocatable, intent(out) :: error !! set when it cannot be read or written, or has other columns
-    character(len=16), allocatable :: names(:)
-    character(len=:), allocatable :: header
-    integer :: i
 
-    self%file = folder//'/'//walls_name
-    if (.not. self%is_root) return
-    names = pack(track_columns(dimension), is_copied(dimension))
-    header = 'step,time,'//trim(merge('stage,wall', 'wall      ', self%has_stages))
-    do i = 1, size(names)
-      header = header//','//trim(names(i))
-    end do
-    header = header//',pressure,mean_pressure,area,contacts'
-    if (step >= 0) then
-      call resume_rows(self%file, header, step, error)
-    else
-      call replace_file(self%file, header//new_line('a'), error)
-    end if
+    call self%begin(folder//'/'//walls_name, self%names('wall', [character(len=16) :: &
+                    pack(track_columns(dimension), is_copied(dimension)), 'pressure', 'mean_pressure', 'area', 'contacts']), &
+                    step, error)
   end subroutine wall_file_open
 
   !> Which columns of tracks are columns here: place, velocity, force, mean force.
@@ -84,8 +66,7 @@ contains
 
     if (.not. self%is_root) return
     rows = ''
-    begin = to_text(step)//','//cell(time)//','
-    if (self%has_stages) begin = begin//to_text(stage)//','
+    begin = self%first_cells(step, time, stage)
     do t = 1, size(tracks%number)
       wall = tracks%wall(t)
       if (wall == 0) cycle
