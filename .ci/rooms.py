@@ -42,6 +42,7 @@ ROOMS = {
     "input/checks": "blocks and scenes that make no sense: contradictions, overlaps at the start",
     "input": "`read_deck`, the effective deck, files that a deck names",
     "measures/overlap": "areas and volumes that two shapes share: one file per pair",
+    "measures/works": "energies of bodies, works of contacts, of imposed forces and of what holds driven bodies",
     "measures": "one indicator per file: energy, penetration, compactness, coordination, stress, spectra, structure",
     "measures/local": "measures of places: tracked bodies, the cell between walls, cells of a grid",
     "output/hdf5": "HDF5 behind few operations",

@@ -7,24 +7,20 @@
 !! impacts they do some, of the order of the step, which the balance then shows. Drives work against them. The work of a periodic
 !! cell is one of imposed forces.
 module sg_energy
-  use sg_bodies, only: bodies_t, is_absent
-  use sg_bonds, only: bond_impulse
-  use sg_cell_motion, only: cell_bias, cell_jump, cell_work
+  use sg_bodies, only: is_absent
+  use sg_body_energy, only: kinetic_energy, kinetic_energy_of, potential_drop, potential_energy
+  use sg_cell_motion, only: cell_work
   use sg_comm, only: comm_t
-  use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
-  use sg_internal_values, only: bond_slip
+  use sg_contact_work, only: contact_work
+  use sg_contacts, only: contacts_t
+  use sg_imposed_work, only: find_mean, has_driven, held_work, imposed_work
   use sg_kinds, only: wp
-  use sg_laws, only: is_cohesive_zone
   use sg_link_contacts, only: energy_of_links
-  use sg_mapping, only: relative_velocity
-  use sg_mapping_space, only: space_arms
-  use sg_rotations, only: no_rotation, turned_back, turned_by, turned_on
-  use sg_scene, only: scene_t, unwrapped
+  use sg_scene, only: scene_t
   use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
-  public :: energy_t, measure_energy, add_held_work, bond_work_of, kinetic_energy, kinetic_energy_at, potential_energy
-  public :: n_energy_values
+  public :: energy_t, measure_energy, bond_work_of, n_energy_values
 
   !> Numbers that `pack` writes
   integer, parameter :: n_energy_values = 9
@@ -37,19 +33,22 @@ module sg_energy
     logical :: is_started = .false.
     !> Kinetic and potential energy when it began
     real(wp) :: kinetic_start = 0, potential_start = 0
-    !> Work of imposed forces and pressures, and of what holds driven components on their velocities
-    real(wp) :: external_work = 0, drive_work = 0
+    !> Work of imposed forces and pressures
+    real(wp) :: external_work = 0
+    !> Work of what holds driven components on their velocities
+    real(wp) :: drive_work = 0
     !> Energy taken by contacts along tangents and along normals
     real(wp) :: friction_loss = 0, impact_loss = 0
     !> Energy taken by the bonds of cohesive zones, stored or lost
     real(wp) :: bond_work = 0
     !> Potential energy that bodies were given by pushes which undo overlap
     real(wp) :: recovery_work = 0
-    !> Gravity of the last step counted [m/s2], under which the potential energy is measured; huge where it is that of the scene
-    real(wp) :: gravity(3) = huge(1.0_wp)
+    !> Gravity of the last step counted [m/s2], shape (3); unallocated before the first one
+    real(wp), allocatable, private :: gravity(:)
   contains
     procedure :: add_step => energy_add_step
     procedure :: change_gravity => energy_change_gravity
+    procedure :: gravity_for => energy_gravity_for
     procedure :: let_pass => energy_let_pass
     procedure :: pack => energy_pack
     procedure :: unpack => energy_unpack
@@ -69,7 +68,6 @@ contains
 
     if (.not. self%is_started) then
       self%is_started = .true.
-      self%gravity = scene%gravity
       self%kinetic_start = kinetic_energy(scene%bodies)
       ! What links hold at the start is taken from them as they give it back.
       elastic = energy_of_links(scene, contacts)
@@ -77,8 +75,8 @@ contains
       self%impact_loss = elastic(1)
       self%friction_loss = elastic(2)
     end if
-    if (.not. self%gravity(1) < huge(1.0_wp)) self%gravity = scene%gravity
-    if (any(abs(scene%gravity - self%gravity) > 0)) call self%change_gravity(scene, self%gravity)
+    if (any(abs(scene%gravity - self%gravity_for(scene)) > 0)) call self%change_gravity(scene, self%gravity_for(scene))
+    self%gravity = scene%gravity
     call find_mean(size(mean), scene%bodies%velocity, scene%bodies%free_velocity, mean)
     work = contact_work(scene, contacts, h, mean)
     self%impact_loss = self%impact_loss - work(1)
@@ -98,9 +96,19 @@ contains
     type(scene_t), intent(in) :: scene !! scene where the change happens, with its gravity from now on
     real(wp), intent(in) :: former(3) !! gravity before [m/s2]
 
-    self%potential_start = self%potential_start + potential_energy(scene) - potential_energy(scene, former)
+    self%potential_start = self%potential_start + (potential_energy(scene) - potential_energy(scene, former))
     self%gravity = scene%gravity
   end subroutine energy_change_gravity
+
+  !> Gravity under which the potential energy is measured [m/s2]: that of the last step counted, else that of the scene.
+  pure function energy_gravity_for(self, scene) result(gravity)
+    class(energy_t), intent(in) :: self
+    type(scene_t), intent(in) :: scene !! the scene
+    real(wp) :: gravity(3)
+
+    gravity = scene%gravity
+    if (allocated(self%gravity)) gravity = self%gravity
+  end function energy_gravity_for
 
   !> Count the energy that a body brings when it enters as energy of the start, or no longer that which it takes along.
   pure subroutine energy_let_pass(self, scene, body, is_entering)
@@ -114,272 +122,8 @@ contains
     if (.not. self%is_started) return
     sign = merge(1.0_wp, -1.0_wp, is_entering)
     self%kinetic_start = self%kinetic_start + sign*kinetic_energy_of(scene%bodies, body)
-    self%potential_start = self%potential_start - sign*potential_drop(scene, body, self%gravity)
+    self%potential_start = self%potential_start - sign*potential_drop(scene, body, self%gravity_for(scene))
   end subroutine energy_let_pass
-
-  !> Work of the contact impulses along normals and along tangents, and of bonds [J]: r . H^T v.
-  pure function contact_work(scene, contacts, h, velocity) result(work)
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(in) :: contacts
-    real(wp), intent(in) :: h
-    real(wp), intent(in), contiguous :: velocity(:, :)
-    real(wp) :: work(3), u(2), bias(3), jump(3), normal_work, bond(contacts%n_components), of_bond
-    real(wp), allocatable :: spin(:, :)
-    integer :: k
-    logical :: has_bonds
-
-    work = 0
-    has_bonds = contacts%n_internal >= bond_slip
-    if (scene%dimension == 2 .and. .not. has_bonds .and. .not. scene%cell%is_on) then
-      work(1:2) = work_in_plane(scene, contacts, velocity)
-      return
-    end if
-    if (scene%dimension == 3) spin = spins_in_world(scene%bodies, velocity)
-    do k = 1, contacts%n
-      if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
-      if (scene%dimension == 3) then
-        jump = jump_at(scene, contacts, k, velocity, spin)
-        if (scene%cell%is_on) jump = jump + cell_jump(scene, contacts, k, 0.5_wp)
-        normal_work = normal_impulse(contacts, k)*dot_product(contacts%normal(:, k), jump)
-        work = work + [normal_work, dot_product(impulse_vector(contacts, k), jump) - normal_work, 0.0_wp]
-        if (.not. has_bonds) cycle
-        if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
-        bond = bond_impulse(scene%laws(contacts%law(k)), contacts, k, h)
-        of_bond = dot_product(bond, jump)
-        normal_work = dot_product(bond, contacts%normal(:, k))*dot_product(contacts%normal(:, k), jump)
-        work = work + [-normal_work, normal_work - of_bond, of_bond]
-        cycle
-      end if
-      u = relative_velocity(contacts, k, scene%bodies%middle, scene%period, velocity)
-      if (scene%cell%is_on) then
-        bias = cell_bias(scene, contacts, k, 0.5_wp)
-        u = u + bias(:2)
-      end if
-      work(:size(bond)) = work(:size(bond)) + contacts%impulse(:, k)*u(:size(bond))
-      if (.not. has_bonds) cycle
-      if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
-      bond = bond_impulse(scene%laws(contacts%law(k)), contacts, k, h)
-      work = work + [-bond*u, dot_product(bond, u)]
-    end do
-  end function contact_work
-
-  !> The same along normals and tangents in the plane, without bonds and a periodic cell: r . `relative_velocity` in one pass.
-  pure function work_in_plane(scene, contacts, velocity) result(work)
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(in) :: contacts
-    real(wp), intent(in), contiguous :: velocity(:, :)
-    real(wp) :: work(2), normal, tangential, half, x, y, ux, uy
-    integer :: k
-
-    work = 0
-    do k = 1, contacts%n
-      normal = contacts%impulse(1, k)
-      tangential = 0
-      if (contacts%n_components == 2) tangential = contacts%impulse(2, k)
-      if (.not. abs(normal) + abs(tangential) > 0) cycle
-      associate (c => contacts%body(1, k), a => contacts%body(2, k), n => contacts%normal(:, k), point => contacts%point(:, k), &
-                 middle => scene%bodies%middle)
-        ux = velocity(1, c) - velocity(1, a)
-        uy = velocity(2, c) - velocity(2, a)
-        if (size(velocity, 1) == 3) then
-          half = contacts%gap(k)/2
-          x = point(1) + half*n(1) - middle(1, c)
-          y = point(2) + half*n(2) - middle(2, c)
-          ux = ux - velocity(3, c)*y
-          uy = uy + velocity(3, c)*x
-          x = point(1) - half*n(1) - middle(1, a) - scene%period*real(contacts%image(k), wp)
-          y = point(2) - half*n(2) - middle(2, a)
-          ux = ux + velocity(3, a)*y
-          uy = uy - velocity(3, a)*x
-        end if
-        work(1) = work(1) + normal*(n(1)*ux + n(2)*uy)
-        work(2) = work(2) + tangential*(n(2)*ux - n(1)*uy)
-      end associate
-    end do
-  end function work_in_plane
-
-  !> Spins of all bodies in the world's axes [rad/s]; a body has many contacts, and is turned once. None where nothing turns.
-  pure function spins_in_world(bodies, velocity) result(spin)
-    type(bodies_t), intent(in) :: bodies
-    real(wp), intent(in), contiguous :: velocity(:, :)
-    real(wp), allocatable :: spin(:, :)
-    integer :: b
-
-    allocate (spin(3, merge(bodies%n, 0, size(velocity, 1) == 6)))
-    do b = 1, size(spin, 2)
-      spin(:, b) = turned_by(bodies%middle(4:7, b), velocity(4:6, b))
-    end do
-  end function spins_in_world
-
-  !> Relative velocity at a contact in space [m/s]: `space_relative_velocity`, of spins that are turned already.
-  pure function jump_at(scene, contacts, k, velocity, spin) result(u)
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(in) :: k
-    real(wp), intent(in), contiguous :: velocity(:, :), spin(:, :)
-    real(wp) :: u(3), arms(3, 2)
-
-    associate (c => contacts%body(1, k), a => contacts%body(2, k))
-      u = velocity(1:3, c) - velocity(1:3, a)
-      if (size(spin, 2) == 0) return
-      arms = space_arms(scene, contacts, k)
-      associate (p => spin(:, c), q => spin(:, a), x => arms(:, 1), y => arms(:, 2))
-        u(1) = u(1) + p(2)*x(3) - p(3)*x(2) - q(2)*y(3) + q(3)*y(2)
-        u(2) = u(2) + p(3)*x(1) - p(1)*x(3) - q(3)*y(1) + q(1)*y(3)
-        u(3) = u(3) + p(1)*x(2) - p(2)*x(1) - q(1)*y(2) + q(2)*y(1)
-      end associate
-    end associate
-  end function jump_at
-
-  !> Mean velocity of a step, by components one after the other: in pieces of a body they would not fill vector registers.
-  pure subroutine find_mean(n, before, after, mean)
-    integer, intent(in) :: n !! components of all bodies
-    real(wp), intent(in) :: before(n), after(n)
-    real(wp), intent(out) :: mean(n)
-
-    mean = (before + after)/2
-  end subroutine find_mean
-
-  !> Does a component move whose velocity is given?
-  pure logical function has_driven(n, mean, inverse_mass)
-    integer, intent(in) :: n !! components of all bodies
-    real(wp), intent(in) :: mean(n), inverse_mass(n)
-
-    has_driven = count(abs(mean) > 0 .and. .not. inverse_mass > 0) > 0
-  end function has_driven
-
-  !> Work of all forces but gravity over a step [J].
-  pure real(wp) function imposed_work(scene, h, mean) result(work)
-    type(scene_t), intent(in) :: scene
-    real(wp), intent(in) :: h, mean(:, :)
-    integer :: i
-
-    work = 0
-    associate (bodies => scene%bodies, g => scene%gravity)
-      do i = 1, bodies%n_own
-        if (scene%dimension == 2 .and. size(mean, 1) == 3) then
-          work = work + h*(bodies%force(1, i)*mean(1, i) + bodies%force(2, i)*mean(2, i) + bodies%force(3, i)*mean(3, i) &
-                           - bodies%mass(i)*(g(1)*mean(1, i) + g(2)*mean(2, i)))
-        else
-          work = work + h*(dot_product(bodies%force(:, i), mean(:, i)) &
-                           - bodies%mass(i)*dot_product(g(:scene%dimension), mean(:scene%dimension, i)))
-        end if
-      end do
-    end associate
-  end function imposed_work
-
-  !> What driven components gain beyond the work of forces [J]; `driven` is their mean velocity, zero elsewhere.
-  pure real(wp) function held_work(bodies, h, driven) result(work)
-    type(bodies_t), intent(in) :: bodies
-    real(wp), intent(in) :: h, driven(:, :)
-    integer :: i
-
-    work = 0
-    do i = 1, bodies%n_own
-      call add_held_work(bodies, i, h, driven(:, i), work)
-    end do
-  end function held_work
-
-  !> Add what driven components of a body gain beyond the work of forces [J]; that of its contacts is to be taken away.
-  pure subroutine add_held_work(bodies, body, h, driven, work)
-    type(bodies_t), intent(in) :: bodies !! bodies with velocities of both ends of the step
-    integer, intent(in) :: body !! one of this rank's own
-    real(wp), intent(in) :: h !! time step [s]
-    real(wp), intent(in) :: driven(:) !! its mean velocity where it is driven, zero in other components
-    real(wp), intent(inout) :: work !! sum to add to
-    integer :: c
-
-    do c = 1, bodies%n_velocity
-      work = work + driven(c)*(inertia_of(bodies, c, body)*(bodies%free_velocity(c, body) - bodies%velocity(c, body)) &
-                               - h*bodies%force(c, body))
-    end do
-    if (bodies%n_velocity < 6) return
-    if (any(abs(driven(4:6)) > 0)) work = work - dot_product(driven(4:6), gyroscopic_impulse(bodies, body, h))
-  end subroutine add_held_work
-
-  !> What turning does to the spin of a body in space over a step, about its principal axes [N m s]: (R(-h w) - 1) J w0.
-  pure function gyroscopic_impulse(bodies, body, h) result(impulse)
-    type(bodies_t), intent(in) :: bodies
-    integer, intent(in) :: body
-    real(wp), intent(in) :: h
-    real(wp) :: impulse(3), turn(4), momentum(3)
-
-    turn = turned_on(no_rotation, h/2*(bodies%velocity(4:6, body) + bodies%free_velocity(4:6, body)))
-    momentum = bodies%principal(:, body)*bodies%velocity(4:6, body)
-    impulse = turned_back(turn, momentum) - momentum
-  end function gyroscopic_impulse
-
-  !> Mass, or moment of inertia for components beyond the dimension of space.
-  pure real(wp) function inertia_of(bodies, component, body)
-    type(bodies_t), intent(in) :: bodies
-    integer, intent(in) :: component, body
-
-    if (component <= bodies%dimension) then
-      inertia_of = bodies%mass(body)
-    else if (bodies%dimension == 2) then
-      inertia_of = bodies%inertia(body)
-    else
-      inertia_of = bodies%principal(component - 3, body)
-    end if
-  end function inertia_of
-
-  !> Kinetic energy of this rank's bodies [J].
-  pure real(wp) function kinetic_energy(bodies) result(kinetic)
-    type(bodies_t), intent(in) :: bodies !! bodies with their velocities
-
-    kinetic = kinetic_energy_at(bodies, bodies%velocity)
-  end function kinetic_energy
-
-  !> Kinetic energy of this rank's bodies at other velocities [J].
-  pure real(wp) function kinetic_energy_at(bodies, velocity) result(kinetic)
-    type(bodies_t), intent(in) :: bodies !! the bodies
-    real(wp), intent(in), contiguous :: velocity(:, :) !! of each body, components as in `bodies_t`
-    integer :: i, c
-
-    kinetic = 0
-    do i = 1, bodies%n_own
-      do c = 1, bodies%n_velocity
-        kinetic = kinetic + inertia_of(bodies, c, i)*velocity(c, i)**2/2
-      end do
-    end do
-  end function kinetic_energy_at
-
-  !> Kinetic energy of one body [J].
-  pure real(wp) function kinetic_energy_of(bodies, body) result(kinetic)
-    type(bodies_t), intent(in) :: bodies
-    integer, intent(in) :: body
-    integer :: c
-
-    kinetic = 0
-    do c = 1, bodies%n_velocity
-      kinetic = kinetic + inertia_of(bodies, c, body)*bodies%velocity(c, body)**2/2
-    end do
-  end function kinetic_energy_of
-
-  !> Potential energy of this rank's bodies [J], zero at the origin; positions are unwrapped.
-  pure real(wp) function potential_energy(scene, gravity) result(potential)
-    type(scene_t), intent(in) :: scene !! scene with its positions
-    real(wp), intent(in), optional :: gravity(3) !! gravity [m/s2], that of the scene unless given
-    real(wp) :: g(3)
-    integer :: i
-
-    g = scene%gravity
-    if (present(gravity)) g = gravity
-    potential = 0
-    do i = 1, scene%bodies%n_own
-      if (is_absent(scene%bodies, i)) cycle
-      potential = potential - potential_drop(scene, i, g)
-    end do
-  end function potential_energy
-
-  !> Work of gravity on a body brought from the origin to where it is [J].
-  pure real(wp) function potential_drop(scene, body, gravity) result(work)
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: body
-    real(wp), intent(in) :: gravity(3)
-
-    work = scene%bodies%mass(body)*dot_product(gravity, unwrapped(scene, scene%bodies, body))
-  end function potential_drop
 
   !> Energies, works since the start [J], and how far their balance is from closing.
   pure subroutine measure_energy(scene, contacts, energy, tally)
@@ -416,14 +160,15 @@ contains
     type(energy_t), intent(in) :: energy
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
-    real(wp) :: sums(n_energy_sums), elastic(2), drop
+    real(wp) :: sums(n_energy_sums), elastic(2), gravity(3), drop
     integer :: i
 
     elastic = energy_of_links(scene, contacts)
+    gravity = energy%gravity_for(scene)
     sums(1:3) = [kinetic_energy(scene%bodies), 0.0_wp, 0.0_wp]
     do i = 1, scene%bodies%n_own
       if (is_absent(scene%bodies, i)) cycle
-      drop = potential_drop(scene, i, merge(energy%gravity, scene%gravity, energy%gravity(1) < huge(1.0_wp)))
+      drop = potential_drop(scene, i, gravity)
       sums(2) = sums(2) - drop
       sums(3) = sums(3) + abs(drop)
     end do
@@ -469,8 +214,12 @@ contains
   pure subroutine energy_leave_to_first(self, comm)
     class(energy_t), intent(inout) :: self
     type(comm_t), intent(in) :: comm !! the ranks
+    real(wp) :: values(n_energy_values)
 
-    if (comm%rank > 0) call self%unpack([merge(1.0_wp, 0.0_wp, self%is_started), spread(0.0_wp, 1, n_energy_values - 1)])
+    if (comm%rank == 0) return
+    values = 0
+    if (self%is_started) values(1) = 1
+    call self%unpack(values)
   end subroutine energy_leave_to_first
 
   !> The sums as a list of reals, for restart files.

@@ -5,10 +5,10 @@
 !! are applied to the sums over the interval.
 module sg_means
   use sg_balance, only: carried_share, force_on_walls
+  use sg_body_energy, only: kinetic_energy_at
   use sg_comm, only: comm_t
   use sg_compactness, only: area_of_box
   use sg_contacts, only: contacts_t
-  use sg_energy, only: kinetic_energy_at
   use sg_fabric, only: add_fabric, fabric_sums, n_fabric_sums
   use sg_grains, only: grains_of, grains_t
   use sg_kinds, only: wp

@@ -1,10 +1,10 @@
 !> Output due after a step: record, spectra, structure, pictures, checkpoints, progress.
 module sg_after_step
   use, intrinsic :: iso_fortran_env, only: error_unit
+  use sg_body_energy, only: kinetic_energy
   use sg_cell, only: cell_columns
   use sg_centres, only: centres_t, take_centres
   use sg_checkpoint, only: save_once
-  use sg_energy, only: kinetic_energy
   use sg_error, only: error_t
   use sg_guard, only: judge_energy
   use sg_kinds, only: wp

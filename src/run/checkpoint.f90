@@ -67,8 +67,8 @@ contains
     state%step = sim%step
     state%time = sim%time()
     state%deck_hash = sim%options%deck_hash
-    state%totals = [energy%pack(), totals%pack(), merge(energy%gravity, sim%scene%gravity, energy%gravity(1) < huge(1.0_wp)), &
-                    sim%pairs%skin, sim%pairs%listed_way, sim%pairs%way, sim%signature]
+    state%totals = [energy%pack(), totals%pack(), energy%gravity_for(sim%scene), sim%pairs%skin, &
+                    sim%pairs%listed_way, sim%pairs%way, sim%signature]
     state%tracks = tracks%pack()
     means = sim%means
     call means%reduce(sim%comm)
@@ -248,10 +248,9 @@ contains
     call sim%tracks%leave_to_first(sim%comm)
     call sim%means%leave_to_first(sim%comm)
     call sim%totals%leave_to_first(sim%comm)
-    sim%energy%gravity = gravity_in(state)
     ! Where it changes with time, the next step goes on from this one.
     if (allocated(sim%scene%gravity_changes)) sim%scene%gravity = gravity_in(state)
-    if (any(abs(sim%scene%gravity - gravity_in(state)) > 0)) call sim%energy%change_gravity(sim%scene, gravity_in(state))
+    call sim%energy%change_gravity(sim%scene, gravity_in(state))
   end subroutine take_state
 
   !> Gravity [m/s2] under which a file was written.

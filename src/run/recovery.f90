@@ -6,11 +6,11 @@
 module sg_recovery
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_assemble, only: begin_problem, put_contact
+  use sg_body_energy, only: potential_energy
   use sg_cell_motion, only: cell_bias
   use sg_choose_solver, only: choose_solver
   use sg_compact, only: compact_velocity
   use sg_contacts, only: contacts_t
-  use sg_energy, only: potential_energy
   use sg_error, only: error_t
   use sg_kinds, only: wp
   use sg_laws, only: forbidden_gap, local_law_t

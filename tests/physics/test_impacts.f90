@@ -2,7 +2,7 @@
 program test_impacts
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, g, put_disk, put_polygon, put_wall, run
-  use sg_energy, only: kinetic_energy
+  use sg_body_energy, only: kinetic_energy
   use sg_kinds, only: wp
   use sg_laws, only: law_restitution
   use sg_random, only: random_t

@@ -3,9 +3,9 @@ program test_static
   use harness, only: tests_t
   use measured, only: measures_of
   use scenes, only: begin_run, begin_scene, force_on, g, hold, put_disk, put_wall, run
+  use sg_body_energy, only: kinetic_energy
   use sg_choose_solver, only: choose_solver
   use sg_drives, only: pressure_t
-  use sg_energy, only: kinetic_energy
   use sg_kinds, only: wp
   use sg_laws, only: law_elastic, law_linear, law_mohr, law_wet
   use sg_measures, only: measures_t

@@ -9,7 +9,7 @@ module sg_tracks
   use sg_bodies, only: angle_of, bodies_t
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, impulse_vector
-  use sg_energy, only: add_held_work
+  use sg_imposed_work, only: add_held_work
   use sg_kinds, only: wp, i4
   use sg_local_numbers, only: local_body
   use sg_mapping, only: arms_of

@@ -3,8 +3,9 @@ program test_energy
   use harness, only: tests_t
   use made_by_hand, only: disks, make_wall, set_middle, touch
   use resultants, only: add_resultants
+  use sg_body_energy, only: kinetic_energy, potential_energy
   use sg_contacts, only: contacts_t, reserve_contacts
-  use sg_energy, only: energy_t, kinetic_energy, potential_energy
+  use sg_energy, only: energy_t
   use sg_kinds, only: wp, i1
   use sg_measures, only: measure, measures_t
   use sg_random, only: random_t

@@ -3,7 +3,7 @@
 program test_by_matrices
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, force_on, g, hold, put_disk, put_polygon, put_wall, run
-  use sg_energy, only: kinetic_energy
+  use sg_body_energy, only: kinetic_energy
   use sg_kinds, only: wp
   use sg_laws, only: law_linear
   use sg_simulation, only: simulation_t
