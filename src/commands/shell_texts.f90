@@ -105,34 +105,29 @@ contains
   !> All keys as `--set` takes them.
   function keys_of_decks() result(words)
     character(len=:), allocatable :: words
-    type(key_table_t) :: table
-    integer :: s, k
+    type(text_t), allocatable :: paths(:)
+    integer :: k
 
-    table = all_keys()
-    words = ''
-    do s = 1, size(table%sections)
-      do k = table%sections(s)%first, table%sections(s)%last
-        words = words//' '//path_of(table, s, k)
-      end do
+    paths = paths_of(all_keys())
+    words = paths(1)%s
+    do k = 2, size(paths)
+      words = words//' '//paths(k)%s
     end do
-    words = words(2:)
   end function keys_of_decks
 
   !> Cases of the keys that take one of some words.
   function choices_of_keys() result(text)
     character(len=:), allocatable :: text
     type(key_table_t) :: table
-    integer :: s, k
+    type(text_t), allocatable :: paths(:)
+    integer :: k
 
     table = all_keys()
+    paths = paths_of(table)
     text = ''
-    do s = 1, size(table%sections)
-      do k = table%sections(s)%first, table%sections(s)%last
-        associate (key => table%keys(k))
-          if (key%kind == value_logical) text = text//'      '//path_of(table, s, k)//') words="true false" ;;'//nl
-          if (key%kind == value_choice) text = text//'      '//path_of(table, s, k)//') words="'//choices_of(key)//'" ;;'//nl
-        end associate
-      end do
+    do k = 1, size(paths)
+      if (table%keys(k)%kind == value_logical) text = text//'      '//paths(k)%s//') words="true false" ;;'//nl
+      if (table%keys(k)%kind == value_choice) text = text//'      '//paths(k)%s//') words="'//choices_of(table%keys(k))//'" ;;'//nl
     end do
   end function choices_of_keys
 
@@ -157,15 +152,20 @@ contains
     words = words(2:)
   end function choices_of
 
-  !> A key with its section.
-  function path_of(table, s, k) result(path)
+  !> Each key with its section.
+  function paths_of(table) result(paths)
     type(key_table_t), intent(in) :: table
-    integer, intent(in) :: s, k
-    character(len=:), allocatable :: path
+    type(text_t), allocatable :: paths(:)
+    integer :: s, k
 
-    path = trim(table%keys(k)%name)
-    if (table%sections(s)%name /= '') path = trim(table%sections(s)%name)//'.'//path
-  end function path_of
+    allocate (paths(table%sections(size(table%sections))%last))
+    do s = 1, size(table%sections)
+      do k = table%sections(s)%first, table%sections(s)%last
+        paths(k)%s = trim(table%keys(k)%name)
+        if (table%sections(s)%name /= '') paths(k)%s = trim(table%sections(s)%name)//'.'//paths(k)%s
+      end do
+    end do
+  end function paths_of
 
   !> Words of a text that blanks divide.
   function words_of(list) result(words)

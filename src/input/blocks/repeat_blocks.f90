@@ -12,6 +12,8 @@ module sg_repeat_blocks
   private
   public :: repeat_blocks
 
+  !> By which the seeds of copies of a sample differ: a prime, so that they meet no seeds that a user counts up
+  real(wp), parameter :: seed_step = 7919
   !> Sections of which each block is copied with all that stands within it
   character(len=6), parameter :: copied(3) = [character(len=6) :: 'body', 'sample', 'region']
 
@@ -61,6 +63,7 @@ contains
     integer, intent(in) :: b, n, k
     real(wp), intent(in) :: shift(:)
     type(value_t) :: value
+    real(wp) :: seed
     integer :: place, inner
 
     call add_copy(deck, b, deck%blocks(b)%parent)
@@ -72,8 +75,10 @@ contains
       value%words(1)%s = value%words(1)%s//'.'//to_text(k)
       call deck%put(place, value)
     end if
-    if (deck%is_in(b, 'sample')) &
-      call deck%give_numbers(place, 'seed', [modulo(real(deck%integer(b, 'seed'), wp) + 7919*real(k - 1, wp), real(huge(1), wp))])
+    if (deck%is_in(b, 'sample')) then
+      seed = real(deck%integer(b, 'seed'), wp) + seed_step*real(k - 1, wp)
+      call deck%give_numbers(place, 'seed', [modulo(seed, real(huge(1), wp))])
+    end if
     do inner = b + 1, n
       if (deck%blocks(inner)%parent == b) call add_copy(deck, inner, place)
     end do
