@@ -3,7 +3,7 @@ module sg_shell_texts
   use sg_help, only: command_names, help_text, look_names
   use sg_key_table, only: key_t, key_table_t, value_choice, value_logical
   use sg_keys, only: all_keys
-  use sg_text, only: text_t
+  use sg_text, only: append_word, text_t
   use sg_version, only: version
   use sg_words, only: list_choices
   implicit none
@@ -173,11 +173,10 @@ contains
     type(text_t), allocatable :: words(:)
     integer :: first, blank
 
-    allocate (words(0))
     first = 1
     do while (first <= len(list))
       blank = index(list(first:)//' ', ' ')
-      words = [words, text_t(list(first:first + blank - 2))]
+      call append_word(words, list(first:first + blank - 2))
       first = first + blank
     end do
   end function words_of

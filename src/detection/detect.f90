@@ -61,7 +61,8 @@ contains
       call match_pairs(history, scene, pairs)
     end if
     call place_contactors(scene%contactors, scene%bodies%middle)
-    pairs%alert = alert_of(scene%sees, pairs%way)
+    if (.not. allocated(pairs%alert)) allocate (pairs%alert(size(scene%sees)))
+    pairs%alert(:) = alert_of(scene%sees, pairs%way)
     if (scene%cell%is_on) contacts%upwards = scene%cell%middle([4, 2])
     call touch_all(scene, pairs, history, contacts)
     history%is_loaded = .false.

@@ -17,6 +17,8 @@ module sg_periodic_cell
   integer, parameter :: component_xx = 1, component_xy = 4, n_components = 4
   !> Numbers that `pack` writes
   integer, parameter :: n_cell_values = 4*3 + 1
+  !> Most lengths by which a tilt is folded back at a time
+  real(wp), parameter :: most_folds = 1e6_wp
 
   !> A periodic cell
   type :: periodic_cell_t
@@ -172,7 +174,9 @@ contains
     integer(i4), intent(out) :: folds !! whole lengths taken from the tilt
 
     folds = 0
-    if (abs(self%middle(4)) > self%middle(1)/2) folds = nint(self%middle(4)/self%middle(1), i4)
+    ! A tilt of more lengths than numbers of images can count is that of a broken run, which its guards end.
+    if (abs(self%middle(4)) > self%middle(1)/2 .and. abs(self%middle(4)) < most_folds*self%middle(1)) &
+      folds = nint(self%middle(4)/self%middle(1), i4)
     self%middle(4) = self%middle(4) - real(folds, wp)*self%middle(1)
     self%now(4) = self%now(4) - real(folds, wp)*self%now(1)
     self%folds = self%folds + folds

@@ -103,6 +103,12 @@ contains
         call deck%complain(diagnostics, 'the law "'//scene%laws(i)%name//'" is not available in a periodic cell', b)
     end do
     if (any(scene%cell%is_stress)) call check_solver(deck, options, diagnostics)
+    do i = 1, size(rate_keys)
+      if (scene%cell%is_stress(i)) cycle
+      if (scene%cell%imposed(i)%largest()*options%time_step > 1) &
+        call deck%complain(diagnostics, 'the cell strains by more than 1 in a step: take a smaller step or rate', b, &
+                           trim(rate_keys(i)))
+    end do
     if (options%substeps > 1) call deck%complain(diagnostics, 'a periodic cell does not run in substeps', deck%block_of('time'), &
                                                  'substeps')
   end subroutine check_cell
