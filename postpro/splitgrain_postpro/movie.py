@@ -59,7 +59,7 @@ class Movie:
         self.common = Frame(pixels=round(0.85 * size))
         self._survey(first)
         ratio = proportions(first, results.periods, view, self.common.box)
-        self.figure = new_figure(7 * ratio**0.5 + 1.4, 7 / ratio**0.5 + 1)
+        self.figure = new_figure(7 * ratio**0.5 + 1.8, 7 / ratio**0.5 + 1)
         self.figure.set_dpi(size / max(self.figure.get_size_inches()))
         self.figure.suptitle(results.name)
         self.canvas = FigureCanvasAgg(self.figure)
@@ -93,7 +93,8 @@ class Movie:
             self.ax.clear()
             self.missing = draw_scene(self.ax, self._scene(picture), self.quantity, self.results.periods, self.view, common=self.common)
             if number == 0:
-                # The parts keep their places from the first frame on.
+                # The parts keep their places from the first frame on. The first layout ignores how a fixed aspect shifts labels.
+                self.figure.draw_without_rendering()
                 self.figure.draw_without_rendering()
                 self.figure.set_layout_engine("none")
             self.canvas.draw()

@@ -11,6 +11,7 @@ from splitgrain_postpro.cli import main
 from splitgrain_postpro.movie import Movie, find_ffmpeg
 from splitgrain_postpro.quantities import need_quantity, of_bodies, relative_to
 from splitgrain_postpro.space import View
+from splitgrain_postpro.style import styled
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +46,14 @@ def test_mp4_is_written_by_ffmpeg(plane, tmp_path):
 def test_mp4_without_ffmpeg_is_one_sentence(plane, tmp_path, capsys):
     assert main(["movie", str(plane), "--output", str(tmp_path / "movie.mp4")]) == 2
     assert "install ffmpeg" in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(2, 12), (3, 14), (12, 8), (8, 2)])
+def test_nothing_is_cut_off(tmp_path, columns, rows):
+    with styled():
+        frame = next(Movie(Results(write_results(tmp_path / "run", columns, rows, contacts_from=0)), [0, 1, 2], "speed", View()).frames())
+    # The border is background.
+    assert frame[:, [0, -1]].min() > 250 and frame[[0, -1]].min() > 250
 
 
 def test_frames_have_one_box_one_scale_and_one_place(plane):
