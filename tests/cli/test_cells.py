@@ -4,7 +4,6 @@
 usage: test_cells.py PROGRAM MPIEXEC [unittest options]
 """
 
-import csv
 import os
 import subprocess
 import sys
@@ -37,7 +36,6 @@ ROUNDING = 1e-11
 """Places, works and energies after some hundred steps, relative to the largest: rounding of each is 1e-16."""
 SOLVED = 1e-8
 """What solutions within 1e-12 of the same problem, in another order of its contacts, leave after some ten steps."""
-COSTS = ("cpu_", "wall_")
 AXES = "xyz"
 
 
@@ -78,10 +76,6 @@ class Cells(ProgramCase):
                               capture_output=True, timeout=300, env=environment)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done
-
-    def rows(self, output="out", file="record.csv"):
-        with open(self.place / output / file, newline="") as lines:
-            return [{key: value for key, value in row.items() if not key.startswith(COSTS)} for row in csv.DictReader(lines)]
 
     def places(self, output="out"):
         """Places and velocities of all bodies in each recorded step, by name."""

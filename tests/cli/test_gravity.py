@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Gravity that changes with time: the fall of an arch against limit analysis, a free body, tables, energy, stages, restarts, ranks."""
 
-import csv
 import math
 import os
 import sys
@@ -81,10 +80,6 @@ class Gravity(ProgramCase):
         (self.place / "deck.toml").write_text(text)
         return self.run_program("run", "deck.toml", "--output", output, "--quiet", "--force", *words, code=code)
 
-    def rows(self, name="record.csv", output="out"):
-        with (self.place / output / name).open(newline="") as file:
-            return list(csv.DictReader(file))
-
     def test_limit_analysis(self):
         """The linear programme finds what is known: a block on a tilted plane slides at friction or turns at width over height."""
         block = [(0.0, 0.0), (0.5, 0.0), (0.5, 2.0), (0.0, 2.0)]
@@ -113,20 +108,20 @@ class Gravity(ProgramCase):
         rule = (lambda t: 3 * math.sin(5 * t), lambda t: 1 + 4 * t if t < 0.5 else 3 - 8 * (t - 0.5))
         self.run_deck(HEAD + BALL + gravity("x", '"3*sin(5*t)"') + gravity("y", 0.0, 'file = "push.txt"'))
         speeds = [0.0, 0.0]
-        for n, row in enumerate(self.rows("tracks.csv")):
+        for n, row in enumerate(self.rows(file="tracks.csv")):
             for c in range(2):
                 speeds[c] += STEP * (rule[c](n * STEP) + rule[c]((n + 1) * STEP)) / 2
                 self.assertAlmostEqual(float(row["velocity_" + "xy"[c]]), speeds[c], delta=ROUNDING)
         self.assertLess(float(self.rows()[-1]["energy_closure"]), 1e-12)
         # Outside its times the gravity of the scene holds.
         self.run_deck(HEAD + BALL + gravity("y", -1.0, "start = 0.2", "end = 0.5"))
-        self.assertAlmostEqual(float(self.rows("tracks.csv")[-1]["velocity_y"]), -9.81 * 0.7 - 0.3, delta=1e-12)
+        self.assertAlmostEqual(float(self.rows(file="tracks.csv")[-1]["velocity_y"]), -9.81 * 0.7 - 0.3, delta=1e-12)
 
     def test_space(self):
         """In space along z, in substeps."""
         ball = BALL.replace("disk", "sphere").replace("[0.0, 0.1]", "[0.0, 0.1, 0.2]")
         self.run_deck("[scene]\ndimension = 3\n" + HEAD + ball + gravity("z", '"-2*t"'), "--set", "time.substeps=4")
-        self.assertAlmostEqual(float(self.rows("tracks.csv")[-1]["velocity_z"]), -1.0, delta=ROUNDING)
+        self.assertAlmostEqual(float(self.rows(file="tracks.csv")[-1]["velocity_z"]), -1.0, delta=ROUNDING)
         self.assertLess(float(self.rows()[-1]["energy_closure"]), 1e-12)
 
     def test_grains(self):
@@ -157,7 +152,7 @@ class Gravity(ProgramCase):
         text = HEAD.replace(f"steps = {STEPS}\n", "") + BALL + gravity("x", 2.0)
         stages = '[[stage]]\nsteps = 50\n[[stage]]\nsteps = 50\n' + gravity("x", '"6*t"', stage=True) + '[[stage]]\nsteps = 50\n'
         self.run_deck(text + stages)
-        ends = [float(row["velocity_x"]) for row in self.rows("tracks.csv")][-101::50]
+        ends = [float(row["velocity_x"]) for row in self.rows(file="tracks.csv")][-101::50]
         for found, wanted in zip(ends, (1.0, 1.75, 2.75), strict=True):
             self.assertAlmostEqual(found, wanted, delta=ROUNDING)
         self.assertLess(float(self.rows()[-1]["energy_closure"]), 1e-12)

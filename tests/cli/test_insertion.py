@@ -4,7 +4,6 @@
 usage: test_insertion.py PROGRAM MPIEXEC [unittest options]
 """
 
-import csv
 import os
 import subprocess
 import sys
@@ -42,7 +41,6 @@ UP = {2: "y", 3: "z"}
 MASS = {2: 1000 * pi * 0.1**2, 3: 1000 * 4 / 3 * pi * 0.1**3}
 ROUNDING = 1e-12
 """Places, velocities and energies after some hundred steps, relative to the largest: rounding of each is 1e-16."""
-COSTS = ("cpu_", "wall_")
 # A pile that a rain makes, and from which grains leave at its sides.
 PILE = """[[wall]]
 name = "floor"
@@ -95,10 +93,6 @@ class Insertion(ProgramCase):
                               capture_output=True, timeout=300, env=environment)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done
-
-    def rows(self, output="out", file="record.csv"):
-        with open(self.place / output / file, newline="") as lines:
-            return [{key: value for key, value in row.items() if not key.startswith(COSTS)} for row in csv.DictReader(lines)]
 
     def column(self, name, output="out"):
         return [float(row[name]) for row in self.rows(output)]

@@ -2,7 +2,6 @@
 """Contacts that are kept while their pair hardly moves, from outside: a restart changes nothing, in the plane and in space, with
 periods, bonds, composite bodies and substeps, on one rank and on two; overlap and energies stay what they are without."""
 
-import csv
 import json
 import subprocess
 import sys
@@ -29,11 +28,6 @@ class KeptContacts(ProgramCase):
         settings = ["scene.kept_motion=1e-3", f"time.steps={steps}", "output.record_every=1", "output.every=0", *settings]
         flags = [word for setting in settings for word in ("--set", setting)]
         return self.run_program("run", str(deck), "--output", output, "--quiet", *flags, *words)
-
-    def rows(self, folder):
-        """Rows of a record without the costs of its steps."""
-        with (self.place / folder / "record.csv").open() as file:
-            return [{name: value for name, value in row.items() if not name.startswith(("cpu_", "wall_"))} for row in csv.DictReader(file)]
 
     def test_restart(self):
         """A run that is interrupted goes on to the same numbers, digit by digit, from contacts that it keeps."""

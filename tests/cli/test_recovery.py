@@ -2,7 +2,6 @@
 """Overlap that is undone, from outside: what rests stays as it is, a restart changes nothing, subdomains gain as one does, and decks
 whose laws need overlap are refused."""
 
-import csv
 import json
 import sys
 import unittest
@@ -24,11 +23,6 @@ class Recovery(ProgramCase):
 
     def run_json(self, folder):
         return json.loads((self.place / folder / "run.json").read_text())
-
-    def rows(self, folder):
-        """Rows of a record without the costs of its steps."""
-        with (self.place / folder / "record.csv").open() as file:
-            return [{name: value for name, value in row.items() if not name.startswith(("cpu_", "wall_"))} for row in csv.DictReader(file)]
 
     def test_rest_stays_rest(self):
         """Grains that lie on each other without overlap, to the tolerance, are never pushed: the answer is that of a deck without."""

@@ -4,7 +4,6 @@
 usage: test_staged.py PROGRAM MPIEXEC [unittest options]
 """
 
-import csv
 import json
 import os
 import subprocess
@@ -99,7 +98,6 @@ value = "0.3*min(1, t/0.01)"
 """
 ROUNDING = 1e-12
 """Works and energies of some hundred steps, relative to the largest: rounding of each is 1e-16."""
-COSTS = ("cpu_", "wall_")
 
 
 def drive(component, value=0.0, more=""):
@@ -127,10 +125,6 @@ class Staged(ProgramCase):
                               capture_output=True, timeout=300, env=environment)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done
-
-    def rows(self, output="out", file="record.csv"):
-        with open(self.place / output / file, newline="") as lines:
-            return [{key: value for key, value in row.items() if not key.startswith(COSTS)} for row in csv.DictReader(lines)]
 
     def stages(self, output="out"):
         return json.loads((self.place / output / "run.json").read_text())["stages"]

@@ -68,11 +68,6 @@ class Substeps(ProgramCase):
     def run_json(self, folder):
         return json.loads((self.place / folder / "run.json").read_text())
 
-    def rows(self, folder):
-        """Rows of a record without the costs of its steps."""
-        with (self.place / folder / "record.csv").open() as file:
-            return [{name: value for name, value in row.items() if not name.startswith(("cpu_", "wall_"))} for row in csv.DictReader(file)]
-
     def test_restart(self):
         """A run that is interrupted goes on to the same numbers, digit by digit, with pushes too."""
         if not self.has_hdf5():

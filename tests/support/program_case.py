@@ -1,5 +1,6 @@
 """Tests of the program from outside, each in a folder of its own whose name has a blank."""
 
+import csv
 import os
 import re
 import subprocess
@@ -36,6 +37,11 @@ class ProgramCase(unittest.TestCase):
         done = subprocess.run([self.launcher, "--oversubscribe", "-n", str(ranks), self.program, "run", "deck.toml", "--output", output,
                                "--force", "--quiet", *words], cwd=self.place, capture_output=True, text=True, env=environment, timeout=300)
         self.assertEqual(done.returncode, 0, done.stderr)
+
+    def rows(self, output="out", file="record.csv"):
+        """Rows of a file of results, without the costs of steps, which differ from run to run."""
+        with (self.place / output / file).open(newline="") as lines:
+            return [{name: value for name, value in row.items() if not name.startswith(("cpu_", "wall_"))} for row in csv.DictReader(lines)]
 
     def run_until_walltime(self, run, *words):
         """Call `run`, which wants exit code 75, with a walltime that doubles while the machine is too busy for a first step."""
