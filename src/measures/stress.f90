@@ -65,11 +65,12 @@ contains
     pressure = sum([(stress(a, a), a=1, scene%dimension)])/real(scene%dimension, wp)
   end function mean_pressure
 
-  !> Sum over this rank's contacts of impulse (x) branch [N s m].
+  !> Sum over this rank's contacts of impulse (x) branch [N s m]. The list is allocatable since an absent one of assumed shape,
+  !! handed on, has the compiler compute with unset strides.
   pure function stress_sums(scene, contacts, is_counted) result(sums)
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
-    logical, intent(in), optional :: is_counted(:) !! contacts that count; all unless given
+    logical, allocatable, intent(in), optional :: is_counted(:) !! contacts that count; all unless given
     real(wp) :: sums(scene%dimension, scene%dimension), all_sums(3, 3)
 
     all_sums = 0
@@ -86,7 +87,7 @@ contains
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(inout) :: sums(3, 3)
-    logical, intent(in), optional :: is_counted(:)
+    logical, allocatable, intent(in), optional :: is_counted(:)
     real(wp) :: normal, tangential, x, y, impulse_x, impulse_y, branch_x, branch_y
     integer :: k, c, a
 
@@ -132,7 +133,7 @@ contains
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(inout) :: sums(3, 3)
-    logical, intent(in), optional :: is_counted(:)
+    logical, allocatable, intent(in), optional :: is_counted(:)
     real(wp) :: branch(3), impulse(3)
     integer :: k, b
 

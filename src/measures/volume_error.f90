@@ -37,7 +37,7 @@ contains
   pure real(wp) function overlap_of(scene, contacts, is_counted) result(overlap)
     type(scene_t), intent(in) :: scene !! scene with its contactors placed
     type(contacts_t), intent(in) :: contacts !! contacts of the step
-    logical, intent(in), optional :: is_counted(:) !! contacts that count; all unless given
+    logical, allocatable, intent(in), optional :: is_counted(:) !! contacts that count; all unless given
 
     if (scene%dimension == 2) then
       overlap = overlap_area(scene%contactors, contacts, scene%period, is_counted)
@@ -51,7 +51,7 @@ contains
     type(contactors_t), intent(in) :: contactors
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(in) :: period
-    logical, intent(in), optional :: is_counted(:)
+    logical, allocatable, intent(in), optional :: is_counted(:)
     integer :: k, last(4), this(4)
     real(wp) :: offset(2)
 

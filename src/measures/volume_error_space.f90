@@ -22,7 +22,8 @@ contains
     type(contactors_t), intent(in) :: contactors !! placed contactors
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     type(scene_t), intent(in) :: scene !! scene with its periods
-    logical, intent(in), optional :: is_counted(:) !! pairs count whose first point with a negative gap does; all unless given
+    !> Pairs count whose first point with a negative gap does; all unless given
+    logical, allocatable, intent(in), optional :: is_counted(:)
     type(overlap_room_t) :: room
     real(wp) :: overlap
     integer :: k, last(5), this(5)

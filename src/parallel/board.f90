@@ -139,7 +139,10 @@ contains
       box%n = box%n + 1
       box%letters(box%n)%from = from
       box%letters(box%n)%number = self%sent(from, to)
-      box%letters(box%n)%items = items
+      ! Assignment to an array that is not allocated has the compiler compute with unset bounds.
+      if (allocated(box%letters(box%n)%items)) deallocate (box%letters(box%n)%items)
+      allocate (box%letters(box%n)%items(size(items, 1), size(items, 2)))
+      box%letters(box%n)%items(:, :) = items
     end associate
     call note_progress()
   end subroutine board_post

@@ -104,7 +104,8 @@ contains
     type(touching_t), intent(in) :: touching
     real(wp), intent(in) :: neighbours(:)
     real(wp), intent(out) :: sums(:), fastest
-    logical :: is_in(scene%bodies%n), is_point(contacts%n)
+    logical :: is_in(scene%bodies%n)
+    logical, allocatable :: is_point(:)
     integer :: b, d
 
     d = scene%dimension
@@ -112,6 +113,7 @@ contains
       is_in(b) = scene%bodies%is_grain(b)
       if (is_in(b)) is_in(b) = holds(region, scene, scene%bodies%position(:, b))
     end do
+    allocate (is_point(contacts%n))
     do b = 1, contacts%n
       is_point(b) = holds(region, scene, contacts%point(:d, b))
     end do
