@@ -5,8 +5,6 @@ beginnings and ends, in which components are free or stand still; restarts and s
 import csv
 import json
 import math
-import os
-import subprocess
 import sys
 import unittest
 from pathlib import Path
@@ -209,12 +207,7 @@ class Drives(ProgramCase):
                 self.assertLess(self.run_json()["energy_closure"], 1e-3 if is_in_space else 1e-11)
             texts.append((self.place / "out" / "tracks.csv").read_bytes())
             if self.launcher:
-                environment = {name: value for name, value in os.environ.items() if name != "TMPDIR"}
-                environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-                done = subprocess.run([self.launcher, "--oversubscribe", "-n", "3", self.program, "run", "deck.toml", "--output", "ranks",
-                                       "--force", "--quiet", "--set", "partition.parts=3", "--set", "solver.tolerance=1e-4"],
-                                      cwd=self.place, capture_output=True, text=True, env=environment, timeout=300)
-                self.assertEqual(done.returncode, 0, done.stderr)
+                self.call("--quiet", "--set", "partition.parts=3", "--set", "solver.tolerance=1e-4", output="ranks", ranks=3)
                 texts.append((self.place / "ranks" / "tracks.csv").read_bytes())
             self.assertEqual(len(set(texts)), 1)
 
@@ -299,5 +292,4 @@ class Drives(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Drives.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

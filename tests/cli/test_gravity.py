@@ -2,7 +2,6 @@
 """Gravity that changes with time: the fall of an arch against limit analysis, a free body, tables, energy, stages, restarts, ranks."""
 
 import math
-import os
 import sys
 import unittest
 from pathlib import Path
@@ -175,5 +174,4 @@ class Gravity(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Gravity.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

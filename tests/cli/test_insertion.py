@@ -4,8 +4,6 @@
 usage: test_insertion.py PROGRAM MPIEXEC [unittest options]
 """
 
-import os
-import subprocess
 import sys
 import unittest
 from math import ceil, floor, pi, sqrt
@@ -14,7 +12,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program_case import ProgramCase, take_program
 
-MPIEXEC = None
 HEAD = """[time]
 step = 1e-3
 steps = {steps}
@@ -81,18 +78,6 @@ class Insertion(ProgramCase):
     def write(self, body, steps=400, dimension=2, name="deck", track=True):
         head = HEAD.format(steps=steps, dimension=dimension, gravity=GRAVITY[dimension])
         (self.place / f"{name}.toml").write_text(head + (TRACK if track else "") + body)
-
-    def call(self, *words, deck="deck", output="out", code=0, ranks=1):
-        call = ["run", f"{deck}.toml", "--output", output, "--force", *words]
-        if "--restart" in words:
-            call.remove("--force")
-        if ranks == 1:
-            return self.run_program(*call, code=code)
-        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMP_NUM_THREADS="1")
-        done = subprocess.run([MPIEXEC, "--oversubscribe", "-n", str(ranks), self.program, *call], cwd=self.place, text=True,
-                              capture_output=True, timeout=300, env=environment)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done
 
     def column(self, name, output="out"):
         return [float(row[name]) for row in self.rows(output)]
@@ -319,7 +304,7 @@ class Insertion(ProgramCase):
         self.call(*few)
         one = self.column("entered")
         ways = [("parts", ("--set", "partition.parts=2"), 1), ("three", ("--set", "partition.parts=3"), 1)]
-        for output, words, ranks in ways + ([("two", (), 2)] if MPIEXEC else []):
+        for output, words, ranks in ways + ([("two", (), 2)] if self.launcher else []):
             with self.subTest(output=output):
                 self.call(*few, *words, output=output, ranks=ranks)
                 first = next(i for i, n in enumerate(self.column("contacts")) if n > 0)
@@ -328,7 +313,7 @@ class Insertion(ProgramCase):
                 for name, margin in (("entered", 5), ("removed", 5)):
                     self.assertLess(abs(self.column(name, output)[-1] - self.column(name)[-1]), margin, name)
                 self.assertLess(max(self.column("energy_closure", output)[1:]), ROUNDING)
-        if MPIEXEC:
+        if self.launcher:
             self.assertEqual(self.rows("parts"), self.rows("two"))
         gate = '[[wall]]\nname = "gate"\nfrom = [-0.5, -0.01]\nto = [2.5, -0.01]\nthickness = 0.02\n[[remove]]\nbody = "gate"\nat = 0.1\n'
         self.write(gate + "".join(ball(2, f"ball{i}", 0.3 * i, 0.1) for i in range(6)) + ball(2, "late", 2.1, 0.1, "at = 0.2\n"), 300)
@@ -406,8 +391,4 @@ class Insertion(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    MPIEXEC = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
-    outcome = unittest.main(exit=False).result
-    failed = len(outcome.failures) + len(outcome.errors)
-    print(f"{outcome.testsRun - failed} passed, {failed} failed")
-    sys.exit(failed > 0 or outcome.testsRun == 0)
+    unittest.main()

@@ -3,7 +3,6 @@
 DATBOX, end conditions."""
 
 import csv
-import os
 import sys
 import unittest
 from pathlib import Path
@@ -139,5 +138,4 @@ class Kinds(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Kinds.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

@@ -4,7 +4,6 @@ restarts bit for bit, several ranks; bodies, step, place and cause of the deepes
 
 import csv
 import json
-import os
 import sys
 import unittest
 from pathlib import Path
@@ -183,5 +182,4 @@ class Means(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Means.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

@@ -4,7 +4,6 @@ energy, stages, restarts to the byte, ranks, mistakes."""
 
 import csv
 import json
-import os
 import sys
 import unittest
 from pathlib import Path
@@ -217,5 +216,4 @@ class PressedCell(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    PressedCell.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

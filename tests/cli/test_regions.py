@@ -5,7 +5,6 @@ restarts to the byte, several ranks, and boxes that make no sense."""
 import csv
 import json
 import math
-import os
 import sys
 import unittest
 from pathlib import Path
@@ -186,5 +185,4 @@ class Regions(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Regions.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

@@ -2,7 +2,6 @@
 """A unit that is repeated, from outside: the same scene as the deck that writes all copies out, in the plane, in space and in stages."""
 
 import csv
-import os
 import sys
 import unittest
 from pathlib import Path
@@ -133,5 +132,4 @@ class Repeat(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Repeat.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

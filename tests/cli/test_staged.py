@@ -5,8 +5,6 @@ usage: test_staged.py PROGRAM MPIEXEC [unittest options]
 """
 
 import json
-import os
-import subprocess
 import sys
 import unittest
 from math import ceil, pi
@@ -16,7 +14,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program_case import ProgramCase, take_program
 
 DECKS = Path(__file__).resolve().parents[2] / "input_decks"
-MPIEXEC = None
 HEAD = """[time]
 step = 1e-3
 {time}
@@ -116,16 +113,6 @@ class Staged(ProgramCase):
         head = HEAD.format(dimension=len(gravity), gravity=list(gravity), friction=friction, time=time)
         (self.place / f"{name}.toml").write_text(head + body + "".join(f"[[stage]]\n{stage}\n" for stage in stages))
 
-    def call(self, *words, deck="deck", output="out", code=0, ranks=1):
-        call = ["run", f"{deck}.toml", "--output", output, *words]
-        if ranks == 1:
-            return self.run_program(*call, code=code)
-        environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMP_NUM_THREADS="1")
-        done = subprocess.run([MPIEXEC, "--oversubscribe", "-n", str(ranks), self.program, *call], cwd=self.place, text=True,
-                              capture_output=True, timeout=300, env=environment)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done
-
     def stages(self, output="out"):
         return json.loads((self.place / output / "run.json").read_text())["stages"]
 
@@ -144,7 +131,7 @@ class Staged(ProgramCase):
             with self.subTest(dimension=len(gravity)):
                 self.write(body, ['name = "smooth"\nsteps = 100', f'name = "rough"\nduration = 0.3\n{law}', "steps = 100"],
                            gravity=gravity)
-                said = self.call("--force").stdout
+                said = self.call().stdout
                 rows = self.rows()
                 self.assertEqual([row["stage"] for row in rows], ["1"] * 100 + ["2"] * 300 + ["3"] * 100)
                 self.assertEqual([row["stage"] for row in self.rows(file="tracks.csv")][::2], [row["stage"] for row in rows])
@@ -208,9 +195,9 @@ class Staged(ProgramCase):
         second.write_text(second.read_text().replace("step = 1e-3", "step = 5e-4"))
         for words, ranks in (((), 1), (("--set", "partition.parts=3"), 1), ((), 2)):
             with self.subTest(words=words, ranks=ranks):
-                self.call("--force", *words, ranks=ranks if MPIEXEC else 1)
-                self.call("--force", *words, deck="first", output="two", ranks=ranks if MPIEXEC else 1)
-                self.call("--restart", "two", *words, deck="second", output="two", ranks=ranks if MPIEXEC else 1)
+                self.call(*words, ranks=ranks if self.launcher else 1)
+                self.call(*words, deck="first", output="two", ranks=ranks if self.launcher else 1)
+                self.call("--restart", "two", *words, deck="second", output="two", ranks=ranks if self.launcher else 1)
                 self.assert_same("out", "two", without=("stage",))
 
     def test_restart_within_a_stage(self):
@@ -222,7 +209,7 @@ class Staged(ProgramCase):
         self.assertEqual(ends, [40, 40 + ceil((0.0695 - 0.04) / 7e-4), 40 + ceil((0.0695 - 0.04) / 7e-4) + 30])
         for step in (25, 40, 63, ends[1], ends[2] - 5):
             with self.subTest(step=step):
-                self.call("--force", "--set", f"time.steps={step}", output="parts")
+                self.call("--set", f"time.steps={step}", output="parts")
                 said = self.call("--restart", "parts", output="parts").stdout
                 self.assertIn(f"done: {ends[2]} of", said)
                 self.assert_same("out", "parts")
@@ -280,7 +267,7 @@ class Staged(ProgramCase):
                                ("stage[1].time.steps=3", '"time.steps" cannot change between stages'),
                                ("stage[2].solver.tolerence=1", 'unknown key "tolerence" in [solver]'),
                                ("stage[1].solver.tolerance=-1", '"stage[1].solver.tolerance" must be larger than 0')):  # fmt: skip
-            self.assertIn(words, self.call("--set", setting, "--force", code=2).stderr)
+            self.assertIn(words, self.call("--set", setting, code=2).stderr)
 
     def test_bad_input(self):
         """One sentence each, at its place."""
@@ -340,8 +327,4 @@ class Staged(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    MPIEXEC = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
-    outcome = unittest.main(exit=False).result
-    failed = len(outcome.failures) + len(outcome.errors)
-    print(f"{outcome.testsRun - failed} passed, {failed} failed")
-    sys.exit(failed > 0 or outcome.testsRun == 0)
+    unittest.main()

@@ -4,7 +4,6 @@ the byte, several ranks, and names that no body has."""
 
 import csv
 import json
-import os
 import sys
 import unittest
 from pathlib import Path
@@ -309,5 +308,4 @@ class Tracks(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Tracks.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

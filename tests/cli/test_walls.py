@@ -5,7 +5,6 @@ byte, several ranks, a DATBOX."""
 import csv
 import json
 import math
-import os
 import shutil
 import sys
 import unittest
@@ -259,5 +258,4 @@ class Walls(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Walls.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

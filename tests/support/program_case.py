@@ -22,21 +22,27 @@ class ProgramCase(unittest.TestCase):
         self.addCleanup(place.cleanup)
         self.place = Path(place.name)
 
-    def run_program(self, *words, code=0):
-        """Run the program in the test's folder; its exit code must be this one."""
-        done = subprocess.run([self.program, *map(str, words)], cwd=self.place, capture_output=True, text=True,
-                              timeout=self.timeout)
+    def run_program(self, *words, code=0, ranks=1):
+        """Run the program in the test's folder, on so many ranks; its exit code must be this one."""
+        command, environment = [self.program, *map(str, words)], None
+        if ranks > 1:
+            command = [self.launcher, "--oversubscribe", "-n", str(ranks), *command]
+            environment = {name: value for name, value in os.environ.items() if name != "TMPDIR"}
+            environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMP_NUM_THREADS": "1"}
+        done = subprocess.run(command, cwd=self.place, capture_output=True, text=True, env=environment,
+                              timeout=self.timeout if ranks == 1 else 300)  # fmt: skip
         self.assertEqual(done.returncode, code, f"{words}\n{done.stdout}\n{done.stderr}")
         return done
+
+    def call(self, *words, deck="deck", output="out", code=0, ranks=1):
+        """Run a deck of the test's folder, on so many ranks; results of an earlier run are replaced, unless this one goes on from it."""
+        force = [] if "--restart" in words else ["--force"]
+        return self.run_program("run", f"{deck}.toml", "--output", output, *force, *words, code=code, ranks=ranks)
 
     def on_ranks(self, ranks, text, output, *words):
         """Run a deck, given as text, on some ranks; it must end well."""
         (self.place / "deck.toml").write_text(text)
-        environment = {name: value for name, value in os.environ.items() if name != "TMPDIR"}
-        environment |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-        done = subprocess.run([self.launcher, "--oversubscribe", "-n", str(ranks), self.program, "run", "deck.toml", "--output", output,
-                               "--force", "--quiet", *words], cwd=self.place, capture_output=True, text=True, env=environment, timeout=300)
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.call("--quiet", *words, output=output, ranks=ranks)
 
     def rows(self, output="out", file="record.csv"):
         """Rows of a file of results, without the costs of steps, which differ from run to run."""
@@ -59,5 +65,7 @@ class ProgramCase(unittest.TestCase):
 
 
 def take_program():
-    """Take the program from the command line."""
+    """Take the program from the command line, and what starts ranks where it is given."""
     ProgramCase.program = str(Path(sys.argv.pop(1)).resolve())
+    if len(sys.argv) > 1 and Path(sys.argv[1]).is_file() and os.access(sys.argv[1], os.X_OK):
+        ProgramCase.launcher = sys.argv.pop(1)
