@@ -62,7 +62,7 @@ def write_pages(pages, has_fortran):
 def gallery():
     """All decks with their first sentence, and all pictures."""
     lines = ["# Gallery", "", "## Pictures", ""]
-    for picture in sorted((TOP / "doc/images").glob("*.png")):
+    for picture in sorted([*(TOP / "doc/images").glob("*.png"), *(TOP / "doc/images").glob("*.webp")]):
         lines += [f"![{picture.stem.replace('_', ' ')}](images/{picture.name})", ""]
     lines += ["## Decks", "", "| deck | what it is |", "| --- | --- |"]
     for deck in sorted((TOP / "input_decks").rglob("*.toml")):
