@@ -61,7 +61,16 @@ class Run:
         blocks = self.results.deck.get("body", [])
         return {number: block["name"] for number, block in enumerate(blocks, 1) if block.get("name")}
 
-    def interfaces(self, picture: int = -1) -> dict[str, np.ndarray]:
+    def interfaces(self, step: int | None = None) -> Any:
+        """Pairs of bodies of the last recorded step up to this one: interfaces.csv as a DataFrame; without pandas numpy arrays."""
+        columns = self.results.interfaces(step)
+        try:
+            import pandas
+        except ModuleNotFoundError:
+            return columns
+        return pandas.DataFrame(columns)
+
+    def contacts(self, picture: int = -1) -> dict[str, np.ndarray]:
         """Contacts of a picture: the numbers of both bodies, point, normal, gap, force; one row per contact point."""
         contacts = self.results.scene(picture).contacts
         if contacts is None:

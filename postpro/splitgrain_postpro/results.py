@@ -87,6 +87,23 @@ class Results:
         path = self.folder / "regions.csv"
         return read_tracks(path, "region") if path.exists() else {}
 
+    def interfaces(self, step: int | None = None) -> dict[str, np.ndarray]:
+        """Rows of interfaces.csv of the last recorded step up to this one, one array per column, names in `first` and `second`."""
+        rows = self._interface_rows
+        if not rows:
+            raise ResultsError(f"{self.folder} has no interfaces.csv: set [[interface]] in the deck")
+        steps = np.unique(rows["step"])
+        steps = steps if step is None else steps[steps <= step]
+        if not len(steps):
+            raise ResultsError(f"{self.folder} has no row of interfaces.csv" + ("" if step is None else f" at or before step {step}"))
+        return {name: values[rows["step"] == steps[-1]] for name, values in rows.items()}
+
+    @cached_property
+    def _interface_rows(self):
+        """interfaces.csv as one array per column; empty when there is none."""
+        path = self.folder / "interfaces.csv"
+        return read_interfaces(path) if path.exists() else {}
+
     def field(self, number: int = 1) -> Field:
         """A coarse-grained field, by its place among the blocks [[field]] of the deck, from 1."""
         path = self.folder / f"field_{number}.vtkhdf"
@@ -240,21 +257,42 @@ def read_record(path: Path) -> dict[str, np.ndarray]:
     return {name: np.array([_number(word) for word in column]) for name, column in zip(names, columns, strict=True)}
 
 
-def read_tracks(path: Path, key: str = "body") -> dict[str, dict[str, np.ndarray]]:
-    """tracks.csv, walls.csv or regions.csv as one table per body, each with one array per column; a last row cut short is left out."""
+def read_interfaces(path: Path) -> dict[str, np.ndarray]:
+    """interfaces.csv as one array per column, of words in `first` and `second`; a last row that is cut short is left out."""
+    names, rows = _read_rows(path)
+    if not {"step", "first", "second"} <= set(names):
+        raise ResultsError(f"cannot read {path}: it has no line of names")
+    if rows and len(rows[-1]) != len(names):
+        rows.pop()
+    try:
+        columns = list(zip(*rows, strict=True)) or [()] * len(names)
+        return {name: np.array(column, dtype=object) if name in ("first", "second") else np.array(column, dtype=float)
+                for name, column in zip(names, columns, strict=True)}
+    except ValueError as error:
+        raise ResultsError(f"cannot read {path}: {error}") from error
+
+
+def _read_rows(path):
+    """Names of the columns of a file, and its rows of words."""
     try:
         with open(path, newline="") as file:
             rows = [row for row in csv.reader(file) if row]
     except (OSError, ValueError, csv.Error) as error:
         raise ResultsError(f"cannot read {path}: {error}") from error
-    if not rows or key not in rows[0]:
+    return (rows[0], rows[1:]) if rows else ([], [])
+
+
+def read_tracks(path: Path, key: str = "body") -> dict[str, dict[str, np.ndarray]]:
+    """tracks.csv, walls.csv or regions.csv as one table per body, each with one array per column; a last row cut short is left out."""
+    names, rows = _read_rows(path)
+    if key not in names:
         raise ResultsError(f"cannot read {path}: it has no line of names")
-    names, place = rows[0], rows[0].index(key)
-    if rows[1:] and len(rows[-1]) != len(names):
+    place = names.index(key)
+    if rows and len(rows[-1]) != len(names):
         rows.pop()
     bodies = {}
     try:
-        for row in rows[1:]:
+        for row in rows:
             bodies.setdefault(row[place], []).append([float(word) for i, word in enumerate(row) if i != place])
         tables = {body: np.array(table).T for body, table in bodies.items()}
         names.pop(place)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import splitgrain as sg
+from splitgrain_postpro.errors import ResultsError
 
 DECKS = Path(__file__).parents[2] / "input_decks"
 BLOCK = DECKS / "sliding_block.toml"
@@ -62,7 +63,7 @@ def test_run_gives_its_record_and_motions(deck, tmp_path):
     assert run.names() == {1: "block"}
     moved = run.transformations()[1]
     assert moved[:3, :3] == pytest.approx(np.eye(3), abs=1e-9) and moved[0, 3] == pytest.approx(stopped_at(run), rel=1e-9)
-    faces = run.interfaces()
+    faces = run.contacts()
     assert set(faces["candidate"]) | set(faces["antagonist"]) == {1, 2} and faces["force_normal"].sum() == pytest.approx(50 * 9.81, rel=1e-6)
 
 
@@ -77,6 +78,20 @@ def test_turned_body_comes_back_by_its_matrix(tmp_path):
     assert matrix[:2, :2] == pytest.approx(np.array([[np.cos(0.5), -np.sin(0.5)], [np.sin(0.5), np.cos(0.5)]]), abs=1e-4)
     first, last = (run.results.scene(k).shapes.points for k in (0, -1))
     assert first @ matrix[:3, :3].T + matrix[:3, 3] == pytest.approx(last, abs=1e-9)
+
+
+@needs_program
+def test_interfaces_have_resultants(tmp_path):
+    deck = sg.Deck(BLOCK)
+    deck["interface"] = [{}]
+    run = deck.run(tmp_path / "run", set={"output.record_every": 100})
+    last, first = run.interfaces(), run.interfaces(350)
+    assert list(last["first"]) == ["block"] and int(last["step"][0]) == 700 and int(first["step"][0]) == 300
+    # At rest its weight of 50 kg on the floor, without friction.
+    assert float(last["normal_force"][0]) == pytest.approx(50 * 9.81, rel=1e-6)
+    assert abs(float(first["tangential_force"][0])) == pytest.approx(0.2 * 50 * 9.81, rel=1e-6)
+    with pytest.raises(ResultsError, match="at or before step 50"):
+        run.interfaces(50)
 
 
 @needs_program

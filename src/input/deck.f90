@@ -8,6 +8,7 @@ module sg_deck
   use sg_effective, only: effective_deck
   use sg_error, only: diagnostics_t, error_t, fail
   use sg_fields_from_deck, only: fields_from_deck, regions_from_deck
+  use sg_interfaces_from_deck, only: interfaces_from_deck
   use sg_keys, only: all_keys
   use sg_options_from_deck, only: options_from_deck
   use sg_repeat_blocks, only: repeat_blocks
@@ -141,6 +142,7 @@ contains
     call tracks_from_deck(deck, scene%bodies%n + deck%absent%n, options, diagnostics)
     call fields_from_deck(deck, scene%dimension, options, diagnostics)
     call regions_from_deck(deck, scene%dimension, options, diagnostics)
+    call interfaces_from_deck(deck, scene, options, diagnostics)
     call wall_list_from_deck(deck, scene, options%walls)
     call name_walls(deck, options)
   end subroutine read_things

@@ -41,6 +41,7 @@ contains
       call timed(measure_now, sim, phase_measure, error)
       if (sim%tracks%is_on()) call timed(measure_tracks, sim, phase_measure, error)
       if (sim%regions%is_on()) call timed(measure_regions, sim, phase_measure, error)
+      if (sim%interfaces%is_on()) call timed(measure_interfaces, sim, phase_measure, error)
       call watch_energy(sim, error)
       call timed(record_now, sim, phase_output, late)
       if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
@@ -96,7 +97,7 @@ contains
     if (sim%writers%is_root) write (error_unit, '(a)') 'warning: '//warning
   end subroutine watch_energy
 
-  !> Add a row to the record, and one per tracked body, wall and region to theirs; test the end conditions.
+  !> Add a row to the record, and one per tracked body, wall, region and interface to theirs; test the end conditions.
   subroutine record_now(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
@@ -117,6 +118,8 @@ contains
       call sim%writers%walls%add(sim%step, sim%time(), sim%scene%dimension, sim%tracks, sim%cell, sim%stages%number, error)
     if (sim%regions%is_on() .and. .not. allocated(error)) &
       call sim%writers%regions%add(sim%step, sim%time(), sim%scene%dimension, sim%regions, sim%stages%number, error)
+    if (sim%interfaces%is_on() .and. .not. allocated(error)) &
+      call sim%writers%interfaces%add(sim%step, sim%time(), sim%interfaces, sim%stages%number, error)
     sim%means%is_recorded = .true.
     call sim%comm%agree(error)
     if (sim%stop%is_on() .and. .not. allocated(error)) call test_end(sim, columns)
@@ -254,6 +257,14 @@ contains
 
     call sim%regions%measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%decomposition%subdomain, sim%comm)
   end subroutine measure_regions
+
+  !> Measure the interfaces of pairs of bodies. Collective.
+  subroutine measure_interfaces(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+
+    call sim%interfaces%measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%comm)
+  end subroutine measure_interfaces
 
   !> Measure all indicators. Collective.
   subroutine measure_now(sim, error)

@@ -6,6 +6,7 @@ module sg_run_files
   use sg_field_file, only: field_name
   use sg_former_results, only: remove_results
   use sg_hdf5, only: hdf5_is_available
+  use sg_interface_file, only: interfaces_name
   use sg_numbers, only: write_numbers
   use sg_region_file, only: regions_name
   use sg_restart_files, only: newest_restart
@@ -39,6 +40,7 @@ contains
     sim%writers%tracks%has_stages = sim%stages%number > 0
     sim%writers%walls%has_stages = sim%stages%number > 0
     sim%writers%regions%has_stages = sim%stages%number > 0
+    sim%writers%interfaces%has_stages = sim%stages%number > 0
     if (sim%options%record_every > 0) call open_record(sim, resumes, error)
     if (.not. allocated(error) .and. sim%options%record_every > 0 .and. allocated(sim%options%tracked)) then
       call sim%writers%tracks%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
@@ -51,6 +53,10 @@ contains
     if (.not. allocated(error) .and. sim%options%record_every > 0 .and. sim%regions%is_on()) then
       call sim%writers%regions%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
       call sim%writers%summary%add_file('regions', regions_name)
+    end if
+    if (.not. allocated(error) .and. sim%options%record_every > 0 .and. sim%interfaces%is_on()) then
+      call sim%writers%interfaces%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
+      call sim%writers%summary%add_file('interfaces', interfaces_name)
     end if
     if (.not. allocated(error) .and. allocated(sim%fields)) call open_fields(sim, resumes, error)
     if (.not. allocated(error) .and. sim%options%has_trace) call open_trace(sim, resumes, error)

@@ -1,5 +1,6 @@
 !> A simulation: everything one run owns, made ready for its first step (sg_advance does the steps).
 module sg_simulation
+  use sg_body_interfaces, only: interfaces_t
   use sg_carry, only: carry_t
   use sg_cell, only: cell_t
   use sg_choose_solver, only: choose_solver
@@ -77,6 +78,8 @@ module sg_simulation
     type(tracks_t) :: tracks
     !> Regions in which indicators are measured
     type(regions_t) :: regions
+    !> Pairs of bodies whose interfaces are measured
+    type(interfaces_t) :: interfaces
     !> Walls, and the cell that they enclose
     type(cell_t) :: cell
     !> Coarse-grained fields; unallocated where there are none
@@ -167,7 +170,7 @@ contains
     if (allocated(scene%bodies%id)) call comm%sum(weight)
   end function weight_of_grains
 
-  !> Begin fields and regions; track the bodies that the deck asks for, and walls where there is a record.
+  !> Begin fields, regions and interfaces; track the bodies that the deck asks for, and walls where there is a record.
   subroutine track_bodies(sim)
     type(simulation_t), intent(inout) :: sim
     type(text_t), allocatable :: names(:)
@@ -181,6 +184,7 @@ contains
       end do
     end if
     if (allocated(sim%options%regions)) sim%regions%options = sim%options%regions
+    if (allocated(sim%options%interfaces)) sim%interfaces%options = sim%options%interfaces
     if (sim%options%walls%is_periodic .and. sim%options%record_every > 0) call sim%cell%begin(sim%options%walls)
     if (sim%options%walls%count() == 0 .or. sim%options%record_every == 0) then
       if (allocated(sim%options%tracked)) &

@@ -1,6 +1,7 @@
-!> Writers of a run: record, tracked bodies, walls, regions, pictures, progress, summary, traces, structure files.
+!> Writers of a run: record, tracked bodies, walls, regions, interfaces, pictures, progress, summary, traces, structure files.
 module sg_writers
   use sg_field_file, only: field_file_t
+  use sg_interface_file, only: interface_file_t
   use sg_measures, only: measures_t
   use sg_pictures, only: pictures_t
   use sg_progress, only: progress_t
@@ -22,6 +23,7 @@ module sg_writers
     type(track_file_t) :: tracks
     type(wall_file_t) :: walls
     type(region_file_t) :: regions
+    type(interface_file_t) :: interfaces
     type(field_file_t), allocatable :: fields(:)
     type(pictures_t) :: pictures
     type(progress_t) :: progress

@@ -1,6 +1,7 @@
 !> What to do with a scene: time, solver, what to write and when. Filled by the deck, changed by no one.
 module sg_run_options
   use sg_field_options, only: field_options_t
+  use sg_interface_options, only: interface_options_t
   use sg_kinds, only: wp, i4
   use sg_options, only: option_values_t
   use sg_region_options, only: region_options_t
@@ -118,6 +119,8 @@ module sg_run_options
     type(field_options_t), allocatable :: fields(:)
     !> Regions in which indicators are measured; unallocated where there are none
     type(region_options_t), allocatable :: regions(:)
+    !> Pairs of bodies whose interfaces are measured; unallocated where there are none
+    type(interface_options_t), allocatable :: interfaces
     !> Sample series at every step and write their spectra at the end
     logical :: has_spectrum = .false.
     !> Keep the history of errors within some steps: these, or some spread over the run

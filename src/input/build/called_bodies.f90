@@ -12,7 +12,7 @@ module sg_called_bodies
   use sg_wildcards, only: has_wildcard, matches
   implicit none
   private
-  public :: add_bodies, body_of, count_called, find_called, numbers_called
+  public :: add_bodies, add_called, body_of, count_called, find_called, numbers_called
 
 contains
 
@@ -130,31 +130,42 @@ contains
     integer(i4), allocatable, intent(inout) :: found(:) !! numbers to add to
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(value_t) :: value
-    integer :: number, status, n
 
     value = deck%value(b, 'body')
-    n = size(found)
-    associate (word => value%words(1)%s)
-      if (word(1:min(1, len(word))) == '#') then
-        read (word(2:), *, iostat=status) number
-        if (status /= 0) number = 0
-        if (number >= 1 .and. number <= bodies) then
-          found = [found, int(number, i4)]
-        else
-          call deck%complain(diagnostics, 'there is no body '//word(2:)//': the scene has '//to_text(bodies), b, 'body')
-        end if
-        return
-      end if
-      call add_matches(deck, word, found)
-      if (size(found) == n) call complain_of_none(deck, b, word, diagnostics)
-    end associate
+    call add_called(deck, b, 'body', value%words(1)%s, bodies, found, diagnostics)
   end subroutine add_bodies
 
+  !> Add the bodies that a word calls: `#` and a number, a name, or a pattern of names.
+  subroutine add_called(deck, b, key, word, bodies, found, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck with its names
+    integer, intent(in) :: b !! block with the word
+    character(len=*), intent(in) :: key !! key of the word
+    character(len=*), intent(in) :: word !! name, pattern or number
+    integer, intent(in) :: bodies !! of the whole scene
+    integer(i4), allocatable, intent(inout) :: found(:) !! numbers to add to
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    integer :: number, status, n
+
+    n = size(found)
+    if (word(1:min(1, len(word))) == '#') then
+      read (word(2:), *, iostat=status) number
+      if (status /= 0) number = 0
+      if (number >= 1 .and. number <= bodies) then
+        found = [found, int(number, i4)]
+      else
+        call deck%complain(diagnostics, 'there is no body '//word(2:)//': the scene has '//to_text(bodies), b, key)
+      end if
+      return
+    end if
+    call add_matches(deck, word, found)
+    if (size(found) == n) call complain_of_none(deck, b, key, word, diagnostics)
+  end subroutine add_called
+
   !> Report a name or a pattern that no body has, with the nearest name.
-  subroutine complain_of_none(deck, b, word, diagnostics)
+  subroutine complain_of_none(deck, b, key, word, diagnostics)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b
-    character(len=*), intent(in) :: word
+    character(len=*), intent(in) :: key, word
     type(diagnostics_t), intent(inout) :: diagnostics
     character(len=:), allocatable :: near
     logical :: has_names
@@ -163,13 +174,13 @@ contains
     if (has_names) has_names = size(deck%names) > 0
     if (.not. has_names) then
       call deck%complain(diagnostics, 'there is no body named "'//word//'": no body of this scene has a name, give its number', &
-                         b, 'body')
+                         b, key)
     else if (has_wildcard(word)) then
       near = nearest_word(word, deck%names)
       if (near /= '') near = '; the nearest one is "'//near//'"'
-      call deck%complain(diagnostics, 'no body has a name that matches "'//word//'"'//near, b, 'body')
+      call deck%complain(diagnostics, 'no body has a name that matches "'//word//'"'//near, b, key)
     else
-      call deck%complain_unknown(diagnostics, 'body', word, deck%names, b, 'body')
+      call deck%complain_unknown(diagnostics, 'body', word, deck%names, b, key)
     end if
   end subroutine complain_of_none
 end module sg_called_bodies

@@ -2,6 +2,7 @@
 module sg_interactions_from_deck
   use sg_blocks, only: deck_t
   use sg_census, only: census_t
+  use sg_colours_from_deck, only: find_colour
   use sg_contactors, only: kind_names, kind_point, n_kinds
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
@@ -10,7 +11,7 @@ module sg_interactions_from_deck
   use sg_run_options, only: run_options_t
   use sg_scene, only: largest_gravity, scene_t, see_t
   use sg_sees, only: blind_pairs
-  use sg_text, only: nearest_word, to_text
+  use sg_text, only: to_text
   use sg_words, only: choice_index, choices_of
   implicit none
   private
@@ -64,8 +65,8 @@ contains
 
     see%candidate_kind = choice_index(deck%word(b, 'candidate_shape'), choices_of(kind_names))
     see%antagonist_kind = choice_index(deck%word(b, 'antagonist_shape'), choices_of(kind_names))
-    call find_colour(deck, b, 'candidate', scene, see%candidate_colour, diagnostics)
-    call find_colour(deck, b, 'antagonist', scene, see%antagonist_colour, diagnostics)
+    call find_colour(deck, b, 'candidate', deck%word(b, 'candidate'), scene, see%candidate_colour, diagnostics)
+    call find_colour(deck, b, 'antagonist', deck%word(b, 'antagonist'), scene, see%antagonist_colour, diagnostics)
     see%law = law_of(deck, b, scene, diagnostics)
     if (see%law == 0) return
     call set_alert(scene, alert, see)
@@ -117,28 +118,6 @@ contains
     end do
     is_free = n_imposed < scene%bodies%n_velocity
   end function is_free
-
-  !> Colour of a name; 0 for any.
-  subroutine find_colour(deck, b, key, scene, colour, diagnostics)
-    type(deck_t), intent(in) :: deck
-    integer, intent(in) :: b
-    character(len=*), intent(in) :: key
-    type(scene_t), intent(in) :: scene
-    integer, intent(out) :: colour
-    type(diagnostics_t), intent(inout) :: diagnostics
-    character(len=:), allocatable :: name, near
-
-    colour = 0
-    name = deck%word(b, key)
-    if (name == 'any' .or. .not. allocated(scene%colours)) return
-    do colour = 1, size(scene%colours)
-      if (scene%colours(colour)%s == name) return
-    end do
-    colour = 0
-    near = nearest_word(name, scene%colours)
-    if (near /= '') near = '; did you mean "'//near//'"?'
-    call deck%complain(diagnostics, 'no body has the colour "'//name//'"'//near, b, key)
-  end subroutine find_colour
 
   !> Alert distances of a pair where none is given: what acts on open contacts is always sought up to the longest.
   pure subroutine set_alert(scene, alert, see)

@@ -1,7 +1,7 @@
 !> The key table, first part: what to do with a scene. Defaults are those of `run_options_t`.
 module sg_keys_run
-  use sg_key_table, only: key_table_t, value_body, value_box, value_choice, value_counts, value_integer, value_logical, &
-                          value_real, value_text, value_texts
+  use sg_key_table, only: key_table_t, value_bodies, value_body, value_box, value_choice, value_counts, value_integer, &
+                          value_logical, value_real, value_text, value_texts
   use sg_field_options, only: field_options_t, kernel_names
   use sg_kinds, only: wp
   use sg_methods, only: coupling_names, list_couplings, list_solvers, method_t, solver_names
@@ -14,7 +14,7 @@ module sg_keys_run
 
 contains
 
-  !> Add the sections time, stage, solver, partition, output, track, field, region, stop, restart, guard and report.
+  !> Add the sections time, stage, solver, partition, output, track, field, region, interface, stop, restart, guard and report.
   subroutine add_run_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
@@ -194,6 +194,7 @@ contains
                    is_required=.true.)
     call add_fields(table)
     call add_regions(table)
+    call add_interfaces(table)
     call table%open_section('stop', 'When a run ends before its last step: conditions on what is recorded, tested in each '// &
                             'recorded step. The first that holds ends it, with exit code 0.')
     call table%add('when', value_texts, 'Conditions of columns of record.csv and of tracked bodies: "max_velocity < 1e-4", '// &
@@ -258,4 +259,16 @@ contains
     call table%add('box', value_box, 'The box, fixed in space: [x least, y least, x most, y most], in space '// &
                    '[x least, y least, z least, x most, y most, z most].', unit='m', is_required=.true.)
   end subroutine add_regions
+
+  !> Section interface.
+  subroutine add_interfaces(table)
+    type(key_table_t), intent(inout) :: table
+
+    call table%open_section('interface', 'Pairs of bodies of which the contacts have resultants, one row per pair and recorded '// &
+                            'step in interfaces.csv: normal and tangential force, moment, centre of pressure, eccentricity, '// &
+                            'area (guide/interfaces.md). Without a key all pairs.', is_list=.true.)
+    call table%add('between', value_bodies, 'The two bodies, by name, in which * stands for any letters and ? for one, or by '// &
+                   'number: all pairs of a body of the first pattern and one of the second.')
+    call table%add('colours', value_texts, 'In place of bodies: two colours of shapes, or "any".')
+  end subroutine add_interfaces
 end module sg_keys_run
