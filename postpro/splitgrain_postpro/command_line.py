@@ -16,6 +16,7 @@ COMMANDS = {
     "scene": "the scene: grains coloured by a quantity, force chains, walls",
     "movie": "all pictures of a run as mp4, webp, gif or animated png, with one view and one scale",
     "page": "one offline page: a view that turns, a slider over the pictures, curves of the record",
+    "thrust": "the thrust line of masonry: lines through the centres of pressure within the blocks",
     "split": "the scene by ranks: grains coloured by the rank that they belong to, contacts between ranks",
     "energy": "energies, works and losses against time",
     "solver": "sweeps, contacts, residuals and cost by phase against time",
@@ -43,7 +44,7 @@ def parser() -> ArgumentParser:
         else:
             command.add_argument("--output", metavar="PNG", type=Path, help=f"file to write (default RESULTS/{name}.png)")
             command.add_argument("--dpi", metavar="N", type=int, default=150, help="dots per inch (default 150)")
-        if name in ("summary", "scene", "split", "structure"):
+        if name in ("summary", "scene", "thrust", "split", "structure"):
             command.add_argument("--step", metavar="N", type=int,
                                  help="show the last picture at or before time step N (default: the last picture)")
         if name in ("scene", "movie"):
@@ -61,7 +62,7 @@ def parser() -> ArgumentParser:
             command.add_argument("--body", metavar="PATTERN", default="*", help="bodies to draw, by name with * and ? (default *)")
             command.add_argument("--columns", metavar="NAME,...", type=lambda words: words.split(","),
                                  help="columns to draw, one panel each (default: displacement, mean force and torque, work)")
-        if name in ("scene", "movie", "split"):
+        if name in ("scene", "movie", "thrust", "split"):
             space = command.add_argument_group("scenes in space")
             space.add_argument("--azimuth", metavar="DEGREES", type=float, default=AZIMUTH,
                                help=f"where to look from: angle from x towards y (default {AZIMUTH:g})")
@@ -70,8 +71,8 @@ def parser() -> ArgumentParser:
             space.add_argument("--cut", metavar="AXIS=PLACE", type=_cut,
                                help="leave out grains whose centres lie before this plane, for example y=0.15")
         if name in ("scene", "movie"):
-            space.add_argument("--forces", action="store_true",
-                               help="draw the forces between grains, and the grains pale")
+            command.add_argument("--forces", action="store_true",
+                                 help="draw the forces between bodies through their centres of pressure; in space on pale grains")
     add_study(commands)
     return top
 

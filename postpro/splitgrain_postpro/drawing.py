@@ -62,6 +62,8 @@ def draw(arguments: Namespace) -> tuple[Results, list[str], Path]:
             figure, missing = figures.summary_figure(results, picture)
         elif arguments.command == "scene":
             figure, missing = figures.scene_figure(results, picture, arguments.colour, _view(arguments), arguments.relative_to)
+        elif arguments.command == "thrust":
+            figure, missing = figures.thrust_figure(results, picture, _view(arguments))
         elif arguments.command == "split":
             figure, missing = figures.split_figure(results, picture, _view(arguments))
         elif arguments.command == "spectrum":

@@ -1,5 +1,7 @@
 """The pages that the commands write."""
 
+from dataclasses import replace
+
 from matplotlib.figure import Figure
 
 from . import plots, traces
@@ -26,6 +28,16 @@ def scene_figure(
     figure, ax = _page_of(scene, results, view)
     missing = draw_scene(ax, scene, quantity, results.periods, view)
     return figure, missing
+
+
+def thrust_figure(results: Results, picture: int = -1, view: View | None = None) -> tuple[Figure, list[str]]:
+    """The thrust lines of a scene over its bodies."""
+    scene = results.scene(picture)
+    if scene.contacts is None or scene.bodies is None:
+        raise ResultsError(f"{results.folder} has no pictures of bodies and contacts: set output.every in the deck")
+    view = replace(view or View(), thrust=True)
+    figure, ax = _page_of(scene, results, view)
+    return figure, draw_scene(ax, scene, "none", results.periods, view)
 
 
 def split_figure(results: Results, picture: int = -1, view: View | None = None) -> tuple[Figure, list[str]]:

@@ -137,7 +137,7 @@ def _pressure(scene):
         return None
     data = bodies.point_data
     cells = np.flatnonzero(contacts.types == VTK_LINE)
-    force = _forces(contacts)[cells]
+    force = forces_of(contacts)[cells]
     point = contacts.cell_data["point"][cells]
     ends = contacts.points[contacts.connectivity].reshape(-1, 2, 3) if len(cells) else np.zeros((0, 2, 3))
     sums = np.zeros(len(data["id"]))
@@ -149,7 +149,7 @@ def _pressure(scene):
     return np.where(data.get("is_grain", np.ones(len(size))) > 0, sums / np.maximum(size, 1e-300), 0.0)
 
 
-def _forces(contacts):
+def forces_of(contacts: Grid) -> np.ndarray:
     """The force that each candidate feels [N]."""
     data = contacts.cell_data
     if "force" in data:

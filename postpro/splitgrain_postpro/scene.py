@@ -14,6 +14,7 @@ from .quantities import QUANTITIES, between_ranks, bonds, carrying, colouring, i
 from .results import Scene
 from .space import View
 from .style import BLACK, BLUE, GRAIN, VERMILION, WALL, draw_bonds, number
+from .thrust import draw_thrust, lines_of_force, resultants, say_no_force
 from .vtkhdf import VTK_POLY_LINE, VTK_POLYGON
 
 # Shapes of walls, which a picture may cut short; any other shape is drawn whole wherever it is.
@@ -44,7 +45,7 @@ def draw_scene(
     lattice = Lattice.of(periods[0], scene.cell)
     missing = []
     common = common or Frame()
-    view = _view(scene, lattice) if common.box is None else common.box
+    look, view = view or View(), _view(scene, lattice) if common.box is None else common.box
     if view is not None:
         _set_view(ax, view)
     if scene.shapes is None:
@@ -56,8 +57,10 @@ def draw_scene(
     elif view is not None and quantity != "layer":  # lines of forces would hide the layers
         if draw_contacts is not None:
             draw_contacts(ax, scene, lattice, view)
+        elif look.thrust and scene.bodies is not None:
+            draw_thrust(ax, scene, lambda points: points[..., :2], lattice.straight)
         else:
-            _draw_forces(ax, scene, lattice, view, common.force)
+            _draw_forces(ax, scene, lattice, view, common.force, look.forces and scene.bodies is not None)
             _draw_bonds(ax, scene, lattice, view)
     if scene.bodies is None:
         missing.append("no bodies.vtkhdf")
@@ -184,8 +187,10 @@ def _colour_bar(ax, collection, scale):
     bar.outline.set_linewidth(0.5)
 
 
-def _draw_forces(ax, scene, lattice, view, thick):
-    """Force chains: pushing contacts red, pulling ones blue, the width in proportion to the normal force; slack links thin."""
+def _draw_forces(ax, scene, lattice, view, thick, through_centres=False):
+    """Force chains: pushing contacts red, pulling ones blue, the width in proportion to the normal force; slack links thin.
+
+    Lines go from body to body; on request one for each pair, through its centre of pressure."""
     contacts = scene.contacts
     cells = np.flatnonzero(carrying(contacts))
     linked, tension = links(contacts)
@@ -195,11 +200,14 @@ def _draw_forces(ax, scene, lattice, view, thick):
         lines, _ = lattice.repeated(lines, view)
         ax.add_collection(LineCollection(lines, linewidths=0.7, colors=BLACK), autolim=False)
     if not len(cells):
-        ax.text(0.01, 0.99, "no contact carries force", transform=ax.transAxes, va="top", fontsize=8)
+        say_no_force(ax)
         return
-    force = _forces(contacts)[cells]
-    lines = contacts.outlines(cells)
-    lines = [lattice.straight(line) for line in lines]
+    if through_centres:
+        found = resultants(scene)
+        force, lines = np.linalg.norm(found.force, axis=1), list(lines_of_force(found)[..., :2])
+    else:
+        force = _forces(contacts)[cells]
+        lines = [lattice.straight(line) for line in contacts.outlines(cells)]
     lines, copied = lattice.repeated(lines, view)
     # A tail of rare large forces must not thin out the chains: widths saturate at the largest hundredth.
     widest = np.clip(0.6 * _grain_diameter(ax, scene, view), 0.8, 10.0)
@@ -207,7 +215,7 @@ def _draw_forces(ax, scene, lattice, view, thick):
     widths = np.minimum(np.abs(force[copied]) / thick, 1.0) * widest
     colours = np.where(force[copied] >= 0, VERMILION, BLUE)
     ax.add_collection(LineCollection(lines, linewidths=widths, colors=colours, capstyle="round"), autolim=False)
-    ax.set_xlabel(f"x [m]      thickest line: normal force {number(thick)} N and above")
+    ax.set_xlabel(f"x [m]      thickest line: {'' if through_centres else 'normal '}force {number(thick)} N and above")
 
 
 def _forces(contacts):

@@ -17,10 +17,11 @@ from .command_line import AZIMUTH, ELEVATION
 from .errors import ResultsError
 from .frame import Frame
 from .lattice import fold_bodies
-from .quantities import bonds, carrying, colouring, links, of_bodies, of_shapes, rows_of
+from .quantities import bonds, colouring, links, of_bodies, of_shapes, rows_of
 from .raster import Canvas, normal_of
 from .results import Scene
 from .style import BLACK, BLUE, VERMILION, draw_bonds, number
+from .thrust import draw_thrust, lines_of_force, resultants, say_no_force
 from .vtkhdf import VTK_POLYGON, VTK_VERTEX
 
 PIXELS = 1500
@@ -45,6 +46,7 @@ class View:
     azimuth: float = AZIMUTH  # of the viewer, from x towards y [degrees]
     elevation: float = ELEVATION  # of the viewer above the horizon [degrees]
     forces: bool = False  # forces between grains, which are pale then
+    thrust: bool = False  # thrust lines through the centres of pressure, over pale grains
     cut: tuple | None = None  # (axis, place [m]): grains on the viewer's side are left out
 
     def axes(self) -> np.ndarray:
@@ -95,13 +97,16 @@ def draw_space(
     edge = 0.55 * np.clip(radius * canvas.scale / canvas.FINE / 5, 0.0, 1.0)
     picture = canvas.image(colours, radius, edge)
     _draw_box(ax, box, axes, periods if scene.cell is None else np.diag(scene.cell), _tilt(scene))
-    if view.forces:
-        picture[..., :3] = 0.25 * picture[..., :3] + 0.75
+    if view.forces or view.thrust:
+        pale = 0.75 if view.forces else 0.4
+        picture[..., :3] = (1 - pale) * picture[..., :3] + pale
     ax.imshow(picture, extent=frame, origin="lower", zorder=2, interpolation="antialiased")
     ax.add_collection(LineCollection(outlines, colors="#6A6A6A", linewidths=0.7, alpha=0.6, zorder=3), autolim=False)
     if scene.contacts is not None:
         _draw_links(ax, scene, axes)
         _draw_bonds(ax, scene, axes, canvas, radius, view)
+    if view.thrust and scene.contacts is not None:
+        draw_thrust(ax, scene, lambda points: (points @ axes.T)[..., :2], lambda line: line)
     if view.forces and scene.contacts is not None:
         scale = _draw_forces(ax, scene, axes, frame, radius, view, common.force)
     if scale is not None and scale.map is not None:
@@ -226,18 +231,22 @@ def _folded(scene):
     if scene.cell is None or scene.bodies is None:
         return scene
     bodies, shapes, contacts = scene.bodies, scene.shapes, scene.contacts
-    ways = fold_bodies(bodies.points, scene.cell)
+    moves = fold_bodies(bodies.points, scene.cell)
     if shapes is not None:
         of_cell = rows_of(bodies.point_data["id"], shapes.cell_data["body"])
         points = shapes.points.copy()
-        points[shapes.connectivity] += np.repeat(ways[of_cell], np.diff(shapes.offsets), axis=0)
+        points[shapes.connectivity] += np.repeat(moves[of_cell], np.diff(shapes.offsets), axis=0)
         shapes = replace(shapes, points=points)
     if contacts is not None and len(contacts.connectivity):
         starts = contacts.points[contacts.connectivity].reshape(-1, 2, 3)[:, 0]
         points = contacts.points.copy()
-        points[contacts.connectivity] += np.repeat(fold_bodies(starts, scene.cell), 2, axis=0)
-        contacts = replace(contacts, points=points)
-    return replace(scene, bodies=replace(bodies, points=bodies.points + ways), shapes=shapes, contacts=contacts)
+        ways = fold_bodies(starts, scene.cell)
+        points[contacts.connectivity] += np.repeat(ways, 2, axis=0)
+        data = dict(contacts.cell_data)
+        if "point" in data:
+            data["point"] = np.asarray(data["point"], dtype=float) + ways
+        contacts = replace(contacts, points=points, cell_data=data)
+    return replace(scene, bodies=replace(bodies, points=bodies.points + moves), shapes=shapes, contacts=contacts)
 
 
 def _solids(scene, axes, view, box, walls):
@@ -371,7 +380,7 @@ def _colours(scene, quantity, is_grain, view, common):
     colours = np.tile(to_rgb(GRAIN), (n, 1)).astype(np.float32)
     colours[~is_grain] = to_rgb(WALL)
     colours[_held(scene, is_grain)] = to_rgb(HELD)
-    values = None if quantity == "none" or view.forces else of_bodies(scene, quantity)
+    values = None if quantity == "none" or view.forces or view.thrust else of_bodies(scene, quantity)
     if values is None or not is_grain.any():
         return None, colours
     values = np.asarray(values, dtype=float)[is_grain]
@@ -420,42 +429,29 @@ def _draw_bonds(ax, scene, axes, canvas, radius, view):
     draw_bonds(ax, points[seen, :2], damage[seen], np.clip(0.12 * diameter, 2.0, 5.0))
 
 
-def _forces(contacts, cells):
-    """Pairs of bodies, the first contact of each, and their force [N]: points of one pair are one force."""
-    data = contacts.cell_data
-    pairs, first, own = np.unique(np.column_stack([data["candidate"], data["antagonist"]])[cells], axis=0,
-                                  return_index=True, return_inverse=True)
-    force = np.zeros((len(pairs), 3))
-    np.add.at(force, np.ravel(own), np.asarray(data["force"], dtype=float)[cells])
-    return pairs, first, np.linalg.norm(force, axis=1)
-
-
 def thickest_force(scene: Scene) -> float | None:
     """Force of the thickest bar of one picture [N]; None where there is none."""
-    cells = np.flatnonzero(carrying(scene.contacts)) if scene.contacts is not None else []
-    return float(np.quantile(_forces(scene.contacts, cells)[2], 0.99)) if len(cells) else None
+    force = np.linalg.norm(resultants(scene).force, axis=1) if scene.contacts is not None else []
+    return float(np.quantile(force, 0.99)) if len(force) else None
 
 
 def _draw_forces(ax, scene, axes, frame, radius, view, most):
-    """Forces as bars from grain to grain; returns their scale. Points of one pair are one force."""
-    contacts = scene.contacts
-    cells = np.flatnonzero(carrying(contacts))
-    if not len(cells):
-        ax.text(0.01, 0.99, "no contact carries force", transform=ax.transAxes, va="top", fontsize=8)
+    """Forces as bars from grain to grain, through the centre of pressure of each pair; returns their scale."""
+    found = resultants(scene)
+    if not len(found.force):
+        say_no_force(ax)
         return None
-    pairs, first, force = _forces(contacts, cells)
-    ends = contacts.points[contacts.connectivity].reshape(-1, 2, 3)[cells[first]]
-    kept = _kept(scene.bodies, view)
-    rows = rows_of(scene.bodies.point_data["id"], pairs.ravel()).reshape(-1, 2)
-    shown = kept[rows].all(axis=1)
+    force, lines = np.linalg.norm(found.force, axis=1), lines_of_force(found)
+    shown = _kept(scene.bodies, view)[found.bodies].all(axis=1)
     # A tail of rare large forces must not thin out the chains: widths saturate at the largest hundredth.
     thick = most or float(np.quantile(force, 0.99))
     share = np.clip(force / thick, 0, 1)[shown]
     order = np.argsort(share)
     canvas = Canvas(frame, PIXELS)
     least = 0.7 / canvas.scale
-    canvas.add_tubes(*(ends[shown][order][:, k] @ axes.T for k in (0, 1)), np.maximum(0.45 * radius * share[order], least),
-                     np.arange(len(order)))
+    for k in (0, 1):
+        canvas.add_tubes(*(lines[shown][order][:, m] @ axes.T for m in (k, k + 1)), np.maximum(0.45 * radius * share[order], least),
+                         np.arange(len(order)))
     colours = FORCES(share[order])[:, :3].astype(np.float32)
     ax.imshow(canvas.image(colours, 0.5 * radius, 0.0), extent=frame, origin="lower", zorder=4, interpolation="antialiased")
     # The scale of the colours ends where bars are thickest.

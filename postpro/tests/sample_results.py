@@ -148,7 +148,9 @@ def write_pictures(folder, pack, steps, contacts_from, hollow, cell=None):
         ends = middle[chosen].reshape(-1, 3)
         if length and len(ends):
             ends[1::2, 0] -= length * np.round((ends[1::2, 0] - ends[::2, 0]) / length)
-        contact_data = {"force_normal": force, "force_tangential": 0.2 * force, "gap": np.zeros(len(force)),
+        ways = ends[::2] - ends[1::2]
+        contact_data = {"normal": ways / np.linalg.norm(ways, axis=1)[:, None], "point": (ends[::2] + ends[1::2]) / 2,
+                        "force_normal": force, "force_tangential": 0.2 * force, "gap": np.zeros(len(force)),
                         "status": np.full(len(force), 2), "law": np.ones(len(force), dtype=int),
                         "candidate": chosen[:, 0] + 1, "antagonist": chosen[:, 1] + 1}
         contacts.step(time, ends, np.arange(2 * len(force)).reshape(-1, 2), 3, cell_data=contact_data,

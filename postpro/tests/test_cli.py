@@ -13,6 +13,7 @@ from splitgrain_postpro.cli import main
 from splitgrain_postpro.quantities import of_bodies
 from splitgrain_postpro.results import LAYERS
 from splitgrain_postpro.scene import QUANTITIES, draw_scene, draw_split
+from splitgrain_postpro.space import View
 from splitgrain_postpro.style import new_figure
 from splitgrain_postpro.traces import draw_costs, draw_history
 from splitgrain_postpro.tracks import tracks_figure, walls_figure
@@ -199,6 +200,22 @@ def test_line_width_is_in_proportion_to_force(folder):
     ratio = widths[below] / force[below]
     assert ratio == pytest.approx(np.full(len(ratio), ratio[0]))
     assert widths.max() == pytest.approx(widths[force.argmax()])
+
+
+def test_forces_go_through_centres_of_pressure(folder):
+    results = Results(folder)
+    ax = new_figure(6, 6).add_subplot()
+    draw_scene(ax, results.scene(), "none", results.periods, View(forces=True))
+    chains, = chains_of(ax)
+    assert all(len(line) == 3 for line in chains.get_segments())
+    ax = new_figure(6, 6).add_subplot()
+    draw_scene(ax, results.scene(), "none", results.periods, View(thrust=True))
+    assert any("centres of pressure" in text.get_text() for text in ax.texts)
+    assert main(["thrust", str(folder)]) == 0 and main(["scene", str(folder), "--forces"]) == 0
+    # The first picture has no contact.
+    assert main(["thrust", str(folder), "--step", "0"]) == 0
+    (folder / "contacts.vtkhdf").unlink()
+    assert main(["thrust", str(folder)]) == 2
 
 
 def test_step_without_contacts_draws_no_chain(folder):

@@ -14,6 +14,7 @@ from splitgrain_postpro.raster import Canvas, normal_of
 from splitgrain_postpro.scene import QUANTITIES, _view, draw_scene, proportions
 from splitgrain_postpro.space import View, _box, _clipped, _corners, _folded, _wall_faces
 from splitgrain_postpro.style import new_figure
+from splitgrain_postpro.thrust import lines_of_force, resultants, thrust_lines
 
 @pytest.fixture(autouse=True)
 def few_pixels(monkeypatch):
@@ -146,6 +147,23 @@ def test_forces_are_drawn_over_pale_grains(tmp_path):
     assert np.count_nonzero(ax.images[1].get_array()[..., 3]) > 100
 
 
+def test_resultants_of_pairs_and_lines_through_their_centres(tmp_path):
+    scene = Results(write_space_results(tmp_path / "run")).scene()
+    found = resultants(scene)
+    # Forces of 1 N and 2 N at heights 0.4 and 0.6 are one of 3 N at a third of the way from the larger one.
+    assert found.bodies.tolist() == [[0, 1], [1, 2]] and found.force.tolist() == [[-3, 0, 0], [-3, 0, 0]]
+    assert found.centre == pytest.approx(np.array([[1, 0.5, 0.5], [2, 0.5, 0.4 + 0.2 * 2 / 3]]))
+    assert lines_of_force(found)[1] == pytest.approx(np.array([[1.5, 0.5, 0.5], found.centre[1], [2.5, 0.5, 0.5]]))
+    lines, forces = thrust_lines(scene, found)
+    # Through the middle sphere from joint to joint; of the other two from the joint to the centre of mass.
+    assert forces.tolist() == [3, 3, 3] and lines[1] == pytest.approx(found.centre)
+    assert lines[2] == pytest.approx(np.array([found.centre[1], [2.5, 0.5, 0.5]]))
+    ax, missing = drawn(Results(tmp_path / "run"), thrust=True)
+    assert missing == [] and any("thickest line: 3 N" in text.get_text() for text in ax.texts)
+    dots, = [c for c in ax.collections if isinstance(c, PathCollection)]
+    assert len(dots.get_offsets()) == 2
+
+
 @pytest.mark.parametrize(("options", "dots"), [({"azimuth": -95.0, "elevation": 0.0}, 3), ({"azimuth": -85.0, "elevation": 0.0}, 1),
                                                ({"azimuth": -90.0, "elevation": 0.0, "cut": (1, 1.0)}, 0)])
 def test_bonds_are_dots_where_nothing_hides_them(tmp_path, options, dots):
@@ -267,7 +285,7 @@ def test_scenes_without_shapes_or_contacts(tmp_path):
 
 def test_commands_in_space(tmp_path, capsys):
     folder = write_space_results(tmp_path / "run")
-    for words in (["scene"], ["scene", "--forces", "--azimuth", "-30", "--elevation", "40", "--cut", "z=0.9"], ["summary"], ["energy"]):
+    for words in (["scene"], ["scene", "--forces", "--azimuth", "-30", "--elevation", "40", "--cut", "z=0.9"], ["thrust"], ["summary"], ["energy"]):
         assert main([words[0], str(folder), "--dpi", "40", *words[1:]]) == 0
         assert (folder / f"{words[0]}.png").stat().st_size > 5000
     capsys.readouterr()

@@ -100,6 +100,23 @@ class Gravity(ProgramCase):
         begin = a - (b - a) * math.sqrt(slow) / (math.sqrt(fast) - math.sqrt(slow))
         self.assertAlmostEqual(begin / wanted, 1.0, delta=0.01)
         self.assertLess(float(self.rows()[-1]["energy_closure"]), 1e-6)
+        self.check_thrust(0.5 * (0.85 + 1.0), 0.5 * (1.0 - 0.85), wanted)
+
+    def check_thrust(self, radius, half, collapse):
+        """The thrust line stays within the joints, off their edges until half the angle of collapse; there it touches the edges at four
+        joints, in and out in turns."""
+        steps = {}
+        for row in self.rows(file="interfaces.csv"):
+            side = math.copysign(1, math.hypot(float(row["x"]), float(row["z"])) - radius)
+            steps.setdefault(0.1 * float(row["time"]), []).append(side * float(row["eccentricity"]) / half)
+            self.assertAlmostEqual(float(row["area"]), 0.2 * 2 * half, delta=1e-4 * 0.2 * half)
+        self.assertEqual({len(shares) for shares in steps.values()}, {10})
+        # Voussoirs turn by less than 1 mrad until the end, and the force acts off the middle of the depth by 3 % of it.
+        self.assertLess(max(abs(share) for shares in steps.values() for share in shares), 1.005)
+        self.assertLess(max(abs(share) for angle, shares in steps.items() if angle < 0.5 * collapse for share in shares), 0.9)
+        at_collapse = next(shares for angle, shares in steps.items() if angle >= 0.99 * collapse)
+        hinges = [share for share in at_collapse if abs(share) > 0.98]
+        self.assertEqual([share > 0 for share in hinges], [False, True, False, True])
 
     def test_free_body(self):
         """A free body gains the mean gravity of each step, given by expressions, by a table, or between two times."""
