@@ -1,4 +1,5 @@
-!> `splitgrain study`, `look` and `movie`: the Python package, which draws results and runs studies through this program.
+!> `splitgrain study`, `look`, `movie` and `convex`: the Python package, which draws results, runs studies through this program and
+!! divides meshes.
 module sg_python_command
   use sg_arguments, only: arguments_t
   use sg_error, only: error_t, exit_failure, fail
@@ -36,7 +37,7 @@ contains
     type(arguments_t), intent(in) :: arguments !! the command line
 
     select case (arguments%command)
-    case ('study')
+    case ('study', 'convex')
       is_in_python = arguments%task() /= '--help'
     case ('look')
       is_in_python = size(arguments%words) > 0

@@ -1,4 +1,4 @@
-"""The commands `splitgrain look COMMAND RESULTS [OPTION...]` and `splitgrain study`, which runs the program itself."""
+"""The commands `splitgrain look COMMAND RESULTS [OPTION...]`, `splitgrain study`, which runs the program itself, and `convex`."""
 
 import sys
 
@@ -12,6 +12,8 @@ NEEDED = ("h5py", "matplotlib", "numpy")
 def main(words: list[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     arguments = parser().parse_args(words)
+    if arguments.command == "convex":
+        return _convex(arguments)
     try:
         from . import drawing
         from .study.command import run_study
@@ -22,8 +24,20 @@ def main(words: list[str] | None = None) -> int:
         return EXIT_BAD_INPUT
     if arguments.command == "study":
         return run_study(arguments)
+    return _done(lambda: drawing.look(arguments))
+
+
+def _convex(arguments):
+    """Divide the objects of a mesh."""
+    from .convex_parts import split_mesh
+
+    return _done(lambda: print(split_mesh(arguments.mesh, arguments.output, arguments.threshold)))
+
+
+def _done(command):
+    """Do a command; returns its exit code."""
     try:
-        drawing.look(arguments)
+        command()
     except ResultsError as error:
         print(f"splitgrain-postpro: error: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT

@@ -1,4 +1,4 @@
-"""The command line of `splitgrain look` and `splitgrain study`; it needs the standard library alone, so that help needs nothing."""
+"""The command line of `splitgrain look`, `study` and `convex`; it needs the standard library alone, so that help needs nothing."""
 
 import argparse
 from argparse import ArgumentParser, _SubParsersAction
@@ -74,7 +74,18 @@ def parser() -> ArgumentParser:
             command.add_argument("--forces", action="store_true",
                                  help="draw the forces between bodies through their centres of pressure; in space on pale grains")
     add_study(commands)
+    _add_convex(commands)
     return top
+
+
+def _add_convex(commands):
+    """The command line of `convex`."""
+    sentence = "divide non-convex objects of an OBJ file into convex parts, which [[blocks]] reads as one body per object"
+    command = commands.add_parser("convex", help=sentence, description=sentence, prog="splitgrain convex")
+    command.add_argument("mesh", metavar="MESH.obj", type=Path, help="file with closed surfaces")
+    command.add_argument("--output", metavar="FILE", type=Path, help="OBJ file to write (default MESH.convex.obj)")
+    command.add_argument("--threshold", metavar="SHARE", type=float, default=0.05,
+                         help="concavity of a part over the size of its object, 0.01 to 1 (default 0.05)")
 
 
 def _add_movie(command):

@@ -7,9 +7,10 @@ module sg_help
   public :: help_text, print_help, command_names, look_names
 
   !> Subcommands, and commands of `look`, which the Python package has
-  character(len=*), parameter :: command_names = 'run check reference convert bench partition solve spectrum study look movie'
+  character(len=*), parameter :: command_names = &
+    'run check reference convert bench partition solve spectrum study look movie convex'
   character(len=*), parameter :: look_names = &
-    'summary scene movie page split energy solver trace spectrum tracks walls field structure'
+    'summary scene movie page thrust split energy solver trace spectrum tracks walls field structure'
 
 contains
 
@@ -51,6 +52,8 @@ contains
       text = help_on_study()
     case ('look')
       text = help_on_look()
+    case ('convex')
+      text = help_on_convex()
     case default
       text = help_on_commands()
     end select
@@ -203,6 +206,17 @@ contains
             'splitgrain look COMMAND --help prints the options of a command.']
   end function help_on_look
 
+  !> Help of `convex`.
+  function help_on_convex() result(text)
+    character(len=110), allocatable :: text(:)
+
+    text = [character(len=110) :: &
+            'splitgrain convex MESH.obj [options]     divide non-convex objects into convex parts (Python 3.11, coacd)', &
+            '', &
+            '  --output FILE       OBJ file to write, for [[blocks]]: one body per object (default MESH.convex.obj)', &
+            '  --threshold SHARE   concavity of a part over the size of its object, 0.01 to 1 (default 0.05)']
+  end function help_on_convex
+
   !> All subcommands.
   function help_on_commands() result(text)
     character(len=110), allocatable :: text(:)
@@ -220,6 +234,7 @@ contains
             'splitgrain spectrum DECK     spectral radius of the dual and the enriched interface on a small scene', &
             'splitgrain study FILE        error against work: many runs, diagrams, one page', &
             'splitgrain look COMMAND DIR  draw results: scene, movie, energy, solver, summary, ...', &
+            'splitgrain convex MESH       divide objects of a mesh into convex parts, for [[blocks]]', &
             'splitgrain --version         version, commit, compiler, flags, libraries', &
             '', &
             'splitgrain COMMAND --help prints more.']

@@ -10,6 +10,7 @@ module sg_deck
   use sg_fields_from_deck, only: fields_from_deck, regions_from_deck
   use sg_interfaces_from_deck, only: interfaces_from_deck
   use sg_keys, only: all_keys
+  use sg_mesh_bodies, only: bodies_of_meshes
   use sg_options_from_deck, only: options_from_deck
   use sg_repeat_blocks, only: repeat_blocks
   use sg_run_options, only: run_options_t
@@ -134,6 +135,8 @@ contains
     type(run_options_t), intent(inout) :: options
     type(diagnostics_t), intent(inout) :: diagnostics
 
+    call bodies_of_meshes(deck, diagnostics)
+    if (diagnostics%count() > 0) return
     call repeat_blocks(deck, diagnostics)
     if (diagnostics%count() > 0) return
     call options_from_deck(deck, options, diagnostics)

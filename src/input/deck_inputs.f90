@@ -27,7 +27,7 @@ contains
           call append_word(files, path_in_deck(deck, value%words(1)%s))
         end associate
       end do
-      if (.not. names_files(deck, b)) cycle
+      if (.not. (names_files(deck, b) .or. deck%is_in(b, 'blocks'))) cycle
       call files_of_sample(deck, b, shapes)
       do i = 1, size(shapes)
         call append_word(files, shapes(i)%s)

@@ -31,8 +31,8 @@ module sg_scene_from_deck
   public :: scene_from_deck
 
   !> Sections that a DATBOX replaces
-  character(len=11), parameter :: own_sections(13) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'body', &
-                                                      'wall', 'container', 'brick_wall', 'arch', 'chain', 'clump', &
+  character(len=11), parameter :: own_sections(14) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'body', &
+                                                      'wall', 'container', 'brick_wall', 'arch', 'chain', 'blocks', 'clump', &
                                                       'sample', 'rain']
 
 contains

@@ -81,6 +81,7 @@ module sg_blocks
     procedure :: flag => deck_flag
     procedure :: word => deck_word
     procedure :: put => deck_put
+    procedure :: add_block
     procedure :: give_numbers
     procedure :: complain
     procedure :: complain_unknown
@@ -287,6 +288,21 @@ contains
       here%n = max(here%n, i)
     end associate
   end subroutine deck_put
+
+  !> Add a block behind all others.
+  subroutine add_block(self, block)
+    class(deck_t), intent(inout) :: self
+    type(block_t), intent(in) :: block !! the block; a copy of one of the deck must be a copy
+    type(block_t), allocatable :: more(:)
+
+    if (self%n == size(self%blocks)) then
+      allocate (more(2*self%n + 1))
+      more(:self%n) = self%blocks(:self%n)
+      call move_alloc(more, self%blocks)
+    end if
+    self%n = self%n + 1
+    self%blocks(self%n) = block
+  end subroutine add_block
 
   !> Give numbers that the deck left open, so that the effective deck holds them.
   subroutine give_numbers(self, block, name, numbers)

@@ -103,17 +103,10 @@ contains
   subroutine add_copy(deck, b, parent)
     type(deck_t), intent(inout) :: deck
     integer, intent(in) :: b, parent
-    type(block_t), allocatable :: more(:)
     type(block_t) :: copy
 
     copy = deck%blocks(b)
     copy%parent = parent
-    if (deck%n == size(deck%blocks)) then
-      allocate (more(2*deck%n))
-      more(:deck%n) = deck%blocks(:deck%n)
-      call move_alloc(more, deck%blocks)
-    end if
-    deck%n = deck%n + 1
-    deck%blocks(deck%n) = copy
+    call deck%add_block(copy)
   end subroutine add_copy
 end module sg_repeat_blocks

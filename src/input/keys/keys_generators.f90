@@ -12,13 +12,14 @@ module sg_keys_generators
 
 contains
 
-  !> Sections container, brick_wall, arch, chain, clump and sample.
+  !> Sections container, brick_wall, arch, chain, blocks, clump and sample.
   subroutine add_generator_keys(table)
     type(key_table_t), intent(inout) :: table !! table to add to
 
     call add_containers(table)
     call add_masonry(table)
     call add_chains(table)
+    call add_blocks(table)
     call add_clump_keys(table)
     call add_samples(table)
   end subroutine add_generator_keys
@@ -96,6 +97,25 @@ contains
     call table%add('radius', value_real, 'Radius of the disks.', unit='m', is_required=.true., above=0.0_wp)
     call table%add('law', value_text, 'Name of the law of the links; default: the only one.')
   end subroutine add_chains
+
+  !> Section blocks.
+  subroutine add_blocks(table)
+    type(key_table_t), intent(inout) :: table
+
+    call table%open_section('blocks', 'Bodies from mesh files, OBJ or STL: one for each object of a file (`o name` in an OBJ), '// &
+                            'named after it, or one for the file, named after that. Each must be closed and convex, or of '// &
+                            'convex parts, as `splitgrain convex` writes them (guide/blocks.md). They are numbered as the last '// &
+                            '[[body]].', is_list=.true., dimension=in_space)
+    call table%add('files', value_texts, 'Files, or patterns with * and ?, relative to the deck.', is_required=.true.)
+    call table%add('name', value_text, 'First part of the names, before a dot; default: none.')
+    call add_common(table, 'grain')
+    call table%add('position', value_triple, 'Where the origin of the files lies.', unit='m', default='[0.0, 0.0, 0.0]')
+    call table%add('rotation', value_triple, 'Orientation: the rotation about this vector by its length.', unit='rad', &
+                   default='[0.0, 0.0, 0.0]')
+    call table%add('scale', value_real, 'Length of a unit of the files.', unit='m', default='1.0', above=0.0_wp)
+    call table%add('hull', value_logical, 'Take the convex hull of each part.', default='false')
+    call table%add('fixed', value_texts, 'Bodies that never move, by name with * and ?.')
+  end subroutine add_blocks
 
   !> Section sample.
   subroutine add_samples(table)

@@ -1,19 +1,24 @@
 !> OBJ files (Wavefront): vertices `v x y z` and faces `f 1 2 3 4`, the rest is passed over.
 !!
 !! Corners of a face are numbers of vertices from 1, or from the last one backwards when negative; those of textures and
-!! normals may follow them, as in `f 1/1 2/2 3/3`, `f 1//1 2//2 3//3` and `f 1/1/1 2/2/2 3/3/3`.
+!! normals may follow them, as in `f 1/1 2/2 3/3`, `f 1//1 2//2 3//3` and `f 1/1/1 2/2/2 3/3/3`. `o name` begins an object; within
+!! one, groups whose names begin with "convex", as `splitgrain convex` writes them, are parts of it.
 module sg_mesh_files_obj
   use sg_error, only: error_t, fail
   use sg_kinds, only: i4
   use sg_lists, only: reserve
   use sg_mesh_files_text, only: fail_at, mesh_t, mesh_text_t, present_word, read_number, skip_line, word_on_line
-  use sg_text, only: to_text
+  use sg_text, only: append_word, to_text
   implicit none
   private
   public :: read_obj
 
+  !> Begin of the names of groups that are parts of an object
+  character(len=*), parameter :: part_name = 'convex'
+  !> Longest name of an object
+  integer, parameter :: longest_name = 200
   !> Statements that are passed over
-  character(len=10), parameter :: others(21) = [character(len=10) :: 'vn', 'vt', 'vp', 'g', 'o', 's', 'l', 'p', 'mg', 'lod', &
+  character(len=10), parameter :: others(19) = [character(len=10) :: 'vn', 'vt', 'vp', 's', 'l', 'p', 'mg', 'lod', &
                                                'usemtl', 'mtllib', 'usemap', 'maplib', 'bevel', 'c_interp', 'd_interp', &
                                                'shadow_obj', 'trace_obj', 'call', 'csh']
 
@@ -22,6 +27,8 @@ module sg_mesh_files_obj
     integer :: n_vertices = 0, n_faces = 0, n_corners = 0
     !> Largest number of a vertex that was not there yet, and where it stands
     integer :: ahead = 0, ahead_at = 0
+    !> Parts so far, also those without faces, and objects
+    integer :: n_parts = 0, n_objects = 0
   end type state_t
 
 contains
@@ -38,7 +45,9 @@ contains
       call fail(error, 'this is no OBJ file: it is not text', file=text%path)
       return
     end if
-    allocate (mesh%vertex(3, 0), mesh%face_first(0), mesh%face_vertex(0))
+    allocate (mesh%vertex(3, 0), mesh%face_first(0), mesh%face_vertex(0), mesh%part_first(0), mesh%part_object(0))
+    call begin_part(state, mesh, is_object=.true.)
+    call append_word(mesh%object_name, '')
     do while (text%at <= len(text%content))
       call word_on_line(text, found)
       if (found) call read_statement(text, state, mesh, error)
@@ -59,7 +68,66 @@ contains
     mesh%vertex = mesh%vertex(:, :state%n_vertices)
     mesh%face_first = mesh%face_first(:state%n_faces + 1)
     mesh%face_vertex = mesh%face_vertex(:state%n_corners)
+    call drop_empty_parts(state, mesh)
   end subroutine read_obj
+
+  !> Begin a part with the next face, of a new object or of the present one.
+  subroutine begin_part(state, mesh, is_object)
+    type(state_t), intent(inout) :: state
+    type(mesh_t), intent(inout) :: mesh
+    logical, intent(in) :: is_object
+
+    if (is_object) state%n_objects = state%n_objects + 1
+    state%n_parts = state%n_parts + 1
+    call reserve(mesh%part_first, state%n_parts)
+    call reserve(mesh%part_object, state%n_parts)
+    mesh%part_first(state%n_parts) = int(state%n_faces + 1, i4)
+    mesh%part_object(state%n_parts) = int(state%n_objects, i4)
+  end subroutine begin_part
+
+  !> Keep the parts that have faces.
+  subroutine drop_empty_parts(state, mesh)
+    type(state_t), intent(in) :: state
+    type(mesh_t), intent(inout) :: mesh
+    integer(i4) :: ends(state%n_parts + 1)
+    logical :: has_faces(state%n_parts)
+
+    ends = [mesh%part_first(:state%n_parts), int(state%n_faces + 1, i4)]
+    has_faces = ends(2:) > ends(:state%n_parts)
+    mesh%part_first = [pack(ends(:state%n_parts), has_faces), ends(state%n_parts + 1)]
+    mesh%part_object = pack(mesh%part_object(:state%n_parts), has_faces)
+  end subroutine drop_empty_parts
+
+  !> Read the name of an object: the rest of its line.
+  subroutine read_object(text, state, mesh)
+    type(mesh_text_t), intent(inout) :: text
+    type(state_t), intent(inout) :: state
+    type(mesh_t), intent(inout) :: mesh
+    character(len=:), allocatable :: name
+    logical :: found
+
+    name = ''
+    do
+      call word_on_line(text, found)
+      if (.not. found) exit
+      if (name /= '') name = name//' '
+      name = name//present_word(text, longest_name)
+    end do
+    call begin_part(state, mesh, is_object=.true.)
+    call append_word(mesh%object_name, name)
+  end subroutine read_object
+
+  !> Read the name of a group: that of a part of an object, or another one.
+  subroutine read_group(text, state, mesh)
+    type(mesh_text_t), intent(inout) :: text
+    type(state_t), intent(inout) :: state
+    type(mesh_t), intent(inout) :: mesh
+    logical :: found
+
+    call word_on_line(text, found)
+    if (.not. found) return
+    if (present_word(text, len(part_name)) == part_name) call begin_part(state, mesh, is_object=.false.)
+  end subroutine read_group
 
   !> Read one line, whose first word has been read.
   subroutine read_statement(text, state, mesh, error)
@@ -78,6 +146,10 @@ contains
       call read_vertex(text, state, mesh, at, error)
     case ('f')
       call read_face(text, state, mesh, at, error)
+    case ('o')
+      call read_object(text, state, mesh)
+    case ('g')
+      call read_group(text, state, mesh)
     case default
       ! What begins without a vertex is some other file, whose content must not get into logs.
       if (state%n_vertices == 0) then

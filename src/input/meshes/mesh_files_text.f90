@@ -2,7 +2,7 @@
 module sg_mesh_files_text
   use sg_error, only: error_t, fail
   use sg_kinds, only: wp, i4, i8
-  use sg_text, only: to_text
+  use sg_text, only: text_t, to_text
   use sg_welding, only: weld
   implicit none
   private
@@ -25,6 +25,10 @@ module sg_mesh_files_text
     real(wp), allocatable :: vertex(:, :)
     !> Corners of face f: `face_vertex(face_first(f):face_first(f + 1) - 1)`
     integer(i4), allocatable :: face_first(:), face_vertex(:)
+    !> Of an OBJ file: faces of part p are `part_first(p)` to `part_first(p + 1) - 1`, its object is `part_object(p)`; parts of an
+    !! object follow each other. Names of the objects: empty for faces before the first one. Unallocated of other files
+    integer(i4), allocatable :: part_first(:), part_object(:)
+    type(text_t), allocatable :: object_name(:)
   end type mesh_t
 
   !> A file with a place to read from
