@@ -39,6 +39,7 @@ ROOMS = {
     "input/generators": "samples: sizes, shapes, lattices, random insertion",
     "input/meshes": "mesh files: STL, OBJ",
     "input/build": "from blocks to the scene: one `*_from_deck` per section",
+    "input/links": "links and joints between points of two bodies",
     "input/measured": "what a deck asks a run to measure: tracked bodies, fields, regions, interfaces",
     "input/checks": "blocks and scenes that make no sense: contradictions, overlaps at the start",
     "input": "`read_deck`, the effective deck, files that a deck names",

@@ -15,6 +15,7 @@ module sg_scene_from_deck
   use sg_laws_from_deck, only: laws_from_deck, materials_from_deck
   use sg_link_network, only: link_by_distance
   use sg_links, only: locate_links
+  use sg_joints_from_deck, only: joints_from_deck
   use sg_links_from_deck, only: links_from_deck
   use sg_passages_from_deck, only: passages_from_deck
   use sg_run_options, only: run_options_t
@@ -31,9 +32,9 @@ module sg_scene_from_deck
   public :: scene_from_deck
 
   !> Sections that a DATBOX replaces
-  character(len=11), parameter :: own_sections(14) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'body', &
-                                                      'wall', 'container', 'brick_wall', 'arch', 'chain', 'blocks', 'clump', &
-                                                      'sample', 'rain']
+  character(len=11), parameter :: own_sections(15) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'joint', &
+                                                      'body', 'wall', 'container', 'brick_wall', 'arch', 'chain', 'blocks', &
+                                                      'clump', 'sample', 'rain']
 
 contains
 
@@ -70,6 +71,7 @@ contains
     if (diagnostics%count() == 0) call warn_of_unused_laws(deck, scene, diagnostics)
     if (diagnostics%count() == 0) call link_by_distance(scene, deck%points)
     call links_from_deck(deck, scene, diagnostics)
+    call joints_from_deck(deck, scene, diagnostics)
     call locate_links(scene%links, scene%contactors)
     call passages_from_deck(deck, scene, diagnostics)
     call check_cell(deck, options, scene, diagnostics)

@@ -63,6 +63,8 @@ module sg_laws
     !! that is not zero (sg_relative_epsilon); and does it act along the normal alone?
     real(wp) :: epsilon = 0, relative_epsilon = 0
     logical :: is_along_normal = .false.
+    !> Does the linear law hold two points together in place too, as a joint?
+    logical :: is_joint = .false.
     !> Links: force per strain of rods and wires [N], and per rate of strain [N s]; strain at rest
     real(wp) :: axial_stiffness = 0, axial_damping = 0, prestrain = 0
     !> Tension that breaks a wire [N]; none where it is zero
@@ -260,7 +262,7 @@ contains
   pure logical function is_link_law(law)
     type(law_t), intent(in) :: law !! law to look at
 
-    is_link_law = any(law%kind == [law_rod, law_wire, law_rigid_wire, law_bond])
+    is_link_law = law%is_joint .or. any(law%kind == [law_rod, law_wire, law_rigid_wire, law_bond])
   end function is_link_law
 
   !> Is the law a cohesive zone?

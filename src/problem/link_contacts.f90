@@ -1,7 +1,7 @@
 !> Contacts that are links: what they carry, how long they are, and what a step leaves of them (doc/theory/links.md).
 module sg_link_contacts
   use sg_contactors, only: kind_point
-  use sg_contacts, only: contacts_t, normal_impulse
+  use sg_contacts, only: contacts_t, image_of, normal_impulse
   use sg_internal_values, only: n_internal_of
   use sg_kinds, only: wp
   use sg_laws, only: law_bond, local_law_t, status_broken, status_none, status_stick
@@ -9,7 +9,7 @@ module sg_link_contacts
   use sg_mapping, only: relative_velocity
   use sg_mapping_space, only: space_relative_velocity, tangent_of
   use sg_rotations, only: turned_by
-  use sg_scene, only: scene_t
+  use sg_scene, only: image_shift, scene_t
   use sg_vectors, only: cross
   implicit none
   private
@@ -57,8 +57,43 @@ contains
                      dot_product(cross(contacts%normal(:, k), t), contacts%internal(2:4, k))]
       end if
       law = link_law(own, contacts%gap(k), links%length(l), [links%area(l), links%mass(l)], state, time_step, contacts%status(k))
+      if (own%is_joint) law%bias = way_between(scene, contacts, k)/time_step
     end associate
   end function law_of_link
+
+  !> Way from the antagonist's point of a joint to the candidate's in the configuration of detection, along the normal and the
+  !! tangents of the contact [m]: what rounding and the turn of a step leave of it, the next one takes away.
+  pure function way_between(scene, contacts, k) result(way)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    real(wp) :: way(3), ends(3, 2), shift(3), angle, tangent(3), normal(3)
+    integer :: side, b, d
+
+    d = scene%dimension
+    ends = 0
+    do side = 1, 2
+      b = contacts%body(side, k)
+      shift = 0
+      shift(:d) = scene%contactors%shift(:, contacts%contactor(side, k))
+      if (d == 3 .and. size(scene%bodies%middle, 1) == 7) then
+        shift = turned_by(scene%bodies%middle(4:7, b), shift)
+      else if (d == 2 .and. size(scene%bodies%middle, 1) == 3) then
+        angle = scene%bodies%middle(3, b)
+        shift = [cos(angle)*shift(1) - sin(angle)*shift(2), sin(angle)*shift(1) + cos(angle)*shift(2), 0.0_wp]
+      end if
+      ends(:d, side) = scene%bodies%middle(:d, b) + shift(:d)
+    end do
+    way = ends(:, 1) - ends(:, 2) - image_shift(scene, image_of(contacts, k))
+    normal = 0
+    normal(:d) = contacts%normal(:d, k)
+    if (d == 2) then
+      way = [dot_product(normal, way), normal(2)*way(1) - normal(1)*way(2), 0.0_wp]
+    else
+      tangent = tangent_of(normal)
+      way = [dot_product(normal, way), dot_product(tangent, way), dot_product(cross(normal, tangent), way)]
+    end if
+  end function way_between
 
   !> Set what the links did in a step that is solved: nothing (a slack wire), something, or that they broke; and how far the ends of
   !! bonds moved across them.

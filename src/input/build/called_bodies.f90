@@ -31,7 +31,7 @@ contains
       if (deck%is_in(b, 'chain')) found = [found, [(int(i, i4), i=deck%blocks(b)%first_body, deck%blocks(b)%last_body)]]
       do k = 1, size(keys)
         if (.not. (deck%is_in(b, 'drive') .or. deck%is_in(b, 'pressure') .or. deck%is_in(b, 'wall') .or. &
-                   deck%is_in(b, 'link'))) cycle
+                   deck%is_in(b, 'link') .or. deck%is_in(b, 'joint'))) cycle
         if (.not. deck%is_given(b, trim(keys(k)))) cycle
         value = deck%value(b, trim(keys(k)))
         do i = 1, value%n_words

@@ -1,7 +1,7 @@
 !> The key table, second part: scene, materials, laws, interactions, and what is imposed.
 module sg_keys_scene
   use sg_key_table, only: in_plane, in_space, key_table_t, value_bodies, value_body, value_choice, value_function, value_integer, &
-                          value_real, value_text, value_vector
+                          value_real, value_text, value_triple, value_vector
   use sg_kinds, only: wp
   use sg_laws, only: largest_friction, why_largest_friction
   use sg_words, only: choices_of
@@ -218,6 +218,14 @@ contains
                    least=0.0_wp)
     call table%add('area', value_real, 'Cross section of a NARD_ROD.', unit='m2', above=0.0_wp)
     call table%add('mass', value_real, 'Mass of a NARD_ROD, from which its damping follows.', unit='kg', least=0.0_wp)
+
+    call table%open_section('joint', 'A point of two bodies that stays together, so that they may turn about it; in space '// &
+                            'with an axis a hinge. [[interaction]] decides whether the two bodies also touch.', is_list=.true.)
+    call table%add('bodies', value_bodies, 'The two bodies, by name or by number.', is_required=.true.)
+    call table%add('point', value_vector, 'The point at the start, in the world.', unit='m', is_required=.true.)
+    call table%add('axis', value_triple, 'Axis of a hinge at the start, of any length but zero.', dimension=in_space)
+    call table%add('width', value_real, 'Distance of the two points on the axis that hold a hinge.', unit='m', above=0.0_wp, &
+                   dimension=in_space)
   end subroutine add_link_keys
 
   !> Sections drive, pressure and gravity.

@@ -5,17 +5,15 @@
 module sg_links_from_deck
   use sg_blocks, only: deck_t
   use sg_called_bodies, only: body_of
-  use sg_contactors, only: add_point
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
   use sg_laws, only: is_link_law, law_bond, law_linear
   use sg_laws_from_deck, only: law_of
+  use sg_link_ends, only: add_ends
   use sg_link_network, only: nearest_image, place_of_point
   use sg_links, only: add_link
-  use sg_lists, only: reserve
   use sg_local_numbers, only: local_body
-  use sg_rotations, only: turned_back
-  use sg_scene, only: colour_index, scene_t
+  use sg_scene, only: scene_t
   use sg_values, only: value_t
   implicit none
   private
@@ -138,33 +136,4 @@ contains
     if (.not. (deck%is_given(b, 'area') .and. deck%is_given(b, 'mass'))) &
       call deck%complain(diagnostics, 'a NARD_ROD needs the keys "area" and "mass"', b)
   end subroutine check_link
-
-  !> Put a point on each of two bodies.
-  subroutine add_ends(deck, scene, body, place)
-    type(deck_t), intent(inout) :: deck
-    type(scene_t), intent(inout) :: scene
-    integer, intent(in) :: body(2)
-    real(wp), intent(in) :: place(3, 2)
-    real(wp) :: way(3)
-    integer :: side, colour
-
-    call colour_index(scene, 'link', colour)
-    do side = 1, 2
-      associate (bodies => scene%bodies, b => body(side))
-        way = place(:, side)
-        way(:scene%dimension) = way(:scene%dimension) - bodies%position(:, b)
-        if (scene%dimension == 3) then
-          way = turned_back(bodies%orientation(:, b), way)
-        else
-          way(:2) = [cos(bodies%angle(b))*way(1) + sin(bodies%angle(b))*way(2), &
-                     cos(bodies%angle(b))*way(2) - sin(bodies%angle(b))*way(1)]
-        end if
-        call add_point(scene%contactors, b, colour, way(:scene%dimension))
-      end associate
-      deck%contactors = deck%contactors + 1
-      if (.not. allocated(scene%contactors%id)) cycle
-      call reserve(scene%contactors%id, scene%contactors%n)
-      scene%contactors%id(scene%contactors%n) = int(deck%contactors, i4)
-    end do
-  end subroutine add_ends
 end module sg_links_from_deck
