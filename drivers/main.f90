@@ -5,7 +5,8 @@ program splitgrain
   use sg_comm, only: comm_t
   use sg_error, only: error_t, exit_done, exit_output, fail
   use sg_print, only: has_print_failed
-  use sg_python_command, only: is_in_python, python_command
+  use sg_python_command, only: python_command
+  use sg_python_tasks, only: is_in_python
   use sg_subcommands, only: call_subcommand, is_shared
   use sg_system, only: end_program, survive_full_disks
   implicit none
@@ -18,7 +19,7 @@ program splitgrain
   call survive_full_disks()
   call read_arguments(arguments, error)
   ! Studies and drawing are another program: it begins before there are ranks, and has options of its own.
-  if (is_in_python(arguments)) call python_command(arguments%command, error)
+  if (is_in_python(arguments)) call python_command(arguments, error)
   call comm%start()
   call comm%agree(error)
   if (.not. allocated(error)) call share_command(error)

@@ -1,4 +1,5 @@
-"""The commands `splitgrain look COMMAND RESULTS [OPTION...]`, `splitgrain study`, which runs the program itself, and `convex`."""
+"""The commands `splitgrain look COMMAND RESULTS [OPTION...]`, `splitgrain study`, which runs the program itself, `convex`, and
+`splitgrain convert` with a script of LMGC90."""
 
 import sys
 
@@ -14,6 +15,10 @@ def main(words: list[str] | None = None) -> int:
     arguments = parser().parse_args(words)
     if arguments.command == "convex":
         return _convex(arguments)
+    if arguments.command == "convert":
+        from .convert.command import convert
+
+        return convert(arguments)
     try:
         from . import drawing
         from .study.command import run_study

@@ -75,6 +75,7 @@ def parser() -> ArgumentParser:
                                  help="draw the forces between bodies through their centres of pressure; in space on pale grains")
     add_study(commands)
     _add_convex(commands)
+    _add_convert(commands)
     return top
 
 
@@ -118,6 +119,16 @@ def add_study(commands: _SubParsersAction) -> None:
     command.add_argument("--output", metavar="DIR", type=Path, help="folder of the study (default: NAME.study here)")
     command.add_argument("--jobs", metavar="N", help="runs at a time, or all for one per core (default: that of the study)")
     command.add_argument("--program", metavar="PATH", help="the splitgrain to run")
+
+
+def _add_convert(commands):
+    """The command line of `convert` where a script is read; the program handles all other conversions."""
+    sentence = "write a deck that uses a DATBOX of LMGC90, with what its script gives"
+    command = commands.add_parser("convert", help=sentence, description=sentence, prog="splitgrain convert")
+    command.add_argument("source", metavar="DATBOX")
+    command.add_argument("target", metavar="DECK.toml")
+    command.add_argument("--script", metavar="FILE", type=Path, required=True, help="script of LMGC90")
+    command.add_argument("--set", metavar="SECTION.KEY=VALUE", action="append", default=[], help="key to write into the deck")
 
 
 def _cut(words):

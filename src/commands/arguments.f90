@@ -29,11 +29,11 @@ module sg_arguments
   end type arguments_t
 
   !> Options that are followed by a value; all others are switches
-  character(len=*), parameter :: valued(27) = [character(len=12) :: 'set', 'output', 'restart', 'walltime', 'contacts', 'shape', &
+  character(len=*), parameter :: valued(28) = [character(len=12) :: 'set', 'output', 'restart', 'walltime', 'contacts', 'shape', &
                                                'sweeps', 'order', 'check-every', 'friction', 'parts', 'method', &
                                                'solver', 'tolerance', 'iterations', 'seconds', 'trace', &
                                                'dump', 'boxes', 'picture', 'threads', 'lattice', 'latency', 'bandwidth', &
-                                               'epsilon', 'points', 'csv']
+                                               'epsilon', 'points', 'csv', 'script']
 
 contains
 

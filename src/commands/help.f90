@@ -105,6 +105,9 @@ contains
 
     text = [character(len=110) :: &
             'splitgrain convert DATBOX DECK.toml   write a deck that uses an LMGC90 DATBOX folder', &
+            '  --script FILE           script of LMGC90 that gives time step, solver and the like, read without running it', &
+            '                          (default: command.py next to the folder, where it is; none for none)', &
+            '  --set SECTION.KEY=VALUE write a key into the deck; may be given several times', &
             'splitgrain convert DECK.toml FOLDER   write the scene of a deck as DATBOX files', &
             '  --restart FILE|DIR      in the state of a restart file, or of the newest one of a folder of results']
   end function help_on_convert

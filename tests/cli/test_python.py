@@ -40,6 +40,11 @@ class Python(ProgramCase):
         if "and none was found" not in done.stderr:
             self.assertIn("nowhere.toml", done.stderr)
 
+    def test_convert(self):
+        (self.place / "DATBOX").mkdir()
+        (self.place / "command.py").write_text("SetTimeStep(1e-3)\nopen('command.ran', 'w')\n")
+        self.assertNotEqual(self.start(self.program, "convert", "DATBOX", "deck.toml").returncode, 0)
+
     def test_look(self):
         if subprocess.run(["/usr/bin/env", "python3", "-P", "-c", "import h5py, matplotlib, numpy, pytest"], capture_output=True).returncode and \
                 subprocess.run(["/usr/bin/python3", "-P", "-c", "import h5py, matplotlib, numpy, pytest"], capture_output=True).returncode:

@@ -10,6 +10,7 @@ module sg_datbox
   use sg_datbox_drives, only: bodies_driven, bodies_held, read_drives
   use sg_datbox_links, only: read_links
   use sg_datbox_lines, only: datbox_file_t, digest_of, open_datbox_file
+  use sg_datbox_postpro, only: warn_of_postpro
   use sg_datbox_sees, only: check_sees, read_sees
   use sg_datbox_state, only: read_state
   use sg_datbox_uses, only: warn_of_unused_sees
@@ -23,8 +24,8 @@ module sg_datbox
   public :: read_datbox, read_datbox_share
 
   !> Files that LMGC90 reads and that hold nothing about the scene of rigid bodies
-  character(len=14), parameter :: files_not_read(8) = [character(len=14) :: 'COMMAND.DAT', 'POSTPRO.DAT', 'PREPRO.DAT', &
-                                                       'SAMPLE.DAT', 'BEHAVIOURS.DAT', 'MODELS.DAT', 'GPV.INI', 'MP_DEM.DAT']
+  character(len=14), parameter :: files_not_read(7) = [character(len=14) :: 'COMMAND.DAT', 'PREPRO.DAT', 'SAMPLE.DAT', &
+                                                       'BEHAVIOURS.DAT', 'MODELS.DAT', 'GPV.INI', 'MP_DEM.DAT']
 
 contains
 
@@ -72,6 +73,7 @@ contains
     call warn_of_unused(other_laws, tact, diagnostics)
     if (share%all > 0) call read_drives(folder, scene, share, diagnostics)
     call warn_of_files(folder, diagnostics)
+    call warn_of_postpro(folder, diagnostics)
     if (.not. allocated(scene%pressures)) allocate (scene%pressures(0))
     ! Contacts and states name bodies: where bodies are wrong, what follows would be noise.
     if (diagnostics%count() > before) return
@@ -125,6 +127,6 @@ contains
     do i = 1, size(files_not_read)
       if (file_exists(trim(folder)//'/'//trim(files_not_read(i)))) list = list//', '//trim(files_not_read(i))
     end do
-    if (list /= '') call diagnostics%warn('not read: '//list(3:), file=trim(folder))
+    if (list /= '') call diagnostics%warn('not read by runs: '//list(3:), file=trim(folder))
   end subroutine warn_of_files
 end module sg_datbox

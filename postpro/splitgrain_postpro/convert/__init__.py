@@ -1,0 +1,1 @@
+"""Scripts of LMGC90 to keys of decks."""
