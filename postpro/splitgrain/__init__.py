@@ -14,7 +14,7 @@
 from .deck import Deck, polyhedron
 from .errors import DeckError, RunError, Stopped
 from .program import program_path, version
-from .run import Run
+from .run import Run, Transformations
 from .sweep import Sweep, sweep
 
-__all__ = ["Deck", "DeckError", "Run", "RunError", "Stopped", "Sweep", "polyhedron", "program_path", "sweep", "version"]
+__all__ = ["Deck", "DeckError", "Run", "RunError", "Stopped", "Sweep", "Transformations", "polyhedron", "program_path", "sweep", "version"]

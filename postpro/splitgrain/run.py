@@ -9,6 +9,20 @@ from splitgrain_postpro.errors import ResultsError
 from splitgrain_postpro.results import Results
 
 
+class Transformations(dict[int, np.ndarray]):
+    """Matrices (4, 4) by numbers of bodies; `names` has the names of some, by which they are found as well."""
+
+    def __init__(self, names: dict[int, str]):
+        super().__init__()
+        self.names = names
+
+    def __missing__(self, name: str) -> np.ndarray:
+        for number, its in self.names.items():
+            if its == name and number in self:
+                return self[number]
+        raise KeyError(name)
+
+
 class Run:
     """What a run wrote to its folder, finished or not."""
 
@@ -57,9 +71,8 @@ class Run:
         return xarray.Dataset(data, coordinates)
 
     def names(self) -> dict[int, str]:
-        """Numbers of bodies with a name of their own in the deck, and these names."""
-        blocks = self.results.deck.get("body", [])
-        return {number: block["name"] for number, block in enumerate(blocks, 1) if block.get("name")}
+        """Numbers of bodies that have a name: of the deck, planes of containers, bricks and voussoirs."""
+        return dict(self.results.body_names)
 
     def interfaces(self, step: int | None = None) -> Any:
         """Pairs of bodies of the last recorded step up to this one: interfaces.csv as a DataFrame; without pandas numpy arrays."""
@@ -78,10 +91,10 @@ class Run:
         wanted = ("candidate", "antagonist", "point", "normal", "gap", "force", "force_normal", "force_tangential", "status")
         return {name: np.asarray(contacts.cell_data[name]) for name in wanted if name in contacts.cell_data}
 
-    def transformations(self, picture: int = -1) -> dict[int, np.ndarray]:
+    def transformations(self, picture: int = -1) -> "Transformations":
         """Matrices (4, 4) that bring points of each body from where they were in the first picture to where they are in this one.
 
-        In the plane the rotation is about z. Keys are numbers of bodies; `names` has the names of some.
+        In the plane the rotation is about z. Keys are numbers of bodies; a name finds its body, too.
         """
         first, now = (self.results.scene(k).bodies for k in (0, picture))
         if first is None:
@@ -89,7 +102,7 @@ class Run:
         if int(self.results.picture_steps[0]) != 0:
             raise ResultsError(f"{self.folder} has no picture of the start: this run went on from a checkpoint in another folder")
         rows = {int(number): row for row, number in enumerate(first.point_data["id"])}
-        matrices = {}
+        matrices = Transformations(self.names())
         turned_first, turned_now = _rotations(first.point_data), _rotations(now.point_data)
         for row, number in enumerate(now.point_data["id"]):
             if int(number) not in rows:

@@ -17,6 +17,8 @@ from .vtkhdf import Grid, Pictures
 
 # Layers of equal thickness, by which grains may be coloured.
 LAYERS = 8
+# Names of bodies that a message lists.
+MOST_LISTED = 20
 
 
 @dataclass
@@ -193,15 +195,23 @@ class Results:
         except (OSError, ValueError) as error:
             raise ResultsError(f"cannot read {path}: {error}") from error
 
+    @cached_property
+    def body_names(self) -> dict[int, str]:
+        """Names of bodies by their numbers, from the pictures; without pictures those of [[body]], which come first."""
+        named = self.bodies.names() if self.bodies is not None else {}
+        blocks = self.deck.get("body", []) if not named else []
+        return named or {number: block["name"] for number, block in enumerate(blocks, 1) if block.get("name")}
+
     def number_of_body(self, word: str) -> int:
-        """Number of a body by its name in the deck's blocks [[body]], which come first, or by its number."""
+        """Number of a body by its name, or by its number."""
         if word.isdecimal():
             return int(word)
-        names = [block.get("name") for block in self.deck.get("body", [])]
-        if word not in names:
-            known = ", ".join(name for name in names if name) or "none"
-            raise ResultsError(f'{self.folder} has no body "{word}" (names of [[body]]: {known}); a body goes also by its number')
-        return names.index(word) + 1
+        for number, name in self.body_names.items():
+            if name == word:
+                return number
+        known = ", ".join(list(self.body_names.values())[:MOST_LISTED]) or "none"
+        more = ", ..." if len(self.body_names) > MOST_LISTED else ""
+        raise ResultsError(f'{self.folder} has no body "{word}" (names: {known}{more}); a body goes also by its number')
 
     @cached_property
     def _layer_edges(self):

@@ -96,6 +96,13 @@ class Pictures:
             rows = _field_rows(root, name, len(self))
             return values[rows]
 
+    def names(self) -> dict[int, str]:
+        """Names of bodies by their numbers; only the pictures of bodies have some, and only where the deck names bodies."""
+        with self._root() as root:
+            text = root.file["names"][()] if "names" in root.file else b""
+        lines = text.decode(errors="replace").splitlines()
+        return {int(number): name for number, _, name in (line.partition(" ") for line in lines)}
+
     def _root(self):
         return _Root(self.path)
 

@@ -60,8 +60,11 @@ def test_run_gives_its_record_and_motions(deck, tmp_path):
     assert any("done: 700 of 700 steps" in line for line in lines)
     # v^2 / (2 mu g)
     assert stopped_at(run) == pytest.approx(1 / (2 * 0.25 * 9.81), rel=2e-3)
-    assert run.names() == {1: "block"}
+    assert run.names() == {1: "block", 2: "floor"}
     moved = run.transformations()[1]
+    assert run.transformations()["block"] is not None and "block" in run.transformations().names.values()
+    with pytest.raises(KeyError):
+        run.transformations()["stone"]
     assert moved[:3, :3] == pytest.approx(np.eye(3), abs=1e-9) and moved[0, 3] == pytest.approx(stopped_at(run), rel=1e-9)
     faces = run.contacts()
     assert set(faces["candidate"]) | set(faces["antagonist"]) == {1, 2} and faces["force_normal"].sum() == pytest.approx(50 * 9.81, rel=1e-6)
@@ -139,3 +142,18 @@ def test_examples(tmp_path):
     import calibrate_friction
 
     assert calibrate_friction.calibrate(0.2, tmp_path) == pytest.approx(1 / (2 * 9.81 * 0.2), rel=5e-3)
+
+
+@needs_program
+def test_pictures_name_planes_and_bricks(tmp_path):
+    ball = {"shape": "sphere", "radius": 0.05, "material": "stone"}
+    deck = sg.Deck({"scene": {"dimension": 3}, "time": {"step": 1e-3, "steps": 2}, "output": {"every": 1},
+                    "material": [{"name": "stone", "density": 2000.0}], "law": [{"friction": 0.6}],
+                    "container": [{"name": "box", "size": [2.0, 1.0, 1.0]}],
+                    "brick_wall": [{"position": [0.3, 0.5, 0.0], "brick": [0.2, 0.1, 0.1], "columns": 2, "rows": 2}],
+                    "body": [{**ball, "position": [1.5, 0.5, 0.05]}, {**ball, "name": "two words", "position": [1.7, 0.5, 0.05]}]})
+    run = deck.run(tmp_path / "run")
+    names = run.names()
+    assert names[2] == "two words" and 1 not in names and "box.floor" in names.values() and len(names) == 1 + 5 + 5
+    assert [run.results.number_of_body(name) for name in names.values()] == list(names)
+    assert run.transformations()["box.floor"] == pytest.approx(np.eye(4))

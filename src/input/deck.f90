@@ -23,7 +23,7 @@ module sg_deck
   use sg_text, only: text_t
   use sg_toml, only: document_t, parse_toml, read_content, toml_table
   use sg_toml_pieces, only: find_pieces
-  use sg_tracks_from_deck, only: name_walls, tracks_from_deck
+  use sg_tracks_from_deck, only: list_body_names, name_walls, tracks_from_deck
   use sg_wall_list_from_deck, only: wall_list_from_deck
   implicit none
   private
@@ -148,6 +148,7 @@ contains
     call interfaces_from_deck(deck, scene, options, diagnostics)
     call wall_list_from_deck(deck, scene, options%walls)
     call name_walls(deck, options)
+    call list_body_names(deck, options)
   end subroutine read_things
 
   !> Subdomains that a deck asks for; 0 for one per rank, and where the deck has mistakes, which are reported when it is read as a

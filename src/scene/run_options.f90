@@ -112,6 +112,8 @@ module sg_run_options
     !> Numbers of tracked bodies, ascending, and their names; unallocated where there are none
     integer(i4), allocatable :: tracked(:)
     type(text_t), allocatable :: tracked_names(:)
+    !> Numbers and names of all bodies that have one, a line `number name` each, for pictures; unallocated where there are none
+    character(len=:), allocatable :: body_names
     !> Walls, and their names
     type(walls_t) :: walls
     type(text_t), allocatable :: wall_names(:)

@@ -1,4 +1,4 @@
-!> Tracked bodies from the blocks `[[track]]`: names, patterns of names, and numbers; names of walls.
+!> Tracked bodies from the blocks `[[track]]`: names, patterns of names, and numbers; names of walls and of all bodies.
 module sg_tracks_from_deck
   use sg_ascending, only: distinct
   use sg_blocks, only: deck_t
@@ -6,10 +6,10 @@ module sg_tracks_from_deck
   use sg_error, only: diagnostics_t
   use sg_kinds, only: i4
   use sg_run_options, only: run_options_t
-  use sg_text, only: append_word, to_text
+  use sg_text, only: append_word, joined, text_t, to_text
   implicit none
   private
-  public :: tracks_from_deck, name_walls
+  public :: tracks_from_deck, name_walls, list_body_names
 
 contains
 
@@ -48,6 +48,25 @@ contains
       call append_word(options%wall_names, name_or_number(deck, options%walls%wall(i)%number))
     end do
   end subroutine name_walls
+
+  !> List the names of all bodies as one text, for pictures; line ends within a name become blanks.
+  subroutine list_body_names(deck, options)
+    type(deck_t), intent(in) :: deck !! checked deck with its names
+    type(run_options_t), intent(inout) :: options !! gets the text
+    type(text_t), allocatable :: lines(:)
+    integer :: i, k
+
+    if (.not. allocated(deck%names)) return
+    if (size(deck%names) == 0) return
+    allocate (lines(size(deck%names)))
+    do i = 1, size(lines)
+      lines(i)%s = to_text(deck%named(i))//' '//deck%names(i)%s
+      do k = 1, len(lines(i)%s)
+        if (iachar(lines(i)%s(k:k)) < iachar(' ')) lines(i)%s(k:k) = ' '
+      end do
+    end do
+    options%body_names = joined(lines, new_line('a'))
+  end subroutine list_body_names
 
   !> Name of a body, or its number where it has none.
   function name_or_number(deck, number) result(name)

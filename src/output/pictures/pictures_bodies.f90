@@ -42,6 +42,7 @@ contains
     call self%grid%open(options%folder//'/bodies.vtkhdf', options, resumed_step, comm)
     if (allocated(self%grid%file%error)) return
     if (self%grid%n_steps == 0) then
+      if (allocated(options%body_names)) call self%grid%file%put('/names', options%body_names)
       self%start = unwrapped(scene, bodies)
     else
       call comm%before(int(bodies%n, i8), before, total)
