@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from splitgrain_postpro.errors import ResultsError
 from splitgrain_postpro.results import Results
+from splitgrain_postpro.vtkhdf import VTK_EMPTY_CELL
 
 
 class Transformations(dict[int, np.ndarray]):
@@ -89,7 +90,9 @@ class Run:
         if contacts is None:
             raise ResultsError(f"{self.folder} has no contacts.vtkhdf: set output.every in the deck")
         wanted = ("candidate", "antagonist", "point", "normal", "gap", "force", "force_normal", "force_tangential", "status")
-        return {name: np.asarray(contacts.cell_data[name]) for name in wanted if name in contacts.cell_data}
+        # A picture without contacts has one empty cell.
+        rows = contacts.types != VTK_EMPTY_CELL
+        return {name: np.asarray(contacts.cell_data[name])[rows] for name in wanted if name in contacts.cell_data}
 
     def transformations(self, picture: int = -1) -> "Transformations":
         """Matrices (4, 4) that bring points of each body from where they were in the first picture to where they are in this one.
