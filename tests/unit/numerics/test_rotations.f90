@@ -7,7 +7,7 @@ program test_rotations
   use sg_random, only: random_t
   use sg_rotations, only: frame_of, nearest_rotation, no_rotation, normalised, quaternion_of, quaternion_product, rotation_by, &
                           turned_on
-  use sg_symmetric, only: principal_axes
+  use sg_symmetric, only: largest_eigenvalue, principal_axes
   use sg_vectors, only: determinant
   implicit none
   type(tests_t) :: t
@@ -21,6 +21,7 @@ program test_rotations
   call test_nearest()
   call test_axes()
   call test_equal_values()
+  call test_largest()
   call t%finish()
 
 contains
@@ -187,6 +188,33 @@ contains
     call principal_axes(matrix, values, axes)
     call t%near(maxval(values) - minval(values), 2e-10_wp, rounding, 'without a tolerance they differ by this')
   end subroutine test_equal_values
+
+  !> The largest value alone. Rounding of the determinant moves it by more the nearer another value is, and by its root at most.
+  subroutine test_largest()
+    type(random_t) :: random
+    real(wp) :: values(3), axes(3, 3), matrix(3, 3), error, apart, worst(2)
+    integer :: i, k
+
+    call random%seed(4)
+    worst = 0
+    do i = 1, 3000
+      values = [(random%normal(), k=1, 3)]
+      if (mod(i, 3) == 0) values(2) = values(1) + 10.0_wp**random%uniform(-17.0_wp, -3.0_wp)
+      matrix = 10.0_wp**random%uniform(-9.0_wp, 9.0_wp)*rebuilt(values, frame_of([(random%normal(), k=1, 4)]))
+      call principal_axes(matrix, values, axes)
+      k = maxloc(values, 1)
+      error = abs(largest_eigenvalue(matrix) - values(k))/maxval(abs(values))
+      values = values/maxval(abs(values))
+      apart = minval(values(k) - values([1 + mod(k, 3), 1 + mod(k + 1, 3)]))
+      worst = max(worst, [error*min(1.0_wp, apart), error])
+    end do
+    call t%check(worst(1) < rounding, 'the largest value')
+    call t%check(worst(2) < sqrt(rounding), 'the largest of values of which two are nearly equal')
+    call t%near(largest_eigenvalue(reshape([3.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, -1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 2.0_wp], [3, 3])), &
+                3.0_wp, rounding, 'of a diagonal matrix')
+    call t%near(largest_eigenvalue(frame_of(no_rotation)), 1.0_wp, 0.0_wp, 'of the identity')
+    call t%near(largest_eigenvalue(0*frame_of(no_rotation)), 0.0_wp, 0.0_wp, 'of nothing')
+  end subroutine test_largest
 
   pure function rebuilt(values, axes) result(matrix)
     real(wp), intent(in) :: values(3), axes(3, 3)
