@@ -4,10 +4,10 @@ module sg_add_contacts
   use sg_contacts, only: contacts_t, grow_contacts
   use sg_follow, only: face_of, follows
   use sg_hand_over, only: hand_over
-  use sg_history, only: carried_of, history_t, past_contacts, past_pair, recall
+  use sg_history, only: carried_of, history_t, past_pair, recall
   use sg_internal_values, only: first_internal, keeps_gap, not_recorded
   use sg_kept_contacts, only: has_moved_in_plane, has_moved_in_space, keep_in_plane, keep_in_space, move_in_plane, move_in_space, &
-                              n_pose_in_plane, n_pose_in_space, pose_in_plane, pose_in_space
+                              n_kept_in_plane, n_kept_in_space, n_pose_in_plane, n_pose_in_space, pose_in_plane, pose_in_space
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, law_mohr, status_bonded, status_new
   use sg_neighbours, only: image_of_pair, neighbours_t
@@ -16,7 +16,7 @@ module sg_add_contacts
   use sg_touch_space, only: most_points
   implicit none
   private
-  public :: add_contacts, add_kept, has_kept, is_kept, is_slow, keep_pair, kept_length, law_of, offset_of, turn_of
+  public :: add_contacts, add_kept, is_slow, keep_pair, kept_length, law_of, offset_of
 
 contains
 
@@ -45,6 +45,7 @@ contains
     if (any(past(:n) == 0)) call take_over(scene, pairs, history, p, point, past(:n))
     do i = 1, n
       call add_contact(scene, pairs, history, p, past(i), law, normal(:, i), point(:, i), gap(i), feature(i), contacts)
+      if (contacts%n_kept > 0) contacts%kept(:, contacts%n) = 0
     end do
   end subroutine add_contacts
 
@@ -101,7 +102,9 @@ contains
     end if
     contacts%gap(k) = gap
     if (past > 0) then
-      contacts%impulse(:, k) = history%impulse(:, past)
+      contacts%impulse(1, k) = history%impulse(1, past)
+      if (contacts%n_components > 1) contacts%impulse(2, k) = history%impulse(2, past)
+      if (contacts%n_components > 2) contacts%impulse(3, k) = history%impulse(3, past)
       contacts%status(k) = history%status(past)
     else
       contacts%impulse(:, k) = 0
@@ -110,7 +113,6 @@ contains
     if (history%is_start) contacts%status(k) = status_at_start(scene, contacts%law(k), contacts%status(k))
     if (contacts%n_internal > 0) call recall_internal(scene, history, past, k, contacts)
     if (contacts%n_carried > 0) contacts%carried(:, k) = carried_of(history, past, contacts%n_carried)
-    if (contacts%n_kept > 0) contacts%kept(:, k) = 0
   end subroutine add_contact
 
   !> Internal values of a contact from its past. A contact whose values no file holds takes those that its law gives to contacts
@@ -142,40 +144,6 @@ contains
     if (scene%laws(law)%kind == law_mohr .or. is_cohesive_zone(scene%laws(law))) status_at_start = status_bonded
   end function status_at_start
 
-  !> Had a pair contacts in the last detection that are kept?
-  pure logical function has_kept(history, p, n_kept)
-    type(history_t), intent(in) :: history !! contacts of the last detection
-    integer, intent(in) :: p !! pair
-    integer, intent(in) :: n_kept !! values of a contact that is kept
-    integer :: ends(2)
-
-    has_kept = .false.
-    if (.not. allocated(history%kept) .or. history%by_point) return
-    ends = past_contacts(history, p)
-    if (ends(2) < ends(1) .or. size(history%kept, 1) /= n_kept) return
-    has_kept = history%kept(1, ends(1)) > 0
-  end function has_kept
-
-  !> Has a pair with contacts that are kept hardly moved since they were found?
-  pure logical function is_kept(scene, history, p, c, a, pose)
-    type(scene_t), intent(in) :: scene !! scene, its contactors placed
-    type(history_t), intent(in) :: history !! contacts of the last detection
-    integer, intent(in) :: p !! pair
-    integer(i4), intent(in) :: c !! its candidate
-    integer(i4), intent(in) :: a !! its antagonist
-    real(wp), intent(in) :: pose(:) !! pose of the candidate now
-    integer :: ends(2)
-
-    ends = past_contacts(history, p)
-    associate (kept => history%kept(:, ends(1)))
-      if (scene%dimension == 2) then
-        is_kept = .not. has_moved_in_plane(kept, pose, scene%contactors%reach(c), kept_length(scene, c, a))
-      else
-        is_kept = .not. has_moved_in_space(kept, pose, scene%contactors%reach(c), kept_length(scene, c, a))
-      end if
-    end associate
-  end function is_kept
-
   !> Do the bodies of two contactors move so little against each other that their contacts may be kept in the next step? Most of
   !! what falls or flows does not, and what is stored of it would be lost.
   pure logical function is_slow(scene, c, a, substeps)
@@ -194,36 +162,71 @@ contains
     is_slow = 2*real(substeps, wp)*sqrt(way(1)**2 + way(2)**2 + way(3)**2) <= kept_length(scene, c, a)
   end function is_slow
 
-  !> Add the contacts that a pair had in the last detection, where its shapes are now.
-  subroutine add_kept(scene, pairs, history, p, pose, contacts)
+  !> Add the contacts that a pair had in the last detection, where its shapes are now; if they are kept, and the pair has hardly
+  !! moved since they were found.
+  subroutine add_kept(scene, pairs, history, p, contacts, is_kept)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
     type(history_t), intent(in) :: history !! contacts of the last detection
     integer, intent(in) :: p !! pair
-    real(wp), intent(in) :: pose(:) !! pose of the candidate now
     type(contacts_t), intent(inout) :: contacts !! contacts of the step so far
-    real(wp) :: offset(3), normal(scene%dimension), point(scene%dimension), gap
-    integer :: past, ends(2)
+    logical, intent(out) :: is_kept !! are these its contacts?
+    real(wp) :: offset(3), pose(n_pose_in_space)
+    integer :: before, first, last
 
-    ends = past_contacts(history, p)
-    if (contacts%n + ends(2) - ends(1) + 1 > size(contacts%gap)) then
-      call grow_contacts(contacts, contacts%n + ends(2) - ends(1) + 1)
+    is_kept = .false.
+    before = past_pair(history, p)
+    if (before == 0 .or. .not. allocated(history%kept) .or. history%by_point) return
+    first = history%first(before)
+    last = history%first(before + 1) - 1
+    if (last < first .or. size(history%kept, 1) /= contacts%n_kept) return
+    if (.not. history%kept(1, first) > 0) return
+    offset = offset_of(scene, pairs, p)
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
+      if (scene%dimension == 2) then
+        pose(:n_pose_in_plane) = pose_in_plane(contactors, c, a, offset(:2))
+        is_kept = .not. has_moved_in_plane(history%kept(:, first), pose, contactors%reach(c), kept_length(scene, c, a))
+      else
+        pose = pose_in_space(contactors, turn_of(scene, c), turn_of(scene, a), c, a, offset)
+        is_kept = .not. has_moved_in_space(history%kept(:, first), pose, contactors%reach(c), kept_length(scene, c, a))
+      end if
+    end associate
+    if (is_kept) call follow_pair(scene, pairs, history, p, first, last, offset, pose, contacts)
+  end subroutine add_kept
+
+  !> Add contacts of the last detection that follow the two shapes of their pair.
+  subroutine follow_pair(scene, pairs, history, p, first, last, offset, pose, contacts)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: p, first, last
+    real(wp), intent(in) :: offset(3), pose(n_pose_in_space)
+    type(contacts_t), intent(inout) :: contacts
+    real(wp) :: normal(3), point(3), gap, turn(4)
+    integer :: past
+
+    if (contacts%n + last - first + 1 > size(contacts%gap)) then
+      call grow_contacts(contacts, contacts%n + last - first + 1)
       if (contacts%is_cut) return
     end if
-    offset = offset_of(scene, pairs, p)
-    associate (a => pairs%contactor(2, p))
-      do past = ends(1), ends(2)
+    associate (a => pairs%contactor(2, p), contactors => scene%contactors)
+      turn = turn_of(scene, a)
+      do past = first, last
         if (scene%dimension == 2) then
-          call move_in_plane(scene%contactors, a, offset(:2), history%kept(:, past), pose, normal, point, gap)
+          call move_in_plane(contactors, a, offset(:2), history%kept(:, past), pose(:n_pose_in_plane), normal(:2), point(:2), gap)
         else
-          call move_in_space(scene%contactors, a, offset, turn_of(scene, a), history%kept(:, past), pose, normal, point, gap)
+          call move_in_space(contactors, a, offset, turn, history%kept(:, past), pose, normal, point, gap)
         end if
         call add_contact(scene, pairs, history, p, past, law_of(scene, pairs, p), normal, point, gap, history%feature(past), &
                          contacts)
-        contacts%kept(:, contacts%n) = history%kept(:, past)
+        if (scene%dimension == 2) then
+          contacts%kept(:n_kept_in_plane, contacts%n) = history%kept(:n_kept_in_plane, past)
+        else
+          contacts%kept(:n_kept_in_space, contacts%n) = history%kept(:n_kept_in_space, past)
+        end if
       end do
     end associate
-  end subroutine add_kept
+  end subroutine follow_pair
 
   !> Keep the contacts of a pair that have just been found: the last ones.
   subroutine keep_pair(scene, pairs, p, n, contacts)
@@ -278,14 +281,20 @@ contains
     if (size(scene%bodies%middle, 1) == 7) turn = scene%bodies%middle(4:7, scene%contactors%body(c))
   end function turn_of
 
-  !> Shift of the antagonist of a pair [m].
+  !> Shift of the antagonist of a pair [m]. It is asked for at every pair, so one without a cell is found in place.
   pure function offset_of(scene, pairs, p) result(offset)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
     integer, intent(in) :: p !! pair
     real(wp) :: offset(3)
 
-    offset = image_shift(scene, image_of_pair(pairs, p))
+    if (scene%cell%is_on) then
+      offset = image_shift(scene, image_of_pair(pairs, p))
+    else
+      offset(1) = scene%period*real(pairs%image(p), wp)
+      offset(2:3) = 0
+      if (scene%dimension == 3) offset(2) = scene%period_y*real(pairs%image_y(p), wp)
+    end if
   end function offset_of
 
   !> Law of a pair that is no link.

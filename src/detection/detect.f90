@@ -1,14 +1,12 @@
 !> Detection: from the configuration of a step to its contacts, with the impulses of the last step as a guess.
 module sg_detect
-  use sg_add_contacts, only: add_contacts, add_kept, has_kept, is_kept, is_slow, keep_pair, kept_length, law_of, offset_of, &
-                             turn_of
+  use sg_add_contacts, only: add_contacts, add_kept, is_slow, keep_pair, kept_length, law_of, offset_of
   use sg_contactors, only: kind_polygon, kind_polyhedron, kind_sphere, place_contactors, contactors_t
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_follow, only: follows
   use sg_history, only: exchange_kept, fold_images, history_t, keep_contacts, keep_faces, keep_pairs, match_pairs, &
                         unwrap_images
   use sg_internal_values, only: n_internal_of
-  use sg_kept_contacts, only: n_pose_in_plane, n_pose_in_space, pose_in_plane, pose_in_space
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_bond, status_broken
   use sg_link_laws, only: holds_across, is_torn, pulls_only
@@ -87,19 +85,13 @@ contains
     allocate (first(pairs%n + 1))
     if (sum(scene%contactors%n_rows([kind_polygon, kind_polyhedron])) > 0) &
       call keep_faces(history, pairs%n_near, scene%dimension - 1)
-    if (scene%dimension == 2) then
-      do p = 1, pairs%n_near
-        if (ends_early(pairs, contacts, p)) exit
-        first(p) = int(contacts%n, i4) + 1
-        call touch_in_plane(scene, pairs, history, p, contacts)
-      end do
-    else
-      do p = 1, pairs%n_near
-        if (ends_early(pairs, contacts, p)) exit
-        first(p) = int(contacts%n, i4) + 1
-        call touch_in_space(scene, pairs, history, p, contacts)
-      end do
-    end if
+    do p = 1, pairs%n_near
+      if (ends_early(pairs, contacts, p)) exit
+      first(p) = int(contacts%n, i4) + 1
+      ! Most pairs end here.
+      if (are_apart(scene, pairs, p, contacts%n_kept)) cycle
+      call touch_near(scene, pairs, history, p, contacts)
+    end do
     do p = pairs%n_near + 1, pairs%n
       if (ends_early(pairs, contacts, p)) exit
       first(p) = int(contacts%n, i4) + 1
@@ -127,46 +119,62 @@ contains
     ends_early = contacts%is_cut .or. pairs%is_late
   end function ends_early
 
-  !> Contacts of one pair in the plane: none, kept ones, or those that the narrow phase finds.
-  subroutine touch_in_plane(scene, pairs, history, p, contacts)
+  !> Contacts of a pair whose circles or spheres are near: none, kept ones, or those that the narrow phase finds.
+  subroutine touch_near(scene, pairs, history, p, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(inout) :: history
     integer, intent(in) :: p
     type(contacts_t), intent(inout) :: contacts
-    real(wp) :: alert, path, pose(n_pose_in_plane), offset(3)
+    real(wp) :: alert, path
     integer :: n
+    logical :: keeps, is_kept
 
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      alert = pairs%alert(pairs%see(p))
-      if (contacts%n_kept > 0) alert = alert + kept_length(scene, c, a)
-      if (scene%cell%is_on) then
-        if (circles_are_apart_in_cell(scene, pairs, p, alert)) return
-      else
-        if (circles_are_apart(scene, c, a, pairs%image(p), alert)) return
-      end if
+      alert = alert_between(scene, pairs, p, contacts%n_kept)
       path = 0
-      if (contactors%kind(c) == kind_polygon .and. contactors%kind(a) == kind_polygon) then
-        path = contactors%polygon_path(contactors%row(c)) + contactors%polygon_path(contactors%row(a))
+      if (contactors%kind(c) == contactors%kind(a) .and. follows(contactors%kind(c))) then
+        path = path_of(contactors, c) + path_of(contactors, a)
         if (is_clear(history%clearance(p), path, alert) .and. .not. scene%cell%is_on) return
       end if
-      if (contacts%n_kept == 0 .or. .not. follows(contactors%kind(c))) then
-        call find_in_plane(scene, pairs, history, p, alert, path, contacts)
-        return
-      end if
-      if (has_kept(history, p, contacts%n_kept)) then
-        offset = offset_of(scene, pairs, p)
-        pose = pose_in_plane(contactors, c, a, offset(:2))
-        if (is_kept(scene, history, p, c, a, pose)) then
-          call add_kept(scene, pairs, history, p, pose, contacts)
-          return
-        end if
+      keeps = contacts%n_kept > 0 .and. follows(contactors%kind(c))
+      if (keeps) then
+        call add_kept(scene, pairs, history, p, contacts, is_kept)
+        if (is_kept) return
       end if
       n = contacts%n
-      call find_in_plane(scene, pairs, history, p, alert, path, contacts)
-      if (contacts%n > n .and. is_slow(scene, c, a, pairs%substeps)) call keep_pair(scene, pairs, p, contacts%n - n, contacts)
+      if (scene%dimension == 2) then
+        call find_in_plane(scene, pairs, history, p, alert, path, contacts)
+      else
+        call find_in_space(scene, pairs, history, p, alert, path, contacts)
+      end if
+      if (.not. keeps .or. contacts%n == n) return
+      if (is_slow(scene, c, a, pairs%substeps)) call keep_pair(scene, pairs, p, contacts%n - n, contacts)
     end associate
-  end subroutine touch_in_plane
+  end subroutine touch_near
+
+  !> Gap from which nothing is found between two shapes [m].
+  pure real(wp) function alert_between(scene, pairs, p, n_kept) result(alert)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    integer, intent(in) :: p
+    integer, intent(in) :: n_kept !! values of a contact that is kept; 0 where none is
+
+    alert = pairs%alert(pairs%see(p))
+    if (n_kept > 0) alert = alert + kept_length(scene, pairs%contactor(1, p), pairs%contactor(2, p))
+  end function alert_between
+
+  !> Length of the path of a polygon or polyhedron so far [m].
+  pure real(wp) function path_of(contactors, c) result(path)
+    type(contactors_t), intent(in) :: contactors
+    integer(i4), intent(in) :: c
+
+    if (contactors%kind(c) == kind_polygon) then
+      path = contactors%polygon_path(contactors%row(c))
+    else
+      path = contactors%space%polyhedron_path(contactors%row(c))
+    end if
+  end function path_of
 
   !> Narrow phase of one pair in the plane.
   subroutine find_in_plane(scene, pairs, history, p, alert, path, contacts)
@@ -181,11 +189,8 @@ contains
     real(wp) :: shift(2), offset(3)
 
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      shift = [scene%period*real(pairs%image(p), wp), 0.0_wp]
-      if (scene%cell%is_on) then
-        offset = offset_of(scene, pairs, p)
-        shift = offset(:2)
-      end if
+      offset = offset_of(scene, pairs, p)
+      shift = offset(:2)
       if (contactors%kind(c) == kind_polygon .and. contactors%kind(a) == kind_polygon) then
         call touch_pair(contactors, c, a, shift, alert, touch, scene%period, history%face(1, p), history%clearance(p))
         history%clearance(p) = history%clearance(p) + path
@@ -203,57 +208,19 @@ contains
                                        touch%gap, touch%feature, contacts)
   end subroutine find_in_plane
 
-  !> Contacts of one pair in space: none, kept ones, or those that the narrow phase finds.
-  subroutine touch_in_space(scene, pairs, history, p, contacts)
-    type(scene_t), intent(in) :: scene
-    type(neighbours_t), intent(in) :: pairs
-    type(history_t), intent(inout) :: history
-    integer, intent(in) :: p
-    type(contacts_t), intent(inout) :: contacts
-    real(wp) :: offset(3), alert, path, pose(n_pose_in_space)
-    integer :: n
-
-    ! Most pairs end right below: a function for these numbers costs a twentieth of the detection of spheres.
-    offset = [scene%period*real(pairs%image(p), wp), scene%period_y*real(pairs%image_y(p), wp), 0.0_wp]
-    if (scene%cell%is_on) offset = offset_of(scene, pairs, p)
-    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      alert = pairs%alert(pairs%see(p))
-      if (contacts%n_kept > 0) alert = alert + kept_length(scene, c, a)
-      if (spheres_are_apart(contactors, c, a, offset, alert)) return
-      path = 0
-      if (contactors%kind(c) == kind_polyhedron .and. contactors%kind(a) == kind_polyhedron) then
-        path = contactors%space%polyhedron_path(contactors%row(c)) + contactors%space%polyhedron_path(contactors%row(a))
-        if (is_clear(history%clearance(p), path, alert) .and. .not. scene%cell%is_on) return
-      end if
-      if (contacts%n_kept == 0 .or. .not. follows(contactors%kind(c))) then
-        call find_in_space(scene, pairs, history, p, offset, alert, path, contacts)
-        return
-      end if
-      if (has_kept(history, p, contacts%n_kept)) then
-        pose = pose_in_space(contactors, turn_of(scene, c), turn_of(scene, a), c, a, offset)
-        if (is_kept(scene, history, p, c, a, pose)) then
-          call add_kept(scene, pairs, history, p, pose, contacts)
-          return
-        end if
-      end if
-      n = contacts%n
-      call find_in_space(scene, pairs, history, p, offset, alert, path, contacts)
-      if (contacts%n > n .and. is_slow(scene, c, a, pairs%substeps)) call keep_pair(scene, pairs, p, contacts%n - n, contacts)
-    end associate
-  end subroutine touch_in_space
-
   !> Narrow phase of one pair in space.
-  subroutine find_in_space(scene, pairs, history, p, offset, alert, path, contacts)
+  subroutine find_in_space(scene, pairs, history, p, alert, path, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(inout) :: history
     integer, intent(in) :: p
-    real(wp), intent(in) :: offset(3) !! shift of the antagonist [m]
     real(wp), intent(in) :: alert !! gap from which nothing is found [m]
     real(wp), intent(in) :: path !! path lengths of two polyhedra, added [m]
     type(contacts_t), intent(inout) :: contacts
     type(touch_space_t) :: touch
+    real(wp) :: offset(3)
 
+    offset = offset_of(scene, pairs, p)
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
       if (contactors%kind(c) == kind_sphere .and. contactors%kind(a) == kind_sphere) then
         call touch_sphere_sphere(contactors%centre(:, c), contactors%reach(c), contactors%centre(:, a) + offset, &
@@ -324,52 +291,24 @@ contains
     end associate
   end function is_broken
 
-  !> Are the circles about two shapes farther apart than the alert distance? Most neighbours' are; a square decides.
-  pure logical function circles_are_apart(scene, c, a, image, alert) result(apart)
-    type(scene_t), intent(in) :: scene
-    integer(i4), intent(in) :: c, a
-    integer(i1), intent(in) :: image
-    real(wp), intent(in) :: alert
-    real(wp) :: x, y, limit
-
-    apart = .false.
-    associate (contactors => scene%contactors)
-      if (is_bounding(contactors%kind(a))) return
-      x = contactors%centre(1, c) - contactors%centre(1, a) - scene%period*real(image, wp)
-      y = contactors%centre(2, c) - contactors%centre(2, a)
-      limit = contactors%reach(c) + contactors%reach(a) + alert
-      apart = x**2 + y**2 > limit**2
-    end associate
-  end function circles_are_apart
-
-  !> The same in a periodic cell.
-  pure logical function circles_are_apart_in_cell(scene, pairs, p, alert) result(apart)
+  !> Are the circles or spheres about two shapes farther apart than the alert distance? A square decides.
+  pure logical function are_apart(scene, pairs, p, n_kept) result(apart)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     integer, intent(in) :: p
-    real(wp), intent(in) :: alert
-    real(wp) :: offset(3)
-
-    offset = offset_of(scene, pairs, p)
-    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      apart = sum((contactors%centre(:2, c) - contactors%centre(:2, a) - offset(:2))**2) > &
-              (contactors%reach(c) + contactors%reach(a) + alert)**2
-    end associate
-  end function circles_are_apart_in_cell
-
-  !> Are the spheres about two shapes farther apart than the alert distance? Most neighbours' are; a square decides.
-  pure logical function spheres_are_apart(contactors, c, a, offset, alert) result(apart)
-    type(contactors_t), intent(in) :: contactors
-    integer(i4), intent(in) :: c
-    integer(i4), intent(in) :: a
-    real(wp), intent(in) :: offset(3)
-    real(wp), intent(in) :: alert
-    real(wp) :: between(3), limit
+    integer, intent(in) :: n_kept !! values of a contact that is kept; 0 where none is
+    real(wp) :: offset(3), x, y, z, limit
 
     apart = .false.
-    if (is_bounding(contactors%kind(a))) return
-    between = contactors%centre(:, c) - contactors%centre(:, a) - offset
-    limit = contactors%reach(c) + contactors%reach(a) + alert
-    apart = between(1)**2 + between(2)**2 + between(3)**2 > limit**2
-  end function spheres_are_apart
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
+      if (is_bounding(contactors%kind(a))) return
+      offset = offset_of(scene, pairs, p)
+      x = contactors%centre(1, c) - contactors%centre(1, a) - offset(1)
+      y = contactors%centre(2, c) - contactors%centre(2, a) - offset(2)
+      z = 0
+      if (scene%dimension == 3) z = contactors%centre(3, c) - contactors%centre(3, a) - offset(3)
+      limit = contactors%reach(c) + contactors%reach(a) + alert_between(scene, pairs, p, n_kept)
+      apart = x**2 + y**2 + z**2 > limit**2
+    end associate
+  end function are_apart
 end module sg_detect

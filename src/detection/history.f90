@@ -15,7 +15,7 @@ module sg_history
   private
   public :: history_t, start_history, resume_history, keep_contacts, keep_pairs, unwrap_images, fold_images, match_pairs, &
             revive
-  public :: carried_of, exchange_kept, keep_faces, past_contacts, past_pair, recall
+  public :: carried_of, exchange_kept, keep_faces, past_pair, recall
 
   !> Contacts of the last detection, as much as the next one needs
   type :: history_t
@@ -359,17 +359,6 @@ contains
     past_pair = pair
     if (history%is_matched) past_pair = history%past(pair)
   end function past_pair
-
-  !> First and last contact that a present pair had in the last detection; the last is before the first where it had none.
-  pure function past_contacts(history, pair) result(ends)
-    type(history_t), intent(in) :: history !! past
-    integer, intent(in) :: pair !! present neighbour pair
-    integer :: ends(2), past
-
-    ends = [1, 0]
-    past = past_pair(history, pair)
-    if (past > 0) ends = [history%first(past), history%first(past + 1) - 1_i4]
-  end function past_contacts
 
   !> Contact of the past that a contact of now goes on from; 0 when it is new.
   pure integer function recall(history, pair, feature, point) result(best)

@@ -164,7 +164,7 @@ contains
     normal = kept(6:7)
     point = kept(8:9)
     gap = kept(10)
-    call follow_in_plane(int(nint(kept(1)) - 1, i1), kept(2:3), here, pose(1:2), here, turn, unturned, normal, point, gap)
+    call follow_in_plane(int(kept(1), i1) - 1_i1, kept(2:3), here, pose(1:2), here, turn, unturned, normal, point, gap)
     turn = turn_of(contactors, a)
     normal = [turn(1)*normal(1) - turn(2)*normal(2), turn(2)*normal(1) + turn(1)*normal(2)]
     point = [turn(1)*point(1) - turn(2)*point(2) + contactors%centre(1, a) + offset(1), &
@@ -189,7 +189,7 @@ contains
     normal = kept(9:11)
     point = kept(12:14)
     gap = kept(15)
-    call follow_in_space(int(nint(kept(1)) - 1, i1), kept(2:4), here, pose(1:3), here, turn, no_rotation, normal, point, gap)
+    call follow_in_space(int(kept(1), i1) - 1_i1, kept(2:4), here, pose(1:3), here, turn, no_rotation, normal, point, gap)
     normal = turned_by(turn_a, normal)
     point = turned_by(turn_a, point) + contactors%centre(:, a) + offset
   end subroutine move_in_space
