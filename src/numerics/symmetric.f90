@@ -124,13 +124,14 @@ contains
   !> Largest eigenvalue of a symmetric 3 x 3 matrix: the largest root of its characteristic polynomial.
   !!
   !! With the mean m of the eigenvalues and their spread p that root is m + p (1 + z), where z in 0..1 solves z^2 (z + 3) = 4 t^2
-  !! with 2 t^2 = 1 + det((W - m I)/p)/2. Newton's method on z sqrt(z + 3) = 2 t converges from anywhere there, at double roots
-  !! (t = 0) too; from a fit to 8e-4 two steps reach rounding, in half the time of the same root by an arc cosine.
+  !! with 2 t^2 = 1 + det((W - m I)/p)/2. At double roots (t = 0) z/t is smooth: from a fit of it to 1e-5 one step of Halley's
+  !! method reaches rounding, in a third of the time of the same root by an arc cosine.
   pure real(wp) function largest_eigenvalue(w) result(largest)
     real(wp), intent(in) :: w(3, 3) !! matrix
-    real(wp), parameter :: fit(3) = [1.15379_wp, -0.20522_wp, 0.05199_wp]
-    real(wp) :: mean, x, y, z, xy, xz, yz, p, t, s
-    integer :: step
+    real(wp), parameter :: fit(5) = [1.154686_wp, -0.2214748_wp, 0.1004688_wp, -0.04453444_wp, 0.01086309_wp]
+    ! Of t^2; what it adds to the result is less than rounding.
+    real(wp), parameter :: least = epsilon(1.0_wp)**2/16
+    real(wp) :: mean, x, y, z, xy, xz, yz, p, t, value, slope
 
     mean = (w(1, 1) + w(2, 2) + w(3, 3))/3
     x = w(1, 1) - mean
@@ -139,19 +140,18 @@ contains
     p = sqrt((x**2 + y**2 + z**2 + 2*(w(1, 2)**2 + w(1, 3)**2 + w(2, 3)**2))/6)
     largest = mean
     if (.not. p > epsilon(1.0_wp)*abs(mean)) return
-    s = 1/p
-    x = s*x
-    y = s*y
-    z = s*z
-    xy = s*w(1, 2)
-    xz = s*w(1, 3)
-    yz = s*w(2, 3)
-    t = sqrt(max(0.0_wp, min(1.0_wp, (2 + (x*(y*z - yz**2) - xy*(xy*z - yz*xz) + xz*(xy*yz - y*xz)))/4)))
-    z = t*(fit(1) + t*(fit(2) + t*fit(3)))
-    do step = 1, 2
-      s = sqrt(z + 3)
-      z = z - 2*s*(z*s - 2*t)/(3*z + 6)
-    end do
+    t = 1/p
+    x = t*x
+    y = t*y
+    z = t*z
+    xy = t*w(1, 2)
+    xz = t*w(1, 3)
+    yz = t*w(2, 3)
+    t = sqrt(max(least, min(1.0_wp, (2 + (x*(y*z - yz**2) - xy*(xy*z - yz*xz) + xz*(xy*yz - y*xz)))/4)))
+    z = t*(fit(1) + t*(fit(2) + t*(fit(3) + t*(fit(4) + t*fit(5)))))
+    value = z**2*(z + 3) - 4*t**2
+    slope = 3*z*(z + 2)
+    z = z - value*slope/(slope**2 - 3*(z + 1)*value)
     largest = mean + p*(1 + z)
   end function largest_eigenvalue
 end module sg_symmetric

@@ -180,19 +180,17 @@ contains
   pure subroutine find_axis(x, y, c, s)
     real(wp), intent(in) :: x, y
     real(wp), intent(out) :: c, s
-    real(wp) :: scale, along, across, length
+    real(wp) :: length, along
 
     c = 1
     s = 0
-    scale = max(abs(x), abs(y))
-    if (.not. scale > 0) return
-    along = abs(x)/scale
-    across = abs(y)/scale
-    length = sqrt(along**2 + across**2)
-    ! The larger of both from a sum without cancellation, the smaller one from their product.
-    along = along + length
-    c = sqrt(along/(2*length))
-    s = c*across/along
+    length = sqrt(x**2 + y**2)
+    if (.not. length > 0) return
+    ! The larger of both from a sum without cancellation.
+    along = abs(x) + length
+    c = 1/sqrt(2*length*along)
+    s = c*abs(y)
+    c = c*along
     if (x < 0) then
       length = c
       c = s
