@@ -4,6 +4,7 @@ module sg_deck
   use sg_check_blocks, only: check_blocks
   use sg_collect, only: collect, open_deck
   use sg_comm, only: comm_t
+  use sg_constants, only: check_constant_settings, constants_t, put_constants, take_constant_settings
   use sg_dimension_from_deck, only: dimension_from_deck
   use sg_effective, only: effective_deck
   use sg_error, only: diagnostics_t, error_t, fail
@@ -178,20 +179,25 @@ contains
     type(deck_t), intent(out) :: deck !! its blocks
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(error_t), allocatable :: error
+    type(constants_t) :: constants
+    type(text_t), allocatable :: others(:)
     logical :: is_read
 
     deck%file = file
     deck%folder = file(:index(file, '/', back=.true.))
     call read_content(file, deck%content, error)
+    call take_constant_settings(settings, constants, others)
     is_read = .false.
     if (.not. allocated(error)) call read_pieces(deck, diagnostics, is_read)
-    if (.not. allocated(error) .and. .not. is_read) call read_whole(deck, diagnostics, error)
+    if (.not. allocated(error) .and. .not. is_read) call read_whole(deck, constants, diagnostics, error)
     if (allocated(error)) then
       call diagnostics%add(error%message, error%file, error%line, error%column, error%text)
       return
     end if
+    if (constants%are_bad) return
     call split_changes(deck)
-    call apply_settings(settings, deck, diagnostics)
+    call check_constant_settings(constants, diagnostics)
+    call apply_settings(others, deck, diagnostics)
     call dimension_from_deck(deck)
     call check_blocks(deck, diagnostics)
     if (diagnostics%count() == 0) call check_sense(deck, diagnostics)
@@ -199,8 +205,9 @@ contains
   end subroutine read_blocks
 
   !> Take the blocks of a deck from its whole text.
-  subroutine read_whole(deck, diagnostics, error)
+  subroutine read_whole(deck, constants, diagnostics, error)
     type(deck_t), intent(inout) :: deck
+    type(constants_t), intent(inout) :: constants
     type(diagnostics_t), intent(inout) :: diagnostics
     type(error_t), allocatable, intent(out) :: error
     type(document_t) :: document
@@ -213,10 +220,12 @@ contains
       return
     end if
     call open_deck(deck, all_keys(), count(document%entries%kind == toml_table))
+    call put_constants(document, constants, deck, diagnostics)
+    if (constants%are_bad) return
     call collect(document, deck, diagnostics, is_again)
   end subroutine read_whole
 
-  !> Read the blocks of a long deck piece by piece. Where that fails, the whole text is read to report why.
+  !> Read the blocks of a long deck without constants piece by piece. Where that fails, the whole text is read to report why.
   subroutine read_pieces(deck, diagnostics, is_read)
     type(deck_t), intent(inout) :: deck
     type(diagnostics_t), intent(inout) :: diagnostics
@@ -232,7 +241,7 @@ contains
 
     is_read = .false.
     call find_pieces(deck%content, first, line, n_headers)
-    if (size(line) == 1) return
+    if (size(line) == 1 .or. index(deck%content, 'constants') > 0) return
     call open_deck(deck, all_keys(), n_headers)
     is_again = .false.
     do i = 1, size(line)

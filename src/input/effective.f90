@@ -24,7 +24,7 @@ contains
     do s = 1, size(deck%table%sections)
       if (index(deck%table%sections(s)%name, '.') > 0) cycle
       do b = 1, deck%n
-        if (deck%blocks(b)%section /= s) cycle
+        if (deck%blocks(b)%section /= s .or. deck%table%sections(s)%last < deck%table%sections(s)%first) cycle
         call write_block(deck, b, room, length)
         if (deck%table%sections(s)%name /= 'stage') cycle
         stage = stage + 1

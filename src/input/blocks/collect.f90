@@ -257,6 +257,8 @@ contains
     associate (entry => document%entries(i), block => deck%blocks(parent%block))
       name = entry%path(len(document%entries(entry%parent)%path) + 2:)
       outer = trim(deck%table%sections(block%section)%name)
+      ! Constants have stood for themselves before (sg_constants).
+      if (outer == 'constants') return
       section = deck%table%find_section(outer//'.'//name)
       key = deck%table%find_key(block%section, name)
       former = 0

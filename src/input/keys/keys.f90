@@ -20,6 +20,9 @@ contains
                             'deck.')
     call table%add('title', value_text, 'Title, shown in the log, in run.json and on pages of studies.')
     call table%add('about', value_text, 'What the deck is for, in sentences; shown in run.json and on pages of studies.')
+    call table%open_section('constants', 'Numbers with names, each a number or an expression of those above it. In any string '// &
+                            'of the deck an expression in braces stands for its number: "{2*width}", "-{speed}*min(1, t/0.1)" '// &
+                            '(guide/decks.md). `--set constants.width=2.0` sets one. The effective deck has the numbers alone.')
     call add_scene_keys(table)
     call add_cell_keys(table)
     call add_run_keys(table)

@@ -50,7 +50,9 @@ contains
     text = nl//'## `['//text//']`'//nl//nl
     if (section%name == '') text = nl//'## Top of the deck'//nl//nl
     text = text//wrapped(trim(section%sentence)//trim(merge('               ', ' Only in space.', section%dimension == in_both)))
-    text = text//nl//nl// &
+    text = text//nl
+    if (section%last < section%first) return
+    text = text//nl// &
            '| key | value | unit | default | meaning |'//nl//'| --- | --- | --- | --- | --- |'//nl
     do k = section%first, section%last
       associate (key => table%keys(k))
