@@ -118,6 +118,7 @@ def add_study(commands: _SubParsersAction) -> None:
     command.add_argument("study", metavar="STUDY.toml", type=Path, help="what to run (doc/guide/studies.md)")
     command.add_argument("--output", metavar="DIR", type=Path, help="folder of the study (default: NAME.study here)")
     command.add_argument("--jobs", metavar="N", help="runs at a time, or all for one per core (default: that of the study)")
+    command.add_argument("--part", metavar="K/N", help="with [[vary]]: part K of N of the runs, and no page: a task of a job array")
     command.add_argument("--program", metavar="PATH", help="the splitgrain to run")
 
 

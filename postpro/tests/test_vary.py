@@ -1,6 +1,7 @@
 """Studies with [[vary]]: one deck over values of keys and seeds, means and spreads, mistakes with their lines."""
 
 import csv
+import json
 import os
 from pathlib import Path
 
@@ -31,6 +32,88 @@ def test_blocks_against_closed_forms(tmp_path, capsys):
     assert "8 runs, 3 figures" in capsys.readouterr().out
     assert main(["study", str(STUDY), "--output", str(tmp_path / "study")]) == 0
     assert capsys.readouterr().out.count("done before") == 8
+
+
+def test_parts_share_the_runs(tmp_path, capsys):
+    """Tasks of a job array do all runs, each of them once; the study then has no run left."""
+    command = ["study", str(STUDY), "--output", str(tmp_path / "study")]
+    for part in ("1/3", "2/3", "3/3"):
+        assert main([*command, "--part", part]) == 0
+        printed = capsys.readouterr().out
+        assert "done before" not in printed and f"part {part[0]} of 3" in printed
+        assert not (tmp_path / "study/study.html").exists()
+    assert main(command) == 0
+    assert capsys.readouterr().out.count("done before") == 8
+    for part in ("0/3", "4/3", "2", "a/b"):
+        assert main([*command, "--part", part]) == 2
+        assert "--part needs" in capsys.readouterr().err
+
+
+def test_columns_of_regions_tracks_and_stages(tmp_path, capsys):
+    """A block that falls through a region in two stages: places by the throw, from the checkpoint of a first run."""
+    deck = """[constants]
+g = 9.81
+[scene]
+gravity = [0.0, "{-g}"]
+[time]
+step = 1e-3
+[output]
+record_every = 10
+[[stage]]
+name = "up"
+steps = 100
+[[stage]]
+name = "down"
+steps = 100
+[[track]]
+body = "ball"
+[[region]]
+name = "all"
+box = [-1.0, -9.0, 1.0, 9.0]
+[[material]]
+name = "stone"
+density = 1000.0
+[[law]]
+friction = 0.3
+[[body]]
+name = "ball"
+shape = "disk"
+radius = 0.1
+"""
+    (tmp_path / "deck.toml").write_text(deck)
+    study = """deck = "deck.toml"
+plot = ["y(ball) after up", "y(ball)", "mean_velocity(all) after up", "time after up"]
+[[vary]]
+key = "constants.g"
+values = [5.0, 10.0]
+"""
+    (tmp_path / "study.toml").write_text(study)
+    done = main(["study", str(tmp_path / "study.toml"), "--output", str(tmp_path / "out")])
+    if done == 2 and "HDF5" in capsys.readouterr().err:
+        pytest.skip("stages need HDF5")
+    assert done == 0
+    for row in rows_of(tmp_path / "out/results.csv"):
+        g = float(row["constants.g"])
+        assert float(row["time after up"]) == pytest.approx(0.1)
+        assert float(row["y(ball) after up"]) == pytest.approx(-g * 0.1**2 / 2, rel=1e-9)
+        assert float(row["y(ball)"]) == pytest.approx(-g * 0.2**2 / 2, rel=1e-9)
+        assert float(row["mean_velocity(all) after up"]) == pytest.approx(g * 0.1, rel=1e-9)
+    start = tmp_path / "start"
+    assert main(["study", str(tmp_path / "study.toml"), "--output", str(start)]) == 0
+    checkpoint = next(place for place in (start / "runs").iterdir() if place.is_dir())
+    (tmp_path / "study.toml").write_text(f'restart = "start/runs/{checkpoint.name}"\nset = {{ "stage[2].steps" = 150 }}\n' + study.replace(" after up", ""))
+    assert main(["study", str(tmp_path / "study.toml"), "--output", str(tmp_path / "on")]) == 0
+    old = json.loads((start / "runs" / f"{checkpoint.name}.json").read_text())["constants.g"]
+    for row in rows_of(tmp_path / "on/results.csv"):
+        fall = -old * 0.2**2 / 2 - old * 0.2 * 0.05 - float(row["constants.g"]) * 0.05**2 / 2
+        assert float(row["y(ball)"]) == pytest.approx(fall, rel=1e-9)
+    for old, new, sentence in (("y(ball) after up", "y(bell)", "no region and no track 'bell'"),
+                               ("y(ball) after up", "w(ball)", "has no column 'w'"),
+                               ("y(ball) after up", "y(ball) after left", "no stage 'left'")):
+        (tmp_path / "study.toml").write_text(study.replace(old, new))
+        capsys.readouterr()
+        assert main(["study", str(tmp_path / "study.toml"), "--output", str(tmp_path / "out")]) == 2
+        assert sentence in capsys.readouterr().err
 
 
 def test_seeds_give_mean_and_spread(tmp_path):

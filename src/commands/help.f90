@@ -191,6 +191,7 @@ contains
             'splitgrain study STUDY.toml [options]   cases x variants x tolerances (or time steps, or subdomains)', &
             '  --output DIR            folder of the study (default: NAME.study in the current folder)', &
             '  --jobs N|all            runs at a time, or one per core (default: that of the study)', &
+            '  --part K/N              with [[vary]]: part K of N of the runs, and no page: a task of a job array', &
             '  --program PATH          the splitgrain to run (default: this one)', &
             'Draws error against work, orders of convergence and performance profiles: study.html, PNG, results.csv.', &
             'Finished runs are kept: the same command goes on with the others. input_decks/studies has examples.', &

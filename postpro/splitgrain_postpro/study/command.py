@@ -40,6 +40,8 @@ def _study(arguments):
     table = StudyFile(arguments.study).table
     if is_varied(table):
         return _varied(arguments)
+    if arguments.part is not None:
+        raise StudyError("--part is for studies with [[vary]]")
     if gives_verdicts(table):
         return _verdicts(arguments)
     study = read_study(arguments.study)
@@ -68,7 +70,8 @@ def _varied(arguments):
     folder = arguments.output or Path(f"{arguments.study.stem}.study")
     folder.mkdir(parents=True, exist_ok=True)
     with _stopped_by_term():
-        lines = do_vary(arguments.study, folder, lambda jobs: workers_of(arguments.jobs if arguments.jobs is not None else jobs), _show)
+        lines = do_vary(arguments.study, folder, lambda jobs: workers_of(arguments.jobs if arguments.jobs is not None else jobs), _show,
+                        part_of(arguments.part))  # fmt: skip
     for line in lines:
         print(line)
     return EXIT_DONE
@@ -109,6 +112,16 @@ def _verdict(jobs, results):
     job, result = failed[0]
     print(f"error: {len(failed)} of {len(jobs)} runs failed, the first is {job.label}: {result['reason']}", file=sys.stderr)
     return EXIT_FAILED
+
+
+def part_of(words: str | None) -> tuple[int, int] | None:
+    """The part K/N of the runs that `--part` asks for; None for all."""
+    if words is None:
+        return None
+    number, _, count = words.partition("/")
+    if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+        raise StudyError(f"--part needs the part and the number of parts, such as 2/5, not {words}")
+    return int(number), int(count)
 
 
 def workers_of(jobs: int | str) -> int:

@@ -1,4 +1,4 @@
-"""A study of one deck over values of any keys and over seeds: columns of the record at the end of each run, with mean and spread."""
+"""A study of one deck over values of any keys and over seeds: columns of results at the end of each run, with mean and spread."""
 
 import io
 import math
@@ -19,7 +19,7 @@ from .csv_text import csv_text
 from .page import page, pictures, table
 from .study_file import StudyFile
 
-TOP = {"title": (str,), "about": (str,), "deck": (str,), "seeds": (list,), "jobs": (int, str), "ranks": (int,), "plot": (list,),
+TOP = {"title": (str,), "about": (str,), "deck": (str,), "restart": (str,), "seeds": (list,), "jobs": (int, str), "ranks": (int,), "plot": (list,),
        "set": (dict,), "vary": (list,)}  # fmt: skip
 VARY = {"key": (str,), "values": (list,), "label": (str,)}
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK)
@@ -61,23 +61,27 @@ def is_varied(table: dict) -> bool:
 
 
 def do_vary(
-    path: Path, folder: Path, workers: Callable[[int | str], int], show: Callable[[str], None],
+    path: Path, folder: Path, workers: Callable[[int | str], int], show: Callable[[str], None], part: tuple[int, int] | None = None,
 ) -> list[str]:
-    """Run the study and write study.html, results.csv and statistics.csv; returns what came out, line by line."""
+    """Run the study and write study.html, results.csv and statistics.csv, or do a part of the runs alone; returns what came out."""
     reader = VaryReader(path)
     study = reader.read()
     values = {block["key"]: block["values"] for block in study["vary"]}
     if study.get("seeds"):
         values["seed"] = study["seeds"]
+    restart = {"restart": path.parent / study["restart"]} if "restart" in study else {}
     try:
         runs = sweep(Deck(path.parent / study["deck"]), values, jobs=workers(study.get("jobs", 1)), output=folder / "runs",
-                     progress=show, set=study.get("set", {}), ranks=study.get("ranks", 1))  # fmt: skip
+                     progress=show, set=study.get("set", {}), ranks=study.get("ranks", 1), part=part or (1, 1), **restart)  # fmt: skip
     except RunError as error:
         raise StudyError(str(error).partition("error: ")[2] or str(error), path, code=1 if error.code != 2 else 2) from error
-    known = runs.runs[0].results.record
+    if part:
+        return [f"part {part[0]} of {part[1]}: {len(runs)} runs are done; the study without --part does what is left, and its page"]
     for name in study["plot"]:
-        if name not in known:
-            reader.fail(f"the record has no column '{name}'", key="plot")
+        try:
+            runs.last(name)
+        except KeyError as missing:
+            reader.fail(missing.args[0], key="plot")
     rows = [[*(_shown(value) for value in values.values()), *numbers]
             for values, *numbers in zip(runs.values, *(runs.last(name) for name in study["plot"]), strict=True)]  # fmt: skip
     names = [*values, *study["plot"]]
