@@ -7,7 +7,7 @@ module sg_stop_from_deck
   use sg_expression_parser, only: parse_expression
   use sg_expressions, only: expression_t
   use sg_kinds, only: wp
-  use sg_laws, only: is_cohesive_zone
+  use sg_laws, only: is_cohesive_zone, resists_rolling
   use sg_measures, only: measures_t, unmeasured
   use sg_record, only: record_columns
   use sg_report, only: report_t
@@ -83,12 +83,14 @@ contains
     type(totals_t) :: totals
     type(measures_t) :: measures
     type(cell_t) :: cell
-    logical :: has_bonds
+    logical :: has_bonds, has_rolling
     integer :: i
 
     has_bonds = any([(is_cohesive_zone(scene%laws(i)), i=1, size(scene%laws))])
+    has_rolling = any(resists_rolling(scene%laws))
     ! A rank alone may hold one kind of bodies of several: a column that the run lacks is reported before its first step.
-    measures = unmeasured(scene%dimension, has_bonds, options%record_mean, [(.true., i=1, n_body_kinds)])
+    measures = unmeasured(scene%dimension, has_bonds, options%record_mean, [(.true., i=1, n_body_kinds)], &
+                          has_rolling)
     call cell%begin(options%walls)
     measures%column = [measures%column, cell_columns(cell, scene%dimension)]
     if (scene%bodies%has_presence) measures%column = [measures%column, passage_columns(spread(0.0_wp, 1, n_passage_sums))]

@@ -7,12 +7,14 @@
 module sg_contacts
   use sg_field_visitor, only: field_t, field_visitor_t, sync_never, sync_on_owner
   use sg_fields, only: fields_t
+  use sg_internal_values, only: bond_slip
   use sg_kinds, only: wp, i1, i4, i8
   use sg_lists, only: room_for
   use sg_memory, only: memory_t
   implicit none
   private
-  public :: contacts_t, drop_contacts, grow_contacts, image_of, reserve_contacts, normal_impulse, impulse_vector
+  public :: contacts_t, drop_contacts, grow_contacts, has_bonds, image_of, reserve_contacts, normal_impulse, impulse_vector, &
+            moment_vector
 
   !> All contacts of one step
   type, extends(fields_t) :: contacts_t
@@ -24,6 +26,9 @@ module sg_contacts
     integer :: n_components = 2
     !> Internal values that the laws in use keep of a contact (sg_internal_values); 0 where none keeps any
     integer :: n_internal = 0
+    !> Components of a contact's moment, the last of its internal values [N m s]: 1 in the plane, 3 in space, 0 where no law resists
+    !! rolling
+    integer :: n_moments = 0
     !> Values of a contact that the solver's method carries from step to step (sg_solver); 0 where it carries none
     integer :: n_carried = 0
     !> Values of a contact that detection keeps from step to step (sg_kept_contacts); 0 where it keeps none
@@ -139,6 +144,24 @@ contains
     if (allocated(contacts%image_y)) image(2) = int(contacts%image_y(k))
     if (allocated(contacts%image_z)) image(3) = int(contacts%image_z(k))
   end function image_of
+
+  !> Are there cohesive zones among the laws in use?
+  pure logical function has_bonds(contacts)
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+
+    has_bonds = contacts%n_internal - contacts%n_moments >= bond_slip
+  end function has_bonds
+
+  !> Moment that the candidate of a contact feels over the step, in the world's axes [N m s]; in the plane the third component.
+  pure function moment_vector(contacts, k) result(moment)
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
+    real(wp) :: moment(3)
+
+    moment = 0
+    if (contacts%n_moments == 0) return
+    moment(4 - contacts%n_moments:) = contacts%internal(contacts%n_internal - contacts%n_moments + 1:, k)
+  end function moment_vector
 
   !> Normal impulse of a contact [N s].
   pure real(wp) function normal_impulse(contacts, k)

@@ -18,6 +18,7 @@ module sg_scene_from_deck
   use sg_joints_from_deck, only: joints_from_deck
   use sg_links_from_deck, only: links_from_deck
   use sg_passages_from_deck, only: passages_from_deck
+  use sg_rolling_checks, only: check_rolling
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_share, only: share_t
@@ -64,6 +65,7 @@ contains
     call gravity_from_deck(deck, scene, diagnostics)
     call materials_from_deck(deck, scene, diagnostics)
     call laws_from_deck(deck, scene, diagnostics)
+    call check_rolling(deck, options, scene, diagnostics)
     call bodies_from_deck(deck, scene, diagnostics)
     if (diagnostics%count() > 0) return
     call drives_from_deck(deck, scene, diagnostics)

@@ -51,6 +51,10 @@ contains
     call visit(wanted, 'friction', 'fric', law%static_friction)
     call visit(wanted, 'dynamic_friction', 'dyfr', law%dynamic_friction)
     call visit(wanted, 'static_friction', 'stfr', law%static_friction)
+    call visit(wanted, 'rolling_friction', '-', law%rolling_friction)
+    call visit(wanted, 'rolling_length', '-', law%rolling_length)
+    call visit(wanted, 'twisting_friction', '-', law%twisting_friction)
+    call visit(wanted, 'twisting_length', '-', law%twisting_length)
     call visit(wanted, 'normal_restitution', 'rstn', law%normal_restitution)
     call visit(wanted, 'tangential_restitution', 'rstt', law%tangential_restitution)
     ! LMGC90's cohesions of Mohr-Coulomb bonds are stresses.

@@ -17,7 +17,7 @@ module sg_laws
   public :: law_mac, law_mal, law_th, law_abp, law_expo, is_cohesive_zone, needs_surface
   public :: status_new, status_none, status_stick, status_slide, status_bonded, status_broken, last_status
   public :: acts_in_touch, forbids_overlap, forbidden_gap
-  public :: is_plain, is_frictionless, inverse_of, kind_of_local_law, largest_friction, why_largest_friction
+  public :: is_plain, is_frictionless, resists_rolling, inverse_of, kind_of_local_law, largest_friction, why_largest_friction
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
   !! wet (cohesion within a thickness), Mohr-Coulomb (cohesion until broken), elastic repulsion, linear; those of links
@@ -49,6 +49,8 @@ module sg_laws
     integer :: kind = law_iqs
     !> Coulomb friction while sticking and while sliding
     real(wp) :: static_friction = 0, dynamic_friction = 0
+    !> Largest moments over the normal force, of rolling and of twisting [m]: a length, and a multiple of the effective radius
+    real(wp) :: rolling_length = 0, twisting_length = 0, rolling_friction = 0, twisting_friction = 0
     !> Newton restitution, normal and tangential
     real(wp) :: normal_restitution = 0, tangential_restitution = 0
     !> Cohesion force, normal and tangential [N]; a tangential one of zero is friction times the normal one
@@ -89,6 +91,8 @@ module sg_laws
     real(wp) :: bias(3) = 0
     !> Friction coefficient of this step
     real(wp) :: friction = 0
+    !> Largest moments over the normal impulse, of rolling and of twisting [m]
+    real(wp) :: moment_arm(2) = 0
     !> Cohesion impulse: the normal impulse may go down to minus this [N s]
     real(wp) :: cohesion = 0
     !> Velocity per impulse, normal and tangential [1/kg]
@@ -192,7 +196,7 @@ contains
     type(law_t), intent(in) :: law !! law to look at
 
     looks_at_gap = any(law%kind == [law_iqs, law_gap, law_iqs_g0, law_gap_g0, law_gap_shifted]) .and. &
-                   .not. abs(law%static_friction - law%dynamic_friction) > 0
+                   .not. (abs(law%static_friction - law%dynamic_friction) > 0 .or. resists_rolling(law))
   end function looks_at_gap
 
   !> Does a law act only on shapes that touch by the end of a step, and keep nothing of a contact that is open?
@@ -284,6 +288,14 @@ contains
     type(law_t), intent(in) :: law !! law to look at
 
     is_frictionless = .not. max(law%static_friction, law%dynamic_friction) > 0 .and. law%kind /= law_bond .and. &
-                      (law%kind /= law_linear .or. law%is_along_normal) .and. .not. is_cohesive_zone(law)
+                      (law%kind /= law_linear .or. law%is_along_normal) .and. .not. is_cohesive_zone(law) .and. &
+                      .not. resists_rolling(law)
   end function is_frictionless
+
+  !> Does the law bear moments that resist rolling or twisting?
+  elemental logical function resists_rolling(law)
+    type(law_t), intent(in) :: law !! law to look at
+
+    resists_rolling = max(law%rolling_length, law%twisting_length, law%rolling_friction, law%twisting_friction) > 0
+  end function resists_rolling
 end module sg_laws

@@ -20,12 +20,12 @@ module sg_energy
   use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
-  public :: energy_t, measure_energy, bond_work_of, n_energy_values
+  public :: energy_t, measure_energy, bond_work_of, measure_rolling, n_energy_values
 
   !> Numbers that `pack` writes
-  integer, parameter :: n_energy_values = 9
+  integer, parameter :: n_energy_values = 10
   !> Numbers of `energy_sums`
-  integer, parameter :: n_energy_sums = 10
+  integer, parameter :: n_energy_sums = 11
 
   !> Works summed since the start of the run [J per metre of depth]; in a decomposed scene the shares of this rank
   type :: energy_t
@@ -41,6 +41,8 @@ module sg_energy
     real(wp) :: friction_loss = 0, impact_loss = 0
     !> Energy taken by the bonds of cohesive zones, stored or lost
     real(wp) :: bond_work = 0
+    !> Energy taken by moments that resist rolling and twisting
+    real(wp) :: rolling_loss = 0
     !> Potential energy that bodies were given by pushes which undo overlap
     real(wp) :: recovery_work = 0
     !> Gravity of the last step counted [m/s2], shape (3); unallocated before the first one
@@ -64,7 +66,7 @@ contains
     type(scene_t), intent(in) :: scene !! scene after the solve, before the update
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
-    real(wp) :: mean(scene%bodies%n_velocity, scene%bodies%n), work(3), elastic(2)
+    real(wp) :: mean(scene%bodies%n_velocity, scene%bodies%n), work(4), elastic(2)
 
     if (.not. self%is_started) then
       self%is_started = .true.
@@ -82,6 +84,7 @@ contains
     self%impact_loss = self%impact_loss - work(1)
     self%friction_loss = self%friction_loss - work(2)
     self%bond_work = self%bond_work - work(3)
+    self%rolling_loss = self%rolling_loss - work(4)
     self%external_work = self%external_work + imposed_work(scene, h, mean)
     if (scene%cell%is_on) self%external_work = self%external_work + cell_work(scene, contacts)
     if (.not. has_driven(size(mean), mean, scene%bodies%inverse_mass)) return
@@ -154,8 +157,19 @@ contains
     work = sums(10)
   end function bond_work_of
 
+  !> Energy that moments against rolling and twisting have taken since the start [J], a column of scenes with such laws.
+  pure subroutine measure_rolling(tally)
+    type(tally_t), intent(inout) :: tally !! tally of the measure, summed in its last pass
+    real(wp) :: sums(n_energy_sums)
+
+    if (tally%pass /= pass_columns .or. .not. tally%has_rolling) return
+    sums = tally%sums%get('energy', n_energy_sums)
+    call tally%add('rolling_loss', sums(11))
+  end subroutine measure_rolling
+
   !> Terms of the balance, of this rank [J]: kinetic and potential energy, sum of the absolute potential energies of
-  !! the bodies, both energies at the start, and works of forces and pushes, of drives, of friction, of impacts and of bonds.
+  !! the bodies, both energies at the start, and works of forces and pushes, of drives, of friction, of impacts, of bonds and of
+  !! moments.
   pure function energy_sums(energy, scene, contacts) result(sums)
     type(energy_t), intent(in) :: energy
     type(scene_t), intent(in) :: scene
@@ -174,7 +188,7 @@ contains
     end do
     sums(2) = sums(2) + sum(elastic)
     sums(4:) = [energy%kinetic_start, energy%potential_start, energy%external_work + energy%recovery_work, energy%drive_work, &
-                energy%friction_loss - elastic(2), energy%impact_loss - elastic(1), energy%bond_work]
+                energy%friction_loss - elastic(2), energy%impact_loss - elastic(1), energy%bond_work, energy%rolling_loss]
   end function energy_sums
 
   !> How far the balance is from closing over its largest term, from the sums over all ranks; zero before the first step.
@@ -188,13 +202,13 @@ contains
     closure = 0
     if (.not. is_started) return
     associate (kinetic => sums(1), kinetic_start => sums(4), external_work => sums(6), drive_work => sums(7), &
-               friction_loss => sums(8), impact_loss => sums(9), bond_work => sums(10))
+               friction_loss => sums(8), impact_loss => sums(9), bond_work => sums(10), rolling_loss => sums(11))
       gain = sums(2) - sums(5)
       scale = max(sums(3)*sqrt(epsilon(scale)), kinetic, abs(kinetic_start), abs(gain), abs(external_work), abs(drive_work), &
-                  abs(friction_loss), abs(impact_loss), abs(bond_work))
+                  abs(friction_loss), abs(impact_loss), abs(bond_work), abs(rolling_loss))
       if (.not. scale > 0) return
       closure = abs(kinetic - kinetic_start + gain - external_work - drive_work + friction_loss + impact_loss &
-                    + bond_work)/scale
+                    + bond_work + rolling_loss)/scale
     end associate
   end function closure_of
 
@@ -228,7 +242,7 @@ contains
     real(wp) :: values(n_energy_values)
 
     values = [merge(1.0_wp, 0.0_wp, self%is_started), self%kinetic_start, self%potential_start, self%external_work, &
-              self%drive_work, self%friction_loss, self%impact_loss, self%bond_work, self%recovery_work]
+              self%drive_work, self%friction_loss, self%impact_loss, self%bond_work, self%recovery_work, self%rolling_loss]
   end function energy_pack
 
   !> The sums back from a list of reals.
@@ -245,5 +259,6 @@ contains
     self%impact_loss = values(7)
     self%bond_work = values(8)
     self%recovery_work = values(9)
+    self%rolling_loss = values(10)
   end subroutine energy_unpack
 end module sg_energy

@@ -9,14 +9,13 @@ module sg_measures
   use sg_body_kinds, only: n_body_kinds
   use sg_comm, only: comm_t
   use sg_compactness, only: measure_compactness
-  use sg_contacts, only: contacts_t
+  use sg_contacts, only: contacts_t, has_bonds
   use sg_coordination, only: measure_by_kind, measure_coordination, measure_kinds_of_pairs, measure_rattlers, neighbours_of, &
                              touching_pairs, touching_t
-  use sg_energy, only: energy_t, measure_energy
+  use sg_energy, only: energy_t, measure_energy, measure_rolling
   use sg_fabric, only: measure_fabric
   use sg_grains, only: sum_grains
   use sg_inertia_number, only: measure_inertia, measure_shear_rate
-  use sg_internal_values, only: bond_slip
   use sg_kinds, only: wp
   use sg_means, only: means_t, measure_means
   use sg_mobilised_friction, only: measure_friction
@@ -77,6 +76,7 @@ contains
     call measure_by_kind(scene%bodies, scene%contactors, neighbours, tally)
     call measure_means(scene, means, tally)
     call measure_bonds(scene, contacts, tally)
+    call measure_rolling(tally)
   end subroutine visit_indicators
 
   !> Measure everything. Collective: all ranks get the measures of the whole scene.
@@ -98,7 +98,8 @@ contains
     if (present(means)) interval = means
     tally%is_shared = comm%size > 1
     tally%h = h
-    tally%has_bonds = contacts%n_internal >= bond_slip
+    tally%has_bonds = has_bonds(contacts)
+    tally%has_rolling = contacts%n_moments > 0
     if (present(kinds)) call tally%set_kinds(kinds)
     touching = touching_pairs(contacts, scene%bodies%n)
     neighbours(1, :) = neighbours_of(touching, scene%bodies%n)
@@ -127,11 +128,12 @@ contains
   end subroutine measure_alone
 
   !> Columns of a scene that is not measured yet: their values are zero.
-  pure function unmeasured(dimension, has_bonds, has_means, kinds) result(measures)
+  pure function unmeasured(dimension, with_bonds, has_means, kinds, with_rolling) result(measures)
     integer, intent(in) :: dimension !! of space
-    logical, intent(in) :: has_bonds !! are there cohesive zones?
+    logical, intent(in) :: with_bonds !! are there cohesive zones?
     logical, intent(in), optional :: has_means !! are there means over the recorded interval? None unless given
     logical, intent(in), optional :: kinds(n_body_kinds) !! kinds of bodies of the whole scene; one unless given
+    logical, intent(in), optional :: with_rolling !! do laws in use resist rolling? None does unless given
     type(measures_t) :: measures
     type(means_t) :: means
     type(tally_t) :: tally
@@ -142,7 +144,8 @@ contains
 
     scene%dimension = dimension
     scene%bodies%dimension = dimension
-    tally%has_bonds = has_bonds
+    tally%has_bonds = with_bonds
+    if (present(with_rolling)) tally%has_rolling = with_rolling
     if (present(has_means)) means%is_on = has_means
     if (present(kinds)) call tally%set_kinds(kinds)
     tally%pass = pass_columns

@@ -39,8 +39,8 @@ module sg_tally
   type :: tally_t
     !> Present visit
     integer :: pass = pass_largest
-    !> Do several ranks hold the scene? Are there cohesive zones?
-    logical :: is_shared = .false., has_bonds = .false.
+    !> Do several ranks hold the scene? Are there cohesive zones? Do laws resist rolling?
+    logical :: is_shared = .false., has_bonds = .false., has_rolling = .false.
     !> Kinds of bodies with a column of their own, ascending (sg_body_kinds); unallocated where the scene has one kind
     integer, allocatable :: kinds(:)
     !> Time step [s]

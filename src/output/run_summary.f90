@@ -69,8 +69,8 @@ module sg_run_summary
     real(wp) :: tolerance = 0
     !> Dimension of space, number of ranks and of the subdomains that they share, bodies, and steps asked
     integer :: dimension = 2, ranks = 1, subdomains = 1, bodies = 0, steps_asked = 0
-    !> Are there cohesive zones?
-    logical :: has_bonds = .false.
+    !> Are there cohesive zones? Do laws in use resist rolling?
+    logical :: has_bonds = .false., has_rolling = .false.
     !> The grains
     type(grains_t) :: grains
     !> Time reached [s]
@@ -219,7 +219,7 @@ contains
     type(measures_t) :: measures
 
     measures = self%measures
-    if (.not. allocated(measures%column)) measures = unmeasured(self%dimension, self%has_bonds)
+    if (.not. allocated(measures%column)) measures = unmeasured(self%dimension, self%has_bonds, with_rolling=self%has_rolling)
     call move_alloc(measures%column, columns)
   end function summary_columns
 

@@ -3,7 +3,7 @@ module sg_assemble
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_assemble_by_gaps, only: assemble_by_gaps
   use sg_assemble_space, only: space_record
-  use sg_compact, only: compact_velocity
+  use sg_compact, only: compact_velocity, scaled_spin
   use sg_contact_laws, only: law_of_contact
   use sg_contact_status, only: rest_speed, status_of
   use sg_contacts, only: contacts_t
@@ -18,12 +18,13 @@ module sg_assemble
   use sg_plan, only: plan_t
   use sg_problem, only: problem_t, reserve_problem
   use sg_problem_bodies, only: load_bodies, take_velocities
-  use sg_records, only: arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, &
-                        arm_frictionless, arm_frictionless_bias, arm_frictionless_inverse_wnn, arm_frictionless_moment_a, &
-                        arm_frictionless_moment_c, arm_law, arm_slip, arm_stiffness_n, arm_wnn, arm_wtt, ball_frictional, &
-                        is_compact, is_in_space, normal_x, normal_y, normal_z, plain_kind, round_bias_n, round_bias_t, &
-                        round_friction, round_frictionless, round_frictionless_bias, round_frictionless_inverse_wnn, &
-                        round_inverse_wnn, round_inverse_wtt, solid_frictional, solid_wnn
+  use sg_records, only: arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, arm_frictionless, &
+                        arm_frictionless_bias, arm_frictionless_inverse_wnn, arm_frictionless_moment_a, arm_frictionless_moment_c, &
+                        arm_gyration, arm_law, arm_rolling, arm_rolling_length, arm_slip, arm_stiffness_n, arm_wnn, arm_wtt, &
+                        ball_frictional, force_length, has_moments, is_compact, is_in_space, normal_x, normal_y, normal_z, &
+                        plain_kind, round_bias_n, round_bias_t, round_friction, round_frictionless, round_frictionless_bias, &
+                        round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt, solid_frictional, solid_gyration, &
+                        solid_rolling, solid_wnn
   use sg_scene, only: largest_gravity, scene_t
   use sg_status_by_gaps, only: find_statuses
   implicit none
@@ -80,13 +81,16 @@ contains
         if (.not. law%is_active) cycle
         q = compact_velocity(problem, k)
         squares = squares + sum(q**2)
-        problem%most_friction = max(problem%most_friction, law%friction)
+        if (has_moments(kind)) squares = squares + sum(scaled_spin(problem, k)**2)
+        problem%most_friction = max(problem%most_friction, largest_bound(kind, law, problem%record(:, k)))
         if (closes(kind, law, problem%record(:, k), q)) problem%closing_speed = max(problem%closing_speed, norm2(q))
         held = max(held, held_speed(kind, law, problem%record(:, k)))
-        problem%impulse(:, k) = contacts%impulse(:, k)
+        problem%impulse(:force_length(kind), k) = contacts%impulse(:, k)
+        if (any(law%moment_arm > 0)) problem%impulse(force_length(kind) + 1:, k) = &
+          contacts%internal(contacts%n_internal - contacts%n_moments + 1:, k)
         ! The normal may have turned since the guess was found; that of links is turned at detection.
         if (law%is_along_normal .and. plain_kind(kind) == solid_frictional .and. .not. is_link(scene, contacts, k)) &
-          problem%impulse(:, k) = dot_product(contacts%normal(:, k), contacts%impulse(:, k))*contacts%normal(:, k)
+          problem%impulse(:3, k) = dot_product(contacts%normal(:, k), contacts%impulse(:, k))*contacts%normal(:, k)
       end do
     end associate
     problem%free_norm = sqrt(squares)
@@ -138,6 +142,20 @@ contains
     if (kind == ball_frictional .or. plain_kind(kind) == solid_frictional) normal = dot_product(record(normal_x:normal_z), q)
     closes = law%is_linear .or. law%cohesion > 0 .or. maxval(law%stiffness) > 0 .or. normal < 0
   end function closes
+
+  !> Friction of a contact, and what bounds its moments in the units of impulses, as one number: by so much a slip can hide a normal
+  !! velocity in errors.
+  pure real(wp) function largest_bound(kind, law, record) result(bound)
+    integer, intent(in) :: kind
+    type(local_law_t), intent(in) :: law
+    real(wp), intent(in) :: record(:)
+    real(wp) :: length
+
+    bound = law%friction
+    if (.not. has_moments(kind)) return
+    length = record(merge(solid_gyration, arm_gyration, kind == solid_rolling))
+    if (length > 0) bound = norm2([law%friction, law%moment_arm/length])
+  end function largest_bound
 
   !> Velocity that cohesion gives the bodies of a contact [m/s].
   pure real(wp) function held_speed(kind, law, record) result(speed)
@@ -225,6 +243,7 @@ contains
       record(arm_compliance_n:arm_compliance_t) = law%compliance
       record(arm_law) = kind_of_local_law(law)
       if (kind == arm_bonded) record(arm_stiffness_n:arm_slip) = [law%stiffness, law%slip(1)]
+      if (kind == arm_rolling) record(arm_rolling_length) = law%moment_arm(1)
     end if
   end subroutine arm_record
 
@@ -241,8 +260,10 @@ contains
     integer :: k
 
     do k = 1, contacts%n
-      contacts%impulse(:, k) = problem%impulse(:, k)
+      contacts%impulse(:, k) = problem%impulse(:force_length(problem%kind), k)
     end do
+    if (has_moments(problem%kind)) contacts%internal(contacts%n_internal - contacts%n_moments + 1:, :contacts%n) = &
+      problem%impulse(force_length(problem%kind) + 1:, :contacts%n)
     ! A step that broke ends the run: its statuses stay those of the step before.
     if (is_finite(problem, violation)) then
       rest = rest_speed(problem, violation)

@@ -5,7 +5,7 @@ module sg_bonds
   use sg_compact, only: compact_velocity
   use sg_contact_laws, only: law_of_contact
   use sg_contact_surface, only: contact_surface
-  use sg_contacts, only: contacts_t
+  use sg_contacts, only: contacts_t, has_bonds
   use sg_delassus, only: set_block
   use sg_internal_values, only: bond_integrity, bond_onset, bond_opening, bond_slip, bond_surface
   use sg_kinds, only: wp
@@ -193,7 +193,7 @@ contains
     integer :: k
 
     sums = 0
-    if (contacts%n_internal < bond_slip) return
+    if (.not. has_bonds(contacts)) return
     do k = 1, contacts%n
       associate (law => scene%laws(contacts%law(k)), values => contacts%internal(:, k))
         if (.not. is_cohesive_zone(law)) cycle

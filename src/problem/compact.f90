@@ -4,15 +4,16 @@ module sg_compact
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t
   use sg_records, only: arm_bias_n, arm_bias_t, arm_compliance_n, arm_compliance_t, arm_frictional, arm_frictionless, &
-                        arm_frictionless_bias, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, &
-                        arm_inverse_mx, arm_inverse_my, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_spin, &
-                        body_length, is_in_space, normal_x, normal_y, plain_kind, record_length, round_bias_n, round_bias_t, &
-                        round_frictional, round_frictionless, round_frictionless_bias, round_frictionless_inverse_mx, &
-                        round_frictionless_inverse_my, round_inverse_i, round_inverse_mx, round_inverse_my, round_spin, &
-                        velocity_x, velocity_y
+                        arm_frictionless_bias, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_gyration, arm_inverse_i, &
+                        arm_inverse_mx, arm_inverse_my, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_rolling, &
+                        arm_spin, body_length, is_in_space, normal_x, normal_y, plain_kind, record_length, round_bias_n, &
+                        round_bias_t, round_frictional, round_frictionless, round_frictionless_bias, &
+                        round_frictionless_inverse_mx, round_frictionless_inverse_my, round_inverse_i, round_inverse_mx, &
+                        round_inverse_my, round_spin, solid_gyration, solid_rolling, solid_spin_x, solid_spin_z, velocity_x, &
+                        velocity_y
   implicit none
   private
-  public :: compact_velocity, add_impulses
+  public :: compact_velocity, relative_spin, scaled_spin, add_impulses
 
 contains
 
@@ -46,10 +47,35 @@ contains
       case (arm_frictional)
         u(:2) = u(:2) + record(arm_moment_nc:arm_moment_tc, k)*body(arm_spin, c) &
                 - record(arm_moment_na:arm_moment_ta, k)*body(arm_spin, a) + record(arm_bias_n:arm_bias_t, k) &
-                + record(arm_compliance_n:arm_compliance_t, k)*r(:, k)
+                + record(arm_compliance_n:arm_compliance_t, k)*r(:2, k)
       end select
     end associate
   end function compact_velocity
+
+  !> Relative spin of a contact that may bear a moment, candidate minus antagonist, in the world's axes; in the plane the third
+  !! component [rad/s].
+  pure function relative_spin(problem, k) result(w)
+    type(problem_t), intent(in) :: problem !! problem of a kind with moments
+    integer, intent(in) :: k !! contact
+    real(wp) :: w(3)
+
+    associate (body => problem%body, c => problem%pair(1, k), a => problem%pair(2, k))
+      if (problem%kind == solid_rolling) then
+        w = body(solid_spin_x:solid_spin_z, c) - body(solid_spin_x:solid_spin_z, a)
+      else
+        w = [0.0_wp, 0.0_wp, body(arm_spin, c) - body(arm_spin, a)]
+      end if
+    end associate
+  end function relative_spin
+
+  !> That spin times the length that makes it comparable with velocities [m/s]; zero where the contact resists no rolling.
+  pure function scaled_spin(problem, k) result(w)
+    type(problem_t), intent(in) :: problem !! problem of a kind with moments
+    integer, intent(in) :: k !! contact
+    real(wp) :: w(3)
+
+    w = problem%record(merge(solid_gyration, arm_gyration, problem%kind == solid_rolling), k)*relative_spin(problem, k)
+  end function scaled_spin
 
   !> Add M^-1 H r to the velocities of all bodies: what the guess of a warm start does.
   pure subroutine add_impulses(problem)
@@ -65,7 +91,8 @@ contains
       case (arm_frictionless)
         call add_arm_frictionless(n, m, pair, record, r, body)
       case (arm_frictional)
-        call add_arm_frictional(n, m, size(record, 1), pair, record, r, body)
+        call add_arm_frictional(n, m, size(record, 1), size(r, 1), pair, record, r, body)
+        if (problem%kind == arm_rolling) call add_plane_moments(n, m, pair, r, body)
       case default
         call add_space_impulses(problem)
       end select
@@ -143,11 +170,28 @@ contains
     end do
   end subroutine add_arm_frictionless
 
-  !> Those of contacts with any arms and any law, with bonds or without.
-  pure subroutine add_arm_frictional(n, n_bodies, length, pair, record, r, body)
-    integer, intent(in) :: n, n_bodies, length
+  !> Moments of contacts.
+  pure subroutine add_plane_moments(n, n_bodies, pair, r, body)
+    integer, intent(in) :: n, n_bodies
     integer(i4), intent(in) :: pair(2, n)
-    real(wp), intent(in) :: record(length, n), r(2, n)
+    real(wp), intent(in) :: r(3, n)
+    real(wp), intent(inout) :: body(body_length(arm_frictional), n_bodies)
+    integer :: k
+
+    do k = 1, n
+      if (abs(r(3, k)) <= 0) cycle
+      associate (c => pair(1, k), a => pair(2, k))
+        body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*r(3, k)
+        body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*r(3, k)
+      end associate
+    end do
+  end subroutine add_plane_moments
+
+  !> Those of contacts with any arms and any law, with bonds and moments or without.
+  pure subroutine add_arm_frictional(n, n_bodies, length, components, pair, record, r, body)
+    integer, intent(in) :: n, n_bodies, length, components
+    integer(i4), intent(in) :: pair(2, n)
+    real(wp), intent(in) :: record(length, n), r(components, n)
     real(wp), intent(inout) :: body(body_length(arm_frictional), n_bodies)
     real(wp) :: x, y, across
     integer :: k

@@ -8,7 +8,7 @@ module sg_compact_space
                         solid_arm_cz, solid_bias_x, solid_bias_z, solid_compliance_n, solid_compliance_t, solid_frictional, &
                         solid_frictionless, solid_frictionless_bias, solid_frictionless_moment_ax, solid_frictionless_moment_az, &
                         solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_inverse_mx, solid_inverse_mz, &
-                        solid_inverse_xx, solid_inverse_yz, solid_spin_x, solid_spin_z, velocity_x, velocity_z
+                        solid_inverse_xx, solid_inverse_yz, solid_rolling, solid_spin_x, solid_spin_z, velocity_x, velocity_z
   use sg_vectors, only: cross
   implicit none
   private
@@ -46,7 +46,7 @@ contains
       case (solid_frictional)
         u = u + cross(body(solid_spin_x:solid_spin_z, c), record(solid_arm_cx:solid_arm_cz)) &
             - cross(body(solid_spin_x:solid_spin_z, a), record(solid_arm_ax:solid_arm_az)) + record(solid_bias_x:solid_bias_z) &
-            + record(solid_compliance_t)*r + (record(solid_compliance_n) - record(solid_compliance_t))*dot_product(n, r)*n
+            + record(solid_compliance_t)*r(:3) + (record(solid_compliance_n) - record(solid_compliance_t))*dot_product(n, r(:3))*n
       end select
     end associate
   end function space_velocity
@@ -99,7 +99,7 @@ contains
       if (size(r) == 1) then
         p = r(1)*record(normal_x:normal_z)
       else
-        p = r
+        p = r(:3)
       end if
       select case (plain_kind(problem%kind))
       case (ball_frictionless)
@@ -134,6 +134,11 @@ contains
                                                - turned_spin(body(solid_inverse_xx:solid_inverse_yz, a), &
                                                              cross(record(solid_arm_ax:solid_arm_az), p))
         end if
+        if (problem%kind /= solid_rolling) return
+        body(solid_spin_x:solid_spin_z, c) = body(solid_spin_x:solid_spin_z, c) &
+                                             + turned_spin(body(solid_inverse_xx:solid_inverse_yz, c), r(4:6))
+        body(solid_spin_x:solid_spin_z, a) = body(solid_spin_x:solid_spin_z, a) &
+                                             - turned_spin(body(solid_inverse_xx:solid_inverse_yz, a), r(4:6))
       end select
     end associate
   end subroutine push_bodies

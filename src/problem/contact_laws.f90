@@ -5,8 +5,9 @@ module sg_contact_laws
   use sg_cohesive_zones, only: zone_law
   use sg_contact_surface, only: contact_surface
   use sg_contacts, only: contacts_t
+  use sg_effective_radius, only: effective_radius
   use sg_kinds, only: wp
-  use sg_laws, only: is_cohesive_zone, local_law_t, needs_surface, set_local_law
+  use sg_laws, only: is_cohesive_zone, local_law_t, needs_surface, resists_rolling, set_local_law
   use sg_link_contacts, only: is_link, law_of_link
   use sg_mapping, only: relative_velocity
   use sg_scene, only: scene_t
@@ -46,6 +47,8 @@ contains
         if (scene%cell%is_on) before = before + cell_bias(scene, contacts, k, 0.0_wp)
       end if
       call set_local_law(own, contacts%gap(k), time_step, before, contacts%status(k), law, contacts%internal(:, k), surface)
+      if (resists_rolling(own)) law%moment_arm = [own%rolling_length, own%twisting_length] + [own%rolling_friction, &
+                                  own%twisting_friction]*effective_radius(scene%contactors, int(contacts%contactor(:, k)))
       if (scene%cell%is_on) law%bias = law%bias + cell_bias(scene, contacts, k)
     end associate
   end subroutine law_of_contact

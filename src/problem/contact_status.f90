@@ -113,7 +113,7 @@ contains
     logical, intent(in) :: is_bonded
     real(wp) :: u(3), r_n
 
-    associate (record => problem%record(:, k), n => problem%record(normal_x:normal_z, k), r => problem%impulse(:, k))
+    associate (record => problem%record(:, k), n => problem%record(normal_x:normal_z, k), r => problem%impulse(:3, k))
       r_n = dot_product(n, r)
       state%normal = r_n
       if (problem%kind /= ball_frictional) state%normal = r_n + record(solid_cohesion)

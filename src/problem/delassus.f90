@@ -5,24 +5,27 @@ module sg_delassus
   use sg_kinds, only: wp
   use sg_laws, only: inverse_of
   use sg_records, only: arm_bonded, arm_compliance_n, arm_compliance_t, arm_frictional, arm_frictionless, &
-                        arm_frictionless_inverse_wnn, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_inverse_i, &
-                        arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_relief_nn, arm_relief_tt, &
-                        arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, arm_wtt, ball_frictional, ball_frictionless, &
-                        ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, &
-                        ball_inverse_i, ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, body_length, first_inverse, &
-                        least_active, least_normal, normal_x, normal_y, normal_z, plain_kind, record_length, round_frictional, &
-                        round_frictionless, round_frictionless_inverse_wnn, round_inverse_i, round_inverse_wnn, &
-                        round_inverse_wtt, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bonded, &
+                        arm_frictionless_inverse_wnn, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_gyration, &
+                        arm_inverse_i, arm_inverse_norm, arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, &
+                        arm_relief_nn, arm_relief_tt, arm_rolling, arm_rolling_length, arm_stiffness_n, arm_stiffness_t, arm_wmm, &
+                        arm_wnm, arm_wnn, arm_wnt, arm_wtm, arm_wtt, ball_frictional, ball_frictionless, &
+                        ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, ball_inverse_i, &
+                        ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, body_length, first_inverse, least_active, &
+                        least_normal, normal_x, normal_y, normal_z, plain_kind, record_length, round_frictional, &
+                        round_frictionless, round_frictionless_inverse_wnn, round_inverse_i, round_inverse_wnn, round_inverse_wtt, &
+                        solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bonded, solid_c11, solid_c33, &
                         solid_compliance_n, solid_compliance_t, solid_frictional, solid_frictionless, &
                         solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, solid_frictionless_moment_az, &
-                        solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_inverse_lambda, solid_inverse_mx, &
-                        solid_inverse_mz, solid_inverse_xx, solid_inverse_xy, solid_inverse_xz, solid_inverse_yy, &
-                        solid_inverse_yz, solid_inverse_zz, solid_law, solid_relief_22, solid_relief_nn, solid_s1, solid_s2, &
-                        solid_stiffness_n, solid_stiffness_t, solid_tangent_x, solid_tangent_z, solid_wn1, solid_wn2, solid_wnn
+                        solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_gyration, solid_inverse_lambda, &
+                        solid_inverse_mx, solid_inverse_mz, solid_inverse_norm, solid_inverse_xx, solid_inverse_xy, &
+                        solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, solid_inverse_zz, solid_law, solid_m11, solid_m21, &
+                        solid_m22, solid_m31, solid_m32, solid_m33, solid_relief_22, solid_relief_nn, solid_rolling, &
+                        solid_rolling_length, solid_s1, solid_s2, solid_stiffness_n, solid_stiffness_t, solid_tangent_x, &
+                        solid_tangent_z, solid_twisting_length, solid_wn1, solid_wn2, solid_wnn
   use sg_symmetric, only: largest_eigenvalue
   implicit none
   private
-  public :: set_block, block_times, share_mass
+  public :: set_block, block_times, share_mass, whole_block
 
   real(wp), parameter :: identity(3, 3) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [3, 3])
 
@@ -57,7 +60,7 @@ contains
 
     associate (c => candidate, a => antagonist, n => record(normal_x:normal_y))
       select case (kind)
-      case (round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded)
+      case (round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded, arm_rolling)
         mx = c(first_inverse(kind)) + a(first_inverse(kind))
         my = c(first_inverse(kind) + 1) + a(first_inverse(kind) + 1)
         w = n(1)**2*mx + n(2)**2*my
@@ -74,7 +77,7 @@ contains
         record(arm_frictionless_inverse_wnn) = &
           inverse_of(w + record(arm_frictionless_moment_c)**2*c(arm_inverse_i) &
                        + record(arm_frictionless_moment_a)**2*a(arm_inverse_i), record(arm_frictionless_inverse_wnn) > 0)
-      case (arm_frictional, arm_bonded)
+      case (arm_frictional, arm_bonded, arm_rolling)
         record(arm_wnn) = w + record(arm_moment_nc)**2*c(arm_inverse_i) + record(arm_moment_na)**2*a(arm_inverse_i) &
                           + record(arm_compliance_n)
         record(arm_wnt) = n(1)*n(2)*(mx - my) + record(arm_moment_nc)*record(arm_moment_tc)*c(arm_inverse_i) &
@@ -84,6 +87,7 @@ contains
         if (record(arm_law) > least_normal) record(arm_wnt:arm_wtt) = 0
         if (.not. record(arm_wnn) > tiny(1.0_wp)) record(arm_law) = 0
         if (kind == arm_bonded) call stiffen_plane_block(record)
+        if (kind == arm_rolling) call set_plane_moment_block(c, a, record)
       case (ball_frictionless)
         record(ball_frictionless_inverse_wnn) = &
           inverse_of(dot_product(c(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz) &
@@ -104,6 +108,9 @@ contains
       case (solid_bonded)
         call set_solid_block(c, a, record(solid_stiffness_n:solid_stiffness_t), record(:record_length(solid_frictional)), relief)
         record(solid_relief_nn:solid_relief_22) = reshape(relief, [9])
+      case (solid_rolling)
+        call set_solid_block(c, a, [0.0_wp, 0.0_wp], record(:record_length(solid_frictional)), relief)
+        call set_moment_block(c, a, record)
       end select
     end associate
   contains
@@ -211,6 +218,84 @@ contains
     record(arm_wnn:arm_wtt) = [w(1, 1), w(1, 2), w(2, 2)]
   end subroutine stiffen_plane_block
 
+  !> Set what a moment adds to the block of W of a contact of the plane, whose other values are set. Lengths of contacts that
+  !! resist no rolling, or whose bodies cannot turn, are zero.
+  pure subroutine set_plane_moment_block(candidate, antagonist, record)
+    real(wp), intent(in) :: candidate(body_length(arm_frictional)), antagonist(body_length(arm_frictional))
+    real(wp), intent(inout) :: record(record_length(arm_rolling))
+    real(wp) :: length
+
+    associate (ic => candidate(arm_inverse_i), ia => antagonist(arm_inverse_i))
+      record(arm_wnm) = record(arm_moment_nc)*ic + record(arm_moment_na)*ia
+      record(arm_wtm) = record(arm_moment_tc)*ic + record(arm_moment_ta)*ia
+      record(arm_wmm) = ic + ia
+    end associate
+    if (.not. record(arm_wmm) > tiny(1.0_wp) .or. record(arm_law) < least_active) record(arm_rolling_length) = 0
+    length = 0
+    if (record(arm_rolling_length) > 0) length = sqrt(max(record(arm_wnn), record(arm_wtt))/record(arm_wmm))
+    record(arm_gyration) = length
+    record(arm_inverse_norm) = 0
+    if (record(arm_law) < least_active) return
+    record(arm_inverse_norm) = 1/norm2([record(arm_wnn:arm_wtt), record(arm_wnt), length*record([arm_wnm, arm_wnm, arm_wtm, &
+                                       arm_wtm]), length**2*record(arm_wmm)])
+  end subroutine set_plane_moment_block
+
+  !> The same in space. A body whose spin is driven about some axes turns about the others.
+  pure subroutine set_moment_block(candidate, antagonist, record)
+    real(wp), intent(in) :: candidate(body_length(solid_frictional)), antagonist(body_length(solid_frictional))
+    real(wp), intent(inout) :: record(record_length(solid_rolling))
+    real(wp) :: frame(3, 3), turned(3, 2), w(3, 3), c(3, 3), m(3, 3), length
+    integer :: j
+
+    frame(:, 1) = record(solid_tangent_x:solid_tangent_z)
+    frame(:, 3) = record(normal_x:normal_z)
+    frame(:, 2) = product_of(frame(:, 3), frame(:, 1))
+    do j = 1, 3
+      turned(:, 1) = turned_by_inverse(candidate, frame(:, j))
+      turned(:, 2) = turned_by_inverse(antagonist, frame(:, j))
+      m(:, j) = matmul(turned(:, 1) + turned(:, 2), frame)
+      c(:, j) = matmul(product_of(turned(:, 1), record(solid_arm_cx:solid_arm_cz)) &
+                + product_of(turned(:, 2), record(solid_arm_ax:solid_arm_az)), frame(:, [3, 1, 2]))
+    end do
+    record(solid_c11:solid_c33) = reshape(c, [9])
+    record(solid_m11:solid_m33) = [m(:, 1), m(2:, 2), m(3, 3)]
+    if (record(solid_law) < least_active .or. .not. m(1, 1) + m(2, 2) + m(3, 3) > tiny(1.0_wp)) &
+      record(solid_rolling_length:solid_twisting_length) = 0
+    length = 0
+    w = solid_block(record(:record_length(solid_frictional)))
+    if (maxval(record(solid_rolling_length:solid_twisting_length)) > 0) &
+      length = sqrt((w(1, 1) + w(2, 2) + w(3, 3))/(m(1, 1) + m(2, 2) + m(3, 3)))
+    record(solid_gyration) = length
+    record(solid_inverse_norm) = 0
+    if (record(solid_law) > least_active) record(solid_inverse_norm) = 1/sqrt(sum(w**2) + 2*length**2*sum(c**2) &
+                                                                              + length**4*sum(m**2))
+  end subroutine set_moment_block
+
+  !> Block of W of a solid contact in the frame of its record (n, t, n x t) [1/kg]: S + w w^T/W_nn on the tangents.
+  pure function solid_block(record) result(w)
+    real(wp), intent(in) :: record(record_length(solid_frictional)) !! record of the contact
+    real(wp) :: w(3, 3), coupling(2)
+
+    coupling = record(solid_wn1:solid_wn2)
+    w(1, 1) = record(solid_wnn)
+    w(2:, 1) = coupling
+    w(1, 2:) = coupling
+    w(2:, 2) = coupling*(coupling(1)/max(record(solid_wnn), tiny(1.0_wp)))
+    w(2:, 3) = coupling*(coupling(2)/max(record(solid_wnn), tiny(1.0_wp)))
+    w(2, 2) = w(2, 2) + record(solid_s1)
+    w(3, 3) = w(3, 3) + record(solid_s2)
+  end function solid_block
+
+  !> Inverse inertia of a body, in the world's axes, times a vector.
+  pure function turned_by_inverse(body, x) result(y)
+    real(wp), intent(in) :: body(body_length(solid_frictional)), x(3)
+    real(wp) :: y(3)
+
+    y = [body(solid_inverse_xx)*x(1) + body(solid_inverse_xy)*x(2) + body(solid_inverse_xz)*x(3), &
+         body(solid_inverse_xy)*x(1) + body(solid_inverse_yy)*x(2) + body(solid_inverse_yz)*x(3), &
+         body(solid_inverse_xz)*x(1) + body(solid_inverse_yz)*x(2) + body(solid_inverse_zz)*x(3)]
+  end function turned_by_inverse
+
   !> (W^-1 + K)^-1 and (I + K W)^-1 for a diagonal K, one direction after the other; W may be singular.
   !!
   !! The second one is I - K (W^-1 + K)^-1 as well, of which rounding leaves nothing where bonds are very stiff.
@@ -281,14 +366,24 @@ contains
     c(3) = a(1)*b(2) - a(2)*b(1)
   end function product_of
 
-  !> Block of W of a contact times an impulse [m/s], components as impulses have them.
+  !> Block of W of a contact times an impulse [m/s], components as impulses have them. Moments are over the length of the record,
+  !! and spins times it, so that all components have one unit.
   pure function block_times(kind, record, r) result(v)
     integer, intent(in) :: kind !! kind of problem
     real(wp), intent(in) :: record(:) !! record of the contact
-    real(wp), intent(in) :: r(3) !! impulse [N s]
-    real(wp) :: v(3), n(3), t(3), r_n
+    real(wp), intent(in) :: r(6) !! impulse [N s]; components that the kind lacks are zero
+    real(wp) :: v(6), n(3), t(3), r_n
 
     v = 0
+    if (kind == solid_rolling) then
+      v = moment_block_times(record, r)
+      return
+    else if (kind == arm_rolling) then
+      v(:2) = record(arm_gyration)*record(arm_wnm:arm_wtm)
+      v(:3) = [v(:2)*r(3), dot_product(v(:2), r(:2)) + record(arm_gyration)**2*record(arm_wmm)*r(3)]
+      v(:2) = v(:2) + [record(arm_wnn)*r(1) + record(arm_wnt)*r(2), record(arm_wnt)*r(1) + record(arm_wtt)*r(2)]
+      return
+    end if
     select case (plain_kind(kind))
     case (round_frictionless)
       v(1) = over(r(1), record(round_frictionless_inverse_wnn))
@@ -301,9 +396,9 @@ contains
     case (ball_frictionless)
       v(1) = over(r(1), record(ball_frictionless_inverse_wnn))
     case (ball_frictional)
-      r_n = dot_product(record(normal_x:normal_z), r)
+      r_n = dot_product(record(normal_x:normal_z), r(:3))
       n = r_n*record(normal_x:normal_z)
-      v = [over(n(1), record(ball_inverse_wnn)) + over(r(1) - n(1), record(ball_inverse_wtt)), &
+      v(:3) = [over(n(1), record(ball_inverse_wnn)) + over(r(1) - n(1), record(ball_inverse_wtt)), &
            over(n(2), record(ball_inverse_wnn)) + over(r(2) - n(2), record(ball_inverse_wtt)), &
            over(n(3), record(ball_inverse_wnn)) + over(r(3) - n(3), record(ball_inverse_wtt))]
     case (solid_frictionless)
@@ -312,14 +407,44 @@ contains
       ! In the frame of normal and tangents W is S + w w^T/W_nn.
       n = record(normal_x:normal_z)
       t = product_of(n, record(solid_tangent_x:solid_tangent_z))
-      r_n = dot_product(n, r)
-      if (record(solid_wnn) > 0) r_n = r_n + (record(solid_wn1)*dot_product(record(solid_tangent_x:solid_tangent_z), r) &
-                                       + record(solid_wn2)*dot_product(t, r))/record(solid_wnn)
-      v = r_n*(record(solid_wnn)*n + record(solid_wn1)*record(solid_tangent_x:solid_tangent_z) + record(solid_wn2)*t) &
-          + record(solid_s1)*dot_product(record(solid_tangent_x:solid_tangent_z), r)*record(solid_tangent_x:solid_tangent_z) &
-          + record(solid_s2)*dot_product(t, r)*t
+      r_n = dot_product(n, r(:3))
+      if (record(solid_wnn) > 0) r_n = r_n + (record(solid_wn1)*dot_product(record(solid_tangent_x:solid_tangent_z), r(:3)) &
+                                       + record(solid_wn2)*dot_product(t, r(:3)))/record(solid_wnn)
+      v(:3) = r_n*(record(solid_wnn)*n + record(solid_wn1)*record(solid_tangent_x:solid_tangent_z) + record(solid_wn2)*t) &
+              + record(solid_s1)*dot_product(record(solid_tangent_x:solid_tangent_z), r(:3)) &
+              *record(solid_tangent_x:solid_tangent_z) + record(solid_s2)*dot_product(t, r(:3))*t
     end select
   end function block_times
+
+  !> Block of W of a solid contact with a moment, times an impulse and a moment in the world's axes.
+  pure function moment_block_times(record, r) result(v)
+    real(wp), intent(in) :: record(record_length(solid_rolling)), r(6)
+    real(wp) :: v(6), frame(3, 3), w(6, 6), local(6)
+
+    frame(:, 1) = record(normal_x:normal_z)
+    frame(:, 2) = record(solid_tangent_x:solid_tangent_z)
+    frame(:, 3) = product_of(frame(:, 1), frame(:, 2))
+    w = whole_block(record)
+    local = matmul(w, [matmul(r(:3), frame), matmul(r(4:), frame(:, [2, 3, 1]))])
+    v = [matmul(frame, local(:3)), matmul(frame(:, [2, 3, 1]), local(4:))]
+  end function moment_block_times
+
+  !> Whole block of W of a solid contact with a moment [1/kg]: impulses along n, t and n x t, then moments about t, n x t and n over
+  !! the length of the record.
+  pure function whole_block(record) result(w)
+    real(wp), intent(in) :: record(record_length(solid_rolling)) !! record of the contact
+    real(wp) :: w(6, 6)
+
+    associate (length => record(solid_gyration))
+      w(:3, :3) = solid_block(record(:record_length(solid_frictional)))
+      w(:3, 4:) = length*reshape(record(solid_c11:solid_c33), [3, 3])
+      w(4:, :3) = transpose(w(:3, 4:))
+      w(4:, 4) = record(solid_m11:solid_m31)
+      w(4:, 5) = record([solid_m21, solid_m22, solid_m32])
+      w(4:, 6) = record([solid_m31, solid_m32, solid_m33])
+      w(4:, 4:) = length**2*w(4:, 4:)
+    end associate
+  end function whole_block
 
   !> A component over the inverse of a diagonal term of W; zero where the contact takes no part.
   pure real(wp) function over(r, inverse)

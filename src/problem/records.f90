@@ -9,13 +9,13 @@
 !! of frictionless kinds have that word; those without belong to the frictional kind. Positions of vectors are consecutive.
 module sg_records
   use sg_kinds, only: wp
-  use sg_plan, only: arm_bonded, arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
-                     round_frictionless, solid_bonded, solid_frictional, solid_frictionless
+  use sg_plan, only: arm_bonded, arm_frictional, arm_frictionless, arm_rolling, ball_frictional, ball_frictionless, &
+                     round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless, solid_rolling
   implicit none
   private
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded
-  public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, solid_bonded
-  public :: plain_kind, is_compact, is_in_space, free_axes
+  public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, solid_bonded, arm_rolling, solid_rolling
+  public :: plain_kind, is_compact, is_in_space, has_moments, free_axes, force_length
   public :: record_length, body_length, impulse_length, first_inverse, active_place, bias_place, friction_place
   public :: normal_x, normal_y, normal_z, velocity_x, velocity_y, velocity_z
   public :: round_frictionless_bias, round_frictionless_inverse_wnn
@@ -24,6 +24,7 @@ module sg_records
   public :: arm_moment_nc, arm_moment_tc, arm_moment_na, arm_moment_ta, arm_bias_n, arm_bias_t, arm_wnn, arm_wnt, arm_wtt
   public :: arm_friction, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_law, least_active, least_linear, least_normal
   public :: arm_stiffness_n, arm_stiffness_t, arm_slip, arm_relief_nn, arm_relief_tn, arm_relief_nt, arm_relief_tt
+  public :: arm_rolling_length, arm_wnm, arm_wtm, arm_wmm, arm_gyration, arm_inverse_norm
   public :: ball_frictionless_bias, ball_frictionless_inverse_wnn
   public :: ball_bias_x, ball_bias_y, ball_bias_z, ball_inverse_wnn, ball_inverse_wtt, ball_friction
   public :: solid_frictionless_moment_cx, solid_frictionless_moment_cy, solid_frictionless_moment_cz
@@ -36,6 +37,9 @@ module sg_records
   public :: solid_stiffness_n, solid_stiffness_t, solid_slip_x, solid_slip_y, solid_slip_z
   public :: solid_relief_nn, solid_relief_1n, solid_relief_2n, solid_relief_n1, solid_relief_11, solid_relief_21, solid_relief_n2, &
             solid_relief_12, solid_relief_22
+  public :: solid_rolling_length, solid_twisting_length, solid_gyration, solid_inverse_norm
+  public :: solid_c11, solid_c21, solid_c31, solid_c12, solid_c22, solid_c32, solid_c13, solid_c23, solid_c33
+  public :: solid_m11, solid_m21, solid_m31, solid_m22, solid_m32, solid_m33
   public :: round_frictionless_inverse_mx, round_frictionless_inverse_my
   public :: round_spin, round_inverse_mx, round_inverse_my, round_inverse_i
   public :: arm_spin, arm_inverse_mx, arm_inverse_my, arm_inverse_i
@@ -44,10 +48,10 @@ module sg_records
   public :: solid_spin_x, solid_spin_y, solid_spin_z, solid_inverse_mx, solid_inverse_my, solid_inverse_mz
   public :: solid_inverse_xx, solid_inverse_yy, solid_inverse_zz, solid_inverse_xy, solid_inverse_xz, solid_inverse_yz
 
-  !> The kind without bonds whose records those of a kind begin with, so that what both have is written once
-  integer, parameter :: plain_kind(10) = [round_frictionless, round_frictional, arm_frictionless, arm_frictional, &
+  !> The kind without bonds and moments whose records those of a kind begin with, so that what both have is written once
+  integer, parameter :: plain_kind(12) = [round_frictionless, round_frictional, arm_frictionless, arm_frictional, &
                                           ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, &
-                                          arm_frictional, solid_frictional]
+                                          arm_frictional, solid_frictional, arm_frictional, solid_frictional]
 
   !> Contacts of all kinds: unit normal, from antagonist to candidate; in the plane x and y alone
   integer, parameter :: normal_x = 1, normal_y = 2, normal_z = 3
@@ -80,6 +84,11 @@ module sg_records
   integer, parameter :: arm_stiffness_n = 17, arm_stiffness_t = 18, arm_slip = 19, arm_relief_nn = 20, arm_relief_tn = 21, &
                         arm_relief_nt = 22, arm_relief_tt = 23
 
+  !> The same contact with a moment: largest moment over the normal impulse [m], what the moment adds to the block of W, length by
+  !! which moments and spins are brought to the units of impulses and velocities [m], and 1/|W_aa| in those units [kg]; the
+  !! lengths are zero where the contact resists no rolling
+  integer, parameter :: arm_rolling_length = 17, arm_wnm = 18, arm_wtm = 19, arm_wmm = 20, arm_gyration = 21, arm_inverse_norm = 22
+
   !> Contact of balls without friction: as round
   integer, parameter :: ball_frictionless_bias = 4, ball_frictionless_inverse_wnn = 5
 
@@ -109,6 +118,14 @@ module sg_records
                         solid_relief_nn = 32, solid_relief_1n = 33, solid_relief_2n = 34, solid_relief_n1 = 35, &
                         solid_relief_11 = 36, solid_relief_21 = 37, solid_relief_n2 = 38, solid_relief_12 = 39, solid_relief_22 = 40
 
+  !> The same contact with a moment: largest moments over the normal impulse, of rolling and of twisting [m], then as in the plane
+  integer, parameter :: solid_rolling_length = 27, solid_twisting_length = 28, solid_gyration = 29, solid_inverse_norm = 30
+  !> The same contact: blocks of W that moments add, rows of the first those of impulses along n, t, n x t; columns, and rows of the
+  !! second, moments about t, n x t, n
+  integer, parameter :: solid_c11 = 31, solid_c21 = 32, solid_c31 = 33, solid_c12 = 34, solid_c22 = 35, solid_c32 = 36, &
+                        solid_c13 = 37, solid_c23 = 38, solid_c33 = 39, solid_m11 = 40, solid_m21 = 41, solid_m31 = 42, &
+                        solid_m22 = 43, solid_m32 = 44, solid_m33 = 45
+
   !> Bodies of all kinds: velocity of the centre [m/s]; in the plane x and y alone
   integer, parameter :: velocity_x = 1, velocity_y = 2, velocity_z = 3
 
@@ -135,36 +152,39 @@ module sg_records
                         solid_inverse_xy = 13, solid_inverse_xz = 14, solid_inverse_yz = 15
 
   !> Reals of a contact's record, by kind
-  integer, parameter :: record_length(10) = [round_frictionless_inverse_wnn, round_friction, arm_frictionless_inverse_wnn, &
+  integer, parameter :: record_length(12) = [round_frictionless_inverse_wnn, round_friction, arm_frictionless_inverse_wnn, &
                                              arm_law, ball_frictionless_inverse_wnn, ball_friction, &
-                                             solid_frictionless_inverse_wnn, solid_inverse_lambda, arm_relief_tt, solid_relief_22]
+                                             solid_frictionless_inverse_wnn, solid_inverse_lambda, arm_relief_tt, solid_relief_22, &
+                                             arm_inverse_norm, solid_m33]
 
   !> Reals of a body's record, by kind: velocities, then inverse masses
-  integer, parameter :: body_length(10) = [round_frictionless_inverse_my, round_inverse_i, arm_inverse_i, arm_inverse_i, &
+  integer, parameter :: body_length(12) = [round_frictionless_inverse_my, round_inverse_i, arm_inverse_i, arm_inverse_i, &
                                            ball_frictionless_inverse_mz, ball_inverse_i, solid_inverse_yz + 1, &
-                                           solid_inverse_yz + 1, arm_inverse_i, solid_inverse_yz + 1]
+                                           solid_inverse_yz + 1, arm_inverse_i, solid_inverse_yz + 1, arm_inverse_i, &
+                                           solid_inverse_yz + 1]
 
-  !> Impulse components, by kind
-  integer, parameter :: impulse_length(10) = [1, 2, 1, 2, 1, 3, 1, 3, 2, 3]
+  !> Impulse components, by kind, moments behind forces; and those of forces alone
+  integer, parameter :: impulse_length(12) = [1, 2, 1, 2, 1, 3, 1, 3, 2, 3, 3, 6], &
+                        force_length(12) = [1, 2, 1, 2, 1, 3, 1, 3, 2, 3, 2, 3]
 
   !> Where the inverse masses begin in a body's record, by kind
-  integer, parameter :: first_inverse(10) = [round_frictionless_inverse_mx, round_inverse_mx, arm_inverse_mx, arm_inverse_mx, &
+  integer, parameter :: first_inverse(12) = [round_frictionless_inverse_mx, round_inverse_mx, arm_inverse_mx, arm_inverse_mx, &
                                              ball_frictionless_inverse_mx, ball_inverse_m, solid_inverse_mx, solid_inverse_mx, &
-                                             arm_inverse_mx, solid_inverse_mx]
+                                             arm_inverse_mx, solid_inverse_mx, arm_inverse_mx, solid_inverse_mx]
 
   !> Where a value stands that is positive if and only if the contact takes part, by kind
-  integer, parameter :: active_place(10) = [round_frictionless_inverse_wnn, round_inverse_wnn, arm_frictionless_inverse_wnn, &
+  integer, parameter :: active_place(12) = [round_frictionless_inverse_wnn, round_inverse_wnn, arm_frictionless_inverse_wnn, &
                                             arm_law, ball_frictionless_inverse_wnn, ball_inverse_wnn, &
-                                            solid_frictionless_inverse_wnn, solid_law, arm_law, solid_law]
+                                            solid_frictionless_inverse_wnn, solid_law, arm_law, solid_law, arm_law, solid_law]
 
-  !> Where the bias begins, by kind: as many reals as the impulse has, in the same axes
-  integer, parameter :: bias_place(10) = [round_frictionless_bias, round_bias_n, arm_frictionless_bias, arm_bias_n, &
+  !> Where the bias begins, by kind: as many reals as the force has, in the same axes
+  integer, parameter :: bias_place(12) = [round_frictionless_bias, round_bias_n, arm_frictionless_bias, arm_bias_n, &
                                           ball_frictionless_bias, ball_bias_x, solid_frictionless_bias, solid_bias_x, &
-                                          arm_bias_n, solid_bias_x]
+                                          arm_bias_n, solid_bias_x, arm_bias_n, solid_bias_x]
 
   !> Where Coulomb's coefficient stands, by kind; 0 where there is none
-  integer, parameter :: friction_place(10) = [0, round_friction, 0, arm_friction, 0, ball_friction, 0, solid_friction, &
-                                              arm_friction, solid_friction]
+  integer, parameter :: friction_place(12) = [0, round_friction, 0, arm_friction, 0, ball_friction, 0, solid_friction, &
+                                              arm_friction, solid_friction, arm_friction, solid_friction]
 
 contains
 
@@ -179,8 +199,15 @@ contains
   pure logical function is_in_space(kind)
     integer, intent(in) :: kind !! kind of problem
 
-    is_in_space = kind >= ball_frictionless .and. kind /= arm_bonded
+    is_in_space = kind >= ball_frictionless .and. kind /= arm_bonded .and. kind /= arm_rolling
   end function is_in_space
+
+  !> Do contacts of a kind of problem bear moments?
+  pure logical function has_moments(kind)
+    integer, intent(in) :: kind !! kind of problem
+
+    has_moments = kind == arm_rolling .or. kind == solid_rolling
+  end function has_moments
 
   !> Directions in which impulses can move a body of a ball problem: 1 for free, 0 for driven.
   pure function free_axes(mark) result(axes)

@@ -7,7 +7,7 @@ module sg_relax_cell
   use sg_comm, only: comm_t
   use sg_kinds, only: wp
   use sg_problem, only: problem_t
-  use sg_records, only: bias_place, impulse_length, is_in_space, normal_x, normal_y, normal_z
+  use sg_records, only: bias_place, force_length, is_in_space, normal_x, normal_y, normal_z
   use sg_scene, only: scene_t
   implicit none
   private
@@ -104,13 +104,13 @@ contains
 
     r = 0
     associate (impulse => problem%impulse(:, k), record => problem%record(:, k))
-      if (size(impulse) == 3) then
-        r = impulse
+      if (force_length(problem%kind) == 3) then
+        r = impulse(:3)
       else if (is_in_space(problem%kind)) then
         r = impulse(1)*record(normal_x:normal_z)
       else
         r(:2) = impulse(1)*record(normal_x:normal_y)
-        if (size(impulse) == 2) r(:2) = r(:2) + impulse(2)*[record(normal_y), -record(normal_x)]
+        if (force_length(problem%kind) == 2) r(:2) = r(:2) + impulse(2)*[record(normal_y), -record(normal_x)]
       end if
     end associate
   end function impulse_of
@@ -124,11 +124,11 @@ contains
 
     n = merge(3, 2, is_in_space(kind))
     associate (place => bias_place(kind), normal => record(normal_x:normal_x + n - 1))
-      if (impulse_length(kind) == 3) then
+      if (force_length(kind) == 3) then
         record(place:place + 2) = record(place:place + 2) + jump
       else
         record(place) = record(place) + dot_product(normal, jump(:n))
-        if (impulse_length(kind) == 2) record(place + 1) = record(place + 1) + normal(2)*jump(1) - normal(1)*jump(2)
+        if (force_length(kind) == 2) record(place + 1) = record(place + 1) + normal(2)*jump(1) - normal(1)*jump(2)
       end if
     end associate
   end subroutine add_bias

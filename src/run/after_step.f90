@@ -166,7 +166,7 @@ contains
     type(simulation_t), intent(in) :: sim !! started
     type(measures_t) :: measures
 
-    measures = unmeasured(sim%scene%dimension, sim%plan%has_bonds, sim%means%is_on, sim%plan%body_kinds)
+    measures = unmeasured(sim%scene%dimension, sim%plan%has_bonds, sim%means%is_on, sim%plan%body_kinds, sim%plan%has_rolling)
     measures%column = [measures%column, cell_columns(sim%cell, sim%scene%dimension)]
     if (sim%scene%bodies%has_presence) measures%column = [measures%column, passage_columns(spread(0.0_wp, 1, n_passage_sums))]
   end function blank_measures

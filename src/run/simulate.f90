@@ -56,6 +56,7 @@ contains
       call writers%summary%describe(sim%scene, sim%options, deck, sim%comm)
       call start_simulation(sim)
       writers%summary%has_bonds = sim%plan%has_bonds
+      writers%summary%has_rolling = sim%plan%has_rolling
       writers%measures = blank_measures(sim)
     end associate
     if (sim%writers%is_root .and. .not. sim%options%is_quiet) call print_opening(sim)

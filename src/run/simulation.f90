@@ -20,7 +20,7 @@ module sg_simulation
   use sg_tunnelling, only: tunnelling_t
   use sg_plan, only: make_plan, omissions_t, plan_t
   use sg_problem, only: problem_t
-  use sg_records, only: impulse_length
+  use sg_records, only: force_length
   use sg_regions, only: regions_t
   use sg_report, only: coupled_effort_t, report_t
   use sg_restart_files, only: find_restarts
@@ -132,7 +132,8 @@ contains
     sim%contacts%memory = sim%pairs%memory
     sim%contacts%dimension = sim%scene%dimension
     sim%contacts%has_cell = sim%scene%cell%is_on
-    sim%contacts%n_components = impulse_length(sim%plan%kind)
+    sim%contacts%n_components = force_length(sim%plan%kind)
+    sim%contacts%n_moments = sim%plan%n_moments
     sim%contacts%n_internal = sim%plan%n_internal
     sim%contacts%n_kept = 0
     if (sim%plan%keeps_contacts) sim%contacts%n_kept = merge(n_kept_in_plane, n_kept_in_space, sim%scene%dimension == 2)

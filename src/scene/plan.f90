@@ -10,7 +10,7 @@ module sg_plan
   use sg_half_width, only: half_width
   use sg_internal_values, only: n_internal_of
   use sg_kinds, only: wp
-  use sg_laws, only: is_cohesive_zone, is_frictionless, is_plain
+  use sg_laws, only: is_cohesive_zone, is_frictionless, is_plain, resists_rolling
   use sg_scene, only: scene_t
   use sg_sees, only: see_of
   use sg_shape_kinds, only: is_round
@@ -19,7 +19,7 @@ module sg_plan
   private
   public :: omissions_t, plan_t, make_plan, set_radii, describe_plan
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded
-  public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, solid_bonded
+  public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, solid_bonded, arm_rolling, solid_rolling
 
   !> Kinds of contact problem
   integer, parameter :: round_frictionless = 1, round_frictional = 2, arm_frictionless = 3, arm_frictional = 4, &
@@ -27,6 +27,9 @@ module sg_plan
 
   !> Kinds with cohesive zones: records of the frictional kind, followed by values of bonds
   integer, parameter :: arm_bonded = 9, solid_bonded = 10
+
+  !> Kinds with moments at contacts: records of the frictional kind, followed by bounds and blocks of the moments
+  integer, parameter :: arm_rolling = 11, solid_rolling = 12
 
   !> Plan of a scene
   type :: plan_t
@@ -38,11 +41,14 @@ module sg_plan
     logical :: has_rotation = .true.
     !> Are there cohesive zones?
     logical :: has_bonds = .false.
+    !> Do laws in use resist rolling or twisting? And components of a contact's moment, 0 where none does
+    logical :: has_rolling = .false.
+    integer :: n_moments = 0
     !> Does detection keep contacts from step to step?
     logical :: keeps_contacts = .false.
     !> Kind of the contact problem
     integer :: kind = 0
-    !> Internal values that laws in use keep of a contact
+    !> Internal values that laws in use keep of a contact; its moment is the last of them
     integer :: n_internal = 0
     !> Laws that some pair of contactors uses, and pairs of kinds that see each other
     logical, allocatable :: uses_law(:)
@@ -115,10 +121,13 @@ contains
     plan%is_round = are_round .and. may%arms
     do i = 1, size(scene%laws)
       if (.not. plan%uses_law(i)) cycle
-      plan%is_round = plan%is_round .and. is_plain(scene%laws(i))
+      plan%is_round = plan%is_round .and. is_plain(scene%laws(i)) .and. .not. resists_rolling(scene%laws(i))
+      plan%has_rolling = plan%has_rolling .or. resists_rolling(scene%laws(i))
       plan%has_bonds = plan%has_bonds .or. is_cohesive_zone(scene%laws(i))
       plan%n_internal = max(plan%n_internal, n_internal_of(scene%laws(i), scene%dimension))
     end do
+    if (plan%has_rolling) plan%n_moments = merge(1, 3, scene%dimension == 2)
+    plan%n_internal = plan%n_internal + plan%n_moments
     ! What damages a bond is smaller than the error of a kept gap.
     plan%keeps_contacts = scene%kept_motion > 0 .and. any(plan%shapes([kind_polygon, kind_polyhedron]) > 0) .and. &
                           .not. plan%has_bonds
@@ -138,6 +147,7 @@ contains
     problem_kind = merge(merge(round_frictional, round_frictionless, plan%has_tangent), &
                          merge(arm_frictional, arm_frictionless, plan%has_tangent), plan%is_round)
     if (dimension == 3) problem_kind = problem_kind + ball_frictionless - round_frictionless
+    if (plan%has_rolling) problem_kind = merge(arm_rolling, solid_rolling, dimension == 2)
     if (plan%has_bonds) problem_kind = merge(arm_bonded, solid_bonded, dimension == 2)
   end function problem_kind
 
@@ -316,7 +326,7 @@ contains
       if (plan%uses_law(i)) text = text//' '//scene%laws(i)%name
     end do
     text = text//nl//'used       '//merge('2D', '3D', scene%dimension == 2)//used(plan%has_tangent, 'friction') &
-           //used(plan%has_rotation, 'rotation') &
+           //used(plan%has_rotation, 'rotation')//used(plan%has_rolling, 'rolling resistance') &
            //used(.not. plan%is_round, 'lever arms')//used(scene%period > 0, 'period in x') &
            //used(scene%period_y > 0, 'period in y')//used(scene%period_z > 0, 'period in z') &
            //used(scene%cell%is_on, 'periodic cell') &

@@ -15,7 +15,7 @@ module sg_benchmark
   use sg_nlgs, only: nlgs_t
   use sg_plan, only: make_plan, plan_t
   use sg_problem, only: problem_t
-  use sg_records, only: first_inverse, impulse_length
+  use sg_records, only: first_inverse, force_length
   use sg_report, only: report_t
   use sg_run_options, only: solver_options_t
   use sg_scene, only: scene_t
@@ -72,7 +72,8 @@ contains
     call make_lattice(scene, shape, contacts_wanted, friction)
     call make_plan(scene, plan, alone)
     contacts%dimension = scene%dimension
-    contacts%n_components = impulse_length(plan%kind)
+    contacts%n_components = force_length(plan%kind)
+    contacts%n_moments = plan%n_moments
     contacts%n_internal = plan%n_internal
     call predict(scene, 0.0_wp, h, 0.5_wp)
     figures%first_detect_seconds = -cpu_now()

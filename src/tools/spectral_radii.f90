@@ -107,7 +107,8 @@ contains
         if (n_linear == 1) epsilon = contact%compliance(1)
         is_uniform = is_uniform .and. .not. abs(contact%compliance(1) - epsilon) > 0
       else
-        is_plain = is_plain .and. .not. (contact%is_bonded .or. contact%cohesion > 0 .or. maxval(contact%compliance) > 0)
+        is_plain = is_plain .and. .not. (contact%is_bonded .or. contact%has_moment .or. contact%cohesion > 0 .or. &
+                                          maxval(contact%compliance) > 0)
       end if
     end do
     is_linear = n_linear > 0

@@ -2,9 +2,9 @@
 !!
 !! One table serves the reader and the writer of TACT_BEHAV.DAT.
 module sg_datbox_laws
-  use sg_laws, only: law_t, law_elastic, law_elastic_g0, law_gap, law_gap_g0, law_gap_shifted, law_iqs, law_iqs_g0, &
-                     law_abp, law_bond, law_expo, law_linear, law_mac, law_mal, law_mohr, law_restitution, &
-                     law_rigid_wire, law_rod, law_th, law_velocity, law_viscoelastic, law_wet, law_wire
+  use sg_laws, only: law_abp, law_bond, law_elastic, law_elastic_g0, law_expo, law_gap, law_gap_g0, law_gap_shifted, law_iqs, &
+                     law_iqs_g0, law_linear, law_mac, law_mal, law_mohr, law_restitution, law_rigid_wire, law_rod, law_t, law_th, &
+                     law_velocity, law_viscoelastic, law_wet, law_wire, resists_rolling
   implicit none
   private
   public :: law_forms, labels_of, form_of_name, form_of_law, why_no_form
@@ -88,7 +88,7 @@ contains
 
     has_one_friction = .not. abs(law%static_friction - law%dynamic_friction) > 0
     do form = 1, size(law_forms)
-      if (law_forms(form)%kind /= law%kind) cycle
+      if (law_forms(form)%kind /= law%kind .or. resists_rolling(law)) cycle
       ! COUPLED_DOF is the linear law whose compliance vanishes.
       if (law%kind == law_linear .and. (max(law%epsilon, law%relative_epsilon) > 0 .or. law%is_along_normal)) cycle
       if (law%axial_damping > 0 .and. .not. any(law_forms(form)%labels == 'F/sr')) cycle
@@ -106,7 +106,9 @@ contains
     character(len=:), allocatable :: reason
 
     reason = ''
-    if (law%kind == law_linear) then
+    if (resists_rolling(law)) then
+      reason = ': none resists rolling or twisting there'
+    else if (law%kind == law_linear) then
       reason = ': of linear laws only those with epsilon = 0 have one, COUPLED_DOF'
     else if (law%kind == law_mohr .and. max(law%normal_cohesion, law%tangential_cohesion) > 0) then
       reason = ': there its cohesions are stresses, here normal_bond_stress and tangential_bond_stress'

@@ -81,7 +81,7 @@ contains
     character(len=*), parameter :: softening = 'IQS_MAL_CZM|IQS_TH_CZM|IQS_ABP_CZM|IQS_EXPO_CZM', zones = 'IQS_MAC_CZM|'//softening
     character(len=*), parameter :: rubbing = &
       'kind=IQS_CLB|GAP_SGR_CLB|VEL_SGR_CLB|RST_CLB|IQS_WET_DS_CLB|IQS_MOHR_DS_CLB|IQS_CLB_g0|GAP_SGR_CLB_g0|'// &
-      'preGAP_SGR_CLB|'//zones
+      'preGAP_SGR_CLB'
     character(len=*), parameter :: elastic = 'ELASTIC_REPELL_CLB|ELASTIC_REPELL_CLB_g0|VISCO_ELASTIC_REPELL_CLB'
 
     call table%open_section('material', 'A bulk material.', is_list=.true.)
@@ -97,14 +97,15 @@ contains
                    'with contacts for contacts within the alert distance then.', &
                    default='"IQS_CLB"', choices=choices_of(law_kinds))
     call table%add('friction', value_real, 'Coulomb friction coefficient.', default='0.0', least=0.0_wp, &
-                   only=rubbing//'|'//elastic, usual=usual_friction, hint=no_angle, &
+                   only=rubbing//'|'//zones//'|'//elastic, usual=usual_friction, hint=no_angle, &
                    most=largest_friction, why_most=why_largest_friction)
     call table%add('static_friction', value_real, 'Friction coefficient while sticking; default: friction.', &
-                   least=0.0_wp, only=rubbing, usual=usual_friction, hint=no_angle, &
+                   least=0.0_wp, only=rubbing//'|'//zones, usual=usual_friction, hint=no_angle, &
                    most=largest_friction, why_most=why_largest_friction)
     call table%add('dynamic_friction', value_real, 'Friction coefficient while sliding; default: friction.', &
-                   least=0.0_wp, only=rubbing, usual=usual_friction, hint=no_angle, &
+                   least=0.0_wp, only=rubbing//'|'//zones, usual=usual_friction, hint=no_angle, &
                    most=largest_friction, why_most=why_largest_friction)
+    call add_rolling_keys(table, rubbing//'|'//elastic)
     call table%add('normal_restitution', value_real, 'Newton restitution along the normal.', default='0.0', &
                    least=0.0_wp, most=1.0_wp, only='kind=RST_CLB')
     call table%add('tangential_restitution', value_real, 'Newton restitution along the tangent.', default='0.0', least=0.0_wp, &
@@ -149,6 +150,24 @@ contains
 
     call add_link_keys(table)
   end subroutine add_law_keys
+
+  !> Keys of moments that resist rolling and twisting.
+  subroutine add_rolling_keys(table, resisting)
+    type(key_table_t), intent(inout) :: table
+    character(len=*), intent(in) :: resisting !! kinds of law that take them
+    character(len=*), parameter :: radius = ' times the effective radius R1 R2/(R1 + R2), which is that of a grain on a flat wall.'
+    real(wp), parameter :: usual = 1.0_wp
+    character(len=*), parameter :: hint = 'on a slope a grain rolls from the angle on whose tangent is the coefficient'
+
+    call table%add('rolling_friction', value_real, 'Largest moment against rolling over the normal force is this'//radius, &
+                   default='0.0', least=0.0_wp, only=resisting, usual=usual, hint=hint)
+    call table%add('rolling_length', value_real, 'Length added to it: largest moment against rolling over the normal force.', &
+                   unit='m', default='0.0', least=0.0_wp, only=resisting)
+    call table%add('twisting_friction', value_real, 'Largest moment about the normal over the normal force is this'//radius, &
+                   default='0.0', least=0.0_wp, only=resisting, dimension=in_space)
+    call table%add('twisting_length', value_real, 'Length added to it: largest moment about the normal over the normal force.', &
+                   unit='m', default='0.0', least=0.0_wp, only=resisting, dimension=in_space)
+  end subroutine add_rolling_keys
 
   !> Keys of laws that hold between points.
   subroutine add_link_law_keys(table, softening)

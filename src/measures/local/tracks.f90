@@ -8,7 +8,7 @@ module sg_tracks
   use sg_ascending, only: distinct
   use sg_bodies, only: angle_of, bodies_t
   use sg_comm, only: comm_t
-  use sg_contacts, only: contacts_t, impulse_vector
+  use sg_contacts, only: contacts_t, impulse_vector, moment_vector
   use sg_imposed_work, only: add_held_work
   use sg_kinds, only: wp, i4
   use sg_local_numbers, only: local_body
@@ -190,7 +190,8 @@ contains
       do side = 1, 2
         t = track_of(contacts%body(side, k))
         if (t == 0) cycle
-        self%impulse(:, t) = self%impulse(:, t) + merge(1.0_wp, -1.0_wp, side == 1)*[impulse, cross(arms(:, side), impulse)]
+        self%impulse(:, t) = self%impulse(:, t) + merge(1.0_wp, -1.0_wp, side == 1) &
+                             *[impulse, cross(arms(:, side), impulse) + moment_vector(contacts, k)]
         self%contacts(t) = self%contacts(t) + 1
       end do
     end do

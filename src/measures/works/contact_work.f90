@@ -3,8 +3,7 @@ module sg_contact_work
   use sg_bodies, only: bodies_t
   use sg_bonds, only: bond_impulse
   use sg_cell_motion, only: cell_bias, cell_jump
-  use sg_contacts, only: contacts_t, impulse_vector, normal_impulse
-  use sg_internal_values, only: bond_slip
+  use sg_contacts, only: contacts_t, has_bonds, impulse_vector, moment_vector, normal_impulse
   use sg_kinds, only: wp
   use sg_laws, only: is_cohesive_zone
   use sg_mapping, only: relative_velocity
@@ -17,37 +16,38 @@ module sg_contact_work
 
 contains
 
-  !> Work of the contact impulses along normals and along tangents, and of bonds [J]: r . H^T v.
+  !> Work of the contact impulses along normals and along tangents, of bonds, and of moments [J]: r . H^T v.
   pure function contact_work(scene, contacts, h, velocity) result(work)
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in), contiguous :: velocity(:, :) !! of each body, components as in `bodies_t`
-    real(wp) :: work(3), u(2), bias(3), jump(3), normal_work, bond(contacts%n_components), of_bond
+    real(wp) :: work(4), u(2), bias(3), jump(3), normal_work, bond(contacts%n_components), of_bond
     real(wp), allocatable :: spin(:, :)
     integer :: k
-    logical :: has_bonds
+    logical :: has_zones
 
     work = 0
-    has_bonds = contacts%n_internal >= bond_slip
-    if (scene%dimension == 2 .and. .not. has_bonds .and. .not. scene%cell%is_on) then
+    has_zones = has_bonds(contacts)
+    if (scene%dimension == 3) spin = spins_in_world(scene%bodies, velocity)
+    if (contacts%n_moments > 0) work(4) = work_of_moments(contacts, velocity, spin)
+    if (scene%dimension == 2 .and. .not. has_zones .and. .not. scene%cell%is_on) then
       work(1:2) = work_in_plane(scene, contacts, velocity)
       return
     end if
-    if (scene%dimension == 3) spin = spins_in_world(scene%bodies, velocity)
     do k = 1, contacts%n
       if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
       if (scene%dimension == 3) then
         jump = jump_at(scene, contacts, k, velocity, spin)
         if (scene%cell%is_on) jump = jump + cell_jump(scene, contacts, k, 0.5_wp)
         normal_work = normal_impulse(contacts, k)*dot_product(contacts%normal(:, k), jump)
-        work = work + [normal_work, dot_product(impulse_vector(contacts, k), jump) - normal_work, 0.0_wp]
-        if (.not. has_bonds) cycle
+        work(:2) = work(:2) + [normal_work, dot_product(impulse_vector(contacts, k), jump) - normal_work]
+        if (.not. has_zones) cycle
         if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
         bond = bond_impulse(scene%laws(contacts%law(k)), contacts, k, h)
         of_bond = dot_product(bond, jump)
         normal_work = dot_product(bond, contacts%normal(:, k))*dot_product(contacts%normal(:, k), jump)
-        work = work + [-normal_work, normal_work - of_bond, of_bond]
+        work(:3) = work(:3) + [-normal_work, normal_work - of_bond, of_bond]
         cycle
       end if
       u = relative_velocity(contacts, k, scene%bodies%middle, scene%period, velocity)
@@ -56,10 +56,10 @@ contains
         u = u + bias(:2)
       end if
       work(:size(bond)) = work(:size(bond)) + contacts%impulse(:, k)*u(:size(bond))
-      if (.not. has_bonds) cycle
+      if (.not. has_zones) cycle
       if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
       bond = bond_impulse(scene%laws(contacts%law(k)), contacts, k, h)
-      work = work + [-bond*u, dot_product(bond, u)]
+      work(:3) = work(:3) + [-bond*u, dot_product(bond, u)]
     end do
   end function contact_work
 
@@ -97,6 +97,24 @@ contains
       end associate
     end do
   end function work_in_plane
+
+  !> Work of moments on the relative spins of contacts [J].
+  pure real(wp) function work_of_moments(contacts, velocity, spin) result(work)
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in), contiguous :: velocity(:, :)
+    real(wp), allocatable, intent(in) :: spin(:, :)
+    real(wp) :: moment(3)
+    integer :: k
+
+    work = 0
+    do k = 1, contacts%n
+      moment = moment_vector(contacts, k)
+      associate (c => contacts%body(1, k), a => contacts%body(2, k))
+        if (contacts%n_moments == 1) work = work + moment(3)*(velocity(3, c) - velocity(3, a))
+        if (contacts%n_moments == 3) work = work + dot_product(moment, spin(:, c) - spin(:, a))
+      end associate
+    end do
+  end function work_of_moments
 
   !> Spins of all bodies in the world's axes [rad/s]; a body has many contacts, and is turned once. None where nothing turns.
   pure function spins_in_world(bodies, velocity) result(spin)

@@ -7,8 +7,8 @@
 module sg_pictures_contacts
   use sg_bodies, only: bodies_t
   use sg_comm, only: comm_t
-  use sg_contacts, only: contacts_t, image_of, impulse_vector, normal_impulse
-  use sg_internal_values, only: bond_integrity, bond_slip
+  use sg_contacts, only: contacts_t, has_bonds, image_of, impulse_vector, moment_vector, normal_impulse
+  use sg_internal_values, only: bond_integrity
   use sg_kinds, only: wp, i4, i8
   use sg_laws, only: is_cohesive_zone
   use sg_link_contacts, only: is_link, tension
@@ -71,13 +71,13 @@ contains
       end do
       call self%grid%place(points)
       if (n > 0) call write_arrays(self, scene, contacts)
-      if (n == 0) call write_zeros(self, scene, 0, has_bonds(contacts))
+      if (n == 0) call write_zeros(self, scene, 0, contacts)
     else
       ! VTK 9.5 and 9.6 misread a step without cells: one cell of type "empty" draws nothing.
       i = merge(1, 0, self%grid%file%ranks%rank == 0)
       call self%grid%part(0, no_ids, spread(0_i4, 1, i), spread(vtk_empty, 1, i))
       call self%grid%place(points)
-      call write_zeros(self, scene, i, has_bonds(contacts))
+      call write_zeros(self, scene, i, contacts)
     end if
     call self%grid%finish(time, step)
     call self%xdmf%add(self%grid, time)
@@ -94,6 +94,7 @@ contains
     n = contacts%n
     d = scene%dimension
     call write_forces(self, contacts, d)
+    if (contacts%n_moments > 0) call write_moments(self, contacts)
     if (scene%links%n > 0) then
       call self%grid%put(on_cells, 'tension', tensions(scene, contacts, self%time_step))
       call self%grid%put(on_cells, 'link', links_of(scene, contacts))
@@ -112,13 +113,6 @@ contains
     call self%grid%put(on_cells, 'candidate', numbers_of(scene%bodies, contacts%body(1, :n)))
     call self%grid%put(on_cells, 'antagonist', numbers_of(scene%bodies, contacts%body(2, :n)))
   end subroutine write_arrays
-
-  !> Has the scene cohesive zones?
-  pure logical function has_bonds(contacts)
-    type(contacts_t), intent(in) :: contacts
-
-    has_bonds = contacts%n_internal >= bond_slip
-  end function has_bonds
 
   !> Damage of all contacts: 0 where the bond of a cohesive zone is whole, 1 where it is broken or was never there, -1 under other
   !! laws.
@@ -156,6 +150,24 @@ contains
     if (dimension == 3) call self%grid%put(on_cells, 'force', vectors)
   end subroutine write_forces
 
+  !> Moments of all contacts [N m]: of rolling, in space without a sign, and of twisting about the normal.
+  subroutine write_moments(self, contacts)
+    type(contacts_picture_t), intent(inout) :: self
+    type(contacts_t), intent(in) :: contacts
+    real(wp) :: rolling(contacts%n), twisting(contacts%n), moment(3)
+    integer :: k
+
+    do k = 1, contacts%n
+      moment = moment_vector(contacts, k)/self%time_step
+      rolling(k) = moment(3)
+      if (contacts%n_moments == 1) cycle
+      twisting(k) = dot_product(moment, contacts%normal(:, k))
+      rolling(k) = norm2(moment - twisting(k)*contacts%normal(:, k))
+    end do
+    call self%grid%put(on_cells, 'rolling_moment', rolling)
+    if (contacts%n_moments == 3) call self%grid%put(on_cells, 'twisting_moment', twisting)
+  end subroutine write_moments
+
   !> Number of the link that each contact is, 0 for contacts between shapes.
   pure function links_of(scene, contacts) result(link)
     type(scene_t), intent(in) :: scene
@@ -184,11 +196,11 @@ contains
   end function tensions
 
   !> Numbers of the cell that stands for no contact, or nothing of a rank without contacts where others have some.
-  subroutine write_zeros(self, scene, rows, with_damage)
+  subroutine write_zeros(self, scene, rows, contacts)
     type(contacts_picture_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
     integer, intent(in) :: rows
-    logical, intent(in) :: with_damage !! are there cohesive zones?
+    type(contacts_t), intent(in) :: contacts
     real(wp) :: vector(3, rows)
     integer(i4) :: zero(rows)
 
@@ -197,6 +209,8 @@ contains
     call self%grid%put(on_cells, 'force_normal', vector(1, :))
     call self%grid%put(on_cells, 'force_tangential', vector(1, :))
     if (scene%dimension == 3) call self%grid%put(on_cells, 'force', vector)
+    if (contacts%n_moments > 0) call self%grid%put(on_cells, 'rolling_moment', vector(1, :))
+    if (contacts%n_moments == 3) call self%grid%put(on_cells, 'twisting_moment', vector(1, :))
     if (scene%links%n > 0) then
       call self%grid%put(on_cells, 'tension', vector(1, :))
       call self%grid%put(on_cells, 'link', zero)
@@ -206,7 +220,7 @@ contains
     call self%grid%put(on_cells, 'point', vector)
     call self%grid%put(on_cells, 'status', zero)
     call self%grid%put(on_cells, 'law', zero)
-    if (with_damage) call self%grid%put(on_cells, 'damage', vector(1, :))
+    if (has_bonds(contacts)) call self%grid%put(on_cells, 'damage', vector(1, :))
     call self%grid%put(on_cells, 'candidate', zero)
     call self%grid%put(on_cells, 'antagonist', zero)
   end subroutine write_zeros

@@ -88,6 +88,11 @@ contains
         call fail(error, 'contact '//to_text(k)//' has a linear law, which is no cone: there is no such problem in matrices')
         return
       end if
+      if (contact%has_moment) then
+        call fail(error, 'contact '//to_text(k)//' bears a moment that resists rolling: matrices of contact problems have no '// &
+                  'place for it')
+        return
+      end if
       if (contact%is_bonded) then
         call fail(error, 'contact '//to_text(k)//' is held by a cohesive zone: matrices of contact problems have no place for it')
         return

@@ -8,7 +8,7 @@ module sg_law_violation
   use sg_natural_map, only: chunk
   implicit none
   private
-  public :: largest_bound, law_violation, most_hidden, plane_bounds, space_bounds
+  public :: largest_bound, law_violation, most_hidden, plane_bounds, rounding, space_bounds
 
   !> Velocity that rounding leaves, over the velocity that the impulse gives the lighter body
   real(wp), parameter :: rounding = 16*epsilon(1.0_wp)

@@ -11,11 +11,12 @@ module sg_residuals
                         arm_frictional, arm_frictionless, arm_frictionless_bias, arm_frictionless_inverse_wnn, &
                         arm_frictionless_moment_a, arm_frictionless_moment_c, arm_law, arm_moment_na, arm_moment_nc, &
                         arm_moment_ta, arm_moment_tc, arm_slip, arm_spin, arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, &
-                        arm_wtt, body_length, friction_place, is_in_space, least_active, least_linear, least_normal, normal_x, &
-                        normal_y, record_length, round_bias_n, round_bias_t, round_friction, round_frictional, round_frictionless, &
-                        round_frictionless_bias, round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt, round_spin, &
-                        velocity_x, velocity_y
+                        arm_wtt, body_length, friction_place, has_moments, is_in_space, least_active, least_linear, least_normal, &
+                        normal_x, normal_y, record_length, round_bias_n, round_bias_t, round_friction, round_frictional, &
+                        round_frictionless, round_frictionless_bias, round_frictionless_inverse_wnn, round_inverse_wnn, &
+                        round_inverse_wtt, round_spin, velocity_x, velocity_y
   use sg_report, only: ratio, report_t
+  use sg_residuals_rolling, only: add_rolling_contacts, find_worst_rolling
   use sg_residuals_space, only: add_normal_parts, add_space_contacts, find_worst_in_space, keep_bonds, n_error_sums, note_closing
   implicit none
   private
@@ -71,6 +72,12 @@ contains
     lane = 0
     has_bounds = with_e1 .and. present(bounds)
     if (has_bounds) call fit_bounds(bounds, problem%n_contacts)
+    if (has_moments(problem%kind)) then
+      if (has_bounds) bounds = huge(1.0_wp)
+      sums = 0
+      call add_rolling_contacts(problem, with_e1, sums, squares, closing)
+      return
+    end if
     if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, lane, squares, closing, bounds)
     has_tangent = friction_place(problem%kind) > 0
     do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
@@ -141,6 +148,10 @@ contains
 
     contact = 0
     speed = 0
+    if (has_moments(problem%kind)) then
+      call find_worst_rolling(problem, contact, speed)
+      return
+    end if
     if (is_in_space(problem%kind)) then
       call find_worst_in_space(problem, contact, speed, chunk_bounds)
       return

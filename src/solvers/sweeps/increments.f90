@@ -5,7 +5,7 @@ module sg_increments
   use sg_delassus, only: block_times
   use sg_kinds, only: wp
   use sg_problem, only: problem_t
-  use sg_records, only: first_inverse
+  use sg_records, only: arm_gyration, first_inverse, force_length, has_moments, solid_gyration, solid_rolling
   use sg_run_options, only: criterion_maxm, criterion_qm16
   use sg_sweep_order, only: sweep_order_t
   use sg_sweeps, only: sweep_impulses
@@ -47,7 +47,7 @@ contains
     type(sweep_order_t), intent(in) :: order !! contacts to look at, with their records and impulses
     real(wp), intent(out) :: sums(n_increment_sums) !! of dv^2, (W r)^2, dv.r, (W r).r, dv^2 r^2, and of contacts
     real(wp), intent(out) :: maxima(n_increment_maxima) !! of dv^2 and dv^2 r^2
-    real(wp) :: r(3), change(3), dv(3), wr(3)
+    real(wp) :: r(6), change(6), dv(6), wr(6)
     integer :: k, m
 
     self%asked = order%impulse
@@ -63,6 +63,7 @@ contains
       if (.not. any(abs(self%asked(:, k)) + abs(order%impulse(:, k)) > 0)) cycle
       r(:m) = order%impulse(:, k)
       change(:m) = self%asked(:, k) - r(:m)
+      if (has_moments(problem%kind)) call scale_moments(problem%kind, order%record(:, k), m, r, change)
       dv = block_times(problem%kind, order%record(:, k), change)
       wr = block_times(problem%kind, order%record(:, k), r)
       associate (dv2 => dot_product(dv, dv), r2 => dot_product(r, r))
@@ -71,6 +72,22 @@ contains
       end associate
     end do
   end subroutine increments_measure
+
+  !> Divide moments by the length of the record, so that all components have one unit.
+  pure subroutine scale_moments(kind, record, last, r, change)
+    integer, intent(in) :: kind, last
+    real(wp), intent(in) :: record(:)
+    real(wp), intent(inout) :: r(6), change(6)
+    real(wp) :: length
+    integer :: first
+
+    first = force_length(kind) + 1
+    length = record(merge(solid_gyration, arm_gyration, kind == solid_rolling))
+    ! Contacts without a moment have no length.
+    if (.not. length > 0) length = 1
+    r(first:last) = r(first:last)/length
+    change(first:last) = change(first:last)/length
+  end subroutine scale_moments
 
   !> Value of a criterion, to be compared with the tolerance.
   pure real(wp) function increment_value(criterion, sums, maxima) result(value)

@@ -11,7 +11,7 @@ module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_random, only: random_t
-  use sg_records, only: ball_frictional, bias_place, impulse_length, record_length, round_frictional, solid_frictional
+  use sg_records, only: ball_frictional, bias_place, force_length, record_length, round_frictional, solid_frictional
   use sg_run_options, only: solver_options_t
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, put_row_biases, put_rows, solid_lanes_t
@@ -373,7 +373,7 @@ contains
     integer :: first, last, i, g, e
 
     first = bias_place(problem%kind)
-    last = first + impulse_length(problem%kind) - 1
+    last = first + force_length(problem%kind) - 1
     e = 0
     do g = 1, order%n_groups
       do i = 1, order%group_size(g)

@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+"""Moments that resist rolling and twisting, from decks: closed forms of the deck, restarts, columns of pictures, ranks, and what
+refuses them."""
+
+import math
+import os
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from program_case import ProgramCase, take_program  # noqa: E402
+
+DECK = Path(__file__).resolve().parents[2] / "input_decks" / "rolling_resistance.toml"
+HEAD = """[scene]
+gravity = [2.0, -9.0]
+[time]
+step = 2e-3
+steps = 60
+[solver]
+tolerance = 1e-9
+[output]
+record_every = 1
+[[material]]
+name = "stone"
+density = 2500.0
+[[law]]
+friction = 0.4
+rolling_friction = 0.1
+"""
+BOX = """[[wall]]
+name = "floor"
+from = [-0.1, -0.01]
+to = [1.1, -0.01]
+thickness = 0.02
+[[wall]]
+from = [1.01, 0.0]
+to = [1.01, 1.0]
+thickness = 0.02
+[[sample]]
+box = [0.0, 0.0, 0.8, 0.6]
+kind = "lattice"
+radius = 0.05
+spacing = 1.02
+"""
+
+
+class Rolling(ProgramCase):
+
+    def run_deck(self, text, *words, output="out", code=0):
+        (self.place / "deck.toml").write_text(text)
+        return self.run_program("run", "deck.toml", "--output", output, "--quiet", "--force", *words, code=code)
+
+    def test_slope(self):
+        """Of three spheres on a slope one rolls, one rests, one spins to rest: as the deck's closed forms have it."""
+        self.run_program("run", DECK, "--output", "out", "--quiet", "--force")
+        tracks = self.rows(file="tracks.csv")
+        down = 1 / math.sqrt(1.01)
+        at = {name: [row for row in tracks if row["body"] == name] for name in ("rolls", "rests", "spins")}
+        last = {name: rows[-1] for name, rows in at.items()}
+        speed = 5 / 7 * 9.81 * (0.1 - 0.05) * down * float(last["rolls"]["time"])
+        self.assertAlmostEqual(float(last["rolls"]["velocity_x"]), speed * down, delta=1e-8)
+        self.assertLess(abs(float(last["rests"]["velocity_x"])), 1e-8)
+        self.assertLess(abs(float(last["spins"]["velocity_x"])), 1e-8)
+        for row in at["spins"]:
+            spin = max(0.0, 20 - 2.5 * 0.08 * 9.81 * down / 0.1 * float(row["time"]))
+            self.assertAlmostEqual(float(row["spin_z"]), spin * down, delta=1e-5)
+        self.assertLess(float(self.rows()[-1]["energy_closure"]), 1e-8)
+
+    def test_restart_and_ranks(self):
+        """A run that goes on from a checkpoint ends as one that never stopped, to the last digit; ranks find the same energies."""
+        text = HEAD + BOX
+        words = ("--set", "restart.every=30", "--set", "restart.at_end=false")
+        self.run_deck(text, *(words if self.has_hdf5() else words[2:]))
+        last = self.rows()[-1]
+        self.assertGreater(float(last["rolling_loss"]), 0.01)
+        self.assertLess(float(last["energy_closure"]), 1e-7)
+        if self.has_hdf5():
+            self.run_deck(text, *words, "--restart", "out/restart_a.h5", output="again")
+            self.assertEqual(self.rows(output="again")[-1], last)
+        if not self.launcher:
+            return
+        self.on_ranks(2, text, "ranks", *words[2:])
+        for key in ("rolling_loss", "friction_loss", "kinetic_energy"):
+            # Impacts enlarge what the solver leaves.
+            ratio = float(self.rows(output="ranks")[-1][key]) / float(last[key])
+            self.assertAlmostEqual(ratio, 1.0, delta=1e-2, msg=key)
+
+    def test_columns(self):
+        """Pictures of contacts hold the moments, within their bounds; scenes whose laws resist no rolling have neither those nor
+        the column of the record."""
+        if not self.has_hdf5():
+            self.skipTest("pictures need HDF5")
+        try:
+            import h5py
+            import numpy
+        except ImportError:
+            self.skipTest("no h5py")
+
+        for name, text in (("with", HEAD + BOX), ("without", HEAD.replace("rolling_friction = 0.1\n", "") + BOX)):
+            self.run_deck(text, "--set", "output.every=60", output=name)
+            with h5py.File(self.place / name / "contacts.vtkhdf") as file:
+                data = file["VTKHDF/CellData"]
+                self.assertEqual("rolling_moment" in data, name == "with")
+                self.assertNotIn("twisting_moment", data)
+                if name == "with":
+                    moments = numpy.abs(data["rolling_moment"][:])
+                    self.assertGreater(moments.max(), 0.0)
+                    # The largest effective radius is that of a grain on a wall.
+                    self.assertTrue((moments <= 0.1 * 0.05 * data["force_normal"][:] * (1 + 1e-12)).all())
+            self.assertEqual("rolling_loss" in self.rows(output=name)[-1], name == "with")
+
+    def test_refusals(self):
+        """One sentence with line and caret for what has no place for moments."""
+        bond = """[[law]]
+name = "bond"
+kind = "IQS_MAC_CZM"
+normal_stiffness = 1e8
+tangential_stiffness = 1e8
+adhesion_energy = 1.0
+[[interaction]]
+candidate = "any"
+law = "contact"
+[[interaction]]
+law = "bond"
+"""
+        for text, sentence, caret in (
+            (HEAD.replace("tolerance = 1e-9", 'method = "accelerated"') + BOX, "matrices, which have no place", '  method = "accelerated"'),
+            (HEAD + bond + BOX, "cannot act in a scene with cohesive zones", "  rolling_friction = 0.1"),
+            (HEAD.replace("rolling_friction = 0.1", "rolling_friction = -0.1") + BOX, "rolling_friction", "  rolling_friction = -0.1"),
+            (HEAD.replace("rolling_friction", "twisting_friction") + BOX, "twisting_friction", "  twisting_friction = 0.1"),
+        ):
+            done = self.run_deck(text, code=2)
+            self.assertIn(sentence, done.stderr)
+            self.assertIn(caret + "\n", done.stderr)
+        (self.place / "deck.toml").write_text(HEAD + BOX)
+        done = self.run_program("convert", "deck.toml", "folder", code=2)
+        self.assertIn("none resists rolling or twisting there", done.stdout + done.stderr)
+        if self.has_hdf5():
+            done = self.run_deck(HEAD + BOX, "--dump", "50")
+            self.assertIn("no place for it", done.stdout + done.stderr)
+
+
+if __name__ == "__main__":
+    take_program()
+    Rolling.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
+    unittest.main()
