@@ -39,7 +39,24 @@ contains
                  'normalised')
     frame = frame_of(rotation_by([0.0_wp, 1e-9_wp, 0.0_wp]))
     call t%near(frame(1, 3), 1e-9_wp, 1e-9_wp*rounding, 'a small angle keeps its digits')
+    call test_small_angles()
   end subroutine test_known_rotations
+
+  !> Series of small angles and sine and cosine of others agree, on both sides of where one takes over from the other.
+  subroutine test_small_angles()
+    real(wp) :: axis(3), q(4), angle, worst(2)
+    integer :: i
+
+    axis = [2.0_wp, -3.0_wp, 6.0_wp]/7
+    worst = 0
+    do i = 0, 400
+      angle = 10.0_wp**(-8 + 0.02_wp*real(i, wp))
+      q = rotation_by(angle*axis)
+      worst(1) = max(worst(1), abs(q(1) - cos(angle/2)))
+      worst(2) = max(worst(2), maxval(abs(q(2:4) - sin(angle/2)*axis))/angle)
+    end do
+    call t%check(maxval(worst) < 4*epsilon(1.0_wp), 'cosine and sine of half the angle, from 1e-8 to 1 rad')
+  end subroutine test_small_angles
 
   !> Products of quaternions are products of frames; frames are orthonormal; and there and back.
   subroutine test_random_rotations()
