@@ -2,6 +2,7 @@
 module sg_scene_from_deck
   use sg_blocks, only: deck_t
   use sg_bodies_from_deck, only: bodies_from_deck
+  use sg_bonds_from_deck, only: bonds_from_deck
   use sg_called_bodies, only: numbers_called
   use sg_cell_from_deck, only: cell_from_deck, check_cell
   use sg_datbox, only: read_datbox_share
@@ -57,7 +58,7 @@ contains
     call cell_from_deck(deck, scene, diagnostics)
     if (diagnostics%count() > 0) return
     if (deck%is_given(b, 'datbox')) then
-      call scene_from_datbox(deck, b, scene, diagnostics)
+      call scene_from_datbox(deck, b, options, scene, diagnostics)
       call check_recovery(deck, scene, options%recovery, diagnostics)
       return
     end if
@@ -71,6 +72,7 @@ contains
     call drives_from_deck(deck, scene, diagnostics)
     call interactions_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() == 0) call warn_of_unused_laws(deck, scene, diagnostics)
+    call bonds_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() == 0) call link_by_distance(scene, deck%points)
     call links_from_deck(deck, scene, diagnostics)
     call joints_from_deck(deck, scene, diagnostics)
@@ -86,10 +88,11 @@ contains
     call report_overlaps(deck, overlaps, diagnostics)
   end subroutine scene_from_deck
 
-  !> Build the scene of a DATBOX folder, with gravity, drives and pressures of the deck on top.
-  subroutine scene_from_datbox(deck, block, scene, diagnostics)
+  !> Build the scene of a DATBOX folder, with gravity, drives, pressures and bonds of the deck on top.
+  subroutine scene_from_datbox(deck, block, options, scene, diagnostics)
     type(deck_t), intent(inout) :: deck
     integer, intent(in) :: block
+    type(run_options_t), intent(in) :: options
     type(scene_t), intent(inout) :: scene
     type(diagnostics_t), intent(inout) :: diagnostics
     character(len=:), allocatable :: folder
@@ -132,6 +135,7 @@ contains
     call gravity_from_deck(deck, scene, diagnostics)
     deck%driven = driven_bodies(scene)
     call drives_from_deck(deck, scene, diagnostics)
+    call bonds_from_deck(deck, options, scene, diagnostics)
     call wrap(scene)
     call passages_from_deck(deck, scene, diagnostics)
   end subroutine scene_from_datbox

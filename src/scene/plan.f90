@@ -217,6 +217,12 @@ contains
         plan%sees(kind(2), kind(1)) = .true.
       end do
     end do
+    do see = 1, size(scene%sees)
+      if (scene%sees(see)%group == 0) cycle
+      plan%uses_law(scene%sees(see)%law) = .true.
+      plan%alert = min(plan%alert, scene%sees(see)%alert)
+      plan%least_alert = min(plan%least_alert, scene%sees(see)%least_alert)
+    end do
   end subroutine list_uses
 
   !> Half width of the thinnest shape of all ranks [m].

@@ -13,7 +13,7 @@ module sg_scene
   use sg_text, only: append_word, text_t
   implicit none
   private
-  public :: scene_t, material_t, see_t, start_contact_t, colour_index, material_index, law_index
+  public :: scene_t, material_t, see_t, body_group_t, start_contact_t, colour_index, material_index, law_index
   public :: periods_of, set_edges, image_shift, unwrapped, set_gravity, largest_gravity
 
   !> A bulk material
@@ -36,7 +36,15 @@ module sg_scene
     real(wp) :: alert = 0
     !> Where the motion of a step decides how far it has to be seen, the shortest such distance; the one above is the longest [m]
     real(wp) :: least_alert = huge(1.0_wp)
+    !> Bodies between which alone the line holds, whatever other lines there are: index into the scene's groups; 0 for all bodies
+    integer :: group = 0
   end type see_t
+
+  !> Bodies on either side of a line of the see tables that holds between named bodies
+  type :: body_group_t
+    !> Is a body on the one side, and on the other? By its number in the whole scene; of bodies beyond the end neither
+    logical, allocatable :: is_one(:), is_other(:)
+  end type body_group_t
 
   !> A contact known before the first step: its impulse starts the solver
   type :: start_contact_t
@@ -71,6 +79,8 @@ module sg_scene
     type(text_t), allocatable :: colours(:)
     !> Interactions; the first that fits a pair counts
     type(see_t), allocatable :: sees(:)
+    !> Named bodies of lines of the see tables, in their order; unallocated where no line names bodies
+    type(body_group_t), allocatable :: groups(:)
     !> Links between points
     type(links_t) :: links
     !> Imposed velocities and forces

@@ -1,12 +1,12 @@
 !> Interactions: the line of the see tables that holds between two contactors.
 module sg_sees
   use sg_contactors, only: kind_point, n_kinds
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
   use sg_scene, only: scene_t, see_t
   use sg_shape_pairs, only: can_touch
   implicit none
   private
-  public :: alert_of, see_between, see_of, blind_pairs, links_points, widest_alert
+  public :: alert_of, see_between, see_named, see_of, blind_pairs, links_points, widest_alert
 
 contains
 
@@ -20,6 +20,36 @@ contains
       see = see_of(scene%sees, int([kind(c1), kind(c2)]), int([colour(c1), colour(c2)]))
     end associate
   end function see_between
+
+  !> Line of the see tables that names the bodies of two contactors, the last one of several; else the line given.
+  pure integer(i4) function see_named(scene, see, c1, c2) result(named)
+    type(scene_t), intent(in) :: scene !! scene whose see tables name bodies
+    integer(i4), intent(in) :: see !! line that holds by colours; 0 for none
+    integer(i4), intent(in) :: c1 !! one contactor
+    integer(i4), intent(in) :: c2 !! the other
+    integer :: body(2), line
+
+    named = see
+    body = scene%contactors%body([c1, c2])
+    if (allocated(scene%bodies%id)) body = scene%bodies%id(body)
+    do line = size(scene%sees), 1, -1
+      if (scene%sees(line)%group == 0) cycle
+      associate (group => scene%groups(scene%sees(line)%group))
+        if (.not. (is_in(group%is_one, body(1)) .and. is_in(group%is_other, body(2))) .and. &
+            .not. (is_in(group%is_one, body(2)) .and. is_in(group%is_other, body(1)))) cycle
+        if (can_touch(int(scene%contactors%kind(c1)), int(scene%contactors%kind(c2)))) named = int(line, i4)
+        return
+      end associate
+    end do
+  contains
+    pure logical function is_in(marks, number)
+      logical, intent(in) :: marks(:)
+      integer, intent(in) :: number
+
+      is_in = number <= size(marks)
+      if (is_in) is_in = marks(number)
+    end function is_in
+  end function see_named
 
   !> Line of the see tables that holds between shapes of two kinds and colours; 0 when they do not see each other.
   pure integer function see_of(sees, kind, colour) result(see)
@@ -39,7 +69,8 @@ contains
       type(see_t), intent(in) :: s
       integer, intent(in) :: kind(2), colour(2)
 
-      fits = (s%candidate_kind == 0 .or. s%candidate_kind == kind(1)) .and. &
+      fits = s%group == 0 .and. &
+             (s%candidate_kind == 0 .or. s%candidate_kind == kind(1)) .and. &
              (s%candidate_colour == 0 .or. s%candidate_colour == colour(1)) .and. &
              (s%antagonist_kind == 0 .or. s%antagonist_kind == kind(2)) .and. &
              (s%antagonist_colour == 0 .or. s%antagonist_colour == colour(2))

@@ -69,6 +69,10 @@ contains
     type(output_t) :: output
     integer :: i
 
+    if (allocated(scene%groups)) then
+      call fail(error, 'a DATBOX holds no bonds between named bodies')
+      return
+    end if
     call start_file(output, folder, 'TACT_BEHAV.DAT')
     do i = 1, size(laws)
       call put(output, '$behav  lawty')

@@ -15,7 +15,7 @@ module sg_neighbours
   use sg_near, only: candidate_first, is_near, turning_arm
   use sg_owners, only: contact_owner
   use sg_scene, only: image_shift, periods_of, scene_t
-  use sg_sees, only: alert_of, see_between, widest_alert
+  use sg_sees, only: alert_of, see_between, see_named, widest_alert
   use sg_shape_kinds, only: is_bounding
   use sg_sorting, only: hilbert_order, sort_permutation
   use sg_timers, only: wall_now
@@ -472,6 +472,7 @@ contains
     associate (contactors => scene%contactors)
       if (contactors%body(i) == contactors%body(j)) return
       see = table(class_of(contactors, i), class_of(contactors, j))
+      if (allocated(scene%groups)) see = see_named(scene, see, i, j)
       if (see == 0) return
       if (allocated(scene%bodies%owner)) then
         if (contact_owner(scene%bodies%owner([contactors%body(i), contactors%body(j)])) /= pairs%rank) return

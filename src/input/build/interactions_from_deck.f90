@@ -15,7 +15,7 @@ module sg_interactions_from_deck
   use sg_words, only: choice_index, choices_of
   implicit none
   private
-  public :: interactions_from_deck
+  public :: default_alert, interactions_from_deck, set_alert
 
 contains
 
@@ -33,7 +33,8 @@ contains
     n = deck%count_of('interaction')
     alert = default_alert(scene, options, deck%absent)
     allocate (scene%sees(0))
-    contact_laws = pack([(b, b=1, size(scene%laws))], [(.not. is_link_law(scene%laws(b)), b=1, size(scene%laws))])
+    contact_laws = pack([(b, b=1, size(scene%laws))], [(.not. (is_link_law(scene%laws(b)) .or. &
+                                                       is_of_bonds(deck, scene%laws(b)%name)), b=1, size(scene%laws))])
     if (n == 0 .and. size(contact_laws) == 1) then
       see%law = contact_laws(1)
       call set_alert(scene, alert, see)
@@ -53,6 +54,18 @@ contains
       call warn_of_blind(deck, b, scene, diagnostics)
     end do
   end subroutine interactions_from_deck
+
+  !> Does a block of bonds name a law?
+  logical function is_of_bonds(deck, law)
+    type(deck_t), intent(in) :: deck
+    character(len=*), intent(in) :: law
+    integer :: b
+
+    is_of_bonds = .false.
+    do b = 1, deck%n
+      if (deck%is_in(b, 'bond')) is_of_bonds = is_of_bonds .or. deck%word(b, 'law') == law
+    end do
+  end function is_of_bonds
 
   !> One line of the see tables.
   subroutine read_interaction(deck, b, scene, alert, see, diagnostics)
@@ -121,7 +134,7 @@ contains
 
   !> Alert distances of a pair where none is given: what acts on open contacts is always sought up to the longest.
   pure subroutine set_alert(scene, alert, see)
-    type(scene_t), intent(in) :: scene
+    type(scene_t), intent(in) :: scene !! scene with its laws
     real(wp), intent(in) :: alert(2) !! least and longest [m]
     type(see_t), intent(inout) :: see !! with its law
 
@@ -133,9 +146,9 @@ contains
   !! the smallest grain and a tenth of it, or the way in a step of what is fastest at the start, driven, or falls through the whole
   !! scene, if that is longer.
   function default_alert(scene, options, absent) result(alert)
-    type(scene_t), intent(in) :: scene
-    type(run_options_t), intent(in) :: options
-    type(census_t), intent(in) :: absent
+    type(scene_t), intent(in) :: scene !! scene with bodies, laws and drives
+    type(run_options_t), intent(in) :: options !! options of the run
+    type(census_t), intent(in) :: absent !! bodies that other ranks keep
     real(wp) :: alert(2)
     real(wp) :: smallest, height, fall, low(scene%dimension), high(scene%dimension)
     integer :: c

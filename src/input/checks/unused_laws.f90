@@ -36,7 +36,7 @@ contains
     laws = blocks_of(deck, 'law')
     do i = 1, size(laws)
       if (any(scene%sees%law == i) .or. has_link(deck, scene%laws(i)%name)) cycle
-      call deck%warn(diagnostics, 'no interaction and no link names this law: it is not used', laws(i), kind='unused law')
+      call deck%warn(diagnostics, 'no interaction, no link and no bond names this law: it is not used', laws(i), kind='unused law')
     end do
     do i = 1, size(uses%alone, 2)
       call deck%warn(diagnostics, 'no interaction fits this shape, which touches nothing: '//trim(kind_names(uses%alone(1, i)))// &
@@ -44,14 +44,14 @@ contains
     end do
   end subroutine warn_of_unused_laws
 
-  !> Does a link of the deck name a law? Links are made after interactions are checked.
+  !> Does a link or a bond of the deck name a law? They are made after interactions are checked.
   logical function has_link(deck, law)
     type(deck_t), intent(in) :: deck
     character(len=*), intent(in) :: law
     integer, allocatable :: links(:)
     integer :: i
 
-    links = [blocks_of(deck, 'link'), blocks_of(deck, 'chain')]
+    links = [blocks_of(deck, 'link'), blocks_of(deck, 'chain'), blocks_of(deck, 'bond')]
     has_link = .false.
     do i = 1, size(links)
       has_link = has_link .or. deck%word(links(i), 'law') == law

@@ -148,6 +148,7 @@ contains
                    'of the smallest grain, at most a tenth of it or what the fastest grain may travel in a step if that is '// &
                    'more; for laws that act on open contacts always the most.', unit='m', least=0.0_wp)
 
+    call add_bond_keys(table)
     call add_link_keys(table)
   end subroutine add_law_keys
 
@@ -221,6 +222,21 @@ contains
     call table%add('cut_off', value_real, 'Share of the strength at which a bond is cut.', default='0.001', above=0.0_wp, &
                    most=0.5_wp, only='kind=IQS_EXPO_CZM')
   end subroutine add_zone_keys
+
+  !> Section bond.
+  subroutine add_bond_keys(table)
+    type(key_table_t), intent(inout) :: table
+
+    call table%open_section('bond', 'Bonds between bodies that touch at the start, by a cohesive zone or a Mohr-Coulomb law. '// &
+                            'They take the place of what [[interaction]] gives to these pairs; give bodies or a colour.', &
+                            is_list=.true.)
+    call table%add('bodies', value_bodies, 'Two bodies, by name or by number, or two patterns of names: each body of the one '// &
+                   'is bonded to each of the other that it touches.')
+    call table%add('colour', value_text, 'Colour whose shapes are bonded to each other; any for all shapes.')
+    call table%add('law', value_text, 'Name of the law: an IQS_*_CZM or IQS_MOHR_DS_CLB.', is_required=.true.)
+    call table%add('alert', value_real, 'Gap up to which bodies are bonded at the start, and at which a bond that has opened '// &
+                   'is lost; default: as for [[interaction]].', unit='m', least=0.0_wp)
+  end subroutine add_bond_keys
 
   !> Section link.
   subroutine add_link_keys(table)

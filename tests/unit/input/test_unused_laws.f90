@@ -219,7 +219,7 @@ contains
                 'antagonist_shape = "hollow disk"'//nl, 'fits no two shapes', 18, times=2)
     call expect('one wall against itself', both//meet//meet//'candidate = "wall"'//nl//'antagonist = "wall"'//nl, 'fits no two', 18)
     call expect('a law that no interaction names', both//'[[law]]'//nl//'name = "smooth"'//nl//meet//rough, &
-                'no interaction and no link names this law', 17)
+                'no interaction, no link and no bond names this law', 17)
     call expect('a law of a link', both//'[[law]]'//nl//'name = "rope"'//nl//'kind = "RIGID_WIRE"'//nl//meet//rough// &
                 '[[link]]'//nl//'bodies = [1, 2]'//nl//'law = "rope"'//nl, '', 0)
     call expect('a shape that no interaction fits', both//brick//meet//'candidate_shape = "disk"'//nl// &
