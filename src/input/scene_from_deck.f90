@@ -20,6 +20,7 @@ module sg_scene_from_deck
   use sg_links_from_deck, only: links_from_deck
   use sg_passages_from_deck, only: passages_from_deck
   use sg_rolling_checks, only: check_rolling
+  use sg_rolling_from_deck, only: rolling_from_deck
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_share, only: share_t
@@ -34,9 +35,9 @@ module sg_scene_from_deck
   public :: scene_from_deck
 
   !> Sections that a DATBOX replaces
-  character(len=11), parameter :: own_sections(15) = [character(len=11) :: 'material', 'law', 'interaction', 'link', 'joint', &
-                                                      'body', 'wall', 'container', 'brick_wall', 'arch', 'chain', 'blocks', &
-                                                      'clump', 'sample', 'rain']
+  character(len=11), parameter :: own_sections(14) = [character(len=11) :: 'material', 'interaction', 'link', 'joint', 'body', &
+                                                      'wall', 'container', 'brick_wall', 'arch', 'chain', 'blocks', 'clump', &
+                                                      'sample', 'rain']
 
 contains
 
@@ -88,7 +89,7 @@ contains
     call report_overlaps(deck, overlaps, diagnostics)
   end subroutine scene_from_deck
 
-  !> Build the scene of a DATBOX folder, with gravity, drives, pressures and bonds of the deck on top.
+  !> Build the scene of a DATBOX folder, with gravity, drives, pressures, bonds and moments against rolling of the deck on top.
   subroutine scene_from_datbox(deck, block, options, scene, diagnostics)
     type(deck_t), intent(inout) :: deck
     integer, intent(in) :: block
@@ -135,6 +136,8 @@ contains
     call gravity_from_deck(deck, scene, diagnostics)
     deck%driven = driven_bodies(scene)
     call drives_from_deck(deck, scene, diagnostics)
+    call rolling_from_deck(deck, scene, diagnostics)
+    call check_rolling(deck, options, scene, diagnostics)
     call bonds_from_deck(deck, options, scene, diagnostics)
     call wrap(scene)
     call passages_from_deck(deck, scene, diagnostics)

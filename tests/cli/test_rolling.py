@@ -86,6 +86,24 @@ class Rolling(ProgramCase):
             ratio = float(self.rows(output="ranks")[-1][key]) / float(last[key])
             self.assertAlmostEqual(ratio, 1.0, delta=1e-2, msg=key)
 
+    def test_datbox(self):
+        """Next to a DATBOX a law gets moments by its name there: the run is that of the deck, and so is that of its effective deck."""
+        text = HEAD.replace("[[law]]", '[[law]]\nname = "rub"') + BOX
+        self.run_deck(text, output="native")
+        (self.place / "deck.toml").write_text(text.replace("rolling_friction = 0.1\n", ""))
+        self.run_program("convert", "deck.toml", "DATBOX")
+        head = text[:text.index("[[material]]")].replace("[scene]", '[scene]\ndatbox = "DATBOX"')
+        law = '[[law]]\nname = "rub"\nrolling_friction = 0.1\n'
+        self.run_deck(head + law)
+        native, last = self.rows("native")[-1], self.rows()[-1]
+        for key in ("rolling_loss", "friction_loss", "kinetic_energy"):
+            # Files hold 14 digits; impacts enlarge what that leaves.
+            self.assertAlmostEqual(float(last[key]) / float(native[key]), 1.0, delta=1e-3, msg=key)
+        (self.place / "deck.toml").write_text((self.place / "out/effective.toml").read_text())
+        self.run_program("check", "deck.toml")
+        for more, sentence in ((law.replace("rub", "rob"), 'did you mean "rub"'), (law + "friction = 0.2\n", "adds moments")):
+            self.assertIn(sentence, self.run_deck(head + more, code=2).stderr)
+
     def test_columns(self):
         """Pictures of contacts hold the moments, within their bounds; scenes whose laws resist no rolling have neither those nor
         the column of the record."""

@@ -8,7 +8,7 @@ module sg_rolling_checks
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: check_rolling
+  public :: check_rolling, rolling_keys
 
   !> Keys of such moments
   character(len=17), parameter :: rolling_keys(4) = [character(len=17) :: 'rolling_friction', 'rolling_length', &

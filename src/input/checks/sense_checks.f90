@@ -11,7 +11,7 @@ module sg_sense_checks
   use sg_words, only: is_choice, short_real, true_or_false
   implicit none
   private
-  public :: check_sense
+  public :: check_sense, is_default
 
 contains
 
@@ -37,8 +37,8 @@ contains
 
   !> Does a value equal its default, as in effective decks?
   pure logical function is_default(deck, value)
-    type(deck_t), intent(in) :: deck
-    type(value_t), intent(in) :: value
+    type(deck_t), intent(in) :: deck !! deck with the defaults of its keys
+    type(value_t), intent(in) :: value !! value of a key
 
     associate (default => deck%defaults(value%key))
       is_default = default%n == value%n .and. default%n_words == value%n_words

@@ -423,8 +423,11 @@ contains
                         'direction = [1, 1]'//nl//'length = 2'//nl//'value = 5'//nl, scene, options, diagnostics)
     call t%equal(diagnostics%count(), 0, 'drives beside a DATBOX: '//first(diagnostics))
     call t%check(.not. any(scene%bodies%is_grain(7:8)), 'what is driven or pressed is no grain')
-    call read_deck_text(text//'[[law]]'//nl, scene, options, diagnostics)
-    call t%check(index(first(diagnostics), 'next to scene.datbox') > 0, 'no law beside a DATBOX')
+    call read_deck_text(text//'[[law]]'//nl//'name = "'//scene%laws(1)%name//'"'//nl//'friction = 0.1'//nl, scene, options, &
+                        diagnostics)
+    call t%check(index(first(diagnostics), 'next to scene.datbox') > 0, 'no friction of a law beside a DATBOX')
+    call read_deck_text(text//'[[material]]'//nl//'name = "stone"'//nl//'density = 1'//nl, scene, options, diagnostics)
+    call t%check(index(first(diagnostics), 'next to scene.datbox') > 0, 'no material beside a DATBOX')
   end subroutine test_datbox
 
   !> The table has whole sentences and sound defaults; the committed reference is the generated one.
