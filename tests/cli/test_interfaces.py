@@ -139,8 +139,9 @@ class Interfaces(ProgramCase):
         """Grains in a box, all bodies tracked and all pairs measured."""
         if is_in_space:
             box = '[[container]]\nsize = [0.3, 0.3, 0.5]\n'
-            grains = '[[sample]]\nshape = "polyhedron"\nvertices = 12\nbox = [0.0, 0.0, 0.01, 0.3, 0.3, 0.3]\ncount = 30\n' \
-                     'radius = [0.025, 0.03]\n'
+            # Random polyhedra are hulls.
+            shape = '"polyhedron"\nvertices = 12' if self.has_library("Qhull") else '"sphere"'
+            grains = f'[[sample]]\nshape = {shape}\nbox = [0.0, 0.0, 0.01, 0.3, 0.3, 0.3]\ncount = 30\nradius = [0.025, 0.03]\n'
             bodies = 35
         else:
             box = FLOOR + '[[wall]]\nname = "left"\nfrom = [-0.01, -0.1]\nto = [-0.01, 1.0]\nthickness = 0.02\n' \
