@@ -115,7 +115,7 @@ def add_study(commands: _SubParsersAction) -> None:
     """The command line of `study`."""
     sentence = "run a study: cases x variants x tolerances, time steps or subdomains; error against work"
     command = commands.add_parser("study", help=sentence, description=sentence, prog="splitgrain study")
-    command.add_argument("study", metavar="STUDY.toml", type=Path, help="what to run (doc/guide/studies.md)")
+    command.add_argument("study", metavar="STUDY.toml", type=Path, help="what to run (doc/guide/studies.md); a folder of studies that were run gets an index.html")
     command.add_argument("--output", metavar="DIR", type=Path, help="folder of the study (default: NAME.study here)")
     command.add_argument("--jobs", metavar="N", help="runs at a time, or all for one per core (default: that of the study)")
     command.add_argument("--part", metavar="K/N", help="with [[vary]]: part K of N of the runs, and no page: a task of a job array")

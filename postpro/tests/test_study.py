@@ -11,6 +11,7 @@ import shutil
 import signal
 import subprocess
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,14 +23,16 @@ from splitgrain_postpro.errors import StudyError
 from splitgrain_postpro.study.csv_text import csv_text
 from splitgrain_postpro.study.deck_titles import deck_section
 from splitgrain_postpro.study.description import read_study
-from splitgrain_postpro.study.drawings import comparison
+from splitgrain_postpro.study.drawings import comparison, convergence, profiles, traces, work_precision
 from splitgrain_postpro.study.expressions import evaluate
 from splitgrain_postpro.study.jobs import jobs_of
 from splitgrain_postpro.study.measures import efforts_to_levels, order_of
 from splitgrain_postpro.study.model import Case
 from splitgrain_postpro.study.problems import distance
 from splitgrain_postpro.study.profiles import profile, share, times_of
+from splitgrain_postpro.study.svg import embedded, is_cut_off
 from splitgrain_postpro.study.toml_lines import line_of
+from splitgrain_postpro.style import styled
 
 DECKS = Path(__file__).resolve().parents[2] / "input_decks"
 PROGRAM = os.environ.get("SPLITGRAIN_PROGRAM")
@@ -337,8 +340,8 @@ def test_page_stands_alone(bounced):
     out = bounced[1]
     text = (out / "study.html").read_text()
     pictures = list(out.glob("*.png"))
-    assert text.count("<img") == text.count("data:image/png;base64,") == len(pictures) >= 2
-    assert not re.search(r"<script|https?:|<link(?! rel=\"icon\" href=\"data:,\")", text)
+    assert text.count("<svg") == len(pictures) >= 2 and "<img" not in text
+    assert not re.search(r"<script[^>]|https?:|src=|<link(?! rel=\"icon\" href=\"data:,\")", text)
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in pictures)
     assert not [path for path in out.rglob(".*")]
 
@@ -453,6 +456,37 @@ def test_efforts_to_levels_by_hand():
               [(0, 0.5, 1.0, 0, 0, 1), (1, 1.0, 0.01, 10, 80, 2), (2, 2.0, 0.2, 20, 160, 3), (3, 3.0, 0.004, 30, 240, 4)]]  # fmt: skip
     assert efforts_to_levels(points, 4) == [[0.1, 1, 1.0, 10 + 6 * 2, 80], [0.01, 1, 1.0, 22, 80]]
     assert efforts_to_levels(points, 1)[0][3] == 10 and efforts_to_levels([], 4) == []
+
+
+def test_nothing_of_a_figure_is_cut_off():
+    """Texts of figures stay within them, also where names are long; a figure in which they do not is noticed."""
+    long = "a variant whose name is a sentence that does not fit into any one line of a legend"
+    study = read_study(DECKS / "studies" / "time_steps.toml")
+    study = replace(study, variants=[replace(study.variants[0], name=f"{long} {k}") for k in range(7)])
+    curves = {variant.name: [(1e-3, 1e-2), (1e-2, 1e-1)] for variant in study.variants}
+    label = "error of the mean height of all bodies that have been dropped so far, over their radius [-]"
+    with styled():
+        figures = [convergence(study, curves, {}, label, long * 2), traces(study, {name: [(1, 1, 1), (2, 2, 2)] for name in curves}, long),
+                   work_precision(study, study.cases[0], {name: [(1, 0.1, True), (2, 0.01, False)] for name in curves}, "cpu_seconds", label, long),
+                   profiles(study, {name: [1.0, 2.0] for name in curves}, 3, long * 2)]  # fmt: skip
+        assert [is_cut_off(figure) for figure in figures] == [False] * 4
+        figures[0].text(0.9, 0.5, long)
+        assert is_cut_off(figures[0])
+
+
+def test_lines_of_a_figure_are_series_of_the_page():
+    study = read_study(DECKS / "studies" / "time_steps.toml")
+    curves = {variant.name: [(1e-3, 1e-2), (1e-2, 1e-1)] for variant in study.variants}
+    series = []
+    pages = [embedded(convergence(study, curves, {}, "error [-]", "a title"), number, "words", series) for number in (1, 2)]
+    assert series == [*curves, "order 1", "order 2"]
+    for number, svg in enumerate(pages, 1):
+        for k in range(len(series)):
+            assert svg.count(f'<g id="figure{number}-series{k}">') == 1 and svg.count(f'<g id="figure{number}-entry{k}">') == 2
+        assert not re.search(r"https?:|xlink|<!--|<metadata", svg)
+        names = set(re.findall(r' id="([^"]+)"', svg))
+        assert set(re.findall(r'href="#([^"]+)"|url\(#([^)]+)\)', svg)) and all(name.startswith(f"figure{number}-") for name in names)
+        assert {a or b for a, b in re.findall(r'href="#([^"]+)"|url\(#([^)]+)\)', svg)} <= names
 
 
 def test_comparison_tells_all_methods_apart():

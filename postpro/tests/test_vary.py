@@ -27,9 +27,14 @@ def test_blocks_against_closed_forms(tmp_path, capsys):
         # 50 kg per metre of depth, braked by mu g for 0.2 s.
         assert float(row["kinetic_energy"]) == pytest.approx(25 * (speed - friction * 9.81 * 0.2) ** 2, rel=1e-6)
     page = (tmp_path / "study/study.html").read_text()
-    assert page.count("<svg") == 3 and page.count("data-series=") == 2 and "http-equiv" not in page and "src=" not in page
+    assert page.count("<svg") == 3 and page.count("checked data-series=") == 2 and "http-equiv" not in page and "src=" not in page
     assert all(f'id="figure2-series{k}"' in page for k in (0, 1))
     assert "8 runs, 3 figures" in capsys.readouterr().out
+    (tmp_path / "no study").mkdir()
+    assert main(["study", str(tmp_path)]) == 0 and "1 study" in capsys.readouterr().out
+    index = (tmp_path / "index.html").read_text()
+    assert '<a href="study/study.html">' in index and "8 runs of" in index and index.count("<li>") == 1
+    assert main(["study", str(tmp_path / "no study")]) == 2 and "there is no study in this folder" in capsys.readouterr().err
     assert main(["study", str(STUDY), "--output", str(tmp_path / "study")]) == 0
     assert capsys.readouterr().out.count("done before") == 8
 

@@ -194,6 +194,7 @@ contains
             '  --part K/N              with [[vary]]: part K of N of the runs, and no page: a task of a job array', &
             '  --program PATH          the splitgrain to run (default: this one)', &
             'Draws error against work, orders of convergence and performance profiles: study.html, PNG, results.csv.', &
+            'splitgrain study FOLDER writes an index.html of the studies in its folders.', &
             'Finished runs are kept: the same command goes on with the others. input_decks/studies has examples.', &
             'Exit codes: 0 done, 1 a run failed, or no Python was found, 2 bad input, 5 a result cannot be written,', &
             '            75 stopped early.']

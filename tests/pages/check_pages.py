@@ -16,6 +16,17 @@ WIDTHS = (1280, 400)
 # Smallest letters that can be read [px].
 SMALLEST = 12
 
+# A click on the first entry of a legend hides its line in all figures, and one more shows it.
+CLICK = """(() => {
+  const entry = document.querySelector('g[id*="-entry"]');
+  if (!entry) return null;
+  const lines = [...document.querySelectorAll(`g[id$="-series${entry.id.split('-entry')[1]}"]`)];
+  const hidden = () => lines.filter(line => getComputedStyle(line).display === 'none').length;
+  const counts = [hidden()];
+  for (let k = 0; k < 2; k++) { entry.dispatchEvent(new MouseEvent('click', {bubbles: true})); counts.push(hidden()); }
+  return [lines.length, ...counts];
+})()"""
+
 LOOK = """(() => {
   document.querySelectorAll('details').forEach(part => { part.open = true; });
   const letters = [...document.querySelectorAll('body *')].filter(part => [...part.childNodes].some(n => n.nodeType == 3 && n.data.trim()));
@@ -27,6 +38,10 @@ LOOK = """(() => {
     pictures: [...document.images].map(i => [i.complete && i.naturalWidth > 0, i.alt]),
     narrow: [...document.images].filter(i => i.getBoundingClientRect().width < 250).map(i => i.alt),
     small: letters.filter(part => parseFloat(getComputedStyle(part).fontSize) < %d).map(part => part.textContent.slice(0, 40)),
+    cut: [...document.querySelectorAll('figure svg')].flatMap(svg => { const frame = svg.getBoundingClientRect();
+      return [...svg.querySelectorAll('g[id*="text_"], g[id*="legend_"]')].map(part => part.getBoundingClientRect())
+        .filter(p => p.width && (p.left < frame.left - 2 || p.right > frame.right + 2 || p.top < frame.top - 2 || p.bottom > frame.bottom + 2))
+        .map(p => svg.getAttribute('aria-label')); }),
     out: [...document.querySelectorAll('body *')].filter(p => !scrolls(p) && right(p) > innerWidth).map(p => p.tagName + ' to ' + right(p)),
   };
 })()""" % SMALLEST
@@ -35,7 +50,7 @@ LOOK = """(() => {
 # A page on which everything is wrong, and what must be noticed.
 SPOILED = Path(__file__).with_name("spoiled.html")
 IN_SPOILED = ("a script fails", "says to the console", "the console shows", "asks for http://127.0.0.1:9/style.css", "has no title",
-              "scrolls sideways", "reaches out", "'absent' is not shown", "letters below")  # fmt: skip
+              "scrolls sideways", "reaches out", "'absent' is not shown", "letters below", "texts reach out", "by the legend")  # fmt: skip
 
 
 def mistakes_of(page, browser, width, picture):
@@ -62,9 +77,13 @@ def mistakes_of(page, browser, width, picture):
     found += [f"the picture '{alt}' is not shown" for is_shown, alt in seen["pictures"] if not is_shown]
     found += [f"the picture '{alt}' is too narrow to be read" for alt in seen["narrow"]]
     found += [f"letters below {SMALLEST} pixels: {text}" for text in seen["small"][:5]]
+    found += [f"texts reach out of the drawing '{words}'" for words in dict.fromkeys(seen["cut"])]
+    clicked = browser.value(CLICK)
+    if clicked and (clicked[0] == 0 or clicked[1:] != [0, clicked[0], 0]):
+        found.append(f"does not show and hide lines by the legend: {clicked}")
     if seen["scene"]:
         found += mistakes_of_scene(browser)
-    elif not seen["pictures"] and not seen["drawings"]:
+    elif page.name != "index.html" and not seen["pictures"] and not seen["drawings"]:
         found.append("has no picture")
     print(f"{page.parent.name}/{page.name} at {width}: {seen['height']} pixels high, {len(seen['pictures'])} pictures; {picture}")
     return found

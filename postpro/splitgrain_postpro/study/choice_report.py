@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from ..style import VERMILION, new_figure, say_nothing_there
 from . import page
 from .choice import choose
-from .drawings import SIZE, look
+from .drawings import SIZE, legend_beneath, look
 from .model import Section, Study, Table
 
 # Ratios below this are drawn here: no error at all has no logarithm.
@@ -84,8 +84,8 @@ def _figure(study, settings):
     if not drawn:
         say_nothing_there(ax, "nothing to draw: no setting ran in all cases")
         return figure
-    ax.axhline(1, color=VERMILION, lw=1, ls="--")
+    ax.axhline(1, color=VERMILION, lw=1, ls="--", gid="limit")
     ax.set(xscale="log", yscale="log", xlabel="CPU time over that of the best, geometric mean [-]",
            ylabel=f"error / limit, {100 * study.choice['cases']:.0f} % of cases below")  # fmt: skip
-    ax.legend(loc="upper center", bbox_to_anchor=(0.45, -0.15), ncols=3, handlelength=1.5, columnspacing=1.0)
+    legend_beneath(figure, ax.get_legend_handles_labels())
     return figure

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..errors import StudyError
 from .description import read_study
+from .index_page import write_index
 from .jobs import jobs_of
 from .program import Program
 from .report import Report
@@ -37,6 +38,9 @@ def _study(arguments):
     """Read, run, report."""
     if int(os.environ.get("OMPI_COMM_WORLD_SIZE", os.environ.get("PMI_SIZE", "1"))) > 1:
         raise StudyError("each run of a study is one process, also with several subdomains: call it without mpiexec")
+    if arguments.study.is_dir():
+        print(write_index(arguments.study))
+        return EXIT_DONE
     table = StudyFile(arguments.study).table
     if is_varied(table):
         return _varied(arguments)

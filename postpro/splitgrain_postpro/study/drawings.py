@@ -1,5 +1,7 @@
 """Figures of a study, each of one panel, so that it can be read on a narrow page too."""
 
+from textwrap import fill
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
@@ -10,6 +12,8 @@ from .model import Case, Curves, Study
 
 LOOKS = list(zip((BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK), "os^Dvp*", strict=True))
 SIZE = (4.7, 3.7)
+# Most letters of a line of a title, of a legend, and of a label that stands upright.
+TITLE, WIDEST, HIGHEST = 46, 58, 38
 PANEL = 2.9  # height of panels above a legend of their own
 ERRORS = {
     "e1": "error E1 [-]", "e2": "error E2 [-]", "e8": "error E8 [-]",
@@ -91,15 +95,18 @@ def comparison(study: Study, histories: dict[str, list[dict[str, float]]], subdo
                 ax.plot(*zip(*curve, strict=True), color=look(study, variant)[0], ls=line_style(study, variant), label=variant, lw=1)
         ax.set(xscale="log", yscale="log", xlabel=label)
     axes[0].set(ylabel=ERRORS["e8"])
-    axes[0].set_title(title)
-    _legend_beneath(figure, axes[0].get_legend_handles_labels(), "method")
+    axes[0].set_title(fill(title, TITLE * (1 if len(efforts) == 1 else 2)))
+    legend_beneath(figure, axes[0].get_legend_handles_labels(), "method")
     return figure
 
 
-def _legend_beneath(figure: Figure, entries: tuple[list, list], title: str) -> None:
+def legend_beneath(figure: Figure, entries: tuple[list, list], title: str | None = None) -> None:
     """One legend for all panels, in as many columns as the figure has room for; the figure grows by its height."""
     for columns in (4, 3, 2, 1):
-        legend = figure.legend(*entries, loc="lower center", ncols=columns, title=title, handlelength=1.5)
+        legend = figure.legend(*entries, loc="lower center", ncols=columns, title=title, handlelength=1.5, columnspacing=1.2)
+        if columns == 1:
+            for text in legend.get_texts():
+                text.set_text(fill(text.get_text(), WIDEST))
         box = legend.get_window_extent()
         if box.width <= figure.bbox.width or columns == 1:
             break
@@ -154,7 +161,7 @@ def convergence(study: Study, curves: Curves, orders: dict[str, float | None], l
 
 def _finish(ax, drawn, x_label, y_label, title, scale="both", legend=None):
     """Scales, labels, and the legend, with its heading, beneath the panel, where it hides nothing."""
-    ax.set_title(title)
+    ax.set_title(fill(title, TITLE))
     if not drawn:
         say_nothing_there(ax, "nothing to draw: no run arrived, or none has this number")
         return
@@ -168,6 +175,5 @@ def _finish(ax, drawn, x_label, y_label, title, scale="both", legend=None):
         ax.xaxis.set_minor_formatter(FuncFormatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else ""))
     else:
         ax.xaxis.set_minor_formatter(NullFormatter())
-    ax.set(xlabel=x_label, ylabel=y_label)
-    ax.legend(loc="upper center", bbox_to_anchor=(0.45, -0.17), ncols=3, handlelength=1.5, columnspacing=1.0,
-              title=legend)
+    ax.set(xlabel=fill(x_label, TITLE), ylabel=fill(y_label, HIGHEST))
+    legend_beneath(ax.figure, ax.get_legend_handles_labels(), legend)

@@ -1,11 +1,14 @@
-"""One HTML page with everything in it: it opens without a network and needs no scripts."""
+"""One HTML page with everything in it: it opens without a network, and can be read without its script."""
 
-import base64
 from collections.abc import Iterable, Sequence
 from html import escape
+from urllib.parse import quote
 
 from .model import Section
+from .svg import SCRIPT
 
+# Parts beyond which a page has a list of them.
+FEW = 3
 STYLE = """
 :root { color-scheme: light; }
 body { font: 16px/1.5 system-ui, "Liberation Sans", Arial, sans-serif; color: #1c1c1c; background: #fff; margin: 0 auto; max-width: 76rem;
@@ -18,6 +21,7 @@ figure { margin: 0; max-width: 34rem; } img { width: 100%; height: auto; display
 table { border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums; white-space: nowrap; }
 th, td { padding: .2rem .6rem; text-align: right; border-bottom: 1px solid #eee; }
 th { background: #f3f5f7; position: sticky; top: 0; } .words { text-align: left; }
+nav a { margin-right: 1rem; } svg { display: block; }
 details { border-top: 1px solid #ddd; padding: .4rem 0; } summary { cursor: pointer; font-weight: 600; padding: .25rem 0; }
 """
 
@@ -27,11 +31,15 @@ def page(title: str, about: str, facts: str, sections: list[Section]) -> str:
     body = [f"<h1>{escape(title)}</h1>"]
     body += [f"<p>{escape(part)}</p>" for part in about.strip().split("\n\n") if part]
     body.append(f'<p class="quiet">{escape(facts)}</p>')
-    for heading, is_open, content in sections:
+    if len(sections) > FEW:
+        body.append(f"<nav>{' '.join(_link(number, heading) for number, (heading, *_) in enumerate(sections, 1))}</nav>")
+    for number, (heading, is_open, content) in enumerate(sections, 1):
         if is_open is None:
-            body.append(f"<h2>{escape(heading)}</h2>\n{content}")
+            body.append(f'<h2 id="part{number}">{escape(heading)}</h2>\n{content}')
         else:
-            body.append(f"<details{' open' if is_open else ''}><summary>{escape(heading)}</summary>\n{content}</details>")
+            body.append(f'<details id="part{number}"{" open" if is_open else ""}><summary>{escape(heading)}</summary>\n{content}</details>')
+    if any(mark in part for part in body for mark in ("-entry", "data-series")):
+        body.append(SCRIPT)
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n<link rel="icon" href="data:,">\n'
@@ -39,10 +47,16 @@ def page(title: str, about: str, facts: str, sections: list[Section]) -> str:
     )
 
 
-def picture(png: bytes, words: str) -> str:
-    """A figure with its picture inside."""
-    data = base64.b64encode(png).decode()
-    return f'<figure><img alt="{escape(words, quote=True)}" src="data:image/png;base64,{data}"></figure>'
+def _link(number, heading):
+    """A link to a part of the page."""
+    return f'<a href="#part{number}">{escape(heading)}</a>'
+
+
+def link_list(entries: Iterable[tuple[str, str, str]]) -> str:
+    """A list of links: each an address relative to the page, its title, and a sentence."""
+    lines = (f'<li><a href="{quote(address)}">{escape(title)}</a> <span class="quiet">{escape(sentence)}</span></li>'
+             for address, title, sentence in entries)
+    return f"<ul>{''.join(lines)}</ul>"
 
 
 def pictures(items: Iterable[str]) -> str:

@@ -17,6 +17,7 @@ from .measures import efforts_to_levels, errors_of, order_of
 from .model import AXES, HISTORY, Case, Curves, Measure, Result, Section, Study, Table
 from .profiles import profile, share, times_of
 from .runner import Store
+from .svg import embedded
 
 COLUMNS = ("case", "variant", "axis", "value", "repeat", "status", "reason", "contacts", "iterations", "sweeps", "factorisations",
            "steps", "unconverged_steps", "cpu_seconds", "contact_updates", "bytes", "e1", "e2", "e8", "distance")  # fmt: skip
@@ -33,6 +34,7 @@ class Report:
     def __init__(self, study: Study, jobs: list[Job], results: list[Result], store: Store, version: str):
         self.study, self.jobs, self.results, self.store, self.version = study, jobs, results, store, version
         self.figures, self.lines = 0, []
+        self.series: list[str] = []
         self.table, self.traces = merged(jobs, results)
         self.errors = [errors_of(study, self.table, number) for number in range(len(study.measures))]
 
@@ -264,13 +266,12 @@ class Report:
         return names + [f"error of {measure.name}" for measure in self.study.measures], rows
 
     def save(self, figure: Figure, name: str, words: str) -> str:
-        """Write a figure as PNG; returns it for the page."""
+        """Write a figure as PNG; returns it for the page, as SVG."""
         file = io.BytesIO()
         figure.savefig(file, format="png", dpi=130)
-        taken = self.store.folder / f"{name}.png"
-        self.store.write(taken, file.getvalue())
+        self.store.write(self.store.folder / f"{name}.png", file.getvalue())
         self.figures += 1
-        return page.picture(file.getvalue(), words)
+        return embedded(figure, self.figures, words, self.series)
 
 
 def named_point(point: list[float]) -> dict[str, float]:

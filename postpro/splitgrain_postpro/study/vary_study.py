@@ -1,6 +1,5 @@
 """A study of one deck over values of any keys and over seeds: columns of results at the end of each run, with mean and spread."""
 
-import io
 import math
 from collections.abc import Callable
 from html import escape
@@ -8,7 +7,6 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 
 from splitgrain import Deck, RunError, sweep
@@ -18,15 +16,12 @@ from ..style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, new_figu
 from .csv_text import csv_text
 from .page import page, pictures, table
 from .study_file import StudyFile
+from .svg import embedded
 
 TOP = {"title": (str,), "about": (str,), "deck": (str,), "restart": (str,), "seeds": (list,), "jobs": (int, str), "ranks": (int,), "plot": (list,),
        "set": (dict,), "vary": (list,)}  # fmt: skip
 VARY = {"key": (str,), "values": (list,), "label": (str,)}
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK)
-# Shows and hides one line in all figures.
-SCRIPT = """<script>for (const box of document.querySelectorAll("input[data-series]")) box.onchange = () => {
-  for (const line of document.querySelectorAll(`g[id$="-series${box.dataset.series}"]`)) line.style.display = box.checked ? "" : "none";
-};</script>"""
 
 
 class VaryReader(StudyFile):
@@ -114,7 +109,7 @@ def _page(study, runs, statistics, names, rows):
     facts = f"{len(runs)} runs of {study['deck']}; points are means over {seeds} seeds, bars one standard deviation." if seeds > 1 else \
             f"{len(runs)} runs of {study['deck']}."
     return page(study.get("title", "Study"), study.get("about", ""), facts,
-                [("Last values of the record", None, f"<p>{boxes}</p>{pictures(figures)}{SCRIPT if others else ''}"),
+                [("Last values of the record", None, f"<p>{boxes}</p>{pictures(figures)}"),
                  ("All runs", False, table(names, rows))])
 
 
@@ -122,7 +117,7 @@ def _figure(number, first, series, column, statistics):
     """One column against the first key, one line per combination of the others, as SVG."""
     numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in first["values"])
     places = list(first["values"]) if numeric else list(range(len(first["values"])))
-    with styled(), matplotlib.rc_context({"svg.hashsalt": f"{column}{number}"}):
+    with styled():
         figure = new_figure(5, 3.6)
         ax = figure.add_subplot()
         for k, one in enumerate(series):
@@ -131,15 +126,11 @@ def _figure(number, first, series, column, statistics):
             bars = ax.errorbar(places, [row["mean"] for row in found], np.nan_to_num([row["spread"] for row in found]),
                                color=COLOURS[k % len(COLOURS)], marker="o", markersize=4, capsize=3)
             for part in (bars[0], *bars[1], *bars[2]):
-                part.set_gid(f"figure{number}-series{k}")
+                part.set_gid(f"series{k}")
         if not numeric:
             ax.set_xticks(places, [_shown(value) for value in first["values"]])
         ax.set(xlabel=first.get("label", first["key"]), ylabel=column.replace("_", " "))
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    svg = text.getvalue()
-    svg = svg[svg.index("<svg") :].replace("<svg ", f'<svg role="img" aria-label="{escape(column)}" style="width:100%;height:auto" ', 1)
-    return f"<figure>{svg}</figure>"
+        return embedded(figure, number, column)
 
 
 def _shown(value):

@@ -11,6 +11,7 @@ from .csv_text import csv_text
 from .deck_titles import deck_section
 from .model import Result
 from .runner import Store
+from .svg import embedded
 from .thresholds import changes_of, sentence
 from .verdict_file import VerdictStudy
 from .verdicts import Point, Verdicts
@@ -83,12 +84,12 @@ class VerdictReport:
         return page.table(["case", "variant", "holds at", "does not hold at", "why"], rows)
 
     def save(self, figure: Figure, name: str, words: str) -> str:
-        """Write a figure as PNG; returns it for the page."""
+        """Write a figure as PNG; returns it for the page, as SVG."""
         file = io.BytesIO()
         figure.savefig(file, format="png", dpi=130)
         self.store.write(self.store.folder / f"{name}.png", file.getvalue())
         self.figures += 1
-        return page.picture(file.getvalue(), words)
+        return embedded(figure, self.figures, words)
 
 
 def row_of(point: Point) -> Result:
