@@ -1,6 +1,7 @@
 !> How deep shapes enter one another at the detection configuration.
 module sg_penetration
   use sg_contacts, only: contacts_t
+  use sg_extremes, only: lowest_value
   use sg_kinds, only: wp
   use sg_tally, only: pass_columns, pass_largest, pass_sums, ratio, tally_t
   implicit none
@@ -47,6 +48,6 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts of the step
 
     largest = 0
-    if (contacts%n > 0) largest = max(0.0_wp, -minval(contacts%gap(:contacts%n)))
+    if (contacts%n > 0) largest = max(0.0_wp, -lowest_value(contacts%n, contacts%gap))
   end function deepest_penetration
 end module sg_penetration

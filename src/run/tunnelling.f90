@@ -83,16 +83,20 @@ contains
   !> Largest speed of all bodies [m/s]; where squares have no room, the largest component.
   pure real(wp) function largest_speed(velocity)
     real(wp), intent(in) :: velocity(:, :)
+    real(wp) :: square
     integer :: b
 
     largest_speed = 0
-    if (size(velocity) > 0) largest_speed = maxval(abs(velocity))
-    if (largest_speed > sqrt(huge(1.0_wp))/2) return
-    largest_speed = 0
     do b = 1, size(velocity, 2)
-      largest_speed = max(largest_speed, sum(velocity(:, b)**2))
+      square = velocity(1, b)**2 + velocity(2, b)**2
+      if (size(velocity, 1) == 3) square = square + velocity(3, b)**2
+      largest_speed = max(largest_speed, square)
     end do
-    largest_speed = sqrt(largest_speed)
+    if (largest_speed <= huge(1.0_wp)) then
+      largest_speed = sqrt(largest_speed)
+    else
+      largest_speed = maxval(abs(velocity))
+    end if
   end function largest_speed
 
   !> Count the grains whose centres have gone through a wall since the last detection, where a body may have moved by more than the

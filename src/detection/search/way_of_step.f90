@@ -1,6 +1,7 @@
 !> How far shapes may move in a step, which decides how far apart contacts are sought (doc/theory/detection.md, "Alert distance").
 module sg_way_of_step
   use sg_contactors, only: kind_point
+  use sg_extremes, only: largest_magnitude
   use sg_kinds, only: wp
   use sg_scene, only: largest_gravity, scene_t
   use sg_shape_kinds, only: is_round
@@ -22,7 +23,7 @@ contains
 
     way = huge(way)/4
     if (scene%bodies%n == 0) return
-    if (maxval(abs(scene%bodies%free_velocity)) > most) return
+    if (largest_magnitude(size(scene%bodies%free_velocity), scene%bodies%free_velocity) > most) return
     fastest = sqrt(fastest_square(scene)) + real(substeps - 1, wp)*h*largest_gravity(scene)
     if (scene%cell%is_on) fastest = fastest + speed_in_cell(scene)
     way = 2*real(substeps, wp)*h*fastest

@@ -296,7 +296,7 @@ contains
     integer, intent(in) :: n, pair(2, n), n_bodies
     real(wp), intent(in) :: record(record_length(arm_frictional), n), r(2, n), body(body_length(arm_frictional), n_bodies)
     type(chunk_t), intent(inout) :: a
-    real(wp) :: x, y, largest
+    real(wp) :: x, y, w_nn(chunk), w_nt(chunk), w_tt(chunk), law(chunk)
     integer :: i
 
     do i = 1, n
@@ -311,15 +311,19 @@ contains
       a%r_n(i) = r(1, i) + merge(record(arm_cohesion, i), 0.0_wp, record(arm_law, i) > least_active)
       a%r_t(i) = r(2, i)
       a%friction(i) = record(arm_friction, i)
+      w_nn(i) = record(arm_wnn, i)
+      w_nt(i) = record(arm_wnt, i)
+      w_tt(i) = record(arm_wtt, i)
+      law(i) = record(arm_law, i)
+    end do
+    ! Side by side, so that roots and inverses go through vector registers.
+    do i = 1, n
+      a%rho(i) = (w_nn(i) + w_tt(i))/2 + sqrt((w_nn(i) - w_tt(i))**2/4 + w_nt(i)**2)
+      a%rho(i) = merge(1.0_wp, 0.0_wp, law(i) > least_active)/max(a%rho(i), tiny(1.0_wp))
+      a%linear(i) = merge(1.0_wp, 0.0_wp, law(i) > least_linear)
     end do
     do i = 1, n
-      largest = (record(arm_wnn, i) + record(arm_wtt, i))/2 + sqrt((record(arm_wnn, i) - record(arm_wtt, i))**2/4 &
-                + record(arm_wnt, i)**2)
-      a%rho(i) = merge(1/max(largest, tiny(1.0_wp)), 0.0_wp, record(arm_law, i) > least_active)
-      a%linear(i) = merge(1.0_wp, 0.0_wp, record(arm_law, i) > least_linear)
-    end do
-    do i = 1, n
-      if (record(arm_law, i) > least_normal) a%u_t(i) = a%r_t(i)/a%rho(i)
+      if (law(i) > least_normal) a%u_t(i) = a%r_t(i)/a%rho(i)
     end do
   end subroutine gather_arm_frictional
 end module sg_residuals
