@@ -218,13 +218,16 @@ contains
     real(wp), intent(in) :: path !! path lengths of two polyhedra, added [m]
     type(contacts_t), intent(inout) :: contacts
     type(touch_space_t) :: touch
-    real(wp) :: offset(3)
+    real(wp) :: offset(3), place(3)
 
     offset = offset_of(scene, pairs, p)
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
       if (contactors%kind(c) == kind_sphere .and. contactors%kind(a) == kind_sphere) then
-        call touch_sphere_sphere(contactors%centre(:, c), contactors%reach(c), contactors%centre(:, a) + offset, &
-                                 contactors%reach(a), alert, touch)
+        ! One by one: of a number that is not known the compiler makes a loop, which waits for what has just been stored.
+        place(1) = contactors%centre(1, a) + offset(1)
+        place(2) = contactors%centre(2, a) + offset(2)
+        place(3) = contactors%centre(3, a) + offset(3)
+        call touch_sphere_sphere(contactors%centre(:, c), contactors%reach(c), place, contactors%reach(a), alert, touch)
       else if (contactors%kind(c) == kind_polyhedron .and. contactors%kind(a) == kind_polyhedron) then
         call touch_space_pair(contactors, c, a, offset, alert, [scene%period, scene%period_y], touch, history%face(:, p), &
                               history%clearance(p))

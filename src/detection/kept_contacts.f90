@@ -53,9 +53,12 @@ contains
     integer(i4), intent(in) :: c !! candidate
     integer(i4), intent(in) :: a !! antagonist
     real(wp), intent(in) :: offset(3) !! shift of the antagonist [m]
-    real(wp) :: pose(n_pose_in_space)
+    real(wp) :: pose(n_pose_in_space), way(3)
 
-    pose(1:3) = turned_back(turn_a, contactors%centre(:, c) - contactors%centre(:, a) - offset)
+    way(1) = contactors%centre(1, c) - contactors%centre(1, a) - offset(1)
+    way(2) = contactors%centre(2, c) - contactors%centre(2, a) - offset(2)
+    way(3) = contactors%centre(3, c) - contactors%centre(3, a) - offset(3)
+    pose(1:3) = turned_back(turn_a, way)
     pose(4:7) = quaternion_product([turn_a(1), -turn_a(2:4)], turn_c)
   end function pose_in_space
 
@@ -191,6 +194,9 @@ contains
     gap = kept(15)
     call follow_in_space(int(kept(1), i1) - 1_i1, kept(2:4), here, pose(1:3), here, turn, no_rotation, normal, point, gap)
     normal = turned_by(turn_a, normal)
-    point = turned_by(turn_a, point) + contactors%centre(:, a) + offset
+    point = turned_by(turn_a, point)
+    point(1) = point(1) + contactors%centre(1, a) + offset(1)
+    point(2) = point(2) + contactors%centre(2, a) + offset(2)
+    point(3) = point(3) + contactors%centre(3, a) + offset(3)
   end subroutine move_in_space
 end module sg_kept_contacts
