@@ -162,7 +162,7 @@ contains
     signature = signature_of(sim%scene, sim%comm)
     call read_restart(file, sim%scene, sim%comm, state, found, nint(signature(1)), nint(signature(2)), &
                       sim%contacts%n_components, sim%contacts%n_internal, is_damaged, sim%contacts%n_carried, &
-                      sim%contacts%n_kept)
+                      sim%contacts%n_kept, sim%contacts%n_moments)
     if (found%count() == 0) then
       if (size(state%totals) /= n_energy_values + n_totals_values + n_after_totals) then
         call found%add('the restart file is of another version of the program', file=file)

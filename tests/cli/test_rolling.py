@@ -104,6 +104,30 @@ class Rolling(ProgramCase):
         for more, sentence in ((law.replace("rub", "rob"), 'did you mean "rub"'), (law + "friction = 0.2\n", "adds moments")):
             self.assertIn(sentence, self.run_deck(head + more, code=2).stderr)
 
+    def test_added_later(self):
+        """A run may go on from one without moments, and stages may change them."""
+        if not self.has_hdf5():
+            self.skipTest("checkpoints need HDF5")
+        for dimension in (2, 3):
+            ball = ('[scene]\ndimension = 3\ngravity = [1.0, 0.0, -9.0]\n' if dimension == 3 else '[scene]\ngravity = [1.0, -9.0]\n')
+            ball += '[[wall]]\nname = "floor"\n'
+            ball += ('centre = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nsize = [9.0, 9.0]\n' if dimension == 3 else
+                     'from = [-5.0, -0.05]\nto = [5.0, -0.05]\n') + 'thickness = 0.1\n'
+            centre = "[0.0, 0.0, 0.1]" if dimension == 3 else "[0.0, 0.1]"
+            ball += f'[[body]]\nname = "ball"\nshape = "{"sphere" if dimension == 3 else "disk"}"\nradius = 0.1\nposition = {centre}\n'
+            text = HEAD[HEAD.index("[time]"):].replace("steps = 60\n", "") + ball + '[[track]]\nbody = "ball"\n'
+            gain = 0.1 / (1.4 if dimension == 3 else 1.5)
+            without = text.replace("rolling_friction = 0.1\n", "").replace("step = 2e-3\n", "step = 2e-3\nsteps = 50\n")
+            self.run_deck(without)
+            self.assertAlmostEqual(float(self.rows(file="tracks.csv")[-1]["velocity_x"]), gain, delta=1e-6)
+            # Against 1 m/s2 along the floor act 0.15 times 9 m/s2.
+            more = text.replace("rolling_friction = 0.1", "rolling_friction = 0.15").replace("step = 2e-3\n", "step = 2e-3\nsteps = 100\n")
+            self.run_deck(more, "--restart", "out/restart_a.h5", output="on")
+            self.assertAlmostEqual(float(self.rows("on", "tracks.csv")[-1]["velocity_x"]), 0.65 * gain, delta=1e-6)
+            stages = "[[stage]]\nsteps = 50\n[[stage.law]]\nrolling_friction = 1e-12\n[[stage]]\nsteps = 50\n"
+            self.run_deck(text.replace("rolling_friction = 0.1", "rolling_friction = 0.15") + stages, output="stages")
+            self.assertAlmostEqual(float(self.rows("stages", "tracks.csv")[-1]["velocity_x"]), 0.65 * gain, delta=1e-6)
+
     def test_columns(self):
         """Pictures of contacts hold the moments, within their bounds; scenes whose laws resist no rolling have neither those nor
         the column of the record."""

@@ -20,7 +20,7 @@ module sg_restart
   use sg_restart_datasets, only: check_shapes, dataset_paths, scene_misfit
   use sg_restart_fields, only: get_fields, keep_fields, kept_field_t, put_fields, restore_fields, values_of
   use sg_restart_files, only: find_newest, restart_names
-  use sg_restart_fit, only: bodies_of_file, fit_fields, fit_impulses
+  use sg_restart_fit, only: add_moments, bodies_of_file, fit_fields, fit_impulses, fit_moments
   use sg_scene, only: scene_t
   use sg_sealed_datasets, only: check_seals, put_sealed
   use sg_settle_file, only: part_of, settle_file
@@ -165,7 +165,7 @@ contains
 
   !> Read a state and see whether it fits the scene, which may be one with or without friction.
   subroutine read_restart(name, scene, comm, state, diagnostics, bodies, contactors, components, internal, is_damaged, carried, &
-                          kept)
+                          kept, moments)
     character(len=*), intent(in) :: name !! path of the file
     type(scene_t), intent(in) :: scene !! scene that it must fit, or the part of a rank
     type(comm_t), intent(inout) :: comm !! ranks that read the file, each its piece of the contacts
@@ -178,11 +178,12 @@ contains
     logical, intent(out), optional :: is_damaged !! is the file itself at fault, and not of another scene?
     integer, intent(in), optional :: carried !! values of a contact that the solver's method carries, none unless given
     integer, intent(in), optional :: kept !! values of a contact that detection keeps, none unless given
+    integer, intent(in), optional :: moments !! components of a contact's moment, the last internal values; none unless given
     type(hdf5_file_t) :: file
     character(len=:), allocatable :: misfit
     type(bodies_t) :: like
     type(contacts_t) :: contacts
-    integer :: whole(2), wanted
+    integer :: whole(2), wanted, wanted_internal
 
     whole = [scene%bodies%n, scene%contactors%n]
     if (present(bodies)) whole(1) = bodies
@@ -194,9 +195,12 @@ contains
     if (present(internal)) contacts%n_internal = internal
     if (present(carried)) contacts%n_carried = carried
     if (present(kept)) contacts%n_kept = kept
+    if (present(moments)) contacts%n_moments = moments
+    wanted_internal = contacts%n_internal
     wanted = contacts%n_components
     call file%open(name, is_read_only=.true.)
     call check_format(file)
+    call fit_moments(file, contacts)
     misfit = scene_misfit(file, scene, whole(1), contacts%n_internal)
     like = bodies_of_file(file, scene%bodies)
     call fit_impulses(file, contacts)
@@ -217,6 +221,7 @@ contains
       call diagnostics%add('this restart file is damaged: '//fault_of(state), file=name)
     else
       call fit_state(state, scene, wanted)
+      call add_moments(state%contacts, contacts, wanted_internal)
     end if
   end subroutine read_restart
 

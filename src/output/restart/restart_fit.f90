@@ -3,15 +3,17 @@
 !!
 !! Bodies that did not turn have the orientations of the start and no spin. Of impulses the normal part is common to both in the
 !! plane; in space, where frictional impulses are vectors and files hold no normals, the next solve starts from zero impulses.
+!! Moments against rolling that a stage adds start from zero.
 module sg_restart_fit
   use sg_bodies, only: bodies_t, no_bodies_like
   use sg_contacts, only: contacts_t
+  use sg_field_visitor, only: field_t
   use sg_hdf5, only: hdf5_file_t
   use sg_kinds, only: wp, i8
-  use sg_restart_fields, only: kept_field_t
+  use sg_restart_fields, only: fields_in_files, kept_field_t, values_of
   implicit none
   private
-  public :: bodies_of_file, fit_fields, fit_impulses, holds, holds_spins
+  public :: add_moments, bodies_of_file, fit_fields, fit_impulses, fit_moments, holds, holds_spins
 
 contains
 
@@ -60,6 +62,44 @@ contains
       kept(i)%field%components = components
     end do
   end subroutine fit_fields
+
+  !> Give contacts the internal values that a file holds of them, where it is of a scene without moments against rolling.
+  subroutine fit_moments(file, contacts)
+    type(hdf5_file_t), intent(inout) :: file !! open restart file
+    type(contacts_t), intent(inout) :: contacts !! none, with the values of the scene
+    integer(i8) :: values(2)
+
+    if (contacts%n_moments == 0) return
+    values = 0
+    if (file%has('/contacts/internal')) values = file%shape('/contacts/internal')
+    if (values(1) == int(contacts%n_internal - contacts%n_moments, i8)) contacts%n_internal = int(values(1))
+  end subroutine fit_moments
+
+  !> Give contacts of a file without moments those of the scene, which are zero before its first step: the last internal values.
+  subroutine add_moments(kept, contacts, internal)
+    type(kept_field_t), allocatable, intent(inout) :: kept(:) !! fields of contacts that were read
+    type(contacts_t), intent(inout) :: contacts !! none, with the values of the file
+    integer, intent(in) :: internal !! internal values of a contact of the scene
+    type(field_t), allocatable :: list(:)
+    type(kept_field_t), allocatable :: longer(:)
+    integer :: i, items
+
+    if (contacts%n_internal == internal) return
+    items = size(values_of(kept, 'feature'), 2)
+    if (contacts%n_internal > 0) then
+      call fit_fields(kept, 'internal', internal, contacts%n_internal)
+      return
+    end if
+    contacts%n_internal = internal
+    list = fields_in_files(contacts)
+    allocate (longer(size(kept) + 1))
+    longer(:size(kept)) = kept
+    do i = 1, size(list)
+      if (list(i)%name == 'internal') longer(size(longer))%field = list(i)
+    end do
+    allocate (longer(size(longer))%values(internal, items), source=0.0_wp)
+    call move_alloc(longer, kept)
+  end subroutine add_moments
 
   !> Does a restart file hold a dataset? False where it cannot be read.
   logical function holds(name, path)
