@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""Railway ballast of the talk, small: the sample rests under its load, its checkpoint is tamped, and one number sets its size."""
+
+import csv
+import json
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from program_case import ProgramCase, take_program  # noqa: E402
+
+DECKS = Path(__file__).resolve().parents[2] / "input_decks/talk/ballast"
+# 248 stones, in steps twice as long; the tines go deeper, as the bed is thin.
+SMALL = [word for setting in (
+    "constants.width=0.14", "sample[1].count=200", "sample[2].count=24", "sample[3].count=24", "body[1].position=[0.3,0.07,0.22]",
+    "time.step=1.6e-3", "stage[4].until=mean_velocity<0.02") for word in ("--set", setting)]
+WIDTH, LOAD, LIFT = 0.14, 4e3, 0.025
+SLEEPER = 0.26 * (WIDTH - 0.02) * 0.2 * 2400 * 9.81
+
+
+class Ballast(ProgramCase):
+    def rows_of(self, folder, name, **wanted):
+        """Rows of a file of results where columns have the values wanted."""
+        with open(self.place / folder / name, newline="") as file:
+            return [row for row in csv.DictReader(file) if all(row[key] == value for key, value in wanted.items())]
+
+    def mean(self, rows, column):
+        return sum(float(row[column]) for row in rows) / len(rows)
+
+    def test_one_number_sets_the_size(self):
+        """A slice twice as wide has twice the 1500 stones; two sleepers have all bodies twice."""
+        for setting, shapes in (("constants.width=0.4", 3009), ("constants.sleepers=2", 3018)):
+            printed = self.run_program("check", DECKS / "sample.toml", "--set", setting).stdout
+            self.assertIn(f" {shapes} polyhedron", printed)
+
+    def test_a_sample_rests_and_is_tamped(self):
+        """At rest the bed carries the sleeper and its load; tamping lifts it straight, and the tines do work on the stones."""
+        if not self.has_hdf5():
+            self.skipTest("no HDF5")
+        self.run_program("run", DECKS / "sample.toml", "--output", "sample", "--quiet", *SMALL)
+        run = json.loads((self.place / "sample/run.json").read_text())
+        self.assertIn("end condition", run["stages"][-1]["reason"])
+        rest = self.rows_of("sample", "tracks.csv", body="sleeper", stage="4")
+        # Ten recorded steps in which the mean velocity was below 0.02 m/s; loads swing by some percent.
+        self.assertAlmostEqual(self.mean(rest[-10:], "mean_force_z"), LOAD * WIDTH + SLEEPER, delta=0.05 * (LOAD * WIDTH + SLEEPER))
+        raised = 125
+        plunged = round(((0.55 - 0.1) / 0.8 + 0.02) / 1.6e-3 + 0.499)
+        self.run_program("run", DECKS / "tamping.toml", "--restart", "sample", "--output", "tamped", "--quiet", *SMALL, "--set",
+                         "constants.tip=0.1", "--set", f"time.steps={run['steps'] + raised + plunged + 40}")  # fmt: skip
+        sleeper = self.rows_of("tamped", "tracks.csv", body="sleeper")
+        # Within the first step, in which it is clamped, it still moves for half a step by the velocity that it had.
+        half = 0.8e-3
+        for name, way in (("x", 0.0), ("y", 0.0), ("z", LIFT)):
+            moved = float(sleeper[-1][name]) - float(rest[-1][name])
+            self.assertAlmostEqual(moved, way + half * float(rest[-1][f"velocity_{name}"]), delta=1e-9)
+        turned = half * sum(abs(float(rest[-1][f"spin_{name}"])) for name in "xyz")
+        for name in "wxyz":
+            self.assertAlmostEqual(float(sleeper[-1][f"orientation_{name}"]), float(rest[-1][f"orientation_{name}"]), delta=turned)
+        tines = {row["body"] for row in self.rows_of("tamped", "tracks.csv")} - {"sleeper"}
+        self.assertEqual(len(tines), 8)
+        work = 0.0
+        for tine in tines:
+            first, *_, last = self.rows_of("tamped", "tracks.csv", body=tine, stage="6")
+            # The ramp of 0.04 s takes 0.02 s; the rest is at full speed.
+            self.assertAlmostEqual(float(first["z"]) - float(last["z"]), 0.45, delta=0.02)
+            work += float(last["contact_work"]) - float(first["contact_work"])
+        self.assertLess(work, -1.0)
+        below = self.rows_of("tamped", "regions.csv", region="below", stage="6")
+        self.assertTrue(all(int(row["grains"]) > 5 for row in below))
+
+
+if __name__ == "__main__":
+    take_program()
+    unittest.main()
