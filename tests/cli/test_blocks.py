@@ -2,7 +2,6 @@
 """Bodies from mesh files: names, weights and joints of objects, one body of convex parts, files of one shape, several ranks, mistakes."""
 
 import csv
-import os
 import subprocess
 import sys
 import unittest
@@ -162,5 +161,4 @@ class Blocks(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Blocks.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

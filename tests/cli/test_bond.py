@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Bonds between named bodies or all shapes of a colour: the strength at which they break, restarts, ranks, a DATBOX, mistakes."""
 
-import os
 import sys
 import unittest
 from pathlib import Path
@@ -125,5 +124,4 @@ class Bond(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Bond.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

@@ -4,7 +4,6 @@ restarts to the byte, several ranks, and pairs that make no sense."""
 
 import csv
 import math
-import os
 import sys
 import unittest
 from pathlib import Path
@@ -227,5 +226,4 @@ class Interfaces(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Interfaces.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

@@ -4,7 +4,6 @@ several ranks, and joints that make no sense."""
 
 import csv
 import math
-import os
 import sys
 import unittest
 from pathlib import Path
@@ -184,5 +183,4 @@ class Joints(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    Joints.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

@@ -54,8 +54,6 @@ POLYHEDRA = IN_SPACE + sample("polyhedron", [0.0, 0.0, 0.0, 0.3, 0.3, 0.5])
 
 
 class Libraries(ProgramCase):
-    launcher = None
-
     def setUp(self):
         super().setUp()
         if not self.trace([self.program, "--version"]):
@@ -139,6 +137,4 @@ class Libraries(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    if len(sys.argv) > 1 and not sys.argv[1].startswith("-"):
-        Libraries.launcher = sys.argv.pop(1)
     unittest.main()

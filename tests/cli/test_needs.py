@@ -117,8 +117,6 @@ NO_CHECKPOINT = ["--set", "restart.at_end=false"]
 
 
 class Needs(ProgramCase):
-    launcher = None
-
     def needs(self, deck, *words):
         (self.place / "deck.toml").write_text(deck)
         self.run_program("run", "deck.toml", "--quiet", "--force", "--needs", "--output", "out", *NO_CHECKPOINT, *words)
@@ -247,6 +245,4 @@ if __name__ == "__main__":
     if "--table" in sys.argv:
         print_table()
         sys.exit()
-    if len(sys.argv) > 1 and not sys.argv[1].startswith("-"):
-        Needs.launcher = sys.argv.pop(1)
     unittest.main()

@@ -3,7 +3,6 @@
 refuses them."""
 
 import math
-import os
 import sys
 import unittest
 from pathlib import Path
@@ -185,5 +184,4 @@ law = "bond"
 
 if __name__ == "__main__":
     take_program()
-    Rolling.launcher = sys.argv.pop(1) if len(sys.argv) > 1 and os.access(sys.argv[1], os.X_OK) else None
     unittest.main()

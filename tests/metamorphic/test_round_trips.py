@@ -80,8 +80,6 @@ SCENES = {
 
 
 class RoundTrips(ProgramCase):
-    launcher = None
-
     def run_deck(self, deck, output, *words, ranks=1):
         """Run a deck, and give the state at its end as text."""
         launch = [] if ranks == 1 else [self.launcher, "--oversubscribe", "-n", ranks]
@@ -139,6 +137,4 @@ class RoundTrips(ProgramCase):
 
 if __name__ == "__main__":
     take_program()
-    if len(sys.argv) > 1 and not sys.argv[1].startswith("RoundTrips"):
-        RoundTrips.launcher = sys.argv.pop(1)
     unittest.main()
