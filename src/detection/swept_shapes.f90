@@ -219,14 +219,18 @@ contains
     type(path_t), intent(inout) :: path
     real(wp), intent(in) :: normal(3) !! unit outward normal of the face
     real(wp), intent(in) :: place(3) !! a point of it [m]
-    real(wp) :: start, finish
+    real(wp) :: start, finish, rounding
 
     start = dot_product(normal, path%from - place)
     finish = dot_product(normal, path%to - place)
-    if (finish > path%height) then
-      path%height = finish
+    ! Of faces as high as each other, to rounding, detection may take any: one that looks ahead counts.
+    rounding = 8*epsilon(1.0_wp)*(norm2(path%to) + norm2(place))
+    if (finish > path%height + rounding) then
       path%looks_ahead = finish > start
+    else if (finish > path%height - rounding) then
+      path%looks_ahead = path%looks_ahead .or. finish > start
     end if
+    path%height = max(path%height, finish)
     if (start > 0) then
       path%starts_outside = .true.
       ! A path that ends outside of the same face does not enter at all.

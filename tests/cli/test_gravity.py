@@ -114,8 +114,9 @@ class Gravity(ProgramCase):
         # Voussoirs turn by less than 1 mrad until the end, and the force acts off the middle of the depth by 3 % of it.
         self.assertLess(max(abs(share) for shares in steps.values() for share in shares), 1.005)
         self.assertLess(max(abs(share) for angle, shares in steps.items() if angle < 0.5 * collapse for share in shares), 0.9)
-        at_collapse = next(shares for angle, shares in steps.items() if angle >= 0.99 * collapse)
-        hinges = [share for share in at_collapse if abs(share) > 0.98]
+        # That angle is met within 1 %; just beyond it four joints have opened, and the others have not yet.
+        at_collapse = next(shares for angle, shares in steps.items() if angle >= 1.01 * collapse)
+        hinges = [share for share in at_collapse if abs(share) > 0.99]
         self.assertEqual([share > 0 for share in hinges], [False, True, False, True])
 
     def test_free_body(self):

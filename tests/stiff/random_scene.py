@@ -54,6 +54,9 @@ class Scene:
                                ("shear_stress", "shear_rate")):
                 if axes in block:
                     block.pop(rate, None)
+                if rate in block:
+                    # A step may strain the cell by 1 at most.
+                    block[rate] = self.say(self.rng.uniform(-0.3, 0.3) / self.step)
         if "omega" in block:
             block.pop("frequency", None)
         if heading == "[[sample]]" and "radius" in block:
@@ -121,11 +124,12 @@ class Scene:
             scene["gravity"] = [draw(rng, -math.inf, math.inf, self.spread) * self.length for _ in range(d)]
         if scene or self.chance(0.5):
             self.add("[scene]", **scene)
-        step = 10 ** rng.choice([-3.0, rng.uniform(-6, 0)]) * self.length**0.5
-        self.add("[time]", step=step, steps=rng.choice([0, 1, 2, 3, 6]))
+        self.step = 10 ** rng.choice([-3.0, rng.uniform(-6, 0)]) * self.length**0.5
+        self.add("[time]", step=self.step, steps=rng.choice([0, 1, 2, 3, 6]))
         self.add("[solver]", maximum_sweeps=rng.choice([1, 5, 40]))
         for heading in self.sections:
-            if heading not in ("[scene]", "[time]", "[solver]", "[cell]") and not heading.startswith("[[") and self.chance(0.4):
+            # What is repeated needs room, which these scenes have none of.
+            if heading not in ("[scene]", "[time]", "[solver]", "[cell]", "[repeat]") and not heading.startswith("[[") and self.chance(0.4):
                 self.add(heading)
         if self.in_cell:
             size = [(self.columns + 1) * self.cell, 11 * self.cell]
@@ -150,7 +154,7 @@ class Scene:
         kinds = [kind for kind in kinds if kind not in ("ROD", "WIRE", "RIGID_WIRE", "NARD_ROD")]
         n = self.rng.choice([0, 1, 1, 1, 2])
         for i in range(n):
-            kind = self.rng.choice(kinds) if self.chance(0.5) else "IQS_CLB"
+            kind = self.rng.choice(kinds) if not self.in_cell and self.chance(0.5) else "IQS_CLB"
             more = {"wet_thickness": 0.01 * self.cell, "epsilon": 10 ** self.rng.uniform(-6, 2), "stiffness": 10 ** self.rng.uniform(2, 8)}
             fitting = [key for key in self.sections["[[law]]"] if key.fits(self.dimension, {"kind": self.quote(kind)})]
             needed = [key for key in fitting if key.default == "required"]
@@ -162,8 +166,23 @@ class Scene:
         if any(block["kind"] != '"IQS_CLB"' for heading, block in self.blocks if heading == "[[law]]"):
             for block in (block for heading, block in self.blocks if heading == "[time]"):
                 block.pop("recovery", None)
+        self.bound_moments()
         for i in range(n if n > 1 or n and self.chance(0.3) else 0):
             self.add("[[interaction]]", law=self.quote(f"law{i}"))
+
+    def bound_moments(self):
+        """Moments against rolling are for sweeps, and not beside cohesive zones or for links."""
+        laws = [block for heading, block in self.blocks if heading == "[[law]]"]
+        if any(block["kind"].endswith('_CZM"') for block in laws):
+            for block in laws:
+                for key in [key for key in block if key.startswith(("rolling_", "twisting_"))]:
+                    del block[key]
+        if any(key.startswith(("rolling_", "twisting_")) for block in laws for key in block):
+            for heading, block in self.blocks:
+                if heading == "[solver]" and block.get("method") not in ('"nlgs"', '"nesterov"'):
+                    block.pop("method", None)
+                if heading == "[partition]":
+                    block.pop("gluing", None)
 
     def shape(self, size):
         """A shape within a sphere of a radius, as keys."""

@@ -167,6 +167,15 @@ contains
     end do
   end subroutine collect
 
+  !> Is this a section, and not a list of blocks?
+  pure logical function stands_once(deck, section)
+    type(deck_t), intent(in) :: deck
+    integer, intent(in) :: section !! number, or 0 for none
+
+    stands_once = .false.
+    if (section > 0) stands_once = .not. deck%table%sections(section)%is_list
+  end function stands_once
+
   !> Does a section that is to stand once stand in the deck?
   pure logical function stands(deck, entry)
     type(deck_t), intent(in) :: deck
@@ -271,7 +280,7 @@ contains
         role%role = is_blocks
         role%section = section
         role%block = parent%block
-      else if (section > 0 .and. entry%kind == toml_table) then
+      else if (stands_once(deck, section) .and. entry%kind == toml_table) then
         role%role = is_block
         role%block = deck%block_of(outer//'.'//name)
         deck%blocks(role%block)%line = entry%line

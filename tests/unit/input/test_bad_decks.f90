@@ -200,6 +200,7 @@ contains
     call bad('no radius', head//'[[body]]'//nl//'shape = "disk"'//nl, 'lacks the key "radius"', 8)
     call bad('radius without a shape', head//'[[body]]'//nl//'radius = 1'//nl, 'without the key "shape"', 9)
     call bad('unknown shape', head//'[[body]]'//nl//'shape = "disc"'//nl//'radius = 1'//nl, 'did you mean "disk"?', 9)
+    call bad('a table for a shape', head//'[[body]]'//nl//'shape = {a = 1}'//nl//'radius = 1'//nl, 'shape', 9)
     call bad('length of a disk', head//disk//'half_length = 1'//nl, 'has no meaning for shape = "disk"', 11)
     call bad('negative mass', head//disk//'mass = -1'//nl, 'larger than 0 kg', 11)
     call bad('unknown material', head//disk//'material = "stnoe"'//nl, 'did you mean "stone"?', 11)
