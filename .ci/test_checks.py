@@ -171,7 +171,7 @@ def test_drawing_of_a_step(project):
     ("arm_bias_t = 8", "arm_bias_t = 7", "record of arm_frictional is not filled"),
     ("ball_spin_z = 6", "ball_spin_z = 9", "body of ball_frictional is not filled"),
     ("arm_law, ball_frictionless_inverse_wnn", "arm_wtt, ball_frictionless_inverse_wnn", "record of arm_frictional is not"),
-    ("arm_cohesion = 13", "arm_rolling = 13", "no symbol for 'rolling'"),
+    ("arm_cohesion = 13", "arm_swaying = 13", "no symbol for 'swaying'"),
     ("round_bias_n = 3, round_bias_t = 4", "round_bias_n = 4, round_bias_t = 3", "out of date"),
 ])  # fmt: skip
 def test_tables_of_records(tmp_path, old, new, finding):
