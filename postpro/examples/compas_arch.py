@@ -35,7 +35,7 @@ def results_of(run, model):
     for block in model.elements():
         matrix = motions[f"block.{block.graphnode}"]
         results.set_node(block.graphnode, "transformation", Transformation.from_matrix(matrix.tolist()))
-    faces = run.interfaces()
+    faces = run.contacts()
     for one, other, force in zip(faces["candidate"], faces["antagonist"], faces["force_normal"], strict=True):
         edge = node[int(one)], node[int(other)]
         results.set_edge(edge, "normal_force", (results.edge_attribute(edge, "normal_force") or 0.0) + float(force))

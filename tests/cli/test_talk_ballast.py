@@ -20,6 +20,11 @@ SLEEPER = 0.26 * (WIDTH - 0.02) * 0.2 * 2400 * 9.81
 
 
 class Ballast(ProgramCase):
+    def setUp(self):
+        super().setUp()
+        if not self.has_library("Qhull"):
+            self.skipTest("hulls of stones need Qhull")
+
     def rows_of(self, folder, name, **wanted):
         """Rows of a file of results where columns have the values wanted."""
         with open(self.place / folder / name, newline="") as file:
