@@ -90,7 +90,7 @@ def draw(arguments: Namespace) -> tuple[Results, list[str], Path]:
 
 def _view(arguments):
     """How to look at a scene in space."""
-    return View(arguments.azimuth, arguments.elevation, getattr(arguments, "forces", False), arguments.cut)
+    return View(arguments.azimuth, arguments.elevation, forces=getattr(arguments, "forces", False), cut=arguments.cut)
 
 
 def _write(path, write):

@@ -6,8 +6,9 @@ from matplotlib.collections import PathCollection
 from sample_results import write_results
 from sample_space import FACES, SIGNS, write_space_results
 
-from splitgrain_postpro import Results
+from splitgrain_postpro import Results, drawing
 from splitgrain_postpro.cli import main
+from splitgrain_postpro.command_line import parser
 from splitgrain_postpro.lattice import Lattice, cell_of
 from splitgrain_postpro.quantities import is_in_space, of_bodies, rows_of
 from splitgrain_postpro.raster import Canvas, normal_of
@@ -127,6 +128,13 @@ def test_walls_before_the_grains_do_not_hide_them(tmp_path):
     picture = with_walls.images[0].get_array()
     coloured = np.ptp(picture[..., :3], axis=2) > 0.25  # walls are grey
     assert np.mean(coloured) > 0.08
+
+
+def test_options_say_how_to_look():
+    """Each option of the command line sets its own field."""
+    words = ["scene", "out", "--azimuth", "10", "--elevation", "20", "--cut", "y=0.15"]
+    assert drawing._view(parser().parse_args(words)) == View(azimuth=10, elevation=20, cut=(1, 0.15))
+    assert drawing._view(parser().parse_args([*words[:2], "--forces"])) == View(forces=True)
 
 
 def test_cut_leaves_out_grains_before_it(tmp_path):
