@@ -3,15 +3,13 @@
 !! A joint is a link without length under a linear law without compliance; a hinge in space is two of them on its axis.
 module sg_joints_from_deck
   use sg_blocks, only: deck_t
-  use sg_called_bodies, only: body_of
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp
   use sg_laws, only: law_linear, law_t
-  use sg_link_ends, only: add_ends
+  use sg_link_ends, only: add_ends, two_bodies
   use sg_link_network, only: nearest_image
   use sg_links, only: add_link
   use sg_scene, only: scene_t
-  use sg_values, only: value_t
   implicit none
   private
   public :: joints_from_deck
@@ -43,20 +41,12 @@ contains
     integer, intent(in) :: b
     type(scene_t), intent(inout) :: scene
     type(diagnostics_t), intent(inout) :: diagnostics
-    type(value_t) :: bodies
     real(wp) :: point(3), axis(3)
-    integer :: body(2), side, errors
+    integer :: body(2)
+    logical :: are_found
 
-    errors = diagnostics%count()
-    bodies = deck%value(b, 'bodies')
-    do side = 1, 2
-      body(side) = body_of(deck, b, 'bodies', bodies%words(side)%s, scene, diagnostics)
-    end do
-    if (diagnostics%count() > errors) return
-    if (body(1) == body(2)) then
-      call deck%complain(diagnostics, 'a joint needs two different bodies', b, 'bodies')
-      return
-    end if
+    call two_bodies(deck, b, 'a joint', scene, body, are_found, diagnostics)
+    if (.not. are_found) return
     point = deck%vector(b, 'point')
     if (.not. deck%is_given(b, 'axis')) then
       if (deck%is_given(b, 'width')) call deck%complain(diagnostics, '"width" has no meaning without "axis"', b, 'width')

@@ -1,16 +1,41 @@
-!> Ends of links and joints: points on two bodies, contactors of their own.
+!> Ends of links and joints: the two bodies that a block names, and points on them, contactors of their own.
 module sg_link_ends
   use sg_blocks, only: deck_t
+  use sg_called_bodies, only: body_of
   use sg_contactors, only: add_point
+  use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
   use sg_lists, only: reserve
   use sg_rotations, only: turned_back
   use sg_scene, only: colour_index, scene_t
+  use sg_values, only: value_t
   implicit none
   private
-  public :: add_ends
+  public :: add_ends, two_bodies
 
 contains
+
+  !> The two different bodies that a block names.
+  subroutine two_bodies(deck, b, what, scene, body, are_found, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block with the key "bodies"
+    character(len=*), intent(in) :: what !! what it is: a link or a joint
+    type(scene_t), intent(in) :: scene !! scene with its bodies
+    integer, intent(out) :: body(2) !! the bodies
+    logical, intent(out) :: are_found !! are there two?
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+    type(value_t) :: bodies
+    integer :: side, errors
+
+    errors = diagnostics%count()
+    bodies = deck%value(b, 'bodies')
+    do side = 1, 2
+      body(side) = body_of(deck, b, 'bodies', bodies%words(side)%s, scene, diagnostics)
+    end do
+    if (diagnostics%count() == errors .and. body(1) == body(2)) &
+      call deck%complain(diagnostics, what//' needs two different bodies', b, 'bodies')
+    are_found = diagnostics%count() == errors
+  end subroutine two_bodies
 
   !> Put a point on each of two bodies.
   subroutine add_ends(deck, scene, body, place)

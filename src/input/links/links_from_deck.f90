@@ -4,17 +4,15 @@
 !! reads, and so makes the same links.
 module sg_links_from_deck
   use sg_blocks, only: deck_t
-  use sg_called_bodies, only: body_of
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4
   use sg_laws, only: is_link_law, law_bond, law_linear
   use sg_laws_from_deck, only: law_of
-  use sg_link_ends, only: add_ends
+  use sg_link_ends, only: add_ends, two_bodies
   use sg_link_network, only: nearest_image, place_of_point
   use sg_links, only: add_link
   use sg_local_numbers, only: local_body
   use sg_scene, only: scene_t
-  use sg_values, only: value_t
   implicit none
   private
   public :: links_from_deck
@@ -41,21 +39,14 @@ contains
     integer, intent(in) :: b
     type(scene_t), intent(inout) :: scene
     type(diagnostics_t), intent(inout) :: diagnostics
-    type(value_t) :: bodies
     real(wp) :: place(3, 2), length, area, mass
-    integer :: body(2), side, law, errors
+    integer :: body(2), law, errors
+    logical :: are_found
 
     errors = diagnostics%count()
     law = law_of(deck, b, scene, diagnostics)
-    bodies = deck%value(b, 'bodies')
-    do side = 1, 2
-      body(side) = body_of(deck, b, 'bodies', bodies%words(side)%s, scene, diagnostics)
-    end do
+    call two_bodies(deck, b, 'a link', scene, body, are_found, diagnostics)
     if (diagnostics%count() > errors) return
-    if (body(1) == body(2)) then
-      call deck%complain(diagnostics, 'a link needs two different bodies', b, 'bodies')
-      return
-    end if
     call find_places(deck, b, scene, body, place)
     associate (image => nearest_image(scene, place(:, 1) - place(:, 2)))
       length = norm2(place(:, 1) - place(:, 2) - [scene%period, scene%period_y, 0.0_wp]*real([image, 0], wp))
