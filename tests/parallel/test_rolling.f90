@@ -2,13 +2,11 @@
 !! contacts when grains are repartitioned, and every coupling that takes them brings the same motion.
 program test_rolling
   use harness, only: tests_t
-  use packs, only: advance_pack, start_pack
-  use sg_choose_solver, only: choose_solver
+  use packs, only: advance_both, corner, start_pack
   use sg_comm, only: comm_t
-  use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_measures, only: measure, measures_t
-  use sg_simulation, only: decompose, simulation_t
+  use sg_measures, only: measures_t
+  use sg_simulation, only: simulation_t
   use sg_text, only: to_text
   use subdomain_tests, only: on_subdomains
   implicit none
@@ -81,42 +79,20 @@ contains
     end do
   end function space_deck
 
-  !> Two coordinates of a list.
-  function corner(x, y) result(text)
-    real(wp), intent(in) :: x, y
-    character(len=:), allocatable :: text
-
-    text = to_text(x)//', '//to_text(y)
-  end function corner
-
   !> Run a deck on all ranks, repartitioned every four steps, and on one.
   subroutine compare(comm, name, deck, gluing)
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name, deck, gluing
     type(simulation_t) :: whole, part
-    type(measures_t) :: of_whole, of_parts
-    type(error_t), allocatable :: error
+    type(measures_t) :: of_whole
+    type(measures_t), allocatable :: of_parts
     integer :: i
 
     call start_pack(t, comm, name, deck, 1e-10_wp, whole)
     whole%options%solver%maximum_sweeps = 5000
-    call choose_solver(whole%options%solver, whole%solver)
-    part = whole
-    call advance_pack(t, name, whole, steps)
-    call measure(whole%scene, whole%contacts, whole%options%time_step, whole%energy, of_whole)
-    call t%check(whole%report%is_converged, name//': the last step has converged')
+    call advance_both(t, comm, name, gluing, steps, whole, part, of_whole, of_parts)
     call t%check(of_whole%get('rolling_loss') > 1e-3_wp*of_whole%get('kinetic_energy'), name//': moments take energy')
-    call t%near(of_whole%get('energy_closure'), 0.0_wp, 1e-8_wp, name//': the balance closes')
-    if (comm%size == 1) return
-    part%options%partition%gluing = gluing
-    part%options%partition%every = 4
-    part%comm = comm
-    call decompose(part, error)
-    call t%check(.not. allocated(error), name//' is split')
-    if (allocated(error)) return
-    call advance_pack(t, name, part, steps)
-    call measure(part%scene, part%contacts, part%options%time_step, part%energy, of_parts, part%decomposition%subdomain, part%comm)
-    call t%check(part%report%is_converged, name//': and on ranks')
+    if (.not. allocated(of_parts)) return
     do i = 1, size(names)
       ! Velocities to 1e-10 of the fall of a step, over 12 steps with impacts.
       call t%near(of_parts%get(trim(names(i))), of_whole%get(trim(names(i))), 1e-5_wp*abs(of_whole%get(trim(names(i)))), &

@@ -3,21 +3,23 @@ module packs
   use harness, only: tests_t
   use sg_advance, only: advance
   use sg_assemble, only: assemble
+  use sg_choose_solver, only: choose_solver
   use sg_comm, only: comm_t
   use sg_convex_hull, only: hull_is_available
   use sg_detect, only: detect
   use sg_error, only: diagnostics_t, error_t
   use sg_kinds, only: wp
+  use sg_measures, only: measure, measures_t
   use sg_motion, only: predict
   use sg_plan, only: set_radii
   use sg_problem, only: problem_t
   use sg_run_options, only: criterion_e8
-  use sg_simulation, only: simulation_t, start_simulation
+  use sg_simulation, only: decompose, simulation_t, start_simulation
   use sg_text, only: to_text
   use written_files, only: read_deck_text
   implicit none
   private
-  public :: pack_names, pack_deck, can_be_made, start_pack, advance_pack, next_problem
+  public :: pack_names, pack_deck, can_be_made, start_pack, advance_pack, advance_both, next_problem, corner
 
   !> Kinds of packs
   character(len=20), parameter :: pack_names(8) = [character(len=20) :: 'disks', 'polygons', 'periodic disks', 'clusters', &
@@ -129,6 +131,46 @@ contains
       if (allocated(error)) return
     end do
   end subroutine advance_pack
+
+  !> Go on for some steps, whole on every rank, and split over all ranks and repartitioned every four steps; both are measured.
+  subroutine advance_both(t, comm, name, gluing, steps, whole, part, of_whole, of_parts)
+    class(tests_t), intent(inout) :: t !! the checks
+    type(comm_t), intent(in) :: comm !! the ranks
+    character(len=*), intent(in) :: name !! of the case
+    character(len=*), intent(in) :: gluing !! of the parts
+    integer, intent(in) :: steps !! how many
+    type(simulation_t), intent(inout) :: whole !! a run that was started
+    type(simulation_t), intent(inout) :: part !! the same, split; without subdomains on one rank
+    type(measures_t), intent(out) :: of_whole !! indicators of the whole run
+    type(measures_t), allocatable, intent(out) :: of_parts !! and of the parts; none on one rank
+    type(error_t), allocatable :: error
+
+    call choose_solver(whole%options%solver, whole%solver)
+    part = whole
+    call advance_pack(t, name, whole, steps)
+    call measure(whole%scene, whole%contacts, whole%options%time_step, whole%energy, of_whole)
+    call t%check(whole%report%is_converged, name//': the last step has converged')
+    call t%near(of_whole%get('energy_closure'), 0.0_wp, 1e-8_wp, name//': the balance closes')
+    if (comm%size == 1) return
+    part%options%partition%gluing = gluing
+    part%options%partition%every = 4
+    part%comm = comm
+    call decompose(part, error)
+    call t%check(.not. allocated(error), name//' is split')
+    if (allocated(error)) return
+    call advance_pack(t, name, part, steps)
+    allocate (of_parts)
+    call measure(part%scene, part%contacts, part%options%time_step, part%energy, of_parts, part%decomposition%subdomain, part%comm)
+    call t%check(part%report%is_converged, name//': and on ranks')
+  end subroutine advance_both
+
+  !> Two coordinates of a list in a deck.
+  function corner(x, y) result(text)
+    real(wp), intent(in) :: x, y
+    character(len=:), allocatable :: text
+
+    text = to_text(x)//', '//to_text(y)
+  end function corner
 
   !> The problem of the next step, with its guess; of several ranks this one's part.
   subroutine next_problem(sim, problem)

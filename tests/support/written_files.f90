@@ -11,7 +11,7 @@ module written_files
   use sg_text, only: text_t, to_text
   implicit none
   private
-  public :: put_text, put_lines, read_deck_text, read_good_deck, options_of, shared_folder
+  public :: put_text, put_lines, read_deck_text, read_good_deck, options_of, shared_folder, first
 
 contains
 
@@ -38,6 +38,15 @@ contains
     end do
     close (unit)
   end subroutine put_lines
+
+  !> First mistake as one text.
+  function first(diagnostics) result(sentence)
+    type(diagnostics_t), intent(in) :: diagnostics !! mistakes found
+    character(len=:), allocatable :: sentence
+
+    sentence = ''
+    if (diagnostics%count() > 0) sentence = diagnostics%errors(1)%sentence()
+  end function first
 
   !> Read a deck from a text, by way of a file that is deleted again.
   subroutine read_deck_text(text, scene, options, diagnostics, settings, rank)

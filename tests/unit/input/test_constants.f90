@@ -6,7 +6,7 @@ program test_constants
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_text, only: text_t
-  use written_files, only: read_deck_text
+  use written_files, only: first, read_deck_text
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   !> Six lines that are right, and three more: a disk
@@ -20,15 +20,6 @@ program test_constants
   call t%finish()
 
 contains
-
-  !> First mistake as one text.
-  function first(diagnostics) result(sentence)
-    type(diagnostics_t), intent(in) :: diagnostics
-    character(len=:), allocatable :: sentence
-
-    sentence = ''
-    if (diagnostics%count() > 0) sentence = diagnostics%errors(1)%sentence()
-  end function first
 
   !> Constants: numbers and words of braces, settings, and the same effective deck as with numbers; none without the section.
   subroutine good_constants()

@@ -16,7 +16,7 @@ program test_deck
   use sg_toml, only: document_t, parse_toml, read_content, toml_array, toml_integer, toml_logical, toml_real, toml_string, &
                      toml_table
   use sg_words, only: quoted_string, short_real
-  use written_files, only: put_lines, read_deck_text, shared_folder
+  use written_files, only: first, put_lines, read_deck_text, shared_folder
   implicit none
   character(len=*), parameter :: nl = new_line('a')
   character(len=*), parameter :: head = '[time]'//nl//'step = 1e-3'//nl//'steps = 10'//nl//'[[material]]'//nl// &
@@ -40,15 +40,6 @@ program test_deck
   call t%finish()
 
 contains
-
-  !> First mistake as one text.
-  function first(diagnostics) result(sentence)
-    type(diagnostics_t), intent(in) :: diagnostics
-    character(len=:), allocatable :: sentence
-
-    sentence = ''
-    if (diagnostics%count() > 0) sentence = diagnostics%errors(1)%sentence()
-  end function first
 
   subroutine test_entries()
     type(document_t) :: document
