@@ -69,8 +69,7 @@ def stl(low, high):
 
 class Blocks(ProgramCase):
     def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(HEAD + text)
-        return self.run_program("run", "deck.toml", "--output", output, "--force", "--quiet", *words, code=code)
+        return super().run_deck(HEAD + text, *words, output=output, code=code)
 
     def joints(self, output="out"):
         with (self.place / output / "interfaces.csv").open(newline="") as lines:

@@ -23,11 +23,6 @@ def coloured(text):
 
 
 class Bond(ProgramCase):
-
-    def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text)
-        return self.run_program("run", "deck.toml", "--output", output, "--quiet", "--force", *words, code=code)
-
     def check_strength(self, output="out"):
         """The glue at the ceiling holds the first body tracked until its strength is reached; the second one, not glued, falls from
         the start."""

@@ -60,10 +60,6 @@ def drive(value, body="ball", component="y", more=""):
 
 
 class Drives(ProgramCase):
-    def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text)
-        return self.run_program("run", "deck.toml", "--output", output, "--force", "--quiet", *words, code=code)
-
     def rows(self, body="ball", output="out"):
         with (self.place / output / "tracks.csv").open(newline="") as file:
             rows = [{name: value if name == "body" else float(value) for name, value in row.items()} for row in csv.DictReader(file)]

@@ -74,11 +74,6 @@ def fall_of_arch(voussoirs, inner, outer, friction, fixed=1):
 
 
 class Gravity(ProgramCase):
-
-    def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text)
-        return self.run_program("run", "deck.toml", "--output", output, "--quiet", "--force", *words, code=code)
-
     def test_limit_analysis(self):
         """The linear programme finds what is known: a block on a tilted plane slides at friction or turns at width over height."""
         block = [(0.0, 0.0), (0.5, 0.0), (0.5, 2.0), (0.0, 2.0)]

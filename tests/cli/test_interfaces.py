@@ -47,10 +47,6 @@ def start(steps=20, every=20, friction=0.9):
 
 
 class Interfaces(ProgramCase):
-    def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text)
-        return self.run_program("run", "deck.toml", "--output", output, "--force", "--quiet", *words, code=code)
-
     def pairs(self, output="out", file="interfaces.csv"):
         """Rows of a file with numbers for words."""
         with (self.place / output / file).open(newline="") as lines:

@@ -58,10 +58,6 @@ def joint(first, second, *point, more=""):
 
 
 class Joints(ProgramCase):
-    def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text)
-        return self.run_program("run", "deck.toml", "--output", output, "--force", "--quiet", *words, code=code)
-
     def track(self, body, output="out"):
         return [{name: float(value) for name, value in row.items() if name != "body"} for row in self.rows(output, "tracks.csv")
                 if row["body"] == body]

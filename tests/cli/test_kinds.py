@@ -52,10 +52,6 @@ def mixed(steps=400):
 
 
 class Kinds(ProgramCase):
-    def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text)
-        return self.run_program("run", "deck.toml", "--output", output, "--quiet", *words, code=code)
-
     def record(self, output="out"):
         """Rows without what clocks count."""
         with (self.place / output / "record.csv").open(newline="") as file:

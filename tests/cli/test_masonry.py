@@ -96,7 +96,6 @@ def dome_stands(thickness, corner, rings, sectors, friction):
 
 
 class Masonry(ProgramCase):
-
     def test_rocking_block(self):
         """Time to the first impact, spin there, and the share of the spin that each impact leaves: 1 - 3/2 sin2(slenderness)."""
         self.run_program("run", DECKS / "rocking_block.toml", "--output", "out", "--quiet", "--force")

@@ -63,10 +63,8 @@ ROUNDING = 1e-11
 
 
 class PressedCell(ProgramCase):
-
     def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text.replace("PERIOD\n", ""))
-        return self.run_program("run", "deck.toml", "--output", output, "--quiet", "--force", *words, code=code)
+        return super().run_deck(text.replace("PERIOD\n", ""), *words, output=output, code=code)
 
     def rows(self, output="out"):
         with (self.place / output / "walls.csv").open(newline="") as file:

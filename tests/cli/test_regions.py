@@ -71,10 +71,6 @@ def ball(x, y, z, radius=0.1, more=""):
 
 
 class Regions(ProgramCase):
-    def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text)
-        return self.run_program("run", "deck.toml", "--output", output, "--quiet", *words, code=code)
-
     def rows(self, name=None, output="out", file="regions.csv"):
         """Rows of a region, or of all, with numbers for words."""
         with (self.place / output / file).open(newline="") as text:

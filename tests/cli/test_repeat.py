@@ -71,10 +71,6 @@ def written_out(count=3):
 
 
 class Repeat(ProgramCase):
-    def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text)
-        return self.run_program("run", "deck.toml", "--output", output, "--quiet", "--force", *words, code=code)
-
     def rows(self, output, file, key):
         """Rows of a file by step and name."""
         with (self.place / output / file).open(newline="") as text:

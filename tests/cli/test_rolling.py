@@ -45,11 +45,6 @@ spacing = 1.02
 
 
 class Rolling(ProgramCase):
-
-    def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text)
-        return self.run_program("run", "deck.toml", "--output", output, "--quiet", "--force", *words, code=code)
-
     def test_slope(self):
         """Of three spheres on a slope one rolls, one rests, one spins to rest: as the deck's closed forms have it."""
         self.run_program("run", DECK, "--output", "out", "--quiet", "--force")

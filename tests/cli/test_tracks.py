@@ -68,10 +68,6 @@ def start(steps=100, every=10, friction=0.3):
 
 
 class Tracks(ProgramCase):
-    def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text)
-        return self.run_program("run", "deck.toml", "--output", output, "--quiet", *words, code=code)
-
     def rows(self, body=None, output="out"):
         """Rows of a body, or of all, with numbers for words."""
         with (self.place / output / "tracks.csv").open(newline="") as file:

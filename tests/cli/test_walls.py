@@ -56,10 +56,6 @@ BOX = '[[container]]\nsize = [0.4, 0.3, 0.2]\nlid = true\n'
 
 
 class Walls(ProgramCase):
-    def run_deck(self, text, *words, output="out", code=0):
-        (self.place / "deck.toml").write_text(text)
-        return self.run_program("run", "deck.toml", "--output", output, "--quiet", *words, code=code)
-
     def rows(self, wall=None, output="out"):
         with (self.place / output / "walls.csv").open(newline="") as file:
             rows = [{name: value if name == "wall" else float(value) for name, value in row.items()} for row in csv.DictReader(file)]

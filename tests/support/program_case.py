@@ -39,6 +39,11 @@ class ProgramCase(unittest.TestCase):
         force = [] if "--restart" in words else ["--force"]
         return self.run_program("run", f"{deck}.toml", "--output", output, *force, *words, code=code, ranks=ranks)
 
+    def run_deck(self, text, *words, output="out", code=0):
+        """Run a deck, given as text, over whatever results there are."""
+        (self.place / "deck.toml").write_text(text)
+        return self.run_program("run", "deck.toml", "--output", output, "--quiet", "--force", *words, code=code)
+
     def on_ranks(self, ranks, text, output, *words):
         """Run a deck, given as text, on some ranks; it must end well."""
         (self.place / "deck.toml").write_text(text)
