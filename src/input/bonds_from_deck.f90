@@ -8,10 +8,9 @@ module sg_bonds_from_deck
   use sg_called_bodies, only: add_called
   use sg_colours_from_deck, only: find_colour
   use sg_error, only: diagnostics_t
-  use sg_interactions_from_deck, only: default_alert, set_alert
+  use sg_interactions_from_deck, only: default_alert, read_law
   use sg_kinds, only: wp, i4
   use sg_laws, only: is_cohesive_zone, law_mohr
-  use sg_laws_from_deck, only: law_of
   use sg_run_options, only: run_options_t
   use sg_scene, only: body_group_t, scene_t, see_t
   use sg_values, only: value_t
@@ -57,7 +56,7 @@ contains
     scene%sees = [of_colours, scene%sees, of_bodies]
   end subroutine bonds_from_deck
 
-  !> Law and alert distance of a bond.
+  !> Law and alert distance of a bond, whose law must hold something together.
   subroutine read_bond(deck, b, scene, alert, see, diagnostics)
     type(deck_t), intent(in) :: deck
     integer, intent(in) :: b
@@ -66,17 +65,13 @@ contains
     type(see_t), intent(out) :: see
     type(diagnostics_t), intent(inout) :: diagnostics
 
-    see%law = law_of(deck, b, scene, diagnostics)
+    call read_law(deck, b, scene, alert, see, diagnostics)
     if (see%law == 0) return
     associate (law => scene%laws(see%law))
       if (.not. (is_cohesive_zone(law) .or. law%kind == law_mohr)) &
         call deck%complain(diagnostics, 'the law "'//law%name//'" holds nothing together: a bond takes IQS_MAC_CZM, '// &
                            'IQS_MAL_CZM, IQS_TH_CZM, IQS_ABP_CZM, IQS_EXPO_CZM or IQS_MOHR_DS_CLB', b, 'law')
     end associate
-    call set_alert(scene, alert, see)
-    if (.not. deck%is_given(b, 'alert')) return
-    see%alert = deck%number(b, 'alert')
-    see%least_alert = see%alert
   end subroutine read_bond
 
   !> Mark the bodies of either side of a bond.

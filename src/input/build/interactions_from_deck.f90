@@ -15,7 +15,7 @@ module sg_interactions_from_deck
   use sg_words, only: choice_index, choices_of
   implicit none
   private
-  public :: default_alert, interactions_from_deck, set_alert
+  public :: default_alert, interactions_from_deck, read_law
 
 contains
 
@@ -80,15 +80,29 @@ contains
     see%antagonist_kind = choice_index(deck%word(b, 'antagonist_shape'), choices_of(kind_names))
     call find_colour(deck, b, 'candidate', deck%word(b, 'candidate'), scene, see%candidate_colour, diagnostics)
     call find_colour(deck, b, 'antagonist', deck%word(b, 'antagonist'), scene, see%antagonist_colour, diagnostics)
-    see%law = law_of(deck, b, scene, diagnostics)
+    call read_law(deck, b, scene, alert, see, diagnostics)
     if (see%law == 0) return
-    call set_alert(scene, alert, see)
-    if (deck%is_given(b, 'alert')) see%alert = deck%number(b, 'alert')
-    if (deck%is_given(b, 'alert')) see%least_alert = see%alert
     if (is_link_law(scene%laws(see%law)) .and. .not. all([see%candidate_kind, see%antagonist_kind] == kind_point)) &
       call deck%complain(diagnostics, 'the law "'//scene%laws(see%law)%name//'" holds between points: candidate_shape and '// &
                          'antagonist_shape must be "point"', b)
   end subroutine read_interaction
+
+  !> Law and alert distances of the line of a block.
+  subroutine read_law(deck, b, scene, alert, see, diagnostics)
+    type(deck_t), intent(in) :: deck !! checked deck
+    integer, intent(in) :: b !! block with the keys "law" and "alert"
+    type(scene_t), intent(in) :: scene !! scene with its laws
+    real(wp), intent(in) :: alert(2) !! least and longest alert distance where none is given [m]
+    type(see_t), intent(inout) :: see !! gets them; law 0 where there is no such law
+    type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
+
+    see%law = law_of(deck, b, scene, diagnostics)
+    if (see%law == 0) return
+    call set_alert(scene, alert, see)
+    if (.not. deck%is_given(b, 'alert')) return
+    see%alert = deck%number(b, 'alert')
+    see%least_alert = see%alert
+  end subroutine read_law
 
   !> Warn of shapes that the last line of the see tables brings together and that cannot touch. A line that names both kinds
   !! means all bodies but those whose every component is imposed; others are taken to mean grains.
@@ -134,7 +148,7 @@ contains
 
   !> Alert distances of a pair where none is given: what acts on open contacts is always sought up to the longest.
   pure subroutine set_alert(scene, alert, see)
-    type(scene_t), intent(in) :: scene !! scene with its laws
+    type(scene_t), intent(in) :: scene
     real(wp), intent(in) :: alert(2) !! least and longest [m]
     type(see_t), intent(inout) :: see !! with its law
 
