@@ -162,7 +162,9 @@ class Results:
         """One picture, counted from 0, or from the end when negative; bodies that are absent then are left out."""
         n = len(self.picture_times)
         if not -n <= index < n:
-            raise ResultsError(f"{self.folder} has {n or 'no'} pictures; there is no number {index}")
+            if n == 0:
+                raise ResultsError(f"{self.folder} has no pictures: set output.every in the deck")
+            raise ResultsError(f"{self.folder} has {n} pictures; there is no number {index}")
         index %= n
         grids = [None if pictures is None else pictures.step(index).present()
                  for pictures in (self.bodies, self.shapes, self.contacts)]
